@@ -26,7 +26,7 @@ std::vector<EventRow> opened(const std::vector<EventRow>& groups,
                              const std::set<std::int32_t>& open,
                              std::int32_t step);
 
-/// Of the stage that begins with a step: "traversal", "join neighbors", "leftovers".
+/// The title of the stage that begins with a step: "traversal", "join neighbors", "leftovers".
 std::string stage_title(const debug::Run& run, std::int32_t step);
 
 /// "grow moves 43 points from P7 to P8", "80 points go to 5 planes, 12 stay without one".

@@ -60,8 +60,8 @@ struct MergeReport {
                                         // the nearest misses
   std::string outcome;                  // "merged into P3, 1.2 cm off it", "founded P9: no partner"
 };
-/// Of a found or merge event, or a join by the objective; an empty
-/// report for others.
+/// Explains a found or merge event, or a join by the objective; for other events the report is
+/// empty.
 MergeReport explain_merge(const Run& run, std::int32_t step);
 
 /// A leftover point against every plane that was considered for it.

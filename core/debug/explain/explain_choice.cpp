@@ -151,7 +151,7 @@ std::vector<LeftoverPlane> planes_beside(const planes::SegmentState& state,
 std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::uint32_t i) {
   StateWalk walk(run);
   const planes::SegmentState& state = walk.advance_to(step - 1);
-  if (run.segment_options.by_objective()) {  // of all in reach, the one that explains it best
+  if (run.segment_options.by_objective()) {  // the plane in reach that explains it best
     const double limit_m = state.noise.tau(0);
     std::vector<LeftoverPlane> rows =
         planes_beside(state, i, limit_m, "another explains it better");

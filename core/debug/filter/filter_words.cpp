@@ -138,7 +138,7 @@ double result_of(View e) {
   return timeline.result_of_plane(plane);
 }
 
-/// Of a depth image: what decided, in the unit of the stage. Of a change: by what it did.
+/// The value that decided a node of a depth image, in the unit of the stage, or a change of planes.
 double value_of_event(View e) {
   const bool decided = is_decide(e) && e.run.is_on_image();
   return decided || e.event.type == planes::EventType::refine ? e.event.value : kAbsent;

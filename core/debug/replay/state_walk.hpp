@@ -7,9 +7,8 @@
 
 namespace planescope::debug {
 
-/// Walks forward through the changes of a trace: planes, and the points in them. The octree is that
-/// of the run's end, with all nodes. What the state does not hold: the leftovers in their order,
-/// counts.
+/// Walks forward through the changes of a trace: planes, and the points in them. The octree has
+/// all nodes from the start. The state holds neither counts nor the order of the leftovers.
 class StateWalk {
  public:
   explicit StateWalk(const Run& run);

@@ -30,14 +30,15 @@ planes::FrameResult Contest::run(const CellKey& key) {
 }
 
 const planes::PreparedFrame& Contest::prepared(const std::string& labels, const CellKey& key) {
-  const auto [at, is_new] = prepared_.try_emplace(labels + " " + key.profile);
+  const planes::PipelineOptions of_labels = options(with_ours(key, key.profile, labels));
+  const auto [at, is_new] =
+      prepared_.try_emplace({labels, planes::is_found_on_pixels(frame_, of_labels)});
   if (!is_new) return at->second;
   const planes::Classifier* classifier =  // without labels: any will do, they are not used
       labels == "gcn"   ? labellers_.gcn.get()
       : labels == "pca" ? labellers_.pca.get()
                         : nullptr;
-  at->second = planes::prepare_frame(frame_, options(with_ours(key, key.profile, labels)),
-                                     classifier, &on_points_);
+  at->second = planes::prepare_frame(frame_, of_labels, classifier, &on_points_);
   return at->second;
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/lab/experiments/results.hpp"
@@ -25,7 +26,7 @@ struct Labellers {
 /// Ground truth of a frame, from its labels or from the fields of its cloud.
 planes::SourceTruth truth_of(const EvaluationFrame& frame);
 
-/// One frame and all methods that find planes in it. Points are labelled once for each profile.
+/// One frame and all methods that find planes in it. Points are labelled once for all profiles.
 class Contest {
  public:
   /// `truth`: of the frame, for keys with true labels; may be null. `max_range_m`: another one than
@@ -47,7 +48,8 @@ class Contest {
   const Labellers& labellers_;
   planes::FrameTruth on_points_;
   std::optional<double> max_range_m_;
-  std::map<std::string, planes::PreparedFrame> prepared_;  // by source of labels and profile
+  // By the source of labels, and whether planes are found on pixels.
+  std::map<std::pair<std::string, bool>, planes::PreparedFrame> prepared_;
 };
 
 /// measure(frame), a value for each method, of all frames; by method, then by frame. The same for

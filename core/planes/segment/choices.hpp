@@ -1,8 +1,7 @@
 #pragma once
 
-// The choices among planes that the paper's method makes, told once. The stages pass no visitor; to
-// explain a choice, it is made again with one, which is told of each pair that was compared, in
-// order.
+// How the paper's method chooses among planes. The stages pass no visitor. To explain a choice, it
+// is made again with a visitor, which sees each pair in the order in which pairs were compared.
 
 #include <cstdint>
 #include <functional>

@@ -10,11 +10,11 @@ namespace planescope::planes {
 enum class Stage : std::uint8_t {
   criteria,  // Criteria 1-3, in the traversal
   merge,     // Criterion 4
-  assign,    // of the leftovers
+  assign,    // leftovers go to planes
   join,      // by the objective: two regions that touch
   grow,      // pixels or points change hands
   hidden,    // two parts that something hides from each other
-  parts,     // of a plane that do not touch
+  parts,     // a plane falls into parts that do not touch
   list,      // what is worth being a plane
 };
 
@@ -26,7 +26,7 @@ struct StageInfo {
   const char* says = "{plane} changes";
   /// Why a plane that it drops is none, where that needs saying; filled in likewise.
   const char* why_dropped = "";
-  /// Of a part that it founds as a plane of its own: what the two are to each other.
+  /// How a part that becomes a plane of its own and the rest of the old plane are related.
   const char* why_parted = "";
   bool on_pixels = false;  // does nothing where there is no depth image
 };

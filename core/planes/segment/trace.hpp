@@ -28,7 +28,7 @@ struct TraceEvent {
   EventType type = EventType::visit;
   std::uint8_t node_case = 0;  // Case for `decide`
   Stage stage = Stage::criteria;
-  Label label = Label::unknown;  // of the candidate: an impure node can have two
+  Label label = Label::unknown;  // the candidate's: an impure node can have two
   std::int32_t node = -1;
   std::int32_t plane = -1;  // index of the candidate plane, in order of founding
   std::int32_t other = -1;
