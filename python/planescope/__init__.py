@@ -80,7 +80,7 @@ class Plane:
     voxels: int
     rms_m: float  # of its measurements' distances
     area_m2: float  # of the cells that hold points
-    margin: float  # the objective's rise if it were lost or joined with its closest neighbor; inf: none
+    margin: float  # from being lost or joined with a larger neighbor; inf: not known
     undecided: bool  # the margin is below the threshold
     hull: NDArray[np.float64] = field(repr=False)  # (n, 3), convex
     outline: Outline = field(repr=False)

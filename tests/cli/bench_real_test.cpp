@@ -58,8 +58,8 @@ TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
   const Json& frame = json["frames"][0];
   EXPECT_EQ(frame["name"], "room");
   EXPECT_EQ(frame["recording"], "rec");
-  for (const char* method : {"ours refined gcn", "ours refined pca", "ours paper gcn",
-                             "ours paper-closest gcn", "ransac", "region-growing"})
+  for (const char* method :
+       {"ours refined gcn", "ours paper gcn", "ours paper-closest gcn", "ransac", "region-growing"})
     EXPECT_EQ(frame["scores"][method]["planes_truth"], 2) << method;
   EXPECT_EQ(frame["scores"]["ours refined gcn"]["correct"], 2);
   EXPECT_EQ(json["halves"][0]["precision"], 100.0);

@@ -41,9 +41,8 @@ inline constexpr PlaneColumnInfo kPlaneColumns[] = {
     {"support", "support", "of what its outline covers, this much was measured on it"},
     {"steppable", "foot", "whether it carries one; the option foot_radius_m gives one"},
     {"margin", "margin",
-     "how much the objective would rise if it were lost, or joined with its closest neighbor; ~: "
-     "so "
-     "little that the plane is undecided"}};
+     "how far it is from being lost, or joined with a larger neighbor; ~: so little that it is "
+     "undecided"}};
 
 /// Every cell as text, by PlaneColumn; "–" where it is not known.
 std::vector<std::string> cells_of(const PlaneRow& row);

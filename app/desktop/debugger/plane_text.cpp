@@ -144,8 +144,7 @@ std::vector<PlaneLine> plane_lines(const State& state, std::int32_t plane) {
   if (const report::PlaneSummary& summary = found.summaries[k]; std::isfinite(summary.margin))
     lines.push_back(
         {"margin", fmt::format("{:.2g}{}", summary.margin, summary.undecided ? ", undecided" : ""),
-         "how much the objective would rise if it were lost, or joined with its closest "
-         "neighbor"});
+         "how far the plane is from being lost, or joined with a larger neighbor"});
   if (k < found.stairs.height_m.size() && !std::isnan(found.stairs.height_m[k]))
     lines.push_back({"height", mm(found.stairs.height_m[k]), "above the floor"});
   if (foothold->space)

@@ -35,7 +35,9 @@ class Plan {
   }
   /// What the stricter tables compare.
   void add_methods(const CellKey& frames) {
-    for (const std::string& labels : kLabels) add(with_ours(frames, "refined", labels));
+    add(with_ours(frames, "refined", "gcn"));
+    if (!is_depth(frames))  // no labels of points take part on depth images
+      for (const std::string& labels : kLabels) add(with_ours(frames, "refined", labels));
     for (const planes::Method method : planes::built_methods()) {
       if (method == planes::Method::ours) continue;
       // Organised segmentation is for images.
@@ -48,7 +50,7 @@ class Plan {
     if (frames.seed != 0) add(with_rival(frames, "oracle"));
   }
   void add_ablation(const CellKey& frames) {
-    for (const std::string& term : objective_terms())
+    for (const std::string& term : objective_terms(is_depth(frames)))
       add(with_ours(frames, "refined", "gcn", without(term)));
   }
   /// What a claim is made of, on the frames that were tuned on.
@@ -127,10 +129,10 @@ const std::vector<std::string>& profiles_of_ours() {
   return names;
 }
 
-const std::vector<std::string>& objective_terms() {
-  static const std::vector<std::string> names = {"bow",      "lateral_px",  "hidden_share",
-                                                 "worth_px", "label_sigma", "plane_cost"};
-  return names;
+const std::vector<std::string>& objective_terms(bool of_depth) {
+  static const std::vector<std::string> depth = {"bow", "lateral_px", "hidden_share", "worth_px"};
+  static const std::vector<std::string> clouds = {"bow", "label_sigma", "plane_cost"};
+  return of_depth ? depth : clouds;
 }
 
 std::string without(const std::string& term) { return kWithout + term; }

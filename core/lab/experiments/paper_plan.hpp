@@ -38,7 +38,8 @@ CellKey with_method_of(CellKey frames, const CellKey& other);
 bool same_frames(const CellKey& a, const CellKey& b);
 
 /// The terms of the objective that an ablation leaves out, by the options that are 0 then.
-const std::vector<std::string>& objective_terms();
+/// `of_depth`: on depth images, otherwise on clouds.
+const std::vector<std::string>& objective_terms(bool of_depth);
 const std::vector<std::string>& profiles_of_ours();
 std::string without(const std::string& term);  // as a setting
 

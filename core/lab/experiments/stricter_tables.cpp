@@ -178,7 +178,7 @@ std::optional<Table> ablation(const PaperResults& results,
     add_row(table, name, *cell);
   };
   add("nothing left out", with_ours({}, "refined", "gcn"));
-  for (const std::string& term : objective_terms())
+  for (const std::string& term : objective_terms(!frames.front().errors.empty()))
     add(term, with_ours({}, "refined", "gcn", without(term)));
   return table.rows.size() > 1 ? std::optional(std::move(table)) : std::nullopt;
 }

@@ -103,7 +103,6 @@ void grow_regions(DepthSegmentation& s) {
   bool dropped = false;
   for (DepthRegion& region : s.regions) {
     if (!region.alive) continue;
-    ++region.version;
     region.alive = region.moments.n >= kLeastRegion;
     dropped |= !region.alive;
     if (region.alive) region.plane = region.moments.fit();

@@ -1,7 +1,9 @@
 // Joins regions, lowest cost first.
 
 #include <algorithm>
-#include <queue>
+#include <bit>
+#include <cmath>
+#include <iterator>
 
 #include "core/planes/depth/regions.hpp"
 #include "core/planes/segment/roots.hpp"
@@ -9,104 +11,131 @@
 namespace planescope::planes {
 namespace {
 
-constexpr double kLargePart = 1500;  // px: joins of smaller parts do not make a plane doubtful
+constexpr double kDear = 0.5;  // of merge_cost: cheaper joins leave no doubt
 
-using Neighbors = std::vector<std::pair<std::int32_t, int>>;
-
-struct Join {
-  double cost = 0;
-  std::int32_t a = 0, b = 0, version_a = 0, version_b = 0;
-  /// Ties go to the regions founded first, which is by place in the image.
-  bool operator<(const Join& o) const {
-    return cost != o.cost ? cost > o.cost : a != o.a ? a > o.a : b > o.b;
-  }
-};
+using Neighbors = std::vector<DepthNeighbor>;
 
 Neighbors::iterator place_of(Neighbors& near, std::int32_t region) {
-  return std::ranges::lower_bound(near, region, {}, &Neighbors::value_type::first);
+  return std::ranges::lower_bound(near, region, {}, &DepthNeighbor::region);
 }
 void erase(Neighbors& near, std::int32_t region) {
   const auto at = place_of(near, region);
-  if (at != near.end() && at->first == region) near.erase(at);
+  if (at != near.end() && at->region == region) near.erase(at);
 }
-void set(Neighbors& near, std::int32_t region, int border) {
-  const auto at = place_of(near, region);
-  if (at != near.end() && at->first == region)
-    at->second = border;
+void set(Neighbors& near, DepthNeighbor neighbor) {
+  const auto at = place_of(near, neighbor.region);
+  if (at != near.end() && at->region == neighbor.region)
+    *at = neighbor;
   else
-    near.insert(at, {region, border});
+    near.insert(at, neighbor);
 }
 
-/// Neighbors of either but the two themselves; borders with a third add.
-void unite(const Neighbors& a,
-           const Neighbors& b,
-           std::int32_t self,
-           std::int32_t other,
-           Neighbors& both) {
-  both.clear();
-  auto i = a.begin();
-  auto j = b.begin();
-  while (i != a.end() || j != b.end()) {
-    std::pair<std::int32_t, int> next;
-    if (j == b.end() || (i != a.end() && i->first < j->first)) {
-      next = *i++;
-    } else if (i == a.end() || j->first < i->first) {
-      next = *j++;
-    } else {
-      next = {i->first, i->second + j->second};
-      ++i, ++j;
-    }
-    if (next.first != self && next.first != other) both.push_back(next);
+/// The best join of each region with one of a greater number; a winner tree over the regions holds
+/// the best of all. Ties go to the regions founded first, which is by place in the image.
+class BestJoins {
+ public:
+  struct Join {
+    double cost = INFINITY;
+    std::int32_t with = kNoRegion;
+    bool operator<(const Join& o) const { return cost != o.cost ? cost < o.cost : with < o.with; }
+  };
+
+  explicit BestJoins(std::size_t regions)
+      : leaves_(std::bit_ceil(std::max<std::size_t>(2, regions))),
+        best_(leaves_),
+        winner_(leaves_, 0) {
+    for (std::size_t node = leaves_ - 1; node > 0; --node) winner_[node] = winner(2 * node);
   }
-}
+
+  const Join& of(std::int32_t region) const { return best_[region]; }
+  void set(std::int32_t region, const Join& join) {
+    best_[region] = join;
+    const auto leaf = static_cast<std::size_t>(region);
+    for (std::size_t node = (leaves_ + leaf) / 2; node > 0; node /= 2) {
+      const std::int32_t a = winner(2 * node), b = winner(2 * node + 1);
+      const std::int32_t better = best_[b].cost < best_[a].cost ? b : a;
+      if (better == winner_[node] && better != region) break;
+      winner_[node] = better;
+    }
+  }
+  /// The region with the best join; of(it).cost is infinite where there is none left.
+  std::int32_t best() const { return winner_[1]; }
+
+ private:
+  std::int32_t winner(std::size_t node) const {
+    return node < leaves_ ? winner_[node] : static_cast<std::int32_t>(node - leaves_);
+  }
+
+  std::size_t leaves_;
+  std::vector<Join> best_;            // per region
+  std::vector<std::int32_t> winner_;  // per inner node, 1 the root
+};
 
 class Merger {
  public:
-  explicit Merger(DepthSegmentation& s) : s_(s), roots_(s.regions.size()) {
-    for (std::int32_t a = 0; a < static_cast<std::int32_t>(s.regions.size()); ++a)
-      if (s.regions[a].alive)
-        for (const auto& [b, border] : s.regions[a].near)
-          if (b > a) consider(a, b);
+  explicit Merger(DepthSegmentation& s) : s_(s), best_(s.regions.size()), roots_(s.regions.size()) {
+    for (std::int32_t a = 0; a < static_cast<std::int32_t>(s.regions.size()); ++a) {
+      if (!s.regions[a].alive) continue;
+      for (DepthNeighbor& near : s.regions[a].near)
+        if (near.region > a) near.cost = s.join_cost(a, near.region);
+      find_best(a);
+    }
   }
 
   void run() {
-    while (!queue_.empty()) {
-      const Join join = queue_.top();
-      queue_.pop();
-      const DepthRegion &a = s_.regions[join.a], &b = s_.regions[join.b];
-      if (!a.alive || !b.alive || a.version != join.version_a || b.version != join.version_b)
-        continue;
-      if (a.moments.n >= b.moments.n)
-        this->join(join.b, join.a, join.cost);
-      else
-        this->join(join.a, join.b, join.cost);
+    while (true) {
+      const std::int32_t a = best_.best();
+      const auto [cost, b] = best_.of(a);
+      if (!(cost < s_.options.merge_cost)) break;
+      const bool first = s_.regions[a].moments.n >= s_.regions[b].moments.n;
+      join(first ? b : a, first ? a : b, cost);
     }
-    roots_.apply_to(s_.region_of);
+    if (joined_) roots_.apply_to(s_.region_of);
   }
 
  private:
-  void consider(std::int32_t a, std::int32_t b) {
-    const double cost = s_.join_cost(a, b);
-    if (cost < s_.options.merge_cost)
-      queue_.push({cost, a, b, s_.regions[a].version, s_.regions[b].version});
+  void find_best(std::int32_t region) {
+    BestJoins::Join best;
+    const Neighbors& near = s_.regions[region].near;
+    for (auto at = near.rbegin(); at != near.rend() && at->region > region; ++at)
+      best = std::min(best, BestJoins::Join{at->cost, at->region});
+    best_.set(region, best);
   }
 
   void join(std::int32_t from, std::int32_t into, double cost) {
+    joined_ = true;
     join_regions(s_, Stage::join, from, into, cost);
     roots_.join_into(from, into);
-    DepthRegion &gone = s_.regions[from], &grown = s_.regions[into];
-    unite(grown.near, gone.near, into, from, both_);
-    for (const auto& [third, border] : gone.near)
-      if (third != into) erase(s_.regions[third].near, from);
-    grown.near.swap(both_);
-    gone.near.clear();
-    for (const auto& [third, border] : grown.near) set(s_.regions[third].near, into, border);
-    for (const auto& [third, border] : grown.near) consider(into, third);
+    best_.set(from, {});
+    Neighbors &gone = s_.regions[from].near, &grown = s_.regions[into].near;
+    both_.clear();
+    std::ranges::set_union(grown, gone, std::back_inserter(both_), {}, &DepthNeighbor::region,
+                           &DepthNeighbor::region);
+    std::erase_if(both_, [&](const DepthNeighbor& near) {
+      return near.region == from || near.region == into;
+    });
+    for (const DepthNeighbor& near : gone)
+      if (near.region != into) erase(s_.regions[near.region].near, from);
+    grown.swap(both_);
+    gone.clear();
+    for (DepthNeighbor& near : grown) {
+      const std::int32_t third = near.region;
+      near.cost = s_.join_cost(into, third);
+      set(s_.regions[third].near, {into, near.cost});
+      const BestJoins::Join joined{third < into ? near.cost : INFINITY, into};
+      const BestJoins::Join& before = best_.of(third);
+      if (before.with == from || before.with == into)
+        find_best(third);
+      else if (joined < before)
+        best_.set(third, joined);
+    }
+    find_best(into);
   }
 
   DepthSegmentation& s_;
+  BestJoins best_;
   Roots roots_;
-  std::priority_queue<Join> queue_;
+  bool joined_ = false;
   Neighbors both_;
 };
 
@@ -122,15 +151,17 @@ class BorderTable {
     if (a > b) std::swap(a, b);
     const std::uint64_t key =
         (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)) + 1;
+    if (slots_[last_].key == key) {  // along a border
+      ++slots_[last_].count;
+      return;
+    }
     for (std::size_t at = (key * 0x9e3779b97f4a7c15u) >> 20 & (slots_.size() - 1);;
          at = (at + 1) & (slots_.size() - 1)) {
-      if (slots_[at].key == key) {
-        ++slots_[at].count;
-        return;
-      }
-      if (slots_[at].key != 0) continue;
-      slots_[at] = {key, 1};
-      if (2 * ++used_ > slots_.size()) grow();
+      if (slots_[at].key != key && slots_[at].key != 0) continue;
+      used_ += slots_[at].key == 0;
+      slots_[at] = {key, slots_[at].count + 1};
+      last_ = at;
+      if (2 * used_ > slots_.size()) grow();
       return;
     }
   }
@@ -158,7 +189,7 @@ class BorderTable {
     }
   }
   std::vector<Slot> slots_;
-  std::size_t used_ = 0;
+  std::size_t used_ = 0, last_ = 0;
 };
 
 }  // namespace
@@ -193,22 +224,21 @@ void find_neighbors(DepthSegmentation& s, int least, int gap, double step) {
   for (DepthRegion& r : s.regions) r.near.clear();
   borders.each([&](std::int32_t a, std::int32_t b, int count) {
     if (count < least) return;
-    s.regions[a].near.emplace_back(b, count);
-    s.regions[b].near.emplace_back(a, count);
+    s.regions[a].near.push_back({b});
+    s.regions[b].near.push_back({a});
   });
-  for (DepthRegion& r : s.regions) std::ranges::sort(r.near);
+  for (DepthRegion& r : s.regions) std::ranges::sort(r.near, {}, &DepthNeighbor::region);
 }
 
 void join_regions(
     DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost) {
   DepthRegion &gone = s.regions[from], &grown = s.regions[into];
-  const double smaller = std::min(gone.moments.n, grown.moments.n);
-  grown.dearest_join =
-      std::max({grown.dearest_join, gone.dearest_join, smaller >= kLargePart ? cost : 0});
+  std::ranges::copy(gone.dear_joins, std::back_inserter(grown.dear_joins));
+  if (cost > kDear * s.options.merge_cost)
+    grown.dear_joins.push_back({cost, std::min(gone.moments.n, grown.moments.n)});
   log_join(s, stage, from, into, cost);
   grown.moments += gone.moments;
   grown.plane = grown.moments.fit();
-  ++grown.version;
   gone.alive = false;
   ++s.counts.merges;
 }

@@ -16,13 +16,23 @@ namespace planescope::planes {
 
 inline constexpr std::int32_t kNoRegion = -1;
 
+/// A join that would not have happened at a little more cost.
+struct DearJoin {
+  double cost = 0;
+  double smaller_px = 0;  // of the two parts
+};
+
+struct DepthNeighbor {
+  std::int32_t region = kNoRegion;
+  double cost = 0;  // of joining the two; merge_regions() sets it where `region` is the greater
+};
+
 struct DepthRegion {
   PixelMoments moments;
   InversePlane plane;
   bool alive = true;
-  std::int32_t version = 0;  // counts the changes of moments, for costs that wait in a queue
-  double dearest_join = 0;   // greatest cost of a join of two large parts that made it
-  std::vector<std::pair<std::int32_t, int>> near;  // neighbors, ascending; pixels of common border
+  std::vector<DearJoin> dear_joins;  // that made it
+  std::vector<DepthNeighbor> near;   // ascending
 };
 
 /// What the trace needs beside the regions; empty without one.

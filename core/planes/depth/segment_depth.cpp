@@ -17,6 +17,8 @@ constexpr double kStep = 3;          // sigma: a larger step of rho across it is
 constexpr double kWorthWidth = 640;  // px: of the image that worth_px counts in
 constexpr double kPrecision = 0.75;  // exponent of a plane's precision in its worth
 constexpr double kSideways = 0.25;  // share of the sideways error's variance that excuses a plane's
+constexpr double kWorthCounts = 2;  // as much in a margin as costs of joins do
+constexpr double kLargePart = 0.2;  // of a region: it would be another one without the part
 constexpr double kMinor = 0.5;      // share of the least worth, for a plane to be listed as minor
 
 using Clock = std::chrono::steady_clock;
@@ -86,23 +88,18 @@ PlaneFit fit_in_space(const Moments& moments, const InversePlane& plane, const D
   return fit;
 }
 
-/// By how much the objective would rise if a region were lost, joined with the neighbor that it
-/// would join first, or parted at its dearest join; whichever is least, in units of a plane's cost.
-std::vector<double> margins(const DepthSegmentation& s) {
-  std::vector<double> margin(s.regions.size(), 0);
-  for (std::size_t k = 0; k < s.regions.size(); ++k) {
-    const DepthRegion& region = s.regions[k];
-    if (!region.alive) continue;
-    double least = worth_px(s, region) / s.options.worth_px;
-    if (region.dearest_join > 0)
-      least = std::min(least, s.options.merge_cost / region.dearest_join);
-    for (const auto& [other, border] : region.near)
-      if (s.regions[other].alive)
-        least = std::min(least,
-                         s.join_cost(static_cast<std::int32_t>(k), other) / s.options.merge_cost);
-    margin[k] = std::max(0.0, least - 1);
-  }
-  return margin;
+/// How far the objective is from losing a region: from not listing it, from joining it with a
+/// neighbor at least as large as it, and from not having joined its parts. The least of these.
+double margin_of(const DepthSegmentation& s, std::int32_t k) {
+  const DepthRegion& region = s.regions[k];
+  double margin = kWorthCounts * (worth_px(s, region) / s.options.worth_px - 1);
+  for (const DearJoin& join : region.dear_joins)
+    if (join.smaller_px >= kLargePart * region.moments.n)
+      margin = std::min(margin, s.options.merge_cost / join.cost - 1);
+  for (const DepthNeighbor& near : region.near)
+    if (s.regions[near.region].alive && s.regions[near.region].moments.n >= region.moments.n)
+      margin = std::min(margin, std::sqrt(s.join_cost(k, near.region) / s.options.merge_cost) - 1);
+  return std::max(0.0, margin);
 }
 
 struct Listing {
@@ -155,7 +152,6 @@ void conclude(DepthSegmentation& s, const DepthInput& input, Segmentation& resul
       result.minor_points[at - planes].push_back(k);
   }
 
-  const std::vector<double> margin = margins(s);
   const auto fill = [&](PlaneRegion& region, std::int32_t from, int id) {
     region.id = id;
     const Moments& of = moments[slot[from]];
@@ -164,8 +160,8 @@ void conclude(DepthSegmentation& s, const DepthInput& input, Segmentation& resul
     region.fit.normal = outward_normal(region.fit, region.label, input.sensor);
     region.points = static_cast<std::uint32_t>(of.count);
     region.founded = from;
-    region.margin = margin[from];
-    region.undecided = margin[from] < s.options.undecided;
+    region.margin = margin_of(s, from);
+    region.undecided = region.margin < s.options.undecided;
   };
   for (std::size_t k = 0; k < listing.planes.size(); ++k)
     fill(result.planes[k], listing.planes[k], static_cast<int>(k) + 1);

@@ -19,13 +19,13 @@ struct ObjectiveOptions {
   double reach_sigma = 3;     // cost of an unexplained pixel, as a residual
   double hidden_share = 0.5;  // parts that something hides join below this share of merge_cost
   double worth_px = 1000;     // least worth of a listed plane
-  double undecided = 0.5;     // a plane whose margin is below this is undecided
+  double undecided = 0.5;     // planes of a smaller margin are undecided
 
   // Of clouds; sigma is the noise measured in the cloud.
   double resolution = 0.05;        // sigma is at least this, in spacings of points
   double point_reach_sigma = 4.5;  // cost of an unexplained point, as a distance
   double label_sigma = 2;          // a plane of the other label seems this much farther off
-  double plane_cost = 220;         // squared sigma: what a plane costs
+  double plane_cost = 180;         // squared sigma: what a plane costs
 
   template <typename Rows>
   static void describe(Rows& rows) {

@@ -23,8 +23,9 @@ struct PlaneRegion {
   PlaneFit fit;  // local coordinates; normal points up (h) or towards the sensor side (v)
   std::uint32_t points = 0;  // points of segment()'s input
   std::int32_t founded = 0;  // number of the plane in the trace: order of founding
-  // By how much the objective would rise if the plane were lost, or joined with its closest
-  // neighbor, whichever is less. Dimensionless, at least 0; infinite: no objective was minimized.
+  // How far the objective is from losing the plane: from not listing it, from joining it with a
+  // neighbor at least as large, or from not having joined its parts; the least of these.
+  // Dimensionless, at least 0; infinite: no objective was minimized.
   double margin = std::numeric_limits<double>::infinity();
   bool undecided = false;  // the margin is below the threshold
 };

@@ -205,8 +205,8 @@ struct Plane {
   std::uint64_t voxels = 0;
   double rms_m = 0;    // of its measurements' distances
   double area_m2 = 0;  // of the cells that hold points
-  // By how much the objective of the segmentation would rise if the plane were lost or joined with
-  // its closest neighbor; infinite where none was minimized.
+  // How far the plane is from being lost, or joined with a neighbor at least as large;
+  // infinite where no objective was minimized.
   double margin = std::numeric_limits<double>::infinity();
   bool undecided = false;  // the margin is below the threshold
   std::vector<Vec3> hull;  // convex, counter-clockwise from where the normal points

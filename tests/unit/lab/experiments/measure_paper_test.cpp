@@ -69,10 +69,11 @@ TEST(PaperPlan, HasEveryCellOnceAndThoseOfAQuickRunAmongThem) {
 }
 
 TEST(PaperPlan, TurnsOffOneRefinementAtATime) {
-  for (const std::string& term : objective_terms())
-    EXPECT_EQ(planes::find_option(term).get(cell_options(
-                  with_ours(stairs_of(1, 8192, 0.3), "refined", "gcn", without(term)))),
-              "0");
+  for (const bool of_depth : {false, true})
+    for (const std::string& term : objective_terms(of_depth))
+      EXPECT_EQ(planes::find_option(term).get(cell_options(
+                    with_ours(stairs_of(1, 8192, 0.3), "refined", "gcn", without(term)))),
+                "0");
 }
 
 const TruePolygon kTriangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 1};
