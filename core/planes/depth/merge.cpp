@@ -199,27 +199,34 @@ void find_neighbors(DepthSegmentation& s, int least, int gap, double step) {
   const int width = s.image.width, height = s.image.height;
   const std::vector<std::int32_t>& region = s.region_of;
   const std::vector<float>& rho = s.image.rho;
-  for (int d = 1; d <= gap + 1; ++d)
-    for (int y = 0; y < height; ++y) {
+  const auto look = [&](std::size_t i, std::size_t o) {
+    const std::int32_t a = region[i], b = region[o];
+    if (a != b && a >= 0 && b >= 0 && std::abs(rho[o] - rho[i]) < step) borders.add(a, b);
+  };
+  for (int y = 0; y < height; ++y)
+    for (int d = 1; d <= gap + 1; ++d) {
       const std::size_t row = static_cast<std::size_t>(y) * width;
-      const auto look = [&](std::size_t i, std::size_t o) {
-        const std::int32_t a = region[i], b = region[o];
-        if (a != b && a >= 0 && b >= 0 && std::abs(rho[o] - rho[i]) < step) borders.add(a, b);
-      };
+      const std::size_t below = row + static_cast<std::size_t>(d) * width;
+      const bool has_below = y + d < height;
       // Most of an image lies inside of regions: whole runs are passed over at once.
-      const auto look_along = [&](std::size_t from, std::size_t to, int count) {
-        constexpr int kRun = 16;
-        int x = 0;
-        for (; x + kRun <= count; x += kRun) {
-          std::int32_t differs = 0;
-          for (int k = 0; k < kRun; ++k) differs |= region[from + x + k] ^ region[to + x + k];
-          if (differs == 0) continue;
-          for (int k = 0; k < kRun; ++k) look(from + x + k, to + x + k);
+      constexpr int kRun = 16;
+      int x = 0;
+      for (; has_below && x + kRun + d <= width; x += kRun) {
+        std::int32_t differs = 0;
+        for (int k = 0; k < kRun; ++k) {
+          const std::int32_t here = region[row + x + k];
+          differs |= (region[row + x + k + d] ^ here) | (region[below + x + k] ^ here);
         }
-        for (; x < count; ++x) look(from + x, to + x);
-      };
-      look_along(row, row + d, width - d);
-      if (y + d < height) look_along(row, row + static_cast<std::size_t>(d) * width, width);
+        if (differs == 0) continue;
+        for (int k = 0; k < kRun; ++k) {
+          look(row + x + k, row + x + k + d);
+          look(row + x + k, below + x + k);
+        }
+      }
+      for (; x < width; ++x) {
+        if (x + d < width) look(row + x, row + x + d);
+        if (has_below) look(row + x, below + x);
+      }
     }
   for (DepthRegion& r : s.regions) r.near.clear();
   borders.each([&](std::int32_t a, std::int32_t b, int count) {
