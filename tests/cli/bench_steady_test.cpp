@@ -83,6 +83,23 @@ TEST(BenchSteady, ARealPanKeepsItsPlanes) {
   EXPECT_GE(row_of(json, "dither of 5 %", "ours refined")["self_pq"]["mean"], 0.8);
 }
 
+// A hand-held camera that turns fast: what is decided stays from one frame to the next.
+TEST(BenchSteady, DecidedPlanesStayInTheNextFrame) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const Ran ran = bench_steady(fs::path(data) / "tum_fr1_rpy_kinect_640x480",
+                               {"--only", "next", "--method", "ours", "--profile", "refined",
+                                "--intrinsics", "591.1,590.1,331,234", "--depth-unit", "0.0002",
+                                "--gravity", "none", "--max-range", "4", "--json"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json row = row_of(Json::parse(ran.out), "next frame", "ours refined");
+  EXPECT_EQ(row["n"], 38);
+  EXPECT_GE(row["self_pq"]["mean"], 0.70);
+  EXPECT_LE(row["big_lost_percent"]["mean"], 11);
+  EXPECT_LE(row["decided_big_lost_percent"]["mean"], 3);
+  EXPECT_LE(row["undecided_big_percent"]["mean"], 25);
+}
+
 TEST(BenchSteady, IsTheSameForAnyNumberOfThreads) {
   const fs::path dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
