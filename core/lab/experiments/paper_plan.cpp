@@ -35,9 +35,9 @@ class Plan {
   }
   /// What the stricter tables compare.
   void add_methods(const CellKey& frames) {
-    add(with_ours(frames, "refined", "gcn"));
-    if (!is_depth(frames))  // no labels of points take part on depth images
-      for (const std::string& labels : kLabels) add(with_ours(frames, "refined", labels));
+    for (const std::string& labels : kLabels)
+      if (labels == "gcn" || !is_depth(frames))  // on depth images, labels are not used
+        add(with_ours(frames, "refined", labels));
     for (const planes::Method method : planes::built_methods()) {
       if (method == planes::Method::ours) continue;
       // Organised segmentation is for images.

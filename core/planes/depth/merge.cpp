@@ -30,16 +30,15 @@ void set(Neighbors& near, DepthNeighbor neighbor) {
     near.insert(at, neighbor);
 }
 
+/// Lower cost first; ties by region.
+bool cheaper(const DepthNeighbor& a, const DepthNeighbor& b) {
+  return a.cost != b.cost ? a.cost < b.cost : a.region < b.region;
+}
+
 /// The best join of each region with one of a greater number; a winner tree over the regions holds
 /// the best of all. Ties go to the regions founded first, which is by place in the image.
 class BestJoins {
  public:
-  struct Join {
-    double cost = INFINITY;
-    std::int32_t with = kNoRegion;
-    bool operator<(const Join& o) const { return cost != o.cost ? cost < o.cost : with < o.with; }
-  };
-
   explicit BestJoins(std::size_t regions)
       : leaves_(std::bit_ceil(std::max<std::size_t>(2, regions))),
         best_(leaves_),
@@ -47,8 +46,8 @@ class BestJoins {
     for (std::size_t node = leaves_ - 1; node > 0; --node) winner_[node] = winner(2 * node);
   }
 
-  const Join& of(std::int32_t region) const { return best_[region]; }
-  void set(std::int32_t region, const Join& join) {
+  const DepthNeighbor& of(std::int32_t region) const { return best_[region]; }
+  void set(std::int32_t region, const DepthNeighbor& join) {
     best_[region] = join;
     const auto leaf = static_cast<std::size_t>(region);
     for (std::size_t node = (leaves_ + leaf) / 2; node > 0; node /= 2) {
@@ -67,7 +66,7 @@ class BestJoins {
   }
 
   std::size_t leaves_;
-  std::vector<Join> best_;            // per region
+  std::vector<DepthNeighbor> best_;   // per region
   std::vector<std::int32_t> winner_;  // per inner node, 1 the root
 };
 
@@ -83,27 +82,28 @@ class Merger {
   }
 
   void run() {
+    bool joined = false;
     while (true) {
       const std::int32_t a = best_.best();
-      const auto [cost, b] = best_.of(a);
+      const auto [b, cost] = best_.of(a);
       if (!(cost < s_.options.merge_cost)) break;
       const bool first = s_.regions[a].moments.n >= s_.regions[b].moments.n;
       join(first ? b : a, first ? a : b, cost);
+      joined = true;
     }
-    if (joined_) roots_.apply_to(s_.region_of);
+    if (joined) roots_.apply_to(s_.region_of);
   }
 
  private:
   void find_best(std::int32_t region) {
-    BestJoins::Join best;
+    DepthNeighbor best;
     const Neighbors& near = s_.regions[region].near;
     for (auto at = near.rbegin(); at != near.rend() && at->region > region; ++at)
-      best = std::min(best, BestJoins::Join{at->cost, at->region});
+      best = std::min(best, *at, cheaper);
     best_.set(region, best);
   }
 
   void join(std::int32_t from, std::int32_t into, double cost) {
-    joined_ = true;
     join_regions(s_, Stage::join, from, into, cost);
     roots_.join_into(from, into);
     best_.set(from, {});
@@ -122,12 +122,11 @@ class Merger {
       const std::int32_t third = near.region;
       near.cost = s_.join_cost(into, third);
       set(s_.regions[third].near, {into, near.cost});
-      const BestJoins::Join joined{third < into ? near.cost : INFINITY, into};
-      const BestJoins::Join& before = best_.of(third);
-      if (before.with == from || before.with == into)
+      const std::int32_t before = best_.of(third).region;
+      if (before == from || before == into)
         find_best(third);
-      else if (joined < before)
-        best_.set(third, joined);
+      else if (third < into && cheaper({into, near.cost}, best_.of(third)))
+        best_.set(third, {into, near.cost});
     }
     find_best(into);
   }
@@ -135,7 +134,6 @@ class Merger {
   DepthSegmentation& s_;
   BestJoins best_;
   Roots roots_;
-  bool joined_ = false;
   Neighbors both_;
 };
 

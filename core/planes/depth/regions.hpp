@@ -4,6 +4,7 @@
 // plane. Stages change it through these functions alone; with a trace, each logs what it did.
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,12 +20,13 @@ inline constexpr std::int32_t kNoRegion = -1;
 /// A join that would not have happened at a little more cost.
 struct DearJoin {
   double cost = 0;
-  double smaller_px = 0;  // of the two parts
+  double smaller_px = 0;  // pixels of the smaller part
 };
 
 struct DepthNeighbor {
   std::int32_t region = kNoRegion;
-  double cost = 0;  // of joining the two; merge_regions() sets it where `region` is the greater
+  // Cost of joining; merge_regions() sets it if `region` is the greater index.
+  double cost = std::numeric_limits<double>::infinity();
 };
 
 struct DepthRegion {

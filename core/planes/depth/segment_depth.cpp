@@ -17,9 +17,10 @@ constexpr double kStep = 3;          // sigma: a larger step of rho across it is
 constexpr double kWorthWidth = 640;  // px: of the image that worth_px counts in
 constexpr double kPrecision = 0.75;  // exponent of a plane's precision in its worth
 constexpr double kSideways = 0.25;  // share of the sideways error's variance that excuses a plane's
-constexpr double kWorthCounts = 2;  // as much in a margin as costs of joins do
-constexpr double kLargePart = 0.2;  // of a region: it would be another one without the part
-constexpr double kMinor = 0.5;      // share of the least worth, for a plane to be listed as minor
+constexpr double kWorthCounts = 2;  // weight of a plane's worth in its margin
+constexpr double kLargePart =
+    0.2;  // least share of a region: a smaller part does not affect its margin
+constexpr double kMinor = 0.5;  // share of the least worth, for a plane to be listed as minor
 
 using Clock = std::chrono::steady_clock;
 double elapsed_ms(Clock::time_point since) {

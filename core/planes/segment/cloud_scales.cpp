@@ -13,7 +13,7 @@ namespace {
 constexpr double kCalmCells = 0.5;  // quantile of the cells' RMS that is the noise
 constexpr int kPatchLevels = 3;     // the scales are measured in cells this far above the leaves
 constexpr int kLeastPoints = 8;     // a patch with fewer is ignored
-constexpr double kLeastBow = 0.4;   // of the white noise
+constexpr double kLeastBow = 0.4;   // least bow, as a share of the white noise
 constexpr double kCalm = 4;         // a patch with more variance, over that of noise, holds an edge
 
 double quantile(std::vector<double>& values, double share) {

@@ -21,7 +21,7 @@ struct Cubic {
   }
   double at(double x) const { return ((x - a) * x + b) * x - c; }
   double slope_at(double x) const { return (3 * x - 2 * a) * x + b; }
-  /// Certainly, and quickly told: it may be beyond without.
+  /// Quick sufficient test: the least root may exceed x even if this returns false.
   bool least_root_is_beyond(double x) const { return at(x) < 0 && slope_at(x) > 0 && 3 * x < a; }
   /// By Newton's method, which rises from 0 to it.
   double least_root() const {
@@ -35,21 +35,20 @@ struct Cubic {
     }
     return std::max(0.0, x);
   }
-  /// Of the other two roots, where the least is small [m^4].
+  /// Product of the other two roots, if the least root is small [m^4].
   double product_of_others() const { return std::max(0.0, b); }
 };
 
-/// The scales of a cloud.
 struct CloudScales {
-  double white_m = 0;     // standard deviation of a point across its surface
-  double measured_m = 0;  // likewise, before the floor
-  double bow_m = 0;       // likewise, of the error that all points of a region share
-  double spacing_m = 0;   // of points on a surface
-  double variance_m2() const { return white_m * white_m + bow_m * bow_m; }  // of a point
+  double white_m = 0;     // standard deviation of points about their surface
+  double measured_m = 0;  // white_m before its lower bound, options.resolution, is applied
+  double bow_m = 0;       // standard deviation of the error that a region's points share
+  double spacing_m = 0;   // distance between neighboring points on a surface
+  double variance_m2() const { return white_m * white_m + bow_m * bow_m; }
 };
 CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& options);
 
-/// The same for Criterion 3 and for what judges distances to planes afterwards.
+/// Noise model for Criterion 3 and for point-to-plane distances after the segmentation.
 NoiseModel noise_of(const CloudScales& scales, const ObjectiveOptions& options);
 
 }  // namespace planescope::planes

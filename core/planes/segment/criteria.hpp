@@ -52,7 +52,7 @@ double area_per_point(const PlaneFit& fit);
 /// How far a pair is from passing for one plane: each value over its limit, 1 passes.
 struct PairStrain {
   double angle = 0;     // between the normals
-  double distance = 0;  // of the other's centroid off the plane, as a sine
+  double distance = 0;  // sine between the plane and the direction to the other centroid
   double worst = 0;     // of all terms
 };
 PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options);
