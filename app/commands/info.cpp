@@ -237,9 +237,8 @@ void print_text(const Facts& f, double max_range_m) {
     line("time",
          fmt::format("{:.3f} s, {}, {}, from {}", f.span_s, rate, gaps, f.info.times_source));
   } else if (f.frame_count > 1) {
-    line("time", f.info.times_source.empty()
-                     ? std::string("the frames carry no time")
-                     : "does not go forward, from " + f.info.times_source);
+    line("time", f.info.times_source.empty() ? std::string("the frames carry no time")
+                                             : "does not go forward, from " + f.info.times_source);
   }
   if (f.gravity && !f.gravity->known()) {
     line("gravity", fmt::format("none, {}: planes are neither h nor v; to tell them apart, {}",

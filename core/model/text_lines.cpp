@@ -69,7 +69,8 @@ std::vector<double> numbers_in(const std::filesystem::path& path,
                                std::size_t count,
                                const std::string& expected) {
   if (line.words.size() != count)
-    fail_at(path, line, fmt::format("{}; expected {}", counted(line.words.size(), "word"), expected));
+    fail_at(path, line,
+            fmt::format("{}; expected {}", counted(line.words.size(), "word"), expected));
   std::vector<double> numbers;
   for (std::size_t i = 0; i < count; ++i) numbers.push_back(number_in(path, line, i, expected));
   return numbers;

@@ -38,8 +38,8 @@ Trajectory own_trajectory(const MapJob& job) {
                          .timestamp_s = job.recording->timestamp_s(index),
                          .T_world_camera = *pose});
     if (const std::string far = too_far(*pose, own.poses[0].T_world_camera); !far.empty())
-      throw Error(fmt::format("{}: the pose of frame {} is {}",
-                              job.recording->info().path.string(), index, far));
+      throw Error(fmt::format("{}: the pose of frame {} is {}", job.recording->info().path.string(),
+                              index, far));
   }
   return own;
 }
@@ -139,8 +139,7 @@ std::vector<double> arrivals_of(const MapJob& job, const std::vector<const Camer
   constexpr double kRate_hz = 30;
   std::vector<double> due;
   for (std::size_t i = 0; i < pose_of.size(); ++i)
-    due.push_back(pose_of[i] ? pose_of[i]->timestamp_s
-                             : job.recording->timestamp_s(job.frames[i]));
+    due.push_back(pose_of[i] ? pose_of[i]->timestamp_s : job.recording->timestamp_s(job.frames[i]));
   const double first = due.front();
   for (double& time : due) time -= first;
   if (!std::ranges::is_sorted(due) || (due.size() > 1 && due.back() <= 0))

@@ -184,8 +184,14 @@ std::optional<CameraFacts> camera_from_text(const fs::path& path) {
   if (n.size() == 4) {
     k.fx = n[0], k.fy = std::abs(n[1]), k.cx = n[2], k.cy = n[3];
   } else if (n.size() == 7 && is_whole(n[5]) && is_whole(n[6]) && n[4] > 0 && n[4] <= 1) {
-    k = {static_cast<int>(n[5]), static_cast<int>(n[6]), n[0], std::abs(n[1]), n[2], n[3],
-         Distortion::none, {}};
+    k = {static_cast<int>(n[5]),
+         static_cast<int>(n[6]),
+         n[0],
+         std::abs(n[1]),
+         n[2],
+         n[3],
+         Distortion::none,
+         {}};
     facts.depth_unit_m = n[4];
     facts.depth_unit_source = path.filename().string();
   } else if (n.size() == 9 && is_matrix(3)) {

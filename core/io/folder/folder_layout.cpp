@@ -1,11 +1,13 @@
 #include "core/io/folder/folder_layout.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
+#include <set>
 
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/folder/frame_times.hpp"
@@ -95,26 +97,31 @@ void pair_color(const std::vector<fs::path>& color, const TimeOf& time_of, Folde
   }
 }
 
-/// Pairs depth with color, and finds their times.
+/// Pairs depth with color, and finds when it was taken.
 void settle(const fs::path& folder, const std::vector<fs::path>& color, FolderLayout& layout) {
   ListedTimes listed = listed_times(folder, layout.depth, color);
   layout.warnings = std::move(listed.warnings);
   const TimeOf time_of = [&](const fs::path& image) {
-    const auto at = listed.time_s.find(image);
-    return at != listed.time_s.end() ? at->second : timestamp_in_name(image);
+    const auto at = listed.of_image.find(image);
+    return at != listed.of_image.end() ? at->second.s : timestamp_in_name(image);
   };
   layout.color.assign(layout.depth.size(), {});
   pair_color(color, time_of, layout);
-  for (const fs::path& image : layout.depth) layout.time_s.push_back(time_of(image));
-  const auto count = [&] {
-    return std::ranges::count_if(layout.time_s, [](const auto& time) { return time.has_value(); });
-  };
-  if (count() == 0)
-    for (std::size_t i = 0; i < layout.color.size(); ++i)
-      if (!layout.color[i].empty()) layout.time_s[i] = time_of(layout.color[i]);
-  if (count() == 0) return;
-  layout.times_source = listed.source.empty() ? "file names" : listed.source;
-  if (const auto missing = std::ssize(layout.time_s) - count(); missing > 0)
+  layout.time_s.assign(layout.depth.size(), std::nullopt);
+  std::set<std::string> sources;
+  for (const std::vector<fs::path>* images : {&layout.depth, &layout.color}) {
+    for (std::size_t i = 0; i < images->size(); ++i) {
+      const fs::path& image = (*images)[i];
+      layout.time_s[i] = image.empty() ? std::nullopt : time_of(image);
+      if (!layout.time_s[i]) continue;
+      const auto at = listed.of_image.find(image);
+      sources.insert(at != listed.of_image.end() ? at->second.list : "file names");
+    }
+    if (!sources.empty()) break;  // else times of the color images will do
+  }
+  layout.times_source = fmt::format("{}", fmt::join(sources, ", "));
+  const auto missing = std::ranges::count_if(layout.time_s, [](const auto& time) { return !time; });
+  if (missing > 0 && !sources.empty())
     layout.warnings.push_back(fmt::format("{} of {} depth images have no time in {}", missing,
                                           layout.time_s.size(), layout.times_source));
 }

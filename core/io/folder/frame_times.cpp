@@ -52,7 +52,7 @@ void read_list(const fs::path& list,
                ListedTimes& told) {
   const ImagesByName by_name(list, images);
   std::map<fs::path, std::pair<double, int>> found;  // time and line
-  std::optional<Error> damage;  // counts where the file turns out to be a list
+  std::optional<Error> damage;                       // counts where the file turns out to be a list
   bool ambiguous = false;
   for (const TextLine& line : read_text_lines(list, kMostBytes)) {
     if (line.words.empty()) continue;
@@ -80,8 +80,8 @@ void read_list(const fs::path& list,
                             "names with their folders");
   if (found.empty() || ambiguous) return;
   if (damage) throw Error(*damage);
-  for (const auto& [image, time] : found) told.time_s.emplace(image, time.first);
-  told.source += (told.source.empty() ? "" : ", ") + list.filename().string();
+  for (const auto& [image, time] : found)
+    told.of_image.emplace(image, ListedTimes::Time{time.first, list.filename().string()});
 }
 
 }  // namespace
@@ -119,6 +119,7 @@ std::vector<double> times_of_poses(const fs::path& folder,
     if (!line.words.empty())
       times.push_back(
           numbers_in(file, line, 8, "the eight numbers timestamp tx ty tz qx qy qz qw")[0]);
+  if (std::ranges::all_of(times, [](double time_s) { return time_s == 0; })) return {};
   if (times.size() == frames) return times;
   warnings.push_back(fmt::format("{}: {} for {}: expected as many, to take their times",
                                  file.string(), counted(times.size(), "pose"),
@@ -131,8 +132,7 @@ Accelerometer::Accelerometer(const fs::path& folder) {
   if (file.empty()) return;
   for (const TextLine& line : read_text_lines(file, kMostBytes)) {
     if (line.words.empty()) continue;
-    const std::vector<double> n =
-        numbers_in(file, line, 4, "the four numbers timestamp ax ay az");
+    const std::vector<double> n = numbers_in(file, line, 4, "the four numbers timestamp ax ay az");
     // The Kinect's accelerometer: x right, y down, z backward.
     samples_.push_back({n[0], Vec3d(n[1], n[2], -n[3])});
   }

@@ -17,10 +17,13 @@ namespace planescope::io {
 /// The file NAME in the folder of the images, or beside a folder named `depth`; empty: none.
 std::filesystem::path file_beside_images(const std::filesystem::path& folder, const char* name);
 
-/// What lists of images tell of their times.
+/// What lists of images say of their times.
 struct ListedTimes {
-  std::map<std::filesystem::path, double> time_s;  // by image, as the caller names it
-  std::string source;                              // "depth.txt", "depth.txt, rgb.txt"; empty: none
+  struct Time {
+    double s = 0;
+    std::string list;  // file name
+  };
+  std::map<std::filesystem::path, Time> of_image;  // images as the caller names them
   std::vector<std::string> warnings;
 };
 
@@ -31,8 +34,9 @@ ListedTimes listed_times(const std::filesystem::path& folder,
                          const std::vector<std::filesystem::path>& depth,
                          const std::vector<std::filesystem::path>& color);
 
-/// The times of poses.tum, whose line i is of frame i; empty where there is no such file, or, with
-/// a warning, where it has another number of poses. Throws Error naming file and line.
+/// The times of poses.tum, whose line i is of frame i; empty where there is no such file, its times
+/// are all 0, or, with a warning, where it has another number of poses. Throws Error naming file
+/// and line.
 std::vector<double> times_of_poses(const std::filesystem::path& folder,
                                    std::size_t frames,
                                    std::vector<std::string>& warnings);
@@ -45,8 +49,8 @@ class Accelerometer {
 
   /// Whether there are samples about `time_s`.
   bool covers(double time_s) const { return !about(time_s).empty(); }
-  /// In the frame of the camera, from the mean of the samples about `time_s`; nullopt where there is
-  /// none, or the mean is not near 1 g.
+  /// In the frame of the camera, from the mean of the samples about `time_s`; nullopt where there
+  /// is none, or the mean is not near 1 g.
   std::optional<Gravity> gravity_at(double time_s) const;
 
   static constexpr const char* kFile = "accelerometer.txt";

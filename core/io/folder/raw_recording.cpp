@@ -68,7 +68,7 @@ class RawRecording : public Recording {
     }
     CameraFacts facts;
     for (const RawFile& file : files_) facts = check(file);
-    info_.times_source = tells_times(sidecar_) ? sidecar_.path.filename().string()
+    info_.times_source = tells_times(sidecar_)     ? sidecar_.path.filename().string()
                          : time_of(files_[0]) != 0 ? files_[0].csv.filename().string()
                                                    : "";
     settle_camera(options, sidecar_, facts, info_);

@@ -171,8 +171,8 @@ void check_distances(const std::filesystem::path& path, const PosesOfFile& file)
   for (std::size_t i = 0; i < file.poses.size(); ++i)
     if (const std::string far = too_far(file.poses[i].T_world_camera, file.poses[0].T_world_camera);
         !far.empty())
-      throw Error(fmt::format("{}, {} {}: the pose is {}", path.string(), file.unit, file.at[i],
-                              far));
+      throw Error(
+          fmt::format("{}, {} {}: the pose is {}", path.string(), file.unit, file.at[i], far));
 }
 
 /// Poses of the same frame or time must be the same pose.
@@ -188,8 +188,7 @@ void check_repeats(const std::filesystem::path& path, const PosesOfFile& file) {
   std::ranges::stable_sort(order, {}, key);
   for (std::size_t k = 1; k < order.size(); ++k) {
     const std::size_t i = order[k - 1], j = order[k];
-    if (key(i) != key(j) ||
-        poses[i].T_world_camera.matrix() == poses[j].T_world_camera.matrix())
+    if (key(i) != key(j) || poses[i].T_world_camera.matrix() == poses[j].T_world_camera.matrix())
       continue;
     const std::string what = by_frame ? fmt::format("frame {}", poses[i].frame)
                                       : fmt::format("the time {} s", poses[i].timestamp_s);
@@ -228,10 +227,9 @@ void settle(CameraPose& pose) {
 
 std::string too_far(const Pose& pose, const Pose& first) {
   const auto far = [](double distance_m, double limit_m, const char* from) {
-    return distance_m <= limit_m
-               ? std::string()
-               : fmt::format("{:.6g} m from {}; expected at most {:.0f} km", distance_m, from,
-                             limit_m / 1000);
+    return distance_m <= limit_m ? std::string()
+                                 : fmt::format("{:.6g} m from {}; expected at most {:.0f} km",
+                                               distance_m, from, limit_m / 1000);
   };
   const Vec3d place = pose.translation();
   const std::string found = far(place.stableNorm(), kFarthestFromOrigin_m, "the world's origin");
@@ -301,7 +299,8 @@ PosesOfFrames poses_by_number(const std::vector<CameraPose>& poses, std::span<co
   for (std::size_t k = 0; k < poses.size(); ++k) of_frame.emplace(poses[k].frame, k);
   PosesOfFrames found(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i)
-    if (const auto at = of_frame.find(frames[i]); at != of_frame.end()) found[i] = poses[at->second];
+    if (const auto at = of_frame.find(frames[i]); at != of_frame.end())
+      found[i] = poses[at->second];
   return found;
 }
 
@@ -361,16 +360,15 @@ PairedPoses pair_poses(const Trajectory& trajectory,
   } else {
     const bool of_all = poses.size() == recorded;
     if (!of_all && (poses_have_times || poses.size() != frames.size()))
-      throw Error(fmt::format("{}: {}{}; expected {}, one for each frame of {}{}",
-                              trajectory.source, counted(poses.size(), "pose"),
-                              poses_have_times ? "" : " without times", recorded,
-                              recording.info().path.string(),
-                              have_times ? "" : ", whose frames have no times"));
+      throw Error(fmt::format(
+          "{}: {}{}; expected {}, one for each frame of {}{}", trajectory.source,
+          counted(poses.size(), "pose"), poses_have_times ? "" : " without times", recorded,
+          recording.info().path.string(), have_times ? "" : ", whose frames have no times"));
     for (std::size_t i = 0; i < frames.size(); ++i)
       paired.poses.emplace_back(poses[of_all ? static_cast<std::size_t>(frames[i]) : i]);
     if (poses_have_times)
-      paired.notice = fmt::format("frames have no times: pose i of {} is taken for frame i",
-                                  trajectory.source);
+      paired.notice =
+          fmt::format("frames have no times: pose i of {} is taken for frame i", trajectory.source);
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!paired.poses[i]) continue;

@@ -137,7 +137,9 @@ TEST(Trajectory, MayHaveAByteOrderMarkCarriageReturnsTabsAndComments) {
   const std::string json =
       "\xEF\xBB\xBF{\"parameters\": [{\"extrinsic\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]}\r\n";
   EXPECT_EQ(read_trajectory(written("w.json", json)).poses.size(), 1u);
-  const std::string kitti = "\xEF\xBB\xBF1 0 0 5 0 1 0 6 0 0 1 7\r\n";
+  const std::string kitti =
+      "\xEF\xBB\xBF"
+      "1 0 0 5 0 1 0 6 0 0 1 7\r\n";
   EXPECT_EQ(read_trajectory(written("w.txt", kitti)).poses.size(), 1u);
 }
 
