@@ -232,9 +232,10 @@ std::string too_far(const Pose& pose, const Pose& first) {
                                                distance_m, from, limit_m / 1000);
   };
   const Vec3d place = pose.translation();
-  const std::string found = far(place.stableNorm(), kFarthestFromOrigin_m, "the world's origin");
-  if (!found.empty()) return found;
-  return far((place - first.translation()).norm(), kFarthestPose_m, "the first one");
+  const std::string found =
+      far((place - first.translation()).stableNorm(), kFarthestPose_m, "the first pose");
+  return found.empty() ? far(place.stableNorm(), kFarthestFromOrigin_m, "the world's origin")
+                       : found;
 }
 
 Trajectory read_trajectory(const std::filesystem::path& path) {
@@ -285,8 +286,12 @@ const CameraPose* pose_of(const Trajectory& trajectory, int frame) {
 }
 
 bool frames_have_times(const io::Recording& recording) {
-  for (int i = 0; i < recording.frame_count(); ++i)
-    if (recording.timestamp_s(i) != 0) return true;
+  for (int i = 0; i < recording.frame_count(); ++i) {
+    try {
+      if (recording.timestamp_s(i) != 0) return true;
+    } catch (const Error&) {  // damaged: the others tell
+    }
+  }
   return false;
 }
 

@@ -50,7 +50,7 @@ void settle(CameraPose& pose);
 inline constexpr double kFarthestPose_m = 100e3;
 /// How far a pose may be from the world's origin [m]: enough for coordinates about Earth's center.
 inline constexpr double kFarthestFromOrigin_m = 100e6;
-/// Empty, or what of the pose is beyond these limits: "1e+09 m from the first one; expected ...".
+/// Empty, or what of the pose is beyond these limits: "1e+09 m from the first pose; ...".
 std::string too_far(const Pose& pose, const Pose& first);
 
 /// TUM (`timestamp tx ty tz qx qy qz qw`), KITTI (twelve numbers a line), Open3D's .log and .json

@@ -178,8 +178,10 @@ TEST(Trajectory, ThatLeapsFartherThanACameraIsRefusedWithItsLine) {
     const std::string why = why_refused(name, text);
     EXPECT_NE(why.find(std::string(name) + told), std::string::npos) << why;
   };
-  expect("l.tum", fine + "1 1e9 0 0 0 0 0 1\n", ", line 2: the pose is 1e+09 m from the world's");
+  expect("l.tum", fine + "1 1e9 0 0 0 0 0 1\n",
+         ", line 2: the pose is 1e+09 m from the first pose");
   expect("l.tum", fine + "1 2e5 0 0 0 0 0 1\n", ", line 2: the pose is 200000 m from the first");
+  expect("l.tum", "1 1e9 0 0 0 0 0 1\n" + fine, ", line 1: the pose is 1e+09 m from the world's");
   expect("l.tum", fine + "1 1e300 1e300 0 0 0 0 1\n", ", line 2: the pose is 1.41421e+300 m from");
   expect("l.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 2e5 0 0 1 0\n", ", line 2: the pose is");
   expect("l.json",
