@@ -116,18 +116,6 @@ TEST(Gravity, AWrongDepthUnitIsSuspectedWhereAllIsOutOfRange) {
   EXPECT_EQ(why_refused(frame, 4).find("--depth-unit"), std::string::npos);
 }
 
-TEST(Gravity, OnePlaneThatFacesTheCameraIsAWallOrAFloorAndNeverGuessed) {
-  for (const double pitch_deg : {90.0, 80.0}) {  // at a floor
-    const std::vector<Parallelogram> floor{{{-3, -3, 0}, {6, 0, 0}, {0, 6, 0}}};
-    const std::string why = why_refused(render_depth(floor, {0.8, pitch_deg}));
-    EXPECT_NE(why.find("a wall straight ahead (--gravity 0,1,0)"), std::string::npos) << why;
-    EXPECT_NE(why.find("looks down (--gravity 0,0,1)"), std::string::npos) << why;
-  }
-  const std::vector<Parallelogram> wall{{{1, -3, -3}, {0, 6, 0}, {0, 0, 6}}};
-  const std::string why = why_refused(render_depth(wall, {0.8, 0}));
-  EXPECT_NE(why.find("one plane faces the camera"), std::string::npos) << why;
-}
-
 TEST(Gravity, NoneGoesWithoutWhateverTheRecordingSays) {
   EXPECT_EQ(parse_gravity("none").mode, GravityMode::none);
   Frame frame = empty_depth();
@@ -296,6 +284,18 @@ TEST(GravityEstimate, TwoWallsOfACornerTellLittleButRightly) {
   ASSERT_TRUE(gravity.has_value());
   EXPECT_LT(angle_between_deg(gravity->direction, true_gravity(camera)), 2);
   EXPECT_LT(gravity->confidence, 0.4);
+}
+
+TEST(Gravity, OnePlaneThatFacesTheCameraIsAWallOrAFloorAndNeverGuessed) {
+  for (const double pitch_deg : {90.0, 80.0}) {  // at a floor
+    const std::vector<Parallelogram> floor{{{-3, -3, 0}, {6, 0, 0}, {0, 6, 0}}};
+    const std::string why = why_refused(render_depth(floor, {0.8, pitch_deg}));
+    EXPECT_NE(why.find("a wall straight ahead (--gravity 0,1,0)"), std::string::npos) << why;
+    EXPECT_NE(why.find("looks down (--gravity 0,0,1)"), std::string::npos) << why;
+  }
+  const std::vector<Parallelogram> wall{{{1, -3, -3}, {0, 6, 0}, {0, 0, 6}}};
+  const std::string why = why_refused(render_depth(wall, {0.8, 0}));
+  EXPECT_NE(why.find("one plane faces the camera"), std::string::npos) << why;
 }
 
 TEST(GravityEstimate, AnEmptyFrameDoesNotTell) {
