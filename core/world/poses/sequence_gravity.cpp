@@ -169,11 +169,11 @@ SequenceGravity::SequenceGravity(std::shared_ptr<const io::Recording> recording,
 SequenceGravity::~SequenceGravity() = default;
 
 void SequenceGravity::resolve(Frame& frame, const io::PickedGravity& picked) const {
-  if (cache_->options.mode != planes::GravityMode::automatic || frame.is_cloud() ||
+  io::apply_picked_gravity(picked, frame);
+  if (frame.gravity || cache_->options.mode != planes::GravityMode::automatic || frame.is_cloud() ||
       !cache_->recording->info().knows_camera())
     return;
-  io::apply_picked_gravity(picked, frame);
-  if (!frame.gravity) frame.gravity = cache_->from_picks(picked, frame.index);
+  frame.gravity = cache_->from_picks(picked, frame.index);
   if (frame.gravity) return;
   const OwnGravity& own = cache_->own(frame);
   if (!is_sure(own)) frame.gravity = cache_->from_neighbors(frame.index);

@@ -24,8 +24,8 @@ inline constexpr double kSureGravity = 0.15;
 /// what a frame gets depends on nothing but the recording, the options and the picks.
 class SequenceGravity {
  public:
-  /// `recording`: without picks. Other modes than `automatic`, clouds, and recordings without
-  /// intrinsics leave frames as they are.
+  /// `recording`: without picks. With other modes than `automatic`, on clouds and without
+  /// intrinsics, frames get what was picked for them and nothing else.
   SequenceGravity(std::shared_ptr<const io::Recording> recording, planes::GravityOptions options);
   ~SequenceGravity();
 
