@@ -91,7 +91,7 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   facts.info = input.recording->info();
   facts.frame_count = input.recording->frame_count();
   facts.first = input.frames.front();
-  const Frame frame = input.recording->frame(facts.first);
+  const Frame frame = input.frame(facts.first);
   measure_times(input, facts);
   if (frame.is_cloud()) {
     facts.cloud_points = frame.cloud->points.size();
@@ -107,7 +107,7 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
     facts.gravity_error = "without intrinsics the scene cannot be measured";
   else
     try {
-      facts.gravity = planes::resolve_gravity(frame, options.gravity);
+      facts.gravity = planes::resolve_gravity(frame, options.gravity, options.cloud.max_range_m);
     } catch (const Error& error) {
       facts.gravity_error = error.what();
     }

@@ -110,10 +110,10 @@ TEST_F(Changes, OfBAreShownInTheStripInTheColoursOfA) {
   perform("run.pin");
   perform("option.set", "profile=paper");  // planes are founded in another order
   settle(shell, stage, {});
-  Classifiers classifiers;
+  FrameTools tools;
   const Wanted wanted = wanted_of(state().document, state().document.frame);
-  const Image8 like_a = thumbnail_of(wanted, classifiers, results().pinned->run.get()).image;
-  const Image8 own = thumbnail_of(wanted, classifiers).image;
+  const Image8 like_a = thumbnail_of(wanted, tools, results().pinned->run.get()).image;
+  const Image8 own = thumbnail_of(wanted, tools).image;
   ASSERT_NE(like_a.data, own.data);
   const auto shown = [&] {
     return results().strip[static_cast<std::size_t>(state().document.frame)].image.data;
