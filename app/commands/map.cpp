@@ -146,18 +146,18 @@ void write_shard(const MapArgs& args, const world::MapJob& job) {
   std::size_t written = 0;
   const auto shards = static_cast<std::size_t>(args.shard.count);
   const auto mine = static_cast<std::size_t>(args.shard.index - 1);
-  std::vector<std::string> told;
+  std::vector<std::string> notices;
   world::observe_recording(
       job, [&](std::size_t position) { return position % shards == mine; },
       [&](const world::ObservedFrame& frame, const world::UprightPoses& upright) {
         if (key.empty()) {
           key = world::observed_key(job.pipeline, upright);
-          told = upright.told;
+          notices = upright.told;
         }
         write_file_bytes(observed_file(args.out, frame.frame), world::observed_bytes(frame, key));
         ++written;
       });
-  for (const std::string& line : told) notice("{}", line);
+  for (const std::string& line : notices) notice("{}", line);
   fmt::print("{}: {} of shard {}/{}\n", args.out.string(), counted(written, "frame"),
              args.shard.index, args.shard.count);
 }

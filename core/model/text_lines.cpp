@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/model/error.hpp"
@@ -11,13 +12,12 @@
 namespace planescope {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-constexpr std::string_view kBlank = " \t\r\v\f";
+constexpr std::string_view kBlank = "\t\r\v\f";  // beside spaces
 
 }  // namespace
 
 std::vector<TextLine> text_lines(std::string_view text) {
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  text = without_byte_order_mark(text);
   std::vector<TextLine> lines;
   for (int number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -28,13 +28,10 @@ std::vector<TextLine> text_lines(std::string_view text) {
       line.comment = rest.substr(hash + 1);
       rest = rest.substr(0, hash);
     }
-    while (true) {
-      rest.remove_prefix(std::min(rest.find_first_not_of(kBlank), rest.size()));
-      if (rest.empty()) break;
-      const std::size_t size = std::min(rest.find_first_of(kBlank), rest.size());
-      line.words.emplace_back(rest.substr(0, size));
-      rest.remove_prefix(size);
-    }
+    std::string words(rest);
+    std::ranges::replace_if(
+        words, [](char c) { return kBlank.find(c) != kBlank.npos; }, ' ');
+    line.words = words_of(words);
     if (!line.words.empty() || !line.comment.empty()) lines.push_back(std::move(line));
   }
   return lines;

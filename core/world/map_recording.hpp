@@ -38,10 +38,6 @@ struct MapJob {
   std::function<void(const ObservedFrame&, const FrameOfTracks&)> on_frame = {};
   /// What leaves the window (TrackOptions::window_m).
   std::function<void(const LeftPiece&)> on_left = {};
-  /// Each frame finds its planes by itself. Else the planes of the other frames are offered to it:
-  /// of all of them, in a second pass; of those before it where frames come at the recording's own
-  /// rate, or the map is held in a window.
-  bool alone = true;
   /// Frames come as a camera would hand them over, by their times, or 30 a second where those do
   /// not ascend; what passes while a frame is worked on is left out. Needs poses.
   bool at_own_rate = false;

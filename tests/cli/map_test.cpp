@@ -234,7 +234,7 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
     if (!line.starts_with('#')) lines.push_back(line);
   ASSERT_EQ(lines.size(), 6u);
   for (std::size_t i = 0; i < 6; ++i)  // time and x
-    EXPECT_TRUE(lines[i].starts_with(fmt::format("{} {} ", 1000 + i / 4.0, x_of[2 * i])))
+    EXPECT_TRUE(lines[i].starts_with(fmt::format("{} {} ", 1000 + 0.25 * static_cast<double>(i), x_of[2 * i])))
         << lines[i];
   // Shards share out the frames asked for.
   const std::string parts = (dir / "parts").string();

@@ -53,6 +53,26 @@ TEST(RealMap, FloorAndWallOfAPanAreATrackEach) {
   EXPECT_LE(map.stability.offset_jitter_m, 0.0005);
 }
 
+// Motion capture, over a desk: monitors hide most of what lies behind them, and the map knows both.
+TEST(RealMap, NoFrameOfADeskIsSetAsideForWhatHidesTheRest) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const auto folder = std::filesystem::path(data) / "tum_fr1_rpy_kinect_640x480";
+  const auto recording = io::open_recording(folder);
+  MapJob job;
+  job.recording = recording.get();
+  job.pipeline.cloud.max_range_m = 4;
+  job.trajectory = read_trajectory(folder / "poses.tum");
+  job.threads = 2;
+  for (int i = 0; i < recording->frame_count(); i += 3) job.frames.push_back(i);
+  const WorldMap map = map_recording(job);
+  ASSERT_EQ(map.tracker.frames().size(), 100u);
+  for (const FrameOfTracks& frame : map.tracker.frames()) {
+    EXPECT_FALSE(frame.set_aside) << frame.frame;
+    if (frame.compared_cells >= 200) EXPECT_GE(frame.agreement, 0.5) << frame.frame;
+  }
+}
+
 // Fast turns by hand. The accelerometer leans by about 4 degrees against the poses of motion
 // capture, whichever samples are taken; the rest is the hand's own acceleration.
 TEST(RealGravity, OfAKinectsAccelerometerIsThatOfThePoses) {

@@ -63,7 +63,6 @@ void MapJobs::pursue(State& state) {
       made->recording = recording;
       made->picked = picked;
       made->key = run_key(options);
-      job.alone = true;  // the window shows what each frame finds
       made->map = world::map_recording(job);
       complete(*made);
       finish([made](State& s) {

@@ -14,10 +14,9 @@ struct FolderLayout {
   std::vector<std::filesystem::path> depth;  // in natural order
   std::vector<std::filesystem::path> color;  // one per depth image, empty path where none
   bool tum = false;                          // depth.txt and rgb.txt beside the folders
-  /// Per depth image, when it was taken: as lists or file names tell, of itself or else of its
-  /// color image.
+  /// Per depth image, its time from a list or a file name: its own, else that of its color image.
   std::vector<std::optional<double>> time_s;
-  std::string times_source;  // "depth.txt", "file names"; empty: nothing tells
+  std::string times_source;  // "depth.txt", "file names"; empty: unknown
   std::vector<std::string> warnings;
   bool has_color() const;
 };

@@ -43,7 +43,7 @@ class FolderRecording : public Recording {
   void settle_times();
   Image16 read_depth(int i) const;
 
-  fs::path folder_;  // that the images and what is told of them are in; empty: a lone image
+  fs::path folder_;  // with the images and the files about them; empty: a single image
   std::size_t first_ = 0, in_folder_ = 0;  // of its depth images, the first that is a frame
   FolderLayout layout_;
   std::vector<double> time_s_;  // by frame; 0 where unknown
@@ -110,9 +110,9 @@ void FolderRecording::settle_times() {
   const bool by_sidecar = tells_times(sidecar_);
   for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
     const Sidecar::FrameFacts* facts = facts_of(sidecar_, layout_.depth[i].stem().string());
-    const std::optional<double> told =
+    const std::optional<double> time_s =
         by_sidecar && facts ? facts->timestamp_s : std::optional<double>();
-    time_s_.push_back(told ? *told : layout_.time_s[i].value_or(0));
+    time_s_.push_back(time_s ? *time_s : layout_.time_s[i].value_or(0));
   }
   info_.times_source =
       by_sidecar ? sidecar_.path.filename().string() : std::move(layout_.times_source);

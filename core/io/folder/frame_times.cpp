@@ -44,12 +44,12 @@ class ImagesByName {
   std::map<fs::path, const fs::path*> by_path_, by_file_;
 };
 
-/// Adds what a list of `columns` pairs a line tells.
+/// Adds the times of a list with `columns` pairs of time and image per line.
 void read_list(const fs::path& list,
                std::size_t columns,
                const char* expected,
                std::initializer_list<const std::vector<fs::path>*> images,
-               ListedTimes& told) {
+               ListedTimes& listed) {
   const ImagesByName by_name(list, images);
   std::map<fs::path, std::pair<double, int>> found;  // time and line
   std::optional<Error> damage;                       // counts where the file turns out to be a list
@@ -75,13 +75,13 @@ void read_list(const fs::path& list,
     }
   }
   if (ambiguous)
-    told.warnings.push_back(list.string() +
-                            ": ignored, as depth and color images have the same names; expected "
-                            "names with their folders");
+    listed.warnings.push_back(list.string() +
+                              ": ignored, as depth and color images have the same names; expected "
+                              "names with their folders");
   if (found.empty() || ambiguous) return;
   if (damage) throw Error(*damage);
   for (const auto& [image, time] : found)
-    told.of_image.emplace(image, ListedTimes::Time{time.first, list.filename().string()});
+    listed.of_image.emplace(image, ListedTimes::Time{time.first, list.filename().string()});
 }
 
 }  // namespace
@@ -99,14 +99,14 @@ fs::path file_beside_images(const fs::path& folder, const char* name) {
 ListedTimes listed_times(const fs::path& folder,
                          const std::vector<fs::path>& depth,
                          const std::vector<fs::path>& color) {
-  ListedTimes told;
+  ListedTimes listed;
   if (const fs::path list = file_beside_images(folder, "depth.txt"); !list.empty())
-    read_list(list, 1, "a time and a depth image", {&depth}, told);
+    read_list(list, 1, "a time and a depth image", {&depth}, listed);
   if (const fs::path list = file_beside_images(folder, "rgb.txt"); !list.empty())
-    read_list(list, 1, "a time and a color image", {&color}, told);
+    read_list(list, 1, "a time and a color image", {&color}, listed);
   if (const fs::path list = file_beside_images(folder, "associations.txt"); !list.empty())
-    read_list(list, 2, "a time and an image, twice", {&depth, &color}, told);
-  return told;
+    read_list(list, 2, "a time and an image, twice", {&depth, &color}, listed);
+  return listed;
 }
 
 std::vector<double> times_of_poses(const fs::path& folder,

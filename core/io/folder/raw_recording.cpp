@@ -23,9 +23,8 @@ class Metadata {
  public:
   explicit Metadata(const fs::path& path) : path_(path) {
     const auto bytes = read_file_bytes(path, kMaxCsvBytes);
-    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+    std::string_view text =
+        without_byte_order_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     while (!text.empty()) {
       const std::size_t end = std::min(text.find('\n'), text.size());
       std::string_view line = text.substr(0, end);

@@ -110,14 +110,11 @@ struct Listing {
 /// A plane is listed when it is worth its cost.
 Listing list_planes(DepthSegmentation& s) {
   Listing listing;
-  for (DepthRegion& region : s.regions)
-    if (region.alive && region.known > 0 && !s.lies_on(region, s.known[region.known - 1]))
-      region.known = 0;
   for (std::size_t k = 0; k < s.regions.size(); ++k) {
     const auto region = static_cast<std::int32_t>(k);
     if (!s.regions[k].alive) continue;
     const double worth = worth_px(s, s.regions[k]);
-    if (worth >= s.options.worth_px || s.regions[k].known > 0) {
+    if (worth >= s.options.worth_px) {
       listing.planes.push_back(region);
       continue;
     }
@@ -164,8 +161,6 @@ void conclude(DepthSegmentation& s, const DepthInput& input, Segmentation& resul
     region.fit.normal = outward_normal(region.fit, region.label, input.sensor);
     region.points = static_cast<std::uint32_t>(of.count);
     region.founded = from;
-    if (const int known = s.regions[from].known; known > 0)
-      region.known = input.known[known - 1].id;
     region.margin = margin_of(s, from);
     region.undecided = region.margin < s.options.undecided;
   };
@@ -190,7 +185,7 @@ double worth_px(const DepthSegmentation& s, const DepthRegion& region) {
 Segmentation segment_depth(const DepthInput& input, const SegmentOptions& options, Trace* trace) {
   Segmentation result;
   const auto start = Clock::now();
-  DepthSegmentation s{input.image, options.objective, input.known};
+  DepthSegmentation s{input.image, options.objective};
   s.cells = make_depth_cells(input.image);
   s.noise = measure_depth_noise(s.cells.blocks, s.cells.block_columns, input.image.width,
                                 input.image.unit_m, options.objective);
@@ -204,7 +199,6 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
     divide_image(s, result.octree);
     find_neighbors(s, 1, 0, std::numeric_limits<double>::infinity());
     merge_regions(s);
-    result.covered = found_known_regions(s);
     drop_crumbs(s);
     for (int round = 0; round < kRounds; ++round) {
       grow_regions(s);

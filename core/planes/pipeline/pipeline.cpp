@@ -172,12 +172,8 @@ PreparedFrame prepare_frame(const Frame& frame,
   return prepared;
 }
 
-bool finds_on_pixels(const PipelineOptions& options) {
-  return options.method == Method::ours && options.segment.by_objective();
-}
-
 bool is_found_on_pixels(const Frame& frame, const PipelineOptions& options) {
-  return finds_on_pixels(options) && !frame.is_cloud();
+  return options.method == Method::ours && options.segment.by_objective() && !frame.is_cloud();
 }
 
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options) {
@@ -191,9 +187,7 @@ SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOpti
 
 namespace {
 
-DepthInput depth_input(const Frame& frame,
-                       const PreparedFrame& prepared,
-                       std::span<const KnownPlane> known) {
+DepthInput depth_input(const Frame& frame, const PreparedFrame& prepared) {
   const Cloud& cloud = prepared.cloud;
   DepthInput input{.image = {.width = cloud.width,
                              .height = cloud.height,
@@ -206,8 +200,7 @@ DepthInput depth_input(const Frame& frame,
                              .cx = frame.intrinsics.cx,
                              .cy = frame.intrinsics.cy},
                    .sensor = prepared.sensor(),
-                   .gravity_known = prepared.gravity.known(),
-                   .known = known};
+                   .gravity_known = prepared.gravity.known()};
   input.space.T_local_camera.linear() = cloud.T_world_sensor.linear();
   input.space.T_local_camera.translation() = prepared.sensor();
   input.pixel.reserve(prepared.voxels.points.size());
@@ -229,14 +222,13 @@ DepthInput depth_input(const Frame& frame,
 FoundRegions find_regions(const Frame& frame,
                           const PreparedFrame& prepared,
                           const PipelineOptions& options,
-                          Trace* trace,
-                          std::span<const KnownPlane> known) {
+                          Trace* trace) {
   FoundRegions found;
   if (is_found_on_pixels(frame, options) != prepared.of_pixels)
     throw Error("the frame was prepared for another profile, expected that of the options");
   if (prepared.of_pixels) {
     Stopwatch watch;
-    const DepthInput input = depth_input(frame, prepared, known);
+    const DepthInput input = depth_input(frame, prepared);
     const double input_ms = watch.lap_ms();
     found.segmentation = segment_depth(input, segment_options(prepared, options), trace);
     found.segmentation.timings.build_ms += input_ms;
@@ -259,10 +251,9 @@ FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,
                       const FrameTruth* truth,
-                      Trace* trace,
-                      std::span<const KnownPlane> known) {
+                      Trace* trace) {
   FrameResult result{prepare_frame(frame, options, classifier, truth), {}, {}};
-  FoundRegions found = find_regions(frame, result, options, trace, known);
+  FoundRegions found = find_regions(frame, result, options, trace);
   result.segmentation = std::move(found.segmentation);
   result.plane_of = std::move(found.plane_of);
   if (options.method != Method::ours || is_found_on_pixels(frame, options))

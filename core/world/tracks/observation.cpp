@@ -95,7 +95,6 @@ ObservedFrame observe(const Frame& frame,
   ObservedFrame seen;
   take_frame(seen, frame, options, T_world_camera, segment);
   seen.noise = result.segmentation.noise;
-  seen.covered = result.segmentation.covered;
   const auto listed = static_cast<int>(result.segmentation.planes.size());
   const double cell_m = options.cloud.voxel_size_m;
   std::vector<planes::Outline> outlines = planes::outlines_of(frame, result, cell_m);
@@ -108,7 +107,6 @@ ObservedFrame observe(const Frame& frame,
   for (const planes::PlaneRegion& region : result.segmentation.planes) {
     ObservedPlane& plane = seen.planes.emplace_back();
     plane.id = region.id;
-    plane.known = region.known;
     plane.minor = region.id > listed;
     plane.label = region.label;
     plane.normal = T_world_local.linear() * region.fit.normal;

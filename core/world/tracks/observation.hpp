@@ -18,7 +18,6 @@ inline double squared(double x) { return x * x; }
 
 struct ObservedPlane {
   int id = 0;          // in its frame, from 1
-  int known = 0;       // the track that it was expected of (expected.hpp), 0: none
   bool minor = false;  // found, and worth too little to be listed
   Label label = Label::unknown;
   // World [m]:
@@ -44,9 +43,8 @@ struct ObservedFrame {
   double depth_unit_m = 0;
   double max_range_m = 0;  // depths beyond it were left out; 0: none
   planes::NoiseModel noise;
-  Image16 plane_of;                         // per pixel: id, 0 none
-  std::vector<planes::KnownCover> covered;  // tracks that the planes of larger ones stand for
-  std::vector<ObservedPlane> planes;        // by id - 1, the minor ones last
+  Image16 plane_of;                   // per pixel: id, 0 none
+  std::vector<ObservedPlane> planes;  // by id - 1, the minor ones last
 
   Vec3d camera() const { return T_world_camera.translation(); }
 };

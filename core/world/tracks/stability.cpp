@@ -32,7 +32,6 @@ struct Frames {
       std::set<int>& tracks = present.emplace_back();
       for (const int id : frame.track_of)
         if (id > 0) tracks.insert(final_track(tracker.tracks(), id));
-      for (const int id : frame.covered) tracks.insert(final_track(tracker.tracks(), id));
     }
     if (!all.empty()) all.back().is_last = true;
     poses.assign(all.size(), nullptr);

@@ -3,8 +3,6 @@
 // A plane of the world, and when it was seen.
 
 #include <cstdint>
-#include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,7 +34,6 @@ struct TrackOptions {
   int most_aside = 10;
   // The map is held in a cube about the camera with this edge, and forgotten beyond; 0: everywhere.
   double window_m = 0;
-  bool align = false;  // frames to the tracks before their planes are compared
 };
 
 /// Why a track is not in a frame.
@@ -96,9 +93,6 @@ struct Track {
   int segment = 0;
   Label label = Label::unknown;
   TrackState state = TrackState::alive;
-  int known = 0;  // the track of an earlier pass that it is; 0: none
-  std::map<int, int>
-      covered;     // frames in which the plane of a larger track stood for it, by its id
   int born = 0;    // frame
   int ended = -1;  // frame; -1: not
   int merged_into = 0;

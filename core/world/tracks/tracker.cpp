@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "core/planes/evaluate/plane_match.hpp"
-#include "core/world/tracks/align.hpp"
 
 namespace planescope::world {
 namespace {
@@ -134,11 +133,9 @@ const FrameOfTracks& Tracker::skip(int frame, double timestamp_s) {
   return told;
 }
 
-const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
+const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
   segment_ = frame.segment + begun_;
-  if (options_.align && own_of_known_.empty()) move_to(frame, aligned_pose(frame, alive()));
   FrameOfTracks told;
-  told.T_world_camera = frame.T_world_camera;
   told.frame = frame.frame;
   told.timestamp_s = frame.timestamp_s;
   told.track_of.assign(frame.planes.size(), 0);
@@ -163,85 +160,34 @@ const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
   aside_ = 0;
   for (const Judged& j : judged) remember(j.sight);
 
-  take_expected(frame, judged, told);
   const std::span<const ObservedPlane> planes = frame.planes;
   assign(frame, planes.first(told.listed), judged, told);
   assign(frame, planes.subspan(told.listed), judged, told);
   for (Judged& j : judged)
     if (!j.seen) note_absence(frame, j, told);
-  merge_covered(frame.frame);
-  // Only what grew in this frame has come to touch anything.
-  merge_equal(frame.frame, [&](const Track& track) {
-    return track.sightings.back().frame == frame.frame && !track.sightings.back().minor;
-  });
-  for (int& id : told.track_of) id = final_track(tracks_, id);
+  merge_equal(frame, told);
   end_those_gone(frame.frame);
   leave_window(frame);
   return frames_.emplace_back(std::move(told));
 }
 
 void Tracker::judge_agreement(std::span<const Judged> judged, FrameOfTracks& told) const {
-  // What a known plane hides is no contradiction.
-  std::vector<int> there_on(told.track_of.size() + 1, 0), hidden_by(there_on.size(), 0);
   int there = 0, through = 0;
+  std::vector<Sight::On> on(told.track_of.size() + 1);  // by plane id, of all tracks
   for (const Judged& j : judged) {
     there += j.sight.there;
     through += j.sight.through;
-    for (std::size_t id = 0; id < there_on.size(); ++id) {
-      there_on[id] += j.sight.on[id].cells;
-      hidden_by[id] += j.sight.on[id].hides;
+    for (std::size_t id = 0; id < on.size(); ++id) {
+      on[id].cells += j.sight.on[id].cells;
+      on[id].hides += j.sight.on[id].hides;
     }
   }
-  int hidden = hidden_by[0];
-  for (std::size_t id = 1; id < there_on.size(); ++id)
-    if (there_on[id] < options_.least_cells) hidden += hidden_by[id];
+  // What a known plane hides is no contradiction.
+  int hidden = on[0].hides;
+  for (std::size_t id = 1; id < on.size(); ++id)
+    if (on[id].cells < options_.least_cells) hidden += on[id].hides;
   told.compared_cells = there + through + hidden;
   if (told.compared_cells > 0) told.agreement = static_cast<double>(there) / told.compared_cells;
-}
-
-void Tracker::take_expected(const ObservedFrame& frame,
-                            std::vector<Judged>& judged,
-                            FrameOfTracks& told) {
-  const auto judged_of = [&](int known) -> Judged* {
-    const int own = own_of_known_.empty() ? known : own_of_known_[known - 1];
-    const int id = final_track(tracks_, own);
-    const auto at =
-        std::ranges::find_if(judged, [&](const Judged& j) { return j.track->id == id; });
-    return at == judged.end() ? nullptr : &*at;
-  };
-  for (const ObservedPlane& plane : frame.planes) {
-    if (plane.known == 0) continue;
-    if (!own_of_known_.empty() && own_of_known_[plane.known - 1] == 0) {
-      found(frame, plane, told);
-      own_of_known_[plane.known - 1] = told.track_of[plane.id - 1];
-      tracks_.back().known = plane.known;
-    } else if (Judged* const j = judged_of(plane.known)) {
-      j->seen = true;
-      told.track_of[plane.id - 1] = j->track->id;
-      const Sight::On& on = j->sight.on[plane.id];
-      take(*j->track, frame, plane, on.cells > 0 ? Vec3d(on.sum / on.cells) : plane.centroid);
-    }
-  }
-  for (const planes::KnownCover& cover : frame.covered) {
-    Judged *const j = judged_of(cover.covered), *const by = judged_of(cover.by);
-    if (!j || !by || j->seen || !by->seen) continue;
-    j->seen = true;
-    ++j->track->covered[by->track->id];
-    told.covered.push_back(j->track->id);
-  }
-}
-
-void Tracker::merge_covered(int frame) {
-  for (Track* small : alive())
-    for (const auto& [id, frames] : small->covered) {
-      if (frames < options_.confirm_frames || frames < small->frames_seen) continue;
-      Track& large = tracks_[final_track(tracks_, id) - 1];
-      if (&large == small || large.state != TrackState::alive) continue;
-      Track &into = small->id < large.id ? *small : large,
-            &from = small->id < large.id ? large : *small;
-      merge(from, into, frame);
-      break;
-    }
 }
 
 void Tracker::assign(const ObservedFrame& frame,
@@ -263,7 +209,6 @@ void Tracker::assign(const ObservedFrame& frame,
   for (std::size_t t = 0; t < open.size(); ++t)
     for (std::size_t p = 0; p < columns; ++p) {
       const ObservedPlane& plane = planes[p];
-      if (told.track_of[plane.id - 1] != 0) continue;
       const Judged& j = *open[t];
       const Sight::On& on = j.sight.on[plane.id];
       Pair& pair = pairs[t * columns + p];
@@ -393,24 +338,15 @@ void Tracker::note_absence(const ObservedFrame& frame, Judged& judged, const Fra
   }
 }
 
-void Tracker::consolidate() {
-  if (frames_.empty()) return;
-  const int last = frames_.back().frame;
-  for (segment_ = 0; segment_ <= frames_.back().segment; ++segment_)
-    while (merge_equal(last, [](const Track&) { return true; })) {
-    }
-  segment_ = frames_.back().segment;
-}
-
-bool Tracker::merge_equal(int frame, const std::function<bool(const Track&)>& has_grown) {
+void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
   const std::vector<Track*> tracks = alive();
-  bool any = false;
   for (Track* small : tracks) {
-    if (!has_grown(*small)) continue;
+    // Only what grew in this frame has come to touch anything.
+    const Sighting& last = small->sightings.back();
+    if (last.frame != frame.frame || last.minor) continue;
     for (Track* large : tracks) {
       if (small == large || small->state != TrackState::alive || large->state != TrackState::alive)
         continue;
-      if (small->known > 0 && large->known > 0) continue;  // the earlier pass knows them better
       if (small->label != large->label) continue;
       const double angle = planes::plane_angle_deg(small->fit.normal, large->fit.normal);
       if (angle > most_angle_deg(options_, small->sigma_tilt_deg(), large->sigma_tilt_deg(),
@@ -438,11 +374,11 @@ bool Tracker::merge_equal(int frame, const std::function<bool(const Track&)>& ha
       if (!near) continue;
       Track& into = small->id < large->id ? *small : *large;
       Track& from = small->id < large->id ? *large : *small;
-      merge(from, into, frame);
-      any = true;
+      merge(from, into, frame.frame);
+      for (int& id : told.track_of)
+        if (id == from.id) id = into.id;
     }
   }
-  return any;
 }
 
 void Tracker::merge(Track& from, Track& into, int frame) {
@@ -480,7 +416,6 @@ void Tracker::merge(Track& from, Track& into, int frame) {
   into.sightings = std::move(sightings);
   drop_gaps_of_sightings(into);
   into.born = std::min(into.born, from.born);
-  into.known = std::max(into.known, from.known);
   from.state = TrackState::merged;
   from.merged_into = into.id;
   from.ended = frame;
