@@ -210,7 +210,7 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   std::string poses;
   std::vector<double> x_of;
   for (std::size_t i = 0; i < sidecar["frames"].size(); ++i) {
-    poses += fmt::format("{}", 1000 + i / 8.0);
+    poses += fmt::format("{}", 1000 + 0.125 * static_cast<double>(i));
     x_of.push_back(sidecar["frames"][i]["T_world_camera"][0]);
     for (const double number : sidecar["frames"][i]["T_world_camera"])
       poses += fmt::format(" {}", number);
@@ -234,7 +234,8 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
     if (!line.starts_with('#')) lines.push_back(line);
   ASSERT_EQ(lines.size(), 6u);
   for (std::size_t i = 0; i < 6; ++i)  // time and x
-    EXPECT_TRUE(lines[i].starts_with(fmt::format("{} {} ", 1000 + 0.25 * static_cast<double>(i), x_of[2 * i])))
+    EXPECT_TRUE(lines[i].starts_with(
+        fmt::format("{} {} ", 1000 + 0.25 * static_cast<double>(i), x_of[2 * i])))
         << lines[i];
   // Shards share out the frames asked for.
   const std::string parts = (dir / "parts").string();

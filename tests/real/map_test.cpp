@@ -69,7 +69,9 @@ TEST(RealMap, NoFrameOfADeskIsSetAsideForWhatHidesTheRest) {
   ASSERT_EQ(map.tracker.frames().size(), 100u);
   for (const FrameOfTracks& frame : map.tracker.frames()) {
     EXPECT_FALSE(frame.set_aside) << frame.frame;
-    if (frame.compared_cells >= 200) EXPECT_GE(frame.agreement, 0.5) << frame.frame;
+    if (frame.compared_cells >= 200) {
+      EXPECT_GE(frame.agreement, 0.5) << frame.frame;
+    }
   }
 }
 
