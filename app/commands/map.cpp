@@ -15,6 +15,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
+#include "core/world/files/known_map.hpp"
 #include "core/world/files/map_files.hpp"
 #include "core/world/files/observed_files.hpp"
 
@@ -42,10 +43,30 @@ fs::path file_of_segment(const fs::path& dir,
   return dir / (segment == 0 ? name + type : fmt::format("{}_{}{}", name, segment, type));
 }
 
-/// DIR/map.json, tracks.json, poses.tum, each whole or not at all.
+/// Removes 000000.png and so on.
+void remove_numbered(const fs::path& dir) {
+  std::error_code absent;
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(dir, absent))
+    if (const std::string stem = entry.path().stem().string();
+        entry.path().extension() == ".png" && stem.size() >= 6 &&
+        stem.find_first_not_of("0123456789") == std::string::npos)
+      files.push_back(entry.path());
+  for (const fs::path& file : files) fs::remove(file, absent);
+}
+
+/// DIR/map.json, tracks.json, poses.tum, planes/000000.png and so on, each whole or not at all.
+/// Those of frames of an earlier map are removed.
 void write_map(const fs::path& dir, const world::WorldMap& map, const std::string& recording) {
   make_output_dir(dir);
   const world::MapTexts texts = world::map_texts(map, recording);
+  remove_numbered(dir / "planes");
+  for (std::size_t i = 0; i < map.stored.size(); ++i)
+    if (!map.stored[i].png.empty()) {
+      const fs::path file = world::planes_file(dir, map.tracker.frames()[i].frame);
+      make_output_dir(file.parent_path());
+      write_file_bytes(file, map.stored[i].png);
+    }
   write_file_text(dir / "poses.tum", texts.poses_tum);
   write_file_text(dir / "tracks.json", texts.tracks_json);
   write_file_text(dir / "map.json", texts.map_json);

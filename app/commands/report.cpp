@@ -208,6 +208,7 @@ void follow_planes(const OpenInput& input,
   job.threads = options.threads;
   job.stop = std::move(stop);
   job.progress = StageBar("tracks of " + recording.name);
+  job.alone = true;
   const world::WorldMap map = world::map_recording(job);
   for (const world::FrameStability& s : world::stability_by_frame(map.tracker, map.poses.poses)) {
     const auto frame = std::ranges::find(recording.frames, s.frame, &report::ReportFrame::index);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -70,6 +71,13 @@ struct PointSet {
 /// count; none: zero.
 Vec3d bulk_origin(std::span<const Vec3d> points);
 
+/// Planes of a depth image that were found before.
+struct GivenPlanes {
+  Image16 plane_of;             // per pixel: id from 1, 0 none
+  int listed = 0;               // planes; further ids are of minor ones
+  std::vector<double> margins;  // by id - 1
+};
+
 /// One frame of a recording: either a depth image (with or without colour) or a cloud.
 struct Frame {
   int index = 0;           // 0-based number of the depth frame in the recording
@@ -88,6 +96,9 @@ struct Frame {
   std::optional<PointSet> cloud;       // set for cloud recordings; then depth is empty
   std::optional<Gravity> gravity;      // from the recording itself (IMU, sidecar), sensor frame
   std::optional<Pose> T_world_camera;  // likewise; the world's z is up
+
+  /// Where planes are found on pixels, these are taken in their place.
+  std::shared_ptr<const GivenPlanes> given = {};
 
   bool is_cloud() const { return cloud.has_value(); }
 };

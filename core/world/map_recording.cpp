@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <thread>
 
+#include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/world/poses/odometry.hpp"
+#include "core/world/tracks/expected.hpp"
 
 namespace planescope::world {
 namespace {
@@ -243,16 +246,20 @@ ObservedFrame observed_before(const MapJob& job, const Frame& frame, const Uprig
   }
 }
 
-/// A frame at its pose, as the map takes it.
+/// A frame at its pose, as the map takes it. `known`: the tracks that are offered to it.
 ObservedFrame observe_frame(const MapJob& job,
                             const planes::PipelineOptions& pipeline,
                             const UprightPoses& upright,
-                            const CameraPose& pose) {
+                            const CameraPose& pose,
+                            std::span<const Track* const> known = {}) {
   Frame frame = job.recording->frame(pose.frame);
   const planes::PipelineOptions options = turn_to_map(frame, pipeline, pose, upright);
-  if (!job.observed) {
-    return observe(frame, planes::run_frame(frame, options, job.classifier), options,
-                   pose.T_world_camera, pose.segment);
+  if (!job.observed || !known.empty()) {
+    const std::vector<planes::KnownPlane> expected =
+        expected_planes(known, frame, pose.T_world_camera, job.tracks);
+    return observe(frame,
+                   planes::run_frame(frame, options, job.classifier, nullptr, nullptr, expected),
+                   options, pose.T_world_camera, pose.segment);
   }
   ObservedFrame seen = observed_before(job, frame, upright);
   take_frame(seen, frame, options, pose.T_world_camera, pose.segment);
@@ -280,59 +287,126 @@ std::string pipeline_key(const planes::PipelineOptions& options) {
   return sha256_hex(text);
 }
 
-WorldMap map_recording(const MapJob& job) {
-  WorldMap map;
-  map.pipeline_key = pipeline_key(job.pipeline);
-  static_cast<UprightPoses&>(map) = upright_poses(job);
-  map.tracker = Tracker(job.tracks);
-  map.tracker.on_left(job.on_left);
+namespace {
 
-  // Frames side by side, taken in one after the other.
+/// The frames of a job, taken in one after the other.
+struct Pass {
+  Tracker tracker;
+  std::vector<StoredPlanes> stored;
+  std::vector<std::string> refused;  // frames that could not be read or worked on, a line each
+  int without_pose = 0;
+  std::optional<Pace> pace;
+};
+
+std::vector<const Track*> sure_tracks(const Tracker& tracker, int segment) {
+  std::vector<const Track*> sure;
+  for (const Track& track : tracker.tracks())
+    if (track.segment == segment && track.is_sure(tracker.options())) sure.push_back(&track);
+  return sure;
+}
+
+StoredPlanes stored_planes(const ObservedFrame& frame) {
+  StoredPlanes stored{io::encode_png(frame.plane_of), {}};
+  for (const ObservedPlane& plane : frame.planes) stored.margins.push_back(plane.margin);
+  return stored;
+}
+
+/// What is offered to each frame: nothing, the tracks before it, or all of an earlier pass.
+enum class Offer { nothing, so_far, all };
+
+Pass pass_through(const MapJob& job,
+                  const UprightPoses& upright,
+                  Offer offer,
+                  const Tracker* earlier,
+                  const char* what,
+                  bool is_last) {
+  Pass pass{Tracker(job.tracks, earlier ? earlier->tracks().size() : 0), {}, {}, 0, {}};
+  if (is_last) pass.tracker.on_left(job.on_left);
+  if (is_last && offer != Offer::nothing) pass.stored.resize(job.frames.size());
   const auto count = static_cast<int>(job.frames.size());
-  const Threads threads = threads_of(job, job.at_own_rate ? 1 : job.threads);
-  const std::vector<const CameraPose*> pose_of = poses_by_frame(job, map);
-  std::vector<std::unique_ptr<const ObservedFrame>> observed(count);
+  const Threads threads = threads_of(job, offer == Offer::so_far ? 1 : job.threads);
+  const std::vector<const CameraPose*> pose_of = poses_by_frame(job, upright);
+  std::vector<std::unique_ptr<ObservedFrame>> observed(count);
   std::vector<std::string> refused(count);
   const auto make = [&](int i) {
     if (job.stop.stop_requested()) return;
     try {
       if (!pose_of[i]) {
-        if (map.poses.estimated) job.recording->frame(job.frames[i]);  // if it cannot, that is why
+        if (upright.poses.estimated)
+          job.recording->frame(job.frames[i]);  // if it cannot be read, that is why
         return;
       }
-      observed[i] = std::make_unique<const ObservedFrame>(
-          observe_frame(job, threads.pipeline, map, *pose_of[i]));
+      std::vector<const Track*> known;
+      if (offer == Offer::so_far) known = sure_tracks(pass.tracker, pass.tracker.segment());
+      if (offer == Offer::all) known = sure_tracks(*earlier, earlier->frames()[i].segment);
+      observed[i] = std::make_unique<ObservedFrame>(
+          observe_frame(job, threads.pipeline, upright, *pose_of[i], known));
+      if (!pass.stored.empty()) pass.stored[i] = stored_planes(*observed[i]);
     } catch (const PartError&) {
       throw;
     } catch (const Error& error) {
       refused[i] = fmt::format("frame {}: {}", job.frames[i], error.what());
     }
   };
-  int without_pose = 0;
   const auto take = [&](int i) {
     check_stop(job);
     if (observed[i]) {
-      const FrameOfTracks& told = map.tracker.add(*observed[i]);
-      if (job.on_frame) job.on_frame(*observed[i], told);
+      const FrameOfTracks& told = pass.tracker.add(*observed[i]);
+      if (job.on_frame && is_last) job.on_frame(*observed[i], told);
       observed[i].reset();
     } else {
-      map.tracker.skip(job.frames[i], pose_of[i] ? pose_of[i]->timestamp_s : 0);
-      without_pose += !pose_of[i] && refused[i].empty();
+      pass.tracker.skip(job.frames[i], pose_of[i] ? pose_of[i]->timestamp_s : 0);
+      pass.without_pose += !pose_of[i] && refused[i].empty();
     }
-    if (!refused[i].empty()) {
-      map.told.push_back(refused[i]);
-      ++map.refused;
-    }
-    tell(job, "map", i + 1, count);
+    if (!refused[i].empty()) pass.refused.push_back(std::move(refused[i]));
+    tell(job, what, i + 1, count);
   };
   if (job.at_own_rate)
-    map.pace = keep_pace(job, pose_of, [&](int i) { make(i), take(i); });
+    pass.pace = keep_pace(job, pose_of, [&](int i) { make(i), take(i); });
+  else if (offer == Offer::so_far)
+    for (int i = 0; i < count; ++i) make(i), take(i);
   else
     work_in_order(count, threads.at_once, make, take);
-  map.tracker.on_left({});
-  if (without_pose > 0)
-    map.told.push_back(fmt::format("{} of {} have no pose and are left out", without_pose,
-                                   counted(count, "frame")));
+  pass.tracker.on_left({});
+  return pass;
+}
+
+/// The poses become those at which the tracker has the frames.
+void take_aligned(const Tracker& tracker, std::vector<CameraPose>& poses) {
+  auto pose = poses.begin();
+  for (const FrameOfTracks& frame : tracker.frames()) {
+    if (!frame.has_pose) continue;
+    while (pose->frame != frame.frame) ++pose;
+    pose->T_world_camera = frame.T_world_camera;
+    pose->quaternion = {};
+    settle(*pose);
+  }
+}
+
+}  // namespace
+
+WorldMap map_recording(const MapJob& job) {
+  WorldMap map;
+  map.pipeline_key = pipeline_key(job.pipeline);
+  static_cast<UprightPoses&>(map) = upright_poses(job);
+  const bool helps = !job.alone && planes::finds_on_pixels(job.pipeline);
+  const bool in_one_pass = job.at_own_rate || job.tracks.window_m > 0;
+  Pass pass = pass_through(job, map, helps && in_one_pass ? Offer::so_far : Offer::nothing, nullptr,
+                           "map", !helps || in_one_pass);
+  take_aligned(pass.tracker, map.poses.poses);
+  if (helps && !in_one_pass) {
+    Tracker earlier = std::move(pass.tracker);
+    earlier.consolidate();
+    pass = pass_through(job, map, Offer::all, &earlier, "second pass", true);
+  }
+  map.tracker = std::move(pass.tracker);
+  map.stored = std::move(pass.stored);
+  map.pace = pass.pace;
+  map.refused = static_cast<int>(pass.refused.size());
+  std::ranges::move(pass.refused, std::back_inserter(map.told));
+  if (pass.without_pose > 0)
+    map.told.push_back(fmt::format("{} of {} have no pose and are left out", pass.without_pose,
+                                   counted(job.frames.size(), "frame")));
   tell_of_aside(map.tracker, map.told);
   map.stability = stability_of(map.tracker, map.poses.poses);
   if (map.stability.kept_share < kLeastKept)

@@ -38,6 +38,10 @@ struct MapJob {
   std::function<void(const ObservedFrame&, const FrameOfTracks&)> on_frame = {};
   /// What leaves the window (TrackOptions::window_m).
   std::function<void(const LeftPiece&)> on_left = {};
+  /// Each frame finds its planes by itself. Else the planes of the other frames are offered to it:
+  /// of all of them, in a second pass; of those before it where frames come at the recording's own
+  /// rate, or the map is held in a window.
+  bool alone = false;
   /// Frames come as a camera would hand them over, by their times, or 30 a second where those do
   /// not ascend; what passes while a frame is worked on is left out. Needs poses.
   bool at_own_rate = false;
@@ -53,9 +57,17 @@ struct Pace {
   double behind_s_median = 0, behind_s_most = 0;  // a frame is in the map so long after it came
 };
 
-struct WorldMap : UprightPoses {
+/// The planes of a frame, as the map has them.
+struct StoredPlanes {
+  std::vector<unsigned char> png;  // 16 bit: per pixel the plane's id, 0 none; empty: no planes
+                                   // are stored, segmentation finds them again
+  std::vector<double> margins;     // by id - 1
+};
+
+struct WorldMap : UprightPoses {  // with the poses at which the map has the frames
   std::string pipeline_key;
   Tracker tracker;
+  std::vector<StoredPlanes> stored;  // by frame, as Tracker::frames(); empty: see MapJob::alone
   Stability stability;
   int refused = 0;           // frames that could not be read or worked on, told each
   std::optional<Pace> pace;  // where it was made at the recording's own rate

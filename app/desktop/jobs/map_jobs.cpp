@@ -63,6 +63,7 @@ void MapJobs::pursue(State& state) {
       made->recording = recording;
       made->picked = picked;
       made->key = run_key(options);
+      job.alone = true;  // the window shows how each frame finds its planes
       made->map = world::map_recording(job);
       complete(*made);
       finish([made](State& s) {

@@ -53,6 +53,12 @@ struct PixelMoments {
     uu -= o.uu, uv -= o.uv, vv -= o.vv, ur -= o.ur, vr -= o.vr, rr -= o.rr;
     return *this;
   }
+  /// Sum of squared residuals about any plane [1/m^2].
+  double sse_about(const InversePlane& p) const {
+    return std::max(0.0, rr - 2 * (p.a * ur + p.b * vr + p.c * r) + p.a * p.a * uu +
+                             p.b * p.b * vv + p.c * p.c * n +
+                             2 * (p.a * p.b * uv + p.a * p.c * u + p.b * p.c * v));
+  }
   /// Least squares in rho; level where the pixels lie on a line.
   InversePlane fit() const {
     const double mu = u / n, mv = v / n, mr = r / n;

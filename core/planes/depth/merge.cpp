@@ -242,6 +242,7 @@ void join_regions(
   if (cost > kDear * s.options.merge_cost)
     grown.dear_joins.push_back({cost, std::min(gone.moments.n, grown.moments.n)});
   log_join(s, stage, from, into, cost);
+  grown.known = std::max(grown.known, gone.known);
   grown.moments += gone.moments;
   grown.plane = grown.moments.fit();
   gone.alive = false;

@@ -3,6 +3,7 @@
 // The segmentation of a depth image in progress: regions of pixels, each with its moments and
 // plane. Stages change it through these functions alone; with a trace, each logs what it did.
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "core/planes/depth/cells.hpp"
+#include "core/planes/depth/known.hpp"
 #include "core/planes/depth/noise.hpp"
 #include "core/planes/segment/segment.hpp"
 
@@ -33,6 +35,7 @@ struct DepthRegion {
   PixelMoments moments;
   InversePlane plane;
   bool alive = true;
+  int known = 0;                     // index + 1 of the known plane it is; 0: none
   std::vector<DearJoin> dear_joins;  // that made it
   std::vector<DepthNeighbor> near;   // ascending
 };
@@ -53,6 +56,7 @@ struct DepthTrace {
 struct DepthSegmentation {
   const DepthImage& image;
   const ObjectiveOptions& options;
+  std::span<const KnownPlane> known = {};
   DepthCells cells = {};
   DepthNoise noise = {};
   std::vector<DepthRegion> regions = {};
@@ -66,8 +70,27 @@ struct DepthSegmentation {
   double residual(std::uint32_t pixel, const InversePlane& plane) const {
     return image.rho[pixel] - plane.at(u(pixel), v(pixel));
   }
+  /// How far off a known plane may be where rho is this [1/m].
+  double reach_of(const KnownPlane& expected, double rho) const {
+    return expected.slack_m * rho * rho + options.reach_sigma * std::hypot(noise.white, noise.bow);
+  }
+  /// Whether a region's plane is where a known one is expected.
+  bool lies_on(const DepthRegion& region, const KnownPlane& expected) const {
+    const PixelMoments& m = region.moments;
+    const double off2 = (m.sse_about(expected.plane) - region.plane.sse) / m.n;
+    const double most = reach_of(expected, m.r / m.n);
+    return off2 <= most * most;
+  }
+  /// Infinite for two known planes, as joining them saves nothing, and for a region that does not
+  /// lie on the known one.
   double join_cost(std::int32_t a, std::int32_t b) const {
     const DepthRegion &p = regions[a], &q = regions[b];
+    if (p.known > 0 || q.known > 0) {
+      const bool first = p.known > 0;
+      if (p.known > 0 && q.known > 0) return std::numeric_limits<double>::infinity();
+      if (!lies_on(first ? q : p, known[(first ? p : q).known - 1]))
+        return std::numeric_limits<double>::infinity();
+    }
     return noise.join_cost(p.moments, p.plane, q.moments, q.plane);
   }
 };
@@ -98,6 +121,10 @@ inline void free_pixels_of_ended(DepthSegmentation& s) {
 /// Founds the first regions: cells of the octree that one plane explains (Sun et al. 2023, Sec.
 /// IV-C). Fills the nodes of the octree.
 void divide_image(DepthSegmentation& s, Octree& octree);
+
+/// Founds regions on known planes where the depth supports them; other regions give up these
+/// pixels. Returns the known planes that are not apart from larger ones.
+std::vector<KnownCover> found_known_regions(DepthSegmentation& s);
 
 /// Counts the border that each two regions share, and sets `near` of both where it is at least
 /// `least` px. `gap`: pixels that may lie between them; `step`: largest difference of rho across it

@@ -110,11 +110,14 @@ struct Listing {
 /// A plane is listed when it is worth its cost.
 Listing list_planes(DepthSegmentation& s) {
   Listing listing;
+  for (DepthRegion& region : s.regions)
+    if (region.alive && region.known > 0 && !s.lies_on(region, s.known[region.known - 1]))
+      region.known = 0;
   for (std::size_t k = 0; k < s.regions.size(); ++k) {
     const auto region = static_cast<std::int32_t>(k);
     if (!s.regions[k].alive) continue;
     const double worth = worth_px(s, s.regions[k]);
-    if (worth >= s.options.worth_px) {
+    if (worth >= s.options.worth_px || s.regions[k].known > 0) {
       listing.planes.push_back(region);
       continue;
     }
@@ -127,8 +130,27 @@ Listing list_planes(DepthSegmentation& s) {
   return listing;
 }
 
-void conclude(DepthSegmentation& s, const DepthInput& input, Segmentation& result) {
-  const Listing listing = list_planes(s);
+/// Regions of planes that were found before.
+Listing take_given(DepthSegmentation& s, const GivenPlanes& given) {
+  s.regions.resize(given.margins.size());
+  for (std::uint32_t pixel = 0; pixel < s.region_of.size(); ++pixel) {
+    const int id = given.plane_of.data[pixel];
+    if (id == 0) continue;
+    s.region_of[pixel] = id - 1;
+    s.regions[id - 1].moments.add(s.u(pixel), s.v(pixel), s.image.rho[pixel]);
+  }
+  Listing listing;
+  for (int k = 0; k < std::ssize(s.regions); ++k) {
+    s.regions[k].plane = s.regions[k].moments.fit();
+    (k < given.listed ? listing.planes : listing.minor).push_back(k);
+  }
+  return listing;
+}
+
+void conclude(DepthSegmentation& s,
+              const DepthInput& input,
+              const Listing& listing,
+              Segmentation& result) {
   std::vector<std::int32_t> slot(s.regions.size(), -1);  // of planes, then of minor ones
   for (const std::int32_t region : listing.planes)
     slot[region] = static_cast<std::int32_t>(result.planes.size()), result.planes.emplace_back();
@@ -161,7 +183,9 @@ void conclude(DepthSegmentation& s, const DepthInput& input, Segmentation& resul
     region.fit.normal = outward_normal(region.fit, region.label, input.sensor);
     region.points = static_cast<std::uint32_t>(of.count);
     region.founded = from;
-    region.margin = margin_of(s, from);
+    if (const int known = s.regions[from].known; known > 0)
+      region.known = input.known[known - 1].id;
+    region.margin = input.given ? input.given->margins[from] : margin_of(s, from);
     region.undecided = region.margin < s.options.undecided;
   };
   for (std::size_t k = 0; k < listing.planes.size(); ++k)
@@ -185,7 +209,7 @@ double worth_px(const DepthSegmentation& s, const DepthRegion& region) {
 Segmentation segment_depth(const DepthInput& input, const SegmentOptions& options, Trace* trace) {
   Segmentation result;
   const auto start = Clock::now();
-  DepthSegmentation s{input.image, options.objective};
+  DepthSegmentation s{input.image, options.objective, input.known};
   s.cells = make_depth_cells(input.image);
   s.noise = measure_depth_noise(s.cells.blocks, s.cells.block_columns, input.image.width,
                                 input.image.unit_m, options.objective);
@@ -195,10 +219,14 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
   result.timings.build_ms = elapsed_ms(start);
 
   const auto built = Clock::now();
-  if (s.noise.white > 0) {
+  Listing listing;
+  if (input.given) {
+    listing = take_given(s, *input.given);
+  } else if (s.noise.white > 0) {
     divide_image(s, result.octree);
     find_neighbors(s, 1, 0, std::numeric_limits<double>::infinity());
     merge_regions(s);
+    result.covered = found_known_regions(s);
     drop_crumbs(s);
     for (int round = 0; round < kRounds; ++round) {
       grow_regions(s);
@@ -206,8 +234,9 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
       merge_regions(s);
     }
     join_hidden_parts(s);
+    listing = list_planes(s);
   }
-  conclude(s, input, result);
+  conclude(s, input, listing, result);
   // An error of rho is one of z by z squared.
   result.noise.estimated = result.noise.by_range = s.noise.white > 0;
   result.noise.growth_per_m = s.noise.wide;

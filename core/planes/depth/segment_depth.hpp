@@ -9,7 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "core/planes/depth/inverse_depth.hpp"
+#include "core/model/frame.hpp"
+#include "core/planes/depth/known.hpp"
 #include "core/planes/segment/image_space.hpp"
 #include "core/planes/segment/segment.hpp"
 
@@ -17,11 +18,13 @@ namespace planescope::planes {
 
 struct DepthInput {
   DepthImage image;
-  std::span<const Vec3f> points;     // of its measured pixels, in raster order; local [m]
-  std::vector<std::uint32_t> pixel;  // of each point
-  ImageSpace space;                  // relates pixels to points
-  Vec3d sensor = Vec3d::Zero();      // local
-  bool gravity_known = false;        // planes are named h or v
+  std::span<const Vec3f> points;           // of its measured pixels, in raster order; local [m]
+  std::vector<std::uint32_t> pixel;        // of each point
+  ImageSpace space;                        // relates pixels to points
+  Vec3d sensor = Vec3d::Zero();            // local
+  bool gravity_known = false;              // planes are named h or v
+  std::span<const KnownPlane> known = {};  // candidates; they cost nothing
+  const GivenPlanes* given = nullptr;      // taken as they are, where there are any
 };
 
 /// Segmentation::plane_of is per point; the octree divides (u, v, rho).

@@ -1,5 +1,7 @@
 #include "core/planes/pipeline/pipeline.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <chrono>
@@ -172,8 +174,12 @@ PreparedFrame prepare_frame(const Frame& frame,
   return prepared;
 }
 
+bool finds_on_pixels(const PipelineOptions& options) {
+  return options.method == Method::ours && options.segment.by_objective();
+}
+
 bool is_found_on_pixels(const Frame& frame, const PipelineOptions& options) {
-  return options.method == Method::ours && options.segment.by_objective() && !frame.is_cloud();
+  return finds_on_pixels(options) && !frame.is_cloud();
 }
 
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options) {
@@ -187,7 +193,24 @@ SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOpti
 
 namespace {
 
-DepthInput depth_input(const Frame& frame, const PreparedFrame& prepared) {
+/// Throws Error where they are not of this depth image.
+void check_given(const GivenPlanes& given, const DepthInput& input) {
+  if (given.plane_of.width != input.image.width || given.plane_of.height != input.image.height)
+    throw Error(fmt::format("its stored planes are {}x{}, expected {}x{}", given.plane_of.width,
+                            given.plane_of.height, input.image.width, input.image.height));
+  for (std::size_t i = 0; i < given.plane_of.data.size(); ++i) {
+    if (given.plane_of.data[i] > given.margins.size())
+      throw Error(fmt::format("a pixel is of stored plane {}, expected at most {}",
+                              given.plane_of.data[i], given.margins.size()));
+    if (given.plane_of.data[i] > 0 && !(input.image.rho[i] > 0))
+      throw Error(
+          "its stored planes have pixels without depth, expected those of the same recording");
+  }
+}
+
+DepthInput depth_input(const Frame& frame,
+                       const PreparedFrame& prepared,
+                       std::span<const KnownPlane> known) {
   const Cloud& cloud = prepared.cloud;
   DepthInput input{.image = {.width = cloud.width,
                              .height = cloud.height,
@@ -200,7 +223,9 @@ DepthInput depth_input(const Frame& frame, const PreparedFrame& prepared) {
                              .cx = frame.intrinsics.cx,
                              .cy = frame.intrinsics.cy},
                    .sensor = prepared.sensor(),
-                   .gravity_known = prepared.gravity.known()};
+                   .gravity_known = prepared.gravity.known(),
+                   .known = known,
+                   .given = frame.given.get()};
   input.space.T_local_camera.linear() = cloud.T_world_sensor.linear();
   input.space.T_local_camera.translation() = prepared.sensor();
   input.pixel.reserve(prepared.voxels.points.size());
@@ -214,6 +239,7 @@ DepthInput depth_input(const Frame& frame, const PreparedFrame& prepared) {
     input.pixel.push_back(pixel);
   }
   input.space.farthest_m = farthest * frame.depth_unit_m;
+  if (input.given) check_given(*input.given, input);
   return input;
 }
 
@@ -222,13 +248,14 @@ DepthInput depth_input(const Frame& frame, const PreparedFrame& prepared) {
 FoundRegions find_regions(const Frame& frame,
                           const PreparedFrame& prepared,
                           const PipelineOptions& options,
-                          Trace* trace) {
+                          Trace* trace,
+                          std::span<const KnownPlane> known) {
   FoundRegions found;
   if (is_found_on_pixels(frame, options) != prepared.of_pixels)
     throw Error("the frame was prepared for another profile, expected that of the options");
   if (prepared.of_pixels) {
     Stopwatch watch;
-    const DepthInput input = depth_input(frame, prepared);
+    const DepthInput input = depth_input(frame, prepared, known);
     const double input_ms = watch.lap_ms();
     found.segmentation = segment_depth(input, segment_options(prepared, options), trace);
     found.segmentation.timings.build_ms += input_ms;
@@ -251,9 +278,10 @@ FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,
                       const FrameTruth* truth,
-                      Trace* trace) {
+                      Trace* trace,
+                      std::span<const KnownPlane> known) {
   FrameResult result{prepare_frame(frame, options, classifier, truth), {}, {}};
-  FoundRegions found = find_regions(frame, result, options, trace);
+  FoundRegions found = find_regions(frame, result, options, trace, known);
   result.segmentation = std::move(found.segmentation);
   result.plane_of = std::move(found.plane_of);
   if (options.method != Method::ours || is_found_on_pixels(frame, options))

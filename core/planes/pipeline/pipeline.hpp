@@ -5,12 +5,14 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "core/model/frame.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/cloud/cloud.hpp"
 #include "core/planes/cloud/gravity.hpp"
+#include "core/planes/depth/known.hpp"
 #include "core/planes/foot/options.hpp"
 #include "core/planes/pipeline/method.hpp"
 #include "core/planes/segment/segment.hpp"
@@ -75,6 +77,8 @@ PreparedFrame prepare_frame(const Frame& frame,
                             const Classifier* classifier,
                             const FrameTruth* truth = nullptr);
 
+/// Whether the planes of depth images are found on their pixels.
+bool finds_on_pixels(const PipelineOptions& options);
 /// Whether the planes of this frame are found on its pixels, by segment_depth(). Its voxels are its
 /// pixels then.
 bool is_found_on_pixels(const Frame& frame, const PipelineOptions& options);
@@ -90,11 +94,13 @@ struct FoundRegions {
   Segmentation segmentation;           // per voxel
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
 };
+/// `known`: candidates where planes are found on pixels, without a trace.
 /// The options find planes where those of prepare_frame() do, on pixels or not.
 FoundRegions find_regions(const Frame& frame,
                           const PreparedFrame& prepared,
                           const PipelineOptions& options,
-                          Trace* trace = nullptr);
+                          Trace* trace = nullptr,
+                          std::span<const KnownPlane> known = {});
 
 /// Runs one frame: prepare_frame() and find_regions(). `trace` may be null. Of a rival, the labels
 /// are those of the voxels' planes, unknown elsewhere.
@@ -102,7 +108,8 @@ FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,
                       const FrameTruth* truth = nullptr,
-                      Trace* trace = nullptr);
+                      Trace* trace = nullptr,
+                      std::span<const KnownPlane> known = {});
 
 // Sums of a frame's timings [ms].
 

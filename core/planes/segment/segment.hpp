@@ -10,6 +10,7 @@
 #include "core/model/plane.hpp"
 #include "core/model/types.hpp"
 #include "core/planes/classify/classifier.hpp"
+#include "core/planes/depth/known.hpp"
 #include "core/planes/segment/noise.hpp"
 #include "core/planes/segment/octree.hpp"
 #include "core/planes/segment/options.hpp"
@@ -22,6 +23,7 @@ struct PlaneRegion {
   Label label = Label::unknown;
   PlaneFit fit;  // local coordinates; normal points up (h) or towards the sensor side (v)
   std::uint32_t points = 0;  // points of segment()'s input
+  int known = 0;             // id of the known plane it is, 0: none
   std::int32_t founded = 0;  // number of the plane in the trace: order of founding
   // How far the objective is from losing the plane: from not listing it, from joining it with a
   // neighbor at least as large, or from not having joined its parts; the least of these.
@@ -53,6 +55,7 @@ struct Segmentation {
   std::vector<PlaneRegion> planes;           // planes[id - 1]
   std::vector<PlaneRegion> minor;            // worth too little to be listed; ids 0, in no pixel
   std::vector<std::vector<std::uint32_t>> minor_points;  // of each, the points that were its own
+  std::vector<KnownCover> covered;                       // known planes that larger ones explain
   Octree octree;                                         // with each visited node's case
   SegmentCounts counts;
   SegmentTimings timings;

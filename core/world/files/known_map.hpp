@@ -14,9 +14,14 @@ namespace planescope::world {
 
 struct KnownMap : UprightPoses {
   std::filesystem::path dir;
-  std::map<int, std::vector<int>> track_of_plane;  // by frame, then by plane id - 1; 0 none
+  struct FramePlanes {
+    std::vector<int> tracks;      // by plane id - 1; 0 none
+    std::string sha256;           // of the image of the frame's planes; empty: none is stored
+    std::vector<double> margins;  // by id - 1, the minor ones' last
+  };
+  std::map<int, FramePlanes> planes_of;  // by frame
 
-  bool knows(int frame) const { return pose_of(poses, frame) && track_of_plane.contains(frame); }
+  bool knows(int frame) const { return pose_of(poses, frame) && planes_of.contains(frame); }
 };
 
 /// Of DIR/map.json, tracks.json and poses.tum. Throws Error naming the file that is missing or
@@ -25,8 +30,11 @@ std::shared_ptr<const KnownMap> read_known_map(const std::filesystem::path& dir,
                                                const io::RecordingInfo& recording,
                                                const planes::PipelineOptions& options);
 
-/// The recording whose frames, where the map knows them, have its gravity and noise, so that their
-/// planes with options_of_map() are the map's.
+/// Where the image of a frame's planes is: 16 bit, per pixel the plane's id.
+std::filesystem::path planes_file(const std::filesystem::path& dir, int frame);
+
+/// The recording whose frames, where the map knows them, have its gravity and planes; methods that
+/// do not find planes on pixels find the same ones again with options_of_map().
 std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recording> recording,
                                               std::shared_ptr<const KnownMap> map);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
@@ -86,7 +87,7 @@ Json gap_json(const Gap& gap) {
   json["term"] = to_string(gap.term.failed);
   if (gap.term.failed == Term::taken) {
     json["track"] = static_cast<int>(gap.term.value);
-  } else if (gap.term.failed != Term::label) {
+  } else {
     json["value"] = rounded(gap.term.value);
     json["op"] = ">";
     json["threshold"] = rounded(gap.term.threshold);
@@ -141,8 +142,9 @@ namespace {
 
 std::string tracks_json(const WorldMap& map, const std::string& recording) {
   const Tracker& tracker = map.tracker;
+  std::size_t at = 0;
   Json json;
-  json["schema"] = "planescope.tracks/2";
+  json["schema"] = "planescope.tracks/3";
   json["recording"] = recording;
   json["frames"] = Json::array();
   for (const FrameOfTracks& frame : tracker.frames()) {
@@ -156,6 +158,13 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
     told["track_of_plane"] = std::vector(ids.begin(), ids.begin() + frame.listed);
     if (frame.listed < std::ssize(ids))
       told["track_of_minor"] = std::vector(ids.begin() + frame.listed, ids.end());
+    if (at < map.stored.size() && !map.stored[at].png.empty()) {
+      told["planes_sha256"] = sha256_hex(std::as_bytes(std::span(map.stored[at].png)));
+      told["margins"] = Json::array();
+      for (const double margin : map.stored[at].margins)
+        told["margins"].push_back(std::isfinite(margin) ? Json(margin) : Json());
+    }
+    ++at;
     json["frames"].push_back(std::move(told));
   }
   json["tracks"] = Json::array();
@@ -183,7 +192,7 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
 
 std::string map_json(const WorldMap& map, const std::string& recording, const MapTexts& others) {
   Json json;
-  json["schema"] = "planescope.map/2";
+  json["schema"] = "planescope.map/3";
   json["recording"] = recording;
   json["pipeline"] = map.pipeline_key;
   json["files"] = {{"tracks.json", sha256_hex(others.tracks_json)},
@@ -200,7 +209,6 @@ std::string map_json(const WorldMap& map, const std::string& recording, const Ma
   }
   const TrackOptions& o = map.tracker.options();
   json["options"] = {{"cell_m", o.cell_m},
-                     {"max_angle_deg", o.max_angle_deg},
                      {"max_offset_m", o.max_offset_m},
                      {"sigmas", o.sigmas},
                      {"least_overlap", o.least_overlap},

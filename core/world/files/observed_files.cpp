@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "planescope.observed/3";
+constexpr const char* kSchema = "planescope.observed/4";
 
 Json vector_bits(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 Vec3d vector_of_bits(const Json& json) {
@@ -80,6 +80,7 @@ Json plane_bits(const ObservedPlane& plane) {
         Json{c.sigma_m, c.sigma_tilt_rad[0], c.sigma_tilt_rad[1], c.sigma_offset_m}}},
       {"pixels", plane.pixels},
       {"rms_m", plane.rms_m},
+      {"margin", plane.margin},
       {"undecided", plane.undecided},
       {"outline", outline_bits(plane.outline)}};
 }
@@ -105,6 +106,7 @@ ObservedPlane plane_of_bits(const Json& json) {
   plane.certainty.sigma_offset_m = c.at(3).at(3).get<double>();
   plane.pixels = json.at("pixels").get<std::uint32_t>();
   plane.rms_m = json.at("rms_m").get<double>();
+  plane.margin = json.at("margin").get<double>();
   plane.undecided = json.at("undecided").get<bool>();
   plane.outline = outline_of_bits(json.at("outline"));
   return plane;

@@ -13,7 +13,7 @@ namespace planescope::world {
 /// Of all that a frame's planes follow from but the frame: the options, the poses and gravity.
 std::string observed_key(const planes::PipelineOptions& options, const UprightPoses& upright);
 
-/// CBOR, schema "planescope.observed/3": the frame's planes to the bit, and which pixel is on
+/// CBOR, schema "planescope.observed/4": the frame's planes to the bit, and which pixel is on
 /// which.
 std::vector<unsigned char> observed_bytes(const ObservedFrame& frame, const std::string& key);
 /// All but what the frame itself, its pose and the options tell. Throws Error naming the file where

@@ -12,7 +12,6 @@ namespace planescope::world {
 namespace {
 
 std::string term_text(const Tracker& tracker, const TermResult& term) {
-  if (term.failed == Term::label) return "of the other class";
   if (term.failed == Term::taken) {
     const int id = final_track(tracker.tracks(), static_cast<int>(term.value));
     return id > 0 ? fmt::format("which is T{}", id) : "which fits as well";

@@ -67,6 +67,17 @@ Moments moved(const Moments& m, const Pose& T) {
   return {m.count, turned + m.count * t, s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2)};
 }
 
+Apart apart(const Moments& a, const Moments& b) {
+  PlaneFit narrow = fit_plane(a), wide = fit_plane(b);
+  const bool is_first = narrow.eigenvalues[1] * wide.count < wide.eigenvalues[1] * narrow.count;
+  if (!is_first) std::swap(narrow, wide);
+  const Moments& points = is_first ? a : b;
+  const double middle = wide.distance_m(narrow.centroid);
+  const double across = wide.normal.dot(points.scatter() * wide.normal) - narrow.eigenvalues[0];
+  // Of points spread evenly, the rim is sqrt(3) times as far as their RMS.
+  return {middle, std::abs(middle) + std::sqrt(3 * std::max(0.0, across) / points.count)};
+}
+
 Moments scaled(const Moments& m, double weight) {
   return {m.count * weight, m.sum * weight, m.xx * weight, m.xy * weight,
           m.xz * weight,    m.yy * weight,  m.yz * weight, m.zz * weight};
@@ -95,6 +106,7 @@ ObservedFrame observe(const Frame& frame,
   ObservedFrame seen;
   take_frame(seen, frame, options, T_world_camera, segment);
   seen.noise = result.segmentation.noise;
+  seen.covered = result.segmentation.covered;
   const auto listed = static_cast<int>(result.segmentation.planes.size());
   const double cell_m = options.cloud.voxel_size_m;
   std::vector<planes::Outline> outlines = planes::outlines_of(frame, result, cell_m);
@@ -107,11 +119,13 @@ ObservedFrame observe(const Frame& frame,
   for (const planes::PlaneRegion& region : result.segmentation.planes) {
     ObservedPlane& plane = seen.planes.emplace_back();
     plane.id = region.id;
+    plane.known = region.known;
     plane.minor = region.id > listed;
     plane.label = region.label;
     plane.normal = T_world_local.linear() * region.fit.normal;
     plane.centroid = T_world_local * (result.cloud.origin + region.fit.centroid);
     plane.rms_m = region.fit.rms_m();
+    plane.margin = region.margin;
     plane.undecided = region.undecided;
     plane.certainty = certainties[region.id - 1];
     for (Vec3d& axis : plane.certainty.axes) axis = T_world_local.linear() * axis;

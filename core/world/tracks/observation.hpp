@@ -18,6 +18,7 @@ inline double squared(double x) { return x * x; }
 
 struct ObservedPlane {
   int id = 0;          // in its frame, from 1
+  int known = 0;       // the track that it was expected of (expected.hpp), 0: none
   bool minor = false;  // found, and worth too little to be listed
   Label label = Label::unknown;
   // World [m]:
@@ -28,6 +29,7 @@ struct ObservedPlane {
   planes::Outline outline;      // in the world
   std::uint32_t pixels = 0;     // measurements on it
   double rms_m = 0;             // of its voxels
+  double margin = 0;            // as PlaneRegion has it
   bool undecided = false;       // as PlaneRegion has it
 
   double distance_m(const Vec3d& p) const { return normal.dot(p - centroid); }
@@ -43,8 +45,9 @@ struct ObservedFrame {
   double depth_unit_m = 0;
   double max_range_m = 0;  // depths beyond it were left out; 0: none
   planes::NoiseModel noise;
-  Image16 plane_of;                   // per pixel: id, 0 none
-  std::vector<ObservedPlane> planes;  // by id - 1, the minor ones last
+  Image16 plane_of;                         // per pixel: id, 0 none
+  std::vector<planes::KnownCover> covered;  // tracks that the planes of larger ones stand for
+  std::vector<ObservedPlane> planes;        // by id - 1, the minor ones last
 
   Vec3d camera() const { return T_world_camera.translation(); }
 };
@@ -67,6 +70,12 @@ void take_frame(ObservedFrame& seen,
 Moments moments_of(const PlaneFit& fit, const Vec3d axes[2], const Vec3d& origin);
 /// The same points seen from elsewhere: of X, those of T X.
 Moments moved(const Moments& moments, const Pose& T);
+/// How far the narrower of two sets of points is from the plane of the other [m].
+struct Apart {
+  double middle_m = 0;  // signed, along the other's normal
+  double rim_m = 0;     // at its rim: of its middle, and what its tilt adds to it
+};
+Apart apart(const Moments& a, const Moments& b);
 /// As if so many measurements of each had been made.
 Moments scaled(const Moments& moments, double weight);
 

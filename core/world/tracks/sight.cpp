@@ -74,6 +74,7 @@ Sight sight_of(Track& track,
         continue;
       }
       ++sight.there;
+      sight.places.add(place - frame.camera());
       if (there) there->push_back(static_cast<std::uint32_t>(y * k.width + x));
       Sight::On& on = sight.on[frame.plane_of.at(x, y)];
       ++on.cells;

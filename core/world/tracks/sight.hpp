@@ -31,6 +31,8 @@ struct Sight {
   };
   std::vector<Look> looks;  // at cells in view that are measured and not hidden
 
+  Moments places;  // of the cells that are there, about the camera
+
   std::vector<On> on;  // by plane id of the frame, 0 none: what is measured at the cells
 
   int visible() const { return through + there; }

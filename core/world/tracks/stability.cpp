@@ -32,6 +32,7 @@ struct Frames {
       std::set<int>& tracks = present.emplace_back();
       for (const int id : frame.track_of)
         if (id > 0) tracks.insert(final_track(tracker.tracks(), id));
+      for (const int id : frame.covered) tracks.insert(final_track(tracker.tracks(), id));
     }
     if (!all.empty()) all.back().is_last = true;
     poses.assign(all.size(), nullptr);
@@ -155,7 +156,7 @@ Stability stability_of(const Tracker& tracker, std::span<const CameraPose> poses
       const Sighting& now = track.sightings[i];
       const std::size_t* at = frames.find(now.frame);
       const std::size_t* before = frames.find(track.sightings[i - 1].frame);
-      if (!at || !before || now.part || now.minor || now.founding ||
+      if (!at || !before || now.part || now.minor || now.undecided || std::isnan(now.offset_m) ||
           *at <= *before + Stability::kAway)
         continue;
       ++s.returns;

@@ -47,12 +47,10 @@ const char* to_string(Term term) {
   switch (term) {
     case Term::none:
       return "none";
-    case Term::label:
-      return "label";
     case Term::angle_deg:
       return "angle_deg";
-    case Term::offset_m:
-      return "offset_m";
+    case Term::gap_m:
+      return "gap_m";
     case Term::taken:
       return "taken";
   }

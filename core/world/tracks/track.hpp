@@ -3,6 +3,8 @@
 // A plane of the world, and when it was seen.
 
 #include <cstdint>
+#include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,9 +18,8 @@ namespace planescope::world {
 
 struct TrackOptions {
   double cell_m = 0.02;  // of the grids on planes
-  // Two planes are the same where they differ by no more than this and so many sigmas of both:
-  double max_angle_deg = 3;
-  double max_offset_m = 0.015;  // where they overlap
+  // Two planes are the same where gap_m() is no more than this and so many sigmas of both:
+  double max_offset_m = 0.015;
   double sigmas = 3;
   double least_overlap = 0.1;  // share of the smaller of both; nothing in common but an edge is
                                // enough where the gap is no wider than
@@ -55,7 +56,7 @@ inline bool is_miss(Absence absence) { return absence >= Absence::seen_through; 
 double width_of(const PlaneFit& fit);
 
 /// A test of whether two planes are the same: `value op threshold`.
-enum class Term : std::uint8_t { none, label, angle_deg, offset_m, taken };
+enum class Term : std::uint8_t { none, angle_deg, gap_m, taken };
 const char* to_string(Term term);
 struct TermResult {
   Term failed = Term::none;
@@ -66,8 +67,9 @@ struct Sighting {
   int frame = 0;
   int plane = 0;  // id in the frame
   float pixels = 0;
-  float offset_m = 0;   // of the observation from the track before, where they overlap
-  float angle_deg = 0;  // between their normals
+  // Of the observation from the track before, where they overlap; NaN: nowhere.
+  float offset_m = std::numeric_limits<float>::quiet_NaN();
+  float angle_deg = 0;                                     // between their normals
   Vec3f normal = Vec3f::Zero(), centroid = Vec3f::Zero();  // observed, world
   bool founding = false;  // of a track, of this one or of one that was merged into it
   bool minor = false;     // by a plane that is too poor to be listed
@@ -93,6 +95,9 @@ struct Track {
   int segment = 0;
   Label label = Label::unknown;
   TrackState state = TrackState::alive;
+  int known = 0;  // the track of an earlier pass that it is; 0: none
+  std::map<int, int>
+      covered;     // frames in which the plane of a larger track stood for it, by its id
   int born = 0;    // frame
   int ended = -1;  // frame; -1: not
   int merged_into = 0;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/planes/evaluate/plane_match.hpp"
+#include "core/world/tracks/align.hpp"
 
 namespace planescope::world {
 namespace {
@@ -47,8 +48,7 @@ double most_angle_deg(const TrackOptions& options,
                       double sigma_deg,
                       double other_sigma_deg,
                       double width_m) {
-  return options.max_angle_deg + options.sigmas * std::hypot(sigma_deg, other_sigma_deg) +
-         free_tilt_deg(width_m, options);
+  return options.sigmas * std::hypot(sigma_deg, other_sigma_deg) + free_tilt_deg(width_m, options);
 }
 double most_offset_m(const TrackOptions& options, double sigma_m, double other_sigma_m) {
   return options.max_offset_m + options.sigmas * std::hypot(sigma_m, other_sigma_m);
@@ -107,20 +107,29 @@ std::vector<Track*> Tracker::alive() {
   return alive;
 }
 
-TermResult Tracker::compare(const Track& track,
-                            const ObservedPlane& plane,
-                            const Vec3d& where) const {
-  if (track.label != plane.label && track.label != Label::unknown && plane.label != Label::unknown)
-    return {Term::label, 0, 0};
+Apart Tracker::apart_from(const ObservedFrame& frame,
+                          const Judged& judged,
+                          const ObservedPlane& plane) const {
+  if (judged.sight.there >= options_.least_cells) return apart(judged.sight.places, plane.moments);
+  Pose shift = Pose::Identity();
+  shift.translation() = judged.track->anchor - frame.camera();
+  return apart(moved(judged.track->moments, shift), plane.moments);
+}
+
+TermResult Tracker::compare(const ObservedFrame& frame,
+                            const Judged& judged,
+                            const ObservedPlane& plane) const {
+  const Track& track = *judged.track;
   const double angle = planes::plane_angle_deg(track.fit.normal, plane.normal);
   const double most_angle = most_angle_deg(options_, sigma_tilt_deg(plane), track.sigma_tilt_deg(),
                                            std::min(track.width_m(), width_m(plane)));
   if (angle > most_angle) return {Term::angle_deg, angle, most_angle};
-  const double offset =
-      std::max(std::abs(plane.distance_m(where)), std::abs(track.distance_m(where)));
-  const double most_offset =
+  const Sight::On& on = judged.sight.on[plane.id];
+  const Vec3d where = on.cells > 0 ? Vec3d(on.sum / on.cells) : plane.centroid;
+  const double gap = apart_from(frame, judged, plane).rim_m;
+  const double most =
       most_offset_m(options_, sigma_m_at(plane, where), track.sigma_m(track.on_grid(where)));
-  if (offset > most_offset) return {Term::offset_m, offset, most_offset};
+  if (gap > most) return {Term::gap_m, gap, most};
   return {};
 }
 
@@ -133,9 +142,11 @@ const FrameOfTracks& Tracker::skip(int frame, double timestamp_s) {
   return told;
 }
 
-const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
+const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
   segment_ = frame.segment + begun_;
+  if (own_of_known_.empty()) move_to(frame, aligned_pose(frame, alive()));
   FrameOfTracks told;
+  told.T_world_camera = frame.T_world_camera;
   told.frame = frame.frame;
   told.timestamp_s = frame.timestamp_s;
   told.track_of.assign(frame.planes.size(), 0);
@@ -160,34 +171,84 @@ const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
   aside_ = 0;
   for (const Judged& j : judged) remember(j.sight);
 
+  take_expected(frame, judged, told);
   const std::span<const ObservedPlane> planes = frame.planes;
   assign(frame, planes.first(told.listed), judged, told);
   assign(frame, planes.subspan(told.listed), judged, told);
   for (Judged& j : judged)
     if (!j.seen) note_absence(frame, j, told);
-  merge_equal(frame, told);
+  merge_covered(frame.frame);
+  // Only what grew in this frame has come to touch anything.
+  merge_equal(frame.frame, [&](const Track& track) {
+    return track.sightings.back().frame == frame.frame && !track.sightings.back().minor;
+  });
+  for (int& id : told.track_of) id = final_track(tracks_, id);
   end_those_gone(frame.frame);
   leave_window(frame);
   return frames_.emplace_back(std::move(told));
 }
 
 void Tracker::judge_agreement(std::span<const Judged> judged, FrameOfTracks& told) const {
+  // What a known plane hides is no contradiction.
+  std::vector<int> there_on(told.track_of.size() + 1, 0), hidden_by(there_on.size(), 0);
   int there = 0, through = 0;
-  std::vector<Sight::On> on(told.track_of.size() + 1);  // by plane id, of all tracks
   for (const Judged& j : judged) {
     there += j.sight.there;
     through += j.sight.through;
-    for (std::size_t id = 0; id < on.size(); ++id) {
-      on[id].cells += j.sight.on[id].cells;
-      on[id].hides += j.sight.on[id].hides;
+    for (std::size_t id = 0; id < there_on.size(); ++id) {
+      there_on[id] += j.sight.on[id].cells;
+      hidden_by[id] += j.sight.on[id].hides;
     }
   }
-  // What a known plane hides is no contradiction.
-  int hidden = on[0].hides;
-  for (std::size_t id = 1; id < on.size(); ++id)
-    if (on[id].cells < options_.least_cells) hidden += on[id].hides;
+  int hidden = hidden_by[0];
+  for (std::size_t id = 1; id < there_on.size(); ++id)
+    if (there_on[id] < options_.least_cells) hidden += hidden_by[id];
   told.compared_cells = there + through + hidden;
   if (told.compared_cells > 0) told.agreement = static_cast<double>(there) / told.compared_cells;
+}
+
+void Tracker::take_expected(const ObservedFrame& frame,
+                            std::vector<Judged>& judged,
+                            FrameOfTracks& told) {
+  const auto judged_of = [&](int known) -> Judged* {
+    const int own = own_of_known_.empty() ? known : own_of_known_[known - 1];
+    const int id = final_track(tracks_, own);
+    const auto at =
+        std::ranges::find_if(judged, [&](const Judged& j) { return j.track->id == id; });
+    return at == judged.end() ? nullptr : &*at;
+  };
+  for (const ObservedPlane& plane : frame.planes) {
+    if (plane.known == 0) continue;
+    if (!own_of_known_.empty() && own_of_known_[plane.known - 1] == 0) {
+      found(frame, plane, told);
+      own_of_known_[plane.known - 1] = told.track_of[plane.id - 1];
+      tracks_.back().known = plane.known;
+    } else if (Judged* const j = judged_of(plane.known)) {
+      j->seen = true;
+      told.track_of[plane.id - 1] = j->track->id;
+      take(*j, frame, plane);
+    }
+  }
+  for (const planes::KnownCover& cover : frame.covered) {
+    Judged *const j = judged_of(cover.covered), *const by = judged_of(cover.by);
+    if (!j || !by || j->seen || !by->seen) continue;
+    j->seen = true;
+    ++j->track->covered[by->track->id];
+    told.covered.push_back(j->track->id);
+  }
+}
+
+void Tracker::merge_covered(int frame) {
+  for (Track* small : alive())
+    for (const auto& [id, frames] : small->covered) {
+      if (frames < options_.confirm_frames || frames < small->frames_seen) continue;
+      Track& large = tracks_[final_track(tracks_, id) - 1];
+      if (&large == small || large.state != TrackState::alive) continue;
+      Track &into = small->id < large.id ? *small : large,
+            &from = small->id < large.id ? large : *small;
+      merge(from, into, frame);
+      break;
+    }
 }
 
 void Tracker::assign(const ObservedFrame& frame,
@@ -200,38 +261,31 @@ void Tracker::assign(const ObservedFrame& frame,
   for (Judged& j : judged)
     if (!j.seen) open.push_back(&j);
   const std::size_t columns = planes.size();
-  struct Pair {
-    double value = 0;
-    Vec3d where = Vec3d::Zero();
-  };
-  std::vector<Pair> pairs(open.size() * columns);
-  std::vector<double> values(pairs.size(), 0);
+  std::vector<double> values(open.size() * columns, 0);
   for (std::size_t t = 0; t < open.size(); ++t)
     for (std::size_t p = 0; p < columns; ++p) {
       const ObservedPlane& plane = planes[p];
+      if (told.track_of[plane.id - 1] != 0) continue;
       const Judged& j = *open[t];
       const Sight::On& on = j.sight.on[plane.id];
-      Pair& pair = pairs[t * columns + p];
+      double& value = values[t * columns + p];
       if (on.cells > 0) {
-        pair.where = on.sum / on.cells;
         const double covered = std::max(1.0, plane.outline.area_m2 / squared(options_.cell_m));
         const double overlap =
             on.cells / std::max(1.0, std::min<double>(j.sight.visible(), covered));
         if (overlap < options_.least_overlap) continue;
-        if (compare(*j.track, plane, pair.where).failed != Term::none) continue;
-        pair.value = on.cells / std::max(1.0, j.sight.visible() + covered - on.cells);
+        if (compare(frame, j, plane).failed != Term::none) continue;
+        value = on.cells / std::max(1.0, j.sight.visible() + covered - on.cells);
       } else if (!minor) {
-        pair.where = plane.centroid;
-        if (compare(*j.track, plane, pair.where).failed != Term::none) continue;
+        if (compare(frame, j, plane).failed != Term::none) continue;
         if (!touch(*j.track, plane)) continue;
-        pair.value = 1e-6;  // any overlap wins
+        value = 1e-6;  // any overlap wins
       }
-      values[t * columns + p] = pair.value;
     }
 
   const auto give = [&](std::size_t t, std::size_t p) {
     told.track_of[planes[p].id - 1] = open[t]->track->id;
-    take(*open[t]->track, frame, planes[p], pairs[t * columns + p].where);
+    take(*open[t], frame, planes[p]);
   };
   const std::vector<int> plane_of =
       planes::best_assignment(values, static_cast<int>(open.size()), static_cast<int>(columns));
@@ -256,10 +310,8 @@ void Tracker::assign(const ObservedFrame& frame,
   }
 }
 
-void Tracker::take(Track& track,
-                   const ObservedFrame& frame,
-                   const ObservedPlane& plane,
-                   const Vec3d& where) {
+void Tracker::take(const Judged& judged, const ObservedFrame& frame, const ObservedPlane& plane) {
+  Track& track = *judged.track;
   Sighting sighting;
   sighting.frame = frame.frame;
   sighting.plane = plane.id;
@@ -271,7 +323,8 @@ void Tracker::take(Track& track,
   sighting.founding = track.sightings.empty();
   if (!sighting.founding) {
     sighting.part = track.sightings.back().frame == frame.frame;
-    sighting.offset_m = static_cast<float>(plane.distance_m(where) - track.distance_m(where));
+    if (judged.sight.on[plane.id].cells >= options_.least_cells)
+      sighting.offset_m = static_cast<float>(apart_from(frame, judged, plane).middle_m);
     sighting.angle_deg =
         static_cast<float>(planes::plane_angle_deg(plane.normal, track.fit.normal));
   }
@@ -279,7 +332,7 @@ void Tracker::take(Track& track,
   track.sightings.push_back(sighting);
   if (plane.minor) return;  // it is there: more is not believed
   track.fuse(plane, frame.camera());
-  if (track.label == Label::unknown) track.label = plane.label;
+  if (plane.label != Label::unknown) track.label = label_of_normal(track.fit.normal);
   track.cells.fill(rings_on_grid(plane.outline, track),
                    [&](int x, int y) { track.cells.at(x, y).see(); });
 }
@@ -292,7 +345,7 @@ void Tracker::found(const ObservedFrame& frame, const ObservedPlane& plane, Fram
   track.born = frame.frame;
   track.anchor = plane.centroid;
   track.basis = plane_basis(plane.normal);
-  take(track, frame, plane, plane.centroid);
+  take({&track, {}}, frame, plane);
   told.track_of[plane.id - 1] = track.id;
 }
 
@@ -320,8 +373,7 @@ void Tracker::note_absence(const ObservedFrame& frame, Judged& judged, const Fra
         2 * judged.sight.on[id].cells > judged.sight.there) {
       gap.why = Absence::not_matched;
       gap.plane = id;
-      const Sight::On& on = judged.sight.on[id];
-      gap.term = compare(track, frame.planes[id - 1], on.sum / on.cells);
+      gap.term = compare(frame, judged, frame.planes[id - 1]);
       if (gap.term.failed == Term::none) {
         gap.term = {Term::taken, static_cast<double>(told.track_of[id - 1]), 0};
       }
@@ -338,16 +390,24 @@ void Tracker::note_absence(const ObservedFrame& frame, Judged& judged, const Fra
   }
 }
 
-void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
+void Tracker::consolidate() {
+  if (frames_.empty()) return;
+  const int last = frames_.back().frame;
+  for (segment_ = 0; segment_ <= frames_.back().segment; ++segment_)
+    while (merge_equal(last, [](const Track&) { return true; })) {
+    }
+  segment_ = frames_.back().segment;
+}
+
+bool Tracker::merge_equal(int frame, const std::function<bool(const Track&)>& has_grown) {
   const std::vector<Track*> tracks = alive();
+  bool any = false;
   for (Track* small : tracks) {
-    // Only what grew in this frame has come to touch anything.
-    const Sighting& last = small->sightings.back();
-    if (last.frame != frame.frame || last.minor) continue;
+    if (!has_grown(*small)) continue;
     for (Track* large : tracks) {
       if (small == large || small->state != TrackState::alive || large->state != TrackState::alive)
         continue;
-      if (small->label != large->label) continue;
+      if (small->known > 0 && large->known > 0) continue;  // the earlier pass knows them better
       const double angle = planes::plane_angle_deg(small->fit.normal, large->fit.normal);
       if (angle > most_angle_deg(options_, small->sigma_tilt_deg(), large->sigma_tilt_deg(),
                                  std::min(small->width_m(), large->width_m())))
@@ -355,10 +415,12 @@ void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
       // Where the narrower one is known best: elsewhere its tilt leaves it free.
       const bool is_narrower = small->width_m() < large->width_m();
       const Vec3d where = (is_narrower ? small : large)->centroid();
-      const double offset = std::abs((is_narrower ? large : small)->distance_m(where));
-      if (offset > most_offset_m(options_, small->sigma_m(small->on_grid(where)),
-                                 large->sigma_m(large->on_grid(where))))
-        continue;
+      const double most = most_offset_m(options_, small->sigma_m(small->on_grid(where)),
+                                        large->sigma_m(large->on_grid(where)));
+      if (std::abs((is_narrower ? large : small)->distance_m(where)) > most) continue;
+      Pose shift = Pose::Identity();
+      shift.translation() = small->anchor - large->anchor;
+      if (apart(large->moments, moved(small->moments, shift)).rim_m > most) continue;
       const int radius = large->cells.index_of(options_.join_gap_m);
       bool near = false;
       int count = 0;
@@ -374,11 +436,11 @@ void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
       if (!near) continue;
       Track& into = small->id < large->id ? *small : *large;
       Track& from = small->id < large->id ? *large : *small;
-      merge(from, into, frame.frame);
-      for (int& id : told.track_of)
-        if (id == from.id) id = into.id;
+      merge(from, into, frame);
+      any = true;
     }
   }
+  return any;
 }
 
 void Tracker::merge(Track& from, Track& into, int frame) {
@@ -416,6 +478,7 @@ void Tracker::merge(Track& from, Track& into, int frame) {
   into.sightings = std::move(sightings);
   drop_gaps_of_sightings(into);
   into.born = std::min(into.born, from.born);
+  into.known = std::max(into.known, from.known);
   from.state = TrackState::merged;
   from.merged_into = into.id;
   from.ended = frame;

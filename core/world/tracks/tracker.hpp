@@ -18,11 +18,13 @@ struct FrameOfTracks {
   int frame = 0;
   double timestamp_s = 0;
   int segment = 0;
+  Pose T_world_camera = Pose::Identity();  // as aligned
   bool has_pose = true;
   bool set_aside = false;  // its depth does not fit what is known
   double agreement = 1;    // share of what was in sight that was where it should be
   int compared_cells = 0;
   std::vector<int> track_of;  // by plane id - 1; 0: none
+  std::vector<int> covered;   // tracks that planes of larger ones stand for
   int listed = 0;             // planes; minor ones follow them
 };
 
@@ -36,44 +38,64 @@ struct LeftPiece {
 /// Deterministic.
 class Tracker {
  public:
-  explicit Tracker(TrackOptions options = {}) : options_(options) {}
+  /// `known`: the frames' planes were expected of so many tracks of another tracker, of an earlier
+  /// pass over the recording; 0: of this one's.
+  explicit Tracker(TrackOptions options = {}, std::size_t known = 0)
+      : options_(options), own_of_known_(known, 0) {}
 
   /// Frames of a segment come together, in the order of time.
-  const FrameOfTracks& add(const ObservedFrame& frame);
+  /// Aligns the frame to the tracks.
+  const FrameOfTracks& add(ObservedFrame& frame);
+  const FrameOfTracks& add(ObservedFrame&& frame) { return add(frame); }
   /// A frame whose pose nobody knows, or that could not be segmented.
   const FrameOfTracks& skip(int frame, double timestamp_s);
+
+  /// Merges all tracks that turned out to be one, now that all frames are in.
+  void consolidate();
 
   /// What leaves the window is handed over, once; where nothing takes it, it is lost.
   void on_left(std::function<void(const LeftPiece&)> take) { take_left_ = std::move(take); }
 
   const TrackOptions& options() const { return options_; }
   const std::deque<Track>& tracks() const { return tracks_; }  // by id - 1
+  int segment() const { return segment_; }                     // of the last frame
   const std::vector<FrameOfTracks>& frames() const { return frames_; }
 
  private:
   struct Judged;
   std::vector<Track*> alive();
-  TermResult compare(const Track& track, const ObservedPlane& plane, const Vec3d& where) const;
+  /// Of the plane and what the frame shows of the track, or all that is known of it.
+  Apart apart_from(const ObservedFrame& frame,
+                   const Judged& judged,
+                   const ObservedPlane& plane) const;
+  TermResult compare(const ObservedFrame& frame,
+                     const Judged& judged,
+                     const ObservedPlane& plane) const;
   /// How well the frame's depth fits the tracks.
   void judge_agreement(std::span<const Judged> judged, FrameOfTracks& told) const;
-  /// Gives planes, all minor or none, to tracks. Minor ones found none, and nothing joins by them.
+  /// Gives planes that were expected of a track to it.
+  void take_expected(const ObservedFrame& frame, std::vector<Judged>& judged, FrameOfTracks& told);
+  /// Gives other planes, all minor or none, to tracks. Minor ones found none, and nothing joins by
+  /// them.
   void assign(const ObservedFrame& frame,
               std::span<const ObservedPlane> planes,
               std::vector<Judged>& judged,
               FrameOfTracks& told);
-  void take(Track& track,
-            const ObservedFrame& frame,
-            const ObservedPlane& plane,
-            const Vec3d& where);
+  void take(const Judged& judged, const ObservedFrame& frame, const ObservedPlane& plane);
   void found(const ObservedFrame& frame, const ObservedPlane& plane, FrameOfTracks& told);
   bool touch(const Track& track, const ObservedPlane& plane) const;
   void note_absence(const ObservedFrame& frame, Judged& judged, const FrameOfTracks& told);
-  void merge_equal(const ObservedFrame& frame, FrameOfTracks& told);
+  /// Merges tracks that turned out to be one, the first of each pair one that has grown. Whether
+  /// there were any.
+  bool merge_equal(int frame, const std::function<bool(const Track&)>& has_grown);
+  /// Merges tracks into larger ones that explain them more often than not.
+  void merge_covered(int frame);
   void merge(Track& from, Track& into, int frame);
   void end_those_gone(int frame);
   void leave_window(const ObservedFrame& frame);
 
   TrackOptions options_;
+  std::vector<int> own_of_known_;  // by id - 1; 0: not seen yet
   std::deque<Track> tracks_;
   std::vector<FrameOfTracks> frames_;
   int segment_ = 0;  // of the last frame, with those that were begun here

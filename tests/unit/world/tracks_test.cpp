@@ -3,12 +3,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 
 #include "core/io/recording.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
 #include "core/lab/synthetic/sequence.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/world/files/map_files.hpp"
+#include "core/world/tracks/align.hpp"
+#include "core/world/tracks/expected.hpp"
 #include "core/world/tracks/track_labels.hpp"
 #include "support/temp_dir.hpp"
 
@@ -32,7 +35,9 @@ class Room : public ::testing::Test {
     camera_.pitch_deg = 35;
   }
 
-  ObservedFrame look(const lab::Scene& scene, bool covered = false) {
+  ObservedFrame look(const lab::Scene& scene,
+                     bool covered = false,
+                     std::span<const Track* const> known = {}) {
     lab::D435Model model;
     model.intrinsics = lab::d435_intrinsics(160, 120);
     model.noise = model.color = false;
@@ -42,7 +47,10 @@ class Room : public ::testing::Test {
     const Pose pose = lab::pose_of(camera_);
     frame.gravity =
         Gravity{pose.linear().transpose() * -Vec3d::UnitZ(), GravitySource::sidecar, 1, ""};
-    const auto result = planes::run_frame(frame, options_, chosen_.classifier.get());
+    const std::vector<planes::KnownPlane> expected =
+        expected_planes(known, frame, pose, tracker_.options());
+    const auto result =
+        planes::run_frame(frame, options_, chosen_.classifier.get(), nullptr, nullptr, expected);
     return observe(frame, result, options_, pose, 0);
   }
   const Track& track_of(const Vec3d& place, const Vec3d& normal) {
@@ -175,6 +183,59 @@ TEST_F(Room, AFrameAtAWrongPoseIsSetAside) {
   EXPECT_EQ(tracker_.tracks().size(), tracks);
   EXPECT_EQ(floor().gaps.back().why, Absence::set_aside);
   EXPECT_FALSE(tracker_.add(look(scene_)).set_aside);
+}
+
+TEST_F(Room, AFrameAtASlightlyWrongPoseIsBroughtToItsPlace) {
+  for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
+  ObservedFrame seen = look(scene_);
+  const Pose right = seen.T_world_camera;
+  Pose off = Pose::Identity();
+  off.linear() = Eigen::AngleAxisd(0.01, Vec3d::UnitY()).toRotationMatrix();
+  off.translation() = Vec3d(0.02, 0, 0.02);
+  move_to(seen, off * right);
+  const Pose aligned = tracker_.add(seen).T_world_camera;
+  EXPECT_LT((aligned.translation() - right.translation()).norm(), 0.003);
+  EXPECT_LT(Eigen::AngleAxisd(aligned.linear().transpose() * right.linear()).angle(), 0.002);
+  EXPECT_LT(std::abs(floor().distance_m(Vec3d::Zero())), 0.002);
+  EXPECT_EQ(floor().frames_seen, 5);
+  // One that fits stays where it is.
+  const ObservedFrame fitting = look(scene_);
+  EXPECT_EQ(tracker_.add(ObservedFrame(fitting)).T_world_camera.matrix(),
+            fitting.T_world_camera.matrix());
+}
+
+TEST_F(Room, ASurfaceBeforeAPlaneDoesNotPullTheFrame) {
+  for (int i = 0; i < 4; ++i) tracker_.add(look(empty_));
+  // The box stands on the floor: its foot is close to it, and is no part of it.
+  ObservedFrame seen = look(scene_);
+  const Pose right = seen.T_world_camera;
+  Pose off = Pose::Identity();
+  off.translation() = Vec3d(0, 0, 0.015);
+  move_to(seen, off * right);
+  const Pose aligned = tracker_.add(seen).T_world_camera;
+  EXPECT_LT((aligned.translation() - right.translation()).norm(), 0.003);
+}
+
+TEST_F(Room, TracksOfAnEarlierPassKeepTheirPlanes) {
+  for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
+  tracker_.consolidate();
+  Tracker second({}, tracker_.tracks().size());
+  for (int i = 0; i < 4; ++i) {
+    std::vector<const Track*> known;
+    for (const Track& track : tracker_.tracks())
+      if (track.is_sure(tracker_.options())) known.push_back(&track);
+    ObservedFrame seen = look(scene_, false, known);
+    std::set<int> expected;
+    for (const ObservedPlane& plane : seen.planes)
+      if (plane.known > 0) expected.insert(plane.known);
+    EXPECT_EQ(expected.size(), known.size()) << i;
+    const FrameOfTracks& told = second.add(seen);
+    for (const ObservedPlane& plane : seen.planes) {
+      if (plane.known == 0) continue;
+      EXPECT_EQ(second.tracks()[told.track_of[plane.id - 1] - 1].known, plane.known) << i;
+    }
+  }
+  for (const Track& track : second.tracks()) EXPECT_EQ(track.frames_missed, 0) << track.id;
 }
 
 TEST_F(Room, WhatLeavesTheWindowIsHandedOverAndForgotten) {
@@ -367,8 +428,17 @@ TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(map_texts(one, "walk").tracks_json, map_texts(three, "walk").tracks_json);
   EXPECT_EQ(one.poses.source, "the recording");
   EXPECT_GT(planes_of_map(one.tracker).size(), 4u);
+  // Each frame's planes are stored, with the tracks of the final pass.
+  ASSERT_EQ(one.stored.size(), job.frames.size());
+  for (std::size_t i = 0; i < one.stored.size(); ++i) {
+    EXPECT_EQ(one.stored[i].png, three.stored[i].png) << i;
+    EXPECT_EQ(one.stored[i].margins.size(), one.tracker.frames()[i].track_of.size()) << i;
+  }
   // The same poses from a file give the same map.
-  job.trajectory = one.poses;
+  job.trajectory = Trajectory{"a file", {}};
+  for (const int frame : job.frames)
+    job.trajectory->poses.push_back(
+        {.frame = frame, .T_world_camera = *recording->T_world_camera(frame)});
   const auto planes =
       nlohmann::json::parse(map_texts(map_recording(job), "walk").map_json)["planes"];
   EXPECT_EQ(planes, nlohmann::json::parse(map_texts(one, "walk").map_json)["planes"]);

@@ -1,0 +1,20 @@
+#pragma once
+
+// What a map expects a frame to show.
+
+#include <span>
+#include <vector>
+
+#include "core/planes/depth/known.hpp"
+#include "core/world/tracks/track.hpp"
+
+namespace planescope::world {
+
+/// The tracks as candidates for the planes of a frame at this pose; `KnownPlane::id` is the
+/// track's. Of each, the measured pixels whose rays meet its cells.
+std::vector<planes::KnownPlane> expected_planes(std::span<const Track* const> tracks,
+                                                const Frame& frame,
+                                                const Pose& T_world_camera,
+                                                const TrackOptions& options);
+
+}  // namespace planescope::world
