@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "render/paint.hpp"
+#include "render/plane_colors.hpp"
 #include "render/region_image.hpp"
 #include "render/scene_parts.hpp"
 
@@ -43,22 +44,15 @@ Rgba verdict_color(planes::Verdict verdict) {
   return kSceneFaded;
 }
 
-/// A colour id per true plane, by JudgedFrame::true_plane - 1: that of the found plane which stands
-/// for it, a new one where there is none.
+/// A color id per true plane, by JudgedFrame::true_plane - 1: that of the found plane which stands
+/// for it; where there is none, another one than those that it touches.
 std::vector<int> true_plane_colors(const planes::JudgedFrame& judged,
                                    const planes::FrameResult& result,
                                    std::span<const int> color_of_plane) {
-  int next = static_cast<int>(result.segmentation.planes.size());
-  for (const int id : color_of_plane) next = std::max(next, id);
-  std::vector<int> colors;
-  for (const int found : judged.found_of) {
-    if (found == 0)
-      colors.push_back(++next);
-    else
-      colors.push_back(
-          color_of_plane.empty() ? found : color_of_plane[static_cast<std::size_t>(found) - 1]);
-  }
-  return colors;
+  std::vector<int> wanted;
+  for (const int found : judged.found_of)
+    wanted.push_back(found == 0 ? 0 : color_id_of(found, color_of_plane));
+  return settle_colors(plane_image(result.cloud, judged.true_plane, wanted.size()), wanted);
 }
 
 /// What each of the three pictures shows of a point; alpha 0: nothing.

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <span>
 
 #include "app/desktop/debugger/plane_text.hpp"
-#include "render/palette.hpp"
 #include "render/step_values.hpp"
 
 namespace planescope::desktop {
@@ -246,38 +244,25 @@ render::StepLook other_look_of(const State& state) {
 }
 
 std::vector<int> colors_of_planes(const State& state, const RunView& of) {
-  const Results& results = state.results;
-  const debug::Comparison* comparison = comparison_with_a(results);
-  if (!comparison || !results.pinned || &of != results.current.get() || &of == results.pinned.get())
-    return of.track_colors;
-  return colors_like(*results.pinned->run, *of.run, *comparison);
+  const FrameColors* colors = &of.colors;
+  const std::vector<Thumbnail>& strip = state.results.strip;
+  const int frame = of.run->subject->frame.index;
+  if (frame < std::ssize(strip) && &of != state.results.pinned.get()) {
+    const FrameColors& there = strip[static_cast<std::size_t>(frame)].colors;
+    if (there.planes && there.key == colors->key && there.of_tracks == colors->of_tracks)
+      colors = &there;
+  }
+  return colors->planes ? colors_of_trace(*of.run, colors->planes->own_colors())
+                        : std::vector<int>();
 }
 
-std::vector<int> colors_like(const debug::Run& a,
-                             const debug::Run& b,
-                             const debug::Comparison& comparison) {
-  std::set<int> taken;
-  for (const planes::PlaneRegion& region : a.segmentation.planes)
-    if (const std::int32_t plane = a.timeline.plane_of_number(region.id); plane >= 0)
-      taken.insert(plane % render::kPlaneColors);
-  std::vector<int> of_result(b.segmentation.planes.size() + 1, 0);
-  for (const debug::PlanePair& pair : comparison.planes)
-    if (pair.a > 0 && pair.b > 0)
-      of_result[static_cast<std::size_t>(pair.b)] = a.timeline.plane_of_number(pair.a) + 1;
-  // What A has not, in a colour that is none of A's, as long as there are such.
-  int next = 0;
-  std::vector<int> colors;
-  for (std::int32_t plane = 0; plane < b.timeline.plane_count(); ++plane) {
-    const auto id = static_cast<std::size_t>(b.timeline.result_of_plane(plane));
-    int color = id > 0 ? of_result[id] : plane + 1;
-    if (color == 0) {
-      while (taken.size() < render::kPlaneColors && taken.contains(next)) ++next;
-      taken.insert(next % render::kPlaneColors);
-      color = next % render::kPlaneColors + 1;
-    }
-    colors.push_back(color);
+std::vector<int> colors_of_trace(const debug::Run& run, const std::vector<int>& colors) {
+  std::vector<int> of_trace;
+  for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
+    const auto id = static_cast<std::size_t>(run.timeline.result_of_plane(plane));
+    of_trace.push_back(id > 0 && id <= colors.size() ? colors[id - 1] : plane + 1);
   }
-  return colors;
+  return of_trace;
 }
 
 render::LabelLook label_look_of(const State& state) {

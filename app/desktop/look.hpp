@@ -34,14 +34,10 @@ bool same_camera(const render::Camera& a, const render::Camera& b);
 render::StepLook look_of(const State& state);
 /// The same place and selection in the run that is shown beside it (State::other_view()).
 render::StepLook other_look_of(const State& state);
-/// Colour ids of the planes of a run's trace: B's have those of the planes of A that they match.
-/// Empty: each has its own.
+/// Color ids of the planes of a run's trace: those that the strip has for them, once it has come by.
 std::vector<int> colors_of_planes(const State& state, const RunView& of);
-
-/// The same of any two runs on a frame.
-std::vector<int> colors_like(const debug::Run& a,
-                             const debug::Run& b,
-                             const debug::Comparison& comparison);
+/// The same from color ids by plane id - 1. Planes that do not last have other colors.
+std::vector<int> colors_of_trace(const debug::Run& run, const std::vector<int>& colors);
 
 /// What both views of the label mode draw. Its spans are the state's.
 render::LabelLook label_look_of(const State& state);

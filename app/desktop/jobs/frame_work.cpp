@@ -108,11 +108,10 @@ std::string options_key(const planes::PipelineOptions& options, bool preparing) 
   return key;
 }
 
-/// Empty where the run's planes are not those that were followed.
+/// By plane id - 1; empty where the run's planes are not those that were followed.
 std::vector<int> track_colors(const Wanted& wanted, const debug::Run& run) {
   const MapView* map = wanted.map.get();
-  if (!map || map->key != wanted.prepare_key + wanted.segment_key || map->picked != wanted.picked)
-    return {};
+  if (!map || map->key != wanted.key() || map->picked != wanted.picked) return {};
   return colors_by_track(*map, run);
 }
 
@@ -178,16 +177,59 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
   return debug::make_subject(std::move(frame), std::move(truth), options, classifier.get());
 }
 
+std::shared_ptr<const render::ColoredPlanes> ColorBook::nearest(const Wanted& wanted) const {
+  constexpr int kOtherOptions = 3;  // frames that a frame of other options counts as farther off
+  const std::lock_guard lock(mutex_);
+  if (recording_ != wanted.recording) return nullptr;
+  const std::string key = wanted.key();
+  const FrameColors* nearest = nullptr;
+  int least = std::numeric_limits<int>::max();
+  for (const auto& [frame, colors] : of_frame_) {
+    const int far = std::abs(frame - wanted.frame) + (colors.key == key ? 0 : kOtherOptions);
+    if (far < least) nearest = &colors;
+    least = std::min(least, far);
+  }
+  return nearest ? nearest->planes : nullptr;
+}
+
+FrameColors ColorBook::colors(const Wanted& wanted,
+                              const debug::Run& run,
+                              const RunView* a) const {
+  render::PlaneImage image = render::plane_image(run.subject->prepared.cloud, run.plane_of,
+                                                 run.segmentation.planes.size());
+  std::vector<int> of_tracks = track_colors(wanted, run);
+  FrameColors colors{nullptr, wanted.key(), !of_tracks.empty()};
+  render::ColoredPlanes colored;
+  if (colors.of_tracks) {
+    colored.colors = render::settle_colors(image, std::move(of_tracks));
+    colored.unseen.assign(colored.colors.size(), 0);
+    colored.image = std::move(image);
+  } else {
+    const auto before = a ? a->colors.planes : nearest(wanted);
+    colored = render::color_planes(std::move(image), before.get());
+  }
+  colors.planes = std::make_shared<const render::ColoredPlanes>(std::move(colored));
+  return colors;
+}
+
+void ColorBook::keep(const Wanted& wanted, const FrameColors& colors) {
+  const std::lock_guard lock(mutex_);
+  if (recording_ != wanted.recording) of_frame_.clear();
+  recording_ = wanted.recording;
+  of_frame_[wanted.frame] = colors;
+}
+
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const render::Home& home,
-                                        const Wanted& wanted) {
+                                        const Wanted& wanted,
+                                        FrameColors colors) {
   auto view = std::make_shared<RunView>();
   view->histograms = debug::histograms_of(*run);
   view->score = score_of(*run);
   view->home = home;
   view->outlines = outlines_of_run(*run);
   view->map = wanted.map;
-  view->track_colors = track_colors(wanted, *run);
+  view->colors = std::move(colors);
   if (wanted.map)
     view->map_lines =
         std::make_shared<const std::vector<render::DrawLines>>(map_lines(*wanted.map, *run));
@@ -199,7 +241,10 @@ render::Home home_of(const debug::Run& run) {
   return render::home_of(run.subject->prepared, run.segmentation);
 }
 
-Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers, const debug::Run* a) {
+Thumbnail thumbnail_of(const Wanted& wanted,
+                       Classifiers& classifiers,
+                       ColorBook& book,
+                       const RunView* a) {
   Thumbnail thumbnail;
   thumbnail.ready = true;
   try {
@@ -208,8 +253,9 @@ Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers, const deb
     look.step = run->steps();
     look.color_by = render::ColorBy::planes;
     look.show_current = false;
-    look.color_of_plane = track_colors(wanted, *run);
-    if (a) look.color_of_plane = colors_like(*a, *run, debug::compare_runs(*a, *run));
+    thumbnail.colors = book.colors(wanted, *run, a);
+    book.keep(wanted, thumbnail.colors);
+    look.color_of_plane = colors_of_trace(*run, thumbnail.colors.planes->own_colors());
     thumbnail.image =
         run->subject->frame.depth.empty()
             ? cloud_thumbnail(*run, look, kThumbnailWidth)

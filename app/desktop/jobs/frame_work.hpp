@@ -3,6 +3,7 @@
 // What jobs do to a frame: reading, preparing and running it, for the views and for the strip.
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -35,6 +36,8 @@ struct Wanted {
   std::shared_ptr<const MapView> map = {};  // whose gravity the frame is to have
   std::string prepare_key, segment_key;     // of the options: equal texts, equal results
 
+  std::string key() const { return prepare_key + segment_key; }  // run_key() of the options
+
   bool same_subject(const Wanted& other) const {
     return recording == other.recording && frame == other.frame &&
            labels_version == other.labels_version && prepare_key == other.prepare_key &&
@@ -54,6 +57,25 @@ Wanted wanted_of(const Document& document, int frame);
 std::string run_key(const planes::PipelineOptions& options);
 Wanted with_options(Wanted wanted, const planes::PipelineOptions& options);
 
+/// Colors of the planes of a recording's frames. The strip fills it, outwards from the frame at which
+/// it begins: each frame's follow from those of the nearest that has some. A frame that is looked at
+/// before the strip comes by has colors until then that follow from the nearest, too, and are not
+/// kept. Where options change, each frame's follow from what it had before. Any thread.
+class ColorBook {
+ public:
+  /// `a`: a run of the same frame, whose colors matching planes have; null: none. Of a map's frames,
+  /// the colors of tracks.
+  FrameColors colors(const Wanted& wanted, const debug::Run& run, const RunView* a = nullptr) const;
+  void keep(const Wanted& wanted, const FrameColors& colors);
+
+ private:
+  std::shared_ptr<const render::ColoredPlanes> nearest(const Wanted& wanted) const;
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<const io::Recording> recording_;
+  std::map<int, FrameColors> of_frame_;
+};
+
 // All throw what reading and preparing throw.
 /// A frame whose gravity cannot be told is prepared without h and v.
 /// `refused_labels`: takes why label files cannot be ground truth, and the frame goes without;
@@ -63,12 +85,15 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
                                                    std::string* refused_labels = nullptr);
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const render::Home& home,
-                                        const Wanted& wanted);
+                                        const Wanted& wanted,
+                                        FrameColors colors);
 render::Home home_of(const debug::Run& run);
-/// A frame that cannot be run says why. `a`: whose colours matching planes have; null: their own.
+/// A frame that cannot be run says why. The book keeps the colors of its planes. `a`: as of
+/// ColorBook::colors().
 Thumbnail thumbnail_of(const Wanted& wanted,
                        Classifiers& classifiers,
-                       const debug::Run* a = nullptr);
+                       ColorBook& book,
+                       const RunView* a = nullptr);
 /// The camera's picture alone, or shaded depth: nothing is run for it.
 Thumbnail picture_of(const Wanted& wanted);
 

@@ -57,6 +57,7 @@ struct Jobs::Impl {
   std::mutex mutex;
   std::vector<Delivery> deliveries;
   Classifiers classifiers;
+  ColorBook colors;
 
   // What was asked for last; touched by the window's thread only.
   std::optional<Wanted> run_wanted;
@@ -64,9 +65,6 @@ struct Jobs::Impl {
   std::optional<Wanted> strip_next;    // what it is to be filled with when the options have rested
   std::shared_ptr<const io::Recording> strip_of;
   bool strip_plain = false;                      // pictures alone, as the label mode needs them
-  std::shared_ptr<const RunView> strip_a;        // whose colours the frame looked at is to have
-  std::shared_ptr<const RunView> strip_a_drawn;  // those that it has ...
-  std::size_t strip_a_frame = 0;                 // ... which is this one
   std::optional<Wanted> strip_ran_as;            // what the frames were run as ...
   std::vector<std::uint8_t> strip_ran;           // ... those that were
   std::chrono::steady_clock::time_point strip_due;
@@ -106,8 +104,12 @@ struct Jobs::Impl {
     wake();
   }
 
-  std::shared_ptr<const RunView> view_of(const Wanted& wanted, std::string& refused_labels);
-  void run_frame(const Wanted& wanted, const std::shared_ptr<const ReportPlace>& place);
+  std::shared_ptr<const RunView> view_of(const Wanted& wanted,
+                                         const RunView* a,
+                                         std::string& refused_labels);
+  void run_frame(const Wanted& wanted,
+                 std::shared_ptr<const RunView> a,
+                 const std::shared_ptr<const ReportPlace>& place);
   std::shared_ptr<const RunView> run_a(const Wanted& wanted, std::string& problems);
   void show_run(State& state, const std::shared_ptr<const RunView>& view);
   void stop_strip();
@@ -122,7 +124,9 @@ struct Jobs::Impl {
   void pursue_sensitivity(State& state);
 };
 
+/// `a`: whose colors matching planes have; null: none.
 std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
+                                                   const RunView* a,
                                                    std::string& refused_labels) {
   const bool fresh = !subject || !loaded || !loaded->same_subject(wanted);
   if (fresh) {
@@ -132,14 +136,15 @@ std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
   }
   auto run = debug::make_run(subject, wanted.options);
   if (fresh) home = home_of(*run);
-  return view_run(std::move(run), home, wanted);
+  FrameColors of_planes = colors.colors(wanted, *run, a);
+  return view_run(std::move(run), home, wanted, std::move(of_planes));
 }
 
 /// Null where the frame cannot be run with these options, and `problems` says why; B is shown all
 /// the same.
 std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::string& problems) {
   try {
-    auto view = view_of(wanted, problems);
+    auto view = view_of(wanted, nullptr, problems);
     deliver([wanted, view](State& state) {
       if (wanted.is_shown(state.document)) state.results.pinned = view;
     });
@@ -150,13 +155,16 @@ std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::stri
   }
 }
 
-/// `place`: where the window is to stand then, null to leave that to the view.
-void Jobs::Impl::run_frame(const Wanted& wanted, const std::shared_ptr<const ReportPlace>& place) {
+/// `a`: null where there is none. `place`: where the window is to stand then, null to leave that to
+/// the view.
+void Jobs::Impl::run_frame(const Wanted& wanted,
+                           std::shared_ptr<const RunView> a,
+                           const std::shared_ptr<const ReportPlace>& place) {
   try {
     std::string problems;
-    std::shared_ptr<const RunView> a;
+    if (place) a = nullptr;
     if (place && place->options_a) a = run_a(with_options(wanted, *place->options_a), problems);
-    const auto view = view_of(wanted, problems);
+    const auto view = view_of(wanted, a.get(), problems);
     std::optional<RunArrival> arrival;
     if (place) arrival = arrival_at(*place, a ? a->run.get() : nullptr, *view->run);
     deliver([this, wanted, view, arrival, problems](State& state) {
@@ -219,8 +227,9 @@ void Jobs::Impl::pursue_run(State& state) {
     state.results.current = nullptr;
   }
   run_wanted = wanted;
-  runs.replace([this, wanted, place = std::exchange(state.view.report_place, nullptr)](
-                   std::stop_token) { run_frame(wanted, place); });
+  runs.replace([this, wanted, a = state.results.pinned,
+                place = std::exchange(state.view.report_place, nullptr)](
+                   std::stop_token) { run_frame(wanted, a, place); });
 }
 
 /// Not while a frame is run, or may be run again at once: a slider that is dragged has the machine
@@ -284,17 +293,13 @@ void Jobs::Impl::pursue_strip(State& state) {
   const auto count = static_cast<std::size_t>(wanted.recording->frame_count());
   const bool same_recording = strip_of == wanted.recording && state.results.strip.size() == count;
   const bool plain = state.view.mode == Mode::labels;
-  const std::shared_ptr<const RunView> a =
-      state.results.pinned == state.results.current ? nullptr : state.results.pinned;
-  if (same_recording && strip_next && *strip_next == wanted && strip_plain == plain &&
-      strip_a == a) {
+  if (same_recording && strip_next && *strip_next == wanted && strip_plain == plain) {
     if (strip_wanted && state.view.strip_stopped) strip.cancel();
     if (strip_wanted) return;
   } else {
     stop_strip();
     strip_next = wanted;
     strip_plain = plain;
-    strip_a = a;
     strip_due = std::chrono::steady_clock::now() + kStripDelay;
   }
   strip_waits = same_recording && std::chrono::steady_clock::now() < strip_due;
@@ -308,14 +313,6 @@ void Jobs::Impl::pursue_strip(State& state) {
     strip_ran.assign(count, 0);
   }
   if (!same_recording && plain) strip_ran_as.reset();
-  const auto shown = static_cast<std::size_t>(state.document.frame);
-  const auto draw_again = [&](std::size_t frame) {
-    if (frame < strip_ran.size()) strip_ran[frame] = 0;
-  };
-  if (strip_a_drawn != a && strip_a_drawn) draw_again(strip_a_frame);
-  if (strip_a_drawn != a && a) draw_again(shown);
-  strip_a_drawn = a;
-  strip_a_frame = shown;
   std::vector<std::uint8_t> has = strip_ran;  // what need not be made
   if (plain) {
     has.clear();
@@ -323,16 +320,19 @@ void Jobs::Impl::pursue_strip(State& state) {
   }
   state.results.strip_done = static_cast<int>(std::ranges::count_if(has, std::identity()));
   const int first = state.document.frame, number = ++strip_number;
-  strip.replace([this, wanted, first, count, number, plain, a,
+  strip.replace([this, wanted, first, count, number, plain, a = state.results.pinned,
                  has = std::move(has)](std::stop_token stop) mutable {
-    for (std::size_t i = 0; i < count; ++i) {  // from the frame looked at on
-      const std::size_t index = (static_cast<std::size_t>(first) + i) % count;
+    // From the frame looked at to the last, then backwards to the first: next to each is one whose
+    // colors its own follow from.
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t before = static_cast<std::size_t>(first), after = count - before;
+      const std::size_t index = i < after ? before + i : count - 1 - i;
       if (has[index]) continue;
       wanted.frame = static_cast<int>(index);
       if (stop.stop_requested()) return;
       Thumbnail thumbnail =
           plain ? picture_of(wanted)
-                : thumbnail_of(wanted, classifiers, a && i == 0 ? a->run.get() : nullptr);
+                : thumbnail_of(wanted, classifiers, colors, i == 0 ? a.get() : nullptr);
       if (stop.stop_requested()) return;
       deliver([this, thumbnail = std::move(thumbnail), index, number, plain](State& s) {
         if (number != strip_number || index >= s.results.strip.size()) return;

@@ -29,6 +29,7 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_planes.hpp"
 #include "render/framing.hpp"
+#include "render/plane_colors.hpp"
 #include "render/step_scene.hpp"
 
 namespace planescope::desktop {
@@ -99,6 +100,13 @@ bool forget_recent(Document& document, const std::filesystem::path& recording);
 
 // ---- Results -----------------------------------------------------------------------------------
 
+/// Colors of a frame's planes, and what those of other frames follow from.
+struct FrameColors {
+  std::shared_ptr<const render::ColoredPlanes> planes;  // null: none were looked for
+  std::string key;                                      // run_key() of the options
+  bool of_tracks = false;                               // those of a map
+};
+
 /// A frame as the strip shows it.
 struct Thumbnail {
   bool ready = false;
@@ -106,6 +114,7 @@ struct Thumbnail {
   int planes = 0;  // -1: none were looked for, a picture is all that labeling needs
   std::optional<debug::QuickScore> score;  // where it has ground truth
   std::string refusal;                     // why there is none
+  FrameColors colors;                      // of its planes
 };
 
 /// A run with what panels show of it.
@@ -117,7 +126,7 @@ struct RunView {
   std::shared_ptr<const render::PlaneScene> outlines = {};  // of its planes; null: there are none
   std::shared_ptr<const MapView> map = {};  // whose gravity the frame has; null: its own
   std::shared_ptr<const std::vector<render::DrawLines>> map_lines = {};  // its planes in the scene
-  std::vector<int> track_colors = {};  // colour ids of the trace's planes; empty: not the map's
+  FrameColors colors = {};
 };
 
 /// What is found out about a run's planes a little later, and by options that leave the run as it
