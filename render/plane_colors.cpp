@@ -76,7 +76,8 @@ std::vector<int> settle_colors(const PlaneImage& planes,
   for (const int i : by_size) {
     int& color = colors[static_cast<std::size_t>(i)];
     if (color > 0) continue;
-    const int found = new_color(planes, colors, neighbors[static_cast<std::size_t>(i)], is_reserved);
+    const int found =
+        new_color(planes, colors, neighbors[static_cast<std::size_t>(i)], is_reserved);
     // Smaller ones make room, and get another one in their turn.
     for (const int other : neighbors[static_cast<std::size_t>(i)])
       if (int& theirs = colors[static_cast<std::size_t>(other)];

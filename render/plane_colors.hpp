@@ -15,9 +15,9 @@ inline constexpr int kRememberedFrames = 10;
 
 /// The planes of a frame with their colors: what the next frame's colors follow from.
 struct ColoredPlanes {
-  PlaneImage image;          // behind the frame's own planes those that it remembers, without cells
-  std::vector<int> colors;   // color ids by plane id - 1, 1 to kPlaneColors
-  std::vector<int> unseen;   // frames; 0: in this one
+  PlaneImage image;         // behind the frame's own planes those that it remembers, without cells
+  std::vector<int> colors;  // color ids by plane id - 1, 1 to kPlaneColors
+  std::vector<int> unseen;  // frames; 0: in this one
 
   /// Of the frame's own planes.
   std::vector<int> own_colors() const;
@@ -28,8 +28,9 @@ struct ColoredPlanes {
 ColoredPlanes color_planes(PlaneImage now, const ColoredPlanes* before = nullptr);
 
 /// Color ids by plane id - 1. `wanted`: the same, 0 for none. Of planes that touch, none has the
-/// color of the other: the larger keeps what it wants. Those that are left get a color that no other
-/// plane has and that is not `reserved`, or else one that only planes have that they do not touch.
+/// color of the other: the larger keeps what it wants. Those that are left get a color that no
+/// other plane has and that is not `reserved`, or else one that only planes have that they do not
+/// touch.
 std::vector<int> settle_colors(const PlaneImage& planes,
                                std::vector<int> wanted,
                                const std::vector<int>& reserved = {});

@@ -13,10 +13,10 @@
 namespace planescope::render {
 namespace {
 
-constexpr double kMostCells = 4800;         // of an image: 8 x 8 pixels of VGA each
-constexpr int kTouchingShare = 80;          // of the image's width
-constexpr double kCloudCell_m = 0.1;        // edge
-constexpr double kFarFromSensor_m = 100;    // clouds in map coordinates: about their own middle
+constexpr double kMostCells = 4800;       // of an image: 8 x 8 pixels of VGA each
+constexpr int kTouchingShare = 80;        // of the image's width
+constexpr double kCloudCell_m = 0.1;      // edge
+constexpr double kFarFromSensor_m = 100;  // clouds in map coordinates: about their own middle
 constexpr double kDeg = std::numbers::pi / 180;
 
 // Overlapping planes: what neighboring frames of a hand-held camera differ by before its motion is
@@ -139,7 +139,8 @@ double gap_m(const PlaneInView& a, const PlaneInView& b) {
 /// By plane id - 1.
 std::vector<double> cells_of(const PlaneImage& image) {
   std::vector<double> count(image.planes.size(), 0);
-  for (const PlaneImage::Cell& cell : image.cells) ++count[static_cast<std::size_t>(cell.plane) - 1];
+  for (const PlaneImage::Cell& cell : image.cells)
+    ++count[static_cast<std::size_t>(cell.plane) - 1];
   return count;
 }
 
@@ -259,7 +260,8 @@ PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now) {
       const double slack = 1 + kSlack * both / (size_before[b] + size_now[n] - both);
       const double angle =
           planes::plane_angle_deg(from.normal, to.normal) / (slack * kOverlapAngle_deg);
-      const double offset = std::min(offset_apart_m(from, to), gap_m(from, to)) / (slack * kOverlapOffset_m);
+      const double offset =
+          std::min(offset_apart_m(from, to), gap_m(from, to)) / (slack * kOverlapOffset_m);
       if (angle > 1 || offset > 1) continue;
       value[b * columns + n] = both * (2 - angle * angle - offset * offset) / 2;
     }
@@ -279,8 +281,8 @@ PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now) {
       const double angle = planes::plane_angle_deg(from.normal, to.normal) / kMovedAngle_deg;
       const double offset =
           offset_apart_m(from, to) / (kMovedOffset_m + kMovedOffsetShare * std::abs(to.offset_m));
-      const double apart = (from.centroid - to.centroid).norm() /
-                           (kRadii * (from.radius_m + to.radius_m) + kRoom_m);
+      const double apart =
+          (from.centroid - to.centroid).norm() / (kRadii * (from.radius_m + to.radius_m) + kRoom_m);
       const double worst = std::max({angle, offset, apart});
       if (worst > 1) continue;
       if (!taken[b])

@@ -36,9 +36,10 @@ struct PlaneImage {
   std::vector<std::pair<int, int>> touching;  // ids, the smaller first; ascending
 };
 
-/// `plane_of`: per point of the cloud, ids up to `count`; those below 1 are no plane. Planes touch where their pixels
-/// are at most 1/80 of the image's width apart in a row or a column, which bridges the edges that
-/// depth cameras leave unmeasured; in clouds, where they are in neighboring cells of 10 cm.
+/// `plane_of`: per point of the cloud, ids up to `count`; those below 1 are no plane. Planes touch
+/// where their pixels are at most 1/80 of the image's width apart in a row or a column, which
+/// bridges the edges that depth cameras leave unmeasured; in clouds, where they are in neighboring
+/// cells of 10 cm.
 PlaneImage plane_image(const planes::Cloud& cloud,
                        std::span<const std::int32_t> plane_of,
                        std::size_t count);

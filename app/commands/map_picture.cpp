@@ -62,8 +62,7 @@ class CellPainter {
 
   void add(const Track& track) {
     const bool gone = track.state == world::TrackState::gone;
-    const render::Rgba color =
-        render::plane_color(colors_[static_cast<std::size_t>(track.id) - 1]);
+    const render::Rgba color = render::plane_color(colors_[static_cast<std::size_t>(track.id) - 1]);
     const double side = sheet_.px_per_m * track.cells.cell_m();
     const int size = std::max(1, static_cast<int>(std::ceil(side)));
     for (const Vec2d& place : track.places()) {

@@ -9,8 +9,8 @@
 
 namespace planescope::app {
 
-/// Color ids of tracks, by track id - 1. Tracks that touch in the world have different colors; beyond
-/// that, two that are seen in the same frames share one as rarely as possible.
+/// Color ids of tracks, by track id - 1. Tracks that touch in the world have different colors;
+/// beyond that, two that are seen in the same frames share one as rarely as possible.
 std::vector<int> colors_of_tracks(const world::Tracker& tracker);
 
 /// The planes of one segment in the colors of their tracks, x of its world to the right and y

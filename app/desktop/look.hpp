@@ -34,7 +34,8 @@ bool same_camera(const render::Camera& a, const render::Camera& b);
 render::StepLook look_of(const State& state);
 /// The same place and selection in the run that is shown beside it (State::other_view()).
 render::StepLook other_look_of(const State& state);
-/// Color ids of the planes of a run's trace: those that the strip has for them, once it has come by.
+/// Color ids of the planes of a run's trace: those that the strip has for them, once it has come
+/// by.
 std::vector<int> colors_of_planes(const State& state, const RunView& of);
 /// The same from color ids by plane id - 1. Planes that do not last have other colors.
 std::vector<int> colors_of_trace(const debug::Run& run, const std::vector<int>& colors);

@@ -192,9 +192,7 @@ std::shared_ptr<const render::ColoredPlanes> ColorBook::nearest(const Wanted& wa
   return nearest ? nearest->planes : nullptr;
 }
 
-FrameColors ColorBook::colors(const Wanted& wanted,
-                              const debug::Run& run,
-                              const RunView* a) const {
+FrameColors ColorBook::colors(const Wanted& wanted, const debug::Run& run, const RunView* a) const {
   render::PlaneImage image = render::plane_image(run.subject->prepared.cloud, run.plane_of,
                                                  run.segmentation.planes.size());
   std::vector<int> of_tracks = track_colors(wanted, run);

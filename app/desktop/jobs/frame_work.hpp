@@ -57,14 +57,14 @@ Wanted wanted_of(const Document& document, int frame);
 std::string run_key(const planes::PipelineOptions& options);
 Wanted with_options(Wanted wanted, const planes::PipelineOptions& options);
 
-/// Colors of the planes of a recording's frames. The strip fills it, outwards from the frame at which
-/// it begins: each frame's follow from those of the nearest that has some. A frame that is looked at
-/// before the strip comes by has colors until then that follow from the nearest, too, and are not
-/// kept. Where options change, each frame's follow from what it had before. Any thread.
+/// Colors of the planes of a recording's frames. The strip fills it, outwards from the frame at
+/// which it begins: each frame's follow from those of the nearest that has some. A frame that is
+/// looked at before the strip comes by has colors until then that follow from the nearest, too, and
+/// are not kept. Where options change, each frame's follow from what it had before. Any thread.
 class ColorBook {
  public:
-  /// `a`: a run of the same frame, whose colors matching planes have; null: none. Of a map's frames,
-  /// the colors of tracks.
+  /// `a`: a run of the same frame, whose colors matching planes have; null: none. Of a map's
+  /// frames, the colors of tracks.
   FrameColors colors(const Wanted& wanted, const debug::Run& run, const RunView* a = nullptr) const;
   void keep(const Wanted& wanted, const FrameColors& colors);
 

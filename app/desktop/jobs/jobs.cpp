@@ -64,9 +64,9 @@ struct Jobs::Impl {
   std::optional<Wanted> strip_wanted;  // what the strip is filled with; nothing: it is stopped
   std::optional<Wanted> strip_next;    // what it is to be filled with when the options have rested
   std::shared_ptr<const io::Recording> strip_of;
-  bool strip_plain = false;                      // pictures alone, as the label mode needs them
-  std::optional<Wanted> strip_ran_as;            // what the frames were run as ...
-  std::vector<std::uint8_t> strip_ran;           // ... those that were
+  bool strip_plain = false;             // pictures alone, as the label mode needs them
+  std::optional<Wanted> strip_ran_as;   // what the frames were run as ...
+  std::vector<std::uint8_t> strip_ran;  // ... those that were
   std::chrono::steady_clock::time_point strip_due;
   bool strip_waits = false;
   int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
@@ -228,8 +228,9 @@ void Jobs::Impl::pursue_run(State& state) {
   }
   run_wanted = wanted;
   runs.replace([this, wanted, a = state.results.pinned,
-                place = std::exchange(state.view.report_place, nullptr)](
-                   std::stop_token) { run_frame(wanted, a, place); });
+                place = std::exchange(state.view.report_place, nullptr)](std::stop_token) {
+    run_frame(wanted, a, place);
+  });
 }
 
 /// Not while a frame is run, or may be run again at once: a slider that is dragged has the machine

@@ -150,7 +150,8 @@ std::vector<render::DrawLines> map_lines(const MapView& view, const debug::Run& 
     const planes::Outline outline = planes::moved(in_map, T_scene_map);
     render::DrawLines lines;
     lines.positions = render::plane_shapes(std::span(&outline, 1), Vec3d::Zero()).front().rings;
-    lines.colors.assign(lines.positions.size() / 2, render::plane_color(view.colors[static_cast<std::size_t>(track.id) - 1]));
+    lines.colors.assign(lines.positions.size() / 2,
+                        render::plane_color(view.colors[static_cast<std::size_t>(track.id) - 1]));
     lines.width_px = 2;
     lines.lifted = true;
     all.push_back(std::move(lines));

@@ -14,7 +14,7 @@
 namespace planescope::render {
 namespace {
 
-constexpr int kColumns = 160, kRows = 120;
+constexpr int kColumns = 160, kRows = 120, kLeast_px = 50;
 constexpr double kFocal_px = 100;
 
 /// A box-shaped room 4 m wide, 2.4 m high and 3 m deep ahead, with a table and a pillar in it, each
@@ -57,6 +57,11 @@ struct Seen {
         wall_of.push_back(wall == hidden ? -1 : wall);
         if (wall != hidden) ++count[static_cast<std::size_t>(wall)];
       }
+    // A sliver is no plane.
+    for (int& wall : wall_of)
+      if (wall >= 0 && count[static_cast<std::size_t>(wall)] < kLeast_px) wall = -1;
+    for (int& px : count)
+      if (px < kLeast_px) px = 0;
     std::vector<std::size_t> order(room().size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return count[i]; });
@@ -127,7 +132,8 @@ TEST(PlaneColors, TheMotionOfTheCameraFollowsFromItsPlanes) {
   const PlaneMatch match = match_planes(a.image(), b.image());
   for (std::size_t wall = 0; wall < room().size(); ++wall)
     if (b.id_of[wall] > 0) {
-      EXPECT_EQ(match.before_of[static_cast<std::size_t>(b.id_of[wall]) - 1], a.id_of[wall]) << wall;
+      EXPECT_EQ(match.before_of[static_cast<std::size_t>(b.id_of[wall]) - 1], a.id_of[wall])
+          << wall;
     }
   const Pose expected = pose(0.05, 3).inverse() * pose(0, 0);
   EXPECT_LT((match.T_now_before.translation() - expected.translation()).norm(), 0.01);
@@ -168,7 +174,8 @@ TEST(PlaneColors, OfTwoPlanesThatTouchTheLargerKeepsWhatBothWant) {
   EXPECT_EQ(colors[1], 5);
   EXPECT_EQ(colors[2], 5) << "it touches neither";
   EXPECT_NE(colors[0], 5);
-  EXPECT_EQ(settle_colors(image, {0, 2, 3}, {1})[0], 4) << "the first that is neither taken nor kept";
+  EXPECT_EQ(settle_colors(image, {0, 2, 3}, {1})[0], 4)
+      << "the first that is neither taken nor kept";
 }
 
 TEST(PlaneColors, PlanesThatTouchDifferHoweverManyThereAre) {
@@ -214,7 +221,8 @@ TEST(PlaneImage, OfACloudPlanesTouchInSpace) {
   const auto add = [&](const Vec3f& corner, int id) {
     for (int i = 0; i < 20; ++i)
       for (int k = 0; k < 20; ++k) {
-        cloud.points.push_back(corner + Vec3f(0.05F * static_cast<float>(i), 0.05F * static_cast<float>(k), 0));
+        cloud.points.push_back(
+            corner + Vec3f(0.05F * static_cast<float>(i), 0.05F * static_cast<float>(k), 0));
         plane_of.push_back(id);
       }
   };
