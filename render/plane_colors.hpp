@@ -3,7 +3,6 @@
 // Colors of planes that stay: a surface keeps its color from frame to frame, and planes that touch
 // never share one. palette.hpp has the colors themselves; any two of them are well apart.
 
-#include <memory>
 #include <vector>
 
 #include "render/plane_image.hpp"
