@@ -104,13 +104,27 @@ struct Kept {
       if (colors_before[b] == colors_now[n]) kept += now.pixels[n];
     }
   }
+  /// Pixel by pixel, where a plane of the same track is in both frames: also of tracks that come in
+  /// pieces. Ids per pixel, 0 none.
+  void add_pixels(const std::vector<int>& tracks_before,
+                  const std::vector<int>& colors_before,
+                  const std::vector<int>& tracks_now,
+                  const std::vector<int>& colors_now) {
+    for (std::size_t i = 0; i < std::min(tracks_before.size(), tracks_now.size()); ++i) {
+      if (tracks_now[i] == 0 || tracks_now[i] != tracks_before[i]) continue;
+      if (colors_before[i] == 0 || colors_now[i] == 0) continue;
+      ++pixels;
+      kept += colors_before[i] == colors_now[i];
+    }
+  }
   double share() const { return kept / pixels; }
 };
 
 /// Over all frames, run one by one with their own gravity, as the report does.
-void measure(const RealColors& test, double least) {
+void measure(const RealColors& test, double least, double least_of_pixels) {
   const std::vector<std::vector<int>> tracks = test.tracks_by_pixel();
-  Kept kept;
+  Kept kept, kept_pixels;
+  std::vector<int> pixels_before;
   std::optional<ColoredPlanes> before;
   std::optional<PlaneTracks> tracks_before;
   for (int i = 0; i < test.recording->frame_count(); ++i) {
@@ -120,6 +134,14 @@ void measure(const RealColors& test, double least) {
     const PlaneTracks tracks_now(result, tracks[static_cast<std::size_t>(i)]);
     const std::vector<int> colors = now.own_colors();
     if (before) kept.add(*tracks_before, before->own_colors(), tracks_now, colors);
+    std::vector<int> pixels(result.cloud.width * static_cast<std::size_t>(result.cloud.height), 0);
+    for (std::size_t k = 0; k < result.plane_of.size(); ++k)
+      if (const int id = result.plane_of[k]; id > 0)
+        pixels[result.cloud.source[k]] = colors[static_cast<std::size_t>(id) - 1];
+    if (before)
+      kept_pixels.add_pixels(tracks[static_cast<std::size_t>(i) - 1], pixels_before,
+                             tracks[static_cast<std::size_t>(i)], pixels);
+    pixels_before = std::move(pixels);
     for (const auto& [a, b] : now.image.touching)
       EXPECT_NE(colors[static_cast<std::size_t>(a) - 1], colors[static_cast<std::size_t>(b) - 1])
           << "frame " << i << ": P" << a << " and P" << b;
@@ -127,13 +149,17 @@ void measure(const RealColors& test, double least) {
     tracks_before = tracks_now;
   }
   testing::Test::RecordProperty("kept_share", std::to_string(kept.share()));
+  testing::Test::RecordProperty("kept_share_of_pixels", std::to_string(kept_pixels.share()));
   EXPECT_GE(kept.share(), least);
+  EXPECT_GE(kept_pixels.share(), least_of_pixels);
 }
 
 TEST_F(RealColors, StayOnTheSurfacesOfAPan) {
   open("aims_slam_realsense_640x480",
        {.intrinsics = {{383.8, 383.8, 321.7, 236.8}}, .depth_unit_m = {}});
-  measure(*this, 0.99);  // 0.9926; matched by label, normal and offset in its own world: 0.9843
+  // 0.9926 and, by pixel, 0.9720 of the 0.9768 that the best matching of planes one to one could
+  // keep. By label, normal and offset in each frame's own world it was 0.9843 and 0.9662.
+  measure(*this, 0.99, 0.97);
 }
 
 TEST_F(RealColors, StayOnTheSurfacesOfACameraThatIsTurned) {
@@ -141,7 +167,8 @@ TEST_F(RealColors, StayOnTheSurfacesOfACameraThatIsTurned) {
   pipeline.gravity.mode = planes::GravityMode::none;
   open("tum_fr1_rpy_kinect_640x480",
        {.intrinsics = {{517.3, 516.5, 318.6, 255.3}}, .depth_unit_m = 0.0002});
-  measure(*this, 0.99);  // 0.9925, and 0.9787
+  // 0.9923 and 0.9662 of 0.9673; it was 0.9787 and 0.9491.
+  measure(*this, 0.99, 0.96);
 }
 
 }  // namespace
