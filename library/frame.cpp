@@ -101,6 +101,7 @@ void throw_for_programs(const std::string& message) {
           "give the direction in which things fall, in the sensor's frame");
   replace(io::kHowToGiveIntrinsics, "give them");
   replace(" --", " ");
+  replace("(--", "(");
   throw Error(text);
 }
 

@@ -184,7 +184,8 @@ void add_gravity(const planes::FrameResult& result, DrawList& list) {
   }
   list.arrows.push_back({from.cast<float>(), to.cast<float>(), kGravity, 4});
   const bool sure = result.gravity.source != GravitySource::estimate &&
-                    result.gravity.source != GravitySource::assumed;
+                    result.gravity.source != GravitySource::assumed &&
+                    result.gravity.source != GravitySource::carried;
   std::string text = "gravity";
   if (!sure) text += std::string(" (") + to_string(result.gravity.source) + ")";
   const Vec3d below = to - 0.06 * half_height * Vec3d::UnitZ();

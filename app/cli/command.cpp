@@ -134,7 +134,8 @@ void add_clouds(CLI::App* command, planes::PipelineOptions& options) {
       "Direction in which things fall, in the sensor's own frame (x right, y down, z "
       "forward; clouds: the file's axes). auto, the default, takes the first that exists: "
       "the recording's own, its IMU, a floor that was picked in the window, an estimate "
-      "from the scene. none finds planes of any direction without telling h from v");
+      "from the scene, that of the frames around it. none finds planes of any direction without "
+      "telling h from v");
   add_of_method(command, options, "--max-range", "M",
                 "Crop what is farther: depth z of depth frames (default 1.5), distance from the "
                 "origin of clouds (default none)");

@@ -91,7 +91,7 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   facts.info = input.recording->info();
   facts.frame_count = input.recording->frame_count();
   facts.first = input.frames.front();
-  const Frame frame = input.recording->frame(facts.first);
+  const Frame frame = input.frame(facts.first);
   measure_times(input, facts);
   if (frame.is_cloud()) {
     facts.cloud_points = frame.cloud->points.size();
@@ -107,7 +107,7 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
     facts.gravity_error = "without intrinsics the scene cannot be measured";
   else
     try {
-      facts.gravity = planes::resolve_gravity(frame, options.gravity);
+      facts.gravity = planes::resolve_gravity(frame, options.gravity, options.cloud.max_range_m);
     } catch (const Error& error) {
       facts.gravity_error = error.what();
     }
@@ -156,7 +156,8 @@ Json to_json(const Facts& f) {
     json["time"] = {{"span_s", f.span_s},
                     {"median_step_s", f.median_step_s},
                     {"gaps", f.gaps},
-                    {"longest_gap_s", f.longest_gap_s}};
+                    {"longest_gap_s", f.longest_gap_s},
+                    {"source", f.info.times_source}};
   json["gravity"] = nullptr;
   if (f.gravity) {
     const Vec3d& d = f.gravity->direction;
@@ -233,9 +234,11 @@ void print_text(const Facts& f, double max_range_m) {
     const std::string rate = f.median_step_s > 0
                                  ? fmt::format("{:.2f} frames per second", 1 / f.median_step_s)
                                  : "most frames of the same time";
-    line("time", fmt::format("{:.3f} s, {}, {}", f.span_s, rate, gaps));
+    line("time",
+         fmt::format("{:.3f} s, {}, {}, from {}", f.span_s, rate, gaps, f.info.times_source));
   } else if (f.frame_count > 1) {
-    line("time", "the frames carry no time");
+    line("time", f.info.times_source.empty() ? std::string("the frames carry no time")
+                                             : "does not go forward, from " + f.info.times_source);
   }
   if (f.gravity && !f.gravity->known()) {
     line("gravity", fmt::format("none, {}: planes are neither h nor v; to tell them apart, {}",

@@ -145,6 +145,12 @@ void set_input_option(InputArgs& args, const std::string& name, const std::strin
     set_pipeline_option(args.pipeline, name, text);
 }
 
+Frame OpenInput::frame(int index) const {
+  Frame frame = recording->frame(index);
+  if (gravity) gravity->resolve(frame, picked);
+  return frame;
+}
+
 std::vector<OpenInput> open_inputs(const InputArgs& args) {
   std::vector<fs::path> paths = args.inputs;
   if (paths.empty()) {
@@ -176,8 +182,10 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
                               path.string(), count));
     input.label_dir = args.label_dir.value_or(labels::default_label_dir(path));
     if (args.pipeline.gravity.mode == planes::GravityMode::automatic) {
-      io::PickedGravity picked = io::read_picked_gravity(input.label_dir, *input.recording);
-      input.recording = io::with_picked_gravity(std::move(input.recording), std::move(picked));
+      input.picked = io::read_picked_gravity(input.label_dir, *input.recording);
+      input.gravity =
+          std::make_shared<world::SequenceGravity>(input.recording, args.pipeline.gravity);
+      input.recording = io::with_picked_gravity(std::move(input.recording), input.picked);
     }
     for (const std::string& warning : input.recording->info().warnings)
       notice("warning: {}", warning);
@@ -219,7 +227,7 @@ LoadedFrame run_input_frame(const OpenInput& input,
                             planes::Trace* trace) {
   LoadedFrame loaded;
   const auto started = std::chrono::steady_clock::now();
-  loaded.frame = input.recording->frame(index);
+  loaded.frame = input.frame(index);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - started;
 
   const bool needs_truth = !classifier && labels_points(options);

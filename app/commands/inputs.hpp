@@ -13,6 +13,7 @@
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
+#include "core/world/poses/sequence_gravity.hpp"
 
 namespace planescope::app {
 
@@ -51,11 +52,16 @@ struct OpenInput {
   std::shared_ptr<const io::Recording> recording;
   std::vector<int> frames;          // at least one; frame numbers of the recording
   std::filesystem::path label_dir;  // may not exist
+  io::PickedGravity picked = {};
+  std::shared_ptr<const world::SequenceGravity> gravity = {};  // null: frames have their own alone
+
+  /// Frame `index` with its gravity: its own or, where it has none, that of the frames around it.
+  Frame frame(int index) const;
 };
 
-/// Opens every input, or the sample where none is given, before any work is done; frames carry the
-/// gravity that was picked for them. Throws Error if one cannot be opened, or if --frames leaves
-/// none of its frames.
+/// Opens every input, or the sample where none is given, before any work is done; frames of
+/// `recording` carry the gravity that was picked for them. Throws Error if one cannot be opened, or
+/// if --frames leaves none of its frames.
 std::vector<OpenInput> open_inputs(const InputArgs& args);
 
 /// A frame that was read and run, with its truth where there is some (and it was asked for, or

@@ -110,14 +110,14 @@ std::size_t labelled_in(const labels::LabelledPoints& points) {
 
 Import read_import(const FileOfFrame& file,
                    labels::LabelFormat format,
-                   const io::Recording& recording,
+                   const OpenInput& input,
                    const planes::PipelineOptions& options,
                    labels::LabelStore& store) {
   const labels::LabelledPoints points = labels::read_labelled(file.path, format);
-  const Frame frame = recording.frame(file.frame);
-  const std::string hash = recording.frame_hash(file.frame);
-  const labels::LabelGrid grid =
-      labels::make_label_grid(frame, planes::resolve_gravity(frame, options.gravity));
+  const Frame frame = input.frame(file.frame);
+  const std::string hash = input.recording->frame_hash(file.frame);
+  const labels::LabelGrid grid = labels::make_label_grid(
+      frame, planes::resolve_gravity(frame, options.gravity, options.cloud.max_range_m));
   const auto before = store.open(file.frame, labels::empty_labels(grid, hash));
   FrameLabels after = labels::labels_of_points(points, grid, hash, file.path.string());
   after.annotator = before->annotator;
@@ -207,7 +207,7 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
     for (const FileOfFrame& file : files) {
       if (stop.stop_requested()) throw Cancelled();
       progress.show(static_cast<int>(imports.size()), fmt::format("frame {}", file.frame));
-      imports.push_back(read_import(file, format, *input.recording, args.input.pipeline, store));
+      imports.push_back(read_import(file, format, input, args.input.pipeline, store));
     }
   }
   for (std::size_t i = 0; i < files.size(); ++i) {

@@ -144,13 +144,20 @@ void write_shard(const MapArgs& args, const world::MapJob& job) {
   make_output_dir(args.out / "observed");
   std::string key;
   std::size_t written = 0;
+  const auto shards = static_cast<std::size_t>(args.shard.count);
+  const auto mine = static_cast<std::size_t>(args.shard.index - 1);
+  std::vector<std::string> notices;
   world::observe_recording(
-      job, [&](int frame) { return frame % args.shard.count == args.shard.index - 1; },
+      job, [&](std::size_t position) { return position % shards == mine; },
       [&](const world::ObservedFrame& frame, const world::UprightPoses& upright) {
-        if (key.empty()) key = world::observed_key(job.pipeline, upright);
+        if (key.empty()) {
+          key = world::observed_key(job.pipeline, upright);
+          notices = upright.told;
+        }
         write_file_bytes(observed_file(args.out, frame.frame), world::observed_bytes(frame, key));
         ++written;
       });
+  for (const std::string& line : notices) notice("{}", line);
   fmt::print("{}: {} of shard {}/{}\n", args.out.string(), counted(written, "frame"),
              args.shard.index, args.shard.count);
 }

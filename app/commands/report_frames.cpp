@@ -193,7 +193,7 @@ class FrameWriter {
 
   std::optional<report::ReportFrame> find(const OpenInput& input, const ReportSlot& slot) {
     try {
-      return folder_.find(slot.folder, key_of(job_, input, input.recording->frame(slot.index),
+      return folder_.find(slot.folder, key_of(job_, input, input.frame(slot.index),
                                               input.recording->frame_hash(slot.index)));
     } catch (const Error&) {
       return std::nullopt;  // damaged: made anew

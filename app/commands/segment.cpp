@@ -46,7 +46,7 @@ std::string line_of(const std::string& folder, const planes::FrameResult& result
   if (counts.outside_cube > 0) line += fmt::format(", {} outside the cube", counts.outside_cube);
   const Gravity& gravity = result.gravity;
   line += fmt::format(", gravity {}", to_string(gravity.source));
-  if (gravity.source == GravitySource::estimate)
+  if (gravity.source == GravitySource::estimate || gravity.source == GravitySource::carried)
     line += fmt::format(" (confidence {:.2f})", gravity.confidence);
   if (!gravity.known()) line += ": planes are neither h nor v";
   return line;
@@ -132,6 +132,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   if (!args.map.empty()) {
     map = world::read_known_map(args.map, input.recording->info(), pipeline);
     input.recording = world::with_map(input.recording, map);
+    input.gravity = nullptr;  // the map's, or none
     pipeline = world::options_of_map(pipeline);
     std::erase_if(input.frames, [&](int frame) {
       if (map->knows(frame)) return false;

@@ -70,7 +70,7 @@ LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::st
       if (stop.stop_requested()) throw Cancelled();
       bar.show(done++, input.path.string());
       if (!may_have_truth(input, index)) continue;
-      const Frame frame = input.recording->frame(index);
+      const Frame frame = input.frame(index);
       const std::string hash = input.recording->frame_hash(index);
       const auto truth = labels::frame_truth(frame, input.label_dir, hash);
       if (!truth) continue;

@@ -72,7 +72,7 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
       for (const int index : input.frames) {
         if (!may_have_truth(input, index)) continue;
         lab::TuningFrame frame;
-        frame.frame = input.recording->frame(index);
+        frame.frame = input.frame(index);
         const std::string hash = input.recording->frame_hash(index);
         auto truth = labels::frame_truth(frame.frame, input.label_dir, hash);
         if (!truth) continue;

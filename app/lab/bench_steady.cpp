@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -41,12 +42,18 @@ std::vector<std::string> part_names() {
 /// --poses, else the recording's own, else a file poses.tum in its folder.
 lab::FramePoses read_poses(const OpenInput& input, const fs::path& typed) {
   if (typed == "none") return {};
-  if (!typed.empty())
-    return lab::poses_of_recording(*input.recording, world::read_trajectory(typed));
-  lab::FramePoses own = lab::poses_of_recording(*input.recording, {});
-  const fs::path file = input.path / "poses.tum";
-  if (!own.empty() || !fs::is_regular_file(file)) return own;
-  return lab::poses_of_recording(*input.recording, world::read_trajectory(file));
+  fs::path file = typed;
+  if (file.empty()) {
+    lab::FramePoses own = lab::own_poses(*input.recording);
+    file = input.path / "poses.tum";
+    if (!own.empty() || !fs::is_regular_file(file)) return own;
+  }
+  std::vector<int> frames(static_cast<std::size_t>(input.recording->frame_count()));
+  std::iota(frames.begin(), frames.end(), 0);
+  world::PairedPoses paired =
+      world::pair_poses(world::read_trajectory(file), *input.recording, frames);
+  if (!paired.notice.empty()) notice("{}", paired.notice);
+  return std::move(paired.poses);
 }
 
 /// Writes steady.json and steady.md, prints the table, and returns 0; throws Cancelled on stop.

@@ -1,5 +1,7 @@
 #include "core/io/readers.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -191,6 +193,23 @@ void apply_sidecar(const Sidecar& sidecar, Frame& frame) {
     frame.gravity =
         Gravity{*direction, GravitySource::sidecar, 1, "from " + sidecar.path.filename().string()};
   }
+}
+
+bool tells_times(const Sidecar& sidecar) {
+  return std::ranges::any_of(sidecar.frames, [](const Sidecar::FrameFacts& frame) {
+    return frame.timestamp_s.value_or(0) != 0;
+  });
+}
+
+std::optional<Gravity> gravity_of_accelerometer(const Vec3d& mean_m_s2,
+                                                std::size_t samples,
+                                                double within_s) {
+  constexpr double kLeast = 7, kMost = 13;  // [m/s2]
+  const double length = mean_m_s2.norm();
+  if (!(length >= kLeast && length <= kMost)) return std::nullopt;
+  return Gravity{-mean_m_s2.normalized(), GravitySource::imu, 1,
+                 fmt::format("mean of {} accelerometer samples within {:.2f} s, {:.2f} m/s2",
+                             samples, within_s, length)};
 }
 
 namespace {

@@ -52,6 +52,16 @@ Sidecar read_sidecar(const std::filesystem::path& recording);
 /// Puts the sidecar's gravity and timestamp into a frame.
 void apply_sidecar(const Sidecar& sidecar, Frame& frame);
 
+/// Whether the sidecar tells the time of a frame: one that is not 0.
+bool tells_times(const Sidecar& sidecar);
+
+/// Gravity from the mean of accelerometer samples, in the depth camera's frame: at rest they
+/// measure the reaction to gravity, so things fall along its negative. `within_s`: how far in time
+/// samples are from the frame. nullopt where the mean is not near 1 g: shaken, or damaged.
+std::optional<Gravity> gravity_of_accelerometer(const Vec3d& mean_m_s2,
+                                                std::size_t samples,
+                                                double within_s);
+
 /// What the files of a recording themselves say about the depth camera.
 struct CameraFacts {
   std::optional<Intrinsics> intrinsics;

@@ -54,6 +54,8 @@ const char* to_string(GravitySource source) {
       return "assumed";
     case GravitySource::none:
       return "none";
+    case GravitySource::carried:
+      return "carried";
   }
   return "unknown";
 }

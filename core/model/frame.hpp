@@ -27,9 +27,20 @@ struct Intrinsics {
   bool operator==(const Intrinsics&) const = default;
 };
 
-/// How far to trust a direction of gravity, best first. `none`: it is not known, and no point and
-/// no plane is h or v. Journals store the number: add new sources at the end.
-enum class GravitySource : std::uint8_t { option, sidecar, imu, picked, estimate, assumed, none };
+/// Where a direction of gravity comes from; up to `assumed`, the most reliable first. `none`: it is
+/// not known, and no point and no plane is h or v. `carried`: from another frame of the recording,
+/// by the camera's motion. Journals store the number: add new sources at the end.
+enum class GravitySource : std::uint8_t {
+  option,
+  sidecar,
+  imu,
+  picked,
+  estimate,
+  assumed,
+  none,
+  carried
+};
+inline constexpr GravitySource kLastGravitySource = GravitySource::carried;
 const char* to_string(GravitySource source);
 
 /// The direction in which things fall, a unit vector in the sensor's (or cloud's own) frame. Where
@@ -38,7 +49,7 @@ const char* to_string(GravitySource source);
 struct Gravity {
   Vec3d direction = Vec3d(0, 1, 0);
   GravitySource source = GravitySource::assumed;
-  double confidence = 1;  // 0..1; below 1 only for estimates, 0 where not known
+  double confidence = 1;  // 0..1; below 1 only for estimates and what is carried from them
   std::string note;       // one phrase for people: how it was found
 
   bool known() const { return source != GravitySource::none; }

@@ -25,6 +25,9 @@ std::vector<std::string> split(const std::string& text, char separator);
 /// What stands between spaces.
 std::vector<std::string> words_of(const std::string& text);
 
+/// `text` after the UTF-8 byte order mark it may begin with.
+std::string_view without_byte_order_mark(std::string_view text);
+
 /// ASCII letters alone.
 std::string lower_case(std::string text);
 

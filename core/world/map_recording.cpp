@@ -18,7 +18,6 @@ namespace planescope::world {
 namespace {
 
 constexpr int kGravityFrames = 60;  // looked at, spread over the recording
-constexpr double kMostSame = 0.8;   // share of the poses given that repeat the one before
 constexpr double kLeastKept = 0.2;  // share of pixels on planes that go on in the next frame
 
 void check_stop(const MapJob& job) {
@@ -34,10 +33,13 @@ Trajectory own_trajectory(const MapJob& job) {
   Trajectory own{"the recording", {}};
   for (const int index : job.frames) {
     const std::optional<Pose> pose = job.recording->T_world_camera(index);
-    if (pose)
-      own.poses.push_back({.frame = index,
-                           .timestamp_s = job.recording->timestamp_s(index),
-                           .T_world_camera = *pose});
+    if (!pose) continue;
+    own.poses.push_back({.frame = index,
+                         .timestamp_s = job.recording->timestamp_s(index),
+                         .T_world_camera = *pose});
+    if (const std::string far = too_far(*pose, own.poses[0].T_world_camera); !far.empty())
+      throw Error(fmt::format("{}: the pose of frame {} is {}", job.recording->info().path.string(),
+                              index, far));
   }
   return own;
 }
@@ -45,21 +47,11 @@ Trajectory own_trajectory(const MapJob& job) {
 /// One pose each for frames of this job, in their order.
 Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
   if (job.trajectory) {
-    std::vector<FrameTime> times;
-    for (const int index : job.frames) times.push_back({index, job.recording->timestamp_s(index)});
+    const PairedPoses paired = pair_poses(*job.trajectory, *job.recording, job.frames);
+    if (!paired.notice.empty()) told.push_back(paired.notice);
     Trajectory given{job.trajectory->source, {}};
-    int same = 0;
-    for (const auto& pose : poses_of_frames(*job.trajectory, times, job.recording->frame_count())) {
-      if (!pose) continue;
-      same += !given.poses.empty() &&
-              given.poses.back().T_world_camera.isApprox(pose->T_world_camera, 0);
-      given.poses.push_back(*pose);
-    }
-    if (same > kMostSame * static_cast<double>(given.poses.size()))
-      told.push_back(
-          fmt::format("{} of {} have the pose of the frame before: are the times of {} in "
-                      "seconds?",
-                      same, counted(given.poses.size(), "frame"), job.trajectory->source));
+    for (const std::optional<CameraPose>& pose : paired.poses)
+      if (pose) given.poses.push_back(*pose);
     return given;
   }
   if (Trajectory own = own_trajectory(job); !own.poses.empty()) return own;
@@ -143,21 +135,24 @@ void tell_of_aside(const Tracker& tracker, std::vector<std::string>& told) {
 }
 
 /// When frames come, in seconds after the first.
-std::vector<double> arrivals_of(const MapJob& job) {
+std::vector<double> arrivals_of(const MapJob& job, const std::vector<const CameraPose*>& pose_of) {
   constexpr double kRate_hz = 30;
   std::vector<double> due;
-  for (const int index : job.frames)
-    due.push_back(job.recording->timestamp_s(index) -
-                  job.recording->timestamp_s(job.frames.front()));
+  for (std::size_t i = 0; i < pose_of.size(); ++i)
+    due.push_back(pose_of[i] ? pose_of[i]->timestamp_s : job.recording->timestamp_s(job.frames[i]));
+  const double first = due.front();
+  for (double& time : due) time -= first;
   if (!std::ranges::is_sorted(due) || (due.size() > 1 && due.back() <= 0))
     for (std::size_t i = 0; i < due.size(); ++i) due[i] = static_cast<double>(i) / kRate_hz;
   return due;
 }
 
 /// work(i) for each frame when it comes, but for those that pass while another one is worked on.
-Pace keep_pace(const MapJob& job, const std::function<void(int)>& work) {
+Pace keep_pace(const MapJob& job,
+               const std::vector<const CameraPose*>& pose_of,
+               const std::function<void(int)>& work) {
   using Clock = std::chrono::steady_clock;
-  const std::vector<double> due = arrivals_of(job);
+  const std::vector<double> due = arrivals_of(job, pose_of);
   const auto count = static_cast<int>(due.size());
   const Clock::time_point start = Clock::now();
   const auto now_s = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
@@ -194,6 +189,7 @@ planes::PipelineOptions turn_to_map(Frame& frame,
                                     planes::PipelineOptions options,
                                     const CameraPose& pose,
                                     const UprightPoses& upright) {
+  frame.timestamp_s = pose.timestamp_s;  // its own, or where it has none the pose's
   const SharedGravity& gravity = upright.gravity[static_cast<std::size_t>(pose.segment)];
   if (gravity.known && options.gravity.mode != planes::GravityMode::none)
     frame.gravity = gravity_at(pose.T_world_camera, gravity);
@@ -330,7 +326,7 @@ WorldMap map_recording(const MapJob& job) {
     tell(job, "map", i + 1, count);
   };
   if (job.at_own_rate)
-    map.pace = keep_pace(job, [&](int i) { make(i), take(i); });
+    map.pace = keep_pace(job, pose_of, [&](int i) { make(i), take(i); });
   else
     work_in_order(count, threads.at_once, make, take);
   map.tracker.on_left({});
@@ -349,7 +345,7 @@ WorldMap map_recording(const MapJob& job) {
 }
 
 void observe_recording(const MapJob& job,
-                       const std::function<bool(int frame)>& is_mine,
+                       const std::function<bool(std::size_t position)>& is_mine,
                        const std::function<void(const ObservedFrame&, const UprightPoses&)>& take) {
   if (!job.trajectory && own_trajectory(job).poses.empty())
     throw Error(
@@ -358,8 +354,9 @@ void observe_recording(const MapJob& job,
   const UprightPoses upright = upright_poses(job);
   const Threads threads = threads_of(job, job.threads);
   std::vector<const CameraPose*> mine;
-  for (const CameraPose* pose : poses_by_frame(job, upright))
-    if (pose && is_mine(pose->frame)) mine.push_back(pose);
+  const std::vector<const CameraPose*> all = poses_by_frame(job, upright);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i] && is_mine(i)) mine.push_back(all[i]);
   std::vector<std::unique_ptr<const ObservedFrame>> observed(mine.size());
   const auto count = static_cast<int>(mine.size());
   work_in_order(

@@ -64,8 +64,8 @@ struct WorldMap : UprightPoses {
 /// The options with which a frame that was turned to a map has the planes that the map knows.
 planes::PipelineOptions options_of_map(planes::PipelineOptions options);
 
-/// Gives the frame the map's gravity and noise, where they are known and asked for. Returns
-/// options_of_map().
+/// Gives the frame its pose's time and the map's gravity, where that is known and asked for.
+/// Returns options_of_map().
 planes::PipelineOptions turn_to_map(Frame& frame,
                                     planes::PipelineOptions options,
                                     const CameraPose& pose,
@@ -80,11 +80,11 @@ std::string pipeline_key(const planes::PipelineOptions& options);
 /// threads.
 WorldMap map_recording(const MapJob& job);
 
-/// A part of it: observes the frames of the job for which `is_mine` holds, and hands them over in
-/// their order; those that cannot be read are left out. Needs poses: odometry would go through all
-/// frames. Throws as map_recording() does.
+/// A part of it: observes the frames of the job for whose position in MapJob::frames `is_mine`
+/// holds, and hands them over in their order; those that cannot be read are left out. Needs poses:
+/// odometry would go through all frames. Throws as map_recording() does.
 void observe_recording(const MapJob& job,
-                       const std::function<bool(int frame)>& is_mine,
+                       const std::function<bool(std::size_t position)>& is_mine,
                        const std::function<void(const ObservedFrame&, const UprightPoses&)>& take);
 
 }  // namespace planescope::world

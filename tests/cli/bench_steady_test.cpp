@@ -158,7 +158,7 @@ TEST(BenchSteady, RefusesBadInputInOneLine) {
       {{rec, "--only", "gravity", "--gravity", "none"}, "--gravity none"},
       {{rec, "--classifier", "truth"}, "--classifier truth"},
       {{rec, "--turns", "0"}, "--turns"},
-      {{rec, "--poses", (dir / "poses.tum").string()}, "no pose is of any of the frames"},
+      {{rec, "--poses", (dir / "poses.tum").string()}, "1 pose; expected 2, one for each frame"},
       {{rec, rec, "--poses", (dir / "poses.tum").string()}, "belongs to one recording"},
       {{rec, "--frames", "1", "--only", "next"}, "nothing to measure"}};
   for (const auto& [args, part] : bad) {

@@ -104,7 +104,9 @@ TEST(GravityNone, ACloudAndARivalGoWithoutAsWell) {
 
 TEST(GravityNone, IsARefusedFramesWayOut) {
   const auto dir = scratch();
-  write_depth_folder(dir / "rec", Image16(160, 120));  // nothing measured: nothing tells
+  Image16 depth(160, 120);
+  depth.data[100] = 900;  // hardly anything measured
+  write_depth_folder(dir / "rec", depth);
   const std::vector<std::string> args = {"segment", (dir / "rec").string(), "-o",
                                          (dir / "out").string()};
   const Ran refused = run(args);
@@ -244,14 +246,24 @@ TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
   EXPECT_EQ(planes_json(dir / "sidecar")["gravity"]["source"], "sidecar");
 }
 
-TEST(GravityPicked, ForOneFrameHoldsForThatOneAlone) {
+TEST(GravityPicked, OnOneFrameIsCarriedToTheOthersByTheMotionBetweenThem) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   pick(dir / "rec", Vec3d(0, 0.8, 0.6), false);
   ASSERT_EQ(run({"segment", (dir / "rec").string(), "-o", (dir / "out").string()}).code, 0);
   EXPECT_EQ(planes_json(dir / "out")["gravity"]["source"], "picked");
-  EXPECT_EQ(Json::parse(read_text(dir / "out/frames/000001/planes.json"))["gravity"]["source"],
-            "estimate");
+  const Json second = Json::parse(read_text(dir / "out/frames/000001/planes.json"))["gravity"];
+  EXPECT_EQ(second["source"], "carried");
+  EXPECT_EQ(
+      second["note"],
+      "carried from frame 0 by odometry over 1 frame, where it was picked: a floor of 1.00 m2");
+  EXPECT_NEAR(second["direction"][1].get<double>(), 0.8, 1e-3);
+  ASSERT_EQ(
+      run({"segment", (dir / "rec").string(), "-o", (dir / "alone").string(), "--frames", "1"})
+          .code,
+      0);
+  EXPECT_EQ(Json::parse(read_text(dir / "alone/frames/000001/planes.json"))["gravity"], second)
+      << "whatever frames are asked for";
 }
 
 TEST(GravityPicked, AChangedPickIsNotTakenForTheOldOneByAReportThatIsResumed) {

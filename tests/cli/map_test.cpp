@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
@@ -185,11 +186,10 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
 
 TEST_F(Map, TellsWherePosesAreOfNoUse) {
   ASSERT_EQ(map({}).code, 0);
-  std::string kitti, millimetres, still;
+  std::string kitti, millimetres;
   for (int i = 0; i < 12; ++i) {
     kitti += "1 0 0 0 0 1 0 0 0 0 1 0\n";
     millimetres += fmt::format("{} {} 0 0 0 0 0 1\n", i / 15.0, 3000 * i);
-    still += fmt::format("{} 0 0 0 0 0 0 1\n", 1000 * i);
   }
   const auto told = [&](const std::string& poses, const std::vector<std::string>& more) {
     write_file_text(dir / "poses.txt", poses);
@@ -201,9 +201,60 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
   };
   EXPECT_NE(told(millimetres, {}).find("not those of a camera in the world, in metres"),
             std::string::npos);
-  EXPECT_NE(told(still, {}).find("are the times of "), std::string::npos);
   // Poses of the whole recording go with some of its frames as well.
   EXPECT_NE(told(kitti, {"--frames", "3:8"}).find("5 frames"), std::string::npos);
+}
+
+TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
+  auto sidecar = read_json<nlohmann::ordered_json>(walk / "planescope.json");
+  std::string poses;
+  std::vector<double> x_of;
+  for (std::size_t i = 0; i < sidecar["frames"].size(); ++i) {
+    poses += fmt::format("{}", 1000 + 0.125 * static_cast<double>(i));
+    x_of.push_back(sidecar["frames"][i]["T_world_camera"][0]);
+    for (const double number : sidecar["frames"][i]["T_world_camera"])
+      poses += fmt::format(" {}", number);
+    poses += "\r\n";
+  }
+  sidecar.erase("frames");
+  write_file_text(walk / "planescope.json", sidecar.dump());
+  const std::string file = (dir / "given.tum").string();
+  write_file_text(file, poses);
+  const Ran ran = map({"--poses", file, "--frames", "::2"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const std::string notice = "frames have no times: pose i of " + file + " is taken for frame i";
+  EXPECT_NE(ran.err.find(notice), std::string::npos) << ran.err;
+  EXPECT_NE(ran.out.find("from 6 frames"), std::string::npos) << ran.out;
+  const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
+  EXPECT_EQ(tracks["frames"][3]["frame"], 6);
+  EXPECT_EQ(tracks["frames"][3]["timestamp_s"], 1000.75);
+  std::istringstream made(read_text(dir / "out" / "poses.tum"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(made, line);)
+    if (!line.starts_with('#')) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i)  // time and x
+    EXPECT_TRUE(lines[i].starts_with(
+        fmt::format("{} {} ", 1000 + 0.25 * static_cast<double>(i), x_of[2 * i])))
+        << lines[i];
+  // Shards share out the frames asked for.
+  const std::string parts = (dir / "parts").string();
+  for (const char* shard : {"1/2", "2/2"}) {
+    const Ran part = run(
+        {"map", walk.string(), "-o", parts, "--poses", file, "--frames", "::2", "--shard", shard});
+    EXPECT_EQ(part.code, 0) << part.err;
+    EXPECT_NE(part.out.find("3 frames of shard"), std::string::npos) << part.out;
+    EXPECT_NE(part.err.find(notice), std::string::npos) << part.err;
+  }
+  const auto whole = read_file_bytes(dir / "out" / "tracks.json");
+  ASSERT_EQ(map({"--poses", file, "--frames", "::2", "--join", parts}).code, 0);
+  EXPECT_EQ(read_file_bytes(dir / "out" / "tracks.json"), whole);
+  // As poses.tum in the folder they are times alone.
+  fs::copy_file(file, walk / "poses.tum");
+  const Ran info = run({"info", walk.string()});
+  EXPECT_NE(info.out.find("8.00 frames per second, no gaps, from poses.tum"), std::string::npos)
+      << info.out;
+  EXPECT_NE(map({"--follow"}).err.find("has no poses"), std::string::npos);
 }
 
 TEST_F(Map, ThatFailsLeavesTheOneBefore) {
@@ -283,16 +334,27 @@ TEST_F(Map, WhatCannotBeMappedIsRefusedInOneLine) {
   write_file_text(dir / "bad.tum", "0 0 0 0 0 0 0 1\n1 2\n");
   expect_refused(map({"--poses", (dir / "bad.tum").string()}), "bad.tum, line 2");
   write_file_text(dir / "later.tum", "9000 0 0 0 0 0 0 1\n");
-  expect_refused(map({"--poses", (dir / "later.tum").string()}), "no pose is of any of the frames");
+  expect_refused(map({"--poses", (dir / "later.tum").string()}), "no pose is near a frame");
+  write_file_text(dir / "ms.tum", "0 0 0 0 0 0 0 1\n1000 0 0 0 0 0 0 1\n");
+  expect_refused(map({"--poses", (dir / "ms.tum").string()}),
+                 "ms.tum: frames 0 and 1 are both nearest to the pose at 0 s");
+  write_file_text(dir / "far.tum", "0 0 0 0 0 0 0 1\n0.1 1e9 0 0 0 0 0 1\n");
+  expect_refused(map({"--poses", (dir / "far.tum").string()}),
+                 "far.tum, line 2: the pose is 1e+09");
   expect_refused(map({"--window", "-1"}), "--window");
   expect_refused(map({"--classifier", "truth"}), "--classifier truth");
   EXPECT_FALSE(fs::exists(dir / "out"));
+  fs::copy_file(walk / "planescope.json", dir / "sidecar.json");
   std::string sidecar;
   for (const unsigned char c : read_file_bytes(walk / "planescope.json"))
     sidecar += static_cast<char>(c);
   sidecar.replace(sidecar.find("\"T_world_camera\": ["), 19, "\"T_world_camera\": [7,");
   write_file_text(walk / "planescope.json", sidecar);
   expect_refused(map({}), "\"T_world_camera\" is not usable");
+  auto leap = read_json<nlohmann::ordered_json>(dir / "sidecar.json");
+  leap["frames"][5]["T_world_camera"][0] = 1e9;
+  write_file_text(walk / "planescope.json", leap.dump());
+  expect_refused(map({}), "walk: the pose of frame 5 is 1e+09 m from");
   const fs::path cloudy = fs::path(PLANESCOPE_SOURCE_DIR) / "assets" / "sample";
   expect_refused(run({"map", cloudy.string(), "-o", (dir / "out").string(), "--follow"}),
                  "has no poses");

@@ -147,7 +147,7 @@ TEST(Report, AnInterruptedRunLeavesAValidPartialReport) {
   EXPECT_FALSE(std::filesystem::exists(dir / "out" / ".report-work"));
 }
 
-TEST(Report, AFrameWithoutGravityIsToldAndTheOthersGoOn) {
+TEST(Report, AFrameWithoutDepthIsToldAndTheOthersGoOn) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
   io::write_png(dir / "rec" / "depth" / "000001.png", Image16(160, 120));  // nothing was measured
@@ -158,7 +158,7 @@ TEST(Report, AFrameWithoutGravityIsToldAndTheOthersGoOn) {
   EXPECT_EQ(frames[0]["status"], "done");
   EXPECT_EQ(frames[0]["gravity"]["source"], "estimate");
   EXPECT_EQ(frames[1]["status"], "refused");
-  EXPECT_NE(frames[1]["message"].get<std::string>().find("gravity"), std::string::npos);
+  EXPECT_NE(frames[1]["message"].get<std::string>().find("holds no depth"), std::string::npos);
   EXPECT_EQ(frames[2]["status"], "done");
 }
 

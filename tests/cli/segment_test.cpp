@@ -193,18 +193,18 @@ TEST(Segment, FramesAreChosenAsPythonSlicesThem) {
   EXPECT_FALSE(std::filesystem::exists(dir / "none"));
 }
 
-TEST(Segment, AFrameWithoutGravityIsRefusedAndTheOthersAreDone) {
+TEST(Segment, AFrameWithoutDepthIsRefusedAndTheOthersAreDone) {
   const auto dir = scratch();
   const Image16 good = floor_and_wall();
   write_depth_folder(dir / "rec", good, 2);
-  Image16 blind(good.width, good.height);  // nothing measured: nothing tells where down is
+  Image16 blind(good.width, good.height);  // nothing measured
   io::write_png(dir / "rec/depth/000001.png", blind);
   const Ran ran = run(segment_args(dir / "rec", dir / "out", {"--json"}));
   ASSERT_EQ(ran.code, 0) << ran.err;
   const Json json = Json::parse(ran.out);
   EXPECT_EQ(json["frames"].size(), 1u);
   ASSERT_EQ(json["refused"].size(), 1u);
-  EXPECT_NE(json["refused"][0].get<std::string>().find("--gravity"), std::string::npos);
+  EXPECT_NE(json["refused"][0].get<std::string>().find("holds no depth"), std::string::npos);
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
   EXPECT_EQ(files_below(dir / "out").size(), 4u);
 

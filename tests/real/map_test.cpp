@@ -3,14 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/io/recording.hpp"
 #include "core/model/json.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/world/files/map_files.hpp"
+#include "core/world/poses/trajectory.hpp"
 
 namespace planescope::world {
 namespace {
@@ -47,6 +51,49 @@ TEST(RealMap, FloorAndWallOfAPanAreATrackEach) {
   EXPECT_GE(map.stability.still_pairs, 8);
   EXPECT_LE(map.stability.normal_jitter_deg, 0.08);
   EXPECT_LE(map.stability.offset_jitter_m, 0.0005);
+}
+
+// Motion capture, over a desk: monitors hide most of what lies behind them, and the map knows both.
+TEST(RealMap, NoFrameOfADeskIsSetAsideForWhatHidesTheRest) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const auto folder = std::filesystem::path(data) / "tum_fr1_rpy_kinect_640x480";
+  const auto recording = io::open_recording(folder);
+  MapJob job;
+  job.recording = recording.get();
+  job.pipeline.cloud.max_range_m = 4;
+  job.trajectory = read_trajectory(folder / "poses.tum");
+  job.threads = 2;
+  for (int i = 0; i < recording->frame_count(); i += 3) job.frames.push_back(i);
+  const WorldMap map = map_recording(job);
+  ASSERT_EQ(map.tracker.frames().size(), 100u);
+  for (const FrameOfTracks& frame : map.tracker.frames()) {
+    EXPECT_FALSE(frame.set_aside) << frame.frame;
+    if (frame.compared_cells >= 200) {
+      EXPECT_GE(frame.agreement, 0.5) << frame.frame;
+    }
+  }
+}
+
+// Fast turns by hand. The accelerometer leans by about 4 degrees against the poses of motion
+// capture, whichever samples are taken; the rest is the hand's own acceleration.
+TEST(RealGravity, OfAKinectsAccelerometerIsThatOfThePoses) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const auto folder = std::filesystem::path(data) / "tum_fr1_rpy_kinect_640x480";
+  const auto recording = io::open_recording(folder);
+  EXPECT_EQ(recording->info().times_source, "poses.tum");
+  const Trajectory poses = read_trajectory(folder / "poses.tum");
+  std::vector<double> angles_deg;
+  for (int i = 0; i < recording->frame_count(); i += 10) {
+    const std::optional<Gravity> gravity = recording->frame(i).gravity;
+    ASSERT_TRUE(gravity) << i;
+    const Vec3d down = poses.poses[i].T_world_camera.linear().transpose() * -Vec3d::UnitZ();
+    angles_deg.push_back(std::acos(down.dot(gravity->direction)) * 180 / std::numbers::pi);
+  }
+  std::ranges::sort(angles_deg);
+  EXPECT_LE(angles_deg[angles_deg.size() / 2], 5);
+  EXPECT_LE(angles_deg.back(), 9);
 }
 
 }  // namespace

@@ -110,10 +110,12 @@ TEST_F(Changes, OfBAreShownInTheStripInTheColoursOfA) {
   perform("run.pin");
   perform("option.set", "profile=paper");  // planes are founded in another order
   settle(shell, stage, {});
-  Classifiers classifiers;
+  FrameTools tools;
   ColorBook book;
   const Wanted wanted = wanted_of(state().document, state().document.frame);
-  const Image8 like_a = thumbnail_of(wanted, classifiers, book, results().pinned.get()).image;
+  const Image8 like_a = thumbnail_of(wanted, tools, book, results().pinned.get()).image;
+  ColorBook empty;
+  ASSERT_NE(thumbnail_of(wanted, tools, empty).image.data, like_a.data);
   const auto shown = [&] {
     return results().strip[static_cast<std::size_t>(state().document.frame)].image.data;
   };

@@ -93,8 +93,9 @@ void expect_effect(const State& state) {
   if (const std::string& why = state.document.current()->picked_refused; !why.empty())
     throw Error(why + "; move the file away first");
   const std::optional<Gravity>& own = subject_of(state).frame.gravity;
-  if (!own || own->source == GravitySource::picked) return;
-  const char* who = own->source == GravitySource::imu ? "IMU" : "sidecar";
+  const GravitySource source = own ? own->source : GravitySource::none;
+  if (source != GravitySource::imu && source != GravitySource::sidecar) return;
+  const char* who = source == GravitySource::imu ? "IMU" : "sidecar";
   throw Error(
       fmt::format("the recording's {} tells gravity and goes before a click; --gravity "
                   "X,Y,Z, or the option gravity, goes before both",
@@ -158,7 +159,8 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
     if (tilt_deg > kMostTilt_deg) text += " (was that the right surface?)";
   }
   say(state,
-      fmt::format("gravity {} {}: kept in {}", text, all ? "for all frames" : "for this frame",
+      fmt::format("gravity {} {}: kept in {}", text,
+                  all ? "for all frames" : "for this frame, and others along the camera's motion",
                   (open.label_dir / "gravity.json").string()));
   try {
     tell_labels(state, {picked.direction, GravitySource::picked, 1, picked.note});

@@ -122,7 +122,8 @@ std::optional<debug::QuickScore> score_of(const debug::Run& run) {
 
 }  // namespace
 
-std::shared_ptr<const planes::Classifier> Classifiers::get(const planes::PipelineOptions& options) {
+std::shared_ptr<const planes::Classifier> FrameTools::classifier(
+    const planes::PipelineOptions& options) {
   const std::lock_guard lock(mutex_);
   if (options.method != planes::Method::ours) return nullptr;
   const std::string key =
@@ -131,6 +132,17 @@ std::shared_ptr<const planes::Classifier> Classifiers::get(const planes::Pipelin
   if (key != key_) chosen_ = app::choose_classifier(options).classifier;
   key_ = key;
   return chosen_;
+}
+
+std::shared_ptr<const world::SequenceGravity> FrameTools::gravity(
+    const std::shared_ptr<const io::Recording>& recording, const planes::GravityOptions& options) {
+  const std::lock_guard lock(mutex_);
+  if (!gravity_ || gravity_of_ != recording || gravity_by_.mode != options.mode ||
+      gravity_by_.max_tilt_deg != options.max_tilt_deg)
+    gravity_ = std::make_shared<world::SequenceGravity>(recording, options);
+  gravity_of_ = recording;
+  gravity_by_ = options;
+  return gravity_;
 }
 
 Wanted wanted_of(const Document& document, int frame) {
@@ -157,15 +169,19 @@ Wanted with_options(Wanted wanted, const planes::PipelineOptions& options) {
 }
 
 std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
-                                                   Classifiers& classifiers,
+                                                   FrameTools& tools,
                                                    std::string* refused_labels) {
-  const std::shared_ptr<const planes::Classifier> classifier = classifiers.get(wanted.options);
+  const std::shared_ptr<const planes::Classifier> classifier = tools.classifier(wanted.options);
   Frame frame = wanted.recording->frame(wanted.frame);
-  io::apply_picked_gravity(wanted.picked, frame);
   planes::PipelineOptions options = wanted.options;
   options.gravity.none_where_unknown = true;
   const world::CameraPose* pose = wanted.map ? wanted.map->pose(wanted.frame) : nullptr;
-  if (pose) options = world::turn_to_map(frame, options, *pose, wanted.map->map);
+  if (pose) {
+    io::apply_picked_gravity(wanted.picked, frame);
+    options = world::turn_to_map(frame, options, *pose, wanted.map->map);
+  } else {
+    tools.gravity(wanted.recording, options.gravity)->resolve(frame, wanted.picked);
+  }
   const std::string hash = wanted.recording->frame_hash(wanted.frame);
   std::optional<planes::SourceTruth> truth;
   try {
@@ -240,13 +256,13 @@ render::Home home_of(const debug::Run& run) {
 }
 
 Thumbnail thumbnail_of(const Wanted& wanted,
-                       Classifiers& classifiers,
+                       FrameTools& tools,
                        ColorBook& book,
                        const RunView* a) {
   Thumbnail thumbnail;
   thumbnail.ready = true;
   try {
-    const auto run = debug::make_run(load_subject(wanted, classifiers), wanted.options);
+    const auto run = debug::make_run(load_subject(wanted, tools), wanted.options);
     render::StepLook look;
     look.step = run->steps();
     look.color_by = render::ColorBy::planes;

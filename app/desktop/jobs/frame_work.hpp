@@ -10,19 +10,26 @@
 
 #include "app/desktop/state/state.hpp"
 #include "core/debug/replay/run.hpp"
+#include "core/world/poses/sequence_gravity.hpp"
 
 namespace planescope::desktop {
 
-/// Classifiers that were made, by name: a network is read from its file once. Any thread.
-class Classifiers {
+/// What frames have in common and is made once: the classifier, as a network is read from its file,
+/// and what is known of gravity over the recording. Any thread.
+class FrameTools {
  public:
   /// Null: the labels of the ground truth, or a method that needs none.
-  std::shared_ptr<const planes::Classifier> get(const planes::PipelineOptions& options);
+  std::shared_ptr<const planes::Classifier> classifier(const planes::PipelineOptions& options);
+  std::shared_ptr<const world::SequenceGravity> gravity(
+      const std::shared_ptr<const io::Recording>& recording, const planes::GravityOptions& options);
 
  private:
   std::mutex mutex_;
   std::string key_;
   std::shared_ptr<const planes::Classifier> chosen_;
+  std::shared_ptr<const io::Recording> gravity_of_;
+  planes::GravityOptions gravity_by_;
+  std::shared_ptr<const world::SequenceGravity> gravity_;
 };
 
 /// What is wanted of a frame.
@@ -81,7 +88,7 @@ class ColorBook {
 /// `refused_labels`: takes why label files cannot be ground truth, and the frame goes without;
 /// where it is null, that is thrown.
 std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
-                                                   Classifiers& classifiers,
+                                                   FrameTools& tools,
                                                    std::string* refused_labels = nullptr);
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const render::Home& home,
@@ -91,7 +98,7 @@ render::Home home_of(const debug::Run& run);
 /// A frame that cannot be run says why. The book keeps the colors of its planes. `a`: as of
 /// ColorBook::colors().
 Thumbnail thumbnail_of(const Wanted& wanted,
-                       Classifiers& classifiers,
+                       FrameTools& tools,
                        ColorBook& book,
                        const RunView* a = nullptr);
 /// The camera's picture alone, or shaded depth: nothing is run for it.

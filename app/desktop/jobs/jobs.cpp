@@ -56,7 +56,7 @@ struct Jobs::Impl {
   std::function<void()> wake;
   std::mutex mutex;
   std::vector<Delivery> deliveries;
-  Classifiers classifiers;
+  FrameTools tools;
   ColorBook colors;
 
   // What was asked for last; touched by the window's thread only.
@@ -131,7 +131,7 @@ std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
   const bool fresh = !subject || !loaded || !loaded->same_subject(wanted);
   if (fresh) {
     subject = nullptr;
-    subject = load_subject(wanted, classifiers, &refused_labels);
+    subject = load_subject(wanted, tools, &refused_labels);
     loaded = wanted;
   }
   auto run = debug::make_run(subject, wanted.options);
@@ -333,7 +333,7 @@ void Jobs::Impl::pursue_strip(State& state) {
       if (stop.stop_requested()) return;
       Thumbnail thumbnail =
           plain ? picture_of(wanted)
-                : thumbnail_of(wanted, classifiers, colors, i == 0 ? a.get() : nullptr);
+                : thumbnail_of(wanted, tools, colors, i == 0 ? a.get() : nullptr);
       if (stop.stop_requested()) return;
       deliver([this, thumbnail = std::move(thumbnail), index, number, plain](State& s) {
         if (number != strip_number || index >= s.results.strip.size()) return;
@@ -406,7 +406,7 @@ void Jobs::Impl::pursue_fix(State& state) {
       for (int i = 0; i < wanted.recording->frame_count() && !stop.stop_requested(); ++i) {
         wanted.frame = i;
         try {
-          const auto with = load_subject(wanted, classifiers);
+          const auto with = load_subject(wanted, tools);
           if (!with->voxel_truth.known()) continue;
           debug::FixEffect effect = debug::effect_of(*debug::make_run(with, wanted.options), after);
           effect.frame = i;

@@ -157,7 +157,7 @@ void LearnJobs::pursue_doubt(State& state) {
       std::optional<double> share;
       try {
         std::string refused_labels;
-        share = doubt_of(*load_subject(wanted, classifiers_, &refused_labels));
+        share = doubt_of(*load_subject(wanted, tools_, &refused_labels));
       } catch (const std::exception&) {
         // A frame that cannot be read says why where it is opened.
       }

@@ -41,7 +41,7 @@ class LearnJobs {
   } measured_;
   std::optional<Wanted> doubted_;
   int doubt_number_ = 0;
-  Classifiers classifiers_;
+  FrameTools tools_;
   Worker training_, measuring_, doubting_;  // last: their threads use all of the above
 };
 

@@ -42,7 +42,7 @@ void MapJobs::pursue(State& state) {
       });
     };
     try {
-      const auto classifier = classifiers_.get(options);
+      const auto classifier = tools_.classifier(options);
       const auto upright = io::with_picked_gravity(recording, picked);
       world::MapJob job;
       job.recording = upright.get();

@@ -24,7 +24,7 @@ class MapJobs {
   // Touched by the window's thread only.
   bool asked_ = false;
   int number_ = 0;  // of the latest; what an earlier one still delivers is dropped
-  Classifiers classifiers_;
+  FrameTools tools_;
   Worker worker_;  // last: its thread uses all of the above
 };
 

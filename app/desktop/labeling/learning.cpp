@@ -24,11 +24,12 @@ std::filesystem::path shipped_weights() {
 std::vector<app::LabelledFrame> read_reviewed(const LearningSource& source,
                                               const LearningProgress& progress) {
   std::vector<app::LabelledFrame> frames;
+  const world::SequenceGravity gravity(source.recording, source.options.gravity);
   int done = 0;
   for (const int index : source.reviewed) {
     progress("reviewed frames", done++, static_cast<int>(source.reviewed.size()));
     Frame frame = source.recording->frame(index);
-    io::apply_picked_gravity(source.picked, frame);
+    gravity.resolve(frame, source.picked);
     const std::string hash = source.recording->frame_hash(index);
     const auto truth = labels::frame_truth(frame, source.label_dir, hash);
     if (!truth) continue;

@@ -22,7 +22,7 @@ std::string left_text(const State& state) {
     text +=
         fmt::format("  ·  {} voxels  ·  gravity: {}", prepared.voxels.points.size(),
                     prepared.gravity.known() ? to_string(prepared.gravity.source) : "not known");
-    if (prepared.gravity.source == GravitySource::estimate)
+    if (prepared.gravity.known() && prepared.gravity.confidence < 1)
       text += fmt::format(" ({:.0f} %)", 100 * prepared.gravity.confidence);
   }
   return text;

@@ -1,10 +1,10 @@
 #include "core/io/bag/bag_gravity.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <set>
 
 #include "core/io/bag/ros_messages.hpp"
+#include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::io {
@@ -13,8 +13,6 @@ namespace {
 constexpr std::size_t kMaxSamples = 64;
 // Samples are spread over the recording, and each compressed chunk they lie in is unpacked.
 constexpr std::size_t kMaxCost = 4 << 20;
-constexpr double kMinMean = 7;  // [m/s2]
-constexpr double kMaxMean = 13;
 
 }  // namespace
 
@@ -55,11 +53,8 @@ std::optional<Gravity> gravity_near(const MessageLog& bag,
   }
   if (count == 0) return std::nullopt;
   const Vec3d mean = sum / static_cast<double>(count);
-  if (mean.norm() < kMinMean || mean.norm() > kMaxMean) return std::nullopt;
-  char note[120];
-  std::snprintf(note, sizeof(note), "mean of %zu accelerometer samples within %.2f s, %.2f m/s2",
-                count, 1e-9 * static_cast<double>(widest_ns), mean.norm());
-  return Gravity{-(R_depth_accel * mean).normalized(), GravitySource::imu, 1, note};
+  return gravity_of_accelerometer(R_depth_accel * mean, count,
+                                  1e-9 * static_cast<double>(widest_ns));
 }
 
 }  // namespace planescope::io

@@ -122,6 +122,9 @@ BagRecording::BagRecording(std::unique_ptr<MessageLog> log, const RecordingOptio
   info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
   read_camera(options);
   read_color_camera();
+  info_.times_source = tells_times(sidecar_) ? sidecar_.path.filename().string()
+                       : metadata_.empty()   ? "message headers"
+                                             : "frame metadata";
   bag_.expect_whole();
 }
 

@@ -12,6 +12,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
+#include "core/model/text_lines.hpp"
 
 namespace planescope::io {
 namespace {
@@ -155,31 +156,26 @@ std::optional<CameraFacts> camera_from_json(const fs::path& path) {
 }
 
 std::optional<CameraFacts> camera_from_text(const fs::path& path) {
-  const auto text = small_text(path);
+  auto text = small_text(path);
   if (!text) return std::nullopt;
+  std::replace(text->begin(), text->end(), ',', ' ');
   std::vector<double> n;
-  std::string line_free = *text;
-  for (std::size_t at = line_free.find('#'); at != std::string::npos; at = line_free.find('#')) {
-    line_free.erase(at, std::min(line_free.find('\n', at), line_free.size()) - at);
-  }
-  std::replace(line_free.begin(), line_free.end(), ',', ' ');
-  WordReader words(std::as_bytes(std::span(line_free)));
-  try {
-    while (true) {
-      std::string_view word = words.next();
+  for (const TextLine& line : text_lines(*text))
+    for (std::string_view word : line.words) {
       // ICL-NUIM's files write "0." and "-480.0".
       if (word.ends_with('.')) word.remove_suffix(1);
       const auto value = parse_number(word);
       if (!value || !std::isfinite(*value) || n.size() > 16) return std::nullopt;
       n.push_back(*value);
     }
-  } catch (OutOfBytes) {
-    // All words were numbers.
-  }
+  CameraFacts facts;
   Intrinsics k;
   const auto is_matrix = [&](std::size_t stride) {
     return n[1] == 0 && n[stride] == 0 && n[2 * stride] == 0 && n[2 * stride + 1] == 0 &&
            n[2 * stride + 2] == 1;
+  };
+  const auto is_whole = [](double pixels) {
+    return pixels >= 1 && pixels <= 1e5 && pixels == std::floor(pixels);
   };
   const auto take_matrix = [&](std::size_t stride) {
     // A negative fy (ICL-NUIM) turns the image's y axis; the depth itself has y down as ours.
@@ -187,6 +183,17 @@ std::optional<CameraFacts> camera_from_text(const fs::path& path) {
   };
   if (n.size() == 4) {
     k.fx = n[0], k.fy = std::abs(n[1]), k.cx = n[2], k.cy = n[3];
+  } else if (n.size() == 7 && is_whole(n[5]) && is_whole(n[6]) && n[4] > 0 && n[4] <= 1) {
+    k = {static_cast<int>(n[5]),
+         static_cast<int>(n[6]),
+         n[0],
+         std::abs(n[1]),
+         n[2],
+         n[3],
+         Distortion::none,
+         {}};
+    facts.depth_unit_m = n[4];
+    facts.depth_unit_source = path.filename().string();
   } else if (n.size() == 9 && is_matrix(3)) {
     take_matrix(3);
   } else if (n.size() == 16 && is_matrix(4)) {
@@ -195,7 +202,6 @@ std::optional<CameraFacts> camera_from_text(const fs::path& path) {
     return std::nullopt;
   }
   if (k.fx < 1 || k.fy < 1) return std::nullopt;
-  CameraFacts facts;
   facts.intrinsics = k;
   facts.intrinsics_source = path.filename().string();
   return facts;

@@ -1,10 +1,16 @@
 #include "core/io/folder/folder_layout.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <set>
 
 #include "core/io/cloud_files/cloud_formats.hpp"
+#include "core/io/folder/frame_times.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
@@ -49,11 +55,13 @@ std::string pairing_key(const fs::path& path) {
   return key;
 }
 
-void pair_by_time(const std::vector<fs::path>& color, FolderLayout& layout) {
+using TimeOf = std::function<std::optional<double>(const fs::path&)>;
+
+void pair_by_time(const std::vector<fs::path>& color, const TimeOf& time_of, FolderLayout& layout) {
   std::map<double, fs::path> by_time;
-  for (const fs::path& path : color) by_time.emplace(*timestamp_in_name(path), path);
+  for (const fs::path& path : color) by_time.emplace(*time_of(path), path);
   for (std::size_t i = 0; i < layout.depth.size(); ++i) {
-    const double time_s = *timestamp_in_name(layout.depth[i]);
+    const double time_s = *time_of(layout.depth[i]);
     auto best = by_time.lower_bound(time_s);
     if (best == by_time.end() ||
         (best != by_time.begin() && time_s - std::prev(best)->first < best->first - time_s)) {
@@ -63,9 +71,8 @@ void pair_by_time(const std::vector<fs::path>& color, FolderLayout& layout) {
   }
 }
 
-/// Same name first, then nearest time in the name, then the same place in the order.
-void pair_color(const std::vector<fs::path>& color, FolderLayout& layout) {
-  layout.color.assign(layout.depth.size(), {});
+/// Same name first, then nearest time, then the same place in the order.
+void pair_color(const std::vector<fs::path>& color, const TimeOf& time_of, FolderLayout& layout) {
   if (color.empty()) return;
   std::map<std::string, fs::path> by_key;
   for (const fs::path& path : color) by_key.emplace(pairing_key(path), path);
@@ -73,11 +80,11 @@ void pair_color(const std::vector<fs::path>& color, FolderLayout& layout) {
     const auto found = by_key.find(pairing_key(layout.depth[i]));
     if (found != by_key.end()) layout.color[i] = found->second;
   }
-  const auto has_time = [](const fs::path& path) { return timestamp_in_name(path).has_value(); };
+  const auto has_time = [&](const fs::path& path) { return time_of(path).has_value(); };
   if (!layout.has_color()) {
     if (std::all_of(layout.depth.begin(), layout.depth.end(), has_time) &&
         std::all_of(color.begin(), color.end(), has_time)) {
-      pair_by_time(color, layout);
+      pair_by_time(color, time_of, layout);
     } else if (color.size() == layout.depth.size()) {
       layout.color = color;
     }
@@ -88,6 +95,35 @@ void pair_color(const std::vector<fs::path>& color, FolderLayout& layout) {
                               std::to_string(layout.depth.size()) +
                               " depth images have no colour image of their name or time");
   }
+}
+
+/// Pairs depth with color, and finds when it was taken.
+void settle(const fs::path& folder, const std::vector<fs::path>& color, FolderLayout& layout) {
+  ListedTimes listed = listed_times(folder, layout.depth, color);
+  layout.warnings = std::move(listed.warnings);
+  const TimeOf time_of = [&](const fs::path& image) {
+    const auto at = listed.of_image.find(image);
+    return at != listed.of_image.end() ? at->second.s : timestamp_in_name(image);
+  };
+  layout.color.assign(layout.depth.size(), {});
+  pair_color(color, time_of, layout);
+  layout.time_s.assign(layout.depth.size(), std::nullopt);
+  std::set<std::string> sources;
+  for (const std::vector<fs::path>* images : {&layout.depth, &layout.color}) {
+    for (std::size_t i = 0; i < images->size(); ++i) {
+      const fs::path& image = (*images)[i];
+      layout.time_s[i] = image.empty() ? std::nullopt : time_of(image);
+      if (!layout.time_s[i]) continue;
+      const auto at = listed.of_image.find(image);
+      sources.insert(at != listed.of_image.end() ? at->second.list : "file names");
+    }
+    if (!sources.empty()) break;  // else times of the color images will do
+  }
+  layout.times_source = fmt::format("{}", fmt::join(sources, ", "));
+  const auto missing = std::ranges::count_if(layout.time_s, [](const auto& time) { return !time; });
+  if (missing > 0 && !sources.empty())
+    layout.warnings.push_back(fmt::format("{} of {} depth images have no time in {}", missing,
+                                          layout.time_s.size(), layout.times_source));
 }
 
 /// The subfolder of one of these names, whatever its case; empty where there is none.
@@ -146,7 +182,8 @@ std::optional<double> timestamp_in_name(const fs::path& path) {
   const std::string number = before == std::string::npos ? name : name.substr(before + 1);
   const std::size_t whole_digits = std::min(number.find('.'), number.size());
   const auto value = parse_number(number);
-  if (!value || whole_digits < 10) return std::nullopt;
+  // 0000000012 is a number with leading zeros.
+  if (!value || whole_digits < 10 || number[0] == '0') return std::nullopt;
   if (*value >= 1e17) return *value * 1e-9;
   if (*value >= 1e14) return *value * 1e-6;
   if (*value >= 1e11) return *value * 1e-3;
@@ -167,17 +204,17 @@ FolderLayout find_folder_layout(const fs::path& folder) {
     };
     layout.tum = has("depth.txt") && has("rgb.txt");
     if (!layout.depth.empty()) {
-      pair_color(color, layout);
+      settle(folder, color, layout);
       return layout;
     }
   }
   layout.depth = only(here, named_depth);
   if (layout.depth.empty()) {
     layout.depth = only(here, is_depth_by_content);
-    layout.color.assign(layout.depth.size(), {});
+    settle(folder, {}, layout);
     return layout;
   }
-  pair_color(only(here, named_color), layout);
+  settle(folder, only(here, named_color), layout);
   return layout;
 }
 

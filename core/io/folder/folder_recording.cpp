@@ -1,8 +1,11 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
 #include "core/io/folder/camera_files.hpp"
 #include "core/io/folder/folder_layout.hpp"
+#include "core/io/folder/frame_times.hpp"
 #include "core/io/image/jpeg.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
@@ -28,7 +31,7 @@ class FolderRecording : public Recording {
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return static_cast<int>(layout_.depth.size()); }
   Frame frame(int i) const override;
-  double timestamp_s(int i) const override;
+  double timestamp_s(int i) const override { return time_s_.at(i); }
   std::optional<Pose> T_world_camera(int i) const override;
   std::string frame_hash(int i) const override { return sha256_of_depth(read_depth(i)); }
 
@@ -37,9 +40,14 @@ class FolderRecording : public Recording {
   void check_images(bool later);
   CameraFiles find_camera(const fs::path& path) const;
   void settle_color(const CameraFiles& camera);
+  void settle_times();
   Image16 read_depth(int i) const;
 
+  fs::path folder_;  // with the images and the files about them; empty: a single image
+  std::size_t first_ = 0, in_folder_ = 0;  // of its depth images, the first that is a frame
   FolderLayout layout_;
+  std::vector<double> time_s_;  // by frame; 0 where unknown
+  std::optional<Accelerometer> accelerometer_;
   std::map<int, std::string> damaged_;  // frame, and what is wrong with it
   RecordingInfo info_;
   Sidecar sidecar_;
@@ -52,6 +60,7 @@ FolderRecording::FolderRecording(const fs::path& path, const RecordingOptions& o
     : sidecar_(read_sidecar(path)), reads_color_(options.color) {
   info_.path = path;
   find_images(path);
+  settle_times();
   info_.warnings = layout_.warnings;
   check_images(options.damaged_frames_later);
   const CameraFiles camera = find_camera(path);
@@ -64,12 +73,15 @@ void FolderRecording::find_images(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
     info_.format = "folder of images";
+    folder_ = path;
     layout_ = find_folder_layout(path);
+    in_folder_ = layout_.depth.size();
     return;
   }
   info_.format = "depth image";
   layout_.depth = {path};
   layout_.color = {fs::path{}};
+  layout_.time_s = {std::nullopt};
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (sidecar_.path.empty()) sidecar_ = read_sidecar(folder);
   // Of depth/000.png the colour lies in a folder beside depth/.
@@ -80,11 +92,46 @@ void FolderRecording::find_images(const fs::path& path) {
     for (std::size_t i = 0; i < around.depth.size(); ++i) {
       if (fs::equivalent(around.depth[i], path, ignored)) {
         layout_.color = {around.color[i]};
+        layout_.time_s = {around.time_s[i]};
+        layout_.times_source = around.times_source;
         layout_.tum = around.tum;
+        folder_ = root;
+        first_ = i;
+        in_folder_ = around.depth.size();
         return;
       }
     }
   }
+}
+
+/// Times come from the sidecar, lists or file names, else from poses.tum; with them gravity comes
+/// from the accelerometer.
+void FolderRecording::settle_times() {
+  const bool by_sidecar = tells_times(sidecar_);
+  for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
+    const Sidecar::FrameFacts* facts = facts_of(sidecar_, layout_.depth[i].stem().string());
+    const std::optional<double> time_s =
+        by_sidecar && facts ? facts->timestamp_s : std::optional<double>();
+    time_s_.push_back(time_s ? *time_s : layout_.time_s[i].value_or(0));
+  }
+  info_.times_source =
+      by_sidecar ? sidecar_.path.filename().string() : std::move(layout_.times_source);
+  if (folder_.empty()) return;
+  if (info_.times_source.empty()) {
+    const auto times = times_of_poses(folder_, in_folder_, layout_.warnings);
+    for (std::size_t i = 0; i < time_s_.size() && !times.empty(); ++i)
+      time_s_[i] = times[first_ + i];
+    if (!times.empty()) info_.times_source = "poses.tum";
+  }
+  if (file_beside_images(folder_, Accelerometer::kFile).empty()) return;
+  const auto ignore = [&](const std::string& why) {
+    layout_.warnings.push_back(fmt::format("{}: ignored, {}", Accelerometer::kFile, why));
+  };
+  if (info_.times_source.empty()) return ignore("as the frames have no times");
+  Accelerometer read(folder_);
+  if (std::ranges::none_of(time_s_, [&](double time_s) { return read.covers(time_s); }))
+    return ignore(fmt::format("no sample is within {} s of a frame", Accelerometer::kReach_s));
+  accelerometer_ = std::move(read);
 }
 
 /// Looks at the ends of every file, so that what cannot be used is known before work starts.
@@ -186,14 +233,6 @@ Image16 FolderRecording::read_depth(int i) const {
   return depth;
 }
 
-double FolderRecording::timestamp_s(int i) const {
-  Frame facts;
-  facts.name = layout_.depth.at(i).stem().string();
-  facts.timestamp_s = timestamp_in_name(layout_.depth[i]).value_or(0);
-  apply_sidecar(sidecar_, facts);
-  return facts.timestamp_s;
-}
-
 std::optional<Pose> FolderRecording::T_world_camera(int i) const {
   const Sidecar::FrameFacts* facts = facts_of(sidecar_, layout_.depth.at(i).stem().string());
   return facts ? facts->T_world_camera : std::nullopt;
@@ -204,7 +243,6 @@ Frame FolderRecording::frame(int i) const {
   frame.index = i;
   frame.depth = read_depth(i);
   frame.name = layout_.depth[i].stem().string();
-  frame.timestamp_s = timestamp_in_name(layout_.depth[i]).value_or(0);
   frame.depth_unit_m = info_.depth_unit_m;
   frame.intrinsics = info_.intrinsics;
   if (reads_color_ && !layout_.color[i].empty()) {
@@ -214,7 +252,9 @@ Frame FolderRecording::frame(int i) const {
     frame.color_intrinsics = color_intrinsics_;
     frame.T_color_depth = T_color_depth_;
   }
+  if (accelerometer_) frame.gravity = accelerometer_->gravity_at(time_s_[i]);
   apply_sidecar(sidecar_, frame);
+  frame.timestamp_s = time_s_[i];
   return frame;
 }
 

@@ -23,7 +23,8 @@ class Metadata {
  public:
   explicit Metadata(const fs::path& path) : path_(path) {
     const auto bytes = read_file_bytes(path, kMaxCsvBytes);
-    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    std::string_view text =
+        without_byte_order_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     while (!text.empty()) {
       const std::size_t end = std::min(text.find('\n'), text.size());
       std::string_view line = text.substr(0, end);
@@ -66,6 +67,9 @@ class RawRecording : public Recording {
     }
     CameraFacts facts;
     for (const RawFile& file : files_) facts = check(file);
+    info_.times_source = tells_times(sidecar_)     ? sidecar_.path.filename().string()
+                         : time_of(files_[0]) != 0 ? files_[0].csv.filename().string()
+                                                   : "";
     settle_camera(options, sidecar_, facts, info_);
   }
 
@@ -73,11 +77,10 @@ class RawRecording : public Recording {
   int frame_count() const override { return static_cast<int>(files_.size()); }
 
   Frame frame(int i) const override {
-    const Metadata metadata(files_.at(i).csv);
     Frame frame;
     frame.index = i;
-    frame.name = files_[i].raw.stem().string();
-    frame.timestamp_s = 1e-3 * parse_number(metadata.text("Timestamp (ms)")).value_or(0);
+    frame.name = files_.at(i).raw.stem().string();
+    frame.timestamp_s = time_of(files_[i]);
     frame.depth = read_depth(i);
     frame.depth_unit_m = info_.depth_unit_m;
     frame.intrinsics = info_.intrinsics;
@@ -85,9 +88,20 @@ class RawRecording : public Recording {
     return frame;
   }
 
+  double timestamp_s(int i) const override {
+    Frame facts;
+    facts.name = files_.at(i).raw.stem().string();
+    facts.timestamp_s = time_of(files_[i]);
+    apply_sidecar(sidecar_, facts);
+    return facts.timestamp_s;
+  }
+
   std::string frame_hash(int i) const override { return sha256_of_depth(read_depth(i)); }
 
  private:
+  static double time_of(const RawFile& file) {
+    return 1e-3 * parse_number(Metadata(file.csv).text("Timestamp (ms)")).value_or(0);
+  }
   /// Sizes of one snapshot against each other and against the first.
   CameraFacts check(const RawFile& file) {
     const Metadata metadata(file.csv);

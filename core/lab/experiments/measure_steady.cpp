@@ -220,12 +220,6 @@ class SteadyUnit {
   FoundBySteady first_;
 };
 
-bool times_ascend(const std::vector<world::FrameTime>& times) {
-  return times.size() > 1 &&
-         std::ranges::adjacent_find(times, std::ranges::greater_equal(),
-                                    &world::FrameTime::timestamp_s) == times.end();
-}
-
 }  // namespace
 
 Vec3d turned(const Vec3d& direction, double angle_deg, double around_deg) {
@@ -253,26 +247,14 @@ void dither(Image16& depth, std::uint64_t seed) {
   }
 }
 
-FramePoses poses_of_recording(const io::Recording& recording,
-                              const std::optional<world::Trajectory>& given) {
+FramePoses own_poses(const io::Recording& recording) {
   const int count = recording.frame_count();
   FramePoses poses(static_cast<std::size_t>(count));
-  if (!given) {
-    for (int i = 0; i < count; ++i)
-      if (const std::optional<Pose> pose = recording.T_world_camera(i))
-        poses[static_cast<std::size_t>(i)] = world::CameraPose{.frame = i, .T_world_camera = *pose};
-    const bool any = std::ranges::any_of(poses, [](const auto& pose) { return pose.has_value(); });
-    return any ? poses : FramePoses();
-  }
-  std::vector<world::FrameTime> times;
-  for (int i = 0; i < count; ++i) times.push_back({i, recording.timestamp_s(i)});
-  const bool has_numbers =
-      std::ranges::any_of(given->poses, [](const auto& pose) { return pose.frame >= 0; });
-  if (!has_numbers && !times_ascend(times) && std::ssize(given->poses) == count) {
-    std::ranges::copy(given->poses, poses.begin());
-    return poses;
-  }
-  return world::poses_of_frames(*given, times, count);
+  for (int i = 0; i < count; ++i)
+    if (const std::optional<Pose> pose = recording.T_world_camera(i))
+      poses[static_cast<std::size_t>(i)] = world::CameraPose{.frame = i, .T_world_camera = *pose};
+  const bool any = std::ranges::any_of(poses, [](const auto& pose) { return pose.has_value(); });
+  return any ? poses : FramePoses();
 }
 
 SteadyScores measure_steady(const SteadyJob& job) {

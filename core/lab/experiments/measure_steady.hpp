@@ -21,11 +21,8 @@ namespace planescope::lab {
 /// By frame of the recording; empty where it has no poses at all.
 using FramePoses = std::vector<std::optional<world::CameraPose>>;
 
-/// The recording's own poses, else those of `given`, a trajectory from a file. Poses are matched by
-/// frame number or time; where frames have no times and there are as many poses as frames, pose i
-/// belongs to frame i. Throws Error if none of the given poses belongs to a frame.
-FramePoses poses_of_recording(const io::Recording& recording,
-                              const std::optional<world::Trajectory>& given);
+/// The recording's own poses.
+FramePoses own_poses(const io::Recording& recording);
 
 /// A method with its options; `name` as tables show it.
 struct SteadyMethod {

@@ -84,7 +84,7 @@ Json to_json(const Gravity& gravity) {
 
 Gravity gravity_from(const Json& json, const std::string& where) {
   Gravity gravity;
-  gravity.source = named(json.at("source"), GravitySource::none, where);
+  gravity.source = named(json.at("source"), kLastGravitySource, where);
   if (gravity.known()) gravity.direction = vector_from(json.at("direction"));
   gravity.confidence = json.at("confidence").get<double>();
   gravity.note = json.at("note").get<std::string>();

@@ -177,7 +177,7 @@ void write(RecordWriter& out, const LabelNotes& notes) {
 LabelNotes read_notes(RecordReader& in) {
   LabelNotes notes;
   notes.gravity.direction = read_vector(in);
-  notes.gravity.source = read_enum(in, GravitySource::none);
+  notes.gravity.source = read_enum(in, kLastGravitySource);
   notes.gravity.confidence = in.real();
   notes.gravity.note = in.text();
   notes.annotator = in.text();

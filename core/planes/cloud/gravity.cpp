@@ -9,6 +9,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/plane.hpp"
+#include "core/planes/cloud/image_planes.hpp"
 
 namespace planescope::planes {
 
@@ -52,13 +53,61 @@ Gravity unknown_gravity(const Frame& frame, const std::string& why) {
 
 namespace {
 
-/// nullopt, with a phrase why, where nothing tells.
+constexpr double kFacing_deg = 15;    // between a plane that faces the camera and the optical axis
+constexpr double kFacingShare = 0.5;  // of the measured pixels that such a plane covers
+constexpr double kContraryShare = 0.1;  // of those that a plane of another direction covers at most
+
+/// One plane that the camera looks at straight covers most of the image.
+bool one_plane_faces_camera(const Frame& frame, std::size_t measured) {
+  double facing = 0, contrary = 0;
+  for (const ImagePlane& plane : find_image_planes(frame)) {
+    const bool faces = std::abs(plane.normal.z()) > std::cos(kFacing_deg * std::numbers::pi / 180);
+    (faces ? facing : contrary) += plane.pixels;
+  }
+  const auto all = static_cast<double>(measured);
+  return facing > kFacingShare * all && contrary < kContraryShare * all;
+}
+
+struct WhyUnknown {
+  std::string why;
+  bool gravity_helps = true;  // to be given, or to be left open
+};
+
+/// Why a depth image says nothing about gravity.
+WhyUnknown why_unknown(const Frame& frame, double max_range_m) {
+  std::size_t measured = 0;
+  std::uint16_t nearest = 65535, farthest = 0;
+  for (const std::uint16_t count : frame.depth.data) {
+    if (count == 0 || count == 65535) continue;
+    ++measured;
+    nearest = std::min(nearest, count);
+    farthest = std::max(farthest, count);
+  }
+  if (measured == 0)
+    return {fmt::format("holds no depth: all pixels are 0{}",
+                        std::ranges::count(frame.depth.data, 65535) > 0 ? " or 65535" : ""),
+            false};
+  if (max_range_m > 0 && nearest * frame.depth_unit_m > max_range_m)
+    return {fmt::format("all depths lie between {:.4g} and {:.4g} m, beyond --max-range {:.6g} m: "
+                        "is --depth-unit {:.6g} right?",
+                        nearest * frame.depth_unit_m, farthest * frame.depth_unit_m, max_range_m,
+                        frame.depth_unit_m),
+            false};
+  if (one_plane_faces_camera(frame, measured))
+    return {
+        "one plane faces the camera: a wall straight ahead (--gravity 0,1,0), or a floor under a "
+        "camera that looks down (--gravity 0,0,1)"};
+  return {"gravity cannot be told from the scene"};
+}
+
+/// nullopt, with the reason, where nothing tells.
 std::optional<Gravity> found_gravity(const Frame& frame,
                                      const GravityOptions& options,
-                                     std::string& why_not) {
+                                     double max_range_m,
+                                     WhyUnknown& why_not) {
   if (options.mode == GravityMode::imu) {
     if (frame.gravity && frame.gravity->source == GravitySource::imu) return frame.gravity;
-    why_not = "the recording has no accelerometer data";
+    why_not.why = "the recording has no accelerometer data";
     return std::nullopt;
   }
   if (options.mode == GravityMode::automatic) {
@@ -67,14 +116,18 @@ std::optional<Gravity> found_gravity(const Frame& frame,
       return Gravity{-Vec3d::UnitZ(), GravitySource::assumed, 1,
                      "assumed: the cloud's z axis points up"};
   }
-  why_not = frame.is_cloud() ? "gravity is estimated from depth images only"
-                             : "gravity cannot be told from the scene";
-  return frame.is_cloud() ? std::nullopt : estimate_gravity(frame, options);
+  if (frame.is_cloud()) {
+    why_not.why = "gravity is estimated from depth images only";
+    return std::nullopt;
+  }
+  std::optional<Gravity> estimated = estimate_gravity(frame, options);
+  if (!estimated) why_not = why_unknown(frame, max_range_m);
+  return estimated;
 }
 
 }  // namespace
 
-Gravity resolve_gravity(const Frame& frame, const GravityOptions& options) {
+Gravity resolve_gravity(const Frame& frame, const GravityOptions& options, double max_range_m) {
   if (options.mode == GravityMode::none)
     return unknown_gravity(frame, "left open by --gravity none");
   if (options.mode == GravityMode::fixed) {
@@ -87,11 +140,14 @@ Gravity resolve_gravity(const Frame& frame, const GravityOptions& options) {
     gravity.note = "given by the user";
     return gravity;
   }
-  std::string why_not;
-  if (const auto found = found_gravity(frame, options, why_not)) return *found;
-  if (options.none_where_unknown) return unknown_gravity(frame, why_not);
-  throw Error("frame " + frame.name + ": " + why_not + "; " + kHowToGiveGravity +
-              "; --gravity none finds planes without telling h from v");
+  WhyUnknown why_not;
+  if (const auto found = found_gravity(frame, options, max_range_m, why_not)) return *found;
+  if (options.none_where_unknown) return unknown_gravity(frame, why_not.why);
+  std::string text = "frame " + frame.name + ": " + why_not.why;
+  if (why_not.gravity_helps)
+    text += std::string("; ") + kHowToGiveGravity +
+            "; --gravity none finds planes without telling h from v";
+  throw Error(text);
 }
 
 namespace {

@@ -27,9 +27,10 @@ GravityOptions parse_gravity(const std::string& text);
 std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions& options);
 
 /// Takes the first that exists: option; what the frame carries (sidecar, IMU, a floor that was
-/// picked); the estimate, for clouds -z, assumed. Throws Error that says how to give gravity where
-/// even the estimate fails, unless the options go without.
-Gravity resolve_gravity(const Frame& frame, const GravityOptions& options);
+/// picked, a neighbor's); the estimate, for clouds -z, assumed. Throws Error that says why even the
+/// estimate fails and how to give gravity, unless the options go without. `max_range_m`: of the
+/// points that are kept, so that a wrong depth unit is recognized; 0: not known.
+Gravity resolve_gravity(const Frame& frame, const GravityOptions& options, double max_range_m = 0);
 
 /// Doubt in a direction that was given (sensor frame), for people: where the scene clearly tells
 /// another one, more than 20 degrees off. Empty where it does not, of clouds, and of cameras that

@@ -156,7 +156,7 @@ PreparedFrame prepare_frame(const Frame& frame,
                             const FrameTruth* truth) {
   PreparedFrame prepared;
   prepared.from_cloud = frame.is_cloud();
-  prepared.gravity = resolve_gravity(frame, options.gravity);
+  prepared.gravity = resolve_gravity(frame, options.gravity, options.cloud.max_range_m);
 
   Stopwatch watch;
   prepared.cloud = make_cloud(frame, prepared.gravity, options.cloud);

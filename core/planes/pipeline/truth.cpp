@@ -57,7 +57,7 @@ std::vector<std::uint32_t> measured_sources(const Frame& frame) {
 LabelledCloud labelled_frame(const Frame& frame,
                              const PipelineOptions& options,
                              const SourceTruth& truth) {
-  const Gravity gravity = resolve_gravity(frame, options.gravity);
+  const Gravity gravity = resolve_gravity(frame, options.gravity, options.cloud.max_range_m);
   if (!gravity.known())
     throw Error("frame " + frame.name +
                 ": h and v are told by gravity, which --gravity none leaves open");

@@ -24,7 +24,8 @@ template <typename Fields>
 void gravity_fields(Fields& fields, auto& gravity) {
   using enum GravitySource;
   const auto source = [&] {
-    fields.choice("source", gravity.source, {option, sidecar, imu, picked, estimate, assumed, none},
+    fields.choice("source", gravity.source,
+                  {option, sidecar, imu, picked, estimate, assumed, none, carried},
                   "a source of gravity");
   };
   if constexpr (Fields::kReads) source();  // it tells whether there is a direction

@@ -247,6 +247,9 @@ std::string gravity_text(const Gravity& gravity) {
                          gravity.confidence);
     case GravitySource::assumed:
       return "<em>assumed</em>";
+    case GravitySource::carried:
+      return fmt::format("<em>carried</em> from another frame, confidence {:.2f}",
+                         gravity.confidence);
     case GravitySource::none:
       break;
   }

@@ -408,6 +408,9 @@ std::string gravity_summary(const std::vector<ReportRecording>& recordings) {
       if (frame.gravity.source == GravitySource::estimate) {
         least = std::min(least, frame.gravity.confidence);
         text = "<em>estimated</em> from the scene";
+      } else if (frame.gravity.source == GravitySource::carried) {
+        least = std::min(least, frame.gravity.confidence);
+        text = "<em>carried</em> from other frames";
       }
       if (std::find(sources.begin(), sources.end(), text) == sources.end()) sources.push_back(text);
     }

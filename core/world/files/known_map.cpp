@@ -30,7 +30,7 @@ Json read(const fs::path& file, const std::string& schema) {
 }
 
 GravitySource source_of(const std::string& name) {
-  for (int i = 0; i <= static_cast<int>(GravitySource::none); ++i)
+  for (int i = 0; i <= static_cast<int>(kLastGravitySource); ++i)
     if (to_string(static_cast<GravitySource>(i)) == name) return static_cast<GravitySource>(i);
   throw Error("no gravity comes from " + shown(name));
 }

@@ -25,16 +25,7 @@ constexpr int kMostLost = 10;            // frames in a row, before a new segmen
 constexpr double kEffective = 200;       // so many of the partners are worth one of their own
 
 Grid grid_of(const OdometryJob& job, int index) {
-  try {
-    const Frame frame = job.recording->frame(index);
-    auto grid = std::make_shared<LabelGrid>(labels::make_label_grid(frame, Gravity{}));
-    if (static_cast<double>(grid->measured_count) <
-        kLeastMeasured * static_cast<double>(grid->pixels()))
-      return nullptr;
-    return grid;
-  } catch (const Error&) {  // told where the frame's turn comes
-    return nullptr;
-  }
+  return registration_grid(*job.recording, index, true);
 }
 
 struct Key {
@@ -55,8 +46,7 @@ PoseEdge edge_of(int source, int target, const Registration& registration, bool 
   edge.from = source;
   edge.to = target;
   edge.T_from_to = registration.T_to_from.inverse();
-  edge.information =
-      registration.information * (kEffective / std::max(kEffective, registration.partners));
+  edge.information = effective_information(registration);
   edge.loop = loop;
   return edge;
 }
@@ -75,12 +65,12 @@ class Following {
     // From where the camera was: a guess that goes on as it went runs away over a floor, where
     // depth does not hold it and brightness does so for a few pixels.
     Registration found = labels::register_frames(*grid, *key_grid_, job_.stop, {}, T_key_last_);
-    if (!is_credible(found, frames) && lost_ == 0) {
+    if (!is_credible_step(found, frames) && lost_ == 0) {
       const Registration going =
           labels::register_frames(*grid, *key_grid_, job_.stop, {}, T_key_last_ * step_);
       if (going.fitness > found.fitness) found = going;
     }
-    if (!is_credible(found, frames)) {
+    if (!is_credible_step(found, frames)) {
       if (++lost_ > kMostLost) begin_segment(frame, grid);
       return;
     }
@@ -105,11 +95,8 @@ class Following {
   }
 
  private:
-  bool is_credible(const Registration& found, double frames) const {
-    const Pose step = T_key_last_.inverse() * found.T_to_from;
-    return found.fitness >= options_.least_fitness &&
-           step.translation().norm() <= options_.most_step_m * frames &&
-           turn_deg(step) <= options_.most_step_deg * frames;
+  bool is_credible_step(const Registration& found, double frames) const {
+    return is_credible(found, T_key_last_.inverse() * found.T_to_from, frames, options_);
   }
 
   void begin_segment(int frame, const Grid& grid) {
@@ -210,6 +197,33 @@ class Following {
 };
 
 }  // namespace
+
+Grid registration_grid(const io::Recording& recording, int index, bool color) {
+  try {
+    Frame frame = recording.frame(index);
+    if (!color) frame.color = {};
+    auto grid = std::make_shared<LabelGrid>(labels::make_label_grid(frame, Gravity{}));
+    if (static_cast<double>(grid->measured_count) <
+        kLeastMeasured * static_cast<double>(grid->pixels()))
+      return nullptr;
+    return grid;
+  } catch (const Error&) {  // told where the frame's turn comes
+    return nullptr;
+  }
+}
+
+bool is_credible(const Registration& found,
+                 const Pose& step,
+                 double frames,
+                 const OdometryOptions& options) {
+  return found.fitness >= options.least_fitness &&
+         step.translation().norm() <= options.most_step_m * frames &&
+         turn_deg(step) <= options.most_step_deg * frames;
+}
+
+Eigen::Matrix<double, 6, 6> effective_information(const Registration& registration) {
+  return registration.information * (kEffective / std::max(kEffective, registration.partners));
+}
 
 Trajectory estimate_trajectory(const OdometryJob& job) {
   const auto count = static_cast<int>(job.frames.size());

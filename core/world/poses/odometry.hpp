@@ -3,10 +3,12 @@
 // Where the camera went, from depth and colour alone.
 
 #include <functional>
+#include <memory>
 #include <stop_token>
 #include <vector>
 
 #include "core/io/recording.hpp"
+#include "core/labels/review/carry.hpp"
 #include "core/world/poses/trajectory.hpp"
 
 namespace planescope::world {
@@ -38,5 +40,21 @@ struct OdometryJob {
 /// The first frame of each segment is at its origin, its camera's axes those of the world. Frames
 /// that cannot be read have no pose. The same bits for any number of threads.
 Trajectory estimate_trajectory(const OdometryJob& job);
+
+// The motion between two frames: labels::register_frames(), and how far to believe it.
+
+/// A frame as it is registered. Null where it cannot be read or hardly anything is measured.
+std::shared_ptr<const labels::LabelGrid> registration_grid(const io::Recording& recording,
+                                                           int frame,
+                                                           bool color);
+
+/// Whether enough points found partners, and a camera can move by `step` in so many frames.
+bool is_credible(const labels::Registration& found,
+                 const Pose& step,
+                 double frames = 1,
+                 const OdometryOptions& options = {});
+
+/// Registration::information, less than the sum over partners: neighbors err alike.
+Eigen::Matrix<double, 6, 6> effective_information(const labels::Registration& registration);
 
 }  // namespace planescope::world

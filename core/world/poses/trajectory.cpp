@@ -8,14 +8,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 #include <span>
-#include <sstream>
 #include <unordered_map>
 
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
+#include "core/model/text_lines.hpp"
 
 namespace planescope::world {
 namespace {
@@ -23,26 +23,29 @@ namespace {
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 28;
 constexpr double kNoTime = std::numeric_limits<double>::quiet_NaN();
 constexpr double kUnit = 1e-3;  // how far from a rotation a matrix or quaternion may be
+constexpr int kMostSegments = 100'000;
 
-struct TextLine {
-  int number = 0;  // from 1
-  std::string text;
-};
+constexpr const char* kTumLine =
+    "the eight numbers of a TUM trajectory, timestamp tx ty tz qx qy qz qw";
+constexpr const char* kKittiLine = "the twelve numbers of a KITTI pose, a matrix of 3x4";
+constexpr const char* kLogHead = "the three whole numbers that begin a pose of Open3D's .log";
+constexpr const char* kLogRow = "the four numbers of a matrix's row";
 
-[[noreturn]] void fail(const std::filesystem::path& path, int line, const std::string& what) {
-  throw Error(fmt::format("{}, line {}: {}", path.string(), line, what));
+bool all_have_frames(const std::vector<CameraPose>& poses) {
+  return std::ranges::all_of(poses, [](const CameraPose& pose) { return pose.frame >= 0; });
 }
 
-/// The numbers of a line; nullopt where a word is none.
-std::optional<std::vector<double>> numbers_of(const std::string& text) {
-  std::vector<double> numbers;
-  for (const std::string& word : words_of(text)) {
-    const std::optional<double> number = parse_number(word);
-    if (!number || !std::isfinite(*number)) return std::nullopt;
-    numbers.push_back(*number);
+/// The poses of a file, and where each begins in it.
+struct PosesOfFile {
+  std::vector<CameraPose> poses;
+  const char* unit = "line";
+  std::vector<int> at;
+
+  void add(const CameraPose& pose, int where) {
+    poses.push_back(pose);
+    at.push_back(where);
   }
-  return numbers;
-}
+};
 
 /// Row-major 3x4 or 4x4. Empty: no rigid motion.
 std::optional<Pose> pose_of_matrix(std::span<const double> m) {
@@ -52,26 +55,15 @@ std::optional<Pose> pose_of_matrix(std::span<const double> m) {
   const Mat3d r = pose.linear();
   if (!((r * r.transpose() - Mat3d::Identity()).norm() < 10 * kUnit) || r.determinant() < 0)
     return std::nullopt;
+  if (m.size() == 16 && (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)) return std::nullopt;
   pose.linear() = Eigen::Quaterniond(r).normalized().toRotationMatrix();
   return pose;
 }
 
-/// tx ty tz qx qy qz qw. False: the quaternion is not of unit length.
-bool place(std::span<const double> n, CameraPose& pose) {
-  Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
-  if (!(std::abs(q.norm() - 1) < kUnit)) return false;
-  // What is a unit to the last bits stays as it is: a file that was read and written is the same.
-  if (std::abs(q.norm() - 1) > 1e-12) q.normalize();
-  pose.quaternion = {q.x(), q.y(), q.z(), q.w()};
-  pose.T_world_camera.translation() = Vec3d(n[0], n[1], n[2]);
-  settle(pose);
-  return true;
-}
-
-/// "# frame 12 segment 0 fitness 0.93 rms_m 0.0031": of the pose that follows.
+/// "frame 12 segment 0 fitness 0.93 rms_m 0.0031": of the pose that follows.
 void read_comment(const std::string& text, CameraPose& pose) {
   const std::vector<std::string> words = words_of(text);
-  for (std::size_t i = 1; i + 1 < words.size(); i += 2) {
+  for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
     const std::optional<double> value = parse_number(words[i + 1]);
     if (!value) return;
     const bool is_whole = std::abs(*value) < 1e9 && *value == std::floor(*value) && *value >= 0;
@@ -82,71 +74,78 @@ void read_comment(const std::string& text, CameraPose& pose) {
   }
 }
 
-std::vector<CameraPose> read_tum(const std::filesystem::path& path,
-                                 const std::vector<TextLine>& lines) {
-  std::vector<CameraPose> poses;
+PosesOfFile read_tum(const std::filesystem::path& path, const std::vector<TextLine>& lines) {
+  PosesOfFile file;
   CameraPose next;
   for (const TextLine& line : lines) {
-    if (line.text[0] == '#') {
-      read_comment(line.text, next);
+    if (line.words.empty()) {
+      read_comment(line.comment, next);
       continue;
     }
-    const auto numbers = numbers_of(line.text);
-    if (!numbers || numbers->size() != 8)
-      fail(path, line.number,
-           "expected the eight numbers of a TUM trajectory, timestamp tx ty tz qx qy qz qw");
-    if (!place(std::span(*numbers).subspan(1), next))
-      fail(path, line.number, "the quaternion qx qy qz qw is not of length 1");
-    next.timestamp_s = (*numbers)[0];
-    poses.push_back(next);
+    const std::vector<double> n = numbers_in(path, line, 8, kTumLine);
+    Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
+    if (!(std::abs(q.norm() - 1) < kUnit))
+      fail_at(path, line,
+              fmt::format("the quaternion qx qy qz qw has length {:.6g}; expected 1", q.norm()));
+    if (next.segment >= kMostSegments)
+      fail_at(path, line,
+              fmt::format("segment {}; expected less than {}", next.segment, kMostSegments));
+    // What is a unit to the last bits stays as it is: a file that was read and written is the same.
+    if (std::abs(q.norm() - 1) > 1e-12) q.normalize();
+    next.timestamp_s = n[0];
+    next.quaternion = {q.x(), q.y(), q.z(), q.w()};
+    next.T_world_camera.translation() = Vec3d(n[1], n[2], n[3]);
+    settle(next);
+    file.add(next, line.number);
     next = {};
   }
-  return poses;
+  return file;
 }
 
-std::vector<CameraPose> read_kitti(const std::filesystem::path& path,
-                                   const std::vector<TextLine>& lines) {
-  std::vector<CameraPose> poses;
+[[noreturn]] void fail_at_matrix(const std::filesystem::path& path, const TextLine& line) {
+  fail_at(path, line, "the matrix is not a rotation and a translation");
+}
+
+PosesOfFile read_kitti(const std::filesystem::path& path, const std::vector<TextLine>& lines) {
+  PosesOfFile file;
   for (const TextLine& line : lines) {
-    if (line.text[0] == '#') continue;
-    const auto numbers = numbers_of(line.text);
-    if (!numbers || numbers->size() != 12)
-      fail(path, line.number, "expected the twelve numbers of a KITTI pose, a matrix of 3x4");
-    const auto pose = pose_of_matrix(*numbers);
-    if (!pose) fail(path, line.number, "the matrix is no rotation and shift");
-    poses.push_back({.timestamp_s = kNoTime, .T_world_camera = *pose});
+    if (line.words.empty()) continue;
+    const auto pose = pose_of_matrix(numbers_in(path, line, 12, kKittiLine));
+    if (!pose) fail_at_matrix(path, line);
+    file.add({.timestamp_s = kNoTime, .T_world_camera = *pose}, line.number);
   }
-  return poses;
+  return file;
 }
 
 /// Open3D's .log: a line of three whole numbers, then the four rows of T_world_camera.
-std::vector<CameraPose> read_log(const std::filesystem::path& path,
-                                 const std::vector<TextLine>& lines) {
-  std::vector<CameraPose> poses;
+PosesOfFile read_log(const std::filesystem::path& path, std::vector<TextLine> lines) {
+  std::erase_if(lines, [](const TextLine& line) { return line.words.empty(); });
+  PosesOfFile file;
   for (std::size_t i = 0; i < lines.size(); i += 5) {
+    for (const double number : numbers_in(path, lines[i], 3, kLogHead))
+      if (number != std::floor(number))
+        fail_at(path, lines[i], fmt::format("found {}; expected {}", number, kLogHead));
     std::vector<double> matrix;
     for (std::size_t row = 1; row <= 4; ++row) {
-      if (i + row >= lines.size())
-        fail(path, lines[i].number, "the pose ends before its four rows");
-      const auto numbers = numbers_of(lines[i + row].text);
-      if (!numbers || numbers->size() != 4)
-        fail(path, lines[i + row].number, "expected the four numbers of a matrix's row");
-      matrix.insert(matrix.end(), numbers->begin(), numbers->end());
+      if (i + row >= lines.size()) fail_at(path, lines[i], "the pose ends before its four rows");
+      const auto numbers = numbers_in(path, lines[i + row], 4, kLogRow);
+      matrix.insert(matrix.end(), numbers.begin(), numbers.end());
     }
     const auto pose = pose_of_matrix(matrix);
-    if (!pose) fail(path, lines[i].number, "the matrix is no rotation and shift");
-    poses.push_back({.timestamp_s = kNoTime, .T_world_camera = *pose});
+    if (!pose) fail_at_matrix(path, lines[i]);
+    file.add({.timestamp_s = kNoTime, .T_world_camera = *pose}, lines[i].number);
   }
-  return poses;
+  return file;
 }
 
 /// Open3D's PinholeCameraTrajectory: `extrinsic` is T_camera_world, column by column.
-std::vector<CameraPose> read_open3d_json(const std::filesystem::path& path) {
+PosesOfFile read_open3d_json(const std::filesystem::path& path) {
   const auto json = read_json<nlohmann::json>(path, kMostBytes);
   const auto parameters = json.is_object() ? json.find("parameters") : json.end();
   if (!json.is_object() || parameters == json.end() || !parameters->is_array())
     throw Error(path.string() + ": has no list 'parameters', as Open3D's trajectories have");
-  std::vector<CameraPose> poses;
+  PosesOfFile file;
+  file.unit = "entry";
   for (const auto& parameter : *parameters) {
     const auto extrinsic = parameter.is_object() ? parameter.find("extrinsic") : parameter.end();
     std::array<double, 16> m{};
@@ -159,24 +158,43 @@ std::vector<CameraPose> read_open3d_json(const std::filesystem::path& path) {
     const auto pose = fine ? pose_of_matrix(m) : std::nullopt;
     if (!pose)
       throw Error(
-          fmt::format("{}: 'extrinsic' of entry {} is no matrix of 16 numbers that rotates "
-                      "and shifts",
-                      path.string(), poses.size()));
-    poses.push_back({.timestamp_s = kNoTime, .T_world_camera = pose->inverse()});
+          fmt::format("{}: 'extrinsic' of entry {} is not a matrix of 16 numbers, column by "
+                      "column, that rotates and translates",
+                      path.string(), file.poses.size()));
+    file.add({.timestamp_s = kNoTime, .T_world_camera = pose->inverse()},
+             static_cast<int>(file.poses.size()));
   }
-  return poses;
+  return file;
 }
 
-std::vector<TextLine> lines_of(const std::string& text) {
-  std::vector<TextLine> lines;
-  std::istringstream stream(text);
-  int number = 0;
-  for (std::string line; std::getline(stream, line);) {
-    ++number;
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin != std::string::npos) lines.push_back({number, line.substr(begin)});
+void check_distances(const std::filesystem::path& path, const PosesOfFile& file) {
+  for (std::size_t i = 0; i < file.poses.size(); ++i)
+    if (const std::string far = too_far(file.poses[i].T_world_camera, file.poses[0].T_world_camera);
+        !far.empty())
+      throw Error(
+          fmt::format("{}, {} {}: the pose is {}", path.string(), file.unit, file.at[i], far));
+}
+
+/// Poses of the same frame or time must be the same pose.
+void check_repeats(const std::filesystem::path& path, const PosesOfFile& file) {
+  const std::vector<CameraPose>& poses = file.poses;
+  const bool by_frame = all_have_frames(poses);
+  if (!by_frame && !std::isfinite(poses[0].timestamp_s)) return;
+  const auto key = [&](std::size_t i) {
+    return by_frame ? static_cast<double>(poses[i].frame) : poses[i].timestamp_s;
+  };
+  std::vector<std::size_t> order(poses.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, key);
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    const std::size_t i = order[k - 1], j = order[k];
+    if (key(i) != key(j) || poses[i].T_world_camera.matrix() == poses[j].T_world_camera.matrix())
+      continue;
+    const std::string what = by_frame ? fmt::format("frame {}", poses[i].frame)
+                                      : fmt::format("the time {} s", poses[i].timestamp_s);
+    throw Error(fmt::format("{}, lines {} and {}: two different poses for {}; expected one",
+                            path.string(), file.at[i], file.at[j], what));
   }
-  return lines;
 }
 
 double usual_gap_s(std::vector<double> times) {
@@ -207,27 +225,42 @@ void settle(CameraPose& pose) {
   pose.T_world_camera.linear() = Eigen::Quaterniond(w, x, y, z).toRotationMatrix();
 }
 
+std::string too_far(const Pose& pose, const Pose& first) {
+  const auto far = [](double distance_m, double limit_m, const char* from) {
+    return distance_m <= limit_m ? std::string()
+                                 : fmt::format("{:.6g} m from {}; expected at most {:.0f} km",
+                                               distance_m, from, limit_m / 1000);
+  };
+  const Vec3d place = pose.translation();
+  const std::string found =
+      far((place - first.translation()).stableNorm(), kFarthestPose_m, "the first pose");
+  return found.empty() ? far(place.stableNorm(), kFarthestFromOrigin_m, "the world's origin")
+                       : found;
+}
+
 Trajectory read_trajectory(const std::filesystem::path& path) {
-  Trajectory trajectory{path.string(), {}};
-  const std::vector<unsigned char> bytes = read_file_bytes(path, kMostBytes);
-  const std::string text(bytes.begin(), bytes.end());
-  const std::vector<TextLine> lines = lines_of(text);
-  const auto first = std::ranges::find_if(lines, [](const auto& l) { return l.text[0] != '#'; });
-  if (first == lines.end()) throw Error(path.string() + ": holds no pose");
-  const auto numbers = numbers_of(first->text);
-  if (first->text[0] == '{')
-    trajectory.poses = read_open3d_json(path);
-  else if (numbers && numbers->size() == 12)
-    trajectory.poses = read_kitti(path, lines);
-  else if (numbers && numbers->size() == 3)
-    trajectory.poses = read_log(path, lines);
-  else if (numbers && numbers->size() == 8)
-    trajectory.poses = read_tum(path, lines);
+  const std::vector<TextLine> lines = read_text_lines(path, kMostBytes);
+  const auto first = std::ranges::find_if(lines, [](const auto& l) { return !l.words.empty(); });
+  if (first == lines.end()) throw Error(path.string() + ": has no pose");
+  const std::size_t words = first->words.size();
+  PosesOfFile file;
+  if (first->words[0].starts_with('{'))
+    file = read_open3d_json(path);
+  else if (words == 12)
+    file = read_kitti(path, lines);
+  else if (words == 3)
+    file = read_log(path, lines);
+  else if (words == 8)
+    file = read_tum(path, lines);
   else
-    fail(path, first->number,
-         "no trajectory: expected TUM (8 numbers a line), KITTI (12), or Open3D's .log or .json");
-  if (trajectory.poses.empty()) throw Error(path.string() + ": holds no pose");
-  return trajectory;
+    fail_at(path, *first,
+            fmt::format("{}; expected TUM (8 numbers a line), KITTI (12), or Open3D's .log or "
+                        ".json",
+                        counted(words, "word")));
+  if (file.poses.empty()) throw Error(path.string() + ": has no pose");
+  check_distances(path, file);
+  check_repeats(path, file);
+  return {path.string(), std::move(file.poses)};
 }
 
 std::string tum_text(const Trajectory& trajectory) {
@@ -252,49 +285,103 @@ const CameraPose* pose_of(const Trajectory& trajectory, int frame) {
   return at != trajectory.poses.end() && at->frame == frame ? &*at : nullptr;
 }
 
-std::vector<std::optional<CameraPose>> poses_of_frames(const Trajectory& trajectory,
-                                                       const std::vector<FrameTime>& frames,
-                                                       int recorded) {
-  const std::vector<CameraPose>& poses = trajectory.poses;
-  std::vector<std::optional<CameraPose>> found(frames.size());
-  const auto take = [&](std::size_t i, const CameraPose& pose) {
-    found[i] = pose;
-    found[i]->frame = frames[i].frame;
-    found[i]->timestamp_s = frames[i].timestamp_s;
-  };
-  if (std::ranges::any_of(poses, [](const auto& p) { return p.frame >= 0; })) {
-    std::unordered_map<int, std::size_t> of_frame;
-    for (std::size_t k = 0; k < poses.size(); ++k) of_frame.emplace(poses[k].frame, k);
-    for (std::size_t i = 0; i < frames.size(); ++i)
-      if (const auto at = of_frame.find(frames[i].frame); at != of_frame.end())
-        take(i, poses[at->second]);
-  } else if (!std::isfinite(poses[0].timestamp_s)) {
-    // One for each frame that is asked for, or of the recording as a whole.
-    const bool of_all = std::ssize(poses) == recorded;
-    if (!of_all && poses.size() != frames.size())
-      throw Error(fmt::format("{}: {} without times, for {}: expected as many", trajectory.source,
-                              counted(poses.size(), "pose"), counted(frames.size(), "frame")));
-    for (std::size_t i = 0; i < frames.size(); ++i)
-      take(i, poses[of_all ? static_cast<std::size_t>(frames[i].frame) : i]);
-  } else {
-    std::vector<CameraPose> sorted = poses;
-    std::ranges::stable_sort(sorted, {}, &CameraPose::timestamp_s);
-    std::vector<double> times;
-    for (const CameraPose& pose : sorted) times.push_back(pose.timestamp_s);
-    const double reach = std::max(1e-4, usual_gap_s(times) / 2);
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      const double t = frames[i].timestamp_s;
-      auto at = std::ranges::lower_bound(times, t) - times.begin();
-      if (at > 0 && (at == std::ssize(times) || t - times[at - 1] < times[at] - t)) --at;
-      if (std::abs(times[at] - t) <= reach) take(i, sorted[at]);
+bool frames_have_times(const io::Recording& recording) {
+  for (int i = 0; i < recording.frame_count(); ++i) {
+    try {
+      if (recording.timestamp_s(i) != 0) return true;
+    } catch (const Error&) {  // damaged: the others tell
     }
   }
-  if (std::ranges::none_of(found, [](const auto& p) { return p.has_value(); }))
-    throw Error(fmt::format(
-        "{}: no pose is of any of the frames: poses from {} s to {} s, frames from {} s to {} s",
-        trajectory.source, poses.front().timestamp_s, poses.back().timestamp_s,
-        frames.front().timestamp_s, frames.back().timestamp_s));
+  return false;
+}
+
+namespace {
+
+using PosesOfFrames = std::vector<std::optional<CameraPose>>;
+
+PosesOfFrames poses_by_number(const std::vector<CameraPose>& poses, std::span<const int> frames) {
+  std::unordered_map<int, std::size_t> of_frame;
+  for (std::size_t k = 0; k < poses.size(); ++k) of_frame.emplace(poses[k].frame, k);
+  PosesOfFrames found(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (const auto at = of_frame.find(frames[i]); at != of_frame.end())
+      found[i] = poses[at->second];
   return found;
+}
+
+/// Of each frame the nearest pose, no farther than half the usual distance between poses.
+PosesOfFrames poses_by_time(const Trajectory& trajectory,
+                            const io::Recording& recording,
+                            std::span<const int> frames) {
+  std::vector<CameraPose> sorted = trajectory.poses;
+  std::ranges::stable_sort(sorted, {}, &CameraPose::timestamp_s);
+  std::vector<double> times;
+  for (const CameraPose& pose : sorted) times.push_back(pose.timestamp_s);
+  const double reach = std::max(1e-4, usual_gap_s(times) / 2);
+  PosesOfFrames found(frames.size());
+  std::vector<int> frame_of(sorted.size(), -1);
+  double first_s = std::numeric_limits<double>::infinity(), last_s = -first_s;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double t = recording.timestamp_s(frames[i]);
+    first_s = std::min(first_s, t);
+    last_s = std::max(last_s, t);
+    auto at = std::ranges::lower_bound(times, t) - times.begin();
+    if (at > 0 && (at == std::ssize(times) || t - times[at - 1] < times[at] - t)) --at;
+    if (!(std::abs(times[at] - t) <= reach)) continue;
+    if (frame_of[at] >= 0)
+      throw Error(fmt::format(
+          "{}: frames {} and {} are both nearest to the pose at {} s; expected a pose for each "
+          "frame, with times in seconds by the clock of the frames",
+          trajectory.source, frame_of[at], frames[i], times[at]));
+    frame_of[at] = frames[i];
+    found[i] = sorted[at];
+  }
+  if (std::ranges::none_of(found, [](const auto& pose) { return pose.has_value(); }))
+    throw Error(fmt::format(
+        "{}: no pose is near a frame: poses from {} s to {} s, frames from {} s to {} s; expected "
+        "times in seconds by the clock of the frames",
+        trajectory.source, times.front(), times.back(), first_s, last_s));
+  return found;
+}
+
+}  // namespace
+
+PairedPoses pair_poses(const Trajectory& trajectory,
+                       const io::Recording& recording,
+                       std::span<const int> frames) {
+  const std::vector<CameraPose>& poses = trajectory.poses;
+  const auto recorded = static_cast<std::size_t>(recording.frame_count());
+  const bool have_times = frames_have_times(recording);
+  const bool poses_have_times = std::isfinite(poses[0].timestamp_s);
+  PairedPoses paired;
+  if (all_have_frames(poses)) {
+    paired.poses = poses_by_number(poses, frames);
+    if (std::ranges::none_of(paired.poses, [](const auto& pose) { return pose.has_value(); }))
+      throw Error(fmt::format("{}: poses of frames {} to {}; expected some of frames {} to {}",
+                              trajectory.source, poses.front().frame, poses.back().frame,
+                              frames.front(), frames.back()));
+  } else if (poses_have_times && have_times) {
+    paired.poses = poses_by_time(trajectory, recording, frames);
+  } else {
+    const bool of_all = poses.size() == recorded;
+    if (!of_all && (poses_have_times || poses.size() != frames.size()))
+      throw Error(fmt::format(
+          "{}: {}{}; expected {}, one for each frame of {}{}", trajectory.source,
+          counted(poses.size(), "pose"), poses_have_times ? "" : " without times", recorded,
+          recording.info().path.string(), have_times ? "" : ", whose frames have no times"));
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      paired.poses.emplace_back(poses[of_all ? static_cast<std::size_t>(frames[i]) : i]);
+    if (poses_have_times)
+      paired.notice =
+          fmt::format("frames have no times: pose i of {} is taken for frame i", trajectory.source);
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!paired.poses[i]) continue;
+    CameraPose& pose = *paired.poses[i];
+    pose.frame = frames[i];
+    if (have_times || !poses_have_times) pose.timestamp_s = recording.timestamp_s(frames[i]);
+  }
+  return paired;
 }
 
 }  // namespace planescope::world

@@ -6,9 +6,11 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "core/io/recording.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope::world {
@@ -43,8 +45,17 @@ double turn_deg(const Pose& motion);
 /// Takes the quaternion of the pose, where it has none yet, and the pose's rotation from it.
 void settle(CameraPose& pose);
 
+/// How far a pose may be from the first one of its trajectory [m]. A camera that goes farther is a
+/// wrong unit or a damaged number, and cells of its planes could not be counted.
+inline constexpr double kFarthestPose_m = 100e3;
+/// How far a pose may be from the world's origin [m]: enough for coordinates about Earth's center.
+inline constexpr double kFarthestFromOrigin_m = 100e6;
+/// Empty, or what of the pose is beyond these limits: "1e+09 m from the first pose; ...".
+std::string too_far(const Pose& pose, const Pose& first);
+
 /// TUM (`timestamp tx ty tz qx qy qz qw`), KITTI (twelve numbers a line), Open3D's .log and .json
-/// (PinholeCameraTrajectory), told apart by content. Throws Error naming the file and the line.
+/// (PinholeCameraTrajectory), told apart by content. Throws Error naming the file and the line
+/// (entry of a .json) where a pose is damaged or too far, or two of one time or frame differ.
 Trajectory read_trajectory(const std::filesystem::path& path);
 
 /// TUM. What TUM has no place for (frame, segment, quality) stands in comments, which
@@ -52,16 +63,25 @@ Trajectory read_trajectory(const std::filesystem::path& path);
 /// poses are settled.
 std::string tum_text(const Trajectory& trajectory);
 
-/// Of each of the frames its pose, none where the trajectory has none for it: by the frame's
-/// number, by time (the nearest, no farther than half the usual distance between poses,
-/// interpolated from no others), or by order, of which there must then be as many as frames, or as
-/// the recording has. Throws Error where no frame gets a pose.
-struct FrameTime {
-  int frame = 0;
-  double timestamp_s = 0;
+/// Whether the recording tells when its frames were taken: the time of some frame is not 0.
+bool frames_have_times(const io::Recording& recording);
+
+struct PairedPoses {
+  /// Of the frames asked for, in their order, with the frames' numbers and times; nullopt where the
+  /// trajectory has no pose for the frame.
+  std::vector<std::optional<CameraPose>> poses;
+  std::string notice;  // for people, where poses were paired by order; else empty
 };
-std::vector<std::optional<CameraPose>> poses_of_frames(const Trajectory& trajectory,
-                                                       const std::vector<FrameTime>& frames,
-                                                       int recorded = 0);
+
+/// Which pose belongs to which frame:
+/// - by the frame's number, where every pose has one;
+/// - by time, the nearest and no farther than half the usual distance between poses;
+/// - by order, where frames or poses have no times: as many poses as the recording has frames, or,
+///   where the poses have no times, as many as `frames`. Frames without times get the poses'.
+/// Throws Error naming the trajectory where no frame gets a pose, the counts differ, or two frames
+/// are nearest to one pose. `frames`: ascending numbers, at least one.
+PairedPoses pair_poses(const Trajectory& trajectory,
+                       const io::Recording& recording,
+                       std::span<const int> frames);
 
 }  // namespace planescope::world

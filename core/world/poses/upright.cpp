@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kStray = 4;          // median angles
 constexpr double kLeastSpread = 0.1;  // [deg]
-constexpr double kUpright = 3;        // [deg]
+constexpr double kUpright = 5;        // [deg]: an accelerometer leans by as much
 constexpr int kRounds = 10;
 
 double angle_deg(const Vec3d& a, const Vec3d& b) {

@@ -63,7 +63,7 @@ class CellMap {
 
   Cell& at(int x, int y);                // made where it is missing
   const Cell* find(int x, int y) const;  // null where it is missing
-  int index_of(double metres) const { return static_cast<int>(std::floor(metres / cell_m_)); }
+  int index_of(double metres) const { return whole(std::floor(metres / cell_m_)); }
 
   /// Calls visit(x, y) for the cells whose middles are inside rings, by the rule of even and odd.
   template <typename Visit>
@@ -77,6 +77,11 @@ class CellMap {
   std::vector<Vec2d> gone_places() const;
 
  private:
+  /// A count of cells as an int; what no plane reaches ends at the border.
+  static int whole(double cells) {
+    constexpr double kMost = 1 << 30;
+    return static_cast<int>(cells > -kMost ? std::min(cells, kMost) : -kMost);
+  }
   template <typename Which>
   std::vector<Vec2d> places(const Which& which) const;
 
@@ -98,15 +103,16 @@ void CellMap::fill(std::span<const planes::PolygonRing> rings, const Visit& visi
   for (const planes::PolygonRing& ring : rings)
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Vec2d a = ring[i] / cell_m_, b = ring[(i + 1) % ring.size()] / cell_m_;
-      const int first = static_cast<int>(std::ceil(std::min(a.y(), b.y()) - 0.5));
-      for (int y = first; y + 0.5 < std::max(a.y(), b.y()); ++y)
+      const int first = whole(std::ceil(std::min(a.y(), b.y()) - 0.5));
+      const int end = whole(std::ceil(std::max(a.y(), b.y()) - 0.5));
+      for (int y = first; y < end; ++y)
         crossings.push_back({y, a.x() + (b.x() - a.x()) * (y + 0.5 - a.y()) / (b.y() - a.y())});
     }
   std::sort(crossings.begin(), crossings.end());
-  for (std::size_t i = 0; i + 1 < crossings.size(); i += 2)
-    for (int x = static_cast<int>(std::ceil(crossings[i].x - 0.5)); x + 0.5 < crossings[i + 1].x;
-         ++x)
-      visit(x, crossings[i].y);
+  for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+    const int end = whole(std::ceil(crossings[i + 1].x - 0.5));
+    for (int x = whole(std::ceil(crossings[i].x - 0.5)); x < end; ++x) visit(x, crossings[i].y);
+  }
 }
 
 }  // namespace planescope::world

@@ -11,6 +11,7 @@ namespace {
 constexpr double kThroughLeast_m = 0.03;  // nearer behind it is the plane itself, measured badly
 constexpr double kThroughSigmas = 5;
 constexpr double kAhead_m = 0.05;
+constexpr double kEdgeOn = 0.15;  // cosine: nearly edge-on, depth tells planes apart badly
 
 }  // namespace
 
@@ -45,6 +46,7 @@ Sight sight_of(Track& track,
         ++sight.beyond_range;
         continue;
       }
+      if (std::abs(track.distance_m(frame.camera())) < kEdgeOn * p.norm()) continue;
       ++sight.in_view;
       const int x = static_cast<int>(u), y = static_cast<int>(v);
       const std::uint16_t counts = frame.depth.at(x, y);
@@ -63,6 +65,7 @@ Sight sight_of(Track& track,
           !on_plane && behind > std::max(kThroughLeast_m, kThroughSigmas * sigma);
       if (!on_plane && !is_through) {
         ++sight.hidden;
+        ++sight.on[frame.plane_of.at(x, y)].hides;
         continue;
       }
       sight.looks.push_back({&cell, is_through});

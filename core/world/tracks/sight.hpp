@@ -22,6 +22,7 @@ struct Sight {
 
   struct On {
     int cells = 0;
+    int hides = 0;              // cells that the plane stands before
     Vec3d sum = Vec3d::Zero();  // of their places in the world
   };
   struct Look {
@@ -30,7 +31,7 @@ struct Sight {
   };
   std::vector<Look> looks;  // at cells in view that are measured and not hidden
 
-  std::vector<On> on;  // by plane id of the frame, 0 none: what the measurements there belong to
+  std::vector<On> on;  // by plane id of the frame, 0 none: what is measured at the cells
 
   int visible() const { return through + there; }
   /// The plane on which most of it lies; 0: none.

@@ -143,14 +143,8 @@ const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
   told.listed = static_cast<int>(minor - frame.planes.begin());
 
   std::vector<Judged> judged;
-  int there = 0;
-  for (Track* track : alive()) {
-    judged.push_back({track, sight_of(*track, frame, options_)});
-    const Sight& sight = judged.back().sight;
-    there += sight.there;
-    told.compared_cells += sight.there + sight.through + sight.hidden;
-  }
-  if (told.compared_cells > 0) told.agreement = static_cast<double>(there) / told.compared_cells;
+  for (Track* track : alive()) judged.push_back({track, sight_of(*track, frame, options_)});
+  judge_agreement(judged, told);
   told.set_aside =
       told.compared_cells >= kEnoughToCompare && told.agreement < options_.least_agreement;
   if (told.set_aside && ++aside_ > options_.most_aside) {
@@ -175,6 +169,25 @@ const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
   end_those_gone(frame.frame);
   leave_window(frame);
   return frames_.emplace_back(std::move(told));
+}
+
+void Tracker::judge_agreement(std::span<const Judged> judged, FrameOfTracks& told) const {
+  int there = 0, through = 0;
+  std::vector<Sight::On> on(told.track_of.size() + 1);  // by plane id, of all tracks
+  for (const Judged& j : judged) {
+    there += j.sight.there;
+    through += j.sight.through;
+    for (std::size_t id = 0; id < on.size(); ++id) {
+      on[id].cells += j.sight.on[id].cells;
+      on[id].hides += j.sight.on[id].hides;
+    }
+  }
+  // What a known plane hides is no contradiction.
+  int hidden = on[0].hides;
+  for (std::size_t id = 1; id < on.size(); ++id)
+    if (on[id].cells < options_.least_cells) hidden += on[id].hides;
+  told.compared_cells = there + through + hidden;
+  if (told.compared_cells > 0) told.agreement = static_cast<double>(there) / told.compared_cells;
 }
 
 void Tracker::assign(const ObservedFrame& frame,

@@ -54,6 +54,8 @@ class Tracker {
   struct Judged;
   std::vector<Track*> alive();
   TermResult compare(const Track& track, const ObservedPlane& plane, const Vec3d& where) const;
+  /// How well the frame's depth fits the tracks.
+  void judge_agreement(std::span<const Judged> judged, FrameOfTracks& told) const;
   /// Gives planes, all minor or none, to tracks. Minor ones found none, and nothing joins by them.
   void assign(const ObservedFrame& frame,
               std::span<const ObservedPlane> planes,

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "core/io/folder/folder_layout.hpp"
 #include "core/io/image/png.hpp"
 #include "unit/io/support.hpp"
@@ -64,6 +66,9 @@ TEST(Folder, EveryWayToWriteIntrinsicsIsUnderstood) {
        R"({"intrinsic": {"width": 12, "height": 8, "intrinsic_matrix": [10,0,0,0,11,0,6,4,1]}})"},
       {"camera.txt", "10 11 6 4\n"},
       {"camera.txt", "# fx, fy, cx, cy\n10., 11., 6., 4.\n"},
+      {"intrinsics.txt",
+       "\xEF\xBB\xBF"
+       "10 11 6 4 0.0002 12 8\r\n"},
       {"ICL.K", "10. 0. 6.\n0. -11.0 4.\n0. 0. 1."},
       {"intrinsic_depth.txt", "10 0 6 0\n0 11 4 0\n0 0 1 0\n0 0 0 1\n"},
       {"calib.xml",
@@ -93,6 +98,17 @@ TEST(Folder, DepthScaleIsReadInEitherConvention) {
     EXPECT_EQ(info.depth_unit_m, unit_m);
     EXPECT_NE(info.depth_unit_source.find("intrinsic.json depth_scale"), std::string::npos);
   }
+}
+
+TEST(Folder, IntrinsicsOfSevenNumbersTellTheUnitAndTheImageSize) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "intrinsics.txt", "10 11 6 4 0.0002 12 8\n");
+  const RecordingInfo info = open_recording(folder)->info();
+  EXPECT_EQ(info.depth_unit_m, 0.0002);
+  EXPECT_EQ(info.depth_unit_source, "intrinsics.txt");
+  write_text(folder / "intrinsics.txt", "10 11 6 4 0.0002 640 480\n");
+  expect_one_line_with(error_of([&] { open_recording(folder); }),
+                       {"12x8", "intrinsics.txt", "640x480"});
 }
 
 TEST(Folder, OptionsWinOverFiles) {
@@ -167,8 +183,122 @@ TEST(Folder, TimesInNamesAreSecondsWhateverTheirUnit) {
   EXPECT_NEAR(*timestamp_in_name("0003_1580908153638.png"), 1580908153.638, 1e-6);
   EXPECT_NEAR(*timestamp_in_name("1305031102.160.png"), 1305031102.160, 1e-6);
   EXPECT_NEAR(*timestamp_in_name("1580908153638000000.png"), 1580908153.638, 1e-3);
+  EXPECT_NEAR(*timestamp_in_name("1305031239.543802.png"), 1305031239.543802, 1e-6);
   EXPECT_FALSE(timestamp_in_name("000123.png"));
+  EXPECT_FALSE(timestamp_in_name("0000000012.png"));
   EXPECT_FALSE(timestamp_in_name("depth.png"));
+}
+
+/// Opens it, with intrinsics.
+std::unique_ptr<Recording> open_known(const fs::path& folder) {
+  return open_recording(folder, with_intrinsics(10, 10, 6, 4));
+}
+
+/// Of the three frames, and where they come from.
+std::string times_in(const fs::path& folder) {
+  const auto recording = open_known(folder);
+  std::string text = recording->info().times_source + ":";
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(recording->timestamp_s(i), recording->frame(i).timestamp_s);
+    text += fmt::format(" {}", recording->timestamp_s(i));
+  }
+  return text;
+}
+
+TEST(Folder, ListsOfImagesGiveFramesTheirTimes) {
+  const std::pair<const char*, const char*> lists[] = {
+      {"depth.txt",
+       "\xEF\xBB\xBF# depth maps\r\n# timestamp filename\r\n-5 depth/1.png\r\n"
+       "7 depth/10.png\r\n6.5\tdepth/2.png\r\n8 depth/11.png\r\n"},
+      {"associations.txt",
+       "1 color/1.png -5 depth/1.png\n2 color/2.png 6.5 depth/2.png\n3 color/10.png 7 "
+       "depth/10.png\n"},
+      {"associations.txt",
+       "-5 depth/1.png 1 color/1.png\n6.5 depth/2.png 2 color/2.png\n7 depth/10.png 3 "
+       "color/10.png\n"},
+      {"rgb.txt", "-5 color/1.png\n6.5 color/2.png\n7 10.png\n"}};
+  for (const auto& [name, text] : lists) {
+    SCOPED_TRACE(name);
+    const fs::path folder = sample_folder();
+    write_text(folder / name, text);
+    EXPECT_EQ(times_in(folder), std::string(name) + ": -5 6.5 7");
+    EXPECT_EQ(open_known(folder / "depth" / "2.png")->timestamp_s(0), 6.5);
+  }
+  const fs::path folder = sample_folder();
+  EXPECT_EQ(times_in(folder), ": 0 0 0");
+  write_text(folder / "depth.txt", "this is no list\n");
+  EXPECT_EQ(times_in(folder), ": 0 0 0");
+}
+
+TEST(Folder, ADamagedListOfImagesIsNamedWithItsLine) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"1 depth/1.png\nstep depth/2.png\n", "line 2: 'step' is not a number"},
+      {"1 depth/1.png\n2 depth/2.png 3\n", "line 2: 3 words"},
+      {"1 depth/1.png\n2 depth/1.png\n", "line 2: depth/1.png was listed with another time"}};
+  for (const auto& [text, part] : cases) {
+    const fs::path folder = sample_folder();
+    write_text(folder / "depth.txt", text);
+    expect_one_line_with(error_of([&] { open_known(folder); }), {"depth.txt", part});
+  }
+  const fs::path folder = sample_folder();
+  write_text(folder / "depth.txt", "1 depth/1.png\n");
+  const auto some = open_known(folder);
+  ASSERT_EQ(some->info().warnings.size(), 1u);
+  expect_one_line_with(some->info().warnings[0], {"2 of 3 depth images have no time in depth.txt"});
+  fs::remove(folder / "depth.txt");
+  write_text(folder / "associations.txt", "1 1.png 2 1.png\n");
+  const auto ambiguous = open_known(folder);
+  EXPECT_EQ(ambiguous->info().times_source, "");
+  ASSERT_EQ(ambiguous->info().warnings.size(), 1u);
+  expect_one_line_with(ambiguous->info().warnings[0], {"associations.txt: ignored"});
+}
+
+TEST(Folder, PosesOfAsManyFramesGiveTheirTimesAlone) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "poses.tum", "1 0 0 0 0 0 0 1\n# a\n3 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(times_in(folder), "poses.tum: 1 3 2");
+  EXPECT_EQ(times_in(folder / "depth"), "poses.tum: 1 3 2");
+  EXPECT_FALSE(open_known(folder)->T_world_camera(0));
+  EXPECT_EQ(open_known(folder / "depth" / "10.png")->timestamp_s(0), 2);
+  write_text(folder / "depth.txt", "5 depth/1.png\n6 depth/2.png\n7 depth/10.png\n");
+  EXPECT_EQ(times_in(folder), "depth.txt: 5 6 7");
+  write_text(folder / "planescope.json", R"({"frames": [{"name": "2", "timestamp_s": 9}]})");
+  EXPECT_EQ(times_in(folder), "planescope.json: 5 9 7");
+  fs::remove(folder / "planescope.json");
+  fs::remove(folder / "depth.txt");
+  write_text(folder / "poses.tum", "1 0 0 0 0 0 0 1\n");
+  const auto other = open_known(folder);
+  EXPECT_EQ(other->info().times_source, "");
+  ASSERT_EQ(other->info().warnings.size(), 1u);
+  expect_one_line_with(other->info().warnings[0], {"poses.tum: 1 pose for 3 frames"});
+  write_text(folder / "poses.tum", "1 0 0 0 0 0 0 1\n2 0 0 NaN 0 0 0 1\n3 0 0 0 0 0 0 1\n");
+  expect_one_line_with(error_of([&] { open_known(folder); }),
+                       {"poses.tum, line 2: 'NaN' is not a number"});
+}
+
+TEST(Folder, TheKinectsAccelerometerTellsGravityOfFramesWithTimes) {
+  const fs::path folder = sample_folder();
+  // Of the frames at 5 s and 6 s the middle of what shakes; that of 9 s is shaken too much.
+  write_text(folder / "accelerometer.txt",
+             "# timestamp ax ay az\n6.0 0.2 9.8 -3\n4.9 0.5 9 -3\n5.1 -0.5 9 -3\n9 0 30 0\n");
+  const auto without = open_known(folder);
+  EXPECT_FALSE(without->frame(0).gravity);
+  ASSERT_EQ(without->info().warnings.size(), 1u);
+  expect_one_line_with(without->info().warnings[0], {"accelerometer.txt: ignored", "no times"});
+  write_text(folder / "depth.txt", "5 depth/1.png\n6 depth/2.png\n9 depth/10.png\n");
+  const auto timed = open_known(folder);
+  const std::optional<Gravity> gravity = timed->frame(0).gravity;
+  ASSERT_TRUE(gravity);
+  EXPECT_EQ(gravity->source, GravitySource::imu);
+  EXPECT_TRUE(gravity->direction.isApprox(Vec3d(0, 9, 3).normalized(), 1e-12));
+  EXPECT_NE(gravity->note.find("accelerometer.txt"), std::string::npos) << gravity->note;
+  EXPECT_TRUE(timed->frame(1).gravity);
+  EXPECT_FALSE(timed->frame(2).gravity);
+  write_text(folder / "depth.txt", "105 depth/1.png\n106 depth/2.png\n109 depth/10.png\n");
+  expect_one_line_with(open_known(folder)->info().warnings.at(0), {"no sample is within 0.2 s"});
+  write_text(folder / "accelerometer.txt", "5 0 9.8 0\n5.1 0 inf 0\n");
+  expect_one_line_with(error_of([&] { open_known(folder); }),
+                       {"accelerometer.txt, line 2: 'inf' is not a number"});
 }
 
 TEST(Folder, MissingColourImagesAreCounted) {

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/world/poses/pose_graph.hpp"
@@ -34,6 +36,55 @@ std::string why_refused(const std::string& name, const std::string& text) {
     return error.what();
   }
   return "it was read";
+}
+
+/// Frames of which only times are known.
+class TimesAlone : public io::Recording {
+ public:
+  explicit TimesAlone(std::vector<double> times) : times_(std::move(times)) {
+    info_.path = "recording";
+  }
+  const io::RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(times_.size()); }
+  Frame frame(int) const override { return {}; }
+  double timestamp_s(int i) const override { return times_[static_cast<std::size_t>(i)]; }
+  std::string frame_hash(int) const override { return {}; }
+
+ private:
+  std::vector<double> times_;
+  io::RecordingInfo info_;
+};
+
+/// Pose i is at x = i.
+Trajectory at_times(const std::vector<double>& times) {
+  Trajectory trajectory{"poses.tum", {}};
+  for (const double t : times) {
+    const auto x = static_cast<double>(trajectory.poses.size());
+    trajectory.poses.push_back(
+        {.timestamp_s = t, .T_world_camera = pose(x, 0, 0, 0, Vec3d::UnitX())});
+  }
+  return trajectory;
+}
+
+/// The numbers of the poses that frames got; -1: none.
+std::vector<int> paired(const Trajectory& trajectory,
+                        const io::Recording& recording,
+                        const std::vector<int>& frames) {
+  std::vector<int> numbers;
+  for (const auto& pose : pair_poses(trajectory, recording, frames).poses)
+    numbers.push_back(pose ? static_cast<int>(pose->T_world_camera.translation().x()) : -1);
+  return numbers;
+}
+
+std::string why_unpaired(const Trajectory& trajectory,
+                         const io::Recording& recording,
+                         const std::vector<int>& frames) {
+  try {
+    pair_poses(trajectory, recording, frames);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "they were paired";
 }
 
 TEST(Trajectory, IsWrittenAndReadWithFramesSegmentsAndQuality) {
@@ -76,34 +127,133 @@ TEST(Trajectory, OfOtherToolsIsToldByContent) {
                   .isApprox(Vec3d(5, 6, 7)));
 }
 
-TEST(Trajectory, ThatIsNoneIsRefusedWithItsLine) {
-  EXPECT_NE(why_refused("b.tum", "0 0 0 0 0 0 0 1\n1 2 3\n").find("line 2: expected the eight"),
+TEST(Trajectory, MayHaveAByteOrderMarkCarriageReturnsTabsAndComments) {
+  const std::string tum =
+      "\xEF\xBB\xBF# by a tool\r\n-1.5\t1 2 3  0 0 0 1 # here\r\n\r\n-0.5 4 5 6 0 0 0 1\r\n";
+  const Trajectory read = read_trajectory(written("w.tum", tum));
+  ASSERT_EQ(read.poses.size(), 2u);
+  EXPECT_EQ(read.poses[0].timestamp_s, -1.5);
+  EXPECT_EQ(read.poses[1].T_world_camera.translation(), Vec3d(4, 5, 6));
+  const std::string json =
+      "\xEF\xBB\xBF{\"parameters\": [{\"extrinsic\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]}\r\n";
+  EXPECT_EQ(read_trajectory(written("w.json", json)).poses.size(), 1u);
+  const std::string kitti =
+      "\xEF\xBB\xBF"
+      "1 0 0 5 0 1 0 6 0 0 1 7\r\n";
+  EXPECT_EQ(read_trajectory(written("w.txt", kitti)).poses.size(), 1u);
+}
+
+TEST(Trajectory, ThatIsDamagedIsRefusedWithItsLine) {
+  const auto expect = [](const char* name, const std::string& text, const std::string& told) {
+    const std::string why = why_refused(name, text);
+    EXPECT_NE(why.find(std::string(name) + told), std::string::npos) << why;
+  };
+  const std::string fine = "0 0 0 0 0 0 0 1\n", kitti = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  expect("b.tum", fine + "1 2 3\n", ", line 2: 3 words; expected the eight numbers");
+  expect("b.tum", fine + "1 2 3 0 0 0 0 step\n", ", line 2: 'step' is not a number");
+  expect("b.tum", "nan 2 3 0 0 0 0 1\n", ", line 1: 'nan' is not a number");
+  expect("b.tum", fine + "# a\n\n1 2 inf 0 0 0 0 1\n", ", line 4: 'inf' is not a number");
+  expect("b.tum", "time x y z qx qy qz qw\n" + fine, ", line 1: 'time' is not a number");
+  expect("c.tum", "0 0 0 0 0 0 0 2\n", ", line 1: the quaternion qx qy qz qw has length 2; ");
+  expect("c.tum", "0 0 0 0 0 0 0 0\n", ", line 1: the quaternion qx qy qz qw has length 0; ");
+  expect("d.tum", "# nothing\n", ": has no pose");
+  expect("e.txt", "1 0 0 5 0 1 0 6 0 0 2 7\n", ", line 1: the matrix is not a rotation");
+  expect("e.txt", kitti + "1 0 0 NaN 0 1 0 0 0 0 1 0\n", ", line 2: 'NaN' is not a number");
+  expect("f.log", "0 0 1\n1 0 0 5\n", ", line 1: the pose ends before its four rows");
+  expect("f.log", "0 0 1\n1 0 0 5\n0 1 0 inf\n0 0 1 0\n0 0 0 1\n", ", line 3: 'inf' is not a");
+  expect("f.log", "0 0 1\n1 0 0 5\n0 1 0 6\n0 0 1 0\n0 0 0 2\n", ", line 1: the matrix is not");
+  expect("g.txt", "hello\n", ", line 1: 1 word; expected TUM");
+  expect("h.json", "{\"parameters\": [{}]}", ": 'extrinsic' of entry 0");
+  expect("h.json", "{\"parameters\": [{\"extrinsic\": [1,0,0,0,0,1,0,0,0,0,1,0,\"a\",0,0,1]}]}",
+         ": 'extrinsic' of entry 0");
+  // Row by row.
+  expect("h.json", "{\"parameters\": [{\"extrinsic\": [1,0,0,5,0,1,0,0,0,0,1,0,0,0,0,1]}]}",
+         ": 'extrinsic' of entry 0");
+  expect("i.tum", "# frame 0 segment 900000000\n" + fine, ", line 2: segment 900000000; expected");
+}
+
+TEST(Trajectory, ThatLeapsFartherThanACameraIsRefusedWithItsLine) {
+  const std::string fine = "0 0 0 0 0 0 0 1\n";
+  const auto expect = [](const char* name, const std::string& text, const std::string& told) {
+    const std::string why = why_refused(name, text);
+    EXPECT_NE(why.find(std::string(name) + told), std::string::npos) << why;
+  };
+  expect("l.tum", fine + "1 1e9 0 0 0 0 0 1\n",
+         ", line 2: the pose is 1e+09 m from the first pose");
+  expect("l.tum", fine + "1 2e5 0 0 0 0 0 1\n", ", line 2: the pose is 200000 m from the first");
+  expect("l.tum", "1 1e9 0 0 0 0 0 1\n" + fine, ", line 1: the pose is 1e+09 m from the world's");
+  expect("l.tum", fine + "1 1e300 1e300 0 0 0 0 1\n", ", line 2: the pose is 1.41421e+300 m from");
+  expect("l.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 2e5 0 0 1 0\n", ", line 2: the pose is");
+  expect("l.json",
+         "{\"parameters\": [{\"extrinsic\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]},"
+         "{\"extrinsic\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,2e5,1]}]}",
+         ", entry 1: the pose is 200000 m from the first");
+  // Far from the origin, near to each other.
+  EXPECT_EQ(read_trajectory(written("far.tum", "0 4e6 5e6 0 0 0 0 1\n1 4e6 5e6 1 0 0 0 1\n"))
+                .poses.size(),
+            2u);
+}
+
+TEST(Trajectory, WithTwoPosesOfOneTimeIsRefusedWithBothLinesUnlessTheyAreTheSame) {
+  const std::string first = "2 0 0 0 0 0 0 1\n", second = "1 5 0 0 0 0 0 1\n";
+  EXPECT_EQ(read_trajectory(written("s.tum", first + second + first)).poses.size(), 3u);
+  EXPECT_NE(why_refused("s.tum", first + second + "2 0 0 1 0 0 0 1\n")
+                .find("lines 1 and 3: two different poses for the time 2 s"),
             std::string::npos);
-  EXPECT_NE(why_refused("c.tum", "0 0 0 0 0 0 0 2\n").find("length 1"), std::string::npos);
-  EXPECT_NE(why_refused("d.tum", "# nothing\n").find("holds no pose"), std::string::npos);
-  EXPECT_NE(why_refused("e.txt", "1 0 0 5 0 1 0 6 0 0 2 7\n").find("no rotation"),
-            std::string::npos);
-  EXPECT_NE(why_refused("f.log", "0 0 1\n1 0 0 5\n").find("before its four rows"),
-            std::string::npos);
-  EXPECT_NE(why_refused("g.txt", "hello\n").find("expected TUM"), std::string::npos);
-  EXPECT_NE(why_refused("h.json", "{\"parameters\": [{}]}").find("'extrinsic' of entry 0"),
+  // Where frames are numbered, times may be unknown.
+  const std::string numbered = "# frame 0\n0 0 0 0 0 0 0 1\n# frame 1\n0 1 0 0 0 0 0 1\n";
+  EXPECT_EQ(read_trajectory(written("n.tum", numbered)).poses.size(), 2u);
+  EXPECT_NE(why_refused("n.tum", numbered + "# frame 1\n0 2 0 0 0 0 0 1\n")
+                .find("lines 4 and 6: two different poses for frame 1"),
             std::string::npos);
 }
 
-TEST(Trajectory, GivesFramesThePosesOfTheirTime) {
-  Trajectory trajectory{"test", {}};
-  for (const double t : {0.2, 0.0, 0.1}) {  // out of order
-    CameraPose& next = trajectory.poses.emplace_back();
-    next.timestamp_s = t;
-    next.T_world_camera.translation().x() = t;
-  }
-  const auto found = poses_of_frames(trajectory, {{0, 0.004}, {1, 0.11}, {2, 0.6}});
-  ASSERT_TRUE(found[0] && found[1]);
-  EXPECT_EQ(found[0]->T_world_camera.translation().x(), 0);
-  EXPECT_EQ(found[1]->T_world_camera.translation().x(), 0.1);
-  EXPECT_EQ(found[1]->frame, 1);
-  EXPECT_FALSE(found[2]);
-  EXPECT_THROW(poses_of_frames(trajectory, {{0, 60}}), Error);
+TEST(PairPoses, FramesTakeThePoseOfTheirTimeInWhateverOrderTheFileHasThem) {
+  const TimesAlone recording({0.004, 0.11, 0.6});
+  const PairedPoses found = pair_poses(at_times({0.2, 0.0, 0.1}), recording, std::vector{0, 1, 2});
+  ASSERT_TRUE(found.poses[0] && found.poses[1]);
+  EXPECT_EQ(found.poses[0]->T_world_camera.translation().x(), 1);
+  EXPECT_EQ(found.poses[1]->T_world_camera.translation().x(), 2);
+  EXPECT_EQ(found.poses[1]->frame, 1);
+  EXPECT_EQ(found.poses[1]->timestamp_s, 0.11);
+  EXPECT_FALSE(found.poses[2]) << "no pose is near";
+  EXPECT_EQ(found.notice, "");
+  EXPECT_NE(why_unpaired(at_times({60, 61}), recording, {0, 1, 2})
+                .find("no pose is near a frame: poses from 60 s to 61 s, frames from 0.004 s"),
+            std::string::npos);
+}
+
+TEST(PairPoses, APoseThatIsNearestToTwoFramesIsRefused) {
+  const TimesAlone recording({0, 0.1, 0.2, 0.3});
+  const std::string why = why_unpaired(at_times({0, 1000, 2000, 3000}), recording, {0, 1, 2, 3});
+  EXPECT_NE(why.find("poses.tum: frames 0 and 1 are both nearest to the pose at 0 s"),
+            std::string::npos)
+      << why;
+  EXPECT_NE(why.find("in seconds"), std::string::npos) << why;
+}
+
+TEST(PairPoses, FramesWithoutTimesTakeAsManyPosesInTheirOrderWhicheverAreAskedFor) {
+  const TimesAlone recording({0, 0, 0});
+  const Trajectory three = at_times({1305.3, 1305.2, 1305.1});
+  EXPECT_EQ(paired(three, recording, {0, 1, 2}), (std::vector{0, 1, 2}));
+  EXPECT_EQ(paired(three, recording, {2}), (std::vector{2}));
+  const PairedPoses found = pair_poses(three, recording, std::vector{1});
+  EXPECT_EQ(found.poses[0]->timestamp_s, 1305.2);
+  EXPECT_EQ(found.notice, "frames have no times: pose i of poses.tum is taken for frame i");
+  EXPECT_EQ(why_unpaired(at_times({5, 6}), recording, {0, 1}),
+            "poses.tum: 2 poses; expected 3, one for each frame of recording, whose frames have no "
+            "times");
+}
+
+TEST(PairPoses, PosesWithoutTimesAreOfTheRecordingOrOfTheFramesAskedFor) {
+  const TimesAlone recording({0, 1, 2});
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(paired(at_times({none, none, none}), recording, {1, 2}), (std::vector{1, 2}));
+  EXPECT_EQ(paired(at_times({none, none}), recording, {1, 2}), (std::vector{0, 1}));
+  EXPECT_EQ(pair_poses(at_times({none, none}), recording, std::vector{1, 2}).poses[0]->timestamp_s,
+            1);
+  EXPECT_EQ(why_unpaired(at_times({none}), recording, {1, 2}),
+            "poses.tum: 1 pose without times; expected 3, one for each frame of recording");
 }
 
 TEST(SharedGravity, LeavesOutStraysAndTellsTheSpread) {

@@ -223,6 +223,18 @@ TEST_F(Room, AMissNamesTheTermThatFailed) {
   EXPECT_LT(track.gaps.back().term.threshold, track.gaps.back().term.value);
 }
 
+TEST(CellMap, CountsNoCellsBeyondWhatAnIntHolds) {
+  CellMap cells(0.02);
+  EXPECT_EQ(cells.index_of(-0.03), -2);
+  EXPECT_EQ(cells.index_of(2e5), 10'000'000);  // twice the farthest that poses may be
+  const planes::PolygonRing far = {{1e12, 1e12}, {2e12, 1e12}, {2e12, 2e12}};
+  int visited = 0;
+  cells.fill(std::vector<planes::PolygonRing>{far}, [&](int, int) { ++visited; });
+  EXPECT_EQ(visited, 0);
+  for (const double beyond : {1e300, -1e300, std::nan("")})
+    cells.at(cells.index_of(beyond), cells.index_of(beyond)).see();
+}
+
 TEST(Fusion, OfMomentsIsTheFitOfAllPointsAtOnce) {
   // Points seen from two places, each set about its own camera.
   Moments all, parts;

@@ -10,14 +10,12 @@
 namespace planescope::lab {
 namespace {
 
-/// Frames of which only times and poses are known.
-class TimesAlone : public io::Recording {
+/// Frames of which only one has a pose.
+class PosesAlone : public io::Recording {
  public:
-  explicit TimesAlone(std::vector<double> times) : times_(std::move(times)) {}
   const io::RecordingInfo& info() const override { return info_; }
-  int frame_count() const override { return static_cast<int>(times_.size()); }
+  int frame_count() const override { return 2; }
   Frame frame(int) const override { return {}; }
-  double timestamp_s(int i) const override { return times_[static_cast<std::size_t>(i)]; }
   std::optional<Pose> T_world_camera(int i) const override {
     return i == own_pose_of ? std::optional<Pose>(Pose::Identity()) : std::nullopt;
   }
@@ -26,46 +24,14 @@ class TimesAlone : public io::Recording {
   int own_pose_of = -1;
 
  private:
-  std::vector<double> times_;
   io::RecordingInfo info_;
 };
 
-world::Trajectory at_times(const std::vector<double>& times) {
-  world::Trajectory trajectory{"poses.tum", {}};
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    Pose pose = Pose::Identity();
-    pose.translation().x() = static_cast<double>(i);
-    trajectory.poses.push_back({.timestamp_s = times[i], .T_world_camera = pose});
-  }
-  return trajectory;
-}
-
-double place(const FramePoses& poses, std::size_t frame) {
-  return poses[frame] ? poses[frame]->T_world_camera.translation().x() : std::nan("");
-}
-
-TEST(MeasureSteady, FramesWithoutTimesTakeAsManyPosesInTheirOrder) {
-  const TimesAlone no_times({0, 0, 0});
-  const FramePoses poses = poses_of_recording(no_times, at_times({1305.1, 1305.2, 1305.3}));
-  ASSERT_EQ(poses.size(), 3u);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(place(poses, i), static_cast<double>(i));
-  EXPECT_THROW(poses_of_recording(no_times, at_times({1305.1, 1305.2})), Error)
-      << "two poses for three frames";
-}
-
-TEST(MeasureSteady, FramesWithTimesTakeThePoseOfTheirTime) {
-  const TimesAlone timed({10.2, 10.4, 11.0});
-  const FramePoses poses = poses_of_recording(timed, at_times({10.0, 10.2, 10.4}));
-  EXPECT_EQ(place(poses, 0), 1);
-  EXPECT_EQ(place(poses, 1), 2);
-  EXPECT_FALSE(poses[2]) << "as many poses as frames, but none of this time";
-}
-
-TEST(MeasureSteady, ARecordingsOwnPosesAreTakenWhereNoneAreGiven) {
-  TimesAlone recording({0, 0});
-  EXPECT_TRUE(poses_of_recording(recording, {}).empty());
+TEST(MeasureSteady, ARecordingsOwnPosesAreByFrame) {
+  PosesAlone recording;
+  EXPECT_TRUE(own_poses(recording).empty());
   recording.own_pose_of = 1;
-  const FramePoses poses = poses_of_recording(recording, {});
+  const FramePoses poses = own_poses(recording);
   ASSERT_EQ(poses.size(), 2u);
   EXPECT_FALSE(poses[0]);
   EXPECT_TRUE(poses[1]);

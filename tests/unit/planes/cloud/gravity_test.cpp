@@ -28,6 +28,12 @@ Frame empty_depth() {
   return frame;
 }
 
+Frame measured_once() {
+  Frame frame = empty_depth();
+  frame.depth.data[100] = 900;
+  return frame;
+}
+
 Gravity from_file(GravitySource source, const Vec3d& direction) {
   Gravity gravity;
   gravity.direction = direction;
@@ -79,12 +85,35 @@ TEST(Gravity, AskingForTheImuOfARecordingWithoutOneIsAnError) {
 
 TEST(Gravity, AFrameThatDoesNotTellIsRefusedWithAWayOut) {
   try {
-    resolve_gravity(empty_depth(), {});
+    resolve_gravity(measured_once(), {});
     FAIL();
   } catch (const Error& error) {
     for (const char* way : {"--gravity X,Y,Z", "planescope view", "--gravity none"})
       EXPECT_NE(std::string(error.what()).find(way), std::string::npos) << way;
   }
+}
+
+std::string why_refused(const Frame& frame, double max_range_m = 0) {
+  try {
+    resolve_gravity(frame, {}, max_range_m);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "it was not";
+}
+
+TEST(Gravity, ADepthImageWithoutDepthIsRefusedAsSuch) {
+  EXPECT_EQ(why_refused(empty_depth()), "frame empty: holds no depth: all pixels are 0");
+}
+
+TEST(Gravity, AWrongDepthUnitIsSuspectedWhereAllIsOutOfRange) {
+  Frame frame = measured_once();
+  frame.depth_unit_m = 1;
+  EXPECT_EQ(why_refused(frame, 4),
+            "frame empty: all depths lie between 900 and 900 m, beyond --max-range 4 m: is "
+            "--depth-unit 1 right?");
+  frame.depth_unit_m = 0.001;
+  EXPECT_EQ(why_refused(frame, 4).find("--depth-unit"), std::string::npos);
 }
 
 TEST(Gravity, NoneGoesWithoutWhateverTheRecordingSays) {
@@ -255,6 +284,18 @@ TEST(GravityEstimate, TwoWallsOfACornerTellLittleButRightly) {
   ASSERT_TRUE(gravity.has_value());
   EXPECT_LT(angle_between_deg(gravity->direction, true_gravity(camera)), 2);
   EXPECT_LT(gravity->confidence, 0.4);
+}
+
+TEST(Gravity, OnePlaneThatFacesTheCameraIsAWallOrAFloorAndNeverGuessed) {
+  for (const double pitch_deg : {90.0, 80.0}) {  // at a floor
+    const std::vector<Parallelogram> floor{{{-3, -3, 0}, {6, 0, 0}, {0, 6, 0}}};
+    const std::string why = why_refused(render_depth(floor, {0.8, pitch_deg}));
+    EXPECT_NE(why.find("a wall straight ahead (--gravity 0,1,0)"), std::string::npos) << why;
+    EXPECT_NE(why.find("looks down (--gravity 0,0,1)"), std::string::npos) << why;
+  }
+  const std::vector<Parallelogram> wall{{{1, -3, -3}, {0, 6, 0}, {0, 0, 6}}};
+  const std::string why = why_refused(render_depth(wall, {0.8, 0}));
+  EXPECT_NE(why.find("one plane faces the camera"), std::string::npos) << why;
 }
 
 TEST(GravityEstimate, AnEmptyFrameDoesNotTell) {

@@ -1,0 +1,183 @@
+#include "core/world/poses/sequence_gravity.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+#include "core/world/poses/odometry.hpp"
+
+namespace planescope::world {
+namespace {
+
+using Grid = std::shared_ptr<const labels::LabelGrid>;
+using OwnGravity = std::optional<Gravity>;
+
+constexpr double kMostTiltSigma_deg = 1;  // of a motion: depth of one wall leaves its roll open
+
+/// From one frame to the next, by depth alone: commands that read color and those that do not must
+/// agree.
+struct Motion {
+  bool believed = false;
+  Mat3d R_next_this = Mat3d::Identity();
+  Mat3d covariance = Mat3d::Zero();  // of a turn about the axes of the next [rad^2]
+
+  /// Of a direction of gravity that is carried over it (next camera's frame).
+  double tilt_sigma_deg(const Vec3d& gravity) const {
+    const double variance = covariance.trace() - gravity.dot(covariance * gravity);
+    return std::sqrt(std::max(0.0, variance)) * 180 / std::numbers::pi;
+  }
+};
+
+Motion motion_between(const Grid& from, const Grid& to) {
+  Motion motion;
+  if (!from || !to) return motion;
+  const labels::Registration found = labels::register_frames(*from, *to, {}, {});
+  motion.believed = is_credible(found, found.T_to_from);
+  motion.R_next_this = found.T_to_from.linear();
+  motion.covariance = effective_information(found).inverse().topLeftCorner<3, 3>();
+  return motion;
+}
+
+bool is_sure(const OwnGravity& gravity) {
+  return gravity &&
+         (gravity->source != GravitySource::estimate || gravity->confidence >= kSureGravity);
+}
+
+template <typename Value>
+struct Once {
+  std::once_flag flag;
+  Value value;
+};
+
+}  // namespace
+
+struct SequenceGravity::Cache {
+  std::shared_ptr<const io::Recording> recording;
+  planes::GravityOptions options;
+  int count = 0;
+  std::vector<Once<OwnGravity>> owns;  // by frame
+  std::vector<Once<Motion>> motions;   // from the frame to the next
+
+  Cache(std::shared_ptr<const io::Recording> of, const planes::GravityOptions& by)
+      : recording(std::move(of)),
+        options(by),
+        count(recording->frame_count()),
+        owns(static_cast<std::size_t>(count)),
+        motions(static_cast<std::size_t>(count)) {}
+
+  const OwnGravity& own(const Frame& frame) {
+    Once<OwnGravity>& own = owns[static_cast<std::size_t>(frame.index)];
+    std::call_once(own.flag, [&] { own.value = planes::estimate_gravity(frame, options); });
+    return own.value;
+  }
+
+  const OwnGravity& own(int index) {
+    Once<OwnGravity>& own = owns[static_cast<std::size_t>(index)];
+    std::call_once(own.flag, [&] {
+      try {
+        const Frame frame = recording->frame(index);
+        own.value = frame.gravity ? frame.gravity : planes::estimate_gravity(frame, options);
+      } catch (const Error&) {  // reported by whoever asks for that frame
+      }
+    });
+    return own.value;
+  }
+
+  /// `grids`: those of the motion before and, afterwards, of this one.
+  const Motion& motion(int from, std::map<int, Grid>& grids) {
+    Once<Motion>& motion = motions[static_cast<std::size_t>(from)];
+    std::call_once(motion.flag, [&] {
+      std::erase_if(grids,
+                    [&](const auto& grid) { return grid.first != from && grid.first != from + 1; });
+      for (const int index : {from, from + 1})
+        if (!grids.contains(index)) grids[index] = registration_grid(*recording, index, false);
+      motion.value = motion_between(grids[from], grids[from + 1]);
+    });
+    return motion.value;
+  }
+
+  /// Turns a direction of gravity from camera `from` to camera `to`. False where odometry ends.
+  bool follow(int from, int to, Vec3d& direction) {
+    std::map<int, Grid> grids;
+    for (int at = from; at != to; at += from < to ? 1 : -1) {
+      const bool ahead = from < to;
+      const Motion& step = motion(ahead ? at : at - 1, grids);
+      if (!step.believed) return false;
+      const Vec3d in_next = ahead ? Vec3d(step.R_next_this * direction) : direction;
+      if (step.tilt_sigma_deg(in_next) > kMostTiltSigma_deg) return false;
+      direction = ahead ? in_next : Vec3d(step.R_next_this.transpose() * direction);
+    }
+    return true;
+  }
+
+  /// Gravity of frame `from` as frame `to` has it; nullopt where the motion is not known.
+  std::optional<Gravity> carried(const Gravity& gravity, int from, int to) {
+    Gravity result{gravity.direction, GravitySource::carried, gravity.confidence, ""};
+    const std::optional<Pose> T_world_from = recording->T_world_camera(from);
+    const std::optional<Pose> T_world_to = recording->T_world_camera(to);
+    const bool by_poses = T_world_from && T_world_to;
+    if (by_poses)
+      result.direction =
+          T_world_to->linear().transpose() * (T_world_from->linear() * result.direction);
+    else if (std::abs(to - from) > kMostFramesCarried || !follow(from, to, result.direction))
+      return std::nullopt;
+    result.direction.normalize();
+    result.note = fmt::format("carried from frame {} by {} over {}, where it was {}", from,
+                              by_poses ? "the recording's poses" : "odometry",
+                              counted(std::abs(to - from), "frame"), gravity.note);
+    return result;
+  }
+
+  std::optional<Gravity> from_picks(const io::PickedGravity& picked, int to) {
+    std::vector<const io::PickedDirection*> nearest;
+    for (const auto& [frame, direction] : picked.frames) nearest.push_back(&direction);
+    std::ranges::stable_sort(
+        nearest, {}, [&](const io::PickedDirection* pick) { return std::abs(pick->frame - to); });
+    for (const io::PickedDirection* pick : nearest)
+      if (auto found =
+              carried({pick->direction, GravitySource::picked, 1, pick->note}, pick->frame, to))
+        return found;
+    return std::nullopt;
+  }
+
+  /// From the nearest frame on either side whose own gravity is sure; the earlier of two.
+  std::optional<Gravity> from_neighbors(int to) {
+    bool before = true, after = true;  // not found on that side yet
+    for (int far = 1; far <= kMostFramesCarried && (before || after); ++far)
+      for (const int from : {to - far, to + far}) {
+        bool& open = from < to ? before : after;
+        if (!open || from < 0 || from >= count || !is_sure(own(from))) continue;
+        if (auto found = carried(*own(from), from, to)) return found;
+        open = false;  // what lies beyond it would be carried over the same motion
+      }
+    return std::nullopt;
+  }
+};
+
+SequenceGravity::SequenceGravity(std::shared_ptr<const io::Recording> recording,
+                                 planes::GravityOptions options)
+    : cache_(std::make_unique<Cache>(std::move(recording), options)) {}
+SequenceGravity::~SequenceGravity() = default;
+
+void SequenceGravity::resolve(Frame& frame, const io::PickedGravity& picked) const {
+  io::apply_picked_gravity(picked, frame);
+  if (frame.gravity || cache_->options.mode != planes::GravityMode::automatic || frame.is_cloud() ||
+      !cache_->recording->info().knows_camera())
+    return;
+  frame.gravity = cache_->from_picks(picked, frame.index);
+  if (frame.gravity) return;
+  const OwnGravity& own = cache_->own(frame);
+  if (!is_sure(own)) frame.gravity = cache_->from_neighbors(frame.index);
+  if (!frame.gravity) frame.gravity = own;
+}
+
+}  // namespace planescope::world
