@@ -94,6 +94,8 @@ Image Renderer::draw(const Trace& trace, int step, int width, int height, Theme 
     render::StepLook look;
     look.step = step;
     look.theme = theme_of(theme);
+    look.color_of_plane =
+        render::trace_colors(run, render::settle_colors(render::plane_image(run), {}));
     state_->context->make_current();
     const render::Camera camera = render::frame_camera(run.subject->prepared, run.segmentation,
                                                        static_cast<double>(width) / height);

@@ -20,11 +20,11 @@ Rgba mixed(Rgba a, Rgba b, double share_b) {
   return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
 }
 
-// Chosen by search over a grid of OKLCh for the greatest least distance between any two, and to
-// leftover_color(), for normal, protanopic, deuteranopic and tritanopic eyes (Machado et al. 2009),
-// where normal eyes count by 1/1.3; then in the order in which each is the farthest from those
-// before it. Distances in OKLab times 100: at least 12.5 for normal eyes
-// and 9.1 for others; 12.0 and 10.0 to leftover_color().
+// Found by search over a grid of OKLCh: the smallest distance between any two, and to
+// leftover_color(), is as large as possible for normal, protanopic, deuteranopic and tritanopic
+// eyes (Machado et al. 2009), where distances for normal eyes count 1/1.3. In OKLab times 100, it
+// is 12.5 for normal eyes and 9.1 for others; to leftover_color() 12.0 and 10.0. Ordered so that
+// each is the farthest from those before it.
 constexpr std::array<std::uint32_t, kPlaneColors> kPlaneHues = {
     0x3E7CBD, 0xFDB803, 0xB0000F, 0x80DEF5, 0xB76A32, 0xF58324, 0xBD9EDE,
     0x65BC82, 0xBED995, 0x2C6149, 0x8D2198, 0x8A6283, 0x6B44DE, 0xD06AFA};

@@ -20,9 +20,8 @@ Rgba margin_color(Label label, double margin);
 Rgba leftover_color();
 /// Whether a plane carries a foot.
 Rgba verdict_color(bool steppable);
-/// Colors of planes: few, so that any two are well apart, as seen by any eyes, and far from
-/// leftover_color() and from the marks of what is selected. plane_colors.hpp says which plane has
-/// which.
+/// Colors of planes: few, so that any two differ clearly, also for color-blind readers, and so does
+/// each from leftover_color(). plane_colors.hpp says which plane gets which.
 inline constexpr int kPlaneColors = 14;
 /// By color id, from 1 on; they repeat after kPlaneColors.
 Rgba plane_color(int color_id);

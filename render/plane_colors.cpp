@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "render/palette.hpp"
+#include "render/scene_parts.hpp"
 
 namespace planescope::render {
 namespace {
@@ -22,8 +23,7 @@ std::vector<std::vector<int>> neighbors_of(const PlaneImage& planes) {
   return neighbors;
 }
 
-/// A color for a plane that has none, as settle_colors() has it; where all are taken by planes that
-/// it touches, the one that costs the fewest points. Equal ones: the first of the palette.
+/// For a plane that has none: see settle_colors(). Of equal ones the first of the palette.
 int new_color(const PlaneImage& planes,
               const std::vector<int>& colors,
               const std::vector<int>& neighbors,
@@ -79,7 +79,7 @@ std::vector<int> settle_colors(const PlaneImage& planes,
     if (color > 0) continue;
     const int found =
         new_color(planes, colors, neighbors[static_cast<std::size_t>(i)], is_reserved);
-    // Smaller ones make room, and get another one in their turn.
+    // Smaller neighbors give it up, and get another color in their turn.
     for (const int other : neighbors[static_cast<std::size_t>(i)])
       if (int& theirs = colors[static_cast<std::size_t>(other)];
           theirs == found && std::tuple(size_of(i), other) > std::tuple(size_of(other), i))
@@ -123,6 +123,30 @@ ColoredPlanes color_planes(PlaneImage now, const ColoredPlanes* before) {
 
 std::vector<int> first_colors(const planes::FrameResult& result) {
   return settle_colors(plane_image(result), {});
+}
+
+std::vector<int> true_plane_colors(const PlaneImage& truth,
+                                   std::span<const int> found_of,
+                                   std::span<const int> colors) {
+  std::vector<int> wanted;
+  for (const int found : found_of) wanted.push_back(found == 0 ? 0 : color_id_of(found, colors));
+  return settle_colors(truth, std::move(wanted));
+}
+
+std::vector<int> trace_colors(const debug::Run& run, std::span<const int> colors) {
+  std::vector<int> others;
+  for (int color = 1; color <= kPlaneColors; ++color)
+    if (std::ranges::find(colors, color) == colors.end()) others.push_back(color);
+  std::vector<int> of_trace;
+  std::size_t passing = 0;
+  for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
+    const std::int32_t id = run.timeline.result_of_plane(plane);
+    if (id > 0)
+      of_trace.push_back(color_id_of(id, colors));
+    else
+      of_trace.push_back(others.empty() ? plane + 1 : others[passing++ % others.size()]);
+  }
+  return of_trace;
 }
 
 }  // namespace planescope::render

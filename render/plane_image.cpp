@@ -12,22 +12,23 @@
 namespace planescope::render {
 namespace {
 
-constexpr double kMostCells = 4800;       // of an image: 8 x 8 pixels of VGA each
-constexpr int kTouchingShare = 80;        // of the image's width
-constexpr double kCloudCell_m = 0.1;      // edge
-constexpr double kFarFromSensor_m = 100;  // clouds in map coordinates: about their own middle
+constexpr double kMaxCells = 4800;    // per image: 8 x 8 pixels of VGA each
+constexpr int kTouchingShare = 80;    // planes touch within 1/80 of the image's width
+constexpr double kCloudCell_m = 0.1;  // edge
+constexpr double kFarFromSensor_m =
+    100;  // farther clouds (map coordinates) are taken about their middle
 constexpr double kDeg = std::numbers::pi / 180;
 
-// Overlapping planes: what neighboring frames of a hand-held camera differ by before its motion is
-// known.
+// Planes that overlap: how much neighboring frames of a hand-held camera may differ while its
+// motion is unknown.
 constexpr double kOverlapAngle_deg = 15, kOverlapOffset_m = 0.12;
-constexpr double kSlack = 2;  // so much more where they cover the same cells
-// Planes that the motion is to explain: what is left of it, and of the noise of both fits.
+constexpr double kSlack = 2;  // 1 + kSlack times as much where they cover the same cells
+// Planes compared after the motion: its error, and the noise of both fits.
 constexpr double kMovedAngle_deg = 6, kMovedOffset_m = 0.05, kMovedOffsetShare = 0.02;
 constexpr double kRadii = 2, kRoom_m = 0.1;  // how far apart centroids may be in the plane
 constexpr double kPieceShare = 0.5;          // of a piece's cells, on the plane it was part of
-// Of the motion: what a plane's normal and offset are worth, and how far a camera moves at most
-// where no plane tells.
+// Motion: standard deviations of a plane's normal and offset, and the prior for directions that no
+// plane determines.
 constexpr double kNormalSigma_deg = 1, kOffsetSigma_m = 0.01;
 constexpr double kTurnSigma_deg = 5, kShiftSigma_m = 0.05;
 
@@ -44,7 +45,7 @@ std::vector<std::int32_t> pixel_ids(const planes::Cloud& cloud,
 
 Cells image_cells(const std::vector<std::int32_t>& ids, int width, int height) {
   const int step =
-      std::max(1, static_cast<int>(std::ceil(std::sqrt(width * double{1} * height / kMostCells))));
+      std::max(1, static_cast<int>(std::ceil(std::sqrt(width * double{1} * height / kMaxCells))));
   Cells cells;
   std::uint32_t at = 0;
   for (int y = step / 2; y < height; y += step)
@@ -129,7 +130,7 @@ std::set<std::pair<int, int>> touching_in_space(const Cells& cells) {
   return pairs;
 }
 
-/// How far each plane's centroid is off the other plane, the farther one.
+/// Distance of each plane's centroid from the other plane, the greater one.
 double gap_m(const PlaneInView& a, const PlaneInView& b) {
   const Vec3d apart = b.centroid - a.centroid;
   return std::max(std::abs(a.normal.dot(apart)), std::abs(b.normal.dot(apart)));
@@ -169,13 +170,13 @@ Pose motion_of(const PlaneImage& before, const PlaneImage& now, const std::vecto
     if (before_of[i] == 0) continue;
     const PlaneInView& a = before.planes[static_cast<std::size_t>(before_of[i]) - 1];
     const PlaneInView& b = now.planes[i];
-    // Clutter that one frame fits otherwise than the next says nothing of the motion.
+    // Clutter that is fitted differently in each frame says nothing about the motion.
     if (planes::plane_angle_deg(a.normal, b.normal) > kOverlapAngle_deg ||
         offset_apart_m(a, b) > kOverlapOffset_m)
       continue;
     const double side = a.normal.dot(b.normal) < 0 ? -1 : 1;
     const Vec3d normal = side * b.normal;
-    // Larger planes are known better, and count more; none counts for all.
+    // Larger planes are more precise, but none may decide alone.
     const double weight = std::sqrt(static_cast<double>(std::min(a.size, b.size)) / 1000.0);
     const double w_n = weight / std::pow(kNormalSigma_deg * kDeg, 2);
     const double w_d = weight / std::pow(kOffsetSigma_m, 2);
@@ -231,6 +232,10 @@ PlaneImage plane_image(const planes::FrameResult& result) {
   return plane_image(result.cloud, result.plane_of, result.segmentation.planes.size());
 }
 
+PlaneImage plane_image(const debug::Run& run) {
+  return plane_image(run.subject->prepared.cloud, run.plane_of, run.segmentation.planes.size());
+}
+
 PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now) {
   const std::size_t rows = before.planes.size(), columns = now.planes.size();
   PlaneMatch match;
@@ -249,7 +254,7 @@ PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now) {
         match.before_of[static_cast<std::size_t>(column_of[b])] = static_cast<int>(b) + 1;
   };
 
-  // Those that overlap: as many cells as possible stay with their planes.
+  // First planes that overlap: as many cells as possible keep their plane.
   std::vector<double> value(rows * columns, 0);
   for (std::size_t b = 0; b < rows; ++b)
     for (std::size_t n = 0; n < columns; ++n) {
@@ -267,7 +272,7 @@ PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now) {
   assign(value);
   match.T_now_before = motion_of(before, now, match.before_of);
 
-  // The rest, where the motion leads them.
+  // Then the rest, moved with the camera.
   std::vector<std::uint8_t> taken(rows, 0);
   for (const int b : match.before_of)
     if (b > 0) taken[static_cast<std::size_t>(b) - 1] = 1;

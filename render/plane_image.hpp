@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/debug/replay/run.hpp"
 #include "core/planes/cloud/cloud.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
@@ -44,19 +45,20 @@ PlaneImage plane_image(const planes::Cloud& cloud,
                        std::span<const std::int32_t> plane_of,
                        std::size_t count);
 PlaneImage plane_image(const planes::FrameResult& result);
+PlaneImage plane_image(const debug::Run& run);
 
 /// Which planes of one frame are surfaces of another, and how the sensor moved.
 struct PlaneMatch {
   std::vector<int> before_of;  // by id - 1 of `now`: id in `before`, 0 none; one to one
-  // Planes that lie on the same surface as one that another plane of `now` was matched with, and
-  // were part of it in the image: id in `before`, 0 none.
+  // The same for planes that came off one that another plane of `now` was matched with: on the same
+  // surface, and part of it in the image of `before`.
   std::vector<int> piece_of;
-  Pose T_now_before = Pose::Identity();  // from the planes; what they do not determine stays zero
+  Pose T_now_before = Pose::Identity();  // zero in directions that the planes do not determine
 };
 
-/// Pairs with the greatest overlap in the image, of about the same normal and offset; then those
-/// that do not overlap but are where the motion that follows from the others puts them. Planes of
-/// `before` may be remembered ones, without cells.
+/// First pairs planes that overlap in the image and have about the same normal and offset, with the
+/// greatest overlap in total; then those that the motion of the first pairs moves onto each other.
+/// `before` may contain remembered planes, without cells.
 PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now);
 
 }  // namespace planescope::render

@@ -44,17 +44,6 @@ Rgba verdict_color(planes::Verdict verdict) {
   return kSceneFaded;
 }
 
-/// A color id per true plane, by JudgedFrame::true_plane - 1: that of the found plane which stands
-/// for it; where there is none, another one than those that it touches.
-std::vector<int> true_plane_colors(const planes::JudgedFrame& judged,
-                                   const planes::FrameResult& result,
-                                   std::span<const int> color_of_plane) {
-  std::vector<int> wanted;
-  for (const int found : judged.found_of)
-    wanted.push_back(found == 0 ? 0 : color_id_of(found, color_of_plane));
-  return settle_colors(plane_image(result.cloud, judged.true_plane, wanted.size()), wanted);
-}
-
 /// What each of the three pictures shows of a point; alpha 0: nothing.
 struct PointColors {
   std::vector<Rgba> of[3];
@@ -63,7 +52,9 @@ PointColors point_colors(const planes::FrameResult& result,
                          const planes::JudgedFrame& judged,
                          std::span<const int> color_of_plane) {
   constexpr Rgba kNone{0, 0, 0, 0};
-  const std::vector<int> true_colors = true_plane_colors(judged, result, color_of_plane);
+  const std::vector<int> true_colors =
+      true_plane_colors(plane_image(result.cloud, judged.true_plane, judged.found_of.size()),
+                        judged.found_of, color_of_plane);
   PointColors colors;
   for (std::size_t i = 0; i < judged.verdict.size(); ++i) {
     const std::int32_t truth = judged.true_plane[i], found = result.plane_of[i];

@@ -61,7 +61,7 @@ class ColorChain {
   explicit ColorChain(std::size_t inputs) : before_(inputs), next_(inputs, 0) {}
 
   /// Sets the planes' colors; false where the chain was broken. `turn` counts the input's slots.
-  /// `image`: nothing where the frame has no planes of its own, and passes on what it got.
+  /// `image`: of the same planes; nothing for a refused frame, which the next one looks past.
   bool follow(std::size_t input,
               int turn,
               std::optional<render::PlaneImage> image,
@@ -158,8 +158,9 @@ class FrameWriter {
       }
       frame.reference_ms = reference_ms;
     };
-    unless_refused([&] {  // finished frames, too: the next ones' colors follow from their planes
+    unless_refused([&] {  // finished frames, too: later frames take their colors from them
       loaded = job_.run(input, slot.index, job_.options, job_.classifier);
+      if (found && found->planes.size() != loaded->result.segmentation.planes.size()) found.reset();
       if (!slot.colors_only && !found) frame = described(input, slot.index, *loaded);
     });
     std::optional<render::PlaneImage> image;

@@ -212,6 +212,8 @@ render::StepLook look_of(const State& state) {
   look.theme = view.theme;
   look.isolated = view.isolated;
   look.color_of_plane = colors_of_planes(state, *state.run_view());
+  if (look.color_by == render::ColorBy::truth)
+    look.color_of_truth = colors_of_truth(state, *state.run_view());
   // Among finished planes nothing stands out that was not selected.
   look.show_current = state.run() && view.step < state.run()->steps();
   if (const planes::TraceEvent* event = look.show_current ? state.event() : nullptr) {
@@ -234,6 +236,7 @@ render::StepLook other_look_of(const State& state) {
   look.show_current = !at_end;
   look.planes = state.plane_scene(&beside);
   look.color_of_plane = colors_of_planes(state, beside);
+  if (look.color_by == render::ColorBy::truth) look.color_of_truth = colors_of_truth(state, beside);
   if (look.node >= 0) look.node = same.node(look.node);
   if (look.voxel >= 0) look.voxel = same.voxel(look.voxel);
   if (!same.same_voxels()) look.marked = {};
@@ -243,26 +246,34 @@ render::StepLook other_look_of(const State& state) {
   return look;
 }
 
-std::vector<int> colors_of_planes(const State& state, const RunView& of) {
-  const FrameColors* colors = &of.colors;
+const FrameColors& shown_colors(const State& state, const RunView& of) {
+  if (&of == state.results.pinned.get()) return state.results.pinned_colors;
   const std::vector<Thumbnail>& strip = state.results.strip;
   const int frame = of.run->subject->frame.index;
-  if (frame < std::ssize(strip) && &of != state.results.pinned.get()) {
-    const FrameColors& there = strip[static_cast<std::size_t>(frame)].colors;
-    if (there.planes && there.key == colors->key && there.of_tracks == colors->of_tracks)
-      colors = &there;
-  }
-  return colors->planes ? colors_of_trace(*of.run, colors->planes->own_colors())
-                        : std::vector<int>();
+  if (frame >= std::ssize(strip)) return of.colors;
+  const FrameColors& there = strip[static_cast<std::size_t>(frame)].colors;
+  const bool same =
+      there.planes && there.key == of.colors.key && there.of_tracks == of.colors.of_tracks;
+  return same ? there : of.colors;
 }
 
-std::vector<int> colors_of_trace(const debug::Run& run, const std::vector<int>& colors) {
-  std::vector<int> of_trace;
-  for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
-    const auto id = static_cast<std::size_t>(run.timeline.result_of_plane(plane));
-    of_trace.push_back(id > 0 && id <= colors.size() ? colors[id - 1] : plane + 1);
+std::vector<int> colors_of_planes(const State& state, const RunView& of) {
+  const FrameColors& colors = shown_colors(state, of);
+  return colors.planes ? render::trace_colors(*of.run, colors.planes->own_colors())
+                       : std::vector<int>();
+}
+
+std::vector<int> colors_of_truth(const State& state, const RunView& of) {
+  const FrameColors& found = shown_colors(state, of);
+  std::vector<int> colors;
+  if (!found.planes) return colors;
+  const std::vector<int> of_shown =
+      render::true_plane_colors(of.truth.image, of.truth.found_of, found.planes->own_colors());
+  for (std::size_t k = 0; k < of_shown.size(); ++k) {
+    colors.resize(static_cast<std::size_t>(of.truth.ids[k]), 0);
+    colors.back() = of_shown[k];
   }
-  return of_trace;
+  return colors;
 }
 
 render::LabelLook label_look_of(const State& state) {

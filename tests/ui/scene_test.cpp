@@ -307,6 +307,36 @@ TEST_F(Scene, IsolatedIsForThisSessionAlone) {
   EXPECT_FALSE(state().view.isolated);
 }
 
+// ---- Colors of planes ----
+
+TEST_F(Scene, PlanesThatDoNotLastLookLikeNoneThatLasts) {
+  const debug::Timeline& timeline = state().run()->timeline;
+  const std::vector<int> colors = colors_of_planes(state(), *state().run_view());
+  std::set<int> lasting, others;
+  for (std::int32_t plane = 0; plane < timeline.plane_count(); ++plane)
+    (timeline.result_of_plane(plane) > 0 ? lasting : others)
+        .insert(colors[static_cast<std::size_t>(plane)]);
+  ASSERT_FALSE(others.empty());
+  ASSERT_LT(lasting.size(), static_cast<std::size_t>(render::kPlaneColors));
+  for (const int color : others) EXPECT_FALSE(lasting.contains(color)) << color;
+}
+
+TEST_F(Scene, TruePlanesLookLikeThePlanesThatTheyMatch) {
+  run("color.truth");
+  const render::StepLook look = look_of(state());
+  const std::vector<int> found = state().run_view()->colors.planes->own_colors();
+  int detected = 0;
+  for (const debug::TruthMatch& match : state().run_view()->score->planes) {
+    ASSERT_LE(static_cast<std::size_t>(match.truth), look.color_of_truth.size());
+    if (match.iou < debug::kDetectedIou) continue;
+    ++detected;
+    EXPECT_EQ(look.color_of_truth[static_cast<std::size_t>(match.truth) - 1],
+              found[static_cast<std::size_t>(match.found) - 1])
+        << match.truth;
+  }
+  EXPECT_GT(detected, 2);
+}
+
 // ---- A and B ----
 
 struct Compared : Scene {

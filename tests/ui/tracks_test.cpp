@@ -110,7 +110,7 @@ TEST_F(Tracks, WithoutAMapPlanesKeepTheirColorsFromFrameToFrameInTheStripAndInTh
     shell.perform({"frame.show", std::to_string(i)});
     settle(shell, stage, {});
     EXPECT_EQ(colors_of_planes(state(), *state().run_view()),
-              colors_of_trace(*state().run(), colors));
+              render::trace_colors(*state().run(), colors));
   }
   EXPECT_GT(kept, 0.98 * pixels);
 }

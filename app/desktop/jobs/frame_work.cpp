@@ -120,6 +120,31 @@ std::optional<debug::QuickScore> score_of(const debug::Run& run) {
   return debug::quick_score(run.segmentation.plane_of, run.subject->voxel_truth);
 }
 
+/// Of true planes that are found as one, the one with the greatest IoU is matched with it.
+TruePlanes true_planes_of(const debug::Run& run, const debug::QuickScore& score) {
+  const debug::VoxelTruth& truth = run.subject->voxel_truth;
+  TruePlanes true_planes;
+  std::vector<std::int32_t> number_of(static_cast<std::size_t>(truth.plane_count) + 1, 0);
+  std::map<int, const debug::TruthMatch*> best;  // by found plane
+  for (const debug::TruthMatch& match : score.planes) {
+    true_planes.ids.push_back(match.truth);
+    number_of[static_cast<std::size_t>(match.truth)] =
+        static_cast<std::int32_t>(true_planes.ids.size());
+    const debug::TruthMatch*& of_found = best[match.found];
+    if (!of_found || of_found->iou < match.iou) of_found = &match;
+  }
+  for (const debug::TruthMatch& match : score.planes)
+    true_planes.found_of.push_back(best[match.found] == &match ? match.found : 0);
+  const planes::PreparedFrame& prepared = run.subject->prepared;
+  std::vector<std::int32_t> of_point;
+  for (const std::uint32_t voxel : prepared.voxels.voxel_of) {
+    const std::int32_t id = voxel == planes::kNoVoxel ? 0 : truth.plane[voxel];
+    of_point.push_back(id > 0 ? number_of[static_cast<std::size_t>(id)] : 0);
+  }
+  true_planes.image = render::plane_image(prepared.cloud, of_point, true_planes.ids.size());
+  return true_planes;
+}
+
 }  // namespace
 
 std::shared_ptr<const planes::Classifier> FrameTools::classifier(
@@ -194,7 +219,7 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
 }
 
 std::shared_ptr<const render::ColoredPlanes> ColorBook::nearest(const Wanted& wanted) const {
-  constexpr int kOtherOptions = 3;  // frames that a frame of other options counts as farther off
+  constexpr int kOtherOptions = 3;  // frames by which one with other options counts as farther
   const std::lock_guard lock(mutex_);
   if (recording_ != wanted.recording) return nullptr;
   const std::string key = wanted.key();
@@ -208,9 +233,10 @@ std::shared_ptr<const render::ColoredPlanes> ColorBook::nearest(const Wanted& wa
   return nearest ? nearest->planes : nullptr;
 }
 
-FrameColors ColorBook::colors(const Wanted& wanted, const debug::Run& run, const RunView* a) const {
-  render::PlaneImage image = render::plane_image(run.subject->prepared.cloud, run.plane_of,
-                                                 run.segmentation.planes.size());
+FrameColors ColorBook::colors(const Wanted& wanted,
+                              const debug::Run& run,
+                              const render::ColoredPlanes* like) const {
+  render::PlaneImage image = render::plane_image(run);
   std::vector<int> of_tracks = track_colors(wanted, run);
   FrameColors colors{nullptr, wanted.key(), !of_tracks.empty()};
   render::ColoredPlanes colored;
@@ -219,8 +245,8 @@ FrameColors ColorBook::colors(const Wanted& wanted, const debug::Run& run, const
     colored.unseen.assign(colored.colors.size(), 0);
     colored.image = std::move(image);
   } else {
-    const auto before = a ? a->colors.planes : nearest(wanted);
-    colored = render::color_planes(std::move(image), before.get());
+    const auto near = like ? nullptr : nearest(wanted);
+    colored = render::color_planes(std::move(image), like ? like : near.get());
   }
   colors.planes = std::make_shared<const render::ColoredPlanes>(std::move(colored));
   return colors;
@@ -240,6 +266,7 @@ std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
   auto view = std::make_shared<RunView>();
   view->histograms = debug::histograms_of(*run);
   view->score = score_of(*run);
+  if (view->score) view->truth = true_planes_of(*run, *view->score);
   view->home = home;
   view->outlines = outlines_of_run(*run);
   view->map = wanted.map;
@@ -258,7 +285,7 @@ render::Home home_of(const debug::Run& run) {
 Thumbnail thumbnail_of(const Wanted& wanted,
                        FrameTools& tools,
                        ColorBook& book,
-                       const RunView* a) {
+                       const render::ColoredPlanes* like) {
   Thumbnail thumbnail;
   thumbnail.ready = true;
   try {
@@ -267,9 +294,9 @@ Thumbnail thumbnail_of(const Wanted& wanted,
     look.step = run->steps();
     look.color_by = render::ColorBy::planes;
     look.show_current = false;
-    thumbnail.colors = book.colors(wanted, *run, a);
+    thumbnail.colors = book.colors(wanted, *run, like);
     book.keep(wanted, thumbnail.colors);
-    look.color_of_plane = colors_of_trace(*run, thumbnail.colors.planes->own_colors());
+    look.color_of_plane = render::trace_colors(*run, thumbnail.colors.planes->own_colors());
     thumbnail.image =
         run->subject->frame.depth.empty()
             ? cloud_thumbnail(*run, look, kThumbnailWidth)

@@ -64,15 +64,16 @@ Wanted wanted_of(const Document& document, int frame);
 std::string run_key(const planes::PipelineOptions& options);
 Wanted with_options(Wanted wanted, const planes::PipelineOptions& options);
 
-/// Colors of the planes of a recording's frames. The strip fills it, outwards from the frame at
-/// which it begins: each frame's follow from those of the nearest that has some. A frame that is
-/// looked at before the strip comes by has colors until then that follow from the nearest, too, and
-/// are not kept. Where options change, each frame's follow from what it had before. Any thread.
+/// Colors of the planes of a recording's frames. The strip fills it, outwards from the frame that
+/// it begins with, and each frame takes over the colors of the nearest one in the book. So does a
+/// frame that is opened before the strip reaches it, but what it gets is not kept. Any thread.
 class ColorBook {
  public:
-  /// `a`: a run of the same frame, whose colors matching planes have; null: none. Of a map's
-  /// frames, the colors of tracks.
-  FrameColors colors(const Wanted& wanted, const debug::Run& run, const RunView* a = nullptr) const;
+  /// `like`: the same frame as it is shown so far, whose colors planes keep; null: the nearest one
+  /// in the book. Where a map follows the planes, their tracks decide.
+  FrameColors colors(const Wanted& wanted,
+                     const debug::Run& run,
+                     const render::ColoredPlanes* like = nullptr) const;
   void keep(const Wanted& wanted, const FrameColors& colors);
 
  private:
@@ -95,12 +96,12 @@ std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const Wanted& wanted,
                                         FrameColors colors);
 render::Home home_of(const debug::Run& run);
-/// A frame that cannot be run says why. The book keeps the colors of its planes. `a`: as of
+/// A frame that cannot be run says why. The book keeps the colors of its planes. `like`: as in
 /// ColorBook::colors().
 Thumbnail thumbnail_of(const Wanted& wanted,
                        FrameTools& tools,
                        ColorBook& book,
-                       const RunView* a = nullptr);
+                       const render::ColoredPlanes* like = nullptr);
 /// The camera's picture alone, or shaded depth: nothing is run for it.
 Thumbnail picture_of(const Wanted& wanted);
 

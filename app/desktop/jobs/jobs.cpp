@@ -18,6 +18,7 @@
 #include "app/desktop/jobs/report_arrival.hpp"
 #include "app/desktop/jobs/spread_jobs.hpp"
 #include "app/desktop/jobs/worker.hpp"
+#include "app/desktop/look.hpp"
 #include "app/desktop/tracks/map_view.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
@@ -105,12 +106,14 @@ struct Jobs::Impl {
   }
 
   std::shared_ptr<const RunView> view_of(const Wanted& wanted,
-                                         const RunView* a,
+                                         const render::ColoredPlanes* like,
                                          std::string& refused_labels);
   void run_frame(const Wanted& wanted,
-                 std::shared_ptr<const RunView> a,
+                 const render::ColoredPlanes* like,
                  const std::shared_ptr<const ReportPlace>& place);
-  std::shared_ptr<const RunView> run_a(const Wanted& wanted, std::string& problems);
+  std::shared_ptr<const RunView> run_a(const Wanted& wanted,
+                                       const render::ColoredPlanes* like,
+                                       std::string& problems);
   void show_run(State& state, const std::shared_ptr<const RunView>& view);
   void stop_strip();
   void stop_analysis();
@@ -124,9 +127,16 @@ struct Jobs::Impl {
   void pursue_sensitivity(State& state);
 };
 
-/// `a`: whose colors matching planes have; null: none.
+/// The colors in which the frame shown has its planes: A's where there is one. Null: none yet.
+std::shared_ptr<const render::ColoredPlanes> planes_shown(const State& state) {
+  const Results& results = state.results;
+  const RunView* view = results.pinned ? results.pinned.get() : results.current.get();
+  return view ? shown_colors(state, *view).planes : nullptr;
+}
+
+/// `like`: as in ColorBook::colors().
 std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
-                                                   const RunView* a,
+                                                   const render::ColoredPlanes* like,
                                                    std::string& refused_labels) {
   const bool fresh = !subject || !loaded || !loaded->same_subject(wanted);
   if (fresh) {
@@ -136,17 +146,21 @@ std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
   }
   auto run = debug::make_run(subject, wanted.options);
   if (fresh) home = home_of(*run);
-  FrameColors of_planes = colors.colors(wanted, *run, a);
+  FrameColors of_planes = colors.colors(wanted, *run, like);
   return view_run(std::move(run), home, wanted, std::move(of_planes));
 }
 
 /// Null where the frame cannot be run with these options, and `problems` says why; B is shown all
 /// the same.
-std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::string& problems) {
+std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted,
+                                                 const render::ColoredPlanes* like,
+                                                 std::string& problems) {
   try {
-    auto view = view_of(wanted, nullptr, problems);
+    auto view = view_of(wanted, like, problems);
     deliver([wanted, view](State& state) {
-      if (wanted.is_shown(state.document)) state.results.pinned = view;
+      if (!wanted.is_shown(state.document)) return;
+      state.results.pinned = view;
+      state.results.pinned_colors = view->colors;
     });
     return view;
   } catch (const std::exception& error) {
@@ -155,16 +169,17 @@ std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::stri
   }
 }
 
-/// `a`: null where there is none. `place`: where the window is to stand then, null to leave that to
-/// the view.
+/// `like`: as in ColorBook::colors(). `place`: where the window is to stand then, null to leave
+/// that to the view.
 void Jobs::Impl::run_frame(const Wanted& wanted,
-                           std::shared_ptr<const RunView> a,
+                           const render::ColoredPlanes* like,
                            const std::shared_ptr<const ReportPlace>& place) {
   try {
     std::string problems;
-    if (place) a = nullptr;
-    if (place && place->options_a) a = run_a(with_options(wanted, *place->options_a), problems);
-    const auto view = view_of(wanted, a.get(), problems);
+    std::shared_ptr<const RunView> a;
+    if (place && place->options_a)
+      a = run_a(with_options(wanted, *place->options_a), like, problems);
+    const auto view = view_of(wanted, a ? a->colors.planes.get() : like, problems);
     std::optional<RunArrival> arrival;
     if (place) arrival = arrival_at(*place, a ? a->run.get() : nullptr, *view->run);
     deliver([this, wanted, view, arrival, problems](State& state) {
@@ -227,9 +242,9 @@ void Jobs::Impl::pursue_run(State& state) {
     state.results.current = nullptr;
   }
   run_wanted = wanted;
-  runs.replace([this, wanted, a = state.results.pinned,
+  runs.replace([this, wanted, like = planes_shown(state),
                 place = std::exchange(state.view.report_place, nullptr)](std::stop_token) {
-    run_frame(wanted, a, place);
+    run_frame(wanted, like.get(), place);
   });
 }
 
@@ -321,10 +336,10 @@ void Jobs::Impl::pursue_strip(State& state) {
   }
   state.results.strip_done = static_cast<int>(std::ranges::count_if(has, std::identity()));
   const int first = state.document.frame, number = ++strip_number;
-  strip.replace([this, wanted, first, count, number, plain, a = state.results.pinned,
+  strip.replace([this, wanted, first, count, number, plain, like = planes_shown(state),
                  has = std::move(has)](std::stop_token stop) mutable {
-    // From the frame looked at to the last, then backwards to the first: next to each is one whose
-    // colors its own follow from.
+    // From the frame shown to the last, then backwards to the first: the neighbor of each has its
+    // colors by then.
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t before = static_cast<std::size_t>(first), after = count - before;
       const std::size_t index = i < after ? before + i : count - 1 - i;
@@ -333,7 +348,7 @@ void Jobs::Impl::pursue_strip(State& state) {
       if (stop.stop_requested()) return;
       Thumbnail thumbnail =
           plain ? picture_of(wanted)
-                : thumbnail_of(wanted, tools, colors, i == 0 ? a.get() : nullptr);
+                : thumbnail_of(wanted, tools, colors, i == 0 ? like.get() : nullptr);
       if (stop.stop_requested()) return;
       deliver([this, thumbnail = std::move(thumbnail), index, number, plain](State& s) {
         if (number != strip_number || index >= s.results.strip.size()) return;

@@ -100,11 +100,18 @@ bool forget_recent(Document& document, const std::filesystem::path& recording);
 
 // ---- Results -----------------------------------------------------------------------------------
 
-/// Colors of a frame's planes, and what those of other frames follow from.
+/// Colors of a frame's planes; those of its neighbors follow from them.
 struct FrameColors {
-  std::shared_ptr<const render::ColoredPlanes> planes;  // null: none were looked for
+  std::shared_ptr<const render::ColoredPlanes> planes;  // null: the frame was not run
   std::string key;                                      // run_key() of the options
-  bool of_tracks = false;                               // those of a map
+  bool of_tracks = false;                               // a map's tracks decided
+};
+
+/// True planes that a frame shows, numbered from 1 on.
+struct TruePlanes {
+  render::PlaneImage image;
+  std::vector<int> ids;       // in the ground truth, ascending
+  std::vector<int> found_of;  // the found plane that each was matched with, 0 none
 };
 
 /// A frame as the strip shows it.
@@ -127,6 +134,7 @@ struct RunView {
   std::shared_ptr<const MapView> map = {};  // whose gravity the frame has; null: its own
   std::shared_ptr<const std::vector<render::DrawLines>> map_lines = {};  // its planes in the scene
   FrameColors colors = {};
+  TruePlanes truth = {};  // empty: no ground truth
 };
 
 /// What is found out about a run's planes a little later, and by options that leave the run as it
@@ -161,7 +169,8 @@ struct MapResults {
 
 struct Results {
   std::shared_ptr<const RunView> current;  // B, what the options give; null before the first
-  std::shared_ptr<const RunView> pinned;   // A
+  std::shared_ptr<const RunView> pinned;   // A ...
+  FrameColors pinned_colors;               // ... and the colors that it was shown in
   std::vector<std::shared_ptr<const RunPlanes>> planes;  // of these two, as far as they are known
   std::shared_ptr<const debug::Comparison> comparison;   // A with B, or truth with B
   std::shared_ptr<const RunView> compared_a;             // what it compares: `current` may be newer
