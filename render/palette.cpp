@@ -24,10 +24,11 @@ Rgba mixed(Rgba a, Rgba b, double share_b) {
 // leftover_color(), is as large as possible for normal, protanopic, deuteranopic and tritanopic
 // eyes (Machado et al. 2009), where distances for normal eyes count 1/1.3. In OKLab times 100, it
 // is 12.5 for normal eyes and 9.1 for others; to leftover_color() 12.0 and 10.0. Ordered so that
-// each is the farthest from those before it.
+// each is far from those before it; orange and amber, which are like marks of the label mode, come
+// last.
 constexpr std::array<std::uint32_t, kPlaneColors> kPlaneHues = {
-    0x3E7CBD, 0xFDB803, 0xB0000F, 0x80DEF5, 0xB76A32, 0xF58324, 0xBD9EDE,
-    0x65BC82, 0xBED995, 0x2C6149, 0x8D2198, 0x8A6283, 0x6B44DE, 0xD06AFA};
+    0x3E7CBD, 0xB0000F, 0x80DEF5, 0xB76A32, 0xBD9EDE, 0x65BC82, 0xBED995,
+    0x2C6149, 0x8D2198, 0x8A6283, 0x6B44DE, 0xD06AFA, 0xF58324, 0xFDB803};
 
 // Viridis (Smith & van der Walt 2015) at every eighth.
 constexpr std::array<std::uint32_t, 9> kViridis = {0x440154, 0x472D7B, 0x3B528B, 0x2C728E, 0x21918C,
