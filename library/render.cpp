@@ -5,6 +5,7 @@
 #include "core/io/image/png.hpp"
 #include "library/data.hpp"
 #include "render/context.hpp"
+#include "render/plane_colors.hpp"
 #include "render/renderer.hpp"
 #include "render/scenes.hpp"
 #include "render/step_scene.hpp"
@@ -29,21 +30,22 @@ void expect_size(int width, int height) {
 render::DrawList scene_of(const ::planescope::Frame& frame,
                           const planes::FrameResult& result,
                           Picture picture) {
+  const std::vector<int> colors = render::first_colors(result);
   switch (picture) {
     case Picture::labels:
       return render::scene_labels(result);
     case Picture::cases:
       return render::scene_cases(result);
     case Picture::leftovers:
-      return render::scene_leftovers(result, {});
+      return render::scene_leftovers(result, colors);
     case Picture::overlay:
-      return render::scene_overlay(frame, result, {});
+      return render::scene_overlay(frame, result, colors);
     case Picture::depth:
       return render::scene_heights(result);
     case Picture::planes:
       break;
   }
-  return render::scene_planes(frame, result, {});
+  return render::scene_planes(frame, result, colors);
 }
 
 }  // namespace
@@ -72,7 +74,7 @@ Image Renderer::draw(const Result& result, Picture picture, int width, int heigh
     const detail::ResultData& data = detail::Access::result(result);
     const ::planescope::Frame& frame = detail::Access::frame(data.frame);
     if (!frame.is_cloud() && picture == Picture::overlay)
-      return image_of(render::image_overlay(frame, data.result, {}));
+      return image_of(render::image_overlay(frame, data.result, render::first_colors(data.result)));
     if (!frame.is_cloud() && picture == Picture::depth)
       return image_of(render::image_depth(frame, data.options.cloud.max_range_m));
     state_->context->make_current();
@@ -92,6 +94,8 @@ Image Renderer::draw(const Trace& trace, int step, int width, int height, Theme 
     render::StepLook look;
     look.step = step;
     look.theme = theme_of(theme);
+    look.color_of_plane =
+        render::trace_colors(run, render::settle_colors(render::plane_image(run), {}));
     state_->context->make_current();
     const render::Camera camera = render::frame_camera(run.subject->prepared, run.segmentation,
                                                        static_cast<double>(width) / height);

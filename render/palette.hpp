@@ -20,22 +20,11 @@ Rgba margin_color(Label label, double margin);
 Rgba leftover_color();
 /// Whether a plane carries a foot.
 Rgba verdict_color(bool steppable);
-inline constexpr int kPlaneColors = 32;
-/// A colour per plane, by its id from 1 on: neighbours in id are far apart in hue and lightness.
-/// They repeat after kPlaneColors.
-Rgba plane_color(int plane_id);
-
-/// Ids for a frame's planes that follow the planes of the frame before: a plane that continues one
-/// (same label, normals within 10 degrees, offsets within 5 cm, nearest first) keeps its colour id,
-/// a new one gets the smallest free id, from 1 on. World frame, [normal, offset_m, centroid].
-struct ColoredPlane {
-  Label label = Label::unknown;
-  Vec3d normal;
-  double offset_m = 0;
-  Vec3d centroid;
-  int color_id = 0;
-};
-void keep_colors(const std::vector<ColoredPlane>& before, std::vector<ColoredPlane>& now);
+/// Colors of planes: few, so that any two differ clearly, also for color-blind readers, and so does
+/// each from leftover_color(). plane_colors.hpp says which plane gets which.
+inline constexpr int kPlaneColors = 14;
+/// By color id, from 1 on; they repeat after kPlaneColors.
+Rgba plane_color(int color_id);
 
 /// A perceptually even ramp from dark at 0 to bright at 1, ordered for every eye.
 Rgba ramp_color(double share);

@@ -79,9 +79,13 @@ Rgba mix(Rgba a, Rgba b, double share_b) {
   return {blend(a.r, b.r), blend(a.g, b.g), blend(a.b, b.b), 255};
 }
 
-Rgba color_of(int plane_id, std::span<const int> color_of_plane) {
+int color_id_of(int plane_id, std::span<const int> color_of_plane) {
   const auto index = static_cast<std::size_t>(plane_id - 1);
-  return plane_color(index < color_of_plane.size() ? color_of_plane[index] : plane_id);
+  return index < color_of_plane.size() ? color_of_plane[index] : plane_id;
+}
+
+Rgba color_of(int plane_id, std::span<const int> color_of_plane) {
+  return plane_color(color_id_of(plane_id, color_of_plane));
 }
 
 RobustBounds robust_bounds(std::span<const Vec3f> points) {

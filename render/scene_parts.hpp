@@ -16,6 +16,7 @@ inline constexpr Rgba kSceneFaded{190, 194, 200, 255};  // what a scene is not a
 
 Rgba with_alpha(Rgba color, std::uint8_t alpha);
 Rgba mix(Rgba a, Rgba b, double share_b);  // opaque
+int color_id_of(int plane_id, std::span<const int> color_of_plane);
 Rgba color_of(int plane_id, std::span<const int> color_of_plane);
 
 /// The voxels as splats that close the surface, without colours yet.

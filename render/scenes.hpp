@@ -3,7 +3,7 @@
 // Draw lists of a frame's stages: pure functions over core's results, no GL. Coordinates are the
 // cloud's own: world axes (z up), metres, about `Cloud::origin`.
 //
-// `color_of_plane`: colour id of each plane, by plane id - 1 (palette.hpp keep_colors); empty: the
+// `color_of_plane`: color id of each plane, by plane id - 1 (plane_colors.hpp); empty: the
 // plane's own id.
 
 #include <span>

@@ -40,9 +40,13 @@ std::vector<Rgba> camera_colors(const debug::Subject& subject) {
   return colors;
 }
 
-Rgba truth_color(const debug::VoxelTruth& truth, std::size_t voxel, Rgba unknown) {
+Rgba truth_color(const debug::VoxelTruth& truth,
+                 const StepLook& look,
+                 std::size_t voxel,
+                 Rgba unknown) {
   if (!truth.known() || truth.plane[voxel] < 0) return unknown;  // not scored
-  return truth.plane[voxel] == 0 ? leftover_color() : plane_color(truth.plane[voxel]);
+  return truth.plane[voxel] == 0 ? leftover_color()
+                                 : color_of(truth.plane[voxel], look.color_of_truth);
 }
 
 Rgba color_at_step(
@@ -93,7 +97,7 @@ std::vector<Rgba> base_colors(const debug::Run& run, const StepLook& look, const
         colors[v] = verdict_color_at(run, look, state.plane_of[v], waiting);
         break;
       case ColorBy::truth:
-        colors[v] = truth_color(run.subject->voxel_truth, v, waiting);
+        colors[v] = truth_color(run.subject->voxel_truth, look, v, waiting);
         break;
       default:
         colors[v] = color_at_step(look, by, state, v, waiting);
@@ -157,7 +161,7 @@ MarkColors mark_colors(Theme theme) {
   const bool dark = theme == Theme::dark;
   return {.selected = dark ? Rgba{255, 64, 160, 255} : Rgba{225, 0, 122, 255},
           .current = dark ? Rgba{255, 255, 255, 255} : Rgba{0, 0, 0, 255},
-          .marked = dark ? Rgba{255, 236, 64, 255} : Rgba{232, 196, 0, 255},
+          .marked = {255, 236, 64, 255},
           .waiting = dark ? Rgba{86, 92, 102, 255} : Rgba{201, 205, 211, 255}};
 }
 

@@ -57,7 +57,8 @@ struct StepLook {
   // Of the run's planes as they are at its last step; null: not known yet. What has no outline, a
   // plane that still grows as well, is drawn as the convex hull of its voxels, fainter.
   std::shared_ptr<const PlaneScene> planes = {};
-  std::vector<int> color_of_plane = {};  // colour ids of the trace's planes; empty: their own
+  std::vector<int> color_of_plane = {};  // color ids of the trace's planes; empty: their own
+  std::vector<int> color_of_truth = {};  // the same of true planes, by id - 1
   // Planes of the world about it, in the scene; null: none.
   std::shared_ptr<const std::vector<DrawLines>> map = {};
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "render/paint.hpp"
+#include "render/plane_colors.hpp"
 #include "render/region_image.hpp"
 #include "render/scene_parts.hpp"
 
@@ -43,24 +44,6 @@ Rgba verdict_color(planes::Verdict verdict) {
   return kSceneFaded;
 }
 
-/// A colour id per true plane, by JudgedFrame::true_plane - 1: that of the found plane which stands
-/// for it, a new one where there is none.
-std::vector<int> true_plane_colors(const planes::JudgedFrame& judged,
-                                   const planes::FrameResult& result,
-                                   std::span<const int> color_of_plane) {
-  int next = static_cast<int>(result.segmentation.planes.size());
-  for (const int id : color_of_plane) next = std::max(next, id);
-  std::vector<int> colors;
-  for (const int found : judged.found_of) {
-    if (found == 0)
-      colors.push_back(++next);
-    else
-      colors.push_back(
-          color_of_plane.empty() ? found : color_of_plane[static_cast<std::size_t>(found) - 1]);
-  }
-  return colors;
-}
-
 /// What each of the three pictures shows of a point; alpha 0: nothing.
 struct PointColors {
   std::vector<Rgba> of[3];
@@ -69,7 +52,9 @@ PointColors point_colors(const planes::FrameResult& result,
                          const planes::JudgedFrame& judged,
                          std::span<const int> color_of_plane) {
   constexpr Rgba kNone{0, 0, 0, 0};
-  const std::vector<int> true_colors = true_plane_colors(judged, result, color_of_plane);
+  const std::vector<int> true_colors =
+      true_plane_colors(plane_image(result.cloud, judged.true_plane, judged.found_of.size()),
+                        judged.found_of, color_of_plane);
   PointColors colors;
   for (std::size_t i = 0; i < judged.verdict.size(); ++i) {
     const std::int32_t truth = judged.true_plane[i], found = result.plane_of[i];

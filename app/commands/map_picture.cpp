@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/world/files/map_files.hpp"
 #include "render/overlay.hpp"
 #include "render/paint.hpp"
 #include "render/palette.hpp"
+#include "render/plane_image.hpp"
 
 namespace planescope::app {
 namespace {
@@ -22,11 +24,6 @@ constexpr render::Rgba kInk = {28, 32, 38, 255};
 constexpr render::Rgba kWay = {28, 32, 38, 200};
 constexpr double kMargin_m = 0.3, kMost_px = 1600, kMost_px_per_m = 150;
 constexpr double kText_px = 15;
-
-render::Rgba darker(render::Rgba color) {
-  const auto half = [](std::uint8_t c) { return static_cast<std::uint8_t>(c * 0.55); };
-  return {half(color.r), half(color.g), half(color.b), 255};
-}
 
 bool is_upright(const Track& track) { return std::abs(track.fit.normal.z()) < 0.5; }
 
@@ -56,16 +53,16 @@ struct Sheet {
 /// A plane's cells, each a square of the picture; higher ones hide what is below.
 class CellPainter {
  public:
-  CellPainter(Image8& image, const Sheet& sheet)
+  CellPainter(Image8& image, const Sheet& sheet, std::vector<int> colors)
       : image_(image),
         sheet_(sheet),
+        colors_(std::move(colors)),
         top_(static_cast<std::size_t>(image.width) * image.height,
              -std::numeric_limits<double>::infinity()) {}
 
   void add(const Track& track) {
     const bool gone = track.state == world::TrackState::gone;
-    const render::Rgba own = render::plane_color(track.id);
-    const render::Rgba color = is_upright(track) ? darker(own) : own;
+    const render::Rgba color = render::plane_color(colors_[static_cast<std::size_t>(track.id) - 1]);
     const double side = sheet_.px_per_m * track.cells.cell_m();
     const int size = std::max(1, static_cast<int>(std::ceil(side)));
     for (const Vec2d& place : track.places()) {
@@ -89,6 +86,7 @@ class CellPainter {
 
   Image8& image_;
   const Sheet& sheet_;
+  std::vector<int> colors_;  // of tracks
   std::vector<double> top_;
 };
 
@@ -151,6 +149,48 @@ void draw_scale(const Sheet& sheet, Image8& image) {
 
 }  // namespace
 
+std::vector<int> colors_of_tracks(const world::Tracker& tracker) {
+  const auto& tracks = tracker.tracks();
+  planes::Cloud cloud;
+  std::vector<std::int32_t> track_of;
+  std::map<int, std::vector<int>> seen_in;  // by frame: tracks
+  for (const Track& track : tracks) {
+    for (const Vec2d& place : track.places()) {
+      cloud.points.push_back(track.on_plane(place).cast<float>());
+      track_of.push_back(track.id);
+    }
+    for (const world::Sighting& sighting : track.sightings)
+      if (!sighting.part) seen_in[sighting.frame].push_back(track.id);
+  }
+  const render::PlaneImage image = render::plane_image(cloud, track_of, tracks.size());
+  std::vector<std::vector<int>> touching(tracks.size());  // of each, those before it
+  for (const auto& [a, b] : image.touching) touching[static_cast<std::size_t>(b) - 1].push_back(a);
+
+  std::vector<int> colors(tracks.size(), 0), tracks_of_color(render::kPlaneColors + 1, 0);
+  const auto color_of = [&](int id) {
+    return static_cast<std::size_t>(colors[static_cast<std::size_t>(id) - 1]);
+  };
+  for (const Track& track : tracks) {
+    if (track.state == world::TrackState::merged) continue;
+    struct Use {
+      int touching = 0, together = 0, anywhere = 0;
+      auto operator<=>(const Use&) const = default;
+    };
+    std::vector<Use> uses(render::kPlaneColors + 1);
+    for (std::size_t color = 1; color < uses.size(); ++color)
+      uses[color].anywhere = tracks_of_color[color];
+    for (const int id : touching[static_cast<std::size_t>(track.id) - 1])
+      ++uses[color_of(id)].touching;
+    for (const world::Sighting& sighting : track.sightings)
+      for (const int id : seen_in[sighting.frame])
+        if (id < track.id) ++uses[color_of(id)].together;
+    const auto best = std::min_element(uses.begin() + 1, uses.end()) - uses.begin();
+    colors[static_cast<std::size_t>(track.id) - 1] = static_cast<int>(best);
+    ++tracks_of_color[static_cast<std::size_t>(best)];
+  }
+  return colors;
+}
+
 Image8 map_from_above(const world::WorldMap& map, int segment) {
   std::vector<const Track*> planes;
   Sheet sheet;
@@ -166,7 +206,7 @@ Image8 map_from_above(const world::WorldMap& map, int segment) {
   sheet.settle();
   Image8 image(sheet.width(), sheet.height(), 3);
   render::fill_rect(image, 0, 0, image.width, image.height, kGround);
-  CellPainter painter(image, sheet);
+  CellPainter painter(image, sheet, colors_of_tracks(map.tracker));
   for (const Track* track : planes) painter.add(*track);
   draw_way(map, segment, sheet, image);
   NamePainter names(image, sheet);

@@ -21,6 +21,7 @@
 #include "core/report/data/segment_files.hpp"
 #include "render/context.hpp"
 #include "render/palette.hpp"
+#include "render/plane_colors.hpp"
 
 namespace planescope::app {
 namespace {
@@ -53,39 +54,32 @@ struct Painter {
   }
 };
 
-/// Planes' colours follow those of the recording's frame before: frames run side by side wait here
+/// Planes' colors follow those of the recording's frame before: frames run side by side wait here
 /// for their turn.
 class ColorChain {
  public:
   explicit ColorChain(std::size_t inputs) : before_(inputs), next_(inputs, 0) {}
 
-  /// Sets the planes' colours; false where the chain was broken. `turn` counts the input's slots.
-  bool follow(std::size_t input, int turn, std::vector<report::ReportPlane>& planes) {
+  /// Sets the planes' colors; false where the chain was broken. `turn` counts the input's slots.
+  /// `image`: of the same planes; nothing for a refused frame, which the next one looks past.
+  bool follow(std::size_t input,
+              int turn,
+              std::optional<render::PlaneImage> image,
+              std::vector<report::ReportPlane>& planes) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return broken_ || next_[input] == turn; });
     if (broken_) return false;
-    std::vector<render::ColoredPlane> now;
-    for (const report::ReportPlane& plane : planes) {
-      const report::PlaneSummary& s = plane.summary;
-      now.push_back({s.label, s.normal, s.offset_m, s.centroid, plane.color_id});
+    if (image) {
+      std::optional<render::ColoredPlanes>& before = before_[input];
+      before = render::color_planes(std::move(*image), before ? &*before : nullptr);
+      for (std::size_t k = 0; k < planes.size(); ++k) {
+        planes[k].color_id = before->colors[k];
+        planes[k].color = css_color(render::plane_color(before->colors[k]));
+      }
     }
-    render::keep_colors(before_[input], now);
-    for (std::size_t k = 0; k < planes.size(); ++k) {
-      planes[k].color_id = now[k].color_id;
-      planes[k].color = css_color(render::plane_color(now[k].color_id));
-    }
-    before_[input] = std::move(now);
     ++next_[input];
     changed_.notify_all();
     return true;
-  }
-  /// A frame without planes of its own passes on what it got.
-  bool pass(std::size_t input, int turn) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return broken_ || next_[input] == turn; });
-    ++next_[input];
-    changed_.notify_all();
-    return !broken_;
   }
   void break_off() {
     const std::lock_guard lock(mutex_);
@@ -96,7 +90,7 @@ class ColorChain {
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::vector<render::ColoredPlane>> before_;
+  std::vector<std::optional<render::ColoredPlanes>> before_;
   std::vector<int> next_;
   bool broken_ = false;
 };
@@ -147,52 +141,55 @@ class FrameWriter {
   FrameWriter(const ReportFramesJob& job, ReportFolder& folder, ColorChain& chain, Painter& painter)
       : job_(job), folder_(folder), chain_(chain), painter_(painter) {}
 
-  /// False where the chain of colours was broken.
+  /// False where the chain of colors was broken.
   bool write(ReportSlot& slot, int turn) {
     const OpenInput& input = job_.inputs[slot.input];
     std::optional<report::ReportFrame> found;
     if (job_.resume && folder_.has(slot.folder)) found = find(input, slot);
-    if (found) {
-      const std::vector<int> colors = colors_of(found->planes);
-      if (!chain_.follow(slot.input, turn, found->planes)) return false;
-      // Not where a frame before it is another one by now, refused in the earlier run perhaps.
-      slot.found = colors_of(found->planes) == colors;
-      if (slot.found) return true;
-    }
     report::ReportFrame frame;
     std::optional<LoadedFrame> loaded;
     const double reference_ms = reference_work();
-    try {
+    const auto unless_refused = [&](const auto& work) {
+      try {
+        work();
+      } catch (const Error& error) {
+        loaded.reset();
+        frame = refused(input, slot.index, error);
+      }
+      frame.reference_ms = reference_ms;
+    };
+    unless_refused([&] {  // finished frames, too: later frames take their colors from them
       loaded = job_.run(input, slot.index, job_.options, job_.classifier);
-      frame = report::make_report_frame(loaded->frame, loaded->result,
-                                        found_in(*loaded, slot.colors_only), job_.options);
-      frame.histograms =
-          report::decision_histograms(loaded->result.segmentation, loaded->strains,
-                                      planes::segment_options(loaded->result, job_.options));
-      if (loaded->truth) frame.metrics = planes::score_frame(loaded->result, *loaded->truth);
-      frame.sha256 = input.recording->frame_hash(slot.index);
-    } catch (const Error& error) {
-      loaded.reset();
-      frame = refused(input, slot.index, error);
-    }
-    frame.reference_ms = reference_ms;
-    bool goes_on = true;
-    if (found)
+      if (found && found->planes.size() != loaded->result.segmentation.planes.size()) found.reset();
+      if (!slot.colors_only && !found) frame = described(input, slot.index, *loaded);
+    });
+    std::optional<render::PlaneImage> image;
+    if (loaded) image = render::plane_image(loaded->result);
+    const std::vector<int> colors = found ? colors_of(found->planes) : std::vector<int>();
+    if (!chain_.follow(slot.input, turn, std::move(image), found ? found->planes : frame.planes))
+      return false;
+    if (found) {
+      // Not where a frame before it is another one by now, refused in the earlier run perhaps.
+      slot.found = colors_of(found->planes) == colors;
+      if (slot.found) return true;
+      if (loaded) unless_refused([&] { frame = described(input, slot.index, *loaded); });
       take_colors(frame.planes, found->planes);
-    else
-      goes_on =
-          loaded ? chain_.follow(slot.input, turn, frame.planes) : chain_.pass(slot.input, turn);
-    if (goes_on && !slot.colors_only) put_down(slot, frame, loaded ? &*loaded : nullptr);
-    return goes_on;
+    }
+    if (!slot.colors_only) put_down(slot, frame, loaded ? &*loaded : nullptr);
+    return true;
   }
 
  private:
-  /// Of what another shard tells, only what colours follow from.
-  report::FramePlanes found_in(const LoadedFrame& loaded, bool colors_only) const {
-    if (!colors_only) return report::frame_planes(loaded.frame, loaded.result, job_.options);
-    report::FramePlanes found;
-    found.summaries = report::summarize_planes(loaded.result, job_.options.cloud.voxel_size_m);
-    return found;
+  report::ReportFrame described(const OpenInput& input, int index, const LoadedFrame& loaded) {
+    report::ReportFrame frame = report::make_report_frame(
+        loaded.frame, loaded.result,
+        report::frame_planes(loaded.frame, loaded.result, job_.options), job_.options);
+    frame.histograms =
+        report::decision_histograms(loaded.result.segmentation, loaded.strains,
+                                    planes::segment_options(loaded.result, job_.options));
+    if (loaded.truth) frame.metrics = planes::score_frame(loaded.result, *loaded.truth);
+    frame.sha256 = input.recording->frame_hash(index);
+    return frame;
   }
 
   std::optional<report::ReportFrame> find(const OpenInput& input, const ReportSlot& slot) {

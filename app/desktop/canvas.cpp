@@ -29,9 +29,9 @@ struct LookKey {
            look.show_foot == other.show_foot && look.show_stairs == other.show_stairs &&
            look.point_size == other.point_size && look.planes == other.planes &&
            look.isolated == other.isolated && look.color_of_plane == other.color_of_plane &&
-           look.map == other.map && look.show_current == other.show_current &&
-           look.node == other.node && look.plane == other.plane && look.voxel == other.voxel &&
-           look.theme == other.theme &&
+           look.color_of_truth == other.color_of_truth && look.map == other.map &&
+           look.show_current == other.show_current && look.node == other.node &&
+           look.plane == other.plane && look.voxel == other.voxel && look.theme == other.theme &&
            std::equal(marked.begin(), marked.end(), other.marked.begin(), other.marked.end());
   }
   void set(const std::shared_ptr<const debug::Run>& new_run, const render::StepLook& new_look) {

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <span>
 
 #include "app/desktop/debugger/plane_text.hpp"
-#include "render/palette.hpp"
 #include "render/step_values.hpp"
 
 namespace planescope::desktop {
@@ -214,6 +212,8 @@ render::StepLook look_of(const State& state) {
   look.theme = view.theme;
   look.isolated = view.isolated;
   look.color_of_plane = colors_of_planes(state, *state.run_view());
+  if (look.color_by == render::ColorBy::truth)
+    look.color_of_truth = colors_of_truth(state, *state.run_view());
   // Among finished planes nothing stands out that was not selected.
   look.show_current = state.run() && view.step < state.run()->steps();
   if (const planes::TraceEvent* event = look.show_current ? state.event() : nullptr) {
@@ -236,6 +236,7 @@ render::StepLook other_look_of(const State& state) {
   look.show_current = !at_end;
   look.planes = state.plane_scene(&beside);
   look.color_of_plane = colors_of_planes(state, beside);
+  if (look.color_by == render::ColorBy::truth) look.color_of_truth = colors_of_truth(state, beside);
   if (look.node >= 0) look.node = same.node(look.node);
   if (look.voxel >= 0) look.voxel = same.voxel(look.voxel);
   if (!same.same_voxels()) look.marked = {};
@@ -245,37 +246,32 @@ render::StepLook other_look_of(const State& state) {
   return look;
 }
 
-std::vector<int> colors_of_planes(const State& state, const RunView& of) {
-  const Results& results = state.results;
-  const debug::Comparison* comparison = comparison_with_a(results);
-  if (!comparison || !results.pinned || &of != results.current.get() || &of == results.pinned.get())
-    return of.track_colors;
-  return colors_like(*results.pinned->run, *of.run, *comparison);
+const FrameColors& shown_colors(const State& state, const RunView& of) {
+  if (&of == state.results.pinned.get()) return state.results.pinned_colors;
+  const std::vector<Thumbnail>& strip = state.results.strip;
+  const int frame = of.run->subject->frame.index;
+  if (frame >= std::ssize(strip)) return of.colors;
+  const FrameColors& there = strip[static_cast<std::size_t>(frame)].colors;
+  const bool same =
+      there.planes && there.key == of.colors.key && there.of_tracks == of.colors.of_tracks;
+  return same ? there : of.colors;
 }
 
-std::vector<int> colors_like(const debug::Run& a,
-                             const debug::Run& b,
-                             const debug::Comparison& comparison) {
-  std::set<int> taken;
-  for (const planes::PlaneRegion& region : a.segmentation.planes)
-    if (const std::int32_t plane = a.timeline.plane_of_number(region.id); plane >= 0)
-      taken.insert(plane % render::kPlaneColors);
-  std::vector<int> of_result(b.segmentation.planes.size() + 1, 0);
-  for (const debug::PlanePair& pair : comparison.planes)
-    if (pair.a > 0 && pair.b > 0)
-      of_result[static_cast<std::size_t>(pair.b)] = a.timeline.plane_of_number(pair.a) + 1;
-  // What A has not, in a colour that is none of A's, as long as there are such.
-  int next = 0;
+std::vector<int> colors_of_planes(const State& state, const RunView& of) {
+  const FrameColors& colors = shown_colors(state, of);
+  return colors.planes ? render::trace_colors(*of.run, colors.planes->own_colors())
+                       : std::vector<int>();
+}
+
+std::vector<int> colors_of_truth(const State& state, const RunView& of) {
+  const FrameColors& found = shown_colors(state, of);
   std::vector<int> colors;
-  for (std::int32_t plane = 0; plane < b.timeline.plane_count(); ++plane) {
-    const auto id = static_cast<std::size_t>(b.timeline.result_of_plane(plane));
-    int color = id > 0 ? of_result[id] : plane + 1;
-    if (color == 0) {
-      while (taken.size() < render::kPlaneColors && taken.contains(next)) ++next;
-      taken.insert(next % render::kPlaneColors);
-      color = next % render::kPlaneColors + 1;
-    }
-    colors.push_back(color);
+  if (!found.planes) return colors;
+  const std::vector<int> of_shown =
+      render::true_plane_colors(of.truth.image, of.truth.found_of, found.planes->own_colors());
+  for (std::size_t k = 0; k < of_shown.size(); ++k) {
+    colors.resize(static_cast<std::size_t>(of.truth.ids[k]), 0);
+    colors.back() = of_shown[k];
   }
   return colors;
 }

@@ -34,14 +34,13 @@ bool same_camera(const render::Camera& a, const render::Camera& b);
 render::StepLook look_of(const State& state);
 /// The same place and selection in the run that is shown beside it (State::other_view()).
 render::StepLook other_look_of(const State& state);
-/// Colour ids of the planes of a run's trace: B's have those of the planes of A that they match.
-/// Empty: each has its own.
+/// Colors in which a run's planes are shown: the strip's once it has reached the frame, the run's
+/// own until then. A pinned run keeps those that it was pinned with.
+const FrameColors& shown_colors(const State& state, const RunView& of);
+/// The same as color ids of the planes of the run's trace.
 std::vector<int> colors_of_planes(const State& state, const RunView& of);
-
-/// The same of any two runs on a frame.
-std::vector<int> colors_like(const debug::Run& a,
-                             const debug::Run& b,
-                             const debug::Comparison& comparison);
+/// Color ids of true planes, by id - 1.
+std::vector<int> colors_of_truth(const State& state, const RunView& of);
 
 /// What both views of the label mode draw. Its spans are the state's.
 render::LabelLook label_look_of(const State& state);

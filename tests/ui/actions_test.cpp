@@ -12,6 +12,7 @@
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "desktop_fixture.hpp"
+#include "render/palette.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -256,6 +257,25 @@ TEST(Flashing, ShowsAAndKeepsTheNode) {
   EXPECT_EQ(state.view.selected.node, node);
   apply(state, {"run.flash", ""});
   EXPECT_EQ(state.run(), view->run.get());
+}
+
+TEST(Pinning, KeepsTheColorsThatAreShownWhenTheStripGoesOnWithOtherOptions) {
+  State state = run_state();
+  auto view = std::make_shared<RunView>(*state.results.current);
+  const auto colored = [&](int shift) {
+    render::ColoredPlanes planes = render::color_planes(render::plane_image(*view->run));
+    for (int& color : planes.colors) color = (color + shift) % render::kPlaneColors + 1;
+    return std::make_shared<const render::ColoredPlanes>(std::move(planes));
+  };
+  view->colors = {colored(0), "options of A"};
+  state.results.current = view;
+  state.results.strip.resize(1);
+  state.results.strip[0].colors = {colored(1), "options of A"};
+  const std::vector<int> shown = colors_of_planes(state, *view);
+  EXPECT_EQ(shown, render::trace_colors(*view->run, colored(1)->own_colors()));
+  apply(state, {"run.pin", ""});
+  state.results.strip[0].colors = {colored(2), "options of B"};
+  EXPECT_EQ(colors_of_planes(state, *state.results.pinned), shown);
 }
 
 TEST(Palette, FindsActionsByTheBeginningsOfTheirWords) {

@@ -5,15 +5,18 @@
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/commands/view.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/window.hpp"
+#include "cli/program.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/recording.hpp"
 #include "core/lab/synthetic/sequence.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
+#include "render/palette.hpp"
 #include "render/step_values.hpp"
 #include "support/apng.hpp"
 
@@ -149,6 +152,40 @@ TEST_F(Pictures, ShowTheMapWhateverIsSelected) {
   const Image8 plain = window.panel("view3d");
   window.after({{"show.map", ""}});
   EXPECT_GT(difference(plain, window.panel("view3d")), 0.005);
+}
+
+TEST_F(Pictures, TheStripHasTheColorsOfTheReport) {
+  const std::filesystem::path dir = scratch_dir(), walk = dir / "walk", out = dir / "report";
+  lab::SequenceOptions options;
+  options.width = 160;
+  options.height = 120;
+  options.frames = 12;
+  options.noise = true;
+  options.color = false;
+  lab::write_sequence(walk, options, 2);
+  const testing_cli::Ran ran =
+      testing_cli::run({"report", walk.string(), "--profile", "refined", "--classifier", "pca",
+                        "--no-pictures", "-o", out.string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  State state = open_state(planes::Profile::refined);
+  state.document.recordings[0] = {walk, io::open_recording(walk, {}), walk / "none"};
+  Window window(std::move(state));
+  const auto& strip = window.offscreen.shell().state().results.strip;
+  const auto report = nlohmann::json::parse(testing_cli::read_text(out / "report.json"));
+  const auto& frames = report.at("recordings").at(0).at("frames");
+  ASSERT_EQ(frames.size(), strip.size());
+  std::set<std::string> distinct;
+  for (std::size_t i = 0; i < strip.size(); ++i) {
+    std::vector<std::string> in_strip, in_report;
+    for (const int color : strip[i].colors.planes->own_colors()) {
+      const render::Rgba rgba = render::plane_color(color);
+      in_strip.push_back(fmt::format("#{:02x}{:02x}{:02x}", rgba.r, rgba.g, rgba.b));
+    }
+    for (const auto& plane : frames[i].at("planes")) in_report.push_back(plane.at("color"));
+    EXPECT_EQ(in_strip, in_report) << "frame " << i;
+    distinct.insert(in_report.begin(), in_report.end());
+  }
+  EXPECT_GT(distinct.size(), 3u);
 }
 
 TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {

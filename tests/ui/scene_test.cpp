@@ -307,6 +307,36 @@ TEST_F(Scene, IsolatedIsForThisSessionAlone) {
   EXPECT_FALSE(state().view.isolated);
 }
 
+// ---- Colors of planes ----
+
+TEST_F(Scene, PlanesThatDoNotLastLookLikeNoneThatLasts) {
+  const debug::Timeline& timeline = state().run()->timeline;
+  const std::vector<int> colors = colors_of_planes(state(), *state().run_view());
+  std::set<int> lasting, others;
+  for (std::int32_t plane = 0; plane < timeline.plane_count(); ++plane)
+    (timeline.result_of_plane(plane) > 0 ? lasting : others)
+        .insert(colors[static_cast<std::size_t>(plane)]);
+  ASSERT_FALSE(others.empty());
+  ASSERT_LT(lasting.size(), static_cast<std::size_t>(render::kPlaneColors));
+  for (const int color : others) EXPECT_FALSE(lasting.contains(color)) << color;
+}
+
+TEST_F(Scene, TruePlanesLookLikeThePlanesThatTheyMatch) {
+  run("color.truth");
+  const render::StepLook look = look_of(state());
+  const std::vector<int> found = state().run_view()->colors.planes->own_colors();
+  int detected = 0;
+  for (const debug::TruthMatch& match : state().run_view()->score->planes) {
+    ASSERT_LE(static_cast<std::size_t>(match.truth), look.color_of_truth.size());
+    if (match.iou < debug::kDetectedIou) continue;
+    ++detected;
+    EXPECT_EQ(look.color_of_truth[static_cast<std::size_t>(match.truth) - 1],
+              found[static_cast<std::size_t>(match.found) - 1])
+        << match.truth;
+  }
+  EXPECT_GT(detected, 2);
+}
+
 // ---- A and B ----
 
 struct Compared : Scene {
@@ -326,22 +356,20 @@ TEST_F(Compared, PlanesThatMatchShareTheirColour) {
     while (of.timeline.result_of_plane(plane) != id) ++plane;
     return plane;
   };
-  std::set<int> of_a;
-  for (const planes::PlaneRegion& region : a.segmentation.planes)
-    of_a.insert(plane_of(a, region.id) % render::kPlaneColors);
-  int matched = 0, gained = 0;
+  const std::vector<int> colors_a = colors_of_planes(state(), *state().results.pinned);
+  int matched = 0;
   for (const debug::PlanePair& pair : state().results.comparison->planes) {
-    if (pair.b == 0) continue;
+    if (pair.a == 0 || pair.b == 0) continue;
+    ++matched;
     const int color = colors[static_cast<std::size_t>(plane_of(b, pair.b))];
-    if (pair.a > 0) {
-      ++matched;
-      EXPECT_EQ(color, plane_of(a, pair.a) + 1);
-    } else if (of_a.size() + static_cast<std::size_t>(++gained) <= render::kPlaneColors) {
-      EXPECT_FALSE(of_a.contains(color - 1)) << "a plane that A has not looks like none of A's";
-    }
+    EXPECT_EQ(color, colors_a[static_cast<std::size_t>(plane_of(a, pair.a))]);
   }
+  const render::ColoredPlanes& of_b = *state().results.current->colors.planes;
+  for (const auto& [one, other] : of_b.image.touching)
+    EXPECT_NE(of_b.colors[static_cast<std::size_t>(one) - 1],
+              of_b.colors[static_cast<std::size_t>(other) - 1])
+        << "also of what A has not";
   EXPECT_GT(matched, 2);
-  EXPECT_TRUE(colors_of_planes(state(), *state().results.pinned).empty());
 }
 
 TEST_F(Compared, ItIsSaidEverywhereWhichOfThemIsShown) {

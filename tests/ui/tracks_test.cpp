@@ -85,7 +85,34 @@ TEST_F(Tracks, KeepTheirColourFromFrameToFrame) {
   // Other options, other planes: the map's colours no longer fit them.
   play(R"({"do": "option.set", "with": "voxel_size_m=0.03"})");
   EXPECT_FALSE(is_fresh(map(), state().document));
-  EXPECT_TRUE(colors_of_planes(state(), *state().run_view()).empty());
+  EXPECT_FALSE(state().run_view()->colors.of_tracks);
+}
+
+TEST_F(Tracks, WithoutAMapPlanesKeepTheirColorsFromFrameToFrameInTheStripAndInTheViews) {
+  shell.perform({"frame.show", "5"});  // before the strip has come by
+  settle(shell, stage, {});
+  const std::vector<Thumbnail> strip = state().results.strip;
+  ASSERT_EQ(std::ranges::count_if(strip, &Thumbnail::ready), std::ssize(strip));
+  double pixels = 0, kept = 0;
+  for (std::size_t i = 1; i < strip.size(); ++i) {
+    if (!strip[i - 1].colors.planes || !strip[i].colors.planes) continue;
+    const render::ColoredPlanes &before = *strip[i - 1].colors.planes,
+                                &now = *strip[i].colors.planes;
+    const std::vector<int> colors = now.own_colors();
+    const render::PlaneMatch match = render::match_planes(before.image, now.image);
+    for (std::size_t n = 0; n < colors.size(); ++n) {
+      const int b = match.before_of[n];
+      if (b == 0) continue;
+      const auto size = static_cast<double>(now.image.planes[n].size);
+      pixels += size;
+      if (before.colors[static_cast<std::size_t>(b) - 1] == colors[n]) kept += size;
+    }
+    shell.perform({"frame.show", std::to_string(i)});
+    settle(shell, stage, {});
+    EXPECT_EQ(colors_of_planes(state(), *state().run_view()),
+              render::trace_colors(*state().run(), colors));
+  }
+  EXPECT_GT(kept, 0.98 * pixels);
 }
 
 TEST_F(Tracks, AGapLeadsToTheDecisionThatLostThePlane) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
+#include "app/desktop/look.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/profile_file.hpp"
 
@@ -27,6 +28,7 @@ void restore(State& state) {
 
 void pin(State& state) {
   unflash(state);
+  state.results.pinned_colors = shown_colors(state, *state.results.current);
   state.results.pinned = state.results.current;
   state.view.against = Against::pinned;
   state.view.tool_tab = "compare";

@@ -108,17 +108,41 @@ std::string options_key(const planes::PipelineOptions& options, bool preparing) 
   return key;
 }
 
-/// Empty where the run's planes are not those that were followed.
+/// By plane id - 1; empty where the run's planes are not those that were followed.
 std::vector<int> track_colors(const Wanted& wanted, const debug::Run& run) {
   const MapView* map = wanted.map.get();
-  if (!map || map->key != wanted.prepare_key + wanted.segment_key || map->picked != wanted.picked)
-    return {};
+  if (!map || map->key != wanted.key() || map->picked != wanted.picked) return {};
   return colors_by_track(*map, run);
 }
 
 std::optional<debug::QuickScore> score_of(const debug::Run& run) {
   if (!run.subject->voxel_truth.known()) return std::nullopt;
   return debug::quick_score(run.segmentation.plane_of, run.subject->voxel_truth);
+}
+
+/// Of true planes that are found as one, the one with the greatest IoU is matched with it.
+TruePlanes true_planes_of(const debug::Run& run, const debug::QuickScore& score) {
+  const debug::VoxelTruth& truth = run.subject->voxel_truth;
+  TruePlanes true_planes;
+  std::vector<std::int32_t> number_of(static_cast<std::size_t>(truth.plane_count) + 1, 0);
+  std::map<int, const debug::TruthMatch*> best;  // by found plane
+  for (const debug::TruthMatch& match : score.planes) {
+    true_planes.ids.push_back(match.truth);
+    number_of[static_cast<std::size_t>(match.truth)] =
+        static_cast<std::int32_t>(true_planes.ids.size());
+    const debug::TruthMatch*& of_found = best[match.found];
+    if (!of_found || of_found->iou < match.iou) of_found = &match;
+  }
+  for (const debug::TruthMatch& match : score.planes)
+    true_planes.found_of.push_back(best[match.found] == &match ? match.found : 0);
+  const planes::PreparedFrame& prepared = run.subject->prepared;
+  std::vector<std::int32_t> of_point;
+  for (const std::uint32_t voxel : prepared.voxels.voxel_of) {
+    const std::int32_t id = voxel == planes::kNoVoxel ? 0 : truth.plane[voxel];
+    of_point.push_back(id > 0 ? number_of[static_cast<std::size_t>(id)] : 0);
+  }
+  true_planes.image = render::plane_image(prepared.cloud, of_point, true_planes.ids.size());
+  return true_planes;
 }
 
 }  // namespace
@@ -194,16 +218,59 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
   return debug::make_subject(std::move(frame), std::move(truth), options, classifier.get());
 }
 
+std::shared_ptr<const render::ColoredPlanes> ColorBook::nearest(const Wanted& wanted) const {
+  constexpr int kOtherOptions = 3;  // frames by which one with other options counts as farther
+  const std::lock_guard lock(mutex_);
+  if (recording_ != wanted.recording) return nullptr;
+  const std::string key = wanted.key();
+  const FrameColors* nearest = nullptr;
+  int least = std::numeric_limits<int>::max();
+  for (const auto& [frame, colors] : of_frame_) {
+    const int far = std::abs(frame - wanted.frame) + (colors.key == key ? 0 : kOtherOptions);
+    if (far < least) nearest = &colors;
+    least = std::min(least, far);
+  }
+  return nearest ? nearest->planes : nullptr;
+}
+
+FrameColors ColorBook::colors(const Wanted& wanted,
+                              const debug::Run& run,
+                              const render::ColoredPlanes* like) const {
+  render::PlaneImage image = render::plane_image(run);
+  std::vector<int> of_tracks = track_colors(wanted, run);
+  FrameColors colors{nullptr, wanted.key(), !of_tracks.empty()};
+  render::ColoredPlanes colored;
+  if (colors.of_tracks) {
+    colored.colors = render::settle_colors(image, std::move(of_tracks));
+    colored.unseen.assign(colored.colors.size(), 0);
+    colored.image = std::move(image);
+  } else {
+    const auto near = like ? nullptr : nearest(wanted);
+    colored = render::color_planes(std::move(image), like ? like : near.get());
+  }
+  colors.planes = std::make_shared<const render::ColoredPlanes>(std::move(colored));
+  return colors;
+}
+
+void ColorBook::keep(const Wanted& wanted, const FrameColors& colors) {
+  const std::lock_guard lock(mutex_);
+  if (recording_ != wanted.recording) of_frame_.clear();
+  recording_ = wanted.recording;
+  of_frame_[wanted.frame] = colors;
+}
+
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const render::Home& home,
-                                        const Wanted& wanted) {
+                                        const Wanted& wanted,
+                                        FrameColors colors) {
   auto view = std::make_shared<RunView>();
   view->histograms = debug::histograms_of(*run);
   view->score = score_of(*run);
+  if (view->score) view->truth = true_planes_of(*run, *view->score);
   view->home = home;
   view->outlines = outlines_of_run(*run);
   view->map = wanted.map;
-  view->track_colors = track_colors(wanted, *run);
+  view->colors = std::move(colors);
   if (wanted.map)
     view->map_lines =
         std::make_shared<const std::vector<render::DrawLines>>(map_lines(*wanted.map, *run));
@@ -215,7 +282,10 @@ render::Home home_of(const debug::Run& run) {
   return render::home_of(run.subject->prepared, run.segmentation);
 }
 
-Thumbnail thumbnail_of(const Wanted& wanted, FrameTools& tools, const debug::Run* a) {
+Thumbnail thumbnail_of(const Wanted& wanted,
+                       FrameTools& tools,
+                       ColorBook& book,
+                       const render::ColoredPlanes* like) {
   Thumbnail thumbnail;
   thumbnail.ready = true;
   try {
@@ -224,8 +294,9 @@ Thumbnail thumbnail_of(const Wanted& wanted, FrameTools& tools, const debug::Run
     look.step = run->steps();
     look.color_by = render::ColorBy::planes;
     look.show_current = false;
-    look.color_of_plane = track_colors(wanted, *run);
-    if (a) look.color_of_plane = colors_like(*a, *run, debug::compare_runs(*a, *run));
+    thumbnail.colors = book.colors(wanted, *run, like);
+    book.keep(wanted, thumbnail.colors);
+    look.color_of_plane = render::trace_colors(*run, thumbnail.colors.planes->own_colors());
     thumbnail.image =
         run->subject->frame.depth.empty()
             ? cloud_thumbnail(*run, look, kThumbnailWidth)

@@ -3,6 +3,7 @@
 // What jobs do to a frame: reading, preparing and running it, for the views and for the strip.
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -42,6 +43,8 @@ struct Wanted {
   std::shared_ptr<const MapView> map = {};  // whose gravity the frame is to have
   std::string prepare_key, segment_key;     // of the options: equal texts, equal results
 
+  std::string key() const { return prepare_key + segment_key; }  // run_key() of the options
+
   bool same_subject(const Wanted& other) const {
     return recording == other.recording && frame == other.frame &&
            labels_version == other.labels_version && prepare_key == other.prepare_key &&
@@ -61,6 +64,26 @@ Wanted wanted_of(const Document& document, int frame);
 std::string run_key(const planes::PipelineOptions& options);
 Wanted with_options(Wanted wanted, const planes::PipelineOptions& options);
 
+/// Colors of the planes of a recording's frames. The strip fills it, outwards from the frame that
+/// it begins with, and each frame takes over the colors of the nearest one in the book. So does a
+/// frame that is opened before the strip reaches it, but what it gets is not kept. Any thread.
+class ColorBook {
+ public:
+  /// `like`: the same frame as it is shown so far, whose colors planes keep; null: the nearest one
+  /// in the book. Where a map follows the planes, their tracks decide.
+  FrameColors colors(const Wanted& wanted,
+                     const debug::Run& run,
+                     const render::ColoredPlanes* like = nullptr) const;
+  void keep(const Wanted& wanted, const FrameColors& colors);
+
+ private:
+  std::shared_ptr<const render::ColoredPlanes> nearest(const Wanted& wanted) const;
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<const io::Recording> recording_;
+  std::map<int, FrameColors> of_frame_;
+};
+
 // All throw what reading and preparing throw.
 /// A frame whose gravity cannot be told is prepared without h and v.
 /// `refused_labels`: takes why label files cannot be ground truth, and the frame goes without;
@@ -70,10 +93,15 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
                                                    std::string* refused_labels = nullptr);
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const render::Home& home,
-                                        const Wanted& wanted);
+                                        const Wanted& wanted,
+                                        FrameColors colors);
 render::Home home_of(const debug::Run& run);
-/// A frame that cannot be run says why. `a`: whose colours matching planes have; null: their own.
-Thumbnail thumbnail_of(const Wanted& wanted, FrameTools& tools, const debug::Run* a = nullptr);
+/// A frame that cannot be run says why. The book keeps the colors of its planes. `like`: as in
+/// ColorBook::colors().
+Thumbnail thumbnail_of(const Wanted& wanted,
+                       FrameTools& tools,
+                       ColorBook& book,
+                       const render::ColoredPlanes* like = nullptr);
 /// The camera's picture alone, or shaded depth: nothing is run for it.
 Thumbnail picture_of(const Wanted& wanted);
 

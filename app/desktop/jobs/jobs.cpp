@@ -18,6 +18,7 @@
 #include "app/desktop/jobs/report_arrival.hpp"
 #include "app/desktop/jobs/spread_jobs.hpp"
 #include "app/desktop/jobs/worker.hpp"
+#include "app/desktop/look.hpp"
 #include "app/desktop/tracks/map_view.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
@@ -57,18 +58,16 @@ struct Jobs::Impl {
   std::mutex mutex;
   std::vector<Delivery> deliveries;
   FrameTools tools;
+  ColorBook colors;
 
   // What was asked for last; touched by the window's thread only.
   std::optional<Wanted> run_wanted;
   std::optional<Wanted> strip_wanted;  // what the strip is filled with; nothing: it is stopped
   std::optional<Wanted> strip_next;    // what it is to be filled with when the options have rested
   std::shared_ptr<const io::Recording> strip_of;
-  bool strip_plain = false;                      // pictures alone, as the label mode needs them
-  std::shared_ptr<const RunView> strip_a;        // whose colours the frame looked at is to have
-  std::shared_ptr<const RunView> strip_a_drawn;  // those that it has ...
-  std::size_t strip_a_frame = 0;                 // ... which is this one
-  std::optional<Wanted> strip_ran_as;            // what the frames were run as ...
-  std::vector<std::uint8_t> strip_ran;           // ... those that were
+  bool strip_plain = false;             // pictures alone, as the label mode needs them
+  std::optional<Wanted> strip_ran_as;   // what the frames were run as ...
+  std::vector<std::uint8_t> strip_ran;  // ... those that were
   std::chrono::steady_clock::time_point strip_due;
   bool strip_waits = false;
   int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
@@ -106,9 +105,15 @@ struct Jobs::Impl {
     wake();
   }
 
-  std::shared_ptr<const RunView> view_of(const Wanted& wanted, std::string& refused_labels);
-  void run_frame(const Wanted& wanted, const std::shared_ptr<const ReportPlace>& place);
-  std::shared_ptr<const RunView> run_a(const Wanted& wanted, std::string& problems);
+  std::shared_ptr<const RunView> view_of(const Wanted& wanted,
+                                         const render::ColoredPlanes* like,
+                                         std::string& refused_labels);
+  void run_frame(const Wanted& wanted,
+                 const render::ColoredPlanes* like,
+                 const std::shared_ptr<const ReportPlace>& place);
+  std::shared_ptr<const RunView> run_a(const Wanted& wanted,
+                                       const render::ColoredPlanes* like,
+                                       std::string& problems);
   void show_run(State& state, const std::shared_ptr<const RunView>& view);
   void stop_strip();
   void stop_analysis();
@@ -122,7 +127,16 @@ struct Jobs::Impl {
   void pursue_sensitivity(State& state);
 };
 
+/// The colors in which the frame shown has its planes: A's where there is one. Null: none yet.
+std::shared_ptr<const render::ColoredPlanes> planes_shown(const State& state) {
+  const Results& results = state.results;
+  const RunView* view = results.pinned ? results.pinned.get() : results.current.get();
+  return view ? shown_colors(state, *view).planes : nullptr;
+}
+
+/// `like`: as in ColorBook::colors().
 std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
+                                                   const render::ColoredPlanes* like,
                                                    std::string& refused_labels) {
   const bool fresh = !subject || !loaded || !loaded->same_subject(wanted);
   if (fresh) {
@@ -132,16 +146,21 @@ std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
   }
   auto run = debug::make_run(subject, wanted.options);
   if (fresh) home = home_of(*run);
-  return view_run(std::move(run), home, wanted);
+  FrameColors of_planes = colors.colors(wanted, *run, like);
+  return view_run(std::move(run), home, wanted, std::move(of_planes));
 }
 
 /// Null where the frame cannot be run with these options, and `problems` says why; B is shown all
 /// the same.
-std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::string& problems) {
+std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted,
+                                                 const render::ColoredPlanes* like,
+                                                 std::string& problems) {
   try {
-    auto view = view_of(wanted, problems);
+    auto view = view_of(wanted, like, problems);
     deliver([wanted, view](State& state) {
-      if (wanted.is_shown(state.document)) state.results.pinned = view;
+      if (!wanted.is_shown(state.document)) return;
+      state.results.pinned = view;
+      state.results.pinned_colors = view->colors;
     });
     return view;
   } catch (const std::exception& error) {
@@ -150,13 +169,17 @@ std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::stri
   }
 }
 
-/// `place`: where the window is to stand then, null to leave that to the view.
-void Jobs::Impl::run_frame(const Wanted& wanted, const std::shared_ptr<const ReportPlace>& place) {
+/// `like`: as in ColorBook::colors(). `place`: where the window is to stand then, null to leave
+/// that to the view.
+void Jobs::Impl::run_frame(const Wanted& wanted,
+                           const render::ColoredPlanes* like,
+                           const std::shared_ptr<const ReportPlace>& place) {
   try {
     std::string problems;
     std::shared_ptr<const RunView> a;
-    if (place && place->options_a) a = run_a(with_options(wanted, *place->options_a), problems);
-    const auto view = view_of(wanted, problems);
+    if (place && place->options_a)
+      a = run_a(with_options(wanted, *place->options_a), like, problems);
+    const auto view = view_of(wanted, a ? a->colors.planes.get() : like, problems);
     std::optional<RunArrival> arrival;
     if (place) arrival = arrival_at(*place, a ? a->run.get() : nullptr, *view->run);
     deliver([this, wanted, view, arrival, problems](State& state) {
@@ -219,8 +242,10 @@ void Jobs::Impl::pursue_run(State& state) {
     state.results.current = nullptr;
   }
   run_wanted = wanted;
-  runs.replace([this, wanted, place = std::exchange(state.view.report_place, nullptr)](
-                   std::stop_token) { run_frame(wanted, place); });
+  runs.replace([this, wanted, like = planes_shown(state),
+                place = std::exchange(state.view.report_place, nullptr)](std::stop_token) {
+    run_frame(wanted, like.get(), place);
+  });
 }
 
 /// Not while a frame is run, or may be run again at once: a slider that is dragged has the machine
@@ -284,17 +309,13 @@ void Jobs::Impl::pursue_strip(State& state) {
   const auto count = static_cast<std::size_t>(wanted.recording->frame_count());
   const bool same_recording = strip_of == wanted.recording && state.results.strip.size() == count;
   const bool plain = state.view.mode == Mode::labels;
-  const std::shared_ptr<const RunView> a =
-      state.results.pinned == state.results.current ? nullptr : state.results.pinned;
-  if (same_recording && strip_next && *strip_next == wanted && strip_plain == plain &&
-      strip_a == a) {
+  if (same_recording && strip_next && *strip_next == wanted && strip_plain == plain) {
     if (strip_wanted && state.view.strip_stopped) strip.cancel();
     if (strip_wanted) return;
   } else {
     stop_strip();
     strip_next = wanted;
     strip_plain = plain;
-    strip_a = a;
     strip_due = std::chrono::steady_clock::now() + kStripDelay;
   }
   strip_waits = same_recording && std::chrono::steady_clock::now() < strip_due;
@@ -308,14 +329,6 @@ void Jobs::Impl::pursue_strip(State& state) {
     strip_ran.assign(count, 0);
   }
   if (!same_recording && plain) strip_ran_as.reset();
-  const auto shown = static_cast<std::size_t>(state.document.frame);
-  const auto draw_again = [&](std::size_t frame) {
-    if (frame < strip_ran.size()) strip_ran[frame] = 0;
-  };
-  if (strip_a_drawn != a && strip_a_drawn) draw_again(strip_a_frame);
-  if (strip_a_drawn != a && a) draw_again(shown);
-  strip_a_drawn = a;
-  strip_a_frame = shown;
   std::vector<std::uint8_t> has = strip_ran;  // what need not be made
   if (plain) {
     has.clear();
@@ -323,16 +336,19 @@ void Jobs::Impl::pursue_strip(State& state) {
   }
   state.results.strip_done = static_cast<int>(std::ranges::count_if(has, std::identity()));
   const int first = state.document.frame, number = ++strip_number;
-  strip.replace([this, wanted, first, count, number, plain, a,
+  strip.replace([this, wanted, first, count, number, plain, like = planes_shown(state),
                  has = std::move(has)](std::stop_token stop) mutable {
-    for (std::size_t i = 0; i < count; ++i) {  // from the frame looked at on
-      const std::size_t index = (static_cast<std::size_t>(first) + i) % count;
+    // From the frame shown to the last, then backwards to the first: the neighbor of each has its
+    // colors by then.
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t before = static_cast<std::size_t>(first), after = count - before;
+      const std::size_t index = i < after ? before + i : count - 1 - i;
       if (has[index]) continue;
       wanted.frame = static_cast<int>(index);
       if (stop.stop_requested()) return;
-      Thumbnail thumbnail = plain
-                                ? picture_of(wanted)
-                                : thumbnail_of(wanted, tools, a && i == 0 ? a->run.get() : nullptr);
+      Thumbnail thumbnail =
+          plain ? picture_of(wanted)
+                : thumbnail_of(wanted, tools, colors, i == 0 ? like.get() : nullptr);
       if (stop.stop_requested()) return;
       deliver([this, thumbnail = std::move(thumbnail), index, number, plain](State& s) {
         if (number != strip_number || index >= s.results.strip.size()) return;

@@ -29,6 +29,7 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_planes.hpp"
 #include "render/framing.hpp"
+#include "render/plane_colors.hpp"
 #include "render/step_scene.hpp"
 
 namespace planescope::desktop {
@@ -99,6 +100,20 @@ bool forget_recent(Document& document, const std::filesystem::path& recording);
 
 // ---- Results -----------------------------------------------------------------------------------
 
+/// Colors of a frame's planes; those of its neighbors follow from them.
+struct FrameColors {
+  std::shared_ptr<const render::ColoredPlanes> planes;  // null: the frame was not run
+  std::string key;                                      // run_key() of the options
+  bool of_tracks = false;                               // a map's tracks decided
+};
+
+/// True planes that a frame shows, numbered from 1 on.
+struct TruePlanes {
+  render::PlaneImage image;
+  std::vector<int> ids;       // in the ground truth, ascending
+  std::vector<int> found_of;  // the found plane that each was matched with, 0 none
+};
+
 /// A frame as the strip shows it.
 struct Thumbnail {
   bool ready = false;
@@ -106,6 +121,7 @@ struct Thumbnail {
   int planes = 0;  // -1: none were looked for, a picture is all that labeling needs
   std::optional<debug::QuickScore> score;  // where it has ground truth
   std::string refusal;                     // why there is none
+  FrameColors colors;                      // of its planes
 };
 
 /// A run with what panels show of it.
@@ -117,7 +133,8 @@ struct RunView {
   std::shared_ptr<const render::PlaneScene> outlines = {};  // of its planes; null: there are none
   std::shared_ptr<const MapView> map = {};  // whose gravity the frame has; null: its own
   std::shared_ptr<const std::vector<render::DrawLines>> map_lines = {};  // its planes in the scene
-  std::vector<int> track_colors = {};  // colour ids of the trace's planes; empty: not the map's
+  FrameColors colors = {};
+  TruePlanes truth = {};  // empty: no ground truth
 };
 
 /// What is found out about a run's planes a little later, and by options that leave the run as it
@@ -152,7 +169,8 @@ struct MapResults {
 
 struct Results {
   std::shared_ptr<const RunView> current;  // B, what the options give; null before the first
-  std::shared_ptr<const RunView> pinned;   // A
+  std::shared_ptr<const RunView> pinned;   // A ...
+  FrameColors pinned_colors;               // ... and the colors that it was shown in
   std::vector<std::shared_ptr<const RunPlanes>> planes;  // of these two, as far as they are known
   std::shared_ptr<const debug::Comparison> comparison;   // A with B, or truth with B
   std::shared_ptr<const RunView> compared_a;             // what it compares: `current` may be newer

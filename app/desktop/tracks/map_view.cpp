@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/commands/map_picture.hpp"
 #include "app/desktop/jobs/frame_work.hpp"
 #include "core/debug/explain/region_decision.hpp"
 #include "core/world/tracks/sight.hpp"
@@ -77,6 +78,7 @@ void complete(MapView& view) {
     if (held) outline = world::outline_of(track);
     view.area_m2.push_back(outline.area_m2);
   }
+  view.colors = app::colors_of_tracks(view.tracker());
 }
 
 bool is_fresh(const MapView& view, const Document& document) {
@@ -119,10 +121,10 @@ std::vector<int> colors_by_track(const MapView& view, const debug::Run& run) {
   const world::FrameOfTracks* told = view.told(run.subject->frame.index);
   if (!told || told->listed != std::ssize(run.segmentation.planes)) return {};
   std::vector<int> colors;
-  for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
-    const std::int32_t id = run.timeline.result_of_plane(plane);
-    const int track = id > 0 ? told->track_of[static_cast<std::size_t>(id) - 1] : 0;
-    colors.push_back(track > 0 ? world::final_track(view.tracker().tracks(), track) : plane + 1);
+  for (std::size_t k = 0; k < run.segmentation.planes.size(); ++k) {
+    const int track = told->track_of[k];
+    const int now = track > 0 ? world::final_track(view.tracker().tracks(), track) : 0;
+    colors.push_back(now > 0 ? view.colors[static_cast<std::size_t>(now) - 1] : 0);
   }
   return colors;
 }
@@ -148,7 +150,8 @@ std::vector<render::DrawLines> map_lines(const MapView& view, const debug::Run& 
     const planes::Outline outline = planes::moved(in_map, T_scene_map);
     render::DrawLines lines;
     lines.positions = render::plane_shapes(std::span(&outline, 1), Vec3d::Zero()).front().rings;
-    lines.colors.assign(lines.positions.size() / 2, render::plane_color(track.id));
+    lines.colors.assign(lines.positions.size() / 2,
+                        render::plane_color(view.colors[static_cast<std::size_t>(track.id) - 1]));
     lines.width_px = 2;
     lines.lifted = true;
     all.push_back(std::move(lines));

@@ -22,6 +22,7 @@ struct MapView {
   // By track id - 1; of those that the map does not hold, empty and 0:
   std::vector<planes::Outline> outlines;
   std::vector<double> area_m2;
+  std::vector<int> colors;  // color ids, of all tracks
 
   const world::Tracker& tracker() const { return map.tracker; }
   /// Null: there is none, or it was merged into another one.
@@ -30,7 +31,7 @@ struct MapView {
   const world::FrameOfTracks* told(int frame) const;  // null: not part of the map
   std::pair<int, int> frames() const;                 // first and last
 };
-/// Outlines and areas of a map that was made.
+/// Outlines, areas and colors of a map that was made.
 void complete(MapView& view);
 
 /// Frame and planes are those that the map was made with.
@@ -44,8 +45,8 @@ std::string track_text(const State& state);
 int frame_seen(const MapView& view, const world::Track& track, int from, int direction);
 int frame_missed(const MapView& view, const world::Track& track, int from, int direction);
 
-/// Colour ids of a run's planes, by the trace's planes: those of their tracks. Empty where the
-/// run's planes are not the map's.
+/// Color ids of a run's planes by plane id - 1: those of their tracks, 0 of planes that have none.
+/// Empty where the run's planes are not the map's.
 std::vector<int> colors_by_track(const MapView& view, const debug::Run& run);
 /// From the scene of a run to the map's world; nothing where its frame has no pose.
 std::optional<Pose> T_map_scene(const MapView& view, const debug::Run& run);

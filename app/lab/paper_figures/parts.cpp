@@ -10,7 +10,7 @@
 #include "core/io/image/webp.hpp"
 #include "core/model/error.hpp"
 #include "core/report/page/pictures.hpp"
-#include "render/palette.hpp"
+#include "render/scene_parts.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::app::figures {
@@ -83,11 +83,7 @@ render::DrawList bare_planes(std::span<const Vec3f> points,
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::int32_t id = plane_of[i];
     splats.positions.push_back(points[i]);
-    splats.colors.push_back(
-        id <= 0
-            ? kInNone
-            : render::plane_color(
-                  color_of_plane.empty() ? id : color_of_plane[static_cast<std::size_t>(id) - 1]));
+    splats.colors.push_back(id <= 0 ? kInNone : render::color_of(id, color_of_plane));
   }
   render::DrawList list;
   list.points.push_back(std::move(splats));

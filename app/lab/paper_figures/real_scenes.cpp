@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "app/commands/inputs.hpp"
 #include "app/lab/paper_figures/parts.hpp"
 #include "render/paint.hpp"
-#include "render/palette.hpp"
+#include "render/plane_colors.hpp"
 #include "render/region_image.hpp"
 #include "render/scenes.hpp"
 
@@ -88,30 +90,24 @@ Image8 found_view(const LoadedFrame& loaded,
                               kCloudWidth, kCloudHeight, render::Theme::light);
 }
 
-/// Colours that follow those of the first method, so that the same plane looks the same.
+/// Colors that follow those of the first method, so that the same plane looks the same.
 std::vector<int> colors_after(const planes::FrameResult& result,
-                              std::vector<render::ColoredPlane>& first) {
-  std::vector<render::ColoredPlane> now;
-  for (const planes::PlaneRegion& plane : result.segmentation.planes)
-    now.push_back({plane.label, plane.fit.normal,
-                   plane.fit.normal.dot(plane.fit.centroid + result.cloud.origin),
-                   plane.fit.centroid + result.cloud.origin, 0});
-  render::keep_colors(first, now);
-  if (first.empty()) first = now;
-  std::vector<int> colors;
-  for (const render::ColoredPlane& plane : now) colors.push_back(plane.color_id);
-  return colors;
+                              std::optional<render::ColoredPlanes>& first) {
+  const render::ColoredPlanes now =
+      render::color_planes(render::plane_image(result), first ? &*first : nullptr);
+  if (!first) first = now;
+  return now.own_colors();
 }
 
 void add_scene(lab::PaperFigure& figure, const Work& work, const RealScene& scene) {
   const std::vector<OpenInput> inputs = open_inputs(scene.recording->input);
-  std::vector<render::ColoredPlane> first;
+  std::optional<render::ColoredPlanes> first;
   render::Camera camera;
   for (const Contestant& contestant : contestants()) {
     work.begin(fmt::format("{}, {}", scene.name, contestant.name));
     const LoadedFrame loaded = run_input_frame(
         inputs[0], scene.frame, scene_options(scene, contestant, work), work.network.get(), false);
-    if (first.empty()) {
+    if (!first) {
       camera = render::frame_camera(loaded.result, static_cast<double>(kCloudWidth) / kCloudHeight);
       add_picture(figure, scene.name, "scene",
                   fmt::format("{}, frame {}; {} points", scene.recording->name, scene.frame,

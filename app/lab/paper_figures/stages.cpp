@@ -4,6 +4,7 @@
 
 #include "app/lab/paper_figures/parts.hpp"
 #include "core/lab/synthetic/sample.hpp"
+#include "render/plane_colors.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::app::figures {
@@ -46,7 +47,8 @@ lab::PaperFigure stages(const Work& work) {
                    100 * options.cloud.voxel_size_m));
   draw(render::scene_cases(result), "octree",
        fmt::format("{} nodes visited, {} candidates", counts.nodes_visited, counts.candidates));
-  draw(render::scene_planes(frame, result, {}), "planes", planes_text(result));
+  draw(render::scene_planes(frame, result, render::first_colors(result)), "planes",
+       planes_text(result));
   return figure;
 }
 

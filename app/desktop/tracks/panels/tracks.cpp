@@ -41,7 +41,7 @@ ImU32 track_color(const Ui& ui, const MapView& view, const Track& track) {
     case TrackColor::track:
       break;
   }
-  return to_imgui(render::plane_color(track.id));
+  return to_imgui(render::plane_color(view.colors[i]));
 }
 
 /// What a miss looks like: a lost plane, one that is not taken for it, or one that is not there.
