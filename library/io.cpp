@@ -81,14 +81,19 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
     job.tracks.window_m = options.window_m;
     job.threads = by.options.threads;
     if (!options.poses.empty()) job.trajectory = world::read_trajectory(options.poses);
+    std::map<int, std::string> planes_png;
+    job.on_planes = [&](int frame, std::span<const unsigned char> png) {
+      planes_png[frame].assign(png.begin(), png.end());
+    };
     const world::WorldMap made = world::map_recording(job);
     const std::string name = from.info().path.filename().string();
     const world::MapTexts texts = world::map_texts(made, name);
-    Map map{texts.map_json, texts.tracks_json, texts.poses_tum, {}, {}, made.told};
+    Map map{texts.map_json, texts.tracks_json, texts.poses_tum, {}, {}, made.told, {}};
     for (const world::CameraPose& pose : made.poses.poses) {
       map.pose_frames.push_back(pose.frame);
       map.T_world_camera.push_back(detail::transform(pose.T_world_camera));
     }
+    map.planes_png = std::move(planes_png);
     return map;
   });
 }

@@ -447,8 +447,11 @@ PYBIND11_MODULE(_core, m) {
             {static_cast<py::ssize_t>(made.T_world_camera.size()), py::ssize_t{4}, py::ssize_t{4}});
         for (std::size_t i = 0; i < made.T_world_camera.size(); ++i)
           std::copy_n(made.T_world_camera[i].data(), 16, poses_of.mutable_data() + 16 * i);
+        py::dict planes;
+        for (const auto& [frame, png] : made.planes_png) planes[py::int_(frame)] = py::bytes(png);
         return py::make_tuple(py::bytes(made.map_json), py::bytes(made.tracks_json),
-                              py::bytes(made.poses_tum), made.pose_frames, poses_of, made.told);
+                              py::bytes(made.poses_tum), made.pose_frames, poses_of, made.told,
+                              planes);
       },
       py::arg("recording"), py::arg("segmenter"), py::arg("poses"), py::arg("window_m"),
       py::arg("frames"));

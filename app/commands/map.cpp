@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <mutex>
+#include <span>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
@@ -43,30 +44,10 @@ fs::path file_of_segment(const fs::path& dir,
   return dir / (segment == 0 ? name + type : fmt::format("{}_{}{}", name, segment, type));
 }
 
-/// Removes 000000.png and so on.
-void remove_numbered(const fs::path& dir) {
-  std::error_code absent;
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(dir, absent))
-    if (const std::string stem = entry.path().stem().string();
-        entry.path().extension() == ".png" && stem.size() >= 6 &&
-        stem.find_first_not_of("0123456789") == std::string::npos)
-      files.push_back(entry.path());
-  for (const fs::path& file : files) fs::remove(file, absent);
-}
-
-/// DIR/map.json, tracks.json, poses.tum, planes/000000.png and so on, each whole or not at all.
-/// Those of frames of an earlier map are removed.
+/// DIR/map.json, tracks.json, poses.tum, each whole or not at all.
 void write_map(const fs::path& dir, const world::WorldMap& map, const std::string& recording) {
   make_output_dir(dir);
   const world::MapTexts texts = world::map_texts(map, recording);
-  remove_numbered(dir / "planes");
-  for (std::size_t i = 0; i < map.stored.size(); ++i)
-    if (!map.stored[i].png.empty()) {
-      const fs::path file = world::planes_file(dir, map.tracker.frames()[i].frame);
-      make_output_dir(file.parent_path());
-      write_file_bytes(file, map.stored[i].png);
-    }
   write_file_text(dir / "poses.tum", texts.poses_tum);
   write_file_text(dir / "tracks.json", texts.tracks_json);
   write_file_text(dir / "map.json", texts.map_json);
@@ -77,6 +58,49 @@ void write_map(const fs::path& dir, const world::WorldMap& map, const std::strin
   }
   if (map.pace) write_file_text(dir / "pace.json", world::pace_json(*map.pace));
 }
+
+/// DIR/planes/000000.png and so on, written as frames are done, and there once all are; those of an
+/// earlier map are removed then.
+class PlanesFolder {
+ public:
+  explicit PlanesFolder(const fs::path& out)
+      : dir_(world::planes_file(out, 0).parent_path()), unfinished_(dir_) {
+    unfinished_ += ".unfinished";
+  }
+  ~PlanesFolder() {
+    std::error_code absent;
+    for (const fs::path& name : names_) fs::remove(unfinished_ / name, absent);
+    fs::remove(unfinished_, absent);
+  }
+  PlanesFolder(const PlanesFolder&) = delete;
+  PlanesFolder& operator=(const PlanesFolder&) = delete;
+
+  void operator()(int frame, std::span<const unsigned char> png) {
+    if (names_.empty()) make_output_dir(unfinished_);
+    names_.push_back(world::planes_file({}, frame).filename());
+    write_file_bytes(unfinished_ / names_.back(), png);
+  }
+  void finish() {
+    std::error_code absent, failed;
+    std::vector<fs::path> before;
+    for (const fs::directory_entry& entry : fs::directory_iterator(dir_, absent))
+      if (const std::string stem = entry.path().stem().string();
+          entry.path().extension() == ".png" && stem.size() >= 6 &&
+          stem.find_first_not_of("0123456789") == std::string::npos)
+        before.push_back(entry.path());
+    for (const fs::path& file : before) fs::remove(file, absent);
+    if (names_.empty()) return;
+    make_output_dir(dir_);
+    for (const fs::path& name : names_) {
+      fs::rename(unfinished_ / name, dir_ / name, failed);
+      if (failed) throw Error((dir_ / name).string() + ": cannot be written: " + failed.message());
+    }
+  }
+
+ private:
+  fs::path dir_, unfinished_;
+  std::vector<fs::path> names_;
+};
 
 /// DIR/left.jsonl, written as pieces leave, and there once all is done; none where nothing did.
 class LeftFile {
@@ -228,8 +252,11 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   expect_meshes(args, job.recording->info());
   LeftFile left(args.out / "left.jsonl");
   job.on_left = [&](const world::LeftPiece& piece) { left(piece); };
+  PlanesFolder planes_folder(args.out);
+  job.on_planes = [&](int frame, std::span<const unsigned char> png) { planes_folder(frame, png); };
   job.progress = StageBar("map");
   const world::WorldMap map = world::map_recording(job);
+  planes_folder.finish();
   write_map(args.out, map, input.path.filename().string());
   write_meshes(args, job, map);
   left.finish();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <iterator>
 #include <thread>
 
@@ -256,7 +257,7 @@ ObservedFrame observe_frame(const MapJob& job,
   const planes::PipelineOptions options = turn_to_map(frame, pipeline, pose, upright);
   if (!job.observed || !known.empty()) {
     const std::vector<planes::KnownPlane> expected =
-        expected_planes(known, frame, pose.T_world_camera, job.tracks);
+        expected_planes(known, frame, pose.T_world_camera, job.tracks, options.threads);
     return observe(frame,
                    planes::run_frame(frame, options, job.classifier, nullptr, nullptr, expected),
                    options, pose.T_world_camera, pose.segment);
@@ -292,7 +293,7 @@ namespace {
 /// The frames of a job, taken in one after the other.
 struct Pass {
   Tracker tracker;
-  std::vector<StoredPlanes> stored;
+  std::map<int, StoredPlanes> stored;
   std::vector<std::string> refused;  // frames that could not be read or worked on, a line each
   int without_pose = 0;
   std::optional<Pace> pace;
@@ -303,12 +304,6 @@ std::vector<const Track*> sure_tracks(const Tracker& tracker, int segment) {
   for (const Track& track : tracker.tracks())
     if (track.segment == segment && track.is_sure(tracker.options())) sure.push_back(&track);
   return sure;
-}
-
-StoredPlanes stored_planes(const ObservedFrame& frame) {
-  StoredPlanes stored{io::encode_png(frame.plane_of), {}};
-  for (const ObservedPlane& plane : frame.planes) stored.margins.push_back(plane.margin);
-  return stored;
 }
 
 /// What is offered to each frame: nothing, the tracks before it, or all of an earlier pass.
@@ -322,11 +317,13 @@ Pass pass_through(const MapJob& job,
                   bool is_last) {
   Pass pass{Tracker(job.tracks, earlier ? earlier->tracks().size() : 0), {}, {}, 0, {}};
   if (is_last) pass.tracker.on_left(job.on_left);
-  if (is_last && offer != Offer::nothing) pass.stored.resize(job.frames.size());
+  const bool stores = is_last && offer != Offer::nothing;
   const auto count = static_cast<int>(job.frames.size());
   const Threads threads = threads_of(job, offer == Offer::so_far ? 1 : job.threads);
   const std::vector<const CameraPose*> pose_of = poses_by_frame(job, upright);
   std::vector<std::unique_ptr<ObservedFrame>> observed(count);
+  std::vector<std::future<std::vector<unsigned char>>> pngs(count);
+  std::vector<StoredPlanes> stored(count);
   std::vector<std::string> refused(count);
   const auto make = [&](int i) {
     if (job.stop.stop_requested()) return;
@@ -341,7 +338,11 @@ Pass pass_through(const MapJob& job,
       if (offer == Offer::all) known = sure_tracks(*earlier, earlier->frames()[i].segment);
       observed[i] = std::make_unique<ObservedFrame>(
           observe_frame(job, threads.pipeline, upright, *pose_of[i], known));
-      if (!pass.stored.empty()) pass.stored[i] = stored_planes(*observed[i]);
+      if (!stores) return;
+      for (const ObservedPlane& plane : observed[i]->planes)
+        stored[i].margins.push_back(plane.margin);
+      pngs[i] = std::async(std::launch::async,
+                           [&image = observed[i]->plane_of] { return io::encode_png(image); });
     } catch (const PartError&) {
       throw;
     } catch (const Error& error) {
@@ -353,6 +354,12 @@ Pass pass_through(const MapJob& job,
     if (observed[i]) {
       const FrameOfTracks& told = pass.tracker.add(*observed[i]);
       if (job.on_frame && is_last) job.on_frame(*observed[i], told);
+      if (stores) {
+        const std::vector<unsigned char> png = pngs[i].get();
+        stored[i].sha256 = sha256_hex(std::as_bytes(std::span(png)));
+        if (job.on_planes) job.on_planes(job.frames[i], png);
+        pass.stored[job.frames[i]] = std::move(stored[i]);
+      }
       observed[i].reset();
     } else {
       pass.tracker.skip(job.frames[i], pose_of[i] ? pose_of[i]->timestamp_s : 0);

@@ -3,8 +3,10 @@
 // A recording becomes a map: poses, one direction of gravity, tracks.
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -36,6 +38,9 @@ struct MapJob {
   std::function<void(const char* what, int done, int all)> progress = {};
   /// After each frame, in their order.
   std::function<void(const ObservedFrame&, const FrameOfTracks&)> on_frame = {};
+  /// The planes of each frame, in their order, as a PNG of 16 bits: per pixel the plane's id, 0
+  /// none. Not where each frame finds its planes by itself: it finds the same ones again.
+  std::function<void(int frame, std::span<const unsigned char> png)> on_planes = {};
   /// What leaves the window (TrackOptions::window_m).
   std::function<void(const LeftPiece&)> on_left = {};
   /// Each frame finds its planes by itself. Else the planes of the other frames are offered to it:
@@ -59,15 +64,14 @@ struct Pace {
 
 /// The planes of a frame, as the map has them.
 struct StoredPlanes {
-  std::vector<unsigned char> png;  // 16 bit: per pixel the plane's id, 0 none; empty: no planes
-                                   // are stored, segmentation finds them again
-  std::vector<double> margins;     // by id - 1
+  std::string sha256;           // of the PNG that MapJob::on_planes took
+  std::vector<double> margins;  // by id - 1
 };
 
 struct WorldMap : UprightPoses {  // with the poses at which the map has the frames
   std::string pipeline_key;
   Tracker tracker;
-  std::vector<StoredPlanes> stored;  // by frame, as Tracker::frames(); empty: see MapJob::alone
+  std::map<int, StoredPlanes> stored;  // by frame
   Stability stability;
   int refused = 0;           // frames that could not be read or worked on, told each
   std::optional<Pace> pace;  // where it was made at the recording's own rate

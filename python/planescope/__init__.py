@@ -576,13 +576,21 @@ class MapPlane:
 class Map:
     """Planes of the world, where the camera was, and which plane of which frame is which."""
 
-    def __init__(self, core: tuple[bytes, bytes, bytes, list[int], NDArray[np.float64], list[str]]):
-        map_json, tracks_json, poses_tum, frames, T, told = core
+    def __init__(
+        self,
+        core: tuple[
+            bytes, bytes, bytes, list[int], NDArray[np.float64], list[str], dict[int, bytes]
+        ],
+    ):
+        map_json, tracks_json, poses_tum, frames, T, told, planes_png = core
         self.json = map_json.decode()  # what `planescope map` writes as map.json,
         self.tracks_json = tracks_json.decode()  # tracks.json
         self.poses_tum = poses_tum.decode()  # and poses.tum, byte by byte
         self.T_world_camera = dict(zip(frames, T))  # (4, 4), of each frame whose pose is known
         self.told = told  # what was odd, one line each
+        # By frame, planes/000000.png: 16 bit, per pixel the id of the plane in `track_of_plane`.
+        # Empty for methods that do not find planes on pixels.
+        self.planes_png = planes_png
 
     @functools.cached_property
     def planes(self) -> list[MapPlane]:

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <span>
 
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
@@ -142,7 +141,6 @@ namespace {
 
 std::string tracks_json(const WorldMap& map, const std::string& recording) {
   const Tracker& tracker = map.tracker;
-  std::size_t at = 0;
   Json json;
   json["schema"] = "planescope.tracks/3";
   json["recording"] = recording;
@@ -158,13 +156,12 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
     told["track_of_plane"] = std::vector(ids.begin(), ids.begin() + frame.listed);
     if (frame.listed < std::ssize(ids))
       told["track_of_minor"] = std::vector(ids.begin() + frame.listed, ids.end());
-    if (at < map.stored.size() && !map.stored[at].png.empty()) {
-      told["planes_sha256"] = sha256_hex(std::as_bytes(std::span(map.stored[at].png)));
+    if (const auto stored = map.stored.find(frame.frame); stored != map.stored.end()) {
+      told["planes_sha256"] = stored->second.sha256;
       told["margins"] = Json::array();
-      for (const double margin : map.stored[at].margins)
+      for (const double margin : stored->second.margins)
         told["margins"].push_back(std::isfinite(margin) ? Json(margin) : Json());
     }
-    ++at;
     json["frames"].push_back(std::move(told));
   }
   json["tracks"] = Json::array();

@@ -3,17 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
+#include <utility>
 
+#include "core/model/parallel.hpp"
 #include "core/planes/cloud/camera.hpp"
 
 namespace planescope::world {
 namespace {
 
 constexpr double kNearest_m = 0.05;
+constexpr double kMargin_px = 2;  // as far as lenses bend an edge of a tile
 
-struct PixelBox {
-  int left, top, right, bottom;  // inclusive
+/// Where a tile is in the image: from x to x of each row that it reaches.
+struct Rows {
+  int top = 0, bottom = -1;            // inclusive
+  std::vector<std::pair<int, int>> x;  // by row - top, inclusive
 };
 
 /// Finds the pixels that show a track's cells.
@@ -25,7 +29,7 @@ class Footprint {
         T_camera_world_(T_world_camera.inverse()),
         rays_(planes::ray_table(frame.intrinsics)) {}
 
-  planes::KnownPlane of(const Track& track) const {
+  planes::KnownPlane of(const Track& track) {
     planes::KnownPlane known;
     known.id = track.id;
     const Mat3d R_camera_world = T_camera_world_.linear();
@@ -38,11 +42,11 @@ class Footprint {
     const Vec2d origin = track.on_grid(camera);
     std::vector<double> scratch;
     for (const CellMap::Tile& tile : track.cells.tiles()) {
-      const std::optional<PixelBox> box = box_of(track, tile);
-      if (!box) continue;
-      for (int y = box->top; y <= box->bottom; ++y) {
+      find_rows(corners_of(track, tile));
+      for (int y = rows_.top; y <= rows_.bottom; ++y) {
         const planes::RayRow row = rays_->row(y, scratch);
-        for (int x = box->left; x <= box->right; ++x) {
+        const auto [left, right] = rows_.x[y - rows_.top];
+        for (int x = left; x <= right; ++x) {
           const std::uint32_t pixel = static_cast<std::uint32_t>(y * frame_.depth.width + x);
           if (frame_.depth.data[pixel] == planes::kNoDepth) continue;
           const Vec3d ray(row.x[x], row.y[x], 1);
@@ -67,38 +71,62 @@ class Footprint {
   }
 
  private:
-  /// Where the tile is in the image; none: outside.
-  std::optional<PixelBox> box_of(const Track& track, const CellMap::Tile& tile) const {
-    const Intrinsics& k = frame_.intrinsics;
+  /// The polygon that is seen of a tile [px]; empty: it is behind the camera.
+  std::vector<Vec2d> corners_of(const Track& track, const CellMap::Tile& tile) const {
     const double side = CellMap::kSide * track.cells.cell_m();
-    double left = k.width, top = k.height, right = -1, bottom = -1;
-    int behind = 0;
-    for (const Vec2d& corner : {Vec2d(0, 0), Vec2d(1, 0), Vec2d(0, 1), Vec2d(1, 1)}) {
-      const Vec3d p = T_camera_world_ * track.on_plane(side * (Vec2d(tile.x, tile.y) + corner));
-      if (!(p.z() > kNearest_m)) {
-        ++behind;
-        continue;
-      }
-      const Vec2d at = planes::ray_to_pixel(k, p.head<2>() / p.z());
-      left = std::min(left, at.x()), right = std::max(right, at.x());
-      top = std::min(top, at.y()), bottom = std::max(bottom, at.y());
+    Vec3d square[4];
+    int n = 0;
+    for (const Vec2d& corner : {Vec2d(0, 0), Vec2d(1, 0), Vec2d(1, 1), Vec2d(0, 1)})
+      square[n++] = T_camera_world_ * track.on_plane(side * (Vec2d(tile.x, tile.y) + corner));
+    std::vector<Vec2d> corners;
+    for (int c = 0; c < 4; ++c) {
+      const Vec3d &a = square[c], &b = square[(c + 1) % 4];
+      const double from = a.z() - kNearest_m, to = b.z() - kNearest_m;
+      const auto add = [&](const Vec3d& p) {
+        corners.push_back(planes::ray_to_pixel(frame_.intrinsics, p.head<2>() / p.z()));
+      };
+      if (from >= 0) add(a);
+      if ((from >= 0) != (to >= 0)) add(a + from / (from - to) * (b - a));
     }
-    if (behind == 4) return std::nullopt;
-    if (behind > 0) left = top = 0, right = k.width, bottom = k.height;
-    const auto clamped = [](double value, int most) {
-      return static_cast<int>(std::clamp(value, -1.0, static_cast<double>(most)));
-    };
-    const PixelBox box{std::max(0, clamped(std::floor(left), k.width)),
-                       std::max(0, clamped(std::floor(top), k.height)),
-                       std::min(k.width - 1, clamped(std::ceil(right), k.width)),
-                       std::min(k.height - 1, clamped(std::ceil(bottom), k.height))};
-    if (box.left > box.right || box.top > box.bottom) return std::nullopt;
-    return box;
+    return corners;
+  }
+
+  /// Sets rows_: all pixels of a polygon, and few beyond.
+  void find_rows(const std::vector<Vec2d>& corners) {
+    rows_ = {};
+    if (corners.empty()) return;
+    const double width = frame_.intrinsics.width, height = frame_.intrinsics.height;
+    double low = corners[0].y(), high = low;
+    for (const Vec2d& c : corners) low = std::min(low, c.y()), high = std::max(high, c.y());
+    rows_.top = static_cast<int>(std::clamp(std::floor(low - kMargin_px), 0.0, height));
+    rows_.bottom = static_cast<int>(std::clamp(std::ceil(high + kMargin_px), -1.0, height - 1));
+    for (int y = rows_.top; y <= rows_.bottom; ++y) {
+      // What is in the row of the edges, or that near to it.
+      const double above = y - kMargin_px, below = y + kMargin_px;
+      double left = width, right = -1;
+      for (std::size_t c = 0; c < corners.size(); ++c) {
+        const Vec2d &a = corners[c], &b = corners[(c + 1) % corners.size()];
+        if (std::max(a.y(), b.y()) < above || std::min(a.y(), b.y()) > below) continue;
+        const auto x_at = [&](double at) {
+          const double length = b.y() - a.y();
+          const double t = length == 0 ? 0 : std::clamp((at - a.y()) / length, 0.0, 1.0);
+          return a.x() + t * (b.x() - a.x());
+        };
+        for (const double x : {x_at(above), x_at(below)})
+          left = std::min(left, x), right = std::max(right, x);
+        if (std::abs(b.y() - a.y()) <= 2 * kMargin_px)
+          left = std::min({left, a.x(), b.x()}), right = std::max({right, a.x(), b.x()});
+      }
+      rows_.x.emplace_back(
+          static_cast<int>(std::clamp(std::floor(left - kMargin_px), 0.0, width)),
+          static_cast<int>(std::clamp(std::ceil(right + kMargin_px), -1.0, width - 1)));
+    }
   }
 
   const Frame& frame_;
   const Pose T_world_camera_, T_camera_world_;
   const std::shared_ptr<const planes::RayTable> rays_;
+  Rows rows_;
 };
 
 }  // namespace
@@ -106,16 +134,18 @@ class Footprint {
 std::vector<planes::KnownPlane> expected_planes(std::span<const Track* const> tracks,
                                                 const Frame& frame,
                                                 const Pose& T_world_camera,
-                                                const TrackOptions& options) {
+                                                const TrackOptions& options,
+                                                int threads) {
+  std::vector<planes::KnownPlane> all(tracks.size());
+  work_through(static_cast<int>(tracks.size()), threads, [&](int i) {
+    const Track& track = *tracks[i];
+    all[i] = Footprint(frame, T_world_camera).of(track);
+    all[i].slack_m =
+        options.max_offset_m + options.sigmas * track.sigma_m(track.on_grid(track.centroid()));
+  });
   std::vector<planes::KnownPlane> expected;
-  const Footprint footprint(frame, T_world_camera);
-  for (const Track* track : tracks) {
-    planes::KnownPlane known = footprint.of(*track);
-    if (known.pixels.empty()) continue;
-    known.slack_m =
-        options.max_offset_m + options.sigmas * track->sigma_m(track->on_grid(track->centroid()));
-    expected.push_back(std::move(known));
-  }
+  for (planes::KnownPlane& known : all)
+    if (!known.pixels.empty()) expected.push_back(std::move(known));
   return expected;
 }
 

@@ -15,6 +15,7 @@ namespace planescope::world {
 std::vector<planes::KnownPlane> expected_planes(std::span<const Track* const> tracks,
                                                 const Frame& frame,
                                                 const Pose& T_world_camera,
-                                                const TrackOptions& options);
+                                                const TrackOptions& options,
+                                                int threads = 1);
 
 }  // namespace planescope::world

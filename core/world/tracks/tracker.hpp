@@ -34,8 +34,7 @@ struct LeftPiece {
   planes::Outline outline;  // of what was sure, in the world
 };
 
-/// Tracks of one camera's frames, taken in one after the other; poses stay as they are given.
-/// Deterministic.
+/// Tracks of one camera's frames, taken in one after the other. Deterministic.
 class Tracker {
  public:
   /// `known`: the frames' planes were expected of so many tracks of another tracker, of an earlier
@@ -43,8 +42,8 @@ class Tracker {
   explicit Tracker(TrackOptions options = {}, std::size_t known = 0)
       : options_(options), own_of_known_(known, 0) {}
 
-  /// Frames of a segment come together, in the order of time.
-  /// Aligns the frame to the tracks.
+  /// Aligns the frame with the tracks, unless its planes were expected of an earlier pass. Frames
+  /// of a segment come together, in the order of time.
   const FrameOfTracks& add(ObservedFrame& frame);
   const FrameOfTracks& add(ObservedFrame&& frame) { return add(frame); }
   /// A frame whose pose nobody knows, or that could not be segmented.

@@ -3,6 +3,7 @@
 // Recordings: RealSense and ROS bags (1 and 2), folders of PNGs, RealSense Viewer .raw, clouds.
 
 #include <iterator>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,9 @@ struct Map {
   std::vector<int> pose_frames;                  // whose pose is known
   std::vector<Transform> T_world_camera;         // of these
   std::vector<std::string> told;                 // what was odd, one line each
+  // By frame, the file planes/000000.png: 16 bit, per pixel the id of the plane that `tracks_json`
+  // counts. Empty for methods that do not find planes on pixels: those find the same ones again.
+  std::map<int, std::string> planes_png;
 };
 /// The same for any number of the segmenter's threads. Throws Error where the recording is of
 /// clouds, or no frame has a pose.

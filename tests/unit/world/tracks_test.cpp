@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -8,6 +9,7 @@
 #include "core/io/recording.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
 #include "core/lab/synthetic/sequence.hpp"
+#include "core/model/sha256.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/world/files/map_files.hpp"
 #include "core/world/tracks/align.hpp"
@@ -204,16 +206,48 @@ TEST_F(Room, AFrameAtASlightlyWrongPoseIsBroughtToItsPlace) {
             fitting.T_world_camera.matrix());
 }
 
-TEST_F(Room, ASurfaceBeforeAPlaneDoesNotPullTheFrame) {
-  for (int i = 0; i < 4; ++i) tracker_.add(look(empty_));
-  // The box stands on the floor: its foot is close to it, and is no part of it.
-  ObservedFrame seen = look(scene_);
+TEST_F(Room, TheFloorBeforeALowWallDoesNotPullAtIt) {
+  lab::Scene low;
+  lab::add_ground(low, {{-2, 4}, {-3, 3}});
+  lab::add_polygon(low, lab::upright({1.2, 2}, {1.2, -2}, {0, 0.15}), {});
+  for (int i = 0; i < 4; ++i) tracker_.add(look(low));
+  const Vec3d towards_us = -Vec3d::UnitX();
+  Track wall = track_of({1.2, 0, 0.1}, towards_us);
+  Track* const alone[] = {&wall};
+  // Thought to be higher than it is, the camera sees floor where the wall's foot should be.
+  ObservedFrame seen = look(low);
   const Pose right = seen.T_world_camera;
   Pose off = Pose::Identity();
-  off.translation() = Vec3d(0, 0, 0.015);
+  off.translation() = Vec3d(0.02, 0, 0.05);
   move_to(seen, off * right);
-  const Pose aligned = tracker_.add(seen).T_world_camera;
-  EXPECT_LT((aligned.translation() - right.translation()).norm(), 0.003);
+  const Pose aligned = aligned_pose(seen, alone);
+  EXPECT_LT(std::abs((aligned.translation() - right.translation()).x()), 0.012);
+}
+
+TEST_F(Room, TheFloorIsExpectedWhereItIsSeen) {
+  for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
+  Frame frame;
+  frame.intrinsics = lab::d435_intrinsics(160, 120);
+  const ObservedFrame seen = look(scene_);
+  frame.depth = seen.depth;
+  const Track* const known[] = {&floor()};
+  const std::vector<planes::KnownPlane> expected =
+      expected_planes(known, frame, seen.T_world_camera, tracker_.options(), 2);
+  ASSERT_EQ(expected.size(), 1u);
+  EXPECT_EQ(expected[0].id, floor().id);
+  const std::set<std::uint32_t> pixels(expected[0].pixels.begin(), expected[0].pixels.end());
+  EXPECT_EQ(pixels.size(), expected[0].pixels.size()) << "each once";
+  const int id = floor().sightings.back().plane;
+  int of_floor = 0, also_expected = 0, elsewhere = 0;
+  for (std::uint32_t pixel = 0; pixel < seen.plane_of.data.size(); ++pixel) {
+    const bool is_floor = seen.plane_of.data[pixel] == id, is_expected = pixels.contains(pixel);
+    of_floor += is_floor;
+    also_expected += is_floor && is_expected;
+    elsewhere += !is_floor && is_expected;
+  }
+  EXPECT_GT(of_floor, 5000);
+  EXPECT_GT(also_expected, 0.97 * of_floor);
+  EXPECT_LT(elsewhere, 0.05 * of_floor);
 }
 
 TEST_F(Room, TracksOfAnEarlierPassKeepTheirPlanes) {
@@ -421,7 +455,12 @@ TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
   for (int i = 0; i < 24; ++i) job.frames.push_back(i);
   const auto chosen = planes::make_classifier(job.pipeline, {});
   job.classifier = chosen.classifier.get();
+  std::map<int, std::vector<unsigned char>> pngs;
+  job.on_planes = [&](int frame, std::span<const unsigned char> png) {
+    pngs[frame].assign(png.begin(), png.end());
+  };
   const WorldMap one = map_recording(job);
+  EXPECT_EQ(pngs.size(), job.frames.size());
   job.threads = 3;
   const WorldMap three = map_recording(job);
   EXPECT_EQ(map_texts(one, "walk").map_json, map_texts(three, "walk").map_json);
@@ -430,9 +469,11 @@ TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
   EXPECT_GT(planes_of_map(one.tracker).size(), 4u);
   // Each frame's planes are stored, with the tracks of the final pass.
   ASSERT_EQ(one.stored.size(), job.frames.size());
-  for (std::size_t i = 0; i < one.stored.size(); ++i) {
-    EXPECT_EQ(one.stored[i].png, three.stored[i].png) << i;
-    EXPECT_EQ(one.stored[i].margins.size(), one.tracker.frames()[i].track_of.size()) << i;
+  for (const int frame : job.frames) {
+    const StoredPlanes& stored = one.stored.at(frame);
+    EXPECT_EQ(stored.sha256, three.stored.at(frame).sha256) << frame;
+    EXPECT_EQ(stored.sha256, sha256_hex(std::as_bytes(std::span(pngs[frame])))) << frame;
+    EXPECT_EQ(stored.margins.size(), one.tracker.frames()[frame].track_of.size()) << frame;
   }
   // The same poses from a file give the same map.
   job.trajectory = Trajectory{"a file", {}};
