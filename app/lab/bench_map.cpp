@@ -77,8 +77,8 @@ void define_bench_map(CLI::App* bench, Line& line) {
   args->bench.pipeline.threads = all_cores();
   map->add_option("MAP", args->maps, "Folders that planescope map wrote; needs --cuboids");
   add(map, "--cuboids", args->cuboids, "FILE",
-      "What stands on the floor z = 0, a line each: x y z yaw and half sizes, m and rad, in the "
-      "world of the maps' poses");
+      "Boxes on the floor z = 0, one per line: x y z, yaw and three half sizes, in meters and "
+      "radians, in the world of the maps' poses");
   add_out(map, args->out);
   add(map, "--seed", args->bench.sequence.seed, "N", "The first walk's, default 1")
       ->transform(whole(0));

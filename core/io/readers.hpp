@@ -52,7 +52,7 @@ Sidecar read_sidecar(const std::filesystem::path& recording);
 /// Puts the sidecar's gravity and timestamp into a frame.
 void apply_sidecar(const Sidecar& sidecar, Frame& frame);
 
-/// Whether the sidecar tells the time of a frame: one that is not 0.
+/// Whether the sidecar gives any frame a time other than 0.
 bool tells_times(const Sidecar& sidecar);
 
 /// Gravity from the mean of accelerometer samples, in the depth camera's frame: at rest they

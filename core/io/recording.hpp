@@ -38,7 +38,7 @@ struct RecordingInfo {
   std::string depth_unit_source;  // "bag topic .../Depth Units", "assumed (RealSense default)", ...
   Intrinsics intrinsics;
   std::string intrinsics_source;  // file or topic name, "option"; empty: nobody knows them
-  std::string times_source;       // of the frames: file name, "file names", ...; empty: not known
+  std::string times_source;       // where frame times come from: a file, "file names"; empty: none
   bool has_color = false;
   std::string color_note;             // "aligned", "projected by extrinsics", "none", ...
   std::vector<std::string> warnings;  // what was lost or odd, one line each, with counts

@@ -65,8 +65,8 @@ std::string run_key(const planes::PipelineOptions& options);
 Wanted with_options(Wanted wanted, const planes::PipelineOptions& options);
 
 /// Colors of the planes of a recording's frames. The strip fills it, outwards from the frame that
-/// it begins with, and each frame takes over the colors of the nearest one in the book. So does a
-/// frame that is opened before the strip reaches it, but what it gets is not kept. Any thread.
+/// it begins with, and each frame takes over the colors of the nearest one in the book. A frame
+/// opened before the strip reaches it gets colors the same way, but they are not kept. Any thread.
 class ColorBook {
  public:
   /// `like`: the same frame as it is shown so far, whose colors planes keep; null: the nearest one

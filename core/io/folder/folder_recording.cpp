@@ -44,7 +44,7 @@ class FolderRecording : public Recording {
   Image16 read_depth(int i) const;
 
   fs::path folder_;  // with the images and the files about them; empty: a single image
-  std::size_t first_ = 0, in_folder_ = 0;  // of its depth images, the first that is a frame
+  std::size_t first_ = 0, in_folder_ = 0;  // depth images: index of the first frame; count
   FolderLayout layout_;
   std::vector<double> time_s_;  // by frame; 0 where unknown
   std::optional<Accelerometer> accelerometer_;

@@ -20,10 +20,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
-// A plane of the map stands for a face that is so near to it. Less than kLeastArea_m2 of either is
-// not counted.
+// A plane of the map matches a face within these limits; smaller planes are ignored.
 constexpr double kNear_m = 0.15, kNear_deg = 10, kLeastArea_m2 = 0.04;
-// A frame looks at what is so near to its optical axis and is not seen edge-on.
+// A face is in view when its center is near the optical axis and it is not seen edge-on.
 constexpr double kView_deg = 30, kMostIncidence_deg = 75;
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
@@ -54,7 +53,7 @@ std::vector<Face> faces_of(std::span<const Cuboid> cuboids) {
     const Mat3d R = Eigen::AngleAxisd(box.yaw, Vec3d::UnitZ()).toRotationMatrix();
     for (int axis = 0; axis < 3; ++axis)
       for (const int side : {1, -1}) {
-        if (axis == 2 && side < 0) continue;  // it stands on this one
+        if (axis == 2 && side < 0) continue;  // the bottom face touches the floor
         const int u = (axis + 1) % 3, v = (axis + 2) % 3;
         const Vec3d normal = side * R.col(axis);
         const std::string name =

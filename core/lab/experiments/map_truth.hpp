@@ -12,22 +12,22 @@
 
 namespace planescope::lab {
 
-/// A box that stands on the floor z = 0. World [m, rad].
+/// A box on the floor z = 0. World coordinates [m, rad].
 struct Cuboid {
   Vec3d center = Vec3d::Zero();
   double yaw = 0;              // about z
-  Vec3d half = Vec3d::Zero();  // of its edges
+  Vec3d half = Vec3d::Zero();  // half of each edge
 };
 
-/// Of a text file: a line each, x y z yaw and the three half sizes. Throws Error naming the file
-/// and the line, or the file that holds none.
+/// Reads one cuboid per line: x y z, yaw and three half sizes. Throws Error naming the file and
+/// line, also where the file holds no cuboid.
 std::vector<Cuboid> read_cuboids(const std::filesystem::path& file);
 
-/// What a map has of the floor, or of a face of a cuboid.
+/// How a map represents the floor or one face of a cuboid.
 struct FaceScore {
   std::string name;      // "floor", "cuboid 1 front"
-  int frames = 0;        // that look at its middle
-  int planes = 0;        // of the map that stand for it
+  int frames = 0;        // in which its center is in view
+  int planes = 0;        // of the map that match it
   double area_m2 = 0;    // of them
   double offset_m = 0;   // of the largest one, outwards, at its centroid
   double angle_deg = 0;  // likewise
@@ -37,10 +37,11 @@ struct FaceScore {
 
 struct MapTruthScore {
   std::vector<FaceScore> faces;
-  int elsewhere = 0;  // planes of the map that stand for no face
+  int elsewhere = 0;  // planes of the map that match no face
 };
 
-/// Reads map.json and poses.tum as planescope map wrote them, of the first segment of the map.
+/// Reads map.json and poses.tum of a folder that planescope map wrote; only the first segment
+/// counts.
 /// Throws Error naming the file that is missing or damaged.
 MapTruthScore measure_map_truth(const std::filesystem::path& map, std::span<const Cuboid> cuboids);
 

@@ -85,12 +85,10 @@ struct DepthSegmentation {
   /// lie on the known one.
   double join_cost(std::int32_t a, std::int32_t b) const {
     const DepthRegion &p = regions[a], &q = regions[b];
-    if (p.known > 0 || q.known > 0) {
-      const bool first = p.known > 0;
-      if (p.known > 0 && q.known > 0) return std::numeric_limits<double>::infinity();
-      if (!lies_on(first ? q : p, known[(first ? p : q).known - 1]))
-        return std::numeric_limits<double>::infinity();
-    }
+    const auto excludes = [&](const DepthRegion& one, const DepthRegion& other) {
+      return one.known > 0 && (other.known > 0 || !lies_on(other, known[one.known - 1]));
+    };
+    if (excludes(p, q) || excludes(q, p)) return std::numeric_limits<double>::infinity();
     return noise.join_cost(p.moments, p.plane, q.moments, q.plane);
   }
 };
