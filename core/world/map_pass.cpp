@@ -1,0 +1,331 @@
+#include "core/world/map_pass.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <thread>
+
+#include "core/io/image/png.hpp"
+#include "core/model/parallel.hpp"
+#include "core/model/sha256.hpp"
+#include "core/world/tracks/expected.hpp"
+
+namespace planescope::world {
+namespace {
+
+/// Frames that come by their times, or 30 a second where those do not ascend.
+class Arrivals {
+ public:
+  Arrivals(const MapJob& job, const std::vector<const CameraPose*>& pose_of) : job_(job) {
+    constexpr double kRate_hz = 30;
+    for (std::size_t i = 0; i < pose_of.size(); ++i)
+      due_.push_back(pose_of[i] ? pose_of[i]->timestamp_s
+                                : job.recording->timestamp_s(job.frames[i]));
+    const double first = due_.front();
+    for (double& time : due_) time -= first;
+    if (!std::ranges::is_sorted(due_) || (due_.size() > 1 && due_.back() <= 0))
+      for (std::size_t i = 0; i < due_.size(); ++i) due_[i] = static_cast<double>(i) / kRate_hz;
+  }
+
+  /// The newest frame that has come, of those from `i` on; waits for the first of them.
+  int newest(int i) const {
+    constexpr double kLongest_s = 0.05;  // until it is looked whether to stop
+    for (double wait; (wait = due_[i] - now_s()) > 0;) {
+      check_stop(job_);
+      std::this_thread::sleep_for(std::chrono::duration<double>(std::min(kLongest_s, wait)));
+    }
+    while (has_come(i + 1)) ++i;
+    return i;
+  }
+  bool has_come(int i) const { return i < std::ssize(due_) && due_[i] <= now_s(); }
+  void taken(int i) { behind_.push_back(now_s() - due_[i]); }
+
+  Pace pace() {
+    std::ranges::sort(behind_);
+    return {.frames = static_cast<int>(due_.size()),
+            .taken = static_cast<int>(behind_.size()),
+            .rate_hz = due_.size() > 1
+                           ? static_cast<double>(due_.size() - 1) / std::max(1e-9, due_.back())
+                           : 0,
+            .behind_s_median = behind_[behind_.size() / 2],
+            .behind_s_most = behind_.back()};
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double now_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  const MapJob& job_;
+  std::vector<double> due_;  // [s] after the first
+  std::vector<double> behind_;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// A part of the map is not there, which is not what the recording is like.
+struct PartError : Error {
+  using Error::Error;
+};
+
+/// A frame on its way into the map.
+struct FrameAtWork {
+  const CameraPose* pose = nullptr;
+  Frame frame;
+  planes::PipelineOptions options;
+  std::vector<planes::KnownPlane> expected;  // of the tracks that are offered to it
+  planes::FrameResult found;
+};
+
+FrameAtWork start_frame(const MapJob& job,
+                        const planes::PipelineOptions& pipeline,
+                        const UprightPoses& upright,
+                        const CameraPose& pose,
+                        std::span<const Track* const> known = {}) {
+  FrameAtWork work{&pose, job.recording->frame(pose.frame), {}, {}, {}};
+  work.options = turn_to_map(work.frame, pipeline, pose, upright);
+  work.expected =
+      expected_planes(known, work.frame, pose.T_world_camera, job.tracks, work.options.threads);
+  return work;
+}
+void find_planes(const MapJob& job, FrameAtWork& work) {
+  work.found =
+      planes::run_frame(work.frame, work.options, job.classifier, nullptr, nullptr, work.expected);
+}
+ObservedFrame observation_of(FrameAtWork& work) {
+  return observe(work.frame, std::move(work.found), work.options, work.pose->T_world_camera,
+                 work.pose->segment);
+}
+
+/// With planes that were found elsewhere.
+ObservedFrame observe_given(const MapJob& job,
+                            const UprightPoses& upright,
+                            const FrameAtWork& work) {
+  const Image16& depth = work.frame.depth;
+  try {
+    ObservedFrame seen = job.observed(work.frame.index, upright);
+    if (seen.plane_of.width != depth.width || seen.plane_of.height != depth.height)
+      throw Error(fmt::format("frame {} was observed at {}x{}, expected {}x{}", work.frame.index,
+                              seen.plane_of.width, seen.plane_of.height, depth.width,
+                              depth.height));
+    take_frame(seen, work.frame, work.options, work.pose->T_world_camera, work.pose->segment);
+    return seen;
+  } catch (const Error& error) {
+    throw PartError(error.what());
+  }
+}
+
+struct Threads {
+  int at_once = 1;                   // frames
+  planes::PipelineOptions pipeline;  // with what is left for each
+};
+Threads threads_of(const MapJob& job, int at_once) {
+  Threads threads{std::clamp(at_once, 1, std::max(1, static_cast<int>(job.frames.size()))),
+                  job.pipeline};
+  threads.pipeline.threads = std::max(1, job.threads / threads.at_once);
+  return threads;
+}
+
+std::vector<const Track*> sure_tracks(const Tracker& tracker, int segment) {
+  std::vector<const Track*> sure;
+  for (const Track& track : tracker.tracks())
+    if (track.segment == segment && track.is_sure(tracker.options())) sure.push_back(&track);
+  return sure;
+}
+
+/// All frames of a job, each started, its planes found, observed and taken into the tracker.
+class Passage {
+ public:
+  Passage(const MapJob& job,
+          const UprightPoses& upright,
+          Offer offer,
+          const Tracker* earlier,
+          const char* what,
+          bool is_last)
+      : job_(job),
+        upright_(upright),
+        offer_(offer),
+        earlier_(earlier),
+        what_(what),
+        is_last_(is_last),
+        stores_(is_last && offer != Offer::nothing),
+        count_(static_cast<int>(job.frames.size())),
+        threads_(threads_of(job, offer == Offer::so_far ? 1 : job.threads)),
+        pose_of_(poses_by_frame(job, upright)),
+        at_work_(job.frames.size()),
+        pass_{Tracker(job.tracks, earlier ? earlier->tracks().size() : 0), {}, {}, 0, {}} {}
+
+  Pass run() {
+    if (is_last_) pass_.tracker.on_left(job_.on_left);
+    if (offer_ == Offer::so_far)
+      run_one_by_one();
+    else
+      work_in_order(
+          count_, threads_.at_once, [&](int i) { start(i), find(i), observe_found(i); },
+          [&](int i) { take(i); });
+    pass_.tracker.on_left({});
+    return std::move(pass_);
+  }
+
+ private:
+  struct AtWork {
+    std::optional<FrameAtWork> frame;
+    std::optional<ObservedFrame> observed;
+    std::future<std::vector<unsigned char>> png;
+    StoredPlanes stored;
+    std::string refused;
+  };
+
+  /// A frame is taken while the planes of the next one are found, to which it cannot be offered: a
+  /// camera does not wait. Where the next one has not come yet, it is taken at once.
+  void run_one_by_one() {
+    std::optional<Arrivals> arrivals;
+    if (job_.at_own_rate) arrivals.emplace(job_, pose_of_);
+    int found = -1;  // not taken yet
+    const auto finish = [&] {
+      if (found < 0) return;
+      observe_found(found);
+      take(found);
+      if (arrivals) arrivals->taken(found);
+      found = -1;
+    };
+    for (int i = 0; i < count_; ++i) {
+      if (arrivals) i = arrivals->newest(i);
+      start(i);
+      std::future<void> finding = std::async(
+          job_.threads > 1 ? std::launch::async : std::launch::deferred, [this, i] { find(i); });
+      finish();
+      finding.get();
+      found = i;
+      if (arrivals && !arrivals->has_come(i + 1)) finish();
+    }
+    finish();
+    if (arrivals) pass_.pace = arrivals->pace();
+  }
+
+  /// What goes wrong with a frame is told when it is taken, and the frame left out.
+  void attempt(int i, const std::function<void(AtWork&)>& step) {
+    if (job_.stop.stop_requested() || !at_work_[i].refused.empty()) return;
+    try {
+      step(at_work_[i]);
+    } catch (const PartError&) {
+      throw;
+    } catch (const Error& error) {
+      at_work_[i].refused = fmt::format("frame {}: {}", job_.frames[i], error.what());
+    }
+  }
+
+  void start(int i) {
+    attempt(i, [&](AtWork& at) {
+      if (!pose_of_[i]) {
+        if (upright_.poses.estimated)
+          job_.recording->frame(job_.frames[i]);  // if it cannot be read, that is why
+        return;
+      }
+      std::vector<const Track*> known;
+      if (offer_ == Offer::so_far) known = sure_tracks(pass_.tracker, pass_.tracker.segment());
+      if (offer_ == Offer::all) known = sure_tracks(*earlier_, earlier_->frames()[i].segment);
+      at.frame = start_frame(job_, threads_.pipeline, upright_, *pose_of_[i], known);
+    });
+  }
+  void find(int i) {
+    attempt(i, [&](AtWork& at) {
+      if (at.frame && !is_given()) find_planes(job_, *at.frame);
+    });
+  }
+  void observe_found(int i) {
+    attempt(i, [&](AtWork& at) {
+      if (!at.frame) return;
+      at.observed =
+          is_given() ? observe_given(job_, upright_, *at.frame) : observation_of(*at.frame);
+      at.frame.reset();
+      if (!stores_) return;
+      for (const ObservedPlane& plane : at.observed->planes)
+        at.stored.margins.push_back(plane.margin);
+      at.png = std::async(std::launch::async,
+                          [&image = at.observed->plane_of] { return io::encode_png(image); });
+    });
+  }
+  void take(int i) {
+    check_stop(job_);
+    AtWork& at = at_work_[i];
+    if (at.observed) {
+      const FrameOfTracks& told = pass_.tracker.add(*at.observed);
+      if (job_.on_frame && is_last_) job_.on_frame(*at.observed, told);
+      if (stores_) {
+        const std::vector<unsigned char> png = at.png.get();
+        at.stored.sha256 = sha256_hex(std::as_bytes(std::span(png)));
+        if (job_.on_planes) job_.on_planes(job_.frames[i], png);
+        pass_.stored[job_.frames[i]] = std::move(at.stored);
+      }
+    } else {
+      pass_.tracker.skip(job_.frames[i], pose_of_[i] ? pose_of_[i]->timestamp_s : 0);
+      pass_.without_pose += !pose_of_[i] && at.refused.empty();
+    }
+    if (!at.refused.empty()) pass_.refused.push_back(std::move(at.refused));
+    at = {};
+    tell(job_, what_, i + 1, count_);
+  }
+  /// Whether the planes were found elsewhere.
+  bool is_given() const { return job_.observed && offer_ == Offer::nothing; }
+
+  const MapJob& job_;
+  const UprightPoses& upright_;
+  const Offer offer_;
+  const Tracker* const earlier_;
+  const char* const what_;
+  const bool is_last_, stores_;
+  const int count_;
+  const Threads threads_;
+  const std::vector<const CameraPose*> pose_of_;
+  std::vector<AtWork> at_work_;  // by position in the job
+  Pass pass_;
+};
+
+}  // namespace
+
+std::vector<const CameraPose*> poses_by_frame(const MapJob& job, const UprightPoses& upright) {
+  const std::vector<CameraPose>& poses = upright.poses.poses;
+  std::vector<const CameraPose*> pose_of(job.frames.size(), nullptr);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < pose_of.size() && next < poses.size(); ++i)
+    if (poses[next].frame == job.frames[i]) pose_of[i] = &poses[next++];
+  return pose_of;
+}
+
+Pass pass_through(const MapJob& job,
+                  const UprightPoses& upright,
+                  Offer offer,
+                  const Tracker* earlier,
+                  const char* what,
+                  bool is_last) {
+  return Passage(job, upright, offer, earlier, what, is_last).run();
+}
+
+void observe_each(const MapJob& job,
+                  const UprightPoses& upright,
+                  const std::vector<const CameraPose*>& poses,
+                  const std::function<void(const ObservedFrame*)>& take) {
+  const Threads threads = threads_of(job, job.threads);
+  const auto count = static_cast<int>(poses.size());
+  std::vector<std::unique_ptr<const ObservedFrame>> observed(poses.size());
+  work_in_order(
+      count, threads.at_once,
+      [&](int i) {
+        if (job.stop.stop_requested()) return;
+        try {
+          FrameAtWork work = start_frame(job, threads.pipeline, upright, *poses[i]);
+          find_planes(job, work);
+          observed[i] = std::make_unique<const ObservedFrame>(observation_of(work));
+        } catch (const Error&) {  // told where the parts are joined
+        }
+      },
+      [&](int i) {
+        check_stop(job);
+        take(observed[i].get());
+        observed[i].reset();
+        tell(job, "frames", i + 1, count);
+      });
+}
+
+}  // namespace planescope::world
