@@ -6,6 +6,7 @@
 #include <chrono>
 #include <future>
 #include <thread>
+#include <utility>
 
 #include "core/io/image/png.hpp"
 #include "core/model/parallel.hpp"
@@ -176,30 +177,39 @@ class Passage {
     std::string refused;
   };
 
-  /// A frame is taken while the planes of the next one are found, to which it cannot be offered: a
-  /// camera does not wait. Where the next one has not come yet, it is taken at once.
+  /// While the planes of a frame are found, the one before is taken and the next one started: a
+  /// frame is offered the tracks that were there two frames before it, as a camera does not wait.
+  /// Where the next one has not come yet, a frame is taken at once.
   void run_one_by_one() {
     std::optional<Arrivals> arrivals;
     if (job_.at_own_rate) arrivals.emplace(job_, pose_of_);
-    int found = -1;  // not taken yet
-    const auto finish = [&] {
-      if (found < 0) return;
-      observe_found(found);
-      take(found);
-      if (arrivals) arrivals->taken(found);
-      found = -1;
-    };
-    for (int i = 0; i < count_; ++i) {
+    const auto start_newest = [&](int i) {
       if (arrivals) i = arrivals->newest(i);
       start(i);
+      return i;
+    };
+    const auto has_come = [&](int i) { return !arrivals || arrivals->has_come(i); };
+    const auto finish = [&](int i) {
+      if (i < 0) return;
+      observe_found(i);
+      take(i);
+      if (arrivals) arrivals->taken(i);
+    };
+    int found = -1;
+    for (int i = start_newest(0), next = 0; i < count_; i = next) {
       std::future<void> finding = std::async(
           job_.threads > 1 ? std::launch::async : std::launch::deferred, [this, i] { find(i); });
-      finish();
+      finish(found);
+      next = i + 1;
+      const bool goes_on = next < count_ && has_come(next);
+      if (goes_on) next = start_newest(next);
       finding.get();
       found = i;
-      if (arrivals && !arrivals->has_come(i + 1)) finish();
+      if (goes_on || next == count_) continue;
+      if (!has_come(next)) finish(std::exchange(found, -1));
+      next = start_newest(next);
     }
-    finish();
+    finish(found);
     if (arrivals) pass_.pace = arrivals->pace();
   }
 
