@@ -25,7 +25,7 @@ std::vector<Cuboid> read_cuboids(const std::filesystem::path& file);
 
 /// How a map represents the floor or one face of a cuboid.
 struct FaceScore {
-  std::string name;      // "floor", "cuboid 1 front"
+  std::string name;      // "floor", "cuboid 1 +x"
   int frames = 0;        // in which its center is in view
   int planes = 0;        // of the map that match it
   double area_m2 = 0;    // of them
