@@ -39,6 +39,7 @@ std::vector<lab::Table> tables_of_walks(const BenchMapArgs& args, std::stop_toke
       lab::MapBenchOptions options = args.bench;
       options.sequence.seed += i;
       options.odometry = odometry;
+      options.sequence.color = odometry;  // true poses need none of it
       scores.push_back(lab::measure_map(options, *chosen.classifier, Bar("map", stop)));
       names.push_back(
           fmt::format("seed {}, {}", options.sequence.seed, odometry ? "odometry" : "true poses"));
