@@ -68,7 +68,11 @@ StagedOutput::~StagedOutput() {
   for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
 }
 
-fs::path StagedOutput::add(const fs::path& relative) {
+fs::path StagedOutput::add(const fs::path& relative) { return staged(relative, true); }
+
+fs::path StagedOutput::add_file(const fs::path& relative) { return staged(relative, false); }
+
+fs::path StagedOutput::staged(const fs::path& relative, bool is_folder) {
   const std::lock_guard lock(mutex_);
   try {
     if (staging_.empty()) {
@@ -83,11 +87,11 @@ fs::path StagedOutput::add(const fs::path& relative) {
       fs::create_directory(staging_);
       lock_ = FolderLock::take(staging_, "planescope");
     }
-    fs::create_directories(staging_ / relative);
+    fs::create_directories(is_folder ? staging_ / relative : (staging_ / relative).parent_path());
   } catch (const fs::filesystem_error& error) {
     throw Error("output " + dir_.string() + ": " + error.code().message());
   }
-  added_.push_back(relative);
+  added_.insert(relative);
   return staging_ / relative;
 }
 
@@ -95,6 +99,10 @@ void StagedOutput::commit() {
   try {
     for (const fs::path& relative : added_) {
       const fs::path target = dir_ / relative;
+      if (!fs::exists(staging_ / relative)) {
+        fs::remove(target);
+        continue;
+      }
       fs::create_directories(target.parent_path());
       exchange_folder(staging_ / relative, target);
     }

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,9 +30,9 @@ void check_output_dir(const std::filesystem::path& dir);
 /// Makes it where it is missing. Throws Error.
 void make_output_dir(const std::filesystem::path& dir);
 
-/// Folders that appear in `dir` only when they are complete: they are written below a hidden
-/// folder, and commit() moves them to their place, over what stood there. Without commit() nothing
-/// of them remains, nor of the folders that were made for them.
+/// Files and folders that appear in `dir` only when all are complete: they are written below a
+/// hidden folder, and commit() moves them to their place, over what stood there. Without commit()
+/// nothing of them remains, nor of the folders that were made for them.
 class StagedOutput {
  public:
   explicit StagedOutput(const std::filesystem::path& dir);  // checks `dir`, makes nothing yet
@@ -41,14 +42,19 @@ class StagedOutput {
 
   /// An empty folder in which to write what will be DIR/`relative`. From any thread.
   std::filesystem::path add(const std::filesystem::path& relative);
+  /// Where to write what will be the file DIR/`relative`; if nothing is written there, commit()
+  /// removes an earlier one. From any thread.
+  std::filesystem::path add_file(const std::filesystem::path& relative);
   void commit();
 
  private:
+  std::filesystem::path staged(const std::filesystem::path& relative, bool is_folder);
+
   std::mutex mutex_;
   std::filesystem::path dir_;
   std::filesystem::path staging_;
   FolderLock lock_;                               // on it
-  std::vector<std::filesystem::path> added_;      // relative
+  std::set<std::filesystem::path> added_;         // relative
   std::vector<std::filesystem::path> made_dirs_;  // parents made here, outermost first
 };
 

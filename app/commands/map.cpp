@@ -31,131 +31,87 @@ struct MapArgs {
   std::optional<fs::path> poses;
   world::TrackOptions tracks;
   bool follow = false;
-  Shard shard;
+  std::optional<Shard> shard;
   fs::path join;            // where shards wrote; empty: none
   double mesh_voxel_m = 0;  // --mesh; 0: no mesh
 };
 
-/// "map.png", of the segments after the first "map_1.png".
-fs::path file_of_segment(const fs::path& dir,
-                         const std::string& name,
-                         int segment,
-                         const char* type) {
-  return dir / (segment == 0 ? name + type : fmt::format("{}_{}{}", name, segment, type));
+/// "map.png"; for segments after the first, "map_1.png".
+std::string file_of_segment(const std::string& name, int segment, const char* type) {
+  return segment == 0 ? name + type : fmt::format("{}_{}{}", name, segment, type);
 }
 
-/// DIR/map.json, tracks.json, poses.tum, each whole or not at all.
-void write_map(const fs::path& dir, const world::WorldMap& map, const std::string& recording) {
-  make_output_dir(dir);
+bool is_number(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// Whether planescope map writes files of this name, for some frame or segment.
+bool is_of_map(const fs::path& relative) {
+  const std::string stem = relative.stem().string(), type = relative.extension().string();
+  if (relative.has_parent_path()) return type == ".png" && stem.size() >= 6 && is_number(stem);
+  if (relative == "pace.json" || relative == "left.jsonl") return true;
+  const std::size_t end = std::min(stem.find('_'), stem.size());
+  const std::string name = stem.substr(0, end);
+  return (end == stem.size() || is_number(std::string_view(stem).substr(end + 1))) &&
+         ((name == "map" && type == ".png") || (name == "mesh" && type == ".ply"));
+}
+
+/// The files of an earlier map in `dir` are to be replaced, or removed.
+void replace_earlier_map(const fs::path& dir, StagedOutput& output) {
+  const fs::path planes = world::planes_file({}, 0).parent_path();
+  for (const fs::path& folder : {fs::path(), planes}) {
+    std::error_code absent;
+    for (const fs::directory_entry& entry : fs::directory_iterator(dir / folder, absent))
+      if (const fs::path relative = folder / entry.path().filename(); is_of_map(relative))
+        output.add_file(relative);
+  }
+}
+
+/// Writes map.json, tracks.json, poses.tum, the pictures and pace.json.
+void write_map(StagedOutput& output, const world::WorldMap& map, const std::string& recording) {
   const world::MapTexts texts = world::map_texts(map, recording);
-  write_file_text(dir / "poses.tum", texts.poses_tum);
-  write_file_text(dir / "tracks.json", texts.tracks_json);
-  write_file_text(dir / "map.json", texts.map_json);
+  write_file_text(output.add_file("poses.tum"), texts.poses_tum);
+  write_file_text(output.add_file("tracks.json"), texts.tracks_json);
   const int last = std::max(map.poses.poses.back().segment, map.tracker.frames().back().segment);
   for (int segment = 0; segment <= last; ++segment) {
     const Image8 picture = map_from_above(map, segment);
-    if (!picture.empty()) io::write_png(file_of_segment(dir, "map", segment, ".png"), picture);
+    if (!picture.empty())
+      io::write_png(output.add_file(file_of_segment("map", segment, ".png")), picture);
   }
-  if (map.pace) write_file_text(dir / "pace.json", world::pace_json(*map.pace));
+  if (map.pace) write_file_text(output.add_file("pace.json"), world::pace_json(*map.pace));
+  write_file_text(output.add_file("map.json"), texts.map_json);
 }
 
-/// DIR/planes/000000.png and so on, written as frames are done, and there once all are; those of an
-/// earlier map are removed then.
-class PlanesFolder {
- public:
-  explicit PlanesFolder(const fs::path& out)
-      : dir_(world::planes_file(out, 0).parent_path()), unfinished_(dir_) {
-    unfinished_ += ".unfinished";
-  }
-  ~PlanesFolder() {
-    std::error_code absent;
-    for (const fs::path& name : names_) fs::remove(unfinished_ / name, absent);
-    fs::remove(unfinished_, absent);
-  }
-  PlanesFolder(const PlanesFolder&) = delete;
-  PlanesFolder& operator=(const PlanesFolder&) = delete;
-
-  void operator()(int frame, std::span<const unsigned char> png) {
-    if (names_.empty()) make_output_dir(unfinished_);
-    names_.push_back(world::planes_file({}, frame).filename());
-    write_file_bytes(unfinished_ / names_.back(), png);
-  }
-  void finish() {
-    std::error_code absent, failed;
-    std::vector<fs::path> before;
-    for (const fs::directory_entry& entry : fs::directory_iterator(dir_, absent))
-      if (const std::string stem = entry.path().stem().string();
-          entry.path().extension() == ".png" && stem.size() >= 6 &&
-          stem.find_first_not_of("0123456789") == std::string::npos)
-        before.push_back(entry.path());
-    for (const fs::path& file : before) fs::remove(file, absent);
-    if (names_.empty()) return;
-    make_output_dir(dir_);
-    for (const fs::path& name : names_) {
-      fs::rename(unfinished_ / name, dir_ / name, failed);
-      if (failed) throw Error((dir_ / name).string() + ": cannot be written: " + failed.message());
-    }
-  }
-
- private:
-  fs::path dir_, unfinished_;
-  std::vector<fs::path> names_;
-};
-
-/// DIR/left.jsonl, written as pieces leave, and there once all is done; none where nothing did.
+/// Writes left.jsonl as pieces leave; none where nothing does.
 class LeftFile {
  public:
-  explicit LeftFile(fs::path file) : file_(std::move(file)), unfinished_(file_) {
-    unfinished_ += ".unfinished";
-  }
-  ~LeftFile() {
-    std::error_code absent;
-    if (out_.is_open()) fs::remove(unfinished_, absent);
-  }
-  LeftFile(const LeftFile&) = delete;
-  LeftFile& operator=(const LeftFile&) = delete;
+  explicit LeftFile(StagedOutput& output) : output_(output) {}
 
   void operator()(const world::LeftPiece& piece) {
     if (piece.outline.parts.empty()) return;
-    if (!out_.is_open()) {
-      make_output_dir(file_.parent_path());
-      out_.open(unfinished_, std::ios::binary);
-    }
+    if (!out_.is_open()) out_.open(output_.add_file("left.jsonl"), std::ios::binary);
     out_ << world::left_json(piece);
-    if (!out_.flush()) throw Error(file_.string() + ": cannot be written");
-  }
-  /// The file takes the place of an earlier run's, which goes where nothing left.
-  void finish() {
-    std::error_code failed;
-    if (!out_.is_open()) {
-      fs::remove(file_, failed);
-      return;
-    }
-    out_.close();
-    fs::rename(unfinished_, file_, failed);
-    if (failed) throw Error(file_.string() + ": cannot be written: " + failed.message());
+    if (!out_.flush()) throw Error("left.jsonl: cannot be written");
   }
 
  private:
-  fs::path file_, unfinished_;
+  StagedOutput& output_;
   std::ofstream out_;
 };
 
-/// DIR/mesh.ply of each segment, of the frames that went into the map, where it is asked for; those
-/// of an earlier map are removed.
-void write_meshes(const MapArgs& args, const world::MapJob& job, const world::WorldMap& map) {
-  std::error_code absent;
-  for (int segment = 0; fs::remove(file_of_segment(args.out, "mesh", segment, ".ply"), absent);
-       ++segment) {
-  }
+/// Writes mesh.ply of each segment, of the frames that went into the map, where it is asked for.
+void write_meshes(const MapArgs& args,
+                  const world::MapJob& job,
+                  const world::WorldMap& map,
+                  StagedOutput& output) {
   if (!(args.mesh_voxel_m > 0)) return;
   const std::vector<world::FrameOfTracks>& told = map.tracker.frames();
   const auto count = static_cast<int>(told.size());
   std::unique_ptr<io::SurfaceFusion> fusion;
   const auto finish = [&](int segment) {
-    const fs::path file = file_of_segment(args.out, "mesh", segment, ".ply");
-    if (!fusion || !fusion->write_ply(file))
-      notice("{}: not written, there is no surface", file.string());
+    const std::string file = file_of_segment("mesh", segment, ".ply");
+    if (!fusion || !fusion->write_ply(output.add_file(file)))
+      notice("{}: not written, there is no surface", (args.out / file).string());
     fusion.reset();
   };
   for (int i = 0; i < count; ++i) {
@@ -176,8 +132,7 @@ void expect_meshes(const MapArgs& args, const io::RecordingInfo& info) {
   if (!(args.mesh_voxel_m > 0)) return;
   io::make_surface_fusion(args.mesh_voxel_m, 0);
   if (info.intrinsics.distortion != Distortion::none)
-    throw Error(info.path.string() +
-                ": has lens distortion, which --mesh does not take: Open3D's camera has none");
+    throw Error(info.path.string() + ": has lens distortion, which --mesh does not support");
 }
 
 fs::path observed_file(const fs::path& dir, int frame) {
@@ -189,14 +144,14 @@ void write_shard(const MapArgs& args, const world::MapJob& job) {
   make_output_dir(args.out / "observed");
   std::string key;
   std::size_t written = 0;
-  const auto shards = static_cast<std::size_t>(args.shard.count);
-  const auto mine = static_cast<std::size_t>(args.shard.index - 1);
+  const auto shards = static_cast<std::size_t>(args.shard->count);
+  const auto mine = static_cast<std::size_t>(args.shard->index - 1);
   std::vector<std::string> notices;
   world::observe_recording(
       job, [&](std::size_t position) { return position % shards == mine; },
       [&](const world::ObservedFrame& frame, const world::UprightPoses& upright) {
         if (key.empty()) {
-          key = world::observed_key(job.pipeline, upright);
+          key = world::observed_key(job.pipeline, job.recording->info(), upright);
           notices = upright.told;
         }
         write_file_bytes(observed_file(args.out, frame.frame), world::observed_bytes(frame, key));
@@ -204,29 +159,29 @@ void write_shard(const MapArgs& args, const world::MapJob& job) {
       });
   for (const std::string& line : notices) notice("{}", line);
   fmt::print("{}: {} of shard {}/{}\n", args.out.string(), counted(written, "frame"),
-             args.shard.index, args.shard.count);
+             args.shard->index, args.shard->count);
 }
 
 /// Takes frames as shards wrote them.
 void join_shards(const fs::path& dir, world::MapJob& job) {
   if (!fs::is_directory(dir / "observed"))
     throw Error(dir.string() + ": holds no folder `observed`, expected what --shard wrote");
-  job.observed = [dir, options = job.pipeline, key = std::string(),
+  job.observed = [dir, options = job.pipeline, info = job.recording->info(), key = std::string(),
                   once = std::make_shared<std::once_flag>()](
                      int frame, const world::UprightPoses& upright) mutable {
-    std::call_once(*once, [&] { key = world::observed_key(options, upright); });
+    std::call_once(*once, [&] { key = world::observed_key(options, info, upright); });
     const fs::path file = observed_file(dir, frame);
     if (!fs::exists(file))
-      throw Error(file.string() + ": is missing, expected of one of the shards");
+      throw Error(file.string() + ": is missing: a shard did not finish, or skipped the frame");
     return world::read_observed(file, key);
   };
 }
 
 int run_map(const MapArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
-    throw Error(fmt::format("map takes one recording, {} are given", args.input.inputs.size()));
+    throw Error(fmt::format("map: {} recordings given; expected one", args.input.inputs.size()));
   if (args.input.pipeline.classifier == "truth")
-    throw Error("map: does not take --classifier truth, which knows frames that have labels alone");
+    throw Error("map: --classifier truth is not supported: it needs labeled frames");
   check_output_dir(args.out);
   world::MapJob job;
   if (args.poses) job.trajectory = world::read_trajectory(*args.poses);
@@ -243,23 +198,25 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   job.threads = args.input.pipeline.threads;
   job.stop = stop;
   job.at_own_rate = args.follow;
-  if (args.shard.count > 1) {
+  if (args.shard) {
     job.progress = StageBar("map");
     write_shard(args, job);
     return 0;
   }
   if (!args.join.empty()) join_shards(args.join, job);
   expect_meshes(args, job.recording->info());
-  LeftFile left(args.out / "left.jsonl");
+  StagedOutput output(args.out);
+  LeftFile left(output);
   job.on_left = [&](const world::LeftPiece& piece) { left(piece); };
-  PlanesFolder planes_folder(args.out);
-  job.on_planes = [&](int frame, std::span<const unsigned char> png) { planes_folder(frame, png); };
+  job.on_planes = [&](int frame, std::span<const unsigned char> png) {
+    write_file_bytes(output.add_file(world::planes_file({}, frame)), png);
+  };
   job.progress = StageBar("map");
   const world::WorldMap map = world::map_recording(job);
-  planes_folder.finish();
-  write_map(args.out, map, input.path.filename().string());
-  write_meshes(args, job, map);
-  left.finish();
+  write_map(output, map, input.path.filename().string());
+  write_meshes(args, job, map, output);
+  replace_earlier_map(args.out, output);
+  output.commit();
   job.progress = {};
   for (const std::string& line : map.told) notice("{}", line);
   const std::size_t planes = world::planes_of_map(map.tracker).size();
@@ -269,11 +226,9 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   fmt::print("{}: {} from {}{}, poses of {}\n", args.out.string(), counted(planes, "plane"), of,
              counted(input.frames.size(), "frame"), map.poses.source);
   if (map.pace)
-    fmt::print(
-        "  {} of {} frames at {:.1f} a second, in the map {:.0f} ms after they came, {:.0f} "
-        "at most\n",
-        map.pace->taken, map.pace->frames, map.pace->rate_hz, 1000 * map.pace->behind_s_median,
-        1000 * map.pace->behind_s_most);
+    fmt::print("  {} of {} frames at {:.1f} Hz; latency {:.0f} ms median, {:.0f} ms maximum\n",
+               map.pace->taken, map.pace->frames, map.pace->rate_hz,
+               1000 * map.pace->behind_s_median, 1000 * map.pace->behind_s_most);
   if (const std::string text = world::stability_text(map.stability); !text.empty())
     fmt::print("  {}\n", text);
   return map.refused > 0 ? 2 : 0;
@@ -290,11 +245,11 @@ void define_map(CLI::App& app, Line& line) {
   add_inputs(map, args->input, kOneInput);
   add_out(map, args->out)->required();
   add(map, "--poses", args->poses, "FILE",
-      "Where the camera was: TUM, KITTI, or Open3D's .log or .json; else as the recording says, "
-      "else from its images");
+      "Camera poses: TUM, KITTI, or Open3D's .log or .json. Default: the recording's, else "
+      "odometry");
   add(map, "--window", args->tracks.window_m, "M",
-      "Edge of the cube about the camera that the map is held in; what leaves it goes to "
-      "left.jsonl. Default 0: no limit")
+      "Keep only a cube with this edge around the camera, and write what leaves it to left.jsonl. "
+      "Default 0: no limit")
       ->check(number(0));
   add(map, "--mesh", args->mesh_voxel_m, "M",
       "Also mesh.ply, the frames' depth fused by Open3D (TSDF) in voxels of M metres; of cameras "
@@ -309,9 +264,11 @@ void define_map(CLI::App& app, Line& line) {
   add(map, "--join", args->join, "DIR", "Take the planes from where --shard wrote them");
   add_method(map, args->input.pipeline);
   runs(map, line, args, run_map, [args] {
-    if (args->shard.count > 1 && (args->follow || !args->join.empty() || args->mesh_voxel_m > 0 ||
-                                  args->tracks.window_m > 0))
-      throw Error("map: --shard goes with none of --follow, --join, --mesh and --window");
+    const bool in_one_pass = args->follow || args->tracks.window_m > 0;
+    if (args->shard && (in_one_pass || !args->join.empty() || args->mesh_voxel_m > 0))
+      throw Error("map: --shard cannot be combined with --follow, --join, --mesh or --window");
+    if (!args->join.empty() && in_one_pass)
+      throw Error("map: --join cannot be combined with --follow or --window");
   });
 }
 

@@ -90,11 +90,15 @@ class CellPainter {
   std::vector<double> top_;
 };
 
+bool is_on_way(const world::FrameOfTracks& frame, int segment) {
+  return frame.has_pose && !frame.set_aside && frame.segment == segment;
+}
+
 void draw_way(const world::WorldMap& map, int segment, const Sheet& sheet, Image8& image) {
-  const world::CameraPose* before = nullptr;
-  for (const world::CameraPose& pose : map.poses.poses) {
-    if (pose.segment != segment) continue;
-    const Vec2d to = sheet.at(pose.T_world_camera.translation());
+  const world::FrameOfTracks* before = nullptr;
+  for (const world::FrameOfTracks& frame : map.tracker.frames()) {
+    if (!is_on_way(frame, segment)) continue;
+    const Vec2d to = sheet.at(frame.T_world_camera.translation());
     const Vec2d from = before ? sheet.at(before->T_world_camera.translation()) : to;
     const int steps = std::max(1, static_cast<int>((to - from).norm()));
     for (int i = 0; i < steps; ++i) {
@@ -102,7 +106,7 @@ void draw_way(const world::WorldMap& map, int segment, const Sheet& sheet, Image
       render::fill_disc(image, at.x(), at.y(), 1.2, kWay);
     }
     if (!before) render::fill_disc(image, to.x(), to.y(), 5, kWay);
-    before = &pose;
+    before = &frame;
   }
 }
 
@@ -201,8 +205,8 @@ Image8 map_from_above(const world::WorldMap& map, int segment) {
     if (!places.empty()) planes.push_back(track);
   }
   if (sheet.empty()) return {};
-  for (const world::CameraPose& pose : map.poses.poses)
-    if (pose.segment == segment) sheet.add(pose.T_world_camera.translation());
+  for (const world::FrameOfTracks& frame : map.tracker.frames())
+    if (is_on_way(frame, segment)) sheet.add(frame.T_world_camera.translation());
   sheet.settle();
   Image8 image(sheet.width(), sheet.height(), 3);
   render::fill_rect(image, 0, 0, image.width, image.height, kGround);

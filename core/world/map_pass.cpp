@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <future>
 #include <thread>
 #include <utility>
@@ -16,23 +17,27 @@
 namespace planescope::world {
 namespace {
 
-/// Frames that come by their times, or 30 a second where those do not ascend.
+/// Frames that arrive at their timestamps, or at 30 Hz if these do not increase.
 class Arrivals {
  public:
   Arrivals(const MapJob& job, const std::vector<const CameraPose*>& pose_of) : job_(job) {
     constexpr double kRate_hz = 30;
     for (std::size_t i = 0; i < pose_of.size(); ++i)
-      due_.push_back(pose_of[i] ? pose_of[i]->timestamp_s
-                                : job.recording->timestamp_s(job.frames[i]));
-    const double first = due_.front();
+      due_.push_back(pose_of[i] ? pose_of[i]->timestamp_s : time_of(*job.recording, job.frames[i]));
+    // A damaged frame comes with the one before it.
+    const auto known = [](double time) { return !std::isnan(time); };
+    const auto first_known = std::ranges::find_if(due_, known);
+    const double first = first_known == due_.end() ? 0 : *first_known;
+    double before = first;
+    for (double& time : due_) before = time = known(time) ? time : before;
     for (double& time : due_) time -= first;
     if (!std::ranges::is_sorted(due_) || (due_.size() > 1 && due_.back() <= 0))
       for (std::size_t i = 0; i < due_.size(); ++i) due_[i] = static_cast<double>(i) / kRate_hz;
   }
 
-  /// The newest frame that has come, of those from `i` on; waits for the first of them.
+  /// Waits for frame `i`, then returns the newest frame that has arrived.
   int newest(int i) const {
-    constexpr double kLongest_s = 0.05;  // until it is looked whether to stop
+    constexpr double kLongest_s = 0.05;  // between checks for a stop request
     for (double wait; (wait = due_[i] - now_s()) > 0;) {
       check_stop(job_);
       std::this_thread::sleep_for(std::chrono::duration<double>(std::min(kLongest_s, wait)));
@@ -44,14 +49,13 @@ class Arrivals {
   void taken(int i) { behind_.push_back(now_s() - due_[i]); }
 
   Pace pace() {
+    Pace pace{.frames = static_cast<int>(due_.size()), .taken = static_cast<int>(behind_.size())};
+    if (pace.frames > 1) pace.rate_hz = (pace.frames - 1) / std::max(1e-9, due_.back());
+    if (behind_.empty()) return pace;
     std::ranges::sort(behind_);
-    return {.frames = static_cast<int>(due_.size()),
-            .taken = static_cast<int>(behind_.size()),
-            .rate_hz = due_.size() > 1
-                           ? static_cast<double>(due_.size() - 1) / std::max(1e-9, due_.back())
-                           : 0,
-            .behind_s_median = behind_[behind_.size() / 2],
-            .behind_s_most = behind_.back()};
+    pace.behind_s_median = behind_[behind_.size() / 2];
+    pace.behind_s_most = behind_.back();
+    return pace;
   }
 
  private:
@@ -64,12 +68,12 @@ class Arrivals {
   Clock::time_point start_ = Clock::now();
 };
 
-/// A part of the map is not there, which is not what the recording is like.
+/// A shard's file is missing or invalid: ends the run. Other errors skip one frame.
 struct PartError : Error {
   using Error::Error;
 };
 
-/// A frame on its way into the map.
+/// A frame in progress.
 struct FrameAtWork {
   const CameraPose* pose = nullptr;
   Frame frame;
@@ -98,7 +102,7 @@ ObservedFrame observation_of(FrameAtWork& work) {
                  work.pose->segment);
 }
 
-/// With planes that were found elsewhere.
+/// With the planes that a shard found.
 ObservedFrame observe_given(const MapJob& job,
                             const UprightPoses& upright,
                             const FrameAtWork& work) {
@@ -134,7 +138,7 @@ std::vector<const Track*> sure_tracks(const Tracker& tracker, int segment) {
   return sure;
 }
 
-/// All frames of a job, each started, its planes found, observed and taken into the tracker.
+/// Starts each frame of a job, finds its planes, observes them and adds them to the tracker.
 class Passage {
  public:
   Passage(const MapJob& job,
@@ -151,14 +155,15 @@ class Passage {
         is_last_(is_last),
         stores_(is_last && offer != Offer::nothing),
         count_(static_cast<int>(job.frames.size())),
-        threads_(threads_of(job, offer == Offer::so_far ? 1 : job.threads)),
+        one_by_one_(job.at_own_rate || offer == Offer::so_far),
+        threads_(threads_of(job, one_by_one_ ? 1 : job.threads)),
         pose_of_(poses_by_frame(job, upright)),
         at_work_(job.frames.size()),
         pass_{Tracker(job.tracks, earlier ? earlier->tracks().size() : 0), {}, {}, 0, {}} {}
 
   Pass run() {
     if (is_last_) pass_.tracker.on_left(job_.on_left);
-    if (offer_ == Offer::so_far)
+    if (one_by_one_)
       run_one_by_one();
     else
       work_in_order(
@@ -177,9 +182,9 @@ class Passage {
     std::string refused;
   };
 
-  /// While the planes of a frame are found, the one before is taken and the next one started: a
-  /// frame is offered the tracks that were there two frames before it, as a camera does not wait.
-  /// Where the next one has not come yet, a frame is taken at once.
+  /// While the planes of a frame are found, the one before is taken and the next one started, so a
+  /// frame's candidates are the tracks as of two frames before it. If the next frame has not
+  /// arrived yet, a frame is taken at once.
   void run_one_by_one() {
     std::optional<Arrivals> arrivals;
     if (job_.at_own_rate) arrivals.emplace(job_, pose_of_);
@@ -192,13 +197,13 @@ class Passage {
     const auto finish = [&](int i) {
       if (i < 0) return;
       observe_found(i);
+      const bool is_observed = at_work_[i].observed.has_value();
       take(i);
-      if (arrivals) arrivals->taken(i);
+      if (arrivals && is_observed) arrivals->taken(i);
     };
     int found = -1;
     for (int i = start_newest(0), next = 0; i < count_; i = next) {
-      std::future<void> finding = std::async(
-          job_.threads > 1 ? std::launch::async : std::launch::deferred, [this, i] { find(i); });
+      std::future<void> finding = std::async(policy(), [this, i] { find(i); });
       finish(found);
       next = i + 1;
       const bool goes_on = next < count_ && has_come(next);
@@ -213,7 +218,7 @@ class Passage {
     if (arrivals) pass_.pace = arrivals->pace();
   }
 
-  /// What goes wrong with a frame is told when it is taken, and the frame left out.
+  /// A frame that fails is skipped, and reported when its turn comes.
   void attempt(int i, const std::function<void(AtWork&)>& step) {
     if (job_.stop.stop_requested() || !at_work_[i].refused.empty()) return;
     try {
@@ -229,11 +234,13 @@ class Passage {
     attempt(i, [&](AtWork& at) {
       if (!pose_of_[i]) {
         if (upright_.poses.estimated)
-          job_.recording->frame(job_.frames[i]);  // if it cannot be read, that is why
+          job_.recording->frame(
+              job_.frames[i]);  // throws if unreadable: that explains the missing pose
         return;
       }
       std::vector<const Track*> known;
-      if (offer_ == Offer::so_far) known = sure_tracks(pass_.tracker, pass_.tracker.segment());
+      if (offer_ == Offer::so_far)
+        known = sure_tracks(pass_.tracker, pass_.tracker.segment_of(pose_of_[i]->segment));
       if (offer_ == Offer::all) known = sure_tracks(*earlier_, earlier_->frames()[i].segment);
       at.frame = start_frame(job_, threads_.pipeline, upright_, *pose_of_[i], known);
     });
@@ -252,8 +259,8 @@ class Passage {
       if (!stores_) return;
       for (const ObservedPlane& plane : at.observed->planes)
         at.stored.margins.push_back(plane.margin);
-      at.png = std::async(std::launch::async,
-                          [&image = at.observed->plane_of] { return io::encode_png(image); });
+      at.png =
+          std::async(policy(), [&image = at.observed->plane_of] { return io::encode_png(image); });
     });
   }
   void take(int i) {
@@ -276,7 +283,11 @@ class Passage {
     at = {};
     tell(job_, what_, i + 1, count_);
   }
-  /// Whether the planes were found elsewhere.
+  /// On another thread if the job has more than one and the system can start it.
+  std::launch policy() const {
+    return job_.threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
+  }
+  /// Whether a shard found the planes.
   bool is_given() const { return job_.observed && offer_ == Offer::nothing; }
 
   const MapJob& job_;
@@ -286,6 +297,7 @@ class Passage {
   const char* const what_;
   const bool is_last_, stores_;
   const int count_;
+  const bool one_by_one_;
   const Threads threads_;
   const std::vector<const CameraPose*> pose_of_;
   std::vector<AtWork> at_work_;  // by position in the job
@@ -327,7 +339,7 @@ void observe_each(const MapJob& job,
           FrameAtWork work = start_frame(job, threads.pipeline, upright, *poses[i]);
           find_planes(job, work);
           observed[i] = std::make_unique<const ObservedFrame>(observation_of(work));
-        } catch (const Error&) {  // told where the parts are joined
+        } catch (const Error&) {  // reported by --join
         }
       },
       [&](int i) {

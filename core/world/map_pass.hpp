@@ -1,6 +1,6 @@
 #pragma once
 
-// One way through the frames of a map's recording.
+// One pass over the frames of a recording.
 
 #include <functional>
 #include <map>
@@ -21,23 +21,23 @@ inline void tell(const MapJob& job, const char* what, int done, int all) {
   if (job.progress) job.progress(what, done, all);
 }
 
-/// Of each frame of the job; null: it has none.
+/// The pose of each frame of the job; null if it has none.
 std::vector<const CameraPose*> poses_by_frame(const MapJob& job, const UprightPoses& upright);
 
-/// What is offered to each frame: nothing, the tracks before it, or all of an earlier pass.
+/// Candidates for each frame: none, the tracks so far, or all tracks of an earlier pass.
 enum class Offer { nothing, so_far, all };
 
-/// The frames of a job, taken in one after the other.
+/// Result of one pass.
 struct Pass {
   Tracker tracker;
   std::map<int, StoredPlanes> stored;
-  std::vector<std::string> refused;  // frames that could not be read or worked on, a line each
+  std::vector<std::string> refused;  // frames that failed, one line each
   int without_pose = 0;
   std::optional<Pace> pace;
 };
 
-/// `earlier`: the pass whose tracks are offered (Offer::all). `what`: for MapJob::progress. The
-/// last pass calls the job's other functions.
+/// `earlier`: the pass whose tracks are offered (Offer::all). `what`: for MapJob::progress. Only
+/// the last pass calls on_frame, on_planes and on_left.
 Pass pass_through(const MapJob& job,
                   const UprightPoses& upright,
                   Offer offer,
@@ -45,8 +45,8 @@ Pass pass_through(const MapJob& job,
                   const char* what,
                   bool is_last);
 
-/// Frames of a job at these poses, to which nothing is offered; `take` has them in this order, null
-/// where one cannot be read.
+/// Observes the frames at these poses without candidates. Calls `take` in this order, with null for
+/// a frame that failed.
 void observe_each(const MapJob& job,
                   const UprightPoses& upright,
                   const std::vector<const CameraPose*>& poses,

@@ -1,6 +1,7 @@
 #include "core/world/map_recording.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,7 @@
 namespace planescope::world {
 namespace {
 
-constexpr int kGravityFrames = 60;  // looked at, spread over the recording
+constexpr int kGravityFrames = 60;  // looked at in each segment
 constexpr double kLeastKept = 0.2;  // share of pixels on planes that go on in the next frame
 
 /// The poses that the frames carry; empty where none does.
@@ -65,47 +66,41 @@ Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
   return found;
 }
 
-int looked_at(const Trajectory& trajectory, int most) {
-  return std::min(static_cast<int>(trajectory.poses.size()), most);
+/// Up to kGravityFrames poses of each segment, spread over it.
+std::vector<const CameraPose*> spread_over_segments(const std::vector<CameraPose>& poses) {
+  std::vector<const CameraPose*> chosen;
+  for (std::size_t first = 0, end = 0; first < poses.size(); first = end) {
+    while (end < poses.size() && poses[end].segment == poses[first].segment) ++end;
+    const std::size_t count = end - first, looked = std::min<std::size_t>(count, kGravityFrames);
+    for (std::size_t i = 0; i < looked; ++i) chosen.push_back(&poses[first + i * count / looked]);
+  }
+  return chosen;
 }
 
-/// visit(0, pose) to visit(looked - 1, pose) of frames spread over the recording, side by side;
-/// what cannot be read is told where the frame's turn comes.
-void look_at_some(const MapJob& job,
-                  const Trajectory& trajectory,
-                  int looked,
-                  const char* what,
-                  const std::function<void(int, const CameraPose&)>& visit) {
-  const std::size_t count = trajectory.poses.size();
+/// Turns each segment upright by the gravity of some of its frames.
+std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory& trajectory) {
+  const std::vector<const CameraPose*> looked = spread_over_segments(trajectory.poses);
+  std::vector<GravitySample> samples(looked.size());
+  std::vector<int> segments;
+  for (const CameraPose* pose : looked) segments.push_back(pose->segment);
+  planes::GravityOptions options = job.pipeline.gravity;
+  options.none_where_unknown = true;
   work_through(
-      looked, job.threads,
+      static_cast<int>(looked.size()), job.threads,
       [&](int i) {
         if (job.stop.stop_requested()) return;
+        samples[i].T_world_camera = looked[i]->T_world_camera;
+        samples[i].gravity = planes::unknown_gravity({}, "cannot be read");
         try {
-          visit(i, trajectory.poses[static_cast<std::size_t>(i) * count / looked]);
-        } catch (const Error&) {
+          const Frame frame = job.recording->frame(looked[i]->frame);
+          samples[i].gravity = planes::resolve_gravity(frame, options);
+        } catch (const Error&) {  // reported when the frame's turn comes
         }
       },
       [&](int done, int all) {
         check_stop(job);
-        tell(job, what, done, all);
+        tell(job, "gravity", done, all);
       });
-}
-
-/// Gravity of frames spread over each segment.
-std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory& trajectory) {
-  const int looked = looked_at(trajectory, kGravityFrames);
-  std::vector<GravitySample> samples(looked);
-  std::vector<int> segments(looked);
-  planes::GravityOptions options = job.pipeline.gravity;
-  options.none_where_unknown = true;
-  look_at_some(job, trajectory, looked, "gravity", [&](int i, const CameraPose& pose) {
-    segments[i] = pose.segment;
-    samples[i].T_world_camera = pose.T_world_camera;
-    samples[i].gravity = planes::unknown_gravity({}, "cannot be read");
-    const Frame frame = job.recording->frame(pose.frame);
-    samples[i].gravity = planes::resolve_gravity(frame, options);
-  });
   return turn_upright(trajectory, samples, segments);
 }
 
@@ -116,10 +111,9 @@ void tell_of_aside(const Tracker& tracker, std::vector<std::string>& told) {
       if (aside++ == 0) first = frame.frame;
     }
   if (aside > 0)
-    told.push_back(fmt::format(
-        "{} set aside, from frame {} on: at their poses, their depth does not fit what was seen "
-        "before",
-        counted(aside, "frame"), first));
+    told.push_back(
+        fmt::format("{} set aside, the first is frame {}: their depth contradicts the map",
+                    counted(aside, "frame"), first));
   const auto& frames = tracker.frames();
   for (std::size_t i = 1; i < frames.size(); ++i)
     if (frames[i].segment != frames[i - 1].segment)
@@ -141,8 +135,10 @@ planes::PipelineOptions turn_to_map(Frame& frame,
                                     const UprightPoses& upright) {
   frame.timestamp_s = pose.timestamp_s;  // its own, or where it has none the pose's
   const SharedGravity& gravity = upright.gravity[static_cast<std::size_t>(pose.segment)];
-  if (gravity.known && options.gravity.mode != planes::GravityMode::none)
-    frame.gravity = gravity_at(pose.T_world_camera, gravity);
+  if (options.gravity.mode != planes::GravityMode::none)
+    frame.gravity = gravity.known
+                        ? gravity_at(pose.T_world_camera, gravity)
+                        : planes::unknown_gravity(frame, "the gravity of its segment is unknown");
   return options_of_map(std::move(options));
 }
 
@@ -151,15 +147,15 @@ namespace {
 UprightPoses upright_poses(const MapJob& job) {
   const std::string path = job.recording->info().path.string();
   if (job.recording->info().width == 0)
-    throw Error(path + ": holds clouds, expected depth images: a map follows a camera");
+    throw Error(path + ": contains point clouds; expected depth images");
   UprightPoses upright;
   upright.poses = trajectory_of(job, upright.told);
   std::vector<CameraPose>& poses = upright.poses.poses;
   if (poses.empty()) throw Error(path + ": no frame has a pose");
   const auto back = std::ranges::is_sorted_until(poses, {}, &CameraPose::timestamp_s);
   if (back != poses.end())
-    upright.told.push_back(
-        fmt::format("time goes back at frame {}: frames are taken in their order", back->frame));
+    upright.told.push_back(fmt::format(
+        "timestamps decrease at frame {}; frames are processed in index order", back->frame));
   upright.gravity = turn_upright_by_frames(job, upright.poses);
   for (CameraPose& pose : poses) settle(pose);
   return upright;
@@ -167,8 +163,12 @@ UprightPoses upright_poses(const MapJob& job) {
 
 }  // namespace
 
-std::string pipeline_key(const planes::PipelineOptions& options) {
-  std::string text;
+std::string pipeline_key(const planes::PipelineOptions& options,
+                         const io::RecordingInfo& recording) {
+  const Intrinsics& k = recording.intrinsics;
+  std::string text =
+      fmt::format("{} {} {} {} {} {} {} {} {}\n", recording.depth_unit_m, k.width, k.height, k.fx,
+                  k.fy, k.cx, k.cy, static_cast<int>(k.distortion), fmt::join(k.coefficients, " "));
   for (const planes::OptionInfo& info : planes::option_table())
     if (info.matters(options) && info.section != "foot" && info.section != "stairs")
       text += info.name + "=" + info.get(options) + "\n";
@@ -193,7 +193,7 @@ void take_aligned(const Tracker& tracker, std::vector<CameraPose>& poses) {
 
 WorldMap map_recording(const MapJob& job) {
   WorldMap map;
-  map.pipeline_key = pipeline_key(job.pipeline);
+  map.pipeline_key = pipeline_key(job.pipeline, job.recording->info());
   static_cast<UprightPoses&>(map) = upright_poses(job);
   const bool helps = !job.alone && planes::finds_on_pixels(job.pipeline);
   const bool in_one_pass = job.at_own_rate || job.tracks.window_m > 0;
@@ -217,9 +217,8 @@ WorldMap map_recording(const MapJob& job) {
   map.stability = stability_of(map.tracker, map.poses.poses);
   if (map.stability.kept_share < kLeastKept)
     map.told.push_back(
-        fmt::format("only {:.0f} % of pixels on planes go on in the next frame: frames may be too "
-                    "far apart, or "
-                    "the poses of {} not those of a camera in the world, in metres",
+        fmt::format("only {:.0f} % of plane pixels are tracked into the next frame: frames may be "
+                    "too far apart, or {} may not hold T_world_camera in meters",
                     100 * map.stability.kept_share, map.poses.source));
   return map;
 }

@@ -20,11 +20,11 @@
 
 namespace planescope::world {
 
-/// Where the camera was, in worlds that stand upright.
+/// Camera poses in worlds whose z points up.
 struct UprightPoses {
   Trajectory poses;                    // of the frames that have one
   std::vector<SharedGravity> gravity;  // by segment of the poses
-  std::vector<std::string> told;       // what was odd, a line each
+  std::vector<std::string> told;       // warnings, one line each
 };
 
 struct MapJob {
@@ -39,16 +39,16 @@ struct MapJob {
   /// After each frame, in their order.
   std::function<void(const ObservedFrame&, const FrameOfTracks&)> on_frame = {};
   /// The planes of each frame, in their order, as a PNG of 16 bits: per pixel the plane's id, 0
-  /// none. Not where each frame finds its planes by itself: it finds the same ones again.
+  /// none. Not called if frames get no candidates: segmenting
+  /// them again gives the same planes.
   std::function<void(int frame, std::span<const unsigned char> png)> on_planes = {};
   /// What leaves the window (TrackOptions::window_m).
   std::function<void(const LeftPiece&)> on_left = {};
-  /// Each frame finds its planes by itself. Else the planes of the other frames are offered to it:
-  /// of all of them, in a second pass; of those before it where frames come at the recording's own
-  /// rate, or the map is held in a window.
+  /// Segment each frame independently. Otherwise planes of other frames are candidates: all of
+  /// them, in a second pass, or earlier ones only with at_own_rate or a window.
   bool alone = false;
-  /// Frames come as a camera would hand them over, by their times, or 30 a second where those do
-  /// not ascend; what passes while a frame is worked on is left out. Needs poses.
+  /// Simulate a live camera: frames arrive at their timestamps, or at 30 Hz if these do not
+  /// increase. Frames that arrive while another is processed are dropped. Needs poses.
   bool at_own_rate = false;
   /// Frames that were observed elsewhere (observed_files.hpp): their planes are taken from there.
   std::function<ObservedFrame(int frame, const UprightPoses& upright)> observed = {};
@@ -59,7 +59,7 @@ struct MapJob {
 struct Pace {
   int frames = 0, taken = 0;
   double rate_hz = 0;                             // of the recording
-  double behind_s_median = 0, behind_s_most = 0;  // a frame is in the map so long after it came
+  double behind_s_median = 0, behind_s_most = 0;  // latency from arrival to map
 };
 
 /// The planes of a frame, as the map has them.
@@ -77,23 +77,23 @@ struct WorldMap : UprightPoses {  // with the poses at which the map has the fra
   std::optional<Pace> pace;  // where it was made at the recording's own rate
 };
 
-/// The options with which a frame that was turned to a map has the planes that the map knows.
+/// Options for a frame after turn_to_map().
 planes::PipelineOptions options_of_map(planes::PipelineOptions options);
 
-/// Gives the frame its pose's time and the map's gravity, where that is known and asked for.
+/// Gives the frame its pose's time and, if asked for, the map's gravity.
 /// Returns options_of_map().
 planes::PipelineOptions turn_to_map(Frame& frame,
                                     planes::PipelineOptions options,
                                     const CameraPose& pose,
                                     const UprightPoses& upright);
 
-/// SHA-256 of the options that a frame's planes follow from; of a classifier's weights, the name
-/// alone.
-std::string pipeline_key(const planes::PipelineOptions& options);
+/// SHA-256 of the options and the camera that a frame's planes follow from; for classifier weights,
+/// only the name counts.
+std::string pipeline_key(const planes::PipelineOptions& options,
+                         const io::RecordingInfo& recording);
 
 /// Throws Error where the recording is of clouds, or no frame has a pose; Cancelled when stopped.
-/// After the poses, everything is a function of them and the frames, to the bit, for any number of
-/// threads.
+/// Given the poses, the result is bit-identical for any number of threads, except with at_own_rate.
 WorldMap map_recording(const MapJob& job);
 
 /// A part of it: observes the frames of the job for whose position in MapJob::frames `is_mine`

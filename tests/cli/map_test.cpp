@@ -68,7 +68,7 @@ TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
   EXPECT_EQ(pace["schema"], "planescope.pace/1");
   EXPECT_EQ(pace["frames"], 12);
   EXPECT_GE(pace["taken"], 1);
-  EXPECT_NE(ran.out.find(" of 12 frames at 15.0 a second"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find(" of 12 frames at 15.0 Hz"), std::string::npos) << ran.out;
   // What is behind the camera by the end has left, with what it covered.
   std::ifstream left(dir / "out" / "left.jsonl");
   std::string line;
@@ -76,6 +76,21 @@ TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
   const auto piece = nlohmann::json::parse(line);
   EXPECT_GE(piece["track"], 1);
   EXPECT_FALSE(piece["outline"].empty());
+
+  // A later map takes the place of all files of the earlier one, and of nothing else.
+  write_file_text(dir / "out" / "planes" / "notes.png", "mine");
+  ASSERT_EQ(map({"--frames", ":6"}).code, 0);
+  EXPECT_FALSE(fs::exists(dir / "out" / "pace.json"));
+  EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));
+  EXPECT_FALSE(fs::exists(dir / "out" / "planes" / "000011.png"));
+  EXPECT_TRUE(fs::exists(dir / "out" / "planes" / "000005.png"));
+  EXPECT_TRUE(fs::exists(dir / "out" / "planes" / "notes.png"));
+}
+
+TEST_F(Map, OfAMethodThatTakesNoCandidatesFollowsTheCameraToo) {
+  const Ran ran = map({"--follow", "--profile", "paper"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(read_json<nlohmann::json>(dir / "out" / "pace.json")["frames"], 12);
 }
 
 TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
@@ -88,7 +103,7 @@ TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
   const Ran ran = map({});
   EXPECT_EQ(ran.code, 2) << ran.err;
   EXPECT_NE(ran.err.find("frame 4: "), std::string::npos) << ran.err;
-  EXPECT_NE(ran.err.find("time goes back at frame 7"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("timestamps decrease at frame 7"), std::string::npos) << ran.err;
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   ASSERT_EQ(tracks["frames"].size(), 11u);
   EXPECT_TRUE(tracks["frames"][4]["track_of_plane"].empty());
@@ -132,8 +147,12 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
     EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
     return refused.err;
   };
-  EXPECT_NE(refusal({"--max-range", "2"}).find("other frames, options or poses"),
-            std::string::npos);
+  for (const std::vector<std::string>& other :
+       {std::vector<std::string>{"--max-range", "2"}, {"--depth-unit", "0.0005"}})
+    EXPECT_NE(refusal(other).find("another camera, other options or other poses"),
+              std::string::npos)
+        << other[0];
+  EXPECT_NE(refusal({"--window", "3"}).find("--join cannot be combined with"), std::string::npos);
   const fs::path part = fs::path(parts) / "observed" / "000007.cbor";
   write_file_text(part, "damaged");
   EXPECT_NE(refusal({}).find("000007.cbor: is no frame of a map"), std::string::npos);
@@ -218,8 +237,7 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
     EXPECT_EQ(ran.code, 0) << ran.err;
     return ran.err + ran.out;
   };
-  EXPECT_NE(told(millimetres, {}).find("not those of a camera in the world, in metres"),
-            std::string::npos);
+  EXPECT_NE(told(millimetres, {}).find("may not hold T_world_camera in meters"), std::string::npos);
   // Poses of the whole recording go with some of its frames as well.
   EXPECT_NE(told(kitti, {"--frames", "3:8"}).find("5 frames"), std::string::npos);
 }

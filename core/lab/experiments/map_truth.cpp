@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -77,6 +79,11 @@ Vec3d vector_of(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
+Error not_a_map(const fs::path& file, const Json::exception& problem) {
+  return Error(fmt::format("{}: {}, expected what planescope map wrote", file.string(),
+                           json_problem(problem)));
+}
+
 /// The largest first.
 std::vector<MapPlane> read_planes(const fs::path& file) {
   std::vector<MapPlane> planes;
@@ -87,16 +94,33 @@ std::vector<MapPlane> read_planes(const fs::path& file) {
         planes.push_back({vector_of(plane.at("normal")), vector_of(plane.at("centroid")),
                           plane.at("area_m2").get<double>()});
   } catch (const Json::exception& problem) {
-    throw Error(fmt::format("{}: {}, expected what planescope map wrote", file.string(),
-                            json_problem(problem)));
+    throw not_a_map(file, problem);
   }
   std::ranges::stable_sort(planes, std::greater(), &MapPlane::area_m2);
   return planes;
 }
 
-bool looks_at(const world::CameraPose& pose, const Face& face) {
-  const Vec3d to = face.center - pose.T_world_camera.translation();
-  return to.dot(pose.T_world_camera.linear().col(2)) > cosine(kView_deg) * to.norm() &&
+/// T_world_camera of the frames that went into the first segment.
+std::vector<Pose> read_poses(const fs::path& map) {
+  const fs::path file = map / "tracks.json";
+  const Json json = read_json<Json>(file, kMostBytes);
+  const world::Trajectory trajectory = world::read_trajectory(map / "poses.tum");
+  std::vector<Pose> poses;
+  try {
+    for (const Json& frame : json.at("frames")) {
+      if (frame.at("segment") != 0 || frame.contains("set_aside")) continue;
+      if (const auto* pose = world::pose_of(trajectory, frame.at("frame").get<int>()))
+        poses.push_back(pose->T_world_camera);
+    }
+  } catch (const Json::exception& problem) {
+    throw not_a_map(file, problem);
+  }
+  return poses;
+}
+
+bool looks_at(const Pose& T_world_camera, const Face& face) {
+  const Vec3d to = face.center - T_world_camera.translation();
+  return to.dot(T_world_camera.linear().col(2)) > cosine(kView_deg) * to.norm() &&
          -to.dot(face.normal) > cosine(kMostIncidence_deg) * to.norm();
 }
 
@@ -118,22 +142,24 @@ std::vector<Cuboid> read_cuboids(const fs::path& file) {
 MapTruthScore measure_map_truth(const fs::path& map, std::span<const Cuboid> cuboids) {
   const std::vector<Face> faces = faces_of(cuboids);
   const std::vector<MapPlane> planes = read_planes(map / "map.json");
-  const world::Trajectory poses = world::read_trajectory(map / "poses.tum");
+  const std::vector<Pose> poses = read_poses(map);
   MapTruthScore score;
   for (const Face& face : faces) {
     FaceScore& of = score.faces.emplace_back();
     of.name = face.name;
-    for (const world::CameraPose& pose : poses.poses)
-      of.frames += pose.segment == 0 && (face.name == "floor" || looks_at(pose, face));
+    for (const Pose& T_world_camera : poses)
+      of.frames += face.name == "floor" || looks_at(T_world_camera, face);
   }
   for (const MapPlane& plane : planes) {
     if (plane.area_m2 < kLeastArea_m2) continue;
-    const auto fits = [&](const Face& face) {
+    const auto off_m = [&](const Face& face) {
       return std::abs(plane.normal.dot(face.normal)) >= cosine(kNear_deg) &&
-             face.is_near(plane.centroid);
+                     face.is_near(plane.centroid)
+                 ? std::abs((plane.centroid - face.center).dot(face.normal))
+                 : std::numeric_limits<double>::infinity();
     };
-    const auto face = std::ranges::find_if(faces, fits);
-    if (face == faces.end()) {
+    const auto face = std::ranges::min_element(faces, {}, off_m);
+    if (std::isinf(off_m(*face))) {
       ++score.elsewhere;
       continue;
     }

@@ -26,7 +26,7 @@ std::vector<Cuboid> read_cuboids(const std::filesystem::path& file);
 /// How a map represents the floor or one face of a cuboid.
 struct FaceScore {
   std::string name;      // "floor", "cuboid 1 +x"
-  int frames = 0;        // in which its center is in view
+  int frames = 0;        // in which its center is in view; floor: all
   int planes = 0;        // of the map that match it
   double area_m2 = 0;    // of them
   double offset_m = 0;   // of the largest one, outwards, at its centroid
@@ -40,8 +40,8 @@ struct MapTruthScore {
   int elsewhere = 0;  // planes of the map that match no face
 };
 
-/// Reads map.json and poses.tum of a folder that planescope map wrote; only the first segment
-/// counts.
+/// Reads map.json, tracks.json and poses.tum of a folder that planescope map wrote; only the first
+/// segment counts.
 /// Throws Error naming the file that is missing or damaged.
 MapTruthScore measure_map_truth(const std::filesystem::path& map, std::span<const Cuboid> cuboids);
 

@@ -13,8 +13,9 @@ namespace planescope::planes {
 namespace {
 
 constexpr double kLeastSupport = 100;  // px
-constexpr double kMostOfPart = 0.7;    // a known plane takes a part of a region, or nothing of it
-constexpr double kVisible = 0.5;       // least share of what is not hidden, to be there
+// Least share of a region's expected pixels that a known plane explains; else it takes none.
+constexpr double kMostOfPart = 0.7;
+constexpr double kVisible = 0.5;  // least share of the visible pixels on the plane
 
 /// What a frame shows of a known plane.
 struct Support {
@@ -80,7 +81,7 @@ bool are_alike(const DepthSegmentation& s, const KnownPlane& known, const KnownP
   return off2 <= std::pow(s.reach_of(known, rho), 2);
 }
 
-/// Of a pixel: the known plane that explains it best.
+/// The known plane that best explains a pixel.
 struct Claim {
   float misfit = std::numeric_limits<float>::infinity();
   std::int32_t known = 0;  // index + 1, 0 none

@@ -46,8 +46,10 @@ void take_map(const Json& json,
   if (json.at("recording") != name)
     throw Error(fmt::format("is of the recording {}, expected {}", json.at("recording").dump(),
                             shown(name)));
-  if (json.at("pipeline") != pipeline_key(options))
-    throw Error("its planes were found with other options, expected those of this command");
+  if (json.at("pipeline") != pipeline_key(options, recording))
+    throw Error(
+        "its planes were found with other options or another camera, expected those of this "
+        "command");
   for (const Json& gravity : json.at("gravity")) {
     SharedGravity& shared = map.gravity.emplace_back();
     shared.source = source_of(gravity.at("source").get<std::string>());

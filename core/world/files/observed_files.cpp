@@ -143,11 +143,13 @@ Image16 image_of(const Json& json, int width, int height, std::size_t planes) {
 
 }  // namespace
 
-std::string observed_key(const planes::PipelineOptions& options, const UprightPoses& upright) {
+std::string observed_key(const planes::PipelineOptions& options,
+                         const io::RecordingInfo& recording,
+                         const UprightPoses& upright) {
   std::string text = tum_text(upright.poses);
   for (const SharedGravity& gravity : upright.gravity)
     text += Json{gravity.known, vector_bits(gravity.direction)}.dump();
-  text += pipeline_key(options);
+  text += pipeline_key(options, recording);
   return sha256_hex(text);
 }
 
@@ -173,7 +175,8 @@ ObservedFrame read_observed(const std::filesystem::path& file, const std::string
     if (json.at("schema") != kSchema) throw std::out_of_range("the schema");
     if (json.at("key") != key)
       throw Error(file.string() +
-                  ": made with other frames, options or poses, expected those of this command");
+                  ": made with another camera, other options or other poses, expected those of "
+                  "this command");
     ObservedFrame frame;
     frame.frame = json.at("frame").get<int>();
     const Json& noise = json.at("noise");

@@ -11,7 +11,9 @@
 namespace planescope::world {
 
 /// Of all that a frame's planes follow from but the frame: the options, the poses and gravity.
-std::string observed_key(const planes::PipelineOptions& options, const UprightPoses& upright);
+std::string observed_key(const planes::PipelineOptions& options,
+                         const io::RecordingInfo& recording,
+                         const UprightPoses& upright);
 
 /// CBOR, schema "planescope.observed/4": the frame's planes to the bit, and which pixel is on
 /// which.

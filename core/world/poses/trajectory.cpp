@@ -322,7 +322,8 @@ PosesOfFrames poses_by_time(const Trajectory& trajectory,
   std::vector<int> frame_of(sorted.size(), -1);
   double first_s = std::numeric_limits<double>::infinity(), last_s = -first_s;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const double t = recording.timestamp_s(frames[i]);
+    const double t = time_of(recording, frames[i]);
+    if (std::isnan(t)) continue;
     first_s = std::min(first_s, t);
     last_s = std::max(last_s, t);
     auto at = std::ranges::lower_bound(times, t) - times.begin();
@@ -345,6 +346,14 @@ PosesOfFrames poses_by_time(const Trajectory& trajectory,
 }
 
 }  // namespace
+
+double time_of(const io::Recording& recording, int frame) {
+  try {
+    return recording.timestamp_s(frame);
+  } catch (const Error&) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+}
 
 PairedPoses pair_poses(const Trajectory& trajectory,
                        const io::Recording& recording,
@@ -379,7 +388,10 @@ PairedPoses pair_poses(const Trajectory& trajectory,
     if (!paired.poses[i]) continue;
     CameraPose& pose = *paired.poses[i];
     pose.frame = frames[i];
-    if (have_times || !poses_have_times) pose.timestamp_s = recording.timestamp_s(frames[i]);
+    if (have_times || !poses_have_times) {
+      const double t = time_of(recording, frames[i]);
+      if (std::isfinite(t) || !poses_have_times) pose.timestamp_s = std::isfinite(t) ? t : 0;
+    }
   }
   return paired;
 }

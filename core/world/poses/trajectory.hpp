@@ -73,6 +73,9 @@ struct PairedPoses {
   std::string notice;  // for people, where poses were paired by order; else empty
 };
 
+/// When a frame was taken [s]; NaN if its time cannot be read.
+double time_of(const io::Recording& recording, int frame);
+
 /// Which pose belongs to which frame:
 /// - by the frame's number, where every pose has one;
 /// - by time, the nearest and no farther than half the usual distance between poses;

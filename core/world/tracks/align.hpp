@@ -1,8 +1,7 @@
 #pragma once
 
-// Brings a frame to the tracks before its planes are compared with them: a given pose errs by a
-// centimeter and half a degree, most of all in fast turns, and a plane must not become another one
-// for it.
+// Aligns a frame with the tracks before matching. Poses err by a centimeter and half a degree, more
+// in fast turns; uncorrected, planes match the wrong track.
 
 #include <span>
 

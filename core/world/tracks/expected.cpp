@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -12,6 +13,7 @@ namespace planescope::world {
 namespace {
 
 constexpr double kNearest_m = 0.05;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMargin_px = 2;  // as far as lenses bend an edge of a tile
 
 /// Where a tile is in the image: from x to x of each row that it reaches.
@@ -20,7 +22,7 @@ struct Rows {
   std::vector<std::pair<int, int>> x;  // by row - top, inclusive
 };
 
-/// Finds the pixels that show a track's cells.
+/// Finds the pixels whose rays hit a track's cells.
 class Footprint {
  public:
   Footprint(const Frame& frame, const Pose& T_world_camera)
@@ -71,7 +73,8 @@ class Footprint {
   }
 
  private:
-  /// The polygon that is seen of a tile [px]; empty: it is behind the camera.
+  /// The polygon that is seen of a tile [px]; empty: it is behind the camera. Corners that the lens
+  /// model cannot place are NaN.
   std::vector<Vec2d> corners_of(const Track& track, const CellMap::Tile& tile) const {
     const double side = CellMap::kSide * track.cells.cell_m();
     Vec3d square[4];
@@ -83,7 +86,12 @@ class Footprint {
       const Vec3d &a = square[c], &b = square[(c + 1) % 4];
       const double from = a.z() - kNearest_m, to = b.z() - kNearest_m;
       const auto add = [&](const Vec3d& p) {
-        corners.push_back(planes::ray_to_pixel(frame_.intrinsics, p.head<2>() / p.z()));
+        const Vec2d ray = p.head<2>() / p.z();
+        const Vec2d pixel = planes::ray_to_pixel(frame_.intrinsics, ray);
+        const Vec2d back = planes::pixel_to_ray(frame_.intrinsics, pixel.x(), pixel.y());
+        // Far outside the image, a lens model may fold back into it.
+        const bool folds = !((back - ray).norm() < 1e-3 * (1 + ray.norm()));
+        corners.push_back(folds ? Vec2d::Constant(kUnknown) : pixel);
       };
       if (from >= 0) add(a);
       if ((from >= 0) != (to >= 0)) add(a + from / (from - to) * (b - a));
@@ -91,11 +99,16 @@ class Footprint {
     return corners;
   }
 
-  /// Sets rows_: all pixels of a polygon, and few beyond.
+  /// Sets rows_: all pixels of a polygon and a few more; the whole image if a corner is NaN.
   void find_rows(const std::vector<Vec2d>& corners) {
     rows_ = {};
     if (corners.empty()) return;
     const double width = frame_.intrinsics.width, height = frame_.intrinsics.height;
+    if (!std::ranges::all_of(corners, [](const Vec2d& c) { return c.allFinite(); })) {
+      rows_.bottom = frame_.intrinsics.height - 1;
+      rows_.x.assign(frame_.intrinsics.height, {0, frame_.intrinsics.width - 1});
+      return;
+    }
     double low = corners[0].y(), high = low;
     for (const Vec2d& c : corners) low = std::min(low, c.y()), high = std::max(high, c.y());
     rows_.top = static_cast<int>(std::clamp(std::floor(low - kMargin_px), 0.0, height));

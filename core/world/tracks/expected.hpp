@@ -11,7 +11,7 @@
 namespace planescope::world {
 
 /// The tracks as candidates for the planes of a frame at this pose; `KnownPlane::id` is the
-/// track's. Of each, the measured pixels whose rays meet its cells.
+/// track's. Of each, the measured pixels whose rays hit cells that are sure or gone.
 std::vector<planes::KnownPlane> expected_planes(std::span<const Track* const> tracks,
                                                 const Frame& frame,
                                                 const Pose& T_world_camera,

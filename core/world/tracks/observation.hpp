@@ -1,6 +1,6 @@
 #pragma once
 
-// What one frame tells of the world's planes.
+// The planes of one frame, in world coordinates.
 
 #include <cstdint>
 #include <optional>
@@ -18,8 +18,8 @@ inline double squared(double x) { return x * x; }
 
 struct ObservedPlane {
   int id = 0;          // in its frame, from 1
-  int known = 0;       // the track that it was expected of (expected.hpp), 0: none
-  bool minor = false;  // found, and worth too little to be listed
+  int known = 0;       // the track it was predicted from (expected.hpp), 0: none
+  bool minor = false;  // below the listing threshold
   Label label = Label::unknown;
   // World [m]:
   Vec3d normal = Vec3d::UnitZ();  // unit; of an h upwards, else to the camera's side
@@ -59,7 +59,7 @@ ObservedFrame observe(const Frame& frame,
                       const Pose& T_world_camera,
                       int segment);
 
-/// What the frame itself, its pose and the options tell.
+/// Sets what follows from the frame, its pose and the options.
 void take_frame(ObservedFrame& seen,
                 const Frame& frame,
                 const planes::PipelineOptions& options,

@@ -18,7 +18,7 @@ namespace planescope::world {
 
 struct TrackOptions {
   double cell_m = 0.02;  // of the grids on planes
-  // Two planes are the same where gap_m() is no more than this and so many sigmas of both:
+  // Two planes match if the gap between them is at most this plus so many sigmas of both:
   double max_offset_m = 0.015;
   double sigmas = 3;
   double least_overlap = 0.1;  // share of the smaller of both; nothing in common but an edge is

@@ -35,8 +35,8 @@ double sigma_tilt_deg(const ObservedPlane& plane) {
 
 double width_m(const ObservedPlane& plane) { return width_of(fit_plane(plane.moments)); }
 
-/// The first that is seen of a plane is a strip at the image's border, and tells little of its
-/// tilt: one that moves no point of it by more than the offset allows is free.
+/// A plane first appears as a strip at the image border, with poorly known tilt. Ignore tilt that
+/// moves no point by more than the offset limit.
 double free_tilt_deg(double width_m, const TrackOptions& options) {
   constexpr double kMost_deg = 25;
   const double tilt = std::atan2(options.max_offset_m, std::max(width_m, 1e-3) / 2);
@@ -61,7 +61,7 @@ double sigma_m_at(const ObservedPlane& plane, const Vec3d& p) {
                    squared(c.sigma_tilt_rad[1] * c.axes[1].dot(d)));
 }
 
-/// After a merge: a gap in which the other one was seen is none, nor is what is left of it told.
+/// After a merge, drops gaps that overlap a sighting.
 void drop_gaps_of_sightings(Track& track) {
   std::vector<Gap> gaps;
   track.frames_missed = 0;
@@ -75,7 +75,7 @@ void drop_gaps_of_sightings(Track& track) {
   track.gaps = std::move(gaps);
 }
 
-/// The absence that a sight speaks for, where its place is not on a plane.
+/// Why the track is absent, if no plane lies at its place.
 Absence absence_of(const Sight& sight, int least_cells) {
   const int least = std::min(least_cells, sight.cells);
   if (sight.in_view < least)
@@ -143,7 +143,7 @@ const FrameOfTracks& Tracker::skip(int frame, double timestamp_s) {
 }
 
 const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
-  segment_ = frame.segment + begun_;
+  segment_ = segment_of(frame.segment);
   if (own_of_known_.empty()) move_to(frame, aligned_pose(frame, alive()));
   FrameOfTracks told;
   told.T_world_camera = frame.T_world_camera;
@@ -239,7 +239,8 @@ void Tracker::take_expected(const ObservedFrame& frame,
 }
 
 void Tracker::merge_covered(int frame) {
-  for (Track* small : alive())
+  for (Track* small : alive()) {
+    if (small->state != TrackState::alive) continue;
     for (const auto& [id, frames] : small->covered) {
       if (frames < options_.confirm_frames || frames < small->frames_seen) continue;
       Track& large = tracks_[final_track(tracks_, id) - 1];
@@ -249,6 +250,7 @@ void Tracker::merge_covered(int frame) {
       merge(from, into, frame);
       break;
     }
+  }
 }
 
 void Tracker::assign(const ObservedFrame& frame,
@@ -479,6 +481,7 @@ void Tracker::merge(Track& from, Track& into, int frame) {
   drop_gaps_of_sightings(into);
   into.born = std::min(into.born, from.born);
   into.known = std::max(into.known, from.known);
+  into.left_m2 += from.left_m2;
   from.state = TrackState::merged;
   from.merged_into = into.id;
   from.ended = frame;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Planes of the frames become planes of the world: which is which, and what they come to.
+// Matches the planes of frames to tracks and fuses them.
 
 #include <deque>
 #include <functional>
@@ -46,18 +46,19 @@ class Tracker {
   /// of a segment come together, in the order of time.
   const FrameOfTracks& add(ObservedFrame& frame);
   const FrameOfTracks& add(ObservedFrame&& frame) { return add(frame); }
-  /// A frame whose pose nobody knows, or that could not be segmented.
+  /// A frame without a pose, or one that failed.
   const FrameOfTracks& skip(int frame, double timestamp_s);
 
   /// Merges all tracks that turned out to be one, now that all frames are in.
   void consolidate();
 
-  /// What leaves the window is handed over, once; where nothing takes it, it is lost.
+  /// Called once for each piece that leaves the window.
   void on_left(std::function<void(const LeftPiece&)> take) { take_left_ = std::move(take); }
 
   const TrackOptions& options() const { return options_; }
   const std::deque<Track>& tracks() const { return tracks_; }  // by id - 1
-  int segment() const { return segment_; }                     // of the last frame
+  /// The map's segment for a segment of the poses.
+  int segment_of(int pose_segment) const { return pose_segment + begun_; }
   const std::vector<FrameOfTracks>& frames() const { return frames_; }
 
  private:

@@ -12,12 +12,16 @@ namespace {
 // A box 1 m wide, deep and high.
 const Cuboid kBox{{0, 0, 0.5}, 0, {0.5, 0.5, 0.5}};
 
-/// A camera at (3, 0, 0.5) that looks at the box along -x, in three frames.
+/// A camera at (3, 0, 0.5) that looks at the box along -x, in three frames of the first segment.
 void write_poses(const std::filesystem::path& map) {
   std::string poses;
-  for (int frame = 0; frame < 3; ++frame)
-    poses += std::to_string(frame) + " 3 0 0.5 -0.5 -0.5 0.5 0.5\n";
+  for (int frame = 0; frame < 5; ++frame)
+    poses += "# frame " + std::to_string(frame) + " segment 0\n" + std::to_string(frame) +
+             " 3 0 0.5 -0.5 -0.5 0.5 0.5\n";
   write_file_text(map / "poses.tum", poses);
+  write_file_text(map / "tracks.json", R"({"frames": [{"frame": 0, "segment": 0},
+      {"frame": 1, "segment": 0}, {"frame": 2, "segment": 0},
+      {"frame": 3, "segment": 0, "set_aside": true}, {"frame": 4, "segment": 1}]})");
 }
 std::string plane(const char* normal, const char* centroid, const char* state = "sure") {
   return std::string(R"({"segment": 0, "state": ")") + state + R"(", "normal": )" + normal +
