@@ -100,6 +100,7 @@ TEST(RealMap, OfACabinetHasTheFloorAndEachFaceOnce) {
   const MapTexts texts = map_texts(map, "cabinet");
   write_file_text(temp_dir() / "map.json", texts.map_json);
   write_file_text(temp_dir() / "poses.tum", texts.poses_tum);
+  write_file_text(temp_dir() / "tracks.json", texts.tracks_json);
   const lab::MapTruthScore score =
       lab::measure_map_truth(temp_dir(), lab::read_cuboids(folder / "truth" / "truth_objects.txt"));
   ASSERT_EQ(score.faces.size(), 6u);
