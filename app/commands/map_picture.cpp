@@ -117,7 +117,8 @@ class NamePainter {
 
   void add(const Track& track) {
     std::vector<std::string> lines = {fmt::format("T{}", track.id)};
-    if (!is_upright(track)) lines.push_back(fmt::format("{:+.2f} m", track.centroid().z()));
+    const double cm = std::round(100 * track.centroid().z()) + 0.0;  // no -0
+    if (!is_upright(track)) lines.push_back(fmt::format("{:+.2f} m", cm / 100));
     double width = 0;
     for (const std::string& line : lines)
       width = std::max(width, render::text_width(line, kText_px));
