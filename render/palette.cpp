@@ -41,11 +41,11 @@ Rgba case_color(planes::Case c) {
     case planes::Case::I:
       return rgb(0xE69F00);
     case planes::Case::II:
-      return rgb(0xB1B1B1);
+      return rgb(0xA83C6C);
     case planes::Case::III:
       return rgb(0x3E62B7);
     case planes::Case::IV:
-      return rgb(0x009E73);
+      return rgb(0x18CC90);
     case planes::Case::none:
       break;
   }
@@ -76,7 +76,7 @@ Rgba residual_color(double share) {
 
 Rgba leftover_color() { return rgb(0x8A8F98); }
 
-Rgba verdict_color(bool steppable) { return rgb(steppable ? 0x009E73 : 0xD55E00); }
+Rgba verdict_color(bool steppable) { return rgb(steppable ? 0x18CC90 : 0xD55E00); }
 
 Rgba plane_color(int color_id) {
   const int n = kPlaneColors;

@@ -63,7 +63,7 @@ double distance(Rgba a, Rgba b, Eye eye) {
 
 double worst_distance(Rgba a, Rgba b) {
   return std::min({distance(a, b, Eye::normal), distance(a, b, Eye::protanopia),
-                   distance(a, b, Eye::deuteranopia)});
+                   distance(a, b, Eye::deuteranopia), distance(a, b, Eye::tritanopia)});
 }
 
 double contrast(Rgba a, Rgba b) {
@@ -76,16 +76,19 @@ double contrast(Rgba a, Rgba b) {
 constexpr Rgba kLightBackground = {243, 245, 247};
 constexpr Rgba kDarkBackground = {23, 26, 30};
 
-TEST(Palette, CasesStayApartForColorBlindEyes) {
-  const planes::Case cases[] = {planes::Case::I, planes::Case::II, planes::Case::III,
-                                planes::Case::IV};
-  for (const planes::Case a : cases) {
-    for (const planes::Case b : cases) {
-      if (a != b) {
-        EXPECT_GT(worst_distance(case_color(a), case_color(b)), 11);
-      }
-    }
-  }
+void expect_apart(const std::vector<Rgba>& colors) {
+  for (std::size_t a = 0; a < colors.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      EXPECT_GT(worst_distance(colors[a], colors[b]), 11) << a << " " << b;
+}
+
+TEST(Palette, CasesStayApartFromEachOtherAndFromWhatIsUnassigned) {
+  expect_apart({case_color(planes::Case::I), case_color(planes::Case::II),
+                case_color(planes::Case::III), case_color(planes::Case::IV), leftover_color()});
+}
+
+TEST(Palette, SteppablePlanesStayApartFromOthersAndFromWhatIsUnassigned) {
+  expect_apart({verdict_color(true), verdict_color(false), leftover_color()});
 }
 
 TEST(Palette, LabelsStayApartForColorBlindEyes) {
