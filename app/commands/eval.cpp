@@ -12,6 +12,7 @@
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
+#include "core/planes/pipeline/frame_threads.hpp"
 #include "core/planes/pipeline/score.hpp"
 #include "core/report/data/segment_files.hpp"
 
@@ -156,7 +157,7 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   for (const OpenInput& input : inputs)
     for (const int index : input.frames) scored.push_back({&input, index, {}, {}});
   const int count = static_cast<int>(scored.size());
-  const FrameThreads threads = threads_for_frames(args.input.pipeline, count);
+  const planes::FrameThreads threads = planes::threads_for_frames(args.input.pipeline, count);
   std::vector<Row> rows;
   std::vector<std::string> refused;
   int without_truth = 0;

@@ -213,12 +213,6 @@ planes::ChosenClassifier choose_classifier(const planes::PipelineOptions& option
   return planes::make_classifier(options, shipped);
 }
 
-FrameThreads threads_for_frames(const planes::PipelineOptions& options, int frames) {
-  FrameThreads threads{std::clamp(options.threads, 1, std::max(1, frames)), options};
-  threads.pipeline.threads = std::max(1, options.threads / threads.at_once);
-  return threads;
-}
-
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
                             const planes::PipelineOptions& options,

@@ -90,14 +90,6 @@ bool labels_points(const planes::PipelineOptions& options);
 /// ship with us. Throws Error where weights are missing or cannot be read.
 planes::ChosenClassifier choose_classifier(const planes::PipelineOptions& options);
 
-/// How the threads of a run are shared out: frames side by side and, where there are fewer of them,
-/// several threads for each.
-struct FrameThreads {
-  int at_once = 1;
-  planes::PipelineOptions pipeline;  // of one frame
-};
-FrameThreads threads_for_frames(const planes::PipelineOptions& options, int frames);
-
 /// Reads frame `index` and runs it; `classifier` null: with the labels of its truth. Throws Error
 /// where it cannot be read, FrameRefused where run_frame throws; the message begins with the
 /// recording and the frame.

@@ -82,23 +82,6 @@ void write_map(StagedOutput& output, const world::WorldMap& map, const std::stri
   write_file_text(output.add_file("map.json"), texts.map_json);
 }
 
-/// Writes left.jsonl as pieces leave; none where nothing does.
-class LeftFile {
- public:
-  explicit LeftFile(StagedOutput& output) : output_(output) {}
-
-  void operator()(const world::LeftPiece& piece) {
-    if (piece.outline.parts.empty()) return;
-    if (!out_.is_open()) out_.open(output_.add_file("left.jsonl"), std::ios::binary);
-    out_ << world::left_json(piece);
-    if (!out_.flush()) throw Error("left.jsonl: cannot be written");
-  }
-
- private:
-  StagedOutput& output_;
-  std::ofstream out_;
-};
-
 /// Writes mesh.ply of each segment, of the frames that went into the map, where it is asked for.
 void write_meshes(const MapArgs& args,
                   const world::MapJob& job,
@@ -119,7 +102,7 @@ void write_meshes(const MapArgs& args,
     job.progress("mesh", i + 1, count);
     if (i > 0 && told[i].segment != told[i - 1].segment) finish(told[i - 1].segment);
     const world::CameraPose* pose = world::pose_of(map.poses, told[i].frame);
-    if (!told[i].has_pose || told[i].set_aside || !pose) continue;
+    if (!told[i].is_in_map() || !pose) continue;
     if (!fusion)
       fusion = io::make_surface_fusion(args.mesh_voxel_m, job.pipeline.cloud.max_range_m);
     fusion->add(job.recording->frame(told[i].frame), pose->T_world_camera);
@@ -206,8 +189,13 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   if (!args.join.empty()) join_shards(args.join, job);
   expect_meshes(args, job.recording->info());
   StagedOutput output(args.out);
-  LeftFile left(output);
-  job.on_left = [&](const world::LeftPiece& piece) { left(piece); };
+  std::ofstream left;
+  job.on_left = [&](const world::LeftPiece& piece) {
+    if (piece.outline.parts.empty()) return;
+    if (!left.is_open()) left.open(output.add_file("left.jsonl"), std::ios::binary);
+    left << world::left_json(piece);
+    if (!left.flush()) throw Error((args.out / "left.jsonl").string() + ": cannot be written");
+  };
   job.on_planes = [&](int frame, std::span<const unsigned char> png) {
     write_file_bytes(output.add_file(world::planes_file({}, frame)), png);
   };
@@ -220,8 +208,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   job.progress = {};
   for (const std::string& line : map.told) notice("{}", line);
   const std::size_t planes = world::planes_of_map(map.tracker).size();
-  const auto taken = std::ranges::count_if(
-      map.tracker.frames(), [](const auto& frame) { return frame.has_pose && !frame.set_aside; });
+  const auto taken = std::ranges::count_if(map.tracker.frames(), &world::FrameOfTracks::is_in_map);
   const std::string of = taken == std::ssize(input.frames) ? "" : fmt::format("{} of ", taken);
   fmt::print("{}: {} from {}{}, poses of {}\n", args.out.string(), counted(planes, "plane"), of,
              counted(input.frames.size(), "frame"), map.poses.source);

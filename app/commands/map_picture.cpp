@@ -91,7 +91,7 @@ class CellPainter {
 };
 
 bool is_on_way(const world::FrameOfTracks& frame, int segment) {
-  return frame.has_pose && !frame.set_aside && frame.segment == segment;
+  return frame.is_in_map() && frame.segment == segment;
 }
 
 void draw_way(const world::WorldMap& map, int segment, const Sheet& sheet, Image8& image) {

@@ -16,6 +16,7 @@
 #include "core/model/random.hpp"
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
+#include "core/planes/pipeline/frame_threads.hpp"
 #include "core/planes/pipeline/score.hpp"
 #include "core/report/data/frame_planes.hpp"
 #include "core/report/data/segment_files.hpp"
@@ -356,7 +357,7 @@ ReportDrawing write_report_frames(const ReportFramesJob& job,
   std::vector<int> turns, of_input(job.inputs.size(), 0);
   for (const ReportSlot& slot : slots) turns.push_back(of_input[slot.input]++);
   const int count = static_cast<int>(slots.size());
-  const FrameThreads threads = threads_for_frames(job.options, count);
+  const planes::FrameThreads threads = planes::threads_for_frames(job.options, count);
   const ReportFramesJob one{job.inputs,    threads.pipeline, job.classifier, job.run,
                             job.build_key, job.copy_width,   job.resume,     job.pictures};
   // Mesa's software renderer fills one frame's triangles at a time, whichever thread asks: with

@@ -10,6 +10,7 @@
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
+#include "core/planes/pipeline/frame_threads.hpp"
 #include "core/report/data/plane_files.hpp"
 #include "core/report/data/ros_json.hpp"
 #include "core/report/data/segment_files.hpp"
@@ -151,7 +152,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   json["frames"] = nlohmann::ordered_json::array();
   {
     const int count = static_cast<int>(input.frames.size());
-    const FrameThreads threads = threads_for_frames(pipeline, count);
+    const planes::FrameThreads threads = planes::threads_for_frames(pipeline, count);
     std::vector<WrittenFrame> written(input.frames.size());
     Progress progress("segment", count);
     const auto make = [&](int i) {

@@ -14,6 +14,7 @@
 #include "core/lab/experiments/measure_steady.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/planes/pipeline/frame_threads.hpp"
 #include "core/planes/pipeline/profile_file.hpp"
 
 namespace planescope::app {
@@ -78,7 +79,7 @@ int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
   const std::vector<std::string> names = recording_names(inputs);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const auto units = static_cast<int>(inputs[i].frames.size() * args.methods.size());
-    const FrameThreads threads = threads_for_frames(args.input.pipeline, units);
+    const planes::FrameThreads threads = planes::threads_for_frames(args.input.pipeline, units);
     lab::SteadyJob job;
     job.recording = inputs[i].recording.get();
     job.name = names[i];

@@ -6,12 +6,14 @@
 #include <chrono>
 #include <cmath>
 #include <future>
+#include <memory>
 #include <thread>
 #include <utility>
 
 #include "core/io/image/png.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/sha256.hpp"
+#include "core/planes/pipeline/frame_threads.hpp"
 #include "core/world/tracks/expected.hpp"
 
 namespace planescope::world {
@@ -78,7 +80,7 @@ struct FrameAtWork {
   const CameraPose* pose = nullptr;
   Frame frame;
   planes::PipelineOptions options;
-  std::vector<planes::KnownPlane> expected;  // of the tracks that are offered to it
+  std::vector<planes::KnownPlane> expected;  // candidates
   planes::FrameResult found;
 };
 
@@ -120,15 +122,10 @@ ObservedFrame observe_given(const MapJob& job,
   }
 }
 
-struct Threads {
-  int at_once = 1;                   // frames
-  planes::PipelineOptions pipeline;  // with what is left for each
-};
-Threads threads_of(const MapJob& job, int at_once) {
-  Threads threads{std::clamp(at_once, 1, std::max(1, static_cast<int>(job.frames.size()))),
-                  job.pipeline};
-  threads.pipeline.threads = std::max(1, job.threads / threads.at_once);
-  return threads;
+planes::FrameThreads threads_of(const MapJob& job, int frames) {
+  planes::PipelineOptions options = job.pipeline;
+  options.threads = job.threads;
+  return planes::threads_for_frames(options, frames);
 }
 
 std::vector<const Track*> sure_tracks(const Tracker& tracker, int segment) {
@@ -156,7 +153,7 @@ class Passage {
         stores_(is_last && offer != Offer::nothing),
         count_(static_cast<int>(job.frames.size())),
         one_by_one_(job.at_own_rate || offer == Offer::so_far),
-        threads_(threads_of(job, one_by_one_ ? 1 : job.threads)),
+        threads_(threads_of(job, one_by_one_ ? 1 : count_)),
         pose_of_(poses_by_frame(job, upright)),
         at_work_(job.frames.size()),
         pass_{Tracker(job.tracks, earlier ? earlier->tracks().size() : 0), {}, {}, 0, {}} {}
@@ -197,7 +194,7 @@ class Passage {
     const auto finish = [&](int i) {
       if (i < 0) return;
       observe_found(i);
-      const bool is_observed = at_work_[i].observed.has_value();
+      const bool is_observed = at_work_[i]->observed.has_value();
       take(i);
       if (arrivals && is_observed) arrivals->taken(i);
     };
@@ -220,22 +217,23 @@ class Passage {
 
   /// A frame that fails is skipped, and reported when its turn comes.
   void attempt(int i, const std::function<void(AtWork&)>& step) {
-    if (job_.stop.stop_requested() || !at_work_[i].refused.empty()) return;
+    AtWork& at = *at_work_[i];
+    if (job_.stop.stop_requested() || !at.refused.empty()) return;
     try {
-      step(at_work_[i]);
+      step(at);
     } catch (const PartError&) {
       throw;
     } catch (const Error& error) {
-      at_work_[i].refused = fmt::format("frame {}: {}", job_.frames[i], error.what());
+      at.refused = fmt::format("frame {}: {}", job_.frames[i], error.what());
     }
   }
 
   void start(int i) {
+    at_work_[i] = std::make_unique<AtWork>();
     attempt(i, [&](AtWork& at) {
       if (!pose_of_[i]) {
-        if (upright_.poses.estimated)
-          job_.recording->frame(
-              job_.frames[i]);  // throws if unreadable: that explains the missing pose
+        // Throws if the frame is unreadable: that explains the missing pose.
+        if (upright_.poses.estimated) job_.recording->frame(job_.frames[i]);
         return;
       }
       std::vector<const Track*> known;
@@ -265,10 +263,10 @@ class Passage {
   }
   void take(int i) {
     check_stop(job_);
-    AtWork& at = at_work_[i];
+    AtWork& at = *at_work_[i];
     if (at.observed) {
-      const FrameOfTracks& told = pass_.tracker.add(*at.observed);
-      if (job_.on_frame && is_last_) job_.on_frame(*at.observed, told);
+      const FrameOfTracks& matched = pass_.tracker.add(*at.observed);
+      if (job_.on_frame && is_last_) job_.on_frame(*at.observed, matched);
       if (stores_) {
         const std::vector<unsigned char> png = at.png.get();
         at.stored.sha256 = sha256_hex(std::as_bytes(std::span(png)));
@@ -280,8 +278,8 @@ class Passage {
       pass_.without_pose += !pose_of_[i] && at.refused.empty();
     }
     if (!at.refused.empty()) pass_.refused.push_back(std::move(at.refused));
-    at = {};
-    tell(job_, what_, i + 1, count_);
+    at_work_[i].reset();
+    report_progress(job_, what_, i + 1, count_);
   }
   /// On another thread if the job has more than one and the system can start it.
   std::launch policy() const {
@@ -298,21 +296,18 @@ class Passage {
   const bool is_last_, stores_;
   const int count_;
   const bool one_by_one_;
-  const Threads threads_;
+  const planes::FrameThreads threads_;
   const std::vector<const CameraPose*> pose_of_;
-  std::vector<AtWork> at_work_;  // by position in the job
+  std::vector<std::unique_ptr<AtWork>> at_work_;  // by position in the job; null: not now
   Pass pass_;
 };
 
 }  // namespace
 
 std::vector<const CameraPose*> poses_by_frame(const MapJob& job, const UprightPoses& upright) {
-  const std::vector<CameraPose>& poses = upright.poses.poses;
-  std::vector<const CameraPose*> pose_of(job.frames.size(), nullptr);
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < pose_of.size() && next < poses.size(); ++i)
-    if (poses[next].frame == job.frames[i]) pose_of[i] = &poses[next++];
-  return pose_of;
+  std::vector<const CameraPose*> poses;
+  for (const int frame : job.frames) poses.push_back(pose_of(upright.poses, frame));
+  return poses;
 }
 
 Pass pass_through(const MapJob& job,
@@ -327,8 +322,8 @@ Pass pass_through(const MapJob& job,
 void observe_each(const MapJob& job,
                   const UprightPoses& upright,
                   const std::vector<const CameraPose*>& poses,
-                  const std::function<void(const ObservedFrame*)>& take) {
-  const Threads threads = threads_of(job, job.threads);
+                  const std::function<void(const ObservedFrame&)>& take) {
+  const planes::FrameThreads threads = threads_of(job, static_cast<int>(job.frames.size()));
   const auto count = static_cast<int>(poses.size());
   std::vector<std::unique_ptr<const ObservedFrame>> observed(poses.size());
   work_in_order(
@@ -344,9 +339,9 @@ void observe_each(const MapJob& job,
       },
       [&](int i) {
         check_stop(job);
-        take(observed[i].get());
+        if (observed[i]) take(*observed[i]);
         observed[i].reset();
-        tell(job, "frames", i + 1, count);
+        report_progress(job, "frames", i + 1, count);
       });
 }
 

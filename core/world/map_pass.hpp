@@ -17,7 +17,7 @@ inline void check_stop(const MapJob& job) {
   if (job.stop.stop_requested()) throw Cancelled();
 }
 
-inline void tell(const MapJob& job, const char* what, int done, int all) {
+inline void report_progress(const MapJob& job, const char* what, int done, int all) {
   if (job.progress) job.progress(what, done, all);
 }
 
@@ -45,11 +45,11 @@ Pass pass_through(const MapJob& job,
                   const char* what,
                   bool is_last);
 
-/// Observes the frames at these poses without candidates. Calls `take` in this order, with null for
-/// a frame that failed.
+/// Observes the frames at these poses without candidates. Calls `take` in this order, and not for
+/// frames that failed.
 void observe_each(const MapJob& job,
                   const UprightPoses& upright,
                   const std::vector<const CameraPose*>& poses,
-                  const std::function<void(const ObservedFrame*)>& take);
+                  const std::function<void(const ObservedFrame&)>& take);
 
 }  // namespace planescope::world

@@ -57,7 +57,7 @@ Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
   odometry.frames = job.frames;
   odometry.threads = job.threads;
   odometry.stop = job.stop;
-  odometry.progress = [&](int done, int all) { tell(job, "odometry", done, all); };
+  odometry.progress = [&](int done, int all) { report_progress(job, "odometry", done, all); };
   Trajectory found = estimate_trajectory(odometry);
   const int segments = found.poses.empty() ? 0 : found.poses.back().segment + 1;
   if (segments > 1)
@@ -99,7 +99,7 @@ std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory&
       },
       [&](int done, int all) {
         check_stop(job);
-        tell(job, "gravity", done, all);
+        report_progress(job, "gravity", done, all);
       });
   return turn_upright(trajectory, samples, segments);
 }
@@ -235,9 +235,7 @@ void observe_recording(const MapJob& job,
   const std::vector<const CameraPose*> all = poses_by_frame(job, upright);
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all[i] && is_mine(i)) mine.push_back(all[i]);
-  observe_each(job, upright, mine, [&](const ObservedFrame* seen) {
-    if (seen) take(*seen, upright);
-  });
+  observe_each(job, upright, mine, [&](const ObservedFrame& seen) { take(seen, upright); });
 }
 
 }  // namespace planescope::world

@@ -39,8 +39,8 @@ struct MapJob {
   /// After each frame, in their order.
   std::function<void(const ObservedFrame&, const FrameOfTracks&)> on_frame = {};
   /// The planes of each frame, in their order, as a PNG of 16 bits: per pixel the plane's id, 0
-  /// none. Not called if frames get no candidates: segmenting
-  /// them again gives the same planes.
+  /// none. Not called if frames get no candidates: then segmenting them again gives the same
+  /// planes.
   std::function<void(int frame, std::span<const unsigned char> png)> on_planes = {};
   /// What leaves the window (TrackOptions::window_m).
   std::function<void(const LeftPiece&)> on_left = {};

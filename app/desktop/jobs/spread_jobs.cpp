@@ -60,7 +60,7 @@ std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
   const world::Track& track = *wanted.map->track(wanted.track);
   const auto sees = [&](int frame) {
     const world::FrameOfTracks* told = wanted.map->told(frame);
-    return told && told->has_pose && !told->set_aside && told->segment == track.segment;
+    return told && told->is_in_map() && told->segment == track.segment;
   };
   labels::Paint paint{.plane = 1, .label = track.label, .origin = LabelOrigin::algorithm};
   std::vector<labels::Proposal> proposals;

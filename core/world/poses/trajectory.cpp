@@ -285,13 +285,17 @@ const CameraPose* pose_of(const Trajectory& trajectory, int frame) {
   return at != trajectory.poses.end() && at->frame == frame ? &*at : nullptr;
 }
 
-bool frames_have_times(const io::Recording& recording) {
-  for (int i = 0; i < recording.frame_count(); ++i) {
-    try {
-      if (recording.timestamp_s(i) != 0) return true;
-    } catch (const Error&) {  // damaged: the others tell
-    }
+double time_of(const io::Recording& recording, int frame) {
+  try {
+    return recording.timestamp_s(frame);
+  } catch (const Error&) {
+    return std::numeric_limits<double>::quiet_NaN();
   }
+}
+
+bool frames_have_times(const io::Recording& recording) {
+  for (int i = 0; i < recording.frame_count(); ++i)
+    if (const double t = time_of(recording, i); !std::isnan(t) && t != 0) return true;
   return false;
 }
 
@@ -347,14 +351,6 @@ PosesOfFrames poses_by_time(const Trajectory& trajectory,
 
 }  // namespace
 
-double time_of(const io::Recording& recording, int frame) {
-  try {
-    return recording.timestamp_s(frame);
-  } catch (const Error&) {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
-}
-
 PairedPoses pair_poses(const Trajectory& trajectory,
                        const io::Recording& recording,
                        std::span<const int> frames) {
@@ -390,7 +386,10 @@ PairedPoses pair_poses(const Trajectory& trajectory,
     pose.frame = frames[i];
     if (have_times || !poses_have_times) {
       const double t = time_of(recording, frames[i]);
-      if (std::isfinite(t) || !poses_have_times) pose.timestamp_s = std::isfinite(t) ? t : 0;
+      if (std::isfinite(t))
+        pose.timestamp_s = t;
+      else if (!poses_have_times)
+        pose.timestamp_s = 0;
     }
   }
   return paired;

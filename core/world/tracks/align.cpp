@@ -17,7 +17,8 @@ constexpr double kPoseSigma_m = 0.01, kPoseSigma_rad = 0.005;
 constexpr double kReach_m[] = {0.06, 0.04, 0.03};  // inlier distance in each iteration
 constexpr double kIndependent = 3;  // n cells weigh this times sqrt(n): neighbors err alike
 constexpr double kAlignSigma_m = 0.003;
-const double kAlike = std::cos(8 * std::numbers::pi / 180);  // of a plane's normal and a track's
+const double kAlike =
+    std::cos(8 * std::numbers::pi / 180);  // cosine of the largest angle between normals
 
 using Mat6d = Eigen::Matrix<double, 6, 6>;
 using Vec6d = Eigen::Matrix<double, 6, 1>;

@@ -26,7 +26,7 @@ struct Frames {
 
   Frames(const Tracker& tracker, std::span<const CameraPose> given) {
     for (const FrameOfTracks& frame : tracker.frames()) {
-      if (!frame.has_pose || frame.set_aside) continue;
+      if (!frame.is_in_map()) continue;
       order[frame.frame] = all.size();
       all.emplace_back().frame = frame.frame;
       std::set<int>& tracks = present.emplace_back();

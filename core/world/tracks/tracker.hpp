@@ -26,6 +26,8 @@ struct FrameOfTracks {
   std::vector<int> track_of;  // by plane id - 1; 0: none
   std::vector<int> covered;   // tracks that planes of larger ones stand for
   int listed = 0;             // planes; minor ones follow them
+
+  bool is_in_map() const { return has_pose && !set_aside; }
 };
 
 /// A piece of a track that is beyond the window now.
