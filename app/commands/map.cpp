@@ -25,6 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kLeastWindow_m = 0.5;
+
 struct MapArgs {
   InputArgs input;  // one recording
   fs::path out;     // -o
@@ -122,41 +124,38 @@ fs::path observed_file(const fs::path& dir, int frame) {
   return dir / "observed" / fmt::format("{:06}.cbor", frame);
 }
 
-/// DIR/observed/, a file for each frame of the shard.
-void write_shard(const MapArgs& args, const world::MapJob& job) {
+/// DIR/observed/, a file for each frame of the shard. Returns the exit code.
+int write_shard(const MapArgs& args, const world::MapJob& job) {
   make_output_dir(args.out / "observed");
-  std::string key;
+  world::PlanesFrom from;
   std::size_t written = 0;
   const auto shards = static_cast<std::size_t>(args.shard->count);
   const auto mine = static_cast<std::size_t>(args.shard->index - 1);
-  std::vector<std::string> notices;
-  world::observe_recording(
+  const world::ObservedPart part = world::observe_recording(
       job, [&](std::size_t position) { return position % shards == mine; },
       [&](const world::ObservedFrame& frame, const world::UprightPoses& upright) {
-        if (key.empty()) {
-          key = world::observed_key(job.pipeline, job.recording->info(), upright);
-          notices = upright.told;
-        }
-        write_file_bytes(observed_file(args.out, frame.frame), world::observed_bytes(frame, key));
+        if (from.empty()) from = world::planes_from(job.pipeline, job.recording->info(), upright);
+        write_file_bytes(observed_file(args.out, frame.frame), world::observed_bytes(frame, from));
         ++written;
       });
-  for (const std::string& line : notices) notice("{}", line);
+  for (const std::string& line : part.told) notice("{}", line);
   fmt::print("{}: {} of shard {}/{}\n", args.out.string(), counted(written, "frame"),
              args.shard->index, args.shard->count);
+  return part.refused > 0 ? 2 : 0;
 }
 
 /// Takes frames as shards wrote them.
 void join_shards(const fs::path& dir, world::MapJob& job) {
   if (!fs::is_directory(dir / "observed"))
     throw Error(dir.string() + ": holds no folder `observed`, expected what --shard wrote");
-  job.observed = [dir, options = job.pipeline, info = job.recording->info(), key = std::string(),
-                  once = std::make_shared<std::once_flag>()](
+  job.observed = [dir, options = job.pipeline, info = job.recording->info(),
+                  from = world::PlanesFrom(), once = std::make_shared<std::once_flag>()](
                      int frame, const world::UprightPoses& upright) mutable {
-    std::call_once(*once, [&] { key = world::observed_key(options, info, upright); });
+    std::call_once(*once, [&] { from = world::planes_from(options, info, upright); });
     const fs::path file = observed_file(dir, frame);
     if (!fs::exists(file))
       throw Error(file.string() + ": is missing: a shard did not finish, or skipped the frame");
-    return world::read_observed(file, key);
+    return world::read_observed(file, from);
   };
 }
 
@@ -183,8 +182,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   job.at_own_rate = args.follow;
   if (args.shard) {
     job.progress = StageBar("map");
-    write_shard(args, job);
-    return 0;
+    return write_shard(args, job);
   }
   if (!args.join.empty()) join_shards(args.join, job);
   expect_meshes(args, job.recording->info());
@@ -201,13 +199,20 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   };
   job.progress = StageBar("map");
   const world::WorldMap map = world::map_recording(job);
+  const std::size_t planes = world::planes_of_map(map.tracker).size();
+  if (planes == 0) {
+    job.progress = {};
+    for (const std::string& line : map.told) notice("{}", line);
+    throw Error(fmt::format("{}: not written: no plane was seen in {} or more of {}",
+                            args.out.string(), map.tracker.options().confirm_frames,
+                            counted(input.frames.size(), "frame")));
+  }
   write_map(output, map, input.path.filename().string());
   write_meshes(args, job, map, output);
   replace_earlier_map(args.out, output);
   output.commit();
   job.progress = {};
   for (const std::string& line : map.told) notice("{}", line);
-  const std::size_t planes = world::planes_of_map(map.tracker).size();
   const auto taken = std::ranges::count_if(map.tracker.frames(), &world::FrameOfTracks::is_in_map);
   const std::string of = taken == std::ssize(input.frames) ? "" : fmt::format("{} of ", taken);
   fmt::print("{}: {} from {}{}, poses of {}\n", args.out.string(), counted(planes, "plane"), of,
@@ -229,7 +234,7 @@ void define_map(CLI::App& app, Line& line) {
       "One map of the planes of a recording, and which plane of which frame is which:\n"
       "map.json, tracks.json, poses.tum, map.png. World frame: z up, metres.");
   const auto args = std::make_shared<MapArgs>();
-  add_inputs(map, args->input, kOneInput);
+  add_inputs(map, args->input, "One bag, folder or .raw file, of depth images");
   add_out(map, args->out)->required();
   add(map, "--poses", args->poses, "FILE",
       "Camera poses: TUM, KITTI, or Open3D's .log or .json. Default: the recording's, else "
@@ -254,6 +259,9 @@ void define_map(CLI::App& app, Line& line) {
     const bool in_one_pass = args->follow || args->tracks.window_m > 0;
     if (args->shard && (in_one_pass || !args->join.empty() || args->mesh_voxel_m > 0))
       throw Error("map: --shard cannot be combined with --follow, --join, --mesh or --window");
+    if (const double m = args->tracks.window_m; m > 0 && m < kLeastWindow_m)
+      throw Error(
+          fmt::format("--window: {}; expected 0 (no limit) or at least {} m", m, kLeastWindow_m));
     if (!args->join.empty() && in_one_pass)
       throw Error("map: --join cannot be combined with --follow or --window");
   });

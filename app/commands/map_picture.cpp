@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "core/world/files/map_files.hpp"
 #include "render/overlay.hpp"
@@ -58,7 +59,11 @@ class CellPainter {
         sheet_(sheet),
         colors_(std::move(colors)),
         top_(static_cast<std::size_t>(image.width) * image.height,
-             -std::numeric_limits<double>::infinity()) {}
+             -std::numeric_limits<double>::infinity()),
+        track_of_(top_.size(), 0) {}
+
+  /// By pixel, the track that is seen; 0: none.
+  const std::vector<int>& track_of() const { return track_of_; }
 
   void add(const Track& track) {
     const bool gone = track.state == world::TrackState::gone;
@@ -71,16 +76,18 @@ class CellPainter {
       const auto x0 = static_cast<int>(std::floor(at.x() - side / 2)),
                  y0 = static_cast<int>(std::floor(at.y() - side / 2));
       for (int y = y0; y < y0 + size; ++y)
-        for (int x = x0; x < x0 + size; ++x) paint(x, y, p.z(), color, gone);
+        for (int x = x0; x < x0 + size; ++x) paint(x, y, p.z(), color, gone ? -track.id : track.id);
     }
   }
 
  private:
-  void paint(int x, int y, double z, render::Rgba color, bool gone) {
+  /// `track`: negative where it is gone.
+  void paint(int x, int y, double z, render::Rgba color, int track) {
     if (x < 0 || y < 0 || x >= image_.width || y >= image_.height) return;
-    double& top = top_[static_cast<std::size_t>(y) * image_.width + x];
-    if (z < top || (gone && !render::on_hatch(x, y, 5))) return;
-    top = z;
+    const std::size_t i = static_cast<std::size_t>(y) * image_.width + x;
+    if (z < top_[i] || (track < 0 && !render::on_hatch(x, y, 5))) return;
+    top_[i] = z;
+    track_of_[i] = std::abs(track);
     render::fill_rect(image_, x, y, 1, 1, color);
   }
 
@@ -88,7 +95,29 @@ class CellPainter {
   const Sheet& sheet_;
   std::vector<int> colors_;  // of tracks
   std::vector<double> top_;
+  std::vector<int> track_of_;
 };
+
+/// How far each pixel is from the nearest one of another track, or the border [px, chessboard].
+std::vector<int> depths_in_tracks(const std::vector<int>& track_of, int width, int height) {
+  std::vector<int> depth(track_of.size());
+  const auto relax = [&](int x, int y, std::initializer_list<std::pair<int, int>> before) {
+    const auto index = [&](int px, int py) { return static_cast<std::size_t>(py) * width + px; };
+    int& own = depth[index(x, y)];
+    for (const auto& [dx, dy] : before) {
+      const int px = x + dx, py = y + dy;
+      const bool inside = px >= 0 && py >= 0 && px < width && py < height &&
+                          track_of[index(px, py)] == track_of[index(x, y)];
+      own = std::min(own, inside ? depth[index(px, py)] + 1 : 1);
+    }
+  };
+  std::ranges::fill(depth, width + height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) relax(x, y, {{-1, 0}, {-1, -1}, {0, -1}, {1, -1}});
+  for (int y = height - 1; y >= 0; --y)
+    for (int x = width - 1; x >= 0; --x) relax(x, y, {{1, 0}, {1, 1}, {0, 1}, {-1, 1}});
+  return depth;
+}
 
 bool is_on_way(const world::FrameOfTracks& frame, int segment) {
   return frame.is_in_map() && frame.segment == segment;
@@ -113,7 +142,13 @@ void draw_way(const world::WorldMap& map, int segment, const Sheet& sheet, Image
 /// Names of planes, and below them how high level ones are. One that has no room is left out.
 class NamePainter {
  public:
-  NamePainter(Image8& image, const Sheet& sheet) : image_(image), sheet_(sheet) {}
+  NamePainter(Image8& image, const Sheet& sheet, const std::vector<int>& track_of)
+      : image_(image),
+        sheet_(sheet),
+        depths_(depths_in_tracks(track_of, image.width, image.height)) {
+    for (std::size_t i = 0; i < track_of.size(); ++i)
+      if (track_of[i] > 0) seen_[track_of[i]].push_back(i);
+  }
 
   void add(const Track& track) {
     std::vector<std::string> lines = {fmt::format("T{}", track.id)};
@@ -123,10 +158,9 @@ class NamePainter {
     for (const std::string& line : lines)
       width = std::max(width, render::text_width(line, kText_px));
     const Vec2d half(width / 2 + 2, kText_px * static_cast<double>(lines.size()) / 2 + 1);
-    const Eigen::AlignedBox2d box(sheet_.at(track.centroid()) - half,
-                                  sheet_.at(track.centroid()) + half);
-    for (const Eigen::AlignedBox2d& other : taken_)
-      if (box.intersects(other)) return;
+    const std::optional<Vec2d> center = place_of(track, half);
+    if (!center) return;
+    const Eigen::AlignedBox2d box(*center - half, *center + half);
     taken_.push_back(box);
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const double left = box.center().x() - render::text_width(lines[i], kText_px) / 2;
@@ -139,8 +173,31 @@ class NamePainter {
   }
 
  private:
+  /// Where the plane is seen: inside of it as far as a name needs, and there next to its centroid.
+  std::optional<Vec2d> place_of(const Track& track, const Vec2d& half) const {
+    const Vec2d wanted = sheet_.at(track.centroid());
+    const int enough = static_cast<int>(std::ceil(half.maxCoeff()));
+    std::optional<Vec2d> best;
+    std::pair<int, double> best_score;
+    const auto seen = seen_.find(track.id);
+    if (seen == seen_.end()) return best;
+    for (const std::size_t i : seen->second) {
+      const Vec2d at(static_cast<double>(i % image_.width), static_cast<double>(i / image_.width));
+      const std::pair score(std::min(depths_[i], enough), -(at - wanted).norm());
+      if (best && score <= best_score) continue;
+      const Eigen::AlignedBox2d box(at - half, at + half);
+      if (std::ranges::any_of(taken_, [&](const auto& other) { return box.intersects(other); }))
+        continue;
+      best = at;
+      best_score = score;
+    }
+    return best;
+  }
+
   Image8& image_;
   const Sheet& sheet_;
+  std::vector<int> depths_;
+  std::map<int, std::vector<std::size_t>> seen_;  // by track: pixels
   std::vector<Eigen::AlignedBox2d> taken_;
 };
 
@@ -214,7 +271,7 @@ Image8 map_from_above(const world::WorldMap& map, int segment) {
   CellPainter painter(image, sheet, colors_of_tracks(map.tracker));
   for (const Track* track : planes) painter.add(*track);
   draw_way(map, segment, sheet, image);
-  NamePainter names(image, sheet);
+  NamePainter names(image, sheet, painter.track_of());
   // The largest first, and risers after what they lead to.
   for (const bool upright : {false, true})
     for (const Track* track : planes)

@@ -75,6 +75,10 @@ struct PartError : Error {
   using Error::Error;
 };
 
+std::string refused_line(int frame, const Error& error) {
+  return fmt::format("frame {}: {}", frame, error.what());
+}
+
 /// A frame in progress.
 struct FrameAtWork {
   const CameraPose* pose = nullptr;
@@ -224,7 +228,7 @@ class Passage {
     } catch (const PartError&) {
       throw;
     } catch (const Error& error) {
-      at.refused = fmt::format("frame {}: {}", job_.frames[i], error.what());
+      at.refused = refused_line(job_.frames[i], error);
     }
   }
 
@@ -319,13 +323,14 @@ Pass pass_through(const MapJob& job,
   return Passage(job, upright, offer, earlier, what, is_last).run();
 }
 
-void observe_each(const MapJob& job,
-                  const UprightPoses& upright,
-                  const std::vector<const CameraPose*>& poses,
-                  const std::function<void(const ObservedFrame&)>& take) {
+std::vector<std::string> observe_each(const MapJob& job,
+                                      const UprightPoses& upright,
+                                      const std::vector<const CameraPose*>& poses,
+                                      const std::function<void(const ObservedFrame&)>& take) {
   const planes::FrameThreads threads = threads_of(job, static_cast<int>(job.frames.size()));
   const auto count = static_cast<int>(poses.size());
   std::vector<std::unique_ptr<const ObservedFrame>> observed(poses.size());
+  std::vector<std::string> why(poses.size()), refused;
   work_in_order(
       count, threads.at_once,
       [&](int i) {
@@ -334,15 +339,18 @@ void observe_each(const MapJob& job,
           FrameAtWork work = start_frame(job, threads.pipeline, upright, *poses[i]);
           find_planes(job, work);
           observed[i] = std::make_unique<const ObservedFrame>(observation_of(work));
-        } catch (const Error&) {  // reported by --join
+        } catch (const Error& error) {
+          why[i] = refused_line(poses[i]->frame, error);
         }
       },
       [&](int i) {
         check_stop(job);
         if (observed[i]) take(*observed[i]);
         observed[i].reset();
+        if (!why[i].empty()) refused.push_back(std::move(why[i]));
         report_progress(job, "frames", i + 1, count);
       });
+  return refused;
 }
 
 }  // namespace planescope::world

@@ -46,10 +46,10 @@ Pass pass_through(const MapJob& job,
                   bool is_last);
 
 /// Observes the frames at these poses without candidates. Calls `take` in this order, and not for
-/// frames that failed.
-void observe_each(const MapJob& job,
-                  const UprightPoses& upright,
-                  const std::vector<const CameraPose*>& poses,
-                  const std::function<void(const ObservedFrame&)>& take);
+/// frames that failed; returns these, a line each.
+std::vector<std::string> observe_each(const MapJob& job,
+                                      const UprightPoses& upright,
+                                      const std::vector<const CameraPose*>& poses,
+                                      const std::function<void(const ObservedFrame&)>& take);
 
 }  // namespace planescope::world

@@ -9,7 +9,6 @@
 
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/world/map_pass.hpp"
@@ -112,7 +111,8 @@ void tell_of_aside(const Tracker& tracker, std::vector<std::string>& told) {
     }
   if (aside > 0)
     told.push_back(
-        fmt::format("{} set aside, the first is frame {}: their depth contradicts the map",
+        fmt::format("{} set aside, the first is frame {}: depth and poses contradict the frames "
+                    "before (wrong poses?)",
                     counted(aside, "frame"), first));
   const auto& frames = tracker.frames();
   for (std::size_t i = 1; i < frames.size(); ++i)
@@ -163,16 +163,34 @@ UprightPoses upright_poses(const MapJob& job) {
 
 }  // namespace
 
-std::string pipeline_key(const planes::PipelineOptions& options,
-                         const io::RecordingInfo& recording) {
+PlanesFrom planes_from(const planes::PipelineOptions& options, const io::RecordingInfo& recording) {
   const Intrinsics& k = recording.intrinsics;
-  std::string text =
-      fmt::format("{} {} {} {} {} {} {} {} {}\n", recording.depth_unit_m, k.width, k.height, k.fx,
-                  k.fy, k.cx, k.cy, static_cast<int>(k.distortion), fmt::join(k.coefficients, " "));
+  PlanesFrom from;
+  from["camera"] = fmt::format("{}x{}, f {} {}, c {} {}, distortion {} [{}], unit {} m", k.width,
+                               k.height, k.fx, k.fy, k.cx, k.cy, static_cast<int>(k.distortion),
+                               fmt::join(k.coefficients, " "), recording.depth_unit_m);
   for (const planes::OptionInfo& info : planes::option_table())
     if (info.matters(options) && info.section != "foot" && info.section != "stairs")
-      text += info.name + "=" + info.get(options) + "\n";
-  return sha256_hex(text);
+      from[info.name] = info.get(options);
+  return from;
+}
+
+std::string difference(const PlanesFrom& found, const PlanesFrom& expected) {
+  const auto shown = [](const PlanesFrom& from, const std::string& name) {
+    const auto at = from.find(name);
+    return at == from.end() ? "not used" : at->second.empty() ? "\"\"" : at->second;
+  };
+  PlanesFrom all = found;
+  all.insert(expected.begin(), expected.end());
+  // What other options follow from comes first.
+  for (const char* first : {"camera", "profile", "method"})
+    if (shown(found, first) != shown(expected, first))
+      return fmt::format("{} is {}, expected {}", first, shown(found, first),
+                         shown(expected, first));
+  for (const auto& [name, value] : all)
+    if (shown(found, name) != shown(expected, name))
+      return fmt::format("{} is {}, expected {}", name, shown(found, name), shown(expected, name));
+  return {};
 }
 
 namespace {
@@ -193,7 +211,7 @@ void take_aligned(const Tracker& tracker, std::vector<CameraPose>& poses) {
 
 WorldMap map_recording(const MapJob& job) {
   WorldMap map;
-  map.pipeline_key = pipeline_key(job.pipeline, job.recording->info());
+  map.planes_from = planes_from(job.pipeline, job.recording->info());
   static_cast<UprightPoses&>(map) = upright_poses(job);
   const bool helps = !job.alone && planes::finds_on_pixels(job.pipeline);
   const bool in_one_pass = job.at_own_rate || job.tracks.window_m > 0;
@@ -223,9 +241,10 @@ WorldMap map_recording(const MapJob& job) {
   return map;
 }
 
-void observe_recording(const MapJob& job,
-                       const std::function<bool(std::size_t position)>& is_mine,
-                       const std::function<void(const ObservedFrame&, const UprightPoses&)>& take) {
+ObservedPart observe_recording(
+    const MapJob& job,
+    const std::function<bool(std::size_t position)>& is_mine,
+    const std::function<void(const ObservedFrame&, const UprightPoses&)>& take) {
   if (!job.trajectory && own_trajectory(job).poses.empty())
     throw Error(
         job.recording->info().path.string() +
@@ -235,7 +254,11 @@ void observe_recording(const MapJob& job,
   const std::vector<const CameraPose*> all = poses_by_frame(job, upright);
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all[i] && is_mine(i)) mine.push_back(all[i]);
-  observe_each(job, upright, mine, [&](const ObservedFrame& seen) { take(seen, upright); });
+  std::vector<std::string> refused =
+      observe_each(job, upright, mine, [&](const ObservedFrame& seen) { take(seen, upright); });
+  ObservedPart part{static_cast<int>(refused.size()), upright.told};
+  std::ranges::move(refused, std::back_inserter(part.told));
+  return part;
 }
 
 }  // namespace planescope::world

@@ -68,8 +68,15 @@ struct StoredPlanes {
   std::vector<double> margins;  // by id - 1
 };
 
+/// What the planes of a frame follow from: options, and the camera under "camera". Of classifier
+/// weights only the name.
+using PlanesFrom = std::map<std::string, std::string>;
+PlanesFrom planes_from(const planes::PipelineOptions& options, const io::RecordingInfo& recording);
+/// Empty, or the first difference: "min_pixels is 400, expected 200".
+std::string difference(const PlanesFrom& found, const PlanesFrom& expected);
+
 struct WorldMap : UprightPoses {  // with the poses at which the map has the frames
-  std::string pipeline_key;
+  PlanesFrom planes_from;
   Tracker tracker;
   std::map<int, StoredPlanes> stored;  // by frame
   Stability stability;
@@ -87,20 +94,21 @@ planes::PipelineOptions turn_to_map(Frame& frame,
                                     const CameraPose& pose,
                                     const UprightPoses& upright);
 
-/// SHA-256 of the options and the camera that a frame's planes follow from; for classifier weights,
-/// only the name counts.
-std::string pipeline_key(const planes::PipelineOptions& options,
-                         const io::RecordingInfo& recording);
-
 /// Throws Error where the recording is of clouds, or no frame has a pose; Cancelled when stopped.
 /// Given the poses, the result is bit-identical for any number of threads, except with at_own_rate.
 WorldMap map_recording(const MapJob& job);
 
+struct ObservedPart {
+  int refused = 0;                // frames that could not be read or worked on, told each
+  std::vector<std::string> told;  // one line each
+};
+
 /// A part of it: observes the frames of the job for whose position in MapJob::frames `is_mine`
-/// holds, and hands them over in their order; those that cannot be read are left out. Needs poses:
-/// odometry would go through all frames. Throws as map_recording() does.
-void observe_recording(const MapJob& job,
-                       const std::function<bool(std::size_t position)>& is_mine,
-                       const std::function<void(const ObservedFrame&, const UprightPoses&)>& take);
+/// holds, and hands them over in their order. Needs poses: odometry would go through all frames.
+/// Throws as map_recording() does.
+ObservedPart observe_recording(
+    const MapJob& job,
+    const std::function<bool(std::size_t position)>& is_mine,
+    const std::function<void(const ObservedFrame&, const UprightPoses&)>& take);
 
 }  // namespace planescope::world

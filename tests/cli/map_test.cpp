@@ -26,7 +26,7 @@ struct Map : testing::Test {
   const fs::path dir = scratch();
   const fs::path walk = dir / "walk";
 
-  void SetUp() override { write_walk("80x60"); }
+  void SetUp() override { write_walk("320x240"); }
   void write_walk(const std::string& size) {
     fs::remove_all(walk);
     const Ran ran = run({"synth", "sequence", "-o", walk.string(), "--size", size, "--frames", "12",
@@ -48,7 +48,7 @@ TEST_F(Map, WritesMapTracksAndPoses) {
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   EXPECT_EQ(tracks["frames"].size(), 12u);
   const auto written = read_json<nlohmann::json>(dir / "out" / "map.json");
-  EXPECT_EQ(written["schema"], "planescope.map/3");
+  EXPECT_EQ(written["schema"], "planescope.map/4");
   EXPECT_EQ(written["poses"]["count"], 12);
   EXPECT_GT(io::read_png_rgb(dir / "out" / "map.png").width, 100);
   EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));
@@ -94,7 +94,6 @@ TEST_F(Map, OfAMethodThatTakesNoCandidatesFollowsTheCameraToo) {
 }
 
 TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
-  write_walk("160x120");
   write_file_text(walk / "depth" / "000004.png", "no PNG");
   fs::remove(walk / "depth" / "000009.png");
   auto sidecar = read_json<nlohmann::ordered_json>(walk / "planescope.json");
@@ -103,6 +102,10 @@ TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
   const Ran ran = map({});
   EXPECT_EQ(ran.code, 2) << ran.err;
   EXPECT_NE(ran.err.find("frame 4: "), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find(
+                "1 of the 12 frames in planescope.json have no depth image, the first is 000009"),
+            std::string::npos)
+      << ran.err;
   EXPECT_NE(ran.err.find("timestamps decrease at frame 7"), std::string::npos) << ran.err;
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   ASSERT_EQ(tracks["frames"].size(), 11u);
@@ -147,17 +150,54 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
     EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
     return refused.err;
   };
+  std::string refusals;
   for (const std::vector<std::string>& other :
        {std::vector<std::string>{"--max-range", "2"}, {"--depth-unit", "0.0005"}})
-    EXPECT_NE(refusal(other).find("another camera, other options or other poses"),
-              std::string::npos)
-        << other[0];
+    refusals += refusal(other);
+  for (const char* what : {"other options: max_range_m is 1.5, expected 2",
+                           "other options: camera is 320x240", "unit 0.001 m, expected 320x240"})
+    EXPECT_NE(refusals.find(what), std::string::npos) << what << " in " << refusals;
   EXPECT_NE(refusal({"--window", "3"}).find("--join cannot be combined with"), std::string::npos);
   const fs::path part = fs::path(parts) / "observed" / "000007.cbor";
+  const std::vector<unsigned char> whole = read_file_bytes(part);
+  for (std::size_t at = 0; at < whole.size(); at += whole.size() / 7) {
+    std::vector<unsigned char> damaged = whole;
+    damaged[at] ^= 1;
+    write_file_bytes(part, damaged);
+    EXPECT_NE(refusal({}).find("000007.cbor: is damaged"), std::string::npos) << at;
+  }
   write_file_text(part, "damaged");
-  EXPECT_NE(refusal({}).find("000007.cbor: is no frame of a map"), std::string::npos);
+  EXPECT_NE(refusal({}).find("000007.cbor: is damaged"), std::string::npos);
   fs::remove(part);
   EXPECT_NE(refusal({}).find("000007.cbor: is missing"), std::string::npos);
+}
+
+TEST_F(Map, OfShardsNamesTheFramesThatCannotBeRead) {
+  write_file_text(walk / "depth" / "000004.png", "no PNG");
+  const std::string parts = (dir / "parts").string();
+  for (const char* shard : {"1/2", "2/2"}) {
+    const Ran ran = run({"map", walk.string(), "-o", parts, "--shard", shard});
+    EXPECT_EQ(ran.code, shard[0] == '1' ? 2 : 0) << shard << ran.err;
+    EXPECT_EQ(ran.err.find("frame 4: ") != std::string::npos, shard[0] == '1') << ran.err;
+  }
+  const Ran joined = map({"--join", parts});
+  EXPECT_EQ(joined.code, 2);
+  EXPECT_NE(joined.err.find("frame 4: "), std::string::npos) << joined.err;
+  EXPECT_TRUE(fs::exists(dir / "out" / "map.json"));
+}
+
+TEST_F(Map, OfEveryMethodTellsSegmentItsPlanes) {
+  for (const std::vector<std::string>& method : {std::vector<std::string>{"--profile", "paper"},
+                                                 {"--method", "ransac"},
+                                                 {"--method", "region-growing"},
+                                                 {}}) {
+    ASSERT_EQ(map(method).code, 0) << testing::PrintToString(method);
+    std::vector<std::string> args = {
+        "segment", walk.string(), "-o", (dir / "planes").string(), "--map", (dir / "out").string()};
+    args.insert(args.end(), method.begin(), method.end());
+    const Ran ran = run(args);
+    EXPECT_EQ(ran.code, 0) << testing::PrintToString(method) << ran.err;
+  }
 }
 
 TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
@@ -197,7 +237,8 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
     EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
     return refused.err;
   };
-  EXPECT_NE(refusal({"--max-range", "2"}).find("found with other options"), std::string::npos);
+  EXPECT_NE(refusal({"--max-range", "2"}).find("other options: max_range_m is 1.5, expected 2"),
+            std::string::npos);
   const fs::path other = dir / "other";
   fs::copy(walk, other, fs::copy_options::recursive);
   const Ran refused = run({"segment", other.string(), "-o", (dir / "x").string(), "--map", known});
@@ -229,17 +270,24 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
     kitti += "1 0 0 0 0 1 0 0 0 0 1 0\n";
     millimetres += fmt::format("{} {} 0 0 0 0 0 1\n", i / 15.0, 3000 * i);
   }
-  const auto told = [&](const std::string& poses, const std::vector<std::string>& more) {
+  const std::string good = read_text(dir / "out" / "map.json");
+  const auto told = [&](const std::string& poses, int code, const std::vector<std::string>& more) {
     write_file_text(dir / "poses.txt", poses);
     std::vector<std::string> args = {"--poses", (dir / "poses.txt").string()};
     args.insert(args.end(), more.begin(), more.end());
     const Ran ran = map(args);
-    EXPECT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(ran.code, code) << ran.err;
     return ran.err + ran.out;
   };
-  EXPECT_NE(told(millimetres, {}).find("may not hold T_world_camera in meters"), std::string::npos);
+  // A map without planes is none, and replaces none.
+  const std::string empty = told(millimetres, 2, {});
+  EXPECT_NE(empty.find("may not hold T_world_camera in meters"), std::string::npos) << empty;
+  EXPECT_NE(empty.find("not written: no plane was seen in 3 or more of 12 frames"),
+            std::string::npos)
+      << empty;
+  EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
   // Poses of the whole recording go with some of its frames as well.
-  EXPECT_NE(told(kitti, {"--frames", "3:8"}).find("5 frames"), std::string::npos);
+  EXPECT_NE(told(kitti, 2, {"--frames", "3:8"}).find("of 5 frames"), std::string::npos);
 }
 
 TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
@@ -257,7 +305,7 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   write_file_text(walk / "planescope.json", sidecar.dump());
   const std::string file = (dir / "given.tum").string();
   write_file_text(file, poses);
-  const Ran ran = map({"--poses", file, "--frames", "::2"});
+  const Ran ran = map({"--poses", file, "--frames", "::2", "--max-range", "4"});
   ASSERT_EQ(ran.code, 0) << ran.err;
   const std::string notice = "frames have no times: pose i of " + file + " is taken for frame i";
   EXPECT_NE(ran.err.find(notice), std::string::npos) << ran.err;
@@ -277,14 +325,14 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   // Shards share out the frames asked for.
   const std::string parts = (dir / "parts").string();
   for (const char* shard : {"1/2", "2/2"}) {
-    const Ran part = run(
-        {"map", walk.string(), "-o", parts, "--poses", file, "--frames", "::2", "--shard", shard});
+    const Ran part = run({"map", walk.string(), "-o", parts, "--poses", file, "--frames", "::2",
+                          "--max-range", "4", "--shard", shard});
     EXPECT_EQ(part.code, 0) << part.err;
     EXPECT_NE(part.out.find("3 frames of shard"), std::string::npos) << part.out;
     EXPECT_NE(part.err.find(notice), std::string::npos) << part.err;
   }
   const auto whole = read_file_bytes(dir / "out" / "tracks.json");
-  ASSERT_EQ(map({"--poses", file, "--frames", "::2", "--join", parts}).code, 0);
+  ASSERT_EQ(map({"--poses", file, "--frames", "::2", "--max-range", "4", "--join", parts}).code, 0);
   EXPECT_EQ(read_file_bytes(dir / "out" / "tracks.json"), whole);
   // As poses.tum in the folder they are times alone.
   fs::copy_file(file, walk / "poses.tum");
@@ -379,6 +427,8 @@ TEST_F(Map, WhatCannotBeMappedIsRefusedInOneLine) {
   expect_refused(map({"--poses", (dir / "far.tum").string()}),
                  "far.tum, line 2: the pose is 1e+09");
   expect_refused(map({"--window", "-1"}), "--window");
+  expect_refused(map({"--window", "0.01"}),
+                 "--window: 0.01; expected 0 (no limit) or at least 0.5");
   expect_refused(map({"--classifier", "truth"}), "--classifier truth");
   EXPECT_FALSE(fs::exists(dir / "out"));
   fs::copy_file(walk / "planescope.json", dir / "sidecar.json");

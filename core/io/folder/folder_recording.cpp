@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/io/folder/camera_files.hpp"
 #include "core/io/folder/folder_layout.hpp"
@@ -10,6 +11,7 @@
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io {
 namespace {
@@ -37,6 +39,7 @@ class FolderRecording : public Recording {
 
  private:
   void find_images(const fs::path& path);
+  void tell_of_missing_depth();
   void check_images(bool later);
   CameraFiles find_camera(const fs::path& path) const;
   void settle_color(const CameraFiles& camera);
@@ -76,6 +79,7 @@ void FolderRecording::find_images(const fs::path& path) {
     folder_ = path;
     layout_ = find_folder_layout(path);
     in_folder_ = layout_.depth.size();
+    tell_of_missing_depth();
     return;
   }
   info_.format = "depth image";
@@ -102,6 +106,19 @@ void FolderRecording::find_images(const fs::path& path) {
       }
     }
   }
+}
+
+void FolderRecording::tell_of_missing_depth() {
+  std::set<std::string> present;
+  for (const fs::path& depth : layout_.depth) present.insert(depth.stem().string());
+  std::vector<std::string> missing;
+  for (const Sidecar::FrameFacts& facts : sidecar_.frames)
+    if (!present.contains(facts.name)) missing.push_back(facts.name);
+  if (!missing.empty())
+    layout_.warnings.push_back(
+        fmt::format("{} of the {} in {} have no depth image, the first is {}", missing.size(),
+                    counted(sidecar_.frames.size(), "frame"), sidecar_.path.filename().string(),
+                    missing.front()));
 }
 
 /// Times come from the sidecar, lists or file names, else from poses.tum; with them gravity comes

@@ -46,10 +46,9 @@ void take_map(const Json& json,
   if (json.at("recording") != name)
     throw Error(fmt::format("is of the recording {}, expected {}", json.at("recording").dump(),
                             shown(name)));
-  if (json.at("pipeline") != pipeline_key(options, recording))
-    throw Error(
-        "its planes were found with other options or another camera, expected those of this "
-        "command");
+  const PlanesFrom found = json.at("pipeline").get<PlanesFrom>();
+  if (const std::string other = difference(found, planes_from(options, recording)); !other.empty())
+    throw Error("its planes were found with other options: " + other);
   for (const Json& gravity : json.at("gravity")) {
     SharedGravity& shared = map.gravity.emplace_back();
     shared.source = source_of(gravity.at("source").get<std::string>());
@@ -68,6 +67,9 @@ void take_tracks(const Json& json, KnownMap& map) {
     KnownMap::FramePlanes& planes = map.planes_of[number(frame.at("frame"), "a frame")];
     for (const Json& track : frame.at("track_of_plane"))
       planes.tracks.push_back(number(track, "a track"));
+    if (const auto down = frame.find("gravity"); down != frame.end())
+      planes.gravity = {down->at(0).get<double>(), down->at(1).get<double>(),
+                        down->at(2).get<double>()};
     if (!frame.contains("planes_sha256")) continue;
     planes.sha256 = frame.at("planes_sha256").get<std::string>();
     for (const Json& margin : frame.at("margins"))
@@ -117,13 +119,13 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
                                                const planes::PipelineOptions& options) {
   const auto map = std::make_shared<KnownMap>();
   map->dir = dir;
-  const Json told = read(dir / "map.json", "planescope.map/3");
+  const Json told = read(dir / "map.json", "planescope.map/4");
   reading(dir / "map.json", [&] { take_map(told, recording, options, *map); });
   for (const char* name : {"tracks.json", "poses.tum"})
     if (const fs::path file = dir / name; sha256_hex_of_file(file) != told.at("files").at(name))
       throw Error(fmt::format("{}: is not what {} was written with", file.string(),
                               (dir / "map.json").string()));
-  const Json tracks = read(dir / "tracks.json", "planescope.tracks/3");
+  const Json tracks = read(dir / "tracks.json", "planescope.tracks/4");
   reading(dir / "tracks.json", [&] { take_tracks(tracks, *map); });
   map->poses = read_trajectory(dir / "poses.tum");
   for (const CameraPose& pose : map->poses.poses) {
@@ -138,6 +140,9 @@ std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recordin
   return io::with_changed_frames(std::move(recording), [map = std::move(map)](Frame& frame) {
     if (const CameraPose* pose = pose_of(map->poses, frame.index))
       turn_to_map(frame, {}, *pose, *map);
+    if (const auto at = map->planes_of.find(frame.index);
+        at != map->planes_of.end() && at->second.gravity)
+      frame.gravity->direction = *at->second.gravity;  // the frame was aligned after that
     frame.given = given_planes(*map, frame.index);
   });
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/io/recording.hpp"
@@ -15,9 +16,10 @@ namespace planescope::world {
 struct KnownMap : UprightPoses {
   std::filesystem::path dir;
   struct FramePlanes {
-    std::vector<int> tracks;      // by plane id - 1; 0 none
-    std::string sha256;           // of the image of the frame's planes; empty: none is stored
-    std::vector<double> margins;  // by id - 1, the minor ones' last
+    std::vector<int> tracks;       // by plane id - 1; 0 none
+    std::string sha256;            // of the image of the frame's planes; empty: none is stored
+    std::vector<double> margins;   // by id - 1, the minor ones' last
+    std::optional<Vec3d> gravity;  // unit, in the camera, that the planes were found with
   };
   std::map<int, FramePlanes> planes_of;  // by frame
 

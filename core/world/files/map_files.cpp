@@ -142,7 +142,7 @@ namespace {
 std::string tracks_json(const WorldMap& map, const std::string& recording) {
   const Tracker& tracker = map.tracker;
   Json json;
-  json["schema"] = "planescope.tracks/3";
+  json["schema"] = "planescope.tracks/4";
   json["recording"] = recording;
   json["frames"] = Json::array();
   for (const FrameOfTracks& frame : tracker.frames()) {
@@ -151,6 +151,7 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
     if (!frame.has_pose) told["without_pose"] = true;
     if (frame.set_aside) told["set_aside"] = true;
     told["agreement"] = rounded(frame.agreement);
+    if (const auto& down = frame.gravity) told["gravity"] = {down->x(), down->y(), down->z()};
     std::vector<int> ids;
     for (const int id : frame.track_of) ids.push_back(final_track(tracker.tracks(), id));
     told["track_of_plane"] = std::vector(ids.begin(), ids.begin() + frame.listed);
@@ -189,9 +190,9 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
 
 std::string map_json(const WorldMap& map, const std::string& recording, const MapTexts& others) {
   Json json;
-  json["schema"] = "planescope.map/3";
+  json["schema"] = "planescope.map/4";
   json["recording"] = recording;
-  json["pipeline"] = map.pipeline_key;
+  json["pipeline"] = map.planes_from;
   json["files"] = {{"tracks.json", sha256_hex(others.tracks_json)},
                    {"poses.tum", sha256_hex(others.poses_tum)}};
   json["poses"] = {{"source", map.poses.source}, {"count", map.poses.poses.size()}};

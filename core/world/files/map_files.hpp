@@ -14,9 +14,9 @@ std::vector<const Track*> planes_of_map(const Tracker& tracker);
 /// What is written of a map.
 struct MapTexts {
   std::string poses_tum;
-  std::string tracks_json;  // schema "planescope.tracks/3": which plane of which frame is which
+  std::string tracks_json;  // schema "planescope.tracks/4": which plane of which frame is which
                             // track, and why a track is missing where it is
-  std::string map_json;     // schema "planescope.map/3", with SHA-256 of the two others
+  std::string map_json;     // schema "planescope.map/4", with SHA-256 of the two others
 };
 /// `recording`: its name, as the files tell it.
 MapTexts map_texts(const WorldMap& map, const std::string& recording);

@@ -1,18 +1,22 @@
 #include "core/world/files/observed_files.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/sha256.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::world {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "planescope.observed/4";
+constexpr const char* kSchema = "planescope.observed/5";
 
 Json vector_bits(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 Vec3d vector_of_bits(const Json& json) {
@@ -143,40 +147,51 @@ Image16 image_of(const Json& json, int width, int height, std::size_t planes) {
 
 }  // namespace
 
-std::string observed_key(const planes::PipelineOptions& options,
-                         const io::RecordingInfo& recording,
-                         const UprightPoses& upright) {
+PlanesFrom planes_from(const planes::PipelineOptions& options,
+                       const io::RecordingInfo& recording,
+                       const UprightPoses& upright) {
   std::string text = tum_text(upright.poses);
   for (const SharedGravity& gravity : upright.gravity)
     text += Json{gravity.known, vector_bits(gravity.direction)}.dump();
-  text += pipeline_key(options, recording);
-  return sha256_hex(text);
+  PlanesFrom from = planes_from(options, recording);
+  from["poses"] = fmt::format("{}, SHA-256 {:.8}", counted(upright.poses.poses.size(), "pose"),
+                              sha256_hex(text));
+  return from;
 }
 
-std::vector<unsigned char> observed_bytes(const ObservedFrame& frame, const std::string& key) {
+std::vector<unsigned char> observed_bytes(const ObservedFrame& frame, const PlanesFrom& from) {
   Json planes = Json::array();
   for (const ObservedPlane& plane : frame.planes) planes.push_back(plane_bits(plane));
   const planes::NoiseModel& noise = frame.noise;
-  return Json::to_cbor(
+  std::vector<unsigned char> bytes = Json::to_cbor(
       {{"schema", kSchema},
-       {"key", key},
+       {"from", from},
        {"frame", frame.frame},
        {"noise", {noise.estimated, noise.by_range, noise.constant_m, noise.growth_per_m}},
        {"planes", std::move(planes)},
        {"size", {frame.plane_of.width, frame.plane_of.height}},
        {"plane_of", runs_json(frame.plane_of)}});
+  const std::string check = sha256_hex(std::as_bytes(std::span(bytes)));
+  bytes.insert(bytes.end(), check.begin(), check.end());
+  return bytes;
 }
 
-ObservedFrame read_observed(const std::filesystem::path& file, const std::string& key) {
+ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom& expected) {
   constexpr int kMostSide = 65536;
-  const std::vector<unsigned char> bytes = read_file_bytes(file);
+  constexpr std::size_t kCheck = 64;
+  std::vector<unsigned char> bytes = read_file_bytes(file);
   try {
+    if (bytes.size() < kCheck) throw std::out_of_range("the check");
+    const auto check = bytes.end() - kCheck;
+    if (!std::ranges::equal(sha256_hex(std::as_bytes(std::span(bytes.begin(), check))),
+                            std::span(check, bytes.end())))
+      throw std::out_of_range("the check");
+    bytes.erase(check, bytes.end());
     const Json json = Json::from_cbor(bytes);
     if (json.at("schema") != kSchema) throw std::out_of_range("the schema");
-    if (json.at("key") != key)
-      throw Error(file.string() +
-                  ": made with another camera, other options or other poses, expected those of "
-                  "this command");
+    if (const std::string other = difference(json.at("from").get<PlanesFrom>(), expected);
+        !other.empty())
+      throw Error(file.string() + ": was made with other options: " + other);
     ObservedFrame frame;
     frame.frame = json.at("frame").get<int>();
     const Json& noise = json.at("noise");
@@ -195,7 +210,7 @@ ObservedFrame read_observed(const std::filesystem::path& file, const std::string
     return frame;
   } catch (const std::exception& error) {
     if (dynamic_cast<const Error*>(&error)) throw;
-    throw Error(file.string() + ": is no frame of a map, expected what --shard wrote");
+    throw Error(file.string() + ": is damaged, expected what --shard of this version wrote");
   }
 }
 

@@ -10,16 +10,16 @@
 
 namespace planescope::world {
 
-/// Of all that a frame's planes follow from but the frame: the options, the poses and gravity.
-std::string observed_key(const planes::PipelineOptions& options,
-                         const io::RecordingInfo& recording,
-                         const UprightPoses& upright);
+/// planes_from(), and under "poses" what identifies the poses and gravity.
+PlanesFrom planes_from(const planes::PipelineOptions& options,
+                       const io::RecordingInfo& recording,
+                       const UprightPoses& upright);
 
-/// CBOR, schema "planescope.observed/4": the frame's planes to the bit, and which pixel is on
-/// which.
-std::vector<unsigned char> observed_bytes(const ObservedFrame& frame, const std::string& key);
+/// CBOR, schema "planescope.observed/5": the frame's planes to the bit, and which pixel is on
+/// which. After it the SHA-256 of it, 64 hexadecimal digits.
+std::vector<unsigned char> observed_bytes(const ObservedFrame& frame, const PlanesFrom& from);
 /// All but what the frame itself, its pose and the options tell. Throws Error naming the file where
-/// it is none, or of another key.
-ObservedFrame read_observed(const std::filesystem::path& file, const std::string& key);
+/// it is damaged or made with another camera, other options or other poses.
+ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom& expected);
 
 }  // namespace planescope::world

@@ -303,14 +303,40 @@ namespace {
 
 using PosesOfFrames = std::vector<std::optional<CameraPose>>;
 
-PosesOfFrames poses_by_number(const std::vector<CameraPose>& poses, std::span<const int> frames) {
+PosesOfFrames poses_by_number(const Trajectory& trajectory, std::span<const int> frames) {
+  const std::vector<CameraPose>& poses = trajectory.poses;
   std::unordered_map<int, std::size_t> of_frame;
   for (std::size_t k = 0; k < poses.size(); ++k) of_frame.emplace(poses[k].frame, k);
   PosesOfFrames found(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i)
     if (const auto at = of_frame.find(frames[i]); at != of_frame.end())
       found[i] = poses[at->second];
+  if (std::ranges::none_of(found, [](const auto& pose) { return pose.has_value(); }))
+    throw Error(fmt::format("{}: poses of frames {} to {}; expected some of frames {} to {}",
+                            trajectory.source, poses.front().frame, poses.back().frame,
+                            frames.front(), frames.back()));
   return found;
+}
+
+/// The most by which a frame's time may differ from its pose's [s].
+double most_apart_s(const std::vector<CameraPose>& poses) {
+  std::vector<double> times;
+  for (const CameraPose& pose : poses) times.push_back(pose.timestamp_s);
+  return std::max(1e-4, usual_gap_s(std::move(times)) / 2);
+}
+
+/// The first frame whose own time is not that of the pose with its number: frames were added or
+/// removed since.
+std::optional<int> frame_at_another_time(const Trajectory& trajectory,
+                                         const io::Recording& recording) {
+  const double most_s = most_apart_s(trajectory.poses);
+  const auto has_time = [](const CameraPose& pose) { return pose.timestamp_s != 0; };
+  if (std::ranges::none_of(trajectory.poses, has_time)) return std::nullopt;
+  for (const CameraPose& pose : trajectory.poses)
+    if (pose.frame < recording.frame_count() &&
+        std::abs(time_of(recording, pose.frame) - pose.timestamp_s) > most_s)
+      return pose.frame;
+  return std::nullopt;
 }
 
 /// Of each frame the nearest pose, no farther than half the usual distance between poses.
@@ -321,7 +347,7 @@ PosesOfFrames poses_by_time(const Trajectory& trajectory,
   std::ranges::stable_sort(sorted, {}, &CameraPose::timestamp_s);
   std::vector<double> times;
   for (const CameraPose& pose : sorted) times.push_back(pose.timestamp_s);
-  const double reach = std::max(1e-4, usual_gap_s(times) / 2);
+  const double reach = most_apart_s(sorted);
   PosesOfFrames found(frames.size());
   std::vector<int> frame_of(sorted.size(), -1);
   double first_s = std::numeric_limits<double>::infinity(), last_s = -first_s;
@@ -359,14 +385,18 @@ PairedPoses pair_poses(const Trajectory& trajectory,
   const bool have_times = frames_have_times(recording);
   const bool poses_have_times = std::isfinite(poses[0].timestamp_s);
   PairedPoses paired;
-  if (all_have_frames(poses)) {
-    paired.poses = poses_by_number(poses, frames);
-    if (std::ranges::none_of(paired.poses, [](const auto& pose) { return pose.has_value(); }))
-      throw Error(fmt::format("{}: poses of frames {} to {}; expected some of frames {} to {}",
-                              trajectory.source, poses.front().frame, poses.back().frame,
-                              frames.front(), frames.back()));
+  const bool are_numbered = all_have_frames(poses);
+  const std::optional<int> moved = are_numbered && poses_have_times && have_times
+                                       ? frame_at_another_time(trajectory, recording)
+                                       : std::nullopt;
+  if (are_numbered && !moved) {
+    paired.poses = poses_by_number(trajectory, frames);
   } else if (poses_have_times && have_times) {
     paired.poses = poses_by_time(trajectory, recording, frames);
+    if (moved)
+      paired.notice = fmt::format(
+          "frame {} is at another time than in {}: poses are paired by time, not by number", *moved,
+          trajectory.source);
   } else {
     const bool of_all = poses.size() == recorded;
     if (!of_all && (poses_have_times || poses.size() != frames.size()))

@@ -70,14 +70,14 @@ struct PairedPoses {
   /// Of the frames asked for, in their order, with the frames' numbers and times; nullopt where the
   /// trajectory has no pose for the frame.
   std::vector<std::optional<CameraPose>> poses;
-  std::string notice;  // for people, where poses were paired by order; else empty
+  std::string notice;  // for people, where poses were paired by order, or against their numbers
 };
 
 /// When a frame was taken [s]; NaN if its time cannot be read.
 double time_of(const io::Recording& recording, int frame);
 
 /// Which pose belongs to which frame:
-/// - by the frame's number, where every pose has one;
+/// - by the frame's number, where every pose has one and no time contradicts it;
 /// - by time, the nearest and no farther than half the usual distance between poses;
 /// - by order, where frames or poses have no times: as many poses as the recording has frames, or,
 ///   where the poses have no times, as many as `frames`. Frames without times get the poses'.

@@ -92,6 +92,7 @@ void take_frame(ObservedFrame& seen,
   seen.timestamp_s = frame.timestamp_s;
   seen.segment = segment;
   seen.T_world_camera = T_world_camera;
+  if (frame.gravity && frame.gravity->known()) seen.gravity = frame.gravity->direction;
   seen.intrinsics = frame.intrinsics;
   seen.depth = frame.depth;
   seen.depth_unit_m = frame.depth_unit_m;

@@ -40,6 +40,7 @@ struct ObservedFrame {
   double timestamp_s = 0;
   int segment = 0;
   Pose T_world_camera = Pose::Identity();
+  std::optional<Vec3d> gravity;  // unit, in the camera, that its planes were found with
   Intrinsics intrinsics;
   Image16 depth;  // counts
   double depth_unit_m = 0;

@@ -29,8 +29,8 @@ struct TrackOptions {
   int confirm_frames = 3;
   double confirm_share = 0.25;  // of the frames in which it was in sight
   double least_area_m2 = 0.01;
-  // A frame whose depth fits less of what is known is set aside; so many in a row, and a new
-  // segment begins:
+  // A frame whose depth fits less of what is known is set aside; so many in a row, or as many as
+  // the segment has others, and a new segment begins:
   double least_agreement = 0.35;
   int most_aside = 10;
   // The map is held in a cube about the camera with this edge, and forgotten beyond; 0: everywhere.

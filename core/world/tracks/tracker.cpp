@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "core/planes/evaluate/plane_match.hpp"
 #include "core/world/tracks/align.hpp"
@@ -143,10 +144,12 @@ const FrameOfTracks& Tracker::skip(int frame, double timestamp_s) {
 }
 
 const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
-  segment_ = segment_of(frame.segment);
+  if (const int segment = segment_of(frame.segment); std::exchange(segment_, segment) != segment)
+    taken_ = 0;
   if (own_of_known_.empty()) move_to(frame, aligned_pose(frame, alive()));
   FrameOfTracks told;
   told.T_world_camera = frame.T_world_camera;
+  told.gravity = frame.gravity;
   told.frame = frame.frame;
   told.timestamp_s = frame.timestamp_s;
   told.track_of.assign(frame.planes.size(), 0);
@@ -158,8 +161,9 @@ const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
   judge_agreement(judged, told);
   told.set_aside =
       told.compared_cells >= kEnoughToCompare && told.agreement < options_.least_agreement;
-  if (told.set_aside && ++aside_ > options_.most_aside) {
+  if (told.set_aside && ++aside_ > std::min(options_.most_aside, taken_)) {
     ++begun_, ++segment_;
+    taken_ = 0;
     told.set_aside = false;
     judged.clear();
   }
@@ -169,6 +173,7 @@ const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
     return frames_.emplace_back(std::move(told));
   }
   aside_ = 0;
+  ++taken_;
   for (const Judged& j : judged) remember(j.sight);
 
   take_expected(frame, judged, told);

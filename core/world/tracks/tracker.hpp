@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@ struct FrameOfTracks {
   double timestamp_s = 0;
   int segment = 0;
   Pose T_world_camera = Pose::Identity();  // as aligned
+  std::optional<Vec3d> gravity;            // as ObservedFrame has it
   bool has_pose = true;
   bool set_aside = false;  // its depth does not fit what is known
   double agreement = 1;    // share of what was in sight that was where it should be
@@ -102,6 +104,7 @@ class Tracker {
   std::vector<FrameOfTracks> frames_;
   int segment_ = 0;  // of the last frame, with those that were begun here
   int begun_ = 0;    // segments that began because frames did not fit
+  int taken_ = 0;    // frames of this segment
   int aside_ = 0;    // frames in a row
   std::function<void(const LeftPiece&)> take_left_;
 };

@@ -223,6 +223,21 @@ TEST(PairPoses, FramesTakeThePoseOfTheirTimeInWhateverOrderTheFileHasThem) {
             std::string::npos);
 }
 
+TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
+  Trajectory numbered = at_times({5, 6, 7, 8});
+  for (CameraPose& pose : numbered.poses)
+    pose.frame = static_cast<int>(pose.T_world_camera.translation().x());
+  EXPECT_EQ(paired(numbered, TimesAlone({5, 6.2, 7, 8}), {0, 1, 2, 3}), (std::vector{0, 1, 2, 3}));
+  EXPECT_EQ(paired(numbered, TimesAlone({0, 0, 0, 0}), {1, 2}), (std::vector{1, 2}));
+  const TimesAlone removed({5, 7, 8});
+  EXPECT_EQ(paired(numbered, removed, {0, 1, 2}), (std::vector{0, 2, 3}));
+  EXPECT_EQ(
+      pair_poses(numbered, removed, std::vector{0}).notice,
+      "frame 1 is at another time than in poses.tum: poses are paired by time, not by number");
+  for (CameraPose& pose : numbered.poses) pose.timestamp_s = 0;
+  EXPECT_EQ(paired(numbered, removed, {0, 1, 2}), (std::vector{0, 1, 2}));
+}
+
 TEST(PairPoses, APoseThatIsNearestToTwoFramesIsRefused) {
   const TimesAlone recording({0, 0.1, 0.2, 0.3});
   const std::string why = why_unpaired(at_times({0, 1000, 2000, 3000}), recording, {0, 1, 2, 3});

@@ -187,6 +187,16 @@ TEST_F(Room, AFrameAtAWrongPoseIsSetAside) {
   EXPECT_FALSE(tracker_.add(look(scene_)).set_aside);
 }
 
+TEST_F(Room, OneThatBeginsAtAWrongPoseCostsOneMoreFrame) {
+  ObservedFrame wrong = look(scene_);
+  Pose off = Pose::Identity();
+  off.translation() = Vec3d(0, 0, 0.3);
+  move_to(wrong, off * wrong.T_world_camera);
+  tracker_.add(wrong);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(tracker_.add(look(scene_)).set_aside, i == 0) << i;
+  EXPECT_EQ(tracker_.frames().back().segment, 1);
+}
+
 TEST_F(Room, AFrameAtASlightlyWrongPoseIsBroughtToItsPlace) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   ObservedFrame seen = look(scene_);
