@@ -72,7 +72,7 @@ TEST(Hints, OfAFixNameNoLabelsWhereThereAreNone) {
   shell.perform({"fix.search", ""}, true);
   settle(shell, stage, {});
   EXPECT_EQ(shell.state().results.fix.target.name, "marked region");
-  EXPECT_FALSE(shell.state().results.fix.target.whole) << "of a surface of the ground truth";
+  EXPECT_EQ(shell.state().results.fix.target.wish, debug::Wish::plane);
   EXPECT_TRUE(shell.state().results.fix.finished);
 }
 

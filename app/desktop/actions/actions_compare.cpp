@@ -59,7 +59,9 @@ void search_fix(State& state) {
   const bool labelled = run.subject->voxel_truth.known();
   begun.target = labelled && state.view.truth_plane > 0
                      ? debug::target_of_truth(run, state.view.truth_plane)
-                     : debug::FixTarget{state.document.marked, "marked region", false};
+                     : debug::FixTarget{.voxels = state.document.marked,
+                                        .name = "marked region",
+                                        .wish = debug::Wish::plane};
   if (begun.target.voxels.empty()) {
     state.view.tool_tab = "fix";
     return say_hint(
@@ -73,7 +75,38 @@ void search_fix(State& state) {
   state.view.tool_tab = "fix";
 }
 
+/// "own", "none", "plane", or "with VOXEL".
+PointAsked asked_in(const State& state, const std::string& text) {
+  const int voxel = state.view.selected.voxel;
+  if (voxel < 0) throw Error("action fix.point: no point is selected");
+  PointAsked asked{.voxel = static_cast<std::uint32_t>(voxel)};
+  const std::string with = "with ";
+  if (text.starts_with(with)) {
+    const auto voxels = static_cast<int>(state.run()->subject->voxel_count());
+    asked.with = whole_argument("fix.point", text.substr(with.size()), 0, voxels - 1);
+    asked.wish = debug::Wish::joined;
+  } else if (text == "own") {
+    asked.wish = debug::Wish::own_plane;
+  } else if (text == "none") {
+    asked.wish = debug::Wish::no_plane;
+  } else if (!text.empty() && text != "plane") {
+    throw Error("action fix.point: '" + text + "': expected plane, own, none or with VOXEL");
+  }
+  return asked;
+}
+
 }  // namespace
+
+void ask_of_point(State& state, const PointAsked& asked, bool far) {
+  FixSearch& fix = state.results.fix;
+  state.view.preview.reset();
+  const bool is_asked = fix.of == state.results.current || fix.running;
+  if (is_asked && fix.asked == asked && fix.target.far == far) return;
+  fix = {};
+  fix.asked = asked;
+  fix.target.far = far;
+  fix.running = true;
+}
 
 std::vector<Action> compare_actions() {
   const std::string menu = "Compare";
@@ -191,6 +224,46 @@ std::vector<Action> compare_actions() {
        },
        has_current,
        {}},
+      {"fix.point",
+       "What would make the surface at the selected point what it should be",
+       menu,
+       "",
+       "plane|own|none|with VOXEL",
+       [](State& s, const std::string& text) {
+         if (!s.results.current->run->is_ours())
+           return say(s, "fixes are sought among the options of method ours");
+         ask_of_point(s, asked_in(s, text));
+       },
+       has_current,
+       {}},
+      {"fix.far",
+       "Search farther for fixes",
+       menu,
+       "",
+       "",
+       [](State& s, const std::string&) {
+         FixSearch& fix = s.results.fix;
+         if (fix.asked) return ask_of_point(s, *fix.asked, true);
+         FixSearch farther;
+         farther.target = fix.target;
+         farther.target.far = farther.running = true;
+         fix = farther;
+       },
+       [](const State& s) { return s.results.fix.finished; },
+       {}},
+      {"fix.preview",
+       "Show a fix for as long as its button is held",
+       "",
+       "",
+       "[NUMBER]",
+       [](State& s, const std::string& text) {
+         s.view.preview.reset();
+         if (text.empty()) return;
+         const debug::Fix& fix = item_argument("fix.preview", text, s.results.fix.fixes);
+         s.view.preview = {fix.option, fix.after};
+       },
+       {},
+       {}},
       {"fix.cancel",
        "Stop searching for fixes",
        menu,
@@ -222,6 +295,7 @@ std::vector<Action> compare_actions() {
          const debug::Fix fix = item_argument("fix.apply", text, s.results.fix.fixes);
          planes::PipelineOptions after = s.document.options;
          planes::set_option(after, fix.option, fix.after);
+         s.view.preview.reset();
          change_options(s, after);
          say(s, fmt::format("{} = {} (was {}); Ctrl+Z takes it back", fix.option, fix.after,
                             fix.before));

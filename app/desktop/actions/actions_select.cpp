@@ -19,6 +19,14 @@ void select_node(State& state, std::int32_t node) {
   state.view.selected.node = node;
 }
 
+/// Where the result has no plane, the search for what would bring one begins.
+void ask_about(State& state, std::int32_t voxel) {
+  const std::shared_ptr<const RunView>& view = state.results.current;
+  if (!view || state.run() != view->run.get() || !view->run->is_ours()) return;
+  if (view->run->segmentation.plane_of[voxel] > 0) return;
+  ask_of_point(state, {.voxel = static_cast<std::uint32_t>(voxel)});
+}
+
 void select_voxel(State& state, std::int32_t voxel, std::int64_t source) {
   const debug::Timeline& timeline = state.run()->timeline;
   Selection& selected = state.view.selected;
@@ -26,6 +34,7 @@ void select_voxel(State& state, std::int32_t voxel, std::int64_t source) {
   selected.source = source;
   selected.node = timeline.node_of_point(voxel, state.view.step);
   selected.plane = timeline.point_at(voxel, state.view.step).plane;
+  ask_about(state, voxel);
 }
 
 void select_pixel(State& state, double u, double v) {

@@ -63,6 +63,14 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
   menu.act("why",
            plane < 0 ? "Why it is in no plane" : "Why it is in " + debug::plane_name(run, plane),
            "point.life");
+  const std::int32_t other = state.view.selected.voxel;
+  if (run.is_ours() && run.segmentation.plane_of[at.what.index] > 0) {
+    menu.add("own", "It should be a plane of its own", {menu.select, {"fix.point", "own"}});
+    menu.add("none", "It should be no plane", {menu.select, {"fix.point", "none"}});
+  }
+  if (run.is_ours() && other >= 0 && other != at.what.index)
+    menu.add("joined", "It should be one plane with the selected point",
+             {menu.select, {"fix.point", fmt::format("with {}", other)}});
   if (plane >= 0)
     menu.add("plane", "Select " + debug::plane_name(run, plane),
              {{"select.plane", debug::plane_name(run, plane)}});

@@ -10,6 +10,7 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/debugger/axes.hpp"
+#include "app/desktop/jobs/fix_target.hpp"
 #include "app/desktop/jobs/frame_work.hpp"
 #include "app/desktop/jobs/label_jobs.hpp"
 #include "app/desktop/jobs/learn_jobs.hpp"
@@ -234,7 +235,13 @@ void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& vi
 
 void Jobs::Impl::pursue_run(State& state) {
   if (!state.document.current()) return;
-  const Wanted wanted = wanted_in(state, state.document.frame);
+  Wanted wanted = wanted_in(state, state.document.frame);
+  if (const auto& preview = state.view.preview) {
+    Document document = state.document;
+    planes::set_option(document.options, preview->option, preview->value);
+    wanted = wanted_of(document, state.document.frame);
+    if (state.map()) wanted.map = state.results.map.made;
+  }
   if (run_wanted && *run_wanted == wanted) return;
   if (!run_wanted || run_wanted->recording != wanted.recording ||
       run_wanted->frame != wanted.frame) {
@@ -396,20 +403,31 @@ void Jobs::Impl::pursue_fix(State& state) {
   if (analysing == Analysis::check && !checks) stop_analysis();
   if (fix.running && !fix.begun && state.results.current) {
     fix.begun = true;
-    analyse(Analysis::search, [this, target = fix.target, view = state.results.current](
-                                  std::stop_token stop, int number) {
-      const auto found = debug::find_fixes(*view->run, target, stop, [&](int done, int total) {
-        deliver_analysis(number, [done, total](State& s) {
-          s.results.fix.done = done;
-          s.results.fix.total = total;
+    fix.of = state.results.current;
+    analyse(
+        Analysis::search, [this, target = fix.target, asked = fix.asked,
+                           view = state.results.current](std::stop_token stop, int number) mutable {
+          if (asked) {
+            const bool far = target.far;
+            target = fix_target(*view->run, *asked);
+            target.far = far;
+            deliver_analysis(number, [target](State& s) { s.results.fix.target = target; });
+          }
+          const auto found =
+              debug::find_fixes(*view->run, target, stop,
+                                [&](int done, int total, const std::vector<debug::Fix>& so_far) {
+                                  deliver_analysis(number, [done, total, so_far](State& s) {
+                                    s.results.fix.done = done;
+                                    s.results.fix.total = total;
+                                    s.results.fix.fixes = so_far;
+                                  });
+                                });
+          deliver_analysis(number, [found](State& s) {
+            s.results.fix.running = false;
+            s.results.fix.finished = true;
+            s.results.fix.fixes = found;
+          });
         });
-      });
-      deliver_analysis(number, [found](State& s) {
-        s.results.fix.running = false;
-        s.results.fix.finished = true;
-        s.results.fix.fixes = found;
-      });
-    });
   }
   if (fix.finished && fix.checked >= 0 && !fix.check_begun && state.document.current()) {
     fix.check_begun = true;

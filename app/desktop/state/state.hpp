@@ -146,7 +146,18 @@ struct RunPlanes {
   std::shared_ptr<const render::PlaneScene> scene;
 };
 
+/// What a click asks: what should become of the surface at a voxel.
+struct PointAsked {
+  std::uint32_t voxel = 0;
+  debug::Wish wish = debug::Wish::plane;
+  std::int32_t with = -1;  // `joined`: a voxel of the other surface
+
+  bool operator==(const PointAsked&) const = default;
+};
+
 struct FixSearch {
+  std::shared_ptr<const RunView> of;  // whose fixes they are
+  std::optional<PointAsked> asked;    // by a click: the job makes the target of it
   debug::FixTarget target;
   bool running = false;
   bool begun = false;  // the job knows of it
@@ -337,10 +348,14 @@ struct ViewState {
   std::vector<debug::MeasureEnd> measured;  // one end, or two
   bool gravity_of_recording = false;  // what is clicked holds for all frames, not this one alone
   Against against = Against::nothing;
-  bool flash = false;            // A is shown in place of B
-  bool wiper = false;            // A left of a divider and B right of it, in both views ...
-  double wiper_at = 0.5;         // ... which is at this share of their width
-  std::int32_t truth_plane = 0;  // that `what would fix this` is about; 0: the marked region
+  bool flash = false;     // A is shown in place of B
+  bool wiper = false;     // A left of a divider and B right of it, in both views ...
+  double wiper_at = 0.5;  // ... which is at this share of their width
+  struct Preview {
+    std::string option, value;
+  };
+  std::optional<Preview> preview;  // of a fix, while its button is held
+  std::int32_t truth_plane = 0;    // that `what would fix this` is about; 0: the marked region
 
   std::string palette_asks;  // the palette asks for this action's argument; empty: for an action
   std::optional<Bookmark> arrival;                  // where to go once the frame's run is there

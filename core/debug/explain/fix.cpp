@@ -3,31 +3,121 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
+#include <utility>
 
+#include "core/debug/explain/provenance.hpp"
+#include "core/debug/explain/region_decision.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::debug {
 namespace {
 
-/// IoU of the target with the plane that overlaps it most; of a part the share that is in it.
-double iou_of(const std::vector<std::int32_t>& plane_of, const FixTarget& target) {
-  const std::int32_t planes = plane_of.empty() ? 0 : std::ranges::max(plane_of);
-  std::vector<std::uint32_t> sizes(planes + 1, 0), shared(planes + 1, 0);
-  for (const std::int32_t plane : plane_of) ++sizes[plane];
-  for (const std::uint32_t voxel : target.voxels)
-    if (voxel < plane_of.size()) ++shared[plane_of[voxel]];
-  const auto wanted = static_cast<double>(target.voxels.size());
-  double best = 0;
-  for (std::int32_t p = 1; p <= planes; ++p)
-    best = std::max(best, shared[p] / (target.whole ? sizes[p] + wanted - shared[p] : wanted));
-  return best;
+// Share of a target that is to be as wished, or the lesser one where no change grants that.
+constexpr std::array kEnough{0.5, 0.1};
+constexpr double kMostBeyond = 0.5;    // of a plane, beyond the surface that it is wanted for ...
+constexpr double kOfItsOwn = 0.1;      // ... and where it should be a plane of its own
+constexpr std::size_t kExplained = 3;  // fixes that tell their step
+constexpr std::size_t kVotes = 64;     // voxels that are asked for it
+
+std::size_t in_common(const std::vector<std::uint32_t>& voxels,
+                      const std::vector<std::int32_t>& plane_of,
+                      std::int32_t plane) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(voxels, [&](std::uint32_t voxel) { return plane_of[voxel] == plane; }));
 }
 
-constexpr double kStep = 0.14;     // 15 %
-constexpr double kFarthest = 4.7;  // a hundredfold
+/// How far a result grants a wish.
+struct Granted {
+  bool enough = false;
+  double share = 0;
+  std::int32_t plane = 0;  // that has the target
+  std::size_t voxels = 0;  // of the target that are as wished
+};
+
+Granted granted(const std::vector<std::int32_t>& plane_of,
+                const FixTarget& target,
+                double enough = kEnough[0]) {
+  const auto wanted = static_cast<double>(target.voxels.size());
+  if (target.voxels.empty()) return {};
+  const auto of = [&](std::size_t voxels) { return static_cast<double>(voxels) / wanted; };
+  if (target.wish == Wish::no_plane) {
+    const std::size_t none = in_common(target.voxels, plane_of, 0);
+    const bool is_none = target.voxel < 0 || plane_of[target.voxel] == 0;
+    return {is_none && of(none) >= enough, of(none), 0, none};
+  }
+  std::vector<std::uint32_t> sizes, shared;
+  const std::int32_t planes = std::ranges::max(plane_of);
+  sizes.assign(planes + 1, 0), shared.assign(planes + 1, 0);
+  for (const std::int32_t plane : plane_of) ++sizes[plane];
+  for (const std::uint32_t voxel : target.voxels) ++shared[plane_of[voxel]];
+  if (target.wish == Wish::true_plane) {
+    Granted best;
+    for (std::int32_t p = 1; p <= planes; ++p)
+      if (const double iou = shared[p] / (sizes[p] + wanted - shared[p]); iou > best.share)
+        best = {iou >= kDetectedIou, iou, p, shared[p]};
+    return best;
+  }
+  const std::int32_t most = static_cast<std::int32_t>(
+      std::max_element(shared.begin() + 1, shared.end()) - shared.begin());
+  const std::int32_t plane = target.voxel >= 0 ? plane_of[target.voxel] : planes > 0 ? most : 0;
+  if (plane == 0) return {};
+  Granted result{of(shared[plane]) >= enough, of(shared[plane]), plane, shared[plane]};
+  if (target.wish == Wish::joined) return result;
+  const bool own = target.wish == Wish::own_plane;
+  const auto& surface = own || target.surface.empty() ? target.voxels : target.surface;
+  const double inside = static_cast<double>(in_common(surface, plane_of, plane));
+  result.enough &= 1 - inside / sizes[plane] <= (own ? kOfItsOwn : kMostBeyond);
+  return result;
+}
+
+/// Voxels outside of the target that are in another plane than before; planes are the same by what
+/// they have in common, the most first.
+std::int32_t moved_elsewhere(const std::vector<std::int32_t>& before,
+                             const std::vector<std::int32_t>& after,
+                             const std::vector<std::uint32_t>& target) {
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> common;
+  for (std::size_t i = 0; i < before.size(); ++i) ++common[{before[i], after[i]}];
+  std::vector<std::pair<std::int32_t, std::pair<std::int32_t, std::int32_t>>> pairs;
+  for (const auto& [planes, count] : common)
+    if (planes.first > 0 && planes.second > 0) pairs.push_back({-count, planes});
+  std::ranges::sort(pairs);
+  std::map<std::int32_t, std::int32_t> after_of{{0, 0}}, before_of{{0, 0}};
+  for (const auto& [count, planes] : pairs)
+    if (!after_of.contains(planes.first) && !before_of.contains(planes.second)) {
+      after_of[planes.first] = planes.second;
+      before_of[planes.second] = planes.first;
+    }
+  const auto stays = [&](std::size_t i) {
+    const auto at = after_of.find(before[i]);
+    return at != after_of.end() && at->second == after[i];
+  };
+  std::int32_t moved = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) moved += !stays(i);
+  for (const std::uint32_t voxel : target) moved -= !stays(voxel);
+  return moved;
+}
+
+double cost_of(const Fix& fix) {
+  return fix.change + fix.elsewhere / std::max(1.0, 1.0 * fix.gained);
+}
+
+bool is_better(const Fix& a, const Fix& b) {
+  return a.restores != b.restores ? a.restores : cost_of(a) < cost_of(b);
+}
+
+/// What the profile sets an option to.
+std::string value_of_profile(const planes::OptionInfo& info,
+                             const planes::PipelineOptions& options) {
+  planes::PipelineOptions profile = options;
+  profile.segment = planes::profile_options(options.segment.profile);
+  return info.get(profile);
+}
 
 /// Tries values of one option, all others as they are.
 class Search {
@@ -35,111 +125,139 @@ class Search {
   Search(const Run& run,
          const FixTarget& target,
          const planes::OptionInfo& info,
+         double enough,
          std::stop_token stop)
-      : run_(run), target_(target), info_(info), stop_(std::move(stop)) {}
+      : run_(run),
+        target_(target),
+        info_(info),
+        enough_(enough),
+        stop_(std::move(stop)),
+        has_(granted(run.segmentation.plane_of, target)) {}
 
-  /// Appends the option's smallest change that recovers the target or, of a switch or a choice,
-  /// every one.
-  void append_to(std::vector<Fix>& fixes) {
-    const auto append = [&](std::optional<Fix> fix) {
-      if (fix) fixes.push_back(std::move(*fix));
-      return fix.has_value();
+  /// The profile's value, where the option has another one.
+  std::optional<Fix> restored() {
+    const std::string value = value_of_profile(info_, run_.options);
+    if (value == info_.get(run_.options)) return {};
+    // A plane that goes far beyond the surface will do, as it is what the profile finds.
+    const bool is_back = grants(value) || (target_.wish == Wish::plane && target_.voxel >= 0 &&
+                                           planes_[target_.voxel] > 0);
+    if (!is_back || stop_.stop_requested()) return {};
+    Fix fix = tried(value, 1);
+    fix.restores = true;
+    if (info_.is_number())
+      fix.change = std::abs(scale_position(info_, std::stod(value)) -
+                            scale_position(info_, planes::number_of(info_, run_.options)));
+    return fix;
+  }
+
+  /// The option's change of the least cost.
+  std::optional<Fix> best() {
+    std::optional<Fix> best;
+    const auto offer = [&](std::optional<Fix> fix) {
+      if (fix && (!best || is_better(*fix, *best))) best = std::move(fix);
     };
     if (info_.kind == planes::OptionKind::on_off) {
-      for (const char* value : {"on", "off"}) append(by_value(value));
+      for (const char* value : {"on", "off"}) offer(by_value(value));
     } else if (!info_.is_number()) {
-      for (const std::string& value : info_.choices) append(by_value(value));
-    } else if (info_.name != "merge_offset_m") {
-      append(by_number());
-    } else if (planes::number_of(info_, run_.options) == 0) {
-      append(by_limit());
-    } else if (!append(by_number())) {
-      append(by_value("0"));  // asks nothing
+      if (target_.far || info_.name != "profile")
+        for (const std::string& value : info_.choices) offer(by_value(value));
+    } else if (info_.name == "merge_offset_m" && planes::number_of(info_, run_.options) == 0) {
+      offer(by_limit());
+    } else {
+      for (const int side : {1, -1}) offer(by_number(side));
+      if (info_.name == "merge_offset_m" && !best) offer(by_value("0"));  // asks nothing
     }
+    return best;
   }
 
  private:
-  bool recovers(const std::string& value) {
+  bool grants(const std::string& value) {
     planes::PipelineOptions options = run_.options;
+    options.threads = 1;  // options are tried side by side
     info_.set(options, value);
     const Subject& subject = *run_.subject;
     if (planes::is_found_on_pixels(subject.frame, options) != subject.prepared.of_pixels)
       return false;  // a profile that finds planes in another way changes no decision of this one
     planes_ = planes_with(run_, options);
-    return iou_of(planes_, target_) >= kDetectedIou;
+    return granted(planes_, target_, enough_).enough;
   }
 
   /// Each value of a number is tried once.
-  bool recovers_at(double position) {
-    const auto [tried, is_new] = tried_.try_emplace(scale_value(info_, position));
-    if (is_new) tried->second = recovers(tried->first);
+  bool grants_with(const std::string& value) {
+    const auto [tried, is_new] = tried_.try_emplace(value);
+    if (is_new) tried->second = grants(value);
     return tried->second;
   }
+  bool grants_at(double position) { return grants_with(scale_value(info_, position)); }
 
-  Fix fix(const std::string& value, double change) {
-    recovers(value);
-    Fix fix{info_.name, info_.get(run_.options), value, change, iou_of(planes_, target_)};
+  Fix tried(const std::string& value, double change) {
+    grants(value);
+    const Granted gets = granted(planes_, target_);
+    Fix fix{
+        .option = info_.name,
+        .before = info_.get(run_.options),
+        .after = value,
+        .change = change,
+        .share = gets.share,
+        .gained = static_cast<std::int32_t>(gets.voxels) - static_cast<std::int32_t>(has_.voxels)};
+    fix.elsewhere = moved_elsewhere(run_.segmentation.plane_of, planes_, target_.voxels);
+    fix.planes_before = static_cast<int>(run_.segmentation.planes.size());
+    fix.planes_after = planes_.empty() ? 0 : std::ranges::max(planes_);
     if (run_.subject->voxel_truth.known())
       fix.score = quick_score(planes_, run_.subject->voxel_truth);
     return fix;
   }
 
-  /// Outwards on both sides in steps of 15 %, up to a hundredfold.
-  std::optional<double> nearest_success(double start) {
-    for (int k = 1; k * kStep <= kFarthest; ++k)
-      for (const int side : {1, -1}) {
-        if (stop_.stop_requested()) return {};
-        const double position = start + side * k * kStep;
-        if (recovers_at(position)) return position;
+  /// The smallest change to one side: outwards in steps, then bisected.
+  std::optional<Fix> by_number(int side) {
+    static constexpr std::array kSteps{0.14, 0.35, 0.69, 1.0987, 1.6, 2.3, 3.2, 4.61};
+    const double start = scale_position(info_, planes::number_of(info_, run_.options));
+    double fails = 0;
+    for (const double step : std::span(kSteps).first(target_.far ? kSteps.size() : 4)) {
+      if (stop_.stop_requested()) return {};
+      if (!grants_at(start + side * step)) {
+        fails = step;
+        continue;
       }
+      const std::string value = rounded(
+          scale_value(info_, bisect(start + side * fails, start + side * step, start)), side);
+      if (stop_.stop_requested()) return {};
+      return tried(value, std::abs(scale_position(info_, std::stod(value)) - start));
+    }
     return {};
   }
 
-  /// To 1 % of the change; without a start, of the value.
-  double bisect(double fails, double recovers, std::optional<double> start) {
-    while (std::abs(recovers - fails) > 0.01 * (start ? std::abs(recovers - *start) : 1) &&
+  /// With two digits or three, away from the current value, where that grants it too.
+  std::string rounded(const std::string& value, int side) {
+    const double number = std::stod(value);
+    if (!(number > 0)) return value;
+    for (const int digits : {2, 3}) {
+      const double unit = std::pow(10.0, std::floor(std::log10(number)) + 1 - digits);
+      const double whole = side > 0 ? std::ceil(number / unit) : std::floor(number / unit);
+      const std::string shorter = scale_value(info_, scale_position(info_, whole * unit));
+      if (grants_with(shorter)) return shorter;
+    }
+    return value;
+  }
+
+  /// To 2 % of the change; without a start, to 1 % of the value.
+  double bisect(double fails, double grants, std::optional<double> start) {
+    while (std::abs(grants - fails) > (start ? 0.02 * std::abs(grants - *start) : 0.01) &&
            !stop_.stop_requested()) {
-      const double middle = (fails + recovers) / 2;
-      (recovers_at(middle) ? recovers : fails) = middle;
+      const double middle = (fails + grants) / 2;
+      (grants_at(middle) ? grants : fails) = middle;
     }
-    return recovers;
-  }
-
-  /// What recovers is not always all that lies beyond a value: where less of the change does too,
-  /// that is taken.
-  double refine(double fails, double recovers, double start) {
-    double best = bisect(fails, recovers, start);
-    for (int round = 0; round < 8; ++round) {
-      double less = best;
-      for (const double share : {0.98, 0.95, 0.9, 0.8, 0.6, 0.4}) {
-        const double position = start + share * (best - start);
-        if (scale_value(info_, position) != scale_value(info_, best) && recovers_at(position))
-          less = position;
-      }
-      if (less == best || stop_.stop_requested()) break;
-      best = bisect(start, less, start);
-    }
-    return best;
-  }
-
-  std::optional<Fix> by_number() {
-    const double start = scale_position(info_, planes::number_of(info_, run_.options));
-    const std::optional<double> success = nearest_success(start);
-    if (!success) return {};
-    const double fails = *success > start ? *success - kStep : *success + kStep;
-    const std::string value = scale_value(info_, refine(fails, *success, start));
-    if (stop_.stop_requested()) return {};
-    return fix(value, std::abs(scale_position(info_, std::stod(value)) - start));
+    return grants;
   }
 
   std::optional<Fix> by_value(const std::string& value) {
-    if (stop_.stop_requested() || value == info_.get(run_.options) || !recovers(value)) return {};
+    if (stop_.stop_requested() || value == info_.get(run_.options) || !grants(value)) return {};
     planes::PipelineOptions changed = run_.options;
     info_.set(changed, value);
     double changes = 0;  // a profile sets many
     for (const planes::OptionInfo& info : planes::option_table())
       changes += info.name != "profile" && info.get(changed) != info.get(run_.options);
-    return fix(value, std::max(1.0, changes));
+    return tried(value, std::max(1.0, changes));
   }
 
   /// For a limit that is not in force yet: the loosest that recovers, to 1 %.
@@ -158,10 +276,36 @@ class Search {
   const Run& run_;
   const FixTarget& target_;
   const planes::OptionInfo& info_;
+  const double enough_;
   std::stop_token stop_;
+  const Granted has_;  // without a change
   std::map<std::string, bool> tried_{{info_.get(run_.options), false}};
   std::vector<std::int32_t> planes_;  // of the last trial
 };
+
+/// Options in the order in which they are tried: those whose terms decided on the target first.
+std::vector<const planes::OptionInfo*> options_to_try(const Run& run, const FixTarget& target) {
+  std::vector<const planes::OptionInfo*> options;
+  for (const planes::OptionInfo& info : planes::option_table())
+    if (info.steers_segmentation() && !planes::is_idle(info, run.options)) options.push_back(&info);
+  const auto voxel = static_cast<std::uint32_t>(
+      target.voxel >= 0 ? target.voxel : target.voxels[target.voxels.size() / 2]);
+  const std::string decided = why_not(run, source_of_voxel(*run.subject, voxel)).remedy.option;
+  std::ranges::stable_partition(options, [&](const auto* info) {
+    return info->name == decided || info->name == "merge_cost" || info->name == "theta_coplane";
+  });
+  return options;
+}
+
+/// The step of the run that most of the target's fate first differs in.
+std::int32_t step_decided_by(const Run& run, const FixTarget& target, const Fix& fix) {
+  planes::PipelineOptions options = run.options;
+  planes::set_option(options, fix.option, fix.after);
+  std::vector<std::uint32_t> votes;
+  const std::size_t stride = std::max<std::size_t>(1, target.voxels.size() / kVotes);
+  for (std::size_t i = 0; i < target.voxels.size(); i += stride) votes.push_back(target.voxels[i]);
+  return first_difference(run, *make_run(run.subject, options), votes).step;
+}
 
 bool is_share(const planes::OptionInfo& info) { return info.range.min == 0 && info.range.max == 1; }
 
@@ -188,8 +332,40 @@ FixTarget target_of_truth(const Run& run, std::int32_t truth_plane) {
   return target;
 }
 
-bool is_recovered(const Run& run, const FixTarget& target) {
-  return iou_of(run.segmentation.plane_of, target) >= kDetectedIou;
+FixTarget target_of_click(const Run& run,
+                          std::uint32_t voxel,
+                          Wish wish,
+                          std::vector<std::uint32_t> surface) {
+  const std::vector<std::int32_t>& plane_of = run.segmentation.plane_of;
+  FixTarget target{.voxels = {}, .name = "this surface", .wish = wish, .voxel = voxel};
+  const auto all_in = [&](std::int32_t plane) {
+    std::vector<std::uint32_t> voxels;
+    for (std::uint32_t i = 0; i < plane_of.size(); ++i)
+      if (plane_of[i] == plane) voxels.push_back(i);
+    return voxels;
+  };
+  const std::int32_t own = plane_of[voxel];
+  if (wish == Wish::no_plane) {
+    target.voxels = all_in(own);
+    return target;
+  }
+  if (!std::ranges::binary_search(surface, voxel)) {
+    surface = all_in(own);
+    const std::int32_t left = loss_of(run, static_cast<std::int32_t>(voxel)).left;
+    if (own == 0)
+      std::erase_if(surface, [&](std::uint32_t other) {
+        return loss_of(run, static_cast<std::int32_t>(other)).left != left;
+      });
+  }
+  target.voxels = surface;
+  if (wish == Wish::plane || wish == Wish::own_plane)
+    std::erase_if(target.voxels, [&](std::uint32_t other) { return plane_of[other] != own; });
+  target.surface = std::move(surface);
+  return target;
+}
+
+bool is_granted(const Run& run, const FixTarget& target) {
+  return granted(run.segmentation.plane_of, target).enough;
 }
 
 std::vector<Fix> find_fixes(const Run& run,
@@ -198,17 +374,45 @@ std::vector<Fix> find_fixes(const Run& run,
                             const FixProgress& progress) {
   std::vector<Fix> fixes;
   FixTarget target = wanted;  // a region may have been marked on a finer grid
-  std::erase_if(target.voxels,
-                [&](std::uint32_t voxel) { return voxel >= run.subject->voxel_count(); });
-  if (target.voxels.empty() || is_recovered(run, target)) return fixes;
-  std::vector<const planes::OptionInfo*> options;  // those that steer the segmentation
-  for (const planes::OptionInfo& info : planes::option_table())
-    if (info.steers_segmentation() && !planes::is_idle(info, run.options)) options.push_back(&info);
-  for (std::size_t i = 0; i < options.size() && !stop.stop_requested(); ++i) {
-    Search(run, target, *options[i], stop).append_to(fixes);
-    if (progress) progress(static_cast<int>(i) + 1, static_cast<int>(options.size()));
+  const auto is_absent = [&](std::uint32_t voxel) { return voxel >= run.subject->voxel_count(); };
+  std::erase_if(target.voxels, is_absent);
+  std::erase_if(target.surface, is_absent);
+  if (target.voxels.empty() || is_granted(run, target)) return fixes;
+  const std::vector<const planes::OptionInfo*> options = options_to_try(run, target);
+  const auto total = static_cast<int>(options.size());
+  std::vector<std::optional<Fix>> found(options.size());
+  const auto add = [&](int i) {
+    if (!found[i]) return;
+    const auto place = std::ranges::upper_bound(fixes, *found[i], is_better);
+    fixes.insert(place, std::move(*found[i]));
+    found[i].reset();
+  };
+  const auto search = [&](int i, double enough) {
+    return Search(run, target, *options[i], enough, stop);
+  };
+  std::vector<std::uint8_t> is_restored(options.size(), 0);
+  work_in_order(
+      total, run.options.threads, [&](int i) { found[i] = search(i, kEnough.back()).restored(); },
+      [&](int i) {
+        is_restored[i] = found[i].has_value();
+        add(i);
+      });
+  const std::size_t restoring = fixes.size();
+  if (progress) progress(0, total, fixes);
+  for (const double enough : kEnough) {
+    work_in_order(
+        total, run.options.threads,
+        [&](int i) {
+          if (!is_restored[i]) found[i] = search(i, enough).best();
+        },
+        [&](int i) {
+          add(i);
+          if (progress && !stop.stop_requested()) progress(i + 1, total, fixes);
+        });
+    if (fixes.size() > restoring || target.wish == Wish::true_plane) break;
   }
-  std::ranges::stable_sort(fixes, {}, &Fix::change);
+  for (std::size_t i = 0; i < std::min(kExplained, fixes.size()) && !stop.stop_requested(); ++i)
+    fixes[i].step = step_decided_by(run, target, fixes[i]);
   return fixes;
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "app/desktop/debugger/fix_table.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/planes/pipeline/options_table.hpp"
@@ -74,69 +75,11 @@ void draw_marked(const Ui& ui) {
   if (marked > 0) ImGui::TextDisabled("%s marked", counted(marked, "voxel").c_str());
 }
 
-void draw_progress(const Ui& ui, const FixSearch& fix) {
-  const float share =
-      fix.total > 0 ? static_cast<float>(fix.done) / static_cast<float>(fix.total) : 0;
-  ImGui::ProgressBar(
-      share, ImVec2(-ui.px(70), 0),
-      fix.total > 0 ? fmt::format("option {} of {}", fix.done, fix.total).c_str() : "searching …");
-  ImGui::SameLine();
-  if (button(ui, "Stop", "fix.cancel")) ui.emit("fix.cancel");
-}
-
-void draw_choices(const Ui& ui, std::size_t i) {
-  if (button(ui, "Apply", fmt::format("fix.apply.{}", i))) ui.emit("fix.apply", std::to_string(i));
-  ImGui::SameLine();
-  if (button(ui, "Check", fmt::format("fix.check.{}", i))) ui.emit("fix.check", std::to_string(i));
-  tooltip("what it does to every labelled frame of the recording");
-}
-
 void draw_fixes(const Ui& ui, const FixSearch& fix) {
   const RunView* current = ui.state.results.current.get();
-  if (fix.fixes.empty() && current && debug::is_recovered(*current->run, fix.target)) {
-    paragraph(ui.colors.good, "It is one plane already, as it should be.");
-    return;
-  }
-  if (fix.fixes.empty()) {
-    paragraph(
-        ui.colors.warning,
-        std::string("No single change of one option recovers it: several may be needed, or ") +
-            (fix.target.whole ? "the labels are wrong there."
-                              : "the region is not one whole surface and little else."));
-    return;
-  }
-  const bool wide = ImGui::GetContentRegionAvail().x > ui.px(340);
-  if (!ImGui::BeginTable("fixes", wide ? 4 : 3, kTable)) return;
-  ImGui::TableSetupColumn("smallest change first", ImGuiTableColumnFlags_WidthStretch);
-  fixed_column("IoU", "0.00");
-  fixed_column("planes", "10 (+9)");
-  if (wide) button_column(ui, {"Apply", "Check"});
-  ImGui::TableHeadersRow();
-  const int now = current && current->score ? current->score->detected : 0;
-  for (std::size_t i = 0; i < fix.fixes.size(); ++i) {
-    const debug::Fix& one = fix.fixes[i];
-    ImGui::TableNextRow();
-    if (static_cast<int>(i) == fix.checked)
-      ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0, ImGui::GetColorU32(ImGuiCol_Header));
-    ImGui::TableNextColumn();
-    paragraph(ui.colors.text, one.option);
-    tooltip(planes::find_option(one.option).meaning);
-    ImGui::TextDisabled("%s", one.before.c_str());
-    ImGui::SameLine();
-    ImGui::TextUnformatted(("→ " + one.after).c_str());
-    if (!wide) draw_choices(ui, i);
-    ImGui::TableNextColumn();
-    ImGui::Text("%.2f", one.iou);
-    ImGui::TableNextColumn();
-    const int gain = one.score.detected - now;
-    if (!one.score.planes.empty())
-      colored(gain_color(ui, gain), fmt::format("{} ({:+d})", one.score.detected, gain));
-    if (wide) {
-      ImGui::TableNextColumn();
-      draw_choices(ui, i);
-    }
-  }
-  ImGui::EndTable();
+  if (fix.fixes.empty() && current && debug::is_granted(*current->run, fix.target))
+    return paragraph(ui.colors.good, "It is one plane already, as it should be.");
+  draw_fix_table(ui, fix, current && current->score);
 }
 
 std::string ids_text(const std::vector<std::int32_t>& ids) {
@@ -182,10 +125,9 @@ void draw_effects(const Ui& ui, const FixSearch& fix) {
 
 void draw_search(const Ui& ui, const FixSearch& fix) {
   heading(ui, "What would recover " + fix.target.name + "?");
-  if (fix.running) {
-    draw_progress(ui, fix);
-  } else {
-    draw_fixes(ui, fix);
+  if (fix.running) draw_fix_progress(ui, fix);
+  if (!fix.running || !fix.fixes.empty()) draw_fixes(ui, fix);
+  if (!fix.running) {
     if (fix.checked >= 0 && fix.checked < static_cast<int>(fix.fixes.size())) draw_effects(ui, fix);
   }
   ImGui::Spacing();

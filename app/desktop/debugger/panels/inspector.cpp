@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/desktop/debugger/fix_table.hpp"
 #include "app/desktop/debugger/plane_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
@@ -410,6 +411,7 @@ void draw_inspector(const Ui& ui) {
             : run->is_ours() ? fmt::format("Step {}: {}", step, debug::describe_event(*run, step))
                              : debug::describe_event(*run, step));
   ImGui::Separator();
+  draw_answer(ui);
   const planes::TraceEvent* event = ui.state.event();
   if (event && event->point >= 0 && event->point == selected.voxel) draw_leftover(ui, *run, step);
   if (selected.node >= 0) draw_node(ui, *run, selected.node);

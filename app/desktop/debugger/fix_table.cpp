@@ -1,0 +1,164 @@
+#include "app/desktop/debugger/fix_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/desktop/widgets.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+const char* unit_of(const debug::Run& run) { return run.is_on_image() ? "px" : "voxels"; }
+
+/// "31 900": groups of three digits.
+std::string grouped(std::int64_t number) {
+  const std::string digits = std::to_string(std::abs(number));
+  std::string text = number < 0 ? "−" : "";
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ' ';
+    text += digits[i];
+  }
+  return text;
+}
+
+void draw_buttons(const Ui& ui, std::size_t i, bool check) {
+  const std::string number = std::to_string(i);
+  button(ui, "Preview", "fix.preview." + number);
+  if (ImGui::IsItemActivated()) ui.emit("fix.preview", number);
+  tooltip("shows the result for as long as the button is held");
+  ImGui::SameLine();
+  if (button(ui, "Apply", "fix.apply." + number)) ui.emit("fix.apply", number);
+  if (!check) return;
+  ImGui::SameLine();
+  if (button(ui, "Check", "fix.check." + number)) ui.emit("fix.check", number);
+  tooltip("what it does to every labelled frame of the recording");
+}
+
+/// "+31 900 px, 8 → 9 planes, 212 px elsewhere change".
+std::string effect_text(const debug::Run& run, const debug::Fix& fix) {
+  const char* unit = unit_of(run);
+  return fmt::format("{}{} {}, planes {} → {}, elsewhere {} {} change", fix.gained >= 0 ? "+" : "",
+                     grouped(fix.gained), unit, fix.planes_before, fix.planes_after,
+                     grouped(fix.elsewhere), unit);
+}
+
+bool is_asked(const FixSearch& fix) { return fix.running || fix.finished; }
+
+const char* question(debug::Wish wish) {
+  switch (wish) {
+    case debug::Wish::own_plane:
+      return "Why is it no plane of its own?";
+    case debug::Wish::no_plane:
+      return "Why is it a plane?";
+    case debug::Wish::joined:
+      return "Why are they not one plane?";
+    default:
+      return "Why is this in no plane?";
+  }
+}
+
+/// "step 49" as a link, and what was decided there.
+void draw_decision(const Ui& ui, const char* role, std::int32_t step, const std::string& text) {
+  colored(ui.colors.muted, role);
+  ImGui::SameLine();
+  if (link(ui, fmt::format("step {}", step), fmt::format("answer.{}", role)))
+    ui.emit("step.goto", std::to_string(step));
+  math_paragraph(ui, ui.colors.text, text);
+}
+
+void draw_decisions(const Ui& ui, const debug::Run& run, const FixSearch* fix) {
+  const auto& selected = ui.state.view.selected;
+  const std::size_t source =
+      selected.source >= 0
+          ? static_cast<std::size_t>(selected.source)
+          : debug::source_of_voxel(*run.subject, static_cast<std::uint32_t>(selected.voxel));
+  const debug::WhyNot why = debug::why_not(run, source);
+  std::string answer = why.answer;
+  if (const std::string lost = fmt::format("Lost at step {}: ", why.step); answer.starts_with(lost))
+    answer.erase(0, lost.size());
+  const bool decided = fix && !fix->fixes.empty() && fix->fixes.front().step > 0 &&
+                       fix->fixes.front().step != why.step;
+  if (decided)
+    draw_decision(ui, "cause", fix->fixes.front().step,
+                  debug::describe_event(run, fix->fixes.front().step));
+  if (why.step > 0)
+    draw_decision(ui, decided ? "effect" : "cause", why.step, answer);
+  else
+    math_paragraph(ui, ui.colors.text, answer);
+}
+
+/// Which search answers what is selected; null: none.
+const FixSearch* search_of(const Ui& ui, std::int32_t voxel) {
+  const FixSearch& fix = ui.state.results.fix;
+  const bool is_of_run = fix.of == ui.state.results.current || ui.state.view.preview;
+  const bool is_of_point = fix.asked && static_cast<std::int32_t>(fix.asked->voxel) == voxel;
+  return is_asked(fix) && is_of_point && (is_of_run || !fix.begun) ? &fix : nullptr;
+}
+
+}  // namespace
+
+void draw_fix_progress(const Ui& ui, const FixSearch& fix) {
+  const float share =
+      fix.total > 0 ? static_cast<float>(fix.done) / static_cast<float>(fix.total) : 0;
+  ImGui::ProgressBar(
+      share, ImVec2(-ui.px(70), 0),
+      fix.total > 0 ? fmt::format("option {} of {}", fix.done, fix.total).c_str() : "searching …");
+  ImGui::SameLine();
+  if (button(ui, "Stop", "fix.cancel")) ui.emit("fix.cancel");
+}
+
+void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
+  if (ui.state.view.preview && !ImGui::IsMouseDown(0)) ui.emit("fix.preview", "");
+  if (fix.fixes.empty()) {
+    paragraph(ui.colors.warning, fix.target.far
+                                     ? "No change of one option does it: several may be needed."
+                                     : "No change of one option by up to a factor of 3 does it.");
+    if (!fix.target.far && button(ui, "Search farther", "fix.far")) ui.emit("fix.far");
+    return;
+  }
+  const debug::Run& run = *fix.of->run;
+  for (std::size_t i = 0; i < fix.fixes.size(); ++i) {
+    const debug::Fix& one = fix.fixes[i];
+    if (static_cast<int>(i) == fix.checked) colored(ui.colors.accent, "checked below");
+    math_text(ui, ui.colors.text, fmt::format("{} {} → {}", one.option, one.before, one.after));
+    tooltip(planes::find_option(one.option).meaning);
+    if (one.restores) {
+      ImGui::SameLine();
+      colored(ui.colors.good, "as in the profile");
+    }
+    paragraph(ui.colors.muted, effect_text(run, one));
+    if (check && !one.score.planes.empty())
+      paragraph(ui.colors.muted, fmt::format("IoU {:.2f}, {} of {} true planes detected", one.share,
+                                             one.score.detected, one.score.planes.size()));
+    draw_buttons(ui, i, check);
+    ImGui::Spacing();
+  }
+}
+
+void draw_answer(const Ui& ui) {
+  const RunView* view = ui.state.run_view();
+  const std::int32_t voxel = ui.state.view.selected.voxel;
+  if (!view || !view->run->is_ours() || voxel < 0) return;
+  if (voxel >= static_cast<std::int32_t>(view->run->subject->voxel_count())) return;
+  const FixSearch* fix = search_of(ui, voxel);
+  const bool lost = view->run->segmentation.plane_of[voxel] == 0;
+  if (!fix && !lost) return;
+  const debug::Run& run = fix && fix->of ? *fix->of->run : *view->run;
+  heading(ui, question(fix ? fix->asked->wish : debug::Wish::plane));
+  draw_decisions(ui, run, fix);
+  ImGui::Spacing();
+  if (!fix) {
+    if (button(ui, "Find a fix", "answer.search")) ui.emit("fix.point", "plane");
+  } else {
+    heading(ui, "Try");
+    if (fix->running) draw_fix_progress(ui, *fix);
+    if (fix->finished || !fix->fixes.empty()) draw_fix_table(ui, *fix, false);
+  }
+  ImGui::Separator();
+}
+
+}  // namespace planescope::desktop
