@@ -336,7 +336,7 @@ TEST_F(SearchPanels, ATriangleOpensAndClosesANodeUntilASelectionLeadsThroughIt) 
   EXPECT_TRUE(shown("octree.node.900"));
 }
 
-struct AnalysisPanels : OpenDesktop {
+struct AnalysisPanels : Panels {
   const debug::Histogram& histogram(const std::string& quantity) const {
     for (const debug::Histogram& h : state().results.current->histograms)
       if (h.quantity == quantity) return h;
@@ -355,20 +355,66 @@ TEST_F(AnalysisPanels, ALineOfALifeLeadsToItsStepAndTheLifeStays) {
   EXPECT_EQ(state().view.step, life[4].step);
 }
 
-TEST_F(AnalysisPanels, TheRemedyOfALostPointIsSetWhereItStands) {
-  const planescope::debug::Run& run = *state().run();
-  for (std::uint32_t voxel = 0; voxel < run.subject->voxel_count(); ++voxel) {
+/// A voxel in no plane that some change of one option brings into one, selected.
+const debug::Fix& select_lost(OpenDesktop& desktop) {
+  const debug::Run& run = *desktop.state().run();
+  for (std::uint32_t voxel = 0; voxel < run.subject->voxel_count(); voxel += 7) {
     if (run.segmentation.plane_of[voxel] > 0) continue;
-    const debug::Remedy remedy =
-        debug::why_not(run, debug::source_of_voxel(*run.subject, voxel)).remedy;
-    if (remedy.option.empty()) continue;
-    shell.perform({"select.voxel", std::to_string(voxel)});
-    play(R"("point.life", {"click": "point.remedy"})");
-    EXPECT_EQ(planes::find_option(remedy.option).get(state().document.options), remedy.value);
-    EXPECT_EQ(state().undo.size(), 1u);
-    return;
+    desktop.shell.perform({"select.voxel", std::to_string(voxel)});
+    settle(desktop.shell, desktop.stage, {});
+    EXPECT_TRUE(desktop.state().results.fix.finished);
+    if (!desktop.state().results.fix.fixes.empty())
+      return desktop.state().results.fix.fixes.front();
   }
-  FAIL() << "no lost point with a remedy";
+  throw std::runtime_error("no lost point comes back");
+}
+
+TEST_F(AnalysisPanels, AClickOnWhatIsInNoPlaneTellsWhyAndWhatWouldBringItBack) {
+  const debug::Fix fix = select_lost(*this);
+  const std::uint32_t voxel = state().results.fix.asked->voxel;
+  EXPECT_TRUE(shown("answer.cause") || shown("answer.effect"));
+  ASSERT_TRUE(shown("fix.apply.0"));
+  const auto run = state().results.current;
+  // Shown while the button is held, and not a change of options.
+  move(middle("fix.preview.0"));
+  button(true);
+  settle(shell, stage, {});
+  EXPECT_GT(state().run()->segmentation.plane_of[voxel], 0);
+  EXPECT_TRUE(shown("fix.preview.0"));
+  EXPECT_TRUE(state().undo.empty());
+  button(false);
+  settle(shell, stage, {});
+  EXPECT_FALSE(state().view.preview);
+  EXPECT_EQ(state().run()->segmentation.plane_of[voxel], 0);
+  EXPECT_NE(state().results.current, run) << "it is run again";
+  ASSERT_TRUE(shown("answer.search")) << "what was found was of the run before";
+  play(R"({"click": "answer.search"})");
+  play(R"({"click": "fix.apply.0"})");
+  EXPECT_EQ(planes::find_option(fix.option).get(state().document.options), fix.after);
+  EXPECT_EQ(state().undo.size(), 1u);
+  EXPECT_GT(state().run()->segmentation.plane_of[voxel], 0);
+  EXPECT_EQ(static_cast<int>(state().run()->segmentation.planes.size()), fix.planes_after);
+  EXPECT_FALSE(shown("fix.apply.0")) << "it is in a plane";
+}
+
+TEST_F(AnalysisPanels, WhatShouldBecomeOfAPlaneIsAskedInItsMenu) {
+  const debug::Run& run = *state().run();
+  const auto in_plane = std::ranges::find(run.segmentation.plane_of, 1);
+  const auto voxel = in_plane - run.segmentation.plane_of.begin();
+  shell.perform({"select.voxel", std::to_string(voxel)});
+  EXPECT_FALSE(state().results.fix.asked) << "it is in a plane";
+  for (const auto& [text, wish] :
+       {std::pair{"own", debug::Wish::own_plane}, std::pair{"none", debug::Wish::no_plane},
+        std::pair{"with 0", debug::Wish::joined}}) {
+    shell.perform({"fix.point", text});
+    settle(shell, stage, {});
+    EXPECT_EQ(state().results.fix.asked->wish, wish);
+    EXPECT_TRUE(state().results.fix.finished);
+    EXPECT_EQ(state().results.fix.target.wish, wish);
+  }
+  shell.perform({"fix.point", "round"});
+  EXPECT_NE(state().view.message.find("expected plane, own, none or with VOXEL"),
+            std::string::npos);
 }
 
 TEST_F(AnalysisPanels, ADragOverBarsMakesAFilter) {

@@ -239,7 +239,7 @@ std::vector<Action> compare_actions() {
       {"fix.far",
        "Search farther for fixes",
        menu,
-       "",
+       "Alt+X",
        "",
        [](State& s, const std::string&) {
          FixSearch& fix = s.results.fix;

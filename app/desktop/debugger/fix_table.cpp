@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "app/desktop/widgets.hpp"
 #include "core/debug/explain/provenance.hpp"
@@ -91,12 +92,29 @@ void draw_decisions(const Ui& ui, const debug::Run& run, const FixSearch* fix) {
     math_paragraph(ui, ui.colors.text, answer);
 }
 
+/// What is asked of the selected point.
+struct Answer {
+  const debug::Run* run;
+  const FixSearch* fix;  // null: nothing was searched yet
+};
+
 /// Which search answers what is selected; null: none.
 const FixSearch* search_of(const Ui& ui, std::int32_t voxel) {
   const FixSearch& fix = ui.state.results.fix;
   const bool is_of_run = fix.of == ui.state.results.current || ui.state.view.preview;
   const bool is_of_point = fix.asked && static_cast<std::int32_t>(fix.asked->voxel) == voxel;
   return is_asked(fix) && is_of_point && (is_of_run || !fix.begun) ? &fix : nullptr;
+}
+
+/// Nothing where the point is in a plane, and nobody asks for another.
+std::optional<Answer> answer_of(const Ui& ui, std::int32_t voxel) {
+  const RunView* view = ui.state.run_view();
+  if (!view || !view->run->is_ours() || voxel < 0) return {};
+  const debug::Run& run = *view->run;
+  if (voxel >= static_cast<std::int32_t>(run.subject->voxel_count())) return {};
+  const FixSearch* fix = search_of(ui, voxel);
+  if (!fix && run.segmentation.plane_of[voxel] > 0) return {};
+  return Answer{fix && fix->of ? fix->of->run.get() : &run, fix};
 }
 
 }  // namespace
@@ -139,25 +157,26 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
   }
 }
 
-void draw_answer(const Ui& ui) {
-  const RunView* view = ui.state.run_view();
+void draw_try(const Ui& ui) {
   const std::int32_t voxel = ui.state.view.selected.voxel;
-  if (!view || !view->run->is_ours() || voxel < 0) return;
-  if (voxel >= static_cast<std::int32_t>(view->run->subject->voxel_count())) return;
-  const FixSearch* fix = search_of(ui, voxel);
-  const bool lost = view->run->segmentation.plane_of[voxel] == 0;
-  if (!fix && !lost) return;
-  const debug::Run& run = fix && fix->of ? *fix->of->run : *view->run;
-  heading(ui, question(fix ? fix->asked->wish : debug::Wish::plane));
-  draw_decisions(ui, run, fix);
+  const std::optional<Answer> answer = answer_of(ui, voxel);
+  if (!answer) return;
   ImGui::Spacing();
-  if (!fix) {
+  if (!answer->fix) {
     if (button(ui, "Find a fix", "answer.search")) ui.emit("fix.point", "plane");
-  } else {
-    heading(ui, "Try");
-    if (fix->running) draw_fix_progress(ui, *fix);
-    if (fix->finished || !fix->fixes.empty()) draw_fix_table(ui, *fix, false);
+    return;
   }
+  heading(ui, "Try");
+  if (answer->fix->running) draw_fix_progress(ui, *answer->fix);
+  if (answer->fix->finished || !answer->fix->fixes.empty()) draw_fix_table(ui, *answer->fix, false);
+}
+
+void draw_answer(const Ui& ui) {
+  const std::optional<Answer> answer = answer_of(ui, ui.state.view.selected.voxel);
+  if (!answer) return;
+  heading(ui, question(answer->fix ? answer->fix->asked->wish : debug::Wish::plane));
+  draw_decisions(ui, *answer->run, answer->fix);
+  draw_try(ui);
   ImGui::Separator();
 }
 

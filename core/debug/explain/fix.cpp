@@ -21,7 +21,7 @@ namespace {
 // Share of a target that is to be as wished, or the lesser one where no change grants that.
 constexpr std::array kEnough{0.5, 0.1};
 constexpr double kMostBeyond = 0.5;    // of a plane, beyond the surface that it is wanted for ...
-constexpr double kOfItsOwn = 0.1;      // ... and where it should be a plane of its own
+constexpr double kOfItsOwn = 0.25;     // ... and where it should be a plane of its own
 constexpr std::size_t kExplained = 3;  // fixes that tell their step
 constexpr std::size_t kVotes = 64;     // voxels that are asked for it
 
@@ -219,23 +219,26 @@ class Search {
         fails = step;
         continue;
       }
-      const std::string value = rounded(
-          scale_value(info_, bisect(start + side * fails, start + side * step, start)), side);
+      const double nearest = bisect(start + side * fails, start + side * step, start);
+      const std::string value = rounded(scale_value(info_, nearest), start, side);
       if (stop_.stop_requested()) return {};
       return tried(value, std::abs(scale_position(info_, std::stod(value)) - start));
     }
     return {};
   }
 
-  /// With two digits or three, away from the current value, where that grants it too.
-  std::string rounded(const std::string& value, int side) {
+  /// With two digits or three, away from the current value, where that adds little to the change
+  /// and grants it too.
+  std::string rounded(const std::string& value, double start, int side) {
     const double number = std::stod(value);
     if (!(number > 0)) return value;
+    const double change = std::abs(scale_position(info_, number) - start);
     for (const int digits : {2, 3}) {
       const double unit = std::pow(10.0, std::floor(std::log10(number)) + 1 - digits);
-      const double whole = side > 0 ? std::ceil(number / unit) : std::floor(number / unit);
-      const std::string shorter = scale_value(info_, scale_position(info_, whole * unit));
-      if (grants_with(shorter)) return shorter;
+      const double whole = unit * (side > 0 ? std::ceil(number / unit) : std::floor(number / unit));
+      const double position = scale_position(info_, whole);
+      if (std::abs(position - start) - change < 0.1 * change && grants_at(position))
+        return scale_value(info_, position);
     }
     return value;
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "app/desktop/debugger/fix_table.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 
@@ -57,6 +58,7 @@ void draw_why(const Ui& ui, const PointStory& point) {
       ui.emit("break.point");
     }
   }
+  if (point.why.step > 0) return draw_try(ui);
   const debug::Remedy& remedy = point.why.remedy;
   if (remedy.text.empty()) return;
   paragraph(ui.colors.muted, remedy.text);
