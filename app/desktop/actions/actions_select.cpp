@@ -6,6 +6,7 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/jobs/report_arrival.hpp"
+#include "core/debug/explain/provenance.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
@@ -256,6 +257,25 @@ std::vector<Action> selection_actions() {
        "U0,V0,U1,V1",
        [](State& s, const std::string& text) {
          mark_pixels(s, numbers_argument("mark.pixels", text, 4));
+       },
+       has_run,
+       {}},
+      {"lost.show",
+       "Mark what is lost for one reason, and tell why",
+       "",
+       "",
+       "NUMBER",
+       [](State& s, const std::string& text) {
+         const RunView& view = *s.run_view();
+         const debug::Lost& lost = item_argument("lost.show", text, view.summary.lost);
+         s.document.marked = lost.voxels;
+         if (lost.middle < 0) return;
+         go_to_step(s, view.run->steps());
+         const auto voxel = static_cast<std::int32_t>(lost.middle);
+         const std::size_t source =
+             debug::source_of_voxel(*view.run->subject, static_cast<std::uint32_t>(voxel));
+         select_voxel(s, voxel, static_cast<std::int64_t>(source));
+         s.view.inspector_tab = "inspector";
        },
        has_run,
        {}},

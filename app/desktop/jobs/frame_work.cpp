@@ -265,6 +265,7 @@ std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         FrameColors colors) {
   auto view = std::make_shared<RunView>();
   view->histograms = debug::histograms_of(*run);
+  view->summary = debug::summary_of(*run);
   view->score = score_of(*run);
   if (view->score) view->truth = true_planes_of(*run, *view->score);
   view->home = home;

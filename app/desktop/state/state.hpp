@@ -21,6 +21,7 @@
 #include "core/debug/explain/histogram.hpp"
 #include "core/debug/explain/measure.hpp"
 #include "core/debug/explain/score.hpp"
+#include "core/debug/explain/summary.hpp"
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
 #include "core/io/picked_gravity.hpp"
@@ -128,6 +129,7 @@ struct Thumbnail {
 struct RunView {
   std::shared_ptr<const debug::Run> run;
   std::vector<debug::Histogram> histograms;
+  debug::FrameSummary summary;
   std::optional<debug::QuickScore> score;
   render::Home home;  // the frame's own, the same for all runs on it
   std::shared_ptr<const render::PlaneScene> outlines = {};  // of its planes; null: there are none

@@ -381,6 +381,14 @@ std::vector<Fix> find_fixes(const Run& run,
   std::erase_if(target.voxels, is_absent);
   std::erase_if(target.surface, is_absent);
   if (target.voxels.empty() || is_granted(run, target)) return fixes;
+  if (target.wish == Wish::plane) {  // a plane may also take what no plane has
+    std::vector<std::uint8_t> takes(run.subject->voxel_count(), 0);
+    for (const std::uint32_t voxel : target.voxels) takes[voxel] = 1;
+    for (const std::uint32_t voxel : target.surface) takes[voxel] = 1;
+    target.surface.clear();
+    for (std::uint32_t i = 0; i < takes.size(); ++i)
+      if (takes[i] || run.segmentation.plane_of[i] == 0) target.surface.push_back(i);
+  }
   const std::vector<const planes::OptionInfo*> options = options_to_try(run, target);
   const auto total = static_cast<int>(options.size());
   std::vector<std::optional<Fix>> found(options.size());

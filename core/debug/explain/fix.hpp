@@ -22,7 +22,7 @@ namespace planescope::debug {
 /// What is wanted of a surface.
 enum class Wish : std::uint8_t {
   true_plane,  // one plane, IoU >= kDetectedIou
-  plane,       // in a plane that goes little beyond the surface
+  plane,       // in a plane that takes little beyond the surface from others
   own_plane,   // in a plane of its own
   joined,      // in one plane, all of it
   no_plane,

@@ -12,6 +12,7 @@
 
 #include "core/debug/explain/explain.hpp"
 #include "core/debug/explain/score.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::debug {
 namespace {
@@ -181,6 +182,9 @@ Cause dropped(const Run& run, const planes::TraceEvent& event) {
   if (event.stage == planes::Stage::list) {
     const char* option = run.is_on_image() ? "worth_px" : "plane_cost";
     const std::string worth = rounded_down(event.value);
+    cause.text =
+        fmt::format("{} is not listed: it is worth {:.0f} < {} ({})", plane_name(run, event.plane),
+                    event.value, planes::find_option(option).get(run.options), option);
     cause.remedy = {fmt::format("{} <= {} would list it", option, worth), option, worth};
   }
   return cause;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "app/desktop/debugger/fix_table.hpp"
+#include "app/desktop/debugger/frame_summary.hpp"
 #include "app/desktop/debugger/plane_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
@@ -419,12 +420,15 @@ void draw_inspector(const Ui& ui) {
   const bool at_event = event && (event->node == selected.node || event->node < 0);
   if (at_event) draw_merge(ui, *run, step);
   if (selected.plane >= 0) draw_plane(ui, *run, selected.plane);
-  if (selected.node < 0 && selected.plane < 0 && selected.voxel < 0)
+  if (selected.node < 0 && selected.plane < 0 && selected.voxel < 0) {
+    draw_frame_summary(ui, *ui.state.run_view());
+    ImGui::Spacing();
     paragraph(ui.colors.muted,
               run->is_ours()
                   ? "Click a box, a point or a plane, or a row of the lists below, to see every "
                     "criterion that decided it."
                   : "Click a point or a plane to see its fit.");
+  }
 }
 
 }  // namespace planescope::desktop

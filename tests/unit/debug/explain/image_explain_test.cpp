@@ -50,7 +50,7 @@ TEST(ImageExplain, AJoinHasItsCostAgainstWhatAPlaneCosts) {
 TEST(ImageExplain, APlaneThatIsNotListedIsWithTheWorthThatTheRemedyNames) {
   const auto& run = *test::box_run();
   const WhyNot why = why_not(run, test::kSmallBoxPixel);
-  EXPECT_NE(why.answer.find("less than it costs"), std::string::npos) << why.answer;
+  EXPECT_NE(why.answer.find("is not listed: it is worth "), std::string::npos) << why.answer;
   ASSERT_EQ(why.remedy.option, "worth_px");
   const auto listed = with_option(run, why.remedy);
   EXPECT_GT(listed->segmentation.plane_of[listed->subject->voxel_of_source(test::kSmallBoxPixel)],

@@ -121,7 +121,6 @@ TEST(Wish, ToBeOnePlaneAndToBeNoneAreGrantedToo) {
   ASSERT_NE(run.segmentation.plane_of[front], run.segmentation.plane_of[top]);
   FixTarget joined =
       target_of_click(run, front, Wish::joined, truth({test::kStepFront, test::kStepTop}));
-  joined.far = true;
   for (const Fix& fix : find_fixes(run, joined, {})) {
     const std::vector<std::int32_t> planes = with(run, fix);
     EXPECT_GT(planes[front], 0) << fix.option;

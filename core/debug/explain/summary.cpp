@@ -1,0 +1,94 @@
+#include "core/debug/explain/summary.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace planescope::debug {
+namespace {
+
+std::string reason_of(const Run& run, const planes::TraceEvent& left, bool was_assigned) {
+  if (left.type != planes::EventType::decide) {
+    if (left.stage == planes::Stage::grow) return "too small to grow";
+    if (left.stage == planes::Stage::list) return "worth too little";
+    return std::string("dropped at ") + planes::to_string(left.stage);
+  }
+  const planes::OctreeNode& node = run.octree().nodes[left.node];
+  if (node.decided == planes::Case::I || node.decided == planes::Case::IV)
+    return was_assigned ? "too far from any plane" : "no region in reach";
+  return std::string("case ") + planes::to_string(node.decided);
+}
+
+/// The steps at which each voxel was left over for the last time, 0: never.
+std::vector<std::int32_t> steps_left(const Run& run) {
+  std::vector<std::int32_t> steps(run.subject->voxel_count(), 0);
+  for (std::size_t voxel = 0; voxel < steps.size(); ++voxel)
+    if (run.segmentation.plane_of[voxel] == 0)
+      for (const planes::PointChange& change :
+           run.timeline.changes_of_point(static_cast<std::int32_t>(voxel)))
+        if (change.plane < 0) steps[voxel] = change.step;
+  return steps;
+}
+
+/// Of the largest group with one step the voxel in its middle.
+std::int64_t middle_of(const std::vector<std::uint32_t>& voxels,
+                       const std::vector<std::int32_t>& step_of) {
+  std::map<std::int32_t, std::vector<std::uint32_t>> by_step;
+  for (const std::uint32_t voxel : voxels) by_step[step_of[voxel]].push_back(voxel);
+  if (by_step.empty()) return -1;
+  const auto& most = std::ranges::max_element(by_step, {}, [](const auto& entry) {
+                       return entry.second.size();
+                     })->second;
+  return most[most.size() / 2];
+}
+
+}  // namespace
+
+FrameSummary summary_of(const Run& run) {
+  const Subject& subject = *run.subject;
+  FrameSummary summary;
+  summary.planes = static_cast<int>(run.segmentation.planes.size());
+  for (const planes::PlaneRegion& plane : run.segmentation.planes)
+    summary.undecided += plane.undecided;
+  std::vector<std::uint8_t> was_assigned(subject.voxel_count(), 0);  // to no plane
+  for (const planes::TraceEvent& event : run.trace.events)
+    if (event.type == planes::EventType::drop && event.point >= 0) was_assigned[event.point] = 1;
+
+  std::map<std::string, Lost> by_reason;
+  const auto lose = [&](std::string reason) -> Lost& {
+    Lost& lost = by_reason[reason];
+    lost.reason = std::move(reason);
+    ++lost.sources;
+    return lost;
+  };
+  const std::vector<std::int32_t> left = steps_left(run);
+  for (std::size_t source = 0; source < subject.point_of_source.size(); ++source) {
+    if (subject.point_of_source[source] == planes::kNoVoxel) continue;
+    ++summary.measured;
+    const std::uint32_t voxel = subject.voxel_of_source(source);
+    if (voxel == planes::kNoVoxel) {
+      lose("out of range");
+      continue;
+    }
+    if (const std::int32_t plane = run.segmentation.plane_of[voxel]; plane > 0) {
+      ++summary.on_planes;
+      summary.on_undecided += run.segmentation.planes[plane - 1].undecided;
+    } else if (left[voxel] == 0) {
+      lose(run.is_ours() ? "removed from a plane" : "in no plane").voxels.push_back(voxel);
+    } else {
+      lose(reason_of(run, *run.event_at(left[voxel]), was_assigned[voxel] != 0))
+          .voxels.push_back(voxel);
+    }
+  }
+  for (auto& [reason, lost] : by_reason) {
+    std::ranges::sort(lost.voxels);
+    const auto [first, last] = std::ranges::unique(lost.voxels);
+    lost.voxels.erase(first, last);
+    lost.middle = middle_of(lost.voxels, left);
+    summary.lost.push_back(std::move(lost));
+  }
+  std::ranges::stable_sort(summary.lost, std::greater{}, &Lost::sources);
+  return summary;
+}
+
+}  // namespace planescope::debug
