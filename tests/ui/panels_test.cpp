@@ -336,6 +336,18 @@ TEST_F(SearchPanels, ATriangleOpensAndClosesANodeUntilASelectionLeadsThroughIt) 
   EXPECT_TRUE(shown("octree.node.900"));
 }
 
+TEST_F(SearchPanels, ReadyFiltersAreUnderstoodByBothProfiles) {
+  for (const char* profile : {"paper", "refined"}) {
+    play(fmt::format(R"({{"do": "option.set", "with": "profile={}"}})", profile));
+    for (int i = 0; i < 5; ++i) {  // the last is about ground truth
+      play(fmt::format(R"({{"click": "events.ready"}}, {{"click": "events.ready.{}"}})", i));
+      EXPECT_TRUE(state().view.search.filter) << profile << i;
+      EXPECT_TRUE(state().view.search.problem.message.empty())
+          << state().view.search.text << ": " << state().view.search.problem.message;
+    }
+  }
+}
+
 struct AnalysisPanels : Panels {
   const debug::Histogram& histogram(const std::string& quantity) const {
     for (const debug::Histogram& h : state().results.current->histograms)

@@ -297,8 +297,6 @@ std::vector<Action> compare_actions() {
          planes::set_option(after, fix.option, fix.after);
          s.view.preview.reset();
          change_options(s, after);
-         say(s, fmt::format("{} = {} (was {}); Ctrl+Z takes it back", fix.option, fix.after,
-                            fix.before));
        },
        {},
        {}},

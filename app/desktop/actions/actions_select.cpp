@@ -38,13 +38,21 @@ void select_voxel(State& state, std::int32_t voxel, std::int64_t source) {
   ask_about(state, voxel);
 }
 
-void select_pixel(State& state, double u, double v) {
-  const debug::Subject& subject = *state.run()->subject;
-  const Image16& depth = subject.frame.depth;
-  if (!(u >= 0 && v >= 0 && u < depth.width && v < depth.height))
-    throw Error(fmt::format("action select.pixel: {},{} is outside the {} x {} image", u, v,
+/// Pixel v * width + u of "U,V".
+std::int64_t pixel_argument(const State& state,
+                            const std::string& action,
+                            const std::string& text) {
+  const std::vector<double> uv = numbers_argument(action, text, 2);
+  const Image16& depth = state.run()->subject->frame.depth;
+  if (!(uv[0] >= 0 && uv[1] >= 0 && uv[0] < depth.width && uv[1] < depth.height))
+    throw Error(fmt::format("action {}: {},{} is outside the {} x {} image", action, uv[0], uv[1],
                             depth.width, depth.height));
-  const std::int64_t source = static_cast<std::int64_t>(v) * depth.width + static_cast<int>(u);
+  return static_cast<std::int64_t>(uv[1]) * depth.width + static_cast<int>(uv[0]);
+}
+
+void select_pixel(State& state, const std::string& action, const std::string& text) {
+  const debug::Subject& subject = *state.run()->subject;
+  const std::int64_t source = pixel_argument(state, action, text);
   const std::uint32_t voxel = subject.voxel_of_source(static_cast<std::size_t>(source));
   if (voxel != planes::kNoVoxel)
     return select_voxel(state, static_cast<std::int32_t>(voxel), source);
@@ -93,6 +101,22 @@ void mark_pixels(State& state, const std::vector<double>& box) {
     text += fmt::format("; {:.0f} % of what was measured there is beyond the range",
                         100.0 * static_cast<double>(beyond) / static_cast<double>(measured));
   say(state, text);
+}
+
+/// Goes to where the selected point and another one came to be in one plane, and asks what would
+/// have kept them apart.
+void show_meeting(State& state, std::int32_t other) {
+  const debug::Run& run = *state.run();
+  const Selection selected = state.view.selected;
+  if (selected.voxel < 0) return say(state, "no point is selected: click the first of the two");
+  const std::int32_t step = debug::step_of_meeting(run, selected.voxel, other);
+  if (step == 0) return say(state, "these two points are not in one plane");
+  go_to_step(state, step);
+  select_voxel(state, selected.voxel, selected.source);
+  ask_of_point(
+      state, {.voxel = static_cast<std::uint32_t>(selected.voxel), .wish = debug::Wish::own_plane});
+  state.view.inspector_tab = "inspector";
+  say(state, fmt::format("they joined at step {}: {}", step, debug::describe_event(run, step)));
 }
 
 void show_point(State& state) {
@@ -160,10 +184,7 @@ std::vector<Action> selection_actions() {
        menu,
        "Ctrl+U",
        "U,V",
-       [](State& s, const std::string& text) {
-         const auto uv = numbers_argument("select.pixel", text, 2);
-         select_pixel(s, uv[0], uv[1]);
-       },
+       [](State& s, const std::string& text) { select_pixel(s, "select.pixel", text); },
        has_run,
        {}},
       {"select.parent",
@@ -219,8 +240,7 @@ std::vector<Action> selection_actions() {
        "",
        "U,V",
        [](State& s, const std::string& text) {
-         const auto uv = numbers_argument("why.pixel", text, 2);
-         select_pixel(s, uv[0], uv[1]);
+         select_pixel(s, "why.pixel", text);
          show_point(s);
        },
        has_run,
@@ -257,6 +277,36 @@ std::vector<Action> selection_actions() {
        "U0,V0,U1,V1",
        [](State& s, const std::string& text) {
          mark_pixels(s, numbers_argument("mark.pixels", text, 4));
+       },
+       has_run,
+       {}},
+      {"join.show",
+       "Where the selected point and another one joined",
+       menu,
+       "Alt+J",
+       "U,V|VOXEL",
+       [](State& s, const std::string& text) {
+         const debug::Subject& subject = *s.run()->subject;
+         if (text.find(',') == std::string::npos)
+           return show_meeting(s, whole_argument("join.show", text, 0,
+                                                 static_cast<int>(subject.voxel_count()) - 1));
+         const std::uint32_t voxel = subject.voxel_of_source(
+             static_cast<std::size_t>(pixel_argument(s, "join.show", text)));
+         if (voxel == planes::kNoVoxel) return say(s, "nothing was measured there");
+         show_meeting(s, static_cast<std::int32_t>(voxel));
+       },
+       has_run,
+       {}},
+      {"point.step",
+       "Go to a step and keep the selected point",
+       "",
+       "",
+       "STEP",
+       [](State& s, const std::string& text) {
+         const Selection before = s.view.selected;
+         go_to_step(s, whole_argument("point.step", text, 0, s.run()->steps()));
+         s.view.selected.voxel = before.voxel;
+         s.view.selected.source = before.source;
        },
        has_run,
        {}},

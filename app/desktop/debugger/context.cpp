@@ -68,7 +68,10 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
     menu.add("own", "It should be a plane of its own", {menu.select, {"fix.point", "own"}});
     menu.add("none", "It should be no plane", {menu.select, {"fix.point", "none"}});
   }
-  if (run.is_ours() && other >= 0 && other != at.what.index)
+  if (run.is_ours() && other >= 0 && other != at.what.index &&
+      debug::step_of_meeting(run, other, at.what.index) > 0)
+    menu.add("met", "Where it and the selected point joined", {{"join.show", voxel}});
+  else if (run.is_ours() && other >= 0 && other != at.what.index)
     menu.add("joined", "It should be one plane with the selected point",
              {menu.select, {"fix.point", fmt::format("with {}", other)}});
   if (plane >= 0)

@@ -13,6 +13,8 @@
 namespace planescope::desktop {
 namespace {
 
+constexpr std::size_t kMostShown = 4;  // in an answer
+
 const char* unit_of(const debug::Run& run) { return run.is_on_image() ? "px" : "voxels"; }
 
 /// "31 900": groups of three digits.
@@ -67,7 +69,7 @@ void draw_decision(const Ui& ui, const char* role, std::int32_t step, const std:
   colored(ui.colors.muted, role);
   ImGui::SameLine();
   if (link(ui, fmt::format("step {}", step), fmt::format("answer.{}", role)))
-    ui.emit("step.goto", std::to_string(step));
+    ui.emit("point.step", std::to_string(step));
   math_paragraph(ui, ui.colors.text, text);
 }
 
@@ -130,7 +132,6 @@ void draw_fix_progress(const Ui& ui, const FixSearch& fix) {
 }
 
 void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
-  if (ui.state.view.preview && !ImGui::IsMouseDown(0)) ui.emit("fix.preview", "");
   if (fix.fixes.empty()) {
     paragraph(ui.colors.warning, fix.target.far
                                      ? "No change of one option does it: several may be needed."
@@ -139,7 +140,8 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
     return;
   }
   const debug::Run& run = *fix.of->run;
-  for (std::size_t i = 0; i < fix.fixes.size(); ++i) {
+  const std::size_t shown = check ? fix.fixes.size() : std::min(kMostShown, fix.fixes.size());
+  for (std::size_t i = 0; i < shown; ++i) {
     const debug::Fix& one = fix.fixes[i];
     if (static_cast<int>(i) == fix.checked) colored(ui.colors.accent, "checked below");
     math_text(ui, ui.colors.text, fmt::format("{} {} → {}", one.option, one.before, one.after));
@@ -155,6 +157,9 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
     draw_buttons(ui, i, check);
     ImGui::Spacing();
   }
+  if (shown < fix.fixes.size() &&
+      link(ui, fmt::format("{} more in Fix", fix.fixes.size() - shown), "answer.more"))
+    ui.emit("tab.tool", "fix");
 }
 
 void draw_try(const Ui& ui) {

@@ -10,6 +10,7 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/debugger/axes.hpp"
+#include "app/desktop/debugger/change_text.hpp"
 #include "app/desktop/jobs/fix_target.hpp"
 #include "app/desktop/jobs/frame_work.hpp"
 #include "app/desktop/jobs/label_jobs.hpp"
@@ -213,6 +214,9 @@ void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& vi
   state.results.loading = false;
   state.results.refusal.clear();
   state.results.sensitivity.clear();
+  if (before && !state.view.preview)
+    if (const std::string text = change_text(*before->run, *view->run); !text.empty())
+      say(state, text + (state.undo.empty() ? "" : "; Ctrl+Z takes it back"));
   // Voxels are numbered anew with every subject.
   if (before && before->run->subject != view->run->subject) state.document.marked.clear();
   std::erase_if(state.document.marked,

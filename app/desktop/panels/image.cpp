@@ -55,8 +55,10 @@ std::optional<PointedAt> handle_mouse(const Ui& ui, const ImagePlacement& placed
   if (ImGui::IsMouseReleased(0) && !dragged && at) {
     const bool nothing = at->what.kind == render::Picked::Kind::nothing;
     const char* action = click_action(ui.state.view.click);
+    const bool second = ImGui::GetIO().KeyCtrl && ui.state.view.selected.voxel >= 0;
     ui.emit(action    ? action
             : nothing ? "why.pixel"
+            : second  ? "join.show"
                       : "select.pixel",
             fmt::format("{},{}", at->source % placed.width, at->source / placed.width));
   }

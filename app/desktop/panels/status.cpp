@@ -68,6 +68,7 @@ std::string right_text(const State& state) {
 
 void draw_status(const Ui& ui) {
   const State& state = ui.state;
+  if (state.view.preview && !ImGui::IsMouseDown(0)) ui.emit("fix.preview", "");  // let go
   ImGui::TextUnformatted(left_text(state).c_str());
   const std::string right = right_text(state);
   const float width = ImGui::CalcTextSize(right.c_str()).x;

@@ -97,7 +97,9 @@ void select(const Ui& ui, const PointedAt& at) {
   const int width = ui.state.run()->subject->frame.depth.width;
   switch (what.kind) {
     case render::Picked::Kind::voxel:
-      return ui.emit("select.voxel", std::to_string(what.index));
+      return ui.emit(ImGui::GetIO().KeyCtrl && ui.state.view.selected.voxel >= 0 ? "join.show"
+                                                                                 : "select.voxel",
+                     std::to_string(what.index));
     case render::Picked::Kind::node:
       return ui.emit("select.node", std::to_string(what.index));
     case render::Picked::Kind::plane:

@@ -193,13 +193,13 @@ class Search {
   Fix tried(const std::string& value, double change) {
     grants(value);
     const Granted gets = granted(planes_, target_);
-    Fix fix{
-        .option = info_.name,
-        .before = info_.get(run_.options),
-        .after = value,
-        .change = change,
-        .share = gets.share,
-        .gained = static_cast<std::int32_t>(gets.voxels) - static_cast<std::int32_t>(has_.voxels)};
+    Fix fix{.option = info_.name,
+            .before = info_.get(run_.options),
+            .after = value,
+            .change = change,
+            .share = gets.share,
+            .gained = static_cast<std::int32_t>(gets.voxels)};
+    if (target_.wish != Wish::own_plane) fix.gained -= static_cast<std::int32_t>(has_.voxels);
     fix.elsewhere = moved_elsewhere(run_.segmentation.plane_of, planes_, target_.voxels);
     fix.planes_before = static_cast<int>(run_.segmentation.planes.size());
     fix.planes_after = planes_.empty() ? 0 : std::ranges::max(planes_);
@@ -227,13 +227,13 @@ class Search {
     return {};
   }
 
-  /// With two digits or three, away from the current value, where that adds little to the change
+  /// With few digits, away from the current value, where that adds little to the change
   /// and grants it too.
   std::string rounded(const std::string& value, double start, int side) {
     const double number = std::stod(value);
     if (!(number > 0)) return value;
     const double change = std::abs(scale_position(info_, number) - start);
-    for (const int digits : {2, 3}) {
+    for (const int digits : {2, 3, 4}) {
       const double unit = std::pow(10.0, std::floor(std::log10(number)) + 1 - digits);
       const double whole = unit * (side > 0 ? std::ceil(number / unit) : std::floor(number / unit));
       const double position = scale_position(info_, whole);
@@ -268,9 +268,11 @@ class Search {
     double looser = 0.3;
     for (const double limit :
          {0.2, 0.15, 0.1, 0.07, 0.05, 0.04, 0.03, 0.02, 0.015, 0.01, 0.007, 0.005}) {
-      if (by_value(fmt::format("{}", limit)))
-        return by_value(scale_value(info_, bisect(scale_position(info_, looser),
-                                                  scale_position(info_, limit), std::nullopt)));
+      if (by_value(fmt::format("{}", limit))) {
+        const double loosest =
+            bisect(scale_position(info_, looser), scale_position(info_, limit), std::nullopt);
+        return by_value(rounded(scale_value(info_, loosest), scale_position(info_, 1), -1));
+      }
       looser = limit;
     }
     return {};

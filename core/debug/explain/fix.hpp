@@ -70,7 +70,7 @@ using FixProgress = std::function<void(int done, int total, const std::vector<Fi
 /// Of each option the change that grants the wish at the least cost; empty where none does. First
 /// those that restore the profile's value, then by cost: how much the change moves elsewhere for
 /// what it gains, and how large it is (Fix::change). Numbers are searched outwards from where they
-/// are, bisected to 2 % of the change and rounded to two or three digits; switches are flipped. Options that decided on the target
+/// are, bisected to 2 % of the change and rounded to few digits; switches are flipped. Options that decided on the target
 /// are tried first.
 std::vector<Fix> find_fixes(const Run& run,
                             const FixTarget& target,

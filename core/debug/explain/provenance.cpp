@@ -397,6 +397,20 @@ std::int32_t step_of_plane(const Run& run, std::int32_t voxel) {
   return last.plane >= 0 ? last.step : 0;
 }
 
+std::int32_t step_of_meeting(const Run& run, std::int32_t a, std::int32_t b) {
+  std::set<std::int32_t> steps;
+  for (const std::int32_t voxel : {a, b})
+    for (const planes::PointChange& change : run.timeline.changes_of_point(voxel))
+      steps.insert(change.step);
+  std::int32_t met = 0;
+  for (const std::int32_t step : steps) {
+    const std::int32_t plane = run.timeline.point_at(a, step).plane;
+    const bool together = plane >= 0 && plane == run.timeline.point_at(b, step).plane;
+    met = !together ? 0 : met > 0 ? met : step;
+  }
+  return met;
+}
+
 Loss loss_of(const Run& run, std::int32_t voxel) {
   Loss loss;
   for (const planes::PointChange& change : run.timeline.changes_of_point(voxel))

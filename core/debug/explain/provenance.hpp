@@ -64,6 +64,10 @@ struct Loss {
 };
 Loss loss_of(const Run& run, std::int32_t voxel);
 
+/// The step from which on two voxels are in one plane until the end, 0 where they are not in the
+/// end.
+std::int32_t step_of_meeting(const Run& run, std::int32_t a, std::int32_t b);
+
 /// "P4 (h)": a plane of the result.
 std::string describe_plane(const Run& run, std::int32_t id);
 /// The true plane of most voxels in a plane of the result, 0 where none is known.

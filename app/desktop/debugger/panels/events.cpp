@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <span>
 
 #include "app/desktop/debugger/filter_box.hpp"
 #include "app/desktop/panels.hpp"
@@ -153,11 +155,51 @@ bool tool(const Ui& ui, const char* label, const char* widget, const char* help,
   return clicked;
 }
 
+struct ReadyFilter {
+  const char* title;
+  const char* filter;
+};
+
+/// For what one looks for most often; of a depth image by the objective, of all else.
+std::span<const ReadyFilter> ready_filters(const debug::Run& run) {
+  static constexpr std::array kOfImage{
+      ReadyFilter{"Joins that barely happened",
+                  "(stage==join || stage==hidden) && value>0.8*merge_cost"},
+      ReadyFilter{"Joins of hidden parts", "stage==hidden"},
+      ReadyFilter{"Large nodes left over", "decide && size>=1000 && (case==II || case==III)"},
+      ReadyFilter{"Planes that are not listed", "stage==list"},
+      ReadyFilter{"Planes that are barely not listed", "stage==list && value>0.5*worth_px"}};
+  static constexpr std::array kOfPaper{
+      ReadyFilter{"Merges over more than 2 cm", "merge && offset>0.02"},
+      ReadyFilter{"Nodes that are barely not planar", "decide && case==III && mse<1.25*theta_mse"},
+      ReadyFilter{"Large nodes left over", "decide && size>=20 && (case==II || at_max_depth)"},
+      ReadyFilter{"Points that barely stay out", "drop && distance<2*leftover_distance_m"}};
+  return run.segment_options.by_objective() && run.is_on_image()
+             ? std::span<const ReadyFilter>(kOfImage)
+             : std::span<const ReadyFilter>(kOfPaper);
+}
+
+void draw_ready_filters(const Ui& ui) {
+  if (tool(ui, "…", "events.ready", "Ready filters", false)) ImGui::OpenPopup("ready");
+  if (!ImGui::BeginPopup("ready")) return;
+  const debug::Run* run = ui.state.run();
+  const auto item = [&](const ReadyFilter& ready, std::size_t i) {
+    if (ImGui::MenuItem(ready.title)) ui.emit("filter.set", ready.filter);
+    ui.name(fmt::format("events.ready.{}", i));
+    tooltip(ready.filter);
+  };
+  std::size_t i = 0;
+  if (run)
+    for (const ReadyFilter& ready : ready_filters(*run)) item(ready, i++);
+  if (run && run->subject->voxel_truth.known()) item({"Wrong decisions", "truth.wrong"}, i++);
+  ImGui::EndPopup();
+}
+
 void draw_search(const Ui& ui) {
   const ViewState& view = ui.state.view;
   const float gap = ui.px(3);
   float tools = gap;
-  for (const char* label : {"◀", "▶", "only", "●"}) tools += button_width(label) + gap;
+  for (const char* label : {"…", "◀", "▶", "only", "●"}) tools += button_width(label) + gap;
   draw_filter_box(ui,
                   {.widget = "events.filter",
                    .hint = "filter: case==III && depth>=5",
@@ -166,6 +208,8 @@ void draw_search(const Ui& ui) {
                    .action = "filter.set",
                    .on_enter = "filter.next"},
                   std::max(ui.px(80), ImGui::GetContentRegionAvail().x - tools));
+  ImGui::SameLine(0, gap);
+  draw_ready_filters(ui);
   ImGui::SameLine(0, gap);
   if (tool(ui, "◀", "events.previous", "Previous match (Shift+N)", false))
     ui.emit("filter.previous");
