@@ -95,8 +95,26 @@ fs::path StagedOutput::staged(const fs::path& relative, bool is_folder) {
   return staging_ / relative;
 }
 
+namespace {
+
+/// Throws Error where what was staged cannot take this place, before anything is replaced.
+void check_place(const fs::path& staged, const fs::path& target) {
+  const bool is_folder = fs::is_directory(staged);
+  if (fs::exists(target) && fs::is_directory(target) != is_folder)
+    throw Error(fmt::format("{}: is a {}; expected a {}", target.string(),
+                            is_folder ? "file" : "folder", is_folder ? "folder" : "file"));
+  fs::path parent = target.parent_path();
+  while (!fs::exists(parent) && parent.has_relative_path()) parent = parent.parent_path();
+  if (!fs::is_directory(parent)) throw Error(parent.string() + ": is a file; expected a folder");
+  if (access(parent.c_str(), W_OK | X_OK) != 0)
+    throw Error(parent.string() + ": cannot be written to");
+}
+
+}  // namespace
+
 void StagedOutput::commit() {
   try {
+    for (const fs::path& relative : added_) check_place(staging_ / relative, dir_ / relative);
     for (const fs::path& relative : added_) {
       const fs::path target = dir_ / relative;
       if (!fs::exists(staging_ / relative)) {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <mutex>
 #include <span>
+#include <utility>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
@@ -26,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLeastWindow_m = 0.5;
+constexpr int kMostAside = 4;  // at most one frame in so many may not fit the others
 
 struct MapArgs {
   InputArgs input;  // one recording
@@ -75,10 +77,12 @@ void write_map(StagedOutput& output, const world::WorldMap& map, const std::stri
   write_file_text(output.add_file("poses.tum"), texts.poses_tum);
   write_file_text(output.add_file("tracks.json"), texts.tracks_json);
   const int last = std::max(map.poses.poses.back().segment, map.tracker.frames().back().segment);
+  bool is_first = true;
   for (int segment = 0; segment <= last; ++segment) {
     const Image8 picture = map_from_above(map, segment);
-    if (!picture.empty())
-      io::write_png(output.add_file(file_of_segment("map", segment, ".png")), picture);
+    if (picture.empty()) continue;
+    const int number = std::exchange(is_first, false) ? 0 : segment;
+    io::write_png(output.add_file(file_of_segment("map", number, ".png")), picture);
   }
   if (map.pace) write_file_text(output.add_file("pace.json"), world::pace_json(*map.pace));
   write_file_text(output.add_file("map.json"), texts.map_json);
@@ -154,9 +158,24 @@ void join_shards(const fs::path& dir, world::MapJob& job) {
     std::call_once(*once, [&] { from = world::planes_from(options, info, upright); });
     const fs::path file = observed_file(dir, frame);
     if (!fs::exists(file))
-      throw Error(file.string() + ": is missing: a shard did not finish, or skipped the frame");
-    return world::read_observed(file, from);
+      throw Error(file.string() +
+                  ": is missing: its shard did not finish, or could not read the frame");
+    world::ObservedFrame observed = world::read_observed(file, from);
+    if (observed.frame != frame)
+      throw Error(fmt::format("{}: holds frame {}, expected frame {}", file.string(),
+                              observed.frame, frame));
+    return observed;
   };
+}
+
+/// Throws Error where the map would replace files that are not of a map.
+void check_not_of_user(const MapArgs& args, const fs::path& recording) {
+  std::error_code absent;
+  if (fs::equivalent(args.out, recording, absent))
+    throw Error(args.out.string() + ": is the recording; expected another folder for the map");
+  if (fs::exists(args.out / "poses.tum") && !fs::exists(args.out / "map.json"))
+    throw Error(args.out.string() +
+                ": has a poses.tum but no map.json; expected an empty folder or an earlier map");
 }
 
 int run_map(const MapArgs& args, std::stop_token stop) {
@@ -171,6 +190,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   input_args.recording.damaged_frames_later = true;
   const std::vector<OpenInput> inputs = open_inputs(input_args);
   const OpenInput& input = inputs.front();
+  check_not_of_user(args, input.path);
   const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
   job.recording = input.recording.get();
   job.frames = input.frames;
@@ -200,9 +220,16 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   job.progress = StageBar("map");
   const world::WorldMap map = world::map_recording(job);
   const std::size_t planes = world::planes_of_map(map.tracker).size();
-  if (planes == 0) {
+  const std::vector<world::FrameOfTracks>& frames = map.tracker.frames();
+  const auto aside = std::ranges::count(frames, true, &world::FrameOfTracks::set_aside);
+  if (planes == 0 || kMostAside * aside > std::ssize(frames)) {
     job.progress = {};
     for (const std::string& line : map.told) notice("{}", line);
+    if (planes > 0)
+      throw Error(fmt::format(
+          "{}: not written: {} of {} do not fit the others; expected poses of this recording, "
+          "T_world_camera in meters, quaternions as x y z w; found those of {}",
+          args.out.string(), aside, counted(frames.size(), "frame"), map.poses.source));
     throw Error(fmt::format("{}: not written: no plane was seen in {} or more of {}",
                             args.out.string(), map.tracker.options().confirm_frames,
                             counted(input.frames.size(), "frame")));

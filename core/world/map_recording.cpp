@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
@@ -103,21 +104,32 @@ std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory&
   return turn_upright(trajectory, samples, segments);
 }
 
-void tell_of_aside(const Tracker& tracker, std::vector<std::string>& told) {
+void tell_of_aside(const Tracker& tracker,
+                   const std::string& poses,
+                   std::vector<std::string>& told) {
   int aside = 0, first = -1;
   for (const FrameOfTracks& frame : tracker.frames())
     if (frame.set_aside) {
       if (aside++ == 0) first = frame.frame;
     }
   if (aside > 0)
-    told.push_back(
-        fmt::format("{} set aside, the first is frame {}: depth and poses contradict the frames "
-                    "before (wrong poses?)",
-                    counted(aside, "frame"), first));
+    told.push_back(fmt::format(
+        "{} set aside, the first is frame {}: depth and pose do not fit the map so far; "
+        "are the poses of {} right?",
+        counted(aside, "frame"), first, poses));
   const auto& frames = tracker.frames();
-  for (std::size_t i = 1; i < frames.size(); ++i)
-    if (frames[i].segment != frames[i - 1].segment)
-      told.push_back(fmt::format("a new segment of the map begins at frame {}", frames[i].frame));
+  std::vector<std::string> begin;  // frames
+  std::size_t alone = 0, before = 0;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    before += frames[i - 1].is_in_map();
+    if (frames[i].segment == frames[i - 1].segment) continue;
+    begin.push_back(std::to_string(frames[i].frame));
+    alone += std::exchange(before, 0);
+  }
+  if (!begin.empty())
+    told.push_back(fmt::format("the map begins anew at {} {}, with {} before",
+                               begin.size() == 1 ? "frame" : "frames", fmt::join(begin, ", "),
+                               counted(alone, "frame")));
 }
 
 }  // namespace
@@ -183,7 +195,7 @@ std::string difference(const PlanesFrom& found, const PlanesFrom& expected) {
   PlanesFrom all = found;
   all.insert(expected.begin(), expected.end());
   // What other options follow from comes first.
-  for (const char* first : {"camera", "profile", "method"})
+  for (const char* first : {"camera", "method", "profile"})
     if (shown(found, first) != shown(expected, first))
       return fmt::format("{} is {}, expected {}", first, shown(found, first),
                          shown(expected, first));
@@ -231,7 +243,7 @@ WorldMap map_recording(const MapJob& job) {
   if (pass.without_pose > 0)
     map.told.push_back(fmt::format("{} of {} have no pose and are left out", pass.without_pose,
                                    counted(job.frames.size(), "frame")));
-  tell_of_aside(map.tracker, map.told);
+  tell_of_aside(map.tracker, map.poses.source, map.told);
   map.stability = stability_of(map.tracker, map.poses.poses);
   if (map.stability.kept_share < kLeastKept)
     map.told.push_back(

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -168,6 +169,8 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
   }
   write_file_text(part, "damaged");
   EXPECT_NE(refusal({}).find("000007.cbor: is damaged"), std::string::npos);
+  fs::copy_file(part.parent_path() / "000008.cbor", part, fs::copy_options::overwrite_existing);
+  EXPECT_NE(refusal({}).find("000007.cbor: holds frame 8, expected frame 7"), std::string::npos);
   fs::remove(part);
   EXPECT_NE(refusal({}).find("000007.cbor: is missing"), std::string::npos);
 }
@@ -286,6 +289,18 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
             std::string::npos)
       << empty;
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
+  // So is one that few frames fit: T_camera_world, a common mistake.
+  std::string inverse;
+  const auto recording = io::open_recording(walk);
+  for (int i = 0; i < recording->frame_count(); ++i) {
+    const Pose pose = recording->T_world_camera(i)->inverse();
+    const Vec3d t = pose.translation();
+    const Eigen::Quaterniond q(pose.linear());
+    inverse += fmt::format("{} {} {} {} {} {} {} {}\n", recording->timestamp_s(i), t.x(), t.y(),
+                           t.z(), q.x(), q.y(), q.z(), q.w());
+  }
+  EXPECT_NE(told(inverse, 2, {}).find("not written: "), std::string::npos);
+  EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
   // Poses of the whole recording go with some of its frames as well.
   EXPECT_NE(told(kitti, 2, {"--frames", "3:8"}).find("of 5 frames"), std::string::npos);
 }
@@ -340,6 +355,27 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   EXPECT_NE(info.out.find("8.00 frames per second, no gaps, from poses.tum"), std::string::npos)
       << info.out;
   EXPECT_NE(map({"--follow"}).err.find("has no poses"), std::string::npos);
+}
+
+TEST_F(Map, ReplacesNothingOfTheUsers) {
+  const auto refusal = [&](const fs::path& out) {
+    const Ran ran = run({"map", walk.string(), "-o", out.string()});
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    return ran.err;
+  };
+  EXPECT_NE(refusal(walk).find("walk: is the recording; expected another folder"),
+            std::string::npos);
+  fs::create_directories(dir / "mine");
+  write_file_text(dir / "mine" / "poses.tum", "measured by hand");
+  EXPECT_NE(refusal(dir / "mine").find("mine: has a poses.tum but no map.json"), std::string::npos);
+  EXPECT_EQ(read_text(dir / "mine" / "poses.tum"), "measured by hand");
+  fs::create_directories(dir / "other" / "tracks.json");
+  write_file_text(dir / "other" / "tracks.json" / "note.txt", "mine");
+  EXPECT_NE(refusal(dir / "other").find("tracks.json: is a folder; expected a file"),
+            std::string::npos);
+  EXPECT_EQ(read_text(dir / "other" / "tracks.json" / "note.txt"), "mine");
+  EXPECT_FALSE(fs::exists(dir / "other" / "map.json")) << "all or nothing";
 }
 
 TEST_F(Map, ThatFailsLeavesTheOneBefore) {

@@ -409,6 +409,32 @@ TEST_F(AnalysisPanels, AClickOnWhatIsInNoPlaneTellsWhyAndWhatWouldBringItBack) {
   EXPECT_FALSE(shown("fix.apply.0")) << "it is in a plane";
 }
 
+TEST_F(AnalysisPanels, AReasonOfTheSummaryMarksItsPointsAndAnswersForThem) {
+  shell.perform({"select.none", ""});
+  settle(shell, stage, {});
+  const debug::FrameSummary& summary = state().results.current->summary;
+  const auto lost = std::ranges::find_if(
+      summary.lost, [](const debug::Lost& reason) { return reason.middle >= 0; });
+  ASSERT_NE(lost, summary.lost.end());
+  play(fmt::format(R"({{"click": "lost.{}"}})", lost - summary.lost.begin()));
+  EXPECT_EQ(state().document.marked, lost->voxels);
+  EXPECT_EQ(state().view.selected.voxel, lost->middle);
+  EXPECT_EQ(state().results.fix.asked->voxel, lost->middle);
+  EXPECT_TRUE(state().results.fix.finished);
+  EXPECT_TRUE(shown("answer.cause"));
+  // The link of a decision keeps the point.
+  play(R"({"click": "answer.cause"})");
+  EXPECT_LT(state().view.step, state().run()->steps());
+  EXPECT_EQ(state().view.selected.voxel, lost->middle);
+}
+
+TEST_F(AnalysisPanels, AChangeOfAnOptionIsToldWithWhatItDid) {
+  play(R"({"do": "option.set", "with": "theta_n_in=40"})");
+  const std::string message = state().view.message;
+  EXPECT_TRUE(message.starts_with("theta_n_in 5 → 40: planes ")) << message;
+  EXPECT_NE(message.find("; Ctrl+Z takes it back"), std::string::npos) << message;
+}
+
 TEST_F(AnalysisPanels, WhatShouldBecomeOfAPlaneIsAskedInItsMenu) {
   const debug::Run& run = *state().run();
   const auto in_plane = std::ranges::find(run.segmentation.plane_of, 1);

@@ -1,5 +1,7 @@
 #include "core/debug/explain/summary.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -7,10 +9,20 @@
 namespace planescope::debug {
 namespace {
 
-std::string reason_of(const Run& run, const planes::TraceEvent& left, bool was_assigned) {
+/// `points`: that the same step left over.
+std::string reason_of(const Run& run,
+                      const planes::TraceEvent& left,
+                      std::size_t points,
+                      bool was_assigned) {
   if (left.type != planes::EventType::decide) {
     if (left.stage == planes::Stage::grow) return "too small to grow";
-    if (left.stage == planes::Stage::list) return "worth too little";
+    if (left.stage == planes::Stage::list) {
+      if (!run.is_on_image()) return "worth too little";
+      const double least = run.segment_options.objective.worth_px;
+      return static_cast<double>(points) < least
+                 ? fmt::format("on surfaces smaller than {:g} px", least)
+                 : fmt::format("on uneven surfaces, worth less than {:g} px", least);
+    }
     return std::string("dropped at ") + planes::to_string(left.stage);
   }
   const planes::OctreeNode& node = run.octree().nodes[left.node];
@@ -62,6 +74,8 @@ FrameSummary summary_of(const Run& run) {
     return lost;
   };
   const std::vector<std::int32_t> left = steps_left(run);
+  std::vector<std::size_t> points_left(static_cast<std::size_t>(run.steps()) + 1, 0);
+  for (const std::int32_t step : left) ++points_left[static_cast<std::size_t>(step)];
   for (std::size_t source = 0; source < subject.point_of_source.size(); ++source) {
     if (subject.point_of_source[source] == planes::kNoVoxel) continue;
     ++summary.measured;
@@ -76,7 +90,8 @@ FrameSummary summary_of(const Run& run) {
     } else if (left[voxel] == 0) {
       lose(run.is_ours() ? "removed from a plane" : "in no plane").voxels.push_back(voxel);
     } else {
-      lose(reason_of(run, *run.event_at(left[voxel]), was_assigned[voxel] != 0))
+      lose(reason_of(run, *run.event_at(left[voxel]), points_left[left[voxel]],
+                     was_assigned[voxel] != 0))
           .voxels.push_back(voxel);
     }
   }

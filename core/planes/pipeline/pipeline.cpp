@@ -204,7 +204,8 @@ void check_given(const GivenPlanes& given, const DepthInput& input) {
                               given.plane_of.data[i], given.margins.size()));
     if (given.plane_of.data[i] > 0 && !(input.image.rho[i] > 0))
       throw Error(
-          "its stored planes have pixels without depth, expected those of the same recording");
+          "its stored planes do not lie on its depth: were frames added or removed since the map "
+          "was made?");
   }
 }
 

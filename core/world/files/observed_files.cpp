@@ -210,7 +210,7 @@ ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom&
     return frame;
   } catch (const std::exception& error) {
     if (dynamic_cast<const Error*>(&error)) throw;
-    throw Error(file.string() + ": is damaged, expected what --shard of this version wrote");
+    throw Error(file.string() + ": is damaged or of another version; run its shard again");
   }
 }
 

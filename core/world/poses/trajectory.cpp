@@ -389,6 +389,11 @@ PairedPoses pair_poses(const Trajectory& trajectory,
   const std::optional<int> moved = are_numbered && poses_have_times && have_times
                                        ? frame_at_another_time(trajectory, recording)
                                        : std::nullopt;
+  const auto last = std::ranges::max_element(poses, {}, &CameraPose::frame)->frame;
+  if (are_numbered && !(poses_have_times && have_times) && last >= recording.frame_count())
+    throw Error(fmt::format(
+        "{}: has a pose of frame {}; {} has {}, without times that tell which of them are missing",
+        trajectory.source, last, recording.info().path.string(), counted(recorded, "frame")));
   if (are_numbered && !moved) {
     paired.poses = poses_by_number(trajectory, frames);
   } else if (poses_have_times && have_times) {

@@ -234,6 +234,12 @@ TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
   EXPECT_EQ(
       pair_poses(numbered, removed, std::vector{0}).notice,
       "frame 1 is at another time than in poses.tum: poses are paired by time, not by number");
+  // Without times nothing tells which frames are missing.
+  const std::string why = why_unpaired(numbered, TimesAlone({0, 0, 0}), {0, 1, 2});
+  EXPECT_NE(why.find("has a pose of frame 3; recording has 3 frames, without times"),
+            std::string::npos)
+      << why;
+  numbered.poses.pop_back();
   for (CameraPose& pose : numbered.poses) pose.timestamp_s = 0;
   EXPECT_EQ(paired(numbered, removed, {0, 1, 2}), (std::vector{0, 1, 2}));
 }

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/debug/explain/explain.hpp"
 #include "core/debug/explain/histogram.hpp"
 #include "core/debug/explain/provenance.hpp"
+#include "core/debug/explain/summary.hpp"
 #include "core/debug/explain/trace_text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "support/box_scene.hpp"
@@ -85,6 +88,36 @@ TEST(ImageExplain, EveryPixelHasALifeAndWhatIsInNoPlaneACause) {
     const WhyNot why = why_not(run, source);
     EXPECT_TRUE(why.answer.starts_with("Lost at step ")) << why.answer;
   }
+}
+
+TEST(ImageExplain, ASummaryHasAReasonForEachPointOnNoPlane) {
+  const auto& run = *test::box_run();
+  const FrameSummary summary = summary_of(run);
+  EXPECT_EQ(summary.measured, run.subject->point_of_source.size());
+  EXPECT_EQ(summary.planes, static_cast<int>(run.segmentation.planes.size()));
+  std::size_t points = summary.on_planes;
+  const Lost* box = nullptr;
+  for (const Lost& lost : summary.lost) {
+    points += lost.sources;
+    EXPECT_EQ(lost.voxels.size(), lost.sources) << "a pixel is a voxel";
+    for (const std::uint32_t voxel : lost.voxels) EXPECT_EQ(run.segmentation.plane_of[voxel], 0);
+    EXPECT_TRUE(std::ranges::binary_search(lost.voxels, static_cast<std::uint32_t>(lost.middle)));
+    if (std::ranges::binary_search(lost.voxels, run.subject->voxel_of_source(test::kSmallBoxPixel)))
+      box = &lost;
+  }
+  EXPECT_EQ(points, summary.measured);
+  ASSERT_TRUE(box);
+  EXPECT_EQ(box->reason, "on surfaces smaller than 14000 px");
+  // With a shorter range what is beyond it has no voxel.
+  Frame frame = run.subject->frame;
+  planes::PipelineOptions near = run.options;
+  near.cloud.max_range_m = 1;
+  const FrameSummary cropped =
+      summary_of(*make_run(make_subject(std::move(frame), {}, near, nullptr), near));
+  const auto beyond = std::ranges::find(cropped.lost, "out of range", &Lost::reason);
+  ASSERT_NE(beyond, cropped.lost.end());
+  EXPECT_GT(cropped.share(beyond->sources), 0.1);
+  EXPECT_EQ(beyond->middle, -1);
 }
 
 TEST(ImageExplain, HistogramsShowItsOwnCriteria) {

@@ -173,5 +173,27 @@ TEST(RegionDecision, PlanesThatBecameOnePartAtTheMergeThatJoinedThem) {
   EXPECT_GT(merged, 0);
 }
 
+TEST(Provenance, TwoPointsMeetAtTheStepFromWhichTheyAreInOnePlane) {
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.001);
+  const auto voxels = static_cast<std::int32_t>(run->subject->voxel_count());
+  int met = 0, apart = 0;
+  for (std::int32_t a = 0; a < voxels; a += 97)
+    for (std::int32_t b = a + 1; b < voxels; b += 89) {
+      const std::int32_t step = step_of_meeting(*run, a, b);
+      const std::int32_t plane = run->segmentation.plane_of[a];
+      const bool together = plane > 0 && plane == run->segmentation.plane_of[b];
+      ASSERT_EQ(step > 0, together);
+      ++(together ? met : apart);
+      if (!together) continue;
+      const auto plane_at = [&](std::int32_t voxel, std::int32_t at) {
+        return run->timeline.point_at(voxel, at).plane;
+      };
+      EXPECT_EQ(plane_at(a, step), plane_at(b, step));
+      EXPECT_TRUE(plane_at(a, step - 1) < 0 || plane_at(a, step - 1) != plane_at(b, step - 1));
+    }
+  EXPECT_GT(met, 0);
+  EXPECT_GT(apart, 0);
+}
+
 }  // namespace
 }  // namespace planescope::debug
