@@ -399,14 +399,33 @@ TEST_F(AnalysisPanels, AClickOnWhatIsInNoPlaneTellsWhyAndWhatWouldBringItBack) {
   EXPECT_FALSE(state().view.preview);
   EXPECT_EQ(state().run()->segmentation.plane_of[voxel], 0);
   EXPECT_NE(state().results.current, run) << "it is run again";
-  ASSERT_TRUE(shown("answer.search")) << "what was found was of the run before";
-  play(R"({"click": "answer.search"})");
+  EXPECT_EQ(state().view.message.find("Ctrl+Z"), std::string::npos) << "nothing was changed";
+  EXPECT_TRUE(shown("fix.preview.0")) << "another one can be looked at";
   play(R"({"click": "fix.apply.0"})");
   EXPECT_EQ(planes::find_option(fix.option).get(state().document.options), fix.after);
   EXPECT_EQ(state().undo.size(), 1u);
   EXPECT_GT(state().run()->segmentation.plane_of[voxel], 0);
   EXPECT_EQ(static_cast<int>(state().run()->segmentation.planes.size()), fix.planes_after);
   EXPECT_FALSE(shown("fix.apply.0")) << "it is in a plane";
+}
+
+TEST_F(AnalysisPanels, ASearchThatWasStoppedCanBeAskedForAgain) {
+  select_lost(*this);
+  shell.perform({"fix.far", ""});
+  shell.perform({"fix.cancel", ""});
+  settle(shell, stage, {});
+  EXPECT_FALSE(state().results.fix.finished);
+  play(R"({"click": "answer.search"})");
+  EXPECT_TRUE(state().results.fix.finished);
+}
+
+TEST_F(AnalysisPanels, WhatWasFoundGoesWithTheVoxelsThatItIsAbout) {
+  select_lost(*this);
+  play(R"("tab.tool fix", {"do": "option.set", "with": "voxel_size_m=0.04"})");
+  EXPECT_FALSE(state().results.fix.of);
+  shell.perform({"fix.far", ""});
+  settle(shell, stage, {});
+  EXPECT_FALSE(state().results.fix.finished) << "there is nothing to search farther for";
 }
 
 TEST_F(AnalysisPanels, AReasonOfTheSummaryMarksItsPointsAndAnswersForThem) {

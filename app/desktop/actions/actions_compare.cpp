@@ -100,7 +100,13 @@ PointAsked asked_in(const State& state, const std::string& text) {
 void ask_of_point(State& state, const PointAsked& asked, bool far) {
   FixSearch& fix = state.results.fix;
   state.view.preview.reset();
-  const bool is_asked = fix.of == state.results.current || fix.running;
+  const std::shared_ptr<const RunView>& current = state.results.current;
+  if (!current || !current->run->is_ours())
+    return say(state, "fixes are sought among the options of method ours");
+  if (state.run() != current->run.get())
+    return say(state, "A is shown: fixes are sought for B (Space)");
+  const bool is_asked =
+      fix.running ? !fix.begun || fix.of == current : fix.finished && fix.of == current;
   if (is_asked && fix.asked == asked && fix.target.far == far) return;
   fix = {};
   fix.asked = asked;
@@ -229,11 +235,7 @@ std::vector<Action> compare_actions() {
        menu,
        "",
        "plane|own|none|with VOXEL",
-       [](State& s, const std::string& text) {
-         if (!s.results.current->run->is_ours())
-           return say(s, "fixes are sought among the options of method ours");
-         ask_of_point(s, asked_in(s, text));
-       },
+       [](State& s, const std::string& text) { ask_of_point(s, asked_in(s, text)); },
        has_current,
        {}},
       {"fix.far",
@@ -249,7 +251,10 @@ std::vector<Action> compare_actions() {
          farther.target.far = farther.running = true;
          fix = farther;
        },
-       [](const State& s) { return s.results.fix.finished; },
+       [](const State& s) {
+         return s.results.fix.finished && s.results.current &&
+                s.results.fix.of == s.results.current;
+       },
        {}},
       {"fix.preview",
        "Show a fix for as long as its button is held",

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <map>
+#include <algorithm>
 #include <vector>
 
 #include "core/model/text.hpp"
@@ -13,21 +13,29 @@ namespace {
 
 /// Planes of `b` that more than half of a plane of `a` is in, and that are more than half in it.
 int planes_kept(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) {
-  std::map<std::int32_t, std::size_t> size_a, size_b;
-  std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> common;
+  if (a.empty()) return 0;
+  const auto count_a = static_cast<std::size_t>(std::ranges::max(a)) + 1,
+             count_b = static_cast<std::size_t>(std::ranges::max(b)) + 1;
+  std::vector<std::size_t> size_a(count_a, 0), size_b(count_b, 0), common(count_a * count_b, 0);
   for (std::size_t i = 0; i < a.size(); ++i) {
     ++size_a[a[i]];
     ++size_b[b[i]];
-    ++common[{a[i], b[i]}];
+    ++common[a[i] * count_b + b[i]];
   }
   int kept = 0;
-  for (const auto& [planes, points] : common)
-    kept += planes.first > 0 && planes.second > 0 && 2 * points > size_a[planes.first] &&
-            2 * points > size_b[planes.second];
+  for (std::size_t p = 1; p < count_a; ++p)
+    for (std::size_t q = 1; q < count_b; ++q)
+      kept += 2 * common[p * count_b + q] > size_a[p] && 2 * common[p * count_b + q] > size_b[q];
   return kept;
 }
 
 }  // namespace
+
+bool same_options(const planes::PipelineOptions& a, const planes::PipelineOptions& b) {
+  return std::ranges::all_of(planes::option_table(), [&](const planes::OptionInfo& info) {
+    return info.get(a) == info.get(b);
+  });
+}
 
 std::string change_text(const debug::Run& before, const debug::Run& after) {
   if (before.subject != after.subject) return {};

@@ -37,7 +37,8 @@ void draw_buttons(const Ui& ui, std::size_t i, bool check) {
   if (button(ui, "Apply", "fix.apply." + number)) ui.emit("fix.apply", number);
   if (!check) return;
   ImGui::SameLine();
-  if (button(ui, "Check", "fix.check." + number)) ui.emit("fix.check", number);
+  if (button(ui, "Check", "fix.check." + number, ui.state.results.fix.finished))
+    ui.emit("fix.check", number);
   tooltip("what it does to every labelled frame of the recording");
 }
 
@@ -103,7 +104,7 @@ struct Answer {
 /// Which search answers what is selected; null: none.
 const FixSearch* search_of(const Ui& ui, std::int32_t voxel) {
   const FixSearch& fix = ui.state.results.fix;
-  const bool is_of_run = fix.of == ui.state.results.current || ui.state.view.preview;
+  const bool is_of_run = fix.of.get() == ui.state.run_view() || ui.state.view.preview;
   const bool is_of_point = fix.asked && static_cast<std::int32_t>(fix.asked->voxel) == voxel;
   return is_asked(fix) && is_of_point && (is_of_run || !fix.begun) ? &fix : nullptr;
 }
@@ -132,6 +133,7 @@ void draw_fix_progress(const Ui& ui, const FixSearch& fix) {
 }
 
 void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
+  if (fix.granted && fix.fixes.empty()) return paragraph(ui.colors.good, "It is so already.");
   if (fix.fixes.empty()) {
     paragraph(ui.colors.warning, fix.target.far
                                      ? "No change of one option does it: several may be needed."
@@ -162,18 +164,19 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
     ui.emit("tab.tool", "fix");
 }
 
-void draw_try(const Ui& ui) {
+bool draw_try(const Ui& ui) {
   const std::int32_t voxel = ui.state.view.selected.voxel;
   const std::optional<Answer> answer = answer_of(ui, voxel);
-  if (!answer) return;
+  if (!answer) return false;
   ImGui::Spacing();
   if (!answer->fix) {
     if (button(ui, "Find a fix", "answer.search")) ui.emit("fix.point", "plane");
-    return;
+    return true;
   }
   heading(ui, "Try");
   if (answer->fix->running) draw_fix_progress(ui, *answer->fix);
   if (answer->fix->finished || !answer->fix->fixes.empty()) draw_fix_table(ui, *answer->fix, false);
+  return true;
 }
 
 void draw_answer(const Ui& ui) {

@@ -35,13 +35,16 @@ debug::FixTarget fix_target(const debug::Run& run, const PointAsked& asked) {
   const debug::Subject& subject = *run.subject;
   const labels::LabelGrid grid = labels::make_label_grid(subject.frame, subject.prepared.gravity);
   std::vector<std::uint32_t> surface = surface_at(run, grid, asked.voxel);
-  if (asked.with >= 0) {
+  if (asked.wish == debug::Wish::joined && asked.with >= 0) {
     const auto other = surface_at(run, grid, static_cast<std::uint32_t>(asked.with));
     std::vector<std::uint32_t> both;
     std::ranges::set_union(surface, other, std::back_inserter(both));
     surface = std::move(both);
   }
-  return debug::target_of_click(run, asked.voxel, asked.wish, std::move(surface));
+  debug::FixTarget target =
+      debug::target_of_click(run, asked.voxel, asked.wish, std::move(surface));
+  target.with = asked.with;
+  return target;
 }
 
 }  // namespace planescope::desktop

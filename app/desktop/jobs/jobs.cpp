@@ -53,6 +53,17 @@ bool drags_a_run(const State& state) {
   return !gesture.empty() && !is_about_planes(planes::find_option(gesture));
 }
 
+/// Only of a change that the user has just made: not of one taken back, or shown for a while.
+void tell_of_change(State& state, const RunView* before, const RunView& now) {
+  if (!before || state.view.preview || state.undo.empty()) return;
+  const OptionChange& last = state.undo.back();
+  if (!same_options(last.before, before->run->options) ||
+      !same_options(last.after, now.run->options) || !state.view.message.empty())
+    return;
+  const std::string text = change_text(*before->run, *now.run);
+  if (!text.empty()) say(state, text + "; Ctrl+Z takes it back");
+}
+
 }  // namespace
 
 struct Jobs::Impl {
@@ -214,9 +225,14 @@ void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& vi
   state.results.loading = false;
   state.results.refusal.clear();
   state.results.sensitivity.clear();
-  if (before && !state.view.preview)
-    if (const std::string text = change_text(*before->run, *view->run); !text.empty())
-      say(state, text + (state.undo.empty() ? "" : "; Ctrl+Z takes it back"));
+  tell_of_change(state, before.get(), *view);
+  FixSearch& fix = state.results.fix;
+  if (before && before->run->subject != view->run->subject) {
+    fix = {};  // its voxels are another subject's
+    state.view.preview.reset();
+  } else if (fix.of && same_options(fix.of->run->options, view->run->options)) {
+    fix.of = view;  // the same again, as after a preview
+  }
   // Voxels are numbered anew with every subject.
   if (before && before->run->subject != view->run->subject) state.document.marked.clear();
   std::erase_if(state.document.marked,
@@ -402,6 +418,9 @@ void Jobs::Impl::deliver_analysis(int number, Delivery delivery) {
 
 void Jobs::Impl::pursue_fix(State& state) {
   FixSearch& fix = state.results.fix;
+  if (fix.running && fix.begun && fix.asked && fix.of != state.results.current &&
+      !state.view.preview)
+    fix.running = false;  // nobody would see what it finds
   const bool searches = fix.running && fix.begun, checks = fix.checked >= 0 && fix.check_begun;
   if (analysing == Analysis::search && !searches) stop_analysis();
   if (analysing == Analysis::check && !checks) stop_analysis();
@@ -426,7 +445,9 @@ void Jobs::Impl::pursue_fix(State& state) {
                                     s.results.fix.fixes = so_far;
                                   });
                                 });
-          deliver_analysis(number, [found](State& s) {
+          const bool granted = found.empty() && debug::is_granted(*view->run, target);
+          deliver_analysis(number, [found, granted](State& s) {
+            s.results.fix.granted = granted;
             s.results.fix.running = false;
             s.results.fix.finished = true;
             s.results.fix.fixes = found;

@@ -152,7 +152,7 @@ struct RunPlanes {
 struct PointAsked {
   std::uint32_t voxel = 0;
   debug::Wish wish = debug::Wish::plane;
-  std::int32_t with = -1;  // `joined`: a voxel of the other surface
+  std::int32_t with = -1;  // a voxel of the other surface: `joined` with it, `own_plane` without it
 
   bool operator==(const PointAsked&) const = default;
 };
@@ -165,6 +165,7 @@ struct FixSearch {
   bool begun = false;  // the job knows of it
   int done = 0, total = 0;
   bool finished = false;  // fixes is what there is
+  bool granted = false;   // it is so already
   std::vector<debug::Fix> fixes;
   int checked = -1;                       // the fix whose effect is shown
   bool check_begun = false;               // the job knows of that, too

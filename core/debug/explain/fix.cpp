@@ -68,7 +68,14 @@ Granted granted(const std::vector<std::int32_t>& plane_of,
   const std::int32_t plane = target.voxel >= 0 ? plane_of[target.voxel] : planes > 0 ? most : 0;
   if (plane == 0) return {};
   Granted result{of(shared[plane]) >= enough, of(shared[plane]), plane, shared[plane]};
-  if (target.wish == Wish::joined) return result;
+  if (target.wish == Wish::joined) {
+    result.enough &= target.with < 0 || plane_of[target.with] == plane;
+    return result;
+  }
+  if (target.with >= 0) {
+    result.enough &= plane_of[target.with] != plane;
+    return result;
+  }
   const bool own = target.wish == Wish::own_plane;
   const auto& surface = own || target.surface.empty() ? target.voxels : target.surface;
   const double inside = static_cast<double>(in_common(surface, plane_of, plane));
@@ -356,11 +363,11 @@ FixTarget target_of_click(const Run& run,
   }
   if (!std::ranges::binary_search(surface, voxel)) {
     surface = all_in(own);
-    const std::int32_t left = loss_of(run, static_cast<std::int32_t>(voxel)).left;
+    const auto left = [&](std::uint32_t of) {
+      return run.timeline.point_at(static_cast<std::int32_t>(of), run.steps()).step;
+    };
     if (own == 0)
-      std::erase_if(surface, [&](std::uint32_t other) {
-        return loss_of(run, static_cast<std::int32_t>(other)).left != left;
-      });
+      std::erase_if(surface, [&, step = left(voxel)](auto other) { return left(other) != step; });
   }
   target.voxels = surface;
   if (wish == Wish::plane || wish == Wish::own_plane)
@@ -382,6 +389,8 @@ std::vector<Fix> find_fixes(const Run& run,
   const auto is_absent = [&](std::uint32_t voxel) { return voxel >= run.subject->voxel_count(); };
   std::erase_if(target.voxels, is_absent);
   std::erase_if(target.surface, is_absent);
+  const auto voxels = static_cast<std::int64_t>(run.subject->voxel_count());
+  if (target.voxel >= voxels || target.with >= voxels) return fixes;
   if (target.voxels.empty() || is_granted(run, target)) return fixes;
   if (target.wish == Wish::plane) {  // a plane may also take what no plane has
     std::vector<std::uint8_t> takes(run.subject->voxel_count(), 0);

@@ -33,6 +33,7 @@ struct FixTarget {
   std::string name;                   // "truth plane 4", "marked region"
   Wish wish = Wish::true_plane;
   std::int64_t voxel = -1;  // of these the one that was clicked; -1: none
+  std::int64_t with = -1;   // another, to be in one plane with it (joined) or not (own_plane)
   /// The surface that the voxels are part of, ascending: `plane` may take all of it.
   std::vector<std::uint32_t> surface = {};
   bool far = false;  // numbers change by up to a hundredfold, not threefold, and profiles are tried
@@ -70,8 +71,8 @@ using FixProgress = std::function<void(int done, int total, const std::vector<Fi
 /// Of each option the change that grants the wish at the least cost; empty where none does. First
 /// those that restore the profile's value, then by cost: how much the change moves elsewhere for
 /// what it gains, and how large it is (Fix::change). Numbers are searched outwards from where they
-/// are, bisected to 2 % of the change and rounded to few digits; switches are flipped. Options that decided on the target
-/// are tried first.
+/// are, bisected to 2 % of the change and rounded to few digits; switches are flipped. Options that
+/// decided on the target are tried first.
 std::vector<Fix> find_fixes(const Run& run,
                             const FixTarget& target,
                             std::stop_token stop,

@@ -36,9 +36,7 @@ std::vector<std::int32_t> steps_left(const Run& run) {
   std::vector<std::int32_t> steps(run.subject->voxel_count(), 0);
   for (std::size_t voxel = 0; voxel < steps.size(); ++voxel)
     if (run.segmentation.plane_of[voxel] == 0)
-      for (const planes::PointChange& change :
-           run.timeline.changes_of_point(static_cast<std::int32_t>(voxel)))
-        if (change.plane < 0) steps[voxel] = change.step;
+      steps[voxel] = run.timeline.point_at(static_cast<std::int32_t>(voxel), run.steps()).step;
   return steps;
 }
 

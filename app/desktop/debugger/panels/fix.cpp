@@ -77,8 +77,6 @@ void draw_marked(const Ui& ui) {
 
 void draw_fixes(const Ui& ui, const FixSearch& fix) {
   const RunView* current = ui.state.results.current.get();
-  if (fix.fixes.empty() && current && debug::is_granted(*current->run, fix.target))
-    return paragraph(ui.colors.good, "It is one plane already, as it should be.");
   draw_fix_table(ui, fix, current && current->score);
 }
 
@@ -124,7 +122,8 @@ void draw_effects(const Ui& ui, const FixSearch& fix) {
 }
 
 void draw_search(const Ui& ui, const FixSearch& fix) {
-  heading(ui, "What would recover " + fix.target.name + "?");
+  heading(ui,
+          fix.asked ? "What was asked by a click" : "What would recover " + fix.target.name + "?");
   if (fix.running) draw_fix_progress(ui, fix);
   if (!fix.running || !fix.fixes.empty()) draw_fixes(ui, fix);
   if (!fix.running) {

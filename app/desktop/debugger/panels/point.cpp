@@ -58,7 +58,7 @@ void draw_why(const Ui& ui, const PointStory& point) {
       ui.emit("break.point");
     }
   }
-  if (point.why.step > 0) return draw_try(ui);
+  if (draw_try(ui)) return;
   const debug::Remedy& remedy = point.why.remedy;
   if (remedy.text.empty()) return;
   paragraph(ui.colors.muted, remedy.text);

@@ -121,11 +121,18 @@ TEST(Wish, ToBeOnePlaneAndToBeNoneAreGrantedToo) {
   ASSERT_NE(run.segmentation.plane_of[front], run.segmentation.plane_of[top]);
   FixTarget joined =
       target_of_click(run, front, Wish::joined, truth({test::kStepFront, test::kStepTop}));
+  joined.with = top;
   for (const Fix& fix : find_fixes(run, joined, {})) {
     const std::vector<std::int32_t> planes = with(run, fix);
     EXPECT_GT(planes[front], 0) << fix.option;
-    EXPECT_GE(fix.share, 0.1) << fix.option;
+    EXPECT_EQ(planes[front], planes[top]) << fix.option;
   }
+  // What already is in planes of their own needs nothing to part them; in one plane it does.
+  FixTarget apart = target_of_click(run, front, Wish::own_plane, truth({test::kStepFront}));
+  apart.with = top;
+  EXPECT_TRUE(is_granted(run, apart));
+  apart.with = front;
+  EXPECT_FALSE(is_granted(run, apart));
   FixTarget none = target_of_click(run, front, Wish::no_plane);
   none.far = true;
   EXPECT_EQ(none.voxels.size(), static_cast<std::size_t>(std::ranges::count(
