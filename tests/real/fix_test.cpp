@@ -34,17 +34,6 @@ const std::array kFrames{
     RealFrame{"tum_fr1_rpy_kinect_640x480", 40, 4}, RealFrame{"felixchenfy_d4xx_640x480", 2, 2},
     RealFrame{"aims_slam_realsense_640x480", 20, 4, std::array{383.8, 383.8, 321.7, 236.8}}};
 
-std::vector<std::uint32_t> voxels_of(const Subject& subject, const labels::PixelSet& pixels) {
-  std::vector<std::uint32_t> voxels;
-  for (const std::uint32_t pixel : pixels)
-    if (const std::uint32_t voxel = subject.voxel_of_source(pixel); voxel != planes::kNoVoxel)
-      voxels.push_back(voxel);
-  std::ranges::sort(voxels);
-  const auto [first, last] = std::ranges::unique(voxels);
-  voxels.erase(first, last);
-  return voxels;
-}
-
 /// The middle of the largest surface that `bad` has in no plane and `good` has in one.
 std::optional<std::uint32_t> lost_pixel(const Run& good,
                                         const Run& bad,
@@ -97,7 +86,7 @@ void set_wrong(const RealFrame& real,
       if (!pixel) continue;
       std::vector<std::uint32_t> surface;
       if (const auto grown = labels::grow_plane(grid, nullptr, std::span(&*pixel, 1), {}))
-        surface = voxels_of(*subject, grown->pixels);
+        surface = subject->voxels_of_sources(grown->pixels);
       const FixTarget target =
           target_of_click(*bad, subject->voxel_of_source(*pixel), Wish::plane, std::move(surface));
       const std::vector<Fix> fixes = find_fixes(*bad, target, {});

@@ -15,16 +15,8 @@ std::vector<std::uint32_t> surface_at(const debug::Run& run,
                                       std::uint32_t voxel) {
   const debug::Subject& subject = *run.subject;
   const auto seed = static_cast<std::uint32_t>(debug::source_of_voxel(subject, voxel));
-  std::vector<std::uint32_t> voxels;
   const auto surface = labels::grow_plane(grid, nullptr, std::span(&seed, 1), {});
-  if (!surface) return voxels;
-  for (const std::uint32_t pixel : surface->pixels)
-    if (const std::uint32_t at = subject.voxel_of_source(pixel); at != planes::kNoVoxel)
-      voxels.push_back(at);
-  std::ranges::sort(voxels);
-  const auto [first, last] = std::ranges::unique(voxels);
-  voxels.erase(first, last);
-  return voxels;
+  return surface ? subject.voxels_of_sources(surface->pixels) : std::vector<std::uint32_t>();
 }
 
 }  // namespace

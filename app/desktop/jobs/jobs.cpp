@@ -57,8 +57,8 @@ bool drags_a_run(const State& state) {
 void tell_of_change(State& state, const RunView* before, const RunView& now) {
   if (!before || state.view.preview || state.undo.empty()) return;
   const OptionChange& last = state.undo.back();
-  if (!same_options(last.before, before->run->options) ||
-      !same_options(last.after, now.run->options) || !state.view.message.empty())
+  if (run_key(last.before) != run_key(before->run->options) ||
+      run_key(last.after) != run_key(now.run->options) || !state.view.message.empty())
     return;
   const std::string text = change_text(*before->run, *now.run);
   if (!text.empty()) say(state, text + "; Ctrl+Z takes it back");
@@ -230,7 +230,7 @@ void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& vi
   if (before && before->run->subject != view->run->subject) {
     fix = {};  // its voxels are another subject's
     state.view.preview.reset();
-  } else if (fix.of && same_options(fix.of->run->options, view->run->options)) {
+  } else if (fix.of && run_key(fix.of->run->options) == run_key(view->run->options)) {
     fix.of = view;  // the same again, as after a preview
   }
   // Voxels are numbered anew with every subject.
@@ -257,10 +257,9 @@ void Jobs::Impl::pursue_run(State& state) {
   if (!state.document.current()) return;
   Wanted wanted = wanted_in(state, state.document.frame);
   if (const auto& preview = state.view.preview) {
-    Document document = state.document;
-    planes::set_option(document.options, preview->option, preview->value);
-    wanted = wanted_of(document, state.document.frame);
-    if (state.map()) wanted.map = state.results.map.made;
+    planes::PipelineOptions options = wanted.options;
+    planes::set_option(options, preview->option, preview->value);
+    wanted = with_options(std::move(wanted), options);
   }
   if (run_wanted && *run_wanted == wanted) return;
   if (!run_wanted || run_wanted->recording != wanted.recording ||

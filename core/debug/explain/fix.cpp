@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -13,6 +14,7 @@
 #include "core/debug/explain/provenance.hpp"
 #include "core/debug/explain/region_decision.hpp"
 #include "core/model/parallel.hpp"
+#include "core/planes/evaluate/plane_match.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::debug {
@@ -88,22 +90,25 @@ Granted granted(const std::vector<std::int32_t>& plane_of,
 std::int32_t moved_elsewhere(const std::vector<std::int32_t>& before,
                              const std::vector<std::int32_t>& after,
                              const std::vector<std::uint32_t>& target) {
-  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> common;
-  for (std::size_t i = 0; i < before.size(); ++i) ++common[{before[i], after[i]}];
-  std::vector<std::pair<std::int32_t, std::pair<std::int32_t, std::int32_t>>> pairs;
-  for (const auto& [planes, count] : common)
-    if (planes.first > 0 && planes.second > 0) pairs.push_back({-count, planes});
-  std::ranges::sort(pairs);
-  std::map<std::int32_t, std::int32_t> after_of{{0, 0}}, before_of{{0, 0}};
-  for (const auto& [count, planes] : pairs)
-    if (!after_of.contains(planes.first) && !before_of.contains(planes.second)) {
-      after_of[planes.first] = planes.second;
-      before_of[planes.second] = planes.first;
-    }
-  const auto stays = [&](std::size_t i) {
-    const auto at = after_of.find(before[i]);
-    return at != after_of.end() && at->second == after[i];
+  const planes::TruthOverlap overlap = planes::count_truth_overlap(before, after);
+  struct Pair {
+    std::uint64_t common;
+    std::int32_t before, after;
   };
+  std::vector<Pair> pairs;
+  for (int b = 1; b <= overlap.truth; ++b)
+    for (int a = 1; a <= overlap.found; ++a)
+      if (overlap.at(b, a) > 0) pairs.push_back({overlap.at(b, a), b, a});
+  std::ranges::stable_sort(pairs, std::greater{}, &Pair::common);
+  std::vector<std::int32_t> after_of(overlap.truth + 1, -1);  // -1: gone
+  std::vector<std::uint8_t> is_taken(overlap.found + 1, 0);
+  after_of[0] = 0;
+  for (const Pair& pair : pairs)
+    if (after_of[pair.before] < 0 && !is_taken[pair.after]) {
+      after_of[pair.before] = pair.after;
+      is_taken[pair.after] = 1;
+    }
+  const auto stays = [&](std::size_t i) { return after_of[before[i]] == after[i]; };
   std::int32_t moved = 0;
   for (std::size_t i = 0; i < before.size(); ++i) moved += !stays(i);
   for (const std::uint32_t voxel : target) moved -= !stays(voxel);

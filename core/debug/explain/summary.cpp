@@ -65,35 +65,36 @@ FrameSummary summary_of(const Run& run) {
     if (event.type == planes::EventType::drop && event.point >= 0) was_assigned[event.point] = 1;
 
   std::map<std::string, Lost> by_reason;
-  const auto lose = [&](std::string reason) -> Lost& {
-    Lost& lost = by_reason[reason];
-    lost.reason = std::move(reason);
-    ++lost.sources;
-    return lost;
-  };
   const std::vector<std::int32_t> left = steps_left(run);
   std::vector<std::size_t> points_left(static_cast<std::size_t>(run.steps()) + 1, 0);
   for (const std::int32_t step : left) ++points_left[static_cast<std::size_t>(step)];
+  std::vector<Lost*> lost_by(2 * points_left.size(), nullptr);  // by decision
   for (std::size_t source = 0; source < subject.point_of_source.size(); ++source) {
     if (subject.point_of_source[source] == planes::kNoVoxel) continue;
     ++summary.measured;
     const std::uint32_t voxel = subject.voxel_of_source(source);
     if (voxel == planes::kNoVoxel) {
-      lose("out of range");
+      ++by_reason["out of range"].sources;
       continue;
     }
     if (const std::int32_t plane = run.segmentation.plane_of[voxel]; plane > 0) {
       ++summary.on_planes;
       summary.on_undecided += run.segmentation.planes[plane - 1].undecided;
-    } else if (left[voxel] == 0) {
-      lose(run.is_ours() ? "removed from a plane" : "in no plane").voxels.push_back(voxel);
-    } else {
-      lose(reason_of(run, *run.event_at(left[voxel]), points_left[left[voxel]],
-                     was_assigned[voxel] != 0))
-          .voxels.push_back(voxel);
+      continue;
     }
+    // The reason of a decision is told once, not for each of its points.
+    Lost*& lost = lost_by[2 * static_cast<std::size_t>(left[voxel]) + was_assigned[voxel]];
+    if (!lost)
+      lost =
+          &by_reason[left[voxel] > 0 ? reason_of(run, *run.event_at(left[voxel]),
+                                                 points_left[left[voxel]], was_assigned[voxel] != 0)
+                     : run.is_ours() ? "removed from a plane"
+                                     : "in no plane"];
+    ++lost->sources;
+    lost->voxels.push_back(voxel);
   }
   for (auto& [reason, lost] : by_reason) {
+    lost.reason = reason;
     std::ranges::sort(lost.voxels);
     const auto [first, last] = std::ranges::unique(lost.voxels);
     lost.voxels.erase(first, last);

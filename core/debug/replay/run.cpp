@@ -262,6 +262,18 @@ std::uint32_t Subject::voxel_of_source(std::size_t source) const {
   return point == planes::kNoVoxel ? planes::kNoVoxel : prepared.voxels.voxel_of[point];
 }
 
+std::vector<std::uint32_t> Subject::voxels_of_sources(
+    std::span<const std::uint32_t> sources) const {
+  std::vector<std::uint32_t> voxels;
+  for (const std::uint32_t source : sources)
+    if (const std::uint32_t voxel = voxel_of_source(source); voxel != planes::kNoVoxel)
+      voxels.push_back(voxel);
+  std::ranges::sort(voxels);
+  const auto [first, last] = std::ranges::unique(voxels);
+  voxels.erase(first, last);
+  return voxels;
+}
+
 std::shared_ptr<const Subject> make_subject(Frame frame,
                                             std::optional<planes::SourceTruth> truth,
                                             const planes::PipelineOptions& options,

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/debug/replay/timeline.hpp"
@@ -36,6 +37,8 @@ struct Subject {
   std::size_t voxel_count() const { return prepared.voxels.points.size(); }
   /// kNoVoxel where nothing was measured, or it was cropped.
   std::uint32_t voxel_of_source(std::size_t source) const;
+  /// Of all these sources, ascending, none twice.
+  std::vector<std::uint32_t> voxels_of_sources(std::span<const std::uint32_t> sources) const;
 };
 
 /// Throws as prepare_frame() does.
