@@ -112,7 +112,7 @@ double number_argument(const std::string& action, const std::string& text);
 std::vector<double> numbers_argument(const std::string& action,
                                      const std::string& text,
                                      std::size_t count);
-/// Searches for fixes of what a click is about, unless that is so already.
+/// Starts the search for fixes that a click asks for, unless it runs or has ended already.
 void ask_of_point(State& state, const PointAsked& asked, bool far = false);
 /// What was clicked, as kClickTakes has it. Throws Error, a phrase, where nothing is there.
 struct Clicked {

@@ -109,7 +109,7 @@ const FixSearch* search_of(const Ui& ui, std::int32_t voxel) {
   return is_asked(fix) && is_of_point && (is_of_run || !fix.begun) ? &fix : nullptr;
 }
 
-/// Nothing where the point is in a plane, and nobody asks for another.
+/// Nothing if the point is in a plane and no search is about it.
 std::optional<Answer> answer_of(const Ui& ui, std::int32_t voxel) {
   const RunView* view = ui.state.run_view();
   if (!view || !view->run->is_ours() || voxel < 0) return {};

@@ -419,7 +419,7 @@ void Jobs::Impl::pursue_fix(State& state) {
   FixSearch& fix = state.results.fix;
   if (fix.running && fix.begun && fix.asked && fix.of != state.results.current &&
       !state.view.preview)
-    fix.running = false;  // nobody would see what it finds
+    fix.running = false;  // its results could not be shown
   const bool searches = fix.running && fix.begun, checks = fix.checked >= 0 && fix.check_begun;
   if (analysing == Analysis::search && !searches) stop_analysis();
   if (analysing == Analysis::check && !checks) stop_analysis();
