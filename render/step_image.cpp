@@ -46,6 +46,24 @@ std::int32_t contour_between(std::int32_t a, std::int32_t b) {
   return std::max(a, b);
 }
 
+/// Marks the nearer pixel where depth jumps by more than a tenth, the edges that color shows too.
+void paint_depth_edges(const Image16& depth, Image8& image) {
+  constexpr double kJump = 0.1;  // of the smaller depth
+  const auto jumps = [&](int x, int y, int to_x, int to_y) {
+    const int here = depth.at(x, y), there = depth.at(to_x, to_y);
+    return here > 0 && there > here * (1 + kJump);
+  };
+  for (int y = 1; y + 1 < depth.height; ++y)
+    for (int x = 1; x + 1 < depth.width; ++x)
+      if (jumps(x, y, x + 1, y) || jumps(x, y, x - 1, y) || jumps(x, y, x, y + 1) ||
+          jumps(x, y, x, y - 1)) {
+        std::uint8_t* pixel = &image.at(x, y);
+        pixel[0] = 255;
+        pixel[1] = 220;
+        pixel[2] = 0;
+      }
+}
+
 }  // namespace
 
 Image8 image_backdrop(const debug::Subject& subject, Backdrop backdrop) {
@@ -54,7 +72,10 @@ Image8 image_backdrop(const debug::Subject& subject, Backdrop backdrop) {
   const bool aligned = frame.color_aligned && frame.color.channels == 3 &&
                        frame.color.width == frame.depth.width &&
                        frame.color.height == frame.depth.height;
-  return backdrop == Backdrop::color && aligned ? frame.color : shaded_depth(frame);
+  if (backdrop == Backdrop::depth || !aligned) return shaded_depth(frame);
+  Image8 image = frame.color;
+  if (backdrop == Backdrop::edges) paint_depth_edges(frame.depth, image);
+  return image;
 }
 
 void paint_step(Image8& image, const debug::Run& run, const StepLook& look, double opacity) {

@@ -77,7 +77,7 @@ Picked picked(std::uint32_t id);
 
 // Quick enough to be repainted at every step, except for the shading of depth, which depends on the
 // frame alone: keep image_backdrop() and paint over copies of it.
-enum class Backdrop : std::uint8_t { color, depth };
+enum class Backdrop : std::uint8_t { color, depth, edges };  // edges: of depth, over color
 /// The depth camera's image with the same colours over it, each pixel in that of its voxel; one
 /// picture pixel per depth pixel. Colour is the colour image where it is aligned, shaded depth
 /// otherwise. Empty for cloud recordings.

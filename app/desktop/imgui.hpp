@@ -90,6 +90,15 @@ inline float height_of(const ImFont& font) {
 #endif
 }
 
+/// Whether arrow keys, Space and Enter move among widgets and use them, with a visible cursor.
+inline void set_navigation(ImGuiIO& io, bool on) {
+  const bool was = (io.ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard) != 0;
+  if (on == was) return;
+  io.ConfigFlags ^= ImGuiConfigFlags_NavEnableKeyboard;
+  ImGuiContext& context = *ImGui::GetCurrentContext();
+  if constexpr (requires { context.NavDisableHighlight; }) context.NavDisableHighlight = !on;
+}
+
 /// A key of ImGui's own widgets went down in this frame, or repeats.
 inline bool went_down(ImGuiKey key, bool repeat = true) {
 #if IMGUI_VERSION_NUM >= 18700

@@ -4,9 +4,12 @@
 // the ImGui window or tab that is open, and fills it.
 
 #include <cstdint>
+#include <string_view>
+#include <vector>
 
 namespace planescope::desktop {
 
+struct Assumption;
 struct ImagePlacement;
 struct ScenePlacement;
 struct Ui;
@@ -49,6 +52,13 @@ void draw_label_learning(const Ui& ui);    // a classifier trained on what is re
 /// that is not known (debugger/panels/stairs.cpp).
 void draw_plane_facts(const Ui& ui, std::int32_t plane);
 
+// What a recording needs first, and what was assumed about it (panels/setup.cpp).
+
+/// The form for intrinsics, in place of the scene; false if it is not needed, nothing is drawn.
+bool draw_camera_setup(const Ui& ui);
+/// One line, above the views.
+void draw_assumptions(const Ui& ui, const std::vector<Assumption>& all);
+
 // Parts of several panels (panels/gravity.cpp).
 
 /// A line that says what to click where nobody knows gravity, or while a click is waited for;
@@ -73,6 +83,11 @@ struct Tab {
   const char* title;
   void (*draw)(const Ui& ui);
 };
+
+/// Panels that the keyboard goes through, by the names of their windows. The menu comes first.
+inline constexpr std::string_view kMenuPanel = "menu";
+inline constexpr std::string_view kDebuggerPanels[] = {
+    kMenuPanel, "frames", "view3d", "image", "timeline", "octree", "events", "inspector", "tools"};
 
 inline constexpr Tab kInspectorTabs[] = {{"inspector", "Inspector", draw_inspector},
                                          {"planes", "Planes", draw_planes},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cfloat>
 #include <cmath>
 #include <new>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include "app/desktop/arrange.hpp"
+#include "app/desktop/assumptions.hpp"
 #include "app/desktop/imgui.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/ui.hpp"
@@ -34,7 +36,15 @@ template <typename Draw>
 void panel(const Ui& ui, const char* name, const Rect& rect, ImGuiWindowFlags flags, Draw draw) {
   ImGui::SetNextWindowPos(ImVec2(rect.x, rect.y));
   ImGui::SetNextWindowSize(ImVec2(std::max(1.0f, rect.w), std::max(1.0f, rect.h)));
+  const bool has_keyboard = ui.state.view.keyboard == name;
+  std::string& had_keyboard = ui.memory.texts["keyboard"];
+  if (has_keyboard && had_keyboard != name) ImGui::SetNextWindowFocus();
+  if (has_keyboard) had_keyboard = name;
   if (ImGui::Begin(name, nullptr, kFixed | flags)) draw();
+  if (has_keyboard)
+    ImGui::GetForegroundDrawList()->AddRect(ImVec2(rect.x, rect.y),
+                                            ImVec2(rect.x + rect.w, rect.y + rect.h),
+                                            ui.colors.accent, 0, 0, ui.px(1.5f));
   ImGui::End();
   ui.name(std::string("panel.") + name, ImVec2(rect.x, rect.y),
           ImVec2(rect.x + rect.w, rect.y + rect.h));
@@ -57,7 +67,7 @@ void tabs(const Ui& ui,
     if (ImGui::IsItemClicked() && !wanted) ui.emit(action, tab.name);
     if (!open) continue;
     if (wanted) shown = chosen;
-    ImGui::BeginChild(tab.name);
+    ImGui::BeginChild(tab.name, ImVec2(0, 0), false, ImGuiWindowFlags_NavFlattened);
     tab.draw(ui);
     ImGui::EndChild();
     ImGui::EndTabItem();
@@ -140,20 +150,27 @@ void draw_debugger(const Ui& ui, const Places& at) {
   const ViewState& view = ui.state.view;
   const Layout& layout = view.layout;
   const float timeline = std::round(ui.px(78)), grip = at.grip, x1 = at.x1, middle = at.middle;
+  const std::vector<Assumption> assumptions = assumptions_of(ui.state);
+  const float line = assumptions.empty() ? 0 : std::round(ImGui::GetFrameHeight() + ui.px(14));
   const float bottom = std::round(at.body * share(layout.bottom, 0.1, 0.6));
-  const float top = at.body - bottom - timeline - grip;
-  const float octree = std::round(middle * share(layout.octree, 0.15, 0.85));
+  const float top = at.body - bottom - timeline - grip - line;
+  const bool has_tree = !ui.state.run() || !ui.state.run()->octree().nodes.empty();
+  const float octree = has_tree ? std::round(middle * share(layout.octree, 0.15, 0.85)) : -grip;
   const float tools = std::round(at.body * share(layout.tools, 0.15, 0.8));
-  const float y1 = at.top + top, y2 = at.top + at.body - bottom, y3 = at.top + at.body - tools;
+  const float y0 = at.top + line, y1 = y0 + top, y2 = at.top + at.body - bottom,
+              y3 = at.top + at.body - tools;
   const float x3 = at.x2 + grip;
 
   const float bar = ImGui::GetFrameHeight() + ui.px(16);
-  const Arrangement views = arrange({x1, at.top, middle, top}, picture_shape(ui.state), view.views,
+  if (!assumptions.empty())
+    panel(ui, "assumptions", {x1, at.top, middle, line}, kStill,
+          [&] { draw_assumptions(ui, assumptions); });
+  const Arrangement views = arrange({x1, y0, middle, top}, picture_shape(ui.state), view.views,
                                     share(layout.image, 0.0, 0.8), bar, grip);
   if (views.scene) panel(ui, "view3d", *views.scene, kStill, [&] { draw_view3d(ui); });
   if (views.image) panel(ui, "image", *views.image, kStill, [&] { draw_image(ui); });
   panel(ui, "timeline", {x1, y1, middle, timeline}, kStill, [&] { draw_timeline(ui); });
-  panel(ui, "octree", {x1, y2, octree, bottom}, kStill, [&] { draw_octree(ui); });
+  if (has_tree) panel(ui, "octree", {x1, y2, octree, bottom}, kStill, [&] { draw_octree(ui); });
   panel(ui, "events", {x1 + octree + grip, y2, middle - octree - grip, bottom}, kStill,
         [&] { tabs(ui, "##list_tabs", view.list_tab, "tab.list", kListTabs); });
   panel(ui, "inspector", {x3, at.top, at.right, at.body - tools - grip}, kStill,
@@ -164,7 +181,8 @@ void draw_debugger(const Ui& ui, const Places& at) {
     splitter(ui, "image", *views.between, views.beside, layout.image, views.beside ? middle : top,
              -1);
   splitter(ui, "bottom", {x1, y2 - grip, middle, grip}, false, layout.bottom, at.body, -1);
-  splitter(ui, "octree", {x1 + octree, y2, grip, bottom}, true, layout.octree, middle, 1);
+  if (has_tree)
+    splitter(ui, "octree", {x1 + octree, y2, grip, bottom}, true, layout.octree, middle, 1);
   splitter(ui, "tools", {x3, y3 - grip, at.right, grip}, false, layout.tools, at.body, -1);
 }
 
@@ -176,7 +194,7 @@ void draw_label_mode(const Ui& ui, const Places& at) {
   // Both views as large as they can be, for pictures of 4:3. A cloud has no image.
   const bool beside = at.middle > 2 * height;
   const float extent = beside ? at.middle : height;
-  const float image = has_image ? std::round(extent * share(layout.image + 0.1, 0.0, 0.8)) : 0;
+  const float image = has_image ? std::round(extent * share(layout.image, 0.0, 0.8)) : 0;
   const float space = has_image ? extent - image - grip : extent;
   const Rect first = beside ? Rect{at.x1, y, space, height} : Rect{at.x1, y, at.middle, space};
   const Rect second = beside ? Rect{at.x1 + space + grip, y, image, height}
@@ -198,6 +216,13 @@ bool close_menu() {
   if (!ImGui::IsPopupOpen("", kAny)) return false;
   ImGui::ClosePopupToLevel(0, true);
   return true;
+}
+
+/// Keys that ImGui moves by, once the keyboard has a panel.
+bool moves_among_widgets(const std::string& key) {
+  constexpr std::array kKeys = {"Left",  "Right", "Up",  "Down",   "Space",
+                                "Enter", "Home",  "End", "PageUp", "PageDown"};
+  return std::ranges::find(kKeys, key) != kKeys.end();
 }
 
 /// If this fails, the journal has everything, and there is no window left to say so in.
@@ -276,6 +301,22 @@ void Shell::perform(const Command& command, bool strict) {
   }
 }
 
+bool Shell::expire_message() {
+  constexpr std::chrono::seconds kShown{12};
+  const ViewState& view = state_.view;
+  if (view.message.empty() || view.message_is_error || view.hint_done) return false;
+  const auto now = std::chrono::steady_clock::now();
+  if (view.message != message_) {
+    message_ = view.message;
+    message_since_ = now;
+  }
+  if (now - message_since_ < kShown) return true;
+  say(state_, "");
+  message_.clear();
+  frames_to_draw_ = std::max(frames_to_draw_, 1);
+  return false;
+}
+
 bool Shell::needs_frame() const {
   return frames_to_draw_ > 0 || !input_.empty() || state_.view.playing.direction != 0 ||
          state_.view.playing_frames || (steps_.active(state_) && steps_.has_room());
@@ -303,6 +344,8 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     if (state_.view.show_palette && key == "Escape") return perform({"palette", ""});
     if (state_.view.show_keys && key == "Escape") return perform({"keys", ""});
     if (state_.view.saving && key == "Escape") return perform({"steps.cancel", ""});
+    if (!state_.view.keyboard.empty() && key == "Escape") return perform({"keyboard.panel", ""});
+    if (!state_.view.keyboard.empty() && moves_among_widgets(key)) return;
     const Action* action = action_of_key(key, state_.view.mode);
     if (!action) return;
     // Where Tab is an action's, it does not type into the next slider as well.
@@ -310,6 +353,8 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     if (action->can_run(state_)) perform({action->name, action->key_is_argument ? key : ""});
   });
 
+  if (state_.view.keyboard.empty()) memory_.texts["keyboard"].clear();
+  set_navigation(io, !state_.view.keyboard.empty());
   if (jobs_.collect(state_)) frames_to_draw_ = std::max(frames_to_draw_, 2);
   drop_done_hint(state_);
   Playing& playing = state_.view.playing;

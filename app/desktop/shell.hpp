@@ -56,6 +56,10 @@ class Shell {
   /// The font atlas was made anew since the last call.
   bool take_fonts_changed();
 
+  /// Drops a message that has been shown for some seconds; true as long as one is waited for.
+  /// Errors stay until the next message.
+  bool expire_message();
+
   FrameTimes timing;  // shown by the action `timing`; whoever draws the frames measures them
 
  private:
@@ -76,6 +80,8 @@ class Shell {
   ImFont* bold_ = nullptr;
   int frames_to_draw_ = 3;
   bool fonts_changed_ = false;
+  std::string message_;  // the one that was shown last ...
+  std::chrono::steady_clock::time_point message_since_;
 };
 
 }  // namespace planescope::desktop

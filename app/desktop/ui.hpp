@@ -15,6 +15,7 @@
 #include "app/desktop/debugger/filter_box.hpp"
 #include "app/desktop/imgui.hpp"
 #include "core/debug/explain/provenance.hpp"
+#include "core/io/camera_setup.hpp"
 #include "core/labels/review/audit.hpp"
 
 namespace planescope::desktop {
@@ -51,6 +52,12 @@ struct PointStory {
   std::int64_t source = -1;
   std::vector<debug::LifeEvent> life;
   debug::WhyNot why;
+};
+
+/// What a user may choose from for a recording's camera, found once.
+struct CameraForm {
+  std::shared_ptr<const io::Recording> of;
+  std::vector<io::CameraChoice> choices;
 };
 
 /// What is being drawn on labels, until the mouse lets go.
@@ -110,6 +117,7 @@ struct PanelMemory {
   PointStory point;
   KeptLabelFacts label_facts;
   debug::Histogram grabbed;  // as it was when its threshold was taken hold of
+  CameraForm camera_form;
   LabelDrag label_drag;
   LabelNames label_names;
   LabelPointing label_pointing;

@@ -199,6 +199,8 @@ std::optional<std::size_t> pixel_of_nothing(const debug::Subject& subject,
 
 double picture_shape(const State& state) {
   const debug::Run* run = state.run();
+  const OpenRecording* open = state.document.current();
+  if (open && !open->recording->info().knows_camera()) return 0;  // nothing is shown but a form
   if (!run) return 4.0 / 3;
   const Image16& depth = run->subject->frame.depth;
   return depth.empty() ? 0 : static_cast<double>(depth.width) / depth.height;
@@ -210,8 +212,7 @@ bool shows_image(const State& state) {
 
 void draw_image_tools(const Ui& ui, const char* of_opacity) {
   const ViewState& view = ui.state.view;
-  action_button(ui, "image.backdrop",
-                view.backdrop == render::Backdrop::color ? "colour" : "depth");
+  action_button(ui, "image.backdrop", view.backdrop == render::Backdrop::depth ? "depth" : "color");
   ImGui::SameLine();
   if (ImGui::Button("fit")) ui.emit("image.view", "1,0.5,0.5");
   ui.name("image.fit");

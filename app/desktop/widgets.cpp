@@ -122,8 +122,39 @@ bool link(const Ui& ui, const std::string& text, const std::string& widget) {
   return ImGui::IsItemClicked();
 }
 
+namespace {
+
+/// Below an area or, near the lower end of the window, above it.
+void tooltip_beside(const std::string& text, ImVec2 min, ImVec2 max) {
+  const ImVec2 window = ImGui::GetIO().DisplaySize;
+  const float gap = ImGui::GetFontSize() * 0.4f, wrap = ImGui::GetFontSize() * 32;
+  const bool above = max.y > 0.75f * window.y;
+  const bool leftwards = min.x > 0.6f * window.x;
+  ImGui::SetNextWindowPos(ImVec2(leftwards ? max.x : min.x, above ? min.y - gap : max.y + gap),
+                          ImGuiCond_Always, ImVec2(leftwards ? 1.0f : 0.0f, above ? 1.0f : 0.0f));
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(wrap);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+}  // namespace
+
 void tooltip(const std::string& text) {
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
+  if (!ImGui::IsItemHovered()) return;
+  const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
+  if (max.y - min.y > 4 * ImGui::GetFontSize()) return tooltip_at_mouse(text);
+  // Of a wide item, the part at the mouse.
+  const float from = std::max(min.x, ImGui::GetIO().MousePos.x - ImGui::GetFontSize() * 6);
+  tooltip_beside(text, ImVec2(from, min.y), ImVec2(std::min(max.x, from + 200), max.y));
+}
+
+void tooltip_at_mouse(const std::string& text) {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const float reach = ImGui::GetFontSize() * 1.4f;
+  tooltip_beside(text, ImVec2(mouse.x - reach, mouse.y - reach),
+                 ImVec2(mouse.x + reach, mouse.y + reach));
 }
 
 void draw_notice(const Ui& ui, const std::string& text, ImU32 color) {

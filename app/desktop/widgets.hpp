@@ -31,8 +31,10 @@ void heading(const Ui& ui, const std::string& text);
 void fact(const Ui& ui, const char* what, const std::string& value);
 /// Text in the accent colour that can be clicked; true where it was. Wraps.
 bool link(const Ui& ui, const std::string& text, const std::string& widget);
-/// Shows the text beside the mouse while it is over the item drawn last.
+/// Shows the text beside the item drawn last while the mouse is over it, never on it.
 void tooltip(const std::string& text);
+/// Shows the text beside the mouse, where it leaves free what is pointed at.
+void tooltip_at_mouse(const std::string& text);
 /// A few words in the middle of the room that is left.
 void draw_notice(const Ui& ui, const std::string& text, ImU32 color);
 /// A small filled square with the case's numeral in it, at the cursor; advances like text.

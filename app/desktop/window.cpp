@@ -273,8 +273,11 @@ void Window::run(std::stop_token stop) {
   for (const Script& script : options_.scripts) script.play(shell(), *this, stop);
   while (!glfwWindowShouldClose(window_) && !shell().state().view.quit && !stop.stop_requested()) {
     // Nothing is drawn until something happens; what is under way wakes the window when it is done.
-    if (shell().idle())
+    const bool expires = shell().expire_message();
+    if (shell().idle() && !expires)
       glfwWaitEvents();
+    else if (shell().idle())
+      glfwWaitEventsTimeout(1);
     else if (!shell().needs_frame() || glfwGetWindowAttrib(window_, GLFW_ICONIFIED))
       glfwWaitEventsTimeout(0.1);
     draw_frame();

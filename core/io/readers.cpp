@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
@@ -110,25 +111,18 @@ struct Keys {
   }
 };
 
-std::filesystem::path sidecar_path(const std::filesystem::path& recording) {
-  namespace fs = std::filesystem;
+/// The sidecar inside a folder; empty if there is none.
+std::filesystem::path sidecar_inside(const std::filesystem::path& recording) {
   std::error_code ignored;
-  if (!fs::is_directory(recording, ignored)) {
-    const fs::path beside = recording.string() + ".planescope.json";
-    return fs::exists(beside, ignored) ? beside : fs::path{};
-  }
-  for (const char* name : {"planescope.json", "gravity.json"}) {
-    if (fs::exists(recording / name, ignored)) return recording / name;
-  }
+  if (!std::filesystem::is_directory(recording, ignored)) return {};
+  for (const char* name : {"planescope.json", "gravity.json"})
+    if (std::filesystem::exists(recording / name, ignored)) return recording / name;
   return {};
 }
 
-}  // namespace
-
-Sidecar read_sidecar(const std::filesystem::path& recording) {
+Sidecar read_one_sidecar(const std::filesystem::path& path) {
   Sidecar sidecar;
-  sidecar.path = sidecar_path(recording);
-  if (sidecar.path.empty()) return sidecar;
+  sidecar.path = path;
   const json document = read_json<nlohmann::json>(sidecar.path);
   const Keys keys{sidecar.path};
   if (!document.is_object()) throw Error(sidecar.path.string() + ": expected a JSON object");
@@ -137,6 +131,7 @@ Sidecar read_sidecar(const std::filesystem::path& recording) {
   }
   if (document.contains("intrinsics")) {
     sidecar.intrinsics = keys.intrinsics(document["intrinsics"]);
+    sidecar.intrinsics_source = path.filename().string();
   }
   if (document.contains("depth_unit_m")) {
     sidecar.depth_unit_m = keys.number(document, "depth_unit_m");
@@ -170,9 +165,52 @@ Sidecar read_sidecar(const std::filesystem::path& recording) {
   return sidecar;
 }
 
+}  // namespace
+
+std::filesystem::path sidecar_beside(const std::filesystem::path& recording) {
+  return path_beside(recording, ".planescope.json");
+}
+
+Sidecar read_sidecar(const std::filesystem::path& recording) {
+  const std::filesystem::path inside = sidecar_inside(recording),
+                              beside = sidecar_beside(recording);
+  std::error_code ignored;
+  if (!std::filesystem::exists(beside, ignored))
+    return inside.empty() ? Sidecar{} : read_one_sidecar(inside);
+  Sidecar sidecar = read_one_sidecar(beside);
+  if (inside.empty()) return sidecar;
+  Sidecar rest = read_one_sidecar(inside);
+  if (!sidecar.intrinsics) {
+    sidecar.intrinsics = rest.intrinsics;
+    sidecar.intrinsics_source = rest.intrinsics_source;
+  }
+  if (!sidecar.depth_unit_m) sidecar.depth_unit_m = rest.depth_unit_m;
+  if (!sidecar.gravity) sidecar.gravity = rest.gravity;
+  if (!sidecar.color_aligned) sidecar.color_aligned = rest.color_aligned;
+  if (!sidecar.color_intrinsics) {
+    sidecar.color_intrinsics = rest.color_intrinsics;
+    sidecar.T_color_depth = rest.T_color_depth;
+  }
+  if (sidecar.frames.empty()) {
+    sidecar.frames = std::move(rest.frames);
+    sidecar.frame_of = std::move(rest.frame_of);
+    sidecar.path = rest.path;
+  }
+  return sidecar;
+}
+
 const Sidecar::FrameFacts* facts_of(const Sidecar& sidecar, const std::string& name) {
   const auto at = sidecar.frame_of.find(name);
   return at == sidecar.frame_of.end() ? nullptr : &sidecar.frames[at->second];
+}
+
+nlohmann::ordered_json intrinsics_json(const Intrinsics& k) {
+  nlohmann::ordered_json camera = {{"width", k.width}, {"height", k.height}, {"fx", k.fx},
+                                   {"fy", k.fy},       {"cx", k.cx},         {"cy", k.cy}};
+  camera["distortion"] = k.coefficients;
+  if (k.distortion == Distortion::inverse_brown_conrady)
+    camera["distortion_model"] = to_string(k.distortion);
+  return camera;
 }
 
 std::array<double, 7> pose_numbers(const Pose& pose) {
@@ -237,7 +275,7 @@ void settle_camera(const RecordingOptions& options,
     info.intrinsics_source = "option --intrinsics";
   } else if (sidecar.intrinsics) {
     info.intrinsics = *sidecar.intrinsics;
-    info.intrinsics_source = sidecar.path.filename().string();
+    info.intrinsics_source = sidecar.intrinsics_source;
   } else if (facts.intrinsics) {
     info.intrinsics = *facts.intrinsics;
     info.intrinsics_source = facts.intrinsics_source;

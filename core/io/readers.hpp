@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -31,6 +32,7 @@ struct Sidecar {
   };
   std::filesystem::path path;  // empty where there is none
   std::optional<Intrinsics> intrinsics;
+  std::string intrinsics_source;  // name of the file that has them
   std::optional<double> depth_unit_m;
   std::optional<Vec3d> gravity;  // unit vector, for all frames that have none of their own
   std::optional<bool> color_aligned;
@@ -43,11 +45,17 @@ struct Sidecar {
 /// What the sidecar says of the frame with this name; null: nothing.
 const Sidecar::FrameFacts* facts_of(const Sidecar& sidecar, const std::string& name);
 
+/// Intrinsics as sidecars have them.
+nlohmann::ordered_json intrinsics_json(const Intrinsics& intrinsics);
+
 /// A pose as sidecars have it: tx ty tz qx qy qz qw.
 std::array<double, 7> pose_numbers(const Pose& pose);
 
-/// Reads the sidecar of a recording, an empty one where there is none. Throws Error naming the
-/// sidecar and the key when a value cannot be used.
+/// `<recording>.planescope.json`, whether or not it exists.
+std::filesystem::path sidecar_beside(const std::filesystem::path& recording);
+/// Reads the sidecar of a recording, empty if there is none. A folder may have one beside it and
+/// one inside; each key comes from the one beside, if that has it. Throws Error that names the
+/// sidecar and the key if a value cannot be used.
 Sidecar read_sidecar(const std::filesystem::path& recording);
 /// Puts the sidecar's gravity and timestamp into a frame.
 void apply_sidecar(const Sidecar& sidecar, Frame& frame);

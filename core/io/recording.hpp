@@ -67,9 +67,9 @@ class Recording {
 
 /// Opens any format that planescope reads (bag of ROS 1 or 2, folder of PNGs, Viewer .raw, clouds),
 /// found out from the content. Throws Error with one line on anything else.
-/// A sidecar beside the recording adds what its files cannot say (gravity, intrinsics, unit):
-/// `planescope.json` or `gravity.json` in a folder, `<file>.planescope.json` beside a file; its
-/// keys are listed at `Sidecar` in readers.hpp.
+/// A sidecar adds what the files lack (gravity, intrinsics, unit): `<recording>.planescope.json`
+/// beside it, or `planescope.json` or `gravity.json` in a folder; its keys are listed at `Sidecar`
+/// in readers.hpp.
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingOptions& options = {});
 

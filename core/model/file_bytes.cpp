@@ -58,6 +58,14 @@ int sync_folder(const fs::path& folder) {
   return ::fsync(file.get()) == 0 || errno == EINVAL ? 0 : errno;
 }
 
+fs::path path_beside(const fs::path& path, std::string_view suffix) {
+  fs::path beside = path.lexically_normal();
+  if (beside == "." || beside.filename() == "..") beside = fs::absolute(beside).lexically_normal();
+  if (beside.filename().empty()) beside = beside.parent_path();
+  beside += suffix;
+  return beside;
+}
+
 fs::path unused_path(const fs::path& prefix) {
   for (int i = 1;; ++i) {
     fs::path path = prefix;

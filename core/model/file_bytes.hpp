@@ -76,6 +76,9 @@ std::size_t read_fully(const FileDescriptor& file, std::span<unsigned char> byte
 /// errno.
 int sync_folder(const std::filesystem::path& folder);
 
+/// A name beside a file or folder: "a/rec/" and ".labels" make "a/rec.labels".
+std::filesystem::path path_beside(const std::filesystem::path& path, std::string_view suffix);
+
 /// The first of PREFIX1, PREFIX2, ... that does not exist.
 std::filesystem::path unused_path(const std::filesystem::path& prefix);
 

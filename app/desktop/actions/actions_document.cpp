@@ -8,6 +8,7 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
+#include "core/io/camera_setup.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 
@@ -73,6 +74,13 @@ bool is_last_frame(const State& state) {
   return state.document.frame + 1 >= state.document.current()->recording->frame_count();
 }
 
+/// The window asks for intrinsics that a recording lacks.
+io::RecordingOptions options_to_open(const Document& document) {
+  io::RecordingOptions options = document.recording_options;
+  options.intrinsics_may_lack = true;
+  return options;
+}
+
 void open(State& state, const std::string& text) {
   if (text.empty()) throw Error("action recording.open: a path is missing");
   Document& document = state.document;
@@ -84,7 +92,7 @@ void open(State& state, const std::string& text) {
     }
   std::shared_ptr<const io::Recording> recording;
   try {
-    recording = io::open_recording(path, document.recording_options);
+    recording = io::open_recording(path, options_to_open(document));
   } catch (const Error& error) {
     if (!forget_recent(document, path)) throw;
     throw Error(std::string(error.what()) + "; it is no longer among the recent ones");
@@ -93,6 +101,43 @@ void open(State& state, const std::string& text) {
   note_recent(document, path);
   read_picked(state, document.recordings.back());
   show_recording(state, static_cast<int>(document.recordings.size()) - 1);
+}
+
+constexpr const char* kIntrinsicsTake = "FX,FY,CX,CY [METERS_PER_COUNT [remember]]";
+
+/// Reads the recording again, with other intrinsics; `remember` stores them beside it.
+void set_intrinsics(State& state, const std::string& text) {
+  OpenRecording& open = *state.document.current();
+  const std::vector<std::string> words = words_of(text);
+  const std::vector<std::string> numbers = words.empty() ? words : split(words[0], ',');
+  const bool remember = words.size() == 3 && words[2] == "remember";
+  if (numbers.size() != 4 || words.size() > (remember ? 3 : 2))
+    throw Error("action intrinsics.set: '" + text + "' found, expected " + kIntrinsicsTake);
+  io::RecordingOptions options = state.document.recording_options;
+  std::array<double, 4> k{};
+  for (std::size_t i = 0; i < 4; ++i) k[i] = number_argument("intrinsics.set", numbers[i]);
+  options.intrinsics = k;
+  if (words.size() > 1) options.depth_unit_m = number_argument("intrinsics.set", words[1]);
+  std::shared_ptr<const io::Recording> recording = io::open_recording(open.path, options);
+  leave_frame(state);
+  open.recording = std::move(recording);
+  open.labels = nullptr;
+  read_picked(state, open);
+  forget_cameras(state);
+  state.results.strip.clear();
+  state.view.edits_intrinsics = false;
+  if (remember) {
+    io::remember_camera(open.recording->info());
+    say(state, "intrinsics stored in " + io::camera_file(open.recording->info()).string());
+  }
+  if (state.view.mode == Mode::labels) open_labels(state);
+}
+
+bool has_camera(const State& state) {
+  return has_recording(state) && state.document.current()->recording->info().width > 0;
+}
+bool knows_camera(const State& state) {
+  return has_camera(state) && state.document.current()->recording->info().knows_camera();
 }
 
 void add_bookmark(State& state, const std::string& name) {
@@ -192,6 +237,25 @@ std::vector<Action> document_actions() {
          const auto count = static_cast<int>(s.document.recordings.size());
          show_recording(s, whole_argument("recording.show", text, 0, count - 1));
        },
+       has_recording,
+       {}},
+      {"intrinsics.edit", "Edit the camera intrinsics", file, "Alt+I", "",
+       [](State& s, const std::string&) { s.view.edits_intrinsics = !s.view.edits_intrinsics; },
+       knows_camera, [](const State& s) { return s.view.edits_intrinsics; }},
+      {"intrinsics.set",
+       "Set the camera intrinsics",
+       "",
+       "",
+       kIntrinsicsTake,
+       set_intrinsics,
+       has_camera,
+       {}},
+      {"assumptions.hide",
+       "Hide the assumptions about this recording",
+       "View",
+       "Alt+H",
+       "",
+       [](State& s, const std::string&) { s.view.assumptions_hidden = s.document.current()->path; },
        has_recording,
        {}},
       {"frame.show",

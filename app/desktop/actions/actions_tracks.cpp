@@ -18,6 +18,8 @@ void follow_planes(State& state, const std::string&) {
   const OpenRecording* open = state.document.current();
   if (open->recording->info().width == 0)
     throw Error("action map.make: the recording is of clouds, planes are followed in depth images");
+  if (!open->recording->info().knows_camera())
+    throw Error("action map.make: the recording has no camera intrinsics");
   state.results.map.running = true;
   state.results.map.begun = false;
   state.results.map.done = state.results.map.total = 0;

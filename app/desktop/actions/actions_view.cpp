@@ -8,6 +8,7 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/panels.hpp"
+#include "app/desktop/views.hpp"
 #include "core/model/error.hpp"
 #include "render/step_values.hpp"
 
@@ -78,6 +79,29 @@ Action point_size_action(const std::string& name,
                    {}};
   action.mode = KeyMode::debugger;
   return action;
+}
+
+bool is_shown(const State& state, std::string_view panel) {
+  if (panel == "image") return shows_image(state);
+  return panel != "view3d" || state.view.views != Views::image;
+}
+
+void move_keyboard(State& state, int by) {
+  constexpr int kCount = static_cast<int>(std::size(kDebuggerPanels));
+  const auto at = std::ranges::find(kDebuggerPanels, state.view.keyboard);
+  int index = at == std::end(kDebuggerPanels) ? 0 : static_cast<int>(at - kDebuggerPanels);
+  do {
+    index = (index + by + kCount) % kCount;
+  } while (!is_shown(state, kDebuggerPanels[index]));
+  state.view.keyboard = kDebuggerPanels[index];
+}
+
+Action keyboard_action(const std::string& name,
+                       const std::string& title,
+                       const std::string& key,
+                       void (*run)(State&)) {
+  return {name, title, "View",           key, "", [run](State& s, const std::string&) { run(s); },
+          {},   {},    KeyMode::debugger};
 }
 
 Action in_every_mode(Action action) {
@@ -174,6 +198,17 @@ std::vector<Action> view_actions() {
        },
        {},
        {}},
+      {"image.edges",
+       "Edges of depth over the color image",
+       menu,
+       "Shift+Q",
+       "",
+       [](State& s, const std::string&) {
+         s.view.backdrop = s.view.backdrop == render::Backdrop::edges ? render::Backdrop::color
+                                                                      : render::Backdrop::edges;
+       },
+       {},
+       [](const State& s) { return s.view.backdrop == render::Backdrop::edges; }},
       {"image.opacity",
        "Strength of the image's overlay",
        "",
@@ -289,6 +324,27 @@ std::vector<Action> view_actions() {
        [](State& s, const std::string&) { s.view.layout = {}; },
        {},
        {}},
+      keyboard_action("keyboard.next", "Keyboard to the next panel", "Tab",
+                      [](State& s) { move_keyboard(s, 1); }),
+      keyboard_action("keyboard.previous", "Keyboard to the panel before", "Shift+Tab",
+                      [](State& s) { move_keyboard(s, -1); }),
+      keyboard_action("keyboard.menu", "Keyboard to the menu", "F10",
+                      [](State& s) { s.view.keyboard = kMenuPanel; }),
+      {"keyboard.panel",
+       "Keyboard to a panel, or back to stepping",
+       "",
+       "",
+       "[PANEL]",
+       [](State& s, const std::string& panel) {
+         if (!panel.empty() &&
+             std::ranges::find(kDebuggerPanels, panel) == std::end(kDebuggerPanels))
+           throw Error(fmt::format("action keyboard.panel: no panel '{}'; expected one of {}",
+                                   panel, fmt::join(kDebuggerPanels, ", ")));
+         s.view.keyboard = panel;
+       },
+       {},
+       {},
+       KeyMode::debugger},
       {"palette",
        "Find an action by name",
        menu,

@@ -196,6 +196,9 @@ Wanted with_options(Wanted wanted, const planes::PipelineOptions& options) {
 std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
                                                    FrameTools& tools,
                                                    std::string* refused_labels) {
+  const io::RecordingInfo& info = wanted.recording->info();
+  if (!info.knows_camera())
+    throw Error(info.path.string() + ": has no camera intrinsics");  // the window asks for them
   const std::shared_ptr<const planes::Classifier> classifier = tools.classifier(wanted.options);
   Frame frame = wanted.recording->frame(wanted.frame);
   planes::PipelineOptions options = wanted.options;

@@ -334,7 +334,7 @@ void Jobs::Impl::pursue_strip(State& state) {
   Wanted wanted = wanted_in(state, 0);
   const auto count = static_cast<std::size_t>(wanted.recording->frame_count());
   const bool same_recording = strip_of == wanted.recording && state.results.strip.size() == count;
-  const bool plain = state.view.mode == Mode::labels;
+  const bool plain = state.view.mode == Mode::labels || !wanted.recording->info().knows_camera();
   if (same_recording && strip_next && *strip_next == wanted && strip_plain == plain) {
     if (strip_wanted && state.view.strip_stopped) strip.cancel();
     if (strip_wanted) return;

@@ -186,7 +186,8 @@ void draw_strip(const Ui& ui) {
     const float top = row * static_cast<float>(ui.state.document.frame);
     const float scroll = ImGui::GetScrollY(), height = ImGui::GetWindowHeight();
     if (top < scroll || top + row > scroll + height) ImGui::SetScrollY(top - (height - row) / 2);
-    shown = wanted;
+    // A list that is new has its length, and can be scrolled, from its second frame on.
+    if (ImGui::GetScrollMaxY() > 0 || row * static_cast<float>(count) <= height) shown = wanted;
   }
   ImGuiListClipper clipper;
   clipper.Begin(count, row);

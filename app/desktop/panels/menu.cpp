@@ -26,6 +26,11 @@ void draw_menu(const Ui& ui) {
     if (!action.menu.empty() && fits(action, ui.state.view.mode) &&
         std::find(menus.begin(), menus.end(), action.menu) == menus.end())
       menus.push_back(action.menu);
+  const bool wanted = ui.state.view.keyboard == kMenuPanel;
+  if (wanted && ui.memory.texts["keyboard"] != kMenuPanel) {
+    ImGui::OpenPopup(menus.front().c_str());
+    ui.memory.texts["keyboard"] = kMenuPanel;
+  }
   for (const std::string& menu : menus) {
     const bool open = ImGui::BeginMenu(menu.c_str());
     ui.name("menu." + menu);

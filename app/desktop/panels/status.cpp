@@ -64,6 +64,21 @@ std::string right_text(const State& state) {
   return text;
 }
 
+/// Above the status bar, wrapped.
+void draw_long_message(const Ui& ui, const std::string& message, ImU32 color) {
+  const ImVec2 bar = ImGui::GetWindowPos();
+  const float margin = ui.px(8), width = std::min(ui.px(640), ImGui::GetWindowWidth() - 2 * margin);
+  const ImVec2 text = ImGui::CalcTextSize(message.c_str(), nullptr, false, width - 2 * margin);
+  const ImVec2 max(bar.x + margin + std::min(width, text.x + 2 * margin), bar.y - margin);
+  const ImVec2 min(bar.x + margin, max.y - text.y - 2 * margin);
+  ImDrawList* draw = ImGui::GetForegroundDrawList();
+  draw->AddRectFilled(min, max, ImGui::GetColorU32(ImGuiCol_PopupBg), ui.px(4));
+  draw->AddRect(min, max, color, ui.px(4));
+  draw->AddText(nullptr, 0, ImVec2(min.x + margin, min.y + margin), color, message.c_str(), nullptr,
+                width - 2 * margin);
+  ui.name("status.message", min, max);
+}
+
 }  // namespace
 
 void draw_status(const Ui& ui) {
@@ -97,17 +112,13 @@ void draw_status(const Ui& ui) {
   if (!message.empty()) {
     ImGui::SameLine(0, ui.px(24));
     const float room = at - ImGui::GetCursorPosX() - ui.px(16);
-    ImGui::PushClipRect(ImGui::GetCursorScreenPos(),
-                        ImVec2(ImGui::GetCursorScreenPos().x + std::max(0.0f, room),
-                               ImGui::GetCursorScreenPos().y + ImGui::GetTextLineHeight() * 1.3f),
-                        true);
-    ImGui::PushStyleColor(ImGuiCol_Text,
-                          state.view.message_is_error ? ui.colors.bad : ui.colors.accent);
-    ImGui::TextUnformatted(message.c_str());
-    tooltip(message);
-    ui.name("status.message");
-    ImGui::PopStyleColor();
-    ImGui::PopClipRect();
+    const ImU32 color = state.view.message_is_error ? ui.colors.bad : ui.colors.accent;
+    if (ImGui::CalcTextSize(message.c_str()).x <= room) {
+      colored(color, message);
+      ui.name("status.message");
+    } else {
+      draw_long_message(ui, message, color);
+    }
   }
   ImGui::SameLine(std::max(at, ui.px(8)));
   const bool barred = state.view.mode == Mode::labels && labels_are_barred(state);

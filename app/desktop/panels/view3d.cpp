@@ -112,16 +112,17 @@ void select(const Ui& ui, const PointedAt& at) {
 
 void tell(const Ui& ui, const render::Picked& what) {
   if (what.kind == render::Picked::Kind::voxel)
-    ImGui::SetTooltip("%s", describe_voxel(ui.state, what.index).c_str());
+    tooltip_at_mouse(describe_voxel(ui.state, what.index));
   if (what.kind == render::Picked::Kind::node)
-    ImGui::SetTooltip("%s", describe_node(ui.state, what.index).c_str());
+    tooltip_at_mouse(describe_node(ui.state, what.index));
   if (what.kind == render::Picked::Kind::plane)
-    ImGui::SetTooltip("%s", describe_plane(ui.state, what.index).c_str());
+    tooltip_at_mouse(describe_plane(ui.state, what.index));
 }
 
 }  // namespace
 
 void draw_view3d(const Ui& ui) {
+  if (draw_camera_setup(ui)) return;
   draw_tools(ui);
   if (!ui.state.run()) return draw_absence(ui);
   if (!shows_image(ui.state)) draw_click_line(ui);

@@ -190,7 +190,7 @@ void view_of(const Json& json, ViewState& view) {
   value_of(json, "point_size", view.point_size);
   view.point_size = std::clamp(view.point_size, kLeastPointSize, kMostPointSize);
   value_of(json, "show_stairs", view.show_stairs);
-  enum_of(json, "backdrop", 2, view.backdrop);
+  enum_of(json, "backdrop", 3, view.backdrop);
   value_of(json, "orthographic", view.orthographic);
   value_of(json, "overlay_opacity", view.overlay_opacity);
   enum_of(json, "theme", 2, view.theme);
@@ -310,7 +310,9 @@ Session read_session(const State& state, const fs::path& path) {
 
   OpenRecording& open = session.recording;
   open.path = find_recording(path, written);
-  open.recording = io::open_recording(open.path, state.document.recording_options);
+  io::RecordingOptions options = state.document.recording_options;
+  options.intrinsics_may_lack = true;  // the window asks for them
+  open.recording = io::open_recording(open.path, options);
   open.label_dir = labels::default_label_dir(open.path);
   const int count = open.recording->frame_count();
   if (session.frame < 0 || session.frame >= count)

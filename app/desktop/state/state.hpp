@@ -213,7 +213,7 @@ struct Layout {
   double left = 0.135;   // recordings and frames
   double right = 0.285;  // inspector and tools
   double bottom = 0.34;  // octree and events
-  double image = 0.40;   // of the middle: the image view
+  double image = 0.55;   // of the middle, at most: the image view is no larger than its picture
   double octree = 0.40;  // of the bottom
   double tools = 0.48;   // of the right: criteria and the other tools
 };
@@ -364,14 +364,17 @@ struct ViewState {
   std::optional<Bookmark> arrival;                  // where to go once the frame's run is there
   std::shared_ptr<const ReportPlace> report_place;  // likewise; A is run, too
   bool strip_stopped = false;
-  std::string focus;    // widget that takes the keyboard in the next frame
-  std::string message;  // status bar, until the next
+  std::string focus;     // widget that takes the keyboard in the next frame
+  std::string keyboard;  // panel whose widgets the keyboard moves through; empty: keys are actions'
+  std::string message;   // status bar, until the next
   bool message_is_error = false;
   bool did_nothing = false;                     // it says that what was asked for changed nothing
   std::function<bool(const State&)> hint_done;  // it is a hint, until this holds
   std::string picture_to;                       // where the next frame is written as a picture
   std::optional<StepsSaving> saving;
-  std::string to_clipboard;  // the window takes it in the next frame
+  std::string to_clipboard;       // the window takes it in the next frame
+  bool edits_intrinsics = false;  // the form is shown although the recording has intrinsics
+  std::filesystem::path assumptions_hidden;  // recording whose assumptions the user dismissed
   bool quit = false;
 };
 

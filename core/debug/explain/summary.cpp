@@ -75,6 +75,9 @@ FrameSummary summary_of(const Run& run) {
     const std::uint32_t voxel = subject.voxel_of_source(source);
     if (voxel == planes::kNoVoxel) {
       ++by_reason["out of range"].sources;
+      if (!subject.frame.is_cloud())
+        summary.beyond += subject.frame.depth.data[source] * subject.frame.depth_unit_m >
+                          run.options.cloud.max_range_m;
       continue;
     }
     if (const std::int32_t plane = run.segmentation.plane_of[voxel]; plane > 0) {

@@ -22,22 +22,13 @@ std::string name_of(FolderForm form, int number, const Frame& frame) {
                                  : fmt::format("{:06}", number);
 }
 
-Json json_of(const Intrinsics& k) {
-  Json camera = {{"width", k.width}, {"height", k.height}, {"fx", k.fx},
-                 {"fy", k.fy},       {"cx", k.cx},         {"cy", k.cy}};
-  camera["distortion"] = k.coefficients;
-  if (k.distortion == Distortion::inverse_brown_conrady)
-    camera["distortion_model"] = to_string(k.distortion);
-  return camera;
-}
-
 /// Colour that is not on depth's pixels.
 Json color_json(const Frame& facts) {
   Json pose = Json::array();
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column)
       pose.push_back(facts.T_color_depth.matrix()(row, column));
-  return {{"intrinsics", json_of(facts.color_intrinsics)}, {"T_color_depth", pose}};
+  return {{"intrinsics", intrinsics_json(facts.color_intrinsics)}, {"T_color_depth", pose}};
 }
 
 Json frames_json(const std::vector<WrittenFrame>& frames) {
@@ -135,7 +126,7 @@ void write_recording_facts(const fs::path& path, const std::vector<WrittenFrame>
   expect_one_camera(frames);
   const Frame& facts = frames.front().facts;
   Json sidecar = {{"schema", "planescope.recording/1"},
-                  {"intrinsics", json_of(facts.intrinsics)},
+                  {"intrinsics", intrinsics_json(facts.intrinsics)},
                   {"depth_unit_m", facts.depth_unit_m}};
   if (const WrittenFrame* colored = first_in_color(frames)) {
     sidecar["color_aligned"] = colored->facts.color_aligned;

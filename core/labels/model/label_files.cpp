@@ -156,13 +156,7 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, error);
 }
 
-fs::path default_label_dir(const fs::path& recording) {
-  fs::path path = recording.lexically_normal();
-  if (path == "." || path.filename() == "..") path = fs::absolute(path).lexically_normal();
-  if (path.filename().empty()) path = path.parent_path();
-  path += ".labels";
-  return path;
-}
+fs::path default_label_dir(const fs::path& recording) { return path_beside(recording, ".labels"); }
 
 std::array<fs::path, kLabelFiles> label_file_paths(const fs::path& dir, int frame_index) {
   char stem[16];

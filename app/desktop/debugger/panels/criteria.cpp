@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/desktop/debugger/axes.hpp"
 #include "app/desktop/panels.hpp"
@@ -47,6 +48,21 @@ void draw_strip(const Ui& ui,
   }
 }
 
+/// The curve's value at the tried one that is nearest to `at`, and its range.
+std::string curve_text(const Row& row, const debug::Sensitivity& strip, double at) {
+  if (strip.values.empty()) return "";
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < strip.values.size(); ++i)
+    if (std::abs(strip.values[i] - at) < std::abs(strip.values[nearest] - at)) nearest = i;
+  const auto [low, high] = std::ranges::minmax(strip.scores);
+  const std::string value = planes::number_text(row.info, strip.values[nearest]);
+  return strip.against_truth
+             ? fmt::format("\nMean IoU {:.2f} at {}; {:.2f} to {:.2f} over all values",
+                           strip.scores[nearest], value, low, high)
+             : fmt::format("\n{:g} planes at {}; {:g} to {:g} over all values",
+                           strip.scores[nearest], value, low, high);
+}
+
 void draw_slider(const Ui& ui, const Row& row, double value) {
   const SliderScale scale = slider_scale(row.info, ui.state.document.options.segment.profile);
   const ImVec2 size(ImGui::GetContentRegionAvail().x, ui.px(22));
@@ -68,12 +84,10 @@ void draw_slider(const Ui& ui, const Row& row, double value) {
   draw->AddRectFilled(ImVec2(at - ui.px(2.5f), min.y), ImVec2(at + ui.px(2.5f), max.y),
                       hot ? ui.colors.text : ui.colors.accent, ui.px(2));
   if (ImGui::IsItemHovered() && !ImGui::IsItemActive()) {
-    const char* curve = !known ? ""
-                        : strip->second.against_truth
-                            ? "\ncurve: mean IoU over the values; line: the default"
-                            : "\ncurve: planes found over the values; line: the default";
-    ImGui::SetTooltip("%s\ndefault %s %s%s", row.info.meaning.c_str(), row.reset.c_str(),
-                      unit_text(row.info.unit).c_str(), curve);
+    const double share = std::clamp((ImGui::GetIO().MousePos.x - min.x) / size.x, 0.0f, 1.0f);
+    tooltip(fmt::format("{}\nDefault: {} {}{}", row.info.meaning, row.reset,
+                        unit_text(row.info.unit),
+                        known ? curve_text(row, strip->second, scale.value(share)) : ""));
   }
   if (ImGui::IsItemActive()) {
     const double share = std::clamp((ImGui::GetIO().MousePos.x - min.x) / size.x, 0.0f, 1.0f);

@@ -99,7 +99,7 @@ void draw_tooltip(const Plot& plot, double share) {
   std::string text = fmt::format("{} to {} {}: {}", number_text(bin.low), number_text(bin.high),
                                  plot.histogram.unit, total(bin));
   if (bin.right + bin.wrong > 0) text += fmt::format(", {} of them wrong", bin.wrong);
-  ImGui::SetTooltip("%s", text.c_str());
+  tooltip_at_mouse(text);
 }
 
 /// Drags of the threshold, and over the bars.

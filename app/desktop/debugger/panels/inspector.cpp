@@ -79,7 +79,7 @@ void draw_tooltip(const debug::Check& check) {
     text += "\nnot asked: an earlier criterion had decided";
   if (!check.option.empty())
     text += "\nthreshold: option " + check.option + ", click for its slider";
-  ImGui::SetTooltip("%s", text.c_str());
+  tooltip_at_mouse(text);
 }
 
 /// What a row says of its criterion and equation.
@@ -394,10 +394,12 @@ void draw_leftover(const Ui& ui, const debug::Run& run, std::int32_t step) {
 
 /// While there is no run. Why the frame was refused stands where the scene would be.
 void draw_why_empty(const Ui& ui) {
-  paragraph(ui.colors.muted, ui.state.results.loading ? "Reading the frame …"
-                             : ui.state.document.current()
-                                 ? "This frame was refused. Choose another one on the left."
-                                 : "Open a recording with Ctrl+O.");
+  const OpenRecording* open = ui.state.document.current();
+  paragraph(ui.colors.muted,
+            !open                                     ? "Open a recording with Ctrl+O."
+            : !open->recording->info().knows_camera() ? "Waiting for the camera's intrinsics."
+            : ui.state.results.loading                ? "Reading the frame …"
+                                       : "This frame was refused. Choose another one on the left.");
 }
 
 }  // namespace

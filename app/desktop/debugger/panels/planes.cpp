@@ -53,7 +53,7 @@ void draw_row(const Ui& ui, const PlaneRow& row) {
                         ImGuiSelectableFlags_SpanAllColumns))
     selected ? ui.emit("select.none") : ui.emit("select.plane", cells[0]);
   ui.name(widget);
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", describe_plane(ui.state, row.plane).c_str());
+  if (ImGui::IsItemHovered()) tooltip(describe_plane(ui.state, row.plane));
   // One that was selected elsewhere comes into sight, once.
   double& shown = ui.memory.numbers["planes.shown"];
   if (selected && shown != row.plane + 1) {

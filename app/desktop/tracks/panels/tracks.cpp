@@ -128,8 +128,7 @@ void draw_timeline_of(const Ui& ui, const MapView& view, const std::vector<const
         ui.emit("track.show", on_axis ? fmt::format("{},{}", track.id, axis.frame_at(mouse))
                                       : std::to_string(track.id));
       if (ImGui::IsItemHovered() && on_axis)
-        ImGui::SetTooltip("%s",
-                          world::moment_text(view.tracker(), track, axis.frame_at(mouse)).c_str());
+        tooltip(world::moment_text(view.tracker(), track, axis.frame_at(mouse)));
       ImDrawList* draw = ImGui::GetWindowDrawList();
       if (track.id == selected)
         draw->AddRectFilled(at, ImVec2(axis.x + axis.width, at.y + height),

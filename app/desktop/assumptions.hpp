@@ -1,0 +1,22 @@
+#pragma once
+
+// What the program had to assume about a recording, each with the action that checks or settles it.
+
+#include <string>
+#include <vector>
+
+#include "app/desktop/state/state.hpp"
+
+namespace planescope::desktop {
+
+struct Assumption {
+  std::string text;    // "53 % beyond 1.5 m"
+  std::string button;  // "show 4 m"
+  std::string why;     // for the tooltip: one sentence
+  std::string action, argument;
+};
+
+/// Of the frame shown; empty before its run is there, and after the user has dismissed them.
+std::vector<Assumption> assumptions_of(const State& state);
+
+}  // namespace planescope::desktop
