@@ -262,7 +262,8 @@ std::string percent(std::size_t part, std::size_t whole) {
 
 void add_case_legend(std::span<const std::size_t> count, bool on_image, DrawList& list) {
   const auto entry = [&](planes::Case c, const std::string& meaning) {
-    list.legend.push_back({LegendEntry::Mark::box, case_color(c),
+    using Mark = LegendEntry::Mark;
+    list.legend.push_back({c == planes::Case::II ? Mark::hatched_box : Mark::box, case_color(c),
                            std::string(planes::to_string(c)) + "  " + meaning + "  " +
                                std::to_string(count[static_cast<int>(c)])});
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
@@ -106,6 +107,49 @@ std::vector<Rgba> base_colors(const debug::Run& run, const StepLook& look, const
   return colors;
 }
 
+/// Whether a state is told by stripes besides its hue: dead ends of the octree, and planes that are
+/// not steppable.
+bool is_striped(const debug::Run& run,
+                const StepLook& look,
+                ColorBy by,
+                const StepState& state,
+                std::size_t v) {
+  if (by == ColorBy::cases) return state.case_of[v] == planes::Case::II;
+  if (by != ColorBy::steppable || look.step != run.steps() || !look.planes) return false;
+  const std::int32_t plane = state.plane_of[v];
+  return plane >= 0 && !look.planes->verdict(run.timeline.result_of_plane(plane)).value_or(true);
+}
+
+/// Draws the stripes: diagonals of the image or, of voxels in a grid, of space.
+void add_stripes(const debug::Run& run,
+                 const StepLook& look,
+                 const StepState& state,
+                 std::vector<Rgba>& colors) {
+  const ColorBy by = told_by(run, look.color_by);
+  if (by != ColorBy::cases && by != ColorBy::steppable) return;
+  constexpr int kPeriod = 8, kWidth = 3;  // pixels; voxels have half of it
+  constexpr double kShade = 0.5;
+  const Rgba ground = theme_colors(look.theme).background_bottom;
+  const planes::PreparedFrame& prepared = run.subject->prepared;
+  const auto shade = [&](std::size_t voxel) {
+    if (is_striped(run, look, by, state, voxel)) colors[voxel] = mix(colors[voxel], ground, kShade);
+  };
+  if (run.is_on_image()) {
+    const auto width = static_cast<std::uint32_t>(run.subject->frame.depth.width);
+    for (std::size_t i = 0; i < prepared.cloud.source.size(); ++i) {
+      const std::uint32_t voxel = prepared.voxels.voxel_of[i], source = prepared.cloud.source[i];
+      if (voxel != planes::kNoVoxel && (source % width + source / width) % kPeriod < kWidth)
+        shade(voxel);
+    }
+    return;
+  }
+  const double size = std::max(prepared.voxels.size_m, 1e-3) * kPeriod / 2;
+  for (std::size_t v = 0; v < colors.size(); ++v) {
+    const double along = prepared.voxels.points[v].sum() / size;
+    if (along - std::floor(along) < static_cast<double>(kWidth) / kPeriod) shade(v);
+  }
+}
+
 }  // namespace
 
 Rgba StepLook::plane_color(std::int32_t of) const {
@@ -193,6 +237,7 @@ std::vector<Rgba> voxel_colors(const debug::Run& run,
   constexpr double kHighlight = 0.55;  // share of the mark; the colour below still shows
   const MarkColors marks = mark_colors(look.theme);
   std::vector<Rgba> colors = base_colors(run, look, state);
+  add_stripes(run, look, state, colors);
   const auto emphasise = [&](std::size_t voxel, Rgba mark) {
     if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], mark, kHighlight);
   };

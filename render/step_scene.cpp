@@ -305,7 +305,7 @@ void add_verdicts(const debug::Run& run, const StepLook& look, Rgba waiting, Dra
   const auto yes = std::count(steppable.begin(), steppable.end(), true);
   const auto no = static_cast<std::ptrdiff_t>(steppable.size()) - yes;
   list.legend.push_back({Mark::dot, verdict_color(true), "steppable  " + std::to_string(yes)});
-  list.legend.push_back({Mark::dot, verdict_color(false), "not steppable  " + std::to_string(no)});
+  list.legend.push_back({Mark::hatched_box, verdict_color(false), "not steppable  " + std::to_string(no)});
   list.legend.push_back({Mark::dot, leftover_color(), "in no plane"});
 }
 

@@ -54,6 +54,13 @@ struct PointStory {
   debug::WhyNot why;
 };
 
+/// Why a point is where it is, for the Inspector's answer; kept as PointStory.
+struct PointAnswer {
+  std::weak_ptr<const debug::Run> of;
+  std::size_t source = 0;
+  debug::WhyNot why;
+};
+
 /// What a user may choose from for a recording's camera, found once.
 struct CameraForm {
   std::shared_ptr<const io::Recording> of;
@@ -115,6 +122,7 @@ struct PanelMemory {
   BreakpointStops breakpoint_stops;
   EventGroups events;
   PointStory point;
+  PointAnswer answer;
   KeptLabelFacts label_facts;
   debug::Histogram grabbed;  // as it was when its threshold was taken hold of
   CameraForm camera_form;

@@ -297,6 +297,19 @@ TEST(Palette, FindsActionsByTheBeginningsOfTheirWords) {
                                   [](const Action& a) { return a.mode == KeyMode::anywhere; })));
 }
 
+TEST(Palette, FindsActionsByTheWordsThatPeopleUse) {
+  const auto offers = [](const std::string& typed, const std::string& name) {
+    const std::vector<Offer> found = palette_offers({}, typed);
+    const auto at =
+        std::ranges::find_if(found, [&](const Offer& offer) { return offer.action->name == name; });
+    return at - found.begin() < 4;
+  };
+  for (const char* word : {"grey", "gray", "why", "lost"}) EXPECT_TRUE(offers(word, "lost.show"));
+  EXPECT_TRUE(offers("undo", "option.undo"));
+  EXPECT_TRUE(offers("screenshot", "picture.save"));
+  EXPECT_TRUE(offers("calibration", "intrinsics.edit"));
+}
+
 TEST(Palette, HasWholeWordsBeforeStartsOfWordsBeforeWhatStandsWithinOne) {
   const auto place = [](const std::string& typed, const std::string& name) {
     const std::vector<Offer> found = palette_offers({}, typed);

@@ -450,8 +450,8 @@ TEST_F(AnalysisPanels, AReasonOfTheSummaryMarksItsPointsAndAnswersForThem) {
 TEST_F(AnalysisPanels, AChangeOfAnOptionIsToldWithWhatItDid) {
   play(R"({"do": "option.set", "with": "theta_n_in=40"})");
   const std::string message = state().view.message;
-  EXPECT_TRUE(message.starts_with("theta_n_in 5 → 40: planes ")) << message;
-  EXPECT_NE(message.find("; Ctrl+Z takes it back"), std::string::npos) << message;
+  EXPECT_TRUE(message.starts_with("Fewest inliers 5 → 40 · planes ")) << message;
+  EXPECT_NE(message.find(" · Ctrl+Z"), std::string::npos) << message;
 }
 
 TEST_F(AnalysisPanels, WhatShouldBecomeOfAPlaneIsAskedInItsMenu) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 
 #include "core/debug/explain/compare.hpp"
 #include "core/debug/explain/provenance.hpp"
@@ -46,6 +47,34 @@ int fit_of(const std::vector<std::string>& words, const std::string& text) {
       if (from++ == std::string::npos) return -1;
     }
   return sum;
+}
+
+/// Words that people look an action up by, besides those of its title and its name.
+std::string synonyms_of(const Action& action) {
+  static const std::map<std::string, std::string> words = {
+      {"point.life", "why lost grey gray unassigned history"},
+      {"lost.show", "why lost grey gray unassigned missing"},
+      {"fix.point", "why lost grey gray repair remedy"},
+      {"fix.search", "why lost repair remedy"},
+      {"option.undo", "undo revert back"},
+      {"option.redo", "redo again"},
+      {"camera.undo", "undo view"},
+      {"label.undo", "undo revert back"},
+      {"label.redo", "redo again"},
+      {"join.show", "why merged fused wrong merge"},
+      {"recording.open", "load file import"},
+      {"picture.save", "screenshot export png"},
+      {"steps.save", "animation export gif video"},
+      {"theme.toggle", "dark light mode colors"},
+      {"intrinsics.edit", "camera calibration focal length"},
+      {"image.edges", "alignment aligned registration"},
+      {"map.make", "track tracks follow slam"},
+      {"gravity.click.floor", "up down level horizontal"},
+      {"gravity.click.wall", "up down upright vertical"},
+      {"keys", "help shortcuts keyboard"},
+      {"option.reset_all", "defaults"}};
+  const auto found = words.find(action.name);
+  return found == words.end() ? "" : found->second;
 }
 
 }  // namespace
@@ -150,7 +179,8 @@ std::vector<Offer> palette_offers(const State& state, const std::string& typed) 
   };
   for (const Action& action : action_table())
     if (fits(action, state.view.mode))
-      add({&action, "", action.title}, action.title + "  " + action.name);
+      add({&action, "", action.title},
+          action.title + "  " + action.name + "  " + synonyms_of(action));
   for (const std::filesystem::path& path : state.document.recent) {
     const std::string title = "Open recent: " + path.filename().string();
     add({&find_action("recording.open"), path.string(), title}, title);

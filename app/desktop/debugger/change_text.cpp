@@ -33,12 +33,12 @@ std::string change_text(const debug::Run& before, const debug::Run& after) {
   std::string what = counted(changed.size(), "option");
   for (const planes::OptionInfo* info : changed)
     if (changed.size() == 1 || info->name == "profile")
-      what = fmt::format("{} {} → {}", info->name, info->get(before.options),
+      what = fmt::format("{} {} → {}", info->title, info->get(before.options),
                          info->get(after.options));
   const auto a = static_cast<int>(before.segmentation.planes.size()),
              b = static_cast<int>(after.segmentation.planes.size());
   const int kept = planes_kept(before.segmentation.plane_of, after.segmentation.plane_of);
-  return fmt::format("{}: planes {} → {} (+{} −{})", what, a, b, b - kept, a - kept);
+  return fmt::format("{} · planes {} → {} (+{} −{})", what, a, b, b - kept, a - kept);
 }
 
 }  // namespace planescope::desktop

@@ -74,13 +74,19 @@ void draw_decision(const Ui& ui, const char* role, std::int32_t step, const std:
   math_paragraph(ui, ui.colors.text, text);
 }
 
-void draw_decisions(const Ui& ui, const debug::Run& run, const FixSearch* fix) {
+void draw_decisions(const Ui& ui,
+                    const std::shared_ptr<const debug::Run>& of,
+                    const FixSearch* fix) {
+  const debug::Run& run = *of;
   const auto& selected = ui.state.view.selected;
   const std::size_t source =
       selected.source >= 0
           ? static_cast<std::size_t>(selected.source)
           : debug::source_of_voxel(*run.subject, static_cast<std::uint32_t>(selected.voxel));
-  const debug::WhyNot why = debug::why_not(run, source);
+  PointAnswer& kept = ui.memory.answer;
+  if (kept.of.lock() != of || kept.source != source)
+    kept = {of, source, debug::why_not(run, source)};
+  const debug::WhyNot& why = kept.why;
   std::string answer = why.answer;
   if (const std::string lost = fmt::format("Lost at step {}: ", why.step); answer.starts_with(lost))
     answer.erase(0, lost.size());
@@ -97,7 +103,7 @@ void draw_decisions(const Ui& ui, const debug::Run& run, const FixSearch* fix) {
 
 /// What is asked of the selected point.
 struct Answer {
-  const debug::Run* run;
+  std::shared_ptr<const debug::Run> run;
   const FixSearch* fix;  // null: nothing was searched yet
 };
 
@@ -117,7 +123,7 @@ std::optional<Answer> answer_of(const Ui& ui, std::int32_t voxel) {
   if (voxel >= static_cast<std::int32_t>(run.subject->voxel_count())) return {};
   const FixSearch* fix = search_of(ui, voxel);
   if (!fix && run.segmentation.plane_of[voxel] > 0) return {};
-  return Answer{fix && fix->of ? fix->of->run.get() : &run, fix};
+  return Answer{fix && fix->of ? fix->of->run : view->run, fix};
 }
 
 }  // namespace
@@ -146,8 +152,9 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
   for (std::size_t i = 0; i < shown; ++i) {
     const debug::Fix& one = fix.fixes[i];
     if (static_cast<int>(i) == fix.checked) colored(ui.colors.accent, "checked below");
-    math_text(ui, ui.colors.text, fmt::format("{} {} → {}", one.option, one.before, one.after));
-    tooltip(planes::find_option(one.option).meaning);
+    const planes::OptionInfo& info = planes::find_option(one.option);
+    math_text(ui, ui.colors.text, fmt::format("{} {} → {}", info.title, one.before, one.after));
+    tooltip(fmt::format("{} ({})", info.meaning, info.name));
     if (one.restores) {
       ImGui::SameLine();
       colored(ui.colors.good, "as in the profile");
@@ -183,7 +190,7 @@ void draw_answer(const Ui& ui) {
   const std::optional<Answer> answer = answer_of(ui, ui.state.view.selected.voxel);
   if (!answer) return;
   heading(ui, question(answer->fix ? answer->fix->asked->wish : debug::Wish::plane));
-  draw_decisions(ui, *answer->run, answer->fix);
+  draw_decisions(ui, answer->run, answer->fix);
   draw_try(ui);
   ImGui::Separator();
 }

@@ -84,9 +84,9 @@ std::vector<std::string> cells_of(const PlaneRow& row) {
   };
   return {fmt::format("P{}", row.id),
           to_string(row.label, "–"),
-          area_text(row.area_m2),
+          fmt::format("{:.3f} m²", row.area_m2),
           known(row.tilt_deg, fmt::format("{:.1f}°", row.tilt_deg)),
-          length_text(row.rms_m),
+          fmt::format("{:.1f} mm", 1000 * row.rms_m),
           std::to_string(row.points),
           known(row.support, fmt::format("{:.0f} %", 100 * row.support)),
           row.foot ? (row.steppable ? "yes" : "no") : "–",

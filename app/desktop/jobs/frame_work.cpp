@@ -182,6 +182,12 @@ Wanted wanted_of(const Document& document, int frame) {
           .segment_key = options_key(document.options, false)};
 }
 
+Wanted wanted_in(const State& state, int frame) {
+  Wanted wanted = wanted_of(state.document, frame);
+  if (state.map()) wanted.map = state.results.map.made;
+  return wanted;
+}
+
 std::string run_key(const planes::PipelineOptions& options) {
   return options_key(options, true) + options_key(options, false);
 }

@@ -60,6 +60,8 @@ struct Wanted {
   }
 };
 Wanted wanted_of(const Document& document, int frame);
+/// The same with the map that its planes were followed in, if they were.
+Wanted wanted_in(const State& state, int frame);
 /// Of the options that runs go by: equal texts, equal runs.
 std::string run_key(const planes::PipelineOptions& options);
 Wanted with_options(Wanted wanted, const planes::PipelineOptions& options);

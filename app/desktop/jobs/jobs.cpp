@@ -11,7 +11,7 @@
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/debugger/axes.hpp"
 #include "app/desktop/debugger/change_text.hpp"
-#include "app/desktop/jobs/fix_target.hpp"
+#include "app/desktop/jobs/analysis_jobs.hpp"
 #include "app/desktop/jobs/frame_work.hpp"
 #include "app/desktop/jobs/label_jobs.hpp"
 #include "app/desktop/jobs/learn_jobs.hpp"
@@ -32,19 +32,9 @@ namespace {
 // compete with a slider being dragged.
 constexpr std::chrono::milliseconds kStripDelay{300};
 
-/// What the analysis worker does: one of these at a time, a later one replaces an earlier one.
-enum class Analysis : std::uint8_t { none, search, check, sensitivity };
-
 /// In a world that was turned, nodes and voxels differ: none of them can be found again.
 bool same_world(const debug::Subject& a, const debug::Subject& b) {
   return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
-}
-
-/// The planes are those that were followed, once they were.
-Wanted wanted_in(const State& state, int frame) {
-  Wanted wanted = wanted_of(state.document, frame);
-  if (state.map()) wanted.map = state.results.map.made;
-  return wanted;
 }
 
 /// A slider is held, and not one of a foot or of stairs.
@@ -61,7 +51,7 @@ void tell_of_change(State& state, const RunView* before, const RunView& now) {
       run_key(last.after) != run_key(now.run->options) || !state.view.message.empty())
     return;
   const std::string text = change_text(*before->run, *now.run);
-  if (!text.empty()) say(state, text + "; Ctrl+Z takes it back");
+  if (!text.empty()) say(state, text + " · Ctrl+Z");
 }
 
 }  // namespace
@@ -86,10 +76,8 @@ struct Jobs::Impl {
   int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
   std::shared_ptr<const RunView> planes_of;  // what is told of this run's planes ...
   std::string planes_by;                     // ... by these options
-  std::shared_ptr<const RunView> compared_a, compared_b, sensitivity_of_run;
+  std::shared_ptr<const RunView> compared_a, compared_b;
   Against compared_against = Against::nothing;
-  Analysis analysing = Analysis::none;
-  int analysis_number = 0;  // as strip_number
 
   // Touched by the run worker's thread only.
   std::optional<Wanted> loaded;
@@ -102,7 +90,9 @@ struct Jobs::Impl {
     deliver([why](State& state) { say(state, why, true); });
   };
   Worker runs{rested, failed}, covers{rested, failed}, compares{rested, failed},
-      strip{rested, failed}, analysis{rested, failed};
+      strip{rested, failed};
+  AnalysisJobs analysis{[this](Delivery delivery) { deliver(std::move(delivery)); },
+                        [this] { wake(); }, tools};
   LabelJobs labels{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
   MapJobs maps{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
   SpreadJobs spreading{[this](Delivery delivery) { deliver(std::move(delivery)); },
@@ -129,15 +119,10 @@ struct Jobs::Impl {
                                        std::string& problems);
   void show_run(State& state, const std::shared_ptr<const RunView>& view);
   void stop_strip();
-  void stop_analysis();
-  void analyse(Analysis what, std::function<void(std::stop_token, int number)> work);
-  void deliver_analysis(int number, Delivery delivery);
   void pursue_run(State& state);
   void pursue_planes(State& state);
   void pursue_comparison(State& state);
   void pursue_strip(State& state);
-  void pursue_fix(State& state);
-  void pursue_sensitivity(State& state);
 };
 
 /// The colors in which the frame shown has its planes: A's where there is one. Null: none yet.
@@ -386,134 +371,11 @@ void Jobs::Impl::pursue_strip(State& state) {
   });
 }
 
-void Jobs::Impl::stop_analysis() {
-  analysis.cancel();
-  if (analysing == Analysis::sensitivity) sensitivity_of_run = nullptr;  // to be begun again
-  analysing = Analysis::none;
-  ++analysis_number;
-}
-
-void Jobs::Impl::analyse(Analysis what, std::function<void(std::stop_token, int)> work) {
-  stop_analysis();
-  analysing = what;
-  analysis.replace([this, work = std::move(work), number = analysis_number](std::stop_token stop) {
-    try {
-      work(stop, number);
-    } catch (const std::exception& error) {
-      deliver_analysis(number, [why = message_of(error)](State& state) {
-        state.results.fix = {};
-        say(state, why, true);
-      });
-    }
-    deliver_analysis(number, [this](State&) { analysing = Analysis::none; });
-  });
-}
-
-void Jobs::Impl::deliver_analysis(int number, Delivery delivery) {
-  deliver([this, number, delivery = std::move(delivery)](State& state) {
-    if (number == analysis_number) delivery(state);
-  });
-}
-
-void Jobs::Impl::pursue_fix(State& state) {
-  FixSearch& fix = state.results.fix;
-  if (fix.running && fix.begun && fix.asked && fix.of != state.results.current &&
-      !state.view.preview)
-    fix.running = false;  // its results could not be shown
-  const bool searches = fix.running && fix.begun, checks = fix.checked >= 0 && fix.check_begun;
-  if (analysing == Analysis::search && !searches) stop_analysis();
-  if (analysing == Analysis::check && !checks) stop_analysis();
-  if (fix.running && !fix.begun && state.results.current) {
-    fix.begun = true;
-    fix.of = state.results.current;
-    analyse(
-        Analysis::search, [this, target = fix.target, asked = fix.asked,
-                           view = state.results.current](std::stop_token stop, int number) mutable {
-          if (asked) {
-            const bool far = target.far;
-            target = fix_target(*view->run, *asked);
-            target.far = far;
-            deliver_analysis(number, [target](State& s) { s.results.fix.target = target; });
-          }
-          const auto found =
-              debug::find_fixes(*view->run, target, stop,
-                                [&](int done, int total, const std::vector<debug::Fix>& so_far) {
-                                  deliver_analysis(number, [done, total, so_far](State& s) {
-                                    s.results.fix.done = done;
-                                    s.results.fix.total = total;
-                                    s.results.fix.fixes = so_far;
-                                  });
-                                });
-          const bool granted = found.empty() && debug::is_granted(*view->run, target);
-          deliver_analysis(number, [found, granted](State& s) {
-            s.results.fix.granted = granted;
-            s.results.fix.running = false;
-            s.results.fix.finished = true;
-            s.results.fix.fixes = found;
-          });
-        });
-  }
-  if (fix.finished && fix.checked >= 0 && !fix.check_begun && state.document.current()) {
-    fix.check_begun = true;
-    const debug::Fix chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
-    analyse(Analysis::check, [this, wanted = wanted_in(state, 0), chosen](std::stop_token stop,
-                                                                          int number) mutable {
-      planes::PipelineOptions after = wanted.options;
-      planes::set_option(after, chosen.option, chosen.after);
-      for (int i = 0; i < wanted.recording->frame_count() && !stop.stop_requested(); ++i) {
-        wanted.frame = i;
-        try {
-          const auto with = load_subject(wanted, tools);
-          if (!with->voxel_truth.known()) continue;
-          debug::FixEffect effect = debug::effect_of(*debug::make_run(with, wanted.options), after);
-          effect.frame = i;
-          deliver_analysis(number, [effect](State& s) { s.results.fix.effects.push_back(effect); });
-        } catch (const std::exception&) {
-          // A frame that cannot be run has nothing to break; its own place in the strip says why.
-        }
-      }
-    });
-  }
-}
-
-void Jobs::Impl::pursue_sensitivity(State& state) {
-  const auto& view = state.results.current;
-  const bool fixing = analysing == Analysis::search || analysing == Analysis::check;
-  const bool done = view == sensitivity_of_run;
-  if (state.view.mode == Mode::labels) {  // shows no sliders
-    if (analysing == Analysis::sensitivity) stop_analysis();
-    return;
-  }
-  if (done || state.view.tool_tab != "criteria" || runs.busy() || fixing) return;
-  if (!view || !view->run->is_ours()) {  // what steers other methods takes too long to sweep
-    stop_analysis();
-    sensitivity_of_run = view;
-    return;
-  }
-  std::vector<std::string> shown;
-  for (const planes::OptionInfo& info : planes::option_table())
-    if (info.is_number() && info.steers_segmentation() &&
-        !planes::is_idle(info, state.document.options) &&
-        !state.results.sensitivity.contains(info.name))
-      shown.push_back(info.name);
-  analyse(Analysis::sensitivity, [this, view, shown](std::stop_token stop, int number) {
-    for (const std::string& name : shown) {
-      const debug::Sensitivity sensitivity = debug::sensitivity_of(*view->run, name, stop);
-      if (stop.stop_requested()) return;
-      deliver_analysis(number, [sensitivity, view](State& s) {
-        if (s.results.current == view) s.results.sensitivity[sensitivity.option] = sensitivity;
-      });
-    }
-  });
-  sensitivity_of_run = view;
-}
-
 Jobs::Jobs(std::function<void()> wake) : impl_(std::make_unique<Impl>()) {
   impl_->wake = std::move(wake);
 }
 Jobs::~Jobs() {
-  for (Worker* worker :
-       {&impl_->runs, &impl_->covers, &impl_->compares, &impl_->strip, &impl_->analysis})
+  for (Worker* worker : {&impl_->runs, &impl_->covers, &impl_->compares, &impl_->strip})
     worker->cancel();
 }
 
@@ -522,8 +384,7 @@ void Jobs::pursue(State& state) {
   impl_->pursue_planes(state);
   impl_->pursue_comparison(state);
   impl_->pursue_strip(state);
-  impl_->pursue_fix(state);
-  impl_->pursue_sensitivity(state);
+  impl_->analysis.pursue(state, impl_->runs.busy());
   impl_->labels.pursue(state);
   impl_->learning.pursue(state);
   impl_->maps.pursue(state);
@@ -543,8 +404,7 @@ bool Jobs::collect(State& state) {
 bool Jobs::busy(bool background) const {
   if (impl_->runs.busy() || impl_->covers.busy() || impl_->compares.busy()) return true;
   if (background && (impl_->strip_waits || impl_->strip.busy())) return true;
-  const bool sweeps = impl_->analysing == Analysis::sensitivity;
-  if (impl_->analysis.busy() && (background || !sweeps)) return true;
+  if (impl_->analysis.busy(background)) return true;
   if (impl_->labels.busy() || impl_->learning.busy() || impl_->maps.busy() ||
       impl_->spreading.busy())
     return true;

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
@@ -56,6 +57,81 @@ void name_symbols(std::vector<OptionInfo>& table) {
   for (const auto& [name, symbol] : symbols)
     for (OptionInfo& info : table)
       if (info.name == name) info.symbol = symbol;
+}
+
+/// What people call an option, for whoever shows it.
+void name_titles(std::vector<OptionInfo>& table) {
+  static const std::map<std::string, const char*> titles = {
+      {"max_range_m", "Maximum range"},
+      {"range_for_clouds", "Limit clouds to the range"},
+      {"cube_edge_m", "Octree cube"},
+      {"voxel_size_m", "Voxel size"},
+      {"base_depth", "Octree depth"},
+      {"gravity", "Gravity"},
+      {"gravity_max_tilt_deg", "Largest camera tilt"},
+      {"classifier", "Classifier"},
+      {"pca_neighbours", "PCA neighbors"},
+      {"pca_max_angle_deg", "PCA angle limit"},
+      {"method", "Method"},
+      {"profile", "Profile"},
+      {"theta_n_out", "Most outliers"},
+      {"theta_r_out", "Largest outlier share"},
+      {"theta_n_in", "Fewest inliers"},
+      {"theta_e_n_m2", "Largest fit error"},
+      {"mse_normalization", "Fit error is over"},
+      {"theta_coplane", "Least coplanarity"},
+      {"criterion4_n2", "Ask for the third line"},
+      {"merge_offset_m", "Largest merge offset"},
+      {"merge_partner", "Merge partner"},
+      {"leftover_distance_m", "Assignment distance"},
+      {"use_labels", "Use labels"},
+      {"cube_anchor", "Cube anchor"},
+      {"flat", "Cell flatness"},
+      {"bow", "Bow allowed"},
+      {"merge_cost", "Merge cost"},
+      {"two_planes", "Two-plane split"},
+      {"filled", "Least filled share"},
+      {"lateral_px", "Lateral error"},
+      {"reach_sigma", "Cost of unexplained pixels"},
+      {"hidden_share", "Joining hidden parts"},
+      {"worth_px", "Least worth of a plane"},
+      {"undecided", "Margin of undecided planes"},
+      {"resolution", "Spacing noise"},
+      {"point_reach_sigma", "Cost of unexplained points"},
+      {"label_sigma", "Label penalty"},
+      {"plane_cost", "Plane cost"},
+      {"ransac_theta_pf_m", "Inlier distance"},
+      {"ransac_iterations", "Iterations"},
+      {"ransac_min_points", "Fewest points"},
+      {"ransac_seed", "Random seed"},
+      {"region_patch_px", "Cell of images"},
+      {"region_voxel_size_m", "Cell of clouds"},
+      {"region_threshold_m2", "Planarity threshold"},
+      {"region_merge_threshold", "Merge threshold"},
+      {"region_refine_boundaries", "Refine boundaries"},
+      {"foot_radius_m", "Foot radius"},
+      {"foot_margin_m", "Margin around the foot"},
+      {"foot_unknown_share", "Unmeasured holes allowed"},
+      {"foot_max_off_m", "Largest deviation"},
+      {"foot_max_slope_deg", "Steepest slope"},
+      {"foot_min_area_m2", "Least area"},
+      {"foot_max_rough_m", "Largest roughness"},
+      {"foot_min_support", "Least support"},
+      {"stairs_rise_min_m", "Lowest rise"},
+      {"stairs_rise_max_m", "Highest rise"},
+      {"stairs_going_min_m", "Shortest going"},
+      {"stairs_going_max_m", "Longest going"},
+      {"stairs_width_min_m", "Least width"},
+      {"stairs_rise_spread_m", "Spread of rises"},
+      {"stairs_going_spread_m", "Spread of goings"},
+      {"stairs_turn_deg", "Angle between nosings"},
+      {"stairs_gap_m", "Largest gap"},
+      {"stairs_level_deg", "Ramps from this tilt"},
+      {"stairs_landing_goings", "Landings from this depth"},
+      {"stairs_kerb_width_m", "Least kerb width"},
+      {"stairs_kerb_depth_m", "Least depth beside a kerb"},
+      {"stairs_floor_m2", "Least floor area"}};
+  for (OptionInfo& info : table) info.title = titles.at(info.name);
 }
 
 void append_cloud(std::vector<OptionInfo>& table) {
@@ -275,6 +351,7 @@ const std::vector<OptionInfo>& option_table() {
     append_foot(rows);
     append_stairs(rows);
     name_symbols(rows);
+    name_titles(rows);
     return rows;
   }();
   return table;

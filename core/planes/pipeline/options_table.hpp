@@ -35,6 +35,7 @@ struct OptionInfo {
   OptionKind kind = OptionKind::text;
   OptionRange range = {};                 // of number and whole
   std::vector<std::string> choices = {};  // of choice
+  std::string title = {};                 // for people: "Most outliers"
   std::string symbol = {};                // the paper's (UTF-8), "θ_Nout"; empty where it has none
   std::optional<bool> objective = {};     // only `refined` reads it, or only the paper's profiles
   std::optional<Method> method = {};      // whose option it is; nothing: every method's

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "render/palette.hpp"
 #include "support/box_scene.hpp"
@@ -87,6 +89,22 @@ TEST(StepValues, HeightIsUnknownWhereGravityIs) {
   const StepState state = step_state(*run, look);
   const Rgba waiting = mark_colors(look.theme).waiting;
   for (const Rgba color : voxel_colors(*run, look, state)) ASSERT_EQ(color, waiting);
+}
+
+TEST(StepColors, DeadEndsAreStripedAndOtherCasesAreNot) {
+  const auto run = step_run();
+  const StepLook look = look_by(*run, ColorBy::cases);
+  const StepState state = step_state(*run, look);
+  const std::vector<Rgba> colors = voxel_colors(*run, look, state);
+  std::map<planes::Case, std::array<int, 2>> count;  // of voxels in the case's color, and in others
+  for (std::size_t v = 0; v < colors.size(); ++v) {
+    const planes::Case decided = state.case_of[v];
+    if (decided != planes::Case::none) ++count[decided][colors[v] == case_color(decided) ? 0 : 1];
+  }
+  ASSERT_GT(count[planes::Case::II][0], 0);
+  EXPECT_GT(count[planes::Case::II][1], 0);
+  EXPECT_EQ(count[planes::Case::IV][1], 0);
+  EXPECT_GT(count[planes::Case::IV][0], 0);
 }
 
 TEST(StepValues, RmsIsThatOfThePlaneOfThePoint) {

@@ -54,8 +54,8 @@ void draw_options(const Ui& ui, const debug::Run& a, const debug::Run& b) {
     const std::string before = info.get(a.options), after = info.get(of_b);
     if (before == after) continue;
     any = true;
-    ImGui::TextUnformatted(info.name.c_str());
-    tooltip(info.meaning);
+    ImGui::TextUnformatted(info.title.c_str());
+    tooltip(fmt::format("{} ({})", info.meaning, info.name));
     ImGui::SameLine(ui.px(180));
     ImGui::TextDisabled("%s", before.c_str());
     ImGui::SameLine();

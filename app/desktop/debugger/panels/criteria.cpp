@@ -85,7 +85,7 @@ void draw_slider(const Ui& ui, const Row& row, double value) {
                       hot ? ui.colors.text : ui.colors.accent, ui.px(2));
   if (ImGui::IsItemHovered() && !ImGui::IsItemActive()) {
     const double share = std::clamp((ImGui::GetIO().MousePos.x - min.x) / size.x, 0.0f, 1.0f);
-    tooltip(fmt::format("{}\nDefault: {} {}{}", row.info.meaning, row.reset,
+    tooltip(fmt::format("{} ({})\nDefault: {} {}{}", row.info.meaning, row.info.name, row.reset,
                         unit_text(row.info.unit),
                         known ? curve_text(row, strip->second, scale.value(share)) : ""));
   }
@@ -118,23 +118,33 @@ void draw_reset(const Ui& ui, const Row& row) {
   ui.name(row.widget + ".reset");
 }
 
-void draw_number(const Ui& ui, const Row& row) {
-  const float width = ui.px(74);
+/// The title and, where it leaves room, the code of an option. `rest`: width of what follows.
+void draw_title(const Ui& ui, const Row& row, float rest) {
   const std::string& symbol = row.info.symbol;
   ImGui::AlignTextToFramePadding();
-  if (symbol.empty())
-    ImGui::TextUnformatted(row.info.name.c_str());
-  else
-    math_text(ui, ui.colors.text, symbol);
-  if (!symbol.empty()) {
+  ImGui::TextUnformatted(row.info.title.c_str());
+  const float room = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x -
+                     ImGui::GetItemRectMax().x - rest - ui.px(16);
+  if (!symbol.empty() && math_width(ui, symbol) < room) {
     ImGui::SameLine();
-    ImGui::PushFont(ui.small);
+    ImGui::AlignTextToFramePadding();
+    math_text(ui, ui.colors.muted, symbol);
+  }
+  ImGui::PushFont(ui.small);
+  const float code = ImGui::CalcTextSize(row.info.name.c_str()).x;
+  if (code < room - (symbol.empty() ? 0 : math_width(ui, symbol) + ui.px(8))) {
+    ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
     ImGui::TextDisabled("%s", row.info.name.c_str());
-    ImGui::PopFont();
   }
-  draw_reset(ui, row);
+  ImGui::PopFont();
+}
+
+void draw_number(const Ui& ui, const Row& row) {
+  const float width = ui.px(74);
   const float unit = ImGui::CalcTextSize("points").x + ui.px(6);
+  draw_title(ui, row, width + unit + (row.value == row.reset ? 0 : ui.px(56)));
+  draw_reset(ui, row);
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - width - unit);
   draw_entry(ui, row, width);
   ImGui::SameLine(0, ui.px(6));
@@ -146,16 +156,15 @@ void draw_other(const Ui& ui, const Row& row) {
   const planes::OptionInfo& info = row.info;
   if (info.kind == planes::OptionKind::on_off) {
     bool on = row.value == "on";
-    if (ImGui::Checkbox(info.name.c_str(), &on))
+    if (ImGui::Checkbox(info.title.c_str(), &on))
       ui.emit("option.set", info.name + (on ? "=on" : "=off"));
     ui.name(row.widget);
   } else {
     std::vector<std::string> choices = info.choices;
     if (info.name == "classifier") choices = {"gcn", "pca", "truth"};
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted(info.name.c_str());
+    const float width = ui.px(160);
+    draw_title(ui, row, width);
     ImGui::SameLine(0, ui.px(10));
-    const float width = std::min(ui.px(160), ImGui::GetContentRegionAvail().x);
     ImGui::SetCursorPosX(ImGui::GetWindowContentRegionMax().x - width);
     if (choices.empty()) {
       draw_entry(ui, row, width);
@@ -173,19 +182,19 @@ void draw_other(const Ui& ui, const Row& row) {
       }
     }
   }
-  tooltip(info.meaning);
+  tooltip(fmt::format("{} ({})", info.meaning, info.name));
   draw_reset(ui, row);
 }
 
 const char* title_of(const std::string& section) {
-  if (section == "criteria") return "Criteria 1-4, and what goes with them";
+  if (section == "criteria") return "Criteria";
   if (section == "objective") return "Objective";
   if (section == "classifier") return "Classifier";
   if (section == "gravity") return "Gravity";
   if (section == "method") return "Method";
-  if (section == "rivals") return "What steers it";
-  if (section == "foot") return "A foot, and what carries it";
-  if (section == "stairs") return "Stairs, kerbs and ramps";
+  if (section == "rivals") return "Options of the method";
+  if (section == "foot") return "Foot";
+  if (section == "stairs") return "Stairs, kerbs, ramps";
   return "Cloud and octree";
 }
 

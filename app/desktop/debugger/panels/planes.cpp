@@ -17,7 +17,7 @@ void draw_filter(const Ui& ui) {
   ImGui::SetNextItemWidth(std::max(ui.px(60), ImGui::GetContentRegionAvail().x -
                                                   button_width("copy as CSV") -
                                                   ImGui::GetStyle().ItemSpacing.x));
-  if (ImGui::InputTextWithHint("##filter", "filter: upright, m², P3", &text))
+  if (ImGui::InputTextWithHint("##filter", "filter: upright, P3", &text))
     ui.emit("planes.filter", text);
   ui.name("planes.filter");
   ImGui::SameLine();
@@ -79,8 +79,8 @@ void draw_planes(const Ui& ui) {
   if (ui.state.view.selected.plane < 0) ui.memory.numbers["planes.shown"] = 0;
   const ImGuiTableFlags flags = kTable | ImGuiTableFlags_ScrollX | ImGuiTableFlags_ScrollY;
   if (!ImGui::BeginTable("##planes", static_cast<int>(std::size(kPlaneColumns)), flags)) return;
-  static constexpr const char* kWidest[] = {"P000",   "h",     "00.00 m²", "00.0°",    "0.00 mm",
-                                            "000000", "000 %", "yes",      "0.0e-00 ~"};
+  static constexpr const char* kWidest[] = {"P000",   "h",     "00.000 m²", "00.0°",    "00.0 mm",
+                                            "000000", "000 %", "yes",       "0.0e-00 ~"};
   for (std::size_t c = 0; c < std::size(kPlaneColumns); ++c)
     fixed_column(kPlaneColumns[c].title, kWidest[c],
                  ImGui::CalcTextSize("▾").x * (c == 2 || c == 5 ? 0.0f : 1.0f));

@@ -94,7 +94,7 @@ void draw_plane(const Ui& ui, const LabelPlane& plane, const PlaneFacts& facts, 
   ImGui::SetCursorPos(at);
   plane_swatch(ui, plane.id, plane.hidden);
   cell(to_string(plane.label, "?"));
-  cell(area_text(facts.area_m2));
+  cell(fmt::format("{:.3f}", facts.area_m2));
   cell(fmt::format("{:.1f}", 1000 * plane.rms_m));
   cell(std::to_string(plane.fragments));
   if (confidences)
@@ -120,7 +120,7 @@ void draw_list(const Ui& ui, const FrameLabels& labels, const LabelFacts& facts,
   ImGui::TableSetupScrollFreeze(0, 1);
   ImGui::TableSetupColumn("plane", ImGuiTableColumnFlags_WidthStretch);
   fixed_column(" ", "h");
-  fixed_column("area", "00.00 m²");
+  fixed_column("m²", "00.000");
   fixed_column("mm", "00.0");
   fixed_column("parts", "0");
   if (confidences) fixed_column("sure", "100 %");

@@ -51,6 +51,44 @@ ImU32 gap_color(const Ui& ui, Absence why) {
                                        : ui.colors.muted;
 }
 
+/// A miss, told by its stripes as well: falling where no plane was found, rising where a plane is
+/// not taken for it, empty where it is gone.
+void draw_gap(const Ui& ui, Absence why, ImVec2 min, ImVec2 max) {
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const ImU32 color = gap_color(ui, why);
+  draw->AddRectFilled(min, max, with_alpha(color, 90));
+  draw->PushClipRect(min, max, true);
+  const float height = max.y - min.y, period = ui.px(5);
+  const bool falls = why == Absence::not_detected, rises = why == Absence::not_matched;
+  // From multiples of the period: gaps side by side have one pattern.
+  for (float x = std::floor((min.x - height) / period) * period; (falls || rises) && x < max.x;
+       x += period)
+    draw->AddLine(ImVec2(x, falls ? min.y : max.y), ImVec2(x + height, falls ? max.y : min.y),
+                  color, ui.px(1.5f));
+  draw->PopClipRect();
+  draw->AddRect(min, max, color);
+}
+
+void draw_legend(const Ui& ui) {
+  static constexpr std::pair<Absence, const char*> kStates[] = {
+      {Absence::not_detected, "no plane found"},
+      {Absence::not_matched, "another plane there"},
+      {Absence::seen_through, "gone, or frame set aside"}};
+  const ImVec2 size(ui.px(20), ImGui::GetTextLineHeight() * 0.8f);
+  bool first = true;
+  for (const auto& [why, text] : kStates) {
+    if (!first && !same_line_if_room(size.x + ImGui::CalcTextSize(text).x + ui.px(6), ui.px(14)))
+      return;
+    first = false;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    draw_gap(ui, why, ImVec2(at.x, at.y + ui.px(2)),
+             ImVec2(at.x + size.x, at.y + size.y + ui.px(2)));
+    ImGui::Dummy(size);
+    ImGui::SameLine(0, ui.px(6));
+    colored(ui.colors.muted, text);
+  }
+}
+
 void draw_row(const Ui& ui,
               const MapView& view,
               const Track& track,
@@ -66,9 +104,8 @@ void draw_row(const Ui& ui,
   for (const world::Gap& gap : track.gaps) {
     const auto [begin, end] = span(gap.first, gap.last);
     if (is_miss(gap.why))
-      draw->AddRectFilled(ImVec2(begin, middle - half),
-                          ImVec2(std::max(end, begin + ui.px(2)), middle + half),
-                          gap_color(ui, gap.why));
+      draw_gap(ui, gap.why, ImVec2(begin, middle - half),
+               ImVec2(std::max(end, begin + ui.px(2)), middle + half));
     else
       draw->AddLine(ImVec2(begin, middle), ImVec2(end, middle), ui.colors.grid, thin);
   }
@@ -209,14 +246,9 @@ void draw_tracks(const Ui& ui) {
   draw_filter(ui);
   ImGui::SameLine();
   draw_colors(ui);
-  ImGui::SameLine();
-  action_button(ui, "show.map", "map");
-  ImGui::SameLine();
-  action_button(ui, "track.previous", "←");
-  ImGui::SameLine();
-  action_button(ui, "track.next", "→");
-  ImGui::SameLine();
-  action_button(ui, "track.gap.next", "gap");
+  static constexpr ToolButton kButtons[] = {
+      {"show.map", "map"}, {"track.previous", "←"}, {"track.next", "→"}, {"track.gap.next", "gap"}};
+  toolbar(ui, "tracks.more", kButtons);
   const TracksView& shown = ui.state.view.tracks;
   const std::string about = track_text(ui.state);
   const std::vector<const Track*> rows = track_rows(ui.state);
@@ -230,6 +262,7 @@ void draw_tracks(const Ui& ui) {
     paragraph(ui.colors.muted, fmt::format("{}: {}", counted(rows.size(), "track"),
                                            world::stability_text(view->map.stability)));
   ui.name("tracks.about");
+  draw_legend(ui);
   draw_timeline_of(ui, *view, rows);
 }
 
