@@ -89,10 +89,13 @@ TEST_F(Scene, WithoutPerspectiveAsMuchIsSeenAtTheTarget) {
 TEST_F(Scene, LookingAtWhatIsSelectedHoldsItAndTurnsNothing) {
   const Vec3d looked = (camera().target - camera().eye).normalized();
   const auto holds = [&](const std::vector<Vec3f>& points) {
-    const render::View view = render::make_view(scene_camera(state(), 1.5), 600, 400);
+    const double aspect = state().view.scene_aspect;
+    const int width = static_cast<int>(400 * aspect);
+    const render::View view = render::make_view(scene_camera(state(), aspect), width, 400);
     for (const Vec3f& point : points) {
       const auto seen = render::project(view, point);
-      if (!seen || seen->px.x() < 0 || seen->px.x() > 600 || seen->px.y() < 0 || seen->px.y() > 400)
+      if (!seen || seen->px.x() < 0 || seen->px.x() > width || seen->px.y() < 0 ||
+          seen->px.y() > 400)
         return false;
     }
     return true;
