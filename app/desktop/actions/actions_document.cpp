@@ -229,7 +229,7 @@ std::vector<Action> document_actions() {
   return {
       {"recording.open", "Open a recording", file, "Ctrl+O", "PATH", open, {}, {}},
       {"recording.show",
-       "Show a recording of the list",
+       "Switch to a recording",
        "",
        "",
        "NUMBER",
@@ -285,14 +285,14 @@ std::vector<Action> document_actions() {
        [](State& s, const std::string&) { show_frame(s, s.document.frame - 1); },
        has_recording,
        {}},
-      {"frame.play", "Play the frames", file, "Ctrl+Space", "",
+      {"frame.play", "Play frames", file, "Ctrl+Space", "",
        [](State& s, const std::string&) {
          s.view.playing_frames = !s.view.playing_frames && !is_last_frame(s);
          s.view.frame_due = 0;
        },
        has_recording, [](const State& s) { return s.view.playing_frames; }, KeyMode::debugger},
       {"strip.cancel",
-       "Stop filling the frame strip",
+       "Stop filling the strip",
        file,
        "Ctrl+K",
        "",
@@ -302,7 +302,7 @@ std::vector<Action> document_actions() {
                 !s.view.strip_stopped;
        },
        {}},
-      {"bookmark.add", "Bookmark this place", file, "Ctrl+D", "[NAME]", add_bookmark, has_run, {}},
+      {"bookmark.add", "Bookmark this view", file, "Ctrl+D", "[NAME]", add_bookmark, has_run, {}},
       {"bookmark.go",
        "Go to a bookmark",
        file,
@@ -314,7 +314,7 @@ std::vector<Action> document_actions() {
        {},
        {}},
       {"bookmark.note",
-       "Write a note to a bookmark",
+       "Add a note to a bookmark",
        "",
        "",
        "NUMBER TEXT",

@@ -66,7 +66,7 @@ std::vector<Action> measure_actions() {
   return {
       click_switch("measure.points", "Measure between points", "U", Click::point),
       click_switch("measure.planes", "Measure between planes", "Shift+U", Click::plane),
-      {"measure.end", "Measure from here, or to here", "", "", kClickTakes, add_end, has_run, {}}};
+      {"measure.end", "Measure from or to here", "", "", kClickTakes, add_end, has_run, {}}};
 }
 
 }  // namespace planescope::desktop

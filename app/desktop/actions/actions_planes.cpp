@@ -32,7 +32,7 @@ std::vector<Action> plane_table_actions() {
   const auto known = [](const State& s) { return s.planes() != nullptr; };
   return {
       {"planes.sort",
-       "Sort the planes",
+       "Sort planes",
        "",
        "",
        "id|class|area|tilt|rms|points|support|steppable",
@@ -40,14 +40,14 @@ std::vector<Action> plane_table_actions() {
        {},
        {}},
       {"planes.filter",
-       "Filter the planes",
+       "Filter planes",
        "",
        "",
        "[TEXT]",
        [](State& s, const std::string& text) { s.view.planes.filter = text; },
        {},
        {}},
-      {"planes.copy", "Copy the planes as CSV", "Select", "Ctrl+Shift+C", "", copy, known, {}},
+      {"planes.copy", "Copy planes as CSV", "Select", "Ctrl+Shift+C", "", copy, known, {}},
   };
 }
 

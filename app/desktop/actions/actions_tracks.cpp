@@ -122,31 +122,31 @@ std::vector<Action> map_actions() {
   const auto running = [](const State& s) { return s.results.map.running; };
   return {
       {"map.make",
-       "Follow the planes over all frames",
+       "Track planes over all frames",
        menu,
        "Ctrl+Shift+M",
        "",
        follow_planes,
        [=](const State& s) { return s.document.current() && !running(s); },
        {}},
-      {"map.stop", "Stop following", menu, "Alt+K", "", stop_following, running, {}},
+      {"map.stop", "Stop tracking", menu, "Alt+K", "", stop_following, running, {}},
   };
 }
 
 std::vector<Action> track_actions() {
   return {
-      to_frame("track.previous", "The track's frame before", "Alt+PageUp", frame_seen, -1,
+      to_frame("track.previous", "Previous frame of the track", "Alt+PageUp", frame_seen, -1,
                "is not in an earlier frame"),
-      to_frame("track.next", "The track's next frame", "Alt+PageDown", frame_seen, 1,
+      to_frame("track.next", "Next frame of the track", "Alt+PageDown", frame_seen, 1,
                "is not in a later frame"),
-      to_frame("track.gap.previous", "The track's gap before", "Shift+PageUp", frame_missed, -1,
+      to_frame("track.gap.previous", "Previous gap of the track", "Shift+PageUp", frame_missed, -1,
                "is not missed in an earlier frame"),
-      to_frame("track.gap.next", "The track's next gap", "Shift+PageDown", frame_missed, 1,
+      to_frame("track.gap.next", "Next gap of the track", "Shift+PageDown", frame_missed, 1,
                "is not missed in a later frame"),
       {"track.show", "Show a track", "", "", "TRACK[,FRAME]", show_track_action, has_map, {}},
       {"track.filter", "Filter the tracks", "", "", "[FILTER]", set_track_filter, {}, {}},
       {"track.color",
-       "Colours of the tracks",
+       "Color tracks by",
        "",
        "",
        "track|area|rms",
