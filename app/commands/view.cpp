@@ -128,6 +128,8 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   options.keep_settings = !args.fresh;
   options.state_file = args.state;
   options.scripts = scripts_of(args);
+  if (!options.scripts.empty())  // their steps are events, whatever the user looked at last
+    options.settings.view.step_unit = debug::StepUnit::event;
   try {
     run_window(first_state(args, options.settings), options, stop);
   } catch (const NoDisplay& none) {

@@ -149,7 +149,7 @@ Places places_of(const Ui& ui, float w, float h) {
 void draw_debugger(const Ui& ui, const Places& at) {
   const ViewState& view = ui.state.view;
   const Layout& layout = view.layout;
-  const float timeline = std::round(ui.px(78)), grip = at.grip, x1 = at.x1, middle = at.middle;
+  const float timeline = std::round(ui.px(108)), grip = at.grip, x1 = at.x1, middle = at.middle;
   const std::vector<Assumption> assumptions = assumptions_of(ui.state);
   const float line = assumptions.empty() ? 0 : std::round(ImGui::GetFrameHeight() + ui.px(14));
   const float bottom = std::round(at.body * share(layout.bottom, 0.1, 0.6));
@@ -362,10 +362,9 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     playing.due += seconds * playing.steps_per_s;
     const int steps = static_cast<int>(playing.due);
     playing.due -= steps;
-    const std::int32_t target = state_.view.step + playing.direction * steps;
-    if (steps > 0) go_to_step(state_, target);
-    const bool arrived = playing.direction > 0 ? target >= state_.run()->steps() : target <= 0;
-    if (arrived) playing.direction = 0;
+    if (steps > 0) step_by(state_, playing.direction * steps);
+    const std::int32_t end = playing.direction > 0 ? state_.run()->steps() : 0;
+    if (state_.view.step == end) playing.direction = 0;
     frames_to_draw_ = std::max(frames_to_draw_, 2);
   }
 

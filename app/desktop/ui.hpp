@@ -13,6 +13,7 @@
 #include "app/desktop/canvas.hpp"
 #include "app/desktop/debugger/event_rows.hpp"
 #include "app/desktop/debugger/filter_box.hpp"
+#include "app/desktop/debugger/step_axis.hpp"
 #include "app/desktop/imgui.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/io/camera_setup.hpp"
@@ -43,6 +44,18 @@ struct EventGroups {
   std::weak_ptr<const debug::Run> run;
   std::vector<EventRow> rows;
   std::set<std::int32_t> open;  // by first step
+};
+
+/// What the timeline draws, kept while the run, the range and the width are the same, and the mouse
+/// on it.
+struct TimelineMemory {
+  std::weak_ptr<const debug::Run> run;
+  std::vector<debug::Phase> phases;
+  std::vector<TimelineColumn> columns, overview;  // of the steps shown, of all steps
+  debug::StepRange steps;                         // that `columns` are of
+  std::int32_t grabbed = 0;  // first step shown when a drag began; on the overview, from the mouse
+  int button = 0;            // that drags
+  bool double_clicked = false;  // and not let go yet
 };
 
 /// What the point panel tells, kept until another point or run is looked at.
@@ -121,6 +134,7 @@ struct PanelMemory {
   std::map<std::string, double> numbers;     // by widget
   BreakpointStops breakpoint_stops;
   EventGroups events;
+  TimelineMemory timeline;
   PointStory point;
   PointAnswer answer;
   KeptLabelFacts label_facts;

@@ -82,6 +82,11 @@ ImU32 with_alpha(ImU32 color, int alpha) {
   return (color & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, alpha);
 }
 
+ImU32 text_on(render::Rgba fill) {
+  const bool light = 0.299 * fill.r + 0.587 * fill.g + 0.114 * fill.b > 140;
+  return light ? IM_COL32(20, 22, 26, 255) : IM_COL32(255, 255, 255, 255);
+}
+
 ImU32 gain_color(const Ui& ui, int gain) {
   return gain > 0 ? ui.colors.good : gain < 0 ? ui.colors.bad : ui.colors.text;
 }
@@ -178,10 +183,8 @@ void case_badge(const Ui& ui, planes::Case c) {
                       ui.px(3));
   const char* text = planes::to_string(c);
   const ImVec2 extent = ImGui::CalcTextSize(text);
-  const render::Rgba fill = render::case_color(c);
-  const bool light = 0.299 * fill.r + 0.587 * fill.g + 0.114 * fill.b > 140;
   draw->AddText(ImVec2(at.x + (size.x - extent.x) / 2, at.y + (size.y - extent.y) / 2),
-                light ? IM_COL32(20, 22, 26, 255) : IM_COL32(255, 255, 255, 255), text);
+                text_on(render::case_color(c)), text);
   ImGui::Dummy(size);
 }
 

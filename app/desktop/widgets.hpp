@@ -16,6 +16,8 @@ namespace planescope::desktop {
 ImU32 to_imgui(render::Rgba color);
 /// `alpha` from 0 to 255.
 ImU32 with_alpha(ImU32 color, int alpha);
+/// Black or white, whichever reads better on a fill.
+ImU32 text_on(render::Rgba fill);
 /// The colour of a number that has become better, become worse, or stayed the same.
 ImU32 gain_color(const Ui& ui, int gain);
 

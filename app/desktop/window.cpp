@@ -265,6 +265,8 @@ void Window::keep_settings() const {
   settings.camera = state.view.camera;
   settings.view = state.view;
   settings.view.truth_plane = 0;  // of that recording
+  if (state.view.case_colors == CaseColors::shown)
+    settings.view.color_by = render::ColorBy::planes;  // they end with the stepping
   save_settings(settings);
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <set>
 
+#include "app/desktop/debugger/step_axis.hpp"
 #include "app/desktop/input.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/script.hpp"
@@ -118,6 +119,80 @@ TEST(Stepping, ToTheNextNodeOfThisCaseVisitsThemAllAndComesBack) {
   }
   std::reverse(back.begin(), back.end());
   EXPECT_EQ(forwards, back);
+}
+
+TEST(Stepping, BackFromTheEndColorsTheTraversalByCaseUntilTheEnd) {
+  using render::ColorBy;
+  State state = run_state();
+  const auto back_into_the_traversal = [&] {
+    apply(state, {"step.last", ""});
+    apply(state, {"step.unit", "node"});
+    apply(state, {"step.previous", ""});
+  };
+  apply(state, {"step.last", ""});
+  apply(state, {"step.previous", ""});
+  EXPECT_EQ(state.view.color_by, ColorBy::planes) << "leftovers are of planes";
+  back_into_the_traversal();
+  EXPECT_EQ(state.view.color_by, ColorBy::cases);
+  EXPECT_NE(state.view.message.find("press 2"), std::string::npos);
+  apply(state, {"step.last", ""});
+  EXPECT_EQ(state.view.color_by, ColorBy::planes);
+  EXPECT_TRUE(state.view.message.empty()) << "the hint is over";
+  apply(state, {"step.goto", "20"});
+  EXPECT_EQ(state.view.color_by, ColorBy::planes) << "a jump is not a step";
+  back_into_the_traversal();
+  apply(state, {"color.planes", ""});
+  apply(state, {"step.previous", ""});
+  back_into_the_traversal();
+  EXPECT_EQ(state.view.color_by, ColorBy::planes) << "the user wants them so";
+}
+
+TEST(Stepping, ByNodeOrPlaneVisitsEachOfThemOnce) {
+  for (const planes::Profile profile : {planes::Profile::paper, planes::Profile::refined}) {
+    State state = run_state(profile);
+    const planescope::debug::Run& run = *state.run();
+    for (const std::string unit : {"node", "plane"}) {
+      apply(state, {"step.unit", unit});
+      std::vector<std::int32_t> forwards, back;
+      for (apply(state, {"step.first", ""}); state.view.step < run.steps();
+           apply(state, {"step.next", ""}))
+        forwards.push_back(state.view.step);
+      for (apply(state, {"step.last", ""}); state.view.step > 0;)
+        apply(state, {"step.previous", ""}), back.push_back(state.view.step);
+      std::ranges::reverse(back);
+      EXPECT_EQ(forwards, back) << unit;
+      if (unit == "node") {
+        EXPECT_EQ(forwards.size(), 1 + run.octree().nodes.size());
+        continue;
+      }
+      std::set<std::int32_t> alive;  // changes at these steps alone
+      std::size_t at = 0;
+      for (std::int32_t step = 1; step < run.steps(); ++step) {
+        std::set<std::int32_t> now;
+        for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane)
+          if (const auto* change = run.timeline.plane_at(plane, step); change && change->alive)
+            now.insert(plane);
+        while (at < forwards.size() && forwards[at] < step) ++at;
+        const bool stops = at < forwards.size() && forwards[at] == step;
+        EXPECT_TRUE(stops || now == alive) << step;
+        alive = std::move(now);
+      }
+    }
+  }
+}
+
+TEST(Stepping, TheTimelineZoomsAboutTheCursor) {
+  State state = run_state();
+  apply(state, {"step.goto", "200"});
+  const std::string range = "timeline.range";
+  apply(state, {range, "100-299"});
+  apply(state, {"timeline.zoom_in", ""});
+  EXPECT_EQ(shown_steps(state), (debug::StepRange{150, 249}));
+  apply(state, {"timeline.zoom_out", ""});
+  EXPECT_EQ(shown_steps(state), (debug::StepRange{100, 299}));
+  for (const char* wrong : {"", "5", "9-5", "0-99999999", "1-2-3", "a-b"})
+    EXPECT_THROW(apply(state, {range, wrong}), Error) << wrong;
+  EXPECT_EQ(shown_steps(state), (debug::StepRange{100, 299}));
 }
 
 TEST(Searching, NextAndPreviousMatchWalkTheMatches) {

@@ -1,10 +1,11 @@
-// Rows of the octree, columns of the timeline, axes of histograms, as pure functions.
+// Rows of the octree, the axis of the timeline, axes of histograms, as pure functions.
 
 #include <algorithm>
 #include <set>
 
 #include "app/desktop/debugger/axes.hpp"
 #include "app/desktop/debugger/octree_rows.hpp"
+#include "app/desktop/debugger/step_axis.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {
@@ -82,8 +83,9 @@ TEST_F(OctreeRows, CountWhatIsBelow) {
 TEST(TimelineColumns, HoldEveryEventOnce) {
   const State state = run_state();
   const planescope::debug::Run& run = *state.run();
+  const debug::StepRange all{0, run.steps()};
   for (const int count : {1, 7, 500, 20'000}) {
-    const std::vector<TimelineColumn> columns = timeline_columns(run, count);
+    const std::vector<TimelineColumn> columns = timeline_columns(run, all, count);
     ASSERT_EQ(static_cast<int>(columns.size()), count);
     std::size_t events = 0, decided = 0;
     for (const TimelineColumn& column : columns) {
@@ -92,9 +94,47 @@ TEST(TimelineColumns, HoldEveryEventOnce) {
     }
     EXPECT_EQ(events, run.trace.events.size());
     EXPECT_EQ(decided, run.octree().nodes.size());
-    EXPECT_EQ(column_of_step(0, run.steps(), count), 0);
-    EXPECT_EQ(column_of_step(run.steps(), run.steps(), count), count - 1);
+    for (std::int32_t step = 0; step <= run.steps(); step += 50) {
+      const StepAxis axis{all, 0, static_cast<float>(count)};
+      if (count > run.steps()) {
+        EXPECT_EQ(axis.at(axis.middle(step)), step);
+      }
+      EXPECT_LE(std::abs(axis.middle(step) - static_cast<float>(column_of_step(step, all, count))),
+                1.01f);
+    }
   }
+  const std::vector<TimelineColumn> some = timeline_columns(run, {11, 20}, 10);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(some[i].events, 1u);
+    const planes::TraceEvent& event = *run.event_at(11 + static_cast<std::int32_t>(i));
+    EXPECT_EQ(some[i].decided(), event.type == planes::EventType::decide ? 1u : 0u);
+  }
+}
+
+TEST(StepAxis, ZoomsAboutAStepAndStaysWithinTheTrace) {
+  const debug::StepRange all{0, 1000};
+  const debug::StepRange near = zoomed(all, 250, 0.5, 1000);
+  EXPECT_NEAR(near.count(), 500, 1);
+  EXPECT_NEAR((250.5 - near.first) / near.count(), 250.5 / 1001, 0.002) << "stays under the mouse";
+  EXPECT_EQ(zoomed(near, 250, 100, 1000), all);
+  const debug::StepRange nearest = zoomed(near, 250, 1e-9, 1000);
+  EXPECT_TRUE(nearest.contains(250));
+  EXPECT_GE(nearest.count(), 10);
+  EXPECT_EQ(zoomed({3, 12}, 5, 1.01, 1000).count(), 11) << "even by a notch";
+  EXPECT_EQ(zoomed({0, 4}, 2, 0.5, 4), (debug::StepRange{0, 4})) << "a short trace is all shown";
+  EXPECT_EQ(moved({100, 199}, -500, 1000), (debug::StepRange{0, 99}));
+  EXPECT_EQ(moved({100, 199}, 5000, 1000), (debug::StepRange{901, 1000}));
+}
+
+TEST(StepAxis, ScrollsToTheCursorOnlyWhereItIsOutside) {
+  const debug::StepRange shown{100, 199};
+  EXPECT_EQ(scrolled_to(shown, 199, 1000), shown);
+  for (const std::int32_t step : {200, 99, 700, 0, 1000}) {
+    const debug::StepRange now = scrolled_to(shown, step, 1000);
+    EXPECT_TRUE(now.contains(step)) << step;
+    EXPECT_EQ(now.count(), shown.count()) << step;
+  }
+  EXPECT_GE(scrolled_to(shown, 200, 1000).last, 205) << "what comes next is in sight, too";
 }
 
 TEST(HistogramAxis, SharesAndValuesAreEachOthersInverse) {

@@ -243,6 +243,7 @@ TEST(Settings, SurviveDamageAndComeBackAsTheyWere) {
   settings.view.theme = render::Theme::light;
   settings.view.layout.left = 0.2;
   settings.view.color_by = render::ColorBy::distance;
+  settings.view.step_unit = debug::StepUnit::node;
   settings.recent = {"/some/where", "/else/where"};
   save_settings(settings);
   const Settings back = load_settings();
@@ -251,6 +252,7 @@ TEST(Settings, SurviveDamageAndComeBackAsTheyWere) {
   EXPECT_EQ(back.view.theme, render::Theme::light);
   EXPECT_EQ(back.view.layout.left, 0.2);
   EXPECT_EQ(back.view.color_by, render::ColorBy::distance);
+  EXPECT_EQ(back.view.step_unit, debug::StepUnit::node);
   EXPECT_EQ(back.recent, settings.recent);
   write(settings_path(), "{\"schema\": 12");
   EXPECT_EQ(load_settings().width, Settings{}.width);

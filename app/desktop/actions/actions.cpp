@@ -6,6 +6,7 @@
 #include <cctype>
 #include <map>
 
+#include "app/desktop/debugger/step_axis.hpp"
 #include "core/debug/explain/compare.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/model/error.hpp"
@@ -90,8 +91,8 @@ const std::vector<Action>& action_table() {
     };
     for (auto part : {document_actions, label_mode_actions, view_actions, camera_actions})
       for (Action& action : part()) all.push_back(std::move(action));
-    for (auto part :
-         {step_actions, search_actions, selection_actions, option_actions, compare_actions})
+    for (auto part : {step_actions, timeline_actions, search_actions, selection_actions,
+                      option_actions, compare_actions})
       add(part(), KeyMode::debugger);
     for (auto part :
          {label_tool_actions, label_draw_actions, label_finish_actions, label_plane_actions,
@@ -212,10 +213,26 @@ void say_nothing_done(State& state, std::string why) {
   state.view.did_nothing = true;
 }
 
+namespace {
+
+/// Scrolls the timeline to the cursor.
+void keep_cursor_shown(State& state) {
+  const debug::StepRange shown = shown_steps(state);
+  if (!shown.contains(state.view.step))
+    state.view.shown_steps = scrolled_to(shown, state.view.step, state.run()->steps());
+}
+
+}  // namespace
+
 void go_to_step(State& state, std::int32_t step) {
   const debug::Run* run = state.run();
   if (!run) return;
   state.view.step = std::clamp(step, 0, run->steps());
+  keep_cursor_shown(state);
+  if (state.view.case_colors == CaseColors::shown && state.view.step == run->steps()) {
+    state.view.case_colors = CaseColors::ready;
+    state.view.color_by = render::ColorBy::planes;
+  }
   const planes::TraceEvent* event = state.event();
   Selection selected;
   if (!event) {
@@ -247,6 +264,7 @@ void follow_run(State& state, const debug::Run& before) {
   Selection& selected = state.view.selected;
   const bool at_end = state.view.step == before.steps();
   state.view.step = at_end ? now->steps() : debug::same_step(before, state.view.step, *now);
+  if (!at_end) keep_cursor_shown(state);
   selected.plane = -1;
   if (selected.node >= 0) {
     selected.node = debug::same_node(before, selected.node, *now);

@@ -71,6 +71,7 @@ std::vector<Offer> palette_offers(const State& state, const std::string& typed);
 
 // Tables by subject; action_table() is all of them.
 std::vector<Action> step_actions();
+std::vector<Action> timeline_actions();  // which steps the timeline shows
 std::vector<Action> search_actions();
 std::vector<Action> selection_actions();
 std::vector<Action> option_actions();
@@ -129,6 +130,11 @@ int choice_argument(const std::string& action,
 
 /// Moves the cursor, and selects what its event is about.
 void go_to_step(State& state, std::int32_t step);
+/// Moves the cursor as stepping and playing do: by so many events, nodes or changes of planes, back
+/// where `count` is negative. Stepping back into the traversal colors by case.
+void step_by(State& state, int count);
+/// The colors after the user has stepped back from a step.
+void color_traversal(State& state, std::int32_t from);
 /// Evaluates the search on the run that is shown.
 void refresh_matches(State& state);
 /// What a breakpoint stops at, in the language of filters.

@@ -3,15 +3,21 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
+#include "core/debug/replay/steps.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
 
-void step_by(State& state, int by) {
+void stop_and_go(State& state, std::int32_t step) {
   state.view.playing.direction = 0;
-  go_to_step(state, state.view.step + by);
+  go_to_step(state, step);
+}
+
+void stop_and_step(State& state, int count) {
+  state.view.playing.direction = 0;
+  step_by(state, count);
 }
 
 /// The case of the node that was decided at the step, or else last before it.
@@ -32,9 +38,9 @@ void to_same_case(State& state, int direction) {
     if (event->type != planes::EventType::decide ||
         static_cast<planes::Case>(event->node_case) != wanted)
       continue;
-    state.view.playing.direction = 0;
-    go_to_step(state, step);
-    return;
+    const std::int32_t from = state.view.step;
+    stop_and_go(state, step);
+    return color_traversal(state, from);
   }
   say(state, std::string("no ") + (direction > 0 ? "later" : "earlier") + " node of case " +
                  planes::to_string(wanted));
@@ -97,7 +103,28 @@ void save_steps(State& state, const std::string& text) {
   state.view.saving = saving;
 }
 
+const std::vector<std::string> kUnits = {"event", "node", "plane"};
+
 }  // namespace
+
+void color_traversal(State& state, std::int32_t from) {
+  ViewState& view = state.view;
+  const debug::StepRange traversal = debug::traversal_of(*state.run());
+  const bool steps_back_in = from > traversal.last && traversal.contains(view.step);
+  if (!steps_back_in || view.case_colors != CaseColors::ready ||
+      view.color_by != render::ColorBy::planes)
+    return;
+  view.case_colors = CaseColors::shown;
+  view.color_by = render::ColorBy::cases;
+  say_hint(state, "colored by case while you step back; press 2 to color by plane",
+           [](const State& now) { return now.view.case_colors != CaseColors::shown; });
+}
+
+void step_by(State& state, int count) {
+  const std::int32_t from = state.view.step;
+  go_to_step(state, debug::step_from(*state.run(), state.view.step_unit, from, count));
+  if (count < 0) color_traversal(state, from);
+}
 
 std::vector<Action> step_actions() {
   const std::string menu = "Step";
@@ -107,7 +134,7 @@ std::vector<Action> step_actions() {
        menu,
        "Right",
        "",
-       [](State& s, const std::string&) { step_by(s, 1); },
+       [](State& s, const std::string&) { stop_and_step(s, 1); },
        has_run,
        {}},
       {"step.previous",
@@ -115,7 +142,7 @@ std::vector<Action> step_actions() {
        menu,
        "Left",
        "",
-       [](State& s, const std::string&) { step_by(s, -1); },
+       [](State& s, const std::string&) { stop_and_step(s, -1); },
        has_run,
        {}},
       {"step.first",
@@ -123,7 +150,7 @@ std::vector<Action> step_actions() {
        menu,
        "Home",
        "",
-       [](State& s, const std::string&) { step_by(s, -s.view.step); },
+       [](State& s, const std::string&) { stop_and_go(s, 0); },
        has_run,
        {}},
       {"step.last",
@@ -131,7 +158,7 @@ std::vector<Action> step_actions() {
        menu,
        "End",
        "",
-       [](State& s, const std::string&) { step_by(s, s.run()->steps()); },
+       [](State& s, const std::string&) { stop_and_go(s, s.run()->steps()); },
        has_run,
        {}},
       {"step.next_case",
@@ -199,6 +226,17 @@ std::vector<Action> step_actions() {
        "",
        [](State& s, const std::string&) { s.view.saving->cancelled = true; },
        [](const State& s) { return s.view.saving.has_value(); },
+       {}},
+      {"step.unit",
+       "Step by event, node or plane",
+       menu,
+       "Shift+R",
+       "event|node|plane",
+       [](State& s, const std::string& text) {
+         s.view.step_unit =
+             static_cast<debug::StepUnit>(choice_argument("step.unit", text, kUnits));
+       },
+       {},
        {}},
       {"step.rate",
        "Playing rate",

@@ -29,6 +29,7 @@ Action color_action(render::ColorBy by, const std::string& title, const std::str
           [by](State& s, const std::string&) {
             s.view.color_by = by;
             s.view.color_range.reset();
+            if (s.view.case_colors == CaseColors::shown) s.view.case_colors = CaseColors::declined;
           },
           {},
           [by](const State& s) { return s.view.color_by == by; }};

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/debug/replay/steps.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/segment/trace.hpp"
 
@@ -24,45 +25,20 @@ bool same_kind(const planes::TraceEvent& a, const planes::TraceEvent& b) {
   return planes::info_of(a.stage)->on_pixels || (a.plane == b.plane && a.other == b.other);
 }
 
-/// The last step at which a node is dequeued or settled.
-std::int32_t end_of_traversal(const debug::Run& run) {
-  std::int32_t last = 0;
-  for (std::int32_t step = run.steps(); step > 0 && last == 0; --step) {
-    const planes::EventType type = run.event_at(step)->type;
-    if (type == planes::EventType::visit || type == planes::EventType::decide) last = step;
-  }
-  // What the last node led to.
-  const auto follows = [](planes::Stage stage) {
-    return stage == planes::Stage::merge || stage == planes::Stage::criteria;
-  };
-  while (last < run.steps() && follows(run.event_at(last + 1)->stage)) ++last;
-  return last;
-}
-
-std::string title_of(planes::Stage stage) {
-  if (const planes::StageInfo* info = planes::info_of(stage)) return info->title;
-  return stage == planes::Stage::assign ? "leftovers" : "merging";
-}
-
 }  // namespace
 
 std::vector<EventRow> event_groups(const debug::Run& run) {
   std::vector<EventRow> rows;
-  const std::int32_t traversed = end_of_traversal(run);
-  std::size_t heading = 0;  // of `rows`
-  for (std::int32_t step = 1, end = 1; step <= run.steps(); step = end) {
-    const planes::TraceEvent& event = *run.event_at(step);
-    const bool begins = step == 1 || step == traversed + 1 ||
-                        (step > traversed && event.stage != run.event_at(step - 1)->stage);
-    if (begins) {
-      heading = rows.size();
-      rows.push_back({EventRow::Kind::stage, step, step});
+  for (const debug::Phase& phase : debug::phases_of(run)) {
+    rows.push_back({EventRow::Kind::stage, phase.steps.first, phase.steps.last, phase.title});
+    for (std::int32_t step = phase.steps.first, end = step; step <= phase.steps.last; step = end) {
+      const planes::TraceEvent& event = *run.event_at(step);
+      end = step + 1;
+      while (end <= phase.steps.last && same_kind(event, *run.event_at(end))) ++end;
+      if (end - step < kLeastGroup) end = step + 1;
+      rows.push_back(
+          {end > step + 1 ? EventRow::Kind::group : EventRow::Kind::event, step, end - 1});
     }
-    end = step + 1;
-    while (end <= run.steps() && same_kind(event, *run.event_at(end))) ++end;
-    if (end - step < kLeastGroup) end = step + 1;
-    rows.push_back({end > step + 1 ? EventRow::Kind::group : EventRow::Kind::event, step, end - 1});
-    rows[heading].last = end - 1;
   }
   return rows;
 }
@@ -81,11 +57,6 @@ std::vector<EventRow> opened(const std::vector<EventRow>& groups,
       rows.push_back({EventRow::Kind::event, at, at});
   }
   return rows;
-}
-
-std::string stage_title(const debug::Run& run, std::int32_t step) {
-  const planes::TraceEvent& event = *run.event_at(step);
-  return event.type == planes::EventType::visit ? "traversal" : title_of(event.stage);
 }
 
 std::string group_text(const debug::Run& run, const EventRow& group) {

@@ -16,6 +16,7 @@ struct EventRow {
   enum class Kind : std::uint8_t { stage, group, event };
   Kind kind = Kind::event;
   std::int32_t first = 0, last = 0;  // steps; of an event the same
+  const char* title = "";            // of a stage: "traversal", "join neighbors", "leftovers"
 };
 
 /// Stages and, below each, its events, those of one kind that follow one another as a group.
@@ -25,9 +26,6 @@ std::vector<EventRow> event_groups(const debug::Run& run);
 std::vector<EventRow> opened(const std::vector<EventRow>& groups,
                              const std::set<std::int32_t>& open,
                              std::int32_t step);
-
-/// The title of the stage that begins with a step: "traversal", "join neighbors", "leftovers".
-std::string stage_title(const debug::Run& run, std::int32_t step);
 
 /// "grow moves 43 points from P7 to P8", "80 points go to 5 planes, 12 stay without one".
 std::string group_text(const debug::Run& run, const EventRow& group);

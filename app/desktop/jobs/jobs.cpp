@@ -222,12 +222,14 @@ void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& vi
   if (before && before->run->subject != view->run->subject) state.document.marked.clear();
   std::erase_if(state.document.marked,
                 [&](std::uint32_t voxel) { return voxel >= view->run->subject->voxel_count(); });
+  if (other_frame) state.view.shown_steps.reset();
   if (state.view.arrival) {
     const Bookmark arrival = *state.view.arrival;
     state.view.arrival.reset();
     go_to_bookmark(state, arrival);
   } else if (other_frame || (turned && !state.view.flash)) {
     go_to_step(state, view->run->steps());
+    state.view.shown_steps.reset();  // on the traversal: there are the decisions to look for
     refresh_matches(state);
   } else if (!state.view.flash) {
     follow_run(state, *before->run);

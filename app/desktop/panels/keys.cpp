@@ -23,6 +23,7 @@ constexpr Gesture kDebuggerMouse[] = {{"click", "selects what is there"},
                                       {"wheel", "nearer, farther"},
                                       {"drag in the image", "moves it; marks after M"},
                                       {"drag over bars", "filters the events"},
+                                      {"wheel, right drag on the timeline", "zooms, scrolls it"},
                                       {"drag a splitter", "resizes panels"}};
 constexpr Gesture kLabelMouse[] = {{"click, drag", "the tool in hand"},
                                    {"Shift drag", "takes off, of brush and areas"},

@@ -161,6 +161,7 @@ Json view_json(const ViewState& view) {
           {"octree_search", view.octree_search},
           {"only_matches", view.only_matches},
           {"rate", view.playing.steps_per_s},
+          {"step_unit", static_cast<int>(view.step_unit)},
           {"brush_px", view.label.brush_px},
           {"wand_tolerance_m", view.label.wand_options.tolerance_m},
           {"through", view.label.through},
@@ -204,6 +205,7 @@ void view_of(const Json& json, ViewState& view) {
   value_of(json, "only_matches", view.only_matches);
   value_of(json, "rate", view.playing.steps_per_s);
   view.playing.steps_per_s = std::clamp(view.playing.steps_per_s, 1.0, 100000.0);
+  enum_of(json, "step_unit", 3, view.step_unit);
   value_of(json, "brush_px", view.label.brush_px);
   view.label.brush_px = std::clamp(view.label.brush_px, 1.0, 200.0);
   value_of(json, "wand_tolerance_m", view.label.wand_options.tolerance_m);
@@ -283,6 +285,7 @@ Session session_of(const Json& json, const State& state) {
   session.view = state.view;
   session.view.flash = session.view.marking = false;
   session.view.playing.direction = 0;
+  session.view.case_colors = CaseColors::ready;  // its own colors stay
   if (session.view.against == Against::pinned) session.view.against = Against::nothing;
   view_of(json.at("view"), session.view);
   for (const Json& one : json.at("breakpoints")) session.breakpoints.push_back(breakpoint_of(one));

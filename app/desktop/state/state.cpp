@@ -1,9 +1,12 @@
 #include "app/desktop/state/state.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/desktop/debugger/step_axis.hpp"
 #include "app/desktop/tracks/map_view.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
@@ -142,6 +145,8 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
                          ? debug::measure(*run->subject, view.measured[0], view.measured[1]).text
                          : "";
   json["steps"] = run ? run->steps() : 0;
+  const debug::StepRange shown = shown_steps(state);
+  json["timeline"] = fmt::format("{}-{}", shown.first, shown.last);
   json["event"] = run && view.step > 0 ? debug::describe_event(*run, view.step) : "";
   json["node"] = view.selected.node;
   json["plane"] =

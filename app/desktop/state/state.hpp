@@ -24,6 +24,7 @@
 #include "core/debug/explain/summary.hpp"
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
+#include "core/debug/replay/steps.hpp"
 #include "core/io/picked_gravity.hpp"
 #include "core/io/recording.hpp"
 #include "core/model/image.hpp"
@@ -262,6 +263,14 @@ struct CameraHistory {
   bool zooms = false;  // the latest step is of the wheel, whose next notch is part of it
 };
 
+/// Points are colored by case while the user steps back through the traversal, in place of by
+/// plane.
+enum class CaseColors : std::uint8_t {
+  ready,     // they come with the next step back
+  shown,     // until the cursor is at the end again
+  declined,  // the user chose other colors meanwhile
+};
+
 enum class TrackColor : std::uint8_t { track, area, rms };
 /// A track's place in a frame, to go to once its run is there. `camera`: in the map's world;
 /// nothing: as it stands.
@@ -307,6 +316,9 @@ struct ViewState {
   Mode mode = Mode::debugger;
   LabelView label;
   std::int32_t step = 0;
+  debug::StepUnit step_unit = debug::StepUnit::event;
+  std::optional<debug::StepRange> shown_steps;  // on the timeline; nothing: the traversal
+  CaseColors case_colors = CaseColors::ready;
   Selection selected;
   Search search;
   PlanesView planes;

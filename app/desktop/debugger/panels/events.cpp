@@ -163,17 +163,22 @@ struct ReadyFilter {
 /// For what one looks for most often; of a depth image by the objective, of all else.
 std::span<const ReadyFilter> ready_filters(const debug::Run& run) {
   static constexpr std::array kOfImage{
-      ReadyFilter{"Joins that barely happened",
+      ReadyFilter{"Narrowly accepted merges",
                   "(stage==join || stage==hidden) && value>0.8*merge_cost"},
-      ReadyFilter{"Joins of hidden parts", "stage==hidden"},
+      ReadyFilter{"Far merges, of hidden parts", "stage==hidden"},
       ReadyFilter{"Large nodes left over", "decide && size>=1000 && (case==II || case==III)"},
-      ReadyFilter{"Planes that are not listed", "stage==list"},
-      ReadyFilter{"Planes that are barely not listed", "stage==list && value>0.5*worth_px"}};
+      ReadyFilter{"Planes dropped", "stage==list"},
+      ReadyFilter{"Planes narrowly dropped", "stage==list && value>0.8*worth_px"},
+      ReadyFilter{"Largest losses",
+                  "(stage==list && value>0.5*worth_px) || "
+                  "(decide && size>=4000 && (case==II || case==III))"}};
   static constexpr std::array kOfPaper{
-      ReadyFilter{"Merges over more than 2 cm", "merge && offset>0.02"},
-      ReadyFilter{"Nodes that are barely not planar", "decide && case==III && mse<1.25*theta_mse"},
+      ReadyFilter{"Far merges, over 2 cm", "merge && offset>0.02"},
       ReadyFilter{"Large nodes left over", "decide && size>=20 && (case==II || at_max_depth)"},
-      ReadyFilter{"Points that barely stay out", "drop && distance<2*leftover_distance_m"}};
+      ReadyFilter{"Nodes narrowly not planar", "decide && case==III && mse<1.25*theta_mse"},
+      ReadyFilter{"Points narrowly left over", "drop && distance<2*leftover_distance_m"},
+      ReadyFilter{"Planes dropped", "stage==list"},
+      ReadyFilter{"Largest losses", "decide && size>=100 && (case==II || at_max_depth)"}};
   return run.segment_options.by_objective() && run.is_on_image()
              ? std::span<const ReadyFilter>(kOfImage)
              : std::span<const ReadyFilter>(kOfPaper);
@@ -350,14 +355,12 @@ void draw_row(const Ui& ui,
 }
 
 /// The stage, in the middle of a line.
-void draw_stage(const Ui& ui, const debug::Run& run, const EventRow& row, const Columns& columns) {
+void draw_stage(const Ui& ui, const EventRow& row, const Columns& columns) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float line = ImGui::GetTextLineHeight();
-  const std::string title = stage_title(run, row.first);
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  draw->AddText(ui.bold, line, ImVec2(at.x + columns.sign, at.y), ui.colors.accent, title.c_str());
-  const float from =
-      at.x + columns.sign + ui.bold->CalcTextSizeA(line, FLT_MAX, 0, title.c_str()).x;
+  draw->AddText(ui.bold, line, ImVec2(at.x + columns.sign, at.y), ui.colors.accent, row.title);
+  const float from = at.x + columns.sign + ui.bold->CalcTextSizeA(line, FLT_MAX, 0, row.title).x;
   const float to = at.x + ImGui::GetContentRegionAvail().x;
   draw->AddLine(ImVec2(from + ui.px(8), at.y + line / 2), ImVec2(to, at.y + line / 2),
                 ui.colors.grid);
@@ -434,7 +437,7 @@ void draw_list(const Ui& ui, const debug::Run& run) {
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
       const auto at = static_cast<std::size_t>(i);
       if (rows[at].kind == EventRow::Kind::stage)
-        draw_stage(ui, run, rows[at], columns);
+        draw_stage(ui, rows[at], columns);
       else if (rows[at].kind == EventRow::Kind::group)
         draw_group(ui, run, rows[at], at + 1 < rows.size() && rows[at + 1].first == rows[at].first,
                    columns);

@@ -1,35 +1,41 @@
-// The trace from left to right: cases above, what became of planes below, and marks of what
-// matters.
+// The trace from left to right: phases, cases, what became of planes, marks of what matters, and an
+// overview of all of it.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/debugger/axes.hpp"
-#include "app/desktop/look.hpp"
+#include "app/desktop/debugger/timeline_rows.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "render/palette.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
 
-/// The scrubber's rows on screen, from top to bottom.
-struct Rows {
-  float x = 0, width = 0;
-  float marks = 0, cases = 0, planes = 0, matches = 0, end = 0;  // upper edges
-  std::int32_t steps = 0;
-
-  int columns() const { return static_cast<int>(width); }
-  float at(std::int32_t step) const {
-    return x + static_cast<float>(column_of_step(step, steps, columns())) + 0.5f;
+void draw_step_unit(const Ui& ui) {
+  struct Unit {
+    const char *name, *title, *does;
+  };
+  static constexpr Unit kUnits[] = {
+      {"event", "Event", "to the next event"},
+      {"node", "Node", "to the next node that is decided"},
+      {"plane", "Plane", "to the next event that founds, joins, splits or drops a plane"}};
+  const Unit& now = kUnits[static_cast<std::size_t>(ui.state.view.step_unit)];
+  ImGui::SetNextItemWidth(ui.px(74));
+  if (ImGui::BeginCombo("##unit", now.title)) {
+    for (const Unit& unit : kUnits) {
+      if (ImGui::Selectable(unit.title, unit.name == now.name)) ui.emit("step.unit", unit.name);
+      ui.name(std::string("timeline.unit.") + unit.name);
+      tooltip(unit.does);
+    }
+    ImGui::EndCombo();
+  } else {
+    tooltip(fmt::format("Step {} (Shift+R)", now.does));
   }
-  std::int32_t step_at(float screen_x) const {
-    const double share = (screen_x - x) / std::max(1.0f, width - 1);
-    return static_cast<std::int32_t>(std::lround(std::clamp(share, 0.0, 1.0) * steps));
-  }
-};
+  ui.name("timeline.unit");
+}
 
 void draw_step_controls(const Ui& ui) {
   const debug::Run* run = ui.state.run();
@@ -53,6 +59,8 @@ void draw_step_controls(const Ui& ui) {
     ImGui::EndCombo();
   }
   ui.name("timeline.rate");
+  ImGui::SameLine();
+  draw_step_unit(ui);
   if (!run) return;
   ImGui::SameLine();
   int step = ui.state.view.step;
@@ -77,117 +85,128 @@ void draw_step_controls(const Ui& ui) {
   if (shown != text) tooltip(text);
 }
 
-void draw_cases(const Ui& ui,
-                const Rows& rows,
-                const std::vector<TimelineColumn>& columns,
-                ImDrawList* draw) {
-  draw->AddRectFilled(ImVec2(rows.x, rows.cases), ImVec2(rows.x + rows.width, rows.planes - 2),
-                      ui.colors.panel);
-  const auto settles = [](const TimelineColumn& column) { return column.decided() > 0; };
-  const auto end = std::find_if(columns.rbegin(), columns.rend(), settles).base();
-  const TimelineColumn* last = nullptr;
-  for (auto column = columns.begin(); column != end; ++column) {
-    if (settles(*column)) last = &*column;
-    if (!last) continue;  // a decision reaches to the next one
-    const float x = rows.x + static_cast<float>(column - columns.begin());
-    float y = rows.cases;
-    for (int c = 1; c <= 4; ++c) {  // shares of the column's height
-      const float height = (rows.planes - 2 - rows.cases) *
-                           static_cast<float>(last->cases[static_cast<std::size_t>(c)]) /
-                           static_cast<float>(last->decided());
-      draw->AddRectFilled(ImVec2(x, y), ImVec2(x + 1, y + height),
-                          to_imgui(render::case_color(static_cast<planes::Case>(c))));
-      y += height;
-    }
+// ---- The mouse ---------------------------------------------------------------------------------
+
+void show(const Ui& ui, const debug::StepRange& shown, const debug::StepRange& wanted) {
+  if (wanted != shown) ui.emit("timeline.range", fmt::format("{}-{}", wanted.first, wanted.last));
+}
+
+/// Scrolling over the item zooms about a step.
+void zoom(const Ui& ui, const debug::StepRange& shown, std::int32_t about) {
+  constexpr double kNotch = 0.75;
+  const float wheel = ImGui::GetIO().MouseWheel;
+  if (wheel == 0 || !ImGui::IsItemHovered()) return;
+  show(ui, shown, zoomed(shown, about, std::pow(kNotch, wheel), ui.state.run()->steps()));
+}
+
+/// Which button began to drag the item; -1: none does.
+int dragging_button(TimelineMemory& memory) {
+  if (ImGui::IsItemActivated())
+    memory.button = ImGui::IsMouseClicked(0) ? 0 : ImGui::IsMouseClicked(1) ? 1 : 2;
+  return ImGui::IsItemActive() ? memory.button : -1;
+}
+
+/// The right or middle button drags the steps along.
+void pan(const Ui& ui, const TimelineRows& rows, int button) {
+  TimelineMemory& memory = ui.memory.timeline;
+  const debug::StepRange& shown = rows.axis.steps;
+  if (ImGui::IsItemActivated()) memory.grabbed = shown.first;
+  if (button != 1 && button != 2) return;
+  const float by = ImGui::GetMouseDragDelta(button, 0).x / rows.axis.step_width();
+  const std::int32_t first = memory.grabbed - static_cast<std::int32_t>(std::lround(by));
+  show(ui, shown, moved(shown, first - shown.first, ui.state.run()->steps()));
+}
+
+/// Above the timeline: below the mouse it would hide the steps.
+void tip(const TimelineRows& rows, const std::string& text) {
+  const float x = ImGui::GetIO().MousePos.x;
+  ImGui::SetNextWindowPos(ImVec2(x, rows.phases - 2), ImGuiCond_Always,
+                          ImVec2((x - rows.axis.x) / rows.axis.width, 1));
+  ImGui::SetTooltip("%s", text.c_str());
+}
+
+const debug::Phase* phase_at(const Ui& ui, std::int32_t step) {
+  const std::vector<debug::Phase>& phases = ui.memory.timeline.phases;
+  const auto phase = std::ranges::find_if(
+      phases, [&](const debug::Phase& one) { return std::max(step, 1) <= one.steps.last; });
+  return phase == phases.end() ? nullptr : &*phase;
+}
+
+void use_phases(const Ui& ui, const TimelineRows& rows) {
+  constexpr ImGuiButtonFlags kButtons = ImGuiButtonFlags_MouseButtonLeft |
+                                        ImGuiButtonFlags_MouseButtonRight |
+                                        ImGuiButtonFlags_MouseButtonMiddle;
+  ImGui::SetCursorScreenPos(ImVec2(rows.axis.x, rows.phases));
+  ImGui::InvisibleButton("phases", ImVec2(rows.axis.width, rows.marks - rows.phases), kButtons);
+  ui.name("timeline.phases");
+  const std::int32_t mouse = rows.axis.at(ImGui::GetIO().MousePos.x);
+  zoom(ui, rows.axis.steps, mouse);
+  const int button = dragging_button(ui.memory.timeline);
+  pan(ui, rows, button);
+  const debug::Phase* phase = phase_at(ui, mouse);
+  if (!phase || !ImGui::IsItemHovered()) return;
+  const auto [first, last] = phase->steps;
+  if (ImGui::IsMouseDoubleClicked(0))
+    show(ui, rows.axis.steps, {first == 1 ? 0 : first, last});
+  else if (button < 0)
+    tip(rows, fmt::format("{}: steps {} to {}, {}\nDouble-click to fit", phase->title, first, last,
+                          counted(static_cast<std::size_t>(phase->steps.count()), "event")));
+}
+
+std::string step_text(const Ui& ui, std::int32_t step) {
+  const debug::Phase* phase = phase_at(ui, step);
+  if (step == 0 || !phase) return fmt::format("step {}\nbefore the first event", step);
+  return fmt::format("step {}, {}\n{}", step, phase->title,
+                     debug::describe_event(*ui.state.run(), step));
+}
+
+/// Returns the step under the mouse, -1 if the mouse is elsewhere.
+std::int32_t use_steps(const Ui& ui, const TimelineRows& rows) {
+  constexpr ImGuiButtonFlags kButtons = ImGuiButtonFlags_MouseButtonLeft |
+                                        ImGuiButtonFlags_MouseButtonRight |
+                                        ImGuiButtonFlags_MouseButtonMiddle;
+  TimelineMemory& memory = ui.memory.timeline;
+  ImGui::SetCursorScreenPos(ImVec2(rows.axis.x, rows.marks));
+  ImGui::InvisibleButton("scrubber", ImVec2(rows.axis.width, rows.end - rows.marks), kButtons);
+  ui.name("timeline");
+  const std::int32_t mouse = rows.axis.at(ImGui::GetIO().MousePos.x);
+  zoom(ui, rows.axis.steps, mouse);
+  const int button = dragging_button(memory);
+  pan(ui, rows, button);
+  if (button == 0) {
+    if (ImGui::IsItemActivated() && ui.state.view.playing.direction != 0) ui.emit("step.stop");
+    if (mouse != ui.state.view.step) ui.emit("step.goto", std::to_string(mouse));
   }
-}
-
-/// Planes founded stand tallest; merges, assignments and changes less so.
-void draw_plane_events(const Ui& ui,
-                       const Rows& rows,
-                       const std::vector<TimelineColumn>& columns,
-                       ImDrawList* draw) {
-  draw->AddRectFilled(ImVec2(rows.x, rows.planes), ImVec2(rows.x + rows.width, rows.matches - 2),
-                      ui.colors.panel);
-  const float height = rows.matches - 2 - rows.planes;
-  render::StepLook look;
-  look.color_of_plane = colors_of_planes(ui.state, *ui.state.run_view());
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const TimelineColumn& column = columns[i];
-    const float share = column.found > 0                          ? 1.0f
-                        : column.merged > 0 || column.refined > 0 ? 0.7f
-                        : column.assigned + column.dropped > 0    ? 0.4f
-                                                                  : 0.0f;
-    if (share == 0) continue;
-    const float x = rows.x + static_cast<float>(i);
-    const render::Rgba color =
-        column.plane >= 0 ? look.plane_color(column.plane) : render::leftover_color();
-    draw->AddRectFilled(ImVec2(x, rows.matches - 2 - share * height),
-                        ImVec2(x + 1, rows.matches - 2), to_imgui(color));
+  // A double click whose second press drags is still a drag.
+  if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0)) memory.double_clicked = true;
+  if (memory.double_clicked && ImGui::IsMouseReleased(0)) {
+    memory.double_clicked = false;
+    if (!was_dragged()) ui.emit("timeline.all");
   }
+  if (button >= 0 || !ImGui::IsItemHovered()) return -1;
+  tip(rows, step_text(ui, mouse));
+  return mouse;
 }
 
-/// One tick per column at most, however many there are.
-template <typename Mark>
-void for_columns(const Rows& rows, const std::vector<std::int32_t>& steps, const Mark& mark) {
-  float last = -1;
-  for (const std::int32_t step : steps) {
-    if (step > rows.steps) break;
-    const float x = rows.at(step);
-    if (x != last) mark(x);
-    last = x;
-  }
-}
-
-const std::vector<std::int32_t>& stops_of(const Ui& ui) {
-  BreakpointStops& stops = ui.memory.breakpoint_stops;
-  std::string all;
-  for (const Breakpoint& b : ui.state.document.breakpoints)
-    all += fmt::format("{}|{}|{}|{};", static_cast<int>(b.kind), b.filter, b.index, b.enabled);
-  const std::shared_ptr<const debug::Run>& run = ui.state.run_view()->run;
-  if (stops.run.lock() != run || stops.breakpoints != all)
-    stops = {run, all, breakpoint_steps(*run, ui.state.document)};
-  return stops.steps;
-}
-
-void draw_marks(const Ui& ui, const Rows& rows, ImDrawList* draw) {
-  const float height = rows.cases - rows.marks;
-  const float middle = rows.marks + height / 2;
-  const float r = height * 0.36f;
-  for_columns(rows, stops_of(ui),
-              [&](float x) { draw->AddCircleFilled(ImVec2(x, middle), r, ui.colors.bad); });
-  for (const Bookmark& bookmark : ui.state.document.bookmarks) {
-    if (bookmark.frame != ui.state.document.frame || bookmark.step > rows.steps) continue;
-    const float x = rows.at(bookmark.step);
-    draw->AddTriangleFilled(ImVec2(x - r, rows.marks), ImVec2(x + r, rows.marks),
-                            ImVec2(x, rows.cases - 1), ui.colors.accent);
-  }
-  for_columns(rows, ui.state.view.search.matches, [&](float x) {
-    draw->AddLine(ImVec2(x, rows.matches), ImVec2(x, rows.end), ui.colors.accent);
-  });
-  const auto& comparison = ui.state.results.comparison;
-  if (!comparison || ui.state.view.against != Against::pinned) return;
-  const std::int32_t parts =
-      ui.state.view.flash ? comparison->diverging_step_a : comparison->diverging_step_b;
-  if (parts > rows.steps) return;
-  const float x = rows.at(parts);
-  draw->AddLine(ImVec2(x, rows.marks), ImVec2(x, rows.end), ui.colors.warning, ui.px(1.5f));
-  draw->AddText(ui.small, ui.px(12), ImVec2(x + ui.px(3), rows.marks - ui.px(3)), ui.colors.warning,
-                "A ≠ B");
-}
-
-void draw_cursor(const Ui& ui, const Rows& rows, ImDrawList* draw) {
-  const float x = rows.at(ui.state.view.step);
-  const float r = ui.px(4);
-  draw->AddLine(ImVec2(x, rows.marks), ImVec2(x, rows.end), ui.colors.text, ui.px(1.5f));
-  draw->AddTriangleFilled(ImVec2(x - r, rows.end), ImVec2(x + r, rows.end),
-                          ImVec2(x, rows.end - 1.6f * r), ui.colors.text);
-}
-
-void tell(const Ui& ui, std::int32_t step) {
-  const debug::Run& run = *ui.state.run();
-  ImGui::SetTooltip("step %d\n%s", step,
-                    step > 0 ? debug::describe_event(run, step).c_str() : "before the first event");
+/// Dragging the frame scrolls; a click beside it brings it there.
+void use_overview(const Ui& ui, const TimelineRows& rows) {
+  TimelineMemory& memory = ui.memory.timeline;
+  const debug::StepRange& shown = rows.axis.steps;
+  const std::int32_t steps = ui.state.run()->steps();
+  ImGui::SetCursorScreenPos(ImVec2(rows.axis.x, rows.overview));
+  ImGui::InvisibleButton("overview", ImVec2(rows.axis.width, rows.bottom - rows.overview));
+  ui.name("timeline.overview");
+  const std::int32_t mouse = rows.whole(steps).at(ImGui::GetIO().MousePos.x);
+  zoom(ui, shown, shown.contains(mouse) ? mouse : shown.first + shown.count() / 2);
+  if (ImGui::IsItemActivated())
+    memory.grabbed = shown.contains(mouse) ? mouse - shown.first : shown.count() / 2;
+  if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0))
+    ui.emit("timeline.all");
+  else if (ImGui::IsItemActive())
+    show(ui, shown, moved(shown, mouse - memory.grabbed - shown.first, steps));
+  else if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("steps %d to %d of %d\nDrag to scroll, double-click to show all", shown.first,
+                      shown.last, steps);
 }
 
 }  // namespace
@@ -196,35 +215,18 @@ void draw_timeline(const Ui& ui) {
   draw_step_controls(ui);
   const debug::Run* run = ui.state.run();
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  if (!run || room.x < 16 || room.y < 16) return;
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  Rows rows;
-  rows.x = at.x;
-  rows.width = std::floor(room.x);
-  rows.marks = at.y;
-  rows.cases = std::round(at.y + 0.2f * room.y);
-  rows.planes = std::round(at.y + 0.6f * room.y);
-  rows.matches = std::round(at.y + 0.85f * room.y);
-  rows.end = at.y + room.y;
-  rows.steps = run->steps();
-
-  ImGui::InvisibleButton("scrubber", room);
-  ui.name("timeline");
-  const float mouse = ImGui::GetIO().MousePos.x;
-  if (ImGui::IsItemActivated() && ui.state.view.playing.direction != 0) ui.emit("step.stop");
-  if (ImGui::IsItemActive()) {
-    const std::int32_t wanted = rows.step_at(mouse);
-    if (wanted != ui.state.view.step) ui.emit("step.goto", std::to_string(wanted));
-  } else if (ImGui::IsItemHovered()) {
-    tell(ui, rows.step_at(mouse));
-  }
-
-  ImDrawList* draw = ImGui::GetWindowDrawList();
-  const std::vector<TimelineColumn> columns = timeline_columns(*run, rows.columns());
-  draw_cases(ui, rows, columns, draw);
-  draw_plane_events(ui, rows, columns, draw);
-  draw_marks(ui, rows, draw);
-  draw_cursor(ui, rows, draw);
+  if (!run || room.x < 16 || room.y < ui.px(40)) return;
+  const TimelineRows rows =
+      timeline_rows(ui, ImGui::GetCursorScreenPos(), room, shown_steps(ui.state));
+  refresh_timeline(ui, rows);
+  use_phases(ui, rows);
+  use_overview(ui, rows);
+  const std::int32_t hovered = use_steps(ui, rows);
+  draw_phases(ui, rows);
+  draw_steps(ui, rows);
+  draw_step_marks(ui, rows);
+  draw_step_cursor(ui, rows, hovered);
+  draw_overview(ui, rows);
 }
 
 }  // namespace planescope::desktop
