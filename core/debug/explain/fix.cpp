@@ -220,18 +220,21 @@ class Search {
     return fix;
   }
 
-  /// The smallest change to one side: outwards in steps, then bisected.
+  /// The smallest change to one side: outwards in steps, then bisected. A change that recovers the
+  /// surface is at least the first step: what less of it does is chance.
   std::optional<Fix> by_number(int side) {
-    static constexpr std::array kSteps{0.14, 0.35, 0.69, 1.0987, 1.6, 2.3, 3.2, 4.61};
+    static constexpr std::array kSteps{0.048, 0.14, 0.35, 0.69, 1.0987, 1.6, 2.3, 3.2, 4.61};
     const double start = scale_position(info_, planes::number_of(info_, run_.options));
     double fails = 0;
-    for (const double step : std::span(kSteps).first(target_.far ? kSteps.size() : 4)) {
+    for (const double step : std::span(kSteps).first(target_.far ? kSteps.size() : 5)) {
       if (stop_.stop_requested()) return {};
       if (!grants_at(start + side * step)) {
         fails = step;
         continue;
       }
-      const double nearest = bisect(start + side * fails, start + side * step, start);
+      const double nearest = step == kSteps.front()
+                                 ? start + side * step
+                                 : bisect(start + side * fails, start + side * step, start);
       const std::string value = rounded(scale_value(info_, nearest), start, side);
       if (stop_.stop_requested()) return {};
       return tried(value, std::abs(scale_position(info_, std::stod(value)) - start));
