@@ -149,7 +149,8 @@ int majority(const Plane& plane, const LabelGrid& grid, std::uint32_t pixel) {
 Finish fill_holes(const FrameLabels& labels,
                   const LabelGrid& grid,
                   int id,
-                  const WandOptions& options) {
+                  const WandOptions& options,
+                  int most_px) {
   const Plane plane = plane_of(labels, grid, id, options);
   Finish finish;
   if (grid.is_cloud()) {
@@ -158,8 +159,7 @@ Finish fill_holes(const FrameLabels& labels,
       if (plane.takes(i, kLoosely) && raster.holds(i)) finish.adds.push_back(i);
     return finish;
   }
-  const int any = static_cast<int>(grid.pixels());
-  for (const PixelSet& hole : small_holes(plane.region, grid.width, grid.height, any))
+  for (const PixelSet& hole : small_holes(plane.region, grid.width, grid.height, most_px))
     std::ranges::copy_if(hole, std::back_inserter(finish.adds),
                          [&](std::uint32_t i) { return plane.takes(i, kLoosely); });
   std::ranges::sort(finish.adds);
