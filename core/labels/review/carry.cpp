@@ -173,7 +173,7 @@ class Carrying {
       for (std::size_t i = 0; i < to_.pixels(); ++i) within[i] = expected_.seen_at[i] == kUnseen;
       for (const std::uint32_t i : pixels_of_plane(result_.labels, plane.id)) within[i] = 1;
       change(plane.id, grow_to_border(result_.labels, to_, plane.id, {.within = within}));
-      change(plane.id, fill_holes(result_.labels, to_, plane.id, {}, kHole_px));
+      change(plane.id, fill_small_holes(result_.labels, to_, plane.id, {}, kHole_px));
       Finish smooth = smooth_border(result_.labels, to_, plane.id, {});
       smooth.takes.clear();  // narrow parts stay as they were drawn
       change(plane.id, smooth);

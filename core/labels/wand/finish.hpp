@@ -4,8 +4,6 @@
 // first; finished() does it. Only unlabelled pixels are added, and none is farther off the plane
 // than the wand would take (WandOptions, wand_field.hpp).
 
-#include <limits>
-
 #include "core/labels/model/grid.hpp"
 #include "core/labels/wand/wand.hpp"
 
@@ -19,12 +17,11 @@ struct Finish {
 };
 
 // All throw Error where there is no such plane, or it is locked.
-/// What lies on the plane in its holes; in an image, those of at most `most_px` pixels.
-Finish fill_holes(const FrameLabels& labels,
-                  const LabelGrid& grid,
-                  int plane,
-                  const WandOptions&,
-                  int most_px = std::numeric_limits<int>::max());
+/// What lies on the plane in its holes, however large they are.
+Finish fill_holes(const FrameLabels& labels, const LabelGrid& grid, int plane, const WandOptions&);
+/// The same of an image's holes with at most `most_px` pixels.
+Finish fill_small_holes(
+    const FrameLabels& labels, const LabelGrid& grid, int plane, const WandOptions&, int most_px);
 /// Straightens the border: a pixel near it goes with most of those around, within a few pixels.
 Finish smooth_border(const FrameLabels& labels,
                      const LabelGrid& grid,
