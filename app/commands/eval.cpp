@@ -6,6 +6,7 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
+#include "core/labels/exchange/coco.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
@@ -29,7 +30,8 @@ struct EvalArgs {
 };
 
 /// What a folder says about a frame: as `planescope segment` wrote it (frames/000123), as label
-/// files, or in a format of exchange (000123.npy, .label, .npz, .ply, .pcd, .json). `gravity` is
+/// files, or in a format of exchange (000123.npy, .label, .npz, .ply, .pcd, .json;
+/// annotations.json of all frames). `gravity` is
 /// that of the truth. nullopt where it holds nothing of the frame. Throws Error where that is
 /// damaged or does not fit the frame.
 std::optional<FrameLabels> read_prediction(const fs::path& dir,
@@ -47,6 +49,12 @@ std::optional<FrameLabels> read_prediction(const fs::path& dir,
     if (fs::exists(path))
       return labels::labels_of_points(labels::read_labelled(path, labels::label_format_of(path)),
                                       labels::make_label_grid(frame, gravity), hash, path.string());
+  if (const fs::path path = dir / labels::kCocoFileName; fs::exists(path)) {
+    const labels::CocoFile coco = labels::read_coco(path);
+    if (const auto image = coco.image_of_frame(frame.index))
+      return labels::labels_of_points(coco.points(*image), labels::make_label_grid(frame, gravity),
+                                      hash, path.string());
+  }
   return std::nullopt;
 }
 

@@ -7,10 +7,13 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/labels.hpp"
+#include "core/io/image/png.hpp"
+#include "core/labels/exchange/coco.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/cloud/gravity.hpp"
@@ -70,22 +73,52 @@ const char* extension_of(labels::LabelFormat format) {
 struct FileOfFrame {
   int frame = 0;
   fs::path path;
+  std::optional<std::size_t> image;  // of a COCO file with several frames
 };
 
+/// The frames that a COCO file has images of, by their names.
+std::vector<FileOfFrame> images_to_import(const labels::CocoFile& coco,
+                                          const fs::path& path,
+                                          const OpenInput& input) {
+  std::vector<FileOfFrame> files;
+  for (const int frame : input.frames)
+    if (const auto image = coco.image_of_frame(frame)) files.push_back({frame, path, image});
+  if (files.empty())
+    throw Error(fmt::format("{}: no image of any of the frames, expected names such as {:06}.png",
+                            path.string(), input.frames[0]));
+  return files;
+}
+
+/// The COCO file with all frames: of a folder as export writes it, or one with several images.
+std::optional<fs::path> coco_to_import(const LabelsArgs& args, labels::LabelFormat format) {
+  if (format != labels::LabelFormat::coco) return std::nullopt;
+  if (fs::is_directory(args.from)) {
+    const fs::path path = args.from / labels::kCocoFileName;
+    return fs::exists(path) ? std::optional(path) : std::nullopt;
+  }
+  return fs::exists(args.from) ? std::optional(args.from) : std::nullopt;
+}
+
 /// One file, for the one frame that is asked for; or those of a folder, named as export names them.
-std::vector<FileOfFrame> files_to_import(const LabelsArgs& args, const OpenInput& input) {
+std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
+                                         const OpenInput& input,
+                                         labels::LabelFormat format,
+                                         const std::optional<labels::CocoFile>& coco,
+                                         const std::optional<fs::path>& coco_path) {
   if (!fs::exists(args.from)) throw Error(args.from.string() + ": no such file or folder");
+  const bool is_one = coco && coco->names().size() == 1 && !fs::is_directory(args.from);
+  if (coco && !is_one) return images_to_import(*coco, *coco_path, input);
   if (!fs::is_directory(args.from)) {
     if (input.frames.size() != 1)
       throw Error(fmt::format("{}: one file for {} frames, say for which with --frames N",
                               args.from.string(), input.frames.size()));
-    return {{input.frames[0], args.from}};
+    return {{input.frames[0], args.from, {}}};
   }
-  const std::string extension = extension_of(labels::parse_label_format(args.format));
+  const std::string extension = extension_of(format);
   std::vector<FileOfFrame> files;
   for (const int frame : input.frames) {
     const fs::path path = args.from / fmt::format("{:06}{}", frame, extension);
-    if (fs::exists(path)) files.push_back({frame, path});
+    if (fs::exists(path)) files.push_back({frame, path, {}});
   }
   if (files.empty())
     throw Error(fmt::format("{}: no file for any of the frames, expected names such as {:06}{}",
@@ -110,10 +143,12 @@ std::size_t labelled_in(const labels::LabelledPoints& points) {
 
 Import read_import(const FileOfFrame& file,
                    labels::LabelFormat format,
+                   const std::optional<labels::CocoFile>& coco,
                    const OpenInput& input,
                    const planes::PipelineOptions& options,
                    labels::LabelStore& store) {
-  const labels::LabelledPoints points = labels::read_labelled(file.path, format);
+  const labels::LabelledPoints points =
+      file.image ? coco->points(*file.image) : labels::read_labelled(file.path, format);
   const Frame frame = input.frame(file.frame);
   const std::string hash = input.recording->frame_hash(file.frame);
   const labels::LabelGrid grid = labels::make_label_grid(
@@ -151,10 +186,16 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   if (frames.empty())
     throw Error(input.label_dir.string() + ": no labels of the frames that are asked for");
   std::vector<fs::path> written;
+  const bool is_coco = format == labels::LabelFormat::coco;
+  labels::CocoWriter coco;  // one file for all frames
+  const auto picture_of = [](int frame) {
+    return fmt::format("{}/{:06}.png", labels::kCocoPictures, frame);
+  };
   {
     const int count = static_cast<int>(frames.size());
     Progress progress("export", count);
     std::vector<std::vector<fs::path>> paths(frames.size());
+    std::vector<labels::LabelledPoints> of_coco(is_coco ? frames.size() : 0);
     const auto make = [&](int i) {
       const int index = frames[i];
       if (stop.stop_requested()) return;
@@ -163,13 +204,20 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
           labels::read_labels_of_frame(input.label_dir, frame, input.recording->frame_hash(index));
       if (!labels) return;
       frame = frame_as_drawn(std::move(frame), input.recording->info(), *labels);
-      if (frame.is_cloud() && format == labels::LabelFormat::coco)
+      if (frame.is_cloud() && is_coco)
         throw Error(fmt::format(
             "{}, frame {}: coco is for images, this is a cloud: expected --format evops, "
             "ply, pcd, kitti, npz or voxels",
             input.path.string(), index));
       make_output_dir(args.out);
       const labels::LabelGrid grid = labels::make_label_grid(frame, labels->gravity);
+      if (is_coco) {
+        of_coco[i] = labels::points_of_labels(*labels, grid);
+        make_output_dir(args.out / labels::kCocoPictures);
+        paths[i] = {args.out / picture_of(index)};
+        io::write_png(paths[i][0], labels::coco_picture(grid));
+        return;
+      }
       paths[i] = labels::write_labelled(args.out / fmt::format("{:06}", index), format,
                                         labels::points_of_labels(*labels, grid),
                                         args.input.pipeline.cloud.voxel_size_m);
@@ -178,8 +226,15 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
       if (stop.stop_requested()) throw Cancelled();
       progress.show(i + 1, fmt::format("frame {}", frames[i]));
       written.insert(written.end(), paths[i].begin(), paths[i].end());
+      if (!is_coco || paths[i].empty()) return;
+      coco.add(of_coco[i], picture_of(frames[i]));
+      of_coco[i] = {};
     };
     work_in_order(count, args.input.pipeline.threads, make, take);
+  }
+  if (is_coco && !written.empty()) {
+    written.push_back(args.out / labels::kCocoFileName);
+    write_file_bytes(written.back(), coco.bytes(), Durable::yes);
   }
   for (const fs::path& path : written) fmt::print("{}\n", path.string());
   return 0;
@@ -196,7 +251,10 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   if (fs::is_directory(input.path) && is_below(input.label_dir, input.path))
     throw Error(input.label_dir.string() +
                 ": is inside the recording, expected a folder elsewhere");
-  const auto files = files_to_import(args, input);
+  const std::optional<fs::path> coco_path = coco_to_import(args, format);
+  std::optional<labels::CocoFile> coco;
+  if (coco_path) coco = labels::read_coco(*coco_path);
+  const auto files = files_to_import(args, input, format, coco, coco_path);
   labels::LabelStore store(input.label_dir);
   if (!store.read_only().empty()) throw Error(input.label_dir.string() + ": " + store.read_only());
   for (const std::string& what : store.notices()) notice("warning: {}", what);
@@ -207,7 +265,7 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
     for (const FileOfFrame& file : files) {
       if (stop.stop_requested()) throw Cancelled();
       progress.show(static_cast<int>(imports.size()), fmt::format("frame {}", file.frame));
-      imports.push_back(read_import(file, format, input, args.input.pipeline, store));
+      imports.push_back(read_import(file, format, coco, input, args.input.pipeline, store));
     }
   }
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -244,8 +302,8 @@ int run_labels_convert(const ConvertArgs& args, const std::stop_token&) {
 }  // namespace
 
 void define_labels_export(CLI::App* labels, Line& line) {
-  CLI::App* command =
-      labels->add_subcommand("export", "Write labels in another tool's format, a file per frame");
+  CLI::App* command = labels->add_subcommand(
+      "export", "Write labels in another tool's format: a file per frame, for coco one for all");
   const auto args = std::make_shared<LabelsArgs>();
   add_inputs(command, args->input, "A recording with labels");
   add(command, "--format", args->format, kFormats, "What to write")->required();

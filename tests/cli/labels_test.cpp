@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/image/png.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/store/store.hpp"
@@ -147,6 +150,82 @@ TEST_F(Labels, WhatIsExportedComesBackByImport) {
     EXPECT_FALSE(fs::exists(fs::path(back) / "000002.json"));
   }
   EXPECT_EQ(files_below(rec).size(), 4u);  // nothing was written there
+}
+
+TEST_F(Labels, CocoIsOneFileWithAPictureForEachFrame) {
+  const fs::path out = dir / "coco";
+  ASSERT_EQ(labels("export", {rec.string(), "--format", "coco", "-o", out.string()}).code, 0);
+  const Json coco = Json::parse(read_text(out / "annotations.json"));
+  std::map<int, Json> images, annotations;
+  std::set<int> categories;
+  for (const Json& category : coco["categories"]) categories.insert(category["id"].get<int>());
+  EXPECT_EQ(categories.size(), coco["categories"].size());
+  for (const Json& image : coco["images"]) {
+    images[image["id"]] = image;
+    const io::PngInfo png = io::png_info(out / image["file_name"].get<std::string>());
+    EXPECT_EQ(png.width, image["width"]);
+    EXPECT_EQ(png.height, image["height"]);
+  }
+  ASSERT_EQ(images.size(), 2u);
+  EXPECT_EQ(images[1]["file_name"], "images/000000.png");
+  EXPECT_EQ(images[2]["file_name"], "images/000001.png");
+  std::map<int, int> of_image;
+  for (const Json& annotation : coco["annotations"]) {
+    annotations[annotation["id"]] = annotation;
+    ++of_image[annotation["image_id"].get<int>()];
+    EXPECT_TRUE(categories.contains(annotation["category_id"].get<int>()));
+    std::int64_t inside = 0, all = 0;
+    bool is_inside = false;
+    for (const Json& count : annotation["segmentation"]["counts"]) {
+      all += count.get<std::int64_t>();
+      if (is_inside) inside += count.get<std::int64_t>();
+      is_inside = !is_inside;
+    }
+    const Json& image = images[annotation["image_id"]];
+    EXPECT_EQ(all, image["width"].get<int>() * image["height"].get<int>());
+    EXPECT_EQ(inside, annotation["area"]);
+    EXPECT_EQ(annotation["iscrowd"], 1);
+  }
+  EXPECT_EQ(annotations.size(), coco["annotations"].size()) << "ids are unique";
+  EXPECT_EQ(of_image, (std::map<int, int>{{1, 2}, {2, 2}}));
+}
+
+TEST_F(Labels, CocoIsReadFromOneFileForAllFramesAndFromAFileForEach) {
+  const fs::path out = dir / "coco", old = dir / "old";
+  ASSERT_EQ(labels("export", {rec.string(), "--format", "coco", "-o", out.string()}).code, 0);
+  // As earlier versions wrote it: 000000.json and 000001.json with one image each.
+  const Json all = Json::parse(read_text(out / "annotations.json"));
+  fs::create_directories(old);
+  for (const int frame : {0, 1}) {
+    Json one = all;
+    one["images"] = Json::array({all["images"][frame]});
+    one["images"][0]["id"] = 1;
+    one["images"][0]["file_name"] = "00000" + std::to_string(frame) + ".png";
+    one["annotations"] = Json::array();
+    for (Json annotation : all["annotations"]) {
+      if (annotation["image_id"] != frame + 1) continue;
+      annotation["image_id"] = 1;
+      one["annotations"].push_back(annotation);
+    }
+    write_text(old / ("00000" + std::to_string(frame) + ".json"), one.dump());
+  }
+  int number = 0;
+  for (const fs::path& from : {out, out / "annotations.json", old}) {
+    SCOPED_TRACE(from);
+    const std::string back = (dir / ("back" + std::to_string(number++))).string();
+    const Ran ran = labels("import", {rec.string(), "--format", "coco", "--from", from.string(),
+                                      "--labels", back, "--gravity", "0,1,0"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    for (const int frame : {0, 1}) EXPECT_EQ(planes_in(back, frame), planes_in(own, frame));
+  }
+  const Ran scored =
+      run({"eval", rec.string(), "--frames", "0:2", "--json", "--prediction", out.string()});
+  ASSERT_EQ(scored.code, 0) << scored.err;
+  EXPECT_EQ(Json::parse(scored.out)["mean"]["mean_iou"], 100);
+  expect_refused(
+      labels("import", {rec.string(), "--format", "coco", "--from", out.string(), "--frames", "2",
+                        "--labels", (dir / "none").string(), "--gravity", "0,1,0"}),
+      "no image of any of the frames, expected names such as 000002.png");
 }
 
 TEST_F(Labels, AnImportCanBeTakenBack) {

@@ -54,6 +54,23 @@ void edit(State& state, const std::string& text) {
   view.plane = item.label_plane;
 }
 
+void slivers(State& state, const std::string& what) {
+  LabelView& view = state.view.label;
+  if (what == "show") {
+    view.review_slivers = !view.review_slivers;
+    const ReviewQueue* queue = state.results.label.review.get();
+    const bool inside = queue && view.review_item >= 0 && view.review_item < item_count(state) &&
+                        is_sliver(queue->items[static_cast<std::size_t>(view.review_item)]);
+    if (!view.review_slivers && inside) view.review_item = -1;
+    return;
+  }
+  if (what == "keep") return decide_slivers(state, ReviewDecision::keep);
+  if (what == "take") return decide_slivers(state, ReviewDecision::take);
+  if (what == "ignore") return decide_slivers(state, ReviewDecision::ignore);
+  throw Error(
+      fmt::format("action review.slivers: '{}', expected show, keep, take or ignore", what));
+}
+
 void finish(State& state) {
   const LabelWork work = label_work(state);
   FrameLabels after = *work.labels;
@@ -152,6 +169,14 @@ std::vector<Action> label_review_actions() {
        [](State& s, const std::string& text) {
          choose_item(s, whole_argument("review.item", text, 0, item_count(s) - 1));
        },
+       can_label,
+       {}},
+      {"review.slivers",
+       "Show or decide all slivers",
+       "",
+       "",
+       "show|keep|take|ignore",
+       slivers,
        can_label,
        {}},
       {"review.smallest",

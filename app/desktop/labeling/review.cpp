@@ -10,6 +10,7 @@
 #include "app/desktop/labeling/work.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -156,6 +157,58 @@ void decide(State& state, ReviewDecision decision) {
     return choose_item(state, static_cast<int>(moved - next->items.begin()));
   }
   if (was_open) go_on(state, chosen);
+}
+
+bool is_sliver(const labels::Disagreement& item) {
+  return item.kind == DisagreementKind::boundary && !item.note;
+}
+
+Slivers slivers_of(const ReviewQueue& queue) {
+  Slivers slivers;
+  for (const labels::Disagreement& item : queue.items) {
+    if (!is_sliver(item)) continue;
+    ++slivers.count;
+    slivers.pixels += item.pixels.size();
+  }
+  return slivers;
+}
+
+void decide_slivers(State& state, ReviewDecision decision) {
+  const LabelWork work = label_work(state);
+  const std::shared_ptr<const ReviewQueue> queue = state.results.label.review;
+  if (!queue || slivers_of(*queue).count == 0) throw Error("the review has no slivers to decide");
+  labels::LabelStore& store = *state.document.current()->labels;
+  FrameLabels after = *work.labels;
+  auto next = std::make_shared<ReviewQueue>(*queue);
+  int decided = 0, left = 0;
+  for (labels::Disagreement& item : next->items) {
+    if (!is_sliver(item)) continue;
+    if (!still_holds(item, *queue->labels, *work.labels))
+      throw Error("labels have changed there since: the list is being made anew");
+    try {
+      after = labels::decided(after, work.frame.grid, item, *queue->other_labels, decision,
+                              store.annotator(), now_s());
+    } catch (const Error&) {  // its plane is locked or hidden
+      ++left;
+      continue;
+    }
+    item.note = after.review.back();
+    ++decided;
+  }
+  const std::string title =
+      fmt::format("Review: {} {}{}", counted(std::size_t(decided), "sliver"), past_tense(decision),
+                  left > 0 ? fmt::format(", {} left", left) : "");
+  if (decided == 0) throw Error("all slivers belong to planes that are locked or hidden");
+  commit_and_say(state, title, after, "decided so already");
+  if (decision == ReviewDecision::keep && queue->labels == work.labels)
+    next->labels = state.labels();  // no label differs: nothing to find anew
+  else
+    next->labels_decided = true;
+  std::stable_partition(next->items.begin(), next->items.end(),
+                        [](const labels::Disagreement& one) { return !one.note; });
+  state.results.label.review = next;
+  if (decision == ReviewDecision::keep || next->undecided() == 0) return go_on(state, 0);
+  choose_item(state, 0);
 }
 
 std::vector<Decided> decided_items(const FrameLabels& labels, const ReviewQueue& queue) {

@@ -32,6 +32,17 @@ void choose_item(State& state, int item);
 /// chosen, or where its labels are no longer what the queue was made of.
 void decide(State& state, ReviewDecision decision);
 
+/// An undecided thin strip: the queue has them after all other undecided items.
+bool is_sliver(const labels::Disagreement& item);
+struct Slivers {
+  int count = 0;
+  std::size_t pixels = 0;
+};
+Slivers slivers_of(const ReviewQueue& queue);
+/// Decides on all slivers as one step of undo; those on locked or hidden planes are left. Throws
+/// Error where there is none, or where labels have changed since.
+void decide_slivers(State& state, ReviewDecision decision);
+
 /// A decision; its region may no longer differ, and then is no item of the queue.
 struct Decided {
   ReviewNote note;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "app/desktop/labeling/work.hpp"
 #include "app/desktop/panels.hpp"
@@ -70,8 +71,21 @@ WidgetRect draw_flag(
   return {from, to};
 }
 
-/// What became of the frame, in the thumbnail's corner: found of the true planes, or just found.
-void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
+/// Planes labeled in a frame of clouds, in the label mode; nullopt otherwise, or where it was not
+/// opened.
+std::optional<std::size_t> labeled_planes(const Ui& ui, int frame) {
+  const labels::LabelStore* store = ui.state.document.current()->labels.get();
+  const LabelFrame* shown = ui.state.label_frame();
+  if (ui.state.view.mode != Mode::labels || !store || !shown || !shown->grid.is_cloud())
+    return std::nullopt;
+  const std::shared_ptr<const FrameLabels> labels = store->labels(frame);
+  if (!labels) return std::nullopt;
+  return labels->planes.size();
+}
+
+/// What became of the frame, in the thumbnail's corner: found of the true planes, labeled of the
+/// found ones, or just found.
+void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, int frame, ImVec2 corner) {
   if (thumbnail.planes < 0 && thumbnail.refusal.empty()) return;
   std::string text = counted(static_cast<std::size_t>(std::max(0, thumbnail.planes)), "plane");
   ImU32 color = ui.colors.muted;
@@ -85,6 +99,9 @@ void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
     color = found == total       ? ui.colors.good
             : 2 * found >= total ? ui.colors.warning
                                  : ui.colors.bad;
+  } else if (const auto labeled = labeled_planes(ui, frame)) {
+    text = fmt::format("{} of {} labeled", *labeled, thumbnail.planes);
+    color = *labeled > 0 ? ui.colors.accent : ui.colors.muted;
   }
   draw_flag(ui, ImVec2(corner.x - ui.px(4), corner.y + ui.px(4)), text, color, ui.px(5));
 }
@@ -153,7 +170,7 @@ void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
     const ImVec2 from(at.x + (size.x - w) / 2, at.y + (size.y - h) / 2);
     draw->AddImage(imgui_texture(texture), from, ImVec2(from.x + w, from.y + h));
   }
-  if (thumbnail.ready) draw_outcome(ui, thumbnail, ImVec2(end.x, at.y));
+  if (thumbnail.ready) draw_outcome(ui, thumbnail, frame, ImVec2(end.x, at.y));
   draw_label_mark(ui, frame, end);
   const std::string number = std::to_string(frame);
   const ImVec2 extent = ImGui::CalcTextSize(number.c_str());

@@ -209,6 +209,7 @@ struct LabelView {
   std::string compare_with;        // the review's other side: empty: the run, else a label folder
   double review_smallest_cm2 = 5;  // regions below it are left out of the review
   int review_item = -1;            // of the queue
+  bool review_slivers = false;     // listed one by one
   int finding = -1;                // of the audit
 };
 

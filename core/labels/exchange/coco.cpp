@@ -1,9 +1,13 @@
-// COCO (https://cocodataset.org/#format-data), one image. The rest is in each annotation's "plane",
-// which other readers of COCO ignore.
+// COCO (https://cocodataset.org/#format-data). What it has no field for is in each annotation's
+// "plane", which other readers of COCO ignore.
+
+#include "core/labels/exchange/coco.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -13,6 +17,7 @@
 
 #include "core/labels/exchange/formats.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 
 namespace planescope::labels {
@@ -109,30 +114,28 @@ int whole_of(const Json& json, int low, int high, const std::string& where) {
   return whole_numbers<std::int32_t>(std::span(&value, 1), low, high, where)[0];
 }
 
-/// What is read, on the image's pixels.
+/// What is read, on the pixels of one image.
 class CocoReader {
  public:
-  CocoReader(const Json& json, const std::string& where) : json_(json), where_(where) {}
+  CocoReader(const Json& json, const Json& image, const std::string& where)
+      : json_(json), image_(image), where_(where) {}
 
-  LabelledPoints read() {
+  /// `annotations`: places of those of the image.
+  LabelledPoints read(const std::vector<std::size_t>& annotations) {
     read_image();
     read_categories();
-    for (const Json& annotation : json_.at("annotations"))
-      if (annotation.contains("plane")) used_.insert(own_plane_id(annotation));
-    std::size_t number = 0;
-    for (const Json& annotation : json_.at("annotations"))
-      read_annotation(annotation, where_ + ": annotation " + std::to_string(number++));
+    const Json& all = json_.at("annotations");
+    for (const std::size_t at : annotations)
+      if (all[at].contains("plane")) used_.insert(own_plane_id(all[at]));
+    for (const std::size_t at : annotations)
+      read_annotation(all[at], where_ + ": annotation " + std::to_string(at));
     return points();
   }
 
  private:
   void read_image() {
-    const Json& images = json_.at("images");
-    if (images.size() != 1)
-      throw Error(where_ + ": " + std::to_string(images.size()) + " images, expected one");
-    image_id_ = images.at(0).at("id");
-    width_ = whole_of(images.at(0).at("width"), 1, kMaxCocoSide, where_ + ": width");
-    height_ = whole_of(images.at(0).at("height"), 1, kMaxCocoSide, where_ + ": height");
+    width_ = whole_of(image_.at("width"), 1, kMaxCocoSide, where_ + ": width");
+    height_ = whole_of(image_.at("height"), 1, kMaxCocoSide, where_ + ": height");
     check_count(pixels(), where_);
     instance_.assign(pixels(), 0);
     label_.assign(pixels(), 0);
@@ -194,8 +197,6 @@ class CocoReader {
   }
 
   void read_annotation(const Json& annotation, const std::string& where) {
-    if (annotation.at("image_id") != image_id_)
-      throw Error(where + ": of an image that the file does not have");
     const auto label = label_of_category_.find(annotation.at("category_id").dump());
     if (label == label_of_category_.end())
       throw Error(where + ": of a category that the file does not have");
@@ -242,8 +243,8 @@ class CocoReader {
   }
 
   const Json& json_;
+  const Json& image_;
   const std::string& where_;
-  Json image_id_;
   int width_ = 0, height_ = 0;
   std::map<std::string, std::uint8_t> label_of_category_;  // by the id as it is written
   std::set<int> used_;
@@ -317,37 +318,92 @@ std::vector<std::uint64_t> counts_of_text(const std::string& text, const std::st
   return counts;
 }
 
-LabelledPoints parse_coco(io::Bytes file, const std::string& where) {
+struct CocoFile::Parsed {
+  std::string where;
+  Json json;
+  std::vector<std::vector<std::size_t>> annotations;  // of each image
+};
+
+CocoFile::CocoFile(io::Bytes file, const std::string& where) {
   try {
+    auto parsed = std::make_shared<Parsed>();
     const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
-    const auto json = parse_json<Json>(text, where + ": not a COCO file");
-    return CocoReader(json, where).read();
+    parsed->where = where;
+    parsed->json = parse_json<Json>(text, where + ": not a COCO file");
+    std::map<std::string, std::size_t> image_of_id;  // by the id as it is written
+    for (const Json& image : parsed->json.at("images")) {
+      if (!image_of_id.emplace(image.at("id").dump(), names_.size()).second)
+        throw Error(where + ": two images with id " + printable(image.at("id").dump()));
+      names_.push_back(image.value("file_name", ""));
+    }
+    parsed->annotations.resize(names_.size());
+    const Json none = Json::array();
+    const auto found = parsed->json.find("annotations");  // missing: points() says so
+    const Json& annotations = found == parsed->json.end() ? none : *found;
+    for (std::size_t i = 0; i < annotations.size(); ++i) {
+      const auto image = image_of_id.find(annotations[i].at("image_id").dump());
+      if (image == image_of_id.end())
+        throw Error(where + ": annotation " + std::to_string(i) +
+                    ": of an image that the file does not have");
+      parsed->annotations[image->second].push_back(i);
+    }
+    parsed_ = std::move(parsed);
   } catch (const Json::exception& error) {
     throw Error(where + ": not a COCO file (" + error.what() + ")");
   }
 }
 
-FileBytes coco_bytes(const LabelledPoints& points, const std::string& name) {
-  Json json;
-  json["info"] = {{"description", "Planes of a depth image, by planescope"}, {"version", "1"}};
-  json["images"] = Json::array({{{"id", 1},
-                                 {"width", points.width},
-                                 {"height", points.height},
-                                 {"file_name", name + ".png"}}});
-  json["categories"] = Json::array();
-  for (const CocoCategory& category : kCocoCategories)
-    json["categories"].push_back(
-        {{"id", category.id}, {"name", category.name}, {"supercategory", "plane"}});
-  json["annotations"] = Json::array();
+CocoFile read_coco(const std::filesystem::path& path) {
+  const FileBytes bytes = read_file_bytes(path);
+  return {std::as_bytes(std::span(bytes)), path.string()};
+}
+
+std::optional<std::size_t> CocoFile::image_of_frame(int frame) const {
+  char stem[16];
+  std::snprintf(stem, sizeof(stem), "%06d", frame);
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    if (std::filesystem::path(names_[i]).stem() == stem) return i;
+  return std::nullopt;
+}
+
+LabelledPoints CocoFile::points(std::size_t image) const {
+  try {
+    return CocoReader(parsed_->json, parsed_->json.at("images").at(image), parsed_->where)
+        .read(parsed_->annotations[image]);
+  } catch (const Json::exception& error) {
+    throw Error(parsed_->where + ": not a COCO file (" + error.what() + ")");
+  }
+}
+
+LabelledPoints parse_coco(io::Bytes bytes, const std::string& where) {
+  const CocoFile file(bytes, where);
+  if (file.names().size() != 1)
+    throw Error(where + ": " + std::to_string(file.names().size()) + " images, expected one");
+  return file.points(0);
+}
+
+struct CocoWriter::Made {
+  Json images = Json::array(), annotations = Json::array();
+};
+
+CocoWriter::CocoWriter() : made_(std::make_unique<Made>()) {}
+CocoWriter::~CocoWriter() = default;
+
+void CocoWriter::add(const LabelledPoints& points, const std::string& file_name) {
+  const std::size_t image_id = made_->images.size() + 1;
+  made_->images.push_back({{"id", image_id},
+                           {"width", points.width},
+                           {"height", points.height},
+                           {"file_name", file_name}});
   const auto pixels =
       static_cast<std::uint64_t>(points.width) * static_cast<std::uint64_t>(points.height);
   for (const auto& [key, mask] : masks_of(points)) {
     const auto category =
         std::find_if(std::begin(kCocoCategories), std::end(kCocoCategories),
                      [&, label = key.second](const CocoCategory& c) { return c.label == label; });
-    json["annotations"].push_back(
-        {{"id", json["annotations"].size() + 1},
-         {"image_id", 1},
+    made_->annotations.push_back(
+        {{"id", made_->annotations.size() + 1},
+         {"image_id", image_id},
          {"category_id", category->id},
          {"iscrowd", 1},
          {"area", mask.sorted.size()},
@@ -356,8 +412,42 @@ FileBytes coco_bytes(const LabelledPoints& points, const std::string& name) {
           {{"size", {points.height, points.width}}, {"counts", mask_counts(mask.sorted, pixels)}}},
          {"plane", plane_json(key.first, points)}});
   }
+}
+
+FileBytes CocoWriter::bytes() const {
+  Json json;
+  json["info"] = {{"description", "Planes of depth images, by planescope"}, {"version", "1"}};
+  json["images"] = made_->images;
+  json["categories"] = Json::array();
+  for (const CocoCategory& category : kCocoCategories)
+    json["categories"].push_back(
+        {{"id", category.id}, {"name", category.name}, {"supercategory", "plane"}});
+  json["annotations"] = made_->annotations;
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   return {text.begin(), text.end()};
+}
+
+Image8 coco_picture(const LabelGrid& grid) {
+  if (!grid.color.empty()) return grid.color;
+  std::vector<float> depths;
+  for (std::size_t i = 0; i < grid.pixels(); ++i)
+    if (grid.measured[i]) depths.push_back(grid.points[i].z());
+  Image8 picture(grid.width, grid.height, 1);
+  if (depths.empty()) return picture;
+  // 2 % at either end are left out: a few far pixels must not make the rest of it white.
+  const auto quantile = [&](double share) {
+    const auto at = depths.begin() +
+                    static_cast<std::ptrdiff_t>(share * static_cast<double>(depths.size() - 1));
+    std::nth_element(depths.begin(), at, depths.end());
+    return *at;
+  };
+  const float near_m = quantile(0.02), far_m = std::max(quantile(0.98), near_m + 1e-3f);
+  for (std::size_t i = 0; i < grid.pixels(); ++i) {
+    if (!grid.measured[i]) continue;
+    const float away = std::clamp((grid.points[i].z() - near_m) / (far_m - near_m), 0.0f, 1.0f);
+    picture.data[i] = static_cast<std::uint8_t>(std::lround(255 - 215 * away));
+  }
+  return picture;
 }
 
 }  // namespace planescope::labels

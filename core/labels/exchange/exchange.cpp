@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "core/io/readers.hpp"
+#include "core/labels/exchange/coco.hpp"
 #include "core/labels/exchange/formats.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -57,10 +58,13 @@ std::vector<WrittenFile> files_of(const fs::path& stem,
               {named(".label"), kitti_label_bytes(points)}};
     case LabelFormat::npz:
       return {{named(".npz"), npz_bytes(points, named(".npz").string())}};
-    case LabelFormat::coco:
+    case LabelFormat::coco: {
       need(points.width > 0 && points.pixel.size() == points.size(), stem, format,
            "pixels and the size of the depth image");
-      return {{named(".json"), coco_bytes(points, stem.filename().string())}};
+      CocoWriter writer;
+      writer.add(points, stem.filename().string() + ".png");
+      return {{named(".json"), writer.bytes()}};
+    }
     case LabelFormat::voxels:
       need(with_points, stem, format, "coordinates");
       return {{named(".voxels.ply"), voxel_bytes(points, voxel_size_m)}};

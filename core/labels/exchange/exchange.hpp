@@ -7,7 +7,8 @@
 //                       of a cloud without u v; 1 point per point, in the cloud's order, as in all
 //   kitti     .bin + .label   float32 x y z remission; uint32 instance << 16 | class
 //   npz                 arrays points, [rgb,] label, instance, pixel, depth_size
-//   coco      .json     one annotation per plane: run-length mask, box, area, plane parameters
+//   coco      .json     one annotation per plane: run-length mask, box, area, plane parameters;
+//                       of several images in coco.hpp
 //   voxels    .voxels.ply     mean of each voxel's points, upright; majority of their labels
 
 #include <cstdint>

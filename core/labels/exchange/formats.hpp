@@ -45,7 +45,7 @@ LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& wh
 FileBytes npz_bytes(const LabelledPoints& points, const std::string& where);
 LabelledPoints parse_npz(io::Bytes file, const std::string& where);
 
-FileBytes coco_bytes(const LabelledPoints& points, const std::string& name);
+/// Of one image (coco.hpp writes and reads those of several).
 LabelledPoints parse_coco(io::Bytes file, const std::string& where);
 /// The counts of a COCO mask that pycocotools compressed into text.
 std::vector<std::uint64_t> counts_of_text(const std::string& text, const std::string& where);

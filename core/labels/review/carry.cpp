@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "core/labels/edit/operations.hpp"
+#include "core/labels/model/pixel_sets.hpp"
+#include "core/labels/wand/finish.hpp"
 #include "core/labels/wand/wand_field.hpp"
 #include "core/model/error.hpp"
 
@@ -20,6 +22,9 @@ constexpr double kMostTurn_deg = 20;      // of a plane when it is fitted anew
 constexpr int kExtend_px = 8;
 constexpr double kSamePlane_deg = 10;  // an existing plane of the same number is the same one
 constexpr double kRegistering = 0.7;   // of the whole work
+constexpr double kSpeck_m2 = 0.001;    // smaller parts of a carried plane are dropped
+constexpr int kHole_px = 100;          // smaller holes of a carried plane are filled
+constexpr std::uint32_t kUnseen = 0xffffffff;
 
 std::string percent(double share) {
   char text[16];
@@ -31,6 +36,7 @@ std::string percent(double share) {
 struct Expected {
   std::vector<std::uint16_t> plane;
   std::vector<std::uint8_t> hv;
+  std::vector<std::uint32_t> seen_at;  // pixel of the other frame that measured the same surface
 };
 
 Expected warped(const LabelGrid& from,
@@ -38,7 +44,8 @@ Expected warped(const LabelGrid& from,
                 const LabelGrid& to,
                 const Pose& T_from_to) {
   Expected expected{std::vector<std::uint16_t>(to.pixels(), 0),
-                    std::vector<std::uint8_t>(to.pixels(), 0)};
+                    std::vector<std::uint8_t>(to.pixels(), 0),
+                    std::vector<std::uint32_t>(to.pixels(), kUnseen)};
   for (std::size_t i = 0; i < to.pixels(); ++i) {
     if (!to.measured[i]) continue;
     const Vec3d point = T_from_to * to.points[i].cast<double>();
@@ -48,6 +55,7 @@ Expected warped(const LabelGrid& from,
     const double apart = std::abs(point.norm() - double{from.points[j].norm()});
     const double noise = std::hypot(from.sigma_m[j], to.sigma_m[i]);
     if (apart > std::max(kSameLeast_m, kSameNoises * noise)) continue;
+    expected.seen_at[i] = j;
     expected.plane[i] = labels.plane.data[j];
     expected.hv[i] = labels.hv.data[j];
   }
@@ -83,12 +91,20 @@ Sheet moved(const LabelPlane& plane, const Pose& T_to_from) {
 struct Carried {
   int id = 0;  // there
   Sheet sheet;
+  std::vector<std::uint8_t> open;  // per pixel of the new frame, 1 where it may extend
 };
 
 class Carrying {
  public:
-  Carrying(const LabelGrid& to, const FrameLabels& existing)
-      : to_(to), field_(make_wand_field(to, &existing, {})) {
+  Carrying(const LabelGrid& from,
+           const LabelGrid& to,
+           const FrameLabels& existing,
+           const Expected& expected)
+      : from_(make_wand_field(from, nullptr, {})),
+        to_(to),
+        field_(make_wand_field(to, &existing, {})),
+        existing_(existing),
+        expected_(expected) {
     result_.labels = existing;
     result_.doubt.resize(to.pixels(), 0);
   }
@@ -114,7 +130,7 @@ class Carrying {
     report.doubtful = expected.size() - on.size();
     if (id > 0) {
       report.id = id;
-      carried_.push_back({id, *sheet});
+      carried_.push_back({id, *sheet, open_to(plane)});
     }
     result_.planes.push_back(report);
   }
@@ -125,7 +141,7 @@ class Carrying {
     result_.labels.hv.data[pixel] = hv;
   }
 
-  /// Extends planes by a few pixels into what the other frame did not see.
+  /// Extends planes by a few pixels, but not over borders that the labeler drew.
   void extend() {
     std::vector<int> slot(kPlaneIgnore + 1, -1);
     for (std::size_t k = 0; k < carried_.size(); ++k) slot[carried_[k].id] = static_cast<int>(k);
@@ -137,7 +153,8 @@ class Carrying {
       for (const std::uint32_t i : front) {
         const Carried& plane = carried_[slot[result_.labels.plane.data[i]]];
         for_pixels(to_, box_around(to_, i, 1), [&](std::uint32_t j) {
-          if (!is_free(j) || !field_.lies_on(plane.sheet, j) || !field_.faces(plane.sheet, j))
+          if (!is_free(j) || !plane.open[j] || !field_.lies_on(plane.sheet, j) ||
+              !field_.faces(plane.sheet, j))
             return;
           paint(j, plane.id);
           next.push_back(j);
@@ -147,10 +164,28 @@ class Carrying {
     }
   }
 
+  /// Grows each plane, as the wand would from within its parts, over what the other frame did not
+  /// see; then fills small holes, evens out ragged borders and drops specks.
+  void grow_and_clean() {
+    refit();
+    for (const Carried& plane : carried_) {
+      std::vector<std::uint8_t> within(to_.pixels(), 0);
+      for (std::size_t i = 0; i < to_.pixels(); ++i) within[i] = expected_.seen_at[i] == kUnseen;
+      for (const std::uint32_t i : pixels_of_plane(result_.labels, plane.id)) within[i] = 1;
+      change(plane.id, grow_to_border(result_.labels, to_, plane.id, {.within = within}));
+      change(plane.id, fill_small_holes(result_.labels, to_, plane.id, {}, kHole_px));
+      Finish smooth = smooth_border(result_.labels, to_, plane.id, {});
+      smooth.takes.clear();  // narrow parts stay as they were drawn
+      change(plane.id, smooth);
+      Finish specks = drop_specks(result_.labels, to_, plane.id, kSpeck_m2);
+      std::erase_if(specks.takes,
+                    [&](std::uint32_t i) { return existing_.plane.data[i] == plane.id; });
+      change(plane.id, specks);
+    }
+  }
+
   CarriedLabels finish() {
-    std::vector<int> ids;
-    for (const Carried& plane : carried_) ids.push_back(plane.id);
-    if (!ids.empty()) refit_planes(result_.labels, to_, ids);
+    refit();
     std::ranges::sort(result_.planes, {}, &CarriedPlane::id);
     return std::move(result_);
   }
@@ -160,6 +195,32 @@ class Carrying {
   }
 
  private:
+  /// Not where the other frame saw the plane and it was left without a label: there the labeler
+  /// drew its border.
+  std::vector<std::uint8_t> open_to(const LabelPlane& plane) const {
+    const Sheet sheet{plane.normal.cast<float>(), static_cast<float>(plane.offset_m)};
+    std::vector<std::uint8_t> open(to_.pixels(), 0);
+    for (std::size_t i = 0; i < to_.pixels(); ++i) {
+      const std::uint32_t there = expected_.seen_at[i];
+      open[i] = there == kUnseen || expected_.plane[i] == plane.id || !from_.lies_on(sheet, there);
+    }
+    return open;
+  }
+
+  void refit() {
+    std::vector<int> ids;
+    for (const Carried& plane : carried_) ids.push_back(plane.id);
+    if (!ids.empty()) refit_planes(result_.labels, to_, ids);
+  }
+
+  void change(int id, const Finish& finish) {
+    for (const std::uint32_t i : finish.adds) paint(i, id);
+    for (const std::uint32_t i : finish.takes) {
+      result_.labels.plane.data[i] = 0;
+      result_.labels.hv.data[i] = 0;
+    }
+  }
+
   /// The number a plane gets in the new frame: its own, where that is free or is the same plane
   /// already. 0: it is locked there.
   int place_for(const LabelPlane& plane, const Sheet& sheet, double confidence) {
@@ -185,8 +246,11 @@ class Carrying {
     result_.doubt[i] = 0;
   }
 
+  WandField from_;
   const LabelGrid& to_;
   WandField field_;
+  const FrameLabels& existing_;
+  const Expected& expected_;
   CarriedLabels result_;
   std::vector<Carried> carried_;
 };
@@ -230,7 +294,7 @@ CarriedLabels carry_labels(const Frame& from_frame,
   const Expected expected = warped(from, labels, to, motion.T_to_from.inverse());
   if (stop.stop_requested()) throw Cancelled();
 
-  Carrying carrying(to, existing);
+  Carrying carrying(from, to, existing, expected);
   std::vector<PixelSet> pixels(kPlaneIgnore);
   for (std::size_t i = 0; i < to.pixels(); ++i) {
     const auto pixel = static_cast<std::uint32_t>(i);
@@ -248,6 +312,7 @@ CarriedLabels carry_labels(const Frame& from_frame,
                            options.min_confidence);
   }
   carrying.extend();
+  carrying.grow_and_clean();
   CarriedLabels result = carrying.finish();
   result.T_to_from = motion.T_to_from;
   result.method = options.T_to_from ? "poses" : motion.used_color ? "RGB-D odometry" : "ICP";

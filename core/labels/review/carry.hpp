@@ -39,8 +39,9 @@ struct CarryOptions {
 };
 
 /// Of depth images. `existing`: the new frame's labels, kept where they are; what is carried fills
-/// the rest. Throws Error where the frames do not overlap, Cancelled when stopped. Repeats bit by
-/// bit.
+/// the rest. Planes grow over what the first frame did not see, but not over borders that were
+/// drawn in it; small holes are filled and specks dropped. Throws Error where the frames do not
+/// overlap, Cancelled when stopped. Repeats bit by bit.
 CarriedLabels carry_labels(const Frame& from_frame,
                            const LabelGrid& from,
                            const FrameLabels& labels,

@@ -205,6 +205,9 @@ std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
   }
   std::stable_sort(found.begin(), found.end(), [](const Disagreement& a, const Disagreement& b) {
     if (a.note.has_value() != b.note.has_value()) return b.note.has_value();
+    const bool a_thin = a.kind == DisagreementKind::boundary && !a.note;
+    const bool b_thin = b.kind == DisagreementKind::boundary && !b.note;
+    if (a_thin != b_thin) return b_thin;
     return a.area_m2 > b.area_m2;
   });
   return found;

@@ -29,7 +29,7 @@ struct ReviewOptions {
 /// a labelled plane, this is the smaller part. merged: the other's plane runs on over another
 /// labelled plane. class_flip: matched planes of different class. boundary: a thin strip of any of
 /// these. Unlabelled pixels that are not ignored count as labelled "no plane". Undecided first,
-/// then by area.
+/// of these boundaries last, then by area.
 std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
                                              const OtherLabels& other,
                                              const LabelGrid& grid,

@@ -150,16 +150,24 @@ Finish fill_holes(const FrameLabels& labels,
                   const LabelGrid& grid,
                   int id,
                   const WandOptions& options) {
+  if (!grid.is_cloud())
+    return fill_small_holes(labels, grid, id, options, static_cast<int>(grid.pixels()));
+  const Plane plane = plane_of(labels, grid, id, options);
+  const Raster raster(grid, plane.sheet, plane.pixels);
+  Finish finish;
+  for (std::uint32_t i = 0; i < grid.pixels(); ++i)
+    if (plane.takes(i, kLoosely) && raster.holds(i)) finish.adds.push_back(i);
+  return finish;
+}
+
+Finish fill_small_holes(const FrameLabels& labels,
+                        const LabelGrid& grid,
+                        int id,
+                        const WandOptions& options,
+                        int most_px) {
   const Plane plane = plane_of(labels, grid, id, options);
   Finish finish;
-  if (grid.is_cloud()) {
-    const Raster raster(grid, plane.sheet, plane.pixels);
-    for (std::uint32_t i = 0; i < grid.pixels(); ++i)
-      if (plane.takes(i, kLoosely) && raster.holds(i)) finish.adds.push_back(i);
-    return finish;
-  }
-  const int any = static_cast<int>(grid.pixels());
-  for (const PixelSet& hole : small_holes(plane.region, grid.width, grid.height, any))
+  for (const PixelSet& hole : small_holes(plane.region, grid.width, grid.height, most_px))
     std::ranges::copy_if(hole, std::back_inserter(finish.adds),
                          [&](std::uint32_t i) { return plane.takes(i, kLoosely); });
   std::ranges::sort(finish.adds);

@@ -19,6 +19,9 @@ struct Finish {
 // All throw Error where there is no such plane, or it is locked.
 /// What lies on the plane in its holes, however large they are.
 Finish fill_holes(const FrameLabels& labels, const LabelGrid& grid, int plane, const WandOptions&);
+/// The same of an image's holes with at most `most_px` pixels.
+Finish fill_small_holes(
+    const FrameLabels& labels, const LabelGrid& grid, int plane, const WandOptions&, int most_px);
 /// Straightens the border: a pixel near it goes with most of those around, within a few pixels.
 Finish smooth_border(const FrameLabels& labels,
                      const LabelGrid& grid,

@@ -55,6 +55,53 @@ TEST(Carry, LabelsLandOnTheirPlanesInTheNextFrame) {
   }
 }
 
+/// The largest plane of the first frame, labeled left of a column.
+FrameLabels left_half(const Step& step, int& plane, int column) {
+  plane = std::ranges::max_element(step.from.truth.planes, {}, [&](const LabelPlane& one) {
+            return pixels_of_plane(step.from.truth, one.id).size();
+          })->id;
+  PixelSet pixels = pixels_of_plane(step.from.truth, plane);
+  std::erase_if(pixels, [&](std::uint32_t i) {
+    return static_cast<int>(i) % step.from.grid.width >= column;
+  });
+  return painted(empty_labels(step.from.grid, ""), step.from.grid, pixels, {plane},
+                 PaintMode::over);
+}
+
+TEST(Carry, PlanesGrowToTheNewFramesEdgeButNotOverABorderThatWasDrawn) {
+  Step step = step_in("corner", false);
+  const lab::Scene scene = lab::make_scene("corner", 1);
+  lab::CameraPose turned = scene.camera;
+  turned.yaw_deg -= 15;
+  step.to = test::view_of(scene, turned, false);
+  const Pose T_from_to = lab::pose_of(scene.camera).inverse() * lab::pose_of(turned);
+  CarryOptions options;
+  options.T_to_from = T_from_to.inverse();
+  int plane = 0;
+  const FrameLabels labels = left_half(step, plane, 320);
+  const CarriedLabels carried =
+      carry_labels(step.from.frame, step.from.grid, labels, step.to.frame, step.to.grid,
+                   empty_labels(step.to.grid, ""), options, {});
+  std::size_t left = 0, grown = 0, right = 0, beyond = 0;
+  for (const std::uint32_t i : pixels_of_plane(step.to.truth, plane)) {
+    const Vec3d point = T_from_to * step.to.grid.points[i].cast<double>();
+    const auto seen = step.from.grid.pixel_that_sees(point);
+    const bool is_carried = carried.labels.plane.data[i] == plane;
+    if (!seen && point.x() < 0) {  // left of the first frame's edge
+      ++left;
+      grown += is_carried;
+    }
+    if (seen && static_cast<int>(*seen) % step.from.grid.width > 324) {
+      ++right;
+      beyond += is_carried;
+    }
+  }
+  ASSERT_GT(left, 1000u);
+  ASSERT_GT(right, 1000u);
+  EXPECT_GT(grown, left * 95 / 100);
+  EXPECT_LT(beyond, 20u);
+}
+
 TEST(Carry, RepeatsBitByBit) {
   const Step step = step_in("stairs", true);
   const FrameLabels blank = empty_labels(step.to.grid, "");

@@ -4,10 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "app/desktop/labeling/panels/parts.hpp"
 #include "app/desktop/labeling/work.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -86,12 +89,33 @@ bool row(const Ui& ui, const std::string& widget, const std::string& text, bool 
   return clicked;
 }
 
+/// One row for all slivers; a click lists them. Its buttons are below the table.
+void draw_sliver_row(const Ui& ui, const Slivers& slivers, bool listed) {
+  const std::string text =
+      fmt::format("{} {}, {} {}", listed ? "-" : "+",
+                  counted(static_cast<std::size_t>(slivers.count), "sliver"), slivers.pixels,
+                  ui.state.label_frame()->grid.is_cloud() ? "points" : "px");
+  if (row(ui, "review.slivers", text, false)) ui.emit("review.slivers", "show");
+  tooltip("thin strips along edges; a click lists them one by one");
+  for (int i = 0; i < 3; ++i) cell("");
+}
+
 void draw_open_items(const Ui& ui, const ReviewQueue& queue) {
   const int chosen = ui.state.view.label.review_item;
   double& scrolled_to = ui.memory.numbers["review.scrolled_to"];
+  const Slivers slivers = slivers_of(queue);
+  const bool grouped = slivers.count > 1;
+  const bool inside = chosen >= 0 && chosen < static_cast<int>(queue.items.size()) &&
+                      is_sliver(queue.items[static_cast<std::size_t>(chosen)]);
+  const bool listed = !grouped || inside || ui.state.view.label.review_slivers;
+  bool group_drawn = !grouped;
   for (std::size_t i = 0; i < queue.items.size(); ++i) {
     const labels::Disagreement& item = queue.items[i];
     if (item.note) continue;
+    if (is_sliver(item)) {
+      if (!std::exchange(group_drawn, true)) draw_sliver_row(ui, slivers, listed);
+      if (!listed) break;  // they are the last ones
+    }
     const int index = static_cast<int>(i);
     if (row(ui, fmt::format("review.{}", i), to_string(item.kind), index == chosen))
       ui.emit("review.item", std::to_string(i));
@@ -151,6 +175,17 @@ void draw_decisions(const Ui& ui, const ReviewQueue& queue, const FrameLabels& l
     action_button(ui, action, label);
   }
   ImGui::EndDisabled();
+  if (slivers_of(queue).count > 1) {
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextDisabled("all slivers");
+    constexpr const char* kOfAll[][2] = {
+        {"keep", "Keep all"}, {"take", "Take all"}, {"ignore", "Ignore all"}};
+    for (const auto& [what, label] : kOfAll) {
+      same_line_if_fits(label);
+      if (button(ui, label, fmt::format("review.slivers.{}", what).c_str()))
+        ui.emit("review.slivers", what);
+    }
+  }
   if (queue.undecided() > 0) return;
   const bool reviewed = labels.review_state == "reviewed";
   paragraph(reviewed ? ui.colors.good : ui.colors.text,
