@@ -41,7 +41,7 @@ DrawList scene_labels(const planes::FrameResult& result) {
                            name + "  " + std::to_string(k) + "  (" + percent(k, n) + ")"});
   };
   entry(Label::h, "h  level, up to 45\u00b0");
-  entry(Label::v, "v  upright");
+  entry(Label::v, "vertical");
   if (count[0] > 0) entry(Label::unknown, "unknown");
   return list;
 }
@@ -195,7 +195,7 @@ DrawList scene_cases(const planes::FrameResult& result) {
   add_case_legend(count, result.segmentation.octree.image.has_value(), list);
   if (hatched > 0)
     list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
-                           "I or III at full depth: left over  " + std::to_string(hatched)});
+                           "I or III at full depth: unassigned  " + std::to_string(hatched)});
   if (label_fits > 0)
     list.legend.push_back(
         {Mark::dot, kSceneText, "or I*: fitted label by label  " + std::to_string(label_fits)});

@@ -271,9 +271,8 @@ void add_cases(const debug::Run& run, std::int32_t step, Rgba waiting, DrawList&
   add_case_legend(count, run.is_on_image(), list);
   if (hatched > 0)
     list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
-                           "at full depth: left over  " + std::to_string(hatched)});
-  if (queued > 0)
-    list.legend.push_back({Mark::dot, waiting, "in the queue  " + std::to_string(queued)});
+                           "at full depth: unassigned  " + std::to_string(hatched)});
+  if (queued > 0) list.legend.push_back({Mark::dot, waiting, "queued  " + std::to_string(queued)});
 }
 
 void add_plane_states(const StepState& state, Rgba waiting, DrawList& list) {
@@ -283,17 +282,16 @@ void add_plane_states(const StepState& state, Rgba waiting, DrawList& list) {
   const auto entry = [&](Rgba color, const std::string& text, std::ptrdiff_t count) {
     if (count > 0) list.legend.push_back({Mark::dot, color, text + "  " + std::to_string(count)});
   };
-  entry(leftover_color(), "left over", holds(StepState::kLeftover));
-  entry(waiting, "not settled yet", holds(StepState::kOpen));
+  entry(leftover_color(), "unassigned", holds(StepState::kLeftover));
+  entry(waiting, "undecided", holds(StepState::kOpen));
 }
 
 /// Why nothing is told about a foot; empty where it is.
 std::string no_verdicts(const debug::Run& run, const StepLook& look) {
-  if (look.step != run.steps()) return "told at the last step, where planes are finished";
-  if (!look.planes || !look.planes->complete) return "being found out";
-  return look.planes->foot.empty() && !look.planes->shapes.empty()
-             ? "no foot is given: set foot_radius_m"
-             : "";
+  if (look.step != run.steps()) return "available at the last step";
+  if (!look.planes || !look.planes->complete) return "computing …";
+  return look.planes->foot.empty() && !look.planes->shapes.empty() ? "no foot: set foot_radius_m"
+                                                                   : "";
 }
 
 void add_verdicts(const debug::Run& run, const StepLook& look, Rgba waiting, DrawList& list) {
@@ -305,8 +303,9 @@ void add_verdicts(const debug::Run& run, const StepLook& look, Rgba waiting, Dra
   const auto yes = std::count(steppable.begin(), steppable.end(), true);
   const auto no = static_cast<std::ptrdiff_t>(steppable.size()) - yes;
   list.legend.push_back({Mark::dot, verdict_color(true), "steppable  " + std::to_string(yes)});
-  list.legend.push_back({Mark::hatched_box, verdict_color(false), "not steppable  " + std::to_string(no)});
-  list.legend.push_back({Mark::dot, leftover_color(), "in no plane"});
+  list.legend.push_back(
+      {Mark::hatched_box, verdict_color(false), "not steppable  " + std::to_string(no)});
+  list.legend.push_back({Mark::dot, leftover_color(), "unassigned"});
 }
 
 void add_step_legend(const debug::Run& run,
@@ -324,17 +323,17 @@ void add_step_legend(const debug::Run& run,
     case ColorBy::labels:
       if (!run.subject->prepared.gravity.known()) {
         list.legend.push_back(
-            {Mark::dot, label_color(Label::unknown), "neither h nor v: gravity is not known"});
+            {Mark::dot, label_color(Label::unknown), "no class: gravity is unknown"});
         break;
       }
-      list.legend.push_back({Mark::dot, label_color(Label::h), "h  level"});
-      list.legend.push_back({Mark::dot, label_color(Label::v), "v  upright"});
+      list.legend.push_back({Mark::dot, label_color(Label::h), "horizontal"});
+      list.legend.push_back({Mark::dot, label_color(Label::v), "vertical"});
       if (!run.is_ours())
-        list.legend.push_back({Mark::dot, label_color(Label::unknown), "in no plane"});
+        list.legend.push_back({Mark::dot, label_color(Label::unknown), "unassigned"});
       break;
     case ColorBy::margins:
-      list.legend.push_back({Mark::dot, margin_color(Label::h, 1), "h, sure"});
-      list.legend.push_back({Mark::dot, margin_color(Label::v, 1), "v, sure"});
+      list.legend.push_back({Mark::dot, margin_color(Label::h, 1), "horizontal, sure"});
+      list.legend.push_back({Mark::dot, margin_color(Label::v, 1), "vertical, sure"});
       list.legend.push_back({Mark::dot, margin_color(Label::h, 0), "unsure"});
       break;
     case ColorBy::truth:
@@ -356,7 +355,7 @@ void add_step_legend(const debug::Run& run,
     list.legend.push_back({Mark::line, waiting,
                            run.subject->prepared.gravity.known()
                                ? "no stairs, kerb or ramp"
-                               : "stairs were not sought: gravity is not known"});
+                               : "stairs need gravity, which is unknown"});
   if (look.show_foot && look.color_by != ColorBy::steppable) {
     if (const std::string why = no_verdicts(run, look); !why.empty())
       list.legend.push_back({Mark::line, waiting, "foot space: " + why});

@@ -108,17 +108,17 @@ bool is_along_scale(ColorBy by) {
 
 std::string why_no_values(const debug::Run& run, const StepLook& look) {
   if (look.color_by == ColorBy::height && !run.subject->prepared.gravity.known())
-    return "height is not known: gravity is not";
+    return "height is unknown: gravity is unknown";
   if (look.color_by != ColorBy::rms && look.color_by != ColorBy::distance) return "";
   const Measures measures = measures_of(run, look);
   if (look.color_by == ColorBy::distance && look.plane >= 0 && !measures.plane(look.plane))
-    return debug::plane_name(run, look.plane) + " is no plane at this step";
+    return debug::plane_name(run, look.plane) + " is not a plane at this step";
   for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane)
     if (measures.plane(plane)) return "";
   if (look.color_by == ColorBy::rms)
     for (std::size_t node = 0; node < run.octree().nodes.size(); ++node)
       if (std::isfinite(measures.rms_m(-1, static_cast<std::int32_t>(node)))) return "";
-  return look.step == run.steps() ? "no plane was found" : "there is no plane at this step yet";
+  return look.step == run.steps() ? "no planes found" : "there is not a plane at this step yet";
 }
 
 std::vector<float> voxel_values(const debug::Run& run,

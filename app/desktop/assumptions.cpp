@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFarShare = 0.1;         // of the measured points
 constexpr double kLeastConfidence = 0.5;  // of estimated gravity
-constexpr double kPointsPerEdge = 2.5;     // along a voxel: fewer are not too coarse
+constexpr double kPointsPerEdge = 2.5;    // along a voxel: fewer are not too coarse
 
 /// The next range worth a try; 0: none.
 double wider_range(double range_m) {

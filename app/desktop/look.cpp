@@ -323,9 +323,9 @@ std::string describe_node(const State& state, std::int32_t node) {
     case debug::NodeState::settled:
       return text + ", case " + planes::to_string(what.decided);
     case debug::NodeState::visited:
-      return text + ", being judged";
+      return text + ", being evaluated";
     case debug::NodeState::queued:
-      return text + ", in the queue";
+      return text + ", queued";
     default:
       return text;
   }
@@ -345,7 +345,7 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   if (now.plane >= 0)
     text += "in " + debug::plane_name(*state.run(), now.plane);
   else
-    text += now.leftover ? "left over" : "not settled";
+    text += now.leftover ? "unassigned" : "undecided";
   if (run.subject->voxel_truth.known()) {
     const std::int32_t truth = run.subject->voxel_truth.plane[static_cast<std::size_t>(voxel)];
     if (truth > 0) text += fmt::format(", true plane {}", truth);

@@ -216,7 +216,7 @@ void draw_image_tools(const Ui& ui, const char* of_opacity) {
   ImGui::SameLine();
   if (ImGui::Button("fit")) ui.emit("image.view", "1,0.5,0.5");
   ui.name("image.fit");
-  tooltip("the whole image");
+  tooltip("Whole image");
   ImGui::SameLine();
   auto percent = static_cast<float>(100 * view.overlay_opacity);
   const std::string text = fmt::format("{:.0f} %", percent);
@@ -342,7 +342,7 @@ void draw_label_absence(const Ui& ui) {
   const std::string& refusal = ui.state.results.label.refusal;
   if (!refusal.empty()) return draw_notice(ui, refusal, ui.colors.bad);
   if (!ui.state.run()) return draw_absence(ui);
-  draw_notice(ui, "Making the frame ready for labels …", ui.colors.muted);
+  draw_notice(ui, "Preparing the frame for labels …", ui.colors.muted);
 }
 
 }  // namespace planescope::desktop

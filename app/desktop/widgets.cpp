@@ -292,7 +292,7 @@ void toolbar(const Ui& ui, const char* more, std::span<const ToolButton> buttons
   ImGui::SameLine(0, gap);
   if (ImGui::Button("…")) ImGui::OpenPopup(more);
   ui.name(more);
-  tooltip("what has no room here");
+  tooltip("More");
   if (!ImGui::BeginPopup(more)) return;
   for (const ToolButton& button : buttons.subspan(shown))
     action_item(ui, find_action(button.action), "more");

@@ -392,7 +392,7 @@ TEST(Palette, HasWholeWordsBeforeStartsOfWordsBeforeWhatStandsWithinOne) {
         std::ranges::find_if(found, [&](const Offer& offer) { return offer.action->name == name; });
     return at - found.begin();
   };
-  EXPECT_LT(place("plane", "select.plane"), place("plane", "show.planes"));
+  EXPECT_LT(place("plane", "select.plane"), place("plane", "planes.sort"));
   // "step" starts "Step forward"; "steppable" within "color.steppable" only starts with it.
   EXPECT_LT(place("step", "step.next"), place("step", "color.steppable"));
   // "mark" starts "Bookmark" nowhere.

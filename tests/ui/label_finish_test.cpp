@@ -45,7 +45,7 @@ TEST_F(LabelFinish, EscapeLeavesWhatIsShown) {
   EXPECT_FALSE(view().finish);
   window.run("label.accept");
   EXPECT_EQ(pixels_of(1), before);
-  EXPECT_EQ(state().view.message, "there is nothing to accept");
+  EXPECT_EQ(state().view.message, "nothing to accept");
 }
 
 TEST_F(LabelFinish, AStrokeGrowsToTheBorderOfItsSurface) {

@@ -28,7 +28,7 @@ struct Learner : testing::Test {
 
 TEST_F(Learner, WithoutAReviewedFrameThereIsNothingToLearn) {
   EXPECT_EQ(window.refusal("label.learn"),
-            "no frame is reviewed: what is to be learnt from is marked with Shift+D");
+            "no frame is reviewed: Shift+D marks a frame to learn from");
   EXPECT_EQ(window.refusal("label.learn", "0"),
             "action label.learn: 0 is out of range, expected 1 to 1000000");
   EXPECT_EQ(window.refusal("label.learn", "1 2 3"),

@@ -79,7 +79,8 @@ TEST_F(Planes, OfAFootOrOfStairsChangeNoRun) {
 
 TEST_F(Planes, LayersAreSwitchedByKeyMenuAndButtonAndRemembered) {
   EXPECT_FALSE(look_of(state()).show_foot);
-  play(R"({"key": "Shift+F"}, {"click": "button.show.stairs"}, {"key": "7"})");
+  play(
+      R"({"key": "Shift+F"}, {"click": "view3d.more"}, {"click": "more.show.stairs"}, {"key": "7"})");
   EXPECT_TRUE(look_of(state()).show_foot);
   EXPECT_TRUE(look_of(state()).show_stairs);
   const std::filesystem::path path = scratch_dir() / "s.json";

@@ -130,7 +130,7 @@ TEST_F(Tracks, AGapLeadsToTheDecisionThatLostThePlane) {
                 fmt::format("T{} is not in frame {}: not detected", track.id, frame)),
             std::string::npos)
       << state().view.message;
-  EXPECT_NE(state().view.message.find("left over at step"), std::string::npos)
+  EXPECT_NE(state().view.message.find("unassigned at step"), std::string::npos)
       << state().view.message;
   EXPECT_LT(state().view.step, state().run()->steps());
   EXPECT_FALSE(state().document.marked.empty()) << "its place";

@@ -60,6 +60,12 @@ std::string synonyms_of(const Action& action) {
       {"option.undo", "undo revert back"},
       {"option.redo", "redo again"},
       {"camera.undo", "undo view"},
+      {"camera.home", "look all reset"},
+      {"camera.top", "look above"},
+      {"camera.side", "look"},
+      {"camera.front", "look"},
+      {"camera.selected", "look zoom selected"},
+      {"camera.orthographic", "flat perspective"},
       {"label.undo", "undo revert back"},
       {"label.redo", "redo again"},
       {"join.show", "why merged fused wrong merge"},
@@ -172,7 +178,10 @@ void apply(State& state, const Command& command) {
 std::string first_key(const Action& action) { return action.keys.substr(0, action.keys.find(' ')); }
 
 std::vector<Offer> palette_offers(const State& state, const std::string& typed) {
-  const std::vector<std::string> wanted = words_of(lower_case(typed));
+  std::string american = lower_case(typed);
+  for (std::size_t at; (at = american.find("colour")) != std::string::npos;)
+    american.replace(at, 6, "color");
+  const std::vector<std::string> wanted = words_of(american);
   std::vector<std::pair<int, Offer>> found;
   const auto add = [&](Offer offer, const std::string& text) {
     const int fit = fit_of(wanted, lower_case(text));

@@ -41,13 +41,13 @@ void travel(State& state, bool back) {
   if (frames.empty()) return say_nothing_done(state, back ? "nothing to undo" : "nothing to redo");
   if (frames.size() == 1 && frames.front() != state.document.frame) {
     apply(state, {"frame.show", std::to_string(frames.front())});
-    return say(state, fmt::format("the step is on frame {}: once more to {} it", frames.front(),
+    return say(state, fmt::format("the step is on frame {}: press again to {} it", frames.front(),
                                   back ? "undo" : "redo"));
   }
   if (!labels_at_hand(state)) return;
   for (const int frame : frames)
     if (!labels_at(*state.document.current(), frame))
-      throw Error(fmt::format("frame {}: its labels cannot be opened", frame));
+      throw Error(fmt::format("frame {}: cannot open its labels", frame));
   let_go(state.view.label);
   const std::string title = back ? store.history(1).front().title : "";
   back ? store.undo() : store.redo();
@@ -69,7 +69,7 @@ void let_go(LabelView& view) {
 void commit_labels(State& state, const std::string& title, const FrameLabels& after) {
   labels::LabelStore* store = store_of(state);
   const std::shared_ptr<const FrameLabels> before = state.labels();
-  if (!store || !before) throw Error("the frame is not ready for labels yet");
+  if (!store || !before) throw Error("the frame is not ready yet");
   if (!store->read_only().empty()) throw Error(store->read_only());
   state.view.label.finish.reset();  // was of the labels before
   store->commit(labels::make_edit(state.document.frame, title, *before, after));
@@ -100,7 +100,7 @@ void save_labels(State& state) {
     state.document.labels_written = true;
   } catch (const std::exception& error) {
     problem = error.what();
-    throw Error("the labels are not saved, the journal has them: " + problem);
+    throw Error("labels not saved (they are in the journal): " + problem);
   }
 }
 
@@ -145,20 +145,20 @@ std::vector<Action> label_mode_actions() {
        [](State& s, const std::string&) {
          const labels::LabelStore& store = *store_of(s);
          if (!store.read_only().empty()) throw Error(store.read_only());
-         if (!store.any_unsaved()) return say(s, "the labels are saved already");
+         if (!store.any_unsaved()) return say(s, "labels are already saved");
          say(s, "labels written to " + s.document.current()->label_dir.string());
          save_labels(s);
        },
        [](const State& s) { return store_of(s) != nullptr; },
        {}},
       {"label.annotator",
-       "Who labels",
+       "Annotator",
        menu,
        "Ctrl+Shift+A",
        "NAME",
        [](State& s, const std::string& name) {
          store_of(s)->set_annotator(name);
-         say(s, "labels are " + name + "'s from now on");
+         say(s, "annotator: " + name + "");
        },
        [](const State& s) { return store_of(s) != nullptr; },
        {}},

@@ -63,11 +63,11 @@ void change_chain(State& state, const std::string& verb, const std::string& what
     ++changed;
   }
   let_go(state.view.label);
-  const std::string left = locked > 0 ? fmt::format(", {} left locked", locked) : "";
+  const std::string left = locked > 0 ? fmt::format(", {} locked", locked) : "";
   if (changed == 0)
     return say_nothing_done(state,
-                            fmt::format("P{}: no frame of its chain changes{}", plane, left));
-  say(state, fmt::format("{} P{}{} on {}{}; undo takes them back one by one", verb, plane, what,
+                            fmt::format("P{}: nothing to change in its chain{}", plane, left));
+  say(state, fmt::format("{} P{}{} on {}{}; undo reverts them one by one", verb, plane, what,
                          counted(changed, "frame"), left));
 }
 

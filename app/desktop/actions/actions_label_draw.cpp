@@ -35,7 +35,7 @@ void stroke(State& state, const std::string& text) {
 
 void area(State& state, const std::string& text) {
   const LabelGesture gesture = gesture_argument("label.area", text, 3);
-  if (gesture.radius_px) throw Error("action label.area: an area has no radius");
+  if (gesture.radius_px) throw Error("action label.area: an area takes no radius");
   switch (state.view.label.tool) {
     case LabelTool::rectangle:
       return draw(state, "Rectangle", gesture);
@@ -50,7 +50,7 @@ void area(State& state, const std::string& text) {
 void cut(State& state, const std::string& text) {
   const LabelGesture gesture = gesture_argument("label.cut", text, 2);
   const int plane = state.view.label.plane;
-  if (plane == 0) throw Error("there is no active plane to cut: choose one first");
+  if (plane == 0) throw Error("no plane is active: choose one to cut");
   const labels::LabelGrid& grid = state.label_frame()->grid;
   if (gesture.where == DrawnIn::image) expect_image(state);
   const labels::Vec2f &from = gesture.path.front(), &to = gesture.path.back();
@@ -62,7 +62,7 @@ void cut(State& state, const std::string& text) {
   const FrameLabels after = labels::split_by_side(labels, grid, plane, sides);
   const std::string name = name_of_paint({.plane = plane});
   if (after.planes.size() == labels.planes.size())
-    return say_nothing_done(state, "all of " + name + " lies on one side of the line");
+    return say_nothing_done(state, "all of " + name + " is on one side of the line");
   commit_labels(state, "Cut " + name, after);
   say(state, "Cut " + name);
 }
@@ -108,13 +108,13 @@ void grow(State& state) {
       state.label_frame()->grid, state.labels().get(), wand.seeds, options_of(view), &wand.why_not);
   wand.found = found ? std::make_shared<labels::WandResult>(std::move(*found)) : nullptr;
   if (wand.found) return;
-  say_nothing_done(state, "no plane there: " + wand.why_not);
+  say_nothing_done(state, "no plane here: " + wand.why_not);
   state.view.message_is_error = true;
 }
 
 std::uint32_t seed_argument(State& state, const std::string& action, const std::string& text) {
   const std::int64_t pixel = pixel_argument(state, action, text);
-  if (pixel < 0) throw Error("no point is seen there");
+  if (pixel < 0) throw Error("no visible point here");
   return static_cast<std::uint32_t>(pixel);
 }
 
@@ -137,7 +137,7 @@ void add(State& state, const std::string& text) {
   grow(state);
   if (wand.found && wand.found->fragment_pixels.back() == 0) {
     wand.seeds.pop_back();
-    say_nothing_done(state, "nothing there is part of this plane");
+    say_nothing_done(state, "nothing here belongs to this plane");
   }
 }
 
@@ -162,13 +162,13 @@ void bound_wand(State& state, const std::string& text) {
         .camera = camera_of(state)};
     bound->within.resize(state.label_frame()->grid.pixels(), 0);
     const labels::PixelSet pixels = selected_by(state, gesture).pixels;
-    if (pixels.empty()) throw Error("no point is seen inside of the lasso");
+    if (pixels.empty()) throw Error("no visible point inside the lasso");
     for (const std::uint32_t pixel : pixels) bound->within[pixel] = 1;
     view.bound = std::move(bound);
   }
   if (!view.wand.seeds.empty()) return grow(state);
-  if (!view.bound) return say(state, "the wand is free");
-  say_hint(state, "the wand stays in the lasso, until Escape",
+  if (!view.bound) return say(state, "the wand is unrestricted");
+  say_hint(state, "the wand stays inside the lasso until Esc",
            [](const State& s) { return !s.view.label.bound; });
 }
 
@@ -195,9 +195,9 @@ void accept_wand(State& state) {
 
 void close_polygon(State& state) {
   const OpenPolygon open = *state.view.label.polygon;
-  if (open.corners.size() < 3) throw Error("a polygon has three corners or more");
+  if (open.corners.size() < 3) throw Error("a polygon needs at least three corners");
   if (open.where == DrawnIn::space && !same_camera(open.camera, camera_of(state)))
-    throw Error("the view has moved since the polygon was begun");
+    throw Error("the view has moved since the polygon was started");
   const LabelGesture gesture{.where = open.where,
                              .width = static_cast<int>(open.view_size.x()),
                              .height = static_cast<int>(open.view_size.y()),
@@ -222,7 +222,7 @@ void accept(State& state) {
   if (view.wand.found) return accept_wand(state);
   if (view.finish) return accept_finish(state);
   if (view.tab == "review" && view.review_item >= 0) return apply(state, {"review.keep", ""});
-  say_nothing_done(state, "there is nothing to accept");
+  say_nothing_done(state, "nothing to accept");
 }
 
 /// Cancels what was begun last, one thing at a time.
@@ -234,9 +234,9 @@ void cancel(State& state) {
   CarryJob& carry = state.results.label.carry;
   if (SpreadWork& spread = state.results.label.spread; spread.running) {
     spread = {};
-    return say(state, "nothing was proposed");
+    return say(state, "proposal canceled");
   }
-  if (carry.running) say(state, "nothing was carried");
+  if (carry.running) say(state, "carrying canceled");
   if (carry.running || carry.done) {
     carry = {};
     return;
@@ -250,7 +250,7 @@ void cancel(State& state) {
 std::vector<Action> label_draw_actions() {
   return {
       {"label.preview",
-       "Show what a gesture would change",
+       "Preview a gesture",
        "",
        "",
        "VIEW [MODE] [RADIUS] X,Y X,Y ...",
@@ -276,7 +276,7 @@ std::vector<Action> label_draw_actions() {
        labels_at_hand,
        {}},
       {"label.corner.back",
-       "Take the polygon's last corner back",
+       "Remove the polygon's last corner",
        "Tools",
        "Backspace",
        "",
@@ -292,7 +292,7 @@ std::vector<Action> label_draw_actions() {
        labels_at_hand,
        {}},
       {"label.wand.add",
-       "Add a fragment to the plane that is shown",
+       "Add a part to the previewed plane",
        "",
        "",
        "U,V or space:WxH X,Y",
@@ -300,7 +300,7 @@ std::vector<Action> label_draw_actions() {
        labels_at_hand,
        {}},
       {"label.wand.within",
-       "Keep the wand inside of a lasso",
+       "Restrict the wand to a lasso",
        "",
        "",
        "VIEW X,Y X,Y ... or none",
@@ -309,7 +309,7 @@ std::vector<Action> label_draw_actions() {
        {}},
       {"label.wand.tolerance", "Tolerance of the wand", "", "", "METRES", set_tolerance, {}, {}},
       {"label.accept",
-       "Accept what is shown; in the review, keep",
+       "Accept the preview; in the review, keep",
        "Tools",
        "Enter",
        "",
@@ -317,7 +317,7 @@ std::vector<Action> label_draw_actions() {
        labels_at_hand,
        {}},
       {"label.cancel",
-       "Leave what is shown",
+       "Cancel the preview",
        "Tools",
        "Escape",
        "",

@@ -30,7 +30,7 @@ void show(State& state,
   if (!finish.adds.empty()) what = counted(finish.adds.size(), sample) + " more";
   if (!finish.takes.empty())
     what += (what.empty() ? "" : ", ") + counted(finish.takes.size(), sample) + " less";
-  say_hint(state, fmt::format("{}: {}; Enter accepts, Esc leaves it", title, what),
+  say_hint(state, fmt::format("{}: {}; Enter accepts, Esc cancels", title, what),
            [](const State& s) { return !s.view.label.finish; });
   view.finish = FinishPreview{plane, title, std::move(finish)};
 }
@@ -62,7 +62,7 @@ void drop_specks(State& state, const std::string& text) {
   const double least_cm2 = text.empty() ? 1e4 * labels::AuditOptions{}.min_area_m2
                                         : number_argument("label.specks", text);
   if (!(least_cm2 > 0))
-    throw Error(fmt::format("action label.specks: {} cm2 is no size of a speck", text));
+    throw Error(fmt::format("action label.specks: {} cm2 is not a valid speck size", text));
   show(state, plane, fmt::format("Drop the specks of P{} below {:g} cm²", plane, least_cm2),
        fmt::format("has no specks below {:g} cm²", least_cm2),
        labels::drop_specks(*work.labels, work.frame.grid, plane, 1e-4 * least_cm2));
@@ -73,11 +73,11 @@ void drop_specks(State& state, const std::string& text) {
 std::vector<Action> label_finish_actions() {
   return {
       finishing("label.fill", "Fill the holes", "Shift+H", "Fill the holes of",
-                "has no holes that lie on it", labels::fill_holes),
+                "has no holes to fill", labels::fill_holes),
       finishing("label.smooth", "Smooth the border", "Shift+E", "Smooth the border of",
-                "has a smooth border", labels::smooth_border),
+                "already has a smooth border", labels::smooth_border),
       finishing("label.grow", "Grow to the border of the surface", "Shift+R", "Grow",
-                "goes to the border of its surface already", labels::grow_to_border),
+                "already reaches the border of its surface", labels::grow_to_border),
       {"label.specks", "Drop specks", "Planes", "Shift+C", "[CM2]", drop_specks, can_label, {}},
       {"label.residual",
        "Distance to the active plane",

@@ -31,22 +31,21 @@ void begin_training(State& state, const std::string& text) {
   const Lesson lesson = lesson_argument(text);
   const OpenRecording& open = *state.document.current();
   state.view.label.tab = "learning";
-  if (learning(state).training.running) throw Error("a training is under way");
+  if (learning(state).training.running) throw Error("training is already running");
   if (open.labels && !open.labels->read_only().empty()) throw Error(open.labels->read_only());
   save_labels(state);
   const std::size_t reviewed = learning_source(state).reviewed.size();
-  if (reviewed == 0)
-    throw Error("no frame is reviewed: what is to be learnt from is marked with Shift+D");
+  if (reviewed == 0) throw Error("no frame is reviewed: Shift+D marks a frame to learn from");
   Learning::Training& training = learning(state).training;
   training = {};
   training.running = true;
   training.lesson = lesson;
-  say(state, fmt::format("the classifier learns from {}", counted(reviewed, "reviewed frame")));
+  say(state, fmt::format("training on {}", counted(reviewed, "reviewed frame")));
 }
 
 void stop_training(State& state) {
   learning(state).training = {};
-  say(state, "the training is stopped, the classifier is what it was");
+  say(state, "training stopped; the classifier is unchanged");
 }
 
 /// The frame after this one in the order of doubt; where this one has no place in it, the first.
@@ -54,20 +53,20 @@ void show_doubtful(State& state) {
   Learning::Doubt& doubt = learning(state).doubt;
   if (doubt.of_frame.empty()) {
     if (state.document.options.classifier == "truth")
-      throw Error("the labels of the truth are never in doubt: choose another classifier");
+      throw Error("ground truth labels have no confidence: choose another classifier");
     doubt.running = true;
-    return say(state, "the frames are searched for doubt");
+    return say(state, "searching for doubtful frames");
   }
-  if (doubt.running) return say_nothing_done(state, "the frames are still searched for doubt");
+  if (doubt.running) return say_nothing_done(state, "still searching for doubtful frames");
   if (std::ranges::none_of(doubt.of_frame, [](const auto& share) { return share.has_value(); }))
-    return say_nothing_done(state, "no classifier tells its doubt about these frames");
+    return say_nothing_done(state, "the classifier has no confidences for these frames");
   const std::vector<int> frames = by_doubt(state);
   const auto here = std::ranges::find(frames, state.document.frame);
   if (frames.empty() || (frames.size() == 1 && here != frames.end()))
-    return say_nothing_done(state, "no other frame is left to be reviewed");
+    return say_nothing_done(state, "no other frame to review");
   const int next = here == frames.end() || here + 1 == frames.end() ? frames.front() : here[1];
   apply(state, {"frame.show", std::to_string(next)});
-  say(state, fmt::format("frame {}: the classifier is in doubt about {:.1f} % of its points", next,
+  say(state, fmt::format("frame {}: {:.1f} % of its points are doubtful", next,
                          100 * *doubt.of_frame[static_cast<std::size_t>(next)]));
 }
 
@@ -77,7 +76,7 @@ std::vector<Action> label_learn_actions() {
   const auto is_training = [](const State& s) { return s.results.label.learning.training.running; };
   return {
       {"label.learn",
-       "Train the classifier on the reviewed frames",
+       "Train the classifier on reviewed frames",
        "Labels",
        "Ctrl+Shift+L",
        "[STEPS [CLOUDS]]",
@@ -85,7 +84,7 @@ std::vector<Action> label_learn_actions() {
        can_label,
        {}},
       {"label.learn.stop",
-       "Stop the training",
+       "Stop training",
        "Labels",
        "Ctrl+Shift+X",
        "",
@@ -93,7 +92,7 @@ std::vector<Action> label_learn_actions() {
        is_training,
        {}},
       {"label.next.doubtful",
-       "Next frame by the classifier's doubt",
+       "Next doubtful frame",
        "Labels",
        "Shift+Y",
        "",

@@ -44,9 +44,8 @@ void join(State& state, const std::string& text) {
   else if (state.view.label.hover >= 0)
     from = work.labels->plane.data[static_cast<std::size_t>(state.view.label.hover)];
   if (!labels::find_plane(*work.labels, from))
-    throw Error(
-        fmt::format("no plane is under the mouse that could be joined into {}", name_of(into)));
-  if (from == into) throw Error(fmt::format("{} is under the mouse itself", name_of(into)));
+    throw Error(fmt::format("no plane under the mouse to join into {}", name_of(into)));
+  if (from == into) throw Error(fmt::format("{} itself is under the mouse", name_of(into)));
   commit_and_say(state, fmt::format("Join {} into {}", name_of(from), name_of(into)),
                  labels::joined(*work.labels, work.frame.grid, into, from), "");
 }
@@ -58,7 +57,7 @@ void split(State& state, const std::string& text) {
                                                    labels::AuditOptions{}.min_area_m2);
   const std::size_t parts = 1 + after.planes.size() - work.labels->planes.size();
   commit_and_say(state, fmt::format("Split {} into its {} parts", name_of(plane), parts), after,
-                 fmt::format("{} is in one part; Shift+S cuts it along a line", name_of(plane)));
+                 fmt::format("{} has one part; Shift+S cuts it along a line", name_of(plane)));
 }
 
 void toggle(State& state, const std::string& text, labels::PlaneFlag flag) {
@@ -111,14 +110,14 @@ std::string beyond_text(const debug::Run& run, const labels::LabelGrid& grid) {
   const double share = static_cast<double>(beyond) /
                        static_cast<double>(std::max<std::size_t>(grid.measured_count, 1));
   if (share < 0.05) return "";
-  return fmt::format(": {:.0f} % of the pixels lie beyond its --max-range of {:g} m", 100 * share,
+  return fmt::format(": {:.0f} % of the pixels are beyond --max-range {:g} m", 100 * share,
                      range_m);
 }
 
 void take(State& state) {
   const LabelWork work = label_work(state);
   const debug::Run* run = run_of_frame(state);
-  if (!run) throw Error("the algorithm has not come to this frame yet");
+  if (!run) throw Error("the algorithm has not run on this frame yet");
   const labels::OtherLabels found = labels_of_run(*run, work.frame.grid);
   const char* name = run->is_ours() ? planes::to_string(run->segment_options.profile)
                                     : planes::to_string(run->options.method);
@@ -126,7 +125,7 @@ void take(State& state) {
   const std::string beyond = beyond_text(*run, work.frame.grid);
   commit_and_say(state, title,
                  labels::from_segmentation(*work.labels, work.frame.grid, found.plane, found.label),
-                 "the labels are the algorithm's already" + beyond);
+                 "the labels already equal the algorithm's result" + beyond);
   if (!beyond.empty() && state.labels() != work.labels) say(state, title + beyond);
   state.view.label.wand = {};
 }
@@ -173,7 +172,7 @@ void show_next_doubtful(State& state) {
   for (const auto& [frame, share] : state.results.label.spread.doubtful)
     if (frame != state.document.frame && !frame_mark(state, frame).reviewed)
       return apply(state, {"frame.show", std::to_string(frame)});
-  say_nothing_done(state, "no other frame has labels that were proposed and not reviewed");
+  say_nothing_done(state, "no other frame has proposed labels to review");
 }
 
 Action next_frame(const char* name,
@@ -217,7 +216,7 @@ std::vector<Action> label_plane_actions() {
   return {
       on_frame("label.take", "Start from the algorithm", "T", take),
       {"label.carry",
-       "Carry the labels to the next frame",
+       "Carry labels to the next frame",
        "Planes",
        ".",
        "[FRAMES] [doubt [SHARE]]",
@@ -225,23 +224,23 @@ std::vector<Action> label_plane_actions() {
        can_label,
        {}},
       {"label.carry.doubt",
-       "Carry the labels on until one is in doubt",
+       "Carry labels on until one is doubtful",
        "Planes",
        "Ctrl+.",
        "",
        [](State& s, const std::string&) { begin_carry(s, carry_argument("doubt")); },
        can_label,
        {}},
-      on_frame("label.spread", "Propose the labels in all frames that see their planes",
-               "Ctrl+Shift+.", begin_spread),
+      on_frame("label.spread", "Propose labels in all frames that see their planes", "Ctrl+Shift+.",
+               begin_spread),
       on_frame("label.spread.track", "Propose the selected track in all frames that see it",
                "Alt+T", begin_spread_of_track),
-      on_frame("label.spread.next", "Next of these frames, the most doubtful first", "Alt+U",
+      on_frame("label.spread.next", "Next proposed frame, most doubtful first", "Alt+U",
                show_next_doubtful),
       next_frame("label.next.unlabelled", "Next frame without labels", "U", "without labels",
                  [](const FrameMark& mark) { return !mark.labelled; }),
-      next_frame("label.next.unreviewed", "Next frame with labels that are not reviewed", "Y",
-                 "labelled and not reviewed",
+      next_frame("label.next.unreviewed", "Next labeled frame that is not reviewed", "Y",
+                 "labeled and not reviewed",
                  [](const FrameMark& mark) { return mark.labelled && !mark.reviewed; }),
       class_action("label.class.h", "Horizontal", "H", Label::h),
       class_action("label.class.v", "Vertical", "V", Label::v),

@@ -77,9 +77,9 @@ void finish(State& state) {
   const bool reviewed = after.review_state == "reviewed";
   const ReviewQueue* queue = state.results.label.review.get();
   if (!reviewed && (!queue || queue->labels != work.labels))
-    throw Error("what differs is not known yet: D opens the review");
+    throw Error("differences are unknown: D opens the review");
   if (!reviewed && queue->undecided() > 0)
-    throw Error(fmt::format("{} of {} regions are not decided yet", queue->undecided(),
+    throw Error(fmt::format("{} of {} regions are undecided", queue->undecided(),
                             queue->undecided() + after.review.size()));
   after.review_state = reviewed ? "unreviewed" : "reviewed";
   commit_and_say(state, reviewed ? "Not reviewed" : "Reviewed", after, "");
@@ -89,7 +89,7 @@ void compare_with(State& state, const std::string& folder) {
   const LabelWork work = label_work(state);
   if (!folder.empty()) {  // so that a folder that cannot be compared with is refused at once
     const auto other = labels::read_frame_labels(folder, work.frame.frame, work.frame.sha256);
-    if (!other) throw Error(fmt::format("{}: has no labels of frame {}", folder, work.frame.frame));
+    if (!other) throw Error(fmt::format("{}: no labels of frame {}", folder, work.frame.frame));
   }
   LabelView& view = state.view.label;
   view.tab = "review";
@@ -117,7 +117,7 @@ void step_finding(State& state, int by) {
   const int count = finding_count(state), now = state.view.label.finding;
   if (state.results.label.audit && count == 0) {
     state.view.label.tab = "checks";
-    return say(state, "nothing looks wrong");
+    return say(state, "no problems found");
   }
   show_finding(state, count == 0 || now < 0 ? 0 : (now + by + count) % count);
 }
@@ -154,15 +154,15 @@ Action step_action(const char* name, const char* title, const char* key, int by)
 
 std::vector<Action> label_review_actions() {
   return {
-      on_frame("review.start", "Review: what differs from the algorithm", "D", start),
+      on_frame("review.start", "Review differences from the algorithm", "D", start),
       step_action("review.next", "Next region", "Down", 1),
       step_action("review.previous", "Previous region", "Up", -1),
       on_item("review.keep", "Keep the labels", "", ReviewDecision::keep),
-      on_item("review.take", "Take the other side's", "A", ReviewDecision::take),
-      {"review.edit", "Edit the labels there", "Review", "E", "[NUMBER]", edit, can_label, {}},
+      on_item("review.take", "Take the other side", "A", ReviewDecision::take),
+      {"review.edit", "Edit the labels here", "Review", "E", "[NUMBER]", edit, can_label, {}},
       on_item("review.ignore", "Do not score the region", "G", ReviewDecision::ignore),
       {"review.item",
-       "Choose a region",
+       "Select a region",
        "",
        "",
        "NUMBER",
@@ -172,7 +172,7 @@ std::vector<Action> label_review_actions() {
        can_label,
        {}},
       {"review.slivers",
-       "Show or decide all slivers",
+       "Show or decide All slivers",
        "",
        "",
        "show|keep|take|ignore",
@@ -180,7 +180,7 @@ std::vector<Action> label_review_actions() {
        can_label,
        {}},
       {"review.smallest",
-       "Smallest region of the review",
+       "Smallest region in the review",
        "Review",
        "",
        "CM2",
@@ -201,11 +201,11 @@ std::vector<Action> label_review_actions() {
        compare_with,
        can_label,
        {}},
-      {"review.done", "The frame is reviewed", "Review", "Shift+D", "",
+      {"review.done", "Mark the frame as reviewed", "Review", "Shift+D", "",
        [](State& s, const std::string&) { finish(s); }, can_label,
        [](const State& s) { return can_label(s) && s.labels()->review_state == "reviewed"; }},
       {"check.next",
-       "Next finding of the checks",
+       "Next problem",
        "Review",
        "F4",
        "",
@@ -213,7 +213,7 @@ std::vector<Action> label_review_actions() {
        can_label,
        {}},
       {"check.previous",
-       "Previous finding of the checks",
+       "Previous problem",
        "Review",
        "Shift+F4",
        "",
@@ -221,7 +221,7 @@ std::vector<Action> label_review_actions() {
        can_label,
        {}},
       {"check.show",
-       "Show a finding of the checks",
+       "Show a problem",
        "",
        "",
        "NUMBER",

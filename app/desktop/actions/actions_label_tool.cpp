@@ -105,10 +105,10 @@ void hover(State& state, const std::string& text) {
 void pick_label(State& state) {
   const std::int64_t pixel = state.view.label.hover;
   const int plane = pixel < 0 ? 0 : state.labels()->plane.data[static_cast<std::size_t>(pixel)];
-  if (plane == 0) return say(state, "no label is under the mouse");
+  if (plane == 0) return say(state, "no label under the mouse");
   if (plane == kPlaneIgnore) {
     state.view.label.paints = Paints::ignore;
-    return say(state, "painting ignore");
+    return say(state, "painting \"do not score\"");
   }
   choose_plane(state, plane);
   say(state, fmt::format("P{}", plane));
@@ -130,7 +130,7 @@ std::vector<Action> label_tool_actions() {
   for (std::size_t i = 0; i < kTools.size(); ++i) actions.push_back(tool_action(i));
   std::vector<Action> more = {
       {"label.tool",
-       "Take a tool",
+       "Choose a tool",
        "",
        "",
        "wand|brush|rectangle|lasso|polygon|cut",
@@ -142,7 +142,7 @@ std::vector<Action> label_tool_actions() {
        {},
        {}},
       {"label.through",
-       "Take hidden points too",
+       "Include hidden points",
        tools,
        "X",
        "",
@@ -150,7 +150,7 @@ std::vector<Action> label_tool_actions() {
        {},
        [](const State& s) { return s.view.label.through; }},
       {"label.brush",
-       "Size of the brush",
+       "Brush size",
        "",
        "",
        "RADIUS in pixels",
@@ -176,7 +176,7 @@ std::vector<Action> label_tool_actions() {
        {},
        {}},
       {"label.classes",
-       "Colours of h and v",
+       "Color by horizontal and vertical",
        tools,
        "C",
        "",
@@ -194,7 +194,7 @@ std::vector<Action> label_tool_actions() {
        {},
        {}},
       {"label.plane.new",
-       "New plane with the next gesture",
+       "New plane",
        planes,
        "N",
        "",

@@ -29,7 +29,7 @@ void follow_planes(State& state, const std::string&) {
 
 void stop_following(State& state, const std::string&) {
   state.results.map.running = false;
-  say(state, "planes are not followed any further");
+  say(state, "tracking canceled");
 }
 
 /// In another world, which stands upright as well.

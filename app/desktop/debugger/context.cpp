@@ -34,8 +34,8 @@ struct Menu {
   void add_common(const std::string& click, const std::string& copied) {
     Commands isolate = {select};
     if (!state.view.isolated) isolate.push_back({"isolate", ""});
-    entries.push_back({"isolate", "Show it alone", key_of("isolate"), std::move(isolate)});
-    act("frame", "Look at it", "camera.selected");
+    entries.push_back({"isolate", "Isolate", key_of("isolate"), std::move(isolate)});
+    act("frame", "Frame it", "camera.selected");
     if (!click.empty()) {
       const bool plane = click.starts_with("plane");
       Commands measure;
@@ -44,10 +44,10 @@ struct Menu {
       measure.push_back({"measure.end", click});
       add("measure", state.view.measured.size() == 1 ? "Measure to here" : "Measure from here",
           std::move(measure));
-      add("floor", "It is a floor: it lies level", {{"gravity.floor", click}});
-      add("wall", "It is a wall: it stands upright", {{"gravity.wall", click}});
+      add("floor", "Set gravity: this is a floor", {{"gravity.floor", click}});
+      add("wall", "Set gravity: this is a wall", {{"gravity.wall", click}});
     }
-    act("bookmark", "Bookmark this place", "bookmark.add");
+    act("bookmark", "Bookmark this view", "bookmark.add");
     add("copy", "Copy \"" + copied + "\"", {{"copy", copied}});
   }
 };
@@ -59,27 +59,27 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
                                   : Command{"select.voxel", voxel}};
   const std::int32_t plane = run.timeline.point_at(at.what.index, state.view.step).plane;
   const std::int32_t node = run.timeline.node_of_point(at.what.index, state.view.step);
-  menu.add("select", "Select the point", {menu.select});
+  menu.add("select", "Select point", {menu.select});
   menu.act("why",
-           plane < 0 ? "Why it is in no plane" : "Why it is in " + debug::plane_name(run, plane),
+           plane < 0 ? "Why is it unassigned?" : "Why is it in " + debug::plane_name(run, plane),
            "point.life");
   const std::int32_t other = state.view.selected.voxel;
   if (run.is_ours() && run.segmentation.plane_of[at.what.index] > 0) {
-    menu.add("own", "It should be a plane of its own", {menu.select, {"fix.point", "own"}});
-    menu.add("none", "It should be no plane", {menu.select, {"fix.point", "none"}});
+    menu.add("own", "Should be a plane of its own", {menu.select, {"fix.point", "own"}});
+    menu.add("none", "Should not be a plane", {menu.select, {"fix.point", "none"}});
   }
   if (run.is_ours() && other >= 0 && other != at.what.index &&
       debug::step_of_meeting(run, other, at.what.index) > 0)
-    menu.add("met", "Where it and the selected point joined", {{"join.show", voxel}});
+    menu.add("met", "Where was it merged with the selected point?", {{"join.show", voxel}});
   else if (run.is_ours() && other >= 0 && other != at.what.index)
-    menu.add("joined", "It should be one plane with the selected point",
+    menu.add("joined", "Should be one plane with the selected point",
              {menu.select, {"fix.point", fmt::format("with {}", other)}});
   if (plane >= 0)
     menu.add("plane", "Select " + debug::plane_name(run, plane),
              {{"select.plane", debug::plane_name(run, plane)}});
   if (node >= 0)
     menu.add("node", fmt::format("Select node {}", node), {{"select.node", std::to_string(node)}});
-  menu.act("break", "Stop at what becomes of it", "break.point");
+  menu.act("break", "Break on this point", "break.point");
   menu.add_common(at.source >= 0 ? pixel_text(state, at.source) : "voxel " + voxel,
                   "voxel " + voxel);
   return menu.entries;
@@ -88,16 +88,16 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
 std::vector<ContextEntry> plane_entries(const State& state, std::int32_t plane) {
   const std::string name = debug::plane_name(*state.run(), plane);
   Menu menu{state, {"select.plane", name}};
-  menu.add("select", "Select the plane", {menu.select, {"tab.inspector", "inspector"}});
+  menu.add("select", "Select plane", {menu.select, {"tab.inspector", "inspector"}});
   menu.add_common("plane " + name, name);
   return menu.entries;
 }
 
 std::vector<ContextEntry> node_entries(const State& state, std::int32_t node) {
   Menu menu{state, {"select.node", std::to_string(node)}};
-  menu.add("select", "Select the node", {menu.select, {"tab.inspector", "inspector"}});
-  menu.act("decision", "To its decision", "step.decision");
-  menu.act("break", "Stop where it is decided", "break.node");
+  menu.add("select", "Select node", {menu.select, {"tab.inspector", "inspector"}});
+  menu.act("decision", "Go to its decision", "step.decision");
+  menu.act("break", "Break on its decision", "break.node");
   menu.add_common("", fmt::format("node {}", node));
   return menu.entries;
 }
@@ -109,7 +109,7 @@ std::vector<ContextEntry> empty_entries(const State& state, std::int64_t source)
   };
   if (source >= 0) {
     const std::string pixel = pixel_text(state, source);
-    entries.push_back({"why", "Why nothing is here", "", {{"why.pixel", pixel}}});
+    entries.push_back({"why", "Why is nothing here?", "", {{"why.pixel", pixel}}});
     entries.push_back({"copy", "Copy \"" + pixel + "\"", "", {{"copy", pixel}}});
   }
   act("home", "camera.home");

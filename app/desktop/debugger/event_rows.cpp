@@ -84,12 +84,11 @@ std::string group_text(const debug::Run& run, const EventRow& group) {
     planes.insert(event.plane);
   }
   const std::size_t left = count - given;
-  if (given == 0)
-    return counted(left, "point") + (left == 1 ? " stays" : " stay") + " without a plane";
+  if (given == 0) return counted(left, "point") + (left == 1 ? " stays" : " stay") + " unassigned";
   std::string text = fmt::format("{} {} to {}", counted(given, "point"), given == 1 ? "goes" : "go",
                                  planes.size() == 1 ? debug::plane_name(run, *planes.begin())
                                                     : counted(planes.size(), "plane"));
-  if (left > 0) text += fmt::format(", {} {} without one", left, left == 1 ? "stays" : "stay");
+  if (left > 0) text += fmt::format(", {} {} unassigned", left, left == 1 ? "stays" : "stay");
   return text;
 }
 

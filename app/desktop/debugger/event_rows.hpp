@@ -16,7 +16,7 @@ struct EventRow {
   enum class Kind : std::uint8_t { stage, group, event };
   Kind kind = Kind::event;
   std::int32_t first = 0, last = 0;  // steps; of an event the same
-  const char* title = "";            // of a stage: "traversal", "join neighbors", "leftovers"
+  const char* title = "";            // of a stage: "traversal", "merge neighbors", "leftovers"
 };
 
 /// Stages and, below each, its events, those of one kind that follow one another as a group.

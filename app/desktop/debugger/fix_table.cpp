@@ -32,14 +32,14 @@ void draw_buttons(const Ui& ui, std::size_t i, bool check) {
   const std::string number = std::to_string(i);
   button(ui, "Preview", "fix.preview." + number);
   if (ImGui::IsItemActivated()) ui.emit("fix.preview", number);
-  tooltip("shows the result for as long as the button is held");
+  tooltip("Shows the result while you hold the button");
   ImGui::SameLine();
   if (button(ui, "Apply", "fix.apply." + number)) ui.emit("fix.apply", number);
   if (!check) return;
   ImGui::SameLine();
   if (button(ui, "Check", "fix.check." + number, ui.state.results.fix.finished))
     ui.emit("fix.check", number);
-  tooltip("what it does to every labelled frame of the recording");
+  tooltip("what it does to every labeled frame of the recording");
 }
 
 /// "+31 900 px, 8 → 9 planes, 212 px elsewhere change".
@@ -55,13 +55,13 @@ bool is_asked(const FixSearch& fix) { return fix.running || fix.finished; }
 const char* question(debug::Wish wish) {
   switch (wish) {
     case debug::Wish::own_plane:
-      return "Why is it no plane of its own?";
+      return "Why is this not a plane of its own?";
     case debug::Wish::no_plane:
-      return "Why is it a plane?";
+      return "Why is this a plane?";
     case debug::Wish::joined:
-      return "Why are they not one plane?";
+      return "Why are these not one plane?";
     default:
-      return "Why is this in no plane?";
+      return "Why is this unassigned?";
   }
 }
 
@@ -139,11 +139,11 @@ void draw_fix_progress(const Ui& ui, const FixSearch& fix) {
 }
 
 void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
-  if (fix.granted && fix.fixes.empty()) return paragraph(ui.colors.good, "It is so already.");
+  if (fix.granted && fix.fixes.empty()) return paragraph(ui.colors.good, "Already the case.");
   if (fix.fixes.empty()) {
     paragraph(ui.colors.warning, fix.target.far
-                                     ? "No change of one option does it: several may be needed."
-                                     : "No change of one option by up to a factor of 3 does it.");
+                                     ? "No change of one option works; several may be needed."
+                                     : "No change of one option by up to a factor of 3 works.");
     if (!fix.target.far && button(ui, "Search farther", "fix.far")) ui.emit("fix.far");
     return;
   }
@@ -151,13 +151,13 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
   const std::size_t shown = check ? fix.fixes.size() : std::min(kMostShown, fix.fixes.size());
   for (std::size_t i = 0; i < shown; ++i) {
     const debug::Fix& one = fix.fixes[i];
-    if (static_cast<int>(i) == fix.checked) colored(ui.colors.accent, "checked below");
+    if (static_cast<int>(i) == fix.checked) colored(ui.colors.accent, "Checked below");
     const planes::OptionInfo& info = planes::find_option(one.option);
     math_text(ui, ui.colors.text, fmt::format("{} {} → {}", info.title, one.before, one.after));
     tooltip(fmt::format("{} ({})", info.meaning, info.name));
     if (one.restores) {
       ImGui::SameLine();
-      colored(ui.colors.good, "as in the profile");
+      colored(ui.colors.good, "profile default");
     }
     paragraph(ui.colors.muted, effect_text(run, one));
     if (check && !one.score.planes.empty())

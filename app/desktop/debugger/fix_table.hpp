@@ -7,7 +7,7 @@
 namespace planescope::desktop {
 
 /// A row each, with what it gains and moves elsewhere. `check`: with a button for what it does to
-/// the labelled frames.
+/// the labeled frames.
 void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check);
 void draw_fix_progress(const Ui& ui, const FixSearch& fix);
 

@@ -40,13 +40,13 @@ void draw_frame_summary(const Ui& ui, const RunView& view) {
   const debug::FrameSummary& summary = view.summary;
   const double on = summary.share(summary.on_planes);
   heading(ui,
-          fmt::format("{} on {}, {} on none", percent(on),
+          fmt::format("{} on {} · {} unassigned", percent(on),
                       counted(static_cast<std::size_t>(summary.planes), "plane"), percent(1 - on)));
   draw_bar(ui, summary);
   if (summary.undecided > 0)
     paragraph(ui.colors.muted,
-              fmt::format("{}, {} of all, undecided: a little more or less noise may lose "
-                          "or join them",
+              fmt::format("{}, {} of all points, undecided: slightly different noise may drop "
+                          "or merge them",
                           counted(static_cast<std::size_t>(summary.undecided), "plane"),
                           percent(summary.share(summary.on_undecided))));
   for (std::size_t i = 0; i < summary.lost.size(); ++i) {
@@ -61,7 +61,7 @@ void draw_frame_summary(const Ui& ui, const RunView& view) {
       continue;
     }
     if (link(ui, text, widget)) ui.emit("lost.show", std::to_string(i));
-    tooltip("marks it, and tells why the largest part of it is lost");
+    tooltip("Mark these points and explain the largest part");
   }
 }
 

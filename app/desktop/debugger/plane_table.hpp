@@ -32,16 +32,16 @@ struct PlaneColumnInfo {
 };
 /// By PlaneColumn.
 inline constexpr PlaneColumnInfo kPlaneColumns[] = {
-    {"id", "id", "as in planes.json"},
+    {"id", "id", "As in planes.json"},
     {"class", "class", "h: level, v: upright"},
-    {"area", "area", "that its outline covers, without holes"},
-    {"tilt", "tilt", "against the horizontal: 0 a floor, 90 a wall"},
-    {"rms", "RMS", "distance of its points from the plane, root mean square"},
-    {"points", "points", "measured on it"},
-    {"support", "support", "of what its outline covers, this much was measured on it"},
-    {"steppable", "foot", "whether it carries one; the option foot_radius_m gives one"},
+    {"area", "area", "Area of its outline, without holes"},
+    {"tilt", "tilt", "Angle to the horizontal: 0 for a floor, 90 for a wall"},
+    {"rms", "RMS", "Root mean square distance of its points from the plane"},
+    {"points", "points", "Measured points"},
+    {"support", "support", "Measured share of its outline"},
+    {"steppable", "foot", "Whether it can carry a foot of foot_radius_m"},
     {"margin", "margin",
-     "how far it is from being lost, or joined with a larger neighbor; ~: so little that it is "
+     "Distance from being dropped or merged with a larger neighbor; ~: so small that it is "
      "undecided"}};
 
 /// Every cell as text, by PlaneColumn; "–" where it is not known.

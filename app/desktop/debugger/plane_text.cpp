@@ -23,7 +23,7 @@ std::string name_of(const State& state, int id) {
 }
 
 std::string names_of(const State& state, const planes::LevelPlanes& ids) {
-  if (ids.empty()) return "not seen";
+  if (ids.empty()) return "not visible";
   std::vector<std::string> names;
   for (const int id : ids) names.push_back(name_of(state, id));
   return fmt::format("{}", fmt::join(names, ", "));
@@ -48,13 +48,13 @@ StairsEntry entry_of(const State& state, const planes::Flight& flight) {
     const planes::Flight::Step& step = flight.steps[i];
     const std::string going = step.going_m > 0 ? ", going " + mm(step.going_m) : "";
     const std::string riser =
-        step.riser > 0 ? ", riser " + name_of(state, step.riser) : ", riser not seen";
+        step.riser > 0 ? ", riser " + name_of(state, step.riser) : ", riser not visible";
     entry.lines.push_back(fmt::format("step {}: rise {}{}, tread {}{}", i + 1, mm(step.rise_m),
                                       going, names_of(state, step.tread), riser));
     add_planes(state, step.tread, entry);
     if (step.riser > 0) add_planes(state, {step.riser}, entry);
   }
-  if (flight.landing) entry.lines.emplace_back("the last tread is a landing");
+  if (flight.landing) entry.lines.emplace_back("The last tread is a landing");
   return entry;
 }
 
@@ -104,7 +104,7 @@ std::string describe_plane(const State& state, std::int32_t plane) {
   std::string text = debug::plane_name(*state.run(), plane);
   const int id = finished_plane(state, plane);
   const planes::Foothold* foothold = foothold_of(state, id);
-  if (!foothold) return text + (id > 0 ? "" : ", not finished: the hull of its points");
+  if (!foothold) return text + (id > 0 ? "" : ", unfinished: hull of its points");
   const std::size_t k = static_cast<std::size_t>(id) - 1;
   text += ", " + area_text(state.planes()->found.outlines[k].area_m2);
   if (!std::isnan(foothold->surface.slope_deg))
@@ -123,37 +123,38 @@ std::vector<PlaneLine> plane_lines(const State& state, std::int32_t plane) {
   const planes::Surface& surface = foothold->surface;
   const planes::Certainty& certainty = foothold->certainty;
   std::vector<PlaneLine> lines = {
-      {"area", area_text(found.outlines[k].area_m2), "that its outline covers, without holes"}};
+      {"area", area_text(found.outlines[k].area_m2), "Area of its outline, without holes"}};
   if (!std::isnan(surface.slope_deg))
-    lines.push_back({"slope", fmt::format("{:.1f}°", surface.slope_deg), "to the horizontal"});
+    lines.push_back(
+        {"slope", fmt::format("{:.1f}°", surface.slope_deg), "Angle to the horizontal"});
   lines.push_back(
       {"rough",
        fmt::format("{}, steps of {}", fine_mm(surface.rough_rms_m), fine_mm(surface.rough_step_m)),
-       "RMS of places above the mean of those within 5 cm; the 95th percentile of the "
-       "steps between neighbours"});
-  lines.push_back({"support", fmt::format("{:.0f} %", 100 * surface.support),
-                   "of what its outline covers, this much was measured on it"});
+       "RMS height above the mean within 5 cm, and the 95th percentile of "
+       "steps between neighbors"});
   lines.push_back(
-      {"known to",
+      {"support", fmt::format("{:.0f} %", 100 * surface.support), "Measured share of its outline"});
+  lines.push_back(
+      {"uncertainty",
        fmt::format("tilt {:.2g}°, {:.2g}°; offset {}", kDegrees * certainty.sigma_tilt_rad[0],
                    kDegrees * certainty.sigma_tilt_rad[1], fine_mm(certainty.sigma_offset_m)),
-       "standard deviations: of the tilt towards its two axes, the longer extent first, "
+       "Standard deviations of the tilt about its two axes, longer extent first, "
        "and of the offset at its centroid"});
   lines.push_back(
-      {"clearance", mm(surface.clearance_m), "radius of the largest circle in its outline"});
+      {"clearance", mm(surface.clearance_m), "Radius of the largest circle in its outline"});
   if (const report::PlaneSummary& summary = found.summaries[k]; std::isfinite(summary.margin))
     lines.push_back(
         {"margin", fmt::format("{:.2g}{}", summary.margin, summary.undecided ? ", undecided" : ""),
-         "how far the plane is from being lost, or joined with a larger neighbor"});
+         "Distance from being dropped or merged with a larger neighbor"});
   if (k < found.stairs.height_m.size() && !std::isnan(found.stairs.height_m[k]))
-    lines.push_back({"height", mm(found.stairs.height_m[k]), "above the floor"});
+    lines.push_back({"height", mm(found.stairs.height_m[k]), "Above the floor"});
   if (foothold->space)
-    lines.push_back({"for a foot",
+    lines.push_back({"foot space",
                      foothold->space->area.empty()
-                         ? "no room"
+                         ? "none"
                          : fmt::format("{} in {}", area_text(foothold->space->area_m2),
                                        counted(foothold->space->pieces.size(), "convex piece")),
-                     "where its centre may go"});
+                     "Allowed positions of its center"});
   return lines;
 }
 

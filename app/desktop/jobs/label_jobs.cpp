@@ -120,7 +120,7 @@ std::string doubt_of(const labels::CarriedLabels& carried, double least_share) {
       [](const labels::CarriedPlane& plane) { return plane.pixels == 0 ? 0 : plane.confidence; });
   if (worst.pixels > 0 && worst.confidence >= least_share) return "";
   if (least_share == 0) return "";
-  if (worst.pixels == 0) return fmt::format("P{} was not found again", worst.id);
+  if (worst.pixels == 0) return fmt::format("P{} was not found", worst.id);
   return fmt::format("P{} is {:.0f} % sure", worst.id, 100 * worst.confidence);
 }
 
@@ -342,10 +342,9 @@ void LabelJobs::deliver_carried(State& state,
   if (plan.gone > 1 || !doubt.empty())
     return say(state, fmt::format("carried over {}{}{}",
                                   counted(static_cast<std::size_t>(plan.gone), "frame"),
-                                  doubt.empty() ? "" : ", in doubt: ", doubt));
-  say(state,
-      fmt::format("{} planes carried from frame {} by {}, {} pixels in doubt are left to you",
-                  carried->planes.size(), from, carried->method, doubtful));
+                                  doubt.empty() ? "" : ", doubtful: ", doubt));
+  say(state, fmt::format("{} planes carried from frame {} by {}, {} doubtful pixels stay unlabeled",
+                         carried->planes.size(), from, carried->method, doubtful));
 }
 
 }  // namespace planescope::desktop

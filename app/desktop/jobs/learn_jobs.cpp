@@ -15,13 +15,13 @@ bool is_shown(const State& state, const std::shared_ptr<const io::Recording>& re
 
 /// What is found from now on is found with the weights that were trained.
 void take_weights(State& state, const LearningSource& source) {
-  const std::string done = fmt::format("the classifier has learnt from {}",
-                                       counted(source.reviewed.size(), "reviewed frame"));
+  const std::string done =
+      fmt::format("classifier trained on {}", counted(source.reviewed.size(), "reviewed frame"));
   if (!is_shown(state, source.recording)) return say(state, done);
   planes::PipelineOptions after = state.document.options;
   after.classifier = learnt_weights(source.label_dir).string();
   change_options(state, after);
-  say(state, done + ": planes are found with it from now on");
+  say(state, done + "; planes now use it");
 }
 
 }  // namespace

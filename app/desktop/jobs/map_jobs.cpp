@@ -70,7 +70,7 @@ void MapJobs::pursue(State& state) {
         s.results.map.made = made;
         s.view.tracks.track = 0;
         const std::size_t planes = world::planes_of_map(made->tracker()).size();
-        std::string text = fmt::format("{} followed over {}", counted(planes, "plane"),
+        std::string text = fmt::format("{} tracked over {}", counted(planes, "plane"),
                                        counted(made->tracker().frames().size(), "frame"));
         for (const std::string& line : made->map.told) text += "; " + line;
         say(s, text);

@@ -89,7 +89,7 @@ class Guide {
     if (is(report::PlaneFate::merged)) {
       arrive_at_merge(arrival);
     } else if (b_.is_ours()) {
-      arrival.message += fmt::format(", founded at step {}", arrival.step);
+      arrival.message += fmt::format(", Created at step {}", arrival.step);
     }
     return arrival;
   }
@@ -132,9 +132,9 @@ class Guide {
     if (!voxels.empty()) arrival.voxel = static_cast<std::int32_t>(voxels[voxels.size() / 2]);
     const debug::RegionDecision loss = debug::loss_of_region(b_, voxels);
     if (loss.step > 0)
-      arrive_at(region, loss, "left over at", arrival);
+      arrive_at(region, loss, "unassigned at", arrival);
     else
-      arrive_at(region, debug::joining_of_region(b_, voxels), "joined at", arrival);
+      arrive_at(region, debug::joining_of_region(b_, voxels), "merged at", arrival);
   }
 
   /// Where the planes that are one now became one.
@@ -142,7 +142,7 @@ class Guide {
     Region region{*place_.baseline, place_.fate->others};
     region.planes.push_back(place_.fate->baseline);
     region.voxels = voxels_of(region, *b_.subject);
-    arrive_at(region, debug::joining_of_region(b_, region.voxels), "joined at", arrival);
+    arrive_at(region, debug::joining_of_region(b_, region.voxels), "merged at", arrival);
   }
 
   /// Where B first decided otherwise than A, or A did what B never asked. Where neither is so for

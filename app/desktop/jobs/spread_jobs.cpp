@@ -71,8 +71,7 @@ std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
     } catch (const Error&) {  // a damaged frame says why where it is opened
     }
   }
-  if (paint.plane >= kPlaneIgnore)
-    throw Error("no id is left that a plane could have in all frames");
+  if (paint.plane >= kPlaneIgnore) throw Error("no plane id is free in all frames");
   for (int i = 0; i < wanted.frames; ++i) {
     if (stop.stop_requested()) throw Cancelled();
     progress(i + 1, wanted.frames);
@@ -119,11 +118,11 @@ void take_proposals(State& state,
   }
   std::ranges::stable_sort(spread.doubtful, std::greater(), &std::pair<int, double>::second);
   open->labels->commit(edits);
-  std::string text = fmt::format("proposed in {}, {} pixels in doubt are left to you",
+  std::string text = fmt::format("proposed in {}, {} doubtful pixels stay unlabeled",
                                  counted(edits.size(), "frame"), doubtful);
   if (!spread.doubtful.empty())
-    text += fmt::format(", most of all in frame {}", spread.doubtful.front().first);
-  if (left > 0) text += fmt::format("; {} labelled meanwhile", counted(left, "frame"));
+    text += fmt::format(", most in frame {}", spread.doubtful.front().first);
+  if (left > 0) text += fmt::format("; {} labeled in the meantime", counted(left, "frame"));
   say(state, text);
 }
 

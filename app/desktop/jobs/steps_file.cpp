@@ -80,7 +80,7 @@ class StepsFile {
         file.emplace(out, width, height, count_, per_s_, io::ApngStores::difference);
       }
       if (picture.width != width || picture.height != height)
-        throw Error("the steps were not saved: the window has another size now");
+        throw Error("steps not saved: the window was resized");
       file->add(picture);
       if (!out) return;  // the disk is full: write_file_stream() says so
       lock.lock();
@@ -123,7 +123,7 @@ bool StepsSaver::begin(State& state, bool still_at_work) {
     return false;
   }
   if (saving->cancelled) {
-    end(state, "stopped: no steps were saved", false);
+    end(state, "canceled: no steps saved", false);
     return false;
   }
   if (!file_) file_ = std::make_unique<StepsFile>(*saving, wake_);
@@ -140,7 +140,7 @@ bool StepsSaver::begin(State& state, bool still_at_work) {
   }
   const bool all = saving->taken == saving->count();
   if (!all && (!state.run() || saving->run.lock().get() != state.run())) {
-    end(state, "the steps were not saved: the run is another one now", true);
+    end(state, "steps not saved: the run has changed", true);
     return false;
   }
   if (all || still_at_work || !file_->has_room()) return false;
@@ -161,7 +161,7 @@ void StepsSaver::add(State& state, Image8 picture) {
 void StepsSaver::note_frame(State& state) {
   constexpr int kMost = 10;
   if (state.view.saving && ++frames_without_ > kMost)
-    end(state, "the steps were not saved: nothing draws pictures here", true);
+    end(state, "steps not saved: no renderer", true);
 }
 
 }  // namespace planescope::desktop

@@ -24,7 +24,7 @@ labels::Vec2f place_argument(const std::string& action, const std::string& text)
   const std::vector<double> xy = numbers_argument(action, text, 2);
   for (const double value : xy)
     if (!(std::abs(value) <= kFarthest_px))
-      throw Error(fmt::format("action {}: {} is no place in a picture", action, text));
+      throw Error(fmt::format("action {}: {} is not a position in a picture", action, text));
   return {static_cast<float>(xy[0]), static_cast<float>(xy[1])};
 }
 
@@ -34,7 +34,7 @@ void read_view(const std::string& action, const std::string& text, LabelGesture&
       text.starts_with("space:") ? split(text.substr(6), 'x') : std::vector<std::string>{};
   if (size.size() != 2)
     throw Error(
-        fmt::format("action {}: '{}' is no view, expected image or space:WxH", action, text));
+        fmt::format("action {}: '{}' is not a view; expected image or space:WxH", action, text));
   gesture.where = DrawnIn::space;
   gesture.width = whole_argument(action, size[0], 1, kLargestView_px);
   gesture.height = whole_argument(action, size[1], 1, kLargestView_px);
@@ -136,8 +136,7 @@ std::int64_t pixel_seen_at(const labels::SeenPoints& seen, const labels::Vec2f& 
 }  // namespace
 
 void expect_image(const State& state) {
-  if (state.label_frame()->grid.is_cloud())
-    throw Error("a cloud has no image: expected a view in space, space:WxH");
+  if (state.label_frame()->grid.is_cloud()) throw Error("a cloud has no image; expected space:WxH");
 }
 
 bool labels_at_hand(const State& state) { return state.labels() != nullptr; }
@@ -156,12 +155,12 @@ LabelGesture gesture_argument(const std::string& action,
   if (next < parts.size() && !is_place(parts[next])) {
     const double radius = number_argument(action, parts[next++]);
     if (!(radius > 0 && radius <= kLargestView_px))
-      throw Error(fmt::format("action {}: a radius of {} px is none of a brush", action, radius));
+      throw Error(fmt::format("action {}: brush radius {} px is out of range", action, radius));
     gesture.radius_px = static_cast<float>(radius);
   }
   for (; next < parts.size(); ++next) gesture.path.push_back(place_argument(action, parts[next]));
   if (gesture.path.size() < least_places)
-    throw Error(fmt::format("action {}: '{}' has {} places, expected {} or more", action, text,
+    throw Error(fmt::format("action {}: '{}' has {} positions; expected {} or more", action, text,
                             gesture.path.size(), least_places));
   return gesture;
 }

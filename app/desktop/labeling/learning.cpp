@@ -17,7 +17,7 @@ namespace {
 constexpr float kSureMargin = 0.5f;  // of the two probabilities: 75 % against 25 %
 
 std::filesystem::path shipped_weights() {
-  return app::find_asset("classifier.safetensors", "the weights to begin with are");
+  return app::find_asset("classifier.safetensors", "the initial weights are");
 }
 
 /// The reviewed frames with what they have to teach.
@@ -67,7 +67,7 @@ LearningSource learning_source(const State& state) {
 
 void learn(const LearningSource& source, const Lesson& lesson, const LearningProgress& progress) {
   app::LabelledRecordings frames = app::labelled_recordings(read_reviewed(source, progress));
-  if (frames.train.empty()) throw Error("no reviewed frame has a point with a label to learn from");
+  if (frames.train.empty()) throw Error("no reviewed frame has labeled points");
   app::TrainArgs args;
   args.input.pipeline = source.options;
   app::begin_with(args, shipped_weights());
@@ -91,8 +91,8 @@ std::shared_ptr<const Learnt> measure_learnt(const LearningSource& source,
     known = record.at("frames").get<std::vector<std::string>>();
   } catch (const std::exception&) {
     throw Error(file.string() +
-                ": does not say what it was trained on, expected the weights of a "
-                "training in this window");
+                ": no record of its training frames; expected weights that were "
+                "trained in this window");
   }
   learnt->frames = known.size();
   std::vector<planes::LabelledCloud> kept, since;

@@ -20,7 +20,7 @@ FrameLabels read_other(const ReviewSides& sides) {
   std::optional<FrameLabels> other =
       labels::read_frame_labels(folder, sides.frame->frame, sides.frame->sha256);
   if (!other)
-    throw Error(fmt::format("{}: has no labels of frame {}", folder.string(), sides.frame->frame));
+    throw Error(fmt::format("{}: no labels of frame {}", folder.string(), sides.frame->frame));
   return std::move(*other);
 }
 
@@ -72,7 +72,7 @@ void go_on(State& state, int place) {
   const int left = static_cast<int>(queue.undecided());
   if (left > 0) return choose_item(state, place < left ? place : 0);
   choose_item(state, -1);
-  say(state, "every region is decided: Shift+D marks the frame reviewed");
+  say(state, "all regions are decided; Shift+D marks the frame as reviewed");
 }
 
 }  // namespace
@@ -131,11 +131,11 @@ void decide(State& state, ReviewDecision decision) {
   const std::shared_ptr<const ReviewQueue> queue = state.results.label.review;
   const int chosen = state.view.label.review_item;
   if (!queue || chosen < 0 || chosen >= static_cast<int>(queue->items.size()))
-    throw Error("no region is chosen: D opens the review, Down chooses the next one");
+    throw Error("no region is selected: D opens the review, Down selects the next region");
   const auto index = static_cast<std::size_t>(chosen);
   const labels::Disagreement& item = queue->items[index];
   if (!still_holds(item, *queue->labels, *work.labels))
-    throw Error("labels have changed there since: the list is being made anew");
+    throw Error("the labels there have changed; the list is being updated");
 
   labels::LabelStore& store = *state.document.current()->labels;
   const FrameLabels after =
@@ -143,8 +143,8 @@ void decide(State& state, ReviewDecision decision) {
                       store.annotator(), now_s());
   const auto note = std::find_if(after.review.rbegin(), after.review.rend(),
                                  [&](const ReviewNote& one) { return is_about(one, item); });
-  if (note == after.review.rend()) throw Error("the decision could not be noted");
-  commit_and_say(state, title_of(item, decision), after, "decided so already");
+  if (note == after.review.rend()) throw Error("the decision could not be stored");
+  commit_and_say(state, title_of(item, decision), after, "already decided that way");
   const bool was_open = !item.note;
   auto next = with_note(*queue, index, *note);
   const bool is_note = decision == ReviewDecision::keep || decision == ReviewDecision::edit;
@@ -184,7 +184,7 @@ void decide_slivers(State& state, ReviewDecision decision) {
   for (labels::Disagreement& item : next->items) {
     if (!is_sliver(item)) continue;
     if (!still_holds(item, *queue->labels, *work.labels))
-      throw Error("labels have changed there since: the list is being made anew");
+      throw Error("the labels there have changed; the list is being updated");
     try {
       after = labels::decided(after, work.frame.grid, item, *queue->other_labels, decision,
                               store.annotator(), now_s());
@@ -199,7 +199,7 @@ void decide_slivers(State& state, ReviewDecision decision) {
       fmt::format("Review: {} {}{}", counted(std::size_t(decided), "sliver"), past_tense(decision),
                   left > 0 ? fmt::format(", {} left", left) : "");
   if (decided == 0) throw Error("all slivers belong to planes that are locked or hidden");
-  commit_and_say(state, title, after, "decided so already");
+  commit_and_say(state, title, after, "already decided that way");
   if (decision == ReviewDecision::keep && queue->labels == work.labels)
     next->labels = state.labels();  // no label differs: nothing to find anew
   else

@@ -281,21 +281,22 @@ void draw_seeds(const Ui& ui, const DrawingSurface& surface) {
 std::vector<std::string> wand_lines(const LabelView& view, const char* sample) {
   std::vector<std::string> lines;
   if (!view.wand.found) {
-    lines.push_back(view.wand.why_not.empty() ? "no plane there" : view.wand.why_not);
+    lines.push_back(view.wand.why_not.empty() ? "No plane here" : view.wand.why_not);
   } else {
     const labels::WandResult& found = *view.wand.found;
     const labels::FittedPlane& plane = found.plane;
     const char* label = found.label == Label::h   ? "h, level"
                         : found.label == Label::v ? "v, upright"
-                                                  : "class not known";
+                                                  : "class unknown";
     lines.push_back(fmt::format("{}   RMS {:.1f} mm   {}   {}", label, 1000 * plane.rms_m,
                                 area_text(plane.area_m2), tilt_text(plane.tilt_deg)));
     lines.push_back(fmt::format("normal {:.3f}, {:.3f}, {:.3f}   {}", plane.normal.x(),
                                 plane.normal.y(), plane.normal.z(),
                                 counted(found.pixels.size(), sample)));
   }
-  lines.push_back(view.wand.found ? "Enter accepts, Shift+click adds a part, the wheel sizes"
-                                  : "the wheel makes the tolerance larger");
+  lines.push_back(view.wand.found
+                      ? "Enter accepts, Shift+click adds a part, scroll changes the tolerance"
+                      : "Scroll to increase the tolerance");
   return lines;
 }
 

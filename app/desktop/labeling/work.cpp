@@ -70,7 +70,7 @@ const char* sample_name(const LabelFrame& frame) {
 }
 
 LabelWork label_work(const State& state) {
-  if (!can_label(state)) throw Error("the frame is not ready for labels yet");
+  if (!can_label(state)) throw Error("the frame is not ready yet");
   return {*state.label_frame(), state.labels()};
 }
 
@@ -79,7 +79,7 @@ int plane_argument(const State& state, const std::string& action, const std::str
   const int plane =
       text.empty() ? state.view.label.plane : plane_argument(action, text, 1, kPlaneIgnore - 1);
   if (plane == 0) throw Error("no plane is active: click one in the list, or press its number");
-  if (!labels::find_plane(labels, plane)) throw Error(fmt::format("there is no plane P{}", plane));
+  if (!labels::find_plane(labels, plane)) throw Error(fmt::format("no plane P{}", plane));
   return plane;
 }
 
@@ -146,11 +146,11 @@ void begin_carry(State& state, const CarryJob& plan) {
   const int frame = state.document.frame;
   const OpenRecording& open = *state.document.current();
   if (work.frame.grid.is_cloud())
-    throw Error("labels of a cloud are not carried on: the motion is found in depth images");
+    throw Error("labels of clouds cannot be carried: motion is estimated from depth images");
   if (work.labels->planes.empty())
-    throw Error(fmt::format("frame {} has no planes that could be carried on", frame));
+    throw Error(fmt::format("frame {} has no planes to carry", frame));
   if (frame + 1 >= open.recording->frame_count())
-    throw Error(fmt::format("frame {} is the last one", frame));
+    throw Error(fmt::format("frame {} is the last frame", frame));
   if (!open.labels->read_only().empty()) throw Error(open.labels->read_only());
   CarryJob job = plan;
   job.running = true;
@@ -176,8 +176,7 @@ SpreadWork& begin_proposing(State& state, int frames) {
 }
 
 void expect_map(const State& state) {
-  if (!state.map())
-    throw Error("planes were not followed yet: Ctrl+Shift+M follows them, and tells the poses");
+  if (!state.map()) throw Error("poses are unknown: Ctrl+Shift+M tracks planes and estimates them");
 }
 
 }  // namespace
@@ -189,7 +188,7 @@ void begin_spread(State& state) {
   expect_map(state);
   if (!state.map()->pose(frame)) throw Error(fmt::format("frame {} has no pose", frame));
   if (work.labels->planes.empty())
-    throw Error(fmt::format("frame {} has no planes that could be proposed", frame));
+    throw Error(fmt::format("frame {} has no planes to propose", frame));
   begin_proposing(state, open.recording->frame_count() - 1);
 }
 
@@ -197,7 +196,7 @@ void begin_spread_of_track(State& state) {
   label_work(state);
   expect_map(state);
   const int track = state.view.tracks.track;
-  if (!state.map()->track(track)) throw Error("no track is selected: click one in the tab Tracks");
+  if (!state.map()->track(track)) throw Error("no track is selected: click one in the Tracks tab");
   begin_proposing(state, state.document.current()->recording->frame_count()).track = track;
 }
 
@@ -254,10 +253,10 @@ void paint_pixels(State& state,
   const LabelPlane* plane = is_plane(paint) ? labels::find_plane(labels, paint.plane) : nullptr;
   if (plane && plane->locked) throw Error(fmt::format("P{} is locked", plane->id));
   if (is_plane(paint) && !plane && mode == labels::PaintMode::subtract)
-    throw Error(fmt::format("P{} has no {}s yet that could be taken off", paint.plane,
-                            sample_name(*state.label_frame())));
+    throw Error(
+        fmt::format("P{} has no {}s to remove", paint.plane, sample_name(*state.label_frame())));
   const std::size_t changed = labels::changed_by_painting(labels, grid, pixels, paint, mode).size();
-  if (changed == 0) return say_nothing_done(state, "nothing to change there");
+  if (changed == 0) return say_nothing_done(state, "nothing to change here");
   const std::string title = fmt::format(
       "{} {}{}", tool, mode == labels::PaintMode::subtract ? "off " : "", name_of_paint(paint));
   commit_labels(state, title, labels::painted(labels, grid, pixels, paint, mode));

@@ -111,17 +111,17 @@ void tell(const Thumbnail& thumbnail, int frame) {
   if (!thumbnail.ready) {
     text += ": not run yet";
   } else if (!thumbnail.refusal.empty()) {
-    text += " was refused: " + thumbnail.refusal;
+    text += " cannot be run: " + thumbnail.refusal;
   } else if (thumbnail.planes < 0) {
-    text += ": no plane was looked for, labels need none";
+    text += ": not segmented in label mode";
   } else if (thumbnail.score) {
     const std::size_t total = thumbnail.score->planes.size();
     text += fmt::format(
         ": {} of {} true planes found, mean IoU {:.2f}\n"
-        "green: all found; yellow: half of them or more; red: fewer",
+        "Green: all found; yellow: at least half; red: fewer",
         thumbnail.score->detected, total, thumbnail.score->mean_iou);
   } else {
-    text += fmt::format(": {} found; there is no ground truth to compare with",
+    text += fmt::format(": {} found; no ground truth",
                         counted(static_cast<std::size_t>(thumbnail.planes), "plane"));
   }
   ImGui::BeginTooltip();

@@ -15,7 +15,7 @@ void draw_click_buttons(const Ui& ui) {
 }
 
 std::string source_text(const Gravity& gravity) {
-  if (!gravity.known()) return "not known: " + gravity.note;
+  if (!gravity.known()) return "unknown: " + gravity.note;
   const Vec3d& d = gravity.direction;
   const std::string note = gravity.note.starts_with(to_string(gravity.source))
                                ? gravity.note
@@ -32,9 +32,10 @@ void draw_click_line(const Ui& ui) {
   if (measures(click)) return draw_measure_line(ui);
   const Gravity& gravity = run->subject->prepared.gravity;
   if (click == Click::selects && gravity.known()) return;
-  std::string text = "Gravity is not known, so nothing is h or v. Click a floor or a wall:";
-  if (click == Click::floor) text = "Click a floor: it lies level. Esc leaves.";
-  if (click == Click::wall) text = "Click a wall: it stands upright. Esc leaves.";
+  std::string text =
+      "Gravity is unknown, so nothing is horizontal or vertical. Click a floor or a wall:";
+  if (click == Click::floor) text = "Click a floor. Esc cancels.";
+  if (click == Click::wall) text = "Click a wall. Esc cancels.";
   ImGui::AlignTextToFramePadding();  // beside the buttons, where there is room
   paragraph(ui.colors.warning, text);
   ui.name("gravity.line");
@@ -47,16 +48,16 @@ void draw_gravity(const Ui& ui) {
   if (run) paragraph(ui.colors.text, source_text(run->subject->prepared.gravity));
   ui.name("gravity.source");
   ImGui::AlignTextToFramePadding();
-  ImGui::TextDisabled("click a");
+  ImGui::TextDisabled("Click a");
   ImGui::SameLine();
   draw_click_buttons(ui);
   ImGui::SameLine();
   action_button(ui, "gravity.forget", "forget");
   bool all = ui.state.view.gravity_of_recording;
-  if (ImGui::RadioButton("for this frame", !all) && all) ui.emit("gravity.all_frames");
+  if (ImGui::RadioButton("This frame", !all) && all) ui.emit("gravity.all_frames");
   ui.name("gravity.this_frame");
   ImGui::SameLine();
-  if (ImGui::RadioButton("for all frames", all) && !all) ui.emit("gravity.all_frames");
+  if (ImGui::RadioButton("All frames", all) && !all) ui.emit("gravity.all_frames");
   ui.name("gravity.all_frames");
 }
 

@@ -86,7 +86,7 @@ void draw_image(const Ui& ui) {
   ImGui::BeginDisabled(!run);
   action_button(ui, "mark.toggle", "mark");
   ImGui::SameLine();
-  draw_image_tools(ui, "how strongly the segmentation covers the camera's image");
+  draw_image_tools(ui, "Overlay opacity");
   ImGui::EndDisabled();
   if (!run) return draw_absence(ui);
   draw_click_line(ui);

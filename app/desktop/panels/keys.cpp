@@ -16,20 +16,20 @@ struct Gesture {
   const char* mouse;
   const char* does;
 };
-constexpr Gesture kDebuggerMouse[] = {{"click", "selects what is there"},
-                                      {"double click", "camera on it"},
-                                      {"drag in space", "turns"},
-                                      {"right or Shift drag", "moves"},
+constexpr Gesture kDebuggerMouse[] = {{"click", "select"},
+                                      {"double-click", "frame it"},
+                                      {"drag in the scene", "orbit"},
+                                      {"right or Shift drag", "pan"},
                                       {"wheel", "nearer, farther"},
-                                      {"drag in the image", "moves it; marks after M"},
-                                      {"drag over bars", "filters the events"},
-                                      {"wheel, right drag on the timeline", "zooms, scrolls it"},
-                                      {"drag a splitter", "resizes panels"}};
-constexpr Gesture kLabelMouse[] = {{"click, drag", "the tool in hand"},
-                                   {"Shift drag", "takes off, of brush and areas"},
-                                   {"right drag", "moves"},
+                                      {"drag in the image", "pan; mark after M"},
+                                      {"drag over bars", "filter events"},
+                                      {"scroll, right drag on the timeline", "zoom, pan"},
+                                      {"drag a splitter", "resize panels"}};
+constexpr Gesture kLabelMouse[] = {{"click, drag", "use the tool"},
+                                   {"Shift drag", "remove (brush and areas)"},
+                                   {"right drag", "pan"},
                                    {"wheel", "nearer, farther"},
-                                   {"double click a plane", "looks at it"}};
+                                   {"double-click a plane", "look at it"}};
 std::span<const Gesture> gestures(Mode mode) {
   if (mode == Mode::labels) return kLabelMouse;
   return kDebuggerMouse;
@@ -149,7 +149,7 @@ void draw_keys(const Ui& ui) {
   if (ImGui::IsWindowAppearing()) ImGui::SetWindowFocus();
   heading(ui, "Keys");
   ImGui::SameLine();
-  ImGui::TextDisabled("Esc or ? closes this; Ctrl+P finds an action by name");
+  ImGui::TextDisabled("Esc or ? closes this; Ctrl+P finds actions");
   ImGui::Spacing();
   draw_gestures(ui);
   ImGui::Spacing();

@@ -83,8 +83,8 @@ void draw_over(const Ui& ui, const ToScreen& to_screen) {
 void draw_measure_line(const Ui& ui) {
   const std::vector<debug::MeasureEnd>& ends = ui.state.view.measured;
   const std::string what = ui.state.view.click == Click::plane ? "plane" : "point";
-  std::string text = "Click a " + what + " to measure from. Esc leaves.";
-  if (ends.size() == 1) text = "Click the " + what + " to measure to. Esc leaves.";
+  std::string text = "Click a " + what + " to measure from. Esc cancels.";
+  if (ends.size() == 1) text = "Click a " + what + " to measure to. Esc cancels.";
   if (ends.size() == 2) text = debug::measure(*ui.state.run()->subject, ends[0], ends[1]).text;
   ImGui::AlignTextToFramePadding();
   paragraph(ui.colors.warning, text);

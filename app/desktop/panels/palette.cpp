@@ -60,15 +60,15 @@ void draw_paths(const Ui& ui) {
   }
 }
 
-/// Recordings that were opened before, dim where they are no longer there.
+/// Recordings that were Recent, dim where they are no longer there.
 void draw_recent(const Ui& ui) {
   const std::vector<std::filesystem::path>& recent = ui.state.document.recent;
-  if (!recent.empty()) ImGui::TextDisabled("opened before");
+  if (!recent.empty()) ImGui::TextDisabled("Recent");
   for (std::size_t i = 0; i < recent.size(); ++i) {
     std::error_code gone;
     const bool there = std::filesystem::exists(recent[i], gone);
     ImGui::PushStyleColor(ImGuiCol_Text, there ? ui.colors.text : ui.colors.muted);
-    const std::string text = recent[i].string() + (there ? "" : "   is not there any more");
+    const std::string text = recent[i].string() + (there ? "" : "   (missing)");
     if (ImGui::Selectable((text + "##recent").c_str()))
       ui.emit("recording.open", recent[i].string());
     ImGui::PopStyleColor();
@@ -79,7 +79,7 @@ void draw_recent(const Ui& ui) {
 /// The argument of one action, typed: a path, most of the time.
 void draw_question(const Ui& ui, const Action& action, bool entered) {
   ImGui::TextDisabled(
-      action.takes == "PATH" ? "a path, and Enter; Esc leaves" : "%s, and Enter; Esc leaves",
+      action.takes == "PATH" ? "Path, then Enter; Esc cancels" : "%s, then Enter; Esc cancels",
       action.takes.c_str());
   const ViewState& view = ui.state.view;
   if (view.message_is_error && !view.message.empty()) {
@@ -116,7 +116,7 @@ void draw_palette(const Ui& ui) {
   if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
   const std::string before = memory.palette_text;
   const bool entered = ImGui::InputTextWithHint(
-      "##typed", asked ? asked->title.c_str() : "find an action: step, filter, camera, theme …",
+      "##typed", asked ? asked->title.c_str() : "Find an action: step, filter, camera, theme …",
       &memory.palette_text, ImGuiInputTextFlags_EnterReturnsTrue);
   ui.name("palette.text");
   // While one types, Escape belongs to the text box and triggers no action.
@@ -153,7 +153,7 @@ void draw_palette(const Ui& ui) {
     ImGui::SameLine(width - ImGui::CalcTextSize(keys.c_str()).x - ui.px(14));
     ImGui::TextDisabled("%s", keys.c_str());
   }
-  if (found.empty()) ImGui::TextDisabled("No action has such a name.");
+  if (found.empty()) ImGui::TextDisabled("No matching action");
   if (entered && shown > 0) chosen = &found[static_cast<std::size_t>(memory.palette_index)];
   if (chosen) {
     close(ui);

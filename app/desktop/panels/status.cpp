@@ -12,16 +12,15 @@ namespace {
 /// The recording and the frame that is looked at, with its gravity.
 std::string left_text(const State& state) {
   const OpenRecording* open = state.document.current();
-  if (!open) return "no recording is open";
+  if (!open) return "No recording is open";
   // Numbered from 0, as everywhere.
   const int frames = open->recording->frame_count();
   std::string text = fmt::format("{}  ·  frame {} ({} frame{})", open->path.filename().string(),
                                  state.document.frame, frames, frames == 1 ? "" : "s");
   if (const debug::Run* run = state.run()) {
     const planes::PreparedFrame& prepared = run->subject->prepared;
-    text +=
-        fmt::format("  ·  {} voxels  ·  gravity: {}", prepared.voxels.points.size(),
-                    prepared.gravity.known() ? to_string(prepared.gravity.source) : "not known");
+    text += fmt::format("  ·  {} voxels  ·  gravity: {}", prepared.voxels.points.size(),
+                        prepared.gravity.known() ? to_string(prepared.gravity.source) : "unknown");
     if (prepared.gravity.known() && prepared.gravity.confidence < 1)
       text += fmt::format(" ({:.0f} %)", 100 * prepared.gravity.confidence);
   }
@@ -34,7 +33,7 @@ std::string label_text(const State& state) {
   if (!store) return "";
   if (!store->read_only().empty()) return store->read_only();
   const std::string& problem = state.results.label.save_problem;
-  if (!problem.empty()) return "not saved, the journal has it: " + problem;
+  if (!problem.empty()) return "Not saved (in the journal): " + problem;
   return fmt::format("labels by {}  ·  {}", store->annotator(),
                      store->any_unsaved() ? "not saved yet" : "saved");
 }
@@ -89,24 +88,24 @@ void draw_status(const Ui& ui) {
   const float width = ImGui::CalcTextSize(right.c_str()).x;
   const float at = ImGui::GetWindowWidth() - width - ui.px(12);
   std::string busy;
-  if (state.results.loading) busy = "reading the frame …";
+  if (state.results.loading) busy = "Reading the frame …";
   const int frames = static_cast<int>(state.results.strip.size());
   if (busy.empty() && state.results.strip_done < frames && !state.view.strip_stopped)
     busy = fmt::format("thumbnails {} of {} …", state.results.strip_done, frames);
   const CarryJob& carry = state.results.label.carry;
   if (carry.running)
-    busy = fmt::format("carrying the labels of frame {} on, {:.0f} % …  Esc stops", carry.from,
+    busy = fmt::format("Carrying labels from frame {}, {:.0f} % …  Esc cancels", carry.from,
                        100 * carry.progress);
   const MapResults& map = state.results.map;
   if (map.running)
-    busy = fmt::format("following planes: {} {} of {} …", map.stage, map.done, map.total);
+    busy = fmt::format("Tracking planes: {} {} of {} …", map.stage, map.done, map.total);
   const SpreadWork& spread = state.results.label.spread;
   if (spread.running)
-    busy = fmt::format("proposing the labels of frame {}, {} of {} frames …  Esc stops",
+    busy = fmt::format("Proposing labels from frame {}, {} of {} frames …  Esc cancels",
                        spread.from, spread.done, spread.total);
   const std::optional<StepsSaving>& saving = state.view.saving;
   if (saving && !saving->hidden)
-    busy = fmt::format("{} of {} steps are written …  Esc stops", saving->written, saving->count());
+    busy = fmt::format("{} of {} steps saved …  Esc cancels", saving->written, saving->count());
   const bool tells = carry.running || map.running || spread.running || (saving && !saving->hidden);
   const std::string& message = state.view.message.empty() || tells ? busy : state.view.message;
   if (!message.empty()) {

@@ -21,7 +21,7 @@ void draw_tools(const Ui& ui) {
     const char* title;
   } colors[] = {{render::ColorBy::cases, "color.cases", "case"},
                 {render::ColorBy::planes, "color.planes", "plane"},
-                {render::ColorBy::labels, "color.labels", "h or v"},
+                {render::ColorBy::labels, "color.labels", "horizontal or vertical"},
                 {render::ColorBy::margins, "color.margins", "sureness"},
                 {render::ColorBy::truth, "color.truth", "truth"},
                 {render::ColorBy::camera, "color.camera", "camera"},
@@ -34,7 +34,7 @@ void draw_tools(const Ui& ui) {
   ImGui::SetNextItemWidth(ui.px(96));
   const bool open = ImGui::BeginCombo("##color", chosen->title);
   ui.name("view3d.color");
-  if (!open) tooltip("what colours tell apart   1 to 9, 0, Shift+0\nh: level, v: upright");
+  if (!open) tooltip("Color by   1 to 9, 0, Shift+0");
   if (open) {
     for (const auto& color : colors) {
       if (ImGui::Selectable(color.title, &color == chosen)) ui.emit(color.action);
@@ -141,7 +141,7 @@ void draw_view3d(const Ui& ui) {
   move_by_mouse(ui, placed->height);
   std::optional<PointedAt> clicked;
   const bool here_below = mouse_is_here(ui, placed->min, placed->max);
-  if (ImGui::IsItemHovered() && !here_below) tooltip("the other run: Space turns to it");
+  if (ImGui::IsItemHovered() && !here_below) tooltip("The other run; Space switches to it");
   if (ImGui::IsItemHovered() && here_below) {
     const bool pressed = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
     const bool released = ImGui::IsMouseReleased(0) && !was_dragged();

@@ -68,10 +68,11 @@ void sort_for_reading(std::vector<PartnerReport>& partners) {
 
 std::string outcome_of(const Run& run, const MergeReport& report, const planes::TraceEvent& event) {
   if (event.type == planes::EventType::merge)
-    return fmt::format("merged into {}, {} off it", plane_name(run, event.plane),
+    return fmt::format("merged into {}, {} away", plane_name(run, event.plane),
                        distance_text(event.value));
-  return fmt::format("founded {}: {}", plane_name(run, event.plane),
-                     report.partners.empty() ? "nothing to compare with" : "no coplanar plane");
+  return fmt::format(
+      "created {}: {}", plane_name(run, event.plane),
+      report.partners.empty() ? "no candidate to compare with" : "no coplanar plane");
 }
 
 MergeReport explain_candidate(const Run& run, std::int32_t step) {
@@ -108,7 +109,7 @@ MergeReport explain_founded(const Run& run, std::int32_t step) {
           .points = facts.purity.n_in,
           .candidate = facts.fit,
           .partners = {},
-          .outcome = "founded " + plane_name(run, event.plane)};
+          .outcome = "created " + plane_name(run, event.plane)};
 }
 
 /// Two regions that touch, or that something hides from each other.
@@ -127,10 +128,9 @@ MergeReport explain_join(const Run& run, std::int32_t step) {
                              .chosen = true,
                              .cost = event.value});
   report.outcome = fmt::format(
-      "{} ({:.0f} px) joined {} ({:.0f} px){}: one plane for both costs {:.3g} < {:.3g}",
+      "{} ({:.0f} px) merged into {} ({:.0f} px){}: one plane for both costs {:.3g} < {:.3g}",
       plane_name(run, event.plane), plane.moments.count, plane_name(run, event.other),
-      other.moments.count,
-      event.stage == planes::Stage::hidden ? " behind what hides them from each other" : "",
+      other.moments.count, event.stage == planes::Stage::hidden ? " behind an occluder" : "",
       event.value, check.threshold);
   return report;
 }
@@ -178,11 +178,11 @@ std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::ui
 std::string outcome_of(const Run& run, const LeftoverReport& report) {
   for (const LeftoverPlane& plane : report.planes)
     if (plane.chosen)
-      return fmt::format("went to {}, {} off it", plane_name(run, plane.plane),
+      return fmt::format("assigned to {}, {} away", plane_name(run, plane.plane),
                          distance_text(plane.distance_m));
-  if (report.planes.empty()) return "in no plane: there is none";
+  if (report.planes.empty()) return "unassigned: there are no planes";
   const LeftoverPlane& nearest = report.planes.front();
-  return fmt::format("in no plane: the nearest, {}, is {} away ({}{})",
+  return fmt::format("unassigned: the nearest, {}, is {} away ({}{})",
                      plane_name(run, nearest.plane), distance_text(nearest.distance_m),
                      nearest.why_not,
                      nearest.considered ? ", limit " + distance_text(nearest.limit_m) : "");

@@ -105,9 +105,9 @@ std::string stopped_on_image(const NodeReport& report) {
     const std::string consequence = check.option == "filled"       ? "too few of its pixels"
                                     : check.option == "two_planes" ? "more than one plane"
                                                                    : "not flat";
-    return fmt::format("stopped at {}: {}", check.criterion, consequence);
+    return fmt::format("Stopped at {}: {}", check.criterion, consequence);
   }
-  return "all passed: a plane";
+  return "All passed: plane";
 }
 
 std::string stopped_at(const NodeReport& report) {
@@ -115,9 +115,9 @@ std::string stopped_at(const NodeReport& report) {
     if (check.verdict != Verdict::fail || check.criterion[0] != 'C') continue;
     const std::string consequence =
         check.criterion == "Criterion 3" ? "the inliers are not on one plane" : "no PCA was made";
-    return fmt::format("stopped at {}: {}", check.criterion, consequence);
+    return fmt::format("Stopped at {}: {}", check.criterion, consequence);
   }
-  return "all passed: a plane candidate";
+  return "All passed: plane candidate";
 }
 
 /// "h founded P9", for each candidate of the node.
@@ -127,7 +127,7 @@ std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
     const planes::TraceEvent& event = *run.event_at(step);
     if (!text.empty()) text += ", ";
     if (run.octree().nodes[event.node].by_label) text += event.label == Label::v ? "v " : "h ";
-    if (event.type == planes::EventType::found) text += "founded " + plane_name(run, event.plane);
+    if (event.type == planes::EventType::found) text += "created " + plane_name(run, event.plane);
     if (event.type == planes::EventType::merge)
       text += "merged into " + plane_name(run, event.plane);
   }
@@ -141,11 +141,11 @@ std::string outcome_of(const Run& run, std::int32_t index, const std::vector<std
   if (node.decided == planes::Case::IV) {
     const std::uint32_t outliers = run.facts[index].purity.n_out;
     return name + ": candidate " + fate(run, steps) +
-           (outliers > 0 ? fmt::format("; {} outliers left over", outliers) : "");
+           (outliers > 0 ? fmt::format("; {} outliers unassigned", outliers) : "");
   }
   if (node.child_count > 0) return fmt::format("{}: divided into {}", name, node.child_count);
-  return fmt::format("{}{}: {} points left over", name,
-                     node.at_max_depth ? " at the greatest depth" : "", node.size());
+  return fmt::format("{}{}: {} points unassigned", name,
+                     node.at_max_depth ? " at the deepest level" : "", node.size());
 }
 
 void append_outcome(const Run& run, NodeReport& report) {

@@ -144,9 +144,8 @@ void append_image_terms(const Run& run, std::vector<Histogram>& histograms) {
   append("cost of two planes", "", "", two, two_planes, kRoom * two);
   append("filled", "", "filled", options.filled, filled, 1);
   append("variance", "", "flat", options.flat, variance, kRoom * options.flat);
-  append("cost of joins", "", "merge_cost", options.merge_cost, cost, options.merge_cost);
-  append("worth of what is not listed", "px", "worth_px", options.worth_px, worth,
-         options.worth_px);
+  append("cost of merges", "", "merge_cost", options.merge_cost, cost, options.merge_cost);
+  append("worth of dropped planes", "px", "worth_px", options.worth_px, worth, options.worth_px);
 }
 
 /// The terms to show for a candidate: with the plane it joined or, where it founded one, with the
@@ -200,9 +199,9 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
   append({"offset", "offset", "m", limited ? "merge_offset_m" : "",
           limited ? options.merge_offset_m : kVaries},
          offset, 0.2);
-  append(
-      {"distance", "leftover's distance", "m", "leftover_distance_m", options.leftover_distance_m},
-      distance, 0.05);
+  append({"distance", "distance of unassigned points", "m", "leftover_distance_m",
+          options.leftover_distance_m},
+         distance, 0.05);
 }
 
 }  // namespace

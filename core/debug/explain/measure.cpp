@@ -48,7 +48,7 @@ Vec3f in_scene(const Subject& subject, const Vec3d& at) {
 
 MeasureEnd measured_point(const Subject& subject, std::size_t source) {
   const std::uint32_t point = subject.point_of_source[source];
-  if (point == planes::kNoVoxel) throw Error("nothing was measured there");
+  if (point == planes::kNoVoxel) throw Error("no measurement there");
   return {.point = in_sensor(subject, subject.prepared.cloud.points[point].cast<double>())};
 }
 
@@ -98,7 +98,7 @@ Measurement measure(const Subject& subject, const MeasureEnd& first, const Measu
     measured.text +=
         fmt::format(": {}, {} across", height_text(*measured.height_m), distance_text(across_m));
   } else {
-    measured.text += "; gravity is not known, so no heights";
+    measured.text += "; gravity is unknown, so no heights";
   }
   if (first.normal && second.normal) {
     measured.angle_deg = planes::plane_angle_deg(*first.normal, *second.normal);

@@ -41,22 +41,21 @@ std::string describe_voxel(const Subject& subject, std::uint32_t voxel) {
 
 std::string describe_label(const Run& run, std::uint32_t voxel) {
   if (!run.is_ours())
-    return fmt::format("not labelled: method {} labels no points",
+    return fmt::format("no label: method {} labels no points",
                        planes::to_string(run.options.method));
-  if (run.is_on_image()) return "not labelled: planes of a depth image are found without labels";
-  if (!run.subject->prepared.gravity.known())
-    return "not labelled: nobody knows gravity, so nothing is h or v";
+  if (run.is_on_image()) return "no label: planes of a depth image are found without labels";
+  if (!run.subject->prepared.gravity.known()) return "no label: gravity is unknown";
   const planes::Classification& labels = run.subject->prepared.classification;
   const VoxelTruth& truth = run.subject->voxel_truth;
   std::string text =
-      fmt::format("labelled {} with margin {:.2f}", labels.labels[voxel] == Label::v ? "v" : "h",
+      fmt::format("label {} with margin {:.2f}", labels.labels[voxel] == Label::v ? "v" : "h",
                   labels.margins[voxel]);
   if (!truth.label.empty() && truth.label[voxel] > 0) {
     const bool right = truth.label[voxel] == static_cast<std::uint8_t>(labels.labels[voxel]);
     text += right ? ", rightly"
                   : fmt::format(", but truth says {}", truth.label[voxel] == 2 ? "v" : "h");
   }
-  if (!run.segment_options.use_labels) text += " (labels are not used)";
+  if (!run.segment_options.use_labels) text += " (labels unused)";
   return text;
 }
 
@@ -82,14 +81,14 @@ std::string after(const Run& run, std::int32_t step, std::int32_t voxel) {
   if (now.step != step || !now.leftover || event.type != planes::EventType::decide) return {};
   const planes::Case decided = run.octree().nodes[event.node].decided;
   if (decided == planes::Case::II || run.octree().nodes[event.node].at_max_depth)
-    return "; left over";
-  return "; an outlier there: left over";
+    return "; unassigned";
+  return "; an outlier: unassigned";
 }
 
 std::string describe_result(const Run& run, std::int32_t voxel) {
   const std::int32_t id = run.segmentation.plane_of[voxel];
   const VoxelTruth& truth = run.subject->voxel_truth;
-  std::string text = "in no plane";
+  std::string text = "unassigned";
   if (id > 0) {
     const Vec3d p = run.subject->prepared.voxels.points[voxel].cast<double>();
     const double distance = run.segmentation.planes[id - 1].fit.distance_m(p);
@@ -128,7 +127,7 @@ Cause too_few(const Run& run, std::int32_t node) {
   Cause cause{fmt::format("node {} has {} inliers, fewer than {} (case II)", node, n_in,
                           run.segment_options.theta_n_in)};
   if (n_in >= 3)  // what the option allows
-    cause.remedy = {fmt::format("theta_n_in <= {} would ask for a plane in node {}", n_in, node),
+    cause.remedy = {fmt::format("theta_n_in <= {} would fit a plane in node {}", n_in, node),
                     "theta_n_in", std::to_string(n_in)};
   return cause;
 }
@@ -136,21 +135,21 @@ Cause too_few(const Run& run, std::int32_t node) {
 Cause at_greatest_depth(const Run& run, std::int32_t node) {
   const NodeFacts& facts = run.facts[node];
   if (run.octree().nodes[node].decided == planes::Case::I)
-    return {fmt::format("node {} is mixed ({} and {} points) at the greatest depth (case I)", node,
+    return {fmt::format("node {} is mixed ({} and {} points) at the deepest level (case I)", node,
                         facts.purity.n_in, facts.purity.n_out)};
   constexpr const char* kText =
-      "node {} is not planar at the greatest depth (case III: {} {:.4g} {} > {:.4g})";
+      "node {} is not planar at the deepest level (case III: {} {:.4g} {} > {:.4g})";
   if (run.segment_options.by_objective())
     return {fmt::format(kText, node, "RMS", facts.e_n, "m", facts.theta_e_n)};
   return {fmt::format(kText, node, "e_n", facts.e_n, "m²", facts.theta_e_n),
-          {fmt::format("theta_e_n_m2 >= {:.3g} would take node {} for a plane", facts.e_n, node),
+          {fmt::format("theta_e_n_m2 >= {:.3g} would make node {} a plane", facts.e_n, node),
            "theta_e_n_m2", rounded_up(facts.e_n)}};
 }
 
 Cause outlier(const Run& run, std::int32_t node, std::int32_t voxel) {
   const planes::Purity& purity = run.facts[node].purity;
   const planes::Classification& labels = run.subject->prepared.classification;
-  return {fmt::format("labelled {} (margin {:.2f}) among {} points of {} in node {}",
+  return {fmt::format("label {} (margin {:.2f}) among {} points of {} in node {}",
                       labels.labels[voxel] == Label::v ? "v" : "h", labels.margins[voxel],
                       purity.n_in, purity.inlier == Label::v ? "v" : "h", node),
           {},
@@ -160,15 +159,15 @@ Cause outlier(const Run& run, std::int32_t node, std::int32_t voxel) {
 /// Of a node of an image's octree that was not divided.
 Cause left_on_image(const Run& run, std::int32_t node) {
   const NodeFacts& facts = run.facts[node];
-  Cause cause{fmt::format("node {} ({}) founds no region, and none in reach took the point", node,
-                          decision_text(run, node))};
+  Cause cause{
+      fmt::format("node {} ({}) creates no region, and no region within reach took the point", node,
+                  decision_text(run, node))};
   if (run.octree().nodes[node].decided == planes::Case::III) {
     const std::string flat = rounded_up(facts.e_n);
-    cause.remedy = {fmt::format("flat >= {} would take node {} for a plane", flat, node), "flat",
-                    flat};
+    cause.remedy = {fmt::format("flat >= {} would make node {} a plane", flat, node), "flat", flat};
   } else if (facts.e_n < facts.theta_e_n) {
     const std::string filled = rounded_down(facts.e_n);
-    cause.remedy = {fmt::format("filled <= {} would ask for a plane in node {}", filled, node),
+    cause.remedy = {fmt::format("filled <= {} would fit a plane in node {}", filled, node),
                     "filled", filled};
   }
   return cause;
@@ -178,14 +177,15 @@ Cause dropped(const Run& run, const planes::TraceEvent& event) {
   const std::string why = filled_in(planes::info_of(event.stage)->why_dropped, run, event);
   Cause cause{fmt::format("{} was dropped ({}){}{}", plane_name(run, event.plane),
                           planes::to_string(event.stage), why.empty() ? "" : ": ", why)};
-  if (event.stage == planes::Stage::grow) cause.text += ", and no region in reach took the point";
+  if (event.stage == planes::Stage::grow)
+    cause.text += ", and no region within reach took the point";
   if (event.stage == planes::Stage::list) {
     const char* option = run.is_on_image() ? "worth_px" : "plane_cost";
     const std::string worth = rounded_down(event.value);
-    cause.text =
-        fmt::format("{} is not listed: it is worth {:.0f} < {} ({})", plane_name(run, event.plane),
-                    event.value, planes::find_option(option).get(run.options), option);
-    cause.remedy = {fmt::format("{} <= {} would list it", option, worth), option, worth};
+    cause.text = fmt::format("{} was dropped: worth {:.0f}, below the minimum of {} ({})",
+                             plane_name(run, event.plane), event.value,
+                             planes::find_option(option).get(run.options), option);
+    cause.remedy = {fmt::format("{} <= {} would keep it", option, worth), option, worth};
   }
   return cause;
 }
@@ -204,10 +204,10 @@ Cause cause_of(const Run& run, const planes::TraceEvent& event, std::int32_t vox
 
 WhyNot lost(const Run& run, std::int32_t voxel) {
   if (!run.is_ours())
-    return {fmt::format("Lost: method {} has no plane for it, and leaves no trace of why",
+    return {fmt::format("Lost: method {} has no plane for it and records no reason",
                         planes::to_string(run.options.method))};
   const Loss loss = loss_of(run, voxel);
-  if (loss.left == 0) return {"Lost: its plane has no point left"};
+  if (loss.left == 0) return {"Lost: its plane has no points left"};
   const planes::TraceEvent& left = *run.event_at(loss.left);
   const Cause cause = cause_of(run, left, voxel);
   WhyNot why{fmt::format("Lost at step {}: {}", loss.left, cause.text), loss.left, left.node,
@@ -215,7 +215,8 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   if (loss.dropped == 0) return why;
   const LeftoverReport leftover = explain_leftover(run, loss.dropped);
   if (!cause.outlier) {
-    why.answer += fmt::format("; left over, it ended {} (step {})", leftover.outcome, loss.dropped);
+    why.answer += fmt::format("; as an unassigned point it ended {} (step {})", leftover.outcome,
+                              loss.dropped);
     return why;
   }
   why.step = loss.dropped;
@@ -224,8 +225,8 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   const LeftoverPlane& nearest = leftover.planes.front();
   why.plane = nearest.plane;
   if (run.segment_options.by_objective()) return why;
-  why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would give it to {}", nearest.distance_m,
-                            plane_name(run, nearest.plane)),
+  why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would assign it to {}",
+                            nearest.distance_m, plane_name(run, nearest.plane)),
                 "leftover_distance_m", rounded_up(nearest.distance_m)};
   return why;
 }
@@ -293,14 +294,14 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   why.step = step_of_plane(run, voxel);
   why.plane = run.segmentation.planes[id - 1].founded;
   if (const planes::TraceEvent* event = run.event_at(why.step)) why.node = event->node;
-  why.answer = "It is in " + describe_plane(run, id);
+  why.answer = "In " + describe_plane(run, id);
   if (run.is_ours()) why.answer += fmt::format(" since step {}", why.step);
 
   const VoxelTruth& truth = run.subject->voxel_truth;
   if (!truth.known() || truth.plane[voxel] < 0) return why;
   const std::int32_t own = truth.plane[voxel], most = truth_of_plane(run, id);
   if (own == most) {
-    why.answer += fmt::format(", as it should: that is true plane {}", own);
+    why.answer += fmt::format(", correctly: true plane {}", own);
     return why;
   }
   why.answer += own > 0 ? fmt::format(", but it belongs to true plane {}", own)
@@ -312,7 +313,7 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   if (merge == 0) return why;
   why.step = merge;
   why.node = run.event_at(merge)->node;
-  why.answer += fmt::format("; they were fused at step {}: {}", merge, describe_event(run, merge));
+  why.answer += fmt::format("; they were merged at step {}: {}", merge, describe_event(run, merge));
   if (by_objective)
     why.remedy = kept_apart(run, *run.event_at(merge));
   else
@@ -425,8 +426,7 @@ Loss loss_of(const Run& run, std::int32_t voxel) {
 std::optional<Absence> absence_of(const Run& run, std::size_t source) {
   const Subject& subject = *run.subject;
   if (source >= subject.point_of_source.size()) return Absence{"no such point"};
-  if (subject.point_of_source[source] == planes::kNoVoxel)
-    return Absence{"nothing was measured here"};
+  if (subject.point_of_source[source] == planes::kNoVoxel) return Absence{"no measurement here"};
   if (subject.voxel_of_source(source) != planes::kNoVoxel) return {};
   const planes::CloudOptions& options = run.options.cloud;
   const Frame& frame = subject.frame;
@@ -445,7 +445,7 @@ std::optional<Absence> absence_of(const Run& run, std::size_t source) {
 
 WhyNot why_not(const Run& run, std::size_t source) {
   if (const std::optional<Absence> absence = absence_of(run, source))
-    return {"It never came to the segmentation: " + absence->text, -1, -1, -1, absence->remedy};
+    return {"Not segmented: " + absence->text, -1, -1, -1, absence->remedy};
   const auto voxel = static_cast<std::int32_t>(run.subject->voxel_of_source(source));
   return run.segmentation.plane_of[voxel] > 0 ? in_a_plane(run, voxel) : lost(run, voxel);
 }

@@ -15,9 +15,9 @@ std::string reason_of(const Run& run,
                       std::size_t points,
                       bool was_assigned) {
   if (left.type != planes::EventType::decide) {
-    if (left.stage == planes::Stage::grow) return "too small to grow";
+    if (left.stage == planes::Stage::grow) return "too small";
     if (left.stage == planes::Stage::list) {
-      if (!run.is_on_image()) return "worth too little";
+      if (!run.is_on_image()) return "below the minimum worth";
       const double least = run.segment_options.objective.worth_px;
       return static_cast<double>(points) < least
                  ? fmt::format("on surfaces smaller than {:g} px", least)
@@ -27,7 +27,7 @@ std::string reason_of(const Run& run,
   }
   const planes::OctreeNode& node = run.octree().nodes[left.node];
   if (node.decided == planes::Case::I || node.decided == planes::Case::IV)
-    return was_assigned ? "too far from any plane" : "no region in reach";
+    return was_assigned ? "too far from any plane" : "no region within reach";
   return std::string("case ") + planes::to_string(node.decided);
 }
 
@@ -92,7 +92,7 @@ FrameSummary summary_of(const Run& run) {
           &by_reason[left[voxel] > 0 ? reason_of(run, *run.event_at(left[voxel]),
                                                  points_left[left[voxel]], was_assigned[voxel] != 0)
                      : run.is_ours() ? "removed from a plane"
-                                     : "in no plane"];
+                                     : "unassigned"];
     ++lost->sources;
     lost->voxels.push_back(voxel);
   }

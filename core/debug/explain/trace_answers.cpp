@@ -187,7 +187,7 @@ void write_nodes(const Run& run, TraceLines& lines) {
 }
 
 void write_merges(const Run& run, TraceLines& lines) {
-  lines.title("Why candidates founded planes or joined them");
+  lines.title("Why candidates created planes or were merged");
   for_events_of(run,
                 {{planes::EventType::found, "found"},
                  {planes::EventType::merge, "merge"},
@@ -219,7 +219,7 @@ void write_lives(const Run& run, TraceLines& lines) {
   for (std::size_t voxel = 0; voxel < run.segmentation.plane_of.size(); ++voxel)
     (run.segmentation.plane_of[voxel] > 0 ? in_planes : in_none)
         .push_back(static_cast<std::uint32_t>(voxel));
-  lines.title("Lives of sources ({}), of points in planes ({}), in none ({})",
+  lines.title("Histories of sources ({}), of points in planes ({}), in none ({})",
               sampled(strided(sources, kMostPlaces), sources.size()),
               sampled(strided(in_planes, kMostPlaces), in_planes.size()),
               sampled(strided(in_none, kMostPlaces), in_none.size()));

@@ -46,7 +46,7 @@ std::string step_or_never(std::int32_t step) {
 void write_head(const Run& run, TraceLines& lines) {
   lines.add("planescope trace: method {}, profile {}", planes::to_string(run.options.method),
             planes::to_string(run.options.segment.profile));
-  lines.add("{} steps, {} nodes, {} points, {} planes founded, {} in the result", run.steps(),
+  lines.add("{} steps, {} nodes, {} points, {} planes created, {} in the result", run.steps(),
             run.octree().nodes.size(), run.subject->voxel_count(), run.timeline.plane_count(),
             run.segmentation.planes.size());
 }
@@ -90,7 +90,7 @@ void write_changes_of_planes(const Run& run, TraceLines& lines) {
 }
 
 void write_changes_of_points(const Run& run, TraceLines& lines) {
-  lines.title("Changes of points (STEP:PLANE, * left over) and the nodes that held them");
+  lines.title("Changes of points (STEP:PLANE, * unassigned) and the nodes that held them");
   const auto count = static_cast<std::int32_t>(run.subject->voxel_count());
   for (std::int32_t point = 0; point < count; ++point) {
     std::string changes, path;
@@ -132,7 +132,7 @@ void write_states(const Run& run, TraceLines& lines) {
     }
     lines.add(
         "step {}: nodes {} unborn, {} queued, {} visited, {} settled; {} planes with {} "
-        "points; {} left over",
+        "points; {} unassigned",
         step, nodes[0], nodes[1], nodes[2], nodes[3], planes, in_planes, leftovers);
   }
 }

@@ -156,10 +156,10 @@ std::vector<FilterSymbol> fields_of_events() {
   return {
       {"visit", "a node is dequeued", boolean, is_kind<visit>},
       {"decide", "a node is settled: its case is known", boolean, is_kind<decide>},
-      {"found", "a candidate founds a plane, or a part splits off one", boolean, is_kind<found>},
-      {"merge", "a candidate joins a plane", boolean, is_kind<merge>},
+      {"found", "a candidate creates a plane, or a part splits off one", boolean, is_kind<found>},
+      {"merge", "a candidate is merged into a plane", boolean, is_kind<merge>},
       {"assign", "a leftover point is given to a plane", boolean, is_kind<assign>},
-      {"drop", "a leftover point stays without a plane", boolean, is_kind<drop>},
+      {"drop", "an unassigned point gets no plane", boolean, is_kind<drop>},
       {"refine", "the objective joins, changes or drops a plane", boolean, is_kind<refine>},
       {"step", "number of the event, from 1", number,
        [](View e) { return static_cast<double>(e.step); }},
@@ -191,8 +191,8 @@ std::vector<FilterSymbol> fields_of_events() {
       {"n_out", "outliers: points of the other label", number,
        of_facts<[](Facts f) { return f.purity.n_out; }>},
       {"r_out", "share of outliers", number, of_facts<[](Facts f) { return f.purity.r_out(); }>},
-      {"n_h", "points labelled h", number, of_facts<[](Facts f) { return count_of(f, Label::h); }>},
-      {"n_v", "points labelled v", number, of_facts<[](Facts f) { return count_of(f, Label::v); }>},
+      {"n_h", "points labeled h", number, of_facts<[](Facts f) { return count_of(f, Label::h); }>},
+      {"n_v", "points labeled v", number, of_facts<[](Facts f) { return count_of(f, Label::v); }>},
       {"mse", "decide: e_n as Criterion 3 judged it [m², or m by RMS]", number,
        [](View e) {
          return is_decide(e) && fitted(e) && facts_in_space(e) ? fitted(e)->e_n : kAbsent;

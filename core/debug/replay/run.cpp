@@ -32,7 +32,7 @@ std::string decision_on_image(const Run& run, std::int32_t node) {
                          planes::to_string(decided), facts.e_n,
                          decided == planes::Case::IV ? "≤" : ">", facts.theta_e_n);
   }
-  return "not settled";
+  return "undecided";
 }
 
 std::string decision_in_space(const Run& run, std::int32_t node) {
@@ -59,7 +59,7 @@ std::string decision_in_space(const Run& run, std::int32_t node) {
                          op, facts.theta_e_n);
     }
   }
-  return "not settled";
+  return "undecided";
 }
 
 /// Who the event is about: "node 41 (h, 35 points)".
@@ -220,9 +220,8 @@ std::string filled_in(const char* text, const Run& run, const planes::TraceEvent
 std::string describe_event(const Run& run, std::int32_t step) {
   const planes::TraceEvent* event = run.event_at(step);
   if (!event && !run.is_ours())
-    return fmt::format("method {} leaves no trace of how it found its planes",
-                       planes::to_string(run.options.method));
-  if (!event) return "start: the root waits in the queue";
+    return fmt::format("method {} records no steps", planes::to_string(run.options.method));
+  if (!event) return "start: the root is queued";
   const std::string plane = plane_name(run, event->plane);
   switch (event->type) {
     case planes::EventType::visit: {
@@ -235,21 +234,21 @@ std::string describe_event(const Run& run, std::int32_t step) {
                          run.octree().nodes[event->node].depth, decision_text(run, event->node));
     case planes::EventType::found:
       if (event->node < 0)
-        return fmt::format("{}: {} parts from {}: {}", planes::to_string(event->stage), plane,
+        return fmt::format("{}: {} split from {}: {}", planes::to_string(event->stage), plane,
                            plane_name(run, event->other),
                            planes::info_of(event->stage)->why_parted);
-      return fmt::format("{} founds {}", candidate(run, *event), plane);
+      return fmt::format("{} creates {}", candidate(run, *event), plane);
     case planes::EventType::merge:
-      return fmt::format("{} joins {}, {:.1f} mm off it", candidate(run, *event), plane,
+      return fmt::format("{} merged into {}, {:.1f} mm away", candidate(run, *event), plane,
                          event->value * kMm);
     case planes::EventType::assign:
-      return fmt::format("point {} goes to {}, {:.1f} mm off it", event->point, plane,
+      return fmt::format("point {} assigned to {}, {:.1f} mm away", event->point, plane,
                          event->value * kMm);
     case planes::EventType::drop:
       if (event->value < 0)
-        return fmt::format("point {} stays without a plane: none is near", event->point);
-      return fmt::format("point {} stays without a plane: the nearest is {:.1f} mm off",
-                         event->point, event->value * kMm);
+        return fmt::format("point {} unassigned: no plane is near", event->point);
+      return fmt::format("point {} unassigned: the nearest plane is {:.1f} mm away", event->point,
+                         event->value * kMm);
     case planes::EventType::refine:
       return change(run, *event, step);
   }

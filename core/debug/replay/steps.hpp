@@ -22,7 +22,7 @@ struct StepRange {
 /// Steps in a row that one stage decided.
 struct Phase {
   StepRange steps;
-  const char* title = "";  // "traversal", "join neighbors", "leftovers"
+  const char* title = "";  // "traversal", "merge neighbors", "leftovers"
 };
 
 /// All steps from 1 on, in order. What the traversal leads to at once, as merges, is part of it.

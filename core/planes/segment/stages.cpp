@@ -9,20 +9,19 @@ constexpr std::array kNames{"criteria", "merge",  "assign", "join",
                             "grow",     "hidden", "parts",  "list"};
 constexpr std::size_t kOfPaper = 3;
 constexpr std::array<StageInfo, kNames.size() - kOfPaper> kInfos{{
-    {.title = "join neighbors",
-     .says = "{plane} joins {other}: their misfit costs {value:.3g}, less than a plane"},
+    {.title = "merge neighbors",
+     .says = "{plane} merged into {other}: misfit {value:.3g}, less than the cost of a plane"},
     {.title = "grow over pixels",
      .says = "{plane} changes by {value:+.0f} px at its border",
-     .why_dropped = "it has {value:.0f} px, too few to grow",
+     .why_dropped = "{value:.0f} px, too few to grow",
      .on_pixels = true},
-    {.title = "join hidden parts",
-     .says = "{plane} joins {other} behind what hides them from each other: their misfit costs "
-             "{value:.3g}",
+    {.title = "merge hidden parts",
+     .says = "{plane} merged into {other} behind an occluder: misfit {value:.3g}",
      .on_pixels = true},
-    {.title = "part planes", .why_parted = "they do not touch"},
-    {.title = "list planes",
-     .says = "{plane} is not listed: it is worth {value:.0f}, less than it costs",
-     .why_dropped = "it is worth {value:.0f}, less than it costs"},
+    {.title = "split planes", .why_parted = "the parts do not touch"},
+    {.title = "drop small planes",
+     .says = "{plane} dropped: worth {value:.0f}, less than its cost",
+     .why_dropped = "worth {value:.0f}, less than its cost"},
 }};
 
 }  // namespace

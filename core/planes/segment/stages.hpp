@@ -20,7 +20,7 @@ enum class Stage : std::uint8_t {
 
 /// What a stage of the objective says of itself, wherever a decision is shown.
 struct StageInfo {
-  const char* title;  // "join neighbors"
+  const char* title;  // "merge neighbors"
   /// What its `refine` event means, with {plane}, {other}, {point}, and the event's {value}, or as
   /// a length in {mm}, filled in (fmt).
   const char* says = "{plane} changes";

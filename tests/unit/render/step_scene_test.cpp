@@ -244,7 +244,7 @@ TEST(StepScene, VoxelsShowWhetherTheirPlaneCarriesAFoot) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps(), ColorBy::steppable);
   look.show_current = false;
-  EXPECT_TRUE(legend_says(scene_step(*run, look), "being found out"));
+  EXPECT_TRUE(legend_says(scene_step(*run, look), "computing …"));
   look.planes = known_planes(*run);
   const DrawList list = scene_step(*run, look);
   for (std::size_t v = 0; v < run->subject->voxel_count(); ++v) {

@@ -19,16 +19,16 @@ std::string place_of(const Bookmark& bookmark) {
 
 void draw_bookmarks(const Ui& ui) {
   const auto& bookmarks = ui.state.document.bookmarks;
-  if (ImGui::Button("Bookmark this place")) ui.emit("bookmark.add");
+  if (ImGui::Button("Bookmark this view")) ui.emit("bookmark.add");
   ui.name("bookmarks.add");
-  same_line_if_fits("Save the session …");
-  if (ImGui::Button("Save the session …")) ui.emit("session.save");
+  same_line_if_fits("Save session …");
+  if (ImGui::Button("Save session …")) ui.emit("session.save");
   ui.name("bookmarks.save");
   if (bookmarks.empty()) {
     ImGui::Spacing();
     return paragraph(ui.colors.muted,
-                     "A bookmark keeps the frame, the event, the selection, the filter and the "
-                     "camera, with a note. A saved session carries them to another machine.");
+                     "A bookmark stores frame, step, selection, filter and "
+                     "camera, with a note. Save the session to open it elsewhere.");
   }
   for (std::size_t i = 0; i < bookmarks.size(); ++i) {
     const Bookmark& bookmark = bookmarks[i];

@@ -201,14 +201,12 @@ void draw_compare(const Ui& ui) {
   const Results& results = ui.state.results;
   draw_compare_controls(ui);
   ImGui::Spacing();
-  if (!results.current)
-    return paragraph(ui.colors.muted, "Once a frame is shown, its run can be pinned as A.");
+  if (!results.current) return paragraph(ui.colors.muted, "Open a frame to pin its run as A.");
   if (ui.state.view.against == Against::nothing) {
     const bool labelled = results.current->run->subject->voxel_truth.known();
-    std::string text = results.pinned
-                           ? "A run is pinned: choose it as A."
-                           : "Pin a run as A, then change an option: the run with it is B.";
-    if (labelled) text += " Or compare with the ground truth.";
+    std::string text = results.pinned ? "A run is pinned: choose it as A."
+                                      : "Pin a run as A, then change an option: the new run is B.";
+    if (labelled) text += " Or compare with ground truth.";
     paragraph(ui.colors.muted, text);
     ui.name("compare.hint");
     return;
@@ -232,7 +230,7 @@ void draw_compare(const Ui& ui) {
                           comparison.compared_sources,
                           100.0 * static_cast<double>(comparison.changed_sources.size()) /
                               static_cast<double>(comparison.compared_sources),
-                          a ? "change plane" : "are not in the plane that matches their own"));
+                          a ? "change plane" : "are not in the matching plane"));
   draw_planes(ui, a ? a->run.get() : nullptr, *b.run, comparison);
   if (a && a->run->is_ours() && b.run->is_ours()) draw_nodes(ui, *a->run, *b.run, comparison);
 }

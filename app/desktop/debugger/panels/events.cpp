@@ -81,7 +81,7 @@ void draw_breakpoints(const Ui& ui) {
     if (ImGui::InvisibleButton("##switch", ImVec2(line, line)))
       ui.emit("break.enable", std::to_string(i));
     ui.name(widget);
-    tooltip(all[i].enabled ? "Switch this breakpoint off" : "Switch it on");
+    tooltip(all[i].enabled ? "Disable" : "Enable");
     draw_breakpoint_dot(ui, ImVec2(at.x + line / 2, at.y + line / 2),
                         all[i].enabled ? BreakpointMarks::Mark::on : BreakpointMarks::Mark::off);
     ImGui::SameLine(0, ui.px(2));
@@ -97,7 +97,7 @@ void draw_breakpoints(const Ui& ui) {
     ImGui::GetWindowDrawList()->AddText(ImVec2(cross.x + ui.px(2), cross.y),
                                         ImGui::IsItemHovered() ? ui.colors.bad : ui.colors.muted,
                                         "✗");
-    tooltip("Remove this breakpoint");
+    tooltip("Remove");
     ImGui::PopID();
   }
 }

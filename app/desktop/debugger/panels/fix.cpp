@@ -67,10 +67,10 @@ void draw_truth_planes(const Ui& ui, const RunView& view) {
 
 void draw_marked(const Ui& ui) {
   const std::size_t marked = ui.state.document.marked.size();
-  if (button(ui, ui.state.view.marking ? "Drag in the image" : "Mark a region", "fix.mark"))
+  if (button(ui, ui.state.view.marking ? "Drag on the image" : "Mark a region", "fix.mark"))
     ui.emit("mark.toggle");
   ImGui::SameLine();
-  if (button(ui, "Find a fix for it", "fix.marked", marked > 0)) ui.emit("fix.marked");
+  if (button(ui, "Fix region", "fix.marked", marked > 0)) ui.emit("fix.marked");
   ImGui::SameLine();
   if (marked > 0) ImGui::TextDisabled("%s marked", counted(marked, "voxel").c_str());
 }
@@ -92,7 +92,7 @@ void draw_effects(const Ui& ui, const FixSearch& fix) {
   }
   const debug::Fix& chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
   heading(ui, fmt::format("{} = {} on {}", chosen.option, chosen.after,
-                          counted(fix.effects.size(), "labelled frame")));
+                          counted(fix.effects.size(), "labeled frame")));
   paragraph(broken > recovered ? ui.colors.warning : ui.colors.text,
             fmt::format("Recovers {} {}, breaks {}.", recovered,
                         recovered == 1 ? "plane" : "planes", broken));
@@ -122,8 +122,7 @@ void draw_effects(const Ui& ui, const FixSearch& fix) {
 }
 
 void draw_search(const Ui& ui, const FixSearch& fix) {
-  heading(ui,
-          fix.asked ? "What was asked by a click" : "What would recover " + fix.target.name + "?");
+  heading(ui, fix.asked ? "Fix for the clicked point" : "Fix for " + fix.target.name + "?");
   if (fix.running) draw_fix_progress(ui, fix);
   if (!fix.running || !fix.fixes.empty()) draw_fixes(ui, fix);
   if (!fix.running) {
@@ -136,31 +135,30 @@ void draw_search(const Ui& ui, const FixSearch& fix) {
 /// What to do here, before any search.
 std::string invitation(const RunView& view, bool marked) {
   if (marked)
-    return "A region is marked. Find a fix for it tries every option for the smallest change that "
-           "makes it one plane.";
-  const std::string tried = " Every option is tried for the smallest change that makes it one.";
+    return "Fix region tries every option for the smallest change that "
+           "makes the marked region one plane.";
+  const std::string tried = " Every option is tried for the smallest change that does it.";
   if (!view.score) return "Mark a region of the image that should be one plane." + tried;
   if (view.score->detected == static_cast<int>(view.score->planes.size()))
-    return "All true planes of this frame are found. To ask for another one, mark its region." +
+    return "All true planes of this frame are found. Mark a region to search for another plane." +
            tried;
-  return "Choose a lost plane, or mark a region that should be one." + tried;
+  return "Choose a lost plane, or mark a region that should be one plane." + tried;
 }
 
 }  // namespace
 
 void draw_fix(const Ui& ui) {
   const RunView* view = ui.state.results.current.get();
-  if (!view)
-    return paragraph(ui.colors.muted, "Once a frame is shown, this finds what would mend it.");
+  if (!view) return paragraph(ui.colors.muted, "Open a frame to search for fixes.");
   if (!view->run->is_ours()) {
-    paragraph(ui.colors.muted, "Fixes are sought among the options of method ours.");
+    paragraph(ui.colors.muted, "Fixes are available for method ours.");
     return draw_truth_planes(ui, *view);
   }
   const bool image = !view->run->subject->frame.depth.empty();
   if (!view->score && !image)
     return paragraph(ui.colors.muted,
-                     "Fixes are sought for planes of the ground truth, or for regions marked in an "
-                     "image. This cloud has neither.");
+                     "Fixes need ground truth or a region marked in an image; "
+                     "this cloud has neither. Click a point instead.");
   const FixSearch& fix = ui.state.results.fix;
   if (fix.running || fix.finished)
     draw_search(ui, fix);

@@ -209,7 +209,7 @@ void draw_legend(const Ui& ui, bool truth) {
     ImGui::SameLine();
     colored(ui.colors.bad, "wrong");
     ImGui::SameLine();
-    ImGui::TextDisabled("by ground truth");
+    ImGui::TextDisabled("By ground truth");
     same_line_if_fits("▲ this node");
   }
   colored(ui.colors.warning, "▲");
@@ -229,14 +229,13 @@ void draw_legend(const Ui& ui, bool truth) {
 void draw_histograms(const Ui& ui) {
   const RunView* view = ui.state.run_view();
   if (!view)
-    return paragraph(
-        ui.colors.muted,
-        "Once a frame is shown, this tells how its nodes spread about each threshold.");
+    return paragraph(ui.colors.muted,
+                     "Open a frame to see how its nodes are distributed around each threshold.");
   if (!view->run->is_ours())
     return paragraph(ui.colors.muted, debug::describe_event(*view->run, 0) + ".");
   if (view->run->steps() == 0)
     return paragraph(ui.colors.muted,
-                     "No node was judged on this frame: none of its points is in "
+                     "No node was evaluated: no point of this frame is in "
                      "range. Raise max_range_m under Criteria, Cloud and octree.");
   draw_legend(ui, view->run->subject->voxel_truth.known());
   for (std::size_t i = 0; i < view->histograms.size(); ++i)

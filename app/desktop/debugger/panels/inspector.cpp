@@ -76,9 +76,8 @@ void draw_tooltip(const debug::Check& check) {
   std::string text =
       fmt::format("{}, {}\n{}: {}", check.criterion, check.equation, check.quantity, check.meaning);
   if (check.verdict == debug::Verdict::not_asked && !check.op.empty())
-    text += "\nnot asked: an earlier criterion had decided";
-  if (!check.option.empty())
-    text += "\nthreshold: option " + check.option + ", click for its slider";
+    text += "\nNot evaluated: an earlier criterion decided";
+  if (!check.option.empty()) text += "\nThreshold: option " + check.option + "; click to show it";
   tooltip_at_mouse(text);
 }
 
@@ -185,7 +184,7 @@ void draw_fit(const Ui& ui, const PlaneFit& fit) {
   // The roots of the eigenvalues by point: lengths that one can picture.
   const auto spread = [&](int axis) { return std::sqrt(fit.eigenvalues[axis] / fit.count); };
   fact(ui, "spread", length_text(spread(2)) + " × " + length_text(spread(1)));
-  tooltip("of its points along its two axes, as standard deviations");
+  tooltip("Standard deviations of its points along its two axes");
   fact(ui, "RMS", length_text(fit.rms_m()));
 }
 
@@ -215,7 +214,7 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
        run.is_on_image() ? std::to_string(node.size())
        : labelled        ? fmt::format("{}: {} level, {} upright", node.size(), node.count_h,
                                        node.size() - node.count_h)
-                         : fmt::format("{}, of no class: gravity is not known", node.size()));
+                         : fmt::format("{}, no class: gravity is unknown", node.size()));
   if (!run.is_on_image())
     fact(ui, "inliers",
          fmt::format("{} {}, {} outliers", facts.purity.n_in, word_of(facts.purity.inlier),
@@ -225,14 +224,14 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
          fmt::format("{} {} on true plane {}{}", facts.truth_points,
                      facts.truth_points == 1 ? "point" : "points", facts.truth_plane,
                      facts.truth_planes > 1
-                         ? fmt::format(", the others on {} more", facts.truth_planes - 1)
+                         ? fmt::format(", the rest on {} more", facts.truth_planes - 1)
                          : ""));
   if (now != debug::NodeState::settled) {
-    colored(ui.colors.warning, now == debug::NodeState::unborn   ? "not there yet at this step"
-                               : now == debug::NodeState::queued ? "waits in the queue"
-                                                                 : "dequeued, not decided yet");
+    colored(ui.colors.warning, now == debug::NodeState::unborn   ? "Does not exist yet at this step"
+                               : now == debug::NodeState::queued ? "Queued"
+                                                                 : "Dequeued, undecided");
     if (decided != planes::kNever) {
-      link_to_step(ui, fmt::format("to its decision, step {}", decided), decided);
+      link_to_step(ui, fmt::format("Decision, step {}", decided), decided);
       ui.name("inspector.decision");
     }
     return;
@@ -255,8 +254,8 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
 
 void draw_partner(const Ui& ui, const debug::PartnerReport& partner, const std::string& name) {
   const std::string state = partner.chosen        ? "joined"
-                            : partner.never_asked ? "not asked, a partner had been found"
-                            : partner.coplanar    ? "coplanar too, but not the best"
+                            : partner.never_asked ? "not evaluated: a partner was found"
+                            : partner.coplanar    ? "coplanar, but not the best"
                                                   : "not coplanar";
   ImGui::PushStyleColor(ImGuiCol_Text, partner.chosen ? ui.colors.good : ui.colors.text);
   const bool open = ImGui::TreeNodeEx(
@@ -283,7 +282,7 @@ void draw_merge(const Ui& ui, const debug::Run& run, std::int32_t step) {
   for (std::size_t i = 0; i < shown; ++i)
     draw_partner(ui, report.partners[i], debug::plane_name(run, report.partners[i].plane));
   if (shown < report.partners.size())
-    ImGui::TextDisabled("and %zu planes farther off", report.partners.size() - shown);
+    ImGui::TextDisabled("and %zu planes farther away", report.partners.size() - shown);
 }
 
 void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
@@ -291,17 +290,17 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
   ImGui::Separator();
   heading(ui, "Plane " + debug::plane_name(run, plane));
   ImGui::SameLine();
-  const char* stays = run.timeline.result_of_plane(plane) > 0 ? "" : ", does not stay";
+  const char* stays = run.timeline.result_of_plane(plane) > 0 ? "" : ", not in the result";
   ImGui::TextDisabled("%s%s", word_of(run.timeline.label_of_plane(plane)), stays);
   const auto changes = run.timeline.changes_of_plane(plane);
   if (!now) {
-    ImGui::TextDisabled("not founded yet at this step");
+    ImGui::TextDisabled("Not created yet at this step");
     if (!changes.empty())
-      link_to_step(ui, fmt::format("to its founding, step {}", changes.front().step),
+      link_to_step(ui, fmt::format("Created at step {}", changes.front().step),
                    changes.front().step);
     return;
   }
-  fact(ui, "fitted to", fmt::format("{:.0f} points", now->fit.count));
+  fact(ui, "fit", fmt::format("{:.0f} points", now->fit.count));
   draw_fit(ui, now->fit);
   fact(ui, "offset", length_text(now->fit.offset_m()));
   if (!now->alive)
@@ -312,9 +311,9 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
   for (const planes::PlaneChange& change : changes)
     past += change.step <= ui.state.view.step ? 1 : 0;
   if (past > 0 && run.is_ours()) {
-    link_to_step(ui, fmt::format("founded at step {}", changes.front().step), changes.front().step);
-    same_line_if_fits(fmt::format("last changed at step {}", changes[past - 1].step));
-    link_to_step(ui, fmt::format("last changed at step {}", changes[past - 1].step),
+    link_to_step(ui, fmt::format("Created at step {}", changes.front().step), changes.front().step);
+    same_line_if_fits(fmt::format("Changed at step {}", changes[past - 1].step));
+    link_to_step(ui, fmt::format("Changed at step {}", changes[past - 1].step),
                  changes[past - 1].step);
   }
 }
@@ -384,10 +383,10 @@ void draw_distances(const Ui& ui,
 void draw_leftover(const Ui& ui, const debug::Run& run, std::int32_t step) {
   const debug::LeftoverReport report = debug::explain_leftover(run, step);
   if (report.point < 0) return;
-  heading(ui, fmt::format("Leftover point {}", report.point));
+  heading(ui, fmt::format("Unassigned point {}", report.point));
   paragraph(ui.colors.text, report.outcome);
   draw_distances(ui, run, report.planes);
-  if (ImGui::SmallButton("its whole life")) ui.emit("point.life");
+  if (ImGui::SmallButton("History")) ui.emit("point.life");
   ui.name("inspector.life");
   ImGui::Separator();
 }
@@ -395,11 +394,12 @@ void draw_leftover(const Ui& ui, const debug::Run& run, std::int32_t step) {
 /// While there is no run. Why the frame was refused stands where the scene would be.
 void draw_why_empty(const Ui& ui) {
   const OpenRecording* open = ui.state.document.current();
-  paragraph(ui.colors.muted,
-            !open                                     ? "Open a recording with Ctrl+O."
-            : !open->recording->info().knows_camera() ? "Waiting for the camera's intrinsics."
-            : ui.state.results.loading                ? "Reading the frame …"
-                                       : "This frame was refused. Choose another one on the left.");
+  paragraph(ui.colors.muted, !open ? "Open a recording with Ctrl+O."
+                             : !open->recording->info().knows_camera()
+                                 ? "Waiting for the camera's intrinsics."
+                             : ui.state.results.loading
+                                 ? "Reading the frame …"
+                                 : "This frame cannot be run. Choose another one on the left.");
 }
 
 }  // namespace
@@ -410,7 +410,7 @@ void draw_inspector(const Ui& ui) {
   const std::int32_t step = ui.state.view.step;
   const Selection& selected = ui.state.view.selected;
   paragraph(ui.colors.muted,
-            step == 0 && run->is_ours() ? "Before the first event: the root waits in the queue."
+            step == 0 && run->is_ours() ? "Before the first event: the root is queued."
             : run->is_ours() ? fmt::format("Step {}: {}", step, debug::describe_event(*run, step))
                              : debug::describe_event(*run, step));
   ImGui::Separator();
@@ -427,8 +427,8 @@ void draw_inspector(const Ui& ui) {
     ImGui::Spacing();
     paragraph(ui.colors.muted,
               run->is_ours()
-                  ? "Click a box, a point or a plane, or a row of the lists below, to see every "
-                    "criterion that decided it."
+                  ? "Click a box, a point, a plane, or a row of the lists below to see every "
+                    "criterion of the decision."
                   : "Click a point or a plane to see its fit.");
   }
 }

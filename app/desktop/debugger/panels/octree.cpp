@@ -88,19 +88,19 @@ void draw_shape_key(const Ui& ui, bool on_image) {
   };
   const debug::NodeState settled = debug::NodeState::settled;
   std::vector<Entry> entries = {
-      {{debug::NodeState::queued}, "queued", "waits in the queue Q_N"},
+      {{debug::NodeState::queued}, "queued", "In the queue Q_N"},
       {{settled, planes::Case::I},
        "I",
        on_image ? "case I, more than one plane: divided" : "case I, impure: divided"},
       {{settled, planes::Case::II},
        "II",
        on_image ? "case II, too few of its pixels: divided"
-                : "case II, too few inliers: a dead end, its points are left over"},
+                : "case II, too few inliers: dead end, its points are unassigned"},
       {{settled, planes::Case::III},
        "III",
        on_image ? "case III, not flat: divided" : "case III, not planar: divided"},
       {{settled, planes::Case::IV}, "IV", "case IV: a plane candidate"},
-      {{settled, planes::Case::III, true}, "deepest", "I or III at the deepest level: left over"},
+      {{settled, planes::Case::III, true}, "deepest", "I or III at the deepest level: unassigned"},
       {{settled, planes::Case::I, false, true},
        "labels",
        "each label's points were fitted instead of dividing"},
@@ -190,13 +190,12 @@ void draw_subtree_bar(const Ui& ui, ImVec2 at, const SubtreeCounts& counts) {
 void draw_tooltip(const debug::Run& run, std::int32_t step, std::int32_t node) {
   const std::int32_t decided = run.timeline.decided_at()[static_cast<std::size_t>(node)];
   const planes::OctreeNode& n = node_of(run, node);
-  const std::string text =
-      decided <= step
-          ? debug::describe_event(run, decided)
-          : fmt::format("node {} (depth {}): {} points, not settled yet", node, n.depth, n.size());
+  const std::string text = decided <= step ? debug::describe_event(run, decided)
+                                           : fmt::format("node {} (depth {}): {} points, undecided",
+                                                         node, n.depth, n.size());
   std::string below;
-  if (n.first_child >= 0) below = "\nbar: how the nodes below it were settled, + how many";
-  ImGui::SetTooltip("%s\ncell of %s; double click: to its decision%s", text.c_str(),
+  if (n.first_child >= 0) below = "\nBar: decisions of the nodes below, + their number";
+  ImGui::SetTooltip("%s\ncell of %s; double-click: its decision%s", text.c_str(),
                     planes::cell_size_text(run.octree(), n.depth).c_str(), below.c_str());
 }
 
@@ -316,7 +315,7 @@ void draw_octree(const Ui& ui) {
                    .action = "octree.search",
                    .on_enter = {}},
                   ImGui::GetContentRegionAvail().x);
-  if (!run) return paragraph(ui.colors.muted, "The nodes of a frame's octree come here.");
+  if (!run) return paragraph(ui.colors.muted, "Octree of the frame");
   if (!problem.message.empty()) {
     colored(ui.colors.bad, problem.message);
   } else {
@@ -324,7 +323,7 @@ void draw_octree(const Ui& ui) {
   }
   ImGui::BeginChild("##octree");
   draw_rows(ui, *run, rows, follow);
-  if (searching && rows.empty()) ImGui::TextDisabled("No node so far.");
+  if (searching && rows.empty()) ImGui::TextDisabled("No matching node");
   ImGui::EndChild();
 }
 

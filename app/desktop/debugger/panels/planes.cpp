@@ -15,13 +15,13 @@ void draw_filter(const Ui& ui) {
   std::string& text = ui.memory.texts["planes.filter"];
   if (!ImGui::IsAnyItemActive()) text = ui.state.view.planes.filter;
   ImGui::SetNextItemWidth(std::max(ui.px(60), ImGui::GetContentRegionAvail().x -
-                                                  button_width("copy as CSV") -
+                                                  button_width("Copy as CSV") -
                                                   ImGui::GetStyle().ItemSpacing.x));
   if (ImGui::InputTextWithHint("##filter", "filter: upright, P3", &text))
     ui.emit("planes.filter", text);
   ui.name("planes.filter");
   ImGui::SameLine();
-  action_button(ui, "planes.copy", "copy as CSV");
+  action_button(ui, "planes.copy", "Copy as CSV");
 }
 
 /// A click sorts by the column, a second one the other way round.
@@ -66,10 +66,10 @@ void draw_row(const Ui& ui, const PlaneRow& row) {
 }  // namespace
 
 void draw_planes(const Ui& ui) {
-  if (!ui.state.run()) return paragraph(ui.colors.muted, "No frame is shown.");
-  if (!ui.state.planes()) return paragraph(ui.colors.muted, "Finding out about the planes …");
+  if (!ui.state.run()) return paragraph(ui.colors.muted, "No frame");
+  if (!ui.state.planes()) return paragraph(ui.colors.muted, "Measuring the planes …");
   const std::size_t all = ui.state.planes()->found.summaries.size();
-  if (all == 0) return paragraph(ui.colors.muted, "No plane was found in this frame.");
+  if (all == 0) return paragraph(ui.colors.muted, "No planes in this frame");
   draw_filter(ui);
   const std::vector<PlaneRow> rows = plane_rows(ui.state);
   if (rows.size() < all) {

@@ -46,10 +46,10 @@ const PointStory* story(const Ui& ui) {
 
 void draw_why(const Ui& ui, const PointStory& point) {
   const bool lost = point.why.answer.starts_with("Lost");
-  heading(ui, lost ? "Why not?" : "Where it is");
+  heading(ui, lost ? "Why not?" : "Plane");
   math_paragraph(ui, lost ? ui.colors.warning : ui.colors.text, point.why.answer);
   if (point.why.step > 0) {
-    if (button(ui, fmt::format("To step {}", point.why.step), "point.why"))
+    if (button(ui, fmt::format("Step {}", point.why.step), "point.why"))
       ui.emit("step.goto", std::to_string(point.why.step));
     ImGui::SameLine();
     if (button(ui, "Break on this point", "point.break")) {
@@ -114,14 +114,14 @@ void draw_point(const Ui& ui) {
   const PointStory* point = ui.state.run() ? story(ui) : nullptr;
   if (!point) {
     paragraph(ui.colors.muted,
-              "Click a point in the image or in space: its pixel, voxel and label, the nodes it "
-              "went through, where it was left over or joined a plane, and what decided that.");
+              "Click a point in the image or in the scene to see its pixel, voxel, label, nodes "
+              "and every decision about it.");
     return;
   }
   draw_why(ui, *point);
   ImGui::Spacing();
   ImGui::Separator();
-  heading(ui, "Its life");
+  heading(ui, "History");
   if (!ImGui::BeginTable("life", 2, ImGuiTableFlags_PadOuterX)) return;
   ImGui::PushFont(ui.small);
   float widest = 0;

@@ -13,10 +13,9 @@ namespace {
 /// Why there is nothing to tell at the cursor; empty where there is.
 std::string why_untold(const State& state) {
   if (!state.run()->subject->prepared.gravity.known())
-    return "Gravity is not known, so stairs, kerbs and ramps were not sought.";
-  if (!state.planes()) return "Finding out about the planes …";
-  return state.view.step == state.run()->steps() ? ""
-                                                 : "At the last step, where planes are finished.";
+    return "Stairs, kerbs and ramps need gravity, which is unknown.";
+  if (!state.planes()) return "Measuring the planes …";
+  return state.view.step == state.run()->steps() ? "" : "Available at the last step.";
 }
 
 void draw_entry(const Ui& ui, const StairsEntry& entry, std::size_t number) {
@@ -49,19 +48,19 @@ void draw_plane_facts(const Ui& ui, std::int32_t plane) {
 }
 
 void draw_stairs(const Ui& ui) {
-  if (!ui.state.run()) return paragraph(ui.colors.muted, "No frame is shown.");
-  action_button(ui, "show.stairs", "show in the scene");
+  if (!ui.state.run()) return paragraph(ui.colors.muted, "No frame");
+  action_button(ui, "show.stairs", "Show in the scene");
   if (const std::string why = why_untold(ui.state); !why.empty())
     return paragraph(ui.colors.muted, why);
   const std::vector<StairsEntry> entries = stairs_entries(ui.state);
   for (std::size_t i = 0; i < entries.size(); ++i) draw_entry(ui, entries[i], i);
-  if (entries.empty()) paragraph(ui.colors.muted, "No flight, kerb or ramp was found.");
+  if (entries.empty()) paragraph(ui.colors.muted, "No flight, kerb or ramp found.");
   const std::vector<std::string> missed = no_steps_of(ui.state, ui.state.view.selected.plane);
   if (!missed.empty())
     heading(ui, "No step at " + debug::plane_name(*ui.state.run(), ui.state.view.selected.plane));
   for (const std::string& text : missed) paragraph(ui.colors.text, text);
   if (missed.empty())
-    paragraph(ui.colors.muted, "Select a level plane to see why no step leads up to it.");
+    paragraph(ui.colors.muted, "Select a horizontal plane to see why no step leads up to it.");
 }
 
 }  // namespace planescope::desktop

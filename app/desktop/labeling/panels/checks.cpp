@@ -15,17 +15,17 @@ const char* title_of(labels::FindingKind kind) {
     case labels::FindingKind::camera:
       return "Drawn with another camera";
     case labels::FindingKind::rms:
-      return "Does not fit its pixels";
+      return "Plane does not fit its pixels";
     case labels::FindingKind::outliers:
-      return "Pixels far off the plane";
+      return "Pixels far from the plane";
     case labels::FindingKind::parts:
-      return "In pieces that lie apart";
+      return "Separate pieces";
     case labels::FindingKind::tiny:
       return "Very small";
     case labels::FindingKind::class_normal:
-      return "Class and tilt contradict";
+      return "Class contradicts tilt";
     default:
-      return "Not labelled";
+      return "Not labeled";
   }
 }
 
@@ -50,10 +50,10 @@ void draw_label_checks(const Ui& ui) {
   const std::shared_ptr<const FrameLabels> labels = labels_to_show(ui);
   if (!labels) return;
   const Audit* audit = ui.state.results.label.audit.get();
-  if (!audit) return paragraph(ui.colors.muted, "The labels are checked …");
+  if (!audit) return paragraph(ui.colors.muted, "Checking the labels …");
   if (audit->findings.empty()) {
     paragraph(ui.colors.good,
-              labels->planes.empty() ? "There are no labels to check." : "Nothing looks wrong.");
+              labels->planes.empty() ? "There are no labels to check." : "No problems found.");
     return;
   }
   ImGui::AlignTextToFramePadding();

@@ -34,7 +34,7 @@ void move_image(const Ui& ui, const ImagePlacement& placed) {
 }  // namespace
 
 void draw_label_image(const Ui& ui) {
-  draw_image_tools(ui, "how strongly labels cover the camera's image");
+  draw_image_tools(ui, "Opacity of the labels");
   const LabelFrame* frame = ui.state.label_frame();
   if (!frame || !ui.state.labels()) return draw_label_absence(ui);
   draw_click_line(ui);

@@ -26,7 +26,7 @@ void draw_training(const Ui& ui, const Learning::Training& training) {
   }
   paragraph(ui.colors.muted,
             reviewed == 0
-                ? "No frame is reviewed yet. The classifier learns from frames that are marked "
+                ? "No frame is reviewed yet. The classifier learns from frames that you mark "
                   "reviewed (Shift+D)."
                 : fmt::format("{} to learn from.",
                               counted(static_cast<std::size_t>(reviewed), "reviewed frame")));
@@ -35,11 +35,10 @@ void draw_training(const Ui& ui, const Learning::Training& training) {
 
 void draw_gain_on(const Ui& ui, const char* frames, const Gain& gain) {
   if (gain.frames == 0) return;
-  paragraph(
-      ui.colors.text,
-      fmt::format("On {} {}, points labelled right [%]:", counted(gain.frames, "frame"), frames));
+  paragraph(ui.colors.text, fmt::format("On {} {}, points labeled correctly [%]:",
+                                        counted(gain.frames, "frame"), frames));
   if (!ImGui::BeginTable(frames, 3, kTable)) return;
-  for (const char* title : {"by the weights", "all", "near edges"}) ImGui::TableSetupColumn(title);
+  for (const char* title : {"weights", "all", "near edges"}) ImGui::TableSetupColumn(title);
   ImGui::TableHeadersRow();
   const auto row = [](const char* weights, const planes::LabelAccuracy& accuracy) {
     ImGui::TableNextRow();
@@ -55,10 +54,10 @@ void draw_gain_on(const Ui& ui, const char* frames, const Gain& gain) {
 void draw_gain(const Ui& ui, const Learnt& learnt) {
   heading(ui, "Gain");
   paragraph(ui.colors.muted,
-            fmt::format("The classifier beside these labels was trained on {} in {} steps.",
+            fmt::format("The classifier stored beside these labels was trained on {} in {} steps.",
                         counted(learnt.frames, "reviewed frame"), learnt.steps));
   if (learnt.since.frames == 0)
-    paragraph(ui.colors.muted, "No frame was reviewed since: those that will be measure it.");
+    paragraph(ui.colors.muted, "Frames that you review from now on will evaluate it.");
   draw_gain_on(ui, "reviewed since", learnt.since);
   draw_gain_on(ui, "kept aside", learnt.kept);
   ui.name("learning.gain");
@@ -71,12 +70,10 @@ void draw_doubt(const Ui& ui, const Learning::Doubt& doubt) {
     share_bar(doubt.done / frames, fmt::format("{} of {:.0f} frames", doubt.done, frames));
   } else {
     action_button(ui, "label.next.doubtful",
-                  doubt.of_frame.empty() ? "Find the frames in doubt" : "Next");
+                  doubt.of_frame.empty() ? "Find doubtful frames" : "Next");
   }
   if (doubt.of_frame.empty()) return;
-  paragraph(
-      ui.colors.muted,
-      "Points that the classifier is less than 75 % sure of, in frames that are not reviewed.");
+  paragraph(ui.colors.muted, "Points below 75 % confidence, in frames that are not reviewed.");
   ImGui::BeginChild("doubt");
   for (const int frame : by_doubt(ui.state)) {
     const std::string text = fmt::format("frame {}: {:.1f} %", frame,

@@ -65,7 +65,7 @@ std::shared_ptr<const FrameLabels> labels_to_show(const Ui& ui) {
   if (!refusal.empty())
     paragraph(ui.colors.bad, refusal);
   else if (state.document.current())
-    paragraph(ui.colors.muted, "The frame is made ready …");
+    paragraph(ui.colors.muted, "Preparing the frame …");
   else
     draw_absence(ui);
   return nullptr;
@@ -99,7 +99,7 @@ std::string tilt_text(const LabelPlane& plane, const FrameLabels& labels) {
 }
 
 std::string tilt_text(double tilt_deg) {
-  return std::isnan(tilt_deg) ? "gravity not known" : fmt::format("tilt {:.1f}°", tilt_deg);
+  return std::isnan(tilt_deg) ? "gravity unknown" : fmt::format("tilt {:.1f}°", tilt_deg);
 }
 
 void share_bar(double share, const std::string& text) {

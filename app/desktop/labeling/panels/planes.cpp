@@ -31,7 +31,7 @@ void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& fact
       fmt::format("{} of {} measured {}s, {} ignored", s.labelled, s.measured, sample, s.ignored));
   const LabelProgress progress = progress_of(ui.state);
   if (progress.frames > 1) {
-    paragraph(ui.colors.muted, fmt::format("{} of {} frames labelled, {} reviewed",
+    paragraph(ui.colors.muted, fmt::format("{} of {} frames labeled, {} reviewed",
                                            progress.labelled, progress.frames, progress.reviewed));
     ui.name("planes.progress");
   }
@@ -50,7 +50,7 @@ void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& fact
 }
 
 void draw_beginnings(const Ui& ui) {
-  action_button(ui, "label.take", "From the algorithm");
+  action_button(ui, "label.take", "Use result");
   const CarryJob& carry = ui.state.results.label.carry;
   if (carry.running) {
     ImGui::ProgressBar(static_cast<float>(carry.progress), ImVec2(-ui.px(60), 0), "carrying …");
@@ -60,13 +60,13 @@ void draw_beginnings(const Ui& ui) {
     return;
   }
   if (const auto labels = ui.state.labels(); labels && !labels->is_cloud()) {
-    same_line_if_fits("To the next frame");
-    action_button(ui, "label.carry", "To the next frame");
+    same_line_if_fits("Carry to next");
+    action_button(ui, "label.carry", "Carry to next");
   }
   if (!carry.done) return;
   const auto doubtful = std::ranges::count(carry.done->doubt, std::uint8_t{1});
   paragraph(ui.colors.warning,
-            fmt::format("From frame {} by {}: {} pixels in doubt (Esc hides them)", carry.from,
+            fmt::format("From frame {} by {}: {} doubtful pixels (Esc hides them)", carry.from,
                         carry.done->method, doubtful));
   ui.name("planes.doubt");
 }
@@ -75,7 +75,7 @@ void tell(const LabelPlane& plane, const PlaneFacts& facts, const char* sample) 
   std::string text =
       fmt::format("P{}, {}, {}", plane.id, name_of(plane.origin), counted(facts.pixels, sample));
   if (plane.confidence < 1) text += fmt::format("\nconfidence {:.0f} %", 100 * plane.confidence);
-  ImGui::SetTooltip("%s\nclick: active   double click: look at it", text.c_str());
+  ImGui::SetTooltip("%s\nClick to activate, double-click to look at it", text.c_str());
 }
 
 void draw_plane(const Ui& ui, const LabelPlane& plane, const PlaneFacts& facts, bool confidences) {
@@ -101,17 +101,17 @@ void draw_plane(const Ui& ui, const LabelPlane& plane, const PlaneFacts& facts, 
     cell(plane.confidence < 1 ? fmt::format("{:.0f} %", 100 * plane.confidence) : "");
   ImGui::TableNextColumn();
   if (icon_button(ui, PlaneIcon::lock, plane.locked, widget + ".lock")) ui.emit("label.lock", id);
-  tooltip(plane.locked ? "unlock" : "lock: no tool changes it");
+  tooltip(plane.locked ? "Unlock" : "Lock: no tool changes the plane");
   ImGui::SameLine(0, ui.px(2));
   if (icon_button(ui, PlaneIcon::eye, plane.hidden, widget + ".hide")) ui.emit("label.hide", id);
-  tooltip(plane.hidden ? "show" : "hide: kept, but not drawn");
+  tooltip(plane.hidden ? "Show" : "Hide: kept, but not drawn");
 }
 
 void draw_list(const Ui& ui, const FrameLabels& labels, const LabelFacts& facts, float height) {
   if (labels.planes.empty())
     return paragraph(ui.colors.muted,
-                     "No plane is labelled yet. Click one with the wand (W) and accept it with "
-                     "Enter, or start from the algorithm (T).");
+                     "No plane is labeled yet. Click one with the wand (W) and accept it with "
+                     "Enter, or start from the algorithm's result (T).");
   const bool confidences = std::ranges::any_of(
       labels.planes, [](const LabelPlane& plane) { return plane.confidence < 1; });
   if (!ImGui::BeginTable("planes", confidences ? 7 : 6, kTable | ImGuiTableFlags_ScrollY,
@@ -135,8 +135,8 @@ void draw_active(const Ui& ui, const FrameLabels& labels) {
   const int id = ui.state.view.label.plane;
   const LabelPlane* plane = labels::find_plane(labels, id);
   if (!plane)
-    return paragraph(ui.colors.muted, id > 0 ? fmt::format("The next gesture makes P{}.", id)
-                                             : "The next gesture makes a new plane.");
+    return paragraph(ui.colors.muted, id > 0 ? fmt::format("The next gesture creates P{}.", id)
+                                             : "The next gesture creates a plane.");
   plane_swatch(ui, id, plane->hidden);
   ImGui::SameLine();
   ImGui::TextDisabled("%s%s", name_of(plane->origin), plane->locked ? ", locked" : "");

@@ -18,27 +18,27 @@ namespace {
 const char* meaning_of(DisagreementKind kind) {
   switch (kind) {
     case DisagreementKind::missed:
-      return "labelled as a plane; the other side has none there";
+      return "A labeled plane that the other side does not have";
     case DisagreementKind::invented:
-      return "the other side has a plane here; the labels have none";
+      return "A plane of the other side that is not labeled";
     case DisagreementKind::split:
-      return "the other side cuts this piece off a labelled plane";
+      return "A piece that the other side separates from a labeled plane";
     case DisagreementKind::merged:
-      return "the other side's plane runs on over another labelled plane";
+      return "A plane of the other side that continues over another labeled plane";
     case DisagreementKind::class_flip:
-      return "the same plane, h on one side and v on the other";
+      return "The same plane, horizontal on one side and vertical on the other";
     default:
-      return "a thin strip along an edge";
+      return "A thin strip along an edge";
   }
 }
 
 void draw_sides(const Ui& ui) {
   const std::string& folder = ui.state.view.label.compare_with;
-  paragraph(ui.colors.muted, folder.empty() ? "Labels against the algorithm's result"
-                                            : "Labels against those in " + folder);
+  paragraph(ui.colors.muted, folder.empty() ? "Labels compared with the algorithm's result"
+                                            : "Labels compared with those in " + folder);
   std::string& text = ui.memory.texts["review.folder"];
   ImGui::SetNextItemWidth(folder.empty() ? -1 : -ui.px(84));
-  if (ImGui::InputTextWithHint("##folder", "another annotator's label folder", &text,
+  if (ImGui::InputTextWithHint("##folder", "label folder of another annotator", &text,
                                ImGuiInputTextFlags_EnterReturnsTrue))
     ui.emit("review.against", text);
   ui.name("review.folder");
@@ -51,7 +51,7 @@ void draw_sides(const Ui& ui) {
     if (ImGui::SliderFloat("##smallest", &cm2, 0, 200, "%.0f cm²", ImGuiSliderFlags_AlwaysClamp))
       ui.emit("review.smallest", fmt::format("{:.0f}", cm2));
     ui.name("review.smallest");
-    tooltip("smaller regions are left out of the list");
+    tooltip("Smaller regions are not listed");
   };
   if (folder.empty()) return draw_smallest();
   ImGui::SameLine();
@@ -67,8 +67,8 @@ void draw_agreement(const Ui& ui, const labels::Agreement& agreement) {
                                         agreement.mean_iou, agreement.adjusted_rand));
   ui.name("review.agreement");
   paragraph(ui.colors.muted,
-            fmt::format("{} of {} and {} planes match  ·  same plane on {:.1f} % of the {}s, "
-                        "same class on {:.1f} %",
+            fmt::format("{} of {} and {} planes match  ·  same plane for {:.1f} % of the {}s, "
+                        "same class for {:.1f} %",
                         agreement.matched, agreement.planes_a, agreement.planes_b,
                         100 * agreement.pixel_agreement, sample_name(*ui.state.label_frame()),
                         100 * agreement.label_accuracy));
@@ -96,7 +96,7 @@ void draw_sliver_row(const Ui& ui, const Slivers& slivers, bool listed) {
                   counted(static_cast<std::size_t>(slivers.count), "sliver"), slivers.pixels,
                   ui.state.label_frame()->grid.is_cloud() ? "points" : "px");
   if (row(ui, "review.slivers", text, false)) ui.emit("review.slivers", "show");
-  tooltip("thin strips along edges; a click lists them one by one");
+  tooltip("Thin strips along edges; click to list them");
   for (int i = 0; i < 3; ++i) cell("");
 }
 
@@ -139,7 +139,7 @@ void draw_decided_items(const Ui& ui, const std::vector<Decided>& all) {
         all[i].item >= 0)
       ui.emit("review.item", std::to_string(all[i].item));
     tooltip(fmt::format("{} by {}{}", past_tense(note.decision), note.reviewer,
-                        all[i].item < 0 ? "; nothing differs there any more" : ""));
+                        all[i].item < 0 ? "; no longer different" : ""));
     cell(planes_text(note.label_plane, note.other_plane));
     cell(fmt::format("{} px", note.pixels));
     cell(past_tense(note.decision));
@@ -177,7 +177,7 @@ void draw_decisions(const Ui& ui, const ReviewQueue& queue, const FrameLabels& l
   ImGui::EndDisabled();
   if (slivers_of(queue).count > 1) {
     ImGui::AlignTextToFramePadding();
-    ImGui::TextDisabled("all slivers");
+    ImGui::TextDisabled("All slivers");
     constexpr const char* kOfAll[][2] = {
         {"keep", "Keep all"}, {"take", "Take all"}, {"ignore", "Ignore all"}};
     for (const auto& [what, label] : kOfAll) {
@@ -189,8 +189,8 @@ void draw_decisions(const Ui& ui, const ReviewQueue& queue, const FrameLabels& l
   if (queue.undecided() > 0) return;
   const bool reviewed = labels.review_state == "reviewed";
   paragraph(reviewed ? ui.colors.good : ui.colors.text,
-            reviewed ? "This frame is reviewed." : "Every region is decided.");
-  action_button(ui, "review.done", reviewed ? "not yet" : "The frame is reviewed");
+            reviewed ? "This frame is reviewed." : "All regions are decided.");
+  action_button(ui, "review.done", reviewed ? "Not reviewed" : "Mark as reviewed");
 }
 
 }  // namespace
@@ -202,12 +202,12 @@ void draw_label_review(const Ui& ui) {
   const LabelResults& results = ui.state.results.label;
   if (!results.review_refusal.empty()) return paragraph(ui.colors.bad, results.review_refusal);
   const ReviewQueue* queue = results.review.get();
-  if (!queue) return paragraph(ui.colors.muted, "Both sides are compared …");
+  if (!queue) return paragraph(ui.colors.muted, "Comparing …");
   if (queue->agreement) draw_agreement(ui, *queue->agreement);
   const std::vector<Decided> done = decided_items(*labels, *queue);
   const std::size_t all = queue->undecided() + done.size();
   if (all == 0) {
-    paragraph(ui.colors.good, "Both sides agree everywhere.");
+    paragraph(ui.colors.good, "No differences.");
   } else {
     share_bar(static_cast<double>(done.size()) / static_cast<double>(all),
               fmt::format("{} of {} decided", done.size(), all));

@@ -30,7 +30,7 @@ std::string share_text(std::size_t pixels, std::size_t of, const char* sample) {
 void draw_frame(const Ui& ui, const FrameLabels& labels, const labels::LabelStatistics& s) {
   heading(ui, fmt::format("Frame {}", ui.state.document.frame));
   if (!ImGui::BeginTable("frame", 2, kTable)) return;
-  line("labelled area", area_text(s.labelled_m2));
+  line("labeled area", area_text(s.labelled_m2));
   line("planes", fmt::format("{}: {} h, {} v", s.planes, s.h, s.v));
   const char* const sample = sample_name(*ui.state.label_frame());
   line("labelled", share_text(s.labelled, s.measured, sample));
@@ -42,7 +42,7 @@ void draw_frame(const Ui& ui, const FrameLabels& labels, const labels::LabelStat
 
 void draw_work(const Ui& ui, const std::vector<labels::WorkTime>& work) {
   heading(ui, "Time");
-  if (work.empty()) return paragraph(ui.colors.muted, "Nothing was labelled yet.");
+  if (work.empty()) return paragraph(ui.colors.muted, "Nothing is labeled yet.");
   if (!ImGui::BeginTable("work", 4, kTable)) return;
   for (const char* title : {"frame", "annotator", "time", "gestures"})
     ImGui::TableSetupColumn(title);
@@ -56,7 +56,7 @@ void draw_work(const Ui& ui, const std::vector<labels::WorkTime>& work) {
   const double total =
       std::accumulate(work.begin(), work.end(), 0.0,
                       [](double sum, const labels::WorkTime& w) { return sum + w.seconds; });
-  paragraph(ui.colors.muted, "all together " + minutes_text(total) + " min");
+  paragraph(ui.colors.muted, "total " + minutes_text(total) + " min");
   ui.name("statistics.time");
 }
 

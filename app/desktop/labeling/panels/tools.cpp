@@ -53,7 +53,7 @@ void draw_paint(const Ui& ui) {
       break;
     default:
       color = render::label_color(view.paints == Paints::h_only ? Label::h : Label::v);
-      text = view.paints == Paints::h_only ? "h only" : "v only";
+      text = view.paints == Paints::h_only ? "horizontal only" : "vertical only";
   }
   const float side = ImGui::GetTextLineHeight();
   const float width = side + ui.px(5) + ImGui::CalcTextSize(text.c_str()).x;
@@ -71,7 +71,7 @@ void draw_paint(const Ui& ui) {
                                             ui.px(3));
   ui.name("label.paint");
   tooltip(
-      "what the next gesture paints\n1 to 9, Tab choose a plane, N a new one, P the one under "
+      "What the next gesture paints\n1 to 9 and Tab choose a plane, N a new one, P the one under "
       "the mouse\nI paints \"do not score\", 0 erases");
 }
 
@@ -94,9 +94,9 @@ void draw_size(const Ui& ui) {
       ui.emit("label.brush", fmt::format("{:.6g}", value));
   }
   ui.name("label.size");
-  tooltip(wand ? "how far points may lie off the plane   [ ]\nthe wheel over a "
-                 "view while a plane is shown; Ctrl+wheel zooms"
-               : "radius of the brush   [ ]\nthe wheel over a view; Ctrl+wheel "
+  tooltip(wand ? "Distance of points from the plane   [ ]\nScroll over a "
+                 "view while a plane is shown; Ctrl+scroll zooms"
+               : "Brush radius   [ ]\nScroll over a view; Ctrl+scroll "
                  "zooms");
   ImGui::SameLine(0, ui.px(5));
   ImGui::TextDisabled("%s", text.c_str());

@@ -51,7 +51,7 @@ ImU32 gap_color(const Ui& ui, Absence why) {
                                        : ui.colors.muted;
 }
 
-/// A miss, told by its stripes as well: falling where no plane was found, rising where a plane is
+/// A miss, told by its stripes as well: falling where no planes found, rising where a plane is
 /// not taken for it, empty where it is gone.
 void draw_gap(const Ui& ui, Absence why, ImVec2 min, ImVec2 max) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
@@ -73,7 +73,7 @@ void draw_legend(const Ui& ui) {
   static constexpr std::pair<Absence, const char*> kStates[] = {
       {Absence::not_detected, "no plane found"},
       {Absence::not_matched, "another plane there"},
-      {Absence::seen_through, "gone, or frame set aside"}};
+      {Absence::seen_through, "gone, or frame excluded"}};
   const ImVec2 size(ui.px(20), ImGui::GetTextLineHeight() * 0.8f);
   bool first = true;
   for (const auto& [why, text] : kStates) {
@@ -225,15 +225,15 @@ bool draw_state(const Ui& ui, const MapView* view) {
   }
   if (!view) {
     paragraph(ui.colors.muted,
-              "Which plane of this frame is which of the next? Poses are the recording's, or found "
-              "by its images.");
-    action_button(ui, "map.make", "Follow the planes");
+              "Match planes from frame to frame. Poses come from the recording, or are estimated "
+              "from its images.");
+    action_button(ui, "map.make", "Track planes");
     return false;
   }
   if (!is_fresh(*view, ui.state.document)) {
-    colored(ui.colors.warning, "Options have changed since.");
+    colored(ui.colors.warning, "Options have changed.");
     ImGui::SameLine();
-    action_button(ui, "map.make", "Follow again");
+    action_button(ui, "map.make", "Track again");
   }
   return true;
 }
@@ -255,7 +255,7 @@ void draw_tracks(const Ui& ui) {
   if (!shown.filter_problem.empty())
     paragraph(ui.colors.bad, shown.filter_problem);
   else if (rows.empty())
-    paragraph(ui.colors.muted, "No track is as the filter asks.");
+    paragraph(ui.colors.muted, "No track matches the filter.");
   else if (!about.empty())
     paragraph(ui.colors.text, about);
   else

@@ -53,7 +53,7 @@ TEST(ImageExplain, AJoinHasItsCostAgainstWhatAPlaneCosts) {
 TEST(ImageExplain, APlaneThatIsNotListedIsWithTheWorthThatTheRemedyNames) {
   const auto& run = *test::box_run();
   const WhyNot why = why_not(run, test::kSmallBoxPixel);
-  EXPECT_NE(why.answer.find("is not listed: it is worth "), std::string::npos) << why.answer;
+  EXPECT_NE(why.answer.find("was dropped: worth "), std::string::npos) << why.answer;
   ASSERT_EQ(why.remedy.option, "worth_px");
   const auto listed = with_option(run, why.remedy);
   EXPECT_GT(listed->segmentation.plane_of[listed->subject->voxel_of_source(test::kSmallBoxPixel)],
@@ -69,7 +69,7 @@ TEST(ImageExplain, APixelThatWasFusedNamesTheJoinAndTheCostThatKeepsItApart) {
     const auto run = make_run(test::box_run()->subject, options);
     for (std::size_t source = 0; source < run->subject->point_of_source.size(); source += 3001) {
       const WhyNot why = why_not(*run, source);
-      if (why.answer.find("they were fused") == std::string::npos) continue;
+      if (why.answer.find("they were merged") == std::string::npos) continue;
       ++named;
       EXPECT_TRUE(is_join(*run->event_at(why.step)));
       EXPECT_TRUE(why.remedy.option == "merge_cost" || why.remedy.option == "hidden_share");

@@ -85,7 +85,7 @@ TEST_F(Measure, WithoutGravityTellsNoHeight) {
   subject.prepared.gravity.source = GravitySource::none;
   const Measurement measured = measure(subject, {Vec3d(0, 1, 2)}, {Vec3d(0, 0, 2)});
   EXPECT_FALSE(measured.height_m);
-  EXPECT_EQ(measured.text, "100.0 cm apart; gravity is not known, so no heights");
+  EXPECT_EQ(measured.text, "100.0 cm apart; gravity is unknown, so no heights");
 }
 
 TEST_F(Measure, EndsAreWhereTheSceneHasThem) {

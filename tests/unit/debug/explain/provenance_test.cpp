@@ -31,7 +31,7 @@ TEST(Provenance, ALifeIsInOrderAndEndsWithTheResult) {
     ASSERT_GE(life.size(), 5u);
     EXPECT_EQ(life.front().stage, "pixel");
     EXPECT_EQ(life.back().stage, "result");
-    EXPECT_EQ(life.back().text.rfind("in no plane", 0) == 0, run.segmentation.plane_of[i] == 0);
+    EXPECT_EQ(life.back().text.rfind("unassigned", 0) == 0, run.segmentation.plane_of[i] == 0);
     std::int32_t step = 0;
     for (const LifeEvent& event : life) {
       EXPECT_FALSE(event.text.empty());
@@ -64,7 +64,7 @@ TEST(Provenance, WhatWasCroppedOrNeverMeasuredSaysSo) {
   subject->point_of_source[3] = planes::kNoVoxel;
   subject->prepared.voxels.voxel_of[4] = planes::kNoVoxel;
   const auto run = make_run(subject, {});
-  EXPECT_NE(why_not(*run, 3).answer.find("nothing was measured"), std::string::npos);
+  EXPECT_NE(why_not(*run, 3).answer.find("no measurement"), std::string::npos);
   EXPECT_NE(why_not(*run, 4).answer.find("cropped"), std::string::npos);
   EXPECT_NE(why_not(*run, 1u << 30).answer.find("no such point"), std::string::npos);
   EXPECT_EQ(why_not(*run, 3).step, -1);
@@ -96,7 +96,7 @@ TEST(Provenance, APointInTheWrongPlaneNamesTheMergeThatFusedTheTwo) {
   int fused = 0;
   for (std::size_t i = 0; i < truth.plane.size(); i += 10) {
     const WhyNot why = why_not(*run, i);
-    if (why.answer.find("were fused") == std::string::npos) continue;
+    if (why.answer.find("were merged") == std::string::npos) continue;
     ASSERT_NE(run->event_at(why.step), nullptr);
     EXPECT_EQ(run->event_at(why.step)->type, planes::EventType::merge);
     EXPECT_EQ(why.remedy.option, "merge_offset_m");
