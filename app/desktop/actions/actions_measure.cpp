@@ -63,10 +63,9 @@ Action click_switch(const char* name, const char* title, const char* key, Click 
 }  // namespace
 
 std::vector<Action> measure_actions() {
-  return {
-      click_switch("measure.points", "Measure between points", "U", Click::point),
-      click_switch("measure.planes", "Measure between planes", "Shift+U", Click::plane),
-      {"measure.end", "Measure from or to here", "", "", kClickTakes, add_end, has_run, {}}};
+  return {click_switch("measure.points", "Measure between points", "U", Click::point),
+          click_switch("measure.planes", "Measure between planes", "Shift+U", Click::plane),
+          {"measure.end", "Measure from or to here", "", "", kClickTakes, add_end, has_run, {}}};
 }
 
 }  // namespace planescope::desktop
