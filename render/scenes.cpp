@@ -40,7 +40,7 @@ DrawList scene_labels(const planes::FrameResult& result) {
     list.legend.push_back({Mark::dot, label_color(label),
                            name + "  " + std::to_string(k) + "  (" + percent(k, n) + ")"});
   };
-  entry(Label::h, "h  level, up to 45\u00b0");
+  entry(Label::h, "horizontal, up to 45\u00b0");
   entry(Label::v, "vertical");
   if (count[0] > 0) entry(Label::unknown, "unknown");
   return list;
@@ -191,7 +191,7 @@ DrawList scene_cases(const planes::FrameResult& result) {
 
   list.title = "Octree nodes by case";
   list.subtitle = std::to_string(result.segmentation.counts.nodes_visited) +
-                  " nodes visited; voxels in the colour of the node that settled them";
+                  " nodes visited; voxels in the color of the node that decided them";
   add_case_legend(count, result.segmentation.octree.image.has_value(), list);
   if (hatched > 0)
     list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),

@@ -124,7 +124,7 @@ TEST_F(ViewReport, APlaneLeadsToWhereItWasFounded) {
   EXPECT_EQ(there["pinned"], false) << "there is no baseline";
   EXPECT_EQ(there["planes"], planes);
   const std::string event = there["event"], plane = there["plane"];
-  EXPECT_TRUE(event.ends_with("founds " + plane)) << event << ", plane " << plane;
+  EXPECT_TRUE(event.ends_with("creates " + plane)) << event << ", plane " << plane;
   EXPECT_EQ(there["tab"], "inspector");
 
   const Json frame = facts(file.string());

@@ -149,7 +149,7 @@ TEST_F(Changes, OfTheTargetSearchForTheLastOne) {
     draw(2);
   }
   settle(shell, stage, {});
-  EXPECT_EQ(results().fix.target.name, "truth plane 3");
+  EXPECT_EQ(results().fix.target.name, "true plane 3");
   EXPECT_TRUE(results().fix.finished);
   perform("fix.plane", "1");
   draw(1);
@@ -157,7 +157,7 @@ TEST_F(Changes, OfTheTargetSearchForTheLastOne) {
   perform("fix.plane", "2");
   settle(shell, stage, {});
   EXPECT_TRUE(results().fix.finished);
-  EXPECT_EQ(results().fix.target.name, "truth plane 2");
+  EXPECT_EQ(results().fix.target.name, "true plane 2");
 }
 
 TEST_F(Changes, SensitivitiesComeBackAfterASearch) {

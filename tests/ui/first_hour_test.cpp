@@ -77,7 +77,7 @@ TEST_F(FirstHour, LeadsFromTheFirstFrameToAReportWithoutADeadEnd) {
   run("step.last");
 
   // Why: a point, an empty spot, a plane.
-  play(R"({"click": "view3d", "at": [0.5, 0.6]}, {"key": "P"})");
+  play(R"({"click": "view3d", "at": [0.5, 0.75]}, {"key": "P"})");
   EXPECT_EQ(state().view.inspector_tab, "point");
   run("why.pixel", "600,20");
   run("select.plane", "P1");

@@ -227,7 +227,7 @@ TEST_F(LabelReview, DecisionsSurviveARestart) {
 }
 
 TEST_F(LabelReview, IsNotDoneWhileRegionsAreOpen) {
-  EXPECT_NE(window.refusal("review.done").find("not decided"), std::string::npos);
+  EXPECT_NE(window.refusal("review.done").find("undecided"), std::string::npos);
   EXPECT_NE(labels().review_state, "reviewed");
 }
 

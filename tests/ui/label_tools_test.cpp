@@ -192,7 +192,7 @@ TEST_F(LabelTools, ACutPartsTheActivePlaneInBothViews) {
   window.run("label.undo");
   window.run("label.cut", "space:800x600 0,0 0,600");
   EXPECT_EQ(labels().planes.size(), 1u);
-  EXPECT_EQ(state().view.message, "all of P1 lies on one side of the line");
+  EXPECT_EQ(state().view.message, "all of P1 is on one side of the line");
 }
 
 TEST_F(LabelTools, AreChosenByTheirKeys) {

@@ -141,10 +141,10 @@ TEST_F(Planes, TheInspectorHasWhatAFinishedPlaneIsWorth) {
   EXPECT_NE(value_of(floor, "slope").find("°"), std::string::npos);
   EXPECT_NE(value_of(floor, "rough").find("mm, steps of"), std::string::npos);
   EXPECT_NE(value_of(floor, "support").find("%"), std::string::npos);
-  EXPECT_NE(value_of(floor, "known to").find("offset"), std::string::npos);
+  EXPECT_NE(value_of(floor, "uncertainty").find("offset"), std::string::npos);
   EXPECT_NE(value_of(floor, "clearance").find("mm"), std::string::npos);
   EXPECT_EQ(value_of(floor, "height"), "0 mm") << "it is the floor";
-  EXPECT_NE(value_of(floor, "for a foot").find("convex piece"), std::string::npos);
+  EXPECT_NE(value_of(floor, "foot space").find("convex piece"), std::string::npos);
   play(R"("step.first")");
   EXPECT_TRUE(plane_lines(state(), floor).empty()) << "nothing of the future";
 }

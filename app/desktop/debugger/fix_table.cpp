@@ -43,10 +43,12 @@ void draw_buttons(const Ui& ui, std::size_t i, bool check) {
 }
 
 /// "+31 900 px, 8 → 9 planes, 212 px elsewhere change".
-std::string effect_text(const debug::Run& run, const debug::Fix& fix) {
+std::string effect_text(const debug::Run& run, const debug::Fix& fix, debug::Wish wish) {
   const char* unit = unit_of(run);
-  return fmt::format("{}{} {}, planes {} → {}, elsewhere {} {} change", fix.gained >= 0 ? "+" : "",
-                     grouped(fix.gained), unit, fix.planes_before, fix.planes_after,
+  const bool frees = wish == debug::Wish::no_plane;  // what it gains is freed from the plane
+  const char* sign = frees ? "" : fix.gained >= 0 ? "+" : "";
+  return fmt::format("{}{} {}{}, planes {} → {}, elsewhere {} {} change", sign, grouped(fix.gained),
+                     unit, frees ? " freed" : "", fix.planes_before, fix.planes_after,
                      grouped(fix.elsewhere), unit);
 }
 
@@ -159,7 +161,7 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
       ImGui::SameLine();
       colored(ui.colors.good, "profile default");
     }
-    paragraph(ui.colors.muted, effect_text(run, one));
+    paragraph(ui.colors.muted, effect_text(run, one, fix.target.wish));
     if (check && !one.score.planes.empty())
       paragraph(ui.colors.muted, fmt::format("IoU {:.2f}, {} of {} true planes detected", one.share,
                                              one.score.detected, one.score.planes.size()));

@@ -31,7 +31,8 @@ PlaneRow row_of(const debug::Run& run, const report::FramePlanes& found, std::si
 
 bool fits(const PlaneRow& row, const std::vector<std::string>& words) {
   std::vector<std::string> texts = cells_of(row);
-  if (row.label != Label::unknown) texts.emplace_back(row.label == Label::h ? "horizontal level" : "vertical upright");
+  if (row.label != Label::unknown)
+    texts.emplace_back(row.label == Label::h ? "horizontal level" : "vertical upright");
   if (row.foot) texts.emplace_back(row.steppable ? "steppable" : "not steppable");
   if (row.undecided) texts.emplace_back("undecided");
   return std::ranges::all_of(words, [&](const std::string& word) {

@@ -33,7 +33,7 @@ struct PlaneColumnInfo {
 /// By PlaneColumn.
 inline constexpr PlaneColumnInfo kPlaneColumns[] = {
     {"id", "id", "As in planes.json"},
-    {"class", "class", "h: level, v: upright"},
+    {"class", "class", "h: horizontal, v: vertical"},
     {"area", "area", "Area of its outline, without holes"},
     {"tilt", "tilt", "Angle to the horizontal: 0 for a floor, 90 for a wall"},
     {"rms", "RMS", "Root mean square distance of its points from the plane"},

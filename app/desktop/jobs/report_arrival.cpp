@@ -89,7 +89,7 @@ class Guide {
     if (is(report::PlaneFate::merged)) {
       arrive_at_merge(arrival);
     } else if (b_.is_ours()) {
-      arrival.message += fmt::format(", Created at step {}", arrival.step);
+      arrival.message += fmt::format(", created at step {}", arrival.step);
     }
     return arrival;
   }

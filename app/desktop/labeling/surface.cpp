@@ -285,8 +285,8 @@ std::vector<std::string> wand_lines(const LabelView& view, const char* sample) {
   } else {
     const labels::WandResult& found = *view.wand.found;
     const labels::FittedPlane& plane = found.plane;
-    const char* label = found.label == Label::h   ? "h, level"
-                        : found.label == Label::v ? "v, upright"
+    const char* label = found.label == Label::h   ? "horizontal"
+                        : found.label == Label::v ? "vertical"
                                                   : "class unknown";
     lines.push_back(fmt::format("{}   RMS {:.1f} mm   {}   {}", label, 1000 * plane.rms_m,
                                 area_text(plane.area_m2), tilt_text(plane.tilt_deg)));

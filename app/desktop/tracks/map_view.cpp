@@ -185,7 +185,7 @@ RunArrival arrival_at_track(const MapView& view, int id, const debug::Run& run) 
   if (loss.step == 0) return arrival;
   arrival.step = loss.step;
   arrival.voxel = loss.voxel;
-  arrival.message += fmt::format(": left over at step {}, {} of its {} voxels", loss.step,
+  arrival.message += fmt::format(": unassigned at step {}, {} of its {} voxels", loss.step,
                                  loss.points, arrival.marked.size());
   return arrival;
 }

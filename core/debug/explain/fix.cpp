@@ -345,7 +345,7 @@ std::vector<std::string> values_around(const planes::OptionInfo& info,
 
 FixTarget target_of_truth(const Run& run, std::int32_t truth_plane) {
   FixTarget target;
-  target.name = fmt::format("truth plane {}", truth_plane);
+  target.name = fmt::format("true plane {}", truth_plane);
   const std::vector<std::int32_t>& planes = run.subject->voxel_truth.plane;
   for (std::uint32_t voxel = 0; voxel < planes.size(); ++voxel)
     if (planes[voxel] == truth_plane) target.voxels.push_back(voxel);

@@ -243,8 +243,8 @@ void append_values(std::vector<FilterSymbol>& all) {
       planes::Case::II);
   add(planes::to_string(planes::Case::III), "not planar", FilterType::node_case, planes::Case::III);
   add(planes::to_string(planes::Case::IV), "a plane", FilterType::node_case, planes::Case::IV);
-  add("h", "level, like treads", FilterType::label, Label::h);
-  add("v", "upright, like risers", FilterType::label, Label::v);
+  add("h", "horizontal, like treads", FilterType::label, Label::h);
+  add("v", "vertical, like risers", FilterType::label, Label::v);
   for (const planes::Stage stage : planes::stages()) {
     const planes::StageInfo* info = planes::info_of(stage);
     add(planes::to_string(stage), info ? info->title : "a stage of the paper", FilterType::stage,

@@ -19,8 +19,8 @@ void draw_compare_controls(const Ui& ui) {
   if (button(ui, pinned ? "Pin again" : "Pin this run as A", "compare.pin",
              state.results.current != nullptr))
     ui.emit("run.pin");
-  same_line_if_fits("Let go");
-  if (button(ui, "Let go", "compare.unpin", pinned)) ui.emit("run.unpin");
+  same_line_if_fits("Unpin");
+  if (button(ui, "Unpin", "compare.unpin", pinned)) ui.emit("run.unpin");
   same_line_if_fits("Showing A");
   if (button(ui, state.view.flash ? "Showing A" : "Showing B", "compare.flash", pinned))
     ui.emit("run.flash");
@@ -97,7 +97,7 @@ void draw_divergence(const Ui& ui, const debug::Comparison& comparison) {
   if (comparison.diverging_step_a == planes::kNever &&
       comparison.diverging_step_b == planes::kNever)
     return;
-  if (button(ui, "To where they part", "compare.diverging")) ui.emit("compare.diverging");
+  if (button(ui, "Go to the first difference", "compare.diverging")) ui.emit("compare.diverging");
 }
 
 /// A plane of a run by its id in the result; a click selects it.

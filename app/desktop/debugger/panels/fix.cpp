@@ -122,7 +122,7 @@ void draw_effects(const Ui& ui, const FixSearch& fix) {
 }
 
 void draw_search(const Ui& ui, const FixSearch& fix) {
-  heading(ui, fix.asked ? "Fix for the clicked point" : "Fix for " + fix.target.name + "?");
+  heading(ui, fix.asked ? "Fix for the clicked point" : "Fix for " + fix.target.name);
   if (fix.running) draw_fix_progress(ui, fix);
   if (!fix.running || !fix.fixes.empty()) draw_fixes(ui, fix);
   if (!fix.running) {

@@ -171,7 +171,7 @@ void link_to_step(const Ui& ui, const std::string& text, std::int32_t step) {
 }
 
 const char* word_of(Label label) {
-  return label == Label::v ? "upright" : label == Label::h ? "level" : "unlabelled";
+  return label == Label::v ? "vertical" : label == Label::h ? "horizontal" : "unlabeled";
 }
 
 std::string vector_text(const Vec3d& v) {
@@ -212,7 +212,7 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
   const bool labelled = run.subject->prepared.gravity.known();
   fact(ui, "points",
        run.is_on_image() ? std::to_string(node.size())
-       : labelled        ? fmt::format("{}: {} level, {} upright", node.size(), node.count_h,
+       : labelled        ? fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
                                        node.size() - node.count_h)
                          : fmt::format("{}, no class: gravity is unknown", node.size()));
   if (!run.is_on_image())

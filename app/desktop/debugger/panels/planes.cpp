@@ -17,7 +17,7 @@ void draw_filter(const Ui& ui) {
   ImGui::SetNextItemWidth(std::max(ui.px(60), ImGui::GetContentRegionAvail().x -
                                                   button_width("Copy as CSV") -
                                                   ImGui::GetStyle().ItemSpacing.x));
-  if (ImGui::InputTextWithHint("##filter", "filter: upright, P3", &text))
+  if (ImGui::InputTextWithHint("##filter", "filter: vertical, P3", &text))
     ui.emit("planes.filter", text);
   ui.name("planes.filter");
   ImGui::SameLine();

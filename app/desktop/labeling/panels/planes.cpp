@@ -24,7 +24,7 @@ void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& fact
   const labels::LabelStatistics& s = facts.statistics;
   const double share =
       s.measured == 0 ? 0 : static_cast<double>(s.labelled) / static_cast<double>(s.measured);
-  share_bar(share, fmt::format("{:.0f} % labelled", 100 * share));
+  share_bar(share, fmt::format("{:.0f} % labeled", 100 * share));
   ui.name("planes.labelled");
   const char* const sample = sample_name(*ui.state.label_frame());
   tooltip(

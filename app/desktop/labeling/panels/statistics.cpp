@@ -33,7 +33,7 @@ void draw_frame(const Ui& ui, const FrameLabels& labels, const labels::LabelStat
   line("labeled area", area_text(s.labelled_m2));
   line("planes", fmt::format("{}: {} h, {} v", s.planes, s.h, s.v));
   const char* const sample = sample_name(*ui.state.label_frame());
-  line("labelled", share_text(s.labelled, s.measured, sample));
+  line("labeled", share_text(s.labelled, s.measured, sample));
   line("ignored", share_text(s.ignored, s.measured, sample));
   if (s.hidden > 0) line("hidden", share_text(s.hidden, s.measured, sample));
   line("review", labels.review_state.empty() ? "unreviewed" : labels.review_state);
