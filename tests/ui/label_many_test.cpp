@@ -60,7 +60,7 @@ TEST_F(ManyFrames, APlaneInDoubtEndsIt) {
   window.run("label.stroke", "image over 12 60,60 90,90");  // over the edge of the wall: no plane
   window.run("label.carry", "3 doubt 1");
   EXPECT_EQ(state().document.frame, 1);
-  EXPECT_NE(state().view.message.find("in doubt: P"), std::string::npos) << state().view.message;
+  EXPECT_NE(state().view.message.find("doubtful: P"), std::string::npos) << state().view.message;
   EXPECT_EQ(window.refusal("label.carry", "3 until"),
             "action label.carry: '3 until', expected [FRAMES] [doubt [SHARE]]");
 }

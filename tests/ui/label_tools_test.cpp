@@ -62,7 +62,7 @@ TEST_F(LabelTools, AddingLeavesOtherLabelsAndSubtractingTakesOnlyItsOwn) {
   EXPECT_EQ(pixels_of(1), first);
   EXPECT_EQ(pixels_of(2), 0u);
   EXPECT_EQ(window.refusal("label.stroke", "image subtract 10 320,330"),
-            "P2 has no pixels yet that could be taken off");
+            "P2 has no pixels to remove");
   window.run("label.undo");
   window.run("label.stroke", kStroke);  // over
   EXPECT_EQ(pixels_of(1), 0u);

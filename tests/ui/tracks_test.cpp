@@ -209,7 +209,7 @@ TEST_F(LabelOnce, TheFloorOfOneFrameIsTheFloorOfOthers) {
   window.run("label.wand", "80,100");
   window.run("label.accept");
   ASSERT_EQ(labelled(), 1u);
-  EXPECT_NE(window.refusal("label.spread").find("planes were not followed yet"), std::string::npos);
+  EXPECT_NE(window.refusal("label.spread").find("poses are unknown"), std::string::npos);
   window.run("map.make");
   ASSERT_TRUE(state().map());
   window.run("label.spread");

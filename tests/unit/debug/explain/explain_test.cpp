@@ -169,7 +169,7 @@ TEST(Histograms, EachNodeStandsWhereItsCriterionWasAsked) {
   EXPECT_EQ(total(named(histograms, "N_out")), counts.nodes_visited);
   EXPECT_EQ(total(named(histograms, "N_in")), counts.nodes_visited - counts.nodes_per_case[1]);
   EXPECT_EQ(total(named(histograms, "e_n")), counts.nodes_per_case[3] + counts.nodes_per_case[4]);
-  EXPECT_EQ(total(named(histograms, "leftover's distance")), counts.leftovers);
+  EXPECT_EQ(total(named(histograms, "distance of unassigned points")), counts.leftovers);
   EXPECT_EQ(named(histograms, "e_n").threshold, 0.005);
 }
 
