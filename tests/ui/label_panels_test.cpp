@@ -226,6 +226,34 @@ TEST_F(LabelReview, DecisionsSurviveARestart) {
   EXPECT_EQ(again.labels().review_state, "reviewed");
 }
 
+TEST_F(LabelReview, HasSliversLastAndDecidesThemAtOnce) {
+  for (const LabelPlane& plane : FrameLabels(labels()).planes) {  // borders differ here and there
+    if (!window.refusal("label.smooth", std::to_string(plane.id)).empty()) continue;
+    window.run("label.accept");
+  }
+  window.run("review.start");
+  window.run("review.smallest", "0");
+  const auto is_last = [&] {
+    bool seen = false;
+    for (const labels::Disagreement& item : queue().items) {
+      if (item.note) break;
+      if (seen && !is_sliver(item)) return false;
+      seen |= is_sliver(item);
+    }
+    return seen;
+  };
+  ASSERT_TRUE(is_last());
+  const int slivers = slivers_of(queue()).count;
+  ASSERT_GT(slivers, 1);
+  EXPECT_TRUE(window.shows("review.slivers"));
+  const std::size_t undecided = queue().undecided();
+  window.run("review.slivers", "keep");
+  EXPECT_EQ(slivers_of(queue()).count, 0);
+  EXPECT_EQ(queue().undecided(), undecided - static_cast<std::size_t>(slivers));
+  window.run("label.undo");
+  EXPECT_EQ(slivers_of(queue()).count, slivers) << "one step";
+}
+
 TEST_F(LabelReview, IsNotDoneWhileRegionsAreOpen) {
   EXPECT_NE(window.refusal("review.done").find("undecided"), std::string::npos);
   EXPECT_NE(labels().review_state, "reviewed");

@@ -125,7 +125,7 @@ void draw_open_items(const Ui& ui, const ReviewQueue& queue) {
       scrolled_to = index;
     }
     cell(planes_text(item.label_plane, item.other_plane));
-    cell(area_text(item.area_m2));
+    cell(fmt::format("{:.0f} cm²", 1e4 * item.area_m2));
     cell("");
   }
 }
@@ -155,7 +155,7 @@ void draw_items(const Ui& ui,
   ImGui::TableSetupScrollFreeze(0, 1);
   ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
   fixed_column("planes", "P00 / 00");
-  fixed_column("size", "000 cm²");
+  fixed_column("size", "0000 cm²");
   fixed_column("decided", "to edit");
   ImGui::TableHeadersRow();
   draw_open_items(ui, queue);
