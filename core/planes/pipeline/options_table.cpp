@@ -137,45 +137,43 @@ void name_titles(std::vector<OptionInfo>& table) {
 void append_cloud(std::vector<OptionInfo>& table) {
   const std::string s = "cloud";
   table.push_back(number(s, "max_range_m", "m",
-                         "depth frames: pixels with depth z beyond this are cropped",
+                         "Depth z beyond which pixels are ignored (depth images)",
                          in_cloud(&CloudOptions::max_range_m), {0, 1000, true}));
   table.push_back(flag(s, "range_for_clouds",
-                       "clouds: crop points farther than max_range_m from the origin",
+                       "Ignore points farther than max_range_m from the origin (clouds)",
                        in_cloud(&CloudOptions::range_for_clouds)));
   table.push_back(number(s, "cube_edge_m", "m",
-                         "least edge of the octree's cube; doubled until it holds the range",
+                         "Smallest edge of the octree's cube; doubled until it contains the range",
                          in_cloud(&CloudOptions::cube_edge_m), {0.01, 10000}));
-  table.push_back(number(s, "voxel_size_m", "m",
-                         "edge of the voxel grid; 0 = every point is a voxel of its own",
+  table.push_back(number(s, "voxel_size_m", "m", "Voxel edge; 0 makes every point a voxel",
                          in_cloud(&CloudOptions::voxel_size_m), {0, 10}));
   table.push_back(
       number(s, "base_depth", "levels",
-             "octree depth of a cube of cube_edge_m: 8 makes leaves of 1.25 cm in 3.2 m",
+             "Octree depth of a cube of cube_edge_m: 8 gives leaves of 1.25 cm in 3.2 m",
              in_cloud(&CloudOptions::base_depth), {1, 16}));
 }
 
 void append_gravity(std::vector<OptionInfo>& table) {
   const std::string s = "gravity";
   table.push_back({"gravity", "auto/X,Y,Z/imu/estimate/none",
-                   "direction in which things fall, in the sensor's or cloud's own frame; none: "
-                   "without h and v",
+                   "Gravity direction in the frame of the sensor or cloud; none: without "
+                   "horizontal and vertical",
                    s, [](const PipelineOptions& o) { return gravity_text(o.gravity); },
                    [](PipelineOptions& o, const std::string& text) {
                      const GravityOptions parsed = parse_gravity(text);
                      o.gravity.mode = parsed.mode;
                      o.gravity.direction = parsed.direction;
                    }});
-  table.push_back(number(s, "gravity_max_tilt_deg", "deg",
-                         "the estimate takes the camera to be tilted by less than this",
-                         member(&PipelineOptions::gravity, &GravityOptions::max_tilt_deg),
-                         {0, 90, true}));
+  table.push_back(number(
+      s, "gravity_max_tilt_deg", "deg", "Largest camera tilt that the gravity estimate allows",
+      member(&PipelineOptions::gravity, &GravityOptions::max_tilt_deg), {0, 90, true}));
 }
 
 void append_classifier(std::vector<OptionInfo>& table) {
   const std::string s = "classifier";
   table.push_back({"classifier", "gcn/pca/truth/FILE",
-                   "what labels points h or v: a network, PCA normals, or the ground truth", s,
-                   [](const PipelineOptions& o) { return o.classifier; },
+                   "Labels points horizontal or vertical: a network, PCA normals, or ground truth",
+                   s, [](const PipelineOptions& o) { return o.classifier; },
                    [](PipelineOptions& o, const std::string& text) {
                      if (text != "gcn" && text != "pca" && text != "truth" &&
                          !names_weights_file(text))
@@ -183,13 +181,13 @@ void append_classifier(std::vector<OptionInfo>& table) {
                                    "' does not exist, expected gcn, pca, truth or a weights file");
                      o.classifier = text;
                    }});
-  table.push_back(number(s, "pca_neighbours", "points",
-                         "nearest points in each local plane fit, the point itself included",
-                         member(&PipelineOptions::pca, &PcaClassifierOptions::neighbours),
-                         {3, 1000}));
   table.push_back(number(
-      s, "pca_max_angle_deg", "deg", "Eq. (1): h where the normal is within this angle of gravity",
-      member(&PipelineOptions::pca, &PcaClassifierOptions::max_angle_deg), {0, 90}));
+      s, "pca_neighbours", "points", "Points in each local plane fit, including the point itself",
+      member(&PipelineOptions::pca, &PcaClassifierOptions::neighbours), {3, 1000}));
+  table.push_back(number(s, "pca_max_angle_deg", "deg",
+                         "Eq. (1): horizontal if the normal is within this angle of gravity",
+                         member(&PipelineOptions::pca, &PcaClassifierOptions::max_angle_deg),
+                         {0, 90}));
 }
 
 void append_method(std::vector<OptionInfo>& table) {
@@ -198,7 +196,7 @@ void append_method(std::vector<OptionInfo>& table) {
   table.push_back(
       {"method",
        fmt::format("{}", fmt::join(names, "/")),
-       "what finds the planes: ours, or one of those it is measured against",
+       "Method that finds planes: ours, or a rival",
        "method",
        [](const PipelineOptions& o) { return to_string(o.method); },
        [](PipelineOptions& o, const std::string& text) { o.method = parse_method(text); },
@@ -211,7 +209,7 @@ void append_criteria(std::vector<OptionInfo>& table) {
   const std::string s = "criteria";
   table.push_back({"profile",
                    "paper/paper-closest/refined",
-                   "sets everything below to the defaults of a profile",
+                   "Sets all options below to the defaults of a profile",
                    s,
                    [](const PipelineOptions& o) { return to_string(o.segment.profile); },
                    [](PipelineOptions& o, const std::string& text) {
@@ -220,41 +218,40 @@ void append_criteria(std::vector<OptionInfo>& table) {
                    OptionKind::choice,
                    {},
                    {"paper", "paper-closest", "refined"}});
-  table.push_back(number(s, "theta_n_out", "points",
-                         "Criterion 1: a node has at most this many outliers",
+  table.push_back(number(s, "theta_n_out", "points", "Criterion 1: most outliers of a node",
                          in_segment(&SegmentOptions::theta_n_out)));
   table.push_back(number(s, "theta_r_out", "share",
-                         "Criterion 1: outliers are at most this share of a node's points",
+                         "Criterion 1: largest share of outliers in a node",
                          in_segment(&SegmentOptions::theta_r_out), {0, 1}));
-  table.push_back(number(s, "theta_n_in", "points",
-                         "Criterion 2: a node has at least this many inliers",
+  table.push_back(number(s, "theta_n_in", "points", "Criterion 2: fewest inliers of a node",
                          in_segment(&SegmentOptions::theta_n_in), {3, 1e9}));
   table.push_back(number(s, "theta_e_n_m2", "m2",
-                         "Criterion 3: the inliers' plane fit has at most this error e_n",
+                         "Criterion 3: largest error e_n of the inliers' plane fit",
                          in_segment(&SegmentOptions::theta_e_n_m2)));
-  table.push_back(choice(s, "mse_normalization", {"scatter", "mean"},
-                         "e_n is the scatter's smallest eigenvalue as printed, or that over N",
-                         in_segment(&SegmentOptions::mse_normalization)));
+  table.push_back(
+      choice(s, "mse_normalization", {"scatter", "mean"},
+             "e_n is the smallest eigenvalue of the scatter as printed, or divided by N",
+             in_segment(&SegmentOptions::mse_normalization)));
   table.push_back(number(s, "theta_coplane", "1",
-                         "Criterion 4: least coplanarity of two candidates that are merged",
+                         "Criterion 4: smallest coplanarity of two merged candidates",
                          in_segment(&SegmentOptions::theta_coplane), {0, 1}));
   table.push_back(flag(s, "criterion4_n2",
-                       "Criterion 4: also ask its third line, with the candidate's own normal",
+                       "Criterion 4: also evaluate its third line, with the candidate's normal",
                        in_segment(&SegmentOptions::criterion4_n2)));
   table.push_back(number(s, "merge_offset_m", "m",
-                         "Criterion 4: also ask |n . dmu| to be at most this; 0 = not asked",
+                         "Criterion 4: largest |n . dmu|; 0 disables the test",
                          in_segment(&SegmentOptions::merge_offset_m)));
   table.push_back(choice(s, "merge_partner", {"first", "best"},
-                         "which coplanar plane a candidate joins",
+                         "Coplanar plane that a candidate is merged into",
                          in_segment(&SegmentOptions::merge_partner)));
   table.push_back(number(s, "leftover_distance_m", "m",
-                         "a leftover point joins a plane at most this far away",
+                         "Largest distance at which an unassigned point is assigned to a plane",
                          in_segment(&SegmentOptions::leftover_distance_m)));
-  table.push_back(flag(s, "use_labels", "off: all points carry one label, the paper's \"w/o PC\"",
+  table.push_back(flag(s, "use_labels", "Off: all points have one label, the paper's \"w/o PC\"",
                        in_segment(&SegmentOptions::use_labels)));
   table.push_back(choice(s, "cube_anchor", {"center", "min_corner"},
-                         "the cube is centred as the cloud stage says, or starts at the points' "
-                         "minimum corner",
+                         "Cube centered by the cloud stage, or starting at the minimum corner of "
+                         "the points",
                          in_segment(&SegmentOptions::cube_anchor)));
   for (const char* name : {"theta_e_n_m2", "mse_normalization", "theta_coplane", "criterion4_n2",
                            "merge_offset_m", "merge_partner", "leftover_distance_m"})

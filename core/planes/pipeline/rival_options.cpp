@@ -49,30 +49,29 @@ constexpr OptionRange kNeighbours{3, 1000};
 void append_ransac(std::vector<OptionInfo>& table) {
   using Options = RansacOptions;
   RivalRows rows(table, Method::ransac, &RivalOptions::ransac);
-  rows.number("ransac_theta_pf_m", "m", "RANSAC: a point within this distance is on the plane",
-              &Options::theta_pf_m, kDistance);
-  rows.number("ransac_iterations", "tries", "RANSAC: at most so many for each plane",
+  rows.number("ransac_theta_pf_m", "m", "RANSAC: inlier distance", &Options::theta_pf_m, kDistance);
+  rows.number("ransac_iterations", "tries", "RANSAC: most iterations per plane",
               &Options::iterations, {1, 1e6});
-  rows.number("ransac_min_points", "points", "RANSAC: a plane has at least so many",
+  rows.number("ransac_min_points", "points", "RANSAC: fewest points of a plane",
               &Options::min_points, kLeastPoints);
-  rows.number("ransac_seed", "1", "RANSAC: another seed draws other points", &Options::seed);
+  rows.number("ransac_seed", "1", "RANSAC: random seed", &Options::seed);
 }
 
 void append_region_growing(std::vector<OptionInfo>& table) {
   using Options = RegionGrowingOptions;
   RivalRows rows(table, Method::region_growing, &RivalOptions::region_growing);
-  rows.number("region_patch_px", "px", "region growing: edge of a cell of depth images",
+  rows.number("region_patch_px", "px", "Region growing: cell edge in depth images",
               &Options::patch_px, {2, 1000});
-  rows.number("region_voxel_size_m", "m", "region growing: edge of a cell of unordered clouds",
+  rows.number("region_voxel_size_m", "m", "Region growing: cell edge in unordered clouds",
               &Options::voxel_size_m, kDistance);
   rows.number("region_threshold_m2", "m2",
-              "region growing: threshold for planar region identification",
+              "Region growing: threshold of planar region identification",
               &Options::region_threshold_m2);
   rows.number("region_merge_threshold", "1",
-              "region growing: regions merge where their normals' cosine is at least this",
+              "Region growing: smallest cosine between the normals of merged regions",
               &Options::merge_threshold, {-1, 1});
   rows.on_off("region_refine_boundaries",
-              "region growing: points along a region's border are looked at singly",
+              "Region growing: refine points along the borders of regions",
               &Options::refine_boundaries);
 }
 
@@ -133,8 +132,7 @@ void append_cgal(std::vector<OptionInfo>& table) {
                 &Options::min_points, kLeastPoints);
     rows.number("cgal_ransac_probability", "share", "CGAL RANSAC: of missing the largest plane",
                 &Options::probability, {0, 1, true});
-    rows.number("cgal_ransac_seed", "1", "CGAL RANSAC: another seed draws other points",
-                &Options::seed);
+    rows.number("cgal_ransac_seed", "1", "CGAL RANSAC: random seed", &Options::seed);
   }
   using Options = CgalRegionGrowingOptions;
   RivalRows rows(table, Method::cgal_region_growing, &RivalOptions::cgal_region_growing);
