@@ -39,8 +39,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   document.options = args.input.pipeline;
   document.recording_options = args.input.recording;
   const bool opens_report = !args.open.empty() && is_report(args.open);
-  io::RecordingOptions options = args.input.recording;
-  options.intrinsics_may_lack = true;           // the window asks for them
+  io::RecordingOptions options = options_to_open(args.input.recording);
   options.damaged_frames_later = opens_report;  // it may be another frame that is opened
   const auto open = [&](const fs::path& path) {
     document.recordings.push_back({path, io::open_recording(path, options),

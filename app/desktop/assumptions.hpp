@@ -16,7 +16,7 @@ struct Assumption {
   std::string action, argument;
 };
 
-/// Of the frame shown; empty before its run is there, and after the user has dismissed them.
+/// Assumptions about the current frame; empty before its first run and once dismissed.
 std::vector<Assumption> assumptions_of(const State& state);
 
 }  // namespace planescope::desktop

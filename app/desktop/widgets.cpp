@@ -150,7 +150,7 @@ void tooltip(const std::string& text) {
   if (!ImGui::IsItemHovered()) return;
   const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
   if (max.y - min.y > 4 * ImGui::GetFontSize()) return tooltip_at_mouse(text);
-  // Of a wide item, the part at the mouse.
+  // Wide items: beside the part under the mouse.
   const float from = std::max(min.x, ImGui::GetIO().MousePos.x - ImGui::GetFontSize() * 6);
   tooltip_beside(text, ImVec2(from, min.y), ImVec2(std::min(max.x, from + 200), max.y));
 }

@@ -46,13 +46,8 @@ void leave_frame(State& state) {
   if (state.view.against == Against::pinned) state.view.against = Against::nothing;
 }
 
-void show_recording(State& state, int index) {
-  if (index == state.document.recording) return;
-  leave_frame(state);
-  state.document.recording = index;
-  state.document.frame = 0;
-  forget_cameras(state);
-  state.results.strip.clear();
+/// Labels of a recording that is newly shown; leaves the label mode if they cannot be opened.
+void open_labels_of_mode(State& state) {
   if (state.view.mode != Mode::labels) return;
   try {
     open_labels(state);
@@ -60,6 +55,16 @@ void show_recording(State& state, int index) {
     apply(state, {"label.mode", ""});
     say(state, error.what(), true);
   }
+}
+
+void show_recording(State& state, int index) {
+  if (index == state.document.recording) return;
+  leave_frame(state);
+  state.document.recording = index;
+  state.document.frame = 0;
+  forget_cameras(state);
+  state.results.strip.clear();
+  open_labels_of_mode(state);
 }
 
 void show_frame(State& state, int frame) {
@@ -74,13 +79,6 @@ bool is_last_frame(const State& state) {
   return state.document.frame + 1 >= state.document.current()->recording->frame_count();
 }
 
-/// The window asks for intrinsics that a recording lacks.
-io::RecordingOptions options_to_open(const Document& document) {
-  io::RecordingOptions options = document.recording_options;
-  options.intrinsics_may_lack = true;
-  return options;
-}
-
 void open(State& state, const std::string& text) {
   if (text.empty()) throw Error("action recording.open: a path is missing");
   Document& document = state.document;
@@ -92,7 +90,7 @@ void open(State& state, const std::string& text) {
     }
   std::shared_ptr<const io::Recording> recording;
   try {
-    recording = io::open_recording(path, options_to_open(document));
+    recording = io::open_recording(path, options_to_open(document.recording_options));
   } catch (const Error& error) {
     if (!forget_recent(document, path)) throw;
     throw Error(std::string(error.what()) + "; it is no longer among the recent ones");
@@ -130,7 +128,7 @@ void set_intrinsics(State& state, const std::string& text) {
     io::remember_camera(open.recording->info());
     say(state, "intrinsics stored in " + io::camera_file(open.recording->info()).string());
   }
-  if (state.view.mode == Mode::labels) open_labels(state);
+  open_labels_of_mode(state);
 }
 
 bool has_camera(const State& state) {

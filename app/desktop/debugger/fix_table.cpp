@@ -39,13 +39,13 @@ void draw_buttons(const Ui& ui, std::size_t i, bool check) {
   ImGui::SameLine();
   if (button(ui, "Check", "fix.check." + number, ui.state.results.fix.finished))
     ui.emit("fix.check", number);
-  tooltip("what it does to every labeled frame of the recording");
+  tooltip("Effect on every labeled frame of the recording");
 }
 
 /// "+31 900 px, 8 → 9 planes, 212 px elsewhere change".
 std::string effect_text(const debug::Run& run, const debug::Fix& fix, debug::Wish wish) {
   const char* unit = unit_of(run);
-  const bool frees = wish == debug::Wish::no_plane;  // what it gains is freed from the plane
+  const bool frees = wish == debug::Wish::no_plane;  // `gained` counts points that leave the plane
   const char* sign = frees ? "" : fix.gained >= 0 ? "+" : "";
   return fmt::format("{}{} {}{}, planes {} → {}, elsewhere {} {} change", sign, grouped(fix.gained),
                      unit, frees ? " freed" : "", fix.planes_before, fix.planes_after,

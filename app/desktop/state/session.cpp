@@ -313,9 +313,7 @@ Session read_session(const State& state, const fs::path& path) {
 
   OpenRecording& open = session.recording;
   open.path = find_recording(path, written);
-  io::RecordingOptions options = state.document.recording_options;
-  options.intrinsics_may_lack = true;  // the window asks for them
-  open.recording = io::open_recording(open.path, options);
+  open.recording = io::open_recording(open.path, options_to_open(state.document.recording_options));
   open.label_dir = labels::default_label_dir(open.path);
   const int count = open.recording->frame_count();
   if (session.frame < 0 || session.frame >= count)
@@ -328,6 +326,11 @@ Session read_session(const State& state, const fs::path& path) {
 }
 
 }  // namespace
+
+io::RecordingOptions options_to_open(io::RecordingOptions options) {
+  options.intrinsics_may_lack = true;
+  return options;
+}
 
 void take_recording(State& state, OpenRecording taken, int frame) {
   if (state.view.mode == Mode::labels) apply(state, {"label.mode", ""});

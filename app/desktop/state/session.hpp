@@ -29,6 +29,9 @@ void open_session(State& state, const std::string& where);
 /// results are dropped.
 void take_recording(State& state, OpenRecording taken, int frame);
 
+/// How the window opens recordings: it asks for intrinsics that one lacks.
+io::RecordingOptions options_to_open(io::RecordingOptions options);
+
 // ---- Settings ----------------------------------------------------------------------------------
 
 /// What the window remembers from one time to the next.

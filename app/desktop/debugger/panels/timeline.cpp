@@ -87,6 +87,10 @@ void draw_step_controls(const Ui& ui) {
 
 // ---- The mouse ---------------------------------------------------------------------------------
 
+constexpr ImGuiButtonFlags kButtons = ImGuiButtonFlags_MouseButtonLeft |
+                                      ImGuiButtonFlags_MouseButtonRight |
+                                      ImGuiButtonFlags_MouseButtonMiddle;
+
 void show(const Ui& ui, const debug::StepRange& shown, const debug::StepRange& wanted) {
   if (wanted != shown) ui.emit("timeline.range", fmt::format("{}-{}", wanted.first, wanted.last));
 }
@@ -133,9 +137,6 @@ const debug::Phase* phase_at(const Ui& ui, std::int32_t step) {
 }
 
 void use_phases(const Ui& ui, const TimelineRows& rows) {
-  constexpr ImGuiButtonFlags kButtons = ImGuiButtonFlags_MouseButtonLeft |
-                                        ImGuiButtonFlags_MouseButtonRight |
-                                        ImGuiButtonFlags_MouseButtonMiddle;
   ImGui::SetCursorScreenPos(ImVec2(rows.axis.x, rows.phases));
   ImGui::InvisibleButton("phases", ImVec2(rows.axis.width, rows.marks - rows.phases), kButtons);
   ui.name("timeline.phases");
@@ -162,9 +163,6 @@ std::string step_text(const Ui& ui, std::int32_t step) {
 
 /// Returns the step under the mouse, -1 if the mouse is elsewhere.
 std::int32_t use_steps(const Ui& ui, const TimelineRows& rows) {
-  constexpr ImGuiButtonFlags kButtons = ImGuiButtonFlags_MouseButtonLeft |
-                                        ImGuiButtonFlags_MouseButtonRight |
-                                        ImGuiButtonFlags_MouseButtonMiddle;
   TimelineMemory& memory = ui.memory.timeline;
   ImGui::SetCursorScreenPos(ImVec2(rows.axis.x, rows.marks));
   ImGui::InvisibleButton("scrubber", ImVec2(rows.axis.width, rows.end - rows.marks), kButtons);

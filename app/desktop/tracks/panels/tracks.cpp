@@ -51,8 +51,8 @@ ImU32 gap_color(const Ui& ui, Absence why) {
                                        : ui.colors.muted;
 }
 
-/// A miss, told by its stripes as well: falling where no planes found, rising where a plane is
-/// not taken for it, empty where it is gone.
+/// A miss. Stripes distinguish the reasons besides color: falling if no plane was found, rising if
+/// another plane is there, none if the plane is gone.
 void draw_gap(const Ui& ui, Absence why, ImVec2 min, ImVec2 max) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const ImU32 color = gap_color(ui, why);
