@@ -132,7 +132,7 @@ void AnalysisJobs::pursue_sensitivity(State& state, bool running) {
   std::vector<std::string> shown;
   for (const planes::OptionInfo& info : planes::option_table())
     if (info.is_number() && info.steers_segmentation() &&
-        !planes::is_idle(info, state.document.options) &&
+        !planes::is_idle(info, state.document.options, view->run->is_on_image()) &&
         !state.results.sensitivity.contains(info.name))
       shown.push_back(info.name);
   start(Kind::sensitivity, [this, view, shown](std::stop_token stop, int number) {

@@ -307,7 +307,8 @@ class Search {
 std::vector<const planes::OptionInfo*> options_to_try(const Run& run, const FixTarget& target) {
   std::vector<const planes::OptionInfo*> options;
   for (const planes::OptionInfo& info : planes::option_table())
-    if (info.steers_segmentation() && !planes::is_idle(info, run.options)) options.push_back(&info);
+    if (info.steers_segmentation() && !planes::is_idle(info, run.options, run.is_on_image()))
+      options.push_back(&info);
   const auto voxel = static_cast<std::uint32_t>(
       target.voxel >= 0 ? target.voxel : target.voxels[target.voxels.size() / 2]);
   const std::string decided = why_not(run, source_of_voxel(*run.subject, voxel)).remedy.option;

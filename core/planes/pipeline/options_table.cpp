@@ -285,6 +285,9 @@ class Rows {
     add(planescope::planes::choice(section_, name, std::move(values), meaning, of(field)));
   }
 
+  /// The rows that follow are read only for depth images, or only for clouds.
+  void read_by_images(bool images) { images_ = images; }
+
  private:
   template <typename Options, typename T>
   auto of(T Options::*field) {
@@ -292,12 +295,14 @@ class Rows {
   }
   void add(OptionInfo row) {
     if (section_ == "objective") row.objective = true;
+    row.images = images_;
     table_.push_back(std::move(row));
   }
 
   std::vector<OptionInfo>& table_;
   Stage stage_;
   std::string section_;
+  std::optional<bool> images_;
 };
 
 void append_objective(std::vector<OptionInfo>& table) {
@@ -329,8 +334,10 @@ void check_option_range(double value, const OptionRange& range, const std::strin
       std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
 }
 
-bool is_idle(const OptionInfo& info, const PipelineOptions& options) {
-  return info.objective && *info.objective != options.segment.by_objective();
+bool is_idle(const OptionInfo& info, const PipelineOptions& options, std::optional<bool> images) {
+  const bool refined = options.segment.by_objective();
+  return (info.objective && *info.objective != refined) ||
+         (finds_on_pixels(options) && images && info.images && *info.images != *images);
 }
 
 const std::vector<OptionInfo>& option_table() {
@@ -347,6 +354,10 @@ const std::vector<OptionInfo>& option_table() {
     append_rivals(rows);
     append_foot(rows);
     append_stairs(rows);
+    for (const char* name : {"cube_edge_m", "voxel_size_m", "base_depth", "classifier",
+                             "pca_neighbours", "pca_max_angle_deg", "theta_n_out", "theta_r_out",
+                             "theta_n_in", "use_labels", "cube_anchor"})
+      std::ranges::find(rows, name, &OptionInfo::name)->images = false;
     name_symbols(rows);
     name_titles(rows);
     return rows;

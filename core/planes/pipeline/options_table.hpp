@@ -38,6 +38,7 @@ struct OptionInfo {
   std::string title = {};                 // for people: "Most outliers"
   std::string symbol = {};                // the paper's (UTF-8), "θ_Nout"; empty where it has none
   std::optional<bool> objective = {};     // only `refined` reads it, or only the paper's profiles
+  std::optional<bool> images = {};        // `refined`: only depth images read it, or only clouds
   std::optional<Method> method = {};      // whose option it is; nothing: every method's
 
   bool steers_segmentation() const { return section == "criteria" || section == "objective"; }
@@ -52,8 +53,11 @@ struct OptionInfo {
   }
 };
 
-/// Whether the profile of `options` does not read it.
-bool is_idle(const OptionInfo& info, const PipelineOptions& options);
+/// Whether the profile of `options` does not read it, on depth images (`images`) or on clouds; on
+/// either where `images` is not given.
+bool is_idle(const OptionInfo& info,
+             const PipelineOptions& options,
+             std::optional<bool> images = {});
 
 /// Every option there is, in the order of the pipeline. Setting `profile` sets the segment options
 /// to that profile's defaults.

@@ -32,36 +32,41 @@ struct ObjectiveOptions {
     using O = ObjectiveOptions;
     rows.number("flat", "1", "Criterion 3: largest variance of a cell, relative to the expected",
                 &O::flat, {0, 1e6, true});
-    rows.number("bow", "1", "low-frequency error, in units of what it is measured by", &O::bow,
+    rows.number("bow", "1", "low-frequency error of depth, relative to the measured one", &O::bow,
                 {0, 100});
-    rows.number("merge_cost", "1", "cost of a plane: regions join where their misfit costs less",
+    rows.number("merge_cost", "1", "cost of a plane: regions merge when their misfit costs less",
                 &O::merge_cost, {0, 1e6});
-    rows.number("two_planes", "share",
-                "depth images, Criterion 1: halves of a cell are two planes above this share of "
-                "merge_cost",
-                &O::two_planes, {0, 1e6});
+    rows.read_by_images(true);
+    rows.number(
+        "two_planes", "share",
+        "depth images, Criterion 1: largest cost of one plane rather than two, as a share of "
+        "merge_cost",
+        &O::two_planes, {0, 1e6});
     rows.number("filled", "share",
-                "depth images, Criterion 2: least share of a cell's pixels that it holds",
+                "depth images, Criterion 2: minimum share of a cell's pixels on its plane",
                 &O::filled, {0, 1});
-    rows.number("lateral_px", "px", "depth images: sideways error of a pixel", &O::lateral_px,
+    rows.number("lateral_px", "px", "depth images: lateral error of a pixel", &O::lateral_px,
                 {0, 100});
-    rows.number("reach_sigma", "sigma", "depth images: cost of an unexplained pixel, as a residual",
+    rows.number("reach_sigma", "sigma", "depth images: cost of an unassigned pixel, as a residual",
                 &O::reach_sigma, {0, 100});
-    rows.number("hidden_share", "share",
-                "depth images: parts hidden from each other join below this share of merge_cost",
-                &O::hidden_share, {0, 100});
+    rows.number(
+        "hidden_share", "share",
+        "depth images: cost limit for merging parts separated by an occlusion, as a share of "
+        "merge_cost",
+        &O::hidden_share, {0, 100});
     rows.number("worth_px", "px",
-                "depth images: least worth of a listed plane, in pixels that are as precise as "
-                "noise and 1 %",
+                "depth images: minimum worth of a plane, in pixels of a plane with 1 % RMS (image "
+                "640 px wide)",
                 &O::worth_px, {0, 1e9});
     rows.number("undecided", "1", "depth images: planes with a smaller margin are undecided",
                 &O::undecided, {0, 1e6});
-    rows.number("resolution", "spacings", "clouds: sigma is at least this, in spacings of points",
+    rows.read_by_images(false);
+    rows.number("resolution", "spacings", "clouds: minimum noise sigma, in spacings of points",
                 &O::resolution, {0, 100});
-    rows.number("point_reach_sigma", "sigma", "clouds: cost of an unexplained point, as a distance",
+    rows.number("point_reach_sigma", "sigma", "clouds: cost of an unassigned point, as a distance",
                 &O::point_reach_sigma, {0, 1000});
     rows.number("label_sigma", "sigma",
-                "clouds: a plane of the other label counts as farther from a point by this",
+                "clouds: extra distance of a point from a plane of the other label",
                 &O::label_sigma, {0, 1000});
     rows.number("plane_cost", "sigma2", "clouds: cost of a plane", &O::plane_cost, {0, 1e9});
   }

@@ -20,37 +20,37 @@ struct StairsOptions {
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = StairsOptions;
-    rows.number("stairs_rise_min_m", "m", "a step is at least this high ...", &O::rise_min_m,
-                {0.005, 1});
-    rows.number("stairs_rise_max_m", "m", "... and at most this high", &O::rise_max_m, {0.005, 2});
-    rows.number("stairs_going_min_m", "m", "from nosing to nosing it is at least this ...",
-                &O::going_min_m, {0.01, 5});
-    rows.number("stairs_going_max_m", "m", "... and at most this", &O::going_max_m, {0.01, 5});
-    rows.number("stairs_width_min_m", "m", "of a nosing at least this is seen", &O::width_min_m,
+    rows.number("stairs_rise_min_m", "m", "minimum rise of a step", &O::rise_min_m, {0.005, 1});
+    rows.number("stairs_rise_max_m", "m", "maximum rise of a step", &O::rise_max_m, {0.005, 2});
+    rows.number("stairs_going_min_m", "m", "minimum going, from nosing to nosing", &O::going_min_m,
+                {0.01, 5});
+    rows.number("stairs_going_max_m", "m", "maximum going, from nosing to nosing", &O::going_max_m,
+                {0.01, 5});
+    rows.number("stairs_width_min_m", "m", "minimum visible width of a nosing", &O::width_min_m,
                 {0.02, 10});
-    rows.number("stairs_rise_spread_m", "m", "rises of neighbouring steps differ by at most this",
+    rows.number("stairs_rise_spread_m", "m", "maximum difference of rise between neighboring steps",
                 &O::rise_spread_m, {0, 1});
-    rows.number("stairs_going_spread_m", "m", "goings of neighbouring steps differ by at most this",
-                &O::going_spread_m, {0, 1});
-    rows.number("stairs_turn_deg", "deg", "nosings of a flight are parallel within this",
-                &O::turn_deg, {0, 45});
+    rows.number("stairs_going_spread_m", "m",
+                "maximum difference of going between neighboring steps", &O::going_spread_m,
+                {0, 1});
+    rows.number("stairs_turn_deg", "deg", "maximum angle between nosings of a flight", &O::turn_deg,
+                {0, 45});
+    rows.number("stairs_gap_m", "m",
+                "maximum gap between a level and the nosing behind it, beyond the part hidden by "
+                "the upper one",
+                &O::gap_m, {0, 1});
     rows.number(
-        "stairs_gap_m", "m",
-        "the most between a level and the nosing behind it, beyond what the upper one hides",
-        &O::gap_m, {0, 1});
-    rows.number("stairs_level_deg", "deg",
-                "what is tilted more is a ramp, where its height also changes by more than the "
-                "least rise",
-                &O::level_deg, {0, 45});
+        "stairs_level_deg", "deg",
+        "minimum tilt of a ramp; its height must also change by more than stairs_rise_min_m",
+        &O::level_deg, {0, 45});
     rows.number("stairs_landing_goings", "goings",
-                "a last tread deeper than so many goings is a landing", &O::landing_goings,
+                "minimum depth of a landing, in goings of its flight", &O::landing_goings,
                 {1, 100});
-    rows.number("stairs_kerb_width_m", "m", "a single step is a kerb from this width on ...",
+    rows.number("stairs_kerb_width_m", "m", "minimum width of a kerb, a single step",
                 &O::kerb_width_m, {0, 100});
-    rows.number("stairs_kerb_depth_m", "m",
-                "... between levels that reach as far before and behind it", &O::kerb_depth_m,
-                {0, 100});
-    rows.number("stairs_floor_m2", "m2", "the floor is the lowest level of at least this area",
+    rows.number("stairs_kerb_depth_m", "m", "minimum depth of the levels before and behind a kerb",
+                &O::kerb_depth_m, {0, 100});
+    rows.number("stairs_floor_m2", "m2", "minimum area of the floor, the lowest such level",
                 &O::floor_m2, {0, 100});
   }
 };

@@ -215,6 +215,22 @@ void draw_row(const Ui& ui, const Row& row) {
   ImGui::PopID();
 }
 
+/// Rows of a section that a run with the present options on the present frame reads.
+std::vector<const planes::OptionInfo*> infos_of(const State& state, std::string_view section) {
+  const RunView* view = state.results.current.get();
+  const std::optional<bool> images =
+      view ? std::optional(!view->run->subject->frame.is_cloud()) : std::nullopt;
+  const planes::PipelineOptions& options = state.document.options;
+  std::vector<const planes::OptionInfo*> infos;
+  for (const planes::OptionInfo& info : planes::option_table()) {
+    // foot_radius_m enables the others of its section.
+    const bool matters = info.matters(options) || info.name == "foot_radius_m";
+    if (info.section == section && matters && !planes::is_idle(info, options, images))
+      infos.push_back(&info);
+  }
+  return infos;
+}
+
 }  // namespace
 
 void draw_criteria(const Ui& ui) {
@@ -222,6 +238,8 @@ void draw_criteria(const Ui& ui) {
   planes::PipelineOptions defaults;
   defaults.segment = planes::profile_options(options.segment.profile);
   for (const char* section : sections_of(options.method)) {
+    const std::vector<const planes::OptionInfo*> infos = infos_of(ui.state, section);
+    if (infos.empty()) continue;
     const std::string focused = ui.state.view.focus;
     const bool sought = focused.starts_with("criteria.") &&
                         planes::find_option(focused.substr(9)).section == section;
@@ -233,12 +251,8 @@ void draw_criteria(const Ui& ui) {
     ui.name(std::string("criteria.section.") + section);
     if (!open) continue;
     if (section == std::string("gravity")) draw_gravity(ui);
-    for (const planes::OptionInfo& info : planes::option_table()) {
-      // With its radius a foot begins.
-      const bool matters = info.matters(options) || info.name == "foot_radius_m";
-      if (info.section == section && matters && !planes::is_idle(info, options))
-        draw_row(ui, {info, info.get(options), info.get(defaults), "criteria." + info.name});
-    }
+    for (const planes::OptionInfo* info : infos)
+      draw_row(ui, {*info, info->get(options), info->get(defaults), "criteria." + info->name});
   }
 }
 
