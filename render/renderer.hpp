@@ -42,7 +42,8 @@ class Renderer {
                      int width,
                      int height,
                      Theme theme,
-                     Effort effort = Effort::fine);
+                     Effort effort = Effort::fine,
+                     double screen_scale = 1);
 
   /// Where draw() has drawn last: nothing is drawn where the picture is the same as before.
   std::span<const Part> changes() const;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/io/camera_setup.hpp"
+
 namespace planescope::desktop {
 namespace {
 
@@ -45,6 +47,13 @@ std::vector<Assumption> assumptions_of(const State& state) {
   if (info.intrinsics_source.starts_with("assumed"))
     all.push_back({fmt::format("Intrinsics {}", info.intrinsics_source), "edit",
                    "The recording has no intrinsics. Wrong ones bend planes and change sizes.",
+                   "intrinsics.edit", ""});
+  else if (const std::string camera = io::nominal_camera(info.intrinsics); !camera.empty())
+    all.push_back({fmt::format("Intrinsics nominal ({})", camera), "edit",
+                   "Each camera's own values differ by a percent or two.", "intrinsics.edit", ""});
+  if (!subject.frame.is_cloud() && info.depth_unit_source.starts_with("assumed"))
+    all.push_back({fmt::format("Depth unit {:g} mm assumed", 1000 * info.depth_unit_m), "edit",
+                   "The recording has no depth unit. A wrong one scales all lengths.",
                    "intrinsics.edit", ""});
   const double beyond = view->summary.share(view->summary.beyond);
   const double wider = wider_range(options.cloud.max_range_m);

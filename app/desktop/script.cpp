@@ -72,8 +72,9 @@ class Player {
       for (int i = step.at("frames"); i > 0; --i) stage_.draw_frame();
     else
       throw Error(
-          "is none of do, click, drag, drop, hover, wheel, key, type, screenshot, state, trace, "
-          "expect, frames");
+          "unknown step; expected one of do, click, drag, drop, hover, wheel, key, type, "
+          "screenshot, "
+          "state, trace, expect, frames");
     if (step.value("wait", true)) settle(shell_, stage_, stop_, /*background=*/false);
   }
 

@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 struct Preset {
   const char* name;
   int width, height;
-  double f, cx, cy;  // [px]
+  double f, cx, cy;             // [px]
+  double depth_unit_m = 0.001;  // m per count
 };
 constexpr Preset kPresets[] = {
     {"RealSense D435, D455", 424, 240, 212, 211.5, 119.5},
@@ -30,7 +31,8 @@ constexpr Preset kPresets[] = {
     {"RealSense D435, depth aligned to color", 640, 480, 615, 319.5, 239.5},
     {"RealSense D435, depth aligned to color", 848, 480, 615, 423.5, 239.5},
     {"RealSense D435, depth aligned to color", 1280, 720, 920, 639.5, 359.5},
-    {"Kinect v1, TUM RGB-D", 640, 480, 525, 319.5, 239.5},
+    {"Kinect v1 (OpenNI)", 640, 480, 525, 319.5, 239.5},
+    {"TUM RGB-D", 640, 480, 525, 319.5, 239.5, 0.0002},
     {"Xtion, Structure, Astra (OpenNI)", 640, 480, 570.3, 319.5, 239.5},
     {"Xtion, Structure, Astra (OpenNI)", 320, 240, 285.2, 159.5, 119.5},
     {"Kinect v2", 512, 424, 365.5, 255.5, 211.5},
@@ -67,13 +69,15 @@ std::vector<fs::path> folders_near(const fs::path& recording) {
 
 std::vector<CameraChoice> camera_choices(const RecordingInfo& info) {
   std::vector<CameraChoice> choices;
-  const auto add = [&](const std::string& name, Intrinsics k, bool from_file) {
+  const auto add = [&](const std::string& name, Intrinsics k, bool from_file, double unit_m) {
     if (k.width > 0 && (k.width != info.width || k.height != info.height)) return;
     if (k.cx >= info.width || k.cy >= info.height) return;
     k.width = info.width;
     k.height = info.height;
-    const auto same = [&](const CameraChoice& other) { return other.intrinsics == k; };
-    if (std::ranges::none_of(choices, same)) choices.push_back({name, k, from_file});
+    const auto same = [&](const CameraChoice& other) {
+      return other.intrinsics == k && other.depth_unit_m == unit_m;
+    };
+    if (std::ranges::none_of(choices, same)) choices.push_back({name, k, unit_m, from_file});
   };
   const fs::path parent = fs::path(path_beside(info.path, "")).parent_path();
   for (const fs::path& folder : folders_near(info.path)) {
@@ -83,7 +87,8 @@ std::vector<CameraChoice> camera_choices(const RecordingInfo& info) {
       const fs::path file = folder / found.depth.intrinsics_source;
       std::error_code failed;
       const fs::path shown = fs::relative(file, parent.empty() ? "." : parent, failed);
-      add((failed ? file : shown).string(), *found.depth.intrinsics, true);
+      add((failed ? file : shown).string(), *found.depth.intrinsics, true,
+          found.depth.depth_unit_m.value_or(info.depth_unit_m));
     } catch (const Error&) {
       // Nobody said that this file belongs to the recording.
     }
@@ -91,8 +96,16 @@ std::vector<CameraChoice> camera_choices(const RecordingInfo& info) {
   for (const Preset& preset : kPresets)
     if (preset.width == info.width && preset.height == info.height)
       add(preset.name, {0, 0, preset.f, preset.f, preset.cx, preset.cy, Distortion::none, {}},
-          false);
+          false, preset.depth_unit_m);
   return choices;
+}
+
+std::string nominal_camera(const Intrinsics& k) {
+  for (const Preset& p : kPresets)
+    if (k.width == p.width && k.height == p.height && k.fx == p.f && k.fy == p.f && k.cx == p.cx &&
+        k.cy == p.cy)
+      return p.name;
+  return "";
 }
 
 fs::path camera_file(const RecordingInfo& info) { return sidecar_beside(info.path); }

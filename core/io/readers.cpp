@@ -296,6 +296,12 @@ void settle_camera(const RecordingOptions& options,
   }
   k.width = info.width;
   k.height = info.height;
+  // Of a cropped image it may be a little outside.
+  if (std::abs(k.cx - 0.5 * k.width) > k.width || std::abs(k.cy - 0.5 * k.height) > k.height)
+    throw Error(fmt::format(
+        "{}: principal point cx {:g}, cy {:g} from {} is far outside the {} depth image",
+        info.path.string(), k.cx, k.cy, info.intrinsics_source,
+        size_text(info.width, info.height)));
 
   if (options.depth_unit_m) {
     info.depth_unit_m = *options.depth_unit_m;

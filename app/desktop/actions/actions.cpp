@@ -169,8 +169,7 @@ void apply(State& state, const Command& command) {
   if (action.takes.empty() && !command.argument.empty())
     throw Error(fmt::format("action {}: takes no argument, but '{}' was given", action.name,
                             command.argument));
-  if (!action.can_run(state))
-    throw Error(fmt::format("action {}: there is nothing that it could act on now", action.name));
+  if (!action.can_run(state)) throw Error(fmt::format("action {}: not available now", action.name));
   action.run(state, command.argument);
   drop_done_hint(state);
 }
@@ -298,8 +297,7 @@ void follow_run(State& state, const debug::Run& before) {
 int whole_argument(const std::string& action, const std::string& text, int low, int high) {
   const int value = parse_integer(text, "action " + action);
   if (value < low || value > high)
-    throw Error(high < low ? fmt::format("action {}: there is no {} to choose, none is there",
-                                         action, value)
+    throw Error(high < low ? fmt::format("action {}: no item {}: the list is empty", action, value)
                            : fmt::format("action {}: {} is out of range, expected {} to {}", action,
                                          value, low, high));
   return value;

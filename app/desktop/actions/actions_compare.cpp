@@ -239,7 +239,7 @@ std::vector<Action> compare_actions() {
        has_current,
        {}},
       {"fix.far",
-       "Search farther",
+       "Search a wider range",
        menu,
        "Alt+X",
        "",

@@ -65,7 +65,7 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
            "point.life");
   const std::int32_t other = state.view.selected.voxel;
   if (run.is_ours() && run.segmentation.plane_of[at.what.index] > 0) {
-    menu.add("own", "Should be a plane of its own", {menu.select, {"fix.point", "own"}});
+    menu.add("own", "Should be a separate plane", {menu.select, {"fix.point", "own"}});
     menu.add("none", "Should not be a plane", {menu.select, {"fix.point", "none"}});
   }
   if (run.is_ours() && other >= 0 && other != at.what.index &&

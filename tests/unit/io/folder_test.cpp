@@ -163,10 +163,10 @@ TEST(Folder, FlatFoldersPairNamesAndIgnoreOtherPictures) {
 TEST(Folder, ColourIsPairedByTheTimesInItsNames) {
   const fs::path folder = temp_folder();
   for (const char* name : {"1305031102.160", "1305031102.194", "1305031102.226"}) {
-    write_depth(folder / "depth" / (std::string(name) + ".png"), 5000);
+    write_depth(folder / "depth" / (std::string(name) + ".png"), 5000, 640, 480);
   }
-  write_color(folder / "rgb" / "1305031102.158.png", 1);
-  write_color(folder / "rgb" / "1305031102.232.png", 2);
+  write_color(folder / "rgb" / "1305031102.158.png", 1, 640, 480);
+  write_color(folder / "rgb" / "1305031102.232.png", 2, 640, 480);
   write_text(folder / "depth.txt", "# depth maps\n");
   write_text(folder / "rgb.txt", "# color images\n");
   const auto recording = open_recording(folder);
@@ -416,7 +416,7 @@ TEST(Folder, APngCutInHalfIsNoticedOnOpening) {
     bytes.resize(bytes.size() / 2);
     write_file_bytes(folder / name, bytes);
     expect_one_line_with(error_of([&] { open_recording(folder, with_intrinsics(9, 9, 6, 4)); }),
-                         {fs::path(name).filename().c_str(), "cut"});
+                         {fs::path(name).filename().c_str(), "truncated"});
   }
 }
 
@@ -451,7 +451,7 @@ TEST(Folder, ASingleDepthImageOpensWithIntrinsicsAndItsColour) {
 TEST(Folder, HashesAreOfTheCounts) {
   const fs::path folder = temp_folder();
   write_depth(folder / "depth" / "a.png", 0x0201, 2, 1);
-  const auto recording = open_recording(folder, with_intrinsics(9, 9, 6, 4));
+  const auto recording = open_recording(folder, with_intrinsics(9, 9, 1, 0));
   // SHA-256 of the bytes 01 02 01 02.
   EXPECT_EQ(recording->frame_hash(0),
             "30ace33963fd17c4816fce834fd7f47ea5ffb8235734f58e2ed78422bb24436f");
