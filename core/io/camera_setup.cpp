@@ -107,7 +107,7 @@ void remember_camera(const RecordingInfo& info) {
   }
   document["intrinsics"] = intrinsics_json(info.intrinsics);
   document["depth_unit_m"] = info.depth_unit_m;
-  write_file_text(file, document.dump(2) + "\n", Durable::yes);
+  write_file_text(file, json_text(document, 2), Durable::yes);
 }
 
 }  // namespace planescope::io

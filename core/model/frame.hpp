@@ -14,7 +14,13 @@
 namespace planescope {
 
 enum class Distortion : std::uint8_t { none, brown_conrady, inverse_brown_conrady };
-const char* to_string(Distortion distortion);
+/// Names by value, as files have them.
+constexpr std::array<const char*, 3> names_of(Distortion) {
+  return {"none", "brown_conrady", "inverse_brown_conrady"};
+}
+inline const char* to_string(Distortion distortion) {
+  return names_of(distortion)[static_cast<std::size_t>(distortion)];
+}
 
 /// Pinhole camera. Pixel (u, v) looks along ((u-cx)/fx, (v-cy)/fy, 1): x right, y down, z forward.
 /// `brown_conrady` (OpenCV): coefficients k1 k2 p1 p2 k3 take undistorted to distorted.
@@ -42,7 +48,12 @@ enum class GravitySource : std::uint8_t {
   carried
 };
 inline constexpr GravitySource kLastGravitySource = GravitySource::carried;
-const char* to_string(GravitySource source);
+constexpr std::array<const char*, 8> names_of(GravitySource) {
+  return {"option", "sidecar", "imu", "picked", "estimate", "assumed", "none", "carried"};
+}
+inline const char* to_string(GravitySource source) {
+  return names_of(source)[static_cast<std::size_t>(source)];
+}
 
 /// The direction in which things fall, a unit vector in the sensor's (or cloud's own) frame. Where
 /// gravity is not known, the direction of the camera's lower edge: the world's axes follow it all

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@ inline constexpr std::uint8_t kHvIgnore = 255;        // h/v image: likewise
 
 /// Who or what drew a plane first.
 enum class LabelOrigin : std::uint8_t { hand, wand, algorithm, carried, imported };
+constexpr std::array<const char*, 5> names_of(LabelOrigin) {
+  return {"hand", "wand", "algorithm", "carried", "imported"};
+}
 
 /// One labelled plane, in the sensor's frame: normal . x = offset.
 struct LabelPlane {
@@ -42,7 +46,13 @@ enum class DisagreementKind : std::uint8_t {
   class_flip,
   boundary
 };
+constexpr std::array<const char*, 6> names_of(DisagreementKind) {
+  return {"missed", "invented", "split", "merged", "class_flip", "boundary"};
+}
 enum class ReviewDecision : std::uint8_t { keep, take, edit, ignore };
+constexpr std::array<const char*, 4> names_of(ReviewDecision) {
+  return {"keep", "take", "edit", "ignore"};
+}
 
 /// What a reviewer decided about one region; found again by its kind, place and size.
 struct ReviewNote {

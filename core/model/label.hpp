@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -12,6 +13,7 @@ namespace planescope {
 /// and gravity is at most 45 degrees, v otherwise.
 enum class Label : std::uint8_t { unknown = 0, h = 1, v = 2 };
 
+constexpr std::array<const char*, 3> names_of(Label) { return {"unknown", "h", "v"}; }
 /// `unknown`: the text for a label that is neither.
 inline const char* to_string(Label label, const char* unknown = "unknown") {
   return label == Label::h ? "h" : label == Label::v ? "v" : unknown;

@@ -213,9 +213,7 @@ void go_to_bookmark(State& state, const Bookmark& bookmark) {
       return index >= 0 && index < size ? index : -1;
     };
     state.view.selected = {.node = known(bookmark.node, nodes),
-                           .plane = bookmark.plane_of_trace
-                                        ? known(bookmark.plane, timeline.plane_count())
-                                        : timeline.plane_of_number(bookmark.plane),
+                           .plane = timeline.plane_of_number(bookmark.plane),
                            .voxel = known(bookmark.voxel, voxels)};
   } else {
     state.view.arrival = bookmark;

@@ -11,7 +11,7 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/segment/criteria.hpp"
 #include "core/report/data/frame_planes.hpp"
-#include "core/report/data/json_fields.hpp"
+#include "core/model/json_fields.hpp"
 
 namespace planescope::report {
 namespace {
