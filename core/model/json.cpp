@@ -190,8 +190,7 @@ std::size_t JsonPlace::choice(std::span<const char* const> names) const {
 
 void JsonPlace::fail_kind(const std::string& expected) const {
   constexpr std::size_t kMostShown = 40;
-  std::string found =
-      json_->dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  std::string found = json_->dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   if (found.size() > kMostShown) found = found.substr(0, kMostShown) + "...";
   fail("is " + found + ", expected " + expected);
 }

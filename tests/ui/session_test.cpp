@@ -104,8 +104,7 @@ TEST(Session, SelectsThePlaneThatWasSelected) {
   apply(state, {"step.last", ""});
   apply(state, {"select.plane", fmt::format("P{}", number)});
   save_session(state, dir / "s.json");
-  EXPECT_NE(text_of(dir / "s.json").find(fmt::format("\"plane\": {},", number)),
-            std::string::npos);
+  EXPECT_NE(text_of(dir / "s.json").find(fmt::format("\"plane\": {},", number)), std::string::npos);
   Shell shell(std::move(state), nullptr, [] {});
   NoStage stage(shell);
   shell.perform({"session.open", (dir / "s.json").string()}, true);

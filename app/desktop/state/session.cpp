@@ -49,7 +49,8 @@ void visit_fields(Fields& fields, Same<Bookmark> auto& b) {
   fields("facing", facing, kOrNull);
   fields("orthographic", b.orthographic, kOptional);
   if constexpr (Fields::kReads)
-    if (!facing.empty()) b.facing = static_cast<Facing>(choice_argument("facing", facing, kFacings));
+    if (!facing.empty())
+      b.facing = static_cast<Facing>(choice_argument("facing", facing, kFacings));
 }
 
 void visit_fields(auto& fields, Same<Breakpoint> auto& b) {

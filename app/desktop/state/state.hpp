@@ -27,7 +27,7 @@
 #include "core/debug/replay/steps.hpp"
 #include "core/io/picked_gravity.hpp"
 #include "core/io/recording.hpp"
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_planes.hpp"
 #include "render/framing.hpp"

@@ -114,8 +114,7 @@ void write_folder_facts(const fs::path& dir,
     write_tum_list(dir / "depth.txt", "depth", frames, true);
     if (first_in_color(frames)) write_tum_list(dir / "rgb.txt", "rgb", frames, false);
   } else {
-    write_file_text(dir / "camera_intrinsic.json",
-                    json_text(open3d_camera(frames.front().facts)));
+    write_file_text(dir / "camera_intrinsic.json", json_text(open3d_camera(frames.front().facts)));
   }
   write_recording_facts(dir / "planescope.json", frames);
 }
@@ -136,8 +135,8 @@ void write_recording_facts(const fs::path& path, const std::vector<WrittenFrame>
 }
 
 void write_frame_facts(const fs::path& sidecar, const std::vector<WrittenFrame>& frames) {
-  write_file_text(sidecar, json_text({{"schema", "planescope.recording/1"},
-                                      {"frames", frames_json(frames)}}));
+  write_file_text(
+      sidecar, json_text({{"schema", "planescope.recording/1"}, {"frames", frames_json(frames)}}));
 }
 
 }  // namespace planescope::io

@@ -10,8 +10,8 @@
 #include <numeric>
 #include <optional>
 
-#include "core/report/compare/rule_metrics.hpp"
 #include "core/model/json_fields.hpp"
+#include "core/report/compare/rule_metrics.hpp"
 
 namespace planescope::report {
 namespace {

@@ -27,7 +27,7 @@ struct Judgement;
 struct ReportPlane {
   PlaneSummary summary;
   std::string color;
-  int color_id = 0;                  // palette index of `color`, from 1
+  int color_id = 0;  // palette index of `color`, from 1
   std::optional<Footing> footing{};
 };
 

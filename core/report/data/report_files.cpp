@@ -235,9 +235,9 @@ void write_frame_record(const fs::path& dir,
   Json color_ids = Json::array();
   for (const ReportPlane& plane : frame.planes) color_ids.push_back(plane.color_id);
   write_file_text(dir / kFrameFile, json_text({{"schema", kRecordSchema},
-                                          {"key", key},
-                                          {"color_ids", color_ids},
-                                          {"frame", frame_json(frame, ours)}}));
+                                               {"key", key},
+                                               {"color_ids", color_ids},
+                                               {"frame", frame_json(frame, ours)}}));
 }
 
 std::optional<ReportFrame> find_frame_record(const fs::path& dir, const std::string& key) {
@@ -252,9 +252,7 @@ std::optional<ReportFrame> find_frame_record(const fs::path& dir, const std::str
 
 ReportFrame read_frame_record(const fs::path& dir) {
   const Json json = read_json<Json>(dir / kFrameFile);
-  read_place(dir / kFrameFile, json, [](const JsonPlace& place) {
-    place.schema({kRecordSchema});
-  });
+  read_place(dir / kFrameFile, json, [](const JsonPlace& place) { place.schema({kRecordSchema}); });
   return read_record(dir, json);
 }
 

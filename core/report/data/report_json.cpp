@@ -13,10 +13,10 @@
 #include <sstream>
 
 #include "core/model/file_bytes.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/frame_json.hpp"
-#include "core/model/json_fields.hpp"
 
 namespace planescope::report {
 namespace {

@@ -240,11 +240,11 @@ std::string left_json(const LeftPiece& piece) {
 
 std::string pace_json(const Pace& pace) {
   return json_text({{"schema", "planescope.pace/1"},
-                  {"frames", pace.frames},
-                  {"taken", pace.taken},
-                  {"rate_hz", number(pace.rate_hz)},
-                  {"behind_ms_median", number(1000 * pace.behind_s_median)},
-                  {"behind_ms_most", number(1000 * pace.behind_s_most)}});
+                    {"frames", pace.frames},
+                    {"taken", pace.taken},
+                    {"rate_hz", number(pace.rate_hz)},
+                    {"behind_ms_median", number(1000 * pace.behind_s_median)},
+                    {"behind_ms_most", number(1000 * pace.behind_s_most)}});
 }
 
 std::string stability_text(const Stability& s) {

@@ -15,7 +15,6 @@
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
-#include "core/model/text_lines.hpp"
 
 namespace planescope::world {
 namespace {

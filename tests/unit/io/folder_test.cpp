@@ -365,17 +365,17 @@ TEST(Folder, GravityMayBeOfAnyLength) {
 
 TEST(Folder, ADamagedSidecarIsNamedWithItsKey) {
   const std::pair<const char*, const char*> cases[] = {
-      {"{\"gravity\": [0, 0, 0]}", "\"gravity\""},
-      {"{\"gravity\": [1, 2]}", "\"gravity\""},
-      {"{\"gravity\": \"down\"}", "\"gravity\""},
-      {"{\"depth_unit_m\": -1}", "\"depth_unit_m\""},
+      {"{\"gravity\": [0, 0, 0]}", "gravity"},
+      {"{\"gravity\": [1, 2]}", "gravity"},
+      {"{\"gravity\": \"down\"}", "gravity"},
+      {"{\"depth_unit_m\": -1}", "depth_unit_m"},
       {"{\"intrinsics\": {\"fx\": 1}}", "\"fy\""},
-      {"{\"intrinsics\": 3}", "\"intrinsics\""},
-      {"{\"intrinsics\": {\"width\": 1e300}}", "\"width\""},
-      {"{\"intrinsics\": {\"height\": 8.5}}", "\"height\""},
-      {"{\"schema\": \"other/2\"}", "\"schema\""},
-      {"{\"frames\": [3]}", "\"frames\""},
-      {"{\"color_aligned\": 1}", "\"color_aligned\""},
+      {"{\"intrinsics\": 3}", "intrinsics is 3"},
+      {"{\"intrinsics\": {\"width\": 1e300}}", "width"},
+      {"{\"intrinsics\": {\"height\": 8.5}}", "height"},
+      {"{\"schema\": \"other/2\"}", "schema"},
+      {"{\"frames\": [3]}", "frames"},
+      {"{\"color_aligned\": 1}", "color_aligned"},
       {"[1, 2]", "object"},
       {"{\"gravity\"", "JSON"}};
   for (const auto& [text, part] : cases) {

@@ -2,7 +2,7 @@
 
 #include "core/io/image/png.hpp"
 #include "core/io/mapped_file.hpp"
-#include "core/model/read_limit.hpp"
+#include "core/model/file_bytes.hpp"
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"
 

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <random>
 #include <sstream>
@@ -7,9 +6,8 @@
 #include <vector>
 
 #include "core/io/image/apng.hpp"
-#include "core/io/image/jpeg.hpp"
+#include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/image/webp.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "support/apng.hpp"
@@ -135,96 +133,6 @@ TEST(Png, DamagedBytesNeverCrash) {
     error_of([&] { read_png_16(path); });
     error_of([&] { read_png_rgb(path); });
   }
-}
-
-void append_chunk(std::string& file, const std::string& type, const std::string& content) {
-  const auto append_number = [&](std::size_t value) {
-    for (int shift = 24; shift >= 0; shift -= 8) file += static_cast<char>(value >> shift);
-  };
-  append_number(content.size());
-  const std::string checked = type + content;
-  file += checked;
-  append_number(crc32_z(0, reinterpret_cast<const Bytef*>(checked.data()), checked.size()));
-}
-
-std::string packed(const std::string& bytes) {
-  std::string out(compressBound(bytes.size()), 0);
-  uLongf size = out.size();
-  compress(reinterpret_cast<Bytef*>(out.data()), &size,
-           reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
-  return out.substr(0, size);
-}
-
-/// A PNG whose rows are these bytes behind the number of a filter, which goes from row to row
-/// through all there are. `comment`: with a chunk that says nothing of the pixels.
-std::string png_of_rows(int width, int bits, bool rgb, const std::string& bytes, bool comment) {
-  const std::size_t row = static_cast<std::size_t>(width) * (rgb ? 3 : 1) * bits / 8;
-  const std::size_t height = bytes.size() / row;
-  std::string filtered;
-  for (std::size_t y = 0; y < height; ++y)
-    filtered += static_cast<char>(y % 5) + bytes.substr(y * row, row);
-  std::string file = "\x89PNG\r\n\x1a\n";
-  const auto side = [](std::size_t value) {
-    return std::string{0, 0, static_cast<char>(value >> 8), static_cast<char>(value)};
-  };
-  append_chunk(file, "IHDR",
-               side(width) + side(height) + static_cast<char>(bits) + (rgb ? '\2' : '\0') +
-                   std::string(3, '\0'));
-  if (comment) append_chunk(file, "tEXt", std::string("Comment\0nothing", 15));
-  const std::string pixels = packed(filtered);
-  append_chunk(file, "IDAT", pixels.substr(0, pixels.size() / 3));
-  append_chunk(file, "IDAT", pixels.substr(pixels.size() / 3));
-  append_chunk(file, "IEND", "");
-  return file;
-}
-
-std::string noise_bytes(std::size_t count, unsigned seed) {
-  std::string bytes(count, 0);
-  std::mt19937 random(seed);
-  for (char& byte : bytes) byte = static_cast<char>(random() >> 7);
-  return bytes;
-}
-
-// A comment sends a file to libpng, one without is unpacked by our own reader.
-
-TEST(Png, PlainFilesAreReadAsLibpngReadsThemWhateverTheirFilters) {
-  const auto plain = temp_file("plain.png"), commented = temp_file("commented.png");
-  for (const int width : {1, 2, 3, 7, 64})
-    for (const int bits : {8, 16})
-      for (const bool rgb : {false, true}) {
-        if (rgb && bits == 16) continue;
-        const std::string bytes = noise_bytes(
-            std::size_t{1} * width * bits * (rgb ? 3 : 1) / 8 * 23, static_cast<unsigned>(width));
-        write_file_text(plain, png_of_rows(width, bits, rgb, bytes, false));
-        write_file_text(commented, png_of_rows(width, bits, rgb, bytes, true));
-        if (rgb)
-          EXPECT_EQ(read_png_rgb(plain).data, read_png_rgb(commented).data) << width;
-        else if (bits == 16)
-          EXPECT_EQ(read_png_16(plain).data, read_png_16(commented).data) << width;
-        else
-          EXPECT_EQ(read_png_grey(plain).data, read_png_grey(commented).data) << width;
-      }
-}
-
-TEST(Png, APlainFileWithAByteChangedIsRefusedAsLibpngRefusesIt) {
-  const std::string bytes = noise_bytes(16 * 2 * 12, 5);
-  const std::string plain = png_of_rows(16, 16, false, bytes, false);
-  const std::string commented = png_of_rows(16, 16, false, bytes, true);
-  const std::size_t added = commented.size() - plain.size();
-  constexpr std::size_t kHeaderEnd = 33;
-  const auto path = temp_file("changed.png");
-  const auto reads = [&](const std::string& file) {
-    std::filesystem::remove(path);
-    write_file_text(path, file);
-    return error_of([&] { read_png_16(path); });
-  };
-  for (std::size_t at = kHeaderEnd; at < plain.size(); ++at)
-    for (const char change : {'\x01', '\x80'}) {
-      std::string one = plain, other = commented;
-      one[at] = static_cast<char>(one[at] ^ change);
-      other[at + added] = static_cast<char>(other[at + added] ^ change);
-      EXPECT_EQ(reads(one), reads(other)) << "byte " << at;
-    }
 }
 
 TEST(Png, MissingFilesAndUnwritablePathsAreNamed) {

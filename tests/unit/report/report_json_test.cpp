@@ -134,8 +134,9 @@ TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
   };
   Json json = good;
   json["schema"] = "planescope.report/5";
-  EXPECT_EQ(refusal_of(json),
-            "schema is \"planescope.report/5\", expected planescope.report/3 or planescope.report/4");
+  EXPECT_EQ(
+      refusal_of(json),
+      "schema is \"planescope.report/5\", expected planescope.report/3 or planescope.report/4");
   json["schema"] = "planescope.report/2";
   EXPECT_EQ(refusal_of(json),
             "planescope.report/2 is no longer readable; expected planescope.report/3 or "
