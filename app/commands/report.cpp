@@ -14,7 +14,6 @@
 #include "app/commands/report_pictures.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/build_info.hpp"

@@ -12,7 +12,6 @@
 #include "core/lab/tuning/tuning_journal.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/report/data/build_info.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Files: read and written whole, opened, locked, and how much of one may be unpacked.
+// Files: read and written whole, opened, locked, hashed, and how much of one may be unpacked.
 
 #include <cstddef>
 #include <cstdint>
@@ -122,5 +122,11 @@ class FolderLock {
   bool by_other_ = false;
   std::string why_not_;
 };
+
+/// SHA-256 as 64 lower-case hex digits.
+std::string sha256_hex(std::span<const std::byte> bytes);
+std::string sha256_hex(std::string_view text);
+/// Throws Error if the file cannot be read.
+std::string sha256_hex_of_file(const std::filesystem::path& path);
 
 }  // namespace planescope

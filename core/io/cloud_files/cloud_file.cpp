@@ -13,7 +13,6 @@
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/sha256.hpp"
 
 namespace planescope::io {
 namespace {

@@ -27,7 +27,6 @@
 
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/cloud_files/cloud_formats.hpp"
-#include "core/io/open3d/ransac.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

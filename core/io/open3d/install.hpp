@@ -10,6 +10,7 @@
 
 #include "core/model/frame.hpp"
 #include "core/planes/cloud/cloud.hpp"
+#include "core/planes/rivals/ransac.hpp"
 
 namespace planescope::open3d {
 
@@ -32,6 +33,12 @@ class SurfaceFusion {
 /// ScalableTSDFVolume, truncated at four voxels. `voxel_m`: edge of a voxel. `max_range_m`: depth
 /// beyond it is left out; 0: none. Throws Error in builds without Open3D.
 std::unique_ptr<SurfaceFusion> make_surface_fusion(double voxel_m, double max_range_m);
+
+/// SegmentPlane, under one thread and the seed so that it repeats; calls wait for each other, since
+/// Open3D has one random sequence for the whole process. Ends with the first plane that has too few
+/// points. Not in builds without Open3D.
+planes::FoundPlanes find_planes_ransac(std::span<const Vec3f> points,
+                                       const planes::RansacOptions& options);
 
 // Stages that ours are timed beside, each with its input in Open3D's own types: what is returned
 // runs the stage alone. Empty functions in builds without Open3D.

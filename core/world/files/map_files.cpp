@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::world {

@@ -52,33 +52,6 @@ TEST_F(RealRecordings, RealSenseSdkBag) {
   EXPECT_FALSE(frame.gravity);
 }
 
-TEST_F(RealRecordings, ASdkBagCutAnywhereGivesTheFramesBeforeTheCut) {
-  const auto bytes = read_file_bytes(root_ / "realsense_sdk_bag/single_depth_color_640x480.bag");
-  const auto whole = open("realsense_sdk_bag/single_depth_color_640x480.bag");
-  const std::string hashes[] = {whole->frame_hash(0), whole->frame_hash(1)};
-  const auto path = temp_folder() / "cut.bag";
-  int frames = 0;
-  for (std::size_t cut = 20'000; cut < bytes.size(); cut += 20'000) {
-    write_anew(path, std::span(bytes).first(cut));
-    std::unique_ptr<Recording> recording;
-    try {
-      recording = open_recording(path);
-    } catch (const Error&) {
-      ASSERT_EQ(frames, 0);
-      continue;
-    }
-    ASSERT_GE(recording->frame_count(), frames) << "cut at byte " << cut;
-    frames = recording->frame_count();
-    for (int i = 0; i < frames; ++i) ASSERT_EQ(recording->frame_hash(i), hashes[i]);
-    ASSERT_EQ(recording->info().warnings.size(), 1u);
-    // The first frame lies in the first 300 kB, well before the end of its chunk.
-    if (cut >= 400'000) {
-      ASSERT_GE(frames, 1);
-    }
-  }
-  EXPECT_EQ(frames, 2);
-}
-
 TEST_F(RealRecordings, TheSdksDb3GivesThePixelsOfTheBagItWasMadeOf) {
   const auto bag = open("realsense_sdk_bag/single_depth_color_640x480.bag");
   for (const std::string dialect : {"plain", "zstd"}) {
@@ -122,32 +95,6 @@ TEST_F(RealRecordings, McapOfRos2BagOpensAsFarAsItsTopicsAndHasNoDepth) {
     for (std::size_t i = 0; i < ours.size(); ++i)
       EXPECT_TRUE(std::ranges::equal(log->read(ours[i]).bytes, same->read(theirs[i]).bytes));
   }
-}
-
-TEST_F(RealRecordings, AnSdkDb3CutAnywhereGivesTheFramesBeforeTheCut) {
-  const std::string name = "realsense_sdk_db3/plain_single_depth_color_640x480.db3";
-  const auto bytes = read_file_bytes(root_ / name);
-  const auto whole = open(name);
-  const std::string hashes[] = {whole->frame_hash(0), whole->frame_hash(1)};
-  const auto path = temp_folder() / "cut.db3";
-  int frames = 0;
-  for (std::size_t cut = 20'000; cut < bytes.size(); cut += 50'001) {
-    write_anew(path, std::span(bytes).first(cut));
-    std::unique_ptr<Recording> recording;
-    const std::string error = error_of([&] { recording = open_recording(path); });
-    if (!recording) {
-      ASSERT_EQ(frames, 0) << error;
-      continue;
-    }
-    ASSERT_GE(recording->frame_count(), frames) << "cut at byte " << cut;
-    frames = recording->frame_count();
-    for (int i = 0; i < frames; ++i) ASSERT_EQ(recording->frame_hash(i), hashes[i]);
-    ASSERT_GE(recording->info().warnings.size(), 1u);
-    if (cut >= 900'000) {
-      ASSERT_GE(frames, 1);
-    }
-  }
-  EXPECT_GE(frames, 1);
 }
 
 TEST_F(RealRecordings, TheFolderOfASingleBagOpensTheBag) {
