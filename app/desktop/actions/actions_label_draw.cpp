@@ -307,7 +307,7 @@ std::vector<Action> label_draw_actions() {
        bound_wand,
        labels_at_hand,
        {}},
-      {"label.wand.tolerance", "Tolerance of the wand", "", "", "METRES", set_tolerance, {}, {}},
+      {"label.wand.tolerance", "Tolerance of the wand", "", "", "METERS", set_tolerance, {}, {}},
       {"label.accept",
        "Accept the preview; in the review, keep",
        "Tools",

@@ -172,7 +172,7 @@ std::vector<Action> label_review_actions() {
        can_label,
        {}},
       {"review.slivers",
-       "Show or decide All slivers",
+       "Show or decide all slivers",
        "",
        "",
        "show|keep|take|ignore",

@@ -174,7 +174,7 @@ std::vector<Action> view_actions() {
        "Range of the color scale",
        menu,
        "",
-       "LOW,HIGH in metres, or auto",
+       "LOW,HIGH in meters, or auto",
        set_color_range,
        [](const State& s) { return render::is_along_scale(s.view.color_by); },
        {}},

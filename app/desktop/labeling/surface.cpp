@@ -322,7 +322,7 @@ std::string pointed_text(const State& state) {
   const int id = labels.plane.data[at], hv = labels.hv.data[at];
   const char* label = hv == 1 ? " h" : hv == 2 ? " v" : "";
   if (id == kPlaneIgnore) return text + "   ignored";
-  if (id == 0) return text + "   unlabelled" + label;
+  if (id == 0) return text + "   unlabeled" + label;
   text += fmt::format("   P{}{}", id, label);
   if (const LabelPlane* plane = labels::find_plane(labels, id))
     text += std::string(plane->locked ? ", locked" : "") + (plane->hidden ? ", hidden" : "");

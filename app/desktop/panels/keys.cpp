@@ -20,16 +20,18 @@ constexpr Gesture kDebuggerMouse[] = {{"click", "select"},
                                       {"double-click", "frame it"},
                                       {"drag in the scene", "orbit"},
                                       {"right or Shift drag", "pan"},
-                                      {"wheel", "nearer, farther"},
+                                      {"scroll", "zoom"},
                                       {"drag in the image", "pan; mark after M"},
                                       {"drag over bars", "filter events"},
                                       {"scroll, right drag on the timeline", "zoom, pan"},
                                       {"drag a splitter", "resize panels"}};
 constexpr Gesture kLabelMouse[] = {{"click, drag", "use the tool"},
-                                   {"Shift drag", "remove (brush and areas)"},
-                                   {"right drag", "pan"},
-                                   {"wheel", "nearer, farther"},
-                                   {"double-click a plane", "look at it"}};
+                                   {"Shift drag", "only on unlabeled pixels"},
+                                   {"Alt or Ctrl drag", "remove; with the wand, a lasso"},
+                                   {"right drag", "orbit the scene, pan the image"},
+                                   {"middle or Shift right drag", "pan"},
+                                   {"scroll", "zoom; size of the tool (Ctrl: always zoom)"},
+                                   {"double-click a plane", "frame it"}};
 std::span<const Gesture> gestures(Mode mode) {
   if (mode == Mode::labels) return kLabelMouse;
   return kDebuggerMouse;
