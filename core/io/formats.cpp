@@ -120,17 +120,19 @@ struct Format {
 
   bool fits(const Found& found) const {
     if (found.is_folder) return sniff(found);
-    const std::string kind = extension(name_within(found.path));
-    return std::ranges::count(extensions, kind) > 0 || sniff(found);
+    return std::ranges::count(extensions, extension(found.path)) > 0 || sniff(found);
   }
 };
 
+/// A bag may be compressed as a whole.
+bool is_bag(const fs::path& path) {
+  const std::string kind = extension(name_within(path));
+  return kind == ".bag" || kind == ".db3" || kind == ".mcap";
+}
+
 std::vector<fs::path> bags_in(const fs::path& folder) {
   auto bags = files_in(folder);
-  std::erase_if(bags, [](const fs::path& file) {
-    const std::string kind = extension(name_within(file));
-    return kind != ".bag" && kind != ".db3" && kind != ".mcap";
-  });
+  std::erase_if(bags, std::not_fn(is_bag));
   return bags;
 }
 
@@ -142,8 +144,8 @@ bool sniff_bag(const Found& found) {
   if (found.is_folder)
     return (fs::exists(found.path / "metadata.yaml") || !bags_in(found.path).empty()) &&
            viewer_raw_files(found.path).empty() && !is_image_folder(found.path);
-  return found.start.starts_with("#ROSBAG") || found.start.starts_with("SQLite f") ||
-         found.start == kMcapMagic;
+  return is_bag(found.path) || found.start.starts_with("#ROSBAG") ||
+         found.start.starts_with("SQLite f") || found.start == kMcapMagic;
 }
 
 std::unique_ptr<Recording> open_bag_at(const fs::path& path, const RecordingOptions& options) {
