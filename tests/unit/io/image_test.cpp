@@ -12,6 +12,7 @@
 #include "core/model/file_bytes.hpp"
 #include "support/apng.hpp"
 #include "support/jpeg_bytes.hpp"
+#include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::io {
@@ -25,15 +26,6 @@ Image<T> noise_image(int width, int height, int channels, unsigned seed) {
   std::mt19937 random(seed);
   for (T& value : image.data) value = static_cast<T>(random());
   return image;
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 /// Rewrites the size in a PNG's header, checksum included.
@@ -93,11 +85,11 @@ TEST(Png, TheSameImageGivesTheSameBytes) {
 TEST(Png, WrongBitsOrChannelsAreNamed) {
   const auto path = temp_file("eight.png");
   write_png(path, noise_image<std::uint8_t>(4, 4, 1, 7));
-  const std::string eight = error_of([&] { read_png_16(path); });
+  const std::string eight = message_of([&] { read_png_16(path); });
   EXPECT_NE(eight.find("eight.png"), std::string::npos) << eight;
   EXPECT_NE(eight.find("8 bits"), std::string::npos) << eight;
   write_png(path, noise_image<std::uint8_t>(4, 4, 3, 8));
-  const std::string three = error_of([&] { read_png_16(path); });
+  const std::string three = message_of([&] { read_png_16(path); });
   EXPECT_NE(three.find("3 channel(s)"), std::string::npos) << three;
 }
 
@@ -107,7 +99,7 @@ TEST(Png, AFileCutAnywhereIsAnError) {
   for (std::size_t cut = 0; cut < bytes.size(); cut += cut < 64 ? 1 : 37) {
     std::filesystem::remove(path);
     write_file_bytes(path, std::span(bytes).first(cut));
-    EXPECT_NE(error_of([&] { read_png_16(path); }), "") << "cut at byte " << cut;
+    EXPECT_NE(message_of([&] { read_png_16(path); }), "") << "cut at byte " << cut;
   }
 }
 
@@ -115,7 +107,7 @@ TEST(Png, ATinyFileThatPromisesAHugeImageIsRefusedBeforeAllocation) {
   auto bytes = encode_png(noise_image<std::uint16_t>(16, 12, 1, 12));
   forge_size(bytes, 30000, 30000);
   write_file_bytes(temp_file("huge.png"), bytes);
-  const std::string message = error_of([&] { read_png_16(temp_file("huge.png")); });
+  const std::string message = message_of([&] { read_png_16(temp_file("huge.png")); });
   EXPECT_NE(message.find("30000x30000"), std::string::npos) << message;
 }
 
@@ -130,16 +122,16 @@ TEST(Png, DamagedBytesNeverCrash) {
     }
     std::filesystem::remove(path);
     write_file_bytes(path, bytes);
-    error_of([&] { read_png_16(path); });
-    error_of([&] { read_png_rgb(path); });
+    message_of([&] { read_png_16(path); });
+    message_of([&] { read_png_rgb(path); });
   }
 }
 
 TEST(Png, MissingFilesAndUnwritablePathsAreNamed) {
-  const std::string missing = error_of([&] { read_png_16(temp_file("not_there.png")); });
+  const std::string missing = message_of([&] { read_png_16(temp_file("not_there.png")); });
   EXPECT_NE(missing.find("not_there.png"), std::string::npos);
   const auto unwritable = temp_file("no_such_folder") / "x.png";
-  EXPECT_NE(error_of([&] { write_png(unwritable, Image16(2, 2)); }), "");
+  EXPECT_NE(message_of([&] { write_png(unwritable, Image16(2, 2)); }), "");
 }
 
 TEST(WebP, KeepsAPictureWithinItsLoss) {
@@ -161,7 +153,7 @@ TEST(WebP, DamageIsTold) {
   const auto bytes = encode_webp(noise_image<std::uint8_t>(64, 48, 3, 1), 72);
   for (const std::size_t kept : {std::size_t{0}, std::size_t{11}, bytes.size() / 2}) {
     write_file_bytes(file, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kept)});
-    EXPECT_NE(error_of([&] { read_webp_rgb(file); }).find("damaged.webp: not a readable WebP"),
+    EXPECT_NE(message_of([&] { read_webp_rgb(file); }).find("damaged.webp: not a readable WebP"),
               std::string::npos)
         << kept;
   }

@@ -80,7 +80,7 @@ TEST_F(RealRecordings, TheSdksDb3GivesThePixelsOfTheBagItWasMadeOf) {
 
 TEST_F(RealRecordings, McapOfRos2BagOpensAsFarAsItsTopicsAndHasNoDepth) {
   const auto refusal = [&](const std::string& name) {
-    return error_of([&] { open("ros2_containers/" + name); });
+    return message_of([&] { open("ros2_containers/" + name); });
   };
   expect_one_line_with(refusal("mcap_cdr_test/cdr_test_0.mcap"), {"no depth images"});
   expect_one_line_with(refusal("sqlite3_cdr_test/cdr_test_0.db3"), {"no depth images"});
@@ -118,7 +118,7 @@ TEST_F(RealRecordings, FolderWithOpen3dIntrinsics) {
 }
 
 TEST_F(RealRecordings, FolderWithoutIntrinsicsAsksForThem) {
-  const std::string message = error_of([&] { open("aims_slam_realsense_640x480"); });
+  const std::string message = message_of([&] { open("aims_slam_realsense_640x480"); });
   EXPECT_NE(message.find("--intrinsics"), std::string::npos) << message;
   const auto recording =
       open("aims_slam_realsense_640x480", with_intrinsics(383.8, 383.8, 321.7, 236.8));
@@ -150,7 +150,7 @@ TEST_F(RealRecordings, ViewerExportOpensByEachOfItsPaths) {
     EXPECT_NEAR(recording->frame(0).timestamp_s, 1581812447.07136, 1e-5);
   }
   const std::string message =
-      error_of([&] { open("rs_viewer_raw_export_848x480/001_big_depth.png"); });
+      message_of([&] { open("rs_viewer_raw_export_848x480/001_big_depth.png"); });
   EXPECT_NE(message.find("3 channel(s) with 8 bits"), std::string::npos) << message;
 }
 
