@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/model/shortened.hpp"
+#include "core/model/text.hpp"
 #include "render/font.hpp"
 
 namespace planescope::render {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "render/draw_list.hpp"
 #include "render/tiles.hpp"
 

@@ -177,7 +177,7 @@ void define_view(CLI::App& app, Line& line) {
       "Step through the octree traversal of a recording and find out why: the debugger's window.\n"
       "Without a display, --screenshot draws the same window into a picture.");
   const auto args = std::make_shared<ViewArgs>();
-  add_inputs(view, args->input, kManyInputs);
+  add_inputs(view, args->input, io::recordings_text(true));
   view->get_option("--frames")->description("The frame to begin with; all are in the strip");
   view->get_option("--frames")->type_name("N");
   add_method(view, args->input.pipeline);

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/io/camera_setup.hpp"
+#include "core/io/folder/camera_files.hpp"
 
 namespace planescope::desktop {
 namespace {

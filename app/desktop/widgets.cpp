@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "app/desktop/imgui.hpp"
-#include "core/model/shortened.hpp"
+#include "core/model/text.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {

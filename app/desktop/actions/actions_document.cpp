@@ -8,7 +8,7 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
-#include "core/io/camera_setup.hpp"
+#include "core/io/folder/camera_files.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 
@@ -213,9 +213,7 @@ void go_to_bookmark(State& state, const Bookmark& bookmark) {
       return index >= 0 && index < size ? index : -1;
     };
     state.view.selected = {.node = known(bookmark.node, nodes),
-                           .plane = bookmark.plane_of_trace
-                                        ? known(bookmark.plane, timeline.plane_count())
-                                        : timeline.plane_of_number(bookmark.plane),
+                           .plane = timeline.plane_of_number(bookmark.plane),
                            .voxel = known(bookmark.voxel, voxels)};
   } else {
     state.view.arrival = bookmark;

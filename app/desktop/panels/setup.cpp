@@ -8,7 +8,7 @@
 #include "app/desktop/assumptions.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/io/camera_setup.hpp"
+#include "core/io/folder/camera_files.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::desktop {

@@ -6,8 +6,7 @@
 
 #include "core/io/folder/camera_files.hpp"
 #include "core/io/folder/folder_layout.hpp"
-#include "core/io/folder/frame_times.hpp"
-#include "core/io/image/jpeg.hpp"
+#include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
