@@ -15,7 +15,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/planes/pipeline/frame_threads.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::app {
 namespace {

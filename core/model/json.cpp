@@ -1,5 +1,6 @@
 #include "core/model/json.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -9,6 +10,14 @@
 #include "core/model/file_bytes.hpp"
 
 namespace planescope {
+
+double rounded(double value) {
+  return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no minus zero
+}
+
+nlohmann::ordered_json vector_json(const Vec3d& v) {
+  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
+}
 
 void check_depth(int depth, const std::string& what) {
   if (depth > kDeepestJson)

@@ -7,7 +7,7 @@
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/look.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
 namespace {

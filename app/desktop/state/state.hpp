@@ -29,7 +29,7 @@
 #include "core/io/recording.hpp"
 #include "core/model/image.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "render/framing.hpp"
 #include "render/plane_colors.hpp"
 #include "render/step_scene.hpp"
@@ -145,7 +145,7 @@ struct RunView {
 struct RunPlanes {
   std::shared_ptr<const RunView> of;
   std::string key;  // of these options
-  report::FramePlanes found;
+  planes::FramePlanes found;
   std::shared_ptr<const render::PlaneScene> scene;
 };
 

@@ -17,6 +17,11 @@ struct GravityOptions {
   Vec3d direction = Vec3d(0, 1, 0);  // for `fixed`, sensor frame, any length > 0
   double max_tilt_deg = 60;  // prior of the estimate: camera tilt (pitch or roll) stays below
   bool none_where_unknown = false;  // where gravity cannot be told: go without, instead of refusing
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = GravityOptions;
+    rows.number("gravity_max_tilt_deg", "Largest camera tilt", "deg", "Largest camera tilt that the gravity estimate allows", &O::max_tilt_deg, {0, 90, true});
+  }
 };
 
 /// Parses auto | X,Y,Z | imu | estimate | none. Throws Error on anything else.

@@ -18,26 +18,14 @@ struct FootOptions {
 
   template <typename Rows>
   static void describe(Rows& rows) {
-    rows.number("foot_radius_m", "m",
-                "radius of the foot, or of the circle around it (--foot); 0 disables footholds",
-                &FootOptions::radius_m, {0, 10});
-    rows.number("foot_margin_m", "m", "extra distance of the foot from borders and holes",
-                &FootOptions::margin_m, {0, 10});
-    rows.number("foot_unknown_share", "share",
-                "unmeasured holes up to this share of the foot's circle are ignored",
-                &FootOptions::unknown_share);
-    rows.number("foot_max_off_m", "m", "maximum distance of a foothold's surface from the plane",
-                &FootOptions::max_off_m);
-    rows.number("foot_max_slope_deg", "deg", "steppable planes: maximum slope",
-                &FootOptions::max_slope_deg, {0, 90});
-    rows.number("foot_min_area_m2", "m2",
-                "steppable planes: minimum area for the center of the foot",
-                &FootOptions::min_area_m2);
-    rows.number("foot_max_rough_m", "m", "steppable planes: maximum RMS of their height",
-                &FootOptions::max_rough_m);
-    rows.number("foot_min_support", "share",
-                "steppable planes: minimum share of the outline that was measured",
-                &FootOptions::min_support, {0, 1});
+    rows.number("foot_radius_m", "Foot radius", "m", "radius of the foot, or of the circle around it (--foot); 0 disables footholds", &FootOptions::radius_m, {0, 10});
+    rows.number("foot_margin_m", "Margin around the foot", "m", "extra distance of the foot from borders and holes", &FootOptions::margin_m, {0, 10});
+    rows.number("foot_unknown_share", "Unmeasured holes allowed", "share", "unmeasured holes up to this share of the foot's circle are ignored", &FootOptions::unknown_share);
+    rows.number("foot_max_off_m", "Largest deviation", "m", "maximum distance of a foothold's surface from the plane", &FootOptions::max_off_m);
+    rows.number("foot_max_slope_deg", "Steepest slope", "deg", "steppable planes: maximum slope", &FootOptions::max_slope_deg, {0, 90});
+    rows.number("foot_min_area_m2", "Least area", "m2", "steppable planes: minimum area for the center of the foot", &FootOptions::min_area_m2);
+    rows.number("foot_max_rough_m", "Largest roughness", "m", "steppable planes: maximum RMS of their height", &FootOptions::max_rough_m);
+    rows.number("foot_min_support", "Least support", "share", "steppable planes: minimum share of the outline that was measured", &FootOptions::min_support, {0, 1});
   }
 };
 

@@ -15,6 +15,14 @@ struct RansacOptions {
   int iterations = 1000;  // at most, for each plane
   int min_points = 50;    // a plane has at least so many
   int seed = 1;
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = RansacOptions;
+    rows.number("ransac_theta_pf_m", "Inlier distance", "m", "RANSAC: inlier distance", &O::theta_pf_m, {0, 100, true});
+    rows.number("ransac_iterations", "Iterations", "tries", "RANSAC: most iterations per plane", &O::iterations, {1, 1e6});
+    rows.number("ransac_min_points", "Fewest points", "points", "RANSAC: fewest points of a plane", &O::min_points, {3, 1e9});
+    rows.number("ransac_seed", "Random seed", "1", "RANSAC: random seed", &O::seed);
+  }
 };
 
 /// Ends with the first plane that has too few points. Runs in Open3D: only programs that call

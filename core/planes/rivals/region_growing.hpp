@@ -23,6 +23,15 @@ struct RegionGrowingOptions {
   double region_threshold_m2 = 0.01;  // "threshold for planar region identification"
   double merge_threshold = 0.86;      // "threshold for plane merging"
   bool refine_boundaries = true;      // points along a region's border are looked at singly
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = RegionGrowingOptions;
+    rows.number("region_patch_px", "Cell of images", "px", "Region growing: cell edge in depth images", &O::patch_px, {2, 1000});
+    rows.number("region_voxel_size_m", "Cell of clouds", "m", "Region growing: cell edge in unordered clouds", &O::voxel_size_m, {0, 100, true});
+    rows.number("region_threshold_m2", "Planarity threshold", "m2", "Region growing: threshold of planar region identification", &O::region_threshold_m2);
+    rows.number("region_merge_threshold", "Merge threshold", "1", "Region growing: smallest cosine between the normals of merged regions", &O::merge_threshold, {-1, 1});
+    rows.flag("region_refine_boundaries", "Refine boundaries", "Region growing: refine points along the borders of regions", &O::refine_boundaries);
+  }
 };
 
 /// Measurements on the pixels of a depth image, in raster order.

@@ -41,6 +41,27 @@ struct SegmentOptions {
 
   /// Whether planes are found by the objective; otherwise as the paper says.
   bool by_objective() const { return profile == Profile::refined; }
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = SegmentOptions;
+    rows.group.images = false;  // the objective asks Criteria 1 and 2 of clouds
+    rows.number("theta_n_out", "Most outliers", "points", "Criterion 1: most outliers of a node", &O::theta_n_out).symbol = "θ_Nout";
+    rows.number("theta_r_out", "Largest outlier share", "share", "Criterion 1: largest share of outliers in a node", &O::theta_r_out, {0, 1}).symbol = "θ_rout";
+    rows.number("theta_n_in", "Fewest inliers", "points", "Criterion 2: fewest inliers of a node", &O::theta_n_in, {3, 1e9}).symbol = "θ_Nin";
+    rows.group.images = {};
+    rows.group.objective = false;
+    rows.number("theta_e_n_m2", "Largest fit error", "m2", "Criterion 3: largest error e_n of the inliers' plane fit", &O::theta_e_n_m2).symbol = "θ_en";
+    rows.choice("mse_normalization", "Fit error is over", {"scatter", "mean"}, "e_n is the smallest eigenvalue of the scatter as printed, or divided by N", &O::mse_normalization);
+    rows.number("theta_coplane", "Least coplanarity", "1", "Criterion 4: smallest coplanarity of two merged candidates", &O::theta_coplane, {0, 1}).symbol = "θ_coplane";
+    rows.flag("criterion4_n2", "Ask for the third line", "Criterion 4: also evaluate its third line, with the candidate's normal", &O::criterion4_n2);
+    rows.number("merge_offset_m", "Largest merge offset", "m", "Criterion 4: largest |n . dmu|; 0 disables the test", &O::merge_offset_m);
+    rows.choice("merge_partner", "Merge partner", {"first", "best"}, "Coplanar plane that a candidate is merged into", &O::merge_partner);
+    rows.number("leftover_distance_m", "Assignment distance", "m", "Largest distance at which an unassigned point is assigned to a plane", &O::leftover_distance_m);
+    rows.group.images = false;
+    rows.group.objective = {};
+    rows.flag("use_labels", "Use labels", "Off: all points have one label, the paper's \"w/o PC\"", &O::use_labels);
+    rows.choice("cube_anchor", "Cube anchor", {"center", "min_corner"}, "Cube centered by the cloud stage, or starting at the minimum corner of the points", &O::cube_anchor);
+  }
 };
 
 /// The defaults of a profile.

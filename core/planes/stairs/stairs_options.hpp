@@ -20,38 +20,20 @@ struct StairsOptions {
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = StairsOptions;
-    rows.number("stairs_rise_min_m", "m", "minimum rise of a step", &O::rise_min_m, {0.005, 1});
-    rows.number("stairs_rise_max_m", "m", "maximum rise of a step", &O::rise_max_m, {0.005, 2});
-    rows.number("stairs_going_min_m", "m", "minimum going, from nosing to nosing", &O::going_min_m,
-                {0.01, 5});
-    rows.number("stairs_going_max_m", "m", "maximum going, from nosing to nosing", &O::going_max_m,
-                {0.01, 5});
-    rows.number("stairs_width_min_m", "m", "minimum visible width of a nosing", &O::width_min_m,
-                {0.02, 10});
-    rows.number("stairs_rise_spread_m", "m", "maximum difference of rise between neighboring steps",
-                &O::rise_spread_m, {0, 1});
-    rows.number("stairs_going_spread_m", "m",
-                "maximum difference of going between neighboring steps", &O::going_spread_m,
-                {0, 1});
-    rows.number("stairs_turn_deg", "deg", "maximum angle between nosings of a flight", &O::turn_deg,
-                {0, 45});
-    rows.number("stairs_gap_m", "m",
-                "maximum gap between a level and the nosing behind it, beyond the part hidden by "
-                "the upper one",
-                &O::gap_m, {0, 1});
-    rows.number(
-        "stairs_level_deg", "deg",
-        "minimum tilt of a ramp; its height must also change by more than stairs_rise_min_m",
-        &O::level_deg, {0, 45});
-    rows.number("stairs_landing_goings", "goings",
-                "minimum depth of a landing, in goings of its flight", &O::landing_goings,
-                {1, 100});
-    rows.number("stairs_kerb_width_m", "m", "minimum width of a kerb, a single step",
-                &O::kerb_width_m, {0, 100});
-    rows.number("stairs_kerb_depth_m", "m", "minimum depth of the levels before and behind a kerb",
-                &O::kerb_depth_m, {0, 100});
-    rows.number("stairs_floor_m2", "m2", "minimum area of the floor, the lowest such level",
-                &O::floor_m2, {0, 100});
+    rows.number("stairs_rise_min_m", "Lowest rise", "m", "minimum rise of a step", &O::rise_min_m, {0.005, 1});
+    rows.number("stairs_rise_max_m", "Highest rise", "m", "maximum rise of a step", &O::rise_max_m, {0.005, 2});
+    rows.number("stairs_going_min_m", "Shortest going", "m", "minimum going, from nosing to nosing", &O::going_min_m, {0.01, 5});
+    rows.number("stairs_going_max_m", "Longest going", "m", "maximum going, from nosing to nosing", &O::going_max_m, {0.01, 5});
+    rows.number("stairs_width_min_m", "Least width", "m", "minimum visible width of a nosing", &O::width_min_m, {0.02, 10});
+    rows.number("stairs_rise_spread_m", "Spread of rises", "m", "maximum difference of rise between neighboring steps", &O::rise_spread_m, {0, 1});
+    rows.number("stairs_going_spread_m", "Spread of goings", "m", "maximum difference of going between neighboring steps", &O::going_spread_m, {0, 1});
+    rows.number("stairs_turn_deg", "Angle between nosings", "deg", "maximum angle between nosings of a flight", &O::turn_deg, {0, 45});
+    rows.number("stairs_gap_m", "Largest gap", "m", "maximum gap between a level and the nosing behind it, beyond the part hidden by the upper one", &O::gap_m, {0, 1});
+    rows.number("stairs_level_deg", "Ramps from this tilt", "deg", "minimum tilt of a ramp; its height must also change by more than stairs_rise_min_m", &O::level_deg, {0, 45});
+    rows.number("stairs_landing_goings", "Landings from this depth", "goings", "minimum depth of a landing, in goings of its flight", &O::landing_goings, {1, 100});
+    rows.number("stairs_kerb_width_m", "Least kerb width", "m", "minimum width of a kerb, a single step", &O::kerb_width_m, {0, 100});
+    rows.number("stairs_kerb_depth_m", "Least depth beside a kerb", "m", "minimum depth of the levels before and behind a kerb", &O::kerb_depth_m, {0, 100});
+    rows.number("stairs_floor_m2", "Least floor area", "m2", "minimum area of the floor, the lowest such level", &O::floor_m2, {0, 100});
   }
 };
 

@@ -1,20 +1,13 @@
 #include "core/report/data/json_fields.hpp"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "core/model/json.hpp"
 
 namespace planescope::report {
 
 namespace {
 using Json = nlohmann::ordered_json;
-}
-
-double rounded(double value) {
-  return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no minus zero
-}
-
-Json vector_json(const Vec3d& v) {
-  return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
 }
 
 void FieldWriter::operator()(const char* name, const std::string& text, unsigned kind) {

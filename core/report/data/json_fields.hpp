@@ -27,10 +27,6 @@ enum FieldKind : unsigned {
   kOrNull = 8,    // empty text, and NaN, are null
 };
 
-/// To a nanometre, which is far below what any sensor tells; never minus zero.
-double rounded(double value);
-nlohmann::ordered_json vector_json(const Vec3d& v);  // rounded
-
 class FieldWriter {
  public:
   static constexpr bool kReads = false;

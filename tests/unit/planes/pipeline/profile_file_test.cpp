@@ -1,4 +1,4 @@
-#include "core/planes/pipeline/profile_file.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,6 @@
-#include "core/report/data/plane_summary.hpp"
+#include "core/report/data/region_sample.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include "core/model/plane.hpp"
-#include "core/planes/pipeline/plane_runs.hpp"
-#include "core/report/data/plane_cover.hpp"
+#include <cstdint>
 
 namespace planescope::report {
 namespace {
@@ -14,38 +8,6 @@ namespace {
 constexpr int kMostRegionSamples = 8192;
 
 }  // namespace
-
-std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, double voxel_size_m) {
-  const std::size_t n = result.segmentation.planes.size();
-  const std::vector<std::vector<planes::PointRun>> runs = planes::runs_of_planes(result);
-  const double cell_m = cell_size_m(voxel_size_m);
-  std::vector<PlaneSummary> summaries(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const planes::PlaneRegion& plane = result.segmentation.planes[k];
-    PlaneSummary& s = summaries[k];
-    s.id = plane.id;
-    s.label = plane.label;
-    s.normal = plane.fit.normal;
-    s.centroid = result.cloud.origin + plane.fit.centroid;
-    s.offset_m = s.normal.dot(s.centroid);
-    s.tilt_deg = result.gravity.known()
-                     ? std::acos(std::min(1.0, std::abs(s.normal.z()))) * 180 / std::numbers::pi
-                     : std::nan("");
-    s.voxels = plane.points;
-    s.margin = plane.margin;
-    s.undecided = plane.undecided;
-
-    const PlaneBasis basis = plane_basis(s.normal);
-    const FlatPoints flat(result.cloud.points, runs[k], basis, s.normal, plane.fit.centroid);
-    s.points = flat.size();
-    const Cover cover = cover_of(flat, cell_m);
-    if (s.points > 0) s.rms_m = std::sqrt(cover.squares_m2 / static_cast<double>(s.points));
-    s.area_m2 = static_cast<double>(cover.cells) * cell_m * cell_m;
-    for (const Vec2d& corner : cover.hull)
-      s.hull.push_back(s.centroid + corner.x() * basis.u + corner.y() * basis.v);
-  }
-  return summaries;
-}
 
 std::vector<int> RegionSample::plane_of() const {
   std::vector<int> result;
