@@ -10,7 +10,6 @@
 
 #include "core/debug/replay/run.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/result/analyze.hpp"
 #include "planescope/core.hpp"

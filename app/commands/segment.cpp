@@ -10,7 +10,7 @@
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
-#include "core/planes/pipeline/frame_threads.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/plane_files.hpp"
 #include "core/report/data/ros_json.hpp"
 #include "core/report/data/segment_files.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/debug/explain/region_decision.hpp"
+#include "core/debug/explain/compare.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -21,7 +21,6 @@
 #include "core/debug/explain/histogram.hpp"
 #include "core/debug/explain/measure.hpp"
 #include "core/debug/explain/score.hpp"
-#include "core/debug/explain/summary.hpp"
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
 #include "core/debug/replay/steps.hpp"

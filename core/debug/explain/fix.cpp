@@ -11,10 +11,10 @@
 #include <span>
 #include <utility>
 
+#include "core/debug/explain/compare.hpp"
 #include "core/debug/explain/provenance.hpp"
-#include "core/debug/explain/region_decision.hpp"
 #include "core/model/parallel.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::debug {

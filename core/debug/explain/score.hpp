@@ -1,10 +1,11 @@
 #pragma once
 
-// How good a segmentation is against ground truth, by voxel: quick enough for every tick of a
-// slider and thousands of runs of a search.
+// What a run comes to: how good it is against ground truth, quick enough for every tick of a slider
+// and thousands of runs of a search, and how much of the frame is on planes.
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/debug/replay/run.hpp"
@@ -40,5 +41,28 @@ const char* to_string(TruthVerdict verdict);
 
 /// The plane that most of them name, of equals the one with the least id; 0 where none names one.
 std::int32_t most_common_plane(std::span<const std::int32_t> planes);
+
+/// Points that are in no plane for one reason.
+struct Lost {
+  std::string reason;                 // "worth too little"
+  std::size_t sources = 0;            // pixels, or points of the file
+  std::vector<std::uint32_t> voxels;  // ascending; empty where they are cropped
+  std::int64_t middle = -1;           // a voxel in the midst of the most that one decision lost
+};
+
+struct FrameSummary {
+  std::size_t measured = 0;  // pixels, or points of the file
+  std::size_t beyond = 0;    // of these, farther than max_range_m; depth images only
+  std::size_t on_planes = 0;
+  std::size_t on_undecided = 0;  // of these, on planes that are undecided
+  int planes = 0, undecided = 0;
+  std::vector<Lost> lost;  // the most first
+
+  double share(std::size_t sources) const {
+    return measured > 0 ? static_cast<double>(sources) / static_cast<double>(measured) : 0;
+  }
+};
+
+FrameSummary summary_of(const Run& run);
 
 }  // namespace planescope::debug

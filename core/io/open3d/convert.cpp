@@ -11,7 +11,7 @@
 
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/outline/mesh.hpp"
+#include "core/planes/outline/outline.hpp"
 
 namespace planescope::open3d {
 namespace {

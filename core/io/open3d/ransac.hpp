@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "core/planes/rivals/ransac.hpp"
+#include "core/planes/rivals/rivals.hpp"
 
 namespace planescope::open3d {
 

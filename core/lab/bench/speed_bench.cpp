@@ -7,8 +7,7 @@
 #include "core/planes/classify/gcn.hpp"
 #include "core/planes/classify/gcn_forward.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
-#include "core/planes/rivals/nanoflann_pca.hpp"
-#include "core/planes/rivals/plain_gcn.hpp"
+#include "core/planes/rivals/rival_classifiers.hpp"
 
 namespace planescope::lab {
 namespace {

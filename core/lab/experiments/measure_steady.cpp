@@ -12,7 +12,7 @@
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/result/analyze.hpp"
 #include "core/report/compare/rules.hpp"
 #include "core/report/data/report_data.hpp"

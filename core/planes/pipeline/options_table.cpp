@@ -183,22 +183,22 @@ OptionInfo gravity_row() {
 }
 
 OptionInfo classifier_row() {
-  return {.name = "classifier",
-          .title = "Classifier",
-          .unit = "gcn/pca/truth/FILE",
-          .meaning =
-              "Labels points horizontal or vertical: a network, PCA normals, or ground truth",
-          .section = "classifier",
-          .get = [](const PipelineOptions& o) { return o.classifier; },
-          .set =
-              [](PipelineOptions& o, const std::string& text) {
-                if (text != "gcn" && text != "pca" && text != "truth" && !names_weights_file(text))
-                  throw Error("classifier '" + text +
-                              "' does not exist, expected gcn, pca, truth or a weights file");
-                o.classifier = text;
-              },
-          .images = false,
-          .method = Method::ours};
+  return {
+      .name = "classifier",
+      .title = "Classifier",
+      .unit = "gcn/pca/truth/FILE",
+      .meaning = "Labels points horizontal or vertical: a network, PCA normals, or ground truth",
+      .section = "classifier",
+      .get = [](const PipelineOptions& o) { return o.classifier; },
+      .set =
+          [](PipelineOptions& o, const std::string& text) {
+            if (text != "gcn" && text != "pca" && text != "truth" && !names_weights_file(text))
+              throw Error("classifier '" + text +
+                          "' does not exist, expected gcn, pca, truth or a weights file");
+            o.classifier = text;
+          },
+      .images = false,
+      .method = Method::ours};
 }
 
 OptionInfo method_row() {
@@ -210,8 +210,7 @@ OptionInfo method_row() {
           .meaning = "Method that finds planes: ours, or a rival",
           .section = "method",
           .get = [](const PipelineOptions& o) { return to_string(o.method); },
-          .set = [](PipelineOptions& o,
-                    const std::string& text) { o.method = parse_method(text); },
+          .set = [](PipelineOptions& o, const std::string& text) { o.method = parse_method(text); },
           .kind = OptionKind::choice,
           .choices = names};
 }
@@ -223,10 +222,8 @@ OptionInfo profile_row() {
           .meaning = "Sets all options below to the defaults of a profile",
           .section = "criteria",
           .get = [](const PipelineOptions& o) { return to_string(o.segment.profile); },
-          .set =
-              [](PipelineOptions& o, const std::string& text) {
-                o.segment = profile_options(find_profile(text));
-              },
+          .set = [](PipelineOptions& o,
+                    const std::string& text) { o.segment = profile_options(find_profile(text)); },
           .kind = OptionKind::choice,
           .choices = {"paper", "paper-closest", "refined"},
           .method = Method::ours};
@@ -234,21 +231,28 @@ OptionInfo profile_row() {
 
 std::vector<OptionInfo> make_table() {
   std::vector<OptionInfo> rows;
-  append_stage(rows, {"cloud"}, [](auto& o) -> auto& { return o.cloud; });
+  append_stage(
+      rows, {"cloud"}, [](auto& o) -> auto& { return o.cloud; });
   rows.push_back(gravity_row());
-  append_stage(rows, {"gravity"}, [](auto& o) -> auto& { return o.gravity; });
+  append_stage(
+      rows, {"gravity"}, [](auto& o) -> auto& { return o.gravity; });
   rows.push_back(classifier_row());
-  append_stage(rows, {.section = "classifier", .images = false, .method = Method::ours},
-               [](auto& o) -> auto& { return o.pca; });
+  append_stage(
+      rows, {.section = "classifier", .images = false, .method = Method::ours},
+      [](auto& o) -> auto& { return o.pca; });
   rows.push_back(method_row());
   rows.push_back(profile_row());
-  append_stage(rows, {.section = "criteria", .method = Method::ours},
-               [](auto& o) -> auto& { return o.segment; });
-  append_stage(rows, {.section = "objective", .objective = true, .method = Method::ours},
-               [](auto& o) -> auto& { return o.segment.objective; });
+  append_stage(
+      rows, {.section = "criteria", .method = Method::ours},
+      [](auto& o) -> auto& { return o.segment; });
+  append_stage(
+      rows, {.section = "objective", .objective = true, .method = Method::ours},
+      [](auto& o) -> auto& { return o.segment.objective; });
   const auto append_rival = [&](Method method, auto member) {
-    append_stage(rows, {.section = "rivals", .method = method},
-                 [member](auto& o) -> auto& { return o.rivals.*member; });
+    append_stage(
+        rows, {.section = "rivals", .method = method}, [member](auto& o) -> auto& {
+          return o.rivals.*member;
+        });
   };
   if (has_ransac()) append_rival(Method::ransac, &RivalOptions::ransac);
   append_rival(Method::region_growing, &RivalOptions::region_growing);
@@ -258,8 +262,10 @@ std::vector<OptionInfo> make_table() {
     append_rival(Method::cgal_ransac, &RivalOptions::cgal_ransac);
     append_rival(Method::cgal_region_growing, &RivalOptions::cgal_region_growing);
   }
-  append_stage(rows, {"foot"}, [](auto& o) -> auto& { return o.foot; });
-  append_stage(rows, {"stairs"}, [](auto& o) -> auto& { return o.stairs; });
+  append_stage(
+      rows, {"foot"}, [](auto& o) -> auto& { return o.foot; });
+  append_stage(
+      rows, {"stairs"}, [](auto& o) -> auto& { return o.stairs; });
   return rows;
 }
 
@@ -272,28 +278,34 @@ struct Replaced {
 
 const std::vector<Replaced>& replaced_options() {
   static const std::vector<Replaced> all = {
-    {"flat",
-     {"rms_criterion3", "fixed_rms_m", "theta_rms_sigmas", "theta_rms_min_m", "theta_rms_max_m"}},
-    {"bow",
-     {"estimate_sigma", "sigma_by_range", "sigma_percentile", "sigma_correlated", "sigma_min_range_m"}},
-    {"reach_sigma",
-     {"fixed_tau_m", "tau_sigmas", "tau_min_m", "tau_max_m", "limits_range_m", "r11_pixel_borders", "r11_reach_m", "r11_taus", "r11_window_px", "r11_company_taus"}},
-    {"",
-     {"neighbour_levels", "normal_sigma_share", "r4_fit_impure_nodes", "r6_refit", "r6_sure_points", "r6_sure_share", "r6_max_loss", "r8_voxel_spread", "r8_theta_rms_sigmas", "r8_tau_sigmas", "split_disconnected", "split_gap_m", "split_gap_spacings", "split_sight_cell_m", "split_behind_m", "split_behind_taus", "split_open_share"}},
-    {"resolution",
-     {"sigma_min_points"}},
-    {"label_sigma",
-     {"other_label_sigmas", "r5_reassign_shared_cells"}},
-    {"merge_cost",
-     {"r1_merge_by_distance", "r1_max_angle_deg", "r1_angle_sigmas", "r1_near_m", "r1_far_angle_deg", "r1_gap_sigmas", "r1_offset_sigmas", "r1_max_lateral_m", "r3_weak_candidates", "r3_sure_sigma_ang_deg", "r3_found_sigma_ang_deg", "r3_found_points", "r7_second_merge", "r9_join_sheets", "r9_misfit_m", "r9_step_m", "r9_step_own", "r9_max_angle_deg", "r9_border_px"}},
-    {"plane_cost",
-     {"r2_explain_away", "r2_unexplained_points", "r2_unexplained_share", "r2_other_label_tau", "r2_width_sigmas", "r2_density_share", "r2_contradiction_deg", "r2_kept_share"}},
-    {"worth_px",
-     {"r10_minor", "r10_pixels", "r10_ragged", "r10_curved", "r10_rough", "r10_calm_m"}},
-    {"two_planes",
-     {"r12_part_corners", "r12_rms_share", "r12_min_angle_deg", "r12_least_share"}},
-    {"point_reach_sigma",
-     {"leftover_rule"}},
+      {"flat",
+       {"rms_criterion3", "fixed_rms_m", "theta_rms_sigmas", "theta_rms_min_m", "theta_rms_max_m"}},
+      {"bow",
+       {"estimate_sigma", "sigma_by_range", "sigma_percentile", "sigma_correlated",
+        "sigma_min_range_m"}},
+      {"reach_sigma",
+       {"fixed_tau_m", "tau_sigmas", "tau_min_m", "tau_max_m", "limits_range_m",
+        "r11_pixel_borders", "r11_reach_m", "r11_taus", "r11_window_px", "r11_company_taus"}},
+      {"",
+       {"neighbour_levels", "normal_sigma_share", "r4_fit_impure_nodes", "r6_refit",
+        "r6_sure_points", "r6_sure_share", "r6_max_loss", "r8_voxel_spread", "r8_theta_rms_sigmas",
+        "r8_tau_sigmas", "split_disconnected", "split_gap_m", "split_gap_spacings",
+        "split_sight_cell_m", "split_behind_m", "split_behind_taus", "split_open_share"}},
+      {"resolution", {"sigma_min_points"}},
+      {"label_sigma", {"other_label_sigmas", "r5_reassign_shared_cells"}},
+      {"merge_cost",
+       {"r1_merge_by_distance", "r1_max_angle_deg", "r1_angle_sigmas", "r1_near_m",
+        "r1_far_angle_deg", "r1_gap_sigmas", "r1_offset_sigmas", "r1_max_lateral_m",
+        "r3_weak_candidates", "r3_sure_sigma_ang_deg", "r3_found_sigma_ang_deg", "r3_found_points",
+        "r7_second_merge", "r9_join_sheets", "r9_misfit_m", "r9_step_m", "r9_step_own",
+        "r9_max_angle_deg", "r9_border_px"}},
+      {"plane_cost",
+       {"r2_explain_away", "r2_unexplained_points", "r2_unexplained_share", "r2_other_label_tau",
+        "r2_width_sigmas", "r2_density_share", "r2_contradiction_deg", "r2_kept_share"}},
+      {"worth_px",
+       {"r10_minor", "r10_pixels", "r10_ragged", "r10_curved", "r10_rough", "r10_calm_m"}},
+      {"two_planes", {"r12_part_corners", "r12_rms_share", "r12_min_angle_deg", "r12_least_share"}},
+      {"point_reach_sigma", {"leftover_rule"}},
   };
   return all;
 }

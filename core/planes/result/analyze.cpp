@@ -11,7 +11,7 @@
 
 #include "core/model/plane.hpp"
 #include "core/planes/cloud/pixel_kernels.hpp"
-#include "core/planes/pipeline/plane_runs.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::planes {
 namespace {

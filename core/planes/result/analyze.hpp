@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/planes/foot/footholds.hpp"
@@ -64,5 +65,15 @@ AnalyzedFrame analyze(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,
                       const FrameTruth* truth = nullptr);
+
+// ---- Files ----
+
+/// schema "planescope.planes/4".
+std::string planes_json(const Frame& frame,
+                        const FrameResult& result,
+                        const FramePlanes& found,
+                        const PipelineOptions& options);
+/// Milliseconds by stage and their sum.
+std::string timings_json(const FrameTimings& timings);
 
 }  // namespace planescope::planes

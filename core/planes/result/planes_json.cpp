@@ -1,7 +1,5 @@
 // planes.json and timings.json.
 
-#include "core/planes/result/planes_json.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -9,6 +7,7 @@
 
 #include "core/model/json.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/result/analyze.hpp"
 
 namespace planescope::planes {
 namespace {

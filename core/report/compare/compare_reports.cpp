@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::report {
 namespace {

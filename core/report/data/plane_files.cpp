@@ -10,7 +10,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/outline/mesh.hpp"
+#include "core/planes/outline/outline.hpp"
 #include "core/report/data/json_fields.hpp"
 #include "core/report/data/plane_svg.hpp"
 

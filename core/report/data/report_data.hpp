@@ -12,10 +12,9 @@
 
 #include "core/io/recording.hpp"
 #include "core/planes/evaluate/metrics.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/result/analyze.hpp"
-#include "core/planes/segment/noise.hpp"
+#include "core/planes/segment/options.hpp"
 #include "core/planes/segment/segment.hpp"
 #include "core/report/data/region_sample.hpp"
 #include "core/report/data/terrain.hpp"

@@ -8,7 +8,7 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/result/planes_json.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "core/report/data/plane_files.hpp"
 
 namespace planescope::report {

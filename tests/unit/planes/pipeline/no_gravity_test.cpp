@@ -7,7 +7,6 @@
 
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/planes/pipeline/score.hpp"
 #include "core/planes/pipeline/truth.hpp"
 #include "core/planes/result/analyze.hpp"
 #include "support/render_depth.hpp"

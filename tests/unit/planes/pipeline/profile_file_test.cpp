@@ -1,5 +1,3 @@
-#include "core/planes/pipeline/options_table.hpp"
-
 #include <gtest/gtest.h>
 
 #include "core/model/error.hpp"

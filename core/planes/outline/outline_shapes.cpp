@@ -1,12 +1,31 @@
-#include "core/planes/outline/outline_pixels.hpp"
+// Outlines as triangles, and as the pixels that they cover.
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "core/planes/cloud/camera.hpp"
+#include "core/planes/outline/outline.hpp"
 
 namespace planescope::planes {
+
+Mesh mesh_of(const Outline& outline) {
+  Mesh mesh;
+  if (outline.parts.empty()) return mesh;
+  std::map<std::pair<double, double>, int> numbers;
+  for (const Triangle& triangle : triangulated(polygons_of(outline))) {
+    std::array<int, 3>& corners = mesh.triangles.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [at, is_new] = numbers.try_emplace({triangle[i].x(), triangle[i].y()},
+                                                    static_cast<int>(mesh.vertices.size()));
+      if (is_new) mesh.vertices.push_back(outline.world(triangle[i]));
+      corners[i] = at->second;
+    }
+  }
+  return mesh;
+}
+
 namespace {
 
 /// Of a row of pixel centres with an edge.

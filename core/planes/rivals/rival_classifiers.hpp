@@ -1,17 +1,27 @@
 #pragma once
 
-// 3D-GCN again, written straight from its equations: the reference for the fast one's results and
-// speed.
+// Classifiers that ours are held against: their results and their speed.
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/model/types.hpp"
+#include "core/planes/classify/classifier.hpp"
 #include "core/planes/classify/weights.hpp"
 
 namespace planescope::planes {
+
+/// PCA normals as they are commonly computed, nanoflann's k-d tree for the neighbours and Eigen's
+/// closed form for the normal: what our classifiers' speed is held against. Labels differ from
+/// those of make_pca_classifier() where several points are equally far, or a normal lies at the
+/// boundary.
+std::unique_ptr<Classifier> make_nanoflann_pca_classifier(const PcaClassifierOptions& options = {});
+
+// 3D-GCN again, written straight from its equations: the reference for the fast one's results and
+// speed.
 
 template <typename Real>
 struct PlainNetwork {

@@ -1,4 +1,4 @@
-#include "core/planes/rivals/found_planes.hpp"
+#include "core/planes/rivals/rivals.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -38,5 +38,19 @@ void refuse_absent_rival(const char* name, const char* option) {
   throw Error(std::string("method ") + name + " is not part of this build, configure it with -D" +
               option + "=ON");
 }
+
+namespace {
+
+RansacFunction* ransac = nullptr;
+
+}  // namespace
+
+FoundPlanes find_planes_ransac(std::span<const Vec3f> points, const RansacOptions& options) {
+  if (!ransac) refuse_absent_rival("ransac", "PLANESCOPE_OPEN3D");
+  return ransac(points, options);
+}
+
+void set_ransac(RansacFunction* function) { ransac = function; }
+bool has_ransac() { return ransac != nullptr; }
 
 }  // namespace planescope::planes
