@@ -46,20 +46,11 @@ std::int32_t step_of_node(const Correspondence& same,
   return 0;
 }
 
-/// Best first, each plane once; then those without a counterpart.
+/// Those that correspond, then those without a counterpart.
 std::vector<PlanePair> match_planes(const planes::TruthOverlap& overlap) {
-  std::vector<PlanePair> touching, pairs;
-  for (int a = 1; a <= overlap.truth; ++a)
-    for (int b = 1; b <= overlap.found; ++b)
-      if (overlap.at(a, b) > 0) touching.push_back({a, b, overlap.iou(a, b)});
-  std::ranges::stable_sort(touching, std::greater{}, &PlanePair::iou);
-
+  std::vector<PlanePair> pairs = planes::pairs_by_overlap(overlap);
   std::vector<std::uint8_t> matched_a(overlap.truth + 1, 0), matched_b(overlap.found + 1, 0);
-  for (const PlanePair& pair : touching) {
-    if (matched_a[pair.a] || matched_b[pair.b]) continue;
-    matched_a[pair.a] = matched_b[pair.b] = 1;
-    pairs.push_back(pair);
-  }
+  for (const PlanePair& pair : pairs) matched_a[pair.a] = matched_b[pair.b] = 1;
   for (int a = 1; a <= overlap.truth; ++a)
     if (!matched_a[a] && overlap.truth_size[a] > 0) pairs.push_back({a, 0, 0});
   for (int b = 1; b <= overlap.found; ++b)

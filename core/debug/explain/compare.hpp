@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/debug/replay/run.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::debug {
 
@@ -18,11 +19,7 @@ struct NodeChange {
   planes::Case case_a = planes::Case::none, case_b = planes::Case::none;
 };
 
-/// A plane of the result. iou 0: there is no counterpart.
-struct PlanePair {
-  int a = 0, b = 0;  // plane ids; 0 none
-  double iou = 0;    // over voxels or, where the voxels differ, over sources
-};
+using planes::PlanePair;  // 0: no counterpart; over voxels or, where they differ, over sources
 
 struct Comparison {
   std::int32_t diverging_step_a = planes::kNever,

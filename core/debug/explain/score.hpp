@@ -1,14 +1,20 @@
 #pragma once
 
 // What a run comes to: how good it is against ground truth, quick enough for every tick of a slider
-// and thousands of runs of a search, and how much of the frame is on planes.
+// and thousands of runs of a search, how much of the frame is on planes, and what other options
+// make of that.
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "core/debug/replay/run.hpp"
+
+namespace planescope::planes {
+struct OptionInfo;
+}
 
 namespace planescope::debug {
 
@@ -64,5 +70,36 @@ struct FrameSummary {
 };
 
 FrameSummary summary_of(const Run& run);
+
+// What other options make of a frame.
+
+/// What a change does to one frame.
+struct FixEffect {
+  int frame = 0;
+  int detected_before = 0, detected_after = 0, planes_truth = 0;
+  double iou_before = 0, iou_after = 0;
+  std::vector<std::int32_t> recovered = {}, broken = {};  // truth plane ids
+};
+FixEffect effect_of(const Run& before, const planes::PipelineOptions& after);
+
+/// Plane of each voxel of the run's frame with other options, 0 none. Of these, the segment options
+/// alone count.
+std::vector<std::int32_t> planes_with(const Run& run, const planes::PipelineOptions& options);
+
+// How far a number is from another, so that changes of different options can be compared: positions
+// on a logarithmic axis, log value or, for shares between 0 and 1, log of their odds, since 0.98 is
+// as far from 0.99 as 0.02 from 0.01. 0 itself stands at the far end.
+double scale_position(const planes::OptionInfo& info, double value);
+/// The value there as --set takes it, within the option's range.
+std::string scale_value(const planes::OptionInfo& info, double position);
+
+/// Score against value, for the strip under a slider.
+struct Sensitivity {
+  std::string option;
+  std::vector<double> values = {};  // ascending, the current one among them
+  std::vector<double> scores = {};  // mean IoU with truth, planes found without
+  bool against_truth = false;
+};
+Sensitivity sensitivity_of(const Run& run, const std::string& option, std::stop_token stop);
 
 }  // namespace planescope::debug

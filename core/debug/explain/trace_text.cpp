@@ -2,8 +2,11 @@
 
 #include "core/debug/explain/trace_text.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <initializer_list>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -19,6 +22,57 @@ namespace planescope::debug {
 // ---- What core/debug/explain answers ----
 
 namespace {
+
+/// Text that is written line by line.
+struct TraceLines {
+  std::string text;
+
+  template <typename... Values>
+  void add(fmt::format_string<Values...> format, Values&&... values) {
+    fmt::format_to(std::back_inserter(text), format, std::forward<Values>(values)...);
+    text += '\n';
+  }
+  template <typename... Values>
+  void title(fmt::format_string<Values...> format, Values&&... values) {
+    text += "\n## ";
+    add(format, std::forward<Values>(values)...);
+  }
+};
+
+/// All digits of a double. "nan" has no sign.
+std::string exact(double value) {
+  return std::isnan(value) ? "nan" : fmt::format("{:.17g}", value);
+}
+
+std::string exact(const Vec3d& v) {
+  return fmt::format("({} {} {})", exact(v.x()), exact(v.y()), exact(v.z()));
+}
+
+std::string exact(const PlaneFit& fit) {
+  return fmt::format("{} fitted, centroid {}, normal {}, eigenvalues {}", exact(fit.count),
+                     exact(fit.centroid), exact(fit.normal), exact(fit.eigenvalues));
+}
+
+/// Ascending numbers, "3-7 9 12-15"; "none".
+std::string ranges_of(std::span<const std::int32_t> numbers) {
+  std::string text;
+  for (std::size_t begin = 0, end = 0; begin < numbers.size(); begin = end) {
+    for (end = begin + 1; end < numbers.size() && numbers[end] == numbers[end - 1] + 1;) ++end;
+    text += begin > 0 ? " " : "";
+    text += std::to_string(numbers[begin]);
+    if (end - begin > 1) text += fmt::format("-{}", numbers[end - 1]);
+  }
+  return text.empty() ? "none" : text;
+}
+
+/// At most `most` of `all`, at even distances.
+template <typename T>
+std::vector<T> strided(const std::vector<T>& all, std::size_t most) {
+  if (all.size() <= most) return all;
+  std::vector<T> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(all[i * all.size() / most]);
+  return some;
+}
 
 constexpr std::size_t kMostOfAKind = 400;  // nodes, events of a type, points of a region
 constexpr std::size_t kMostPlaces = 50;    // of each kind whose life is told
@@ -156,8 +210,6 @@ void write_same(const char* names, const Run& from, const Run& to, TraceLines& l
   lines.add("steps {}:{}", names, steps);
 }
 
-}  // namespace
-
 void write_histograms(const Run& run, TraceLines& lines) {
   lines.title("Histograms (LOW..HIGH: right, wrong, unknown)");
   for (const Histogram& histogram : histograms_of(run)) {
@@ -170,6 +222,7 @@ void write_histograms(const Run& run, TraceLines& lines) {
   }
 }
 
+/// Nothing without ground truth.
 void write_score(const Run& run, TraceLines& lines) {
   const VoxelTruth& truth = run.subject->voxel_truth;
   if (!truth.known()) return;
@@ -234,6 +287,7 @@ void write_lives(const Run& run, TraceLines& lines) {
       write_life(run, source_of_voxel(subject, voxel), lines);
 }
 
+/// Each plane of the result and of the truth, and what is in no plane; beside `pinned` if not null.
 void write_regions(const Run& run, const Run* pinned, TraceLines& lines) {
   lines.title("Regions");
   const std::vector<Region> found = regions_of(run.segmentation.plane_of);
@@ -265,8 +319,6 @@ void write_comparison_with_truth(const Run& run, TraceLines& lines) {
 }
 
 // ---- Events and changes ----
-
-namespace {
 
 /// Together they use every name of docs/filter.md.
 constexpr const char* kTraceFilters[] = {
@@ -412,30 +464,6 @@ void write_matches(const Run& run, TraceLines& lines) {
 }
 
 }  // namespace
-
-std::string exact(double value) {
-  return std::isnan(value) ? "nan" : fmt::format("{:.17g}", value);
-}
-
-std::string exact(const Vec3d& v) {
-  return fmt::format("({} {} {})", exact(v.x()), exact(v.y()), exact(v.z()));
-}
-
-std::string exact(const PlaneFit& fit) {
-  return fmt::format("{} fitted, centroid {}, normal {}, eigenvalues {}", exact(fit.count),
-                     exact(fit.centroid), exact(fit.normal), exact(fit.eigenvalues));
-}
-
-std::string ranges_of(std::span<const std::int32_t> numbers) {
-  std::string text;
-  for (std::size_t begin = 0, end = 0; begin < numbers.size(); begin = end) {
-    for (end = begin + 1; end < numbers.size() && numbers[end] == numbers[end - 1] + 1;) ++end;
-    text += begin > 0 ? " " : "";
-    text += std::to_string(numbers[begin]);
-    if (end - begin > 1) text += fmt::format("-{}", numbers[end - 1]);
-  }
-  return text.empty() ? "none" : text;
-}
 
 std::string trace_text(const Run& run, const Run* pinned) {
   TraceLines lines;

@@ -7,8 +7,8 @@
 
 #include "core/model/parallel.hpp"
 #include "core/planes/classify/gcn_forward.hpp"
-#include "core/planes/classify/gcn_kernels.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
+#include "core/planes/simd/gcn_kernels.hpp"
 
 namespace planescope::planes::gcn {
 
@@ -243,7 +243,7 @@ void make_graph(std::span<const Vec3f> points,
                 Simd simd,
                 Graph& graph) {
   std::vector<NeighbourGrid> grids;
-  grids.emplace_back(points, config.neighbours + 1, simd);
+  grids.emplace_back(points, config.neighbours + 1);
   while (grids.size() < config.levels.size()) grids.push_back(grids.back().every(config.pool_rate));
 
   // Of each point of level 0 its index in each level, or none.

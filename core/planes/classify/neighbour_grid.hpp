@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "core/model/simd.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope::planes {
@@ -91,7 +90,7 @@ inline constexpr std::uint32_t kNoNeighbour = std::numeric_limits<std::uint32_t>
 class NeighbourGrid {
  public:
   /// `k`: how many neighbours will be asked for; cells are sized for it.
-  NeighbourGrid(std::span<const Vec3f> points, int k, Simd simd = best_simd());
+  NeighbourGrid(std::span<const Vec3f> points, int k);
 
   /// The grid of points 0, rate, 2 rate, ... of this one, in the same order.
   NeighbourGrid every(int rate) const;
@@ -115,7 +114,6 @@ class NeighbourGrid {
   void make_cells();
 
   int k_ = 1;
-  Simd simd_ = Simd::plain;
   CellIndex index_;
 };
 

@@ -11,7 +11,7 @@
 #include "core/model/inverse_plane.hpp"
 #include "core/planes/cloud/camera.hpp"
 #include "core/planes/cloud/gravity.hpp"
-#include "core/planes/cloud/pixel_kernels.hpp"
+#include "core/planes/simd/pixel_kernels.hpp"
 
 namespace planescope::planes {
 namespace {

@@ -100,6 +100,21 @@ std::vector<int> found_of_truth(const TruthOverlap& o) {
   return match;
 }
 
+std::vector<PlanePair> pairs_by_overlap(const TruthOverlap& overlap) {
+  std::vector<PlanePair> touching, pairs;
+  for (int a = 1; a <= overlap.truth; ++a)
+    for (int b = 1; b <= overlap.found; ++b)
+      if (overlap.at(a, b) > 0) touching.push_back({a, b, overlap.iou(a, b)});
+  std::ranges::stable_sort(touching, std::ranges::greater{}, &PlanePair::iou);
+  std::vector<std::uint8_t> has_a(overlap.truth + 1, 0), has_b(overlap.found + 1, 0);
+  for (const PlanePair& pair : touching) {
+    if (has_a[pair.a] || has_b[pair.b]) continue;
+    has_a[pair.a] = has_b[pair.b] = 1;
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
 double plane_angle_deg(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 180 / std::numbers::pi;
 }

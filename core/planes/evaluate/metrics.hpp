@@ -37,6 +37,15 @@ TruthOverlap count_truth_overlap(std::span<const std::int32_t> truth,
 /// One to one, with the greatest sum of IoU: by true id - 1 the found id, 0 where it has none.
 std::vector<int> found_of_truth(const TruthOverlap& overlap);
 
+/// Planes of two segmentations that correspond.
+struct PlanePair {
+  int a = 0, b = 0;  // ids
+  double iou = 0;
+};
+/// Each plane at most once, the pair of the greatest IoU first: what is the same plane in two runs,
+/// where found_of_truth() is what stands for a true one.
+std::vector<PlanePair> pairs_by_overlap(const TruthOverlap& overlap);
+
 /// Hungarian method (Kuhn-Munkres with potentials, O(n^3)): the assignment of rows to columns with
 /// the greatest total of `value` (row-major, rows x columns, values >= 0). Per row its column, -1
 /// where the row got none or a pair of value 0.

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "core/model/plane.hpp"
-#include "core/planes/cloud/pixel_kernels.hpp"
+#include "core/planes/simd/pixel_kernels.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::planes {

@@ -1,14 +1,15 @@
-// Included by pixel_kernels_{plain,avx2,avx512}.cpp, which define PLANESCOPE_LANES (doubles in a
-// register).
+// Included by kernels_{plain,avx2,avx512}.cpp, which define PLANESCOPE_LANES (floats in a register).
+// Without AVX-512 back-projection takes 1.5 times as long, the estimate of gravity 1.15 times and the
+// figures of planes 1.2 times, together 3 % of `segment` (640x480, one core of an AMD EPYC).
 
-#include "core/planes/cloud/pixel_kernels.hpp"
+#include "core/planes/simd/pixel_kernels.hpp"
 
 #pragma GCC diagnostic ignored "-Wunknown-pragmas"  // clang does not know ivdep
 
 namespace planescope::planes {
 namespace {
 
-constexpr std::size_t kDoubles = PLANESCOPE_LANES;
+constexpr std::size_t kDoubles = PLANESCOPE_LANES / 2;
 using Doubles = double __attribute__((vector_size(kDoubles * sizeof(double))));
 using Longs = std::int64_t __attribute__((vector_size(kDoubles * sizeof(std::int64_t))));
 using Ints = std::int32_t __attribute__((vector_size(kDoubles * sizeof(std::int32_t))));

@@ -1,7 +1,8 @@
-// Included by gcn_kernels_{plain,avx2,avx512}.cpp, which define PLANESCOPE_LANES (floats in a
-// register) and PLANESCOPE_TILE (rows of a matrix product that share its weights).
+// Included by kernels_{plain,avx2,avx512}.cpp, which define PLANESCOPE_LANES (floats in a register)
+// and PLANESCOPE_TILE (rows of a matrix product that share its weights). With the registers that every
+// processor has the network takes 1.9 times as long as with AVX-512, with AVX2 1.4 times.
 
-#include "core/planes/classify/gcn_kernels.hpp"
+#include "core/planes/simd/gcn_kernels.hpp"
 
 namespace planescope::planes::gcn {
 namespace {
