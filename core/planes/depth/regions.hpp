@@ -17,6 +17,11 @@
 
 namespace planescope::planes {
 
+// The cells of an octree over (u, v, rho), all levels at once. A leaf is a square of 4 px by 1/16
+// 1/m; a cell of the level above is twice as large along each axis. The grid is fixed: it follows
+// neither gravity nor anything measured, so that a frame that changes by less than its noise keeps
+// its cells.
+
 inline constexpr int kLeafPx = 4;
 inline constexpr double kPxPerInverseMeter = 64;  // a cell's sides in u and v to that in rho
 

@@ -100,7 +100,7 @@ struct FrameResult : PreparedFrame {
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
 };
 
-/// `classifier`: of these options (classifiers.hpp), null to take the labels of `truth`. Rivals,
+/// `classifier`: of these options (make_classifier()), null to take the labels of `truth`. Rivals,
 /// and frames whose gravity is `none`, need neither. Throws Error where gravity cannot be found, or
 /// both are null.
 PreparedFrame prepare_frame(const Frame& frame,

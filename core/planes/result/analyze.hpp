@@ -66,7 +66,7 @@ AnalyzedFrame analyze(const Frame& frame,
                       const Classifier* classifier,
                       const FrameTruth* truth = nullptr);
 
-// ---- Files ----
+// Files. Nothing but timings.json depends on time or on the number of threads.
 
 /// schema "planescope.planes/4".
 std::string planes_json(const Frame& frame,

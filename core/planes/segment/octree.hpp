@@ -19,6 +19,8 @@
 
 namespace planescope::planes {
 
+/// The space that the octree of a depth image divides: pixels u and v, and inverse depth rho = 1 /
+/// z. A plane in space is a plane in it, and the noise of stereo depth is the same everywhere.
 struct ImageSpace {
   double fx = 0, fy = 0, cx = 0, cy = 0;   // [px], without distortion
   Pose T_local_camera = Pose::Identity();  // camera: x right, y down, z forward

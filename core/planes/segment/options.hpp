@@ -11,8 +11,9 @@
 
 namespace planescope::planes {
 
-/// Standard deviation of the measurements across a surface: the same everywhere, or growing with
-/// the square of the distance to the sensor, as stereo depth does.
+/// How noisy the points are, as `refined` measured it, for what judges distances to planes
+/// afterwards. Standard deviation of the measurements across a surface: the same everywhere, or
+/// growing with the square of the distance to the sensor, as stereo depth does.
 struct NoiseModel {
   bool estimated = false;   // false: the profiles of the paper do not measure it
   bool by_range = false;    // sigma(r) = growth r^2
@@ -31,6 +32,8 @@ struct NoiseModel {
   }
 };
 
+/// The one objective by which `refined` finds planes: misfit over the measured noise, a cost for
+/// each plane, and one for each unexplained pixel or point.
 struct ObjectiveOptions {
   // Of depth images (core/planes/depth) and of clouds (cloud_regions.hpp).
   double flat = 3;         // Criterion 3: largest variance of a cell, relative to the expected
