@@ -12,7 +12,7 @@
 namespace planescope::planes {
 
 /// How noisy the points are, as `refined` measured it, for what judges distances to planes
-/// afterwards. Standard deviation of the measurements across a surface: the same everywhere, or
+/// afterwards: the standard deviation of the measurements across a surface, the same everywhere or
 /// growing with the square of the distance to the sensor, as stereo depth does.
 struct NoiseModel {
   bool estimated = false;   // false: the profiles of the paper do not measure it
