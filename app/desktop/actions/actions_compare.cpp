@@ -7,7 +7,6 @@
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/look.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
 
 namespace planescope::desktop {
 namespace {

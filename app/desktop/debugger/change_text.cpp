@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/model/text.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {

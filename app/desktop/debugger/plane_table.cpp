@@ -11,8 +11,8 @@
 namespace planescope::desktop {
 namespace {
 
-PlaneRow row_of(const debug::Run& run, const report::FramePlanes& found, std::size_t k) {
-  const report::PlaneSummary& summary = found.summaries[k];
+PlaneRow row_of(const debug::Run& run, const planes::FramePlanes& found, std::size_t k) {
+  const planes::PlaneSummary& summary = found.summaries[k];
   PlaneRow row;
   row.id = summary.id;
   row.plane = run.timeline.plane_of_number(summary.id);
