@@ -8,6 +8,7 @@
 
 #include "app/desktop/debugger/step_axis.hpp"
 #include "app/desktop/tracks/map_view.hpp"
+#include "core/model/json.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
