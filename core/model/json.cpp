@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -20,7 +21,7 @@ double rounded(double value) {
 }
 
 nlohmann::ordered_json vector_json(const Vec3d& v) {
-  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
+  return nlohmann::ordered_json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
 }
 
 void check_depth(int depth, const std::string& what) {
@@ -217,10 +218,6 @@ void JsonPlace::fail(const std::string& what) const {
 
 // ---- Fields ------------------------------------------------------------------------------------
 
-double rounded(double value) {
-  return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no minus zero
-}
-
 void FieldWriter::set(Json& json, std::nullptr_t) { json = nullptr; }
 void FieldWriter::set(Json& json, const std::string& value) { json = value; }
 void FieldWriter::set(Json& json, double value) { json = value; }
@@ -231,9 +228,5 @@ FieldWriter::Json& FieldWriter::set_list(Json& json) { return json = Json::array
 FieldWriter::Json& FieldWriter::set_object(Json& json) { return json = Json::object(); }
 FieldWriter::Json& FieldWriter::member(Json& json, const char* name) { return json[name]; }
 FieldWriter::Json& FieldWriter::append(Json& list) { return list.emplace_back(); }
-
-nlohmann::ordered_json vector_json(const Vec3d& v) {
-  return nlohmann::ordered_json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
-}
 
 }  // namespace planescope

@@ -50,10 +50,6 @@ enum FieldKind : unsigned {
 /// a file of any version.
 enum class Extent : std::uint8_t { whole, compared };
 
-/// To a nanometer, far below what any sensor resolves; never minus zero.
-double rounded(double value);
-nlohmann::ordered_json vector_json(const Vec3d& v);  // rounded
-
 class FieldWriter {
  public:
   static constexpr bool kReads = false;

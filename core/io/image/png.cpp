@@ -11,6 +11,7 @@
 #include <memory>
 #include <new>
 
+#include "core/io/image/png_plain.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
@@ -125,6 +126,13 @@ PngInfo open(Decoder& decoder,
           png_get_bit_depth(decoder.png, decoder.info)};
 }
 
+/// As the machine has it, from as PNG has it: 16 bits with the high byte first.
+void to_native(std::span<std::uint16_t> values) {
+  if constexpr (std::endian::native == std::endian::little)
+    for (std::uint16_t& value : values) value = static_cast<std::uint16_t>(value << 8 | value >> 8);
+}
+void to_native(std::span<std::uint8_t>) {}
+
 /// `decoder` has read the header of `file`.
 template <typename T>
 Image<T> decode(Decoder& decoder,
@@ -143,6 +151,11 @@ Image<T> decode(Decoder& decoder,
   Image<T> image(info.width, info.height, channels);
   const std::size_t row_bytes = sizeof(T) * info.width * channels;
   auto* const pixels = reinterpret_cast<unsigned char*>(image.data.data());
+  if (info.channels == channels && info.bit_depth == 8 * static_cast<int>(sizeof(T)) &&
+      unpack_plain_png(file, info, {pixels, row_bytes * info.height})) {
+    to_native(image.data);
+    return image;
+  }
   if (!guarded(decoder, set_transforms)) fail(path, decoder);
   if (png_get_rowbytes(decoder.png, decoder.info) != row_bytes) {
     throw Error(path.string() + ": PNG of an unexpected pixel layout");
