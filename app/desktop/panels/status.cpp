@@ -82,7 +82,7 @@ void draw_long_message(const Ui& ui, const std::string& message, ImU32 color) {
 
 void draw_status(const Ui& ui) {
   const State& state = ui.state;
-  if (state.view.preview && !ImGui::IsMouseDown(0)) ui.emit("fix.preview", "");  // let go
+  if (state.view.preview && !ImGui::IsMouseDown(0)) ui.act("fix.preview");  // let go
   ImGui::TextUnformatted(left_text(state).c_str());
   const std::string right = right_text(state);
   const float width = ImGui::CalcTextSize(right.c_str()).x;

@@ -53,19 +53,7 @@ int int_of(const Json& json, const char* key) { return whole_int(json.at(key), k
 
 template <typename Enum>
 void enum_of(const Json& json, const char* key, int count, Enum& value) {
-  if (json.contains(key)) value = static_cast<Enum>(std::clamp(int_of(json, key), 0, count - 1));
-}
-template <typename T>
-void value_of(const Json& json, const char* key, T& value) {
-  if (!json.contains(key)) return;
-  if constexpr (std::is_same_v<T, int>)
-    value = int_of(json, key);
-  else
-    value = json.at(key).get<T>();
-}
-void share_of(const Json& json, const char* key, double& value) {
-  value_of(json, key, value);
-  value = std::clamp(value, 0.0, 0.9);
+  value = static_cast<Enum>(std::clamp(int_of(json, key), 0, count - 1));
 }
 
 const std::vector<std::string> kFacings = {"home", "top", "side", "front"};
@@ -105,7 +93,7 @@ Bookmark bookmark_of(const Json& json, bool first = false) {
   b.camera = camera_from(json.at("camera"));
   if (json.contains("facing") && !json.at("facing").is_null())
     b.facing = static_cast<Facing>(choice_argument("facing", json.at("facing"), kFacings));
-  value_of(json, "orthographic", b.orthographic);
+  b.orthographic = json.value("orthographic", false);
   return b;
 }
 
@@ -118,112 +106,112 @@ Json breakpoint_json(const Breakpoint& b) {
 
 Breakpoint breakpoint_of(const Json& json) {
   Breakpoint b;
-  enum_of(json, "kind", 3, b.kind);
+  if (json.contains("kind")) enum_of(json, "kind", 3, b.kind);
   b.filter = json.at("filter");
   b.index = int_of(json, "index");
   b.enabled = json.at("enabled");
   return b;
 }
 
-Json range_json(const std::optional<render::ValueRange>& range) {
-  return range ? Json{range->low_m, range->high_m} : Json(nullptr);
-}
-std::optional<render::ValueRange> range_of(const Json& json) {
-  if (json.is_null()) return std::nullopt;
-  const render::ValueRange range{json.at(0).get<double>(), json.at(1).get<double>()};
-  return render::is_range(range) ? std::optional(range) : std::nullopt;
-}
-
-/// Panels, colours, theme, layout: what is not the cursor.
-Json view_json(const ViewState& view) {
-  const Layout& l = view.layout;
-  return {{"color_by", static_cast<int>(view.color_by)},
-          {"color_range", range_json(view.color_range)},
-          {"show_queue", view.show_queue},
-          {"show_settled", view.show_settled},
-          {"show_numerals", view.show_numerals},
-          {"show_points", view.show_points},
-          {"show_planes", view.show_planes},
-          {"show_names", view.show_names},
-          {"show_normals", view.show_normals},
-          {"show_foot", view.show_foot},
-          {"point_size", view.point_size},
-          {"show_stairs", view.show_stairs},
-          {"backdrop", static_cast<int>(view.backdrop)},
-          {"orthographic", view.orthographic},
-          {"overlay_opacity", view.overlay_opacity},
-          {"theme", static_cast<int>(view.theme)},
-          {"zoom", view.zoom},
-          {"inspector_tab", view.inspector_tab},
-          {"tool_tab", view.tool_tab},
-          {"list_tab", view.list_tab},
-          {"show_map", view.show_map},
-          {"octree_search", view.octree_search},
-          {"only_matches", view.only_matches},
-          {"rate", view.playing.steps_per_s},
-          {"step_unit", static_cast<int>(view.step_unit)},
-          {"brush_px", view.label.brush_px},
-          {"wand_tolerance_m", view.label.wand_options.tolerance_m},
-          {"through", view.label.through},
-          {"truth_plane", view.truth_plane},
-          {"views", static_cast<int>(view.views)},
-          {"layout",
-           {{"left", l.left},
-            {"right", l.right},
-            {"bottom", l.bottom},
-            {"image", l.image},
-            {"octree", l.octree},
-            {"tools", l.tools}}}};
+/// Every setting of the view that is kept: panels, colors, theme, layout; not the cursor. `visit`
+/// is called with a key and a value, and for numbers and enumerations with the limits or the count.
+template <typename View, typename Visit>
+void visit_settings(View& view, const Visit& visit) {
+  visit("color_by", view.color_by, render::kColorBys);
+  visit("color_range", view.range);
+  visit("show_queue", view.show_queue);
+  visit("show_settled", view.show_settled);
+  visit("show_numerals", view.show_numerals);
+  visit("show_points", view.show_points);
+  visit("show_planes", view.show_planes);
+  visit("show_names", view.show_names);
+  visit("show_normals", view.show_normals);
+  visit("show_foot", view.show_foot);
+  visit("point_size", view.point_size, kLeastPointSize, kMostPointSize);
+  visit("show_stairs", view.show_stairs);
+  visit("backdrop", view.backdrop, 3);
+  visit("orthographic", view.orthographic);
+  visit("overlay_opacity", view.overlay_opacity, 0.0, 1.0);
+  visit("theme", view.theme, 2);
+  visit("zoom", view.zoom, 0.6, 3.0);
+  visit("inspector_tab", view.inspector_tab);
+  visit("tool_tab", view.tool_tab);
+  visit("list_tab", view.list_tab);
+  visit("show_map", view.show_map);
+  visit("octree_search", view.octree_search);
+  visit("only_matches", view.only_matches);
+  visit("rate", view.playing.steps_per_s, 1.0, 100000.0);
+  visit("step_unit", view.step_unit, 3);
+  visit("brush_px", view.label.brush_px, 1.0, 200.0);
+  visit("wand_tolerance_m", view.label.wand_options.tolerance_m, 0.0005, 0.1);
+  visit("through", view.label.through);
+  visit("truth_plane", view.truth_plane);
+  visit("views", view.views, 3);
+  visit("layout", view.layout);
 }
 
-/// Keys that are missing leave what `view` has.
-void view_of(const Json& json, ViewState& view) {
-  enum_of(json, "color_by", render::kColorBys, view.color_by);
-  if (json.contains("color_range")) view.color_range = range_of(json.at("color_range"));
-  value_of(json, "show_queue", view.show_queue);
-  value_of(json, "show_settled", view.show_settled);
-  value_of(json, "show_numerals", view.show_numerals);
-  value_of(json, "show_points", view.show_points);
-  value_of(json, "show_planes", view.show_planes);
-  value_of(json, "show_names", view.show_names);
-  value_of(json, "show_normals", view.show_normals);
-  value_of(json, "show_foot", view.show_foot);
-  value_of(json, "point_size", view.point_size);
-  view.point_size = std::clamp(view.point_size, kLeastPointSize, kMostPointSize);
-  value_of(json, "show_stairs", view.show_stairs);
-  enum_of(json, "backdrop", 3, view.backdrop);
-  value_of(json, "orthographic", view.orthographic);
-  value_of(json, "overlay_opacity", view.overlay_opacity);
-  enum_of(json, "theme", 2, view.theme);
-  value_of(json, "zoom", view.zoom);
-  view.zoom = std::clamp(view.zoom, 0.6, 3.0);
-  value_of(json, "inspector_tab", view.inspector_tab);
-  value_of(json, "tool_tab", view.tool_tab);
-  value_of(json, "list_tab", view.list_tab);
-  value_of(json, "show_map", view.show_map);
-  value_of(json, "octree_search", view.octree_search);
-  value_of(json, "only_matches", view.only_matches);
-  value_of(json, "rate", view.playing.steps_per_s);
-  view.playing.steps_per_s = std::clamp(view.playing.steps_per_s, 1.0, 100000.0);
-  enum_of(json, "step_unit", 3, view.step_unit);
-  value_of(json, "brush_px", view.label.brush_px);
-  view.label.brush_px = std::clamp(view.label.brush_px, 1.0, 200.0);
-  value_of(json, "wand_tolerance_m", view.label.wand_options.tolerance_m);
-  view.label.wand_options.tolerance_m =
-      std::clamp(view.label.wand_options.tolerance_m, 0.0005, 0.1);
-  value_of(json, "through", view.label.through);
-  value_of(json, "truth_plane", view.truth_plane);
-  enum_of(json, "views", 3, view.views);
-  if (json.contains("layout")) {
-    const Json& l = json.at("layout");
-    share_of(l, "left", view.layout.left);
-    share_of(l, "right", view.layout.right);
-    share_of(l, "bottom", view.layout.bottom);
-    share_of(l, "image", view.layout.image);
-    share_of(l, "octree", view.layout.octree);
-    share_of(l, "tools", view.layout.tools);
+struct SettingsWriter {
+  Json& json;
+
+  template <typename T, typename... Limits>
+  void operator()(const char* key, const T& value, Limits...) const {
+    if constexpr (std::is_enum_v<T>)
+      json[key] = static_cast<int>(value);
+    else
+      json[key] = value;
   }
+  void operator()(const char* key, const std::optional<render::ValueRange>& range) const {
+    json[key] = range ? Json{range->low_m, range->high_m} : Json(nullptr);
+  }
+  void operator()(const char* key, const Layout& layout) const {
+    for (const LayoutPart& part : kLayoutParts) json[key][part.name] = layout.*part.share;
+  }
+};
+
+/// Keys that are missing leave what the view has.
+struct SettingsReader {
+  const Json& json;
+
+  template <typename T>
+  void operator()(const char* key, T& value) const {
+    if (!json.contains(key)) return;
+    if constexpr (std::is_same_v<T, int>)
+      value = int_of(json, key);
+    else
+      value = json.at(key).get<T>();
+  }
+  void operator()(const char* key, double& value, double low, double high) const {
+    (*this)(key, value);
+    value = std::clamp(value, low, high);
+  }
+  template <typename Enum>
+  void operator()(const char* key, Enum& value, int count) const {
+    if (json.contains(key)) enum_of(json, key, count, value);
+  }
+  void operator()(const char* key, std::optional<render::ValueRange>& value) const {
+    if (!json.contains(key)) return;
+    value.reset();
+    if (json.at(key).is_null()) return;
+    const render::ValueRange range{json.at(key).at(0).get<double>(),
+                                   json.at(key).at(1).get<double>()};
+    if (render::is_range(range)) value = range;
+  }
+  void operator()(const char* key, Layout& layout) const {
+    if (json.contains(key))
+      for (const LayoutPart& part : kLayoutParts)
+        SettingsReader{json.at(key)}(part.name, layout.*part.share, 0.0, 0.9);
+  }
+};
+
+}  // namespace
+
+Json view_json(const ViewState& view) {
+  Json json;
+  visit_settings(view, SettingsWriter{json});
+  return json;
 }
+
+namespace {
 
 // ---- Sessions ----------------------------------------------------------------------------------
 
@@ -287,7 +275,7 @@ Session session_of(const Json& json, const State& state) {
   session.view.playing.direction = 0;
   session.view.case_colors = CaseColors::ready;  // its own colors stay
   if (session.view.against == Against::pinned) session.view.against = Against::nothing;
-  view_of(json.at("view"), session.view);
+  visit_settings(session.view, SettingsReader{json.at("view")});
   for (const Json& one : json.at("breakpoints")) session.breakpoints.push_back(breakpoint_of(one));
   for (const Json& one : json.at("bookmarks")) session.bookmarks.push_back(bookmark_of(one, first));
   if (json.contains("marked"))
@@ -333,7 +321,7 @@ io::RecordingOptions options_to_open(io::RecordingOptions options) {
 }
 
 void take_recording(State& state, OpenRecording taken, int frame) {
-  if (state.view.mode == Mode::labels) apply(state, {"label.mode", ""});
+  if (state.view.mode == Mode::labels) leave_label_mode(state);
   Document& document = state.document;
   const auto same = [&](const OpenRecording& open) {
     std::error_code gone;
@@ -413,7 +401,7 @@ void open_session(State& state, const std::string& where) {
   if (!arrival.facing) state.view.camera = arrival.camera;
   state.view.facing = arrival.facing.value_or(Facing::home);
   state.view.orthographic = arrival.orthographic;
-  apply(state, {"filter.set", arrival.filter});
+  set_filter(state, arrival.filter);
   state.view.arrival = arrival;
 }
 
@@ -442,7 +430,7 @@ Settings load_settings() {
       for (const Json& path : json.at("recent"))
         if (settings.recent.size() < kMostRecent)
           settings.recent.emplace_back(path.get<std::string>());
-    view_of(json.at("view"), settings.view);
+    visit_settings(settings.view, SettingsReader{json.at("view")});
     if (json.contains("camera")) settings.camera = bookmark_of(json.at("camera")).camera;
     return settings;
   } catch (const std::exception&) {
