@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::render {

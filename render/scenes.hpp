@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "render/draw_list.hpp"
 

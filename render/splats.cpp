@@ -173,7 +173,7 @@ void put(const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, Spl
 }  // namespace
 
 float shade_radius_px(const View& view) {
-  return static_cast<float>(std::max(1.0, 2 * overlay_scale(view.width, view.height)));
+  return static_cast<float>(std::max(1.0, 2 * overlay_scale(view)));
 }
 
 namespace {

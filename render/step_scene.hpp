@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/debug/replay/run.hpp"
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "render/color_scale.hpp"
 #include "render/draw_list.hpp"
 #include "render/plane_scene.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "core/planes/pipeline/score.hpp"
 #include "render/draw_list.hpp"
 

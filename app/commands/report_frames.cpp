@@ -12,9 +12,9 @@
 
 #include "app/cli/progress.hpp"
 #include "app/commands/report_pictures.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/frame_threads.hpp"
 #include "core/planes/pipeline/score.hpp"

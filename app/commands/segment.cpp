@@ -199,7 +199,7 @@ void define_segment(CLI::App& app, Line& line) {
       "Find the planes of each frame: planes.json, planes.png, cloud.ply, timings.json.\n"
       "Planes and cloud.ply are in the world frame: z up, metres.");
   const auto args = std::make_shared<SegmentArgs>();
-  add_inputs(segment, args->input, kOneInput);
+  add_inputs(segment, args->input, io::recordings_text(false));
   add_out(segment, args->out);
   std::vector<std::string> formats;
   std::string holds;

@@ -62,13 +62,16 @@ struct SceneView {
   LookKey key;                   // of a step
   render::Camera camera;
   int width = 0, height = 0;
+  double screen_scale = 1;
   TextureId texture = 0;
   bool fine = false;
   Image<std::uint32_t> ids;  // of what was drawn last; empty until someone asks
 
   /// True where it was drawn again.
-  bool draw(bool same_list, const render::Camera& from, int w, int h, render::Theme theme) {
-    const bool same = same_list && same_camera(from, camera) && w == width && h == height;
+  bool draw(
+      bool same_list, const render::Camera& from, int w, int h, render::Theme theme, double scale) {
+    const bool same = same_list && same_camera(from, camera) && w == width && h == height &&
+                      scale == screen_scale;
     if (same && fine) return false;
     // What moves is drawn quickly; what has come to rest, once more with smooth edges.
     fine = same;
@@ -76,8 +79,9 @@ struct SceneView {
     camera = from;
     width = w;
     height = h;
-    texture =
-        renderer.draw(list, from, w, h, theme, fine ? render::Effort::fine : render::Effort::quick);
+    screen_scale = scale;
+    texture = renderer.draw(list, from, w, h, theme,
+                            fine ? render::Effort::fine : render::Effort::quick, scale);
     return true;
   }
 };
@@ -212,7 +216,8 @@ class GlCanvas : public Canvas {
                   int width,
                   int height,
                   render::Theme theme) {
-    if (view.draw(same_list, camera, width, height, theme)) versions_[view.texture] = ++changes_;
+    if (view.draw(same_list, camera, width, height, theme, screen_scale))
+      versions_[view.texture] = ++changes_;
     return view.texture;
   }
 

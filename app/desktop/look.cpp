@@ -7,6 +7,7 @@
 #include <span>
 
 #include "app/desktop/debugger/planes.hpp"
+#include "core/debug/explain/provenance.hpp"
 #include "render/step_values.hpp"
 
 namespace planescope::desktop {
@@ -321,7 +322,7 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   const debug::Run& run = *state.run();
   const std::int32_t step = state.view.step;
   const planes::PointChange now = run.timeline.point_at(voxel, step);
-  std::string text = fmt::format("voxel {}", voxel);
+  std::string text = debug::point_name(run, voxel);
   if (run.is_ours()) {
     const std::vector<Label>& labels = run.subject->prepared.classification.labels;
     const Label label = labels[static_cast<std::size_t>(voxel)];
@@ -331,7 +332,7 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   if (now.plane >= 0)
     text += "in " + debug::plane_name(*state.run(), now.plane);
   else
-    text += now.leftover ? "unassigned" : "undecided";
+    text += now.leftover ? "unassigned" : "not visited yet";
   if (run.subject->voxel_truth.known()) {
     const std::int32_t truth = run.subject->voxel_truth.plane[static_cast<std::size_t>(voxel)];
     if (truth > 0) text += fmt::format(", true plane {}", truth);

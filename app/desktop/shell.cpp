@@ -278,7 +278,10 @@ void Shell::rebuild_fonts(float scale) {
   fonts_changed_ = true;
 }
 
-std::string Shell::take_picture_path() { return std::exchange(state_.view.picture_to, {}); }
+std::string Shell::take_picture_path() {
+  // A frame later: the present one still shows the prompt that asked for the path.
+  return std::exchange(picture_due_, std::exchange(state_.view.picture_to, {}));
+}
 
 bool Shell::take_fonts_changed() { return std::exchange(fonts_changed_, false); }
 
@@ -324,6 +327,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
   const float scale = screen_scale * static_cast<float>(state_.view.zoom);
   if (scale != scale_) rebuild_fonts(scale_ = scale);
   set_style(state_.view.theme, scale);
+  if (canvas_) canvas_->screen_scale = scale;
   io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
   io.DeltaTime = static_cast<float>(std::max(seconds, 1e-4));
   if (!input_.empty()) frames_to_draw_ = 3;

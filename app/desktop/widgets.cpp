@@ -8,7 +8,7 @@
 
 #include "app/desktop/imgui.hpp"
 #include "app/desktop/ui.hpp"
-#include "core/model/shortened.hpp"
+#include "core/model/text.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {

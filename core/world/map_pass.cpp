@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "core/io/image/png.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
-#include "core/model/sha256.hpp"
 #include "core/planes/pipeline/frame_threads.hpp"
 #include "core/world/tracks/expected.hpp"
 

@@ -276,6 +276,7 @@ TEST_F(Scene, APlaneIsChosenAndCopiedFromItsMenu) {
   for (const ContextEntry& entry : entries)
     if (entry.name == "isolate" || entry.name == "copy")
       for (const Command& command : entry.commands) shell.perform(command, true);
+  stage.draw_frame();
   EXPECT_EQ(state().view.selected.plane, 2);
   EXPECT_TRUE(state().view.isolated);
   EXPECT_EQ(std::string(ImGui::GetClipboardText()), debug::plane_name(*state().run(), 2));

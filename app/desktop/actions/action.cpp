@@ -48,7 +48,7 @@ int fit_of(const std::vector<std::string>& words, const std::string& text) {
 void check_whole(const std::string& action, int value, const Range& range) {
   if (value >= range.low && value <= range.high) return;
   throw Error(range.high < range.low
-                  ? fmt::format("action {}: there is no {} to choose, none is there", action, value)
+                  ? fmt::format("action {}: no item {}: the list is empty", action, value)
                   : fmt::format("action {}: {} is out of range, expected {} to {}", action, value,
                                 range.low, range.high));
 }
@@ -113,8 +113,7 @@ void apply(State& state, const Command& command) {
   if (action.takes.empty() && !command.argument.empty())
     throw Error(fmt::format("action {}: takes no argument, but '{}' was given", action.name,
                             command.argument));
-  if (!action.can_run(state))
-    throw Error(fmt::format("action {}: there is nothing that it could act on now", action.name));
+  if (!action.can_run(state)) throw Error(fmt::format("action {}: not available now", action.name));
   action.run(state, command);
   drop_done_hint(state);
 }

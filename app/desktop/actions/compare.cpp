@@ -311,7 +311,7 @@ void add_compare_actions(std::vector<Action>& all) {
       .menu()
       .words("why lost grey gray repair remedy")
       .run(Takes<PointWish>{"plane|own|none|with VOXEL", read_wish}, ask_of_selected);
-  compare.add("fix.far", "Search farther")
+  compare.add("fix.far", "Search a wider range")
       .key("Alt+X")
       .when([](const State& s) {
         return s.results.fix.finished && s.results.current && s.results.fix.of == s.results.current;

@@ -8,7 +8,7 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
-#include "core/io/camera_setup.hpp"
+#include "core/io/folder/camera_files.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
@@ -232,11 +232,8 @@ void go_to_bookmark(State& state, const Bookmark& bookmark) {
   const auto known = [](std::int32_t index, std::size_t size) {
     return index >= 0 && static_cast<std::size_t>(index) < size ? index : -1;
   };
-  const auto planes = static_cast<std::size_t>(run.timeline.plane_count());
   state.view.selected = {.node = known(bookmark.node, run.octree().nodes.size()),
-                         .plane = bookmark.plane_of_trace
-                                      ? known(bookmark.plane, planes)
-                                      : run.timeline.plane_of_number(bookmark.plane),
+                         .plane = run.timeline.plane_of_number(bookmark.plane),
                          .voxel = known(bookmark.voxel, run.subject->voxel_count())};
 }
 

@@ -152,10 +152,12 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
     text += fmt::format(", the camera is tilted by {:.0f}°", tilt_deg);
     if (tilt_deg > kMostTilt_deg) text += " (was that the right surface?)";
   }
-  say(state,
-      fmt::format("gravity {} {}: kept in {}", text,
-                  all ? "for all frames" : "for this frame, and others along the camera's motion",
-                  (open.label_dir / "gravity.json").string()));
+  say(state, fmt::format("gravity {} {}: kept in {}", text,
+                         all ? "for all frames"
+                         : open.recording->frame_count() == 1
+                             ? "for this frame"
+                             : "for this frame and, following the camera, for others",
+                         (open.label_dir / "gravity.json").string()));
   try {
     tell_labels(state, {picked.direction, GravitySource::picked, 1, picked.note});
   } catch (const Error& error) {  // gravity is picked all the same

@@ -123,14 +123,18 @@ void show_meeting(State& state, std::int32_t other) {
   if (selected.voxel < 0) return say(state, "no point is selected: click the first of the two");
   if (!run.is_ours()) return say(state, "only method ours has steps at which points join");
   const std::int32_t step = debug::step_of_meeting(run, selected.voxel, other);
-  if (step == 0) return say(state, "these two points are not in one plane");
+  const auto moved_on = [voxel = selected.voxel](const State& s) {
+    return s.view.selected.voxel != voxel;
+  };
+  if (step == 0) return say_hint(state, "these two points are not in one plane", moved_on);
   go_to_step(state, step);
   select_voxel(state, selected.voxel, selected.source);
   ask_of_point(state, {.voxel = static_cast<std::uint32_t>(selected.voxel),
                        .wish = debug::Wish::own_plane,
                        .with = other});
   state.view.inspector_tab = "inspector";
-  say(state, fmt::format("they joined at step {}: {}", step, debug::describe_event(run, step)));
+  say_hint(state, fmt::format("merged at step {}: {}", step, debug::describe_event(run, step)),
+           moved_on);
 }
 
 /// "U,V" or "VOXEL".

@@ -133,7 +133,8 @@ void save_steps(State& state, const std::string& text) {
   std::error_code failed;
   const std::filesystem::path folder = std::filesystem::absolute(saving.path).parent_path();
   if (!std::filesystem::is_directory(folder, failed))
-    throw Error(saving.path.string() + ": cannot be written, " + folder.string() + " is no folder");
+    throw Error(saving.path.string() + ": cannot be written, " + folder.string() +
+                " is not a folder");
   if (std::filesystem::is_directory(saving.path, failed))
     throw Error(saving.path.string() + ": cannot be written, it is a folder");
   say(state, "");

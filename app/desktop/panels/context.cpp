@@ -68,7 +68,7 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
            "point.life");
   const std::int32_t other = state.view.selected.voxel;
   if (run.is_ours() && run.segmentation.plane_of[at.what.index] > 0) {
-    menu.add("own", "Should be a plane of its own",
+    menu.add("own", "Should be a separate plane",
              {menu.select, command("fix.point", PointWish{debug::Wish::own_plane})});
     menu.add("none", "Should not be a plane",
              {menu.select, command("fix.point", PointWish{debug::Wish::no_plane})});

@@ -9,7 +9,7 @@
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/io/camera_setup.hpp"
+#include "core/io/folder/camera_files.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::desktop {
@@ -25,10 +25,11 @@ std::string& field(const Ui& ui, const char* name) {
   return ui.memory.texts[std::string("setup.") + name];
 }
 
-void fill_in(const Ui& ui, const Intrinsics& k) {
+void fill_in(const Ui& ui, const Intrinsics& k, double depth_unit_m) {
   const std::array<double, 4> values = {k.fx, k.fy, k.cx, k.cy};
   for (std::size_t i = 0; i < values.size(); ++i)
     field(ui, kFields[i]) = fmt::format("{:.6g}", values[i]);
+  ui.memory.texts[kUnit] = fmt::format("{:g}", depth_unit_m);
 }
 
 /// Choices and fields of this recording, found once.
@@ -38,7 +39,7 @@ const std::vector<io::CameraChoice>& choices_of(const Ui& ui, const OpenRecordin
     const io::RecordingInfo& info = open.recording->info();
     form = {open.recording, io::camera_choices(info)};
     for (const char* name : kFields) field(ui, name).clear();
-    if (info.knows_camera()) fill_in(ui, info.intrinsics);
+    if (info.knows_camera()) fill_in(ui, info.intrinsics, info.depth_unit_m);
     ui.memory.texts[kUnit] = fmt::format("{:g}", info.depth_unit_m);
   }
   return form.choices;
@@ -71,8 +72,9 @@ void draw_choices(const Ui& ui, const std::vector<io::CameraChoice>& choices) {
       titled = true;
       const Intrinsics& k = choice.intrinsics;
       const std::string text =
-          fmt::format("{}   {:.5g}, {:.5g}, {:.5g}, {:.5g}", choice.name, k.fx, k.fy, k.cx, k.cy);
-      if (link(ui, text, fmt::format("setup.choice.{}", i))) fill_in(ui, k);
+          fmt::format("{}   {:.5g}, {:.5g}, {:.5g}, {:.5g}   {:g} m", choice.name, k.fx, k.fy, k.cx,
+                      k.cy, choice.depth_unit_m);
+      if (link(ui, text, fmt::format("setup.choice.{}", i))) fill_in(ui, k, choice.depth_unit_m);
     }
   }
 }
@@ -89,26 +91,31 @@ bool draw_camera_setup(const Ui& ui) {
   heading(ui, "Camera intrinsics");
   paragraph(ui.colors.text,
             info.knows_camera()
-                ? fmt::format("Now from {}.", info.intrinsics_source)
+                ? fmt::format("Currently from {}.", info.intrinsics_source)
                 : fmt::format("{} does not contain the intrinsics of its {}x{} depth camera. Enter "
                               "them, or choose a camera.",
                               open->path.filename().string(), info.width, info.height));
   ImGui::Spacing();
-  bool complete = true;
+  std::string wrong;  // the first field without a number above 0
   CameraEntry entry;
-  if (ImGui::BeginTable("fields", 5, ImGuiTableFlags_SizingStretchSame,
-                        ImVec2(std::min(ui.px(560), ImGui::GetContentRegionAvail().x), 0))) {
+  const float width = std::min(ui.px(560), ImGui::GetContentRegionAvail().x);
+  if (ImGui::BeginTable("fields", width < ui.px(420) ? 3 : 5, ImGuiTableFlags_SizingStretchSame,
+                        ImVec2(width, 0))) {
     for (std::size_t i = 0; i < kFields.size(); ++i) {
       const std::string widget = std::string("setup.") + kFields[i];
       const auto value = draw_field(ui, fmt::format("{} [px]", kFields[i]).c_str(), widget);
-      complete &= value.has_value();
+      if (!value && wrong.empty()) wrong = kFields[i];
       entry.intrinsics[i] = value.value_or(0);
     }
     entry.depth_unit_m = draw_field(ui, "m per count", kUnit);
-    complete &= entry.depth_unit_m.has_value();
+    if (!entry.depth_unit_m && wrong.empty()) wrong = "m per count";
     ImGui::EndTable();
   }
-  if (button(ui, info.knows_camera() ? "Apply" : "Open", "setup.apply", complete)) {
+  if (!wrong.empty()) {
+    colored(ui.colors.warning, fmt::format("{} must be a number above 0", wrong));
+    ui.name("setup.wrong");
+  }
+  if (button(ui, info.knows_camera() ? "Apply" : "Open", "setup.apply", wrong.empty())) {
     entry.remember = ui.memory.numbers["setup.remember"] != 0;
     ui.act("intrinsics.set", entry);
   }
@@ -116,10 +123,11 @@ bool draw_camera_setup(const Ui& ui) {
     ImGui::SameLine();
     if (button(ui, "Cancel", "setup.cancel")) ui.act("intrinsics.edit");
   }
-  ImGui::SameLine(0, ui.px(16));
+  const char* title = "Remember beside the recording";
+  same_line_if_room(ImGui::CalcTextSize(title).x + 2 * ImGui::GetFrameHeight(), ui.px(16));
   double& remembers = ui.memory.numbers["setup.remember"];
   bool remember = remembers != 0;
-  if (ImGui::Checkbox("Remember beside the recording", &remember)) remembers = remember ? 1 : 0;
+  if (ImGui::Checkbox(title, &remember)) remembers = remember ? 1 : 0;
   ui.name("setup.remember");
   tooltip(fmt::format(
       "Stores them in {}, which every command reads. The recording itself is not changed.",
@@ -200,6 +208,16 @@ std::vector<Assumption> assumptions_of(const State& state) {
     all.push_back({fmt::format("Intrinsics {}", info.intrinsics_source),
                    "edit",
                    "The recording has no intrinsics. Wrong ones bend planes and change sizes.",
+                   {"intrinsics.edit"}});
+  else if (const std::string camera = io::nominal_camera(info.intrinsics); !camera.empty())
+    all.push_back({fmt::format("Intrinsics nominal ({})", camera),
+                   "edit",
+                   "Each camera's own values differ by a percent or two.",
+                   {"intrinsics.edit"}});
+  if (!subject.frame.is_cloud() && info.depth_unit_source.starts_with("assumed"))
+    all.push_back({fmt::format("Depth unit {:g} mm assumed", 1000 * info.depth_unit_m),
+                   "edit",
+                   "The recording has no depth unit. A wrong one scales all lengths.",
                    {"intrinsics.edit"}});
   const double beyond = view->summary.share(view->summary.beyond);
   const double wider = wider_range(options.cloud.max_range_m);

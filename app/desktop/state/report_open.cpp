@@ -14,7 +14,6 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"

@@ -199,7 +199,7 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
 
 std::string state_text(const State& state, bool idle) {
   using Json = nlohmann::ordered_json;
-  return state_facts(state, idle).dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(state_facts(state, idle), 2);
 }
 
 }  // namespace planescope::desktop

@@ -26,7 +26,7 @@
 #include "core/debug/replay/steps.hpp"
 #include "core/io/picked_gravity.hpp"
 #include "core/io/recording.hpp"
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_planes.hpp"
 #include "render/framing.hpp"
@@ -67,8 +67,7 @@ struct Bookmark {
   int frame = 0;
   std::int32_t step = 0;
   std::int32_t node = -1, voxel = -1;
-  std::int32_t plane = -1;      // what it is called by: 3 is P3 ...
-  bool plane_of_trace = false;  // ... or, of sessions /1, its place in the trace
+  std::int32_t plane = -1;  // what it is called by: 3 is P3
   std::string filter;
   render::Camera camera;
   std::optional<Facing> facing;  // all of the frame, from there; nothing: as the camera stands

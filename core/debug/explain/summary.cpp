@@ -15,13 +15,13 @@ std::string reason_of(const Run& run,
                       std::size_t points,
                       bool was_assigned) {
   if (left.type != planes::EventType::decide) {
-    if (left.stage == planes::Stage::grow) return "too small";
+    if (left.stage == planes::Stage::grow) return "regions of too few points";
     if (left.stage == planes::Stage::list) {
-      if (!run.is_on_image()) return "below the minimum worth";
+      if (!run.is_on_image()) return "dropped planes: below the minimum worth";
       const double least = run.segment_options.objective.worth_px;
       return static_cast<double>(points) < least
-                 ? fmt::format("on surfaces smaller than {:g} px", least)
-                 : fmt::format("on uneven surfaces, worth less than {:g} px", least);
+                 ? fmt::format("dropped planes: fewer than {:g} px", least)
+                 : fmt::format("dropped planes: uneven, worth less than {:g} px", least);
     }
     return std::string("dropped at ") + planes::to_string(left.stage);
   }
@@ -75,6 +75,7 @@ FrameSummary summary_of(const Run& run) {
     const std::uint32_t voxel = subject.voxel_of_source(source);
     if (voxel == planes::kNoVoxel) {
       ++by_reason["out of range"].sources;
+      ++summary.out_of_range;
       if (!subject.frame.is_cloud())
         summary.beyond += subject.frame.depth.data[source] * subject.frame.depth_unit_m >
                           run.options.cloud.max_range_m;

@@ -19,8 +19,9 @@ struct Lost {
 };
 
 struct FrameSummary {
-  std::size_t measured = 0;  // pixels, or points of the file
-  std::size_t beyond = 0;    // of these, farther than max_range_m; depth images only
+  std::size_t measured = 0;      // pixels, or points of the file
+  std::size_t out_of_range = 0;  // outside the octree's cube, or without a voxel
+  std::size_t beyond = 0;        // of these, farther than max_range_m; depth images only
   std::size_t on_planes = 0;
   std::size_t on_undecided = 0;  // of these, on planes that are undecided
   int planes = 0, undecided = 0;

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/classify/weights.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"

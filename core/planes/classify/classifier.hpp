@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/label.hpp"
+#include "core/model/frame.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope::planes {

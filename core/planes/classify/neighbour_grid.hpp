@@ -4,7 +4,7 @@
 #include <limits>
 #include <span>
 
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 #include "core/model/types.hpp"
 #include "core/planes/classify/cell_table.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope::planes {
 

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <optional>
 
-#include "core/model/inverse_plane.hpp"
+#include "core/model/plane.hpp"
 #include "core/planes/cloud/camera.hpp"
 #include "core/planes/cloud/pixel_kernels.hpp"
 

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope::planes {
 

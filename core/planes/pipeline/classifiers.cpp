@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/model/error.hpp"
-#include "core/model/sha256.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/planes/classify/gcn.hpp"
 #include "core/planes/classify/weights.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/model/runs.hpp"
+#include "core/model/disjoint_sets.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::planes {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/model/frame.hpp"
-#include "core/model/frame_labels.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 

@@ -130,7 +130,7 @@ std::optional<double> labels_missing(const FrameComparison& frame) {
   return before->metrics && !now->metrics ? 1 : 0;
 }
 
-/// Where a foot's centre may go; none without a foot, and of reports before schema 3.
+/// Where a foot's centre may go; none without a foot.
 std::optional<double> steppable_area(const ReportFrame* frame) {
   if (!done(frame) || !frame->terrain || std::isnan(frame->terrain->steppable_area_m2))
     return std::nullopt;

@@ -10,8 +10,8 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/planes/outline/mesh.hpp"
-#include "core/report/data/json_fields.hpp"
 #include "core/report/data/plane_svg.hpp"
 
 namespace planescope::report {

@@ -7,11 +7,11 @@
 #include <span>
 #include <utility>
 
+#include "core/model/json_fields.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/segment/criteria.hpp"
 #include "core/report/data/frame_planes.hpp"
-#include "core/report/data/json_fields.hpp"
 
 namespace planescope::report {
 namespace {

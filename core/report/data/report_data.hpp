@@ -27,8 +27,8 @@ struct Judgement;
 struct ReportPlane {
   PlaneSummary summary;
   std::string color;
-  int color_id = 0;                  // palette index of `color`, from 1
-  std::optional<Footing> footing{};  // reports before schema 3 have none
+  int color_id = 0;  // palette index of `color`, from 1
+  std::optional<Footing> footing{};
 };
 
 /// One entry of a picture's legend.
@@ -100,7 +100,7 @@ struct ReportFrame {
   ReportNoise noise;
   std::vector<ReportPlane> planes;
   RegionSample regions;
-  std::optional<Terrain> terrain;          // reports before schema 3 have none
+  std::optional<Terrain> terrain;
   std::optional<FrameTracks> tracks;       // where planes were followed
   std::vector<ValueHistogram> histograms;  // of our own method's decisions
   std::vector<ReportPicture> pictures;

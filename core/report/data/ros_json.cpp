@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/report/data/json_fields.hpp"
+#include "core/model/json_fields.hpp"
 
 namespace planescope::report {
 namespace {

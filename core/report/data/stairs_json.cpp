@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/report/data/json_fields.hpp"
+#include "core/model/json_fields.hpp"
 
 namespace planescope::report {
 namespace {

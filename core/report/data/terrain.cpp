@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
 #include "core/report/data/frame_planes.hpp"
-#include "core/report/data/json_fields.hpp"
 
 namespace planescope::report {
 namespace {

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/model/sha256.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::world {
@@ -113,10 +114,6 @@ Json seen_json(const Track& track, const Tracker& tracker) {
   return runs;
 }
 
-std::string text_of(const Json& json) {
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 }  // namespace
 
 std::vector<const Track*> planes_of_map(const Tracker& tracker) {
@@ -185,7 +182,7 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
     }
     json["tracks"].push_back(std::move(told));
   }
-  return text_of(json);
+  return json_text(json);
 }
 
 std::string map_json(const WorldMap& map, const std::string& recording, const MapTexts& others) {
@@ -220,7 +217,7 @@ std::string map_json(const WorldMap& map, const std::string& recording, const Ma
   json["planes"] = Json::array();
   for (const Track* track : planes_of_map(map.tracker))
     json["planes"].push_back(plane_json(*track));
-  return text_of(json);
+  return json_text(json);
 }
 
 }  // namespace
@@ -238,16 +235,16 @@ std::string left_json(const LeftPiece& piece) {
                      {"frame", piece.frame},
                      {"area_m2", rounded(piece.outline.area_m2)},
                      {"outline", outline_json(piece.outline)}};
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, -1);
 }
 
 std::string pace_json(const Pace& pace) {
-  return text_of({{"schema", "planescope.pace/1"},
-                  {"frames", pace.frames},
-                  {"taken", pace.taken},
-                  {"rate_hz", number(pace.rate_hz)},
-                  {"behind_ms_median", number(1000 * pace.behind_s_median)},
-                  {"behind_ms_most", number(1000 * pace.behind_s_most)}});
+  return json_text({{"schema", "planescope.pace/1"},
+                    {"frames", pace.frames},
+                    {"taken", pace.taken},
+                    {"rate_hz", number(pace.rate_hz)},
+                    {"behind_ms_median", number(1000 * pace.behind_s_median)},
+                    {"behind_ms_most", number(1000 * pace.behind_s_most)}});
 }
 
 std::string stability_text(const Stability& s) {

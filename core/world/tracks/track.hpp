@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/label.hpp"
+#include "core/model/frame.hpp"
 #include "core/model/plane.hpp"
 #include "core/world/tracks/cells.hpp"
 #include "core/world/tracks/observation.hpp"

@@ -9,7 +9,7 @@
 #include "core/io/recording.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
 #include "core/lab/synthetic/sequence.hpp"
-#include "core/model/sha256.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/world/files/map_files.hpp"
 #include "core/world/tracks/align.hpp"

@@ -455,7 +455,7 @@ void draw_events(const Ui& ui) {
   draw_search(ui);
   const debug::Run* run = ui.state.run();
   if (!run)
-    return paragraph(ui.colors.muted, "What is decided on a frame, step by step, comes here.");
+    return paragraph(ui.colors.muted, "The decisions on a frame are listed here, step by step.");
   draw_findings(ui, *run);
   draw_breakpoints(ui);
   ImGui::BeginChild("##events");

@@ -40,6 +40,7 @@ void draw_buttons(const Ui& ui, std::size_t i, bool check) {
   const std::string number = std::to_string(i);
   button(ui, "Preview", "fix.preview." + number);
   if (ImGui::IsItemActivated()) ui.act("fix.preview", i);
+  if (ImGui::IsItemDeactivated()) ui.act("fix.preview");
   tooltip("Shows the result while you hold the button");
   ImGui::SameLine();
   if (button(ui, "Apply", "fix.apply." + number)) ui.act("fix.apply", i);
@@ -50,29 +51,50 @@ void draw_buttons(const Ui& ui, std::size_t i, bool check) {
   tooltip("Effect on every labeled frame of the recording");
 }
 
-/// "+31 900 px, 8 → 9 planes, 212 px elsewhere change".
+/// "+31 900 px, planes 8 → 9, 212 px change elsewhere".
 std::string effect_text(const debug::Run& run, const debug::Fix& fix, debug::Wish wish) {
   const char* unit = unit_of(run);
   const bool frees = wish == debug::Wish::no_plane;  // `gained` counts points that leave the plane
   const char* sign = frees ? "" : fix.gained >= 0 ? "+" : "";
-  return fmt::format("{}{} {}{}, planes {} → {}, elsewhere {} {} change", sign, grouped(fix.gained),
+  return fmt::format("{}{} {}{}, planes {} → {}, {} {} change elsewhere", sign, grouped(fix.gained),
                      unit, frees ? " freed" : "", fix.planes_before, fix.planes_after,
                      grouped(fix.elsewhere), unit);
 }
 
 bool is_asked(const FixSearch& fix) { return fix.running || fix.finished; }
 
-const char* question(debug::Wish wish) {
-  switch (wish) {
+const char* question(const PointAsked& asked) {
+  switch (asked.wish) {
     case debug::Wish::own_plane:
-      return "Why is this not a plane of its own?";
+      return asked.with >= 0 ? "Why are these two points in one plane?"
+                             : "Why is this not a separate plane?";
     case debug::Wish::no_plane:
-      return "Why is this a plane?";
+      return "How did this get into a plane?";
     case debug::Wish::joined:
       return "Why are these not one plane?";
     default:
       return "Why is this unassigned?";
   }
+}
+
+/// What holds without a change.
+const char* granted_text(debug::Wish wish) {
+  switch (wish) {
+    case debug::Wish::own_plane:
+      return "It already is a separate plane.";
+    case debug::Wish::no_plane:
+      return "It already is in no plane.";
+    case debug::Wish::joined:
+      return "They already are one plane.";
+    default:
+      return "It already is in a plane.";
+  }
+}
+
+std::string unit_suffix(const planes::OptionInfo& info) {
+  const bool none =
+      info.unit.empty() || info.unit == "1" || info.unit == "share" || !info.is_number();
+  return none ? "" : " " + info.unit;
 }
 
 /// "step 49" as a link, and what was decided there.
@@ -149,12 +171,13 @@ void draw_fix_progress(const Ui& ui, const FixSearch& fix) {
 }
 
 void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
-  if (fix.granted && fix.fixes.empty()) return paragraph(ui.colors.good, "Already the case.");
+  if (fix.granted && fix.fixes.empty())
+    return paragraph(ui.colors.good, granted_text(fix.target.wish));
   if (fix.fixes.empty()) {
     paragraph(ui.colors.warning, fix.target.far
-                                     ? "No change of one option works; several may be needed."
-                                     : "No change of one option by up to a factor of 3 works.");
-    if (!fix.target.far && button(ui, "Search farther", "fix.far")) ui.act("fix.far");
+                                     ? "No single option helps; several may be needed."
+                                     : "No single option helps, even changed by a factor of 3.");
+    if (!fix.target.far && button(ui, "Search a wider range", "fix.far")) ui.act("fix.far");
     return;
   }
   const debug::Run& run = *fix.of->run;
@@ -163,8 +186,11 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
     const debug::Fix& one = fix.fixes[i];
     if (static_cast<int>(i) == fix.checked) colored(ui.colors.accent, "Checked below");
     const planes::OptionInfo& info = planes::find_option(one.option);
-    math_text(ui, ui.colors.text, fmt::format("{} {} → {}", info.title, one.before, one.after));
-    tooltip(fmt::format("{} ({})", info.meaning, info.name));
+    math_text(ui, ui.colors.text,
+              fmt::format("{} {} → {}{}", info.title, one.before, one.after, unit_suffix(info)));
+    tooltip(info.meaning);
+    same_line_if_room(ImGui::CalcTextSize(info.name.c_str()).x, ui.px(8));
+    colored(ui.colors.muted, info.name);
     if (one.restores) {
       ImGui::SameLine();
       colored(ui.colors.good, "profile default");
@@ -173,7 +199,10 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
     if (check && !one.score.planes.empty())
       paragraph(ui.colors.muted, fmt::format("IoU {:.2f}, {} of {} true planes detected", one.share,
                                              one.score.detected, one.score.planes.size()));
-    draw_buttons(ui, i, check);
+    if (info.get(ui.state.document.options) == one.after && !ui.state.view.preview)
+      colored(ui.colors.good, "Applied");
+    else
+      draw_buttons(ui, i, check);
     ImGui::Spacing();
   }
   if (shown < fix.fixes.size() &&
@@ -199,8 +228,13 @@ bool draw_try(const Ui& ui) {
 void draw_answer(const Ui& ui) {
   const std::optional<Answer> answer = answer_of(ui, ui.state.view.selected.voxel);
   if (!answer) return;
-  heading(ui, question(answer->fix ? answer->fix->asked->wish : debug::Wish::plane));
+  const bool granted = answer->fix && answer->fix->granted && answer->fix->fixes.empty();
+  if (granted)
+    heading(ui, granted_text(answer->fix->target.wish));
+  else
+    heading(ui, question(answer->fix ? *answer->fix->asked : PointAsked{}));
   draw_decisions(ui, answer->run, answer->fix);
+  if (granted) return ImGui::Separator();
   draw_try(ui);
   ImGui::Separator();
 }

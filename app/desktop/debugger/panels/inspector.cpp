@@ -420,13 +420,16 @@ std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share);
 void draw_frame_summary(const Ui& ui, const RunView& view) {
   const debug::FrameSummary& summary = view.summary;
   const double on = summary.share(summary.on_planes);
-  heading(ui,
-          fmt::format("{} on {} · {} unassigned", percent(on),
-                      counted(static_cast<std::size_t>(summary.planes), "plane"), percent(1 - on)));
+  const double outside = summary.share(summary.out_of_range);
+  std::string title = fmt::format("{} on {} · {} unassigned", percent(on),
+                                  counted(static_cast<std::size_t>(summary.planes), "plane"),
+                                  percent(1 - on - outside));
+  if (outside >= kLeast) title += fmt::format(" · {} out of range", percent(outside));
+  heading(ui, title);
   draw_bar(ui, summary);
   if (summary.undecided > 0)
     paragraph(ui.colors.muted,
-              fmt::format("{}, {} of all points, undecided: slightly different noise may drop "
+              fmt::format("{}, {} of all points, undecided: slightly different noise could drop "
                           "or merge them",
                           counted(static_cast<std::size_t>(summary.undecided), "plane"),
                           percent(summary.share(summary.on_undecided))));
