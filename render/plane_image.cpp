@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/model/plane.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::render {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/model/types.hpp"
-#include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/truth.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::render {

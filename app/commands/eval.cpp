@@ -13,8 +13,8 @@
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
-#include "core/planes/pipeline/frame_threads.hpp"
-#include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/truth.hpp"
 #include "core/report/data/segment_files.hpp"
 
 namespace planescope::app {

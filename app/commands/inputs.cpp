@@ -15,7 +15,6 @@
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
 
 namespace planescope::app {
 namespace fs = std::filesystem;

@@ -15,7 +15,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::app {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,14 @@
 #include "core/model/text.hpp"
 
 namespace planescope {
+
+double rounded(double value) {
+  return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no minus zero
+}
+
+nlohmann::ordered_json vector_json(const Vec3d& v) {
+  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
+}
 
 void check_depth(int depth, const std::string& what) {
   if (depth > kDeepestJson)

@@ -52,6 +52,10 @@ int whole_int(const Json& json, const std::string& what) {
   return static_cast<int>(whole_number(json, -kMost - 1, kMost, what));
 }
 
+/// To a nanometer, which is far below what any sensor resolves; never minus zero.
+double rounded(double value);
+nlohmann::ordered_json vector_json(const Vec3d& v);  // rounded
+
 /// Text from such a file for a message: quoted, in ASCII, cut where it is long.
 std::string shown(const std::string& text);
 

@@ -13,7 +13,7 @@
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
-#include "core/planes/pipeline/frame_threads.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/world/tracks/expected.hpp"
 
 namespace planescope::world {

@@ -9,7 +9,6 @@
 #include "app/desktop/look.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -350,7 +350,7 @@ std::shared_ptr<const render::PlaneScene> outlines_of_run(const debug::Run& run)
   auto scene = std::make_shared<render::PlaneScene>();
   scene->origin = result.cloud.origin;
   try {
-    const double cell_m = report::cell_size_m(result.voxels.size_m);
+    const double cell_m = planes::cell_size_m(result.voxels.size_m);
     scene->shapes = render::plane_shapes(planes::outlines_of(run.subject->frame, result, cell_m),
                                          result.cloud.origin);
   } catch (const Error&) {
@@ -369,7 +369,7 @@ std::shared_ptr<const RunPlanes> planes_of_run(const std::shared_ptr<const RunVi
   auto made = std::make_shared<RunPlanes>();
   made->of = view;
   made->key = planes_key(options);
-  made->found = report::frame_planes(run.subject->frame, result, asked);
+  made->found = planes::analyze_planes(run.subject->frame, result, asked);
   made->scene = std::make_shared<const render::PlaneScene>(
       render::plane_scene(result.segmentation.planes, made->found.outlines, made->found.footholds,
                           made->found.stairs, result.cloud.origin));

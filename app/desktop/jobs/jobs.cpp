@@ -9,7 +9,7 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/state/report_open.hpp"
 #include "core/model/text.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {

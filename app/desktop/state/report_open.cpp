@@ -15,8 +15,8 @@
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/compare/compare_reports.hpp"
 #include "core/report/data/report_json.hpp"
 

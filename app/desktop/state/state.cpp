@@ -9,6 +9,7 @@
 #include "app/desktop/debugger/timeline.hpp"
 #include "app/desktop/state/session.hpp"
 #include "app/desktop/tracks/map_view.hpp"
+#include "core/model/json.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {

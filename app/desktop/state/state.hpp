@@ -20,7 +20,6 @@
 #include "core/debug/explain/histogram.hpp"
 #include "core/debug/explain/measure.hpp"
 #include "core/debug/explain/score.hpp"
-#include "core/debug/explain/summary.hpp"
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
 #include "core/debug/replay/steps.hpp"
@@ -28,7 +27,7 @@
 #include "core/io/recording.hpp"
 #include "core/model/types.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "render/framing.hpp"
 #include "render/plane_colors.hpp"
 #include "render/step_scene.hpp"
@@ -143,7 +142,7 @@ struct RunView {
 struct RunPlanes {
   std::shared_ptr<const RunView> of;
   std::string key;  // of these options
-  report::FramePlanes found;
+  planes::FramePlanes found;
   std::shared_ptr<const render::PlaneScene> scene;
 };
 

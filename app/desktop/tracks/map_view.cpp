@@ -8,7 +8,7 @@
 #include "app/commands/map_picture.hpp"
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/jobs/frame_work.hpp"
-#include "core/debug/explain/region_decision.hpp"
+#include "core/debug/explain/compare.hpp"
 #include "core/model/error.hpp"
 #include "core/world/tracks/sight.hpp"
 #include "render/palette.hpp"

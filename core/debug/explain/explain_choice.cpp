@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "core/debug/explain/explain.hpp"
-#include "core/debug/replay/state_walk.hpp"
-#include "core/planes/segment/choices.hpp"
+#include "core/debug/replay/steps.hpp"
+#include "core/planes/segment/state.hpp"
 
 namespace planescope::debug {
 namespace {

@@ -10,11 +10,11 @@
 
 #include "core/model/frame.hpp"
 #include "core/planes/cloud/cloud.hpp"
-#include "core/planes/rivals/ransac.hpp"
+#include "core/planes/rivals/rivals.hpp"
 
 namespace planescope::open3d {
 
-/// Hands over the rival `ransac` (core/planes/rivals/ransac.hpp) and the cloud formats .xyz, .pts,
+/// Hands over the rival `ransac` (core/planes/rivals/rivals.hpp) and the cloud formats .xyz, .pts,
 /// .obj, .stl and .off. Call it once, before any recording, method or option is asked for.
 void install();
 

@@ -28,7 +28,7 @@ void add_undecided(const ReportFrame& frame,
                    std::vector<std::string>& texts) {
   for (const int id : ids) {
     if (id < 1) continue;
-    const PlaneSummary& plane = frame.planes.at(static_cast<std::size_t>(id) - 1).summary;
+    const planes::PlaneSummary& plane = frame.planes.at(static_cast<std::size_t>(id) - 1).summary;
     std::string text = fmt::format("plane {}{} (margin {:.2g})", id, of, plane.margin);
     if (plane.undecided && std::ranges::count(texts, text) == 0) texts.push_back(std::move(text));
   }

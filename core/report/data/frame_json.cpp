@@ -235,13 +235,6 @@ void frame_fields(Fields& fields, auto& frame, bool ours) {
 
 }  // namespace
 
-Json gravity_json(const Gravity& gravity) {
-  Json json;
-  FieldWriter fields(json);
-  gravity_fields(fields, gravity);
-  return json;
-}
-
 Json metrics_json(const planes::Metrics& metrics) {
   Json json;
   FieldWriter fields(json);

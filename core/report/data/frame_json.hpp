@@ -9,7 +9,6 @@
 
 namespace planescope::report {
 
-nlohmann::ordered_json gravity_json(const Gravity& gravity);
 nlohmann::ordered_json metrics_json(const planes::Metrics& metrics);
 /// All of it but its timings. `ours`: with what the octree's traversal tells.
 nlohmann::ordered_json frame_json(const ReportFrame& frame, bool ours);

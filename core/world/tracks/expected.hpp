@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/planes/depth/known.hpp"
+#include "core/planes/depth/inverse_depth.hpp"
 #include "core/world/tracks/track.hpp"
 
 namespace planescope::world {

@@ -10,7 +10,7 @@
 #include "core/lab/synthetic/render_scene.hpp"
 #include "core/lab/synthetic/sequence.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/world/files/map_files.hpp"
 #include "core/world/tracks/align.hpp"
 #include "core/world/tracks/expected.hpp"

@@ -19,8 +19,8 @@ namespace planescope::desktop {
 
 namespace {
 
-PlaneRow row_of(const debug::Run& run, const report::FramePlanes& found, std::size_t k) {
-  const report::PlaneSummary& summary = found.summaries[k];
+PlaneRow row_of(const debug::Run& run, const planes::FramePlanes& found, std::size_t k) {
+  const planes::PlaneSummary& summary = found.summaries[k];
   PlaneRow row;
   row.id = summary.id;
   row.plane = run.timeline.plane_of_number(summary.id);
@@ -237,7 +237,7 @@ std::vector<PlaneLine> plane_lines(const State& state, std::int32_t plane) {
   const int id = finished_plane(state, plane);
   const planes::Foothold* foothold = foothold_of(state, id);
   if (!foothold) return {};
-  const report::FramePlanes& found = state.planes()->found;
+  const planes::FramePlanes& found = state.planes()->found;
   const std::size_t k = static_cast<std::size_t>(id) - 1;
   const planes::Surface& surface = foothold->surface;
   const planes::Certainty& certainty = foothold->certainty;
@@ -261,7 +261,7 @@ std::vector<PlaneLine> plane_lines(const State& state, std::int32_t plane) {
        "and of the offset at its centroid"});
   lines.push_back(
       {"clearance", mm(surface.clearance_m), "Radius of the largest circle in its outline"});
-  if (const report::PlaneSummary& summary = found.summaries[k]; std::isfinite(summary.margin))
+  if (const planes::PlaneSummary& summary = found.summaries[k]; std::isfinite(summary.margin))
     lines.push_back(
         {"margin", fmt::format("{:.2g}{}", summary.margin, summary.undecided ? ", undecided" : ""),
          "Distance from being dropped or merged with a larger neighbor"});

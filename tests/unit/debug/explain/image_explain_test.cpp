@@ -7,7 +7,7 @@
 #include "core/debug/explain/explain.hpp"
 #include "core/debug/explain/histogram.hpp"
 #include "core/debug/explain/provenance.hpp"
-#include "core/debug/explain/summary.hpp"
+#include "core/debug/explain/score.hpp"
 #include "core/debug/explain/trace_text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "support/box_scene.hpp"

@@ -8,7 +8,7 @@
 
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
-#include "core/debug/replay/state_walk.hpp"
+#include "core/debug/replay/steps.hpp"
 #include "support/box_scene.hpp"
 
 namespace planescope::debug {
