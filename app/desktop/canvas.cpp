@@ -13,32 +13,14 @@
 namespace planescope::desktop {
 namespace {
 
-/// What a look depends on, to compare with the next.
+/// What was drawn last.
 struct LookKey {
   std::weak_ptr<const debug::Run> run;  // an address alone may be another run's by now
   render::StepLook look;
-  std::vector<std::uint32_t> marked;
 
   bool same(const std::shared_ptr<const debug::Run>& other_run,
             const render::StepLook& other) const {
-    return run.lock() == other_run && look.step == other.step && look.color_by == other.color_by &&
-           look.range == other.range && look.show_queue == other.show_queue &&
-           look.show_settled == other.show_settled && look.show_planes == other.show_planes &&
-           look.show_numerals == other.show_numerals && look.show_points == other.show_points &&
-           look.show_names == other.show_names && look.show_normals == other.show_normals &&
-           look.show_foot == other.show_foot && look.show_stairs == other.show_stairs &&
-           look.point_size == other.point_size && look.planes == other.planes &&
-           look.isolated == other.isolated && look.color_of_plane == other.color_of_plane &&
-           look.color_of_truth == other.color_of_truth && look.map == other.map &&
-           look.show_current == other.show_current && look.node == other.node &&
-           look.plane == other.plane && look.voxel == other.voxel && look.theme == other.theme &&
-           std::equal(marked.begin(), marked.end(), other.marked.begin(), other.marked.end());
-  }
-  void set(const std::shared_ptr<const debug::Run>& new_run, const render::StepLook& new_look) {
-    run = new_run;
-    look = new_look;
-    marked.assign(new_look.marked.begin(), new_look.marked.end());
-    look.marked = {};
+    return run.lock() == other_run && look == other;
   }
 };
 
@@ -125,7 +107,7 @@ class GlCanvas : public Canvas {
     const bool same_list = view.shows == SceneView::Shows::step && view.key.same(run, look);
     if (!same_list) {
       view.list = render::scene_step(*run, look);
-      view.key.set(run, look);
+      view.key = {run, look};
       view.shows = SceneView::Shows::step;
     }
     return drawn(view, same_list, camera, width, height, look.theme);
@@ -190,7 +172,7 @@ class GlCanvas : public Canvas {
     if (picture.empty()) return 0;
     render::paint_step(picture, *run, look, opacity);
     upload(shown.texture, picture);
-    shown.key.set(run, look);
+    shown.key = {run, look};
     shown.backdrop = backdrop;
     shown.opacity = opacity;
     return shown.texture.id();

@@ -57,7 +57,7 @@ TEST(Session, BringsBackTheViewOnAnotherMachine) {
   EXPECT_EQ(other.document.bookmarks.at(0).note, "why here");
   EXPECT_EQ(other.view.search.text, "case==III");
   EXPECT_EQ(other.view.color_by, render::ColorBy::depth);
-  EXPECT_EQ(other.view.color_range, (render::ValueRange{0.5, 1.25}));
+  EXPECT_EQ(other.view.range, (render::ValueRange{0.5, 1.25}));
   ASSERT_TRUE(other.view.arrival);
   EXPECT_EQ(other.view.arrival->step, state.view.step);
   EXPECT_EQ(other.view.camera->eye, Vec3d(1, 2, 3));

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "app/desktop/assumptions.hpp"
+#include "app/desktop/panels.hpp"
 #include "core/io/folder/camera_files.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
@@ -153,7 +153,7 @@ struct Assumptions : OpenDesktop {
   const Assumption* with_action(const std::string& action) {
     all_ = assumptions_of(state());
     for (const Assumption& one : all_)
-      if (one.action == action) return &one;
+      if (one.command.action == action) return &one;
     return nullptr;
   }
   std::vector<Assumption> all_;

@@ -1,10 +1,9 @@
-#include "app/desktop/jobs/report_arrival.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "app/desktop/state/report_open.hpp"
 #include "core/debug/explain/compare.hpp"
 
 namespace planescope::desktop {

@@ -9,7 +9,6 @@
 
 #include "app/cli/assets.hpp"
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/jobs/report_arrival.hpp"
 #include "app/desktop/state/session.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"

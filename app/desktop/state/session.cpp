@@ -78,7 +78,7 @@ static void color_range_field(Fields& fields, auto& range) {
 /// Panels, colors, theme, layout: what is not the cursor. Missing fields leave what `view` has.
 void visit_fields(auto& fields, Same<ViewState> auto& view) {
   fields.clamped("color_by", view.color_by, 0, render::kColorBys - 1, kOptional);
-  color_range_field(fields, view.color_range);
+  color_range_field(fields, view.range);
   fields("show_queue", view.show_queue, kOptional);
   fields("show_settled", view.show_settled, kOptional);
   fields("show_numerals", view.show_numerals, kOptional);
@@ -108,14 +108,12 @@ void visit_fields(auto& fields, Same<ViewState> auto& view) {
   fields("truth_plane", view.truth_plane, kOptional | kSigned);
   fields.clamped("views", view.views, 0, 2, kOptional);
   fields.object("layout", kOptional, [&](auto& of) {
-    of.clamped("left", view.layout.left, 0, 0.9, kOptional);
-    of.clamped("right", view.layout.right, 0, 0.9, kOptional);
-    of.clamped("bottom", view.layout.bottom, 0, 0.9, kOptional);
-    of.clamped("image", view.layout.image, 0, 0.9, kOptional);
-    of.clamped("octree", view.layout.octree, 0, 0.9, kOptional);
-    of.clamped("tools", view.layout.tools, 0, 0.9, kOptional);
+    for (const LayoutPart& part : kLayoutParts)
+      of.clamped(part.name, view.layout.*part.share, 0, 0.9, kOptional);
   });
 }
+
+Json view_json(const ViewState& view) { return json_of(view); }
 
 // ---- Sessions ----------------------------------------------------------------------------------
 
@@ -220,7 +218,7 @@ io::RecordingOptions options_to_open(io::RecordingOptions options) {
 }
 
 void take_recording(State& state, OpenRecording taken, int frame) {
-  if (state.view.mode == Mode::labels) apply(state, {"label.mode", ""});
+  if (state.view.mode == Mode::labels) leave_label_mode(state);
   Document& document = state.document;
   const auto same = [&](const OpenRecording& open) {
     std::error_code gone;
@@ -296,7 +294,7 @@ void open_session(State& state, const std::string& where) {
   if (!arrival.facing) state.view.camera = arrival.camera;
   state.view.facing = arrival.facing.value_or(Facing::home);
   state.view.orthographic = arrival.orthographic;
-  apply(state, {"filter.set", arrival.filter});
+  set_filter(state, arrival.filter);
   state.view.arrival = arrival;
 }
 

@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "app/desktop/debugger/step_axis.hpp"
+#include "app/desktop/debugger/timeline.hpp"
+#include "app/desktop/state/session.hpp"
 #include "app/desktop/tracks/map_view.hpp"
 #include "core/model/json.hpp"
 #include "core/planes/pipeline/options_table.hpp"
@@ -191,6 +192,7 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["message"] = view.message;
   json["undo"] = state.undo.size();
   add_label_facts(state, json);
+  json["view"] = view_json(view);
   for (const planes::OptionInfo& info : planes::option_table())
     json["options"][info.name] = info.get(document.options);
   return json;
