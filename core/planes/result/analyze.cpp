@@ -10,8 +10,8 @@
 #include <span>
 
 #include "core/model/plane.hpp"
-#include "core/planes/simd/pixel_kernels.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/simd/pixel_kernels.hpp"
 
 namespace planescope::planes {
 namespace {
