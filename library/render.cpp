@@ -4,9 +4,8 @@
 
 #include "core/io/image/png.hpp"
 #include "library/data.hpp"
-#include "render/context.hpp"
-#include "render/plane_colors.hpp"
 #include "render/renderer.hpp"
+#include "render/plane_colors.hpp"
 #include "render/scenes.hpp"
 #include "render/step_scene.hpp"
 

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "app/desktop/debugger/plane_text.hpp"
-#include "render/step_values.hpp"
+#include "render/step_scene.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -14,7 +14,7 @@
 #include "core/model/parallel.hpp"
 #include "core/model/sha256.hpp"
 #include "core/planes/pipeline/frame_threads.hpp"
-#include "core/world/tracks/expected.hpp"
+#include "core/world/tracks/sight.hpp"
 
 namespace planescope::world {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
-#include "core/world/tracks/track_labels.hpp"
+#include "core/world/tracks/sight.hpp"
 
 namespace planescope::desktop {
 namespace {
