@@ -4,8 +4,8 @@
 
 #include "core/io/image/png.hpp"
 #include "library/data.hpp"
-#include "render/renderer.hpp"
 #include "render/plane_colors.hpp"
+#include "render/renderer.hpp"
 #include "render/scenes.hpp"
 #include "render/step_scene.hpp"
 

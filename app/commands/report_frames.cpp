@@ -20,9 +20,9 @@
 #include "core/planes/pipeline/score.hpp"
 #include "core/report/data/frame_planes.hpp"
 #include "core/report/data/segment_files.hpp"
-#include "render/renderer.hpp"
 #include "render/palette.hpp"
 #include "render/plane_colors.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::app {
 namespace {

@@ -12,8 +12,8 @@
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "render/renderer.hpp"
 #include "render/gl.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -30,9 +30,9 @@
 #include "core/model/image.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_planes.hpp"
-#include "render/view.hpp"
 #include "render/plane_colors.hpp"
 #include "render/step_scene.hpp"
+#include "render/view.hpp"
 
 namespace planescope::desktop {
 

@@ -5,8 +5,8 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/world/poses/odometry.hpp"
-#include "core/world/poses/trajectory.hpp"
 #include "core/world/poses/sequence_gravity.hpp"
+#include "core/world/poses/trajectory.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::world {
