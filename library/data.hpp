@@ -10,9 +10,8 @@
 
 #include "core/debug/replay/run.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "planescope/core.hpp"
 
 namespace planescope::v0 {
@@ -44,7 +43,7 @@ struct ResultData {
 
   // Made when they are first asked for.
   mutable std::once_flag once;
-  mutable report::FramePlanes found;
+  mutable planes::FramePlanes found;
   mutable std::vector<Plane> planes;
   void find_planes() const;
 };

@@ -6,7 +6,7 @@
 
 #include "core/planes/classify/gcn.hpp"
 #include "core/planes/classify/weights.hpp"
-#include "core/planes/outline/mesh.hpp"
+#include "core/planes/outline/outline.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/data/plane_files.hpp"
 #include "core/report/data/segment_files.hpp"
@@ -118,8 +118,8 @@ Outline outline_of(const planes::Outline& from) {
   return outline;
 }
 
-Plane make_plane(const report::FramePlanes& found, std::size_t i) {
-  const report::PlaneSummary& summary = found.summaries[i];
+Plane make_plane(const planes::FramePlanes& found, std::size_t i) {
+  const planes::PlaneSummary& summary = found.summaries[i];
   Plane plane;
   plane.id = summary.id;
   plane.label = static_cast<Label>(summary.label);
@@ -184,7 +184,7 @@ Result Trace::result() const {
 
 void ResultData::find_planes() const {
   std::call_once(once, [this] {
-    report::FramePlanes all = report::frame_planes(Access::frame(frame), result, options);
+    planes::FramePlanes all = planes::analyze_planes(Access::frame(frame), result, options);
     std::vector<Plane> made;
     for (std::size_t i = 0; i < all.summaries.size(); ++i) made.push_back(make_plane(all, i));
     found = std::move(all);
@@ -261,7 +261,7 @@ Timings Result::timings() const {
 std::string Result::json() const {
   return guarded([&] {
     data_->find_planes();
-    return report::planes_json(Access::frame(data_->frame), data_->result, data_->found,
+    return planes::planes_json(Access::frame(data_->frame), data_->result, data_->found,
                                data_->options);
   });
 }

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::render {

@@ -24,7 +24,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::render {

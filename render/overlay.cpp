@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/model/shortened.hpp"
+#include "core/model/text.hpp"
 #include "render/paint.hpp"
 
 namespace planescope::render {
@@ -291,8 +291,8 @@ Overlay layout_overlay(const DrawList& list,
                        const ThemeColors& theme,
                        OverlayPart part) {
   Overlay overlay;
-  const Pen pen = {overlay, theme, overlay_scale(view.width, view.height),
-                   static_cast<double>(view.width), static_cast<double>(view.height)};
+  const Pen pen = {overlay, theme, overlay_scale(view), static_cast<double>(view.width),
+                   static_cast<double>(view.height)};
   if (part != OverlayPart::scene) {
     add_heading(pen, list);
     const double below_heading = overlay.shapes.empty() ? 0 : overlay.shapes.back().y1;
@@ -310,10 +310,11 @@ Overlay layout_overlay(const DrawList& list,
   return overlay;
 }
 
-double overlay_scale(int width, int height) {
+double overlay_scale(const View& view) {
+  const double width = view.width / view.screen_scale, height = view.height / view.screen_scale;
   const double large = std::min(height / 720.0, width / 900.0);
   const double small = std::min({height / 500.0, width / 640.0, 1.0});  // a panel of a window
-  return std::clamp(std::max(large, small), 0.7, 2.5);
+  return view.screen_scale * std::clamp(std::max(large, small), 0.7, 2.5);
 }
 
 double round_length_m(double px_per_m, double max_px) {

@@ -52,9 +52,9 @@ Overlay layout_overlay(const DrawList& list,
                        const ThemeColors& theme,
                        OverlayPart part = OverlayPart::all);
 
-/// Scale of text and line widths, which grow with the picture: 1 for one of 500 to 720 rows, so
-/// that text stays legible in a panel of a window.
-double overlay_scale(int width, int height);
+/// Scale of text and line widths, which grow with the picture: 1 for one of 500 to 720 rows on an
+/// ordinary screen, so that text stays legible in a panel of a window.
+double overlay_scale(const View& view);
 
 /// The longest length of the series 1, 2, 5, 10, ... that takes at most `max_px`.
 double round_length_m(double px_per_m, double max_px);

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::render {

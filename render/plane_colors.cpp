@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "core/model/plane.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
 

@@ -7,7 +7,8 @@
 #include <utility>
 
 #include "core/model/error.hpp"
-#include "core/planes/outline/mesh.hpp"
+#include "core/planes/outline/outline.hpp"
+#include "render/palette.hpp"
 #include "render/scene_parts.hpp"
 
 namespace planescope::render {

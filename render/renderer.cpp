@@ -253,7 +253,7 @@ void Renderer::State::draw_boxes(const DrawList& list,
   if (!solid_edges.empty()) {
     copy(target.scene, target.boxes, part, view, GL_DEPTH_BUFFER_BIT);
     glBindFramebuffer(GL_FRAMEBUFFER, target.boxes);
-    const auto hatch_period_px = static_cast<float>(7 * overlay_scale(view.width, view.height));
+    const auto hatch_period_px = static_cast<float>(7 * overlay_scale(view));
     const float face_alpha = 0.30f;
     glDepthMask(GL_TRUE);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
@@ -350,14 +350,19 @@ void Renderer::State::draw_scene(const DrawList& list,
 Renderer::Renderer() : state_(std::make_unique<State>()) { check_gl("setting up the renderer"); }
 Renderer::~Renderer() = default;
 
-std::uint32_t Renderer::draw(
-    const DrawList& list, const Camera& camera, int width, int height, Theme theme, Effort effort) {
+std::uint32_t Renderer::draw(const DrawList& list,
+                             const Camera& camera,
+                             int width,
+                             int height,
+                             Theme theme,
+                             Effort effort,
+                             double screen_scale) {
   const ThemeColors& colors = theme_colors(theme);
   Sheet& sheet = effort == Effort::fine ? state_->fine : state_->quick;
   const RestoredBindings restored;
   if (sheet.target.width != width || sheet.target.height != height) sheet.seen_from = 0;
   sheet.target.resize(width, height);
-  const View view = make_view(camera, width, height);
+  const View view = make_view(camera, width, height, screen_scale);
   const Overlay overlay = layout_overlay(list, view, colors);
   state_->changes = sheet.turn_to(list, overlay, view, theme);
   glEnable(GL_SCISSOR_TEST);

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "render/draw_list.hpp"
 #include "render/tiles.hpp"
 
@@ -65,7 +65,8 @@ class Renderer {
                      int width,
                      int height,
                      Theme theme,
-                     Effort effort = Effort::fine);
+                     Effort effort = Effort::fine,
+                     double screen_scale = 1);
 
   /// Where draw() has drawn last: nothing is drawn where the picture is the same as before.
   std::span<const Part> changes() const;

@@ -10,8 +10,10 @@
 #include <span>
 #include <string>
 
-#include "core/model/image.hpp"
-#include "core/planes/pipeline/score.hpp"
+#include "core/model/types.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/truth.hpp"
+#include "render/draw_list.hpp"
 #include "render/view.hpp"
 
 namespace planescope::render {

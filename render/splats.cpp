@@ -223,7 +223,7 @@ std::vector<float> lights(const SplatLayer& layer, const View& view) {
 }  // namespace
 
 float shade_radius_px(const View& view) {
-  return static_cast<float>(std::max(1.0, 2 * overlay_scale(view.width, view.height)));
+  return static_cast<float>(std::max(1.0, 2 * overlay_scale(view)));
 }
 
 SplatLayer splat(const std::vector<DrawPoints>& clouds, const View& view) {

@@ -5,6 +5,9 @@
 #include <numeric>
 #include <string>
 
+#include "core/debug/explain/provenance.hpp"
+#include "render/palette.hpp"
+#include "render/scene_parts.hpp"
 namespace planescope::render {
 namespace {
 
@@ -274,7 +277,7 @@ void add_plane_states(const StepState& state, Rgba waiting, DrawList& list) {
     if (count > 0) list.legend.push_back({Mark::dot, color, text + "  " + std::to_string(count)});
   };
   entry(leftover_color(), "unassigned", holds(StepState::kLeftover));
-  entry(waiting, "undecided", holds(StepState::kOpen));
+  entry(waiting, "not visited yet", holds(StepState::kOpen));
 }
 
 /// Why nothing is told about a foot; empty where it is.
@@ -371,7 +374,7 @@ void add_voxel(
   list.points.push_back(std::move(dot));
   const auto above = static_cast<float>(1.5 * run.subject->prepared.voxels.size_m + 0.01);
   list.labels.push_back(
-      {at + Vec3f(0, 0, above), "voxel " + std::to_string(voxel), color, 15, true, rank});
+      {at + Vec3f(0, 0, above), debug::point_name(run, voxel), color, 15, true, rank});
 }
 
 void keep_only(const std::vector<std::uint8_t>& kept, DrawPoints& points) {

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "core/debug/replay/run.hpp"
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
+#include "render/draw_list.hpp"
+#include "render/palette.hpp"
 #include "render/scene_parts.hpp"
 
 namespace planescope::render {
@@ -31,9 +33,8 @@ enum class ColorBy : std::uint8_t {
 };
 inline constexpr int kColorBys = 11;
 
-/// What is drawn and what stands out. -1: nothing.
-struct StepLook {
-  std::int32_t step = 0;
+/// What is shown of a step, by choice: a window keeps it as it is.
+struct StepChoices {
   ColorBy color_by = ColorBy::cases;
   bool show_queue = true;     // outlines of the nodes that wait
   bool show_settled = true;   // boxes of settled nodes, colored by case
@@ -44,15 +45,22 @@ struct StepLook {
   bool show_points = true;
   double point_size = 1;                 // of voxels, in edges of one
   std::optional<ValueRange> range = {};  // of the colors along a scale; nothing: the run's own
-  bool show_foot = false;    // of the finished planes: where the centre of a foot may go
-  bool show_stairs = false;  // between them: flights, kerbs and ramps
+  bool show_foot = false;     // of the finished planes: where the center of a foot may go
+  bool show_stairs = false;   // between them: flights, kerbs and ramps
+  bool isolated = false;      // what is selected or current alone, where there is such a thing
+  Theme theme = Theme::dark;  // of marks, not of data
+
+  bool operator==(const StepChoices&) const = default;
+};
+
+/// What is drawn and what stands out. -1: nothing.
+struct StepLook : StepChoices {
+  std::int32_t step = 0;
   bool show_current = true;  // what the step is about
-  bool isolated = false;     // what is selected or current alone, where there is such a thing
   std::int32_t node = -1;    // selected
   std::int32_t plane = -1;   // of the trace
   std::int32_t voxel = -1;
-  std::span<const std::uint32_t> marked;  // voxels of a region that the user marked
-  Theme theme = Theme::dark;              // of marks, not of data
+  std::vector<std::uint32_t> marked = {};  // voxels of a region that the user marked
   // Of the run's planes as they are at its last step; null: not known yet. What has no outline, a
   // plane that still grows as well, is drawn as the convex hull of its voxels, fainter.
   std::shared_ptr<const PlaneScene> planes = {};
@@ -62,6 +70,7 @@ struct StepLook {
   std::shared_ptr<const std::vector<DrawLines>> map = {};
 
   Rgba plane_color(std::int32_t of) const;  // a plane of the trace
+  bool operator==(const StepLook&) const = default;
 };
 
 DrawList scene_step(const debug::Run& run, const StepLook& look);

@@ -33,8 +33,9 @@ Mat3d eye_axes(const Camera& camera) {
 
 }  // namespace
 
-View make_view(const Camera& camera, int width, int height) {
+View make_view(const Camera& camera, int width, int height, double screen_scale) {
   View view;
+  view.screen_scale = screen_scale;
   view.width = width;
   view.height = height;
   view.orthographic = camera.orthographic;

@@ -20,13 +20,14 @@ struct View {
   float px_per_m = 0;  // of a length at 1 m from the eye; anywhere where orthographic
   double px_per_m_at_target = 0;
   int width = 0, height = 0;  // [px]
+  double screen_scale = 1;    // pixels per pixel of an ordinary screen
 
   Eigen::Vector2f size_px() const {
     return {static_cast<float>(width), static_cast<float>(height)};
   }
 };
 
-View make_view(const Camera& camera, int width, int height);
+View make_view(const Camera& camera, int width, int height, double screen_scale = 1);
 
 /// Where a world point lands, in pixels from the top left corner, and its distance along the view
 /// axis. Nothing for points before the near plane.

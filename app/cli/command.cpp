@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "core/model/error.hpp"
-#include "core/model/read_limit.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::app {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/model/folder_lock.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::app {
 

@@ -19,7 +19,4 @@ void define_labels(CLI::App& app, Line& line);
 void define_convert(CLI::App& app, Line& line);
 void define_map(CLI::App& app, Line& line);
 
-constexpr const char* kManyInputs = "Bags, folders, .raw, .ply or .pcd files";
-constexpr const char* kOneInput = "One bag, folder, .raw, .ply or .pcd file";
-
 }  // namespace planescope::app

@@ -251,7 +251,7 @@ void define_convert(CLI::App& app, Line& line) {
   CLI::App* command = app.add_subcommand(
       "convert", "A recording in another form: frames, colour, gravity and labels come along");
   const auto args = std::make_shared<RecastArgs>();
-  add_inputs(command, args->input, kOneInput);
+  add_inputs(command, args->input, io::recordings_text(false));
   add(command, "-o,--out", args->out, "OUT",
       "A new folder, a .mcap file, or of one frame a .ply or .pcd file")
       ->required();

@@ -13,8 +13,8 @@
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
-#include "core/planes/pipeline/frame_threads.hpp"
-#include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/truth.hpp"
 #include "core/report/data/segment_files.hpp"
 
 namespace planescope::app {
@@ -230,7 +230,7 @@ void define_eval(CLI::App& app, Line& line) {
   CLI::App* eval =
       app.add_subcommand("eval", "Metrics against ground truth: label files, or a cloud's fields");
   const auto args = std::make_shared<EvalArgs>();
-  add_inputs(eval, args->input, kManyInputs);
+  add_inputs(eval, args->input, io::recordings_text(true));
   add_json(eval, args->json);
   add_method(eval, args->input.pipeline);
   add(eval, "--prediction", args->prediction, "DIR",

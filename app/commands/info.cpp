@@ -286,7 +286,7 @@ void define_info(CLI::App& app, Line& line) {
   CLI::App* info = app.add_subcommand(
       "info", "What is in a recording: sizes, unit, intrinsics, gravity, time and gaps");
   const auto args = std::make_shared<InfoArgs>();
-  add_inputs(info, args->input, kManyInputs);
+  add_inputs(info, args->input, io::recordings_text(true));
   add_json(info, args->json);
   add_method(info, args->input.pipeline);
   runs(info, line, args, run_info);

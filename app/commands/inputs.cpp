@@ -15,7 +15,6 @@
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
 
 namespace planescope::app {
 namespace fs = std::filesystem;
@@ -178,7 +177,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
     const int count = input.recording->frame_count();
     input.frames = sliced_frames(args.frames, count);
     if (input.frames.empty())
-      throw Error(fmt::format("{}: --frames leaves none of its {} frames, numbered from 0",
+      throw Error(fmt::format("{}: --frames selects none of its {} frames, numbered from 0",
                               path.string(), count));
     input.label_dir = args.label_dir.value_or(labels::default_label_dir(path));
     if (args.pipeline.gravity.mode == planes::GravityMode::automatic) {

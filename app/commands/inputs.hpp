@@ -10,7 +10,6 @@
 
 #include "core/io/recording.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
 #include "core/world/poses/sequence_gravity.hpp"

@@ -117,9 +117,9 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
     }
     fmt::print("{}: {} labelled {}, {} damaged, {}\n", source.labels.dir.string(), frames.size(),
                frames.size() == 1 ? "frame" : "frames", counts.damaged,
-               source.recording
-                   ? fmt::format("{} findings, {} hints", counts.findings, counts.hints)
-                   : "planes not checked: no recording found, give --recording");
+               source.recording ? counted(static_cast<std::size_t>(counts.findings), "finding") +
+                                      ", " + counted(static_cast<std::size_t>(counts.hints), "hint")
+                                : "planes not checked: no recording found, give --recording");
   }
   if (counts.damaged > 0) return 2;
   return counts.findings > 0 || (args.strict && counts.hints > 0) ? 1 : 0;

@@ -85,11 +85,11 @@ std::string frames_text(const std::vector<int>& frames) {
 }
 
 void print_left(const Left& left, bool with_recording) {
-  fmt::print("\nleft to do, frames\n  without labels: {}\n  not reviewed: {}\n",
+  fmt::print("\nframes left to do\n  without labels: {}\n  not reviewed: {}\n",
              with_recording ? frames_text(left.unlabelled)
                             : "not known, --recording RECORDING says how many there are",
              frames_text(left.unreviewed));
-  fmt::print("  with a carried plane less than {:.0f} % sure, that nobody has touched: {}\n",
+  fmt::print("  with carried planes below {:.0f} % confidence, not yet edited: {}\n",
              100 * labels::kSure, frames_text(left.doubtful));
 }
 

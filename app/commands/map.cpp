@@ -13,7 +13,7 @@
 #include "app/commands/map_picture.hpp"
 #include "app/commands/report_frames.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/surface_fusion.hpp"
+#include "core/io/open3d/install.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
@@ -95,7 +95,7 @@ void write_meshes(const MapArgs& args,
   if (!(args.mesh_voxel_m > 0)) return;
   const std::vector<world::FrameOfTracks>& told = map.tracker.frames();
   const auto count = static_cast<int>(told.size());
-  std::unique_ptr<io::SurfaceFusion> fusion;
+  std::unique_ptr<open3d::SurfaceFusion> fusion;
   const auto finish = [&](int segment) {
     const std::string file = file_of_segment("mesh", segment, ".ply");
     if (!fusion || !fusion->write_ply(output.add_file(file)))
@@ -109,7 +109,7 @@ void write_meshes(const MapArgs& args,
     const world::CameraPose* pose = world::pose_of(map.poses, told[i].frame);
     if (!told[i].is_in_map() || !pose) continue;
     if (!fusion)
-      fusion = io::make_surface_fusion(args.mesh_voxel_m, job.pipeline.cloud.max_range_m);
+      fusion = open3d::make_surface_fusion(args.mesh_voxel_m, job.pipeline.cloud.max_range_m);
     fusion->add(job.recording->frame(told[i].frame), pose->T_world_camera);
   }
   finish(told.back().segment);
@@ -118,7 +118,7 @@ void write_meshes(const MapArgs& args,
 /// Throws what write_meshes() would, before any work is done.
 void expect_meshes(const MapArgs& args, const io::RecordingInfo& info) {
   if (!(args.mesh_voxel_m > 0)) return;
-  io::make_surface_fusion(args.mesh_voxel_m, 0);
+  open3d::make_surface_fusion(args.mesh_voxel_m, 0);
   if (info.intrinsics.distortion != Distortion::none)
     throw Error(info.path.string() + ": has lens distortion, which --mesh does not support");
 }

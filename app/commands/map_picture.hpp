@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "core/world/map_recording.hpp"
 
 namespace planescope::app {

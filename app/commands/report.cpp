@@ -14,7 +14,6 @@
 #include "app/commands/report_pictures.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/build_info.hpp"
@@ -409,7 +408,7 @@ void define_report(CLI::App& app, Line& line) {
   CLI::App* report = app.add_subcommand(
       "report", "Write a report that opens in a browser: index.html, report.json, pictures");
   const auto args = std::make_shared<ReportArgs>();
-  add_inputs(report, args->input, kManyInputs);
+  add_inputs(report, args->input, io::recordings_text(true));
   add_out(report, args->out);
   add_json(report, args->json);
   add_method(report, args->input.pipeline);

@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-#include "core/model/folder_lock.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/report/data/report_data.hpp"
 
 namespace planescope::app {

@@ -12,13 +12,13 @@
 
 #include "app/cli/progress.hpp"
 #include "app/commands/report_pictures.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
-#include "core/planes/pipeline/frame_threads.hpp"
-#include "core/planes/pipeline/score.hpp"
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/truth.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "core/report/data/segment_files.hpp"
 #include "render/palette.hpp"
 #include "render/plane_colors.hpp"
@@ -184,7 +184,7 @@ class FrameWriter {
   report::ReportFrame described(const OpenInput& input, int index, const LoadedFrame& loaded) {
     report::ReportFrame frame = report::make_report_frame(
         loaded.frame, loaded.result,
-        report::frame_planes(loaded.frame, loaded.result, job_.options), job_.options);
+        planes::analyze_planes(loaded.frame, loaded.result, job_.options), job_.options);
     frame.histograms =
         report::decision_histograms(loaded.result.segmentation, loaded.strains,
                                     planes::segment_options(loaded.result, job_.options));

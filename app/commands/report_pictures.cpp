@@ -4,10 +4,9 @@
 
 #include <algorithm>
 
+#include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/image/webp.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/report/page/pictures.hpp"
 #include "render/scenes.hpp"

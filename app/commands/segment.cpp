@@ -10,7 +10,7 @@
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
-#include "core/planes/pipeline/frame_threads.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/plane_files.hpp"
 #include "core/report/data/ros_json.hpp"
 #include "core/report/data/segment_files.hpp"
@@ -86,7 +86,7 @@ WrittenFrame write_frame(const OpenInput& input,
   try {
     const LoadedFrame loaded = run_input_frame(input, index, options, classifier, false);
     const std::filesystem::path folder = report::frame_folder(index);
-    report::FramePlanes found = report::frame_planes(loaded.frame, loaded.result, options);
+    planes::FramePlanes found = planes::analyze_planes(loaded.frame, loaded.result, options);
     if (map) found.tracks = world::tracks_of(*map, index, found.summaries.size());
     if (output)
       report::write_segment_files(output->add(folder), loaded.frame, loaded.result, found, options,
@@ -199,7 +199,7 @@ void define_segment(CLI::App& app, Line& line) {
       "Find the planes of each frame: planes.json, planes.png, cloud.ply, timings.json.\n"
       "Planes and cloud.ply are in the world frame: z up, metres.");
   const auto args = std::make_shared<SegmentArgs>();
-  add_inputs(segment, args->input, kOneInput);
+  add_inputs(segment, args->input, io::recordings_text(false));
   add_out(segment, args->out);
   std::vector<std::string> formats;
   std::string holds;

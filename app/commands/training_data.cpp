@@ -8,7 +8,7 @@
 #include "core/lab/synthetic/repeatable.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
-#include "core/model/sha256.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/planes/pipeline/truth.hpp"
 
 namespace planescope::app {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/model/sha256.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::app {
 

@@ -12,7 +12,6 @@
 #include "core/lab/tuning/tuning_journal.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/report/data/build_info.hpp"
 
@@ -167,7 +166,7 @@ void define_tune(CLI::App& app, Line& line) {
       "Search options for labelled frames: on one half of them, scored once on the other.\n"
       "Writes profile.json for --profile, and index.html; a rerun goes on where it was stopped.");
   const auto args = std::make_shared<TuneArgs>();
-  add_inputs(tune, args->input, kManyInputs);
+  add_inputs(tune, args->input, io::recordings_text(true));
   add_out(tune, args->out)->required();
   add_json(tune, args->json);
   add(tune, "--list", args->list, "FILE",

@@ -7,7 +7,7 @@
 #include "app/commands/input_list.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
-#include "core/model/sha256.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::app {
 namespace {

@@ -15,7 +15,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::app {
 namespace {
@@ -66,7 +66,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
     const int count = document.current()->recording->frame_count();
     const std::vector<int> frames = sliced_frames(args.input.frames, count);
     if (frames.empty())
-      throw Error(fmt::format("{}: --frames leaves none of its {} frames",
+      throw Error(fmt::format("{}: --frames selects none of its {} frames, numbered from 0",
                               document.current()->path.string(), count));
     document.frame = document.frame > 0 && document.frame < count ? document.frame : frames[0];
   }
@@ -87,7 +87,7 @@ void expect_folder_of(const std::filesystem::path& file) {
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
   if (!std::filesystem::is_directory(folder))
     throw Error(
-        fmt::format("{}: cannot be written, {} is no folder", file.string(), folder.string()));
+        fmt::format("{}: cannot be written, {} is not a folder", file.string(), folder.string()));
 }
 
 /// What is played when the window is there.
@@ -177,7 +177,7 @@ void define_view(CLI::App& app, Line& line) {
       "Step through the octree traversal of a recording and find out why: the debugger's window.\n"
       "Without a display, --screenshot draws the same window into a picture.");
   const auto args = std::make_shared<ViewArgs>();
-  add_inputs(view, args->input, kManyInputs);
+  add_inputs(view, args->input, io::recordings_text(true));
   view->get_option("--frames")->description("The frame to begin with; all are in the strip");
   view->get_option("--frames")->type_name("N");
   add_method(view, args->input.pipeline);
@@ -195,7 +195,7 @@ void define_view(CLI::App& app, Line& line) {
   option("--compare", args->compare, "NAME|FILE",
          "A profile that becomes run B beside what is typed, which is A");
   option("--script", args->script, "FILE.json",
-         "Actions and input to begin with: The desktop in the documents");
+         "Actions and input to run first (see docs/desktop.md)");
   option("--screenshot", args->screenshot, "FILE.png", "Draw the window into a picture, and end");
   option("--state", args->state, "FILE.json", "Write what the window shows as plain facts");
   add_size(view, args->width, args->height, "Of the picture in pixels, default 1440x900", 640, 400);

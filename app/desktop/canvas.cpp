@@ -13,32 +13,14 @@
 namespace planescope::desktop {
 namespace {
 
-/// What a look depends on, to compare with the next.
+/// What was drawn last.
 struct LookKey {
   std::weak_ptr<const debug::Run> run;  // an address alone may be another run's by now
   render::StepLook look;
-  std::vector<std::uint32_t> marked;
 
   bool same(const std::shared_ptr<const debug::Run>& other_run,
             const render::StepLook& other) const {
-    return run.lock() == other_run && look.step == other.step && look.color_by == other.color_by &&
-           look.range == other.range && look.show_queue == other.show_queue &&
-           look.show_settled == other.show_settled && look.show_planes == other.show_planes &&
-           look.show_numerals == other.show_numerals && look.show_points == other.show_points &&
-           look.show_names == other.show_names && look.show_normals == other.show_normals &&
-           look.show_foot == other.show_foot && look.show_stairs == other.show_stairs &&
-           look.point_size == other.point_size && look.planes == other.planes &&
-           look.isolated == other.isolated && look.color_of_plane == other.color_of_plane &&
-           look.color_of_truth == other.color_of_truth && look.map == other.map &&
-           look.show_current == other.show_current && look.node == other.node &&
-           look.plane == other.plane && look.voxel == other.voxel && look.theme == other.theme &&
-           std::equal(marked.begin(), marked.end(), other.marked.begin(), other.marked.end());
-  }
-  void set(const std::shared_ptr<const debug::Run>& new_run, const render::StepLook& new_look) {
-    run = new_run;
-    look = new_look;
-    marked.assign(new_look.marked.begin(), new_look.marked.end());
-    look.marked = {};
+    return run.lock() == other_run && look == other;
   }
 };
 
@@ -80,13 +62,16 @@ struct SceneView {
   LookKey key;                   // of a step
   render::Camera camera;
   int width = 0, height = 0;
+  double screen_scale = 1;
   TextureId texture = 0;
   bool fine = false;
   Image<std::uint32_t> ids;  // of what was drawn last; empty until someone asks
 
   /// True where it was drawn again.
-  bool draw(bool same_list, const render::Camera& from, int w, int h, render::Theme theme) {
-    const bool same = same_list && same_camera(from, camera) && w == width && h == height;
+  bool draw(
+      bool same_list, const render::Camera& from, int w, int h, render::Theme theme, double scale) {
+    const bool same = same_list && same_camera(from, camera) && w == width && h == height &&
+                      scale == screen_scale;
     if (same && fine) return false;
     // What moves is drawn quickly; what has come to rest, once more with smooth edges.
     fine = same;
@@ -94,8 +79,9 @@ struct SceneView {
     camera = from;
     width = w;
     height = h;
-    texture =
-        renderer.draw(list, from, w, h, theme, fine ? render::Effort::fine : render::Effort::quick);
+    screen_scale = scale;
+    texture = renderer.draw(list, from, w, h, theme,
+                            fine ? render::Effort::fine : render::Effort::quick, scale);
     return true;
   }
 };
@@ -121,7 +107,7 @@ class GlCanvas : public Canvas {
     const bool same_list = view.shows == SceneView::Shows::step && view.key.same(run, look);
     if (!same_list) {
       view.list = render::scene_step(*run, look);
-      view.key.set(run, look);
+      view.key = {run, look};
       view.shows = SceneView::Shows::step;
     }
     return drawn(view, same_list, camera, width, height, look.theme);
@@ -186,7 +172,7 @@ class GlCanvas : public Canvas {
     if (picture.empty()) return 0;
     render::paint_step(picture, *run, look, opacity);
     upload(shown.texture, picture);
-    shown.key.set(run, look);
+    shown.key = {run, look};
     shown.backdrop = backdrop;
     shown.opacity = opacity;
     return shown.texture.id();
@@ -230,7 +216,8 @@ class GlCanvas : public Canvas {
                   int width,
                   int height,
                   render::Theme theme) {
-    if (view.draw(same_list, camera, width, height, theme)) versions_[view.texture] = ++changes_;
+    if (view.draw(same_list, camera, width, height, theme, screen_scale))
+      versions_[view.texture] = ++changes_;
     return view.texture;
   }
 

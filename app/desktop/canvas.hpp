@@ -53,6 +53,8 @@ class Canvas {
   virtual TextureId picture(const std::string& key, const Image8& image, std::uint64_t version) = 0;
   /// Of what a texture holds: another one whenever that has changed.
   virtual std::uint64_t version(TextureId texture) const = 0;
+
+  double screen_scale = 1;  // of text and lines in scenes
 };
 
 /// Needs a current GL context, and the same one until it is destroyed.

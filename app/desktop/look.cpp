@@ -6,7 +6,8 @@
 #include <cmath>
 #include <span>
 
-#include "app/desktop/debugger/plane_text.hpp"
+#include "app/desktop/debugger/planes.hpp"
+#include "core/debug/explain/provenance.hpp"
 #include "render/step_scene.hpp"
 
 namespace planescope::desktop {
@@ -189,28 +190,14 @@ bool same_camera(const render::Camera& a, const render::Camera& b) {
 
 render::StepLook look_of(const State& state) {
   const ViewState& view = state.view;
-  render::StepLook look;
+  render::StepLook look{view};
   look.step = view.step;
-  look.color_by = view.color_by;
-  look.range = view.color_range;
-  look.show_queue = view.show_queue;
-  look.show_settled = view.show_settled;
-  look.show_numerals = view.show_numerals;
-  look.show_points = view.show_points;
-  look.point_size = view.point_size;
-  look.show_planes = view.show_planes;
-  look.show_normals = view.show_normals;
-  look.show_names = view.show_names;
-  look.show_foot = view.show_foot;
-  look.show_stairs = view.show_stairs;
   look.planes = state.plane_scene(state.run_view());
   if (view.show_map) look.map = state.run_view()->map_lines;
   look.node = view.selected.node;
   look.plane = view.selected.plane;
   look.voxel = view.selected.voxel;
   look.marked = state.document.marked;
-  look.theme = view.theme;
-  look.isolated = view.isolated;
   look.color_of_plane = colors_of_planes(state, *state.run_view());
   if (look.color_by == render::ColorBy::truth)
     look.color_of_truth = colors_of_truth(state, *state.run_view());
@@ -335,7 +322,7 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   const debug::Run& run = *state.run();
   const std::int32_t step = state.view.step;
   const planes::PointChange now = run.timeline.point_at(voxel, step);
-  std::string text = fmt::format("voxel {}", voxel);
+  std::string text = debug::point_name(run, voxel);
   if (run.is_ours()) {
     const std::vector<Label>& labels = run.subject->prepared.classification.labels;
     const Label label = labels[static_cast<std::size_t>(voxel)];
@@ -345,7 +332,7 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   if (now.plane >= 0)
     text += "in " + debug::plane_name(*state.run(), now.plane);
   else
-    text += now.leftover ? "unassigned" : "undecided";
+    text += now.leftover ? "unassigned" : "not visited yet";
   if (run.subject->voxel_truth.known()) {
     const std::int32_t truth = run.subject->voxel_truth.plane[static_cast<std::size_t>(voxel)];
     if (truth > 0) text += fmt::format(", true plane {}", truth);

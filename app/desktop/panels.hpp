@@ -7,9 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "app/desktop/actions/action.hpp"
+
 namespace planescope::desktop {
 
-struct Assumption;
+struct FixSearch;
 struct ImagePlacement;
 struct ScenePlacement;
 struct Ui;
@@ -52,10 +54,33 @@ void draw_label_learning(const Ui& ui);    // a classifier trained on what is re
 /// that is not known (debugger/panels/stairs.cpp).
 void draw_plane_facts(const Ui& ui, std::int32_t plane);
 
+// Fixes (debugger/panels/fix.cpp).
+
+/// A row each, with what it gains and moves elsewhere. `check`: with a button for what it does to
+/// the labeled frames.
+void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check);
+void draw_fix_progress(const Ui& ui, const FixSearch& fix);
+
+/// What a click searches for the selected point. False: it asks for nothing, nothing is drawn.
+bool draw_try(const Ui& ui);
+/// Why the selected point is in no plane, or not in the one it should be: the decisions, and what
+/// would change them. Draws nothing where neither is asked.
+void draw_answer(const Ui& ui);
+
 // What a recording needs first, and what was assumed about it (panels/setup.cpp).
 
 /// The form for intrinsics, in place of the scene; false if it is not needed, nothing is drawn.
 bool draw_camera_setup(const Ui& ui);
+/// What the program had to assume about a recording, with the action that checks or settles it.
+struct Assumption {
+  std::string text;    // "53 % beyond 1.5 m"
+  std::string button;  // "show 4 m"
+  std::string why;     // for the tooltip: one sentence
+  Command command;     // that checks or settles it
+};
+
+/// Assumptions about the current frame; empty before its first run and once dismissed.
+std::vector<Assumption> assumptions_of(const State& state);
 /// One line, above the views.
 void draw_assumptions(const Ui& ui, const std::vector<Assumption>& all);
 

@@ -10,8 +10,6 @@
 #include <span>
 #include <utility>
 
-#include "app/desktop/arrange.hpp"
-#include "app/desktop/assumptions.hpp"
 #include "app/desktop/imgui.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/ui.hpp"
@@ -64,7 +62,7 @@ void tabs(const Ui& ui,
         wanted && shown != chosen ? ImGuiTabItemFlags_SetSelected : ImGuiTabItemFlags_None;
     const bool open = ImGui::BeginTabItem(tab.title, nullptr, flags);
     ui.name(std::string("tab.") + tab.name);
-    if (ImGui::IsItemClicked() && !wanted) ui.emit(action, tab.name);
+    if (ImGui::IsItemClicked() && !wanted) ui.act(action, tab.name);
     if (!open) continue;
     if (wanted) shown = chosen;
     ImGui::BeginChild(tab.name, ImVec2(0, 0), false, ImGuiWindowFlags_NavFlattened);
@@ -80,7 +78,6 @@ void splitter(const Ui& ui,
               const std::string& name,
               const Rect& rect,
               bool vertical,
-              double share,
               float extent,
               float sign) {
   ImGui::SetNextWindowPos(ImVec2(rect.x, rect.y));
@@ -96,8 +93,9 @@ void splitter(const Ui& ui,
   if (ImGui::IsItemActive()) {
     const ImVec2 delta = ImGui::GetIO().MouseDelta;
     const float moved = vertical ? delta.x : delta.y;
+    double Layout::*share = std::ranges::find(kLayoutParts, name, &LayoutPart::name)->share;
     if (moved != 0)
-      ui.emit("layout.set", fmt::format("{}={:.5f}", name, share + sign * moved / extent));
+      ui.act("layout.set", LayoutShare{share, ui.state.view.layout.*share + sign * moved / extent});
   }
   ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(rect.x, rect.y),
                                             ImVec2(rect.x + rect.w, rect.y + rect.h),
@@ -178,12 +176,10 @@ void draw_debugger(const Ui& ui, const Places& at) {
   panel(ui, "tools", {x3, y3, at.right, tools}, kStill,
         [&] { tabs(ui, "##tool_tabs", view.tool_tab, "tab.tool", kToolTabs); });
   if (views.between)
-    splitter(ui, "image", *views.between, views.beside, layout.image, views.beside ? middle : top,
-             -1);
-  splitter(ui, "bottom", {x1, y2 - grip, middle, grip}, false, layout.bottom, at.body, -1);
-  if (has_tree)
-    splitter(ui, "octree", {x1 + octree, y2, grip, bottom}, true, layout.octree, middle, 1);
-  splitter(ui, "tools", {x3, y3 - grip, at.right, grip}, false, layout.tools, at.body, -1);
+    splitter(ui, "image", *views.between, views.beside, views.beside ? middle : top, -1);
+  splitter(ui, "bottom", {x1, y2 - grip, middle, grip}, false, at.body, -1);
+  if (has_tree) splitter(ui, "octree", {x1 + octree, y2, grip, bottom}, true, middle, 1);
+  splitter(ui, "tools", {x3, y3 - grip, at.right, grip}, false, at.body, -1);
 }
 
 void draw_label_mode(const Ui& ui, const Places& at) {
@@ -207,7 +203,7 @@ void draw_label_mode(const Ui& ui, const Places& at) {
   if (has_image) panel(ui, "image", second, kStill, [&] { draw_label_image(ui); });
   panel(ui, "labels", {at.x2 + grip, at.top, at.right, at.body}, kStill,
         [&] { tabs(ui, "##label_tabs", ui.state.view.label.tab, "tab.label", kLabelTabs); });
-  if (has_image) splitter(ui, "image", between, beside, layout.image, extent, -1);
+  if (has_image) splitter(ui, "image", between, beside, extent, -1);
 }
 
 /// The menu or list that is open, if one is. ImGui closes none by itself while its keys are ours.
@@ -282,15 +278,18 @@ void Shell::rebuild_fonts(float scale) {
   fonts_changed_ = true;
 }
 
-std::string Shell::take_picture_path() { return std::exchange(state_.view.picture_to, {}); }
+std::string Shell::take_picture_path() {
+  // A frame later: the present one still shows the prompt that asked for the path.
+  return std::exchange(picture_due_, std::exchange(state_.view.picture_to, {}));
+}
 
 bool Shell::take_fonts_changed() { return std::exchange(fonts_changed_, false); }
 
 void Shell::perform(const Command& command, bool strict) {
   frames_to_draw_ = std::max(frames_to_draw_, 2);
   try {
-    const bool asks =
-        !strict && command.argument.empty() && needs_argument(find_action(command.action));
+    const bool asks = !strict && command.argument.empty() && !command.value.has_value() &&
+                      needs_argument(find_action(command.action));
     apply(state_, asks ? Command{"palette.ask", command.action} : command);
     ViewState& view = state_.view;
     if (view.show_palette && !asks && view.palette_asks == command.action)
@@ -328,6 +327,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
   const float scale = screen_scale * static_cast<float>(state_.view.zoom);
   if (scale != scale_) rebuild_fonts(scale_ = scale);
   set_style(state_.view.theme, scale);
+  if (canvas_) canvas_->screen_scale = scale;
   io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
   io.DeltaTime = static_cast<float>(std::max(seconds, 1e-4));
   if (!input_.empty()) frames_to_draw_ = 3;
@@ -341,10 +341,10 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
                        key == "Ctrl+Z" || key == "Ctrl+Y";
     if (typing && (!ours || edits)) return;
     if (key == "Escape" && close_menu()) return;
-    if (state_.view.show_palette && key == "Escape") return perform({"palette", ""});
-    if (state_.view.show_keys && key == "Escape") return perform({"keys", ""});
-    if (state_.view.saving && key == "Escape") return perform({"steps.cancel", ""});
-    if (!state_.view.keyboard.empty() && key == "Escape") return perform({"keyboard.panel", ""});
+    if (state_.view.show_palette && key == "Escape") return perform({"palette"});
+    if (state_.view.show_keys && key == "Escape") return perform({"keys"});
+    if (state_.view.saving && key == "Escape") return perform({"steps.cancel"});
+    if (!state_.view.keyboard.empty() && key == "Escape") return perform({"keyboard.panel"});
     if (!state_.view.keyboard.empty() && moves_among_widgets(key)) return;
     const Action* action = action_of_key(key, state_.view.mode);
     if (!action) return;
@@ -411,11 +411,10 @@ void Shell::draw(int width, int height) {
   panel(ui, "frames", {0, places.top, places.left, places.body}, 0, [&] { draw_frames(ui); });
   state_.view.mode == Mode::labels ? draw_label_mode(ui, places) : draw_debugger(ui, places);
   panel(ui, "status", {0, h - places.status, w, places.status}, kStill, [&] { draw_status(ui); });
-  const Layout& layout = state_.view.layout;
   const Rect left{places.left, places.top, places.grip, places.body};
   const Rect right{places.x2, places.top, places.grip, places.body};
-  splitter(ui, "left", left, true, layout.left, w, 1);
-  splitter(ui, "right", right, true, layout.right, w, -1);
+  splitter(ui, "left", left, true, w, 1);
+  splitter(ui, "right", right, true, w, -1);
 
   if (state_.view.show_palette) draw_palette(ui);
   if (state_.view.show_keys) draw_keys(ui);

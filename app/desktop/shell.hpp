@@ -79,6 +79,7 @@ class Shell {
   ImFont* small_ = nullptr;
   ImFont* bold_ = nullptr;
   int frames_to_draw_ = 3;
+  std::string picture_due_;
   bool fonts_changed_ = false;
   std::string message_;  // the one that was shown last ...
   std::chrono::steady_clock::time_point message_since_;

@@ -11,12 +11,12 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/canvas.hpp"
-#include "app/desktop/debugger/event_rows.hpp"
 #include "app/desktop/debugger/filter_box.hpp"
-#include "app/desktop/debugger/step_axis.hpp"
+#include "app/desktop/debugger/rows.hpp"
+#include "app/desktop/debugger/timeline.hpp"
 #include "app/desktop/imgui.hpp"
 #include "core/debug/explain/provenance.hpp"
-#include "core/io/camera_setup.hpp"
+#include "core/io/folder/camera_files.hpp"
 #include "core/labels/review/audit.hpp"
 
 namespace planescope::desktop {
@@ -164,8 +164,10 @@ struct Ui {
   ImFont* bold = nullptr;
   FrameTimes timing = {};
 
-  void emit(std::string action, std::string argument = {}) const {
-    commands.push_back({std::move(action), std::move(argument)});
+  void act(std::string action) const { commands.push_back({std::move(action)}); }
+  template <typename T>
+  void act(std::string action, const T& value) const {
+    commands.push_back(command(std::move(action), value));
   }
   /// Names the item drawn last.
   void name(const std::string& widget) const;

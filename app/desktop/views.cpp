@@ -46,9 +46,8 @@ void show_image_part(const Ui& ui, const ImagePlacement& now, double zoom, ImVec
   const double scale = now.scale * zoom / ui.state.view.image_zoom;
   const double middle_x = (now.area_min.x + now.area_max.x) / 2;
   const double middle_y = (now.area_min.y + now.area_max.y) / 2;
-  ui.emit("image.view",
-          fmt::format("{:.6g},{:.6g},{:.6g}", zoom, (uv.x + (middle_x - at.x) / scale) / now.width,
-                      (uv.y + (middle_y - at.y) / scale) / now.height));
+  ui.act("image.view", std::array{zoom, (uv.x + (middle_x - at.x) / scale) / now.width,
+                                  (uv.y + (middle_y - at.y) / scale) / now.height});
 }
 
 float wiper_x(const Ui& ui, ImVec2 min, ImVec2 max) {
@@ -71,8 +70,7 @@ void draw_wiper(const Ui& ui, const char* name, ImVec2 min, ImVec2 max) {
   const bool hot = ImGui::IsItemActive() || ImGui::IsItemHovered();
   if (hot) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
   if (ImGui::IsItemActive() && ImGui::GetIO().MouseDelta.x != 0)
-    ui.emit("wiper.set",
-            fmt::format("{:.5f}", (ImGui::GetIO().MousePos.x - min.x) / (max.x - min.x)));
+    ui.act("wiper.set", (ImGui::GetIO().MousePos.x - min.x) / (max.x - min.x));
   ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(x - ui.px(1), min.y),
                                             ImVec2(x + ui.px(1), max.y),
                                             hot ? ui.colors.text : ui.colors.accent);
@@ -214,7 +212,7 @@ void draw_image_tools(const Ui& ui, const char* of_opacity) {
   const ViewState& view = ui.state.view;
   action_button(ui, "image.backdrop", view.backdrop == render::Backdrop::depth ? "depth" : "color");
   ImGui::SameLine();
-  if (ImGui::Button("fit")) ui.emit("image.view", "1,0.5,0.5");
+  if (ImGui::Button("fit")) ui.act("image.view", std::array{1.0, 0.5, 0.5});
   ui.name("image.fit");
   tooltip("Whole image");
   ImGui::SameLine();
@@ -224,7 +222,7 @@ void draw_image_tools(const Ui& ui, const char* of_opacity) {
   const float number = ImGui::CalcTextSize("100 %").x + ui.px(6);
   ImGui::SetNextItemWidth(std::max(ui.px(24), ImGui::GetContentRegionAvail().x - number));
   if (ImGui::SliderFloat("##opacity", &percent, 0, 100, ""))
-    ui.emit("image.opacity", fmt::format("{:.4g}", percent / 100));
+    ui.act("image.opacity", percent / 100.0);
   ui.name("image.opacity");
   tooltip(of_opacity);
   ImGui::SameLine(0, ui.px(6));
@@ -307,27 +305,24 @@ std::optional<ScenePlacement> draw_scene_room(
   ImGui::SetCursorScreenPos(corner);
   ImGui::InvisibleButton("scene", ImVec2(w, h), kAllButtons);
   ui.name("view3d");
-  if (ImGui::IsItemActivated()) ui.emit("camera.hold", "on");
-  if (ImGui::IsItemDeactivated()) ui.emit("camera.hold", "off");
+  if (ImGui::IsItemActivated()) ui.act("camera.hold", "on");
+  if (ImGui::IsItemDeactivated()) ui.act("camera.hold", "off");
   return placed;
 }
 
 void zoom_scene(const Ui& ui) {
   const float wheel = ImGui::GetIO().MouseWheel;
-  if (ImGui::IsItemHovered() && wheel != 0)
-    ui.emit("camera.zoom", fmt::format("{:.6g}", std::pow(1.15, wheel)));
+  if (ImGui::IsItemHovered() && wheel != 0) ui.act("camera.zoom", std::pow(1.15, wheel));
 }
 
 void orbit_scene(const Ui& ui, int height) {
   const ImVec2 moved = ImGui::GetIO().MouseDelta;
-  const auto h = static_cast<float>(height);
-  ui.emit("camera.orbit", fmt::format("{:.6g},{:.6g}", 250 * moved.x / h, 250 * moved.y / h));
+  ui.act("camera.orbit", std::array{250.0 * moved.x / height, 250.0 * moved.y / height});
 }
 
 void pan_scene(const Ui& ui, int height) {
   const ImVec2 moved = ImGui::GetIO().MouseDelta;
-  const auto h = static_cast<float>(height);
-  ui.emit("camera.pan", fmt::format("{:.6g},{:.6g}", -moved.x / h, moved.y / h));
+  ui.act("camera.pan", std::array{-1.0 * moved.x / height, 1.0 * moved.y / height});
 }
 
 void draw_absence(const Ui& ui) {
@@ -343,6 +338,51 @@ void draw_label_absence(const Ui& ui) {
   if (!refusal.empty()) return draw_notice(ui, refusal, ui.colors.bad);
   if (!ui.state.run()) return draw_absence(ui);
   draw_notice(ui, "Preparing the frame for labels …", ui.colors.muted);
+}
+
+// ---- How the scene and the image share their room -----------------------------------------------
+
+namespace {
+
+/// Of a picture that fits into the room below its tools.
+float area_of(const Rect& room, float picture, float bar) {
+  const float width = std::max(0.0F, std::min(room.w, (room.h - bar) * picture));
+  return width * width / picture;
+}
+
+Arrangement side_by_side(const Rect& room, float picture, float share, float bar, float grip) {
+  const float most = std::max(room.h - bar, 0.0F) * picture + bar / 2;
+  const float image = std::round(std::min(share * room.w, most));
+  const float scene = room.w - image - grip;
+  return {.scene = Rect{room.x, room.y, scene, room.h},
+          .image = Rect{room.x + room.w - image, room.y, image, room.h},
+          .between = Rect{room.x + scene, room.y, grip, room.h},
+          .beside = true};
+}
+
+Arrangement stacked(const Rect& room, float picture, float share, float bar, float grip) {
+  const float most = room.w / picture + 1.5F * bar;
+  const float image = std::round(std::min(share * room.h, most));
+  const float scene = room.h - image - grip;
+  return {.scene = Rect{room.x, room.y, room.w, scene},
+          .image = Rect{room.x, room.y + room.h - image, room.w, image},
+          .between = Rect{room.x, room.y + scene, room.w, grip}};
+}
+
+}  // namespace
+
+Arrangement arrange(
+    const Rect& room, double picture, Views shown, double share, float bar, float grip) {
+  if (picture <= 0 || shown == Views::scene) return {.scene = room};
+  if (shown == Views::image) return {.image = room};
+  const auto of_image = static_cast<float>(picture), part = static_cast<float>(share);
+  constexpr float kOfScene = 4.0F / 3;
+  const auto worth = [&](const Arrangement& views) {
+    return area_of(*views.scene, kOfScene, bar) * area_of(*views.image, of_image, bar);
+  };
+  const Arrangement a = side_by_side(room, of_image, part, bar, grip);
+  const Arrangement b = stacked(room, of_image, part, bar, grip);
+  return worth(b) > worth(a) ? b : a;
 }
 
 }  // namespace planescope::desktop

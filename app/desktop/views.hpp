@@ -12,6 +12,25 @@
 
 namespace planescope::desktop {
 
+// ---- How they share their room -----------------------------------------------------------------
+
+struct Rect {
+  float x = 0, y = 0, w = 0, h = 0;
+};
+
+struct Arrangement {
+  std::optional<Rect> scene = {}, image = {};
+  std::optional<Rect> between = {};  // the splitter, where there are both
+  bool beside = false;               // or the scene above the image
+};
+
+/// `picture`: width of the image by its height, 0 where there is none: then the scene has it all.
+/// Both stand side by side or one above the other, whichever shows them larger; the image has at
+/// most `share` of the room and no more than its picture fills. `bar`: height of the tools above
+/// each; `grip`: width of the splitter.
+Arrangement arrange(
+    const Rect& room, double picture, Views shown, double share, float bar, float grip);
+
 /// Width of the frame's image by its height; 0 where it has none, 4:3 while nobody knows.
 double picture_shape(const State& state);
 /// Both views, or the image alone.
@@ -93,6 +112,16 @@ void draw_color_scale(const Ui& ui, ImVec2 min, ImVec2 max);
 std::optional<std::size_t> pixel_of_nothing(const debug::Subject& subject,
                                             const render::View& view,
                                             const Vec2d& at);
+struct ContextEntry {
+  std::string name;  // of its widget: "context.<name>"
+  std::string title;
+  std::string key = {};  // of the action, where it is one alone
+  std::vector<Command> commands;
+};
+
+/// What it is, in a line.
+std::string context_title(const State& state, const PointedAt& at);
+std::vector<ContextEntry> context_entries(const State& state, const PointedAt& at);
 /// Opens the menu of what was clicked with the right button, over the item drawn last, and draws
 /// it.
 void draw_context_menu(const Ui& ui, const std::optional<PointedAt>& clicked);

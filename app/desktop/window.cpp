@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "app/desktop/screen.hpp"
 #include "app/desktop/state/state.hpp"
@@ -29,52 +30,34 @@ Key key_of_glfw(int key) {
     return static_cast<Key>(key);
   if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12)
     return static_cast<Key>(static_cast<int>(Key::f1) + key - GLFW_KEY_F1);
-  switch (key) {
-    case GLFW_KEY_LEFT:
-      return Key::left;
-    case GLFW_KEY_RIGHT:
-      return Key::right;
-    case GLFW_KEY_UP:
-      return Key::up;
-    case GLFW_KEY_DOWN:
-      return Key::down;
-    case GLFW_KEY_HOME:
-      return Key::home;
-    case GLFW_KEY_END:
-      return Key::end;
-    case GLFW_KEY_PAGE_UP:
-      return Key::page_up;
-    case GLFW_KEY_PAGE_DOWN:
-      return Key::page_down;
-    case GLFW_KEY_INSERT:
-      return Key::insert;
-    case GLFW_KEY_DELETE:
-      return Key::del;
-    case GLFW_KEY_BACKSPACE:
-      return Key::backspace;
-    case GLFW_KEY_ENTER:
-    case GLFW_KEY_KP_ENTER:
-      return Key::enter;
-    case GLFW_KEY_ESCAPE:
-      return Key::escape;
-    case GLFW_KEY_TAB:
-      return Key::tab;
-    case GLFW_KEY_KP_ADD:
-      return static_cast<Key>('=');
-    case GLFW_KEY_KP_SUBTRACT:
-      return static_cast<Key>('-');
-    case GLFW_KEY_LEFT_CONTROL:
-    case GLFW_KEY_RIGHT_CONTROL:
-      return Key::ctrl;
-    case GLFW_KEY_LEFT_SHIFT:
-    case GLFW_KEY_RIGHT_SHIFT:
-      return Key::shift;
-    case GLFW_KEY_LEFT_ALT:
-    case GLFW_KEY_RIGHT_ALT:
-      return Key::alt;
-    default:
-      return Key::none;
-  }
+  static constexpr std::pair<int, Key> kOthers[] = {
+      {GLFW_KEY_LEFT, Key::left},
+      {GLFW_KEY_RIGHT, Key::right},
+      {GLFW_KEY_UP, Key::up},
+      {GLFW_KEY_DOWN, Key::down},
+      {GLFW_KEY_HOME, Key::home},
+      {GLFW_KEY_END, Key::end},
+      {GLFW_KEY_PAGE_UP, Key::page_up},
+      {GLFW_KEY_PAGE_DOWN, Key::page_down},
+      {GLFW_KEY_INSERT, Key::insert},
+      {GLFW_KEY_DELETE, Key::del},
+      {GLFW_KEY_BACKSPACE, Key::backspace},
+      {GLFW_KEY_ENTER, Key::enter},
+      {GLFW_KEY_KP_ENTER, Key::enter},
+      {GLFW_KEY_ESCAPE, Key::escape},
+      {GLFW_KEY_TAB, Key::tab},
+      {GLFW_KEY_KP_ADD, static_cast<Key>('=')},
+      {GLFW_KEY_KP_SUBTRACT, static_cast<Key>('-')},
+      {GLFW_KEY_LEFT_CONTROL, Key::ctrl},
+      {GLFW_KEY_RIGHT_CONTROL, Key::ctrl},
+      {GLFW_KEY_LEFT_SHIFT, Key::shift},
+      {GLFW_KEY_RIGHT_SHIFT, Key::shift},
+      {GLFW_KEY_LEFT_ALT, Key::alt},
+      {GLFW_KEY_RIGHT_ALT, Key::alt},
+  };
+  for (const auto& [theirs, ours] : kOthers)
+    if (key == theirs) return ours;
+  return Key::none;
 }
 
 /// How long the latest frames took, for the overlay.

@@ -174,8 +174,7 @@ void define_bench_classifier(CLI::App* bench, Line& line) {
       "Labels, planes and speed of networks against PCA normals, on synthetic clouds that no\n"
       "training has seen; and how long frames of the given recordings take.");
   const auto args = std::make_shared<BenchClassifierArgs>();
-  add_inputs(classifier, args->input,
-             "Bags, folders, .raw, .ply or .pcd files whose frames are timed");
+  add_inputs(classifier, args->input, io::recordings_text(true) + " whose frames are timed");
   classifier->remove_option(classifier->get_option("--labels"));
   add_out(classifier, args->out);
   add_json(classifier, args->json);

@@ -156,7 +156,7 @@ void define_bench_desktop(CLI::App* bench, Line& line) {
       "display, against an empty window in the same run.");
   const auto args = std::make_shared<BenchDesktopArgs>();
   ViewArgs& view = args->view;
-  add_inputs(command, view.input, kOneInput);
+  add_inputs(command, view.input, io::recordings_text(false));
   add_out(command, args->out);
   add_json(command, args->json);
   add(command, "--steps", args->steps, "N", "Steps of the scrub, default 500")->transform(whole(1));

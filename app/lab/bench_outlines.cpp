@@ -9,7 +9,7 @@
 #include "core/lab/experiments/outline_results.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::app {
 namespace {

@@ -13,7 +13,7 @@
 #include "app/lab/allocations.hpp"
 #include "app/lab/lab.hpp"
 #include "app/lab/speed_subjects.hpp"
-#include "core/io/open3d/timed_stages.hpp"
+#include "core/io/open3d/install.hpp"
 #include "core/lab/bench/speed_page.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -222,10 +222,10 @@ void define_bench_speed(CLI::App* bench, Line& line) {
       "how times grow, memory, and what it costs to start. Writes speed.json and index.html.");
   const auto args = std::make_shared<BenchSpeedArgs>();
   planes::PipelineOptions& pipeline = args->input.pipeline;
-  add_inputs(
-      speed, args->input,
-      "Bags, folders, .raw, .ply or .pcd files whose frames are timed, ten of each at most;\n"
-      "without, depth_stairs, a synthetic set with a camera's errors");
+  add_inputs(speed, args->input,
+             io::recordings_text(true) +
+                 " whose frames are timed, ten of each at most;\n"
+                 "without, depth_stairs, a synthetic set with a camera's errors");
   speed->remove_option(speed->get_option("--labels"));
   add_of_method(speed, pipeline, "--gravity", "auto|X,Y,Z|imu|estimate",
                 "Direction in which things fall, as in planescope segment");

@@ -14,8 +14,8 @@
 #include "core/lab/experiments/measure_steady.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/pipeline/frame_threads.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::app {
 namespace {

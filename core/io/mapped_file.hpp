@@ -3,10 +3,23 @@
 #include <filesystem>
 
 #include "core/io/byte_reader.hpp"
-#include "core/io/guarded.hpp"
 #include "core/model/file_bytes.hpp"
 
 namespace planescope::io {
+
+/// What `read`, which looks at a mapped file, returns or throws. Throws Error where the file was
+/// cut by somebody else meanwhile: whatever came of zeros is not told.
+template <typename File, typename Read>
+auto guarded_by(const File& file, const Read& read) {
+  try {
+    auto result = read();
+    file.expect_whole();
+    return result;
+  } catch (...) {
+    file.expect_whole();
+    throw;
+  }
+}
 
 /// A file mapped read-only into memory: only the pages that are looked at are ever read. Where the
 /// file is cut by somebody else meanwhile, what is missing reads as zeros, and guarded() says so.

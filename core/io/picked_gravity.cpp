@@ -1,13 +1,12 @@
 #include "core/io/picked_gravity.hpp"
 
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/json.hpp"
+#include "core/model/json_fields.hpp"
 
 namespace planescope::io {
 namespace {
@@ -19,35 +18,38 @@ constexpr const char* kSchema = "planescope.gravity/1";
 
 fs::path file_in(const fs::path& label_dir) { return label_dir / "gravity.json"; }
 
-Json json_of(const Vec3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
-
-Json json_of(const PickedDirection& picked) {
-  Json walls = Json::array();
-  for (const Vec3d& wall : picked.walls) walls.push_back(json_of(wall));
-  return {{"direction", json_of(picked.direction)},
-          {"walls", walls},
-          {"frame", picked.frame},
-          {"frame_sha256", picked.frame_sha256},
-          {"note", picked.note}};
+void expect_unit(Vec3d& direction, const JsonPlace& place) {
+  if (!direction.allFinite() || std::abs(direction.norm() - 1) > 1e-3)
+    place.fail_kind("a direction of length 1");
+  direction.normalize();
 }
 
-Vec3d unit_vector(const nlohmann::json& json) {
-  const auto values = json.get<std::array<double, 3>>();
-  const Vec3d vector(values[0], values[1], values[2]);
-  if (!vector.allFinite() || std::abs(vector.norm() - 1) > 1e-3)
-    throw Error("a direction is not of length 1");
-  return vector.normalized();
+}  // namespace
+
+template <typename Fields>
+void visit_fields(Fields& fields, Same<PickedDirection> auto& picked) {
+  fields("direction", picked.direction);
+  fields("walls", picked.walls);
+  fields("frame", picked.frame);
+  fields("frame_sha256", picked.frame_sha256);
+  fields("note", picked.note);
+  if constexpr (Fields::kReads) {
+    expect_unit(picked.direction, fields.place().at("direction"));
+    for (Vec3d& wall : picked.walls) expect_unit(wall, fields.place().at("walls"));
+  }
 }
 
-PickedDirection direction_from(const nlohmann::json& json) {
-  PickedDirection picked;
-  picked.direction = unit_vector(json.at("direction"));
-  for (const auto& wall : json.at("walls")) picked.walls.push_back(unit_vector(wall));
-  picked.frame = whole_int(json.at("frame"), "its frame");
-  picked.frame_sha256 = json.at("frame_sha256").get<std::string>();
-  picked.note = json.at("note").get<std::string>();
-  return picked;
+template <typename Fields>
+void visit_fields(Fields& fields, Same<PickedGravity> auto& picked) {
+  fields("recording", picked.recording);
+  std::vector<PickedDirection> frames;
+  for (const auto& [index, direction] : picked.frames) frames.push_back(direction);
+  fields("frames", frames);
+  if constexpr (Fields::kReads)
+    for (PickedDirection& direction : frames) picked.frames[direction.frame] = std::move(direction);
 }
+
+namespace {
 
 /// A direction is of use on the very frame that it was clicked on, as labels are.
 void expect_same(const Recording& recording, const PickedDirection& picked) {
@@ -65,18 +67,6 @@ void expect_same(const Recording& recording, const PickedDirection& picked) {
   if (hash != picked.frame_sha256) throw other();
 }
 
-PickedGravity gravity_from(const nlohmann::json& json) {
-  if (json.at("schema") != kSchema)
-    throw Error("its schema is " + json.at("schema").dump() + ", expected \"" + kSchema + "\"");
-  PickedGravity picked;
-  if (!json.at("recording").is_null()) picked.recording = direction_from(json.at("recording"));
-  for (const auto& one : json.at("frames")) {
-    PickedDirection direction = direction_from(one);
-    picked.frames[direction.frame] = std::move(direction);
-  }
-  return picked;
-}
-
 }  // namespace
 
 const PickedDirection* PickedGravity::of(int frame) const {
@@ -89,19 +79,14 @@ PickedGravity read_picked_gravity(const fs::path& label_dir, const Recording& re
   const fs::path file = file_in(label_dir);
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return {};
-  const nlohmann::json json = read_json<nlohmann::json>(file);
-  try {
-    PickedGravity picked = gravity_from(json);
+  return read_place(file, read_json<Json>(file), [&](const JsonPlace& place) {
+    place.schema({kSchema});
+    PickedGravity picked;
+    read_fields(place, picked);
     if (picked.recording) expect_same(recording, *picked.recording);
     for (const auto& [index, direction] : picked.frames) expect_same(recording, direction);
     return picked;
-  } catch (const nlohmann::json::exception&) {
-    throw Error(file.string() +
-                ": is no picked gravity that can be read, expected \"schema\", \"recording\" and "
-                "\"frames\" as planescope view writes them");
-  } catch (const Error& error) {
-    throw Error(file.string() + ": " + error.what());
-  }
+  });
 }
 
 void write_picked_gravity(const fs::path& label_dir, const PickedGravity& picked) {
@@ -112,15 +97,11 @@ void write_picked_gravity(const fs::path& label_dir, const PickedGravity& picked
     if (failed) throw Error(file.string() + ": cannot be removed: " + failed.message());
     return;
   }
-  Json json;
-  json["schema"] = kSchema;
-  json["recording"] = picked.recording ? json_of(*picked.recording) : Json();
-  json["frames"] = Json::array();
-  for (const auto& [index, direction] : picked.frames) json["frames"].push_back(json_of(direction));
-  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  Json json = {{"schema", kSchema}};
+  json.update(json_of(picked));
   fs::create_directories(label_dir, failed);
   if (failed) throw Error(label_dir.string() + ": cannot be made: " + failed.message());
-  write_file_text(file, text, Durable::yes);
+  write_file_text(file, json_text(json, 2), Durable::yes);
 }
 
 void apply_picked_gravity(const PickedGravity& picked, Frame& frame) {

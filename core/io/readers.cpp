@@ -8,108 +8,85 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/json.hpp"
-#include "core/model/sha256.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::io {
 namespace {
 
-using nlohmann::json;
+/// Numbers from a place, as they are checked here: finite, `count` of them.
+template <int kCount>
+Eigen::Vector<double, kCount> read_numbers(const JsonPlace& place, const char* expected) {
+  Eigen::Vector<double, kCount> numbers;
+  int i = 0;
+  place.each([&](const JsonPlace& one) {
+    if (i < kCount) numbers[i] = one.number();
+    ++i;
+  });
+  if (i != kCount || !numbers.allFinite()) place.fail_kind(expected);
+  return numbers;
+}
 
-struct Keys {
-  const std::filesystem::path& path;
+std::optional<Vec3d> read_direction(const JsonPlace& place) {
+  constexpr const char* kExpected = "three numbers [x, y, z] that are not all zero";
+  if (!place.has("gravity")) return std::nullopt;
+  const Vec3d vector = read_numbers<3>(place.at("gravity"), kExpected);
+  if (vector.stableNorm() < 1e-9) place.at("gravity").fail_kind(kExpected);
+  // Of a direction that was written by us not a bit changes.
+  return std::abs(vector.squaredNorm() - 1) < 1e-14 ? vector : vector.stableNormalized();
+}
 
-  [[noreturn]] void fail(const std::string& key, const std::string& expected) const {
-    throw Error(path.string() + ": \"" + key + "\" is not usable, expected " + expected);
-  }
+void read_side(const JsonPlace& place, const char* key, int& side) {
+  if (!place.has(key)) return;
+  const double value = place.at(key).number();
+  if (!(value >= 0 && value <= 1e6) || value != std::floor(value))
+    place.at(key).fail_kind("a whole number of pixels");
+  side = static_cast<int>(value);
+}
 
-  double number(const json& object, const std::string& key) const {
-    const auto found = object.find(key);
-    if (found == object.end() || !found->is_number()) fail(key, "a number");
-    return found->get<double>();
-  }
+Intrinsics read_intrinsics(const JsonPlace& place) {
+  Intrinsics k;
+  std::vector<double> coefficients;
+  std::string model = "brown_conrady";
+  read_side(place, "width", k.width);
+  read_side(place, "height", k.height);
+  FieldReader fields(place);
+  fields("fx", k.fx);
+  fields("fy", k.fy);
+  fields("cx", k.cx);
+  fields("cy", k.cy);
+  fields("distortion", coefficients, kOptional);
+  fields("distortion_model", model, kOptional);
+  if (!set_distortion(model, coefficients, k))
+    place.fail_kind(
+        "\"distortion_model\" \"brown_conrady\" or \"inverse_brown_conrady\" with up to "
+        "five numbers [k1, k2, p1, p2, k3]");
+  return k;
+}
 
-  int pixels(const json& object, const std::string& key) const {
-    const double value = number(object, key);
-    if (!(value >= 0 && value <= 1e6) || value != std::floor(value))
-      fail(key, "a whole number of pixels");
-    return static_cast<int>(value);
-  }
+std::optional<Pose> read_world_pose(const JsonPlace& place) {
+  constexpr const char* kExpected = "tx ty tz and a quaternion qx qy qz qw of length 1";
+  if (!place.has("T_world_camera")) return std::nullopt;
+  const auto n = read_numbers<7>(place.at("T_world_camera"), kExpected);
+  const Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
+  if (!(std::abs(q.norm() - 1) < 1e-3)) place.at("T_world_camera").fail_kind(kExpected);
+  Pose pose = Pose::Identity();
+  pose.linear() = q.normalized().toRotationMatrix();
+  pose.translation() = n.head<3>();
+  return pose;
+}
 
-  std::optional<Vec3d> direction(const json& object) const {
-    const auto found = object.find("gravity");
-    if (found == object.end() || found->is_null()) return std::nullopt;
-    Vec3d vector = Vec3d::Zero();
-    bool usable = found->is_array() && found->size() == 3;
-    for (std::size_t i = 0; usable && i < 3; ++i) {
-      usable = (*found)[i].is_number();
-      if (usable) vector[i] = (*found)[i].get<double>();
-    }
-    if (!usable || !vector.allFinite() || vector.stableNorm() < 1e-9) {
-      fail("gravity", "three numbers [x, y, z] that are not all zero");
-    }
-    // Of a direction that was written by us not a bit changes.
-    return std::abs(vector.squaredNorm() - 1) < 1e-14 ? vector : vector.stableNormalized();
-  }
-
-  Intrinsics intrinsics(const json& object) const {
-    if (!object.is_object()) fail("intrinsics", "an object with fx, fy, cx, cy");
-    Intrinsics result;
-    if (object.contains("width")) result.width = pixels(object, "width");
-    if (object.contains("height")) result.height = pixels(object, "height");
-    result.fx = number(object, "fx");
-    result.fy = number(object, "fy");
-    result.cx = number(object, "cx");
-    result.cy = number(object, "cy");
-    std::vector<double> coefficients;
-    for (const json& value : object.value("distortion", json::array())) {
-      if (!value.is_number()) fail("distortion", "numbers [k1, k2, p1, p2, k3]");
-      coefficients.push_back(value.get<double>());
-    }
-    const json model = object.value("distortion_model", json("brown_conrady"));
-    if (!model.is_string() || !set_distortion(model.get<std::string>(), coefficients, result))
-      fail("distortion_model",
-           "\"brown_conrady\" or \"inverse_brown_conrady\" with up to five numbers");
-    return result;
-  }
-
-  std::optional<Pose> placed(const json& object) const {
-    constexpr double kUnit = 1e-3;
-    const auto found = object.find("T_world_camera");
-    if (found == object.end() || found->is_null()) return std::nullopt;
-    double n[7] = {};
-    bool usable = found->is_array() && found->size() == 7;
-    for (std::size_t i = 0; usable && i < 7; ++i) {
-      usable = (*found)[i].is_number();
-      if (usable) n[i] = (*found)[i].get<double>();
-    }
-    const Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
-    Pose pose = Pose::Identity();
-    pose.linear() = q.normalized().toRotationMatrix();
-    pose.translation() = Vec3d(n[0], n[1], n[2]);
-    if (!usable || !(std::abs(q.norm() - 1) < kUnit) || !pose.matrix().allFinite())
-      fail("T_world_camera", "tx ty tz and a quaternion qx qy qz qw of length 1");
-    return pose;
-  }
-
-  Pose pose(const json& object, const std::string& key) const {
-    const auto found = object.find(key);
-    Pose pose = Pose::Identity();
-    bool usable = found != object.end() && found->is_array() && found->size() == 16;
-    for (std::size_t i = 0; usable && i < 16; ++i) {
-      usable = (*found)[i].is_number();
-      if (usable)
-        pose.matrix()(static_cast<int>(i / 4), static_cast<int>(i % 4)) = (*found)[i].get<double>();
-    }
-    const Mat3d turn = pose.linear();
-    if (!usable || !pose.matrix().allFinite() ||
-        !(turn * turn.transpose()).isApprox(Mat3d::Identity(), 1e-4) || turn.determinant() < 0 ||
-        pose.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-      fail(key, "16 numbers of a rigid motion, row by row");
-    return pose;
-  }
-};
+Pose read_rigid(const JsonPlace& place) {
+  constexpr const char* kExpected = "16 numbers of a rigid motion, row by row";
+  const auto numbers = read_numbers<16>(place, kExpected);
+  Pose pose;
+  pose.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
+  const Mat3d turn = pose.linear();
+  if (!(turn * turn.transpose()).isApprox(Mat3d::Identity(), 1e-4) || turn.determinant() < 0 ||
+      pose.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+    place.fail_kind(kExpected);
+  return pose;
+}
 
 /// The sidecar inside a folder; empty if there is none.
 std::filesystem::path sidecar_inside(const std::filesystem::path& recording) {
@@ -120,49 +97,38 @@ std::filesystem::path sidecar_inside(const std::filesystem::path& recording) {
   return {};
 }
 
-Sidecar read_one_sidecar(const std::filesystem::path& path) {
+Sidecar sidecar_of(const JsonPlace& place, const std::filesystem::path& path) {
   Sidecar sidecar;
   sidecar.path = path;
-  const json document = read_json<nlohmann::json>(sidecar.path);
-  const Keys keys{sidecar.path};
-  if (!document.is_object()) throw Error(sidecar.path.string() + ": expected a JSON object");
-  if (document.contains("schema") && document["schema"] != "planescope.recording/1") {
-    keys.fail("schema", "\"planescope.recording/1\"");
-  }
-  if (document.contains("intrinsics")) {
-    sidecar.intrinsics = keys.intrinsics(document["intrinsics"]);
+  if (place.has("schema")) place.schema({"planescope.recording/1"});
+  if (place.has("intrinsics")) {
+    sidecar.intrinsics = read_intrinsics(place.at("intrinsics"));
     sidecar.intrinsics_source = path.filename().string();
   }
-  if (document.contains("depth_unit_m")) {
-    sidecar.depth_unit_m = keys.number(document, "depth_unit_m");
-    if (!(*sidecar.depth_unit_m > 0)) keys.fail("depth_unit_m", "metres per count above 0");
+  FieldReader fields(place);
+  fields("depth_unit_m", sidecar.depth_unit_m, kOptional);
+  if (sidecar.depth_unit_m && !(*sidecar.depth_unit_m > 0))
+    place.at("depth_unit_m").fail_kind("meters per count above 0");
+  sidecar.gravity = read_direction(place);
+  fields("color_aligned", sidecar.color_aligned, kOptional);
+  if (place.has("color")) {
+    sidecar.color_intrinsics = read_intrinsics(place.at("color").at("intrinsics"));
+    sidecar.T_color_depth = read_rigid(place.at("color").at("T_color_depth"));
   }
-  sidecar.gravity = keys.direction(document);
-  if (document.contains("color_aligned")) {
-    if (!document["color_aligned"].is_boolean()) keys.fail("color_aligned", "true or false");
-    sidecar.color_aligned = document["color_aligned"].get<bool>();
-  }
-  if (document.contains("color")) {
-    if (!document["color"].is_object())
-      keys.fail("color", "an object with intrinsics and T_color_depth");
-    sidecar.color_intrinsics = keys.intrinsics(document["color"].value("intrinsics", json()));
-    sidecar.T_color_depth = keys.pose(document["color"], "T_color_depth");
-  }
-  if (!document.contains("frames")) return sidecar;
-  if (!document["frames"].is_array()) keys.fail("frames", "a list");
-  for (const json& entry : document["frames"]) {
-    if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string()) {
-      keys.fail("frames", "objects with a \"name\"");
-    }
-    Sidecar::FrameFacts frame;
-    frame.name = entry["name"].get<std::string>();
-    if (entry.contains("timestamp_s")) frame.timestamp_s = keys.number(entry, "timestamp_s");
-    frame.gravity = keys.direction(entry);
-    frame.T_world_camera = keys.placed(entry);
-    sidecar.frame_of.emplace(frame.name, sidecar.frames.size());
-    sidecar.frames.push_back(std::move(frame));
-  }
+  fields.list("frames", sidecar.frames, kOptional, [](FieldReader& of, Sidecar::FrameFacts& frame) {
+    of("name", frame.name);
+    of("timestamp_s", frame.timestamp_s, kOptional);
+    frame.gravity = read_direction(of.place());
+    frame.T_world_camera = read_world_pose(of.place());
+  });
+  for (std::size_t i = 0; i < sidecar.frames.size(); ++i)
+    sidecar.frame_of.emplace(sidecar.frames[i].name, i);
   return sidecar;
+}
+
+Sidecar read_one_sidecar(const std::filesystem::path& path) {
+  return read_place(path, read_json<nlohmann::ordered_json>(path),
+                    [&](const JsonPlace& place) { return sidecar_of(place, path); });
 }
 
 }  // namespace
@@ -296,6 +262,12 @@ void settle_camera(const RecordingOptions& options,
   }
   k.width = info.width;
   k.height = info.height;
+  // Of a cropped image it may be a little outside.
+  if (std::abs(k.cx - 0.5 * k.width) > k.width || std::abs(k.cy - 0.5 * k.height) > k.height)
+    throw Error(fmt::format(
+        "{}: principal point cx {:g}, cy {:g} from {} is far outside the {} depth image",
+        info.path.string(), k.cx, k.cy, info.intrinsics_source,
+        size_text(info.width, info.height)));
 
   if (options.depth_unit_m) {
     info.depth_unit_m = *options.depth_unit_m;

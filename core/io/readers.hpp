@@ -117,11 +117,6 @@ std::vector<RawFile> viewer_raw_files(const std::filesystem::path& path);
 
 /// File extension in lower case, with its dot.
 std::string extension(const std::filesystem::path& path);
-// By extension: .ply, .pcd, and the cloud formats that were added.
-bool is_ply(const std::filesystem::path& path);
-bool is_pcd(const std::filesystem::path& path);
-bool is_cloud(const std::filesystem::path& path);
-bool is_bag(const std::filesystem::path& path);  // of ROS 1 or 2
 
 /// Orders names as people do: 2 before 10.
 bool natural_less(const std::string& a, const std::string& b);

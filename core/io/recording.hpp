@@ -73,6 +73,10 @@ class Recording {
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingOptions& options = {});
 
+/// What open_recording() takes, for usage texts: "Bags, folders, .raw, .ply or .pcd files", or "One
+/// bag, ... file".
+std::string recordings_text(bool many);
+
 /// The same recording; `change`, of which several may run at once, adds to each frame what is known
 /// of it elsewhere, and may throw Error.
 std::shared_ptr<const Recording> with_changed_frames(std::shared_ptr<const Recording> recording,

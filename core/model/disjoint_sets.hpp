@@ -1,8 +1,12 @@
 #pragma once
 
+// Groups of equal things: sets that are joined, and runs of one value.
+
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <vector>
 
 namespace planescope {
@@ -27,5 +31,46 @@ class DisjointSets {
  private:
   std::vector<std::uint32_t> parent_;
 };
+
+/// Which region a joined one has become: here the caller chooses which one stands for both.
+class Roots {
+ public:
+  explicit Roots(std::size_t count) : into_(count) { std::iota(into_.begin(), into_.end(), 0); }
+  std::int32_t root(std::int32_t k) {
+    while (into_[k] != k) k = into_[k] = into_[into_[k]];
+    return k;
+  }
+  void join_into(std::int32_t from, std::int32_t into) { into_[from] = into; }
+  /// Replaces every region by its root; negative ones stay.
+  void apply_to(std::vector<std::int32_t>& regions) {
+    for (std::int32_t k = 0; k < static_cast<std::int32_t>(into_.size()); ++k) into_[k] = root(k);
+    for (std::int32_t& region : regions)
+      if (region >= 0) region = into_[region];
+  }
+
+ private:
+  std::vector<std::int32_t> into_;
+};
+
+}  // namespace planescope
+
+// Where equal neighbours end: in the label images of planes, nearly all of them are equal.
+
+namespace planescope {
+
+/// The first index behind `begin` at which there is another value than there; values.size() where
+/// there is none.
+inline std::size_t end_of_run(std::span<const std::int32_t> values, std::size_t begin) {
+  constexpr std::size_t kAtOnce = 8;
+  const std::int32_t value = values[begin];
+  std::size_t i = begin + 1;
+  for (; i + kAtOnce <= values.size(); i += kAtOnce) {
+    std::int32_t difference = 0;
+    for (std::size_t k = 0; k < kAtOnce; ++k) difference |= values[i + k] ^ value;
+    if (difference != 0) break;
+  }
+  while (i < values.size() && values[i] == value) ++i;
+  return i;
+}
 
 }  // namespace planescope

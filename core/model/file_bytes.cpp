@@ -1,12 +1,21 @@
 #include "core/model/file_bytes.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
+#include <openssl/evp.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
+#include <memory>
 #include <system_error>
+#include <vector>
 
 #include "core/model/error.hpp"
 
@@ -201,6 +210,153 @@ void write_file_stream(const std::filesystem::path& path,
     if (file) return 0;
     return errno != 0 ? errno : EIO;
   });
+}
+
+namespace {
+
+constexpr double kMiB = 1 << 20;
+
+std::atomic<std::uint64_t> g_limit_bytes{std::uint64_t{512} << 20};
+
+}  // namespace
+
+std::uint64_t read_limit_bytes() { return g_limit_bytes; }
+void set_read_limit_bytes(std::uint64_t bytes) { g_limit_bytes = bytes; }
+
+void expect_within_read_limit(double bytes, const std::string& what) {
+  const auto limit = static_cast<double>(read_limit_bytes());
+  if (bytes > limit)
+    throw Error(
+        fmt::format("{} would take {:.0f} MiB in memory, expected at most {:.0f}: see "
+                    "--read-limit",
+                    what, bytes / kMiB, limit / kMiB));
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string local_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts = {};
+  localtime_r(&now, &parts);
+  char text[64];
+  const std::size_t size = std::strftime(text, sizeof(text), "%Y-%m-%d %H:%M", &parts);
+  return {text, size};
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+/// "held by ann, process 4711 on lab3 since 14:02", from what its holder wrote.
+std::string holder_of(const fs::path& path) {
+  std::ifstream file(path);
+  std::string user, process, host, since;
+  if (!std::getline(file, user) || !std::getline(file, process) || !std::getline(file, host) ||
+      !std::getline(file, since)) {
+    return "held by another process";
+  }
+  const std::string today = local_time().substr(0, 11);
+  if (since.starts_with(today)) since.erase(0, today.size());
+  return "held by " + user + ", process " + process + " on " + host + " since " + since;
+}
+
+/// Whether the open file is still the one of that name: its last holder may just have removed it.
+bool is_named(const FileDescriptor& file, const fs::path& path) {
+  struct stat opened = {}, named = {};
+  return ::fstat(file.get(), &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+}  // namespace
+
+FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
+  if (this == &other) return *this;
+  release();
+  path_ = std::move(other.path_);
+  file_ = std::move(other.file_);
+  by_other_ = other.by_other_;
+  why_not_ = std::move(other.why_not_);
+  return *this;
+}
+
+void FolderLock::release() {
+  // Removed while it is still held: whoever opened it meanwhile sees that its name is gone.
+  if (file_.is_open()) ::unlink(path_.c_str());
+  file_ = {};
+}
+
+FolderLock FolderLock::take(const fs::path& dir, const std::string& user) {
+  FolderLock lock;
+  const fs::path path = dir / "lock";
+  FileDescriptor file = open_file(path, O_RDWR | O_CREAT);
+  if (!file.is_open()) {
+    lock.why_not_ = dir.string() + " cannot be written (" + error_text(errno) + ")";
+    return lock;
+  }
+  if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
+    lock.by_other_ = errno == EWOULDBLOCK;
+    lock.why_not_ = lock.by_other_
+                        ? holder_of(path)
+                        : path.string() + " cannot be locked (" + error_text(errno) + ")";
+    return lock;
+  }
+  if (!is_named(file, path)) return take(dir, user);
+  const std::string text =
+      user + "\n" + std::to_string(::getpid()) + "\n" + host_name() + "\n" + local_time() + "\n";
+  // On a full disk the lock holds all the same, only without a name.
+  if (::ftruncate(file.get(), 0) == 0) {
+    write_fully(file, {reinterpret_cast<const unsigned char*>(text.data()), text.size()}, 0);
+  }
+  lock.path_ = path;
+  lock.file_ = std::move(file);
+  return lock;
+}
+
+namespace {
+
+class Digest {
+ public:
+  Digest() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+    EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
+  }
+  void update(const void* data, std::size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
+  std::string hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int size = 0;
+    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
+    std::string text;
+    for (unsigned int i = 0; i < size; ++i) {
+      text += "0123456789abcdef"[digest[i] >> 4];
+      text += "0123456789abcdef"[digest[i] & 15];
+    }
+    return text;
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+}  // namespace
+
+std::string sha256_hex(std::span<const std::byte> bytes) {
+  Digest digest;
+  digest.update(bytes.data(), bytes.size());
+  return digest.hex();
+}
+
+std::string sha256_hex(std::string_view text) { return sha256_hex(std::as_bytes(std::span(text))); }
+
+std::string sha256_hex_of_file(const std::filesystem::path& path) {
+  std::ifstream file = open_to_read(path);
+  Digest digest;
+  std::vector<char> block(1 << 16);
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)
+    digest.update(block.data(), static_cast<std::size_t>(file.gcount()));
+  if (file.bad()) throw Error(path.string() + ": cannot be read to its end");
+  return digest.hex();
 }
 
 }  // namespace planescope

@@ -1,6 +1,9 @@
 #pragma once
 
+// Files: read and written whole, opened, locked, hashed, and how much of one may be unpacked.
+
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
@@ -84,5 +87,46 @@ std::filesystem::path unused_path(const std::filesystem::path& prefix);
 
 /// What an errno says: "No space left on device".
 std::string error_text(int error);
+
+/// What one image, chunk or table of a file may take in memory, unpacked: a small file may promise
+/// any size. For the whole process; 512 MiB unless set.
+std::uint64_t read_limit_bytes();
+void set_read_limit_bytes(std::uint64_t bytes);
+
+/// Throws Error "WHAT would take ... MiB in memory, expected at most ..." where it is more.
+void expect_within_read_limit(double bytes, const std::string& what);
+
+/// Held by the one instance that may write into a folder, in DIR/lock. The lock ends with the
+/// process, however that ends; the file's text is for people only. Releasing the lock removes the
+/// file.
+class FolderLock {
+ public:
+  FolderLock() = default;
+  ~FolderLock() { release(); }
+  FolderLock(FolderLock&& other) noexcept = default;
+  FolderLock& operator=(FolderLock&& other) noexcept;
+
+  /// Makes DIR/lock where needed, not DIR.
+  static FolderLock take(const std::filesystem::path& dir, const std::string& user);
+
+  bool is_held() const { return file_.is_open(); }
+  bool is_held_by_other() const { return by_other_; }
+  /// Why it is not held: "held by ann, process 4711 on lab3 since 14:02".
+  const std::string& why_not() const { return why_not_; }
+
+ private:
+  void release();
+
+  std::filesystem::path path_;
+  FileDescriptor file_;
+  bool by_other_ = false;
+  std::string why_not_;
+};
+
+/// SHA-256 as 64 lower-case hex digits.
+std::string sha256_hex(std::span<const std::byte> bytes);
+std::string sha256_hex(std::string_view text);
+/// Throws Error if the file cannot be read.
+std::string sha256_hex_of_file(const std::filesystem::path& path);
 
 }  // namespace planescope

@@ -1,8 +1,11 @@
 #pragma once
 
+// What of the processor is used: threads, and instruction sets.
+
 #include <barrier>
 #include <cstddef>
 #include <functional>
+#include <string>
 #include <utility>
 
 namespace planescope {
@@ -63,5 +66,13 @@ class TeamMember {
 /// parallel_for per phase where phases are short. An exception of `body` is rethrown here, when the
 /// others have gone through without that member.
 void run_team(int threads, const std::function<void(TeamMember&)>& body);
+
+/// Instruction sets that the hot loops are compiled for, each giving the same bits.
+enum class Simd { plain, avx2, avx512 };
+
+/// The widest that this processor runs, or less where PLANESCOPE_SIMD=plain|avx2|avx512 is in the
+/// environment. Throws Error where that names none of them or more than the processor has.
+Simd best_simd();
+std::string to_string(Simd simd);
 
 }  // namespace planescope

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "core/io/image/png.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
-#include "core/model/sha256.hpp"
-#include "core/planes/pipeline/frame_threads.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/world/tracks/sight.hpp"
 
 namespace planescope::world {

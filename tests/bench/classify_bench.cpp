@@ -4,7 +4,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <map>
 #include <nanoflann.hpp>
 #include <string>
 
@@ -25,8 +24,8 @@ std::vector<Vec3f> staircase(int points) {
   return lab::make_stairs(0, options).cloud.points;
 }
 
-std::vector<std::uint32_t> by_grid(std::span<const Vec3f> points, Simd simd) {
-  const planes::NeighbourGrid grid(points, kNeighbours, simd);
+std::vector<std::uint32_t> by_grid(std::span<const Vec3f> points) {
+  const planes::NeighbourGrid grid(points, kNeighbours);
   std::vector<std::uint32_t> rows(points.size() * kNeighbours);
   grid.nearest(kNeighbours, 0, points.size(), rows.data());
   return rows;
@@ -57,21 +56,15 @@ std::vector<std::uint32_t> by_nanoflann(std::span<const Vec3f> points) {
 void neighbours(benchmark::State& state) {
   const std::vector<Vec3f> points = staircase(static_cast<int>(state.range(0)));
   const auto pca = planes::make_pca_classifier({.neighbours = kNeighbours});
-  std::map<Simd, std::vector<double>> grid_ms;
-  std::vector<double> nanoflann_ms, pca_ms;
+  std::vector<double> grid_ms, nanoflann_ms, pca_ms;
   for (auto _ : state) {
-    for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512})
-      if (simd <= best_simd())
-        grid_ms[simd].push_back(
-            lab::thread_ms([&] { benchmark::DoNotOptimize(by_grid(points, simd)); }));
+    grid_ms.push_back(lab::thread_ms([&] { benchmark::DoNotOptimize(by_grid(points)); }));
     nanoflann_ms.push_back(lab::thread_ms([&] { benchmark::DoNotOptimize(by_nanoflann(points)); }));
     pca_ms.push_back(lab::thread_ms([&] { benchmark::DoNotOptimize(pca->classify(points, 1)); }));
   }
   state.counters["nanoflann_ms"] = lab::median(nanoflann_ms);
-  for (const auto& [simd, ms] : grid_ms) {
-    state.counters[to_string(simd) + "_ms"] = lab::median(ms);
-    state.counters[to_string(simd) + "_ratio"] = lab::median(nanoflann_ms) / lab::median(ms);
-  }
+  state.counters["grid_ms"] = lab::median(grid_ms);
+  state.counters["grid_ratio"] = lab::median(nanoflann_ms) / lab::median(grid_ms);
   state.counters["pca_ms"] = lab::median(pca_ms);
 }
 BENCHMARK(neighbours)->RangeMultiplier(2)->Range(2048, 16384)->Unit(benchmark::kMillisecond);

@@ -9,7 +9,6 @@
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/sha256.hpp"
 #include "core/planes/classify/weights.hpp"
 
 using namespace planescope;

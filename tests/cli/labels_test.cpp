@@ -184,7 +184,7 @@ TEST_F(Labels, CocoIsOneFileWithAPictureForEachFrame) {
     const Json& image = images[annotation["image_id"]];
     EXPECT_EQ(all, image["width"].get<int>() * image["height"].get<int>());
     EXPECT_EQ(inside, annotation["area"]);
-    EXPECT_EQ(annotation["iscrowd"], 1);
+    EXPECT_EQ(annotation["iscrowd"], 0);
   }
   EXPECT_EQ(annotations.size(), coco["annotations"].size()) << "ids are unique";
   EXPECT_EQ(of_image, (std::map<int, int>{{1, 2}, {2, 2}}));

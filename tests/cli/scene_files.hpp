@@ -4,7 +4,7 @@
 
 #include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 
 namespace planescope::testing_cli {
 

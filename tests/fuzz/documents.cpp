@@ -12,7 +12,6 @@
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
-#include "core/planes/classify/safetensors.hpp"
 #include "core/planes/classify/weights.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/compare/rules.hpp"

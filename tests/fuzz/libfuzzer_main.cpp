@@ -5,7 +5,7 @@
 #include <cstring>
 #include <iostream>
 
-#include "core/model/read_limit.hpp"
+#include "core/model/file_bytes.hpp"
 #include "fuzz/change.hpp"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max);

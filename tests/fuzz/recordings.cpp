@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/io/bag/rosbag1.hpp"
+#include "core/io/bag/message_log.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/folder/camera_files.hpp"
-#include "core/io/image/jpeg.hpp"
+#include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/picked_gravity.hpp"
 #include "core/io/readers.hpp"
@@ -46,7 +46,8 @@ void read_mcap(Bytes bytes) { read_frames(*io::open_recording(file_of("mcap/a.mc
 
 /// How a bag is packed; then each message with its topic, type and time.
 std::vector<ByteVector> split_bag(Bytes bytes) {
-  const io::rosbag1::Bag bag(file_of("bag/split.bag", bytes));
+  const auto log = io::open_rosbag1(file_of("bag/split.bag", bytes));
+  const io::MessageLog& bag = *log;
   std::vector<ByteVector> pieces = {{0, 0, 8}};
   for (const auto& [topic, type] : bag.topics())
     for (const io::MessageRef& at : bag.messages(topic)) {

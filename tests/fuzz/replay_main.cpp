@@ -10,7 +10,6 @@
 #include <iostream>
 
 #include "core/model/file_bytes.hpp"
-#include "core/model/read_limit.hpp"
 #include "fuzz/change.hpp"
 
 namespace {

@@ -286,7 +286,7 @@ void add_reports(const Seeds& seeds) {
   frame.sha256 = std::string(64, 'a');
   frame.counts.kept = 50;
   for (int id = 1; id <= 2; ++id) {
-    report::PlaneSummary plane;
+    planes::PlaneSummary plane;
     plane.id = id;
     plane.label = id == 1 ? Label::h : Label::v;
     plane.normal = {0, id - 1.0, 2.0 - id};

@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "core/io/recording.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/world/map_recording.hpp"
 #include "core/world/poses/trajectory.hpp"
 #include "render/plane_colors.hpp"

@@ -16,8 +16,8 @@
 #include "core/io/recording.hpp"
 #include "core/labels/model/pixel_sets.hpp"
 #include "core/labels/wand/wand.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::debug {
 namespace {

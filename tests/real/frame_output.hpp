@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/model/frame.hpp"
-#include "core/model/image.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope {

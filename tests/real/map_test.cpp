@@ -14,7 +14,7 @@
 #include "core/lab/experiments/map_truth.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/world/files/map_files.hpp"
 #include "core/world/poses/trajectory.hpp"
 #include "support/temp_dir.hpp"

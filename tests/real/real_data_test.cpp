@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "core/model/sha256.hpp"
+#include "core/model/file_bytes.hpp"
 #include "support/temp_dir.hpp"
 #include "tests/real/expectations.hpp"
 #include "tests/real/frame_output.hpp"

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <set>
 
-#include "app/desktop/debugger/step_axis.hpp"
+#include "app/desktop/debugger/timeline.hpp"
 #include "app/desktop/input.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/script.hpp"

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "app/desktop/debugger/axes.hpp"
-#include "app/desktop/debugger/octree_rows.hpp"
-#include "app/desktop/debugger/step_axis.hpp"
+#include "app/desktop/debugger/rows.hpp"
+#include "app/desktop/debugger/timeline.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

@@ -153,7 +153,7 @@ TEST_F(CarriedPlanes, StayWhereTheyAreOnceItIsCancelled) {
 
 TEST_F(CarriedPlanes, AreRefusedWhereTheNextFrameShowsSomethingElse) {
   window.run("label.carry");
-  EXPECT_NE(window.refusal("label.carry").find("points have a partner"), std::string::npos);
+  EXPECT_NE(window.refusal("label.carry").find("overlap too little"), std::string::npos);
   EXPECT_EQ(state().document.frame, 2);
   EXPECT_TRUE(window.labels().planes.empty());
   window.run("label.take");

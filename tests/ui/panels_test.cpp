@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/desktop/debugger/axes.hpp"
-#include "app/desktop/debugger/event_rows.hpp"
+#include "app/desktop/debugger/rows.hpp"
 #include "app/desktop/state/state.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/planes/pipeline/options_table.hpp"

@@ -1,12 +1,12 @@
 // What the window tells about finished planes: room for a foot, what carries one, stairs; by
 // scripted input with no GL.
 
+#include "app/desktop/debugger/planes.hpp"
+
 #include <algorithm>
 #include <limits>
 
-#include "app/desktop/debugger/plane_table.hpp"
-#include "app/desktop/debugger/plane_text.hpp"
-#include "app/desktop/jobs/plane_work.hpp"
+#include "app/desktop/jobs/frame_work.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/state/session.hpp"
 #include "desktop_fixture.hpp"

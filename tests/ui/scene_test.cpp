@@ -5,8 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "app/desktop/arrange.hpp"
-#include "app/desktop/debugger/context.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/views.hpp"
 #include "desktop_fixture.hpp"
@@ -277,7 +275,8 @@ TEST_F(Scene, APlaneIsChosenAndCopiedFromItsMenu) {
       context_entries(state(), {{render::Picked::Kind::plane, 2}, -1});
   for (const ContextEntry& entry : entries)
     if (entry.name == "isolate" || entry.name == "copy")
-      for (const Command& command : entry.commands) run(command.action, command.argument);
+      for (const Command& command : entry.commands) shell.perform(command, true);
+  stage.draw_frame();
   EXPECT_EQ(state().view.selected.plane, 2);
   EXPECT_TRUE(state().view.isolated);
   EXPECT_EQ(std::string(ImGui::GetClipboardText()), debug::plane_name(*state().run(), 2));

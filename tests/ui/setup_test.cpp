@@ -1,10 +1,13 @@
 // What a recording needs before its frames can be run, what was assumed about it, and the keyboard
 // without a mouse.
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "app/desktop/assumptions.hpp"
-#include "core/io/camera_setup.hpp"
+#include "app/desktop/panels.hpp"
+#include "core/io/folder/camera_files.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 
@@ -69,12 +72,28 @@ TEST_F(UnknownCamera, TypedNumbersAreTakenAndBadOnesAreNot) {
   EXPECT_FALSE(state().run());
   play(R"({"click": "setup.apply"})");
   EXPECT_FALSE(state().run()) << "the button waits for four numbers";
+  EXPECT_TRUE(shows("setup.wrong"));
+  EXPECT_THROW(shell.perform({"intrinsics.set", "400,400,3000,240"}, true), Error)
+      << "far outside the image";
   EXPECT_THROW(shell.perform({"intrinsics.set", "400,400,320"}, true), Error);
   EXPECT_THROW(shell.perform({"intrinsics.set", "0,400,320,240"}, true), Error);
   shell.perform({"intrinsics.set", "400,400,320,240 0.002"}, true);
   settle(shell, stage, {});
   ASSERT_TRUE(state().run());
   EXPECT_EQ(info().depth_unit_m, 0.002);
+}
+
+TEST_F(UnknownCamera, AChosenCameraBringsItsDepthUnitAndIsNamedAsNominal) {
+  const auto choices = io::camera_choices(info());
+  const auto tum = std::ranges::find(choices, "TUM RGB-D", &io::CameraChoice::name);
+  ASSERT_NE(tum, choices.end());
+  play(fmt::format(R"({{"click": "setup.choice.{}"}}, {{"frames": 2}}, {{"click": "setup.apply"}})",
+                   tum - choices.begin()));
+  ASSERT_TRUE(state().run()) << state().view.message;
+  EXPECT_EQ(info().depth_unit_m, 0.0002);
+  const auto all = assumptions_of(state());
+  EXPECT_TRUE(std::ranges::any_of(
+      all, [](const Assumption& one) { return one.text.starts_with("Intrinsics nominal ("); }));
 }
 
 TEST_F(UnknownCamera, MapsAreRefusedInOneLine) {
@@ -134,7 +153,7 @@ struct Assumptions : OpenDesktop {
   const Assumption* with_action(const std::string& action) {
     all_ = assumptions_of(state());
     for (const Assumption& one : all_)
-      if (one.action == action) return &one;
+      if (one.command.action == action) return &one;
     return nullptr;
   }
   std::vector<Assumption> all_;

@@ -1,148 +1,121 @@
 #pragma once
 
-// Every action of the desktop: its name, its key, its place in the menu, and what it does. Panels,
-// keys, menus, the palette and scripts all speak in commands.
+// Every action by subject, the types of their arguments, and what several of them share.
 
-#include <functional>
-#include <string>
-#include <vector>
-
-#include "app/desktop/state/state.hpp"
+#include "app/desktop/actions/action.hpp"
 
 namespace planescope::desktop {
 
 struct RunArrival;
 
-/// "step.next", or "filter.set" with "case==III".
-struct Command {
-  std::string action;
-  std::string argument;
-};
+// Tables, in the order of menus and lists; each adds its rows.
+void add_document_actions(std::vector<Action>& all);
+void add_label_mode_actions(std::vector<Action>& all);  // in and out, history, saving
+void add_view_actions(std::vector<Action>& all);
+void add_camera_actions(std::vector<Action>& all);
+void add_step_actions(std::vector<Action>& all);    // and which steps the timeline shows
+void add_search_actions(std::vector<Action>& all);  // filter, breakpoints
+void add_selection_actions(std::vector<Action>& all);
+void add_option_actions(std::vector<Action>& all);
+void add_compare_actions(std::vector<Action>& all);  // A/B, fixes
+void add_label_tool_actions(std::vector<Action>& all);
+void add_label_draw_actions(std::vector<Action>& all);
+void add_label_plane_actions(std::vector<Action>& all);
+void add_review_actions(std::vector<Action>& all);  // queue, checks
+void add_learning_actions(std::vector<Action>& all);
+void add_gravity_actions(std::vector<Action>& all);  // floors and walls that are clicked
+void add_measure_actions(std::vector<Action>& all);  // and the table of planes
+void add_track_actions(std::vector<Action>& all);
 
-/// In which mode an action and its key work. A key of one mode goes before one that works anywhere.
-enum class KeyMode : std::uint8_t { anywhere, debugger, labels };
-
-struct Action {
-  std::string name;   // "step.next"
-  std::string title;  // "Step forward"
-  std::string menu;   // "Step"; empty: in no menu
-  std::string keys;   // "Right", "Shift+F5"; several apart by spaces; empty: none
-  std::string takes;  // what the argument is, in brackets where it may be left out; empty: none
-  std::function<void(State&, const std::string&)> run;
-  std::function<bool(const State&)> enabled;  // empty: always
-  std::function<bool(const State&)> checked;  // empty: not a switch
-  KeyMode mode = KeyMode::anywhere;
-  bool key_is_argument = false;  // "3" runs it with "3"
-
-  bool can_run(const State& state) const { return !enabled || enabled(state); }
-  bool is_on(const State& state) const { return checked && checked(state); }
-};
-
-const std::vector<Action>& action_table();
-/// What the views emit for a click: "U,V", "voxel N", "plane N", or "nothing".
-inline constexpr const char* kClickTakes = "U,V | voxel N | plane N";
 /// What most actions of the debugger need: a frame was segmented.
 bool has_run(const State& state);
-/// Throws Error naming the nearest existing action.
-const Action& find_action(const std::string& name);
-/// Whether a key or menu must ask for its argument first.
-bool needs_argument(const Action& action);
-/// What a click in a view is handed to as kClickTakes; null where it selects.
-const char* click_action(Click click);
-/// Null where no action has this key ("Ctrl+P") in that mode.
-const Action* action_of_key(const std::string& key, Mode mode);
-/// The action can be used in that mode.
-bool fits(const Action& action, Mode mode);
-/// The first of its keys, as menus show it; empty where it has none.
-std::string first_key(const Action& action);
 
-/// Changes the state. Throws Error on an unknown action or an argument it cannot take, the state
-/// unchanged.
-void apply(State& state, const Command& command);
+// ---- Types of arguments ------------------------------------------------------------------------
 
-/// What the palette offers: actions, and recent recordings to open.
-struct Offer {
-  const Action* action = nullptr;
-  std::string argument, title;
+/// A plane of the run, as the trace counts it. Text: "3" or "P3".
+struct PlaneRef {
+  std::int32_t plane = -1;
 };
-/// Those whose titles or names fit what was typed, best first: those with each word of it as a
-/// whole word, then as the start of one, then anywhere; last those with its letters in order.
-std::vector<Offer> palette_offers(const State& state, const std::string& typed);
-
-// Tables by subject; action_table() is all of them.
-std::vector<Action> step_actions();
-std::vector<Action> timeline_actions();  // which steps the timeline shows
-std::vector<Action> search_actions();
-std::vector<Action> selection_actions();
-std::vector<Action> option_actions();
-std::vector<Action> compare_actions();
-std::vector<Action> view_actions();
-std::vector<Action> camera_actions();
-std::vector<Action> document_actions();
-std::vector<Action> gravity_actions();       // floors and walls that are clicked
-std::vector<Action> plane_table_actions();   // the table of planes
-std::vector<Action> measure_actions();       // between points and planes that are clicked
-std::vector<Action> map_actions();           // following planes over all frames
-std::vector<Action> track_actions();         // what came of it
-std::vector<Action> label_mode_actions();    // in and out, history, saving
-std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
-std::vector<Action> label_draw_actions();    // strokes, areas, cuts, the wand
-std::vector<Action> label_finish_actions();  // holes, borders, specks, the view of distances
-std::vector<Action> label_chain_actions();   // a plane on all frames it was carried over
-std::vector<Action> label_plane_actions();   // the active plane, its class, join, split, carry
-std::vector<Action> label_review_actions();  // queue, checks
-std::vector<Action> label_learn_actions();   // a classifier that learns from reviewed frames
-
-// Arguments from text. All throw Error naming the action and what was expected.
-
-int whole_argument(const std::string& action, const std::string& text, int low, int high);
-/// A plane of the run by its name, "3" or "P3"; as the trace counts it.
-std::int32_t run_plane_argument(const State& state,
-                                const std::string& action,
-                                const std::string& text);
-/// "3" or "P3".
-int plane_argument(const std::string& action, const std::string& text, int low, int high);
-/// The item of a list by its number, from 0.
-template <typename Items>
-auto& item_argument(const std::string& action, const std::string& text, Items& items) {
-  const int last = static_cast<int>(items.size()) - 1;
-  return items[static_cast<std::size_t>(whole_argument(action, text, 0, last))];
+/// A place on the depth image [px]. Text: "U,V".
+struct Pixel {
+  double u = 0, v = 0;
+};
+/// Pixel v * width + u of the run's depth image.
+inline Pixel pixel_of(std::int64_t source, int width) {
+  return {static_cast<double>(source % width), static_cast<double>(source / width)};
 }
-double number_argument(const std::string& action, const std::string& text);
-/// "12.5,3,7" as exactly `count` numbers.
-std::vector<double> numbers_argument(const std::string& action,
-                                     const std::string& text,
-                                     std::size_t count);
-/// Starts the search for fixes that a click asks for, unless it runs or has ended already.
-void ask_of_point(State& state, const PointAsked& asked, bool far = false);
-/// What was clicked, as kClickTakes has it. Throws Error, a phrase, where nothing is there.
+/// What a click in a view hits. Text: "U,V", "voxel N", "plane N" or "nothing".
 struct Clicked {
-  enum class On : std::uint8_t { pixel, voxel, plane } on = On::pixel;
-  std::int32_t index = 0;  // v * width + u, voxel, plane of the trace
+  enum class On : std::uint8_t { nothing, pixel, voxel, plane } on = On::nothing;
+  Pixel pixel = {};
+  std::int32_t index = -1;  // voxel, or plane of the trace
+  std::string why = {};     // text that names nothing is a click on nothing, for this reason
 };
-Clicked click_argument(const State& state, const std::string& action, const std::string& text);
-/// The index of `text` among `names`.
-int choice_argument(const std::string& action,
-                    const std::string& text,
-                    const std::vector<std::string>& names);
+/// What should become of the selected point. Text: "plane", "own", "none" or "with VOXEL".
+struct PointWish {
+  debug::Wish wish = debug::Wish::plane;
+  int with = -1;  // a voxel
+};
+/// An option and its value as the table of options reads it. Text: "NAME=VALUE".
+struct OptionValue {
+  std::string name, value;
+};
+/// Text: "left=0.2".
+struct LayoutShare {
+  double Layout::*part;
+  double share;
+};
+struct BookmarkNote {
+  int bookmark = 0;
+  std::string note;
+};
+/// Text: "TRACK" or "TRACK,FRAME".
+struct TrackFrame {
+  int track = 0;
+  std::optional<int> frame = {};
+};
+/// Text: "FX,FY,CX,CY [METERS_PER_COUNT [remember]]".
+struct CameraEntry {
+  std::array<double, 4> intrinsics = {};
+  std::optional<double> depth_unit_m = {};
+  bool remember = false;  // beside the recording
+};
+/// What all tools of the label mode do to slivers.
+enum class SliverAction : std::uint8_t { show, keep, take, ignore };
 
-// Used by several tables.
+/// What a click in a view is handed to; null where it selects.
+const char* click_action(Click click);
+Takes<Clicked> clicked();
+/// The pixel v * width + u, or the index. Throws Error, a phrase, where nothing is there.
+std::int64_t expect_clicked(const State& state, const Clicked& clicked);
+
+// ---- The cursor --------------------------------------------------------------------------------
 
 /// Moves the cursor, and selects what its event is about.
 void go_to_step(State& state, std::int32_t step);
 /// Moves the cursor as stepping and playing do: by so many events, nodes or changes of planes, back
 /// where `count` is negative. Stepping back into the traversal colors by case.
 void step_by(State& state, int count);
-/// The colors after the user has stepped back from a step.
-void color_traversal(State& state, std::int32_t from);
 /// Evaluates the search on the run that is shown.
 void refresh_matches(State& state);
+void set_filter(State& state, const std::string& text);
 /// What a breakpoint stops at, in the language of filters.
 std::string filter_of(const Breakpoint& breakpoint);
 /// Every step at which a breakpoint stops, ascending.
 std::vector<std::int32_t> breakpoint_steps(const debug::Run& run, const Document& document);
 /// A result has arrived, or a flash begun: cursor and selection move to the same node and event.
 void follow_run(State& state, const debug::Run& before);
+/// Goes to where a run's story begins, and selects what it is about.
+void show_arrival(State& state, const RunArrival& arrival);
+/// Selects a track's plane in the run looked at, or goes to the decision that lost it.
+void go_to_track(State& state, const TrackPlace& place);
+/// Shows B again where A is flashed.
+void unflash(State& state);
+/// Starts the search for fixes that a click asks for, unless it runs or has ended already.
+void ask_of_point(State& state, const PointAsked& asked, bool far = false);
+
+// ---- The camera --------------------------------------------------------------------------------
+
 /// Looks from elsewhere; nothing: at all of the frame. An undo step of the camera's, but for what
 /// moves it while it is held.
 void move_camera(State& state,
@@ -150,12 +123,11 @@ void move_camera(State& state,
                  Facing facing = Facing::home);
 /// Back to the frame's own view where the world is another one.
 void forget_cameras(State& state);
-/// Goes to where a run's story begins, and selects what it is about.
-void show_arrival(State& state, const RunArrival& arrival);
-/// Selects a track's plane in the run looked at, or goes to the decision that lost it.
-void go_to_track(State& state, const TrackPlace& place);
-/// Shows B again where A is flashed.
-void unflash(State& state);
+
+// ---- The document ------------------------------------------------------------------------------
+
+/// The nearest frame there is; drops what belonged to the one before.
+void show_frame(State& state, int frame);
 /// Goes on to the next frame once this one has been looked at; stops at the last.
 void play_frames(State& state, double seconds);
 /// Where one is, without a name.
@@ -172,6 +144,11 @@ void read_picked(State& state, OpenRecording& open);
 void keep_picked(State& state,
                  const std::filesystem::path& recording,
                  const io::PickedGravity& picked);
+
+// ---- Labels ------------------------------------------------------------------------------------
+
+/// Saves, and goes back to the debugger.
+void leave_label_mode(State& state);
 /// Drops what was drawn on the frame but is no label yet.
 void let_go(LabelView& view);
 /// An undo step: into the journal and onto the screen. Throws Error where the frame is not ready or
@@ -184,13 +161,15 @@ void save_labels(State& state);
 /// The same where leaving must not be blocked: a failure is reported, and the journal has
 /// everything.
 void save_labels_if_possible(State& state);
-/// In the status bar.
+
+// ---- The status bar ----------------------------------------------------------------------------
+
 void say(State& state, std::string message, bool is_error = false);
-/// What could be done next: told until it is done.
+/// Suggests what could be done next, until it is done.
 void say_hint(State& state, std::string hint, std::function<bool(const State&)> done);
 /// Takes a hint away whose time is over.
 void drop_done_hint(State& state);
-/// That what was asked for changed nothing, and why; whoever plays a script is told.
+/// Says that nothing was changed, and why; reported to whoever plays a script.
 void say_nothing_done(State& state, std::string why);
 
 }  // namespace planescope::desktop

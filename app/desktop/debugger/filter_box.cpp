@@ -93,7 +93,7 @@ void take(const Ui& ui,
       static_cast<int>(completion.begin + completion.insert.size());
   memory.take_keyboard = true;
   memory.popup_hovered = false;
-  ui.emit(box.action, memory.text);
+  ui.act(box.action, memory.text);
 }
 
 void draw_popup(const Ui& ui, const FilterBox& box, FilterBoxMemory& memory) {
@@ -164,9 +164,9 @@ void draw_filter_box(const Ui& ui, const FilterBox& box, float width) {
   if (has_problem(box) && memory.text == box.text) underline(ui, memory, *box.problem);
   if (edited) {
     memory.applied = memory.text;
-    ui.emit(box.action, memory.text);
+    ui.act(box.action, memory.text);
   }
-  if (entered && !box.on_enter.empty()) ui.emit(box.on_enter);
+  if (entered && !box.on_enter.empty()) ui.act(box.on_enter);
   if (active || (memory.popup_hovered && !entered))
     draw_popup(ui, box, memory);
   else

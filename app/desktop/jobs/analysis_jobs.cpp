@@ -1,150 +1,186 @@
-#include "app/desktop/jobs/analysis_jobs.hpp"
+#include <algorithm>
 
-#include "app/desktop/actions/actions.hpp"
-#include "app/desktop/jobs/fix_target.hpp"
-#include "core/model/error.hpp"
+#include "app/desktop/jobs/jobs.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/labels/wand/wand.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
+namespace {
 
-AnalysisJobs::AnalysisJobs(std::function<void(std::function<void(State&)>)> deliver,
-                           std::function<void()> wake,
-                           FrameTools& tools)
-    : deliver_(std::move(deliver)),
-      tools_(tools),
-      worker_(std::move(wake), [this](const std::string& why) {
-        deliver_([why](State& state) { say(state, why, true); });
-      }) {}
-AnalysisJobs::~AnalysisJobs() { worker_.cancel(); }
-
-void AnalysisJobs::pursue(State& state, bool running) {
-  pursue_fix(state);
-  pursue_sensitivity(state, running);
+/// Voxels of the surface at one, ascending; empty where there is no plane.
+std::vector<std::uint32_t> surface_at(const debug::Run& run,
+                                      const labels::LabelGrid& grid,
+                                      std::uint32_t voxel) {
+  const debug::Subject& subject = *run.subject;
+  const auto seed = static_cast<std::uint32_t>(debug::source_of_voxel(subject, voxel));
+  const auto surface = labels::grow_plane(grid, nullptr, std::span(&seed, 1), {});
+  return surface ? subject.voxels_of_sources(surface->pixels) : std::vector<std::uint32_t>();
 }
 
-bool AnalysisJobs::busy(bool background) const {
-  return worker_.busy() && (background || kind_ != Kind::sensitivity);
+/// What a click asks of the search for fixes. Its surface is the label wand's: some 50 ms for a
+/// depth image.
+debug::FixTarget fix_target(const debug::Run& run, const PointAsked& asked) {
+  if (asked.wish == debug::Wish::no_plane)
+    return debug::target_of_click(run, asked.voxel, asked.wish);
+  const debug::Subject& subject = *run.subject;
+  const labels::LabelGrid grid = labels::make_label_grid(subject.frame, subject.prepared.gravity);
+  std::vector<std::uint32_t> surface = surface_at(run, grid, asked.voxel);
+  if (asked.wish == debug::Wish::joined && asked.with >= 0) {
+    const auto other = surface_at(run, grid, static_cast<std::uint32_t>(asked.with));
+    std::vector<std::uint32_t> both;
+    std::ranges::set_union(surface, other, std::back_inserter(both));
+    surface = std::move(both);
+  }
+  debug::FixTarget target =
+      debug::target_of_click(run, asked.voxel, asked.wish, std::move(surface));
+  target.with = asked.with;
+  return target;
 }
 
-void AnalysisJobs::stop() {
-  worker_.cancel();
-  if (kind_ == Kind::sensitivity) swept_ = nullptr;  // to be begun again
-  kind_ = Kind::none;
-  ++number_;
+using View = std::shared_ptr<const RunView>;
+
+class AnalysisJobs : public JobGroup {
+ public:
+  AnalysisJobs(Courier& courier, FrameTools& tools, std::function<bool()> frame_is_run)
+      : tools_(tools),
+        frame_is_run_(std::move(frame_is_run)),
+        search_(courier),
+        check_(courier),
+        curves_(courier) {}
+
+  void pursue(State& state) override {
+    pursue_search(state);
+    pursue_check(state);
+    pursue_curves(state);
+  }
+  bool busy(bool background) const override {
+    return search_.busy() || check_.busy() || (background && curves_.busy());
+  }
+
+ private:
+  void pursue_search(State& state);
+  void pursue_check(State& state);
+  void pursue_curves(State& state);
+
+  FrameTools& tools_;
+  std::function<bool()> frame_is_run_;
+  Request<View> search_;  // last: their threads use the above
+  Request<debug::Fix> check_;
+  Request<View> curves_;
+};
+
+void refuse_fixes(State& state, const std::string& why) {
+  state.results.fix = {};
+  say(state, why, true);
 }
 
-void AnalysisJobs::start(Kind what, std::function<void(std::stop_token, int)> work) {
-  stop();
-  kind_ = what;
-  worker_.replace([this, work = std::move(work), number = number_](std::stop_token stop) {
-    try {
-      work(stop, number);
-    } catch (const std::exception& error) {
-      deliver(number, [why = message_of(error)](State& state) {
-        state.results.fix = {};
-        say(state, why, true);
-      });
-    }
-    deliver(number, [this](State&) { kind_ = Kind::none; });
-  });
-}
-
-void AnalysisJobs::deliver(int number, std::function<void(State&)> delivery) {
-  deliver_([this, number, delivery = std::move(delivery)](State& state) {
-    if (number == number_) delivery(state);
-  });
-}
-
-void AnalysisJobs::pursue_fix(State& state) {
+void AnalysisJobs::pursue_search(State& state) {
   FixSearch& fix = state.results.fix;
-  if (fix.running && fix.begun && fix.asked && fix.of != state.results.current &&
-      !state.view.preview)
+  const View& view = state.results.current;
+  if (fix.running && fix.begun && fix.asked && fix.of != view && !state.view.preview)
     fix.running = false;  // its results could not be shown
-  const bool searches = fix.running && fix.begun, checks = fix.checked >= 0 && fix.check_begun;
-  if (kind_ == Kind::search && !searches) stop();
-  if (kind_ == Kind::check && !checks) stop();
-  if (fix.running && !fix.begun && state.results.current) {
-    fix.begun = true;
-    fix.of = state.results.current;
-    start(Kind::search, [this, target = fix.target, asked = fix.asked,
-                         view = state.results.current](std::stop_token stop, int number) mutable {
-      if (asked) {
-        const bool far = target.far;
-        target = fix_target(*view->run, *asked);
-        target.far = far;
-        deliver(number, [target](State& s) { s.results.fix.target = target; });
-      }
-      const auto found =
-          debug::find_fixes(*view->run, target, stop,
-                            [&](int done, int total, const std::vector<debug::Fix>& so_far) {
-                              deliver(number, [done, total, so_far](State& s) {
-                                s.results.fix.done = done;
-                                s.results.fix.total = total;
-                                s.results.fix.fixes = so_far;
-                              });
-                            });
-      const bool granted = found.empty() && debug::is_granted(*view->run, target);
-      deliver(number, [found, granted](State& s) {
-        s.results.fix.granted = granted;
-        s.results.fix.running = false;
-        s.results.fix.finished = true;
-        s.results.fix.fixes = found;
-      });
-    });
-  }
-  if (fix.finished && fix.checked >= 0 && !fix.check_begun && state.document.current()) {
-    fix.check_begun = true;
-    const debug::Fix chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
-    start(Kind::check, [this, wanted = wanted_in(state, 0), chosen](std::stop_token stop,
-                                                                    int number) mutable {
-      planes::PipelineOptions after = wanted.options;
-      planes::set_option(after, chosen.option, chosen.after);
-      for (int i = 0; i < wanted.recording->frame_count() && !stop.stop_requested(); ++i) {
-        wanted.frame = i;
-        try {
-          const auto with = load_subject(wanted, tools_);
-          if (!with->voxel_truth.known()) continue;
-          debug::FixEffect effect = debug::effect_of(*debug::make_run(with, wanted.options), after);
-          effect.frame = i;
-          deliver(number, [effect](State& s) { s.results.fix.effects.push_back(effect); });
-        } catch (const std::exception&) {
-          // A frame that cannot be run has nothing to break; its own place in the strip says why.
+  if (search_.key() && !(fix.running && fix.begun)) search_.drop();
+  if (!fix.running || fix.begun || !view) return;
+  fix.begun = true;
+  fix.of = view;
+  check_.drop();
+  curves_.drop();
+  search_.ask(
+      view,
+      [target = fix.target, asked = fix.asked, view](const Turn& turn) mutable {
+        if (asked) {
+          const bool far = target.far;
+          target = fix_target(*view->run, *asked);
+          target.far = far;
+          turn.deliver([target](State& s) { s.results.fix.target = target; });
         }
-      }
-    });
-  }
+        const auto found =
+            debug::find_fixes(*view->run, target, turn.stop,
+                              [&](int done, int total, const std::vector<debug::Fix>& so_far) {
+                                turn.deliver([done, total, so_far](State& s) {
+                                  s.results.fix.done = done;
+                                  s.results.fix.total = total;
+                                  s.results.fix.fixes = so_far;
+                                });
+                              });
+        const bool granted = found.empty() && debug::is_granted(*view->run, target);
+        turn.deliver([found, granted](State& s) {
+          s.results.fix.granted = granted;
+          s.results.fix.running = false;
+          s.results.fix.finished = true;
+          s.results.fix.fixes = found;
+        });
+      },
+      refuse_fixes);
 }
 
-void AnalysisJobs::pursue_sensitivity(State& state, bool running) {
-  const auto& view = state.results.current;
-  const bool fixing = kind_ == Kind::search || kind_ == Kind::check;
-  const bool done = view == swept_;
+/// The effect of a fix on every labeled frame of the recording.
+void AnalysisJobs::pursue_check(State& state) {
+  FixSearch& fix = state.results.fix;
+  if (check_.key() && !(fix.checked >= 0 && fix.check_begun)) check_.drop();
+  if (!fix.finished || fix.checked < 0 || fix.check_begun || !state.document.current()) return;
+  fix.check_begun = true;
+  search_.drop();
+  curves_.drop();
+  const debug::Fix& chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
+  check_.ask(
+      chosen,
+      [this, wanted = wanted_in(state, 0), chosen](const Turn& turn) mutable {
+        planes::PipelineOptions after = wanted.options;
+        planes::set_option(after, chosen.option, chosen.after);
+        for (int i = 0; i < wanted.recording->frame_count(); ++i) {
+          turn.expect_wanted();
+          wanted.frame = i;
+          try {
+            const auto with = load_subject(wanted, tools_);
+            if (!with->voxel_truth.known()) continue;
+            debug::FixEffect effect =
+                debug::effect_of(*debug::make_run(with, wanted.options), after);
+            effect.frame = i;
+            turn.deliver([effect](State& s) { s.results.fix.effects.push_back(effect); });
+          } catch (const std::exception&) {
+            // A frame that cannot be run has nothing to break; its own place in the strip says why.
+          }
+        }
+      },
+      refuse_fixes);
+}
+
+/// How the score follows each option that steers the run, for the sliders. Waits for everything
+/// else.
+void AnalysisJobs::pursue_curves(State& state) {
+  const View& view = state.results.current;
   if (state.view.mode == Mode::labels) {  // shows no sliders
-    if (kind_ == Kind::sensitivity) stop();
+    if (curves_.pending()) curves_.drop();
     return;
   }
-  if (done || state.view.tool_tab != "criteria" || running || fixing) return;
-  if (!view || !view->run->is_ours()) {  // what steers other methods takes too long to sweep
-    stop();
-    swept_ = view;
-    return;
-  }
+  if (curves_.key() == view || state.view.tool_tab != "criteria") return;
+  if (frame_is_run_() || search_.pending() || check_.pending()) return;
   std::vector<std::string> shown;
-  for (const planes::OptionInfo& info : planes::option_table())
-    if (info.is_number() && info.steers_segmentation() &&
-        !planes::is_idle(info, state.document.options, view->run->is_on_image()) &&
-        !state.results.sensitivity.contains(info.name))
-      shown.push_back(info.name);
-  start(Kind::sensitivity, [this, view, shown](std::stop_token stop, int number) {
+  if (view && view->run->is_ours())  // what steers other methods takes too long to sweep
+    for (const planes::OptionInfo& info : planes::option_table())
+      if (info.is_number() && info.steers_segmentation() &&
+          !planes::is_idle(info, state.document.options, view->run->is_on_image()) &&
+          !state.results.sensitivity.contains(info.name))
+        shown.push_back(info.name);
+  curves_.ask(view, [view, shown](const Turn& turn) {
     for (const std::string& name : shown) {
-      const debug::Sensitivity sensitivity = debug::sensitivity_of(*view->run, name, stop);
-      if (stop.stop_requested()) return;
-      deliver(number, [sensitivity, view](State& s) {
+      const debug::Sensitivity sensitivity = debug::sensitivity_of(*view->run, name, turn.stop);
+      turn.expect_wanted();
+      turn.deliver([sensitivity, view](State& s) {
         if (s.results.current == view) s.results.sensitivity[sensitivity.option] = sensitivity;
       });
     }
   });
-  swept_ = view;
+}
+
+}  // namespace
+
+std::unique_ptr<JobGroup> make_analysis_jobs(Courier& courier,
+                                             FrameTools& tools,
+                                             std::function<bool()> frame_is_run) {
+  return std::make_unique<AnalysisJobs>(courier, tools, std::move(frame_is_run));
 }
 
 }  // namespace planescope::desktop

@@ -1,14 +1,12 @@
-#include "app/desktop/jobs/label_jobs.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/jobs/jobs.hpp"
+#include "app/desktop/labeling/review.hpp"
 #include "app/desktop/labeling/work.hpp"
 #include "app/desktop/tracks/map_view.hpp"
-#include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
@@ -98,7 +96,7 @@ void take_audit(State& state,
   label.work = std::move(work);
   if (!is_first || chosen < 0) return;  // otherwise it was asked for before it was known
   chosen = -1;
-  if (state.view.label.tab == "checks") apply(state, {"check.next", ""});
+  if (state.view.label.tab == "checks") apply(state, {"check.next"});
 }
 
 /// The motion to the frame looked at, where planes were followed and it is known.
@@ -113,69 +111,121 @@ labels::CarryOptions carry_options(const State& state) {
 }
 
 /// The plane that is least sure, where that is less than the share; empty: none, or none is asked.
-std::string doubt_of(const labels::CarriedLabels& carried, double least_share) {
-  if (carried.planes.empty()) return "";
+std::string doubt_in(const labels::CarriedLabels& carried, double least_share) {
+  if (carried.planes.empty() || least_share == 0) return "";
   const labels::CarriedPlane& worst = *std::ranges::min_element(
       carried.planes, {},
       [](const labels::CarriedPlane& plane) { return plane.pixels == 0 ? 0 : plane.confidence; });
   if (worst.pixels > 0 && worst.confidence >= least_share) return "";
-  if (least_share == 0) return "";
   if (worst.pixels == 0) return fmt::format("P{} was not found", worst.id);
   return fmt::format("P{} is {:.0f} % sure", worst.id, 100 * worst.confidence);
 }
 
-}  // namespace
-
-LabelJobs::LabelJobs(std::function<void(std::function<void(State&)>)> deliver,
-                     std::function<void()> wake)
-    : deliver_(std::move(deliver)),
-      failed_([this](const std::string& why) {
-        deliver_([why](State& state) { say(state, why, true); });
-      }),
-      frames_(wake, failed_),
-      marks_(wake, failed_),
-      reviews_(wake, failed_),
-      audits_(wake, failed_),
-      carries_(wake, failed_) {}
-
-LabelJobs::~LabelJobs() {
-  for (Worker* worker : {&frames_, &marks_, &reviews_, &audits_, &carries_}) worker->cancel();
+/// Commits what was carried, and goes on to the next frame where that is wanted.
+void take_carried(State& state,
+                  const std::shared_ptr<const FrameLabels>& existing,
+                  const std::shared_ptr<const labels::CarriedLabels>& carried) {
+  CarryJob& carry = state.results.label.carry;
+  if (!carry.running) return;
+  if (state.labels() != existing) {  // labelled meanwhile: once more, around that
+    carry.begun = false;
+    return;
+  }
+  const int from = carry.from;
+  CarryJob plan;
+  plan.left = carry.left - 1;
+  plan.least_share = carry.least_share;
+  plan.gone = carry.gone + 1;
+  const bool goes_on =
+      carry.left > 0 && from + 2 < state.document.current()->recording->frame_count();
+  carry = {};
+  try {
+    commit_labels(state, fmt::format("Carry labels from frame {}", from), carried->labels);
+  } catch (const std::exception& error) {
+    return say(state, message_of(error), true);
+  }
+  const std::string doubt = doubt_in(*carried, plan.least_share);
+  if (goes_on && doubt.empty() && !state.labels()->planes.empty()) return begin_carry(state, plan);
+  carry.from = from;
+  carry.done = carried;
+  const auto doubtful = std::ranges::count(carried->doubt, std::uint8_t{1});
+  if (plan.gone > 1 || !doubt.empty())
+    return say(state, fmt::format("carried over {}{}{}",
+                                  counted(static_cast<std::size_t>(plan.gone), "frame"),
+                                  doubt.empty() ? "" : ", doubtful: ", doubt));
+  say(state, fmt::format("{} planes carried from frame {} by {}, {} doubtful pixels stay unlabeled",
+                         carried->planes.size(), from, carried->method, doubtful));
 }
+
+class LabelJobs : public JobGroup {
+ public:
+  explicit LabelJobs(Courier& courier)
+      : frames_(courier), marks_(courier), reviews_(courier), audits_(courier), carries_(courier) {}
+
+  void pursue(State& state) override {
+    const CarryJob& carry = state.results.label.carry;
+    const bool labels = state.view.mode == Mode::labels;
+    if (carries_.key() && !(labels && carry.running && carry.begun)) carries_.drop();
+    if (!labels || !state.document.current()) return;
+    pursue_frame(state);
+    pursue_marks(state);
+    pursue_review(state);
+    pursue_audit(state);
+    pursue_carry(state);
+  }
+  bool busy(bool) const override {
+    return frames_.busy() || marks_.busy() || reviews_.busy() || audits_.busy() || carries_.busy();
+  }
+
+ private:
+  struct FrameKey {
+    std::shared_ptr<const io::Recording> recording;
+    int frame = -1;
+    Vec3d gravity = Vec3d::Zero();  // zero: unknown
+    bool operator==(const FrameKey&) const = default;
+  };
+
+  void pursue_frame(State& state);
+  void pursue_marks(State& state);
+  void pursue_review(State& state);
+  void pursue_audit(State& state);
+  void pursue_carry(State& state);
+
+  Request<FrameKey> frames_;
+  Request<std::shared_ptr<const io::Recording>> marks_;
+  Request<ReviewSides> reviews_;
+  Request<std::shared_ptr<const FrameLabels>> audits_;
+  Request<int> carries_;  // by the frame that they are carried to
+};
 
 void LabelJobs::pursue_frame(State& state) {
   const RunView* view = state.run_view();
   if (!view) return;  // its refusal is shown
   const std::shared_ptr<const debug::Subject>& subject = view->run->subject;
-  const std::shared_ptr<const io::Recording>& recording = state.document.current()->recording;
   const Gravity& known = subject->prepared.gravity;
-  const Vec3d gravity = known.known() ? known.direction : Vec3d::Zero();
-  if (subject->frame.index != state.document.frame) return;
-  if (recording == recording_ && state.document.frame == frame_ && gravity == gravity_) return;
-  recording_ = recording;
-  frame_ = state.document.frame;
-  gravity_ = gravity;
+  const FrameKey key{state.document.current()->recording, state.document.frame,
+                     known.known() ? known.direction : Vec3d(Vec3d::Zero())};
+  if (subject->frame.index != key.frame || frames_.key() == key) return;
   state.results.label.refusal.clear();
-  frames_.replace([this, recording, subject](std::stop_token) {
-    try {
-      deliver_([made = make_label_frame(recording, *subject)](State& s) { take_in(s, made); });
-    } catch (const std::exception& error) {
-      deliver_([message = message_of(error)](State& s) {
+  frames_.ask(
+      key,
+      [recording = key.recording, subject](const Turn& turn) {
+        turn.deliver(
+            [made = make_label_frame(recording, *subject)](State& s) { take_in(s, made); });
+      },
+      [](State& s, const std::string& why) {
         s.results.label.frame = nullptr;
-        s.results.label.refusal = message;
+        s.results.label.refusal = why;
       });
-    }
-  });
 }
 
 void LabelJobs::pursue_marks(State& state) {
   const OpenRecording& open = *state.document.current();
-  if (open.recording == marked_) return;
-  marked_ = open.recording;
+  if (marks_.key() == open.recording) return;
   state.results.label.marks.clear();
-  marks_.replace([this, recording = open.recording, dir = open.label_dir](std::stop_token stop) {
-    std::vector<FrameMark> marks = marks_in(dir, recording->frame_count(), stop);
-    deliver_([this, recording, marks = std::move(marks)](State& s) {
-      if (recording == marked_) s.results.label.marks = marks;
+  marks_.ask(open.recording, [recording = open.recording, dir = open.label_dir](const Turn& turn) {
+    turn.deliver([marks = marks_in(dir, recording->frame_count(), turn.stop)](State& s) {
+      s.results.label.marks = marks;
     });
   });
 }
@@ -197,36 +247,28 @@ void LabelJobs::pursue_review(State& state) {
   const bool is_shown = shown && shown->labels == wanted.labels && shown->run == wanted.run &&
                         shown->smallest_cm2 == wanted.smallest_cm2 &&
                         (wanted.run || shown->other == wanted.folder.string());
-  if (is_shown || (wanted == reviewed_ && (reviewing_ || !label.review_refusal.empty()))) return;
-  reviewed_ = wanted;
-  reviewing_ = true;
-  reviews_.replace([this, wanted](std::stop_token) {
-    try {
-      deliver_([this, wanted, queue = make_queue(wanted)](State& s) {
-        if (wanted != reviewed_) return;
-        reviewing_ = false;
-        if (s.labels() == wanted.labels) take_queue(s, queue);
-      });
-    } catch (const std::exception& error) {
-      deliver_([this, wanted, message = message_of(error)](State& s) {
-        if (wanted != reviewed_) return;
-        reviewing_ = false;
+  const bool is_answered = reviews_.pending() || !label.review_refusal.empty();
+  if (is_shown || (reviews_.key() == wanted && is_answered)) return;
+  reviews_.ask(
+      wanted,
+      [wanted](const Turn& turn) {
+        turn.deliver([wanted, queue = make_queue(wanted)](State& s) {
+          if (s.labels() == wanted.labels) take_queue(s, queue);
+        });
+      },
+      [](State& s, const std::string& why) {
         s.results.label.review = nullptr;
-        s.results.label.review_refusal = message;
+        s.results.label.review_refusal = why;
       });
-    }
-  });
 }
 
 void LabelJobs::pursue_audit(State& state) {
   const std::string& tab = state.view.label.tab;
   const std::shared_ptr<const FrameLabels> labels = state.labels();
   if ((tab != "checks" && tab != "statistics") || !labels) return;
-  if (labels == audited_ && (auditing_ || state.results.label.audit)) return;
-  audited_ = labels;
-  auditing_ = true;
-  audits_.replace([this, labels, frame = state.results.label.frame,
-                   dir = state.document.current()->labels->dir()](std::stop_token) {
+  if (audits_.key() == labels && (audits_.pending() || state.results.label.audit)) return;
+  audits_.ask(labels, [labels, frame = state.results.label.frame,
+                       dir = state.document.current()->labels->dir()](const Turn& turn) {
     auto audit = std::make_shared<Audit>();
     audit->findings = labels::audit_labels(*labels, frame->grid);
     std::vector<labels::WorkTime> work;
@@ -235,36 +277,10 @@ void LabelJobs::pursue_audit(State& state) {
     } catch (const Error&) {
       // A journal that cannot be read is reported where the store is opened.
     }
-    deliver_([this, labels, audit, work = std::move(work)](State& s) {
-      if (labels != audited_) return;
-      auditing_ = false;
+    turn.deliver([labels, audit, work = std::move(work)](State& s) {
       if (s.labels() == labels) take_audit(s, audit, work);
     });
   });
-}
-
-void LabelJobs::pursue(State& state) {
-  stop_unwanted_carry(state);
-  if (state.view.mode != Mode::labels || !state.document.current()) return;
-  pursue_frame(state);
-  pursue_marks(state);
-  pursue_review(state);
-  pursue_audit(state);
-  pursue_carry(state);
-}
-
-bool LabelJobs::busy() const {
-  return frames_.busy() || marks_.busy() || reviews_.busy() || audits_.busy() || carries_.busy();
-}
-
-// ---- Labels on their way to the next frame -----------------------------------------------------
-
-void LabelJobs::stop_unwanted_carry(const State& state) {
-  const CarryJob& carry = state.results.label.carry;
-  if (!carrying_ || (carry.running && carry.begun && state.view.mode == Mode::labels)) return;
-  carries_.cancel();
-  carrying_ = false;
-  ++carry_number_;
 }
 
 void LabelJobs::pursue_carry(State& state) {
@@ -277,74 +293,32 @@ void LabelJobs::pursue_carry(State& state) {
     return say(state, refusal, true);
   }
   if (!state.labels()) return;  // being made
-  carry.begun = carrying_ = true;
-  const int number = ++carry_number_;
-  carries_.replace([this, number, from = carry.from_frame, labels = carry.from_labels,
-                    to = state.results.label.frame, options = carry_options(state),
-                    existing = state.labels()](std::stop_token stop) {
-    int percent = 0;
-    const auto tell = [&](double share) {
-      if (static_cast<int>(100 * share) <= percent) return;
-      percent = static_cast<int>(100 * share);
-      deliver_([this, number, share](State& s) {
-        if (number == carry_number_) s.results.label.carry.progress = share;
-      });
-    };
-    try {
-      const auto carried = std::make_shared<const labels::CarriedLabels>(labels::carry_labels(
-          from->recording->frame(from->frame), from->grid, *labels, to->recording->frame(to->frame),
-          to->grid, *existing, options, stop, tell));
-      deliver_([this, number, existing, carried](State& s) {
-        deliver_carried(s, number, existing, carried);
-      });
-    } catch (const Cancelled&) {
-      // Whoever cancelled it has said so.
-    } catch (const std::exception& error) {
-      deliver_([this, number, message = message_of(error)](State& s) {
-        if (number != carry_number_) return;
-        carrying_ = false;
+  carry.begun = true;
+  carries_.ask(
+      state.document.frame,
+      [from = carry.from_frame, labels = carry.from_labels, to = state.results.label.frame,
+       options = carry_options(state), existing = state.labels()](const Turn& turn) {
+        int percent = 0;
+        const auto progress = [&](double share) {
+          if (static_cast<int>(100 * share) <= percent) return;
+          percent = static_cast<int>(100 * share);
+          turn.deliver([share](State& s) { s.results.label.carry.progress = share; });
+        };
+        const auto carried = std::make_shared<const labels::CarriedLabels>(labels::carry_labels(
+            from->recording->frame(from->frame), from->grid, *labels,
+            to->recording->frame(to->frame), to->grid, *existing, options, turn.stop, progress));
+        turn.deliver([existing, carried](State& s) { take_carried(s, existing, carried); });
+      },
+      [](State& s, const std::string& why) {
         s.results.label.carry = {};
-        say(s, message, true);
+        say(s, why, true);
       });
-    }
-  });
 }
 
-void LabelJobs::deliver_carried(State& state,
-                                int number,
-                                const std::shared_ptr<const FrameLabels>& existing,
-                                const std::shared_ptr<const labels::CarriedLabels>& carried) {
-  CarryJob& carry = state.results.label.carry;
-  if (number != carry_number_ || !carry.running) return;
-  carrying_ = false;
-  if (state.labels() != existing) {  // labelled meanwhile: once more, around that
-    carry.begun = false;
-    return;
-  }
-  const int from = carry.from;
-  CarryJob plan;
-  plan.left = carry.left - 1;
-  plan.least_share = carry.least_share;
-  plan.gone = carry.gone + 1;
-  const bool goes_on =
-      carry.left > 0 && from + 2 < state.document.current()->recording->frame_count();
-  carry = {};
-  try {
-    commit_labels(state, fmt::format("Carry labels from frame {}", from), carried->labels);
-  } catch (const std::exception& error) {
-    return say(state, message_of(error), true);
-  }
-  const std::string doubt = doubt_of(*carried, plan.least_share);
-  if (goes_on && doubt.empty() && !state.labels()->planes.empty()) return begin_carry(state, plan);
-  carry.from = from;
-  carry.done = carried;
-  const auto doubtful = std::ranges::count(carried->doubt, std::uint8_t{1});
-  if (plan.gone > 1 || !doubt.empty())
-    return say(state, fmt::format("carried over {}{}{}",
-                                  counted(static_cast<std::size_t>(plan.gone), "frame"),
-                                  doubt.empty() ? "" : ", doubtful: ", doubt));
-  say(state, fmt::format("{} planes carried from frame {} by {}, {} doubtful pixels stay unlabeled",
-                         carried->planes.size(), from, carried->method, doubtful));
+}  // namespace
+
+std::unique_ptr<JobGroup> make_label_jobs(Courier& courier) {
+  return std::make_unique<LabelJobs>(courier);
 }
 
 }  // namespace planescope::desktop

@@ -1,11 +1,10 @@
-#include "app/desktop/jobs/report_arrival.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/debug/explain/region_decision.hpp"
+#include "app/desktop/state/report_open.hpp"
+#include "core/debug/explain/compare.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -13,7 +12,7 @@ namespace {
 using Voxels = std::vector<std::uint32_t>;
 
 /// Where a report has no samples: a disk about the plane's centre, as large as the plane.
-Voxels voxels_about(const report::PlaneSummary& plane, const debug::Subject& subject) {
+Voxels voxels_about(const planes::PlaneSummary& plane, const debug::Subject& subject) {
   constexpr double kThickness = 0.02;  // [m]
   const double radius2 = std::max(plane.area_m2, 1e-4) / 3.14159;
   Voxels voxels;

@@ -16,8 +16,6 @@ namespace {
 constexpr int kLargestView_px = 8192;
 constexpr double kFarthest_px = 1e5;
 
-const std::vector<std::string> kModes = {"over", "add", "subtract"};
-
 bool is_place(const std::string& part) { return part.find(',') != std::string::npos; }
 
 labels::Vec2f place_argument(const std::string& action, const std::string& text) {
@@ -38,6 +36,31 @@ void read_view(const std::string& action, const std::string& text, LabelGesture&
   gesture.where = DrawnIn::space;
   gesture.width = whole_argument(action, size[0], 1, kLargestView_px);
   gesture.height = whole_argument(action, size[1], 1, kLargestView_px);
+}
+
+LabelGesture read_gesture(const std::string& action,
+                          const std::string& text,
+                          std::size_t least_places) {
+  std::vector<std::string> parts = split(text, ' ');
+  std::erase(parts, "");
+  if (parts.empty()) throw Error(fmt::format("action {}: a view is missing", action));
+  LabelGesture gesture;
+  read_view(action, parts[0], gesture);
+  std::size_t next = 1;
+  if (next < parts.size() && std::isalpha(static_cast<unsigned char>(parts[next][0])))
+    gesture.mode = static_cast<labels::PaintMode>(
+        choice_argument(action, parts[next++], {"over", "add", "subtract"}));
+  if (next < parts.size() && !is_place(parts[next])) {
+    const double radius = number_argument(action, parts[next++]);
+    if (!(radius > 0 && radius <= kLargestView_px))
+      throw Error(fmt::format("action {}: brush radius {} px is out of range", action, radius));
+    gesture.radius_px = static_cast<float>(radius);
+  }
+  for (; next < parts.size(); ++next) gesture.path.push_back(place_argument(action, parts[next]));
+  if (gesture.path.size() < least_places)
+    throw Error(fmt::format("action {}: '{}' has {} positions; expected {} or more", action, text,
+                            gesture.path.size(), least_places));
+  return gesture;
 }
 
 constexpr float kReach_px = 4;    // of a click
@@ -141,44 +164,21 @@ void expect_image(const State& state) {
 
 bool labels_at_hand(const State& state) { return state.labels() != nullptr; }
 
-LabelGesture gesture_argument(const std::string& action,
-                              const std::string& text,
-                              std::size_t least_places) {
-  std::vector<std::string> parts = split(text, ' ');
-  std::erase(parts, "");
-  if (parts.empty()) throw Error(fmt::format("action {}: a view is missing", action));
-  LabelGesture gesture;
-  read_view(action, parts[0], gesture);
-  std::size_t next = 1;
-  if (next < parts.size() && std::isalpha(static_cast<unsigned char>(parts[next][0])))
-    gesture.mode = static_cast<labels::PaintMode>(choice_argument(action, parts[next++], kModes));
-  if (next < parts.size() && !is_place(parts[next])) {
-    const double radius = number_argument(action, parts[next++]);
-    if (!(radius > 0 && radius <= kLargestView_px))
-      throw Error(fmt::format("action {}: brush radius {} px is out of range", action, radius));
-    gesture.radius_px = static_cast<float>(radius);
-  }
-  for (; next < parts.size(); ++next) gesture.path.push_back(place_argument(action, parts[next]));
-  if (gesture.path.size() < least_places)
-    throw Error(fmt::format("action {}: '{}' has {} positions; expected {} or more", action, text,
-                            gesture.path.size(), least_places));
-  return gesture;
+Takes<LabelGesture> gesture(std::string shown, std::size_t least_places) {
+  return {std::move(shown),
+          [least_places](const State&, const std::string& action, const std::string& typed) {
+            return read_gesture(action, typed, least_places);
+          }};
 }
 
-std::string gesture_text(const LabelGesture& gesture) {
-  std::string text = gesture.where == DrawnIn::image
-                         ? "image"
-                         : fmt::format("space:{}x{}", gesture.width, gesture.height);
-  text += ' ' + kModes[static_cast<std::size_t>(gesture.mode)];
-  if (gesture.radius_px) text += fmt::format(" {:.4g}", *gesture.radius_px);
-  for (const labels::Vec2f& place : gesture.path)
-    text += fmt::format(" {:.2f},{:.2f}", place.x(), place.y());
-  return text;
+Takes<LabelGesture> place_in_view(std::string shown) {
+  return {std::move(shown), [](const State&, const std::string& action, const std::string& typed) {
+            const bool on_image = typed.find(' ') == std::string::npos;
+            return read_gesture(action, on_image ? "image " + typed : typed, 1);
+          }};
 }
 
-std::int64_t pixel_argument(State& state, const std::string& action, const std::string& text) {
-  const LabelGesture where =
-      gesture_argument(action, text.find(' ') == std::string::npos ? "image " + text : text, 1);
+std::int64_t pixel_of_gesture(State& state, const std::string& action, const LabelGesture& where) {
   const labels::Vec2f& at = where.path.front();
   if (where.where == DrawnIn::space)
     return pixel_seen_at(sight(state, where.width, where.height), at);

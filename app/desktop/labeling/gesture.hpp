@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "app/desktop/state/state.hpp"
+#include "app/desktop/actions/action.hpp"
 
 namespace planescope::desktop {
 
@@ -22,17 +22,19 @@ struct LabelGesture {
   std::optional<float> radius_px;
   std::vector<labels::Vec2f> path;
 };
-/// Throws Error naming the action where it is none, or has fewer places than that.
-LabelGesture gesture_argument(const std::string& action,
-                              const std::string& text,
-                              std::size_t least_places);
-std::string gesture_text(const LabelGesture& gesture);
+/// With that many places or more.
+Takes<LabelGesture> gesture(std::string shown, std::size_t least_places);
+/// One place, in a view or, as "U,V", on the image.
+Takes<LabelGesture> place_in_view(std::string shown);
 
 /// Throws Error in a cloud, which has none to draw on.
 void expect_image(const State& state);
 
-/// "U,V", or "VIEW X,Y": the pixel meant; -1 where nothing is seen there.
-std::int64_t pixel_argument(State& state, const std::string& action, const std::string& text);
+/// The pixel that its first place means; -1 where nothing is seen there. Throws Error outside of
+/// the image.
+std::int64_t pixel_of_gesture(State& state, const std::string& action, const LabelGesture& where);
+/// The wand's, within its limits; a plane that it shows grows anew.
+void set_wand_tolerance(State& state, double wanted_m);
 
 /// What a stroke (where a radius is given) or a closed path takes.
 labels::SpaceSelection selected_by(State& state, const LabelGesture& gesture);

@@ -7,9 +7,11 @@
 
 #include "app/cli/assets.hpp"
 #include "app/commands/train.hpp"
+#include "app/desktop/actions/actions.hpp"
 #include "app/desktop/labeling/work.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -129,6 +131,79 @@ std::vector<int> by_doubt(const State& state) {
   std::ranges::stable_sort(frames, std::greater(),
                            [&](int i) { return *doubt[static_cast<std::size_t>(i)]; });
   return frames;
+}
+
+// ---- Actions -----------------------------------------------------------------------------------
+
+namespace {
+
+Learning& learning(State& state) { return state.results.label.learning; }
+
+/// "[STEPS [CLOUDS]]".
+Lesson read_lesson(const State&, const std::string& action, const std::string& text) {
+  constexpr int kMost = 1'000'000;
+  Lesson lesson;
+  const std::vector<std::string> words = words_of(text);
+  if (words.size() > 2)
+    throw Error(fmt::format("action label.learn: '{}', expected [STEPS [CLOUDS]]", text));
+  if (!words.empty()) lesson.steps = whole_argument(action, words[0], 1, kMost);
+  if (words.size() > 1) lesson.clouds = whole_argument(action, words[1], 1, kMost);
+  return lesson;
+}
+
+void begin_training(State& state, const Lesson& lesson) {
+  const OpenRecording& open = *state.document.current();
+  state.view.label.tab = "learning";
+  if (learning(state).training.running) throw Error("training is already running");
+  if (open.labels && !open.labels->read_only().empty()) throw Error(open.labels->read_only());
+  save_labels(state);
+  const std::size_t reviewed = learning_source(state).reviewed.size();
+  if (reviewed == 0) throw Error("no frame is reviewed: Shift+D marks a frame to learn from");
+  Learning::Training& training = learning(state).training;
+  training = {};
+  training.running = true;
+  training.lesson = lesson;
+  say(state, fmt::format("training on {}", counted(reviewed, "reviewed frame")));
+}
+
+void stop_training(State& state) {
+  learning(state).training = {};
+  say(state, "training stopped; the classifier is unchanged");
+}
+
+}  // namespace
+
+void show_doubtful_frame(State& state) {
+  Learning::Doubt& doubt = learning(state).doubt;
+  if (doubt.of_frame.empty()) {
+    if (state.document.options.classifier == "truth")
+      throw Error("ground truth labels have no confidence: choose another classifier");
+    doubt.running = true;
+    return say(state, "searching for doubtful frames");
+  }
+  if (doubt.running) return say_nothing_done(state, "still searching for doubtful frames");
+  if (std::ranges::none_of(doubt.of_frame, [](const auto& share) { return share.has_value(); }))
+    return say_nothing_done(state, "the classifier has no confidences for these frames");
+  const std::vector<int> frames = by_doubt(state);
+  const auto here = std::ranges::find(frames, state.document.frame);
+  if (frames.empty() || (frames.size() == 1 && here != frames.end()))
+    return say_nothing_done(state, "no other frame to review");
+  const int next = here == frames.end() || here + 1 == frames.end() ? frames.front() : here[1];
+  show_frame(state, next);
+  say(state, fmt::format("frame {}: {:.1f} % of its points are doubtful", next,
+                         100 * *doubt.of_frame[static_cast<std::size_t>(next)]));
+}
+
+void add_learning_actions(std::vector<Action>& all) {
+  const ActionGroup learn{all, KeyMode::labels, "Labels", can_label};
+  learn.add("label.learn", "Train the classifier on reviewed frames")
+      .key("Ctrl+Shift+L")
+      .run(Takes<Lesson>{"[STEPS [CLOUDS]]", read_lesson}, begin_training);
+  learn.add("label.learn.stop", "Stop training")
+      .key("Ctrl+Shift+X")
+      .when([](const State& s) { return s.results.label.learning.training.running; })
+      .run(stop_training);
+  learn.add("label.next.doubtful", "Next doubtful frame").key("Shift+Y").run(show_doubtful_frame);
 }
 
 }  // namespace planescope::desktop

@@ -46,5 +46,8 @@ std::optional<double> doubt_of(const debug::Subject& subject);
 
 /// Frames that are not reviewed and whose doubt is known, the most doubtful first.
 std::vector<int> by_doubt(const State& state);
+/// Shows the frame after this one in that order, the first where this one has no place in it;
+/// begins the search where nothing is known yet. Throws Error where there is no doubt to know.
+void show_doubtful_frame(State& state);
 
 }  // namespace planescope::desktop

@@ -232,4 +232,172 @@ const char* past_tense(ReviewDecision decision) {
   return kNames[static_cast<std::size_t>(decision)];
 }
 
+// ---- Actions -----------------------------------------------------------------------------------
+
+namespace {
+
+constexpr double kLargestRegion_cm2 = 1e6;
+
+int item_count(const State& state) {
+  const ReviewQueue* queue = state.results.label.review.get();
+  return queue ? static_cast<int>(queue->items.size()) : 0;
+}
+int finding_count(const State& state) {
+  const Audit* audit = state.results.label.audit.get();
+  return audit ? static_cast<int>(audit->findings.size()) : 0;
+}
+
+void start_review(State& state) {
+  state.view.label.tab = "review";
+  const ReviewQueue* queue = state.results.label.review.get();
+  if (queue && state.view.label.review_item < 0 && queue->undecided() > 0) choose_item(state, 0);
+}
+
+void step_item(State& state, int by) {
+  const int count = item_count(state), now = state.view.label.review_item;
+  choose_item(state, now < 0 ? (by > 0 ? 0 : count - 1) : std::clamp(now + by, 0, count - 1));
+}
+
+/// `index` nothing: on the chosen item.
+void decide_on(State& state, ReviewDecision decision, const std::optional<int>& index) {
+  if (index) state.view.label.review_item = *index;
+  decide(state, decision);
+}
+
+void edit_item(State& state, const std::optional<int>& index) {
+  decide_on(state, ReviewDecision::edit, index);
+  LabelView& view = state.view.label;
+  const labels::Disagreement& item =
+      state.results.label.review->items[static_cast<std::size_t>(view.review_item)];
+  view.tool = LabelTool::brush;
+  view.paints = Paints::plane;
+  view.plane = item.label_plane;
+}
+
+void treat_slivers(State& state, SliverAction what) {
+  if (what == SliverAction::keep) return decide_slivers(state, ReviewDecision::keep);
+  if (what == SliverAction::take) return decide_slivers(state, ReviewDecision::take);
+  if (what == SliverAction::ignore) return decide_slivers(state, ReviewDecision::ignore);
+  LabelView& view = state.view.label;
+  view.review_slivers = !view.review_slivers;
+  const ReviewQueue* queue = state.results.label.review.get();
+  const bool inside = queue && view.review_item >= 0 && view.review_item < item_count(state) &&
+                      is_sliver(queue->items[static_cast<std::size_t>(view.review_item)]);
+  if (!view.review_slivers && inside) view.review_item = -1;
+}
+
+SliverAction read_sliver_action(const State&, const std::string&, const std::string& text) {
+  const std::vector<std::string> names = {"show", "keep", "take", "ignore"};
+  const auto at = std::ranges::find(names, text);
+  if (at != names.end()) return static_cast<SliverAction>(at - names.begin());
+  throw Error(
+      fmt::format("action review.slivers: '{}', expected show, keep, take or ignore", text));
+}
+
+void finish_review(State& state) {
+  const LabelWork work = label_work(state);
+  FrameLabels after = *work.labels;
+  const bool reviewed = after.review_state == "reviewed";
+  const ReviewQueue* queue = state.results.label.review.get();
+  if (!reviewed && (!queue || queue->labels != work.labels))
+    throw Error("differences are unknown: D opens the review");
+  if (!reviewed && queue->undecided() > 0)
+    throw Error(fmt::format("{} of {} regions are undecided", queue->undecided(),
+                            queue->undecided() + after.review.size()));
+  after.review_state = reviewed ? "unreviewed" : "reviewed";
+  commit_and_say(state, reviewed ? "Not reviewed" : "Reviewed", after, "");
+}
+
+void compare_with(State& state, const std::string& folder) {
+  const LabelWork work = label_work(state);
+  if (!folder.empty()) {  // so that a folder that cannot be compared with is refused at once
+    const auto other = labels::read_frame_labels(folder, work.frame.frame, work.frame.sha256);
+    if (!other) throw Error(fmt::format("{}: no labels of frame {}", folder, work.frame.frame));
+  }
+  LabelView& view = state.view.label;
+  view.tab = "review";
+  if (view.compare_with == folder) return;
+  view.compare_with = folder;
+  view.review_item = -1;
+  state.results.label.review = nullptr;
+  state.results.label.review_refusal.clear();
+}
+
+void show_finding(State& state, int index) {
+  LabelView& view = state.view.label;
+  view.tab = "checks";
+  view.finding = index;
+  if (index >= finding_count(state)) return;  // shown when the checks are done
+  const labels::Finding& finding =
+      state.results.label.audit->findings[static_cast<std::size_t>(index)];
+  view.plane = finding.plane;
+  const labels::PixelSet place{finding.pixel};
+  look_at_pixels(state, finding.pixels.empty() ? place : finding.pixels);
+  say(state, finding.text);
+}
+
+void step_finding(State& state, int by) {
+  const int count = finding_count(state), now = state.view.label.finding;
+  if (state.results.label.audit && count == 0) {
+    state.view.label.tab = "checks";
+    return say(state, "no problems found");
+  }
+  show_finding(state, count == 0 || now < 0 ? 0 : (now + by + count) % count);
+}
+
+}  // namespace
+
+void add_review_actions(std::vector<Action>& all) {
+  const ActionGroup review{all, KeyMode::labels, "Review", can_label};
+  const auto has_items = [](const State& s) { return can_label(s) && item_count(s) > 0; };
+  const Takes<int> item = whole("NUMBER", [](const State& s) {
+    return Range{0, item_count(s) - 1};
+  });
+  review.add("review.start", "Review differences from the algorithm").key("D").run(start_review);
+  review.add("review.next", "Next region").key("Down").when(has_items).run([](State& s) {
+    step_item(s, 1);
+  });
+  review.add("review.previous", "Previous region").key("Up").when(has_items).run([](State& s) {
+    step_item(s, -1);
+  });
+  const auto add_decision = [&](const char* name, const char* title, const char* key,
+                                ReviewDecision decision) {
+    review.add(name, title).key(key).run(maybe(item), [decision](State& s, const auto& index) {
+      decide_on(s, decision, index);
+    });
+  };
+  add_decision("review.keep", "Keep the labels", "", ReviewDecision::keep);
+  add_decision("review.take", "Take the other side", "A", ReviewDecision::take);
+  review.add("review.edit", "Edit the labels here").key("E").run(maybe(item), edit_item);
+  add_decision("review.ignore", "Do not score the region", "G", ReviewDecision::ignore);
+  review.add("review.item", "Select a region").run(item, choose_item);
+  review.add("review.slivers", "Show or decide all slivers")
+      .run(Takes<SliverAction>{"show|keep|take|ignore", read_sliver_action}, treat_slivers);
+  review.add("review.smallest", "Smallest region in the review")
+      .menu()
+      .when(nullptr)
+      .run(number("CM2"), [](State& s, double cm2) {
+        if (!(cm2 >= 0 && cm2 <= kLargestRegion_cm2))
+          throw Error(fmt::format("action review.smallest: {} cm2, expected 0 to {:g}", cm2,
+                                  kLargestRegion_cm2));
+        s.view.label.review_smallest_cm2 = cm2;
+      });
+  review.add("review.against", "Compare with another annotator's labels")
+      .run(text("[FOLDER]"), compare_with);
+  review.add("review.done", "Mark the frame as reviewed")
+      .key("Shift+D")
+      .on([](const State& s) { return can_label(s) && s.labels()->review_state == "reviewed"; })
+      .run(finish_review);
+  review.add("check.next", "Next problem").key("F4").run([](State& s) { step_finding(s, 1); });
+  review.add("check.previous", "Previous problem").key("Shift+F4").run([](State& s) {
+    step_finding(s, -1);
+  });
+  review.add("check.show", "Show a problem")
+      .run(whole("NUMBER",
+                 [](const State& s) {
+                   return Range{0, finding_count(s) - 1};
+                 }),
+           show_finding);
+}
+
 }  // namespace planescope::desktop

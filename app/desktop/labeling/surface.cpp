@@ -75,12 +75,12 @@ void finish(const Ui& ui, const DrawingSurface& surface, const LabelDrag& drag) 
   if (tool == LabelTool::wand) {
     LabelGesture gesture = gesture_of(ui, surface, drag);
     gesture.mode = labels::PaintMode::over;
-    return ui.emit("label.wand.within", gesture_text(gesture));
+    return ui.act("label.wand.within", gesture);
   }
   const char* action = tool == LabelTool::brush ? "label.stroke"
                        : tool == LabelTool::cut ? "label.cut"
                                                 : "label.area";
-  ui.emit(action, gesture_text(gesture_of(ui, surface, drag)));
+  ui.act(action, gesture_of(ui, surface, drag));
 }
 
 void drag_tool(const Ui& ui, const DrawingSurface& surface) {
@@ -106,7 +106,7 @@ void drag_tool(const Ui& ui, const DrawingSurface& surface) {
     return;
   }
   if (changed && tool != LabelTool::cut && tool != LabelTool::wand)
-    ui.emit("label.preview", gesture_text(gesture_of(ui, surface, drag)));
+    ui.act("label.preview", gesture_of(ui, surface, drag));
 }
 
 void click_tool(const Ui& ui, const DrawingSurface& surface) {
@@ -115,18 +115,16 @@ void click_tool(const Ui& ui, const DrawingSurface& surface) {
   if (!ImGui::IsItemHovered()) return;
   if (ImGui::IsMouseDoubleClicked(0)) {
     drag.ignore_release = true;
-    return ui.emit("label.accept");
+    return ui.act("label.accept");
   }
   if (!ImGui::IsMouseReleased(0) || std::exchange(drag.ignore_release, false)) return;
   if (was_dragged()) return;
   drag.mode = mode_of(io);
   drag.path = {surface.to_view(io.MousePos)};
   LabelGesture gesture = gesture_of(ui, surface, drag);
-  if (ui.state.view.label.tool == LabelTool::polygon)
-    return ui.emit("label.corner", gesture_text(gesture));
+  if (ui.state.view.label.tool == LabelTool::polygon) return ui.act("label.corner", gesture);
   gesture.mode = labels::PaintMode::over;
-  ui.emit(drag.mode == labels::PaintMode::add ? "label.wand.add" : "label.wand",
-          gesture_text(gesture));
+  ui.act(drag.mode == labels::PaintMode::add ? "label.wand.add" : "label.wand", gesture);
 }
 
 /// What is under the mouse in either view is a depth pixel, in a cloud a point.
@@ -135,21 +133,22 @@ void click_gravity(const Ui& ui) {
   if (!frame || !ImGui::IsItemHovered() || !ImGui::IsMouseReleased(0)) return;
   if (was_dragged()) return;
   const std::int64_t pixel = ui.state.view.label.hover;
-  const bool is_floor = ui.state.view.click == Click::floor;
-  std::string what = "nothing";
+  Clicked what;
   if (pixel >= 0 && !frame->grid.is_cloud()) {
-    what = fmt::format("{},{}", pixel % frame->grid.width, pixel / frame->grid.width);
+    what = {Clicked::On::pixel, pixel_of(pixel, frame->grid.width)};
   } else if (const debug::Run* run = ui.state.run(); pixel >= 0 && run) {
     const auto voxel = run->subject->voxel_of_source(static_cast<std::size_t>(pixel));
-    if (voxel != planes::kNoVoxel) what = fmt::format("voxel {}", voxel);
+    if (voxel != planes::kNoVoxel)
+      what = {Clicked::On::voxel, {}, static_cast<std::int32_t>(voxel)};
   }
-  ui.emit(is_floor ? "gravity.floor" : "gravity.wall", what);
+  ui.act(click_action(ui.state.view.click), what);
 }
 
 void point(const Ui& ui, const DrawingSurface& surface) {
   LabelPointing& pointing = ui.memory.label_pointing;
   if (!ImGui::IsItemHovered()) {
-    if (pointing.now && pointing.where == surface.where) ui.emit("label.hover", "none");
+    if (pointing.now && pointing.where == surface.where)
+      ui.act("label.hover", std::optional<LabelGesture>());
     if (pointing.where == surface.where) pointing.now = false;
     return;
   }
@@ -163,7 +162,7 @@ void point(const Ui& ui, const DrawingSurface& surface) {
   gesture.width = surface.width;
   gesture.height = surface.height;
   gesture.path = {at};
-  ui.emit("label.hover", gesture_text(gesture));
+  ui.act("label.hover", gesture);
 }
 
 // ---- What lies over the view -------------------------------------------------------------------
@@ -322,7 +321,7 @@ std::string pointed_text(const State& state) {
   const int id = labels.plane.data[at], hv = labels.hv.data[at];
   const char* label = hv == 1 ? " h" : hv == 2 ? " v" : "";
   if (id == kPlaneIgnore) return text + "   ignored";
-  if (id == 0) return text + "   unlabelled" + label;
+  if (id == 0) return text + "   unlabeled" + label;
   text += fmt::format("   P{}{}", id, label);
   if (const LabelPlane* plane = labels::find_plane(labels, id))
     text += std::string(plane->locked ? ", locked" : "") + (plane->hidden ? ", hidden" : "");
@@ -386,9 +385,9 @@ bool wheel_sizes(const Ui& ui) {
   if (io.KeyCtrl || io.MouseWheel == 0 || (!wand && view.tool != LabelTool::brush)) return false;
   const double factor = std::pow(kNotch, io.MouseWheel);
   if (wand)
-    ui.emit("label.wand.tolerance", fmt::format("{:.6g}", view.wand_options.tolerance_m * factor));
+    ui.act("label.wand.tolerance", view.wand_options.tolerance_m * factor);
   else
-    ui.emit("label.brush", fmt::format("{:.6g}", view.brush_px * factor));
+    ui.act("label.brush", view.brush_px * factor);
   return true;
 }
 

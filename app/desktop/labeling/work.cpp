@@ -74,10 +74,16 @@ LabelWork label_work(const State& state) {
   return {*state.label_frame(), state.labels()};
 }
 
-int plane_argument(const State& state, const std::string& action, const std::string& text) {
+Takes<int> plane_number(std::string shown, int low) {
+  return {std::move(shown),
+          [low](const State&, const std::string& action, const std::string& typed) {
+            return plane_number_argument(action, typed, low, kPlaneIgnore - 1);
+          }};
+}
+
+int active_plane(const State& state, const std::optional<int>& chosen) {
   const FrameLabels& labels = *label_work(state).labels;
-  const int plane =
-      text.empty() ? state.view.label.plane : plane_argument(action, text, 1, kPlaneIgnore - 1);
+  const int plane = chosen.value_or(state.view.label.plane);
   if (plane == 0) throw Error("no plane is active: click one in the list, or press its number");
   if (!labels::find_plane(labels, plane)) throw Error(fmt::format("no plane P{}", plane));
   return plane;
@@ -158,7 +164,7 @@ void begin_carry(State& state, const CarryJob& plan) {
   job.from = frame;
   job.from_frame = state.results.label.frame;
   job.from_labels = work.labels;
-  apply(state, {"frame.show", std::to_string(frame + 1)});
+  show_frame(state, frame + 1);
   state.results.label.carry = std::move(job);
 }
 

@@ -22,8 +22,10 @@ const char* sample_name(const LabelFrame& frame);
 /// Throws Error where it is not.
 LabelWork label_work(const State& state);
 
-/// "3" or "P3"; empty: the active one. Throws Error where there is no such plane.
-int plane_argument(const State& state, const std::string& action, const std::string& text);
+/// The number of a label's plane. Text: "3" or "P3".
+Takes<int> plane_number(std::string shown, int low);
+/// `chosen`, or the active one. Throws Error where there is no such plane.
+int active_plane(const State& state, const std::optional<int>& chosen = {});
 
 /// commit_labels(), and the title in the status bar; `unchanged` where nothing differs.
 void commit_and_say(State& state,

@@ -23,8 +23,7 @@ void draw_recordings(const Ui& ui) {
     ImGui::PushID(static_cast<int>(i));
     const bool chosen = document.recording == static_cast<int>(i);
     name = fitted(ui, name, ImGui::GetContentRegionAvail().x);
-    if (ImGui::Selectable(name.c_str(), chosen) && !chosen)
-      ui.emit("recording.show", std::to_string(i));
+    if (ImGui::Selectable(name.c_str(), chosen) && !chosen) ui.act("recording.show", i);
     ImGui::PopID();
     ui.name(fmt::format("recording.{}", i));
     tooltip(fmt::format("{}\n{}, {} frames", open.path.string(), open.recording->info().format,
@@ -151,7 +150,7 @@ void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 end(at.x + size.x, at.y + size.y);
   ImGui::PushID(frame);
-  if (ImGui::InvisibleButton("frame", size)) ui.emit("frame.show", std::to_string(frame));
+  if (ImGui::InvisibleButton("frame", size)) ui.act("frame.show", frame);
   ImGui::PopID();
   ui.name(fmt::format("frame.{}", frame));
   if (ImGui::IsItemHovered()) tell(thumbnail, frame);

@@ -19,7 +19,10 @@ std::string left_text(const State& state) {
                                  state.document.frame, frames, frames == 1 ? "" : "s");
   if (const debug::Run* run = state.run()) {
     const planes::PreparedFrame& prepared = run->subject->prepared;
-    text += fmt::format("  ·  {} voxels  ·  gravity: {}", prepared.voxels.points.size(),
+    text += fmt::format("  ·  {} {}  ·  gravity: {}", prepared.voxels.points.size(),
+                        prepared.of_pixels           ? "pixels"
+                        : prepared.voxels.size_m > 0 ? "voxels"
+                                                     : "points",
                         prepared.gravity.known() ? to_string(prepared.gravity.source) : "unknown");
     if (prepared.gravity.known() && prepared.gravity.confidence < 1)
       text += fmt::format(" ({:.0f} %)", 100 * prepared.gravity.confidence);
@@ -82,7 +85,6 @@ void draw_long_message(const Ui& ui, const std::string& message, ImU32 color) {
 
 void draw_status(const Ui& ui) {
   const State& state = ui.state;
-  if (state.view.preview && !ImGui::IsMouseDown(0)) ui.emit("fix.preview", "");  // let go
   ImGui::TextUnformatted(left_text(state).c_str());
   const std::string right = right_text(state);
   const float width = ImGui::CalcTextSize(right.c_str()).x;

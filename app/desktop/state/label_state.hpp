@@ -19,7 +19,7 @@
 #include "core/labels/store/store.hpp"
 #include "core/labels/wand/finish.hpp"
 #include "core/labels/wand/wand.hpp"
-#include "core/planes/evaluate/label_accuracy.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::desktop {

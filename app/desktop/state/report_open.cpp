@@ -9,16 +9,14 @@
 
 #include "app/cli/assets.hpp"
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/jobs/report_arrival.hpp"
 #include "app/desktop/state/session.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/compare/compare_reports.hpp"
 #include "core/report/data/report_json.hpp"
 

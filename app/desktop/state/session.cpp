@@ -3,18 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
-#include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <type_traits>
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/look.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/json.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -24,208 +22,102 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSessionSchema = "planescope.session/2";
-constexpr const char* kFirstSessionSchema = "planescope.session/1";  // planes by place in the trace
 constexpr const char* kSettingsSchema = "planescope.desktop/1";
 
 // ---- Parts of both -----------------------------------------------------------------------------
 
-// Readers throw nlohmann's exceptions, or Error.
-
-Json vector_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
-Vec3d vector_of(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
-
-Json camera_json(const render::Camera& camera) {
-  return {{"eye", vector_json(camera.eye)},
-          {"target", vector_json(camera.target)},
-          {"up", vector_json(camera.up)}};
-}
-render::Camera camera_from(const Json& json) {
-  render::Camera camera;
-  camera.eye = vector_of(json.at("eye"));
-  camera.target = vector_of(json.at("target"));
-  camera.up = vector_of(json.at("up"));
-  return camera;
-}
-
-int int_of(const Json& json, const char* key) { return whole_int(json.at(key), key); }
-
-template <typename Enum>
-void enum_of(const Json& json, const char* key, int count, Enum& value) {
-  if (json.contains(key)) value = static_cast<Enum>(std::clamp(int_of(json, key), 0, count - 1));
-}
-template <typename T>
-void value_of(const Json& json, const char* key, T& value) {
-  if (!json.contains(key)) return;
-  if constexpr (std::is_same_v<T, int>)
-    value = int_of(json, key);
-  else
-    value = json.at(key).get<T>();
-}
-void share_of(const Json& json, const char* key, double& value) {
-  value_of(json, key, value);
-  value = std::clamp(value, 0.0, 0.9);
-}
-
 const std::vector<std::string> kFacings = {"home", "top", "side", "front"};
 
-Json bookmark_json(const Bookmark& b) {
-  Json json = {{"name", b.name},
-               {"note", b.note},
-               {"frame", b.frame},
-               {"step", b.step},
-               {"node", b.node},
-               {"plane", b.plane_of_trace ? -1 : b.plane},
-               {"voxel", b.voxel},
-               {"filter", b.filter},
-               {"camera", camera_json(b.camera)},
-               {"facing", b.facing ? Json(kFacings[static_cast<std::size_t>(*b.facing)]) : Json()},
-               {"orthographic", b.orthographic}};
-  if (b.plane_of_trace) json["trace_plane"] = b.plane;
-  return json;
+}  // namespace
+
+template <typename Fields>
+void visit_fields(Fields& fields, Same<Bookmark> auto& b) {
+  fields("name", b.name);
+  fields("note", b.note);
+  fields("frame", b.frame, kSigned);
+  fields("step", b.step, kSigned);
+  fields("node", b.node, kSigned);
+  fields("plane", b.plane, kSigned);
+  fields("voxel", b.voxel, kSigned);
+  fields("filter", b.filter);
+  fields.object("camera", kPlain, [&](auto& of) {
+    of("eye", b.camera.eye);
+    of("target", b.camera.target);
+    of("up", b.camera.up);
+  });
+  std::string facing = b.facing ? kFacings[static_cast<std::size_t>(*b.facing)] : "";
+  fields("facing", facing, kOrNull);
+  fields("orthographic", b.orthographic, kOptional);
+  if constexpr (Fields::kReads)
+    if (!facing.empty())
+      b.facing = static_cast<Facing>(choice_argument("facing", facing, kFacings));
 }
 
-/// `first`: as sessions of the first version have them.
-Bookmark bookmark_of(const Json& json, bool first = false) {
-  Bookmark b;
-  b.name = json.at("name");
-  b.note = json.at("note");
-  b.frame = int_of(json, "frame");
-  b.step = int_of(json, "step");
-  b.node = int_of(json, "node");
-  b.plane = int_of(json, "plane");
-  b.plane_of_trace = first && b.plane >= 0;
-  if (json.contains("trace_plane")) {
-    b.plane = int_of(json, "trace_plane");
-    b.plane_of_trace = true;
-  }
-  b.voxel = int_of(json, "voxel");
-  b.filter = json.at("filter");
-  b.camera = camera_from(json.at("camera"));
-  if (json.contains("facing") && !json.at("facing").is_null())
-    b.facing = static_cast<Facing>(choice_argument("facing", json.at("facing"), kFacings));
-  value_of(json, "orthographic", b.orthographic);
-  return b;
+void visit_fields(auto& fields, Same<Breakpoint> auto& b) {
+  fields.clamped("kind", b.kind, 0, 2);
+  fields("filter", b.filter);
+  fields("index", b.index, kSigned);
+  fields("enabled", b.enabled);
 }
 
-Json breakpoint_json(const Breakpoint& b) {
-  return {{"kind", static_cast<int>(b.kind)},
-          {"filter", b.filter},
-          {"index", b.index},
-          {"enabled", b.enabled}};
-}
-
-Breakpoint breakpoint_of(const Json& json) {
-  Breakpoint b;
-  enum_of(json, "kind", 3, b.kind);
-  b.filter = json.at("filter");
-  b.index = int_of(json, "index");
-  b.enabled = json.at("enabled");
-  return b;
-}
-
-Json range_json(const std::optional<render::ValueRange>& range) {
-  return range ? Json{range->low_m, range->high_m} : Json(nullptr);
-}
-std::optional<render::ValueRange> range_of(const Json& json) {
-  if (json.is_null()) return std::nullopt;
-  const render::ValueRange range{json.at(0).get<double>(), json.at(1).get<double>()};
-  return render::is_range(range) ? std::optional(range) : std::nullopt;
-}
-
-/// Panels, colours, theme, layout: what is not the cursor.
-Json view_json(const ViewState& view) {
-  const Layout& l = view.layout;
-  return {{"color_by", static_cast<int>(view.color_by)},
-          {"color_range", range_json(view.color_range)},
-          {"show_queue", view.show_queue},
-          {"show_settled", view.show_settled},
-          {"show_numerals", view.show_numerals},
-          {"show_points", view.show_points},
-          {"show_planes", view.show_planes},
-          {"show_names", view.show_names},
-          {"show_normals", view.show_normals},
-          {"show_foot", view.show_foot},
-          {"point_size", view.point_size},
-          {"show_stairs", view.show_stairs},
-          {"backdrop", static_cast<int>(view.backdrop)},
-          {"orthographic", view.orthographic},
-          {"overlay_opacity", view.overlay_opacity},
-          {"theme", static_cast<int>(view.theme)},
-          {"zoom", view.zoom},
-          {"inspector_tab", view.inspector_tab},
-          {"tool_tab", view.tool_tab},
-          {"list_tab", view.list_tab},
-          {"show_map", view.show_map},
-          {"octree_search", view.octree_search},
-          {"only_matches", view.only_matches},
-          {"rate", view.playing.steps_per_s},
-          {"step_unit", static_cast<int>(view.step_unit)},
-          {"brush_px", view.label.brush_px},
-          {"wand_tolerance_m", view.label.wand_options.tolerance_m},
-          {"through", view.label.through},
-          {"truth_plane", view.truth_plane},
-          {"views", static_cast<int>(view.views)},
-          {"layout",
-           {{"left", l.left},
-            {"right", l.right},
-            {"bottom", l.bottom},
-            {"image", l.image},
-            {"octree", l.octree},
-            {"tools", l.tools}}}};
-}
-
-/// Keys that are missing leave what `view` has.
-void view_of(const Json& json, ViewState& view) {
-  enum_of(json, "color_by", render::kColorBys, view.color_by);
-  if (json.contains("color_range")) view.color_range = range_of(json.at("color_range"));
-  value_of(json, "show_queue", view.show_queue);
-  value_of(json, "show_settled", view.show_settled);
-  value_of(json, "show_numerals", view.show_numerals);
-  value_of(json, "show_points", view.show_points);
-  value_of(json, "show_planes", view.show_planes);
-  value_of(json, "show_names", view.show_names);
-  value_of(json, "show_normals", view.show_normals);
-  value_of(json, "show_foot", view.show_foot);
-  value_of(json, "point_size", view.point_size);
-  view.point_size = std::clamp(view.point_size, kLeastPointSize, kMostPointSize);
-  value_of(json, "show_stairs", view.show_stairs);
-  enum_of(json, "backdrop", 3, view.backdrop);
-  value_of(json, "orthographic", view.orthographic);
-  value_of(json, "overlay_opacity", view.overlay_opacity);
-  enum_of(json, "theme", 2, view.theme);
-  value_of(json, "zoom", view.zoom);
-  view.zoom = std::clamp(view.zoom, 0.6, 3.0);
-  value_of(json, "inspector_tab", view.inspector_tab);
-  value_of(json, "tool_tab", view.tool_tab);
-  value_of(json, "list_tab", view.list_tab);
-  value_of(json, "show_map", view.show_map);
-  value_of(json, "octree_search", view.octree_search);
-  value_of(json, "only_matches", view.only_matches);
-  value_of(json, "rate", view.playing.steps_per_s);
-  view.playing.steps_per_s = std::clamp(view.playing.steps_per_s, 1.0, 100000.0);
-  enum_of(json, "step_unit", 3, view.step_unit);
-  value_of(json, "brush_px", view.label.brush_px);
-  view.label.brush_px = std::clamp(view.label.brush_px, 1.0, 200.0);
-  value_of(json, "wand_tolerance_m", view.label.wand_options.tolerance_m);
-  view.label.wand_options.tolerance_m =
-      std::clamp(view.label.wand_options.tolerance_m, 0.0005, 0.1);
-  value_of(json, "through", view.label.through);
-  value_of(json, "truth_plane", view.truth_plane);
-  enum_of(json, "views", 3, view.views);
-  if (json.contains("layout")) {
-    const Json& l = json.at("layout");
-    share_of(l, "left", view.layout.left);
-    share_of(l, "right", view.layout.right);
-    share_of(l, "bottom", view.layout.bottom);
-    share_of(l, "image", view.layout.image);
-    share_of(l, "octree", view.layout.octree);
-    share_of(l, "tools", view.layout.tools);
+template <typename Fields>
+static void color_range_field(Fields& fields, auto& range) {
+  std::optional<std::array<double, 2>> limits;
+  if constexpr (Fields::kReads) {
+    if (!fields.place().json().contains("color_range")) return;
+    fields("color_range", limits);
+    range.reset();
+    if (limits) range = render::ValueRange{(*limits)[0], (*limits)[1]};
+    if (range && !render::is_range(*range)) range.reset();
+  } else {
+    if (range) limits = {range->low_m, range->high_m};
+    fields("color_range", limits);
   }
 }
+
+/// Panels, colors, theme, layout: what is not the cursor. Missing fields leave what `view` has.
+void visit_fields(auto& fields, Same<ViewState> auto& view) {
+  fields.clamped("color_by", view.color_by, 0, render::kColorBys - 1, kOptional);
+  color_range_field(fields, view.range);
+  fields("show_queue", view.show_queue, kOptional);
+  fields("show_settled", view.show_settled, kOptional);
+  fields("show_numerals", view.show_numerals, kOptional);
+  fields("show_points", view.show_points, kOptional);
+  fields("show_planes", view.show_planes, kOptional);
+  fields("show_names", view.show_names, kOptional);
+  fields("show_normals", view.show_normals, kOptional);
+  fields("show_foot", view.show_foot, kOptional);
+  fields.clamped("point_size", view.point_size, kLeastPointSize, kMostPointSize, kOptional);
+  fields("show_stairs", view.show_stairs, kOptional);
+  fields.clamped("backdrop", view.backdrop, 0, 2, kOptional);
+  fields("orthographic", view.orthographic, kOptional);
+  fields("overlay_opacity", view.overlay_opacity, kOptional);
+  fields.clamped("theme", view.theme, 0, 1, kOptional);
+  fields.clamped("zoom", view.zoom, 0.6, 3.0, kOptional);
+  fields("inspector_tab", view.inspector_tab, kOptional);
+  fields("tool_tab", view.tool_tab, kOptional);
+  fields("list_tab", view.list_tab, kOptional);
+  fields("show_map", view.show_map, kOptional);
+  fields("octree_search", view.octree_search, kOptional);
+  fields("only_matches", view.only_matches, kOptional);
+  fields.clamped("rate", view.playing.steps_per_s, 1, 100000, kOptional);
+  fields.clamped("step_unit", view.step_unit, 0, 2, kOptional);
+  fields.clamped("brush_px", view.label.brush_px, 1, 200, kOptional);
+  fields.clamped("wand_tolerance_m", view.label.wand_options.tolerance_m, 0.0005, 0.1, kOptional);
+  fields("through", view.label.through, kOptional);
+  fields("truth_plane", view.truth_plane, kOptional | kSigned);
+  fields.clamped("views", view.views, 0, 2, kOptional);
+  fields.object("layout", kOptional, [&](auto& of) {
+    for (const LayoutPart& part : kLayoutParts)
+      of.clamped(part.name, view.layout.*part.share, 0, 0.9, kOptional);
+  });
+}
+
+Json view_json(const ViewState& view) { return json_of(view); }
 
 // ---- Sessions ----------------------------------------------------------------------------------
+
+namespace {
 
 Json options_json(const planes::PipelineOptions& options) {
   Json json;
@@ -239,13 +131,16 @@ Json options_json(const planes::PipelineOptions& options) {
 }
 
 /// Throws Error. The profile first: it sets what the others then change.
-planes::PipelineOptions options_of(const Json& json, const planes::PipelineOptions& now) {
+planes::PipelineOptions options_of(const JsonPlace& place, const planes::PipelineOptions& now) {
   planes::PipelineOptions options = now;
   options.method = planes::Method::ours;  // sessions from before there were others do not name it
   options.rivals = {};
-  if (json.contains("profile")) planes::set_option(options, "profile", json.at("profile"));
-  for (const auto& [name, value] : json.items())
-    if (name != "profile") planes::set_option(options, name, value.get<std::string>());
+  const auto set = [&](const std::string& name) {
+    planes::set_option(options, name, place.at(name.c_str()).text());
+  };
+  if (place.has("profile")) set("profile");
+  for (const auto& item : place.json().items())
+    if (item.key() != "profile") set(item.key());
   return options;
 }
 
@@ -262,6 +157,7 @@ fs::path find_recording(const fs::path& session, const fs::path& written) {
 /// Everything of a session, read and checked before anything of the state is touched.
 struct Session {
   OpenRecording recording;
+  std::string path, frame_sha256;  // of the recording, and of the frame it shows
   int frame = 0;
   planes::PipelineOptions options;
   Bookmark cursor;
@@ -271,55 +167,44 @@ struct Session {
   std::vector<std::uint32_t> marked;
 };
 
-/// All of it but the recording. Throws nlohmann's exceptions, and Error that does not name the
-/// file.
-Session session_of(const Json& json, const State& state) {
-  const std::string schema = json.at("schema");
-  const bool first = schema == kFirstSessionSchema;
-  if (!first && schema != kSessionSchema)
-    throw Error(fmt::format("its schema is {}, expected {}", shown(schema), kSessionSchema));
+/// All but the options, when it is read.
+template <typename Fields>
+void visit_fields(Fields& fields, Same<Session> auto& session) {
+  fields.object("recording", kPlain, [&](auto& of) {
+    of("path", session.path);
+    of("frame", session.frame, kSigned);
+    of("frame_sha256", session.frame_sha256);
+  });
+  if constexpr (!Fields::kReads) fields.json()["options"] = options_json(session.options);
+  fields("cursor", session.cursor);
+  fields("view", session.view);
+  fields("breakpoints", session.breakpoints);
+  fields("bookmarks", session.bookmarks);
+  fields("marked", session.marked, kOptional);
+}
+
+Session read_session(const State& state, const fs::path& path) {
   Session session;
-  session.options = options_of(json.at("options"), state.document.options);
-  session.frame = int_of(json.at("recording"), "frame");
-  session.cursor = bookmark_of(json.at("cursor"), first);
   session.view = state.view;
   session.view.flash = session.view.marking = false;
   session.view.playing.direction = 0;
   session.view.case_colors = CaseColors::ready;  // its own colors stay
   if (session.view.against == Against::pinned) session.view.against = Against::nothing;
-  view_of(json.at("view"), session.view);
-  for (const Json& one : json.at("breakpoints")) session.breakpoints.push_back(breakpoint_of(one));
-  for (const Json& one : json.at("bookmarks")) session.bookmarks.push_back(bookmark_of(one, first));
-  if (json.contains("marked"))
-    for (const Json& voxel : json.at("marked"))
-      session.marked.push_back(static_cast<std::uint32_t>(
-          whole_number(voxel, 0, std::numeric_limits<std::uint32_t>::max(), "a marked voxel")));
-  return session;
-}
-
-Session read_session(const State& state, const fs::path& path) {
-  const auto json = read_json<Json>(path);
-  std::string written, hash;
-  Session session;
-  try {
-    session = session_of(json, state);
-    written = json.at("recording").at("path");
-    hash = json.at("recording").at("frame_sha256");
-  } catch (const Error& error) {
-    throw Error(path.string() + ": " + error.what());
-  } catch (const Json::exception& error) {
-    throw Error(path.string() + ": is no session that can be read: " + json_problem(error));
-  }
+  read_place(path, read_json<Json>(path), [&](const JsonPlace& place) {
+    place.schema({kSessionSchema});
+    session.options = options_of(place.at("options"), state.document.options);
+    read_fields(place, session);
+  });
 
   OpenRecording& open = session.recording;
-  open.path = find_recording(path, written);
+  open.path = find_recording(path, session.path);
   open.recording = io::open_recording(open.path, options_to_open(state.document.recording_options));
   open.label_dir = labels::default_label_dir(open.path);
   const int count = open.recording->frame_count();
   if (session.frame < 0 || session.frame >= count)
     throw Error(fmt::format("{}: it shows frame {}, but {} has {} frames", path.string(),
                             session.frame, open.path.string(), count));
-  if (hash != open.recording->frame_hash(session.frame))
+  if (session.frame_sha256 != open.recording->frame_hash(session.frame))
     throw Error(fmt::format("{}: {} is another recording than the session's, frame {} differs",
                             path.string(), open.path.string(), session.frame));
   return session;
@@ -333,7 +218,7 @@ io::RecordingOptions options_to_open(io::RecordingOptions options) {
 }
 
 void take_recording(State& state, OpenRecording taken, int frame) {
-  if (state.view.mode == Mode::labels) apply(state, {"label.mode", ""});
+  if (state.view.mode == Mode::labels) leave_label_mode(state);
   Document& document = state.document;
   const auto same = [&](const OpenRecording& open) {
     std::error_code gone;
@@ -363,23 +248,19 @@ void save_session(const State& state, const fs::path& path) {
   const fs::path folder = fs::absolute(path).parent_path();
   const fs::path recording = fs::absolute(open->path);
   const fs::path relative = fs::relative(recording, folder, ignored);
-  Json json;
-  json["schema"] = kSessionSchema;
-  json["recording"] = {{"path", (relative.empty() ? recording : relative).generic_string()},
-                       {"frame", state.document.frame},
-                       {"frame_sha256", open->recording->frame_hash(state.document.frame)}};
-  json["options"] = options_json(state.document.options);
-  json["cursor"] = bookmark_json(bookmark_here(state));
-  json["view"] = view_json(state.view);
-  json["breakpoints"] = Json::array();
-  for (const Breakpoint& one : state.document.breakpoints)
-    json["breakpoints"].push_back(breakpoint_json(one));
-  json["bookmarks"] = Json::array();
-  for (const Bookmark& one : state.document.bookmarks)
-    json["bookmarks"].push_back(bookmark_json(one));
-  json["marked"] = state.document.marked;
-
-  write_file_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  Session session;
+  session.path = (relative.empty() ? recording : relative).generic_string();
+  session.frame = state.document.frame;
+  session.frame_sha256 = open->recording->frame_hash(state.document.frame);
+  session.options = state.document.options;
+  session.cursor = bookmark_here(state);
+  session.view = state.view;
+  session.breakpoints = state.document.breakpoints;
+  session.bookmarks = state.document.bookmarks;
+  session.marked = state.document.marked;
+  Json json = {{"schema", kSessionSchema}};
+  json.update(json_of(session));
+  write_file_text(path, json_text(json, 2));
 }
 
 void open_session(State& state, const std::string& where) {
@@ -413,7 +294,7 @@ void open_session(State& state, const std::string& where) {
   if (!arrival.facing) state.view.camera = arrival.camera;
   state.view.facing = arrival.facing.value_or(Facing::home);
   state.view.orthographic = arrival.orthographic;
-  apply(state, {"filter.set", arrival.filter});
+  set_filter(state, arrival.filter);
   state.view.arrival = arrival;
 }
 
@@ -428,22 +309,32 @@ fs::path settings_path() {
   return base / "planescope" / "desktop.json";
 }
 
+template <typename Fields>
+void visit_fields(Fields& fields, Same<Settings> auto& settings) {
+  fields.clamped("width", settings.width, 640, 16384);
+  fields.clamped("height", settings.height, 400, 16384);
+  fields("maximized", settings.maximized);
+  fields("last_recording", settings.last_recording);
+  fields("last_frame", settings.last_frame, kSigned);
+  fields("view", settings.view);
+  fields("recent", settings.recent, kOptional);
+  Bookmark place;
+  if (settings.camera) place.camera = *settings.camera;
+  if (!Fields::kReads && !settings.camera) return;
+  fields.object("camera", kOptional, [&](auto& of) {
+    visit_fields(of, place);
+    if constexpr (Fields::kReads) settings.camera = place.camera;
+  });
+}
+
 Settings load_settings() {
   try {
     const auto json = read_json<Json>(settings_path());
-    if (json.at("schema") != kSettingsSchema) return {};
+    const JsonPlace place(json);
+    place.schema({kSettingsSchema});
     Settings settings;
-    settings.width = std::clamp(int_of(json, "width"), 640, 16384);
-    settings.height = std::clamp(int_of(json, "height"), 400, 16384);
-    settings.maximized = json.at("maximized");
-    settings.last_recording = json.at("last_recording").get<std::string>();
-    settings.last_frame = int_of(json, "last_frame");
-    if (json.contains("recent"))
-      for (const Json& path : json.at("recent"))
-        if (settings.recent.size() < kMostRecent)
-          settings.recent.emplace_back(path.get<std::string>());
-    view_of(json.at("view"), settings.view);
-    if (json.contains("camera")) settings.camera = bookmark_of(json.at("camera")).camera;
+    read_fields(place, settings);
+    if (settings.recent.size() > kMostRecent) settings.recent.resize(kMostRecent);
     return settings;
   } catch (const std::exception&) {
     return {};
@@ -454,22 +345,10 @@ void save_settings(const Settings& settings) {
   const fs::path path = settings_path();
   std::error_code failed;
   fs::create_directories(path.parent_path(), failed);
-  Json json = {{"schema", kSettingsSchema},
-               {"width", settings.width},
-               {"height", settings.height},
-               {"maximized", settings.maximized},
-               {"last_recording", settings.last_recording.string()},
-               {"last_frame", settings.last_frame},
-               {"view", view_json(settings.view)}};
-  json["recent"] = Json::array();
-  for (const fs::path& one : settings.recent) json["recent"].push_back(one.string());
-  if (settings.camera) {
-    Bookmark place;
-    place.camera = *settings.camera;
-    json["camera"] = bookmark_json(place);
-  }
+  Json json = {{"schema", kSettingsSchema}};
+  json.update(json_of(settings));
   try {
-    write_file_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+    write_file_text(path, json_text(json, 2));
   } catch (const Error&) {  // nobody asked for them to be kept
   }
 }

@@ -32,6 +32,9 @@ void take_recording(State& state, OpenRecording taken, int frame);
 /// How the window opens recordings: it asks for intrinsics that one lacks.
 io::RecordingOptions options_to_open(io::RecordingOptions options);
 
+/// Every setting of the view that sessions and the window's memory keep, by key.
+nlohmann::ordered_json view_json(const ViewState& view);
+
 // ---- Settings ----------------------------------------------------------------------------------
 
 /// What the window remembers from one time to the next.

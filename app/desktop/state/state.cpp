@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "app/desktop/debugger/step_axis.hpp"
+#include "app/desktop/debugger/timeline.hpp"
+#include "app/desktop/state/session.hpp"
 #include "app/desktop/tracks/map_view.hpp"
+#include "core/model/json.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -190,6 +192,7 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["message"] = view.message;
   json["undo"] = state.undo.size();
   add_label_facts(state, json);
+  json["view"] = view_json(view);
   for (const planes::OptionInfo& info : planes::option_table())
     json["options"][info.name] = info.get(document.options);
   return json;
@@ -197,7 +200,7 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
 
 std::string state_text(const State& state, bool idle) {
   using Json = nlohmann::ordered_json;
-  return state_facts(state, idle).dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(state_facts(state, idle), 2);
 }
 
 }  // namespace planescope::desktop

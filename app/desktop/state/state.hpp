@@ -14,22 +14,20 @@
 #include <string>
 #include <vector>
 
-#include "app/desktop/arrange.hpp"
 #include "app/desktop/state/label_state.hpp"
 #include "core/debug/explain/compare.hpp"
 #include "core/debug/explain/fix.hpp"
 #include "core/debug/explain/histogram.hpp"
 #include "core/debug/explain/measure.hpp"
 #include "core/debug/explain/score.hpp"
-#include "core/debug/explain/summary.hpp"
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
 #include "core/debug/replay/steps.hpp"
 #include "core/io/picked_gravity.hpp"
 #include "core/io/recording.hpp"
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "render/plane_colors.hpp"
 #include "render/step_scene.hpp"
 #include "render/view.hpp"
@@ -68,8 +66,7 @@ struct Bookmark {
   int frame = 0;
   std::int32_t step = 0;
   std::int32_t node = -1, voxel = -1;
-  std::int32_t plane = -1;      // what it is called by: 3 is P3 ...
-  bool plane_of_trace = false;  // ... or, of sessions /1, its place in the trace
+  std::int32_t plane = -1;  // what it is called by: 3 is P3
   std::string filter;
   render::Camera camera;
   std::optional<Facing> facing;  // all of the frame, from there; nothing: as the camera stands
@@ -145,7 +142,7 @@ struct RunView {
 struct RunPlanes {
   std::shared_ptr<const RunView> of;
   std::string key;  // of these options
-  report::FramePlanes found;
+  planes::FramePlanes found;
   std::shared_ptr<const render::PlaneScene> scene;
 };
 
@@ -218,6 +215,17 @@ struct Layout {
   double octree = 0.40;  // of the bottom
   double tools = 0.48;   // of the right: criteria and the other tools
 };
+
+/// What shares the middle of the window.
+enum class Views : std::uint8_t { both, scene, image };
+
+struct LayoutPart {
+  const char* name;
+  double Layout::*share;
+};
+inline constexpr LayoutPart kLayoutParts[] = {
+    {"left", &Layout::left},   {"right", &Layout::right},   {"bottom", &Layout::bottom},
+    {"image", &Layout::image}, {"octree", &Layout::octree}, {"tools", &Layout::tools}};
 
 enum class PlaneColumn : std::uint8_t {
   id,
@@ -312,7 +320,12 @@ inline bool measures(Click click) { return click == Click::point || click == Cli
 
 inline constexpr double kLeastPointSize = 0.25, kMostPointSize = 4;
 
-struct ViewState {
+struct ViewState : render::StepChoices {
+  ViewState() {
+    color_by = render::ColorBy::planes;
+    show_queue = show_settled = show_normals = false;
+  }
+
   Mode mode = Mode::debugger;
   LabelView label;
   std::int32_t step = 0;
@@ -334,21 +347,13 @@ struct ViewState {
   CameraHistory cameras;
   bool orthographic = false;
   double scene_aspect = 4.0 / 3;  // width by height of the room it has, as drawn last
-  render::ColorBy color_by = render::ColorBy::planes;
-  std::optional<render::ValueRange> color_range;  // of a scale; nothing: that of the run
-  bool show_points = true, show_planes = true, show_names = true, show_normals = false;
-  bool show_queue = false, show_settled = false, show_numerals = true;
-  bool show_foot = false, show_stairs = false;
-  bool show_map = false;  // of the planes that were seen up to this frame
-  bool isolated = false;  // what is selected or current is shown alone
-  double point_size = 1;  // of voxels, in edges of one
+  bool show_map = false;          // of the planes that were seen up to this frame
   render::Backdrop backdrop = render::Backdrop::color;
   double overlay_opacity = 0.55;
   double image_zoom = 1;
   Vec2d image_center = Vec2d(0.5, 0.5);  // of the view, as a share of the image
 
   // Panels.
-  render::Theme theme = render::Theme::dark;
   double zoom = 1;  // of everything, on top of the screen's own scale
   Layout layout;
   Views views = Views::both;

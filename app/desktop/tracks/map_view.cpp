@@ -6,8 +6,10 @@
 #include <cmath>
 
 #include "app/commands/map_picture.hpp"
+#include "app/desktop/actions/actions.hpp"
 #include "app/desktop/jobs/frame_work.hpp"
-#include "core/debug/explain/region_decision.hpp"
+#include "core/debug/explain/compare.hpp"
+#include "core/model/error.hpp"
 #include "core/world/tracks/sight.hpp"
 #include "render/palette.hpp"
 
@@ -188,6 +190,133 @@ RunArrival arrival_at_track(const MapView& view, int id, const debug::Run& run) 
   arrival.message += fmt::format(": unassigned at step {}, {} of its {} voxels", loss.step,
                                  loss.points, arrival.marked.size());
   return arrival;
+}
+
+// ---- Actions: following planes, going to where one is or is missing -----------------------------
+
+namespace {
+
+bool has_track(const State& state) {
+  return state.map() && state.map()->track(state.view.tracks.track);
+}
+
+void follow_planes(State& state) {
+  const OpenRecording* open = state.document.current();
+  if (open->recording->info().width == 0)
+    throw Error("action map.make: the recording is of clouds, planes are followed in depth images");
+  if (!open->recording->info().knows_camera())
+    throw Error("action map.make: the recording has no camera intrinsics");
+  state.results.map.running = true;
+  state.results.map.begun = false;
+  state.results.map.done = state.results.map.total = 0;
+  state.results.map.stage = "begins";
+  state.view.list_tab = "tracks";
+}
+
+void stop_following(State& state) {
+  state.results.map.running = false;
+  say(state, "tracking canceled");
+}
+
+/// In another world, which stands upright as well.
+render::Camera carried(render::Camera camera, const Pose& T) {
+  camera.eye = T * camera.eye;
+  camera.target = T * camera.target;
+  return camera;
+}
+
+/// Shows a track in a frame, from where the scene is looked at now.
+void show_track(State& state, int id, int frame) {
+  const RunView* view = state.run_view();
+  std::optional<render::Camera> camera;
+  if (view && state.view.camera)
+    if (const std::optional<Pose> T = T_map_scene(*state.map(), *view->run))
+      camera = carried(*state.view.camera, *T);
+  state.view.tracks.track = id;
+  state.view.list_tab = "tracks";
+  if (frame != state.document.frame) {
+    show_frame(state, frame);
+    state.view.tracks.place = TrackPlace{id, frame, camera};
+  } else if (view && view->map) {
+    go_to_track(state, {id, frame, {}});
+  }
+}
+
+TrackFrame read_track(const State& state, const std::string& action, const std::string& text) {
+  const std::size_t comma = text.find(',');
+  std::string name = text.substr(0, comma);
+  if (name.starts_with('T') || name.starts_with('t')) name = name.substr(1);
+  const auto count = static_cast<int>(state.map()->tracker().tracks().size());
+  TrackFrame read{whole_argument(action, name, 1, count)};
+  if (!state.map()->track(read.track))
+    throw Error(fmt::format("action {}: T{} became T{}", action, read.track,
+                            world::final_track(state.map()->tracker().tracks(), read.track)));
+  const auto [first, last] = state.map()->frames();
+  if (comma != std::string::npos)
+    read.frame = whole_argument(action, text.substr(comma + 1), first, last);
+  return read;
+}
+
+using Find = int (*)(const MapView&, const world::Track&, int from, int direction);
+
+void set_track_filter(State& state, const std::string& text) {
+  TracksView& view = state.view.tracks;
+  view.filter = text;
+  view.filter_problem.clear();
+  try {
+    world::TrackFilter{text};
+  } catch (const Error& error) {
+    view.filter_problem = error.what();
+  }
+}
+
+}  // namespace
+
+void go_to_track(State& state, const TrackPlace& place) {
+  const RunView& view = *state.results.current;
+  show_arrival(state, arrival_at_track(*view.map, place.track, *view.run));
+  const std::optional<Pose> T = T_map_scene(*view.map, *view.run);
+  if (place.camera && T) move_camera(state, carried(*place.camera, T->inverse()));
+}
+
+void add_track_actions(std::vector<Action>& all) {
+  const ActionGroup map{all, KeyMode::anywhere, "Tracks"};
+  const ActionGroup track{all, KeyMode::debugger, "Tracks"};
+  const auto running = [](const State& s) { return s.results.map.running; };
+  map.add("map.make", "Track planes over all frames")
+      .key("Ctrl+Shift+M")
+      .words("track tracks follow slam")
+      .when([=](const State& s) { return s.document.current() && !running(s); })
+      .run(follow_planes);
+  map.add("map.stop", "Stop tracking").key("Alt+K").when(running).run(stop_following);
+
+  // To another frame of the selected track.
+  const auto add_way = [&](const char* name, const char* title, const char* key, Find find,
+                           int direction, const char* none) {
+    track.add(name, title).key(key).when(has_track).run([=](State& s) {
+      const int id = s.view.tracks.track;
+      const int frame = find(*s.map(), *s.map()->track(id), s.document.frame, direction);
+      if (frame < 0) return say_nothing_done(s, fmt::format("T{} {}", id, none));
+      show_track(s, id, frame);
+    });
+  };
+  add_way("track.previous", "Previous frame of the track", "Alt+PageUp", frame_seen, -1,
+          "is not in an earlier frame");
+  add_way("track.next", "Next frame of the track", "Alt+PageDown", frame_seen, 1,
+          "is not in a later frame");
+  add_way("track.gap.previous", "Previous gap of the track", "Shift+PageUp", frame_missed, -1,
+          "is not missed in an earlier frame");
+  add_way("track.gap.next", "Next gap of the track", "Shift+PageDown", frame_missed, 1,
+          "is not missed in a later frame");
+  track.add("track.show", "Show a track")
+      .when([](const State& s) { return s.map() != nullptr; })
+      .run(Takes<TrackFrame>{"TRACK[,FRAME]", read_track}, [](State& s, const TrackFrame& at) {
+        show_track(s, at.track, at.frame.value_or(s.document.frame));
+      });
+  track.add("track.filter", "Filter the tracks").run(text("[FILTER]"), set_track_filter);
+  track.add("track.color", "Color tracks by")
+      .run(choice<TrackColor>("track|area|rms"),
+           [](State& s, TrackColor by) { s.view.tracks.color_by = by; });
 }
 
 }  // namespace planescope::desktop

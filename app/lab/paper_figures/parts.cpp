@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/image/webp.hpp"
 #include "core/model/error.hpp"
 #include "core/report/page/pictures.hpp"
 #include "render/scene_parts.hpp"

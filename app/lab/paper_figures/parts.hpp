@@ -10,7 +10,7 @@
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/truth.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::app::figures {

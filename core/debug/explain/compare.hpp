@@ -5,10 +5,12 @@
 // where their pixels are.
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/debug/replay/run.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::debug {
 
@@ -17,11 +19,7 @@ struct NodeChange {
   planes::Case case_a = planes::Case::none, case_b = planes::Case::none;
 };
 
-/// A plane of the result. iou 0: there is no counterpart.
-struct PlanePair {
-  int a = 0, b = 0;  // plane ids; 0 none
-  double iou = 0;    // over voxels or, where the voxels differ, over sources
-};
+using planes::PlanePair;  // 0: no counterpart; over voxels or, where they differ, over sources
 
 struct Comparison {
   std::int32_t diverging_step_a = planes::kNever,
@@ -61,5 +59,31 @@ std::int32_t same_node(const Run& run, std::int32_t node, const Run& other);
 /// The last step of `other` at which its state corresponds to `step` of `run`: the event on the
 /// same node or point; otherwise the same fraction of all steps.
 std::int32_t same_step(const Run& run, std::int32_t step, const Run& other);
+
+// The one decision that explains what became of most points of a region. Decisions are of one kind
+// where their event, case and stage are.
+
+struct RegionDecision {
+  std::int32_t step = 0;    // the one about the most points; 0: there is none
+  std::int32_t voxel = -1;  // one of these points
+  std::size_t points = 0;   // of the region, that this or another decision of its kind is about
+  std::size_t alike = 0;    // how many of its kind there are, itself included
+};
+
+/// Where `run` first decided otherwise on each point of the region than `a` did; `step` 0 where
+/// both decide alike, or leave no trace.
+RegionDecision first_difference(const Run& run,
+                                const Run& a,
+                                std::span<const std::uint32_t> voxels);
+
+/// The decision that left most of the region's points over, of those that no plane has.
+RegionDecision loss_of_region(const Run& run, std::span<const std::uint32_t> voxels);
+
+/// The merge that brought most of the region's points to where they end; without one, what brought
+/// them there point by point.
+RegionDecision joining_of_region(const Run& run, std::span<const std::uint32_t> voxels);
+
+/// The plane of the result that most of the region is in, 0 where most of it is in none.
+std::int32_t plane_of_region(const Run& run, std::span<const std::uint32_t> voxels);
 
 }  // namespace planescope::debug

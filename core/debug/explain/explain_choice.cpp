@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "core/debug/explain/explain.hpp"
-#include "core/debug/replay/state_walk.hpp"
-#include "core/planes/segment/choices.hpp"
+#include "core/debug/replay/steps.hpp"
+#include "core/planes/segment/state.hpp"
 
 namespace planescope::debug {
 namespace {
@@ -128,7 +128,7 @@ MergeReport explain_join(const Run& run, std::int32_t step) {
                              .chosen = true,
                              .cost = event.value});
   report.outcome = fmt::format(
-      "{} ({:.0f} px) merged into {} ({:.0f} px){}: one plane for both costs {:.3g} < {:.3g}",
+      "{} ({:.0f} px) merged into {} ({:.0f} px){}: cost {:.3g}, limit {:.3g}",
       plane_name(run, event.plane), plane.moments.count, plane_name(run, event.other),
       other.moments.count, event.stage == planes::Stage::hidden ? " behind an occluder" : "",
       event.value, check.threshold);

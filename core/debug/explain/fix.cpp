@@ -11,10 +11,10 @@
 #include <span>
 #include <utility>
 
+#include "core/debug/explain/compare.hpp"
 #include "core/debug/explain/provenance.hpp"
-#include "core/debug/explain/region_decision.hpp"
 #include "core/model/parallel.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::debug {
@@ -85,29 +85,14 @@ Granted granted(const std::vector<std::int32_t>& plane_of,
   return result;
 }
 
-/// Voxels outside of the target that are in another plane than before; planes are the same by what
-/// they have in common, the most first.
+/// Voxels outside of the target that are in another plane than before.
 std::int32_t moved_elsewhere(const std::vector<std::int32_t>& before,
                              const std::vector<std::int32_t>& after,
                              const std::vector<std::uint32_t>& target) {
   const planes::TruthOverlap overlap = planes::count_truth_overlap(before, after);
-  struct Pair {
-    std::uint64_t common;
-    std::int32_t before, after;
-  };
-  std::vector<Pair> pairs;
-  for (int b = 1; b <= overlap.truth; ++b)
-    for (int a = 1; a <= overlap.found; ++a)
-      if (overlap.at(b, a) > 0) pairs.push_back({overlap.at(b, a), b, a});
-  std::ranges::stable_sort(pairs, std::greater{}, &Pair::common);
   std::vector<std::int32_t> after_of(overlap.truth + 1, -1);  // -1: gone
-  std::vector<std::uint8_t> is_taken(overlap.found + 1, 0);
   after_of[0] = 0;
-  for (const Pair& pair : pairs)
-    if (after_of[pair.before] < 0 && !is_taken[pair.after]) {
-      after_of[pair.before] = pair.after;
-      is_taken[pair.after] = 1;
-    }
+  for (const planes::PlanePair& pair : planes::pairs_by_overlap(overlap)) after_of[pair.a] = pair.b;
   const auto stays = [&](std::size_t i) { return after_of[before[i]] == after[i]; };
   std::int32_t moved = 0;
   for (std::size_t i = 0; i < before.size(); ++i) moved += !stays(i);
@@ -328,20 +313,6 @@ std::int32_t step_decided_by(const Run& run, const FixTarget& target, const Fix&
   return first_difference(run, *make_run(run.subject, options), votes).step;
 }
 
-bool is_share(const planes::OptionInfo& info) { return info.range.min == 0 && info.range.max == 1; }
-
-/// From a tenth to tenfold; the current value in the middle.
-std::vector<std::string> values_around(const planes::OptionInfo& info,
-                                       const planes::PipelineOptions& options) {
-  constexpr int kSide = 12;
-  constexpr double kReach = 2.302585092994046;
-  const double start = scale_position(info, planes::number_of(info, options));
-  std::vector<std::string> values;
-  for (int k = -kSide; k <= kSide; ++k)
-    values.push_back(k == 0 ? info.get(options) : scale_value(info, start + k * kReach / kSide));
-  return values;
-}
-
 }  // namespace
 
 FixTarget target_of_truth(const Run& run, std::int32_t truth_plane) {
@@ -445,58 +416,6 @@ std::vector<Fix> find_fixes(const Run& run,
   for (std::size_t i = 0; i < std::min(kExplained, fixes.size()) && !stop.stop_requested(); ++i)
     fixes[i].step = step_decided_by(run, target, fixes[i]);
   return fixes;
-}
-
-std::vector<std::int32_t> planes_with(const Run& run, const planes::PipelineOptions& options) {
-  const Subject& subject = *run.subject;
-  return planes::find_regions(subject.frame, subject.prepared, options).segmentation.plane_of;
-}
-
-double scale_position(const planes::OptionInfo& info, double value) {
-  constexpr double kLeast = 1e-4;
-  if (!is_share(info)) return std::log(std::max(value, kLeast));
-  value = std::clamp(value, kLeast, 1 - kLeast);
-  return std::log(value / (1 - value));
-}
-
-std::string scale_value(const planes::OptionInfo& info, double position) {
-  const double e = std::exp(position);
-  // Six digits are more than any search resolves, and can be read.
-  return planes::number_text(info,
-                             std::stod(fmt::format("{:.6g}", is_share(info) ? e / (1 + e) : e)));
-}
-
-FixEffect effect_of(const Run& before, const planes::PipelineOptions& after) {
-  const Subject& subject = *before.subject;
-  const QuickScore was = quick_score(before.segmentation.plane_of, subject.voxel_truth);
-  const QuickScore is = quick_score(planes_with(before, after), subject.voxel_truth);
-  FixEffect effect{subject.frame.index, was.detected,
-                   is.detected,         static_cast<int>(was.planes.size()),
-                   was.mean_iou,        is.mean_iou};
-  for (std::size_t i = 0; i < was.planes.size(); ++i) {
-    const bool had = was.planes[i].iou >= kDetectedIou, has = is.planes[i].iou >= kDetectedIou;
-    if (has && !had) effect.recovered.push_back(was.planes[i].truth);
-    if (had && !has) effect.broken.push_back(was.planes[i].truth);
-  }
-  return effect;
-}
-
-Sensitivity sensitivity_of(const Run& run, const std::string& option, std::stop_token stop) {
-  const planes::OptionInfo& info = planes::find_option(option);
-  Sensitivity result{option};
-  result.against_truth = run.subject->voxel_truth.known();
-  if (!info.is_number()) return result;
-  for (const std::string& value : values_around(info, run.options)) {
-    if (stop.stop_requested()) break;
-    planes::PipelineOptions options = run.options;
-    info.set(options, value);
-    const double number = planes::number_of(info, options);
-    if (!result.values.empty() && number <= result.values.back()) continue;
-    const QuickScore score = quick_score(planes_with(run, options), run.subject->voxel_truth);
-    result.values.push_back(number);
-    result.scores.push_back(result.against_truth ? score.mean_iou : score.found_planes);
-  }
-  return result;
 }
 
 }  // namespace planescope::debug

@@ -1,7 +1,7 @@
 #pragma once
 
 // What would fix this? Changes of one option that make a surface of this frame what it should be,
-// each tried before it is told, and what a change breaks on the labelled frames of the recording.
+// each tried before it is reported.
 
 #include <cstdint>
 #include <functional>
@@ -12,10 +12,6 @@
 
 #include "core/debug/explain/score.hpp"
 #include "core/debug/replay/run.hpp"
-
-namespace planescope::planes {
-struct OptionInfo;
-}
 
 namespace planescope::debug {
 
@@ -77,34 +73,5 @@ std::vector<Fix> find_fixes(const Run& run,
                             const FixTarget& target,
                             std::stop_token stop,
                             const FixProgress& progress = {});
-
-/// What a change does to one frame.
-struct FixEffect {
-  int frame = 0;
-  int detected_before = 0, detected_after = 0, planes_truth = 0;
-  double iou_before = 0, iou_after = 0;
-  std::vector<std::int32_t> recovered = {}, broken = {};  // truth plane ids
-};
-FixEffect effect_of(const Run& before, const planes::PipelineOptions& after);
-
-/// Plane of each voxel of the run's frame with other options, 0 none. Of these, the segment options
-/// alone count.
-std::vector<std::int32_t> planes_with(const Run& run, const planes::PipelineOptions& options);
-
-// How far a number is from another, so that changes of different options can be compared: positions
-// on a logarithmic axis, log value or, for shares between 0 and 1, log of their odds, since 0.98 is
-// as far from 0.99 as 0.02 from 0.01. 0 itself stands at the far end.
-double scale_position(const planes::OptionInfo& info, double value);
-/// The value there as --set takes it, within the option's range.
-std::string scale_value(const planes::OptionInfo& info, double position);
-
-/// Score against value, for the strip under a slider.
-struct Sensitivity {
-  std::string option;
-  std::vector<double> values = {};  // ascending, the current one among them
-  std::vector<double> scores = {};  // mean IoU with truth, planes found without
-  bool against_truth = false;
-};
-Sensitivity sensitivity_of(const Run& run, const std::string& option, std::stop_token stop);
 
 }  // namespace planescope::debug

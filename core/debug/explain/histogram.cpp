@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/debug/replay/state_walk.hpp"
-#include "core/planes/segment/choices.hpp"
+#include "core/debug/replay/steps.hpp"
+#include "core/planes/segment/state.hpp"
 
 namespace planescope::debug {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/debug/explain/explain.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::debug {
 namespace {

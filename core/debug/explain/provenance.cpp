@@ -34,7 +34,7 @@ std::string describe_voxel(const Subject& subject, std::uint32_t voxel) {
   const planes::VoxelCloud& voxels = subject.prepared.voxels;
   const Vec3d p = voxels.points[voxel].cast<double>() + subject.prepared.cloud.origin;
   const std::string place = fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x(), p.y(), p.z());
-  if (voxels.size_m <= 0) return fmt::format("voxel {}: the point itself, at {}", voxel, place);
+  if (voxels.size_m <= 0) return fmt::format("at {}", place);
   return fmt::format("voxel {}: mean of {} points in a cell of {}, at {}", voxel,
                      voxels.count[voxel], distance_text(voxels.size_m), place);
 }
@@ -182,9 +182,11 @@ Cause dropped(const Run& run, const planes::TraceEvent& event) {
   if (event.stage == planes::Stage::list) {
     const char* option = run.is_on_image() ? "worth_px" : "plane_cost";
     const std::string worth = rounded_down(event.value);
-    cause.text = fmt::format("{} was dropped: worth {:.0f}, below the minimum of {} ({})",
-                             plane_name(run, event.plane), event.value,
-                             planes::find_option(option).get(run.options), option);
+    const auto points = run.timeline.plane_at(event.plane, run.steps())->moments.count;
+    cause.text =
+        fmt::format("{} was dropped: its {:.0f} {} are worth {:.0f}, below the minimum of {} ({})",
+                    plane_name(run, event.plane), points, run.is_on_image() ? "px" : "points",
+                    event.value, planes::find_option(option).get(run.options), option);
     cause.remedy = {fmt::format("{} <= {} would keep it", option, worth), option, worth};
   }
   return cause;
@@ -349,6 +351,15 @@ std::vector<LifeEvent> life_of(const Run& run, std::size_t source) {
   life.push_back({"result", describe_result(run, point), -1, -1,
                   id > 0 ? run.segmentation.planes[id - 1].founded : -1});
   return life;
+}
+
+std::string point_name(const Run& run, std::int32_t voxel) {
+  const planes::PreparedFrame& prepared = run.subject->prepared;
+  if (prepared.voxels.size_m > 0) return fmt::format("voxel {}", voxel);
+  const std::size_t source = source_of_voxel(*run.subject, static_cast<std::uint32_t>(voxel));
+  if (!prepared.of_pixels) return fmt::format("point {}", source);
+  const auto width = static_cast<std::size_t>(run.subject->frame.depth.width);
+  return fmt::format("pixel {},{}", source % width, source / width);
 }
 
 std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel) {

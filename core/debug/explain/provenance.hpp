@@ -27,6 +27,9 @@ struct LifeEvent {
 /// were cropped have a short life that says so.
 std::vector<LifeEvent> life_of(const Run& run, std::size_t source);
 /// A source of the voxel: the one nearest to its mean.
+/// "pixel 320,240", "point 17" or, where a voxel holds several points, "voxel 17".
+std::string point_name(const Run& run, std::int32_t voxel);
+
 std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel);
 
 /// What would have kept a point: all empty where nothing obvious would.

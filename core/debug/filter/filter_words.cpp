@@ -9,6 +9,8 @@
 #include <charconv>
 #include <utility>
 
+#include "core/debug/explain/explain.hpp"
+
 namespace planescope::debug {
 namespace {
 
@@ -157,7 +159,10 @@ std::vector<FilterSymbol> fields_of_events() {
       {"visit", "a node is dequeued", boolean, is_kind<visit>},
       {"decide", "a node is settled: its case is known", boolean, is_kind<decide>},
       {"found", "a candidate creates a plane, or a part splits off one", boolean, is_kind<found>},
-      {"merge", "a candidate is merged into a plane", boolean, is_kind<merge>},
+      {"merge", "a candidate or a plane is merged into a plane", boolean,
+       [](View e) -> double {
+         return e.event.type == planes::EventType::merge || is_join(e.event);
+       }},
       {"assign", "a leftover point is given to a plane", boolean, is_kind<assign>},
       {"drop", "an unassigned point gets no plane", boolean, is_kind<drop>},
       {"refine", "the objective joins, changes or drops a plane", boolean, is_kind<refine>},

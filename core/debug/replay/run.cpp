@@ -28,7 +28,7 @@ std::string decision_on_image(const Run& run, std::int32_t node) {
                          100 * facts.theta_e_n);
     case planes::Case::III:
     case planes::Case::IV:
-      return fmt::format("case {}, variance {:.3g} {} {:.3g} × the expected",
+      return fmt::format("case {}, variance {:.3g} {} {:.3g} times the expected",
                          planes::to_string(decided), facts.e_n,
                          decided == planes::Case::IV ? "≤" : ">", facts.theta_e_n);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/debug/replay/run.hpp"
+#include "core/planes/segment/state.hpp"
 
 namespace planescope::debug {
 
@@ -38,5 +39,20 @@ enum class StepUnit : std::uint8_t { event, node, plane };
 /// The step `count` units after `step`, or before it where `count` is negative. The beginning and
 /// the end of the trace are stops of every unit.
 std::int32_t step_from(const Run& run, StepUnit unit, std::int32_t step, std::int32_t count);
+
+/// Walks forward through the changes of a trace: planes, and the points in them. The octree has
+/// all nodes from the start. The state holds neither counts nor the order of the leftovers.
+class StateWalk {
+ public:
+  explicit StateWalk(const Run& run);
+  /// To the state at `step`, not before where it is.
+  const planes::SegmentState& advance_to(std::int32_t step);
+  const planes::SegmentState& state() const { return state_; }
+
+ private:
+  const Run& run_;
+  planes::SegmentState state_;
+  std::size_t points_ = 0, planes_ = 0;  // changes that are made
+};
 
 }  // namespace planescope::debug

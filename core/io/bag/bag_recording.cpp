@@ -1,11 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/io/bag/bag_gravity.hpp"
 #include "core/io/bag/bag_layout.hpp"
-#include "core/io/bag/compressed_image.hpp"
 #include "core/io/bag/ros_messages.hpp"
-#include "core/io/bag/sdk_messages.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 
@@ -184,7 +181,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
   info_.width = image.width;
   info_.height = image.height;
   CameraFacts facts;
-  const auto infos = bag_.messages(layout_.depth_info);
+  const auto& infos = bag_.messages(layout_.depth_info);
   if (!infos.empty()) {
     const auto camera = read_camera_info(infos.front(), layout_.depth_info);
     facts.intrinsics = to_intrinsics(camera, layout_.depth_info, info_.warnings);
@@ -232,7 +229,7 @@ void BagRecording::read_color_camera() {
     color_intrinsics_ = info_.intrinsics;
     return;
   }
-  const auto infos = bag_.messages(layout_.color_info);
+  const auto& infos = bag_.messages(layout_.color_info);
   if (infos.empty() || !layout_.has_extrinsics) {
     info_.color_note = infos.empty() ? "shown only: the bag has no colour intrinsics"
                                      : "shown only: the bag has no depth-to-colour extrinsics";

@@ -1,13 +1,11 @@
-#include "core/io/bag/compressed_image.hpp"
-
 #include <algorithm>
 
-#include "core/io/bag/field_reader.hpp"
-#include "core/io/bag/unpack.hpp"
-#include "core/io/image/jpeg.hpp"
+#include "core/io/bag/compression.hpp"
+#include "core/io/bag/ros_messages.hpp"
+#include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
-#include "core/model/read_limit.hpp"
+#include "core/model/file_bytes.hpp"
 
 // What image_transport_plugins write: compressed_image_transport, compressed_depth_image_transport
 // and zstd_image_transport.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/io/bag/rosbag2_mcap.hpp"
+#include "core/io/bag/message_log.hpp"
 #include "core/model/error.hpp"
 
 // https://mcap.dev/spec, and the message definitions of ROS 2.
@@ -131,8 +131,7 @@ std::string transform_message(const Pose& T_parent_child, const char* parent, co
 }  // namespace
 
 McapWriter::McapWriter(std::ostream& out) : out_(out) {
-  write(std::string(rosbag2::kMcapMagic) +
-        record(0x01, Fields().text("ros2").text("planescope").bytes));
+  write(std::string(kMcapMagic) + record(0x01, Fields().text("ros2").text("planescope").bytes));
 }
 
 void McapWriter::write(const std::string& bytes) {
@@ -248,7 +247,7 @@ void McapWriter::finish() {
       .text(counts.bytes);
   write(schemas_ + channel_records_ + chunk_indexes_ + record(0x0b, statistics.bytes));
   write(record(0x02, Fields().put(summary).put(std::uint64_t{0}).put(std::uint32_t{0}).bytes) +
-        std::string(rosbag2::kMcapMagic));
+        std::string(kMcapMagic));
 }
 
 }  // namespace planescope::io

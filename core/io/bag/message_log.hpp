@@ -1,15 +1,18 @@
 #pragma once
 
+// Messages by topic: what all containers of ROS recordings hold.
+
 #include <filesystem>
 #include <limits>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
 #include "core/io/byte_reader.hpp"
-#include "core/io/guarded.hpp"
+#include "core/io/mapped_file.hpp"
 
 namespace planescope::io {
 
@@ -59,7 +62,7 @@ class MessageLog {
   /// "bag" or what else it is, for people.
   virtual std::string kind() const = 0;
   /// All messages of a topic by recording time, equal times in file order.
-  virtual std::vector<MessageRef> messages(const std::string& topic) const = 0;
+  const std::vector<MessageRef>& messages(const std::string& topic) const;
   /// The message, or at least its first `at_most` bytes. Throws Error naming the file when it is
   /// damaged.
   virtual Message read(const MessageRef& message, std::size_t at_most = kWholeMessage) const = 0;
@@ -75,13 +78,23 @@ class MessageLog {
   }
 
  protected:
+  void sort_messages();
+
   std::filesystem::path path_;
   std::vector<std::string> warnings_;
   std::map<std::string, std::string> topics_;
+  std::map<std::string, std::vector<MessageRef>> messages_;  // by topic, sorted
 };
 
 /// The container that a file or folder is, found out from its content. Throws Error when it is
 /// none.
 std::unique_ptr<MessageLog> open_message_log(const std::filesystem::path& path);
+
+// One for each container; Errors as above. `path` may be compressed as a whole.
+std::unique_ptr<MessageLog> open_rosbag1(const std::filesystem::path& path);
+std::unique_ptr<MessageLog> open_sqlite_log(const std::filesystem::path& path);
+std::unique_ptr<MessageLog> open_mcap(const std::filesystem::path& path);
+
+inline constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";  // https://mcap.dev/spec
 
 }  // namespace planescope::io

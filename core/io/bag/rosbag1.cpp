@@ -1,12 +1,77 @@
-#include "core/io/bag/rosbag1.hpp"
+// ROS 1 bags: http://wiki.ros.org/Bags/Format/2.0. Read by the index at their end, or by walking
+// their chunks where that is missing, cut or damaged.
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <set>
 
-#include "core/io/bag/packed_file.hpp"
+#include "core/io/bag/compression.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope::io::rosbag1 {
+namespace planescope::io {
+namespace rosbag1 {
+namespace {
+
+constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
+
+enum class Op : std::uint8_t {
+  message = 2,
+  bag_header = 3,
+  index_data = 4,
+  chunk = 5,
+  chunk_info = 6,
+  connection = 7,
+};
+
+/// The header of a record: `name=value` fields.
+class Fields {
+ public:
+  explicit Fields(Bytes header) : header_(header) {}
+  /// The value of a field, empty where there is none. Throws OutOfBytes on a damaged header.
+  std::optional<Bytes> find(std::string_view name) const;
+  /// Throws OutOfBytes when the field is missing or of another size.
+  template <typename T>
+  T get(std::string_view name) const {
+    const auto value = find(name);
+    if (!value || value->size() != sizeof(T)) throw OutOfBytes{};
+    return ByteReader(*value).read<T>();
+  }
+  std::string_view text(std::string_view name) const;
+  Op op() const { return static_cast<Op>(get<std::uint8_t>("op")); }
+
+ private:
+  Bytes header_;
+};
+
+struct Record {
+  Fields header;
+  Bytes data;
+};
+
+/// Reads one whole record. Throws OutOfBytes when it is not all there.
+Record read_record(ByteReader& reader) {
+  const Bytes header = reader.take_sized();
+  return {Fields(header), reader.take_sized()};
+}
+
+/// ROS time as the bag writes it: seconds in the low, nanoseconds in the high half.
+std::uint64_t nanoseconds(std::uint64_t time) {
+  return (time & 0xffffffffu) * 1'000'000'000u + (time >> 32);
+}
+
+struct Connection {
+  std::string topic;
+  std::string type;  // such as "sensor_msgs/Image"
+};
+
+/// What a bag holds and where: found in its index, or by walking its chunks where that is lost.
+struct Index {
+  std::map<std::uint32_t, Connection> connections;
+  std::map<std::uint32_t, std::vector<MessageRef>> messages;  // by connection, in file order
+  std::vector<Chunk> chunks;
+  std::vector<std::string> warnings;
+};
 
 std::optional<Bytes> Fields::find(std::string_view name) const {
   ByteReader reader(header_);
@@ -28,7 +93,29 @@ std::string_view Fields::text(std::string_view name) const {
   return {reinterpret_cast<const char*>(value->data()), value->size()};
 }
 
-namespace {
+/// Adds what a CONNECTION record says. Throws OutOfBytes when it is damaged.
+void add_connection(const Record& record, Index& index) {
+  const Fields description(record.data);
+  index.connections.try_emplace(
+      record.header.get<std::uint32_t>("conn"),
+      Connection{std::string(record.header.text("topic")), std::string(description.text("type"))});
+}
+
+/// The messages that an INDEX_DATA record places in a chunk. Throws OutOfBytes when it is damaged.
+std::vector<MessageRef> index_entries(const Record& record,
+                                      std::uint32_t chunk,
+                                      std::uint64_t raw_bytes) {
+  if (record.header.get<std::uint32_t>("ver") != 1) throw OutOfBytes{};
+  std::vector<MessageRef> messages;
+  ByteReader entries(record.data);
+  while (!entries.done()) {
+    const std::uint64_t time = nanoseconds(entries.read<std::uint64_t>());
+    const auto offset = entries.read<std::uint32_t>();
+    if (offset >= raw_bytes) throw OutOfBytes{};
+    messages.push_back({time, 0, chunk, offset});
+  }
+  return messages;
+}
 
 Record read_record_of(Op op, ByteReader& reader) {
   const Record record = read_record(reader);
@@ -77,30 +164,7 @@ void read_index_section(Bytes file, Index& index) {
   }
 }
 
-}  // namespace
-
-void add_connection(const Record& record, Index& index) {
-  const Fields description(record.data);
-  index.connections.try_emplace(
-      record.header.get<std::uint32_t>("conn"),
-      Connection{std::string(record.header.text("topic")), std::string(description.text("type"))});
-}
-
-std::vector<MessageRef> index_entries(const Record& record,
-                                      std::uint32_t chunk,
-                                      std::uint64_t raw_bytes) {
-  if (record.header.get<std::uint32_t>("ver") != 1) throw OutOfBytes{};
-  std::vector<MessageRef> messages;
-  ByteReader entries(record.data);
-  while (!entries.done()) {
-    const std::uint64_t time = nanoseconds(entries.read<std::uint64_t>());
-    const auto offset = entries.read<std::uint32_t>();
-    if (offset >= raw_bytes) throw OutOfBytes{};
-    messages.push_back({time, 0, chunk, offset});
-  }
-  return messages;
-}
-
+/// Reads the index at the end of the bag; false when any of it is missing or does not add up.
 bool read_index(Bytes file, Index& index) {
   try {
     read_index_section(file, index);
@@ -111,7 +175,173 @@ bool read_index(Bytes file, Index& index) {
   }
 }
 
-namespace {
+// ---- Without an index ---------------------------------------------------------------------------
+
+/// The walk through a bag whose index is missing, cut or damaged.
+struct Scan {
+  Bytes file;
+  Index index;
+  std::uint64_t index_position = 0;  // where the bag header places the index, 0 = never written
+  std::uint32_t declared_chunks = 0;
+  std::uint64_t missing_bytes = 0;  // that a cut chunk declares but the file does not hold
+  std::uint64_t damaged_bytes = 0;  // passed over, no record could be read there
+  std::uint64_t messages = 0;
+};
+
+void add_messages(Scan& scan, std::uint32_t connection, const std::vector<MessageRef>& found) {
+  auto& messages = scan.index.messages[connection];
+  messages.insert(messages.end(), found.begin(), found.end());
+  scan.messages += found.size();
+  // Chunks may unpack to any number of them.
+  if (scan.messages > kMostMessages + scan.file.size()) throw OutOfBytes{};
+}
+
+/// Walks the connections and messages inside a chunk, as far as it can be unpacked.
+void walk_chunk(Scan& scan, std::uint32_t number) {
+  Chunk& chunk = scan.index.chunks[number];
+  Unpacked unpacked;
+  ByteReader reader(content_that_is_there(chunk, unpacked));
+  try {
+    while (!reader.done()) {
+      const auto offset = static_cast<std::uint32_t>(reader.position());
+      const Record record = read_record(reader);
+      if (record.header.op() == Op::connection) {
+        add_connection(record, scan.index);
+      } else if (record.header.op() == Op::message) {
+        const std::uint64_t time = nanoseconds(record.header.get<std::uint64_t>("time"));
+        add_messages(scan, record.header.get<std::uint32_t>("conn"), {{time, 0, number, offset}});
+      }
+    }
+  } catch (OutOfBytes) {
+    chunk.cut = true;
+  }
+}
+
+/// Uses the INDEX_DATA records that follow a chunk, which spares unpacking it. They must be all
+/// there (another record follows) and name only known connections, else nothing is taken.
+/// Moves the reader behind them.
+bool take_index_records(Scan& scan, std::uint32_t number, ByteReader& reader) {
+  std::vector<std::pair<std::uint32_t, std::vector<MessageRef>>> found;
+  try {
+    while (true) {
+      ByteReader next = reader;
+      if (Fields(next.take_sized()).op() != Op::index_data) break;
+      const Record record = read_record(reader);
+      const auto connection = record.header.get<std::uint32_t>("conn");
+      if (!scan.index.connections.contains(connection)) return false;
+      found.emplace_back(connection,
+                         index_entries(record, number, scan.index.chunks[number].raw_bytes));
+    }
+  } catch (OutOfBytes) {
+    return false;
+  }
+  for (const auto& [connection, messages] : found) add_messages(scan, connection, messages);
+  return !found.empty();
+}
+
+/// The chunk whose record starts here though its end is missing: the last one of a recording that
+/// was interrupted (declares no size yet) or cut. The rest of the file is taken for its content.
+bool take_cut_chunk(Scan& scan, ByteReader reader) {
+  try {
+    const Fields header(reader.take_sized());
+    if (header.op() != Op::chunk) return false;
+    const auto stored_bytes = reader.read<std::uint32_t>();
+    const auto raw_bytes = header.get<std::uint32_t>("size");
+    if (stored_bytes != 0 && stored_bytes <= reader.left()) return false;
+    const std::size_t rest = std::min<std::size_t>(reader.left(), 0xffffffffu);
+    if (stored_bytes != 0) scan.missing_bytes = stored_bytes - rest;
+    scan.index.chunks.push_back({parse_compression(header.text("compression")), reader.take(rest),
+                                 stored_bytes == 0 ? 0xffffffffu : raw_bytes, true});
+  } catch (OutOfBytes) {
+    return false;
+  }
+  walk_chunk(scan, static_cast<std::uint32_t>(scan.index.chunks.size() - 1));
+  return true;
+}
+
+/// Handles the record at the reader and moves behind it. Throws OutOfBytes on damage.
+void take_record(Scan& scan, ByteReader& reader) {
+  const Record record = read_record(reader);
+  switch (record.header.op()) {
+    case Op::bag_header:
+      scan.index_position = record.header.get<std::uint64_t>("index_pos");
+      scan.declared_chunks = record.header.get<std::uint32_t>("chunk_count");
+      break;
+    case Op::connection:
+      add_connection(record, scan.index);
+      break;
+    case Op::chunk: {
+      const auto raw_bytes = record.header.get<std::uint32_t>("size");
+      const auto compression = parse_compression(record.header.text("compression"));
+      if (record.data.empty()) throw OutOfBytes{};
+      const auto number = static_cast<std::uint32_t>(scan.index.chunks.size());
+      scan.index.chunks.push_back({compression, record.data, raw_bytes, false});
+      if (!take_index_records(scan, number, reader)) walk_chunk(scan, number);
+      break;
+    }
+    case Op::index_data:  // of a chunk that was walked
+    case Op::chunk_info:
+    case Op::message:
+      break;
+    default:
+      throw OutOfBytes{};
+  }
+}
+
+/// Where the next chunk behind `from` may start: its header begins with two lengths and
+/// `compression=`.
+std::size_t find_chunk(Bytes file, std::size_t from) {
+  constexpr std::string_view kField = "compression=";
+  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  const std::size_t found = text.find(kField, from + 1 + 8);
+  return found == std::string_view::npos ? file.size() : found - 8;
+}
+
+std::string describe(const Scan& scan) {
+  const auto number = [](std::uint64_t n) { return std::to_string(n); };
+  const std::uint64_t size = scan.file.size();
+  std::string text;
+  if (scan.index_position == 0) {
+    text = "the recording was never closed, it has no index";
+  } else if (scan.index_position > size) {
+    text = "the file is cut: it ends at byte " + number(size) + ", its index would start at byte " +
+           number(scan.index_position) + ", so more than " + number(scan.index_position - size) +
+           " bytes are missing";
+  } else {
+    text = "the index is cut or damaged";
+  }
+  const auto cut = std::count_if(scan.index.chunks.begin(), scan.index.chunks.end(),
+                                 [](const Chunk& c) { return c.cut; });
+  text += "; found " + number(scan.index.chunks.size());
+  if (scan.declared_chunks > 0) text += " of " + number(scan.declared_chunks);
+  text += " chunks";
+  if (cut > 0) text += ", " + number(cut) + " of them cut";
+  if (scan.missing_bytes > 0) text += " (" + number(scan.missing_bytes) + " bytes short)";
+  if (scan.damaged_bytes > 0) text += "; " + number(scan.damaged_bytes) + " bytes are unreadable";
+  return text + "; " + number(scan.messages) + " messages recovered";
+}
+
+/// Walks the records from the start, unpacking only chunks that tell nothing otherwise, and says
+/// in `warnings` what is missing.
+Index scan(Bytes file) {
+  Scan scan;
+  scan.file = file;
+  std::size_t position = kMagic.size();
+  while (position < file.size()) {
+    ByteReader reader(file.subspan(position));
+    try {
+      take_record(scan, reader);
+      position += reader.position();
+    } catch (OutOfBytes) {
+      if (take_cut_chunk(scan, ByteReader(file.subspan(position)))) break;
+      const std::size_t next = find_chunk(file, position);
+      scan.damaged_bytes += next - position;
+      position = next;
+    }
+  }
+  scan.index.warnings.push_back(describe(scan));
+  return std::move(scan.index);
+}
 
 Index index_of(const MappedFile& mapped, const std::filesystem::path& path) {
   const Bytes file = mapped.bytes();
@@ -125,55 +355,44 @@ Index index_of(const MappedFile& mapped, const std::filesystem::path& path) {
   return scan(file);
 }
 
-}  // namespace
-
-Bag::Bag(const std::filesystem::path& path)
-    : MessageLog(path), file_(map_content(path)), index_(index_of(file_, path)) {
-  warnings_ = index_.warnings;
-  for (const auto& [id, connection] : index_.connections) {
-    topics_.emplace(connection.topic, connection.type);
-  }
-}
-
-std::vector<MessageRef> Bag::messages(const std::string& topic) const {
-  std::vector<MessageRef> all;
-  for (const auto& [id, connection] : index_.connections) {
-    if (connection.topic != topic) continue;
-    const auto of_connection = index_.messages.find(id);
-    if (of_connection == index_.messages.end()) continue;
-    all.insert(all.end(), of_connection->second.begin(), of_connection->second.end());
-  }
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
-Message Bag::chunk_bytes(std::uint32_t number) const {
-  const Chunk& chunk = index_.chunks.at(number);
-  if (chunk.compression == Compression::none) return {nullptr, chunk.stored, Wire::ros1};
-  const auto bytes = cache_.unpacked(file_, number, chunk);
-  return {bytes, *bytes, Wire::ros1};
-}
-
-std::size_t Bag::unpacking_cost(const MessageRef& message) const {
-  return io::unpacking_cost(index_.chunks.at(message.chunk));
-}
-
-Message Bag::read(const MessageRef& message, std::size_t) const {
-  Message result = chunk_bytes(message.chunk);
-  try {
-    ByteReader reader(result.bytes);
-    reader.take(message.offset);
-    const Record record = read_record(reader);
-    if (record.header.op() == Op::message) {
-      if (!result.held) file_.prefetch(record.data);
-      result.bytes = record.data;
-      return result;
+class Bag : public ChunkedLog {
+ public:
+  explicit Bag(const std::filesystem::path& path) : ChunkedLog(path) {
+    Index index = index_of(file_, path);
+    warnings_ = std::move(index.warnings);
+    chunks_ = std::move(index.chunks);
+    for (const auto& [id, connection] : index.connections) {
+      topics_.emplace(connection.topic, connection.type);
+      append(messages_[connection.topic], index.messages[id]);
     }
-  } catch (OutOfBytes) {
-    // The same to the user as a record of another kind.
+    sort_messages();
   }
-  throw Error(path_.string() + ": no message at byte " + std::to_string(message.offset) +
-              " of chunk " + std::to_string(message.chunk) + ", where its index places one");
+
+  std::string kind() const override { return "bag"; }
+  Message read(const MessageRef& message, std::size_t /*at_most*/) const override {
+    Message result = around(message);
+    try {
+      ByteReader reader(result.bytes);
+      reader.take(message.offset);
+      const Record record = read_record(reader);
+      if (record.header.op() == Op::message) {
+        if (!result.held) file_.prefetch(record.data);
+        result.bytes = record.data;
+        return result;
+      }
+    } catch (OutOfBytes) {
+      // The same to the user as a record of another kind.
+    }
+    throw Error(path_.string() + ": no message at byte " + std::to_string(message.offset) +
+                " of chunk " + std::to_string(message.chunk) + ", where its index places one");
+  }
+};
+
+}  // namespace
+}  // namespace rosbag1
+
+std::unique_ptr<MessageLog> open_rosbag1(const std::filesystem::path& path) {
+  return std::make_unique<rosbag1::Bag>(path);
 }
 
-}  // namespace planescope::io::rosbag1
+}  // namespace planescope::io

@@ -1,15 +1,31 @@
-#include "core/io/bag/rosbag2_mcap.hpp"
+// ROS 2 recordings in MCAP: https://mcap.dev/spec. Opening reads the summary and the index behind
+// each chunk, never the messages; files without a summary are walked.
 
 #include <algorithm>
 #include <optional>
 #include <set>
 
-#include "core/io/bag/packed_file.hpp"
-#include "core/io/bag/ros2_message.hpp"
+#include "core/io/bag/compression.hpp"
+#include "core/io/bag/ros_messages.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope::io::rosbag2 {
+namespace planescope::io {
+namespace rosbag2 {
 namespace {
+
+/// What an MCAP file holds and where: found in its summary, or by walking its records where there
+/// is none or it does not add up.
+struct McapIndex {
+  /// Messages are CDR, or as ROS 1 lays them out where a bag of ROS 1 was converted.
+  struct Channel {
+    std::string topic, type, encoding;
+  };
+  std::map<std::uint16_t, std::string> schemas;  // types of messages
+  std::map<std::uint16_t, Channel> channels;
+  std::map<std::uint16_t, std::vector<MessageRef>> messages;  // by channel, in file order
+  std::vector<Chunk> chunks;
+  std::vector<std::string> warnings;
+};
 
 enum class Op : std::uint8_t {
   footer = 0x02,
@@ -23,7 +39,6 @@ enum class Op : std::uint8_t {
   data_end = 0x0f,
 };
 
-constexpr std::uint32_t kNoChunk = 0xffffffff;         // of messages that lie in none
 constexpr std::size_t kMessageHeader = 2 + 4 + 8 + 8;  // channel, sequence, two times
 
 struct Record {
@@ -40,7 +55,7 @@ Record read_record(ByteReader& reader) {
 void add_schema(Bytes content, McapIndex& index) {
   ByteReader in(content);
   const auto id = in.read<std::uint16_t>();
-  index.schemas.try_emplace(id, ros_type(std::string(in.read_text())));
+  index.schemas.try_emplace(id, ros::ros_type(std::string(in.read_text())));
 }
 
 void add_channel(Bytes content, McapIndex& index) {
@@ -280,67 +295,62 @@ bool is_readable(const McapIndex::Channel& channel) {
   return channel.encoding == "cdr" || channel.encoding == "ros1";
 }
 
-}  // namespace
-
-McapLog::McapLog(const std::filesystem::path& path)
-    : MessageLog(path), file_(map_content(path)), index_(index_of(file_, path)) {
-  warnings_ = index_.warnings;
-  std::map<std::string, int> others;
-  for (const auto& [id, channel] : index_.channels) {
-    if (is_readable(channel))
+class McapLog : public ChunkedLog {
+ public:
+  explicit McapLog(const std::filesystem::path& path) : ChunkedLog(path) {
+    McapIndex index = index_of(file_, path);
+    warnings_ = std::move(index.warnings);
+    chunks_ = std::move(index.chunks);
+    channels_ = std::move(index.channels);
+    std::map<std::string, int> others;
+    for (const auto& [id, channel] : channels_) {
+      if (!is_readable(channel)) {
+        ++others[channel.encoding];
+        continue;
+      }
       topics_.emplace(channel.topic, channel.type);
-    else
-      ++others[channel.encoding];
-  }
-  warn_of_encodings(others, warnings_);
-}
-
-std::vector<MessageRef> McapLog::messages(const std::string& topic) const {
-  std::vector<MessageRef> all;
-  for (const auto& [id, channel] : index_.channels) {
-    const auto of_channel = index_.messages.find(id);
-    if (channel.topic != topic || !is_readable(channel) || of_channel == index_.messages.end())
-      continue;
-    all.insert(all.end(), of_channel->second.begin(), of_channel->second.end());
-  }
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
-std::size_t McapLog::unpacking_cost(const MessageRef& message) const {
-  return message.chunk == kNoChunk ? 0 : io::unpacking_cost(index_.chunks.at(message.chunk));
-}
-
-Message McapLog::read(const MessageRef& message, std::size_t at_most) const {
-  std::shared_ptr<const std::vector<std::byte>> held;
-  Bytes around = file_.bytes();
-  std::string where = "byte " + std::to_string(message.offset);
-  if (message.chunk != kNoChunk) {
-    const Chunk& chunk = index_.chunks.at(message.chunk);
-    where += " of chunk " + std::to_string(message.chunk);
-    around = chunk.stored;
-    if (chunk.compression != Compression::none) {
-      held = cache_.unpacked(file_, message.chunk, chunk);
-      around = *held;
+      auto& of_topic = messages_[channel.topic];
+      const auto& more = index.messages[id];
+      of_topic.insert(of_topic.end(), more.begin(), more.end());
     }
+    sort_messages();
+    ros::warn_of_encodings(others, warnings_);
   }
-  try {
-    ByteReader reader(around);
-    reader.take(message.offset);
-    const Record record = read_record(reader);
-    if (record.op == Op::message && record.content.size() >= kMessageHeader) {
-      const auto id = ByteReader(record.content).read<std::uint16_t>();
-      const auto channel = index_.channels.find(id);
-      const Bytes data = record.content.subspan(kMessageHeader);
-      if (!held) file_.prefetch(data.first(std::min(data.size(), at_most)));
-      if (channel != index_.channels.end() && channel->second.encoding == "ros1")
-        return {held, data, Wire::ros1};
-      return cdr_message(held, data, at_most, path_.string() + ": message at " + where);
+
+  std::string kind() const override { return "ROS 2 bag (MCAP)"; }
+  Message read(const MessageRef& message, std::size_t at_most) const override {
+    std::string where = "byte " + std::to_string(message.offset);
+    if (message.chunk != kNoChunk) where += " of chunk " + std::to_string(message.chunk);
+    Message result = around(message);
+    try {
+      ByteReader reader(result.bytes);
+      reader.take(message.offset);
+      const Record record = read_record(reader);
+      if (record.op == Op::message && record.content.size() >= kMessageHeader) {
+        const auto id = ByteReader(record.content).read<std::uint16_t>();
+        const auto channel = channels_.find(id);
+        result.bytes = record.content.subspan(kMessageHeader);
+        if (!result.held)
+          file_.prefetch(result.bytes.first(std::min(result.bytes.size(), at_most)));
+        if (channel != channels_.end() && channel->second.encoding == "ros1") return result;
+        return ros::cdr_message(result.held, result.bytes, at_most,
+                                path_.string() + ": message at " + where);
+      }
+    } catch (OutOfBytes) {
+      // The same to the user as a record of another kind.
     }
-  } catch (OutOfBytes) {
-    // The same to the user as a record of another kind.
+    throw Error(path_.string() + ": no message at " + where + ", where its index places one");
   }
-  throw Error(path_.string() + ": no message at " + where + ", where its index places one");
+
+ private:
+  std::map<std::uint16_t, McapIndex::Channel> channels_;
+};
+
+}  // namespace
+}  // namespace rosbag2
+
+std::unique_ptr<MessageLog> open_mcap(const std::filesystem::path& path) {
+  return std::make_unique<rosbag2::McapLog>(path);
 }
 
-}  // namespace planescope::io::rosbag2
+}  // namespace planescope::io

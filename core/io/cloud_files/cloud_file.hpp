@@ -20,15 +20,20 @@ struct CloudExtras {
 /// that were added, `extras` gets nothing.
 PointSet read_cloud_file(const std::filesystem::path& path, CloudExtras* extras = nullptr);
 
-/// A cloud format that io itself does not read (core/io/open3d has some). `read` throws Error
-/// naming the file.
+/// A format of cloud files; both functions throw Error naming the file.
 struct CloudFormat {
   std::string extension;  // lower case, with its dot
-  PointSet (*read)(const std::filesystem::path&);
+  PointSet (*read)(const std::filesystem::path&, CloudExtras*);
+  /// Checks the header against the file's size, reading nothing else. Null for formats that are not
+  /// io's own.
+  void (*check)(const std::filesystem::path&) = nullptr;
 };
-void add_cloud_format(const CloudFormat& format);  // before any recording is opened
-/// Those that were added, in their order.
-const std::vector<CloudFormat>& added_cloud_formats();
+/// .ply and .pcd, then those that were added, as open3d::install() does before any recording is
+/// opened.
+const std::vector<CloudFormat>& cloud_formats();
+void add_cloud_format(const CloudFormat& format);
+/// By extension; null where it is none.
+const CloudFormat* cloud_format_of(const std::filesystem::path& path);
 
 /// A field of type int beside those of PointSet, one value per point.
 struct IntField {

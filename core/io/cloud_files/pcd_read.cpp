@@ -3,7 +3,7 @@
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/mapped_file.hpp"
 #include "core/model/error.hpp"
-#include "core/model/read_limit.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 
 // https://pointclouds.org/documentation/tutorials/pcd_file_format.html

@@ -1,11 +1,15 @@
 #pragma once
 
+// Internal to core/io.
+
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-// Internal to core/io.
+#include "core/model/frame.hpp"
 
 namespace planescope::io {
 
@@ -29,5 +33,66 @@ FolderLayout find_folder_layout(const std::filesystem::path& folder);
 /// A point of time in a file name: the last number of it when it has at least ten digits before
 /// the point, the first not 0 (seconds, milli-, micro- or nanoseconds since 1970). [s]
 std::optional<double> timestamp_in_name(const std::filesystem::path& path);
+
+}  // namespace planescope::io
+
+// When the frames of a folder were taken, and what its accelerometer measured then: text files
+// beside the images, as TUM's RGB-D recordings have them. Internal to core/io.
+
+namespace planescope::io {
+
+/// The file NAME in the folder of the images, or beside a folder named `depth`; empty: none.
+std::filesystem::path file_beside_images(const std::filesystem::path& folder, const char* name);
+
+/// What lists of images say of their times.
+struct ListedTimes {
+  struct Time {
+    double s = 0;
+    std::string list;  // file name
+  };
+  std::map<std::filesystem::path, Time> of_image;  // images as the caller names them
+  std::vector<std::string> warnings;
+};
+
+/// Reads depth.txt and rgb.txt (`timestamp file` a line) and associations.txt (two of these a line,
+/// either first). A file that names none of the images is not such a list. Throws Error naming file
+/// and line where another line of a list is damaged, or gives an image a second time.
+ListedTimes listed_times(const std::filesystem::path& folder,
+                         const std::vector<std::filesystem::path>& depth,
+                         const std::vector<std::filesystem::path>& color);
+
+/// The times of poses.tum, whose line i is of frame i; empty where there is no such file, its times
+/// are all 0, or, with a warning, where it has another number of poses. Throws Error naming file
+/// and line.
+std::vector<double> times_of_poses(const std::filesystem::path& folder,
+                                   std::size_t frames,
+                                   std::vector<std::string>& warnings);
+
+/// accelerometer.txt: `timestamp ax ay az` [s, m/s2], as TUM publishes it of the Kinect.
+class Accelerometer {
+ public:
+  /// Without samples where there is no such file. Throws Error naming file and line.
+  explicit Accelerometer(const std::filesystem::path& folder);
+
+  /// Whether there are samples about `time_s`.
+  bool covers(double time_s) const { return !about(time_s).empty(); }
+  /// In the frame of the camera, from the mean of the samples about `time_s`; nullopt where there
+  /// is none, or the mean is not near 1 g.
+  std::optional<Gravity> gravity_at(double time_s) const;
+
+  static constexpr const char* kFile = "accelerometer.txt";
+  /// Samples count that are so near to the frame [s]. Shorter windows let the shaking of a hand
+  /// through, longer ones its turns.
+  static constexpr double kReach_s = 0.2;
+
+ private:
+  struct Sample {
+    double time_s = 0;
+    Vec3d m_s2;  // axes of the camera
+  };
+  std::span<const Sample> about(double time_s) const;
+
+  std::vector<Sample> samples_;  // by time
+};
 
 }  // namespace planescope::io

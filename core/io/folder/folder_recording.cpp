@@ -6,8 +6,7 @@
 
 #include "core/io/folder/camera_files.hpp"
 #include "core/io/folder/folder_layout.hpp"
-#include "core/io/folder/frame_times.hpp"
-#include "core/io/image/jpeg.hpp"
+#include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
@@ -161,7 +160,7 @@ void FolderRecording::check_images(bool later) {
                   " bits, expected depth as 1 channel with 16 bits (a picture of depth holds no "
                   "distances)");
     }
-    if (png_is_cut(path)) throw Error(path.string() + ": the PNG is cut, its end is missing");
+    if (png_is_cut(path)) throw Error(path.string() + ": the PNG is truncated");
     if (info_.width == 0) {
       info_.width = image.width;
       info_.height = image.height;
@@ -176,7 +175,7 @@ void FolderRecording::check_images(bool later) {
       check_depth(layout_.depth[i]);
       const fs::path& color = layout_.color[i];
       if (!color.empty() && extension(color) == ".png" && png_is_cut(color))
-        throw Error(color.string() + ": the PNG is cut, its end is missing");
+        throw Error(color.string() + ": the PNG is truncated");
     } catch (const Error& error) {
       if (!later) throw;
       damaged_[static_cast<int>(i)] = error.what();

@@ -8,6 +8,7 @@
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 
 namespace planescope::io {
 namespace {
@@ -42,10 +43,6 @@ Json frames_json(const std::vector<WrittenFrame>& frames) {
     list.push_back(std::move(entry));
   }
   return list;
-}
-
-void write_json(const fs::path& path, const Json& document) {
-  write_file_text(path, document.dump(1) + "\n");
 }
 
 const WrittenFrame* first_in_color(const std::vector<WrittenFrame>& frames) {
@@ -117,7 +114,7 @@ void write_folder_facts(const fs::path& dir,
     write_tum_list(dir / "depth.txt", "depth", frames, true);
     if (first_in_color(frames)) write_tum_list(dir / "rgb.txt", "rgb", frames, false);
   } else {
-    write_json(dir / "camera_intrinsic.json", open3d_camera(frames.front().facts));
+    write_file_text(dir / "camera_intrinsic.json", json_text(open3d_camera(frames.front().facts)));
   }
   write_recording_facts(dir / "planescope.json", frames);
 }
@@ -134,11 +131,12 @@ void write_recording_facts(const fs::path& path, const std::vector<WrittenFrame>
       sidecar["color"] = color_json(colored->facts);
   }
   sidecar["frames"] = frames_json(frames);
-  write_json(path, sidecar);
+  write_file_text(path, json_text(sidecar));
 }
 
 void write_frame_facts(const fs::path& sidecar, const std::vector<WrittenFrame>& frames) {
-  write_json(sidecar, {{"schema", "planescope.recording/1"}, {"frames", frames_json(frames)}});
+  write_file_text(
+      sidecar, json_text({{"schema", "planescope.recording/1"}, {"frames", frames_json(frames)}}));
 }
 
 }  // namespace planescope::io

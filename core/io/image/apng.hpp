@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <ostream>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 
 namespace planescope::io {
 

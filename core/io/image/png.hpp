@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 
 namespace planescope::io {
 
@@ -36,5 +39,33 @@ void write_png(const std::filesystem::path& path, const Image16& image);
 void write_png(const std::filesystem::path& path, const Image8& image);
 std::vector<unsigned char> encode_png(const Image8& image);
 std::vector<unsigned char> encode_png(const Image16& image);
+
+// For writers of PNG's parts (apng.cpp): chunks, and how pixels are packed (PNG, third edition, W3C
+// 2025).
+
+enum class PngColor : unsigned char { grey = 0, rgb = 2, rgba = 6 };
+
+/// By what a row's bytes are foretold; only what they differ by is packed.
+enum PngFilter : unsigned char { kNone, kSub, kUp, kAverage, kPaeth, kFilters };
+/// That of the three neighbours which is nearest to left + up - corner.
+inline int paeth(int left, int up, int corner) {
+  const int guess = left + up - corner;
+  const int by_left = std::abs(guess - left), by_up = std::abs(guess - up);
+  const int by_corner = std::abs(guess - corner);
+  if (by_left <= by_up && by_left <= by_corner) return left;
+  return by_up <= by_corner ? up : corner;
+}
+
+void append_32(std::vector<unsigned char>& bytes, std::uint32_t value);  // big-endian
+void append_16(std::vector<unsigned char>& bytes, int value);
+
+/// What every PNG begins with: signature and IHDR.
+std::vector<unsigned char> png_start(int width, int height, int bits, PngColor color);
+void append_chunk(std::vector<unsigned char>& out,
+                  std::string_view type,
+                  std::span<const unsigned char> content);
+
+/// A zlib stream; `level`: 1, quick, to 12, small. The same bytes give the same stream.
+std::vector<unsigned char> deflated(std::span<const unsigned char> bytes, int level);
 
 }  // namespace planescope::io

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/io/image/png_chunks.hpp"
+#include "core/io/image/png.hpp"
 
 namespace planescope::io {
 namespace {

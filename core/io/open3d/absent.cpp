@@ -1,11 +1,15 @@
 // Builds without -DPLANESCOPE_OPEN3D=ON.
 
 #include "core/io/open3d/install.hpp"
-#include "core/io/open3d/timed_stages.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::open3d {
 
 void install() {}
+
+std::unique_ptr<SurfaceFusion> make_surface_fusion(double, double) {
+  throw Error("meshes: this program was built without Open3D, which makes them");
+}
 
 std::function<void()> voxel_down_sample(const planes::Cloud&, double) { return {}; }
 std::function<void()> pointer_octree(std::span<const Vec3f>, const planes::Cube&) { return {}; }

@@ -1,5 +1,5 @@
 #include "core/lab/bench/chain_speed.hpp"
-#include "core/planes/rivals/nanoflann_pca.hpp"
+#include "core/planes/rivals/rival_classifiers.hpp"
 
 namespace planescope::lab {
 namespace {

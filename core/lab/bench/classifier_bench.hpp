@@ -11,7 +11,7 @@
 #include "core/lab/bench/measuring.hpp"
 #include "core/lab/bench/speed_bench.hpp"
 #include "core/lab/bench/table.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::lab {
 

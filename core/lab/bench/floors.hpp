@@ -6,7 +6,7 @@
 
 #include <cstddef>
 
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/classify/weights.hpp"
 
 namespace planescope::lab {

@@ -6,7 +6,7 @@
 #include "core/lab/synthetic/scan.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/model/parallel.hpp"
-#include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/truth.hpp"
 
 namespace planescope::lab {
 

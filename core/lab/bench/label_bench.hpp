@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "core/planes/classify/classifier.hpp"
-#include "core/planes/evaluate/label_accuracy.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/segment/options.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope::lab {
 

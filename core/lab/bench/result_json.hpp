@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/lab/bench/measuring.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/build_info.hpp"
 
 namespace planescope::lab {

@@ -7,8 +7,7 @@
 #include "core/planes/classify/gcn.hpp"
 #include "core/planes/classify/gcn_forward.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
-#include "core/planes/rivals/nanoflann_pca.hpp"
-#include "core/planes/rivals/plain_gcn.hpp"
+#include "core/planes/rivals/rival_classifiers.hpp"
 
 namespace planescope::lab {
 namespace {
@@ -81,7 +80,7 @@ ReferenceRow race_reference(const BenchNetwork& network,
                             Turns& turns) {
   const planes::NetworkConfig& config = network.weights.config;
   const Simd simd = best_simd();
-  const planes::NeighbourGrid grid(cloud, config.neighbours + 1, simd);
+  const planes::NeighbourGrid grid(cloud, config.neighbours + 1);
   const std::span<const Vec3f> points = grid.points();  // the order in which pooling counts
   const planes::PlainGraph plain_graph = planes::make_plain_graph(points, config);
   const planes::PlainNetwork<float> plain{config, network.weights.tensors};

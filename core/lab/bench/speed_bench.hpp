@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/classify/weights.hpp"
 
 namespace planescope::lab {

@@ -10,7 +10,7 @@
 #include "core/lab/bench/command_times.hpp"
 #include "core/lab/bench/scaling.hpp"
 #include "core/lab/bench/table.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/build_info.hpp"
 
 namespace planescope::lab {

@@ -7,7 +7,7 @@
 
 #include "core/lab/bench/result_json.hpp"
 #include "core/model/parallel.hpp"
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/result/analyze.hpp"
 
 namespace planescope::lab {
 namespace {
@@ -29,8 +29,7 @@ StairsFrame measure_frame(const EvaluationFrame& made,
     row.true_rise_m = made.stairs->rise_m;
     row.true_going_m = made.stairs->going_m;
   }
-  const planes::FrameResult result = planes::run_frame(made.frame, options, &classifier);
-  const planes::Stairs found = report::frame_planes(made.frame, result, options).stairs;
+  const planes::Stairs found = planes::analyze(made.frame, options, &classifier).found.stairs;
   row.flights = static_cast<int>(found.flights.size());
   if (found.flights.empty()) return row;
   const planes::Flight& flight = found.flights.front();

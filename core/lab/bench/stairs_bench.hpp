@@ -9,7 +9,6 @@
 
 #include "core/lab/bench/table.hpp"
 #include "core/lab/synthetic/seen_steps.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::lab {

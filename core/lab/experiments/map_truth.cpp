@@ -12,7 +12,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
-#include "core/model/text_lines.hpp"
+#include "core/model/text.hpp"
 #include "core/world/poses/trajectory.hpp"
 
 namespace planescope::lab {

@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "core/model/parallel.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/world/files/map_files.hpp"
 
 namespace planescope::lab {

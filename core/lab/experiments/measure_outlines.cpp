@@ -6,9 +6,9 @@
 
 #include "core/lab/synthetic/d435.hpp"
 #include "core/model/plane.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/foot/footholds.hpp"
-#include "core/planes/outline/outline_pixels.hpp"
+#include "core/planes/outline/outline.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -12,7 +12,6 @@
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/pipeline/score.hpp"
 #include "core/planes/pipeline/truth.hpp"
 
 namespace planescope::lab {

@@ -6,7 +6,7 @@
 
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/truth.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -12,9 +12,9 @@
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "core/report/compare/rules.hpp"
-#include "core/report/data/frame_planes.hpp"
 #include "core/report/data/report_data.hpp"
 
 namespace planescope::lab {
@@ -108,8 +108,8 @@ FoundBySteady find_planes(const Frame& frame,
     for (const planes::PlaneRegion& plane : found.planes)
       found.undecided.push_back(plane.undecided);
     if (!with_report) return found;
-    report::FramePlanes summaries;
-    summaries.summaries = report::summarize_planes(result, options.cloud.voxel_size_m);
+    planes::FramePlanes summaries;
+    summaries.summaries = planes::summarize_planes(result, options.cloud.voxel_size_m);
     found.report = report::make_report_frame(frame, result, summaries, options);
   } catch (const Error& error) {
     found.refused = found.report.refused = error.what();

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/planes/foot/certainty.hpp"
+#include "core/planes/foot/footholds.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::lab {

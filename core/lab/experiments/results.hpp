@@ -11,7 +11,7 @@
 
 #include "core/lab/bench/measuring.hpp"
 #include "core/planes/evaluate/metrics.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/build_info.hpp"
 
 namespace planescope::lab {

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::lab {
 

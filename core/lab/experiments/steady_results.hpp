@@ -9,7 +9,7 @@
 
 #include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/steadiness.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/build_info.hpp"
 
 namespace planescope::lab {

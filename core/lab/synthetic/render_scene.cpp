@@ -6,7 +6,7 @@
 #include "core/lab/synthetic/ray_cast.hpp"
 #include "core/lab/synthetic/shading.hpp"
 #include "core/labels/model/pixel_sets.hpp"
-#include "core/model/sha256.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::lab {
 

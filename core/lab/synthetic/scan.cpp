@@ -7,7 +7,7 @@
 #include "core/lab/synthetic/scenes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/planes/cloud/cloud.hpp"
-#include "core/planes/evaluate/label_accuracy.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/surface_points.hpp"
 #include "core/model/random.hpp"
-#include "core/planes/evaluate/label_accuracy.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/model/label.hpp"
+#include "core/model/frame.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope::lab {

@@ -12,7 +12,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
-#include "core/planes/classify/safetensors.hpp"
+#include "core/planes/classify/weights.hpp"
 
 namespace planescope::lab {
 namespace {

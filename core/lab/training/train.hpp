@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/classify/weights.hpp"
-#include "core/planes/evaluate/label_accuracy.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::lab {
 

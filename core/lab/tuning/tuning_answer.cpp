@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/model/text.hpp"
-#include "core/planes/pipeline/profile_file.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
-#include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/truth.hpp"
 
 namespace planescope::lab {
 namespace {

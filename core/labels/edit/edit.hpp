@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/frame_labels.hpp"
+#include "core/model/frame.hpp"
 
 namespace planescope::labels {
 

@@ -405,7 +405,7 @@ void CocoWriter::add(const LabelledPoints& points, const std::string& file_name)
         {{"id", made_->annotations.size() + 1},
          {"image_id", image_id},
          {"category_id", category->id},
-         {"iscrowd", 1},
+         {"iscrowd", category->label == kHvIgnore ? 1 : 0},  // crowds are not scored
          {"area", mask.sorted.size()},
          {"bbox", {mask.left, mask.top, mask.right - mask.left + 1, mask.bottom - mask.top + 1}},
          {"segmentation",

@@ -11,7 +11,7 @@
 
 #include "core/io/byte_reader.hpp"
 #include "core/labels/exchange/exchange.hpp"
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 
 namespace planescope::labels {
 

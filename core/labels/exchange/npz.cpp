@@ -6,7 +6,7 @@
 
 #include "core/labels/exchange/formats.hpp"
 #include "core/labels/exchange/npy.hpp"
-#include "core/model/read_limit.hpp"
+#include "core/model/file_bytes.hpp"
 
 // NumPy's savez: a zip of .npy files, stored as they are. Arrays by name, one row per point:
 //   points [N, 3] float32, rgb [N, 3] uint8, label [N] uint8, instance [N] int32,

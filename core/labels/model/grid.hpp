@@ -10,9 +10,8 @@
 
 #include "core/labels/model/point_graph.hpp"
 #include "core/model/frame.hpp"
-#include "core/model/frame_labels.hpp"
-#include "core/model/image.hpp"
 #include "core/model/plane.hpp"
+#include "core/model/types.hpp"
 
 namespace planescope::labels {
 

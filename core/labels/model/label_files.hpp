@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/frame_labels.hpp"
+#include "core/model/frame.hpp"
 
 namespace planescope::planes {
 struct SourceTruth;  // core/planes/pipeline/truth.hpp

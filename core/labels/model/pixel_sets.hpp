@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/labels/model/grid.hpp"
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 
 namespace planescope::labels {
 

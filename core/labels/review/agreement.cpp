@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::labels {
 namespace {

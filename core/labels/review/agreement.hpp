@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/model/frame_labels.hpp"
+#include "core/model/frame.hpp"
 
 namespace planescope::labels {
 

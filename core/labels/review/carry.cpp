@@ -272,9 +272,9 @@ Registration motion_between(const Frame& from_frame,
     if (progress) progress(kRegistering * done);
   });
   if (motion.fitness < options.min_fitness)
-    throw Error("frames " + from_frame.name + " and " + to_frame.name + ": " +
-                percent(motion.fitness) + " of the points have a partner, expected at least " +
-                percent(options.min_fitness) + "; they show too little of the same");
+    throw Error("frames " + from_frame.name + " and " + to_frame.name + ": " + "only " +
+                percent(motion.fitness) + " of the points match, expected at least " +
+                percent(options.min_fitness) + ": the frames overlap too little");
   return motion;
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/model/error.hpp"
-#include "core/model/read_limit.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::labels {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "core/labels/store/store_state.hpp"
 #include "core/model/error.hpp"
-#include "core/model/sha256.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::labels {
 namespace {

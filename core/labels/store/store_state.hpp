@@ -8,7 +8,7 @@
 
 #include "core/labels/store/journal_records.hpp"
 #include "core/labels/store/store.hpp"
-#include "core/model/folder_lock.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::labels {
 

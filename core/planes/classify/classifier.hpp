@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/label.hpp"
+#include "core/model/frame.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope::planes {
@@ -36,6 +36,16 @@ Classification classify_about_origin(const Classifier& classifier,
 struct PcaClassifierOptions {
   int neighbours = 16;        // points in each local fit, itself included
   double max_angle_deg = 45;  // Eq. (1): h up to pi/4 from gravity
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = PcaClassifierOptions;
+    rows.number("pca_neighbours", "PCA neighbors", "points",
+                "Points in each local plane fit, including the point itself", &O::neighbours,
+                {3, 1000});
+    rows.number("pca_max_angle_deg", "PCA angle limit", "deg",
+                "Eq. (1): horizontal if the normal is within this angle of gravity",
+                &O::max_angle_deg, {0, 90});
+  }
 };
 std::unique_ptr<Classifier> make_pca_classifier(const PcaClassifierOptions& options = {});
 

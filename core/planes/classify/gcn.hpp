@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/classify/weights.hpp"
 

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "core/model/buffer.hpp"
-#include "core/model/simd.hpp"
+#include "core/model/parallel.hpp"
 #include "core/model/types.hpp"
-#include "core/planes/classify/gcn_kernels.hpp"
 #include "core/planes/classify/weights.hpp"
+#include "core/planes/simd/gcn_kernels.hpp"
 
 namespace planescope::planes::gcn {
 

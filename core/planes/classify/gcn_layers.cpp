@@ -1,10 +1,19 @@
+// What a 3D-GCN runs on: its weights padded to registers, and the graph of a cloud.
+
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
+#include "core/model/parallel.hpp"
 #include "core/planes/classify/gcn_forward.hpp"
-#include "core/planes/classify/gcn_kernels.hpp"
+#include "core/planes/classify/neighbour_grid.hpp"
+#include "core/planes/simd/gcn_kernels.hpp"
 
 namespace planescope::planes::gcn {
+
+// ---- Weights ----
+
 namespace {
 
 int padded(int channels) { return (channels + kLanes - 1) / kLanes * kLanes; }
@@ -159,6 +168,140 @@ std::vector<std::vector<float>> tensor_gradients(const NetworkWeights& weights,
           }
       });
   return result;
+}
+
+// ---- Graph ----
+
+namespace {
+
+constexpr std::size_t kTiledPoints = 1024;  // points whose neighbours are looked for at once
+
+float squared_distance(const Vec3f& a, const Vec3f& b) {
+  const float x = a.x() - b.x(), y = a.y() - b.y(), z = a.z() - b.z();
+  return x * x + y * y + z * z;
+}
+
+/// The row of a point without the point itself. Where more points are equal to it than fit, so that
+/// it is missing from its own row, any one of them is dropped instead.
+void drop_self(std::span<const std::uint32_t> found,
+               std::uint32_t self,
+               std::span<std::uint32_t> row) {
+  std::size_t kept = 0;
+  for (std::size_t j = 0; kept < row.size(); ++j) {
+    row[kept] = found[j];
+    kept += found[j] != self;
+  }
+}
+
+/// The nearest `count` of a row, the first ones where several are as near.
+void choose_nearest(std::span<const Vec3f> points,
+                    std::size_t i,
+                    std::span<const std::uint32_t> row,
+                    int count,
+                    std::vector<float>& distance,
+                    std::uint32_t* chosen) {
+  distance.clear();
+  for (const std::uint32_t j : row) distance.push_back(squared_distance(points[j], points[i]));
+  for (int c = 0; c < count; ++c) {
+    const auto nearest = std::min_element(distance.begin(), distance.end());
+    *chosen++ = row[nearest - distance.begin()];
+    *nearest = std::numeric_limits<float>::infinity();
+  }
+}
+
+/// For points begin..end of level 0 the nearest of `pool`; `in_pool`: of each point of level 0 its
+/// index there, or none. Where one of the pool is among a point's neighbours, so is the nearest.
+void find_nearest(const NeighbourGrid& grid,
+                  const GraphLevel& level,
+                  const NeighbourGrid& pool,
+                  const std::vector<std::uint32_t>& in_pool,
+                  std::size_t begin,
+                  std::size_t end,
+                  std::uint32_t* nearest) {
+  const auto points = grid.points();
+  for (std::size_t i = begin; i < end; ++i) {
+    nearest[i] = in_pool[i];
+    if (nearest[i] != kNoNeighbour) continue;
+    float smallest = std::numeric_limits<float>::infinity();
+    for (int k = 0; k < level.neighbours; ++k) {
+      const std::uint32_t j = level.rows[i * level.neighbours + k];
+      if (in_pool[j] == kNoNeighbour) continue;
+      const float distance = squared_distance(points[j], points[i]);
+      if (distance >= smallest) continue;
+      smallest = distance;
+      nearest[i] = in_pool[j];
+    }
+    if (nearest[i] == kNoNeighbour) pool.nearest_to(points.subspan(i, 1), nearest + i);
+  }
+}
+
+}  // namespace
+
+void make_graph(std::span<const Vec3f> points,
+                const NetworkConfig& config,
+                int threads,
+                Simd simd,
+                Graph& graph) {
+  std::vector<NeighbourGrid> grids;
+  grids.emplace_back(points, config.neighbours + 1);
+  while (grids.size() < config.levels.size()) grids.push_back(grids.back().every(config.pool_rate));
+
+  // Of each point of level 0 its index in each level, or none.
+  std::vector<std::vector<std::uint32_t>> in_level(grids.size());
+  std::size_t rate = 1;
+  for (std::vector<std::uint32_t>& in : in_level) {
+    in.assign(points.size(), kNoNeighbour);
+    for (std::size_t i = 0; i < in.size(); i += rate) in[i] = static_cast<std::uint32_t>(i / rate);
+    rate *= static_cast<std::size_t>(config.pool_rate);
+  }
+
+  graph.order.assign(grids[0].order().begin(), grids[0].order().end());
+  graph.levels.resize(grids.size());
+  for (std::size_t l = 0; l < grids.size(); ++l) {
+    GraphLevel& level = graph.levels[l];
+    level.n = grids[l].size();
+    level.neighbours = std::min(config.neighbours, static_cast<int>(level.n) - 1);
+    level.rows.resize(level.n * level.neighbours);
+    level.directions.resize(level.n * level.neighbours * 3);
+    if (l > 0) level.nearest.resize(grids[0].size());
+    level.pool_neighbours = 0;
+    if (l + 1 == grids.size()) continue;
+    level.pool_neighbours = std::min(config.pool_neighbours, level.neighbours);
+    level.pool_rows.resize(grids[l + 1].size() * level.pool_neighbours);
+  }
+
+  run_team(std::min<int>(threads, static_cast<int>(points.size() / 256)), [&](TeamMember& member) {
+    std::vector<std::uint32_t> found;
+    std::vector<float> distance;
+    for (std::size_t l = 0; l < grids.size(); ++l) {
+      GraphLevel& level = graph.levels[l];
+      const auto [first, last] = member.share(level.n);
+      const auto k = static_cast<std::size_t>(level.neighbours);
+      for (std::size_t begin = first; begin < last && k > 0; begin += kTiledPoints) {
+        const std::size_t end = std::min(last, begin + kTiledPoints);
+        found.resize((end - begin) * (k + 1));
+        grids[l].nearest(level.neighbours + 1, begin, end, found.data());
+        for (std::size_t i = begin; i < end; ++i) {
+          const std::span row(level.rows.data() + i * k, k);
+          drop_self({found.data() + (i - begin) * (k + 1), k + 1}, static_cast<std::uint32_t>(i),
+                    row);
+          if (level.pool_neighbours > 0 && i % config.pool_rate == 0)
+            choose_nearest(grids[l].points(), i, row, level.pool_neighbours, distance,
+                           level.pool_rows.data() + i / config.pool_rate * level.pool_neighbours);
+        }
+        kernels(simd).direct({.begin = begin,
+                              .end = end,
+                              .neighbours = level.neighbours,
+                              .points = grids[l].points()[0].data(),
+                              .rows = level.rows.data(),
+                              .directions = level.directions.data()});
+      }
+      const auto [begin, end] = member.share(points.size());
+      if (l > 0)
+        find_nearest(grids[0], graph.levels[0], grids[l], in_level[l], begin, end,
+                     level.nearest.data());
+    }
+  });
 }
 
 }  // namespace planescope::planes::gcn

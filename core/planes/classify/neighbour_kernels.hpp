@@ -1,14 +1,11 @@
 #pragma once
 
-// The inner loops of the neighbour search, for each instruction set. The sources behind this
-// header include nothing but it, for they are compiled for processors that not everybody has: an
-// inline function of a shared header could end up in the program in their version.
+// The inner loops of the neighbor search.
 
 #include <cstddef>
 #include <cstdint>
 
-#include "core/model/simd.hpp"
-
+#include "core/model/parallel.hpp"
 namespace planescope::planes {
 
 inline constexpr std::size_t kGroup = 16;
@@ -28,22 +25,15 @@ struct Candidates {
   std::size_t groups;
 };
 
-struct NeighbourKernels {
-  /// The k candidates nearest to p: their indices into row (with room for k + kGroup), ascending.
-  /// False if fewer than k have a squared distance <= `within`. `scratch`: one for each group.
-  bool (*nearest)(const Candidates& candidates,
-                  const float* p,
-                  std::size_t k,
-                  float within,
-                  FloatGroup* scratch,
-                  std::uint32_t* row);
-  /// The squared distance of the nearest of one or more candidates, and its index.
-  float (*nearest_one)(const Candidates& candidates, const float* p, std::uint32_t* found);
-};
-const NeighbourKernels& neighbour_kernels(Simd simd);
-
-extern const NeighbourKernels kNeighbourKernelsPlain;
-extern const NeighbourKernels kNeighbourKernelsAvx2;
-extern const NeighbourKernels kNeighbourKernelsAvx512;
+/// The k candidates nearest to p: their indices into row (with room for k + kGroup), ascending.
+/// False if fewer than k have a squared distance <= `within`. `scratch`: one for each group.
+bool nearest_candidates(const Candidates& candidates,
+                        const float* p,
+                        std::size_t k,
+                        float within,
+                        FloatGroup* scratch,
+                        std::uint32_t* row);
+/// The squared distance of the nearest of one or more candidates, and its index.
+float nearest_candidate(const Candidates& candidates, const float* p, std::uint32_t* found);
 
 }  // namespace planescope::planes

@@ -1,14 +1,43 @@
 #pragma once
 
-// The weights of a 3D-GCN and what they are for, as a safetensors file: tensor names, shapes and
-// layouts are those of the official PyTorch code's state_dict.
+// The weights of a 3D-GCN as a safetensors file: tensor names, shapes and layouts are those of the
+// official PyTorch code's state_dict. The format (github.com/huggingface/safetensors): the header's
+// length as a little-endian u64, a JSON header {name: {dtype, shape, data_offsets}, "__metadata__":
+// {text: text}}, then the tensors' data without gaps.
 
+#include <cstddef>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace planescope::planes {
+
+// ---- Files of tensors ----
+
+struct Tensor {
+  std::string name;
+  std::vector<std::size_t> shape;  // row-major
+  std::vector<float> values;
+};
+
+struct TensorFile {
+  std::map<std::string, std::string> metadata;
+  std::vector<Tensor> tensors;
+};
+
+/// Tensors in the order of their data. Throws Error where the file is missing, cut, larger than its
+/// header says, or contradicts itself, and where a tensor is not F32.
+TensorFile read_safetensors(const std::filesystem::path& path);
+/// The same of a file's content; `path` is what errors call it.
+TensorFile read_safetensors(std::span<const unsigned char> bytes,
+                            const std::filesystem::path& path);
+/// As the Python library lays such a file out: tensors ordered by name, the header padded with
+/// spaces so that data begins at a multiple of 8. Replaces the file as a whole or not at all.
+void write_safetensors(const std::filesystem::path& path, const TensorFile& file);
+
+// ---- Networks ----
 
 /// A 3D-GCN for segmentation (Lin et al., CVPR 2020). The first convolution of the first level is
 /// the surface convolution; between levels lies a pooling layer. All convolutions but the last are

@@ -10,7 +10,7 @@
 
 #include "core/model/error.hpp"
 #include "core/planes/cloud/camera.hpp"
-#include "core/planes/cloud/pixel_kernels.hpp"
+#include "core/planes/simd/pixel_kernels.hpp"
 
 #pragma GCC diagnostic ignored "-Wunknown-pragmas"  // clang does not know ivdep
 

@@ -16,6 +16,25 @@ struct CloudOptions {
   double cube_edge_m = 3.2;    // least edge of the cube; grows by powers of two to hold max range
   double voxel_size_m = 0.02;  // 0 = every point is its own voxel
   int base_depth = 8;          // octree depth of a 3.2 m cube: leaf 1.25 cm
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = CloudOptions;
+    rows.number("max_range_m", "Maximum range", "m",
+                "Depth z beyond which pixels are ignored (depth images)", &O::max_range_m,
+                {0, 1000, true});
+    rows.flag("range_for_clouds", "Limit clouds to the range",
+              "Ignore points farther than max_range_m from the origin (clouds)",
+              &O::range_for_clouds);
+    rows.group.images = false;
+    rows.number("cube_edge_m", "Octree cube", "m",
+                "Smallest edge of the octree's cube; doubled until it contains the range",
+                &O::cube_edge_m, {0.01, 10000});
+    rows.number("voxel_size_m", "Voxel size", "m", "Voxel edge; 0 makes every point a voxel",
+                &O::voxel_size_m, {0, 10});
+    rows.number("base_depth", "Octree depth", "levels",
+                "Octree depth of a cube of cube_edge_m: 8 gives leaves of 1.25 cm in 3.2 m",
+                &O::base_depth, {1, 16});
+  }
 };
 
 /// Where points went on the way; shown in every output, never silently dropped.

@@ -1,5 +1,7 @@
 #pragma once
 
+// The direction of gravity: given, carried by the frame, picked, or estimated from the scene.
+
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +19,13 @@ struct GravityOptions {
   Vec3d direction = Vec3d(0, 1, 0);  // for `fixed`, sensor frame, any length > 0
   double max_tilt_deg = 60;  // prior of the estimate: camera tilt (pitch or roll) stays below
   bool none_where_unknown = false;  // where gravity cannot be told: go without, instead of refusing
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = GravityOptions;
+    rows.number("gravity_max_tilt_deg", "Largest camera tilt", "deg",
+                "Largest camera tilt that the gravity estimate allows", &O::max_tilt_deg,
+                {0, 90, true});
+  }
 };
 
 /// Parses auto | X,Y,Z | imu | estimate | none. Throws Error on anything else.
@@ -62,5 +71,20 @@ Vec3d gravity_of_floor(const Vec3d& normal);
 std::optional<Vec3d> gravity_of_walls(std::span<const Vec3d> normals,
                                       const Vec3d& before,
                                       std::string* why_not = nullptr);
+
+/// A large plane of a depth image, for finding out which way is down (not for segmentation).
+struct ImagePlane {
+  Vec3d normal = Vec3d::UnitZ();   // unit, sensor frame, towards the sensor
+  Vec3d centroid = Vec3d::Zero();  // [m], sensor frame
+  double area_m2 = 0;              // of the surface, not of its picture
+  double nearest_m = 0;            // depth of its part nearest to the sensor
+  double angle_sigma_deg = 0;      // uncertainty of the normal
+  int pixels = 0;
+};
+
+/// Grows planes over small patches of the whole image, whatever the range. Fits are made in inverse
+/// depth, which is linear on a plane's picture and, for stereo, equally noisy at any range.
+/// Largest area first.
+std::vector<ImagePlane> find_image_planes(const Frame& frame);
 
 }  // namespace planescope::planes

@@ -1,7 +1,5 @@
 // Planes of a depth image, fitted in inverse depth.
 
-#include "core/planes/cloud/image_planes.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -10,9 +8,10 @@
 #include <numeric>
 #include <optional>
 
-#include "core/model/inverse_plane.hpp"
+#include "core/model/plane.hpp"
 #include "core/planes/cloud/camera.hpp"
-#include "core/planes/cloud/pixel_kernels.hpp"
+#include "core/planes/cloud/gravity.hpp"
+#include "core/planes/simd/pixel_kernels.hpp"
 
 namespace planescope::planes {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/model/disjoint_sets.hpp"
 #include "core/planes/depth/regions.hpp"
-#include "core/planes/segment/roots.hpp"
 
 namespace planescope::planes {
 namespace {

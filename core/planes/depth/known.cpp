@@ -1,12 +1,11 @@
 // Founds regions on planes that are known from other frames, where the depth supports them.
 
-#include "core/planes/depth/known.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 
+#include "core/planes/depth/inverse_depth.hpp"
 #include "core/planes/depth/regions.hpp"
 
 namespace planescope::planes {

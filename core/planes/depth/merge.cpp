@@ -5,8 +5,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/model/disjoint_sets.hpp"
 #include "core/planes/depth/regions.hpp"
-#include "core/planes/segment/roots.hpp"
 
 namespace planescope::planes {
 namespace {

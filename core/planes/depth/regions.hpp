@@ -1,7 +1,8 @@
 #pragma once
 
-// The segmentation of a depth image in progress: regions of pixels, each with its moments and
-// plane. Stages change it through these functions alone; with a trace, each logs what it did.
+// The segmentation of a depth image in progress: the cells of its octree, how noisy it is, and
+// regions of pixels, each with its moments and plane. Stages change regions through these functions
+// alone; with a trace, each logs what it did.
 
 #include <cmath>
 #include <cstdint>
@@ -10,12 +11,93 @@
 #include <utility>
 #include <vector>
 
-#include "core/planes/depth/cells.hpp"
-#include "core/planes/depth/known.hpp"
-#include "core/planes/depth/noise.hpp"
+#include "core/planes/depth/inverse_depth.hpp"
+#include "core/planes/segment/options.hpp"
 #include "core/planes/segment/segment.hpp"
 
 namespace planescope::planes {
+
+// The cells of an octree over (u, v, rho), all levels at once. A leaf is a square of 4 px by 1/16
+// 1/m; a cell of the level above is twice as large along each axis. The grid is fixed: it follows
+// neither gravity nor anything measured, so that a frame that changes by less than its noise keeps
+// its cells.
+
+inline constexpr int kLeafPx = 4;
+inline constexpr double kPxPerInverseMeter = 64;  // a cell's sides in u and v to that in rho
+
+struct DepthCell {
+  std::uint64_t code = 0;  // Morton code of (u, v, rho) at its level
+  PixelMoments moments;
+  std::uint32_t begin = 0, end = 0;              // its cells in the level below
+  std::uint32_t first_pixel = 0, end_pixel = 0;  // its pixels: DepthCells::pixels[first, end)
+};
+
+struct DepthCells {
+  std::vector<std::vector<DepthCell>> levels;  // 0: the leaves; the last: one root
+  std::vector<std::uint32_t> pixels;           // raster numbers, in the order of the leaves
+  std::vector<PixelMoments> blocks;            // of all full squares of 4 px, whatever their rho
+  int block_columns = 0;
+
+  int depth() const { return static_cast<int>(levels.size()) - 1; }
+  static int side_px(int level) { return kLeafPx << level; }
+};
+
+DepthCells make_depth_cells(const DepthImage& image);
+
+// How noisy a depth image is, measured in the image itself at two scales: white noise, which
+// differs from pixel to pixel, and the bow, the sensor's low-frequency error (none in a scanner,
+// about a centimeter at 1 to 3 m in a D400).
+
+struct DepthNoise {
+  double white = 0;  // standard deviation of rho [1/m]; 0: too little depth to measure it
+  double bow = 0;    // likewise, over distances of length_px and more
+  double wide = 0;   // of single pixels about planes of wide squares: white noise and bow [1/m]
+  double length_px = 20;  // over which the bow develops
+  double lateral_px = 2;  // sideways error of a pixel
+
+  /// Variance of a pixel about a plane, and of the bow [1/m^2]. A sideways error counts by the
+  /// slope of rho: on a grazing surface it is most of the noise.
+  double white2(const InversePlane& p) const { return white * white + sideways2(p); }
+  double bow2(const InversePlane& p) const { return bow * bow + sideways2(p); }
+  double sideways2(const InversePlane& p) const {
+    return lateral_px * lateral_px * (p.a * p.a + p.b * p.b);
+  }
+  double pixel2(const InversePlane& p) const { return white2(p) + bow2(p); }
+  /// Share of the bow's variance that shows between two places this far apart.
+  double developed(double distance2_px2) const {
+    return std::min(1.0, distance2_px2 / (length_px * length_px));
+  }
+
+  /// What joining two sets of pixels adds to the misfit: the mean squared offset between their
+  /// planes over the variance that noise and bow explain. The cost of a plane, options.merge_cost,
+  /// is what joining them saves.
+  double join_cost(const PixelMoments& a,
+                   const InversePlane& plane_a,
+                   const PixelMoments& b,
+                   const InversePlane& plane_b) const {
+    PixelMoments both = a;
+    both += b;
+    // No plane is credited with less misfit than noise makes: a cell's face cuts noise in two
+    // layers, each flatter than it.
+    const double apart = std::max(plane_a.sse, (a.n - 3) * white * white) +
+                         std::max(plane_b.sse, (b.n - 3) * white * white);
+    const double offset2 = std::max(0.0, both.fit().sse - apart) * both.n / (a.n * b.n);
+    const double du = a.u / a.n - b.u / b.n, dv = a.v / a.n - b.v / b.n;
+    const double explained = 3 * (white2(plane_a) / a.n + white2(plane_b) / b.n) +
+                             std::min(bow2(plane_a), bow2(plane_b)) * developed(du * du + dv * dv);
+    return offset2 / explained;
+  }
+};
+
+/// `blocks`: moments of all full squares of 4 px, row by row, `columns` to a row. `unit_m`: what
+/// depth is rounded to, 0: nothing.
+DepthNoise measure_depth_noise(const std::vector<PixelMoments>& blocks,
+                               int columns,
+                               int width_px,
+                               double unit_m,
+                               const ObjectiveOptions& options);
+
+// ---- Regions ----
 
 inline constexpr std::int32_t kNoRegion = -1;
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/model/frame.hpp"
-#include "core/planes/depth/known.hpp"
-#include "core/planes/segment/image_space.hpp"
+#include "core/planes/depth/inverse_depth.hpp"
+#include "core/planes/segment/octree.hpp"
 #include "core/planes/segment/segment.hpp"
 
 namespace planescope::planes {

@@ -4,12 +4,196 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <unordered_map>
 
 #include "core/model/plane.hpp"
-#include "core/planes/evaluate/label_accuracy.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
 
 namespace planescope::planes {
+
+// ---- Matching ----
+
+std::vector<int> best_assignment(const std::vector<double>& value, int rows, int columns) {
+  // Square problem of costs, padded with zeros; rows and columns counted from 1, as is usual.
+  const int n = std::max(rows, columns);
+  const auto cost = [&](int row, int column) {
+    return row <= rows && column <= columns
+               ? -value[static_cast<std::size_t>(row - 1) * columns + (column - 1)]
+               : 0.0;
+  };
+  std::vector<double> row_potential(n + 1, 0), column_potential(n + 1, 0);
+  std::vector<int> row_of(n + 1, 0), way(n + 1, 0);
+  for (int row = 1; row <= n; ++row) {
+    row_of[0] = row;
+    int column = 0;
+    std::vector<double> least(n + 1, std::numeric_limits<double>::infinity());
+    std::vector<bool> used(n + 1, false);
+    do {
+      used[column] = true;
+      const int from = row_of[column];
+      double delta = std::numeric_limits<double>::infinity();
+      int next = 0;
+      for (int c = 1; c <= n; ++c) {
+        if (used[c]) continue;
+        const double reduced = cost(from, c) - row_potential[from] - column_potential[c];
+        if (reduced < least[c]) {
+          least[c] = reduced;
+          way[c] = column;
+        }
+        if (least[c] < delta) {
+          delta = least[c];
+          next = c;
+        }
+      }
+      for (int c = 0; c <= n; ++c) {
+        if (used[c]) {
+          row_potential[row_of[c]] += delta;
+          column_potential[c] -= delta;
+        } else {
+          least[c] -= delta;
+        }
+      }
+      column = next;
+    } while (row_of[column] != 0);
+    for (; column != 0; column = way[column]) row_of[column] = row_of[way[column]];
+  }
+  std::vector<int> result(rows, -1);
+  for (int c = 1; c <= columns; ++c)
+    if (row_of[c] <= rows && cost(row_of[c], c) < 0) result[row_of[c] - 1] = c - 1;
+  return result;
+}
+
+double TruthOverlap::iou(int t, int f) const {
+  const std::uint64_t both = at(t, f), all = truth_size[t] + found_size[f] - both;
+  return all > 0 ? static_cast<double>(both) / static_cast<double>(all) : 0;
+}
+
+TruthOverlap count_truth_overlap(std::span<const std::int32_t> truth,
+                                 std::span<const std::int32_t> found,
+                                 int last_truth,
+                                 int last_found) {
+  TruthOverlap o;
+  o.truth = last_truth;
+  o.found = last_found;
+  for (const std::int32_t t : truth) o.truth = std::max(o.truth, t);
+  for (const std::int32_t f : found) o.found = std::max(o.found, f);
+  o.shared.assign(static_cast<std::size_t>(o.truth + 1) * (o.found + 1), 0);
+  o.truth_size.assign(o.truth + 1, 0);
+  o.found_size.assign(o.found + 1, 0);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth[i] < 0) continue;
+    const int t = truth[i], f = std::max(0, found[i]);
+    ++o.shared[static_cast<std::size_t>(t) * (o.found + 1) + f];
+    ++o.truth_size[t];
+    ++o.found_size[f];
+  }
+  return o;
+}
+
+std::vector<int> found_of_truth(const TruthOverlap& o) {
+  std::vector<double> iou;
+  for (int t = 1; t <= o.truth; ++t)
+    for (int f = 1; f <= o.found; ++f) iou.push_back(o.iou(t, f));
+  std::vector<int> match = best_assignment(iou, o.truth, o.found);
+  for (int& column : match) ++column;
+  return match;
+}
+
+std::vector<PlanePair> pairs_by_overlap(const TruthOverlap& overlap) {
+  std::vector<PlanePair> touching, pairs;
+  for (int a = 1; a <= overlap.truth; ++a)
+    for (int b = 1; b <= overlap.found; ++b)
+      if (overlap.at(a, b) > 0) touching.push_back({a, b, overlap.iou(a, b)});
+  std::ranges::stable_sort(touching, std::ranges::greater{}, &PlanePair::iou);
+  std::vector<std::uint8_t> has_a(overlap.truth + 1, 0), has_b(overlap.found + 1, 0);
+  for (const PlanePair& pair : touching) {
+    if (has_a[pair.a] || has_b[pair.b]) continue;
+    has_a[pair.a] = has_b[pair.b] = 1;
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+double plane_angle_deg(const Vec3d& a, const Vec3d& b) {
+  return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 180 / std::numbers::pi;
+}
+
+// ---- Labels ----
+
+namespace {
+
+double percent_of(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 100.0;
+}
+
+}  // namespace
+
+double LabelAccuracy::percent() const { return percent_of(edge_right + inner_right, edge + inner); }
+double LabelAccuracy::edge_percent() const { return percent_of(edge_right, edge); }
+double LabelAccuracy::inner_percent() const { return percent_of(inner_right, inner); }
+
+LabelAccuracy& LabelAccuracy::operator+=(const LabelAccuracy& other) {
+  edge_right += other.edge_right;
+  edge += other.edge;
+  inner_right += other.inner_right;
+  inner += other.inner;
+  return *this;
+}
+
+std::vector<std::uint8_t> near_other_label(std::span<const Vec3f> points,
+                                           std::span<const Label> labels,
+                                           std::span<const Vec3f> reference_points,
+                                           std::span<const Label> reference_labels) {
+  const auto key = [](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return (x & 0x1fffff) | (y & 0x1fffff) << 21 | (z & 0x1fffff) << 42;
+  };
+  const auto cell = [](float v) {
+    return static_cast<std::int64_t>(std::floor(v / kEdgeDistanceM));
+  };
+  std::unordered_map<std::int64_t, std::vector<std::uint32_t>> grid;
+  for (std::uint32_t i = 0; i < reference_points.size(); ++i) {
+    const Vec3f& p = reference_points[i];
+    if (reference_labels[i] != Label::unknown)
+      grid[key(cell(p.x()), cell(p.y()), cell(p.z()))].push_back(i);
+  }
+  std::vector<std::uint8_t> near(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto x = cell(points[i].x()), y = cell(points[i].y()), z = cell(points[i].z());
+    for (int d = 0; d < 27 && !near[i]; ++d) {
+      const auto found = grid.find(key(x + d % 3 - 1, y + d / 3 % 3 - 1, z + d / 9 - 1));
+      if (found == grid.end()) continue;
+      for (const std::uint32_t j : found->second)
+        if (reference_labels[j] != labels[i] &&
+            (reference_points[j] - points[i]).squaredNorm() <
+                static_cast<float>(kEdgeDistanceM * kEdgeDistanceM))
+          near[i] = 1;
+    }
+  }
+  return near;
+}
+
+LabelAccuracy label_accuracy(std::span<const Label> truth,
+                             std::span<const Label> found,
+                             std::span<const std::uint8_t> near_edge) {
+  LabelAccuracy accuracy;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth[i] == Label::unknown) continue;
+    const bool right = truth[i] == found[i];
+    ++(near_edge[i] ? accuracy.edge : accuracy.inner);
+    (near_edge[i] ? accuracy.edge_right : accuracy.inner_right) += right;
+  }
+  return accuracy;
+}
+
+LabelAccuracy label_accuracy(const LabelledCloud& cloud, std::span<const Label> found) {
+  if (!cloud.near_edge.empty()) return label_accuracy(cloud.labels, found, cloud.near_edge);
+  return label_accuracy(cloud.labels, found,
+                        near_other_label(cloud.points, cloud.labels, cloud.points, cloud.labels));
+}
+
+// ---- Metrics ----
+
 namespace {
 
 constexpr double kOverlap = 0.8;  // SegComp (Hoover et al. 1996): a match is 80 % of the points

@@ -1,6 +1,7 @@
 #pragma once
 
-// The paper's three metrics (Sec. V) and stricter ones (SegComp, EVOPS conventions) beside them.
+// A segmentation against the truth: which found plane stands for which true one, the paper's three
+// metrics (Sec. V), and stricter ones (SegComp, EVOPS conventions) beside them.
 
 #include <cstdint>
 #include <span>
@@ -11,6 +12,80 @@
 #include "core/planes/classify/classifier.hpp"
 
 namespace planescope::planes {
+
+// ---- Matching ----
+
+/// Points shared by each true and each found plane. Row 0 / column 0: in no plane.
+struct TruthOverlap {
+  int truth = 0, found = 0;  // largest ids
+  std::vector<std::uint64_t> shared;
+  std::vector<std::uint64_t> truth_size, found_size;
+
+  std::uint64_t at(int t, int f) const {
+    return shared[static_cast<std::size_t>(t) * (found + 1) + f];
+  }
+  double iou(int t, int f) const;
+};
+
+/// Ids: > 0 a plane, 0 none; truth < 0 is not counted. Planes up to the ids given have their places
+/// even where they have no points.
+TruthOverlap count_truth_overlap(std::span<const std::int32_t> truth,
+                                 std::span<const std::int32_t> found,
+                                 int last_truth = 0,
+                                 int last_found = 0);
+
+/// One to one, with the greatest sum of IoU: by true id - 1 the found id, 0 where it has none.
+std::vector<int> found_of_truth(const TruthOverlap& overlap);
+
+/// Planes of two segmentations that correspond.
+struct PlanePair {
+  int a = 0, b = 0;  // ids
+  double iou = 0;
+};
+/// Each plane at most once, the pair of the greatest IoU first: what is the same plane in two runs,
+/// where found_of_truth() is what stands for a true one.
+std::vector<PlanePair> pairs_by_overlap(const TruthOverlap& overlap);
+
+/// Hungarian method (Kuhn-Munkres with potentials, O(n^3)): the assignment of rows to columns with
+/// the greatest total of `value` (row-major, rows x columns, values >= 0). Per row its column, -1
+/// where the row got none or a pair of value 0.
+std::vector<int> best_assignment(const std::vector<double>& value, int rows, int columns);
+
+/// Between the unit normals of two planes, whichever way they look: 0 to 90 degrees.
+double plane_angle_deg(const Vec3d& a, const Vec3d& b);
+
+// ---- Labels ----
+
+inline constexpr double kEdgeDistanceM = 0.02;  // "near an edge"
+
+/// How many labels are right, counted separately for points within 2 cm of another true label and
+/// for all others. Points of unknown truth do not count.
+struct LabelAccuracy {
+  std::uint64_t edge_right = 0, edge = 0;
+  std::uint64_t inner_right = 0, inner = 0;
+
+  double percent() const;  // of all; 100 where there are none, here and below
+  double edge_percent() const;
+  double inner_percent() const;
+  LabelAccuracy& operator+=(const LabelAccuracy& other);
+};
+
+/// Which points lie within 2 cm of a reference point with another label than theirs: 1, else 0.
+std::vector<std::uint8_t> near_other_label(std::span<const Vec3f> points,
+                                           std::span<const Label> labels,
+                                           std::span<const Vec3f> reference_points,
+                                           std::span<const Label> reference_labels);
+
+/// `near_edge` by near_other_label().
+LabelAccuracy label_accuracy(std::span<const Label> truth,
+                             std::span<const Label> found,
+                             std::span<const std::uint8_t> near_edge);
+
+/// A point is near an edge where the cloud says so, or else where it lies near a point of another
+/// label.
+LabelAccuracy label_accuracy(const LabelledCloud& cloud, std::span<const Label> found);
+
+// ---- Metrics ----
 
 struct Metrics {
   int planes_truth = 0;

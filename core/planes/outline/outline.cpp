@@ -12,7 +12,7 @@
 
 #include "core/planes/cloud/camera.hpp"
 #include "core/planes/outline/rings.hpp"
-#include "core/planes/pipeline/plane_runs.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::planes {
 namespace {

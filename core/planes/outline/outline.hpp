@@ -3,12 +3,15 @@
 // What a plane covers: its pixels seen from the sensor, laid onto the plane, with the holes in
 // which something else was seen, and those where nothing was measured.
 
+#include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/model/frame.hpp"
 #include "core/model/plane.hpp"
 #include "core/planes/outline/polygons.hpp"
+#include "core/planes/outline/rings.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::planes {
@@ -62,5 +65,25 @@ Outline outline_of_points(const Vec3d& origin,
 std::vector<Outline> minor_outlines_of(const FrameResult& result,
                                        double cell_m,
                                        const OutlineOptions& options = {});
+
+// ---- Triangles ----
+
+struct Mesh {
+  std::vector<Vec3d> vertices;                // world [m], none twice
+  std::vector<std::array<int, 3>> triangles;  // counter-clockwise from where the normal points
+};
+
+/// What a plane covers, without its holes and what is unknown: constrained Delaunay triangles with
+/// the outline's corners.
+Mesh mesh_of(const Outline& outline);
+
+// ---- Pixels ----
+
+/// Those whose centres are within, row by row; holes where nothing was measured as well where
+/// `with_unknown`. Nothing where a corner is not ahead of the camera.
+std::optional<std::vector<PixelRun>> pixels_within(const Outline& outline,
+                                                   const Intrinsics& camera,
+                                                   const Pose& T_sensor_world,
+                                                   bool with_unknown);
 
 }  // namespace planescope::planes

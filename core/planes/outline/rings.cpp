@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/model/disjoint_sets.hpp"
-#include "core/model/runs.hpp"
 
 namespace planescope::planes {
 namespace {

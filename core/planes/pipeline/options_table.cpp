@@ -1,33 +1,151 @@
 #include "core/planes/pipeline/options_table.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "core/model/error.hpp"
+#include "core/model/json.hpp"
 #include "core/model/text.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
-#include "core/planes/pipeline/option_row.hpp"
 
 namespace planescope::planes {
 namespace {
 
-// The member that a row reads and writes, by its path from PipelineOptions.
-template <typename Stage, typename T>
-auto member(Stage PipelineOptions::*stage, T Stage::*field) {
-  return [=](auto& options) -> auto& { return options.*stage.*field; };
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// ---- Rows ----
+
+/// Throws Error where the value is not in the range.
+void check_range(double value, const OptionRange& range, const std::string& name) {
+  const bool low = range.min_excluded ? value <= range.min : value < range.min;
+  if (!low && value <= range.max) return;
+  const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
+  throw Error(fmt::format(
+      "option {}: {} is out of range, expected {}", name, value,
+      std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
 }
-template <typename T>
-auto in_cloud(T CloudOptions::*field) {
-  return member(&PipelineOptions::cloud, field);
-}
-template <typename T>
-auto in_segment(T SegmentOptions::*field) {
-  return member(&PipelineOptions::segment, field);
+
+/// What the rows of a section have in common.
+struct RowGroup {
+  std::string section;
+  std::optional<bool> objective = {}, images = {};  // as OptionInfo has them
+  std::optional<Method> method = {};
+};
+
+/// Takes the rows that a stage's options describe; `stage` finds these in PipelineOptions, const or
+/// not. Each returns its row.
+template <typename Stage>
+class OptionRows {
+ public:
+  OptionRows(std::vector<OptionInfo>& table, RowGroup of, Stage stage)
+      : group(std::move(of)), table_(table), stage_(stage) {}
+
+  RowGroup group;  // of the rows that follow
+
+  /// A whole number where the member is an int.
+  template <typename Options, typename T>
+  OptionInfo& number(const std::string& name,
+                     const char* title,
+                     const char* unit,
+                     const char* meaning,
+                     T Options::*field,
+                     OptionRange range = {}) {
+    constexpr bool kWhole = std::is_same_v<T, int>;
+    OptionInfo& row =
+        add(name, title, unit, meaning, kWhole ? OptionKind::whole : OptionKind::number);
+    row.range = range;
+    row.get = [of = stage_, field](const PipelineOptions& o) {
+      return fmt::format("{}", of(o).*field);
+    };
+    row.set = [of = stage_, field, range, name](PipelineOptions& o, const std::string& text) {
+      T value{};
+      if constexpr (kWhole)
+        value = parse_integer(text, "option " + name);
+      else
+        value = parse_number(text, "option " + name);
+      check_range(value, range, name);
+      of(o).*field = value;
+    };
+    return row;
+  }
+
+  template <typename Options>
+  OptionInfo& flag(const std::string& name,
+                   const char* title,
+                   const char* meaning,
+                   bool Options::*field) {
+    OptionInfo& row = add(name, title, "on/off", meaning, OptionKind::on_off);
+    row.get = [of = stage_, field](const PipelineOptions& o) {
+      return std::string(of(o).*field ? "on" : "off");
+    };
+    row.set = [of = stage_, field, name](PipelineOptions& o, const std::string& text) {
+      if (text == "on" || text == "true" || text == "1" || text == "yes")
+        of(o).*field = true;
+      else if (text == "off" || text == "false" || text == "0" || text == "no")
+        of(o).*field = false;
+      else
+        throw Error(fmt::format("option {}: '{}' is not on or off", name, text));
+    };
+    return row;
+  }
+
+  /// `values[i]` is the text of the enum's i-th value.
+  template <typename Options, typename T>
+  OptionInfo& choice(const std::string& name,
+                     const char* title,
+                     const std::vector<std::string>& values,
+                     const char* meaning,
+                     T Options::*field) {
+    OptionInfo& row =
+        add(name, title, fmt::format("{}", fmt::join(values, "/")), meaning, OptionKind::choice);
+    row.choices = values;
+    row.get = [of = stage_, field, values](const PipelineOptions& o) {
+      return values.at(static_cast<std::size_t>(of(o).*field));
+    };
+    row.set = [of = stage_, field, values, name](PipelineOptions& o, const std::string& text) {
+      const auto found = std::ranges::find(values, text);
+      if (found == values.end())
+        throw Error(fmt::format("option {}: '{}' is unknown, expected {}", name, text,
+                                fmt::join(values, " or ")));
+      of(o).*field = static_cast<T>(found - values.begin());
+    };
+    return row;
+  }
+
+ private:
+  OptionInfo& add(const std::string& name,
+                  const char* title,
+                  const std::string& unit,
+                  const char* meaning,
+                  OptionKind kind) {
+    table_.push_back({.name = name,
+                      .title = title,
+                      .unit = unit,
+                      .meaning = meaning,
+                      .section = group.section,
+                      .kind = kind,
+                      .objective = group.objective,
+                      .images = group.images,
+                      .method = group.method});
+    return table_.back();
+  }
+
+  std::vector<OptionInfo>& table_;
+  Stage stage_;
+};
+
+/// Appends the rows of a stage's options.
+template <typename Stage>
+void append_stage(std::vector<OptionInfo>& table, RowGroup group, Stage stage) {
+  OptionRows rows(table, std::move(group), stage);
+  std::decay_t<decltype(stage(std::declval<PipelineOptions&>()))>::describe(rows);
 }
 
 std::string gravity_text(const GravityOptions& gravity) {
@@ -47,292 +165,211 @@ std::string gravity_text(const GravityOptions& gravity) {
   return fmt::format("{},{},{}", d.x(), d.y(), d.z());
 }
 
-/// The paper's symbols, for whoever shows an option beside its equation.
-void name_symbols(std::vector<OptionInfo>& table) {
-  const std::pair<const char*, const char*> symbols[] = {{"theta_n_out", "θ_Nout"},
-                                                         {"theta_r_out", "θ_rout"},
-                                                         {"theta_n_in", "θ_Nin"},
-                                                         {"theta_e_n_m2", "θ_en"},
-                                                         {"theta_coplane", "θ_coplane"}};
-  for (const auto& [name, symbol] : symbols)
-    for (OptionInfo& info : table)
-      if (info.name == name) info.symbol = symbol;
+OptionInfo gravity_row() {
+  return {.name = "gravity",
+          .title = "Gravity",
+          .unit = "auto/X,Y,Z/imu/estimate/none",
+          .meaning =
+              "Gravity direction in the frame of the sensor or cloud; none: without horizontal and "
+              "vertical",
+          .section = "gravity",
+          .get = [](const PipelineOptions& o) { return gravity_text(o.gravity); },
+          .set =
+              [](PipelineOptions& o, const std::string& text) {
+                const GravityOptions parsed = parse_gravity(text);
+                o.gravity.mode = parsed.mode;
+                o.gravity.direction = parsed.direction;
+              }};
 }
 
-/// What people call an option, for whoever shows it.
-void name_titles(std::vector<OptionInfo>& table) {
-  static const std::map<std::string, const char*> titles = {
-      {"max_range_m", "Maximum range"},
-      {"range_for_clouds", "Limit clouds to the range"},
-      {"cube_edge_m", "Octree cube"},
-      {"voxel_size_m", "Voxel size"},
-      {"base_depth", "Octree depth"},
-      {"gravity", "Gravity"},
-      {"gravity_max_tilt_deg", "Largest camera tilt"},
-      {"classifier", "Classifier"},
-      {"pca_neighbours", "PCA neighbors"},
-      {"pca_max_angle_deg", "PCA angle limit"},
-      {"method", "Method"},
-      {"profile", "Profile"},
-      {"theta_n_out", "Most outliers"},
-      {"theta_r_out", "Largest outlier share"},
-      {"theta_n_in", "Fewest inliers"},
-      {"theta_e_n_m2", "Largest fit error"},
-      {"mse_normalization", "Fit error is over"},
-      {"theta_coplane", "Least coplanarity"},
-      {"criterion4_n2", "Ask for the third line"},
-      {"merge_offset_m", "Largest merge offset"},
-      {"merge_partner", "Merge partner"},
-      {"leftover_distance_m", "Assignment distance"},
-      {"use_labels", "Use labels"},
-      {"cube_anchor", "Cube anchor"},
-      {"flat", "Cell flatness"},
-      {"bow", "Bow allowed"},
-      {"merge_cost", "Merge cost"},
-      {"two_planes", "Two-plane split"},
-      {"filled", "Least filled share"},
-      {"lateral_px", "Lateral error"},
-      {"reach_sigma", "Cost of unexplained pixels"},
-      {"hidden_share", "Joining hidden parts"},
-      {"worth_px", "Least worth of a plane"},
-      {"undecided", "Margin of undecided planes"},
-      {"resolution", "Spacing noise"},
-      {"point_reach_sigma", "Cost of unexplained points"},
-      {"label_sigma", "Label penalty"},
-      {"plane_cost", "Plane cost"},
-      {"ransac_theta_pf_m", "Inlier distance"},
-      {"ransac_iterations", "Iterations"},
-      {"ransac_min_points", "Fewest points"},
-      {"ransac_seed", "Random seed"},
-      {"region_patch_px", "Cell of images"},
-      {"region_voxel_size_m", "Cell of clouds"},
-      {"region_threshold_m2", "Planarity threshold"},
-      {"region_merge_threshold", "Merge threshold"},
-      {"region_refine_boundaries", "Refine boundaries"},
-      {"foot_radius_m", "Foot radius"},
-      {"foot_margin_m", "Margin around the foot"},
-      {"foot_unknown_share", "Unmeasured holes allowed"},
-      {"foot_max_off_m", "Largest deviation"},
-      {"foot_max_slope_deg", "Steepest slope"},
-      {"foot_min_area_m2", "Least area"},
-      {"foot_max_rough_m", "Largest roughness"},
-      {"foot_min_support", "Least support"},
-      {"stairs_rise_min_m", "Lowest rise"},
-      {"stairs_rise_max_m", "Highest rise"},
-      {"stairs_going_min_m", "Shortest going"},
-      {"stairs_going_max_m", "Longest going"},
-      {"stairs_width_min_m", "Least width"},
-      {"stairs_rise_spread_m", "Spread of rises"},
-      {"stairs_going_spread_m", "Spread of goings"},
-      {"stairs_turn_deg", "Angle between nosings"},
-      {"stairs_gap_m", "Largest gap"},
-      {"stairs_level_deg", "Ramps from this tilt"},
-      {"stairs_landing_goings", "Landings from this depth"},
-      {"stairs_kerb_width_m", "Least kerb width"},
-      {"stairs_kerb_depth_m", "Least depth beside a kerb"},
-      {"stairs_floor_m2", "Least floor area"}};
-  for (OptionInfo& info : table) info.title = titles.at(info.name);
+OptionInfo classifier_row() {
+  return {
+      .name = "classifier",
+      .title = "Classifier",
+      .unit = "gcn/pca/truth/FILE",
+      .meaning = "Labels points horizontal or vertical: a network, PCA normals, or ground truth",
+      .section = "classifier",
+      .get = [](const PipelineOptions& o) { return o.classifier; },
+      .set =
+          [](PipelineOptions& o, const std::string& text) {
+            if (text != "gcn" && text != "pca" && text != "truth" && !names_weights_file(text))
+              throw Error("classifier '" + text +
+                          "' does not exist, expected gcn, pca, truth or a weights file");
+            o.classifier = text;
+          },
+      .images = false,
+      .method = Method::ours};
 }
 
-void append_cloud(std::vector<OptionInfo>& table) {
-  const std::string s = "cloud";
-  table.push_back(number(s, "max_range_m", "m",
-                         "Depth z beyond which pixels are ignored (depth images)",
-                         in_cloud(&CloudOptions::max_range_m), {0, 1000, true}));
-  table.push_back(flag(s, "range_for_clouds",
-                       "Ignore points farther than max_range_m from the origin (clouds)",
-                       in_cloud(&CloudOptions::range_for_clouds)));
-  table.push_back(number(s, "cube_edge_m", "m",
-                         "Smallest edge of the octree's cube; doubled until it contains the range",
-                         in_cloud(&CloudOptions::cube_edge_m), {0.01, 10000}));
-  table.push_back(number(s, "voxel_size_m", "m", "Voxel edge; 0 makes every point a voxel",
-                         in_cloud(&CloudOptions::voxel_size_m), {0, 10}));
-  table.push_back(
-      number(s, "base_depth", "levels",
-             "Octree depth of a cube of cube_edge_m: 8 gives leaves of 1.25 cm in 3.2 m",
-             in_cloud(&CloudOptions::base_depth), {1, 16}));
-}
-
-void append_gravity(std::vector<OptionInfo>& table) {
-  const std::string s = "gravity";
-  table.push_back({"gravity", "auto/X,Y,Z/imu/estimate/none",
-                   "Gravity direction in the frame of the sensor or cloud; none: without "
-                   "horizontal and vertical",
-                   s, [](const PipelineOptions& o) { return gravity_text(o.gravity); },
-                   [](PipelineOptions& o, const std::string& text) {
-                     const GravityOptions parsed = parse_gravity(text);
-                     o.gravity.mode = parsed.mode;
-                     o.gravity.direction = parsed.direction;
-                   }});
-  table.push_back(number(
-      s, "gravity_max_tilt_deg", "deg", "Largest camera tilt that the gravity estimate allows",
-      member(&PipelineOptions::gravity, &GravityOptions::max_tilt_deg), {0, 90, true}));
-}
-
-void append_classifier(std::vector<OptionInfo>& table) {
-  const std::string s = "classifier";
-  table.push_back({"classifier", "gcn/pca/truth/FILE",
-                   "Labels points horizontal or vertical: a network, PCA normals, or ground truth",
-                   s, [](const PipelineOptions& o) { return o.classifier; },
-                   [](PipelineOptions& o, const std::string& text) {
-                     if (text != "gcn" && text != "pca" && text != "truth" &&
-                         !names_weights_file(text))
-                       throw Error("classifier '" + text +
-                                   "' does not exist, expected gcn, pca, truth or a weights file");
-                     o.classifier = text;
-                   }});
-  table.push_back(number(
-      s, "pca_neighbours", "points", "Points in each local plane fit, including the point itself",
-      member(&PipelineOptions::pca, &PcaClassifierOptions::neighbours), {3, 1000}));
-  table.push_back(number(s, "pca_max_angle_deg", "deg",
-                         "Eq. (1): horizontal if the normal is within this angle of gravity",
-                         member(&PipelineOptions::pca, &PcaClassifierOptions::max_angle_deg),
-                         {0, 90}));
-}
-
-void append_method(std::vector<OptionInfo>& table) {
+OptionInfo method_row() {
   std::vector<std::string> names;
   for (const Method method : built_methods()) names.push_back(to_string(method));
-  table.push_back(
-      {"method",
-       fmt::format("{}", fmt::join(names, "/")),
-       "Method that finds planes: ours, or a rival",
-       "method",
-       [](const PipelineOptions& o) { return to_string(o.method); },
-       [](PipelineOptions& o, const std::string& text) { o.method = parse_method(text); },
-       OptionKind::choice,
-       {},
-       names});
+  return {.name = "method",
+          .title = "Method",
+          .unit = fmt::format("{}", fmt::join(names, "/")),
+          .meaning = "Method that finds planes: ours, or a rival",
+          .section = "method",
+          .get = [](const PipelineOptions& o) { return to_string(o.method); },
+          .set = [](PipelineOptions& o, const std::string& text) { o.method = parse_method(text); },
+          .kind = OptionKind::choice,
+          .choices = names};
 }
 
-void append_criteria(std::vector<OptionInfo>& table) {
-  const std::string s = "criteria";
-  table.push_back({"profile",
-                   "paper/paper-closest/refined",
-                   "Sets all options below to the defaults of a profile",
-                   s,
-                   [](const PipelineOptions& o) { return to_string(o.segment.profile); },
-                   [](PipelineOptions& o, const std::string& text) {
-                     o.segment = profile_options(find_profile(text));
-                   },
-                   OptionKind::choice,
-                   {},
-                   {"paper", "paper-closest", "refined"}});
-  table.push_back(number(s, "theta_n_out", "points", "Criterion 1: most outliers of a node",
-                         in_segment(&SegmentOptions::theta_n_out)));
-  table.push_back(number(s, "theta_r_out", "share",
-                         "Criterion 1: largest share of outliers in a node",
-                         in_segment(&SegmentOptions::theta_r_out), {0, 1}));
-  table.push_back(number(s, "theta_n_in", "points", "Criterion 2: fewest inliers of a node",
-                         in_segment(&SegmentOptions::theta_n_in), {3, 1e9}));
-  table.push_back(number(s, "theta_e_n_m2", "m2",
-                         "Criterion 3: largest error e_n of the inliers' plane fit",
-                         in_segment(&SegmentOptions::theta_e_n_m2)));
-  table.push_back(
-      choice(s, "mse_normalization", {"scatter", "mean"},
-             "e_n is the smallest eigenvalue of the scatter as printed, or divided by N",
-             in_segment(&SegmentOptions::mse_normalization)));
-  table.push_back(number(s, "theta_coplane", "1",
-                         "Criterion 4: smallest coplanarity of two merged candidates",
-                         in_segment(&SegmentOptions::theta_coplane), {0, 1}));
-  table.push_back(flag(s, "criterion4_n2",
-                       "Criterion 4: also evaluate its third line, with the candidate's normal",
-                       in_segment(&SegmentOptions::criterion4_n2)));
-  table.push_back(number(s, "merge_offset_m", "m",
-                         "Criterion 4: largest |n . dmu|; 0 disables the test",
-                         in_segment(&SegmentOptions::merge_offset_m)));
-  table.push_back(choice(s, "merge_partner", {"first", "best"},
-                         "Coplanar plane that a candidate is merged into",
-                         in_segment(&SegmentOptions::merge_partner)));
-  table.push_back(number(s, "leftover_distance_m", "m",
-                         "Largest distance at which an unassigned point is assigned to a plane",
-                         in_segment(&SegmentOptions::leftover_distance_m)));
-  table.push_back(flag(s, "use_labels", "Off: all points have one label, the paper's \"w/o PC\"",
-                       in_segment(&SegmentOptions::use_labels)));
-  table.push_back(choice(s, "cube_anchor", {"center", "min_corner"},
-                         "Cube centered by the cloud stage, or starting at the minimum corner of "
-                         "the points",
-                         in_segment(&SegmentOptions::cube_anchor)));
-  for (const char* name : {"theta_e_n_m2", "mse_normalization", "theta_coplane", "criterion4_n2",
-                           "merge_offset_m", "merge_partner", "leftover_distance_m"})
-    std::ranges::find(table, name, &OptionInfo::name)->objective = false;
+OptionInfo profile_row() {
+  return {.name = "profile",
+          .title = "Profile",
+          .unit = "paper/paper-closest/refined",
+          .meaning = "Sets all options below to the defaults of a profile",
+          .section = "criteria",
+          .get = [](const PipelineOptions& o) { return to_string(o.segment.profile); },
+          .set = [](PipelineOptions& o,
+                    const std::string& text) { o.segment = profile_options(find_profile(text)); },
+          .kind = OptionKind::choice,
+          .choices = {"paper", "paper-closest", "refined"},
+          .method = Method::ours};
 }
 
-/// Takes the rows that a stage's options describe; `stage` finds these in PipelineOptions.
-template <typename Stage>
-class Rows {
- public:
-  Rows(std::vector<OptionInfo>& table, Stage stage, std::string section)
-      : table_(table), stage_(stage), section_(std::move(section)) {}
+std::vector<OptionInfo> make_table() {
+  std::vector<OptionInfo> rows;
+  append_stage(
+      rows, {"cloud"}, [](auto& o) -> auto& { return o.cloud; });
+  rows.push_back(gravity_row());
+  append_stage(
+      rows, {"gravity"}, [](auto& o) -> auto& { return o.gravity; });
+  rows.push_back(classifier_row());
+  append_stage(
+      rows, {.section = "classifier", .images = false, .method = Method::ours},
+      [](auto& o) -> auto& { return o.pca; });
+  rows.push_back(method_row());
+  rows.push_back(profile_row());
+  append_stage(
+      rows, {.section = "criteria", .method = Method::ours},
+      [](auto& o) -> auto& { return o.segment; });
+  append_stage(
+      rows, {.section = "objective", .objective = true, .method = Method::ours},
+      [](auto& o) -> auto& { return o.segment.objective; });
+  const auto append_rival = [&](Method method, auto member) {
+    append_stage(
+        rows, {.section = "rivals", .method = method}, [member](auto& o) -> auto& {
+          return o.rivals.*member;
+        });
+  };
+  if (has_ransac()) append_rival(Method::ransac, &RivalOptions::ransac);
+  append_rival(Method::region_growing, &RivalOptions::region_growing);
+  if (has_pcl_and_cgal()) {
+    append_rival(Method::pcl_multi_plane, &RivalOptions::pcl_multi_plane);
+    append_rival(Method::pcl_region_growing, &RivalOptions::pcl_region_growing);
+    append_rival(Method::cgal_ransac, &RivalOptions::cgal_ransac);
+    append_rival(Method::cgal_region_growing, &RivalOptions::cgal_region_growing);
+  }
+  append_stage(
+      rows, {"foot"}, [](auto& o) -> auto& { return o.foot; });
+  append_stage(
+      rows, {"stairs"}, [](auto& o) -> auto& { return o.stairs; });
+  return rows;
+}
 
-  template <typename Options, typename T>
-  void number(const char* name,
-              const char* unit,
-              const char* meaning,
-              T Options::*field,
-              OptionRange range = {}) {
-    add(planescope::planes::number(section_, name, unit, meaning, of(field), range));
-  }
-  template <typename Options>
-  void flag(const char* name, const char* meaning, bool Options::*field) {
-    add(planescope::planes::flag(section_, name, meaning, of(field)));
-  }
-  template <typename Options, typename T>
-  void choice(const char* name,
-              std::vector<std::string> values,
-              const char* meaning,
-              T Options::*field) {
-    add(planescope::planes::choice(section_, name, std::move(values), meaning, of(field)));
-  }
+// ---- Removed options ----
 
-  /// The rows that follow are read only for depth images, or only for clouds.
-  void read_by_images(bool images) { images_ = images; }
-
- private:
-  template <typename Options, typename T>
-  auto of(T Options::*field) {
-    return [ stage = stage_, field ](auto& o) -> auto& { return stage(o).*field; };
-  }
-  void add(OptionInfo row) {
-    if (section_ == "objective") row.objective = true;
-    row.images = images_;
-    table_.push_back(std::move(row));
-  }
-
-  std::vector<OptionInfo>& table_;
-  Stage stage_;
-  std::string section_;
-  std::optional<bool> images_;
+struct Replaced {
+  const char* by;  // empty: by nothing
+  std::vector<const char*> names;
 };
 
-void append_objective(std::vector<OptionInfo>& table) {
-  Rows rows(
-      table, [](auto& o) -> auto& { return o.segment.objective; }, "objective");
-  ObjectiveOptions::describe(rows);
+const std::vector<Replaced>& replaced_options() {
+  static const std::vector<Replaced> all = {
+      {"flat",
+       {"rms_criterion3", "fixed_rms_m", "theta_rms_sigmas", "theta_rms_min_m", "theta_rms_max_m"}},
+      {"bow",
+       {"estimate_sigma", "sigma_by_range", "sigma_percentile", "sigma_correlated",
+        "sigma_min_range_m"}},
+      {"reach_sigma",
+       {"fixed_tau_m", "tau_sigmas", "tau_min_m", "tau_max_m", "limits_range_m",
+        "r11_pixel_borders", "r11_reach_m", "r11_taus", "r11_window_px", "r11_company_taus"}},
+      {"",
+       {"neighbour_levels", "normal_sigma_share", "r4_fit_impure_nodes", "r6_refit",
+        "r6_sure_points", "r6_sure_share", "r6_max_loss", "r8_voxel_spread", "r8_theta_rms_sigmas",
+        "r8_tau_sigmas", "split_disconnected", "split_gap_m", "split_gap_spacings",
+        "split_sight_cell_m", "split_behind_m", "split_behind_taus", "split_open_share"}},
+      {"resolution", {"sigma_min_points"}},
+      {"label_sigma", {"other_label_sigmas", "r5_reassign_shared_cells"}},
+      {"merge_cost",
+       {"r1_merge_by_distance", "r1_max_angle_deg", "r1_angle_sigmas", "r1_near_m",
+        "r1_far_angle_deg", "r1_gap_sigmas", "r1_offset_sigmas", "r1_max_lateral_m",
+        "r3_weak_candidates", "r3_sure_sigma_ang_deg", "r3_found_sigma_ang_deg", "r3_found_points",
+        "r7_second_merge", "r9_join_sheets", "r9_misfit_m", "r9_step_m", "r9_step_own",
+        "r9_max_angle_deg", "r9_border_px"}},
+      {"plane_cost",
+       {"r2_explain_away", "r2_unexplained_points", "r2_unexplained_share", "r2_other_label_tau",
+        "r2_width_sigmas", "r2_density_share", "r2_contradiction_deg", "r2_kept_share"}},
+      {"worth_px",
+       {"r10_minor", "r10_pixels", "r10_ragged", "r10_curved", "r10_rough", "r10_calm_m"}},
+      {"two_planes", {"r12_part_corners", "r12_rms_share", "r12_min_angle_deg", "r12_least_share"}},
+      {"point_reach_sigma", {"leftover_rule"}},
+  };
+  return all;
 }
 
-void append_foot(std::vector<OptionInfo>& table) {
-  Rows rows(
-      table, [](auto& o) -> auto& { return o.foot; }, "foot");
-  FootOptions::describe(rows);
+// ---- Profile files ----
+
+constexpr const char* kSchema = "planescope.profile/1";
+
+const char* type_of(OptionKind kind) {
+  if (kind == OptionKind::on_off) return "true or false";
+  return kind == OptionKind::number || kind == OptionKind::whole ? "a number" : "a text";
 }
 
-void append_stairs(std::vector<OptionInfo>& table) {
-  Rows rows(
-      table, [](auto& o) -> auto& { return o.stairs; }, "stairs");
-  StairsOptions::describe(rows);
+/// As OptionInfo::set takes it. Throws Error where the value is of another type than the option.
+std::string value_text(const OptionInfo& info, const Json& value) {
+  if (info.kind == OptionKind::on_off && value.is_boolean())
+    return value.get<bool>() ? "on" : "off";
+  if (info.is_number() && value.is_number_float()) return fmt::format("{}", value.get<double>());
+  if (info.is_number() && value.is_number()) return value.dump();
+  if (info.kind != OptionKind::on_off && !info.is_number() && value.is_string())
+    return value.get<std::string>();
+  throw Error(fmt::format("option {}: found {}, expected {}", info.name,
+                          value.is_string() ? shown(value.get<std::string>()) : value.dump(),
+                          type_of(info.kind)));
+}
+
+Json value_json(const OptionInfo& info, const std::string& text) {
+  if (info.kind == OptionKind::on_off) return text == "on";
+  return info.is_number() ? Json::parse(text) : Json(text);
+}
+
+ProfileFile profile_of(const Json& json) {
+  if (!json.is_object()) throw Error("is no profile, expected an object with a schema");
+  ProfileFile profile;
+  for (const auto& [key, value] : json.items()) {
+    if (key == "options" && !value.is_object()) throw Error("its options are no object");
+    if (key == "options") continue;
+    if (key != "schema" && key != "base")
+      throw Error(fmt::format("{} is unknown, expected schema, base and options", shown(key)));
+    if (!value.is_string()) throw Error(fmt::format("its {} is no text", key));
+  }
+  const std::string schema = json.value("schema", "");
+  if (schema != kSchema)
+    throw Error(fmt::format("its schema is {}, expected {}", shown(schema), kSchema));
+  profile.base = find_profile(json.value("base", "refined"));
+  PipelineOptions options;
+  options.segment = profile_options(profile.base);
+  const Json named = json.value("options", Json::object());
+  for (const auto& [name, value] : named.items()) {
+    if (name == "profile") throw Error("option profile: the profile to begin with is its base");
+    const OptionInfo& info = find_option(name);
+    profile.options.emplace_back(name, value_text(info, value));
+    info.set(options, profile.options.back().second);
+  }
+  return profile;
+}
+
+bool names_file(const std::string& text) {
+  if (std::ranges::count(find_option("profile").choices, text) > 0) return false;
+  std::error_code ignored;
+  return text.find_first_of("./") != std::string::npos || fs::exists(text, ignored);
 }
 
 }  // namespace
-
-void check_option_range(double value, const OptionRange& range, const std::string& name) {
-  const bool low = range.min_excluded ? value <= range.min : value < range.min;
-  if (!low && value <= range.max) return;
-  const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
-  throw Error(fmt::format(
-      "option {}: {} is out of range, expected {}", name, value,
-      std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
-}
 
 bool is_idle(const OptionInfo& info, const PipelineOptions& options, std::optional<bool> images) {
   const bool refined = options.segment.by_objective();
@@ -341,28 +378,27 @@ bool is_idle(const OptionInfo& info, const PipelineOptions& options, std::option
 }
 
 const std::vector<OptionInfo>& option_table() {
-  static const std::vector<OptionInfo> table = [] {
-    std::vector<OptionInfo> rows;
-    append_cloud(rows);
-    append_gravity(rows);
-    append_classifier(rows);
-    append_method(rows);
-    append_criteria(rows);
-    append_objective(rows);
-    for (OptionInfo& row : rows)
-      if (row.section == "classifier" || row.steers_segmentation()) row.method = Method::ours;
-    append_rivals(rows);
-    append_foot(rows);
-    append_stairs(rows);
-    for (const char* name : {"cube_edge_m", "voxel_size_m", "base_depth", "classifier",
-                             "pca_neighbours", "pca_max_angle_deg", "theta_n_out", "theta_r_out",
-                             "theta_n_in", "use_labels", "cube_anchor"})
-      std::ranges::find(rows, name, &OptionInfo::name)->images = false;
-    name_symbols(rows);
-    name_titles(rows);
+  static const std::vector<OptionInfo> table = make_table();
+  return table;
+}
+
+std::span<const RemovedOption> removed_options() {
+  static const std::vector<RemovedOption> removed = [] {
+    std::vector<RemovedOption> rows;
+    for (const Replaced& replaced : replaced_options())
+      for (const char* name : replaced.names) rows.push_back({name, replaced.by});
     return rows;
   }();
-  return table;
+  return removed;
+}
+
+std::string removed_text(std::string_view kind,
+                         std::string_view name,
+                         std::span<const RemovedOption> removed) {
+  const auto row = std::ranges::find(removed, name, &RemovedOption::name);
+  if (row == removed.end()) return "";
+  return fmt::format("{} {} was removed in {}{}{}", kind, name, row->version,
+                     row->see.empty() ? "" : "; see ", row->see);
 }
 
 const OptionInfo& find_option(const std::string& name, std::span<const RemovedOption> removed) {
@@ -409,6 +445,36 @@ std::string number_text(const OptionInfo& info, double value) {
 
 void set_option(PipelineOptions& options, const std::string& name, const std::string& value) {
   find_option(name).set(options, value);
+}
+
+ProfileFile read_profile(const fs::path& path) {
+  constexpr std::uintmax_t kMostBytes = 1 << 20;
+  const auto json = read_json<Json>(path, kMostBytes);
+  try {
+    return profile_of(json);
+  } catch (const Error& error) {
+    throw Error(path.string() + ": " + error.what());
+  }
+}
+
+std::string profile_text(const ProfileFile& profile) {
+  Json json;
+  json["schema"] = kSchema;
+  json["base"] = to_string(profile.base);
+  json["options"] = Json::object();
+  for (const auto& [name, value] : profile.options)
+    json["options"][name] = value_json(find_option(name), value);
+  return json.dump(2) + "\n";
+}
+
+void set_profile(PipelineOptions& options, const std::string& name_or_file) {
+  if (!names_file(name_or_file)) {
+    options.segment = profile_options(find_profile(name_or_file));
+    return;
+  }
+  const ProfileFile profile = read_profile(name_or_file);
+  options.segment = profile_options(profile.base);
+  for (const auto& [name, value] : profile.options) set_option(options, name, value);
 }
 
 }  // namespace planescope::planes

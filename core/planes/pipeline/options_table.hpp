@@ -1,22 +1,26 @@
 #pragma once
 
+// Options by name: what --set, `planescope options`, the sliders, profile files and the report know
+// of each, and the options that earlier versions had.
+
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/planes/pipeline/removed_options.hpp"
 
 namespace planescope::planes {
 
 /// `on_off` is for switches; `text` for what can be anything, like a file.
 enum class OptionKind : std::uint8_t { number, whole, on_off, choice, text };
 
-/// One option by its name, as `--set`, `planescope options`, the sliders and the report know it.
 /// The values that a number may take.
 struct OptionRange {
   double min = 0;
@@ -24,18 +28,19 @@ struct OptionRange {
   bool min_excluded = false;
 };
 
+/// A row of the table.
 struct OptionInfo {
   std::string name;     // e.g. "theta_n_out"
+  std::string title;    // for people: "Most outliers"
   std::string unit;     // "m", "m2", "deg", "points", "" ...
   std::string meaning;  // one phrase
   std::string section;  // "cloud", "gravity", "classifier", "method", "criteria", "objective",
                         // "rivals", "foot", "stairs"
-  std::function<std::string(const PipelineOptions&)> get;
-  std::function<void(PipelineOptions&, const std::string&)> set;  // throws Error on a bad value
+  std::function<std::string(const PipelineOptions&)> get = {};
+  std::function<void(PipelineOptions&, const std::string&)> set = {};  // throws Error on a bad value
   OptionKind kind = OptionKind::text;
   OptionRange range = {};                 // of number and whole
   std::vector<std::string> choices = {};  // of choice
-  std::string title = {};                 // for people: "Most outliers"
   std::string symbol = {};                // the paper's (UTF-8), "θ_Nout"; empty where it has none
   std::optional<bool> objective = {};     // only `refined` reads it, or only the paper's profiles
   std::optional<bool> images = {};        // `refined`: only depth images read it, or only clouds
@@ -63,6 +68,22 @@ bool is_idle(const OptionInfo& info,
 /// to that profile's defaults.
 const std::vector<OptionInfo>& option_table();
 
+/// An option or profile that earlier versions had.
+struct RemovedOption {
+  std::string_view name;             // of an option, or of a profile
+  std::string_view see;              // the option or profile that replaces it; empty: none does
+  std::string_view version = "0.2";  // the first without it
+};
+
+/// Every one of them. A name that is removed gets a row here.
+std::span<const RemovedOption> removed_options();
+
+/// "option r1_max_angle_deg was removed in 0.2; see merge". Empty: there never was such a name.
+/// `kind`: "option" or "profile".
+std::string removed_text(std::string_view kind,
+                         std::string_view name,
+                         std::span<const RemovedOption> removed = removed_options());
+
 /// Throws Error when `name` is unknown: what became of it where an earlier version had it, else the
 /// nearest existing name.
 const OptionInfo& find_option(const std::string& name,
@@ -82,5 +103,22 @@ std::string number_text(const OptionInfo& info, double value);
 
 /// Throws what find_option() does, and Error on a bad value.
 void set_option(PipelineOptions& options, const std::string& name, const std::string& value);
+
+/// A profile of one's own: a file with what differs from a named profile.
+struct ProfileFile {
+  Profile base = Profile::refined;
+  std::vector<std::pair<std::string, std::string>> options;  // name, value as set_option() takes it
+};
+
+/// Throws Error naming the file, what was found and what was expected: for an option that is
+/// unknown, of another type or out of range, too.
+ProfileFile read_profile(const std::filesystem::path& path);
+/// JSON, as read_profile() reads it.
+std::string profile_text(const ProfileFile& profile);
+
+/// What was typed after --profile: the name of a profile, or a file: something with a '.' or '/' in
+/// it, or a file that is there. The segment options become those of the named profile, or of the
+/// file's base; what the file sets follows. Throws Error.
+void set_profile(PipelineOptions& options, const std::string& name_or_file);
 
 }  // namespace planescope::planes

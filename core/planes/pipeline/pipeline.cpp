@@ -1,16 +1,117 @@
+// Methods and classifiers by name, and a frame from its cloud to its planes.
+
 #include "core/planes/pipeline/pipeline.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <chrono>
 
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/planes/classify/gcn.hpp"
+#include "core/planes/classify/weights.hpp"
 #include "core/planes/depth/segment_depth.hpp"
 #include "core/planes/segment/segment.hpp"
 
 namespace planescope::planes {
+
+// ---- Methods ----
+
+namespace {
+
+struct NamedMethod {
+  Method method;
+  const char* name;
+};
+constexpr std::array kMethods = {NamedMethod{Method::ours, "ours"},
+                                 NamedMethod{Method::ransac, "ransac"},
+                                 NamedMethod{Method::region_growing, "region-growing"},
+                                 NamedMethod{Method::pcl_multi_plane, "pcl-multi-plane"},
+                                 NamedMethod{Method::pcl_region_growing, "pcl-region-growing"},
+                                 NamedMethod{Method::cgal_ransac, "cgal-ransac"},
+                                 NamedMethod{Method::cgal_region_growing, "cgal-region-growing"}};
+
+/// The CMake option without which this program was built, and so without the method; null where it
+/// has it.
+const char* missing_option(Method method) {
+  if (method == Method::ransac) return has_ransac() ? nullptr : "PLANESCOPE_OPEN3D";
+  if (method > Method::region_growing) return has_pcl_and_cgal() ? nullptr : "PLANESCOPE_RIVALS";
+  return nullptr;
+}
+
+}  // namespace
+
+const char* to_string(Method method) { return kMethods[static_cast<std::size_t>(method)].name; }
+
+const std::vector<Method>& all_methods() {
+  static const std::vector<Method> methods = [] {
+    std::vector<Method> all;
+    for (const NamedMethod& named : kMethods) all.push_back(named.method);
+    return all;
+  }();
+  return methods;
+}
+
+const std::vector<Method>& built_methods() {
+  static const std::vector<Method> methods = [] {
+    std::vector<Method> built;
+    for (const NamedMethod& named : kMethods)
+      if (!missing_option(named.method)) built.push_back(named.method);
+    return built;
+  }();
+  return methods;
+}
+
+Method parse_method(const std::string& text) {
+  std::string known;
+  for (const auto& [method, name] : kMethods) {
+    const char* missing = missing_option(method);
+    if (text == name && missing)
+      throw Error("method '" + text + "' is in builds with -D" + missing +
+                  "=ON alone, see docs/method.md");
+    if (text == name) return method;
+    if (!missing) known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw Error("method '" + text + "' does not exist, expected one of " + known);
+}
+
+// ---- Classifiers ----
+
+namespace {
+
+namespace fs = std::filesystem;
+
+ChosenClassifier from_weights(const fs::path& file, const std::string& name) {
+  const NetworkWeights weights = read_weights(file);
+  const NetworkConfig& config = weights.config;
+  WeightsRecord record;
+  record.file = file.filename().string();
+  record.sha256 = sha256_hex_of_file(file);
+  record.network = fmt::format("{}, {} parameters", config.name, parameter_count(config));
+  record.training = weights.training;
+  return {make_gcn_classifier(weights, name), std::move(record)};
+}
+
+}  // namespace
+
+bool names_weights_file(const std::string& name) {
+  std::error_code ignored;
+  return name.find_first_of("./") != std::string::npos || fs::exists(name, ignored);
+}
+
+ChosenClassifier make_classifier(const PipelineOptions& options, const fs::path& shipped_weights) {
+  const std::string& name = options.classifier;
+  if (name == "truth") return {};
+  if (name == "pca") return {make_pca_classifier(options.pca), std::nullopt};
+  if (name == "gcn") return from_weights(shipped_weights, name);
+  return from_weights(name, name);
+}
+
+// ---- Frames ----
+
 namespace {
 
 bool looks_at_pixels(Method method, const Frame& frame) {

@@ -3,22 +3,53 @@
 // Recording -> Frame -> Cloud -> voxel grid -> labels -> Octree -> traverse -> merge -> assign,
 // every intermediate kept, so that the desktop and the report can show any stage.
 
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "core/model/disjoint_sets.hpp"
 #include "core/model/frame.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/cloud/cloud.hpp"
 #include "core/planes/cloud/gravity.hpp"
-#include "core/planes/depth/known.hpp"
-#include "core/planes/foot/options.hpp"
-#include "core/planes/pipeline/method.hpp"
+#include "core/planes/depth/inverse_depth.hpp"
+#include "core/planes/result/options.hpp"
+#include "core/planes/rivals/rivals.hpp"
 #include "core/planes/segment/segment.hpp"
-#include "core/planes/stairs/stairs_options.hpp"
 
 namespace planescope::planes {
+
+// ---- Methods ----
+
+enum class Method : std::uint8_t {
+  ours,
+  ransac,  // the paper's rivals; this one only in programs that have Open3D (has_ransac())
+  region_growing,
+  pcl_multi_plane,  // further rivals, only where they were built (has_pcl_and_cgal())
+  pcl_region_growing,
+  cgal_ransac,
+  cgal_region_growing,
+};
+/// As --method has it: "region-growing".
+const char* to_string(Method method);
+Method parse_method(const std::string& text);  // throws Error naming those that this build has
+const std::vector<Method>& all_methods();      // ours first, built or not
+const std::vector<Method>& built_methods();    // ours first; the same for the whole process
+
+/// Options of all methods but ours, which has SegmentOptions.
+struct RivalOptions {
+  RansacOptions ransac;
+  RegionGrowingOptions region_growing;
+  PclMultiPlaneOptions pcl_multi_plane;
+  PclRegionGrowingOptions pcl_region_growing;
+  CgalRansacOptions cgal_ransac;
+  CgalRegionGrowingOptions cgal_region_growing;
+};
 
 /// Everything a user can set about the processing of one frame.
 struct PipelineOptions {
@@ -69,7 +100,7 @@ struct FrameResult : PreparedFrame {
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
 };
 
-/// `classifier`: of these options (classifiers.hpp), null to take the labels of `truth`. Rivals,
+/// `classifier`: of these options (make_classifier()), null to take the labels of `truth`. Rivals,
 /// and frames whose gravity is `none`, need neither. Throws Error where gravity cannot be found, or
 /// both are null.
 PreparedFrame prepare_frame(const Frame& frame,
@@ -120,5 +151,57 @@ inline double paper_ms(const FrameTimings& t) { return t.t_d_ms + t.t_c_ms + t.t
 inline double total_ms(const FrameTimings& t) {
   return t.load_ms + t.cloud_ms + t.t_d_ms + t.t_c_ms + t.t_b_ms + t.t_s_ms;
 }
+
+/// Cloud points begin <= i < end, all of one plane.
+struct PointRun {
+  std::size_t begin = 0, end = 0;
+};
+
+/// By id - 1, the points of each plane in the cloud's order.
+inline std::vector<std::vector<PointRun>> runs_of_planes(const FrameResult& result) {
+  std::vector<std::vector<PointRun>> runs(result.segmentation.planes.size());
+  for (std::size_t begin = 0, end = 0; begin < result.plane_of.size(); begin = end) {
+    end = end_of_run(result.plane_of, begin);
+    if (const std::int32_t id = result.plane_of[begin]; id > 0)
+      runs[static_cast<std::size_t>(id) - 1].push_back({begin, end});
+  }
+  return runs;
+}
+
+/// Frames side by side and, if there are fewer frames than threads, several threads for each.
+struct FrameThreads {
+  int at_once = 1;
+  PipelineOptions pipeline;  // of one frame
+};
+
+inline FrameThreads threads_for_frames(const PipelineOptions& options, int frames) {
+  FrameThreads threads{std::clamp(options.threads, 1, std::max(1, frames)), options};
+  threads.pipeline.threads = std::max(1, options.threads / threads.at_once);
+  return threads;
+}
+
+// ---- Classifiers ----
+
+/// Which weights a classifier has, and how they were trained.
+struct WeightsRecord {
+  std::string file;      // its name without folders
+  std::string sha256;    // of the file
+  std::string network;   // "compact, 27714 parameters"
+  std::string training;  // a JSON object: how the weights were trained
+};
+
+struct ChosenClassifier {
+  std::shared_ptr<const Classifier> classifier;  // null: truth
+  std::optional<WeightsRecord> weights;          // where it is a network
+};
+
+/// Whether `name` is a weights file rather than the name of a classifier: something with a '.' or
+/// '/' in it, or a file that is there.
+bool names_weights_file(const std::string& name);
+
+/// gcn | pca | truth | FILE. `shipped_weights`: those of gcn. Throws Error where weights cannot be
+/// read; there is no fallback.
+ChosenClassifier make_classifier(const PipelineOptions& options,
+                                 const std::filesystem::path& shipped_weights);
 
 }  // namespace planescope::planes

@@ -1,8 +1,10 @@
 #include "core/planes/pipeline/truth.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/model/error.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::planes {
 
@@ -70,6 +72,180 @@ LabelledCloud labelled_frame(const Frame& frame,
   labelled.points = voxels.points;
   for (const std::uint8_t vote : votes) labelled.labels.push_back(static_cast<Label>(vote));
   return labelled;
+}
+
+// ---- Scores ----
+
+namespace {
+
+/// Truth on the points, its planes numbered from 1 on without gaps: ids of labels may be any.
+struct DenseTruth {
+  FrameTruth on_points;
+  std::vector<Vec3d> normals;  // by dense id - 1, sensor frame; zero where unknown
+};
+
+DenseTruth dense_truth(const Cloud& cloud, const SourceTruth& truth) {
+  DenseTruth dense;
+  dense.on_points = truth_on_points(truth.values, cloud.source);
+  std::vector<std::int32_t> ids;
+  for (const std::int32_t id : dense.on_points.instance)
+    if (id > 0) ids.push_back(id);
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  for (std::int32_t& id : dense.on_points.instance)
+    if (id > 0)
+      id =
+          static_cast<std::int32_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin()) + 1;
+  for (const std::int32_t id : ids) {
+    const auto k = static_cast<std::size_t>(id) - 1;
+    dense.normals.push_back(k < truth.normals.size() ? truth.normals[k] : Vec3d::Zero());
+  }
+  return dense;
+}
+
+/// The voxels of the result; of the default size where the planes were found on pixels.
+VoxelCloud scored_voxels(const FrameResult& result) {
+  return result.of_pixels ? voxelize(result.cloud, CloudOptions().voxel_size_m) : result.voxels;
+}
+
+/// Planes of fewer voxels become points that are not scored.
+void leave_out_small(DenseTruth& dense, const VoxelCloud& cloud, int least_voxels) {
+  std::vector<int> voxels(dense.normals.size() + 1, 0);
+  for (const std::int32_t plane : vote_instances(cloud, dense.on_points.instance))
+    if (plane > 0) ++voxels[plane];
+  for (std::int32_t& plane : dense.on_points.instance)
+    if (plane > 0 && voxels[plane] < least_voxels) plane = -1;
+}
+
+/// What both sides say about the points that are scored, and the planes' normals in the world.
+struct Scored {
+  std::vector<Vec3f> points;
+  std::vector<std::int32_t> true_planes, found_planes;
+  std::vector<Label> true_labels, found_labels;
+  std::vector<Vec3d> true_normals, found_normals;
+  int min_truth_points = 1;
+
+  void add(const Vec3f& point, const FrameTruth& truth, std::size_t i, int plane, Label label) {
+    points.push_back(point);
+    true_planes.push_back(truth.instance[i]);
+    true_labels.push_back(static_cast<Label>(truth.label[i]));
+    found_planes.push_back(plane);
+    found_labels.push_back(label);
+  }
+  Metrics metrics() const {
+    return evaluate({.points = points,
+                     .truth = true_planes,
+                     .found = found_planes,
+                     .found_normals = found_normals,
+                     .truth_normals = true_normals,
+                     .truth_labels = true_labels,
+                     .found_labels = found_labels,
+                     .min_truth_points = min_truth_points});
+  }
+};
+
+std::vector<Vec3d> turned(const std::vector<Vec3d>& normals, const Pose& T_world_sensor) {
+  std::vector<Vec3d> world;
+  for (const Vec3d& normal : normals) world.push_back(T_world_sensor.linear() * normal);
+  return world;
+}
+
+void add_normals(Scored& scored, const FrameResult& result, const DenseTruth& truth) {
+  for (const PlaneRegion& plane : result.segmentation.planes)
+    scored.found_normals.push_back(plane.fit.normal);
+  scored.true_normals = turned(truth.normals, result.cloud.T_world_sensor);
+}
+
+/// Where no point has a label, without gravity or by refined on pixels, label accuracy is not
+/// measured.
+Metrics without_open_labels(Metrics metrics, const FrameResult& result) {
+  if (!result.gravity.known() || result.of_pixels)
+    metrics.label_accuracy_edge = metrics.label_accuracy_inner = std::nan("");
+  return metrics;
+}
+
+Verdict verdict_of(std::int32_t truth, std::int32_t found, std::span<const int> found_of) {
+  if (truth < 0) return Verdict::unscored;
+  if (truth == 0) return found > 0 ? Verdict::invented : Verdict::right;
+  if (found <= 0) return Verdict::missed;
+  return found_of[static_cast<std::size_t>(truth) - 1] == found ? Verdict::right
+                                                                : Verdict::wrong_plane;
+}
+
+}  // namespace
+
+Metrics score_frame(const FrameResult& result,
+                    const SourceTruth& truth,
+                    const LeastTruePlane& least) {
+  const Cloud& cloud = result.cloud;
+  DenseTruth dense = dense_truth(cloud, truth);
+  if (least.voxels > 0) leave_out_small(dense, scored_voxels(result), least.voxels);
+  Scored scored;
+  scored.min_truth_points = least.points;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const std::uint32_t voxel = result.voxels.voxel_of[i];
+    if (voxel == kNoVoxel) continue;
+    scored.add(cloud.points[i], dense.on_points, i, result.plane_of[i],
+               result.classification.labels[voxel]);
+  }
+  add_normals(scored, result, dense);
+  return without_open_labels(scored.metrics(), result);
+}
+
+Metrics score_voxels(const FrameResult& result, const SourceTruth& truth, int min_truth_voxels) {
+  const DenseTruth dense = dense_truth(result.cloud, truth);
+  const VoxelCloud voxels = scored_voxels(result);
+  const FrameTruth of_voxels{vote_labels(voxels, dense.on_points.label),
+                             vote_instances(voxels, dense.on_points.instance)};
+  const std::vector<std::int32_t> planes =
+      result.of_pixels ? vote_instances(voxels, result.plane_of) : result.segmentation.plane_of;
+  Scored scored;
+  for (std::size_t v = 0; v < voxels.points.size(); ++v)
+    scored.add(voxels.points[v], of_voxels, v, planes[v],
+               result.of_pixels ? Label::unknown : result.classification.labels[v]);
+  add_normals(scored, result, dense);
+  scored.min_truth_points = min_truth_voxels;
+  return without_open_labels(scored.metrics(), result);
+}
+
+Metrics score_labels(const Frame& frame,
+                     const FrameLabels& found,
+                     const FrameLabels& truth,
+                     const CloudOptions& options) {
+  const Cloud cloud = make_cloud(frame, truth.gravity, options);
+  const DenseTruth dense = dense_truth(cloud, truth_of_labels(truth));
+  const DenseTruth other = dense_truth(cloud, truth_of_labels(found));
+  Scored scored;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (cloud.kept[i])
+      scored.add(cloud.points[i], dense.on_points, i, std::max(0, other.on_points.instance[i]),
+                 static_cast<Label>(other.on_points.label[i]));
+  scored.found_normals = turned(other.normals, cloud.T_world_sensor);
+  scored.true_normals = turned(dense.normals, cloud.T_world_sensor);
+  return scored.metrics();
+}
+
+JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth) {
+  JudgedFrame judged;
+  const DenseTruth dense = dense_truth(result.cloud, truth);
+  judged.true_plane = dense.on_points.instance;
+  std::vector<std::int32_t> scored = judged.true_plane;
+  for (std::size_t i = 0; i < scored.size(); ++i)
+    if (result.voxels.voxel_of[i] == kNoVoxel) scored[i] = -1;
+  judged.found_of = found_of_truth(count_truth_overlap(scored, result.plane_of));
+  judged.found_of.resize(dense.normals.size(), 0);  // planes that were cropped have no partner
+  for (std::size_t i = 0; i < scored.size(); ++i) {
+    const std::int32_t found = result.plane_of[i];
+    Verdict verdict = verdict_of(scored[i], found, judged.found_of);
+    if (verdict == Verdict::right && found > 0) {
+      const auto label = static_cast<Label>(dense.on_points.label[i]);
+      const Label taken_for = result.segmentation.planes[static_cast<std::size_t>(found) - 1].label;
+      if (label != Label::unknown && taken_for != Label::unknown && label != taken_for)
+        verdict = Verdict::wrong_class;
+    }
+    judged.verdict.push_back(verdict);
+  }
+  return judged;
 }
 
 }  // namespace planescope::planes

@@ -1,6 +1,6 @@
 #pragma once
 
-// Ground truth of a frame, from its labels or from a cloud's own fields.
+// Ground truth of a frame, from its labels or from a cloud's own fields, and a result held to it.
 
 #include <cstdint>
 #include <optional>
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/model/frame.hpp"
-#include "core/model/frame_labels.hpp"
 #include "core/planes/classify/classifier.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::planes {
@@ -36,5 +36,48 @@ std::vector<std::uint32_t> measured_sources(const Frame& frame);
 LabelledCloud labelled_frame(const Frame& frame,
                              const PipelineOptions& options,
                              const SourceTruth& truth);
+
+// ---- Scores ----
+
+/// Smaller true planes are not scored: neither they nor what is found on them count.
+struct LeastTruePlane {
+  int points = 1;  // that are scored: pixels of a depth image
+  int voxels = 0;  // that are the plane's by most of their points
+};
+
+/// The metrics of a frame's result on its own points. Points that were cropped (range, cube) are
+/// not scored, nor are those whose truth says so.
+Metrics score_frame(const FrameResult& result,
+                    const SourceTruth& truth,
+                    const LeastTruePlane& least = {});
+
+/// The metrics of a frame's result on its voxels: a voxel belongs to the true plane that most of
+/// its points do, and planes of fewer than `min_truth_voxels` are not scored.
+Metrics score_voxels(const FrameResult& result, const SourceTruth& truth, int min_truth_voxels);
+
+/// As score_frame() for a segmentation that was made elsewhere, as labels on the pixels of the
+/// frame. Pixels beyond the range, or outside the cube, of `options` are not scored.
+Metrics score_labels(const Frame& frame,
+                     const FrameLabels& found,
+                     const FrameLabels& truth,
+                     const CloudOptions& options);
+
+/// What became of a point.
+enum class Verdict : std::uint8_t {
+  unscored,
+  right,
+  missed,       // on a true plane, and in no plane
+  invented,     // in a plane, and on none
+  wrong_plane,  // in another plane than the one that stands for its own
+  wrong_class,  // in the right plane, which is taken for h where it is v, or the reverse
+};
+
+struct JudgedFrame {
+  std::vector<std::int32_t>
+      true_plane;                // per cloud point, from 1 on without gaps; 0 none, -1 unknown
+  std::vector<Verdict> verdict;  // per cloud point
+  std::vector<int> found_of;     // by true_plane - 1: the found plane that stands for it, or 0
+};
+JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth);
 
 }  // namespace planescope::planes

@@ -8,7 +8,7 @@
 #include <CGAL/pca_estimate_normals.h>
 #include <CGAL/property_map.h>
 
-#include "core/planes/rivals/pcl_cgal.hpp"
+#include "core/planes/rivals/rivals.hpp"
 
 namespace planescope::planes {
 namespace {

@@ -12,7 +12,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/planes/rivals/pcl_cgal.hpp"
+#include "core/planes/rivals/rivals.hpp"
 
 namespace planescope::planes {
 namespace {

@@ -1,6 +1,6 @@
 // The rivals of PCL and CGAL in builds without -DPLANESCOPE_RIVALS=ON.
 
-#include "core/planes/rivals/pcl_cgal.hpp"
+#include "core/planes/rivals/rivals.hpp"
 
 namespace planescope::planes {
 namespace {

@@ -1,8 +1,6 @@
 // Proenca & Gao 2018, Sec. III: seeds from a histogram of normals, growth and merging, of cells
 // that are patches of a depth image or voxels.
 
-#include "core/planes/rivals/region_growing.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -15,7 +13,7 @@
 #include <vector>
 
 #include "core/model/plane.hpp"
-#include "core/planes/rivals/found_planes.hpp"
+#include "core/planes/rivals/rivals.hpp"
 
 namespace planescope::planes {
 namespace {

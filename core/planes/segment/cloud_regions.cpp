@@ -5,8 +5,8 @@
 #include <optional>
 #include <queue>
 
-#include "core/planes/segment/parts.hpp"
-#include "core/planes/segment/roots.hpp"
+#include "core/model/disjoint_sets.hpp"
+#include "core/planes/segment/cells.hpp"
 
 namespace planescope::planes {
 namespace {

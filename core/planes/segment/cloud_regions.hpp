@@ -2,11 +2,57 @@
 
 // Planes of a cloud by one objective: misfit over the measured noise, a cost for each plane, and a
 // cost for each unexplained point. The octree's case IV nodes are the first regions. What happens
-// to a region or a point afterwards is decided by how it changes the objective.
+// to a region or a point afterwards is decided by how it changes the objective. The scales of the
+// cloud are measured in patches of its points: noise, bow and spacing.
 
-#include "core/planes/segment/cloud_scales.hpp"
+#include "core/planes/segment/state.hpp"
 
 namespace planescope::planes {
+
+/// The characteristic polynomial x^3 - a x^2 + b x - c of points' scatter: its least root is the
+/// sum of squared distances to the least-squares plane [m^2].
+struct Cubic {
+  double a = 0, b = 0, c = 0;
+
+  explicit Cubic(const Moments& moments) {
+    const Mat3d s = moments.scatter();
+    const double xy2 = s(0, 1) * s(0, 1), xz2 = s(0, 2) * s(0, 2), yz2 = s(1, 2) * s(1, 2);
+    a = s(0, 0) + s(1, 1) + s(2, 2);
+    b = s(0, 0) * s(1, 1) + s(0, 0) * s(2, 2) + s(1, 1) * s(2, 2) - xy2 - xz2 - yz2;
+    c = s(0, 0) * s(1, 1) * s(2, 2) + 2 * s(0, 1) * s(0, 2) * s(1, 2) - s(0, 0) * yz2 -
+        s(1, 1) * xz2 - s(2, 2) * xy2;
+  }
+  double at(double x) const { return ((x - a) * x + b) * x - c; }
+  double slope_at(double x) const { return (3 * x - 2 * a) * x + b; }
+  /// Quick sufficient test: the least root may exceed x even if this returns false.
+  bool least_root_is_beyond(double x) const { return at(x) < 0 && slope_at(x) > 0 && 3 * x < a; }
+  /// By Newton's method, which rises from 0 to it.
+  double least_root() const {
+    double x = 0;
+    for (int i = 0; i < 40; ++i) {
+      const double slope = slope_at(x);
+      if (slope <= 0) break;
+      const double step = -at(x) / slope;
+      x += step;
+      if (step <= 1e-9 * x + 1e-16 * a) break;
+    }
+    return std::max(0.0, x);
+  }
+  /// Product of the other two roots, if the least root is small [m^4].
+  double product_of_others() const { return std::max(0.0, b); }
+};
+
+struct CloudScales {
+  double white_m = 0;     // standard deviation of points about their surface
+  double measured_m = 0;  // white_m before its lower bound, options.resolution, is applied
+  double bow_m = 0;       // standard deviation of the error that a region's points share
+  double spacing_m = 0;   // distance between neighboring points on a surface
+  double variance_m2() const { return white_m * white_m + bow_m * bow_m; }
+};
+CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& options);
+
+/// Noise model for Criterion 3 and for point-to-plane distances after the segmentation.
+NoiseModel noise_of(const CloudScales& scales, const ObjectiveOptions& options);
 
 /// From the traversal's planes, one for each case IV node, and its leftovers to the final planes.
 void find_cloud_regions(SegmentState& state,

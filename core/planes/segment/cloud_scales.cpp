@@ -1,11 +1,10 @@
-#include "core/planes/segment/cloud_scales.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include "core/planes/segment/cells.hpp"
+#include "core/planes/segment/cloud_regions.hpp"
 
 namespace planescope::planes {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "core/model/plane.hpp"
 #include "core/planes/classify/classifier.hpp"
-#include "core/planes/segment/noise.hpp"
 #include "core/planes/segment/octree.hpp"
 #include "core/planes/segment/options.hpp"
 

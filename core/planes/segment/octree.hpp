@@ -4,6 +4,7 @@
 // them. Nodes are made when their parent is divided, appended in breadth-first order, so that the
 // node array is the paper's queue Q_N itself.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -15,9 +16,29 @@
 #include "core/model/types.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/cloud/cloud.hpp"
-#include "core/planes/segment/image_space.hpp"
 
 namespace planescope::planes {
+
+/// The space that the octree of a depth image divides: pixels u and v, and inverse depth rho = 1 /
+/// z. A plane in space is a plane in it, and the noise of stereo depth is the same everywhere.
+struct ImageSpace {
+  double fx = 0, fy = 0, cx = 0, cy = 0;   // [px], without distortion
+  Pose T_local_camera = Pose::Identity();  // camera: x right, y down, z forward
+  double root_px = 1024;                   // side of the root in u and v, a power of two
+  double px_per_inverse_m = 64;            // a cell of s px is s / 64 1/m high in rho
+  double farthest_m = 1;                   // greatest z of the points: cells are drawn up to it
+
+  /// (u, v, rho) [px, px, 1/m] to local coordinates [m], and back. What is beyond `farthest_m`, the
+  /// infinitely far rho = 0 as well, comes to that depth.
+  Vec3d to_local(const Vec3d& at) const {
+    const double z = 1 / std::max(at.z(), 1 / farthest_m);
+    return T_local_camera * Vec3d((at.x() - cx) / fx * z, (at.y() - cy) / fy * z, z);
+  }
+  Vec3d from_local(const Vec3d& point) const {
+    const Vec3d p = T_local_camera.inverse() * point;
+    return {fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy, 1 / p.z()};
+  }
+};
 
 /// Case of a node (the paper's figure 4): I impure, II too few inliers, III not planar, IV a plane.
 enum class Case : std::uint8_t { none = 0, I = 1, II = 2, III = 3, IV = 4 };

@@ -1,15 +1,108 @@
 #pragma once
 
 // All numbers that steer the segmentation: Sun et al. 2023, Sec. V "Implementation Details", and
-// those of planescope's own objective.
+// those of planescope's own objective, misfit over the measured noise. None of the latter depends
+// on the camera or is a length: what differs between sensors is measured in the frame.
 
 #include <cstdint>
 #include <string>
 
 #include "core/planes/classify/classifier.hpp"
-#include "core/planes/segment/objective.hpp"
 
 namespace planescope::planes {
+
+/// How noisy the points are, as `refined` measured it, for what judges distances to planes
+/// afterwards: the standard deviation of the measurements across a surface, the same everywhere or
+/// growing with the square of the distance to the sensor, as stereo depth does.
+struct NoiseModel {
+  bool estimated = false;   // false: the profiles of the paper do not measure it
+  bool by_range = false;    // sigma(r) = growth r^2
+  double constant_m = 0;    // [m]
+  double growth_per_m = 0;  // [m per m^2]
+  double reach_sigma = 3;   // a point this far off a plane may be on it
+
+  double sigma(double range) const {  // [m]; 0 where not estimated
+    if (!estimated) return 0;
+    return by_range ? growth_per_m * range * range : constant_m;
+  }
+  /// How far off a plane its points may lie [m].
+  double tau(double range) const {
+    constexpr double kUnmeasured_m = 0.01;
+    return estimated ? reach_sigma * sigma(range) : kUnmeasured_m;
+  }
+};
+
+/// The one objective by which `refined` finds planes: misfit over the measured noise, a cost for
+/// each plane, and one for each unexplained pixel or point.
+struct ObjectiveOptions {
+  // Of depth images (core/planes/depth) and of clouds (cloud_regions.hpp).
+  double flat = 3;         // Criterion 3: largest variance of a cell, relative to the expected
+  double bow = 2.5;        // the low-frequency error, in units of what it is measured by
+  double merge_cost = 10;  // of a plane: regions join where their misfit costs less
+
+  // Of depth images.
+  double two_planes = 0.3;    // Criterion 1: halves of a cell part above this share of merge_cost
+  double filled = 0.4;        // Criterion 2: least share of a cell's pixels that it holds
+  double lateral_px = 2;      // sideways error of a pixel
+  double reach_sigma = 3;     // cost of an unexplained pixel, as a residual
+  double hidden_share = 0.5;  // parts that something hides join below this share of merge_cost
+  double worth_px = 1000;     // least worth of a listed plane
+  double undecided = 0.5;     // planes of a smaller margin are undecided
+
+  // Of clouds; sigma is the noise measured in the cloud.
+  double resolution = 0.05;        // sigma is at least this, in spacings of points
+  double point_reach_sigma = 4.5;  // cost of an unexplained point, as a distance
+  double label_sigma = 2;          // a plane of the other label seems this much farther off
+  double plane_cost = 180;         // squared sigma: what a plane costs
+
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = ObjectiveOptions;
+    rows.number("flat", "Cell flatness", "1",
+                "Criterion 3: largest variance of a cell, relative to the expected", &O::flat,
+                {0, 1e6, true});
+    rows.number("bow", "Bow allowed", "1",
+                "low-frequency error of depth, relative to the measured one", &O::bow, {0, 100});
+    rows.number("merge_cost", "Merge cost", "1",
+                "cost of a plane: regions merge when their misfit costs less", &O::merge_cost,
+                {0, 1e6});
+    rows.group.images = true;
+    rows.number("two_planes", "Two-plane split", "share",
+                "depth images, Criterion 1: largest cost of one plane rather than two, as a share "
+                "of merge_cost",
+                &O::two_planes, {0, 1e6});
+    rows.number("filled", "Least filled share", "share",
+                "depth images, Criterion 2: minimum share of a cell's pixels on its plane",
+                &O::filled, {0, 1});
+    rows.number("lateral_px", "Lateral error", "px", "depth images: lateral error of a pixel",
+                &O::lateral_px, {0, 100});
+    rows.number("reach_sigma", "Cost of unexplained pixels", "sigma",
+                "depth images: cost of an unassigned pixel, as a residual", &O::reach_sigma,
+                {0, 100});
+    rows.number("hidden_share", "Joining hidden parts", "share",
+                "depth images: cost limit for merging parts separated by an occlusion, as a share "
+                "of merge_cost",
+                &O::hidden_share, {0, 100});
+    rows.number("worth_px", "Least worth of a plane", "px",
+                "depth images: minimum worth of a plane, in pixels of a plane with 1 % RMS (image "
+                "640 px wide)",
+                &O::worth_px, {0, 1e9});
+    rows.number("undecided", "Margin of undecided planes", "1",
+                "depth images: planes with a smaller margin are undecided", &O::undecided,
+                {0, 1e6});
+    rows.group.images = false;
+    rows.number("resolution", "Spacing noise", "spacings",
+                "clouds: minimum noise sigma, in spacings of points", &O::resolution, {0, 100});
+    rows.number("point_reach_sigma", "Cost of unexplained points", "sigma",
+                "clouds: cost of an unassigned point, as a distance", &O::point_reach_sigma,
+                {0, 1000});
+    rows.number("label_sigma", "Label penalty", "sigma",
+                "clouds: extra distance of a point from a plane of the other label",
+                &O::label_sigma, {0, 1000});
+    rows.number("plane_cost", "Plane cost", "sigma2", "clouds: cost of a plane", &O::plane_cost,
+                {0, 1e9});
+  }
+};
 
 enum class Profile : std::uint8_t { paper, paper_closest, refined };
 const char* to_string(Profile profile);
@@ -41,6 +134,49 @@ struct SegmentOptions {
 
   /// Whether planes are found by the objective; otherwise as the paper says.
   bool by_objective() const { return profile == Profile::refined; }
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = SegmentOptions;
+    rows.group.images = false;  // the objective asks Criteria 1 and 2 of clouds
+    rows.number("theta_n_out", "Most outliers", "points", "Criterion 1: most outliers of a node",
+                &O::theta_n_out)
+        .symbol = "θ_Nout";
+    rows.number("theta_r_out", "Largest outlier share", "share",
+                "Criterion 1: largest share of outliers in a node", &O::theta_r_out, {0, 1})
+        .symbol = "θ_rout";
+    rows.number("theta_n_in", "Fewest inliers", "points", "Criterion 2: fewest inliers of a node",
+                &O::theta_n_in, {3, 1e9})
+        .symbol = "θ_Nin";
+    rows.group.images = {};
+    rows.group.objective = false;
+    rows.number("theta_e_n_m2", "Largest fit error", "m2",
+                "Criterion 3: largest error e_n of the inliers' plane fit", &O::theta_e_n_m2)
+        .symbol = "θ_en";
+    rows.choice("mse_normalization", "Fit error is over", {"scatter", "mean"},
+                "e_n is the smallest eigenvalue of the scatter as printed, or divided by N",
+                &O::mse_normalization);
+    rows.number("theta_coplane", "Least coplanarity", "1",
+                "Criterion 4: smallest coplanarity of two merged candidates", &O::theta_coplane,
+                {0, 1})
+        .symbol = "θ_coplane";
+    rows.flag("criterion4_n2", "Ask for the third line",
+              "Criterion 4: also evaluate its third line, with the candidate's normal",
+              &O::criterion4_n2);
+    rows.number("merge_offset_m", "Largest merge offset", "m",
+                "Criterion 4: largest |n . dmu|; 0 disables the test", &O::merge_offset_m);
+    rows.choice("merge_partner", "Merge partner", {"first", "best"},
+                "Coplanar plane that a candidate is merged into", &O::merge_partner);
+    rows.number("leftover_distance_m", "Assignment distance", "m",
+                "Largest distance at which an unassigned point is assigned to a plane",
+                &O::leftover_distance_m);
+    rows.group.images = false;
+    rows.group.objective = {};
+    rows.flag("use_labels", "Use labels", "Off: all points have one label, the paper's \"w/o PC\"",
+              &O::use_labels);
+    rows.choice("cube_anchor", "Cube anchor", {"center", "min_corner"},
+                "Cube centered by the cloud stage, or starting at the minimum corner of the points",
+                &O::cube_anchor);
+  }
 };
 
 /// The defaults of a profile.

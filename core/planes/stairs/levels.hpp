@@ -4,6 +4,7 @@
 // Internal to core/planes/stairs.
 
 #include <numbers>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -70,5 +71,10 @@ Cuts cuts_of(const Level& level, const Heading& heading, double close_m);
 /// The directions in which steps may lead up: in which many edges of levels, and planes that stand
 /// upright, face. The strongest first, each with its opposite.
 std::vector<Heading> headings_of(std::span<const Level> levels, const CoveringPlanes& found);
+
+/// A tilted plane as a ramp; nothing where neither of its ends meets a level of that height.
+std::optional<SlopingPlane> ramp_of(const LevelPiece& piece,
+                                    std::span<const Level> levels,
+                                    const StairsOptions& options);
 
 }  // namespace planescope::planes

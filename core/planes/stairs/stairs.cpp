@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/planes/stairs/levels.hpp"
-#include "core/planes/stairs/ramps.hpp"
 #include "core/planes/stairs/steps.hpp"
 
 namespace planescope::planes {

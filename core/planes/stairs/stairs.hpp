@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/planes/outline/outline.hpp"
+#include "core/planes/result/options.hpp"
 #include "core/planes/segment/segment.hpp"
-#include "core/planes/stairs/stairs_options.hpp"
 
 namespace planescope::planes {
 

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::report {
 namespace {
@@ -19,7 +19,7 @@ constexpr double kMostOfPart = 0.5;    // a part lies for the most part in the w
 constexpr double kLeastOfWhole = 0.1;  // and is not a mere scrap of it
 constexpr double kSameCentroidM = 0.1, kSameAngleDeg = 20;  // without samples
 
-double angle_deg(const PlaneSummary& a, const PlaneSummary& b) {
+double angle_deg(const planes::PlaneSummary& a, const planes::PlaneSummary& b) {
   return std::acos(std::min(1.0, std::abs(a.normal.dot(b.normal)))) * 180 / std::numbers::pi;
 }
 
@@ -119,11 +119,11 @@ class PlaneComparer {
   void match_small() {
     for (int t = 1; t <= planes_before(); ++t) {
       if (!is_open(t) || overlap_.truth_size[t] > 0) continue;
-      const PlaneSummary& plane = baseline_[static_cast<std::size_t>(t) - 1].summary;
+      const planes::PlaneSummary& plane = baseline_[static_cast<std::size_t>(t) - 1].summary;
       int nearest = 0;
       double least = kSameCentroidM;
       for (int f = 1; f <= planes_now(); ++f) {
-        const PlaneSummary& other = now_[static_cast<std::size_t>(f) - 1].summary;
+        const planes::PlaneSummary& other = now_[static_cast<std::size_t>(f) - 1].summary;
         const double distance = (other.centroid - plane.centroid).norm();
         if (taken_[f] || other.label != plane.label || distance > least ||
             angle_deg(plane, other) > kSameAngleDeg)
@@ -145,8 +145,8 @@ class PlaneComparer {
   }
 
   void pair(int t, int f, PlaneFate fate) {
-    const PlaneSummary& before = baseline_[static_cast<std::size_t>(t) - 1].summary;
-    const PlaneSummary& after = now_[static_cast<std::size_t>(f) - 1].summary;
+    const planes::PlaneSummary& before = baseline_[static_cast<std::size_t>(t) - 1].summary;
+    const planes::PlaneSummary& after = now_[static_cast<std::size_t>(f) - 1].summary;
     PlaneComparison& pair = of(t);
     pair.fate = fate;
     pair.now = f;

@@ -28,7 +28,7 @@ void add_undecided(const ReportFrame& frame,
                    std::vector<std::string>& texts) {
   for (const int id : ids) {
     if (id < 1) continue;
-    const PlaneSummary& plane = frame.planes.at(static_cast<std::size_t>(id) - 1).summary;
+    const planes::PlaneSummary& plane = frame.planes.at(static_cast<std::size_t>(id) - 1).summary;
     std::string text = fmt::format("plane {}{} (margin {:.2g})", id, of, plane.margin);
     if (plane.undecided && std::ranges::count(texts, text) == 0) texts.push_back(std::move(text));
   }
@@ -130,7 +130,7 @@ std::optional<double> labels_missing(const FrameComparison& frame) {
   return before->metrics && !now->metrics ? 1 : 0;
 }
 
-/// Where a foot's centre may go; none without a foot, and of reports before schema 3.
+/// Where a foot's centre may go; none without a foot.
 std::optional<double> steppable_area(const ReportFrame* frame) {
   if (!done(frame) || !frame->terrain || std::isnan(frame->terrain->steppable_area_m2))
     return std::nullopt;

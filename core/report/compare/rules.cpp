@@ -10,9 +10,8 @@
 #include <numeric>
 #include <optional>
 
-#include "core/model/json.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/report/compare/rule_metrics.hpp"
-#include "core/report/data/json_place.hpp"
 
 namespace planescope::report {
 namespace {
@@ -104,34 +103,38 @@ void add_notes(const Rule& rule, const ReportComparison& comparison, std::vector
   }
 }
 
+}  // namespace
+
+void visit_fields(auto& fields, Same<Rule> auto& rule) {
+  fields("metric", rule.metric);
+  fields("scope", rule.scope, kOptional);
+  fields.with_default("recording", rule.recording, "");
+  fields.with_default("frame", rule.frame, -1);
+  fields.with_default("at_least", rule.at_least, Rule().at_least);
+  fields.with_default("at_most", rule.at_most, Rule().at_most);
+  fields("level", rule.level, kOptional);
+}
+
+namespace {
+
 Rule rule_of(const JsonPlace& place) {
   place.has_only({"metric", "scope", "recording", "frame", "at_least", "at_most", "level"});
   Rule rule;
-  rule.metric = place.at("metric").text();
+  read_fields(place, rule);
   if (std::ranges::none_of(measured_metrics(),
                            [&](const MeasuredMetric& m) { return m.metric.name == rule.metric; })) {
     std::vector<std::string_view> names;
     for (const MeasuredMetric& metric : measured_metrics()) names.push_back(metric.metric.name);
     place.at("metric").fail_kind(fmt::format("one of {}", fmt::join(names, ", ")));
   }
-  if (place.has("scope"))
-    rule.scope = place.at("scope").choice({RuleScope::frame, RuleScope::recording, RuleScope::all},
-                                          "one of frame, recording, all");
-  if (place.has("recording")) rule.recording = place.at("recording").text();
-  if (place.has("frame")) rule.frame = place.at("frame").whole(0);
-  if (place.has("at_least")) rule.at_least = place.at("at_least").number();
-  if (place.has("at_most")) rule.at_most = place.at("at_most").number();
   if (!place.has("at_least") && !place.has("at_most"))
     place.fail_kind("a rule with \"at_least\" or \"at_most\"");
   if (rule.at_least > rule.at_most)
     place.fail_kind(fmt::format("at_least {} not above at_most {}, which no value can be within",
                                 rule.at_least, rule.at_most));
-  if (place.has("level"))
-    rule.level = place.at("level").choice({RuleLevel::off, RuleLevel::warn, RuleLevel::error},
-                                          "one of off, warn, error");
-  else if (find_metric(rule.metric).metric.is_timing)
-    rule.level = RuleLevel::warn;
-  if (find_metric(rule.metric).metric.is_timing && rule.level == RuleLevel::error)
+  if (!find_metric(rule.metric).metric.is_timing) return rule;
+  if (!place.has("level")) rule.level = RuleLevel::warn;
+  if (rule.level == RuleLevel::error)
     place.at("level").fail_kind("warn or off for " + rule.metric +
                                 ", which depends on the machine");
   return rule;
@@ -146,11 +149,9 @@ double excess_of(const Breach& breach) {
 }
 
 /// Why no frame has a value of it; empty: there may be one another time.
-std::string why_no_value(const RuleMetric& metric, bool by_name, bool compared, bool told_before) {
+std::string why_no_value(const RuleMetric& metric, bool by_name, bool compared) {
   if (metric.needs_baseline && compared) {
     if (metric.need == RuleNeed::tracks) return "planes are not followed in both, as by --tracks";
-    if (metric.need != RuleNeed::nothing && !told_before)
-      return "the baseline is of a version that does not tell of it";
     if (metric.need == RuleNeed::foot) return "a foot is not given to both, as by --foot 0.08";
   }
   // A rule on a change since the baseline may wait for a baseline, unless it names its frames.
@@ -168,7 +169,7 @@ std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool 
   const bool needs_baseline = metric.metric.needs_baseline;
   if (needs_baseline && !has_baseline) return "it needs a baseline";
   bool has_recording = rule.recording.empty(), has_frame = false, has_value = false;
-  bool compared = false, told_before = false;
+  bool compared = false;
   for (const FrameComparison& frame : comparison.frames) {
     if (!frame.now && !needs_baseline) continue;
     has_recording |= frame.recording == rule.recording;
@@ -176,24 +177,15 @@ std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool 
     has_frame = true;
     has_value |= metric.value(frame).has_value();
     compared |= frame.fate == FrameFate::compared;
-    told_before |= frame.fate == FrameFate::compared && frame.baseline->terrain.has_value();
   }
   if (!has_recording) return "there is no recording of this name";
   if (!has_frame) return "there is no such frame";
   if (has_value) return "";
   const bool by_name = !rule.recording.empty() || rule.frame >= 0;
-  return why_no_value(metric.metric, by_name, compared, told_before);
+  return why_no_value(metric.metric, by_name, compared);
 }
 
 }  // namespace
-
-const char* to_string(RuleLevel level) {
-  return level == RuleLevel::off ? "off" : level == RuleLevel::warn ? "warn" : "error";
-}
-
-const char* to_string(RuleScope scope) {
-  return scope == RuleScope::frame ? "frame" : scope == RuleScope::recording ? "recording" : "all";
-}
 
 const std::vector<RuleMetric>& rule_metrics() {
   static const std::vector<RuleMetric> all = [] {
@@ -230,7 +222,7 @@ std::vector<Rule> built_in_rules() {
 std::vector<Rule> read_rules(const std::filesystem::path& file) {
   return read_place(
       file, read_json<nlohmann::ordered_json>(file, kMostBytes), [](const JsonPlace& place) {
-        if (place.at("schema").text() != kSchema) place.at("schema").fail_kind(kSchema);
+        place.schema({kSchema});
         place.has_only({"schema", "rules"});
         std::vector<Rule> rules;
         place.at("rules").each([&](const JsonPlace& rule) { rules.push_back(rule_of(rule)); });
@@ -240,16 +232,8 @@ std::vector<Rule> read_rules(const std::filesystem::path& file) {
 
 std::string rules_json(const std::vector<Rule>& rules) {
   Json json = {{"schema", kSchema}, {"rules", Json::array()}};
-  for (const Rule& rule : rules) {
-    Json one = {{"metric", rule.metric}, {"scope", to_string(rule.scope)}};
-    if (!rule.recording.empty()) one["recording"] = rule.recording;
-    if (rule.frame >= 0) one["frame"] = rule.frame;
-    if (!std::isinf(rule.at_least)) one["at_least"] = rule.at_least;
-    if (!std::isinf(rule.at_most)) one["at_most"] = rule.at_most;
-    one["level"] = to_string(rule.level);
-    json["rules"].push_back(one);
-  }
-  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  for (const Rule& rule : rules) json["rules"].push_back(json_of(rule));
+  return json_text(json);
 }
 
 namespace {

@@ -3,6 +3,7 @@
 // The rules that a report must keep, compared with its baseline or on its own:
 // planescope.rules.json.
 
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -14,12 +15,18 @@
 namespace planescope::report {
 
 enum class RuleLevel : std::uint8_t { off, warn, error };
-const char* to_string(RuleLevel level);
+constexpr std::array<const char*, 3> names_of(RuleLevel) { return {"off", "warn", "error"}; }
+inline const char* to_string(RuleLevel level) {
+  return names_of(level)[static_cast<std::size_t>(level)];
+}
 
 /// Whose value is compared with the limit: each frame's, or the sum or mean over a recording's
 /// frames, or over all.
 enum class RuleScope : std::uint8_t { frame, recording, all };
-const char* to_string(RuleScope scope);
+constexpr std::array<const char*, 3> names_of(RuleScope) { return {"frame", "recording", "all"}; }
+inline const char* to_string(RuleScope scope) {
+  return names_of(scope)[static_cast<std::size_t>(scope)];
+}
 
 /// `recording` and `frame` narrow it to some frames: empty and -1 are any.
 struct Rule {
@@ -36,7 +43,7 @@ struct Rule {
 /// How the values of several frames become one.
 enum class RuleFold : std::uint8_t { mean, sum, largest };
 
-/// What a frame must tell of, apart from its planes; reports before schema 3 do not.
+/// What a frame must tell of, apart from its planes.
 enum class RuleNeed : std::uint8_t { nothing, foot, stairs, tracks };
 
 struct RuleMetric {

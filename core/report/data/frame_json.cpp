@@ -22,18 +22,12 @@ constexpr int kMostBins = 1000;
 
 template <typename Fields>
 void gravity_fields(Fields& fields, auto& gravity) {
-  using enum GravitySource;
-  const auto source = [&] {
-    fields.choice("source", gravity.source,
-                  {option, sidecar, imu, picked, estimate, assumed, none, carried},
-                  "a source of gravity");
-  };
-  if constexpr (Fields::kReads) source();  // it tells whether there is a direction
+  if constexpr (Fields::kReads) fields("source", gravity.source);  // is there a direction?
   if (gravity.known())
-    fields("direction", gravity.direction);
+    fields("direction", gravity.direction, kRounded);
   else if constexpr (!Fields::kReads)
     fields.null("direction");
-  if constexpr (!Fields::kReads) source();
+  if constexpr (!Fields::kReads) fields("source", gravity.source);
   fields("confidence", gravity.confidence, kRounded);
   fields("note", gravity.note);
 }
@@ -78,27 +72,21 @@ void segmentation_fields(auto& fields, auto& frame) {
 }
 
 /// `id`: the one that the plane must have.
-template <typename Fields>
-void plane_fields(Fields& fields, auto& plane, int id) {
+void plane_fields(auto& fields, auto& plane, int id) {
   auto& s = plane.summary;
   fields.whole("id", s.id, kCompared, id, id);
-  if constexpr (Fields::kReads) {
-    const std::string label = fields.place().at("label").text();
-    s.label = label == "h" ? Label::h : label == "v" ? Label::v : Label::unknown;
-  } else {
-    fields("label", std::string(to_string(s.label)));
-  }
+  fields("label", s.label, kCompared);
   fields("color", plane.color);
-  fields("normal", s.normal, kCompared);
-  fields("centroid", s.centroid, kCompared);
+  fields("normal", s.normal, kCompared | kRounded);
+  fields("centroid", s.centroid, kCompared | kRounded);
   fields("offset_m", s.offset_m, kCompared | kRounded);
   fields("tilt_deg", s.tilt_deg, kCompared | kRounded | kOrNull);
   fields("rms_m", s.rms_m, kCompared | kRounded);
   fields("area_m2", s.area_m2, kCompared | kRounded);
   fields("points", s.points, kCompared);
   fields("voxels", s.voxels, kCompared);
-  fields("margin", s.margin, kCompared | kLate | kRounded);  // null: infinite
-  fields("undecided", s.undecided, kCompared | kLate);
+  fields("margin", s.margin, kCompared | kOptional | kRounded);  // null: infinite
+  fields("undecided", s.undecided, kCompared | kOptional);
   fields.maybe_fields("outline_area_m2", plane.footing, kCompared,
                       [&](auto& of, auto& footing) { footing_fields(of, footing); });
 }
@@ -154,12 +142,10 @@ void histogram_fields(Fields& fields, auto& histogram) {
   fields.numbers("counts", histogram.counts, used, "at most as many counts as bins");
 }
 
-template <typename Fields>
-void metrics_fields(Fields& fields, auto& metrics) {
-  if constexpr (Fields::kReads) metrics.pq = std::nan("");  // files of the first version lack it
+void metrics_fields(auto& fields, auto& metrics) {
   planes::visit_values(metrics, [&](const char* name, auto& value) {
-    const bool is_late = planes::is_late_value(name) || std::string_view(name) == "pq";
-    fields(name, value, kCompared | kRounded | kOrNull | (is_late ? kLate : kPlain));
+    const unsigned late = planes::is_late_value(name) ? kOptional : kPlain;
+    fields(name, value, kCompared | kRounded | kOrNull | late);
   });
 }
 
@@ -171,7 +157,7 @@ void picture_fields(auto& fields, auto& picture) {
   fields.whole("width", picture.width, kPlain, 1);
   fields.whole("height", picture.height, kPlain, 1);
   fields("pixels_sha256", picture.pixels_sha256);
-  fields.list("legend", picture.legend, kLate, [](auto& of, auto& mark) {
+  fields.list("legend", picture.legend, kOptional, [](auto& of, auto& mark) {
     of("shape", mark.shape);
     of("color", mark.color);
     of("text", mark.text);
@@ -235,9 +221,9 @@ void frame_fields(Fields& fields, auto& frame, bool ours) {
                       [&](auto& of, auto& terrain) { terrain_fields(of, terrain); });
   fields.maybe_fields("track_breaks", frame.tracks, kCompared,
                       [&](auto& of, auto& tracks) { tracks_fields(of, tracks); });
-  fields.object("regions", kCompared | kLate,
+  fields.object("regions", kCompared,
                 [&](auto& of) { regions_fields(of, frame.regions, frame.planes.size()); });
-  fields.list("histograms", frame.histograms, kLate,
+  fields.list("histograms", frame.histograms, kOptional,
               [](auto& of, auto& histogram) { histogram_fields(of, histogram); });
   fields.maybe_object("metrics", frame.metrics.has_value(), kCompared, [&](auto& of) {
     if constexpr (Fields::kReads) frame.metrics.emplace();
@@ -248,13 +234,6 @@ void frame_fields(Fields& fields, auto& frame, bool ours) {
 }
 
 }  // namespace
-
-Json gravity_json(const Gravity& gravity) {
-  Json json;
-  FieldWriter fields(json);
-  gravity_fields(fields, gravity);
-  return json;
-}
 
 Json metrics_json(const planes::Metrics& metrics) {
   Json json;

@@ -10,8 +10,8 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/outline/mesh.hpp"
-#include "core/report/data/json_fields.hpp"
+#include "core/model/json_fields.hpp"
+#include "core/planes/outline/outline.hpp"
 #include "core/report/data/plane_svg.hpp"
 
 namespace planescope::report {
@@ -31,7 +31,7 @@ Json positions_json(const Outline& outline, const PolygonRing& ring) {
   return positions;
 }
 
-Json feature_json(const PlaneSummary& plane,
+Json feature_json(const planes::PlaneSummary& plane,
                   const char* kind,
                   const Outline& outline,
                   const planes::Polygons& polygons) {
@@ -52,7 +52,7 @@ Json feature_json(const PlaneSummary& plane,
           {"geometry", {{"type", "MultiPolygon"}, {"coordinates", coordinates}}}};
 }
 
-std::string geojson_text(const FramePlanes& found) {
+std::string geojson_text(const planes::FramePlanes& found) {
   Json features = Json::array();
   for (std::size_t k = 0; k < found.summaries.size(); ++k) {
     const Outline& outline = found.outlines[k];
@@ -69,11 +69,11 @@ std::string geojson_text(const FramePlanes& found) {
 
 // ---- Meshes ----
 
-std::string obj_text(const FramePlanes& found) {
+std::string obj_text(const planes::FramePlanes& found) {
   std::string text;
   int first = 1;  // vertices are counted over the whole file
   for (std::size_t k = 0; k < found.summaries.size(); ++k) {
-    const PlaneSummary& plane = found.summaries[k];
+    const planes::PlaneSummary& plane = found.summaries[k];
     const planes::Mesh mesh = planes::mesh_of(found.outlines[k]);
     const Vec3d& n = plane.normal;
     text += fmt::format("o plane_{}_{}\nvn {:.9f} {:.9f} {:.9f}\n", plane.id,
@@ -87,11 +87,11 @@ std::string obj_text(const FramePlanes& found) {
   return text;
 }
 
-std::string ply_text(const FramePlanes& found) {
+std::string ply_text(const planes::FramePlanes& found) {
   std::string vertices, faces;
   int vertex_count = 0, face_count = 0;
   for (std::size_t k = 0; k < found.summaries.size(); ++k) {
-    const PlaneSummary& plane = found.summaries[k];
+    const planes::PlaneSummary& plane = found.summaries[k];
     const planes::Mesh mesh = planes::mesh_of(found.outlines[k]);
     for (const Vec3d& v : mesh.vertices)
       vertices += fmt::format("{:.9f} {:.9f} {:.9f}\n", v.x(), v.y(), v.z());
@@ -147,7 +147,7 @@ Json box_json(const PolygonRing& ring) {
 }
 
 /// A region for each part of a plane: the message has one boundary.
-std::string planar_terrain_text(const FramePlanes& found) {
+std::string planar_terrain_text(const planes::FramePlanes& found) {
   Json regions = Json::array();
   for (std::size_t k = 0; k < found.outlines.size(); ++k) {
     const Outline& outline = found.outlines[k];
@@ -175,7 +175,7 @@ std::string csv_vector(const Vec3d& v) {
   return fmt::format("{},{},{}", csv_number(v.x()), csv_number(v.y()), csv_number(v.z()));
 }
 
-std::string csv_text(const FramePlanes& found) {
+std::string csv_text(const planes::FramePlanes& found) {
   std::string text =
       "id,label,normal_x,normal_y,normal_z,centroid_x,centroid_y,centroid_z,offset_m,points,voxels,"
       "rms_m,area_m2,outline_area_m2,slope_deg,rough_rms_m,rough_step_m,support,best_x,best_y,"
@@ -183,7 +183,7 @@ std::string csv_text(const FramePlanes& found) {
       "foot_area_m2,pieces,margin,undecided\n";
   constexpr double kDeg = 180 / M_PI;
   for (std::size_t k = 0; k < found.summaries.size(); ++k) {
-    const PlaneSummary& s = found.summaries[k];
+    const planes::PlaneSummary& s = found.summaries[k];
     const planes::Foothold& foothold = found.footholds[k];
     const planes::Surface& surface = foothold.surface;
     const planes::Certainty& certainty = foothold.certainty;
@@ -234,7 +234,7 @@ const std::vector<PlaneFormat>& plane_formats() {
 
 void write_plane_files(const std::filesystem::path& dir,
                        const std::vector<std::string>& formats,
-                       const FramePlanes& found) {
+                       const planes::FramePlanes& found) {
   for (const PlaneFormat& format : plane_formats())
     if (std::ranges::find(formats, format.name) != formats.end())
       write_file_text(dir / format.file, format.text(found));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/result/analyze.hpp"
 
 namespace planescope::report {
 
@@ -14,7 +14,7 @@ struct PlaneFormat {
   const char* name;  // as --also has it
   const char* file;
   const char* holds;  // one phrase
-  std::string (*text)(const FramePlanes&);
+  std::string (*text)(const planes::FramePlanes&);
 };
 /// geojson, obj, ply, planar-terrain, csv, svg.
 const std::vector<PlaneFormat>& plane_formats();
@@ -23,6 +23,6 @@ const std::vector<PlaneFormat>& plane_formats();
 /// cannot be written.
 void write_plane_files(const std::filesystem::path& dir,
                        const std::vector<std::string>& formats,
-                       const FramePlanes& found);
+                       const planes::FramePlanes& found);
 
 }  // namespace planescope::report

@@ -163,8 +163,8 @@ std::string cut_svg(const Foothold& foothold, const Vec2d& corner) {
                          length_m * 100, kBandPx / most_m / (kWidthPx / length_m), rule_m * 1e3));
 }
 
-std::string facts_svg(const FramePlanes& found, std::size_t k, const Vec2d& corner) {
-  const PlaneSummary& s = found.summaries[k];
+std::string facts_svg(const planes::FramePlanes& found, std::size_t k, const Vec2d& corner) {
+  const planes::PlaneSummary& s = found.summaries[k];
   const Foothold& foothold = found.footholds[k];
   const planes::Surface& surface = foothold.surface;
   const Certainty& known = foothold.certainty;
@@ -198,7 +198,7 @@ std::string facts_svg(const FramePlanes& found, std::size_t k, const Vec2d& corn
                            known.sigma_tilt_rad[1] * kDeg, known.sigma_offset_m * 1e3));
 }
 
-std::string plane_svg(const FramePlanes& found, std::size_t k, const Vec2d& corner) {
+std::string plane_svg(const planes::FramePlanes& found, std::size_t k, const Vec2d& corner) {
   const Outline& outline = found.outlines[k];
   const Foothold& foothold = found.footholds[k];
   const View view(outline, corner + Vec2d(0, kTextPx));
@@ -243,7 +243,7 @@ std::string legend_svg(const Vec2d& corner, int columns) {
 
 }  // namespace
 
-std::string planes_svg(const FramePlanes& found) {
+std::string planes_svg(const planes::FramePlanes& found) {
   const double column_px = kWidthPx + kGapPx, row_px = kPanelPx + kGapPx;
   const int count = static_cast<int>(found.summaries.size());
   const int columns = std::clamp(count, 1, kColumns), rows = (count + kColumns - 1) / kColumns;

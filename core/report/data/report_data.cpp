@@ -7,11 +7,11 @@
 #include <span>
 #include <utility>
 
+#include "core/model/json_fields.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "core/planes/segment/criteria.hpp"
-#include "core/report/data/frame_planes.hpp"
-#include "core/report/data/json_fields.hpp"
 
 namespace planescope::report {
 namespace {
@@ -124,7 +124,7 @@ int used_depths(const planes::SegmentCounts& counts) {
 
 ReportFrame make_report_frame(const Frame& frame,
                               const planes::FrameResult& result,
-                              const FramePlanes& found,
+                              const planes::FramePlanes& found,
                               const planes::PipelineOptions& options) {
   ReportFrame report;
   report.index = frame.index;
@@ -138,7 +138,7 @@ ReportFrame make_report_frame(const Frame& frame,
   report.noise = {noise.estimated, noise.by_range, noise.sigma(1), noise.tau(1)};
   report.timings = result.timings;
   report.regions = sample_regions(frame, result);
-  for (PlaneSummary plane : found.summaries) {
+  for (planes::PlaneSummary plane : found.summaries) {
     plane.hull.clear();
     plane.normal = plane.normal.unaryExpr(&rounded);
     plane.centroid = plane.centroid.unaryExpr(&rounded);

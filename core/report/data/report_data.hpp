@@ -12,11 +12,11 @@
 
 #include "core/io/recording.hpp"
 #include "core/planes/evaluate/metrics.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/planes/segment/noise.hpp"
+#include "core/planes/result/analyze.hpp"
+#include "core/planes/segment/options.hpp"
 #include "core/planes/segment/segment.hpp"
-#include "core/report/data/plane_summary.hpp"
+#include "core/report/data/region_sample.hpp"
 #include "core/report/data/terrain.hpp"
 
 namespace planescope::report {
@@ -25,10 +25,10 @@ struct Judgement;
 
 /// A plane with the colour that all pictures give it ("#rrggbb").
 struct ReportPlane {
-  PlaneSummary summary;
+  planes::PlaneSummary summary;
   std::string color;
-  int color_id = 0;                  // palette index of `color`, from 1
-  std::optional<Footing> footing{};  // reports before schema 3 have none
+  int color_id = 0;  // palette index of `color`, from 1
+  std::optional<Footing> footing{};
 };
 
 /// One entry of a picture's legend.
@@ -100,7 +100,7 @@ struct ReportFrame {
   ReportNoise noise;
   std::vector<ReportPlane> planes;
   RegionSample regions;
-  std::optional<Terrain> terrain;          // reports before schema 3 have none
+  std::optional<Terrain> terrain;
   std::optional<FrameTracks> tracks;       // where planes were followed
   std::vector<ValueHistogram> histograms;  // of our own method's decisions
   std::vector<ReportPicture> pictures;
@@ -171,7 +171,7 @@ int used_depths(const planes::SegmentCounts& counts);
 /// nor terrain.
 ReportFrame make_report_frame(const Frame& frame,
                               const planes::FrameResult& result,
-                              const FramePlanes& found,
+                              const planes::FramePlanes& found,
                               const planes::PipelineOptions& options);
 
 /// Every option that the method takes, with its value, but for the number of threads, which changes

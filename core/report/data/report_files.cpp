@@ -231,16 +231,13 @@ void write_frame_record(const fs::path& dir,
                         const ReportFrame& frame,
                         bool ours,
                         const std::string& key) {
-  const auto text = [](const Json& json) {
-    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-  };
-  write_file_text(dir / kTimingsFile, text(timings_json(frame)));
+  write_file_text(dir / kTimingsFile, json_text(timings_json(frame)));
   Json color_ids = Json::array();
   for (const ReportPlane& plane : frame.planes) color_ids.push_back(plane.color_id);
-  write_file_text(dir / kFrameFile, text({{"schema", kRecordSchema},
-                                          {"key", key},
-                                          {"color_ids", color_ids},
-                                          {"frame", frame_json(frame, ours)}}));
+  write_file_text(dir / kFrameFile, json_text({{"schema", kRecordSchema},
+                                               {"key", key},
+                                               {"color_ids", color_ids},
+                                               {"frame", frame_json(frame, ours)}}));
 }
 
 std::optional<ReportFrame> find_frame_record(const fs::path& dir, const std::string& key) {
@@ -255,9 +252,7 @@ std::optional<ReportFrame> find_frame_record(const fs::path& dir, const std::str
 
 ReportFrame read_frame_record(const fs::path& dir) {
   const Json json = read_json<Json>(dir / kFrameFile);
-  read_place(dir / kFrameFile, json, [](const JsonPlace& place) {
-    if (place.at("schema").text() != kRecordSchema) place.at("schema").fail_kind(kRecordSchema);
-  });
+  read_place(dir / kFrameFile, json, [](const JsonPlace& place) { place.schema({kRecordSchema}); });
   return read_record(dir, json);
 }
 

@@ -6,17 +6,17 @@
 
 #include <algorithm>
 #include <charconv>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
 #include <sstream>
 
-#include "core/model/error.hpp"
-#include "core/model/json.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/frame_json.hpp"
-#include "core/report/data/json_fields.hpp"
 
 namespace planescope::report {
 namespace {
@@ -24,23 +24,52 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kReportSchema = "planescope.report/4";
-constexpr Distortion kDistortions[] = {Distortion::none, Distortion::brown_conrady,
-                                       Distortion::inverse_brown_conrady};
 
-template <typename Fields>
-void distortion_field(Fields& fields, auto& distortion) {
-  if constexpr (Fields::kReads) {
-    if (!fields.is_read("distortion", kPlain)) return;
-    const JsonPlace place = fields.place().at("distortion");
-    const std::string text = place.text();
-    const auto* known =
-        std::ranges::find_if(kDistortions, [&](Distortion d) { return to_string(d) == text; });
-    if (known == std::end(kDistortions))
-      place.fail_kind("none, brown_conrady or inverse_brown_conrady");
-    distortion = *known;
-  } else {
-    fields.json()["distortion"] = to_string(distortion);
-  }
+/// A report.json without its frames, which need not fit into memory: each is passed to `on_frame`
+/// with its recording's position as it is read, and then dropped.
+Json read_report_json(
+    const std::filesystem::path& file,
+    const std::function<void(std::size_t recording, const JsonPlace& frame)>& on_frame) {
+  // Depths: the report 0, a recording 2, a frame 4.
+  std::string member, member_of_recording, first_error;
+  std::size_t recordings = 0, frames = 0;
+  int times_there = 0;
+  const auto take = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    check_depth(depth, file.string());
+    if (event == Json::parse_event_t::key && depth == 1) {
+      member = parsed.get<std::string>();
+      times_there += member == "recordings";
+      member_of_recording.clear();
+    }
+    if (member != "recordings") return true;
+    if (event == Json::parse_event_t::key && depth == 3)
+      member_of_recording = parsed.get<std::string>();
+    if (event == Json::parse_event_t::object_start && depth == 2) {
+      ++recordings;
+      frames = 0;
+      member_of_recording.clear();
+    }
+    if (event != Json::parse_event_t::object_end || depth != 4 || recordings == 0 ||
+        member_of_recording != "frames")
+      return true;
+    try {
+      on_frame(recordings - 1,
+               JsonPlace(parsed, fmt::format("recordings[{}].frames[{}]", recordings - 1, frames)));
+    } catch (const Error& error) {
+      if (first_error.empty()) first_error = error.what();
+    }
+    ++frames;
+    return false;
+  };
+  std::ifstream stream = open_to_read(file);
+  Json json = Json::parse(stream, take, false);
+  if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
+  read_place(file, json, [](const JsonPlace& place) {
+    place.schema({"planescope.report/3", kReportSchema});
+  });
+  if (times_there > 1) throw Error(file.string() + ": has \"recordings\" twice");
+  if (!first_error.empty()) throw Error(file.string() + ": " + first_error);
+  return json;
 }
 
 /// kCompared: what tells whether the command line said it, and what it said (options_of()).
@@ -55,8 +84,8 @@ void depth_fields(auto& fields, auto& info) {
     of("fy", k.fy, kCompared);
     of("cx", k.cx, kCompared);
     of("cy", k.cy, kCompared);
-    distortion_field(of, k.distortion);
-    of.numbers("coefficients", k.coefficients, k.coefficients.size(), "no more coefficients");
+    of("distortion", k.distortion);
+    of("coefficients", k.coefficients);
     of("source", info.intrinsics_source, kCompared);
   });
 }
@@ -65,8 +94,7 @@ void depth_fields(auto& fields, auto& info) {
 template <typename Fields>
 void recording_fields(Fields& fields, auto& recording) {
   auto& info = recording.info;
-  std::string path = info.path.string();
-  fields("path", path, kCompared);
+  fields("path", info.path, kCompared);
   fields("name", recording.name, kCompared);
   fields("format", info.format);
   fields("device", info.device, kOrNull);
@@ -76,19 +104,14 @@ void recording_fields(Fields& fields, auto& recording) {
   fields.maybe_object("depth", info.width > 0, kCompared,
                       [&](auto& depth) { depth_fields(depth, info); });
   if constexpr (Fields::kReads) {
-    info.path = path;
     info.has_color = fields.place().has("color");
     fields("color", info.color_note, kOrNull);
     info.intrinsics.width = info.width;
     info.intrinsics.height = info.height;
-    if (fields.is_read("warnings", kPlain))
-      fields.place().at("warnings").each([&](const JsonPlace& warning) {
-        info.warnings.push_back(warning.text());
-      });
   } else {
     fields.json()["color"] = info.has_color ? Json(info.color_note) : Json();
-    fields.json()["warnings"] = info.warnings;
   }
+  fields("warnings", info.warnings);
 }
 
 template <typename Fields>
@@ -122,7 +145,7 @@ void record_fields(Fields& fields, auto& report) {
   fields("commit", report.commit, kCompared);
   fields("modified", report.modified, kCompared);
   fields("command", report.command, kCompared);
-  fields("method", report.method, kCompared | kLate);
+  fields("method", report.method, kCompared | kOptional);
   fields("classifier", report.classifier, kCompared | kOrNull);
   fields.maybe_object("weights", report.weights.has_value(), kCompared, [&](auto& of) {
     if constexpr (Fields::kReads) report.weights.emplace();
@@ -252,7 +275,6 @@ void read_head(const JsonPlace& place, Extent extent, Report& report) {
 }
 
 void read_reference_time(const JsonPlace& place, Report& report) {
-  if (!place.has("reference_ms")) return;  // of schema 1
   const int last = static_cast<int>(report.recordings.size()) - 1;
   ReportFrame timed;
   read_timings(place, timed);
@@ -334,8 +356,7 @@ ReportHead read_report_head(const std::filesystem::path& file) {
     head.frames.emplace_back(recording, frame.at("index").whole(0));
   });
   read_place(file, json, [&](const JsonPlace& place) {
-    if (const JsonPlace schema = place.at("schema"); schema.text() != kReportSchema)
-      schema.fail_kind(kReportSchema);
+    place.schema({kReportSchema});
     read_head(place, Extent::whole, head.report);
     planes::parse_method(head.report.method);  // throws where this build has none such
     place.at("recordings").each([](const JsonPlace& recording) {

@@ -17,9 +17,9 @@ namespace planescope::report {
 void write_report_json(std::ostream& out, const Report& report);
 std::string report_json(const Report& report);
 
-/// What a later report is compared with: report.json of this or of an earlier version. Of each
-/// frame there is what comparisons ask: its planes without hulls and colours, regions (empty before
-/// schema 2), metrics (pq NaN before schema 2), timings; of the report's own record the same.
+/// What a later report is compared with: report.json of this version or of schema 3. Of each
+/// frame there is what comparisons ask: its planes without hulls and colors, regions, metrics,
+/// timings; of the report's own record the same.
 /// Throws Error naming the file, the place in it, what was found and what was expected.
 Report read_report(const std::filesystem::path& file);
 

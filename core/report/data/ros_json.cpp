@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/report/data/json_fields.hpp"
+#include "core/model/json_fields.hpp"
 
 namespace planescope::report {
 namespace {
@@ -48,8 +48,8 @@ RosJson ros_ids(const planes::LevelPlanes& planes) {
   return ids;
 }
 
-RosJson ros_plane(const FramePlanes& found, std::size_t k) {
-  const PlaneSummary& summary = found.summaries[k];
+RosJson ros_plane(const planes::FramePlanes& found, std::size_t k) {
+  const planes::PlaneSummary& summary = found.summaries[k];
   const planes::Outline& outline = found.outlines[k];
   const planes::Foothold& foothold = found.footholds[k];
   RosJson parts = RosJson::array();
@@ -135,7 +135,7 @@ RosJson ros_time(double timestamp_s) {
 
 std::string ros_json(const Frame& frame,
                      const planes::FrameResult& result,
-                     const FramePlanes& found) {
+                     const planes::FramePlanes& found) {
   RosJson planes = RosJson::array(), flights = RosJson::array();
   RosJson kerbs = RosJson::array(), ramps = RosJson::array();
   for (std::size_t k = 0; k < found.summaries.size(); ++k) planes.push_back(ros_plane(found, k));

@@ -6,7 +6,7 @@
 
 #include "core/model/frame.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/result/analyze.hpp"
 
 namespace planescope::report {
 
@@ -14,6 +14,6 @@ namespace planescope::report {
 /// others.
 std::string ros_json(const Frame& frame,
                      const planes::FrameResult& result,
-                     const FramePlanes& found);
+                     const planes::FramePlanes& found);
 
 }  // namespace planescope::report

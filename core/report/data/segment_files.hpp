@@ -9,21 +9,12 @@
 #include <vector>
 
 #include "core/model/frame.hpp"
-#include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/result/analyze.hpp"
 
 namespace planescope::report {
 
 /// "frames/000123", the place of a frame's files below the output folder.
 std::filesystem::path frame_folder(int frame_index);
-
-/// schema "planescope.planes/4".
-std::string planes_json(const Frame& frame,
-                        const planes::FrameResult& result,
-                        const FramePlanes& found,
-                        const planes::PipelineOptions& options);
-/// Milliseconds by stage and their sum.
-std::string timings_json(const planes::FrameTimings& timings);
 
 /// Plane id per depth pixel, 0 none. For depth frames.
 Image16 plane_image(const Frame& frame, const planes::FrameResult& result);
@@ -42,7 +33,7 @@ PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result);
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
                          const planes::FrameResult& result,
-                         const FramePlanes& found,
+                         const planes::FramePlanes& found,
                          const planes::PipelineOptions& options,
                          const std::vector<std::string>& also = {});
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
-#include "core/report/data/frame_planes.hpp"
-#include "core/report/data/json_fields.hpp"
+#include "core/planes/result/analyze.hpp"
 
 namespace planescope::report {
 namespace {
@@ -86,7 +86,7 @@ std::string Terrain::text() const {
   return fmt::format("{}", fmt::join(all, "; "));
 }
 
-std::vector<Footing> footings_of(const FramePlanes& found) {
+std::vector<Footing> footings_of(const planes::FramePlanes& found) {
   std::vector<Footing> footings(found.footholds.size());
   for (std::size_t k = 0; k < footings.size(); ++k) {
     const planes::Foothold& foothold = found.footholds[k];
@@ -118,7 +118,7 @@ Terrain terrain_of(const planes::Stairs& stairs) {
   return terrain;
 }
 
-Terrain terrain_of(const FramePlanes& found, bool foot) {
+Terrain terrain_of(const planes::FramePlanes& found, bool foot) {
   Terrain terrain = terrain_of(found.stairs);
   if (!foot) return terrain;
   terrain.steppable_area_m2 = 0;

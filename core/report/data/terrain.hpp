@@ -7,12 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/planes/foot/footholds.hpp"
-#include "core/planes/stairs/stairs.hpp"
+#include "core/planes/result/analyze.hpp"
 
 namespace planescope::report {
-
-struct FramePlanes;
 
 struct FootRoom {
   bool steppable = false;
@@ -72,9 +69,9 @@ struct Terrain {
 };
 
 /// One for each plane, by id - 1; none where only summaries are there.
-std::vector<Footing> footings_of(const FramePlanes& found);
+std::vector<Footing> footings_of(const planes::FramePlanes& found);
 /// `foot`: whether one was given, and areas are known.
 Terrain terrain_of(const planes::Stairs& stairs);
-Terrain terrain_of(const FramePlanes& found, bool foot);
+Terrain terrain_of(const planes::FramePlanes& found, bool foot);
 
 }  // namespace planescope::report

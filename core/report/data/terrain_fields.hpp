@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "core/report/data/json_fields.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/report/data/terrain.hpp"
 
 namespace planescope::report {
@@ -34,15 +34,6 @@ void footing_fields(Fields& fields, auto& footing) {
     of("area_m2", foot.area_m2, kCompared | kRounded);
     of("piece_count", foot.piece_count, kCompared);
   });
-}
-
-/// Ids of planes.
-template <typename Fields>
-void ids_field(Fields& fields, const char* name, auto& ids) {
-  if constexpr (Fields::kReads)
-    fields.place().at(name).each([&](const JsonPlace& id) { ids.push_back(id.whole(1)); });
-  else
-    fields.json()[name] = ids;
 }
 
 /// Id of a plane, null: none.
@@ -83,12 +74,12 @@ void terrain_fields(Fields& fields, auto& terrain) {
     of("going_m", flight.going_m, kCompared | kRounded);
     of("width_m", flight.width_m, kCompared | kRounded);
     of("landing", flight.landing, kCompared);
-    ids_field(of, "planes", flight.planes);
+    of("planes", flight.planes, kCompared);
   });
   fields.list("kerbs", terrain.kerbs, kCompared, [](auto& of, auto& kerb) {
     of("rise_m", kerb.rise_m, kCompared | kRounded);
     of("width_m", kerb.width_m, kCompared | kRounded);
-    ids_field(of, "planes", kerb.planes);
+    of("planes", kerb.planes, kCompared);
   });
   fields.list("ramps", terrain.ramps, kCompared, [](auto& of, auto& ramp) {
     of.whole("plane", ramp.plane, kCompared, 1);

@@ -14,7 +14,6 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/sha256.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/page/charts.hpp"
 #include "core/report/page/pictures.hpp"

@@ -45,11 +45,11 @@ std::string others_text(const PlaneComparison& plane) {
   return fmt::format("{} {}", what, fmt::join(plane.others, ", "));
 }
 
-const PlaneSummary* summary_of(const ReportFrame& frame, int id) {
+const planes::PlaneSummary* summary_of(const ReportFrame& frame, int id) {
   return id > 0 ? &frame.planes.at(static_cast<std::size_t>(id) - 1).summary : nullptr;
 }
 
-std::string area_text(const PlaneSummary* plane) {
+std::string area_text(const planes::PlaneSummary* plane) {
   return plane ? fmt::format("{:.3f}", plane->area_m2) : "";
 }
 
@@ -85,8 +85,8 @@ Data fate_data(const PageFrame& frame, const PlaneComparison& plane, const Compa
   const bool in_both = plane.baseline > 0 && plane.now > 0;
   row.set("offset", in_both ? fmt::format("{:.1f}", 1000 * plane.offset_m) : "");
   row.set("angle", in_both ? fmt::format("{:.2f}", plane.angle_deg) : "");
-  const PlaneSummary* was = summary_of(*frame.comparison->baseline, plane.baseline);
-  const PlaneSummary* is = summary_of(*frame.frame, plane.now);
+  const planes::PlaneSummary* was = summary_of(*frame.comparison->baseline, plane.baseline);
+  const planes::PlaneSummary* is = summary_of(*frame.frame, plane.now);
   row.set("area_was", area_text(was));
   row.set("area", area_text(is));
   row.set("ratio", in_both ? fmt::format("{:.0f} %", 100 * plane.area_ratio) : "");
@@ -170,7 +170,7 @@ void set_pictures(const PageSource& page, const PageFrame& frame, Data& data) {
 Data planes_data(const PageFrame& frame) {
   Data planes{Data::type::list};
   for (const ReportPlane& plane : frame.frame->planes) {
-    const PlaneSummary& s = plane.summary;
+    const planes::PlaneSummary& s = plane.summary;
     Data data;
     data.set("id", std::to_string(s.id));
     data.set("plane_anchor", fmt::format("{}/p{}", frame.anchor, s.id));

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/io/image/apng.hpp"
-#include "core/io/image/webp.hpp"
+#include "core/io/image/photo.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/report/data/report_files.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "core/report/compare/compare_reports.hpp"
 
 namespace planescope::report {

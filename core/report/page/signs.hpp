@@ -22,7 +22,7 @@ struct Signs {
   std::string text() const;
 };
 
-/// Of a frame that was processed; reports before schema 3 only tell of the points.
+/// Of a frame that was processed.
 Signs signs_of(const ReportFrame& frame);
 
 }  // namespace planescope::report

@@ -4,15 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/json.hpp"
-#include "core/model/sha256.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::world {
@@ -122,10 +123,6 @@ Json seen_json(const Track& track, const Tracker& tracker) {
   return runs;
 }
 
-std::string text_of(const Json& json) {
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 }  // namespace
 
 std::vector<const Track*> planes_of_map(const Tracker& tracker) {
@@ -194,7 +191,7 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
     }
     json["tracks"].push_back(std::move(told));
   }
-  return text_of(json);
+  return json_text(json);
 }
 
 std::string map_json(const WorldMap& map, const std::string& recording, const MapTexts& others) {
@@ -229,7 +226,7 @@ std::string map_json(const WorldMap& map, const std::string& recording, const Ma
   json["planes"] = Json::array();
   for (const Track* track : planes_of_map(map.tracker))
     json["planes"].push_back(plane_json(*track));
-  return text_of(json);
+  return json_text(json);
 }
 
 }  // namespace
@@ -247,16 +244,16 @@ std::string left_json(const LeftPiece& piece) {
                      {"frame", piece.frame},
                      {"area_m2", rounded(piece.outline.area_m2)},
                      {"outline", outline_json(piece.outline)}};
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, -1);
 }
 
 std::string pace_json(const Pace& pace) {
-  return text_of({{"schema", "planescope.pace/1"},
-                  {"frames", pace.frames},
-                  {"taken", pace.taken},
-                  {"rate_hz", number(pace.rate_hz)},
-                  {"behind_ms_median", number(1000 * pace.behind_s_median)},
-                  {"behind_ms_most", number(1000 * pace.behind_s_most)}});
+  return json_text({{"schema", "planescope.pace/1"},
+                    {"frames", pace.frames},
+                    {"taken", pace.taken},
+                    {"rate_hz", number(pace.rate_hz)},
+                    {"behind_ms_median", number(1000 * pace.behind_s_median)},
+                    {"behind_ms_most", number(1000 * pace.behind_s_most)}});
 }
 
 std::string stability_text(const Stability& s) {
@@ -282,78 +279,60 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
 
-Json read(const fs::path& file, const std::string& schema) {
+/// A file of a map. Its Errors name it.
+void read(const fs::path& file,
+          const char* schema,
+          const std::function<void(const JsonPlace&)>& take) {
   if (!fs::exists(file))
     throw Error(file.string() + ": is missing, expected a folder that planescope map wrote");
-  Json json = read_json<Json>(file, kMostBytes);
-  const Json found = json.is_object() ? json.value("schema", Json()) : Json();
-  if (found != schema)
-    throw Error(fmt::format("{}: has the schema {}, expected \"{}\": make the map again",
-                            file.string(), found.dump(), schema));
-  return json;
+  read_place(file, read_json<Json>(file, kMostBytes), [&](const JsonPlace& place) {
+    try {
+      place.schema({schema});
+    } catch (const Error& error) {
+      throw Error(error.what() + std::string(": make the map again"));
+    }
+    take(place);
+  });
 }
 
-GravitySource source_of(const std::string& name) {
-  for (int i = 0; i <= static_cast<int>(kLastGravitySource); ++i)
-    if (to_string(static_cast<GravitySource>(i)) == name) return static_cast<GravitySource>(i);
-  throw Error("no gravity comes from " + shown(name));
-}
-
-void take_map(const Json& json,
+void take_map(const JsonPlace& place,
               const io::RecordingInfo& recording,
               const planes::PipelineOptions& options,
               KnownMap& map) {
-  const std::string name = recording.path.filename().string();
-  if (json.at("recording") != name)
-    throw Error(fmt::format("is of the recording {}, expected {}", json.at("recording").dump(),
-                            shown(name)));
-  const PlanesFrom found = json.at("pipeline").get<PlanesFrom>();
-  if (const std::string other = difference(found, planes_from(options, recording)); !other.empty())
+  const std::string name = recording.path.filename().string(), found = place.at("recording").text();
+  if (found != name)
+    throw Error(fmt::format("is of the recording {}, expected {}", shown(found), shown(name)));
+  PlanesFrom from;
+  for (const auto& item : place.at("pipeline").json().items())
+    from[item.key()] = place.at("pipeline").at(item.key().c_str()).text();
+  if (const std::string other = difference(from, planes_from(options, recording)); !other.empty())
     throw Error("its planes were found with other options: " + other);
-  for (const Json& gravity : json.at("gravity")) {
-    SharedGravity& shared = map.gravity.emplace_back();
-    shared.source = source_of(gravity.at("source").get<std::string>());
+  FieldReader fields(place);
+  fields.list("gravity", map.gravity, kPlain, [](auto& of, SharedGravity& shared) {
+    of("source", shared.source);
     shared.known = shared.source != GravitySource::none;
-    shared.spread_deg = gravity.at("spread_deg").get<double>();
-    shared.samples = whole_int(gravity.at("frames"), "frames");
-    shared.strays = whole_int(gravity.at("strays"), "strays");
-  }
+    of("spread_deg", shared.spread_deg);
+    of("frames", shared.samples, kSigned);
+    of("strays", shared.strays, kSigned);
+  });
 }
 
-void take_tracks(const Json& json, KnownMap& map) {
-  for (const Json& frame : json.at("frames")) {
-    const auto number = [](const Json& value, const char* what) {
-      return static_cast<int>(whole_number(value, 0, std::numeric_limits<int>::max(), what));
-    };
-    KnownMap::FramePlanes& planes = map.planes_of[number(frame.at("frame"), "a frame")];
-    for (const Json& track : frame.at("track_of_plane"))
-      planes.tracks.push_back(number(track, "a track"));
-    if (const auto down = frame.find("gravity"); down != frame.end())
-      planes.gravity = {down->at(0).get<double>(), down->at(1).get<double>(),
-                        down->at(2).get<double>()};
-    if (!frame.contains("planes_sha256")) continue;
-    planes.sha256 = frame.at("planes_sha256").get<std::string>();
-    for (const Json& margin : frame.at("margins"))
-      planes.margins.push_back(margin.is_null() ? std::numeric_limits<double>::infinity()
-                                                : margin.get<double>());
-    if (planes.margins.size() < planes.tracks.size())
-      throw Error(fmt::format("frame {} has {} for {}", frame.at("frame").dump(),
-                              counted(planes.margins.size(), "margin"),
-                              counted(planes.tracks.size(), "plane")));
-  }
-}
-
-/// Names the file in what goes wrong.
-template <typename Take>
-void reading(const fs::path& file, const Take& how) {
-  try {
-    how();
-  } catch (const Json::exception& problem) {
-    throw Error(fmt::format("{}: {}, expected what planescope map wrote", file.string(),
-                            json_problem(problem)));
-  } catch (const Error& error) {
-    throw Error(file.string() + ": " + error.what());
-  }
+void take_frame(FieldReader& fields, KnownMap& map) {
+  int frame = 0;
+  fields("frame", frame);
+  KnownMap::FramePlanes& planes = map.planes_of[frame];
+  fields("track_of_plane", planes.tracks);
+  fields("gravity", planes.gravity, kOptional);
+  fields("planes_sha256", planes.sha256, kOptional);
+  if (planes.sha256.empty()) return;
+  std::vector<std::optional<double>> margins;
+  fields("margins", margins);
+  for (const auto& margin : margins)
+    planes.margins.push_back(margin.value_or(std::numeric_limits<double>::infinity()));
+  if (planes.margins.size() < planes.tracks.size())
+    throw Error(fmt::format("frame {} has {} for {}", frame,
+                            counted(planes.margins.size(), "margin"),
+                            counted(planes.tracks.size(), "plane")));
 }
 
 std::shared_ptr<const GivenPlanes> given_planes(const KnownMap& map, int frame) {
@@ -380,14 +359,22 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
                                                const planes::PipelineOptions& options) {
   const auto map = std::make_shared<KnownMap>();
   map->dir = dir;
-  const Json told = read(dir / "map.json", "planescope.map/4");
-  reading(dir / "map.json", [&] { take_map(told, recording, options, *map); });
-  for (const char* name : {"tracks.json", "poses.tum"})
-    if (const fs::path file = dir / name; sha256_hex_of_file(file) != told.at("files").at(name))
+  std::map<std::string, std::string> hashes;
+  read(dir / "map.json", "planescope.map/4", [&](const JsonPlace& place) {
+    take_map(place, recording, options, *map);
+    for (const char* name : {"tracks.json", "poses.tum"})
+      hashes[name] = place.at("files").at(name).text();
+  });
+  for (const auto& [name, hash] : hashes)
+    if (const fs::path file = dir / name; sha256_hex_of_file(file) != hash)
       throw Error(fmt::format("{}: is not what {} was written with", file.string(),
                               (dir / "map.json").string()));
-  const Json tracks = read(dir / "tracks.json", "planescope.tracks/4");
-  reading(dir / "tracks.json", [&] { take_tracks(tracks, *map); });
+  read(dir / "tracks.json", "planescope.tracks/4", [&](const JsonPlace& place) {
+    place.at("frames").each([&](const JsonPlace& frame) {
+      FieldReader fields(frame);
+      take_frame(fields, *map);
+    });
+  });
   map->poses = read_trajectory(dir / "poses.tum");
   for (const CameraPose& pose : map->poses.poses) {
     if (pose.frame < 0 || pose.segment < 0 || pose.segment >= std::ssize(map->gravity))

@@ -8,7 +8,6 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::world {

@@ -13,9 +13,8 @@
 #include <unordered_map>
 
 #include "core/model/error.hpp"
-#include "core/model/json.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
-#include "core/model/text_lines.hpp"
 
 namespace planescope::world {
 namespace {
@@ -140,30 +139,23 @@ PosesOfFile read_log(const std::filesystem::path& path, std::vector<TextLine> li
 
 /// Open3D's PinholeCameraTrajectory: `extrinsic` is T_camera_world, column by column.
 PosesOfFile read_open3d_json(const std::filesystem::path& path) {
-  const auto json = read_json<nlohmann::json>(path, kMostBytes);
-  const auto parameters = json.is_object() ? json.find("parameters") : json.end();
-  if (!json.is_object() || parameters == json.end() || !parameters->is_array())
-    throw Error(path.string() + ": has no list 'parameters', as Open3D's trajectories have");
   PosesOfFile file;
   file.unit = "entry";
-  for (const auto& parameter : *parameters) {
-    const auto extrinsic = parameter.is_object() ? parameter.find("extrinsic") : parameter.end();
-    std::array<double, 16> m{};
-    bool fine = parameter.is_object() && extrinsic != parameter.end() && extrinsic->is_array() &&
-                extrinsic->size() == m.size();
-    for (std::size_t i = 0; fine && i < m.size(); ++i) {
-      fine = (*extrinsic)[i].is_number();
-      if (fine) m[i % 4 * 4 + i / 4] = (*extrinsic)[i].get<double>();
-    }
-    const auto pose = fine ? pose_of_matrix(m) : std::nullopt;
-    if (!pose)
-      throw Error(
-          fmt::format("{}: 'extrinsic' of entry {} is not a matrix of 16 numbers, column by "
-                      "column, that rotates and translates",
-                      path.string(), file.poses.size()));
-    file.add({.timestamp_s = kNoTime, .T_world_camera = pose->inverse()},
-             static_cast<int>(file.poses.size()));
-  }
+  const auto json = read_json<nlohmann::ordered_json>(path, kMostBytes);
+  read_place(path, json, [&](const JsonPlace& place) {
+    place.at("parameters").each([&](const JsonPlace& entry) {
+      std::array<double, 16> columns{};
+      FieldReader fields(entry);
+      fields("extrinsic", columns);
+      const Eigen::Matrix4d rows = Eigen::Map<const Eigen::Matrix4d>(columns.data()).transpose();
+      const auto pose = pose_of_matrix(std::span(rows.data(), columns.size()));
+      if (!pose)
+        entry.at("extrinsic")
+            .fail_kind("a matrix of 16 numbers, column by column, that rotates and translates");
+      file.add({.timestamp_s = kNoTime, .T_world_camera = pose->inverse()},
+               static_cast<int>(file.poses.size()));
+    });
+  });
   return file;
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/model/inverse_plane.hpp"
+#include "core/model/plane.hpp"
 
 namespace planescope::world {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/model/frame.hpp"
-#include "core/planes/foot/certainty.hpp"
+#include "core/planes/foot/footholds.hpp"
 #include "core/planes/outline/outline.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/labels/model/grid.hpp"
-#include "core/planes/depth/known.hpp"
+#include "core/planes/depth/inverse_depth.hpp"
 #include "core/world/tracks/observation.hpp"
 #include "core/world/tracks/track.hpp"
 

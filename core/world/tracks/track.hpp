@@ -15,7 +15,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/model/label.hpp"
+#include "core/model/frame.hpp"
 #include "core/model/plane.hpp"
 #include "core/planes/outline/outline.hpp"
 #include "core/world/tracks/observation.hpp"

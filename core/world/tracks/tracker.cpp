@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/planes/evaluate/plane_match.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/world/tracks/sight.hpp"
 
 namespace planescope::world {

@@ -1,8 +1,8 @@
-#include "app/desktop/jobs/worker.hpp"
-
 #include <gtest/gtest.h>
 
 #include <future>
+
+#include "app/desktop/jobs/request.hpp"
 
 namespace planescope::desktop {
 namespace {

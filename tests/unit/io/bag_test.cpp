@@ -250,15 +250,15 @@ TEST(Bag, ManyThreadsReadTheSameFrames) {
 TEST(Bag, WhatIsNoBagIsNamed) {
   const auto path = temp_folder() / "letter.bag";
   write_text(path, "Dear reader, this is not a recording.");
-  expect_one_line_with(error_of([&] { open_recording(path); }), {"letter.bag", "not a ROS bag"});
+  expect_one_line_with(message_of([&] { open_recording(path); }), {"letter.bag", "not a ROS bag"});
   write_text(path, "");
-  expect_one_line_with(error_of([&] { open_recording(path); }), {"letter.bag", "not a ROS bag"});
+  expect_one_line_with(message_of([&] { open_recording(path); }), {"letter.bag", "not a ROS bag"});
 }
 
 TEST(Bag, WithoutDepthTheTopicsFoundAreNamed) {
   BagWriter bag;
   bag.add("/usb_cam/image", "sensor_msgs/Image", 10, image_message(color_message(1, 5)));
-  expect_one_line_with(error_of([&] { open_bytes(bag.finish()); }),
+  expect_one_line_with(message_of([&] { open_bytes(bag.finish()); }),
                        {"recording.bag", "no depth images", "/usb_cam/image", "Depth_*"});
 }
 
@@ -268,21 +268,21 @@ TEST(Bag, DepthOfTheWrongEncodingOrSizeIsRefused) {
   auto depth = depth_message(100, 5);
   depth.encoding = "8UC1";
   wrong.add(kSdkDepth + "/image/data", "sensor_msgs/Image", 11, image_message(depth));
-  expect_one_line_with(error_of([&] { open_bytes(wrong.finish()); }), {"8UC1", "mono16"});
+  expect_one_line_with(message_of([&] { open_bytes(wrong.finish()); }), {"8UC1", "mono16"});
 
   BagWriter resized;
   resized.add(kSdkDepth + "/info/camera_info", "sensor_msgs/CameraInfo", 1,
               camera_info_message(640, 480, {20, 21, 12, 8}));
   resized.add(kSdkDepth + "/image/data", "sensor_msgs/Image", 11,
               image_message(depth_message(100, 5)));
-  expect_one_line_with(error_of([&] { open_bytes(resized.finish()); }), {"24x16", "640x480"});
+  expect_one_line_with(message_of([&] { open_bytes(resized.finish()); }), {"24x16", "640x480"});
 }
 
 TEST(Bag, WithoutIntrinsicsTheOptionIsNamed) {
   BagWriter bag;
   bag.add(kSdkDepth + "/image/data", "sensor_msgs/Image", 11, image_message(depth_message(100, 5)));
   const ByteVector bytes = bag.finish();
-  expect_one_line_with(error_of([&] { open_bytes(bytes); }), {"--intrinsics"});
+  expect_one_line_with(message_of([&] { open_bytes(bytes); }), {"--intrinsics"});
   const auto recording = open_bytes(bytes, with_intrinsics(1, 2, 3, 4));
   EXPECT_EQ(recording->info().intrinsics.cy, 4);
   EXPECT_EQ(recording->info().depth_unit_source, "assumed (RealSense default)");

@@ -28,8 +28,8 @@ PointSet read_text(const std::string& name, const std::string& text) {
 std::string error_of_reading(const std::string& name, const std::string& text) {
   const fs::path path = temp_folder() / name;
   write_text(path, text);
-  const std::string opened = error_of([&] { open_recording(path); });
-  const std::string read = error_of([&] { read_cloud_file(path); });
+  const std::string opened = message_of([&] { open_recording(path); });
+  const std::string read = message_of([&] { read_cloud_file(path); });
   // What can be known from the header is known on opening.
   return opened.empty() ? read : opened;
 }
@@ -310,7 +310,7 @@ TEST(CloudFiles, AnyChangedByteNeverCrashes) {
       }
       if (random() % 4 == 0) bytes.resize(random() % bytes.size());
       write_anew(folder / name, bytes);
-      const std::string message = error_of([&] { read_cloud_file(folder / name); });
+      const std::string message = message_of([&] { read_cloud_file(folder / name); });
       EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 0);
     }
   }

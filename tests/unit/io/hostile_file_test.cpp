@@ -2,7 +2,7 @@
 
 #include "core/io/image/png.hpp"
 #include "core/io/mapped_file.hpp"
-#include "core/model/read_limit.hpp"
+#include "core/model/file_bytes.hpp"
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"
 
@@ -24,7 +24,7 @@ TEST(HostileFile, AnImageIsRefusedBeforeMoreThanTheLimitIsTaken) {
   write_png(path, Image8(600, 600, 3, 7));
   EXPECT_EQ(read_png_rgb(path).width, 600);
   const SmallReadLimit limit(1 << 20);
-  expect_one_line_with(error_of([&] { read_png_rgb(path); }),
+  expect_one_line_with(message_of([&] { read_png_rgb(path); }),
                        {"large.png", "expected at most 1", "--read-limit"});
 }
 
@@ -44,7 +44,7 @@ TEST(HostileFile, AChunkIsRefusedBeforeMoreThanTheLimitIsUnpacked) {
       const SmallReadLimit limit(1 << 20);
       // With its index the chunk is refused; without, what comes before the limit is there.
       if (index)
-        expect_one_line_with(error_of([&] { open_recording(path)->frame(0); }),
+        expect_one_line_with(message_of([&] { open_recording(path)->frame(0); }),
                              {"bomb.bag", "chunk 0", "--read-limit"});
       else
         EXPECT_EQ(open_recording(path)->frame_count(), 6);
@@ -76,10 +76,10 @@ TEST(HostileFile, AMappingOfAFileThatIsCutReadsZerosAndSaysSo) {
   };
   EXPECT_EQ(file.guarded(sum), 1 << 16);
   fs::resize_file(path, 8192);
-  expect_one_line_with(error_of([&] { file.guarded(sum); }),
+  expect_one_line_with(message_of([&] { file.guarded(sum); }),
                        {"cut.bin", "was cut while it was read", "65536 bytes"});
   EXPECT_EQ(sum(), 8192);
-  EXPECT_EQ(error_of([&] { whole.expect_whole(); }), "") << "nothing of it was looked at";
+  EXPECT_EQ(message_of([&] { whole.expect_whole(); }), "") << "nothing of it was looked at";
 }
 
 TEST(HostileFile, ARecordingThatIsCutWhileItIsOpenEndsItsFramesOnly) {
@@ -92,7 +92,7 @@ TEST(HostileFile, ARecordingThatIsCutWhileItIsOpenEndsItsFramesOnly) {
   ASSERT_EQ(recording->frame_count(), 400);
   EXPECT_EQ(recording->frame(3).depth.data, depth_of(103).data);
   fs::resize_file(path, bytes.size() / 2);
-  expect_one_line_with(error_of([&] { recording->frame(399); }),
+  expect_one_line_with(message_of([&] { recording->frame(399); }),
                        {"open.bag", "was cut while it was read"});
   write_anew(other, bytes);
   EXPECT_EQ(open_recording(other)->frame(399).depth.data, depth_of(499).data);

@@ -52,33 +52,6 @@ TEST_F(RealRecordings, RealSenseSdkBag) {
   EXPECT_FALSE(frame.gravity);
 }
 
-TEST_F(RealRecordings, ASdkBagCutAnywhereGivesTheFramesBeforeTheCut) {
-  const auto bytes = read_file_bytes(root_ / "realsense_sdk_bag/single_depth_color_640x480.bag");
-  const auto whole = open("realsense_sdk_bag/single_depth_color_640x480.bag");
-  const std::string hashes[] = {whole->frame_hash(0), whole->frame_hash(1)};
-  const auto path = temp_folder() / "cut.bag";
-  int frames = 0;
-  for (std::size_t cut = 20'000; cut < bytes.size(); cut += 20'000) {
-    write_anew(path, std::span(bytes).first(cut));
-    std::unique_ptr<Recording> recording;
-    try {
-      recording = open_recording(path);
-    } catch (const Error&) {
-      ASSERT_EQ(frames, 0);
-      continue;
-    }
-    ASSERT_GE(recording->frame_count(), frames) << "cut at byte " << cut;
-    frames = recording->frame_count();
-    for (int i = 0; i < frames; ++i) ASSERT_EQ(recording->frame_hash(i), hashes[i]);
-    ASSERT_EQ(recording->info().warnings.size(), 1u);
-    // The first frame lies in the first 300 kB, well before the end of its chunk.
-    if (cut >= 400'000) {
-      ASSERT_GE(frames, 1);
-    }
-  }
-  EXPECT_EQ(frames, 2);
-}
-
 TEST_F(RealRecordings, TheSdksDb3GivesThePixelsOfTheBagItWasMadeOf) {
   const auto bag = open("realsense_sdk_bag/single_depth_color_640x480.bag");
   for (const std::string dialect : {"plain", "zstd"}) {
@@ -107,7 +80,7 @@ TEST_F(RealRecordings, TheSdksDb3GivesThePixelsOfTheBagItWasMadeOf) {
 
 TEST_F(RealRecordings, McapOfRos2BagOpensAsFarAsItsTopicsAndHasNoDepth) {
   const auto refusal = [&](const std::string& name) {
-    return error_of([&] { open("ros2_containers/" + name); });
+    return message_of([&] { open("ros2_containers/" + name); });
   };
   expect_one_line_with(refusal("mcap_cdr_test/cdr_test_0.mcap"), {"no depth images"});
   expect_one_line_with(refusal("sqlite3_cdr_test/cdr_test_0.db3"), {"no depth images"});
@@ -122,32 +95,6 @@ TEST_F(RealRecordings, McapOfRos2BagOpensAsFarAsItsTopicsAndHasNoDepth) {
     for (std::size_t i = 0; i < ours.size(); ++i)
       EXPECT_TRUE(std::ranges::equal(log->read(ours[i]).bytes, same->read(theirs[i]).bytes));
   }
-}
-
-TEST_F(RealRecordings, AnSdkDb3CutAnywhereGivesTheFramesBeforeTheCut) {
-  const std::string name = "realsense_sdk_db3/plain_single_depth_color_640x480.db3";
-  const auto bytes = read_file_bytes(root_ / name);
-  const auto whole = open(name);
-  const std::string hashes[] = {whole->frame_hash(0), whole->frame_hash(1)};
-  const auto path = temp_folder() / "cut.db3";
-  int frames = 0;
-  for (std::size_t cut = 20'000; cut < bytes.size(); cut += 50'001) {
-    write_anew(path, std::span(bytes).first(cut));
-    std::unique_ptr<Recording> recording;
-    const std::string error = error_of([&] { recording = open_recording(path); });
-    if (!recording) {
-      ASSERT_EQ(frames, 0) << error;
-      continue;
-    }
-    ASSERT_GE(recording->frame_count(), frames) << "cut at byte " << cut;
-    frames = recording->frame_count();
-    for (int i = 0; i < frames; ++i) ASSERT_EQ(recording->frame_hash(i), hashes[i]);
-    ASSERT_GE(recording->info().warnings.size(), 1u);
-    if (cut >= 900'000) {
-      ASSERT_GE(frames, 1);
-    }
-  }
-  EXPECT_GE(frames, 1);
 }
 
 TEST_F(RealRecordings, TheFolderOfASingleBagOpensTheBag) {
@@ -171,7 +118,7 @@ TEST_F(RealRecordings, FolderWithOpen3dIntrinsics) {
 }
 
 TEST_F(RealRecordings, FolderWithoutIntrinsicsAsksForThem) {
-  const std::string message = error_of([&] { open("aims_slam_realsense_640x480"); });
+  const std::string message = message_of([&] { open("aims_slam_realsense_640x480"); });
   EXPECT_NE(message.find("--intrinsics"), std::string::npos) << message;
   const auto recording =
       open("aims_slam_realsense_640x480", with_intrinsics(383.8, 383.8, 321.7, 236.8));
@@ -203,7 +150,7 @@ TEST_F(RealRecordings, ViewerExportOpensByEachOfItsPaths) {
     EXPECT_NEAR(recording->frame(0).timestamp_s, 1581812447.07136, 1e-5);
   }
   const std::string message =
-      error_of([&] { open("rs_viewer_raw_export_848x480/001_big_depth.png"); });
+      message_of([&] { open("rs_viewer_raw_export_848x480/001_big_depth.png"); });
   EXPECT_NE(message.find("3 channel(s) with 8 bits"), std::string::npos) << message;
 }
 

@@ -2,6 +2,7 @@
 #include <set>
 
 #include "core/io/image/png.hpp"
+#include "core/io/readers.hpp"
 #include "support/jpeg_bytes.hpp"
 #include "unit/io/ros2_writer.hpp"
 #include "unit/io/support.hpp"
@@ -105,7 +106,7 @@ TEST_F(Ros2Bag, AFileWithoutDepthSaysWhatItHolds) {
   std::erase_if(messages, [](const Ros2Message& message) {
     return message.topic.find("depth") != std::string::npos;
   });
-  expect_one_line_with(error_of([&] { open_db3(messages); }),
+  expect_one_line_with(message_of([&] { open_db3(messages); }),
                        {"a.db3: no depth images", "/camera/camera/color/image_raw", "expected"});
 }
 
@@ -177,14 +178,14 @@ TEST_F(Ros2Bag, CompressedImagesOfTheSdkAreRead) {
 TEST_F(Ros2Bag, JpegOnDepthIsRefusedAndDamageInAPictureIsTold) {
   const auto jpeg = [](const Image16&) { return encode_jpeg(kWidth, kHeight, true); };
   expect_one_line_with(
-      error_of([&] { open_db3(transported(2, "compressed", jpeg, "mono16; jpeg compressed")); }),
+      message_of([&] { open_db3(transported(2, "compressed", jpeg, "mono16; jpeg compressed")); }),
       {"a.db3: depth images on", "are JPEG, which does not keep depth", "expected"});
   const auto floats = [](const Image16&) { return ByteVector(40, 1); };
   expect_one_line_with(
-      error_of(
+      message_of(
           [&] { open_db3(transported(2, "compressedDepth", floats, "32FC1; compressedDepth")); }),
       {"a.db3", "depth of floats (32FC1)"});
-  expect_one_line_with(error_of([&] { open_db3(transported(2, "compressed", floats, "qoi")); }),
+  expect_one_line_with(message_of([&] { open_db3(transported(2, "compressed", floats, "qoi")); }),
                        {"a.db3", "compressed as \"qoi\"", "expected"});
   const auto packs = {std::pair<const char*, std::function<ByteVector(const Image16&)>>{
                           "png", [](const Image16& depth) { return encode_png(depth); }},
@@ -196,7 +197,7 @@ TEST_F(Ros2Bag, JpegOnDepthIsRefusedAndDamageInAPictureIsTold) {
         bytes.resize(12 + keep);
         return bytes;
       };
-      expect_one_line_with(error_of([&] {
+      expect_one_line_with(message_of([&] {
                              open_db3(transported(1, "compressedDepth", cut,
                                                   std::string("16UC1; compressedDepth ") + format));
                            }),
@@ -236,7 +237,7 @@ TEST_F(Ros2Bag, ADatabaseWithWriteAheadLoggingOpensAndALogThatIsLeftIsTold) {
 
 TEST_F(Ros2Bag, ADatabaseOfSomethingElseIsRefused) {
   write_text(folder_ / "text.db3", "no database");
-  expect_one_line_with(error_of([&] { open_recording(folder_ / "text.db3"); }),
+  expect_one_line_with(message_of([&] { open_recording(folder_ / "text.db3"); }),
                        {"text.db3: not a SQLite file (11 bytes"});
   write_db3(folder_ / "a.db3", {});
   auto bytes = read_file_bytes(folder_ / "a.db3");
@@ -246,7 +247,7 @@ TEST_F(Ros2Bag, ADatabaseOfSomethingElseIsRefused) {
     *at = 'w';
   }
   write_anew(folder_ / "a.db3", bytes);
-  expect_one_line_with(error_of([&] { open_recording(folder_ / "a.db3"); }),
+  expect_one_line_with(message_of([&] { open_recording(folder_ / "a.db3"); }),
                        {"a.db3: a SQLite file that has no tables \"topics\" and \"messages\""});
 }
 
@@ -259,7 +260,7 @@ TEST_F(Ros2Bag, ACutDatabaseGivesTheFramesBeforeTheCutAndSaysWhatItLacks) {
     SCOPED_TRACE("cut at byte " + std::to_string(cut));
     write_anew(folder_ / "cut.db3", std::span(bytes).first(cut));
     std::unique_ptr<Recording> recording;
-    const std::string error = error_of([&] { recording = open_recording(folder_ / "cut.db3"); });
+    const std::string error = message_of([&] { recording = open_recording(folder_ / "cut.db3"); });
     if (!recording) {
       ASSERT_EQ(last, 0) << error;
       expect_one_line_with(error, {"cut.db3"});
@@ -316,7 +317,7 @@ TEST_F(Ros2Bag, AFolderWithItsMetadataIsOneRecordingOfAllItsFiles) {
       const auto path = dir / ("rec_" + std::to_string(part) + kind);
       kind == ".mcap" ? write_mcap(path, some, {"zstd", 3, true, "cdr"}) : write_db3(path, some);
     }
-    expect_one_line_with(error_of([&] { open_recording(dir); }),
+    expect_one_line_with(message_of([&] { open_recording(dir); }),
                          {"a folder with 12 recordings, expected the path of one of them"});
     std::string list = "rosbag2_bagfile_information:\n  version: 7\n  relative_file_paths:\n";
     for (std::size_t part = 0; part < parts; ++part)
@@ -328,19 +329,19 @@ TEST_F(Ros2Bag, AFolderWithItsMetadataIsOneRecordingOfAllItsFiles) {
     EXPECT_EQ(recording->info().path, dir);
     expect_sdk_frames(*recording, 12);
     write_text(dir / ("rec_3" + kind), "not one");
-    expect_one_line_with(error_of([&] { open_recording(dir); }), {("rec_3" + kind).c_str()});
+    expect_one_line_with(message_of([&] { open_recording(dir); }), {("rec_3" + kind).c_str()});
     std::filesystem::remove(dir / ("rec_3" + kind));
-    expect_one_line_with(error_of([&] { open_recording(dir); }),
+    expect_one_line_with(message_of([&] { open_recording(dir); }),
                          {"metadata.yaml: lists rec_3", "which is not there"});
     write_text(dir / ("rec_3" + kind + ".zstd"), "packed");
     write_text(dir / "metadata.yaml",
                list.replace(list.find("rec_3" + kind), 5 + kind.size(), "rec_3" + kind + ".zstd"));
-    expect_one_line_with(error_of([&] { open_recording(dir); }),
+    expect_one_line_with(message_of([&] { open_recording(dir); }),
                          {("rec_3" + kind + ".zstd").c_str()});
     for (const char* text : {"{", "a: b", "rosbag2_bagfile_information: 1",
                              "rosbag2_bagfile_information:\n  relative_file_paths: []"}) {
       write_text(dir / "metadata.yaml", text);
-      expect_one_line_with(error_of([&] { open_recording(dir); }), {"metadata.yaml: "});
+      expect_one_line_with(message_of([&] { open_recording(dir); }), {"metadata.yaml: "});
     }
   }
 }
@@ -385,13 +386,13 @@ TEST_F(Ros2Bag, AFileThatIsCompressedAsAWholeIsReadAsItWas) {
     }
     bytes[0] ^= 1;
     write_file_bytes(packed_file, bytes);
-    expect_one_line_with(error_of([&] { open_recording(packed_file); }),
+    expect_one_line_with(message_of([&] { open_recording(packed_file); }),
                          {packed_file.filename().c_str()});
   }
   // Of zeros without end not more than a recording would be.
   const auto bomb = folder_ / "bomb.db3.zstd";
   write_file_bytes(bomb, zstd_packed(ByteVector(std::size_t{300} << 20)));
-  expect_one_line_with(error_of([&] { open_recording(bomb); }),
+  expect_one_line_with(message_of([&] { open_recording(bomb); }),
                        {"bomb.db3.zstd: unpacks to more than", "expected a recording"});
 }
 
@@ -410,10 +411,10 @@ TEST_F(Ros2Bag, McapIsKnownByItsContentAndOtherFilesAreRefused) {
   write_mcap(folder_ / "a.bin", sdk_messages(2));
   EXPECT_EQ(open_recording(folder_ / "a.bin")->frame_count(), 2);
   write_text(folder_ / "text.mcap", "no container");
-  expect_one_line_with(error_of([&] { open_recording(folder_ / "text.mcap"); }),
+  expect_one_line_with(message_of([&] { open_recording(folder_ / "text.mcap"); }),
                        {"text.mcap: not an MCAP file (12 bytes"});
   write_mcap(folder_ / "a.mcap", sdk_messages(2), {"", 5, true, "protobuf"});
-  expect_one_line_with(error_of([&] { open_recording(folder_ / "a.mcap"); }),
+  expect_one_line_with(message_of([&] { open_recording(folder_ / "a.mcap"); }),
                        {"a.mcap", "no depth images"});
 }
 
@@ -426,7 +427,7 @@ TEST_F(Ros2Bag, AChunkWithAnotherChecksumOrAnUnknownCompressionIsRefused) {
          (at = std::search(at, bytes.end(), from.begin(), from.end())) != bytes.end();)
       at = std::copy(to.begin(), to.end(), at);
     write_anew(path, bytes);
-    return error_of([&] { open_recording(path); });
+    return message_of([&] { open_recording(path); });
   };
   const std::string none(4, '\0'), name("\x03\0\0\0lz4", 7);
   expect_one_line_with(changed(none + name, "abcd" + name), {"a.mcap: chunk 0 is damaged"});
@@ -444,7 +445,8 @@ TEST_F(Ros2Bag, McapThatIsCutGivesTheFramesBeforeTheCutAndSaysSo) {
       SCOPED_TRACE(std::string(compression) + " cut at byte " + std::to_string(cut));
       write_anew(folder_ / "cut.mcap", std::span(bytes).first(cut));
       std::unique_ptr<Recording> recording;
-      const std::string error = error_of([&] { recording = open_recording(folder_ / "cut.mcap"); });
+      const std::string error =
+          message_of([&] { recording = open_recording(folder_ / "cut.mcap"); });
       if (!recording) {
         ASSERT_EQ(last, 0) << error;
         expect_one_line_with(error, {"cut.mcap"});
@@ -472,10 +474,10 @@ TEST_F(Ros2Bag, McapWithADamagedIndexIsWalkedAndDamageNeverEndsTheProgram) {
     changed[at] ^= 0xff;
     write_anew(folder_ / "damaged.mcap", changed);
     std::unique_ptr<Recording> recording;
-    std::string error = error_of([&] { recording = open_recording(folder_ / "damaged.mcap"); });
+    std::string error = message_of([&] { recording = open_recording(folder_ / "damaged.mcap"); });
     EXPECT_EQ(error.find('\n'), std::string::npos);
     for (int i = 0; recording && i < recording->frame_count(); ++i) {
-      error = error_of([&] { recording->frame(i); });
+      error = message_of([&] { recording->frame(i); });
       EXPECT_EQ(error.find('\n'), std::string::npos);
     }
     whole += recording && recording->frame_count() == 6;
@@ -495,7 +497,7 @@ TEST_F(Ros2Bag, ADamagedPageCostsWhatLiesThereOnly) {
     const auto recording = open_recording(folder_ / "damaged.db3");
     EXPECT_GE(recording->frame_count(), frames - 3);
     for (int i = 0; i < recording->frame_count(); ++i) {
-      const std::string error = error_of([&] { recording->frame(i); });
+      const std::string error = message_of([&] { recording->frame(i); });
       EXPECT_EQ(error.find('\n'), std::string::npos);
       wrong += !error.empty();
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 #include "unit/io/bag_writer.hpp"
 
 namespace planescope::testing_bags {

@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <functional>
 #include <string>
 
 #include "core/io/recording.hpp"
-#include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::io {
@@ -33,16 +32,6 @@ inline void write_text(const std::filesystem::path& path, const std::string& tex
 inline void write_anew(const std::filesystem::path& path, std::span<const unsigned char> bytes) {
   std::filesystem::remove(path);
   write_file_bytes(path, bytes);
-}
-
-/// The message of the Error that an action throws, "" where it throws none.
-inline std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 inline RecordingOptions with_intrinsics(double fx, double fy, double cx, double cy) {

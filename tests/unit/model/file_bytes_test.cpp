@@ -7,7 +7,6 @@
 #include <ostream>
 
 #include "core/model/error.hpp"
-#include "core/model/sha256.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope {

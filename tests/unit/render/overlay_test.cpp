@@ -173,6 +173,20 @@ TEST(Overlay, ALabelKeepsClearOfWhatLiesOverThePicture) {
   }
 }
 
+TEST(Overlay, IsAsLargeOnADenseScreenAsOnAnOrdinaryOne) {
+  DrawList list;
+  list.title = "Planes";
+  Camera camera;
+  camera.eye = Vec3d(-1, -1, 1);
+  const ThemeColors& colors = theme_colors(Theme::light);
+  const Overlay ordinary = layout_overlay(list, make_view(camera, 400, 500), colors);
+  const Overlay dense = layout_overlay(list, make_view(camera, 800, 1000, 2), colors);
+  ASSERT_FALSE(ordinary.texts.empty());
+  ASSERT_EQ(dense.texts.size(), ordinary.texts.size());
+  for (std::size_t i = 0; i < dense.texts.size(); ++i)
+    EXPECT_NEAR(dense.texts[i].size_px, 2 * ordinary.texts[i].size_px, 1e-9);
+}
+
 TEST(Overlay, LabelsBehindTheCameraAreLeftOut) {
   DrawList list;
   list.labels = {{{-0.5f, -0.5f, 0.5f}, "near", {}, 14, true},

@@ -9,9 +9,8 @@
 #include <numbers>
 
 #include "core/model/random.hpp"
-#include "core/report/data/frame_planes.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "core/report/data/plane_files.hpp"
-#include "core/report/data/plane_summary.hpp"
 #include "core/report/data/ros_json.hpp"
 #include "core/report/data/segment_files.hpp"
 

@@ -87,19 +87,6 @@ TEST(ReadReport, WhatIsReadIsWhatWasWritten) {
   EXPECT_EQ(read.recordings[0].frames[1].refused, "no gravity");
 }
 
-TEST(ReadReport, AFileOfTheFirstSchemaIsStillRead) {
-  // As the version that wrote it left it: no regions, no pq, no method.
-  const Report read = read_report(PLANESCOPE_SOURCE_DIR "/tests/unit/report/report_v1.json");
-  EXPECT_EQ(read.method, "ours");
-  EXPECT_EQ(read.classifier, "pca");
-  ASSERT_EQ(read.recordings.size(), 1u);
-  const ReportFrame& frame = read.recordings[0].frames.at(0);
-  EXPECT_EQ(frame.planes.size(), 14u);
-  EXPECT_TRUE(frame.regions.runs.empty());
-  ASSERT_TRUE(frame.metrics);
-  EXPECT_TRUE(std::isnan(frame.metrics->pq));
-}
-
 TEST(ReadReport, ThatAPlaneIsUndecidedIsReadBackWithItsMargin) {
   Report report = make_compared_report();
   PlaneSummary& plane = report.recordings[0].frames[0].planes[1].summary;
@@ -147,8 +134,13 @@ TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
   };
   Json json = good;
   json["schema"] = "planescope.report/5";
+  EXPECT_EQ(
+      refusal_of(json),
+      "schema is \"planescope.report/5\", expected planescope.report/3 or planescope.report/4");
+  json["schema"] = "planescope.report/2";
   EXPECT_EQ(refusal_of(json),
-            "schema is \"planescope.report/5\", expected planescope.report/1, 2, 3 or 4");
+            "planescope.report/2 is no longer readable; expected planescope.report/3 or "
+            "planescope.report/4");
   json = good;
   json["recordings"][0]["frames"][0]["planes"][1]["normal"] = {1, "x", 3};
   EXPECT_EQ(refusal_of(json),

@@ -4,8 +4,8 @@
 #include <set>
 #include <sstream>
 
+#include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/image/webp.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/report_files.hpp"

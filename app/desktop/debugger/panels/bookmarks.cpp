@@ -19,10 +19,10 @@ std::string place_of(const Bookmark& bookmark) {
 
 void draw_bookmarks(const Ui& ui) {
   const auto& bookmarks = ui.state.document.bookmarks;
-  if (ImGui::Button("Bookmark this view")) ui.emit("bookmark.add");
+  if (ImGui::Button("Bookmark this view")) ui.act("bookmark.add");
   ui.name("bookmarks.add");
   same_line_if_fits("Save session …");
-  if (ImGui::Button("Save session …")) ui.emit("session.save");
+  if (ImGui::Button("Save session …")) ui.act("session.save");
   ui.name("bookmarks.save");
   if (bookmarks.empty()) {
     ImGui::Spacing();
@@ -36,10 +36,10 @@ void draw_bookmarks(const Ui& ui) {
     ImGui::Separator();
     if (ImGui::Selectable(bookmark.name.c_str(), false, 0,
                           ImVec2(ImGui::GetContentRegionAvail().x - ui.px(70), 0)))
-      ui.emit("bookmark.go", std::to_string(i));
+      ui.act("bookmark.go", i);
     ui.name(fmt::format("bookmarks.{}", i));
     ImGui::SameLine();
-    if (ImGui::SmallButton("remove")) ui.emit("bookmark.remove", std::to_string(i));
+    if (ImGui::SmallButton("remove")) ui.act("bookmark.remove", i);
     ui.name(fmt::format("bookmarks.{}.remove", i));
     const std::string place = place_of(bookmark);
     if (!place.empty()) paragraph(ui.colors.muted, place);
@@ -53,7 +53,7 @@ void draw_bookmarks(const Ui& ui) {
     ui.name(fmt::format("bookmarks.{}.note", i));
     ui.memory.numbers[key] = ImGui::IsItemActive() ? 1 : 0;
     if (ImGui::IsItemDeactivatedAfterEdit())
-      ui.emit("bookmark.note", std::to_string(i) + " " + text);
+      ui.act("bookmark.note", BookmarkNote{static_cast<int>(i), text});
     ImGui::PopID();
   }
 }

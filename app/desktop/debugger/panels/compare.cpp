@@ -18,19 +18,20 @@ void draw_compare_controls(const Ui& ui) {
   const bool pinned = state.results.pinned != nullptr;
   if (button(ui, pinned ? "Pin again" : "Pin this run as A", "compare.pin",
              state.results.current != nullptr))
-    ui.emit("run.pin");
+    ui.act("run.pin");
   same_line_if_fits("Unpin");
-  if (button(ui, "Unpin", "compare.unpin", pinned)) ui.emit("run.unpin");
+  if (button(ui, "Unpin", "compare.unpin", pinned)) ui.act("run.unpin");
   same_line_if_fits("Showing A");
   if (button(ui, state.view.flash ? "Showing A" : "Showing B", "compare.flash", pinned))
-    ui.emit("run.flash");
+    ui.act("run.flash");
   tooltip("Shows the other run in all views   Space");
   same_line_if_fits("Back to A's options");
-  if (button(ui, "Back to A's options", "compare.restore", pinned)) ui.emit("run.restore");
+  if (button(ui, "Back to A's options", "compare.restore", pinned)) ui.act("run.restore");
 
   const auto choice = [&](const char* title, const char* name, Against against, bool enabled) {
     ImGui::BeginDisabled(!enabled);
-    if (ImGui::RadioButton(title, state.view.against == against)) ui.emit("compare.against", name);
+    if (ImGui::RadioButton(title, state.view.against == against))
+      ui.act("compare.against", against);
     ImGui::EndDisabled();
     ui.name(std::string("compare.against.") + name);
   };
@@ -97,7 +98,7 @@ void draw_divergence(const Ui& ui, const debug::Comparison& comparison) {
   if (comparison.diverging_step_a == planes::kNever &&
       comparison.diverging_step_b == planes::kNever)
     return;
-  if (button(ui, "Go to the first difference", "compare.diverging")) ui.emit("compare.diverging");
+  if (button(ui, "Go to the first difference", "compare.diverging")) ui.act("compare.diverging");
 }
 
 /// A plane of a run by its id in the result; a click selects it.
@@ -108,7 +109,7 @@ void plane_cell(
   const std::int32_t founded = run.segmentation.planes[static_cast<std::size_t>(id - 1)].founded;
   const std::string text = debug::plane_name(run, founded);
   if (!shown) return ImGui::TextUnformatted(text.c_str());
-  if (link(ui, text, widget)) ui.emit("select.plane", text);
+  if (link(ui, text, widget)) ui.act("select.plane", PlaneRef{founded});
 }
 
 void draw_planes(const Ui& ui,
@@ -186,7 +187,7 @@ void draw_nodes(const Ui& ui,
         ImGui::TextDisabled("depth %d", node.depth);
       else if (link(ui, fmt::format("{} (depth {})", shown, node.depth),
                     fmt::format("compare.node.{}", shown)))
-        ui.emit("select.node", std::to_string(shown));
+        ui.act("select.node", shown);
       ImGui::TableNextColumn();
       ImGui::Text("%u", node.size());
       case_cell(ui, change.case_a);

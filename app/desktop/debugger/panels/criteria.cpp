@@ -92,9 +92,9 @@ void draw_slider(const Ui& ui, const Row& row, double value) {
   if (ImGui::IsItemActive()) {
     const double share = std::clamp((ImGui::GetIO().MousePos.x - min.x) / size.x, 0.0f, 1.0f);
     const std::string text = planes::number_text(row.info, scale.value(share));
-    if (text != row.value) ui.emit("option.drag", row.info.name + "=" + text);
+    if (text != row.value) ui.act("option.drag", OptionValue{row.info.name, text});
   }
-  if (ImGui::IsItemDeactivated()) ui.emit("option.drop");
+  if (ImGui::IsItemDeactivated()) ui.act("option.drop");
 }
 
 /// A box to type in: what is typed is the panel's until Enter.
@@ -108,13 +108,14 @@ void draw_entry(const Ui& ui, const Row& row, float width) {
   ui.name(row.widget);
   const bool left = ImGui::IsItemDeactivatedAfterEdit();
   editing = ImGui::IsItemActive() ? 1 : 0;
-  if ((entered || left) && text != row.value) ui.emit("option.set", row.info.name + "=" + text);
+  if ((entered || left) && text != row.value)
+    ui.act("option.set", OptionValue{row.info.name, text});
 }
 
 void draw_reset(const Ui& ui, const Row& row) {
   if (row.value == row.reset) return;
   ImGui::SameLine();
-  if (ImGui::SmallButton("reset")) ui.emit("option.reset", row.info.name);
+  if (ImGui::SmallButton("reset")) ui.act("option.reset", row.info.name);
   ui.name(row.widget + ".reset");
 }
 
@@ -157,7 +158,7 @@ void draw_other(const Ui& ui, const Row& row) {
   if (info.kind == planes::OptionKind::on_off) {
     bool on = row.value == "on";
     if (ImGui::Checkbox(info.title.c_str(), &on))
-      ui.emit("option.set", info.name + (on ? "=on" : "=off"));
+      ui.act("option.set", OptionValue{info.name, on ? "on" : "off"});
     ui.name(row.widget);
   } else {
     std::vector<std::string> choices = info.choices;
@@ -175,7 +176,7 @@ void draw_other(const Ui& ui, const Row& row) {
       if (open) {
         for (const std::string& choice : choices) {
           if (ImGui::Selectable(choice.c_str(), choice == row.value))
-            ui.emit("option.set", info.name + "=" + choice);
+            ui.act("option.set", OptionValue{info.name, choice});
           ui.name(row.widget + "." + choice);
         }
         ImGui::EndCombo();

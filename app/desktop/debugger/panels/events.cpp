@@ -78,8 +78,7 @@ void draw_breakpoints(const Ui& ui) {
     }
     ImGui::PushID(static_cast<int>(i));
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    if (ImGui::InvisibleButton("##switch", ImVec2(line, line)))
-      ui.emit("break.enable", std::to_string(i));
+    if (ImGui::InvisibleButton("##switch", ImVec2(line, line))) ui.act("break.enable", i);
     ui.name(widget);
     tooltip(all[i].enabled ? "Disable" : "Enable");
     draw_breakpoint_dot(ui, ImVec2(at.x + line / 2, at.y + line / 2),
@@ -91,8 +90,7 @@ void draw_breakpoints(const Ui& ui) {
       ImGui::TextDisabled("%s", title.c_str());
     ImGui::SameLine(0, ui.px(2));
     const ImVec2 cross = ImGui::GetCursorScreenPos();
-    if (ImGui::InvisibleButton("##remove", ImVec2(line, line)))
-      ui.emit("break.remove", std::to_string(i));
+    if (ImGui::InvisibleButton("##remove", ImVec2(line, line))) ui.act("break.remove", i);
     ui.name(widget + ".remove");
     ImGui::GetWindowDrawList()->AddText(ImVec2(cross.x + ui.px(2), cross.y),
                                         ImGui::IsItemHovered() ? ui.colors.bad : ui.colors.muted,
@@ -105,13 +103,13 @@ void draw_breakpoints(const Ui& ui) {
 /// Sets or removes a breakpoint on what the event is about.
 void toggle_breakpoint(const Ui& ui, const debug::Run& run, const planes::TraceEvent& event) {
   if (event.node >= 0) {
-    ui.emit("select.node", std::to_string(event.node));
-    ui.emit("break.node");
+    ui.act("select.node", event.node);
+    ui.act("break.node");
   } else if (event.point >= 0) {
-    ui.emit("select.voxel", std::to_string(event.point));
-    ui.emit("break.point");
+    ui.act("select.voxel", event.point);
+    ui.act("break.point");
   } else {
-    ui.emit("break.on", "plane==" + debug::plane_name(run, event.plane));
+    ui.act("break.on", "plane==" + debug::plane_name(run, event.plane));
   }
 }
 
@@ -189,7 +187,7 @@ void draw_ready_filters(const Ui& ui) {
   if (!ImGui::BeginPopup("ready")) return;
   const debug::Run* run = ui.state.run();
   const auto item = [&](const ReadyFilter& ready, std::size_t i) {
-    if (ImGui::MenuItem(ready.title)) ui.emit("filter.set", ready.filter);
+    if (ImGui::MenuItem(ready.title)) ui.act("filter.set", ready.filter);
     ui.name(fmt::format("events.ready.{}", i));
     tooltip(ready.filter);
   };
@@ -217,16 +215,16 @@ void draw_search(const Ui& ui) {
   draw_ready_filters(ui);
   ImGui::SameLine(0, gap);
   if (tool(ui, "◀", "events.previous", "Previous match (Shift+N)", false))
-    ui.emit("filter.previous");
+    ui.act("filter.previous");
   ImGui::SameLine(0, gap);
-  if (tool(ui, "▶", "events.next", "Next match (N)", false)) ui.emit("filter.next");
+  if (tool(ui, "▶", "events.next", "Next match (N)", false)) ui.act("filter.next");
   ImGui::SameLine(0, gap);
   if (tool(ui, "only", "events.only", "Show matching events only (Ctrl+Shift+F)",
            view.only_matches))
-    ui.emit("filter.only");
+    ui.act("filter.only");
   ImGui::SameLine(0, gap);
   if (tool(ui, "●", "events.break", "Breakpoint on this filter (Shift+F9)", false))
-    ui.emit("break.filter");
+    ui.act("break.filter");
 }
 
 // ---- The list ----------------------------------------------------------------------------------
@@ -291,7 +289,7 @@ void draw_sign(const Ui& ui, const planes::TraceEvent& event, ImVec2 at, ImU32 c
 }
 
 /// The event in words, without the stage's name where that is the row's sign.
-std::string words_of(const debug::Run& run, std::int32_t step) {
+std::string event_words(const debug::Run& run, std::int32_t step) {
   const planes::TraceEvent& event = *run.event_at(step);
   std::string text = debug::describe_event(run, step);
   const std::string name = sign_of(event) + ": ";
@@ -319,7 +317,7 @@ void draw_row(const Ui& ui,
   if (clicked && in_gutter)
     toggle_breakpoint(ui, run, event);
   else if (clicked)
-    ui.emit("step.goto", std::to_string(step));
+    ui.act("step.goto", step);
 
   const std::string text = debug::describe_event(run, step);
   const bool wrong = !run.wrong.empty() && run.wrong[static_cast<std::size_t>(step - 1)] != 0;
@@ -344,7 +342,7 @@ void draw_row(const Ui& ui,
                 ui.colors.muted, number.c_str());
   const float sign_room = wrong ? ImGui::CalcTextSize("≠ truth").x + ui.px(8) : 0;
   const std::string words =
-      fitted(ui, words_of(run, step), max.x - at.x - columns.text - sign_room);
+      fitted(ui, event_words(run, step), max.x - at.x - columns.text - sign_room);
   draw_math(ui, draw, ImVec2(at.x + columns.text, at.y), color, words);
   if (wrong)
     draw->AddText(ImVec2(at.x + columns.text + math_width(ui, words) + ui.px(8), at.y),
@@ -457,7 +455,7 @@ void draw_events(const Ui& ui) {
   draw_search(ui);
   const debug::Run* run = ui.state.run();
   if (!run)
-    return paragraph(ui.colors.muted, "What is decided on a frame, step by step, comes here.");
+    return paragraph(ui.colors.muted, "The decisions on a frame are listed here, step by step.");
   draw_findings(ui, *run);
   draw_breakpoints(ui);
   ImGui::BeginChild("##events");

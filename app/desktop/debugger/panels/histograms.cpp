@@ -124,18 +124,18 @@ void handle_mouse(const Ui& ui, const Plot& plot, const std::string& widget) {
     const double value = std::stod(fmt::format("{:.3g}", axis.value(share)));
     const std::string text = planescope::planes::number_text(info, value);
     if (text != info.get(ui.state.document.options))
-      ui.emit("option.drag", histogram.option + "=" + text);
+      ui.act("option.drag", OptionValue{histogram.option, text});
   } else if (ImGui::IsItemActive()) {
     ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(plot.x(std::min(from, share)), plot.min.y),
                                               ImVec2(plot.x(std::max(from, share)), plot.max.y),
                                               with_alpha(ui.colors.accent, 60));
   }
   if (ImGui::IsItemDeactivated()) {
-    if (dragging == "line") ui.emit("option.drop");
+    if (dragging == "line") ui.act("option.drop");
     ui.memory.grabbed = {};
     const std::string filter = filter_between(histogram, from, share);
     if (dragging == "bars" && std::abs(share - from) > 0.01 && !filter.empty())
-      ui.emit("filter.set", filter);
+      ui.act("filter.set", filter);
   }
   if (!ImGui::IsItemHovered()) return;
   if (at_line) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);

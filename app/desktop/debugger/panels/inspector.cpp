@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/debugger/fix_table.hpp"
-#include "app/desktop/debugger/frame_summary.hpp"
-#include "app/desktop/debugger/plane_text.hpp"
+#include "app/desktop/debugger/planes.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/debug/explain/explain.hpp"
@@ -115,7 +113,7 @@ void draw_name(const Ui& ui, const debug::Check& check, const Name& name, const 
   if (ImGui::Selectable((name.criterion + "##" + id).c_str(), false,
                         ImGuiSelectableFlags_SpanAllColumns) &&
       !check.option.empty())
-    ui.emit("option.show", check.option);
+    ui.act("option.show", check.option);
   ui.name(id);
   if (ImGui::IsItemHovered()) draw_tooltip(check);
   const float beside = name.beside ? ImGui::CalcTextSize(name.criterion.c_str()).x + ui.px(6) : 0;
@@ -166,8 +164,7 @@ void draw_checks(const Ui& ui, const std::string& name, const std::vector<debug:
 constexpr std::size_t kMostPartners = 5;
 
 void link_to_step(const Ui& ui, const std::string& text, std::int32_t step) {
-  if (link(ui, text, fmt::format("inspector.step.{}", step)))
-    ui.emit("step.goto", std::to_string(step));
+  if (link(ui, text, fmt::format("inspector.step.{}", step))) ui.act("step.goto", step);
 }
 
 const char* word_of(Label label) {
@@ -206,7 +203,7 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
                       planes::cell_size_text(octree, node.depth).c_str());
   if (node.parent >= 0) {
     same_line_if_fits("parent");
-    if (ImGui::SmallButton("parent")) ui.emit("select.parent");
+    if (ImGui::SmallButton("parent")) ui.act("select.parent");
     ui.name("inspector.parent");
   }
   const bool labelled = run.subject->prepared.gravity.known();
@@ -366,7 +363,7 @@ void draw_distances(const Ui& ui,
       ImGui::TableNextColumn();
       if (ImGui::Selectable(debug::plane_name(run, plane.plane).c_str(), false,
                             ImGuiSelectableFlags_SpanAllColumns))
-        ui.emit("select.plane", debug::plane_name(run, plane.plane));
+        ui.act("select.plane", PlaneRef{plane.plane});
       cell(length_text(plane.distance_m));
       cell(length_text(plane.limit_m));
       ImGui::TableNextColumn();
@@ -386,9 +383,70 @@ void draw_leftover(const Ui& ui, const debug::Run& run, std::int32_t step) {
   heading(ui, fmt::format("Unassigned point {}", report.point));
   paragraph(ui.colors.text, report.outcome);
   draw_distances(ui, run, report.planes);
-  if (ImGui::SmallButton("History")) ui.emit("point.life");
+  if (ImGui::SmallButton("History")) ui.act("point.life");
   ui.name("inspector.life");
   ImGui::Separator();
+}
+
+// ---- The frame ---------------------------------------------------------------------------------
+
+constexpr double kLeast = 0.001;  // share of a row
+
+/// The brightness of a reason's grey: neighbors in the bar differ.
+ImU32 color_of_reason(const Ui& ui, std::size_t i) {
+  return with_alpha(ui.colors.muted, i % 2 == 0 ? 200 : 120);
+}
+
+/// Shares beside each other, over the whole width.
+void draw_bar(const Ui& ui, const debug::FrameSummary& summary) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = ui.px(10);
+  float x = at.x;
+  const auto add = [&](std::size_t sources, ImU32 color) {
+    const float to = x + width * static_cast<float>(summary.share(sources));
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(x, at.y), ImVec2(to, at.y + height), color);
+    x = to;
+  };
+  add(summary.on_planes - summary.on_undecided, ui.colors.accent);
+  add(summary.on_undecided, with_alpha(ui.colors.accent, 120));
+  for (std::size_t i = 0; i < summary.lost.size(); ++i)
+    add(summary.lost[i].sources, color_of_reason(ui, i));
+  ImGui::Dummy(ImVec2(width, height));
+}
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
+/// What of a frame is on planes, and why the rest is not.
+void draw_frame_summary(const Ui& ui, const RunView& view) {
+  const debug::FrameSummary& summary = view.summary;
+  const double on = summary.share(summary.on_planes);
+  const double outside = summary.share(summary.out_of_range);
+  std::string title = fmt::format("{} on {} · {} unassigned", percent(on),
+                                  counted(static_cast<std::size_t>(summary.planes), "plane"),
+                                  percent(1 - on - outside));
+  if (outside >= kLeast) title += fmt::format(" · {} out of range", percent(outside));
+  heading(ui, title);
+  draw_bar(ui, summary);
+  if (summary.undecided > 0)
+    paragraph(ui.colors.muted,
+              fmt::format("{}, {} of all points, undecided: slightly different noise could drop "
+                          "or merge them",
+                          counted(static_cast<std::size_t>(summary.undecided), "plane"),
+                          percent(summary.share(summary.on_undecided))));
+  for (std::size_t i = 0; i < summary.lost.size(); ++i) {
+    const debug::Lost& lost = summary.lost[i];
+    if (summary.share(lost.sources) < kLeast) continue;
+    const std::string text =
+        fmt::format("{:.1f} %  {}", 100 * summary.share(lost.sources), lost.reason);
+    const std::string widget = fmt::format("lost.{}", i);
+    if (lost.middle < 0) {
+      colored(ui.colors.muted, text);
+      ui.name(widget);
+      continue;
+    }
+    if (link(ui, text, widget)) ui.act("lost.show", i);
+    tooltip("Mark these points and explain the largest part");
+  }
 }
 
 /// While there is no run. Why the frame was refused stands where the scene would be.

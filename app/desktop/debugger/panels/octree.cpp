@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "app/desktop/debugger/filter_box.hpp"
-#include "app/desktop/debugger/octree_rows.hpp"
+#include "app/desktop/debugger/rows.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "render/palette.hpp"
@@ -229,8 +229,8 @@ void draw_row(const Ui& ui, const debug::Run& run, const OctreeRow& row) {
   ui.name(fmt::format("octree.node.{}", row.node), ImVec2(fold_end, min.y), max);
   const bool on_fold = row.has_children && ImGui::GetIO().MousePos.x < fold_end;
   if (clicked && !on_fold) {
-    ui.emit("select.node", std::to_string(row.node));
-    if (ImGui::IsMouseDoubleClicked(0)) ui.emit("step.decision");
+    ui.act("select.node", row.node);
+    if (ImGui::IsMouseDoubleClicked(0)) ui.act("step.decision");
   }
   if (ImGui::IsItemHovered() && !on_fold) draw_tooltip(run, step, row.node);
   if (row.has_children) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "app/desktop/debugger/fix_table.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 
@@ -50,12 +49,12 @@ void draw_why(const Ui& ui, const PointStory& point) {
   math_paragraph(ui, lost ? ui.colors.warning : ui.colors.text, point.why.answer);
   if (point.why.step > 0) {
     if (button(ui, fmt::format("Step {}", point.why.step), "point.why"))
-      ui.emit("step.goto", std::to_string(point.why.step));
+      ui.act("step.goto", point.why.step);
     ImGui::SameLine();
     if (button(ui, "Break on this point", "point.break")) {
-      ui.emit("select.voxel", std::to_string(point.of->run->subject->voxel_of_source(
-                                  static_cast<std::size_t>(point.source))));
-      ui.emit("break.point");
+      ui.act("select.voxel",
+             point.of->run->subject->voxel_of_source(static_cast<std::size_t>(point.source)));
+      ui.act("break.point");
     }
   }
   if (draw_try(ui)) return;
@@ -63,7 +62,7 @@ void draw_why(const Ui& ui, const PointStory& point) {
   if (remedy.text.empty()) return;
   paragraph(ui.colors.muted, remedy.text);
   if (button(ui, fmt::format("Set {} = {}", remedy.option, remedy.value), "point.remedy"))
-    ui.emit("option.set", remedy.option + "=" + remedy.value);
+    ui.act("option.set", OptionValue{remedy.option, remedy.value});
 }
 
 /// The stage with its step: beside it, or below where the panel is narrow.
@@ -105,7 +104,7 @@ void draw_station(const Ui& ui, const debug::LifeEvent& event, std::size_t index
   if (!ImGui::IsMouseHoveringRect(min, max) || !ImGui::IsWindowHovered()) return;
   ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
   ImGui::GetWindowDrawList()->AddRect(min, max, ui.colors.accent, ui.px(2));
-  if (ImGui::IsMouseClicked(0)) ui.emit("step.goto", std::to_string(event.step));
+  if (ImGui::IsMouseClicked(0)) ui.act("step.goto", event.step);
 }
 
 }  // namespace

@@ -1,12 +1,13 @@
 // The trace from left to right: phases, cases, what became of planes, marks of what matters, and an
 // overview of all of it.
 
+#include "app/desktop/debugger/timeline.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/debugger/timeline_rows.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/model/text.hpp"
@@ -16,17 +17,19 @@ namespace {
 
 void draw_step_unit(const Ui& ui) {
   struct Unit {
+    debug::StepUnit unit;
     const char *name, *title, *does;
   };
   static constexpr Unit kUnits[] = {
-      {"event", "Event", "to the next event"},
-      {"node", "Node", "to the next node that is decided"},
-      {"plane", "Plane", "to the next event that founds, joins, splits or drops a plane"}};
+      {debug::StepUnit::event, "event", "Event", "to the next event"},
+      {debug::StepUnit::node, "node", "Node", "to the next node that is decided"},
+      {debug::StepUnit::plane, "plane", "Plane",
+       "to the next event that founds, joins, splits or drops a plane"}};
   const Unit& now = kUnits[static_cast<std::size_t>(ui.state.view.step_unit)];
   ImGui::SetNextItemWidth(ui.px(74));
   if (ImGui::BeginCombo("##unit", now.title)) {
     for (const Unit& unit : kUnits) {
-      if (ImGui::Selectable(unit.title, unit.name == now.name)) ui.emit("step.unit", unit.name);
+      if (ImGui::Selectable(unit.title, unit.unit == now.unit)) ui.act("step.unit", unit.unit);
       ui.name(std::string("timeline.unit.") + unit.name);
       tooltip(unit.does);
     }
@@ -55,7 +58,7 @@ void draw_step_controls(const Ui& ui) {
   if (ImGui::BeginCombo("##rate", fmt::format("{:g} /s", playing.steps_per_s).c_str())) {
     for (const int rate : {1, 5, 20, 60, 200, 1000, 5000})
       if (ImGui::Selectable(fmt::format("{} steps a second", rate).c_str()))
-        ui.emit("step.rate", std::to_string(rate));
+        ui.act("step.rate", static_cast<double>(rate));
     ImGui::EndCombo();
   }
   ui.name("timeline.rate");
@@ -66,7 +69,7 @@ void draw_step_controls(const Ui& ui) {
   int step = ui.state.view.step;
   ImGui::SetNextItemWidth(ui.px(62));
   if (ImGui::InputInt("##step", &step, 0, 0, ImGuiInputTextFlags_EnterReturnsTrue))
-    ui.emit("step.goto", std::to_string(std::clamp(step, 0, run->steps())));
+    ui.act("step.goto", std::clamp(step, 0, run->steps()));
   ui.name("timeline.step");
   ImGui::SameLine();
   ImGui::TextDisabled("of %d", run->steps());
@@ -92,7 +95,7 @@ constexpr ImGuiButtonFlags kButtons = ImGuiButtonFlags_MouseButtonLeft |
                                       ImGuiButtonFlags_MouseButtonMiddle;
 
 void show(const Ui& ui, const debug::StepRange& shown, const debug::StepRange& wanted) {
-  if (wanted != shown) ui.emit("timeline.range", fmt::format("{}-{}", wanted.first, wanted.last));
+  if (wanted != shown) ui.act("timeline.range", wanted);
 }
 
 /// Scrolling over the item zooms about a step.
@@ -172,14 +175,14 @@ std::int32_t use_steps(const Ui& ui, const TimelineRows& rows) {
   const int button = dragging_button(memory);
   pan(ui, rows, button);
   if (button == 0) {
-    if (ImGui::IsItemActivated() && ui.state.view.playing.direction != 0) ui.emit("step.stop");
-    if (mouse != ui.state.view.step) ui.emit("step.goto", std::to_string(mouse));
+    if (ImGui::IsItemActivated() && ui.state.view.playing.direction != 0) ui.act("step.stop");
+    if (mouse != ui.state.view.step) ui.act("step.goto", mouse);
   }
   // A double click whose second press drags is still a drag.
   if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0)) memory.double_clicked = true;
   if (memory.double_clicked && ImGui::IsMouseReleased(0)) {
     memory.double_clicked = false;
-    if (!was_dragged()) ui.emit("timeline.all");
+    if (!was_dragged()) ui.act("timeline.all");
   }
   if (button >= 0 || !ImGui::IsItemHovered()) return -1;
   tip(rows, step_text(ui, mouse));
@@ -199,7 +202,7 @@ void use_overview(const Ui& ui, const TimelineRows& rows) {
   if (ImGui::IsItemActivated())
     memory.grabbed = shown.contains(mouse) ? mouse - shown.first : shown.count() / 2;
   if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0))
-    ui.emit("timeline.all");
+    ui.act("timeline.all");
   else if (ImGui::IsItemActive())
     show(ui, shown, moved(shown, mouse - memory.grabbed - shown.first, steps));
   else if (ImGui::IsItemHovered())

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "app/desktop/labeling/panels/parts.hpp"
@@ -40,7 +42,7 @@ void draw_sides(const Ui& ui) {
   ImGui::SetNextItemWidth(folder.empty() ? -1 : -ui.px(84));
   if (ImGui::InputTextWithHint("##folder", "label folder of another annotator", &text,
                                ImGuiInputTextFlags_EnterReturnsTrue))
-    ui.emit("review.against", text);
+    ui.act("review.against", text);
   ui.name("review.folder");
   auto cm2 = static_cast<float>(ui.state.view.label.review_smallest_cm2);
   const auto draw_smallest = [&] {
@@ -49,7 +51,7 @@ void draw_sides(const Ui& ui) {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(ui.px(90));
     if (ImGui::SliderFloat("##smallest", &cm2, 0, 200, "%.0f cm²", ImGuiSliderFlags_AlwaysClamp))
-      ui.emit("review.smallest", fmt::format("{:.0f}", cm2));
+      ui.act("review.smallest", std::round(cm2));
     ui.name("review.smallest");
     tooltip("Smaller regions are not listed");
   };
@@ -57,7 +59,7 @@ void draw_sides(const Ui& ui) {
   ImGui::SameLine();
   if (button(ui, "algorithm", "review.algorithm")) {
     text.clear();
-    ui.emit("review.against");
+    ui.act("review.against");
   }
   draw_smallest();
 }
@@ -95,7 +97,7 @@ void draw_sliver_row(const Ui& ui, const Slivers& slivers, bool listed) {
       fmt::format("{} {}, {} {}", listed ? "-" : "+",
                   counted(static_cast<std::size_t>(slivers.count), "sliver"), slivers.pixels,
                   ui.state.label_frame()->grid.is_cloud() ? "points" : "px");
-  if (row(ui, "review.slivers", text, false)) ui.emit("review.slivers", "show");
+  if (row(ui, "review.slivers", text, false)) ui.act("review.slivers", SliverAction::show);
   tooltip("Thin strips along edges; click to list them");
   for (int i = 0; i < 3; ++i) cell("");
 }
@@ -118,7 +120,7 @@ void draw_open_items(const Ui& ui, const ReviewQueue& queue) {
     }
     const int index = static_cast<int>(i);
     if (row(ui, fmt::format("review.{}", i), to_string(item.kind), index == chosen))
-      ui.emit("review.item", std::to_string(i));
+      ui.act("review.item", i);
     tooltip(meaning_of(item.kind));
     if (index == chosen && scrolled_to != index) {
       ImGui::SetScrollHereY();
@@ -137,7 +139,7 @@ void draw_decided_items(const Ui& ui, const std::vector<Decided>& all) {
     ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.muted);
     if (row(ui, fmt::format("review.decided.{}", i), to_string(note.kind), chosen) &&
         all[i].item >= 0)
-      ui.emit("review.item", std::to_string(all[i].item));
+      ui.act("review.item", all[i].item);
     tooltip(fmt::format("{} by {}{}", past_tense(note.decision), note.reviewer,
                         all[i].item < 0 ? "; no longer different" : ""));
     cell(planes_text(note.label_plane, note.other_plane));
@@ -166,7 +168,7 @@ void draw_items(const Ui& ui,
 void draw_decisions(const Ui& ui, const ReviewQueue& queue, const FrameLabels& labels) {
   const bool chosen = ui.state.view.label.review_item >= 0;
   ImGui::BeginDisabled(!chosen);
-  if (button(ui, "Keep (Enter)", "review.keep")) ui.emit("review.keep");
+  if (button(ui, "Keep (Enter)", "review.keep")) ui.act("review.keep");
   tooltip("Keep the labels   Enter");
   constexpr const char* kButtons[][2] = {
       {"review.take", "Take (A)"}, {"review.edit", "Edit (E)"}, {"review.ignore", "Ignore (G)"}};
@@ -178,12 +180,13 @@ void draw_decisions(const Ui& ui, const ReviewQueue& queue, const FrameLabels& l
   if (slivers_of(queue).count > 1) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextDisabled("All slivers");
-    constexpr const char* kOfAll[][2] = {
-        {"keep", "Keep all"}, {"take", "Take all"}, {"ignore", "Ignore all"}};
-    for (const auto& [what, label] : kOfAll) {
+    constexpr std::tuple<SliverAction, const char*, const char*> kOfAll[] = {
+        {SliverAction::keep, "keep", "Keep all"},
+        {SliverAction::take, "take", "Take all"},
+        {SliverAction::ignore, "ignore", "Ignore all"}};
+    for (const auto& [what, name, label] : kOfAll) {
       same_line_if_fits(label);
-      if (button(ui, label, fmt::format("review.slivers.{}", what).c_str()))
-        ui.emit("review.slivers", what);
+      if (button(ui, label, fmt::format("review.slivers.{}", name))) ui.act("review.slivers", what);
     }
   }
   if (queue.undecided() > 0) return;

@@ -162,8 +162,8 @@ void draw_timeline_of(const Ui& ui, const MapView& view, const std::vector<const
       const float mouse = ImGui::GetIO().MousePos.x;
       const bool on_axis = mouse >= axis.x;
       if (clicked)
-        ui.emit("track.show", on_axis ? fmt::format("{},{}", track.id, axis.frame_at(mouse))
-                                      : std::to_string(track.id));
+        ui.act("track.show",
+               on_axis ? TrackFrame{track.id, axis.frame_at(mouse)} : TrackFrame{track.id});
       if (ImGui::IsItemHovered() && on_axis)
         tooltip(world::moment_text(view.tracker(), track, axis.frame_at(mouse)));
       ImDrawList* draw = ImGui::GetWindowDrawList();
@@ -190,19 +190,19 @@ void draw_filter(const Ui& ui) {
   text.resize(kRoom);
   ImGui::SetNextItemWidth(ui.px(230));
   if (ImGui::InputTextWithHint("##filter", "filter: gap && length>5", text.data(), kRoom))
-    ui.emit("track.filter", text.c_str());
+    ui.act("track.filter", std::string(text.c_str()));
   ui.name("tracks.filter");
   if (!view.filter_problem.empty()) tooltip(view.filter_problem);
 }
 
 void draw_colors(const Ui& ui) {
-  static constexpr const char* kNames[] = {"track", "area", "rms"};
   static constexpr const char* kTitles[] = {"by track", "by area", "by RMS"};
   const auto now = static_cast<std::size_t>(ui.state.view.tracks.color_by);
   ImGui::SetNextItemWidth(ui.px(88));
   if (ImGui::BeginCombo("##color", kTitles[now])) {
-    for (std::size_t i = 0; i < std::size(kNames); ++i)
-      if (ImGui::Selectable(kTitles[i], i == now)) ui.emit("track.color", kNames[i]);
+    for (std::size_t i = 0; i < std::size(kTitles); ++i)
+      if (ImGui::Selectable(kTitles[i], i == now))
+        ui.act("track.color", static_cast<TrackColor>(i));
     ImGui::EndCombo();
   }
   ui.name("tracks.color");

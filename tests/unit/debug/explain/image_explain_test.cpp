@@ -7,7 +7,7 @@
 #include "core/debug/explain/explain.hpp"
 #include "core/debug/explain/histogram.hpp"
 #include "core/debug/explain/provenance.hpp"
-#include "core/debug/explain/summary.hpp"
+#include "core/debug/explain/score.hpp"
 #include "core/debug/explain/trace_text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "support/box_scene.hpp"
@@ -53,7 +53,7 @@ TEST(ImageExplain, AJoinHasItsCostAgainstWhatAPlaneCosts) {
 TEST(ImageExplain, APlaneThatIsNotListedIsWithTheWorthThatTheRemedyNames) {
   const auto& run = *test::box_run();
   const WhyNot why = why_not(run, test::kSmallBoxPixel);
-  EXPECT_NE(why.answer.find("was dropped: worth "), std::string::npos) << why.answer;
+  EXPECT_NE(why.answer.find(" px are worth "), std::string::npos) << why.answer;
   ASSERT_EQ(why.remedy.option, "worth_px");
   const auto listed = with_option(run, why.remedy);
   EXPECT_GT(listed->segmentation.plane_of[listed->subject->voxel_of_source(test::kSmallBoxPixel)],
@@ -107,7 +107,7 @@ TEST(ImageExplain, ASummaryHasAReasonForEachPointOnNoPlane) {
   }
   EXPECT_EQ(points, summary.measured);
   ASSERT_TRUE(box);
-  EXPECT_EQ(box->reason, "on surfaces smaller than 14000 px");
+  EXPECT_EQ(box->reason, "dropped planes: fewer than 14000 px");
   // With a shorter range what is beyond it has no voxel.
   Frame frame = run.subject->frame;
   planes::PipelineOptions near = run.options;

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "core/debug/explain/compare.hpp"
-#include "core/debug/explain/region_decision.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "runs.hpp"
 

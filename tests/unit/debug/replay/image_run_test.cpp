@@ -8,7 +8,7 @@
 
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
-#include "core/debug/replay/state_walk.hpp"
+#include "core/debug/replay/steps.hpp"
 #include "support/box_scene.hpp"
 
 namespace planescope::debug {
@@ -114,7 +114,7 @@ TEST(ImageRun, AStateHasThePointsOfTheTimeline) {
 TEST(ImageRun, ADecisionNamesTheValueAndTheLimitOfTheCriterionThatDecided) {
   const auto& run = *test::box_run();
   const planes::ObjectiveOptions& options = run.options.segment.objective;
-  const std::string limit = fmt::format("{:.3g} × the expected", options.flat);
+  const std::string limit = fmt::format("{:.3g} times the expected", options.flat);
   std::map<planes::Case, int> seen;
   for (std::size_t n = 0; n < run.octree().nodes.size(); ++n) {
     const NodeFacts& facts = run.facts[n];
@@ -180,6 +180,7 @@ TEST(ImageRun, FiltersKnowItsStagesAndValues) {
   EXPECT_FALSE(steps_matching(run, "stage==list").empty());
   EXPECT_EQ(steps_matching(run, "stage==list && value<worth_px"),
             steps_matching(run, "stage==list && refine"));
+  EXPECT_EQ(steps_matching(run, "merge"), steps_matching(run, "stage==join || stage==hidden"));
   EXPECT_EQ(steps_matching(run, "stage==join && value<merge_cost"),
             steps_matching(run, "stage==join"));
   EXPECT_EQ(steps_matching(run, "case==IV && value<=flat"), steps_matching(run, "case==IV"));

@@ -77,7 +77,7 @@ TEST(Open3dFormats, WhatHoldsNothingIsRefusedInOneLine) {
   const auto expect_refused = [](const char* name, const std::string& text) {
     SCOPED_TRACE(std::string(name) + ": " + text);
     const fs::path path = written(name, text);
-    expect_one_line_with(error_of([&] { open_recording(path)->frame(0); }), {name, "expected"});
+    expect_one_line_with(message_of([&] { open_recording(path)->frame(0); }), {name, "expected"});
   };
   for (const char* name : {"a.xyz", "a.pts", "a.off", "a.obj", "a.stl"})
     for (const char* text : {"", "nothing here\n", "99999999999999\n"}) expect_refused(name, text);
@@ -89,11 +89,12 @@ TEST(Open3dFormats, HaveNoFieldToTakePlanesFrom) {
   RecordingOptions options;
   options.instance_field = "intensity";
   const auto recording = open_recording(written("a.xyz", "1 2 3\n"), options);
-  expect_one_line_with(error_of([&] { recording->frame(0); }), {"a.xyz", "'intensity'"});
+  expect_one_line_with(message_of([&] { recording->frame(0); }), {"a.xyz", "'intensity'"});
 }
 
 TEST(Open3dFormats, AreNamedWhereNothingCanBeRead) {
-  expect_one_line_with(error_of([&] { open_recording(written("a.doc", "x")); }), {".xyz", ".off"});
+  expect_one_line_with(message_of([&] { open_recording(written("a.doc", "x")); }),
+                       {".xyz", ".off"});
 }
 
 }  // namespace

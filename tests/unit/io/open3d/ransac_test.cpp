@@ -1,10 +1,9 @@
-#include "core/io/open3d/ransac.hpp"
-
 #include <gtest/gtest.h>
 #include <omp.h>
 
 #include <thread>
 
+#include "core/io/open3d/install.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "unit/planes/rivals/found_planes_support.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "core/lab/experiments/oracle.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -11,8 +11,8 @@
 #include "core/lab/training/gcn_backward.hpp"
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
-#include "core/planes/classify/safetensors.hpp"
-#include "core/planes/rivals/plain_gcn.hpp"
+#include "core/planes/classify/weights.hpp"
+#include "core/planes/rivals/rival_classifiers.hpp"
 
 namespace planescope::lab {
 namespace {

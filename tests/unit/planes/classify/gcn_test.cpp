@@ -12,7 +12,7 @@
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
-#include "core/planes/rivals/plain_gcn.hpp"
+#include "core/planes/rivals/rival_classifiers.hpp"
 
 namespace planescope::planes {
 namespace {

@@ -85,34 +85,12 @@ void expect_exact(const NeighbourGrid& grid, int k) {
   }
 }
 
-std::vector<Simd> instruction_sets() {
-  std::vector<Simd> sets;
-  for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512})
-    if (simd <= best_simd()) sets.push_back(simd);
-  return sets;
-}
-
 TEST(NeighbourGrid, FindsWhatBruteForceFinds) {
   for (const auto& [name, points] : clouds()) {
     SCOPED_TRACE(name);
     for (const int k : {1, 4, 17, 51}) expect_exact(NeighbourGrid(points, k), k);
     expect_exact(NeighbourGrid(points, 16).every(4), 16);
   }
-}
-
-TEST(NeighbourGrid, FindsTheSameWithEachInstructionSet) {
-  for (const auto& [name, points] : clouds())
-    for (const int k : {1, 17}) {
-      const NeighbourGrid plain(points, k, Simd::plain);
-      std::vector<std::uint32_t> nearest(points.size()), found(points.size());
-      plain.every(4).nearest_to(plain.points(), nearest.data());
-      for (const Simd simd : instruction_sets()) {
-        const NeighbourGrid grid(points, k, simd);
-        EXPECT_EQ(all_rows(grid, k), all_rows(plain, k)) << name << ", " << to_string(simd);
-        grid.every(4).nearest_to(grid.points(), found.data());
-        EXPECT_EQ(found, nearest) << name << ", " << to_string(simd);
-      }
-    }
 }
 
 TEST(NeighbourGrid, FindsAsManyAsAreAskedForWhateverItsCellsWereSizedFor) {
@@ -159,14 +137,6 @@ TEST(NeighbourGrid, KeepsItsOrderWhenTheCloudIsScaledByAPowerOfTwo) {
   const NeighbourGrid grid(points, 16);
   for (Vec3f& p : points) p *= 1024;
   EXPECT_TRUE(std::ranges::equal(grid.order(), NeighbourGrid(points, 16).order()));
-}
-
-TEST(NeighbourGrid, AnswersForAnyRangeOfItsPoints) {
-  const NeighbourGrid grid(surface(1, 500), 16);
-  std::vector<std::uint32_t> all(500 * 16), part(100 * 16);
-  grid.nearest(16, 0, 500, all.data());
-  grid.nearest(16, 333, 433, part.data());
-  EXPECT_TRUE(std::equal(part.begin(), part.end(), all.begin() + 333 * 16));
 }
 
 TEST(NeighbourGrid, ManyEqualPointsAreNoTrouble) {

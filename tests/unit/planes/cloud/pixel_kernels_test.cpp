@@ -1,4 +1,4 @@
-#include "core/planes/cloud/pixel_kernels.hpp"
+#include "core/planes/simd/pixel_kernels.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,7 @@
 #include <set>
 
 #include "core/model/random.hpp"
-#include "core/planes/depth/cells.hpp"
-#include "core/planes/depth/noise.hpp"
+#include "core/planes/depth/regions.hpp"
 #include "support/wall_scene.hpp"
 
 namespace planescope::planes {

@@ -7,8 +7,6 @@
 
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/model/random.hpp"
-#include "core/planes/evaluate/label_accuracy.hpp"
-#include "core/planes/evaluate/plane_match.hpp"
 
 namespace planescope::planes {
 namespace {

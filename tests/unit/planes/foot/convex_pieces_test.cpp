@@ -1,7 +1,6 @@
-#include "core/planes/foot/convex_pieces.hpp"
-
 #include <gtest/gtest.h>
 
+#include "core/planes/outline/polygons.hpp"
 #include "support/polygon_scenes.hpp"
 
 namespace planescope::planes {

@@ -1,7 +1,6 @@
-#include "core/planes/foot/foot_space.hpp"
-
 #include <gtest/gtest.h>
 
+#include "core/planes/foot/footholds.hpp"
 #include "support/polygon_scenes.hpp"
 
 namespace planescope::planes {

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "core/planes/outline/mesh.hpp"
-#include "core/planes/outline/outline_pixels.hpp"
+#include "core/planes/outline/outline.hpp"
 #include "support/polygon_scenes.hpp"
 #include "support/wall_scene.hpp"
 

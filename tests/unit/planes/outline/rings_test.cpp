@@ -47,8 +47,6 @@ TEST(Rings, RegionsThatTouchAtACornerAreTwo) {
   EXPECT_EQ(others.place(), Vec2d(1.25, 1.25));
 }
 
-TEST(Rings, NoLabelHasNone) { EXPECT_TRUE(drawn({"..", ".."}).rings().empty()); }
-
 TEST(Rings, HoldEachPixelOfTheirLabelOnce) {
   Random random(7);
   for (int trial = 0; trial < 200; ++trial) {

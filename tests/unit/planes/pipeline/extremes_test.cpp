@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "core/model/error.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "support/render_depth.hpp"

@@ -7,9 +7,8 @@
 
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/planes/pipeline/score.hpp"
 #include "core/planes/pipeline/truth.hpp"
-#include "core/report/data/plane_summary.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope::planes {
@@ -37,7 +36,7 @@ TEST(NoGravity, FindsEveryPlaneAndCallsNoneOfThemHOrV) {
     for (const PlaneRegion& plane : result.segmentation.planes) {
       EXPECT_EQ(plane.label, Label::unknown) << method;
       EXPECT_GT(plane.fit.normal.dot(result.sensor() - plane.fit.centroid), 0) << "to the camera";
-      EXPECT_TRUE(std::isnan(report::summarize_planes(result, 0.02)[0].tilt_deg)) << method;
+      EXPECT_TRUE(std::isnan(summarize_planes(result, 0.02)[0].tilt_deg)) << method;
     }
     for (const Label label : result.classification.labels) EXPECT_EQ(label, Label::unknown);
   }

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "core/model/error.hpp"
-#include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "support/refusal.hpp"
 
 namespace planescope::planes {

@@ -1,5 +1,3 @@
-#include "core/planes/pipeline/profile_file.hpp"
-
 #include <gtest/gtest.h>
 
 #include "core/model/error.hpp"

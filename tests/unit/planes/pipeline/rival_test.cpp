@@ -2,7 +2,7 @@
 
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/truth.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope::planes {

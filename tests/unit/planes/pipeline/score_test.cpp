@@ -1,5 +1,3 @@
-#include "core/planes/pipeline/score.hpp"
-
 #include <gtest/gtest.h>
 
 #include "core/planes/pipeline/truth.hpp"

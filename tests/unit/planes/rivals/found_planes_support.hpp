@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/model/random.hpp"
-#include "core/planes/rivals/found_planes.hpp"
+#include "core/planes/rivals/rivals.hpp"
 
 namespace planescope::test {
 

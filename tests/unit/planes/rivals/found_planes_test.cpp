@@ -1,6 +1,6 @@
-#include "core/planes/rivals/found_planes.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/planes/rivals/rivals.hpp"
 
 namespace planescope::planes {
 namespace {

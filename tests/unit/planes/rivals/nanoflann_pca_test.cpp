@@ -1,10 +1,9 @@
-#include "core/planes/rivals/nanoflann_pca.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "core/lab/synthetic/stairs.hpp"
+#include "core/planes/rivals/rival_classifiers.hpp"
 
 namespace planescope::planes {
 namespace {

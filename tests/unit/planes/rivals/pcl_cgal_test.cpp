@@ -1,12 +1,10 @@
-#include "core/planes/rivals/pcl_cgal.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <thread>
 
 #include "core/model/error.hpp"
-#include "core/planes/rivals/ransac.hpp"
+#include "core/planes/rivals/rivals.hpp"
 #include "unit/planes/rivals/found_planes_support.hpp"
 
 namespace planescope::planes {

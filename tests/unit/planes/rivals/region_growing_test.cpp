@@ -1,11 +1,10 @@
-#include "core/planes/rivals/region_growing.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <thread>
 
 #include "core/lab/synthetic/stairs.hpp"
+#include "core/planes/rivals/rivals.hpp"
 #include "unit/planes/rivals/found_planes_support.hpp"
 
 namespace planescope::planes {

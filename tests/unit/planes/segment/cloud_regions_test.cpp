@@ -4,7 +4,7 @@
 
 #include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/planes/evaluate/metrics.hpp"
-#include "core/planes/segment/objective.hpp"
+#include "core/planes/segment/options.hpp"
 #include "core/planes/segment/segment.hpp"
 #include "support/scenes.hpp"
 

@@ -39,16 +39,6 @@ TEST(Criterion1, InliersAreTheMajorityLabel) {
   EXPECT_EQ(purity_of(node_with(4, 4), true).inlier, Label::h);
 }
 
-TEST(Criterion1, WithoutLabelsEveryNodeIsPure) {
-  EXPECT_TRUE(is_pure(purity_of(node_with(50, 50), false), profile_options(Profile::paper)));
-}
-
-TEST(Criterion2, NeedsThetaInliersAndNoMore) {
-  const SegmentOptions options = profile_options(Profile::paper);
-  EXPECT_FALSE(has_enough_inliers(4, options));
-  EXPECT_TRUE(has_enough_inliers(5, options));
-}
-
 TEST(Criterion3, IsTheScatterAsPrintedOrItsMean) {
   PlaneFit fit;
   fit.count = 100;
@@ -57,13 +47,6 @@ TEST(Criterion3, IsTheScatterAsPrintedOrItsMean) {
   EXPECT_FALSE(is_planar(fit, 0.003, MseNormalization::scatter));
   EXPECT_TRUE(is_planar(fit, 0.00005, MseNormalization::mean));
   EXPECT_FALSE(is_planar(fit, 0.00003, MseNormalization::mean));
-}
-
-TEST(Criterion4, AcceptsTwoPatchesOfOneFloor) {
-  const auto terms = coplanarity(plane_at({0, 0, 0}, {0, 0, 1}), plane_at({1, 0, 0}, {0, 0, -1}));
-  EXPECT_DOUBLE_EQ(terms.normals, 1);
-  EXPECT_DOUBLE_EQ(terms.offset_m, 0);
-  EXPECT_TRUE(is_coplanar(terms, profile_options(Profile::paper)));
 }
 
 TEST(Criterion4, ComparesDirectionsSoThatAFarStepPasses) {
@@ -84,12 +67,6 @@ TEST(Criterion4, ItsThirdLineLooksAtTheCandidatesOwnNormal) {
   EXPECT_FALSE(is_coplanar(terms, options));
   options.criterion4_n2 = false;
   EXPECT_TRUE(is_coplanar(terms, options));
-}
-
-TEST(Criterion4, CoincidentCentroidsHaveNoDirectionToCompare) {
-  const auto terms = coplanarity(plane_at({1, 1, 1}, {0, 0, 1}), plane_at({1, 1, 1}, {0, 0, 1}));
-  EXPECT_EQ(terms.n1_dmu, 0);
-  EXPECT_TRUE(is_coplanar(terms, profile_options(Profile::paper)));
 }
 
 TEST(Profiles, AreNamedAndUnknownNamesRefused) {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <set>
 
 #include "core/model/morton.hpp"
@@ -33,45 +32,6 @@ Octree full_tree(const test::LabelledCloud& cloud) {
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(octree.nodes.size()); ++i)
     if (octree.nodes[i].depth < cloud.cube.max_depth) divide(octree, i);
   return octree;
-}
-
-TEST(Octree, ChildrenPartitionTheirParentAndPointsLieInTheirNode) {
-  const test::LabelledCloud cloud = test::random_cloud(5);
-  const Octree octree = full_tree(cloud);
-  for (const OctreeNode& node : octree.nodes) {
-    const Vec3d low = octree.node_min(node);
-    const double edge = octree.node_edge_m(node);
-    std::uint32_t n_h = 0;
-    for (std::uint32_t i = node.begin; i < node.end; ++i) {
-      n_h += octree.labels[i] == Label::h;
-      for (int k = 0; k < 3; ++k) {
-        EXPECT_GE(octree.points[i][k], low[k] - 1e-9);
-        EXPECT_LE(octree.points[i][k], low[k] + edge + 1e-9);
-      }
-    }
-    EXPECT_EQ(node.count_h, n_h);
-    if (node.first_child < 0) continue;
-    std::uint32_t at = node.begin;
-    for (int c = 0; c < node.child_count; ++c) {
-      const OctreeNode& child = octree.nodes[node.first_child + c];
-      EXPECT_EQ(child.begin, at);
-      EXPECT_GT(child.size(), 0u);
-      EXPECT_EQ(child.depth, node.depth + 1);
-      at = child.end;
-    }
-    EXPECT_EQ(at, node.end);
-  }
-}
-
-TEST(Octree, KeepsEveryPointOnceAndNodesBreadthFirst) {
-  const test::LabelledCloud cloud = test::random_cloud(6);
-  const Octree octree = full_tree(cloud);
-  std::set<std::uint32_t> seen(octree.order.begin(), octree.order.end());
-  EXPECT_EQ(seen.size(), cloud.points.size());
-  for (std::size_t i = 0; i < octree.order.size(); ++i)
-    EXPECT_EQ(octree.points[i], cloud.points[octree.order[i]]);
-  EXPECT_TRUE(std::is_sorted(octree.nodes.begin(), octree.nodes.end(),
-                             [](const auto& a, const auto& b) { return a.depth < b.depth; }));
 }
 
 TEST(Octree, CornersOfACubeAreItsLowerCornerAndAnEdgeFromIt) {
@@ -123,29 +83,6 @@ TEST(Octree, PointsOnTheCubesFacesBelongToIt) {
   const std::vector<Label> labels(3, Label::h);
   const Octree octree = build_octree(points, labels, cube);
   EXPECT_EQ(octree.keys.back(), morton_code(255, 255, 255));
-}
-
-TEST(Octree, NoPointsGiveNoNodes) {
-  const Octree octree = build_octree({}, {}, Cube{});
-  EXPECT_TRUE(octree.nodes.empty());
-  EXPECT_EQ(octree.h_before.size(), 1u);
-}
-
-TEST(Cells, NeighbourhoodsHoldThePlanesOfTouchingCells) {
-  Cube cube;  // 10 cm cells
-  const std::vector<Vec3f> points{
-      {0.05f, 0.05f, 0.05f}, {0.15f, 0.05f, 0.05f}, {0.35f, 0.05f, 0.05f}};
-  const std::vector<Label> labels(3, Label::h);
-  const Octree octree = build_octree(points, labels, cube);
-  const CellGrid grid = make_cell_grid(octree, 3);
-  ASSERT_EQ(grid.size(), 3u);
-  const std::vector<std::int32_t> plane_of{0, 1, 2};
-  const CellPlanes near = planes_near_cells(grid, plane_of, 3);
-  const auto at = [&](std::uint32_t cell) {
-    return std::vector<std::int32_t>(near.near(cell).begin(), near.near(cell).end());
-  };
-  EXPECT_EQ(at(grid.cell_of[0]), (std::vector<std::int32_t>{0, 1}));
-  EXPECT_EQ(at(grid.cell_of[2]), (std::vector<std::int32_t>{2}));
 }
 
 /// Cells that stand close and cells far apart are looked up differently.

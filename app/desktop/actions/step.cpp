@@ -1,0 +1,310 @@
+// Moving through the trace: the cursor, the steps that the timeline shows, pictures of steps.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/debugger/timeline.hpp"
+#include "core/debug/explain/compare.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+/// The root; -1 where a frame without points has none.
+std::int32_t root_of(const debug::Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
+
+/// Scrolls the timeline to the cursor.
+void keep_cursor_shown(State& state) {
+  const debug::StepRange shown = shown_steps(state);
+  if (!shown.contains(state.view.step))
+    state.view.shown_steps = scrolled_to(shown, state.view.step, state.run()->steps());
+}
+
+/// The colors after the user has stepped back from a step.
+void color_traversal(State& state, std::int32_t from) {
+  ViewState& view = state.view;
+  if (view.case_colors != CaseColors::ready || view.color_by != render::ColorBy::planes) return;
+  const debug::StepRange traversal = debug::traversal_of(*state.run());
+  if (from <= traversal.last || !traversal.contains(view.step)) return;
+  view.case_colors = CaseColors::shown;
+  view.color_by = render::ColorBy::cases;
+  say_hint(state, "colored by case while you step back; press 2 to color by plane",
+           [](const State& now) { return now.view.case_colors != CaseColors::shown; });
+}
+
+void stop_and_go(State& state, std::int32_t step) {
+  state.view.playing.direction = 0;
+  go_to_step(state, step);
+}
+
+void stop_and_step(State& state, int count) {
+  state.view.playing.direction = 0;
+  step_by(state, count);
+}
+
+/// The case of the node that was decided at the step, or else last before it.
+planes::Case case_at(const debug::Run& run, std::int32_t step) {
+  for (; step > 0; --step)
+    if (const planes::TraceEvent* event = run.event_at(step);
+        event->type == planes::EventType::decide)
+      return static_cast<planes::Case>(event->node_case);
+  return planes::Case::I;
+}
+
+void to_same_case(State& state, int direction) {
+  const debug::Run& run = *state.run();
+  const planes::Case wanted = case_at(run, state.view.step);
+  for (std::int32_t step = state.view.step + direction; step >= 1 && step <= run.steps();
+       step += direction) {
+    const planes::TraceEvent* event = run.event_at(step);
+    if (event->type != planes::EventType::decide ||
+        static_cast<planes::Case>(event->node_case) != wanted)
+      continue;
+    const std::int32_t from = state.view.step;
+    stop_and_go(state, step);
+    return color_traversal(state, from);
+  }
+  say(state, std::string("no ") + (direction > 0 ? "later" : "earlier") + " node of case " +
+                 planes::to_string(wanted));
+}
+
+void go_to_decision(State& state) {
+  const std::int32_t node = state.view.selected.node;
+  if (node < 0)
+    return say_hint(state, "no node is selected: click its box or its row in the tree",
+                    [](const State& now) { return now.view.selected.node >= 0; });
+  const std::int32_t step = state.run()->timeline.decided_at()[static_cast<std::size_t>(node)];
+  if (step == planes::kNever) return say(state, "the selected node was never decided");
+  go_to_step(state, step);
+}
+
+void play(State& state, int direction) {
+  Playing& playing = state.view.playing;
+  playing.direction = playing.direction == direction ? 0 : direction;
+  playing.due = 0;
+  if (playing.direction > 0 && state.view.step == state.run()->steps()) go_to_step(state, 0);
+}
+
+// ---- Pictures of steps -------------------------------------------------------------------------
+
+constexpr int kMostPictures = 500;  // where nobody says how many steps apart
+constexpr const char* kSaveTakes = "PATH.png [FROM-TO [EVERY [PICTURES_PER_SECOND]]]";
+
+[[noreturn]] void refuse_saving(const std::string& text) {
+  throw Error("action steps.save: '" + text + "' is not as expected, " + kSaveTakes);
+}
+
+/// Behind the path, which may have spaces: "200-600 2 12".
+void read_steps(const std::string& text, const std::vector<std::string>& words, StepsSaving& to) {
+  const int steps = to.last;
+  if (words.size() > 3) refuse_saving(text);
+  if (!words.empty()) {
+    const std::vector<std::string> ends = split(words[0], '-');
+    if (ends.size() != 2) refuse_saving(text);
+    to.first = whole_argument("steps.save", ends[0], 0, steps);
+    to.last = whole_argument("steps.save", ends[1], to.first, steps);
+  }
+  to.every = 1 + (to.last - to.first) / kMostPictures;
+  if (words.size() > 1) to.every = whole_argument("steps.save", words[1], 1, std::max(1, steps));
+  if (words.size() > 2) to.per_s = whole_argument("steps.save", words[2], 1, 60);
+}
+
+/// From the cursor to the end; from there, all of them.
+void save_steps(State& state, const std::string& text) {
+  std::size_t end = std::string::npos;
+  for (const std::string ending : {".png", ".apng"})
+    for (std::size_t at = text.find(ending); at != std::string::npos;
+         at = text.find(ending, at + 1))
+      if (const std::size_t after = at + ending.size(); after == text.size() || text[after] == ' ')
+        end = std::min(end, after);
+  if (end == std::string::npos)
+    throw Error("action steps.save: '" + text + "' is no PNG, expected a name.png");
+  if (state.view.saving) throw Error("action steps.save: steps are being written, Esc stops that");
+  const std::int32_t steps = state.run()->steps(), at = state.view.step;
+  StepsSaving saving{.path = text.substr(0, end),
+                     .run = state.run_view()->run,
+                     .first = at < steps ? at : 0,
+                     .last = steps};
+  read_steps(text, words_of(text.substr(end)), saving);
+  std::error_code failed;
+  const std::filesystem::path folder = std::filesystem::absolute(saving.path).parent_path();
+  if (!std::filesystem::is_directory(folder, failed))
+    throw Error(saving.path.string() + ": cannot be written, " + folder.string() +
+                " is not a folder");
+  if (std::filesystem::is_directory(saving.path, failed))
+    throw Error(saving.path.string() + ": cannot be written, it is a folder");
+  say(state, "");
+  state.view.saving = saving;
+}
+
+// ---- The timeline ------------------------------------------------------------------------------
+
+/// About the cursor if it is shown, else about the middle.
+void zoom_by(State& state, double factor) {
+  const debug::StepRange shown = shown_steps(state);
+  const std::int32_t cursor = state.view.step;
+  const std::int32_t about = shown.contains(cursor) ? cursor : shown.first + shown.count() / 2;
+  state.view.shown_steps = zoomed(shown, about, factor, state.run()->steps());
+}
+
+/// Shows the phase that the cursor is in. The first one begins before its first event.
+void show_phase(State& state) {
+  for (const debug::Phase& phase : debug::phases_of(*state.run())) {
+    if (phase.steps.last < state.view.step) continue;
+    const std::int32_t first = phase.steps.first == 1 ? 0 : phase.steps.first;
+    state.view.shown_steps = {first, phase.steps.last};
+    return;
+  }
+}
+
+debug::StepRange read_range(const State& state,
+                            const std::string& action,
+                            const std::string& text) {
+  const std::vector<std::string> ends = split(text, '-');
+  if (ends.size() != 2)
+    throw Error(fmt::format("action {}: '{}' is no range, expected FIRST-LAST", action, text));
+  const int first = whole_argument(action, ends[0], 0, state.run()->steps());
+  return {first, whole_argument(action, ends[1], first, state.run()->steps())};
+}
+
+}  // namespace
+
+// ---- The cursor --------------------------------------------------------------------------------
+
+void go_to_step(State& state, std::int32_t step) {
+  const debug::Run* run = state.run();
+  if (!run) return;
+  state.view.step = std::clamp(step, 0, run->steps());
+  keep_cursor_shown(state);
+  if (state.view.case_colors == CaseColors::shown && state.view.step == run->steps()) {
+    state.view.case_colors = CaseColors::ready;
+    state.view.color_by = render::ColorBy::planes;
+  }
+  const planes::TraceEvent* event = state.event();
+  Selection selected;
+  if (!event) {
+    selected.node = root_of(*run);
+  } else if (state.view.step < run->steps()) {  // among finished planes nothing stands out
+    selected.node = debug::node_at_step(*run, state.view.step);
+    selected.plane = event->plane;
+    selected.voxel = event->point;
+  }
+  state.view.selected = selected;
+}
+
+void step_by(State& state, int count) {
+  const std::int32_t from = state.view.step;
+  go_to_step(state, debug::step_from(*state.run(), state.view.step_unit, from, count));
+  if (count < 0) color_traversal(state, from);
+}
+
+void unflash(State& state) {
+  if (!state.view.flash) return;
+  const std::shared_ptr<const RunView> before = state.results.pinned;
+  state.view.flash = false;
+  if (before) follow_run(state, *before->run);
+}
+
+void follow_run(State& state, const debug::Run& before) {
+  const debug::Run* now = state.run();
+  if (!now || now == &before) return;
+  Selection& selected = state.view.selected;
+  const bool at_end = state.view.step == before.steps();
+  state.view.step = at_end ? now->steps() : debug::same_step(before, state.view.step, *now);
+  if (!at_end) keep_cursor_shown(state);
+  selected.plane = -1;
+  if (selected.node >= 0) {
+    selected.node = debug::same_node(before, selected.node, *now);
+    if (selected.node < 0) selected.node = root_of(*now);
+  }
+  if (selected.voxel >= 0 && now->subject != before.subject) {
+    const std::size_t source =
+        selected.source >= 0
+            ? static_cast<std::size_t>(selected.source)
+            : debug::source_of_voxel(*before.subject, static_cast<std::uint32_t>(selected.voxel));
+    const std::uint32_t voxel = now->subject->frame.index == before.subject->frame.index
+                                    ? now->subject->voxel_of_source(source)
+                                    : planes::kNoVoxel;
+    selected.voxel = voxel == planes::kNoVoxel ? -1 : static_cast<std::int32_t>(voxel);
+  }
+  if (const planes::TraceEvent* event = state.event();
+      event && selected.node >= 0 && event->node == selected.node)
+    selected.plane = event->plane;
+  refresh_matches(state);
+}
+
+void add_step_actions(std::vector<Action>& all) {
+  const ActionGroup step{all, KeyMode::debugger, "Step", has_run};
+  const ActionGroup file{all, KeyMode::debugger, "File", has_run};
+  const auto steps = [](const State& s) { return Range{0, s.run()->steps()}; };
+  step.add("step.next", "Step forward").key("Right").run([](State& s) { stop_and_step(s, 1); });
+  step.add("step.previous", "Step back").key("Left").run([](State& s) { stop_and_step(s, -1); });
+  step.add("step.first", "To the beginning").key("Home").run([](State& s) { stop_and_go(s, 0); });
+  step.add("step.last", "To the end").key("End").run([](State& s) {
+    stop_and_go(s, s.run()->steps());
+  });
+  step.add("step.next_case", "Next node of this case").key("Shift+Right").run([](State& s) {
+    to_same_case(s, 1);
+  });
+  step.add("step.previous_case", "Previous node of this case").key("Shift+Left").run([](State& s) {
+    to_same_case(s, -1);
+  });
+  step.add("step.decision", "To the decision of the selected node")
+      .key("Enter")
+      .run(go_to_decision);
+  step.add("step.goto", "Go to step").key("G").run(whole("STEP", steps), go_to_step);
+  step.add("step.play", "Play")
+      .key("L")
+      .on([](const State& s) { return s.view.playing.direction > 0; })
+      .run([](State& s) { play(s, 1); });
+  step.add("step.play_back", "Play backwards")
+      .key("J")
+      .on([](const State& s) { return s.view.playing.direction < 0; })
+      .run([](State& s) { play(s, -1); });
+  step.add("step.stop", "Stop playing").key("K").when(nullptr).run([](State& s) {
+    s.view.playing.direction = 0;
+  });
+  const auto is_saving = [](const State& s) { return s.view.saving.has_value(); };
+  file.add("steps.save", "Save the steps as APNG")
+      .key("Ctrl+E")
+      .words("animation export gif video")
+      .on(is_saving)
+      .run(text(kSaveTakes), save_steps);
+  file.add("steps.cancel", "Stop saving the steps")
+      .key("Ctrl+Shift+K")
+      .when(is_saving)
+      .run([](State& s) { s.view.saving->cancelled = true; });
+  step.add("step.unit", "Step by event, node or plane")
+      .key("Shift+R")
+      .when(nullptr)
+      .run(choice<debug::StepUnit>("event|node|plane"),
+           [](State& s, debug::StepUnit unit) { s.view.step_unit = unit; });
+  step.add("step.rate", "Playing rate")
+      .key("R")
+      .when(nullptr)
+      .run(number("STEPS_PER_SECOND"), [](State& s, double rate) {
+        s.view.playing.steps_per_s = std::clamp(rate, 1.0, 100000.0);
+      });
+
+  step.add("timeline.zoom_in", "Zoom in on the timeline").key("]").run([](State& s) {
+    zoom_by(s, 0.5);
+  });
+  step.add("timeline.zoom_out", "Zoom out of the timeline").key("[").run([](State& s) {
+    zoom_by(s, 2);
+  });
+  step.add("timeline.phase", "Show the current phase on the timeline")
+      .key("Shift+]")
+      .run(show_phase);
+  step.add("timeline.all", "Show all steps on the timeline").key("Shift+[").run([](State& s) {
+    s.view.shown_steps = {0, s.run()->steps()};
+  });
+  step.add("timeline.range", "Show a range of steps on the timeline")
+      .run(Takes<debug::StepRange>{"FIRST-LAST", read_range},
+           [](State& s, const debug::StepRange& range) { s.view.shown_steps = range; });
+}
+
+}  // namespace planescope::desktop

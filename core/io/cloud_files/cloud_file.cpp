@@ -1,0 +1,271 @@
+#include "core/io/cloud_files/cloud_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+#include "core/io/cloud_files/cloud_formats.hpp"
+#include "core/io/readers.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+
+namespace planescope::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Takes another field for `instance`; below 1 is no plane, as in labels by others.
+PointSet read_with_instances(const fs::path& path, const std::string& field) {
+  CloudExtras extras{{field}, {}};
+  PointSet set = read_cloud_file(path, &extras);
+  const std::vector<double>& values = extras.values[0];
+  if (values.size() != set.points.size())
+    throw Error(
+        fmt::format("{}: points have no field '{}' to take plane ids from", path.string(), field));
+  set.instance.clear();
+  for (const double value : values) {
+    if (!(value == std::floor(value) && std::abs(value) <= 1e9))
+      throw Error(fmt::format("{}: field '{}' has {}, expected plane ids: whole numbers",
+                              path.string(), field, value));
+    set.instance.push_back(std::max(0, static_cast<std::int32_t>(value)));
+  }
+  return set;
+}
+
+class CloudRecording : public Recording {
+ public:
+  CloudRecording(const fs::path& path, std::string instance_field)
+      : instance_field_(std::move(instance_field)), sidecar_(read_sidecar(path)) {
+    info_.path = path;
+    info_.depth_unit_m = 1;
+    info_.depth_unit_source = "metres, as clouds have it";
+    info_.color_note = "in the cloud, where it has any";
+    if (tells_times(sidecar_)) info_.times_source = sidecar_.path.filename().string();
+    std::error_code ignored;
+    const bool folder = fs::is_directory(path, ignored);
+    files_ = folder ? cloud_files_under(path) : std::vector<fs::path>{path};
+    info_.format = files_.size() == 1 ? "point cloud" : "folder of point clouds";
+    for (const fs::path& file : files_) {
+      if (const CloudFormat* format = cloud_format_of(file); format && format->check)
+        format->check(file);
+      const fs::path name = folder ? file.lexically_relative(path) : file.filename();
+      names_.push_back((name.parent_path() / name.stem()).string());
+    }
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(files_.size()); }
+
+  Frame frame(int i) const override {
+    Frame frame;
+    frame.index = i;
+    frame.name = names_.at(i);
+    frame.depth_unit_m = info_.depth_unit_m;
+    frame.cloud = instance_field_.empty() ? read_cloud_file(files_.at(i))
+                                          : read_with_instances(files_.at(i), instance_field_);
+    apply_sidecar(sidecar_, frame);
+    return frame;
+  }
+
+  double timestamp_s(int i) const override {
+    Frame facts;
+    facts.name = names_.at(i);
+    apply_sidecar(sidecar_, facts);
+    return facts.timestamp_s;
+  }
+
+  std::string frame_hash(int i) const override {
+    const PointSet set = read_cloud_file(files_.at(i));
+    std::vector<std::byte> bytes(sizeof(double) * 3 + set.points.size() * sizeof(Vec3f));
+    std::memcpy(bytes.data(), set.origin.data(), sizeof(double) * 3);
+    if (!set.points.empty()) {
+      std::memcpy(bytes.data() + sizeof(double) * 3, set.points.data()->data(),
+                  set.points.size() * sizeof(Vec3f));
+    }
+    return sha256_hex(bytes);
+  }
+
+ private:
+  RecordingInfo info_;
+  std::string instance_field_;
+  Sidecar sidecar_;
+  std::vector<fs::path> files_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace
+
+namespace {
+
+std::vector<CloudFormat>& formats_of_clouds() {
+  static std::vector<CloudFormat> formats = {{".ply", read_ply, check_ply},
+                                             {".pcd", read_pcd, check_pcd}};
+  return formats;
+}
+
+}  // namespace
+
+const std::vector<CloudFormat>& cloud_formats() { return formats_of_clouds(); }
+void add_cloud_format(const CloudFormat& format) { formats_of_clouds().push_back(format); }
+
+const CloudFormat* cloud_format_of(const fs::path& path) {
+  const auto format = std::ranges::find(cloud_formats(), extension(path), &CloudFormat::extension);
+  return format == cloud_formats().end() ? nullptr : &*format;
+}
+
+PointSet read_cloud_file(const fs::path& path, CloudExtras* extras) {
+  if (extras) extras->values.assign(extras->names.size(), {});
+  const CloudFormat* format = cloud_format_of(path);
+  return format ? format->read(path, extras) : read_pcd(path, extras);
+}
+
+std::unique_ptr<Recording> open_clouds(const fs::path& path, const RecordingOptions& options) {
+  return std::make_unique<CloudRecording>(path, options.instance_field);
+}
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "clouds are written as they lie in memory");
+
+constexpr std::size_t kAtOnce = 256;  // points whose records stay in the cache
+
+/// The records of some points, one behind the other. Field by field, so that what a record has is
+/// asked once and not for each point.
+class Records {
+ public:
+  Records(unsigned char* at, std::size_t record_bytes, std::size_t first, std::size_t last)
+      : at_(at), record_bytes_(record_bytes), first_(first), last_(last) {}
+
+  /// The next field of every record.
+  template <typename ValueOf>
+  void append(const ValueOf& value_of) {
+    unsigned char* at = at_;
+    for (std::size_t i = first_; i < last_; ++i, at += record_bytes_) {
+      const auto value = value_of(i);
+      std::memcpy(at, &value, sizeof(value));
+    }
+    at_ += sizeof(value_of(first_));
+  }
+
+ private:
+  unsigned char* at_;  // the next field of the first record
+  std::size_t record_bytes_, first_, last_;
+};
+
+bool is_far(const PointSet& set) { return !set.origin.isZero(0); }
+
+void check_sizes([[maybe_unused]] const PointSet& set,
+                 [[maybe_unused]] std::span<const IntField> more) {
+  [[maybe_unused]] const std::size_t count = set.points.size();
+  assert(set.rgb.empty() || set.rgb.size() == 3 * count);
+  assert(set.label.empty() || set.label.size() == count);
+  assert(set.instance.empty() || set.instance.size() == count);
+  for ([[maybe_unused]] const IntField& field : more) assert(field.values.size() == count);
+}
+
+// The fields' own pointers: a vector's might change with what is written, for all a compiler knows.
+
+void append_points(Records& records, const PointSet& set) {
+  using Doubles = std::array<double, 3>;
+  const Vec3f* const points = set.points.data();
+  if (is_far(set))
+    records.append([points, o = set.origin](std::size_t i) {
+      return Doubles{o[0] + points[i][0], o[1] + points[i][1], o[2] + points[i][2]};
+    });
+  else
+    records.append([points](std::size_t i) { return points[i]; });
+}
+
+template <typename T>
+void append_values(Records& records, const std::vector<T>& values) {
+  records.append([at = values.data()](std::size_t i) { return at[i]; });
+}
+
+void append_labels(Records& records, const PointSet& set, std::span<const IntField> more) {
+  if (!set.label.empty()) append_values(records, set.label);
+  if (!set.instance.empty()) append_values(records, set.instance);
+  for (const IntField& field : more) append_values(records, field.values);
+}
+
+std::string ply_header(const PointSet& set, std::span<const IntField> more) {
+  const std::string scalar = is_far(set) ? "double" : "float";
+  std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                       std::to_string(set.points.size()) + "\n";
+  for (const char* axis : {"x", "y", "z"}) header += "property " + scalar + " " + axis + "\n";
+  if (!set.rgb.empty()) {
+    for (const char* c : {"red", "green", "blue"})
+      header += std::string("property uchar ") + c + "\n";
+  }
+  if (!set.label.empty()) header += "property uchar label\n";
+  if (!set.instance.empty()) header += "property int instance\n";
+  for (const IntField& field : more) header += "property int " + field.name + "\n";
+  return header + "end_header\n";
+}
+
+std::string pcd_header(const PointSet& set, std::span<const IntField> more) {
+  std::string names, sizes, types, counts;
+  const auto field = [&](const std::string& name, const char* size, const char* type) {
+    names += " " + name;
+    sizes += std::string(" ") + size;
+    types += std::string(" ") + type;
+    counts += " 1";
+  };
+  for (const char* axis : {"x", "y", "z"}) field(axis, is_far(set) ? "8" : "4", "F");
+  if (!set.rgb.empty()) field("rgb", "4", "U");
+  if (!set.label.empty()) field("label", "1", "U");
+  if (!set.instance.empty()) field("instance", "4", "I");
+  for (const IntField& extra : more) field(extra.name, "4", "I");
+  const std::string count = std::to_string(set.points.size());
+  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS" + names + "\nSIZE" +
+         sizes + "\nTYPE" + types + "\nCOUNT" + counts + "\nWIDTH " + count +
+         "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
+}
+
+/// `header`, and behind it a record of each point; `color_of`: what tells a point's colour there.
+template <typename ColorOf>
+std::vector<unsigned char> bytes_of(const std::string& header,
+                                    const PointSet& set,
+                                    std::span<const IntField> more,
+                                    const ColorOf& color_of) {
+  check_sizes(set, more);
+  const std::size_t point_bytes =
+      (is_far(set) ? 24 : 12) + (set.rgb.empty() ? 0 : sizeof(color_of(nullptr))) +
+      (set.label.empty() ? 0 : 1) + (set.instance.empty() ? 0 : 4) + 4 * more.size();
+  std::vector<unsigned char> bytes(header.size() + set.points.size() * point_bytes);
+  std::memcpy(bytes.data(), header.data(), header.size());
+  for (std::size_t i = 0; i < set.points.size(); i += kAtOnce) {
+    Records records(bytes.data() + header.size() + i * point_bytes, point_bytes, i,
+                    std::min(i + kAtOnce, set.points.size()));
+    append_points(records, set);
+    if (!set.rgb.empty())
+      records.append([&, rgb = set.rgb.data()](std::size_t at) { return color_of(rgb + 3 * at); });
+    append_labels(records, set, more);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<unsigned char> ply_bytes(const PointSet& set, std::span<const IntField> more) {
+  return bytes_of(ply_header(set, more), set, more, [](const std::uint8_t* rgb) {
+    return std::array{rgb[0], rgb[1], rgb[2]};
+  });
+}
+
+void write_ply(const std::filesystem::path& path, const PointSet& set) {
+  write_file_bytes(path, ply_bytes(set));
+}
+
+std::vector<unsigned char> pcd_bytes(const PointSet& set, std::span<const IntField> more) {
+  return bytes_of(pcd_header(set, more), set, more, [](const std::uint8_t* rgb) {
+    return std::uint32_t{rgb[0]} << 16 | std::uint32_t{rgb[1]} << 8 | rgb[2];
+  });
+}
+
+}  // namespace planescope::io

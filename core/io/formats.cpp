@@ -1,0 +1,278 @@
+// The table of recording formats. To add one: a reader, its row here and its opener in readers.hpp,
+// docs/formats.md.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <map>
+
+#include "core/io/bag/compression.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/folder/folder_layout.hpp"
+#include "core/io/readers.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope::io {
+
+namespace fs = std::filesystem;
+
+std::string extension(const fs::path& path) { return lower_case(path.extension().string()); }
+
+bool natural_less(const std::string& a, const std::string& b) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!digit(a[i]) || !digit(b[j])) {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i, ++j;
+      continue;
+    }
+    while (i < a.size() && a[i] == '0') ++i;
+    while (j < b.size() && b[j] == '0') ++j;
+    const std::size_t i0 = i, j0 = j;
+    while (i < a.size() && digit(a[i])) ++i;
+    while (j < b.size() && digit(b[j])) ++j;
+    if (i - i0 != j - j0) return i - i0 < j - j0;
+    const int order = a.compare(i0, i - i0, b, j0, j - j0);
+    if (order != 0) return order < 0;
+  }
+  if (i < a.size() || j < b.size()) return j < b.size();
+  return a < b;  // such as 01 and 1: any order, but always the same
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    std::error_code ignored;
+    if (entry.is_regular_file(ignored) && !entry.path().filename().string().starts_with('.')) {
+      files.push_back(entry.path());
+    }
+  }
+  if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+namespace {
+
+constexpr int kMaxDepth = 4;  // folders below the one given; a whole disk is no recording
+
+/// Files of a kind in the folder, then those in the folders below it.
+std::vector<fs::path> files_under(const fs::path& folder,
+                                  const std::function<bool(const fs::path&)>& is_wanted) {
+  std::vector<fs::path> wanted;
+  for (const fs::path& file : files_in(folder)) {
+    if (is_wanted(file)) wanted.push_back(file);
+  }
+  std::vector<fs::path> below;
+  std::error_code error;
+  fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
+  for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
+    if (it.depth() >= kMaxDepth) it.disable_recursion_pending();
+    std::error_code ignored;
+    if (it.depth() > 0 && is_wanted(it->path()) && it->is_regular_file(ignored)) {
+      below.push_back(it->path());
+    }
+  }
+  std::sort(below.begin(), below.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.string(), b.string());
+  });
+  wanted.insert(wanted.end(), below.begin(), below.end());
+  return wanted;
+}
+
+}  // namespace
+
+std::vector<fs::path> cloud_files_under(const fs::path& folder) {
+  const auto of_formats = [&](bool built_in) {
+    return files_under(folder, [built_in](const fs::path& file) {
+      const CloudFormat* format = cloud_format_of(file);
+      return format && (format->check != nullptr) == built_in;
+    });
+  };
+  const auto clouds = of_formats(true);
+  return clouds.empty() ? of_formats(false) : clouds;
+}
+
+namespace {
+
+/// What is at the path.
+struct Found {
+  fs::path path;
+  bool is_folder = false;
+  std::string start;  // of a file
+};
+
+struct Format {
+  std::string name;      // "a .bag, .db3 or .mcap of RealSense or ROS"
+  std::string singular;  // "bag", for usage texts; empty: by its extensions
+  std::vector<std::string> extensions;
+  bool (*sniff)(const Found&);  // a folder, or a file of another extension
+  std::unique_ptr<Recording> (*open)(const fs::path&, const RecordingOptions&);
+
+  bool fits(const Found& found) const {
+    if (found.is_folder) return sniff(found);
+    return std::ranges::count(extensions, extension(found.path)) > 0 || sniff(found);
+  }
+};
+
+/// A bag may be compressed as a whole.
+bool is_bag(const fs::path& path) {
+  const std::string kind = extension(name_within(path));
+  return kind == ".bag" || kind == ".db3" || kind == ".mcap";
+}
+
+std::vector<fs::path> bags_in(const fs::path& folder) {
+  auto bags = files_in(folder);
+  std::erase_if(bags, std::not_fn(is_bag));
+  return bags;
+}
+
+bool is_image_folder(const fs::path& folder) {
+  return viewer_raw_files(folder).empty() && !find_folder_layout(folder).depth.empty();
+}
+
+bool sniff_bag(const Found& found) {
+  if (found.is_folder)
+    return (fs::exists(found.path / "metadata.yaml") || !bags_in(found.path).empty()) &&
+           viewer_raw_files(found.path).empty() && !is_image_folder(found.path);
+  return is_bag(found.path) || found.start.starts_with("#ROSBAG") ||
+         found.start.starts_with("SQLite f") || found.start == kMcapMagic;
+}
+
+std::unique_ptr<Recording> open_bag_at(const fs::path& path, const RecordingOptions& options) {
+  if (!fs::is_directory(path) || fs::exists(path / "metadata.yaml")) return open_bag(path, options);
+  const auto bags = bags_in(path);
+  if (bags.size() > 1)
+    throw Error(path.string() + ": a folder with " + std::to_string(bags.size()) +
+                " recordings, expected the path of one of them, such as " + bags.front().string());
+  return open_bag(bags.front(), options);
+}
+
+std::vector<Format> formats() {
+  std::vector<std::string> clouds;
+  for (const CloudFormat& format : cloud_formats()) clouds.push_back(format.extension);
+  return {
+      {"a .bag, .db3 or .mcap of RealSense or ROS",
+       "bag",
+       {".bag", ".db3", ".mcap"},
+       sniff_bag,
+       open_bag_at},
+      {"a folder with depth/ as 16-bit PNG",
+       "folder",
+       {".png"},
+       [](const Found& found) {
+         return found.is_folder ? is_image_folder(found.path) : found.start.starts_with("\x89PNG");
+       },
+       open_image_folder},
+      {"a RealSense Viewer .raw with its _metadata.csv",
+       "",
+       {".raw", ".csv"},
+       [](const Found& found) { return found.is_folder && !viewer_raw_files(found.path).empty(); },
+       open_viewer_raw},
+      {fmt::format("a {} cloud", fmt::join(clouds, " or ")), "", clouds,
+       [](const Found& found) { return found.is_folder && !cloud_files_under(found.path).empty(); },
+       open_clouds}};
+}
+
+std::string expected_formats() {
+  std::vector<std::string> names;
+  for (const Format& format : formats()) names.push_back(format.name);
+  return fmt::format("expected {}, or {}", fmt::join(names.begin(), names.end() - 1, ", "),
+                     names.back());
+}
+
+/// What lies in a folder, for people: "3 .txt, 1 .jpg".
+std::string describe_files(const std::vector<fs::path>& files) {
+  std::map<std::string, int> kinds;
+  for (const fs::path& file : files) {
+    const std::string kind = extension(file);
+    ++kinds[kind.empty() ? "without extension" : kind];
+  }
+  std::string text;
+  for (const auto& [kind, count] : kinds) {
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
+  }
+  return text.empty() ? "no files" : text;
+}
+
+std::string first_bytes(const fs::path& path) {
+  std::ifstream file = open_to_read(path);
+  std::string bytes(8, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+}  // namespace
+
+std::string recordings_text(bool many) {
+  const auto is_named = [](const std::string& kind) {
+    const CloudFormat* cloud = cloud_format_of("cloud" + kind);
+    return kind != ".csv" && (!cloud || cloud->check);
+  };
+  std::vector<std::string> words;
+  for (const Format& format : formats())
+    if (format.singular.empty())
+      std::ranges::copy_if(format.extensions, std::back_inserter(words), is_named);
+    else
+      words.push_back(format.singular + (many ? "s" : ""));
+  const std::string text =
+      fmt::format("{} or {} file{}", fmt::join(words.begin(), words.end() - 1, ", "), words.back(),
+                  many ? "s" : "");
+  return many ? static_cast<char>(std::toupper(text[0])) + text.substr(1) : "One " + text;
+}
+
+std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options) {
+  std::error_code error;
+  const auto status = fs::status(path, error);
+  if (!fs::exists(status)) throw Error(path.string() + ": no such file or folder");
+  Found found{path, fs::is_directory(status), {}};
+  if (!found.is_folder) found.start = first_bytes(path);
+  for (const Format& format : formats())
+    if (format.fits(found)) return format.open(path, options);
+  if (found.is_folder)
+    throw Error(path.string() + ": a folder with no recording in it (" +
+                describe_files(files_in(path)) + "), " + expected_formats());
+  throw Error(path.string() + ": not a recording that planescope reads, " + expected_formats());
+}
+
+namespace {
+
+class ChangedRecording : public Recording {
+ public:
+  ChangedRecording(std::shared_ptr<const Recording> recording, std::function<void(Frame&)> change)
+      : recording_(std::move(recording)), change_(std::move(change)) {}
+
+  const RecordingInfo& info() const override { return recording_->info(); }
+  int frame_count() const override { return recording_->frame_count(); }
+  Frame frame(int i) const override {
+    Frame frame = recording_->frame(i);
+    change_(frame);
+    return frame;
+  }
+  double timestamp_s(int i) const override { return recording_->timestamp_s(i); }
+  std::optional<Pose> T_world_camera(int i) const override { return recording_->T_world_camera(i); }
+  std::string frame_hash(int i) const override { return recording_->frame_hash(i); }
+
+ private:
+  std::shared_ptr<const Recording> recording_;
+  std::function<void(Frame&)> change_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Recording> with_changed_frames(std::shared_ptr<const Recording> recording,
+                                                     std::function<void(Frame&)> change) {
+  return std::make_shared<const ChangedRecording>(std::move(recording), std::move(change));
+}
+
+}  // namespace planescope::io

@@ -1,0 +1,79 @@
+#pragma once
+
+// The complete result of a frame, as planes.json contains it: its planes with what they cover,
+// where a foot may go on them, and the stairs that they make.
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/planes/foot/footholds.hpp"
+#include "core/planes/outline/outline.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/stairs/stairs.hpp"
+
+namespace planescope::planes {
+
+/// The figures of a plane. World frame: z up, meters.
+struct PlaneSummary {
+  int id = 0;  // from 1
+  Label label = Label::unknown;
+  Vec3d normal = Vec3d::UnitZ();  // unit
+  Vec3d centroid = Vec3d::Zero();
+  double offset_m = 0;  // normal . x = offset
+  double tilt_deg = 0;  // against the horizontal: 0 a floor, 90 a wall; NaN: gravity is unknown
+  std::uint64_t points = 0;  // input points
+  std::uint64_t voxels = 0;
+  double rms_m = 0;  // distance of its input points from the plane, root mean square
+  // Area covered by points: occupied cells of a grid in the plane, as wide as a voxel (2 cm where
+  // there is no voxel grid). Unlike the hull's area it does not count holes and bays.
+  double area_m2 = 0;
+  double margin = std::numeric_limits<double>::infinity();  // of PlaneRegion, as is `undecided`
+  bool undecided = false;
+  std::vector<Vec3d> hull;  // convex hull of its points on the plane, counter-clockwise seen from
+                            // where the normal points
+};
+
+/// Of the grid in a plane that tells what it covers [m].
+inline double cell_size_m(double voxel_size_m) { return voxel_size_m > 0 ? voxel_size_m : 0.02; }
+
+/// One entry per plane, by id - 1.
+std::vector<PlaneSummary> summarize_planes(const FrameResult& result, double voxel_size_m);
+
+struct FramePlanes {
+  // By id - 1.
+  std::vector<PlaneSummary> summaries;
+  std::vector<Outline> outlines;
+  std::vector<Foothold> footholds;
+  Stairs stairs;
+  std::optional<std::vector<int>> tracks;  // of a map
+};
+
+/// The geometry of the planes that run_frame() found.
+FramePlanes analyze_planes(const Frame& frame,
+                           const FrameResult& result,
+                           const PipelineOptions& options);
+
+struct AnalyzedFrame : FrameResult {
+  FramePlanes found;
+};
+
+/// run_frame() and analyze_planes(): everything about a frame in one call. Throws as run_frame().
+AnalyzedFrame analyze(const Frame& frame,
+                      const PipelineOptions& options,
+                      const Classifier* classifier,
+                      const FrameTruth* truth = nullptr);
+
+// Files. Nothing but timings.json depends on time or on the number of threads.
+
+/// schema "planescope.planes/4".
+std::string planes_json(const Frame& frame,
+                        const FrameResult& result,
+                        const FramePlanes& found,
+                        const PipelineOptions& options);
+/// Milliseconds by stage and their sum.
+std::string timings_json(const FrameTimings& timings);
+
+}  // namespace planescope::planes

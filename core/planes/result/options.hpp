@@ -1,0 +1,100 @@
+#pragma once
+
+// Options of what is found on planes: footholds and steppable planes, and stairs. A wheel is a foot
+// as long as its contact with the ground, a gripper one as wide as its pads.
+
+namespace planescope::planes {
+
+struct FootOptions {
+  double radius_m = 0;         // the foot, or the circle around it: any yaw is allowed; 0: no foot
+  double margin_m = 0.01;      // extra distance from the outline, which is accurate to 1 cm
+  double unknown_share = 0.1;  // of the foot's circle: smaller unmeasured holes are ignored
+  double max_off_m = 0.01;     // largest distance of a foothold's surface from the plane
+  // Limits of a steppable plane.
+  double max_slope_deg = 25;
+  double min_area_m2 = 0.0025;  // for the center of the foot
+  double max_rough_m = 0.010;   // RMS of its height
+  double min_support = 0.6;     // share of the outline's pixels that were measured
+
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    rows.number("foot_radius_m", "Foot radius", "m",
+                "radius of the foot, or of the circle around it (--foot); 0 disables footholds",
+                &FootOptions::radius_m, {0, 10});
+    rows.number("foot_margin_m", "Margin around the foot", "m",
+                "extra distance of the foot from borders and holes", &FootOptions::margin_m,
+                {0, 10});
+    rows.number("foot_unknown_share", "Unmeasured holes allowed", "share",
+                "unmeasured holes up to this share of the foot's circle are ignored",
+                &FootOptions::unknown_share);
+    rows.number("foot_max_off_m", "Largest deviation", "m",
+                "maximum distance of a foothold's surface from the plane", &FootOptions::max_off_m);
+    rows.number("foot_max_slope_deg", "Steepest slope", "deg", "steppable planes: maximum slope",
+                &FootOptions::max_slope_deg, {0, 90});
+    rows.number("foot_min_area_m2", "Least area", "m2",
+                "steppable planes: minimum area for the center of the foot",
+                &FootOptions::min_area_m2);
+    rows.number("foot_max_rough_m", "Largest roughness", "m",
+                "steppable planes: maximum RMS of their height", &FootOptions::max_rough_m);
+    rows.number("foot_min_support", "Least support", "share",
+                "steppable planes: minimum share of the outline that was measured",
+                &FootOptions::min_support, {0, 1});
+  }
+};
+
+/// What counts as a step, and what as steps of one flight.
+struct StairsOptions {
+  double rise_min_m = 0.03, rise_max_m = 0.30;    // of a step
+  double going_min_m = 0.15, going_max_m = 0.50;  // from nosing to nosing
+  double width_min_m = 0.2;                       // of a nosing, as far as it is seen
+  double rise_spread_m = 0.03;   // a step's rise differs from the next one's by at most this
+  double going_spread_m = 0.06;  // likewise its going
+  double turn_deg = 12;          // nosings of one flight are parallel within this
+  double gap_m = 0.08;           // between a level and the nosing behind it, beyond what is hidden
+  double level_deg = 5;          // what is tilted more is a ramp, if it is also steeper than a step
+  double landing_goings = 1.5;   // a last level deeper than so many goings is a landing
+  double kerb_width_m = 0.6;     // a single step is a kerb from this width on
+  double kerb_depth_m = 0.4;     // ... between levels that reach as far before and behind it
+  double floor_m2 = 0.1;         // the floor has at least this
+
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = StairsOptions;
+    rows.number("stairs_rise_min_m", "Lowest rise", "m", "minimum rise of a step", &O::rise_min_m,
+                {0.005, 1});
+    rows.number("stairs_rise_max_m", "Highest rise", "m", "maximum rise of a step", &O::rise_max_m,
+                {0.005, 2});
+    rows.number("stairs_going_min_m", "Shortest going", "m", "minimum going, from nosing to nosing",
+                &O::going_min_m, {0.01, 5});
+    rows.number("stairs_going_max_m", "Longest going", "m", "maximum going, from nosing to nosing",
+                &O::going_max_m, {0.01, 5});
+    rows.number("stairs_width_min_m", "Least width", "m", "minimum visible width of a nosing",
+                &O::width_min_m, {0.02, 10});
+    rows.number("stairs_rise_spread_m", "Spread of rises", "m",
+                "maximum difference of rise between neighboring steps", &O::rise_spread_m, {0, 1});
+    rows.number("stairs_going_spread_m", "Spread of goings", "m",
+                "maximum difference of going between neighboring steps", &O::going_spread_m,
+                {0, 1});
+    rows.number("stairs_turn_deg", "Angle between nosings", "deg",
+                "maximum angle between nosings of a flight", &O::turn_deg, {0, 45});
+    rows.number("stairs_gap_m", "Largest gap", "m",
+                "maximum gap between a level and the nosing behind it, beyond the part hidden by "
+                "the upper one",
+                &O::gap_m, {0, 1});
+    rows.number(
+        "stairs_level_deg", "Ramps from this tilt", "deg",
+        "minimum tilt of a ramp; its height must also change by more than stairs_rise_min_m",
+        &O::level_deg, {0, 45});
+    rows.number("stairs_landing_goings", "Landings from this depth", "goings",
+                "minimum depth of a landing, in goings of its flight", &O::landing_goings,
+                {1, 100});
+    rows.number("stairs_kerb_width_m", "Least kerb width", "m",
+                "minimum width of a kerb, a single step", &O::kerb_width_m, {0, 100});
+    rows.number("stairs_kerb_depth_m", "Least depth beside a kerb", "m",
+                "minimum depth of the levels before and behind a kerb", &O::kerb_depth_m, {0, 100});
+    rows.number("stairs_floor_m2", "Least floor area", "m2",
+                "minimum area of the floor, the lowest such level", &O::floor_m2, {0, 100});
+  }
+};
+
+}  // namespace planescope::planes
