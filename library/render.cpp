@@ -4,7 +4,6 @@
 
 #include "core/io/image/png.hpp"
 #include "library/data.hpp"
-#include "render/context.hpp"
 #include "render/plane_colors.hpp"
 #include "render/renderer.hpp"
 #include "render/scenes.hpp"

@@ -1,4 +1,4 @@
-#include "render/context.hpp"
+// GL contexts: EGL off-screen, GLFW with a window.
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -7,6 +7,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <array>
 #include <cstring>
 #include <mutex>
 #include <utility>
@@ -14,6 +15,7 @@
 
 #include "core/model/error.hpp"
 #include "render/gl.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::render {
 
@@ -24,36 +26,17 @@ namespace planescope::render {
 
 namespace {
 
-const char* egl_error_name(EGLint code) {
-  switch (code) {
-    case EGL_SUCCESS:
-      return "EGL_SUCCESS";
-    case EGL_NOT_INITIALIZED:
-      return "EGL_NOT_INITIALIZED";
-    case EGL_BAD_ACCESS:
-      return "EGL_BAD_ACCESS";
-    case EGL_BAD_ALLOC:
-      return "EGL_BAD_ALLOC";
-    case EGL_BAD_ATTRIBUTE:
-      return "EGL_BAD_ATTRIBUTE";
-    case EGL_BAD_CONFIG:
-      return "EGL_BAD_CONFIG";
-    case EGL_BAD_CONTEXT:
-      return "EGL_BAD_CONTEXT";
-    case EGL_BAD_DISPLAY:
-      return "EGL_BAD_DISPLAY";
-    case EGL_BAD_MATCH:
-      return "EGL_BAD_MATCH";
-    case EGL_BAD_PARAMETER:
-      return "EGL_BAD_PARAMETER";
-    default:
-      return "an unknown EGL error";
-  }
+std::string egl_error() {
+  constexpr std::array kNames = {"SUCCESS",       "NOT_INITIALIZED",     "BAD_ACCESS",
+                                 "BAD_ALLOC",     "BAD_ATTRIBUTE",       "BAD_CONFIG",
+                                 "BAD_CONTEXT",   "BAD_CURRENT_SURFACE", "BAD_DISPLAY",
+                                 "BAD_MATCH",     "BAD_NATIVE_PIXMAP",   "BAD_NATIVE_WINDOW",
+                                 "BAD_PARAMETER", "BAD_SURFACE",         "CONTEXT_LOST"};
+  const auto i = static_cast<std::size_t>(eglGetError() - EGL_SUCCESS);
+  return i < kNames.size() ? std::string("EGL_") + kNames[i] : "an unknown EGL error";
 }
 
-std::string failed(const char* call) {
-  return fmt::format("{}: {}", call, egl_error_name(eglGetError()));
-}
+std::string failed(const char* call) { return fmt::format("{}: {}", call, egl_error()); }
 
 class EglContext : public GlContext {
  public:
@@ -67,13 +50,12 @@ class EglContext : public GlContext {
     }
     if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
     if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
-    // The display stays initialised: it is one object per process, whoever asks for it, so that
+    // The display stays initialized: it is one object per process, whoever asks for it, so that
     // others may still be drawing with it, and Mesa leaks a little when it is unloaded.
   }
   void make_current() override {
     if (!eglMakeCurrent(display_, surface_, surface_, context_)) {
-      throw Error(fmt::format("cannot make the {} context current: {}", way_,
-                              egl_error_name(eglGetError())));
+      throw Error(fmt::format("cannot make the {} context current: {}", way_, egl_error()));
     }
   }
   std::string description() const override { return description_; }
@@ -116,13 +98,11 @@ std::string EglContext::create() {
     return failed("eglChooseConfig");
   }
   if (config_count == 0) return "eglChooseConfig: no configuration with OpenGL";
-  const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                       3,
-                                       EGL_CONTEXT_MINOR_VERSION,
-                                       3,
-                                       EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                       EGL_NONE};
+  // clang-format off
+  const EGLint context_attributes[] = {
+      EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
+      EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  // clang-format on
   context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, context_attributes);
   if (context_ == EGL_NO_CONTEXT) return failed("eglCreateContext (OpenGL 3.3 core)");
   if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
@@ -202,7 +182,7 @@ std::string glfw_answer() {
   return text != nullptr ? text : "no reason given";
 }
 
-// GLFW is initialised once per process and ended with the last window.
+// GLFW is initialized once per process and ended with the last window.
 std::mutex users_mutex;
 int users = 0;
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 #include <cstring>
-#include <initializer_list>
-#include <vector>
 
 #include "core/model/error.hpp"
 
@@ -19,10 +19,16 @@ Handle generate(Generate function) {
   return Handle(id);
 }
 
-std::string one_line(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
+/// What the driver says about a shader or a program, in one line.
+template <typename Get, typename Log>
+std::string info_log(GLuint id, Get get, Log log) {
+  GLint length = 0;
+  get(id, GL_INFO_LOG_LENGTH, &length);
+  std::string text(static_cast<std::size_t>(length), ' ');
+  log(id, length, nullptr, text.data());
+  text = text.c_str();  // up to its end
+  std::ranges::replace_if(
+      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
   return text;
 }
 
@@ -35,31 +41,10 @@ GLuint compile(GLenum kind, const char* name, std::string_view source) {
   GLint compiled = 0;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
   if (compiled == GL_TRUE) return shader;
-  GLint log_length = 0;
-  glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &log_length);
-  std::string log(static_cast<std::size_t>(log_length), ' ');
-  glGetShaderInfoLog(shader, log_length, nullptr, log.data());
+  const std::string log = info_log(shader, glGetShaderiv, glGetShaderInfoLog);
   glDeleteShader(shader);
   throw Error(fmt::format("the {} shader of '{}' does not compile: {}",
-                          kind == GL_VERTEX_SHADER ? "vertex" : "fragment", name,
-                          one_line(log.c_str())));
-}
-
-const char* gl_error_name(GLenum code) {
-  switch (code) {
-    case GL_INVALID_ENUM:
-      return "GL_INVALID_ENUM";
-    case GL_INVALID_VALUE:
-      return "GL_INVALID_VALUE";
-    case GL_INVALID_OPERATION:
-      return "GL_INVALID_OPERATION";
-    case GL_INVALID_FRAMEBUFFER_OPERATION:
-      return "GL_INVALID_FRAMEBUFFER_OPERATION";
-    case GL_OUT_OF_MEMORY:
-      return "GL_OUT_OF_MEMORY";
-    default:
-      return "an unknown error";
-  }
+                          kind == GL_VERTEX_SHADER ? "vertex" : "fragment", name, log));
 }
 
 }  // namespace
@@ -72,21 +57,18 @@ GlFramebuffer make_framebuffer() { return generate<GlFramebuffer>(glGenFramebuff
 
 GlProgram make_program(const char* name, std::string_view vertex, std::string_view fragment) {
   GlProgram program(glCreateProgram());
-  const GLuint vertex_shader = compile(GL_VERTEX_SHADER, name, vertex);
-  glAttachShader(program, vertex_shader);
-  glDeleteShader(vertex_shader);  // lives on with the program
-  const GLuint fragment_shader = compile(GL_FRAGMENT_SHADER, name, fragment);
-  glAttachShader(program, fragment_shader);
-  glDeleteShader(fragment_shader);
+  for (const auto& [kind, source] :
+       {std::pair(GL_VERTEX_SHADER, vertex), std::pair(GL_FRAGMENT_SHADER, fragment)}) {
+    const GLuint shader = compile(kind, name, source);
+    glAttachShader(program, shader);
+    glDeleteShader(shader);  // lives on with the program
+  }
   glLinkProgram(program);
   GLint linked = 0;
   glGetProgramiv(program, GL_LINK_STATUS, &linked);
   if (linked == GL_TRUE) return program;
-  GLint log_length = 0;
-  glGetProgramiv(program, GL_INFO_LOG_LENGTH, &log_length);
-  std::string log(static_cast<std::size_t>(log_length), ' ');
-  glGetProgramInfoLog(program, log_length, nullptr, log.data());
-  throw Error(fmt::format("the shaders of '{}' do not link: {}", name, one_line(log.c_str())));
+  throw Error(fmt::format("the shaders of '{}' do not link: {}", name,
+                          info_log(program, glGetProgramiv, glGetProgramInfoLog)));
 }
 
 void set_attribute(const Attribute& attribute) {
@@ -123,11 +105,20 @@ void set_uniform(GLuint program, const char* name, const Eigen::Matrix4f& value)
 }
 
 void check_gl(const char* where) {
+  constexpr std::array kNames = {"GL_INVALID_ENUM",
+                                 "GL_INVALID_VALUE",
+                                 "GL_INVALID_OPERATION",
+                                 "GL_STACK_OVERFLOW",
+                                 "GL_STACK_UNDERFLOW",
+                                 "GL_OUT_OF_MEMORY",
+                                 "GL_INVALID_FRAMEBUFFER_OPERATION"};
   const GLenum code = glGetError();
   if (code == GL_NO_ERROR) return;
   while (glGetError() != GL_NO_ERROR) {
   }
-  throw Error(fmt::format("OpenGL reports {} in {}", gl_error_name(code), where));
+  const std::size_t i = code - GL_INVALID_ENUM;
+  throw Error(fmt::format("OpenGL reports {} in {}",
+                          i < kNames.size() ? kNames[i] : "an unknown error", where));
 }
 
 std::string gl_description() {
@@ -155,11 +146,6 @@ std::string gl_description() {
 
 namespace {
 
-struct Attachment {
-  GLenum point = GL_COLOR_ATTACHMENT0;
-  GLuint renderbuffer = 0;
-};
-
 GlRenderbuffer storage(int samples, GLenum format, int width, int height) {
   GlRenderbuffer buffer = make_renderbuffer();
   glBindRenderbuffer(GL_RENDERBUFFER, buffer);
@@ -176,21 +162,23 @@ GlTexture texture(GLint format, GLenum channels, int width, int height) {
   return result;
 }
 
-GlFramebuffer framebuffer(std::initializer_list<Attachment> attachments) {
-  GlFramebuffer result = make_framebuffer();
-  glBindFramebuffer(GL_FRAMEBUFFER, result);
-  for (const Attachment& attachment : attachments) {
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment.point, GL_RENDERBUFFER,
-                              attachment.renderbuffer);
-  }
-  return result;
+void attach(GLenum point, const GlRenderbuffer& buffer) {
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, point, GL_RENDERBUFFER, buffer);
+}
+void attach(GLenum point, const GlTexture& texture) {
+  glFramebufferTexture2D(GL_FRAMEBUFFER, point, GL_TEXTURE_2D, texture, 0);
 }
 
-void check_complete(const char* what, int width, int height) {
+template <typename Color, typename Depth>
+GlFramebuffer framebuffer_of(const Color& color, const Depth& depth) {
+  GlFramebuffer result = make_framebuffer();
+  glBindFramebuffer(GL_FRAMEBUFFER, result);
+  attach(GL_COLOR_ATTACHMENT0, color);
+  attach(GL_DEPTH_ATTACHMENT, depth);
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
-  if (status == GL_FRAMEBUFFER_COMPLETE) return;
-  throw Error(fmt::format("OpenGL cannot draw a {} of {} x {} pixels (framebuffer status {:#x})",
-                          what, width, height, status));
+  if (status == GL_FRAMEBUFFER_COMPLETE) return result;
+  throw Error(
+      fmt::format("OpenGL cannot draw a picture of this size (framebuffer status {:#x})", status));
 }
 
 void check_size(int width, int height) {
@@ -210,39 +198,14 @@ void SceneTarget::resize(int new_width, int new_height) {
   color = storage(samples, GL_RGBA8, new_width, new_height);
   depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
   box_depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
-  scene = framebuffer({{GL_COLOR_ATTACHMENT0, color}, {GL_DEPTH_ATTACHMENT, depth}});
-  check_complete("picture", new_width, new_height);
-  boxes = framebuffer({{GL_COLOR_ATTACHMENT0, color}, {GL_DEPTH_ATTACHMENT, box_depth}});
-  check_complete("picture", new_width, new_height);
-
+  scene = framebuffer_of(color, depth);
+  boxes = framebuffer_of(color, box_depth);
   flat_depth = texture(GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, new_width, new_height);
   flat_color = texture(GL_RGBA8, GL_RGBA, new_width, new_height);
   // Blending leaves meaningless values in the alpha channel.
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_A, GL_ONE);
   glBindTexture(GL_TEXTURE_2D, 0);
-  resolved = framebuffer({});
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, flat_color, 0);
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, flat_depth, 0);
-  check_complete("picture", new_width, new_height);
-  width = new_width;
-  height = new_height;
-}
-
-void PictureTarget::resize(int new_width, int new_height) {
-  if (new_width == width && new_height == height) return;
-  check_size(new_width, new_height);
-  width = 0;
-  depth = texture(GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, new_width, new_height);
-  color = texture(GL_RGBA8, GL_RGBA, new_width, new_height);
-  glBindTexture(GL_TEXTURE_2D, 0);
-  box_depth = storage(0, GL_DEPTH_COMPONENT24, new_width, new_height);
-  scene = framebuffer({});
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, color, 0);
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
-  check_complete("picture", new_width, new_height);
-  boxes = framebuffer({{GL_DEPTH_ATTACHMENT, box_depth}});
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, color, 0);
-  check_complete("picture", new_width, new_height);
+  resolved = framebuffer_of(flat_color, flat_depth);
   width = new_width;
   height = new_height;
 }
@@ -253,9 +216,7 @@ void IdTarget::resize(int new_width, int new_height) {
   width = 0;
   ids = storage(0, GL_R32UI, new_width, new_height);
   depth = storage(0, GL_DEPTH_COMPONENT24, new_width, new_height);
-  framebuffer =
-      planescope::render::framebuffer({{GL_COLOR_ATTACHMENT0, ids}, {GL_DEPTH_ATTACHMENT, depth}});
-  check_complete("picking buffer", new_width, new_height);
+  framebuffer = framebuffer_of(ids, depth);
   width = new_width;
   height = new_height;
 }

@@ -73,7 +73,7 @@ GlProgram make_program(const char* name, std::string_view vertex, std::string_vi
 struct Attribute {
   GLuint location = 0;
   GLint components = 1;
-  GLenum type = GL_FLOAT;  // GL_UNSIGNED_BYTE is normalised to 0..1, GL_UNSIGNED_INT stays integer
+  GLenum type = GL_FLOAT;  // GL_UNSIGNED_BYTE is normalized to 0..1, GL_UNSIGNED_INT stays integer
   std::size_t stride = 0, offset = 0;
   bool per_instance = false;
 };
@@ -111,21 +111,9 @@ struct SceneTarget {
   GlRenderbuffer color, depth, box_depth;
   GlFramebuffer scene;     // color + depth
   GlFramebuffer boxes;     // color + box_depth: boxes hide boxes, but nothing else
-  GlTexture flat_color;    // the finished picture, opaque when sampled
-  GlTexture flat_depth;    // of the points, for shading
+  GlTexture flat_color;    // the picture, opaque when sampled
+  GlTexture flat_depth;    // of the points
   GlFramebuffer resolved;  // flat_color + flat_depth
-
-  void resize(int new_width, int new_height);
-};
-
-/// For pictures whose points are drawn on the CPU (splats.hpp): one sample a pixel, as lines and
-/// outlines have soft edges of their own.
-struct PictureTarget {
-  int width = 0, height = 0;
-  GlTexture color, depth;  // of the points, to be drawn over
-  GlRenderbuffer box_depth;
-  GlFramebuffer scene;  // color + depth
-  GlFramebuffer boxes;  // color + box_depth
 
   void resize(int new_width, int new_height);
 };

@@ -7,9 +7,9 @@
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/edit/selection.hpp"
 #include "core/labels/model/pixel_sets.hpp"
+#include "render/frame_image.hpp"
 #include "render/paint.hpp"
 #include "render/palette.hpp"
-#include "render/region_image.hpp"
 
 namespace planescope::render {
 namespace {
@@ -115,7 +115,7 @@ void paint_outlines(Image8& image, const labels::LabelGrid& grid, const LabelLoo
     }
 }
 
-/// The plane's own pixels have a colour however far off they are: those are to be trimmed. Others
+/// The plane's own pixels have a color however far off they are: those are to be trimmed. Others
 /// keep their ground where they lie farther off than the scale goes.
 void tint_residuals(const labels::LabelGrid& grid,
                     const LabelLook& look,
@@ -241,16 +241,6 @@ void color_label_points(DrawPoints& points,
     blend(color, tints[pixel]);
     points.colors[k] = {color[0], color[1], color[2]};
   }
-}
-
-DrawList label_scene(const labels::LabelGrid& grid,
-                     std::span<const Vec3f> world,
-                     const LabelLook& look) {
-  DrawList list;
-  list.points.push_back(label_points(
-      grid, world, look.labels ? labels::shown_pixels(*look.labels) : std::vector<std::uint8_t>{}));
-  color_label_points(list.points.back(), label_ground(grid, Backdrop::color), grid, look);
-  return list;
 }
 
 std::vector<LabelPlace> label_places(const FrameLabels& labels, const labels::LabelGrid& grid) {

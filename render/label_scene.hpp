@@ -15,7 +15,7 @@
 
 namespace planescope::render {
 
-/// Distances to a plane, as colours from -most_m, behind it, to +most_m, before it.
+/// Distances to a plane, as colors from -most_m, behind it, to +most_m, before it.
 struct Residual {
   int plane = 0;                  // of the labels; 0: of the preview
   Vec3d normal = Vec3d::UnitZ();  // towards the sensor, in its frame: normal . x = offset
@@ -32,17 +32,17 @@ struct Residual {
 struct LabelLook {
   std::shared_ptr<const FrameLabels> labels;  // null: none yet
   int plane = 0;                              // the active one, brighter than others; 0: none
-  bool show_class = false;                    // colours of h and v instead of the planes' own
+  bool show_class = false;                    // colors of h and v instead of the planes' own
   std::span<const std::uint32_t> preview;     // pixels that a gesture would change
   bool preview_takes = false;                 // ... by taking labels off
   std::span<const std::uint32_t> taken;       // pixels that it would take off besides
-  std::optional<Residual> residual;           // colours by distance, in place of labels
+  std::optional<Residual> residual;           // colors by distance, in place of labels
   std::span<const std::uint8_t> doubt;        // per pixel; empty: none
   std::span<const std::uint32_t> marked;      // pixels that a question is about
   Theme theme = Theme::dark;
 };
 
-/// What labels are drawn over, RGB per depth pixel: the camera's colour where it is aligned, the
+/// What labels are drawn over, RGB per depth pixel: the camera's color where it is aligned, the
 /// shape of surfaces otherwise.
 Image8 label_ground(const labels::LabelGrid& grid, Backdrop backdrop);
 
@@ -56,7 +56,7 @@ void paint_labels(Image8& image,
                   const LabelLook& look,
                   double opacity);
 
-/// The points that are shown, by pixel: `world` of each, its id is pixel + 1. Colours are missing.
+/// The points that are shown, by pixel: `world` of each, its id is pixel + 1. Colors are missing.
 DrawPoints label_points(const labels::LabelGrid& grid,
                         std::span<const Vec3f> world,
                         std::span<const std::uint8_t> shown);
@@ -64,11 +64,6 @@ void color_label_points(DrawPoints& points,
                         const Image8& ground,
                         const labels::LabelGrid& grid,
                         const LabelLook& look);
-/// Both, in the colours of the camera.
-DrawList label_scene(const labels::LabelGrid& grid,
-                     std::span<const Vec3f> world,
-                     const LabelLook& look);
-
 /// Where a plane's name stands: on its pixel farthest from other labels.
 struct LabelPlace {
   int plane = 0;

@@ -6,16 +6,15 @@
 #include <cmath>
 
 #include "core/model/text.hpp"
-#include "render/font.hpp"
+#include "render/paint.hpp"
 
 namespace planescope::render {
 namespace {
 
 // One line of text, shortened where it is wider than there is room.
 std::string fitted(const std::string& text, double size_px, double room_px) {
-  return shortened(text, [&](const std::string& part) {
-    return default_font().layout(part, size_px).width <= room_px;
-  });
+  return shortened(text,
+                   [&](const std::string& part) { return text_width(part, size_px) <= room_px; });
 }
 
 struct Pen {
@@ -57,7 +56,7 @@ void add_heading(const Pen& pen, const DrawList& list) {
                                  .size_px = size_px,
                                  .text = line,
                                  .color = color});
-    widest = std::max(widest, default_font().layout(line, size_px).width);
+    widest = std::max(widest, text_width(line, size_px));
   };
   if (!list.title.empty()) add_line(list.title, title_px, pen.theme.ink);
   if (!list.title.empty() && !list.subtitle.empty()) y += pen.px(6);
@@ -130,11 +129,11 @@ void add_legend(const Pen& pen, const std::vector<LegendEntry>& legend, double t
       const std::string text = fitted(legend[i].text, size_px, std::max(room, 0.0));
       add_mark(pen, legend[i], x + pen.px(8), middle);
       pen.overlay.texts.push_back({.x = std::round(x + mark_room),
-                                   .baseline = middle + default_font().cap_height(size_px) / 2,
+                                   .baseline = middle + cap_height(size_px) / 2,
                                    .size_px = size_px,
                                    .text = text,
                                    .color = pen.theme.ink});
-      widest = std::max(widest, default_font().layout(text, size_px).width);
+      widest = std::max(widest, text_width(text, size_px));
     }
     x += mark_room + widest + gap;
   }
@@ -165,7 +164,7 @@ void add_axes(const Pen& pen, const View& view, double middle_x, double middle_y
     const float norm = on_screen.norm();
     const Vec3f away = norm > 0.15f ? Vec3f(on_screen / norm) : Vec3f(0.7071f, -0.7071f, 0);
     const Vec3f at = from + on_screen * length + away * pen.px(9);
-    const double half = default_font().layout(axis.name, letter_px).width / 2;
+    const double half = text_width(axis.name, letter_px) / 2;
     pen.overlay.texts.push_back({.x = at.x() - half,
                                  .baseline = at.y() + 0.28 * letter_px,
                                  .size_px = letter_px,
@@ -196,14 +195,13 @@ void add_scale_bar(const Pen& pen, const View& view, double right, double bottom
   stroke(x1, y - tick, x1, y + tick);
   const std::string text = length_text(length_m);
   const double size_px = pen.px(12.5);
-  pen.overlay.texts.push_back(
-      {.x = 0.5 * (x0 + x1) - default_font().layout(text, size_px).width / 2,
-       .baseline = y - pen.px(7),
-       .size_px = size_px,
-       .text = text,
-       .color = color,
-       .halo = pen.theme.halo,
-       .halo_px = pen.px(1.8)});
+  pen.overlay.texts.push_back({.x = 0.5 * (x0 + x1) - text_width(text, size_px) / 2,
+                               .baseline = y - pen.px(7),
+                               .size_px = size_px,
+                               .text = text,
+                               .color = color,
+                               .halo = pen.theme.halo,
+                               .halo_px = pen.px(1.8)});
 }
 
 struct PlacedLabel {
@@ -239,8 +237,8 @@ bool is_covered(const OverlayText& label, double width, const Overlay& by) {
                                      high.y() + half);
                      }) ||
          std::any_of(by.texts.begin(), by.texts.end(), [&](const OverlayText& text) {
-           const double text_width = default_font().layout(text.text, text.size_px).width;
-           return covers(text.x, text.baseline - 0.8 * text.size_px, text.x + text_width,
+           return covers(text.x, text.baseline - 0.8 * text.size_px,
+                         text.x + text_width(text.text, text.size_px),
                          text.baseline + 0.1 * text.size_px);
          });
 }
@@ -266,14 +264,14 @@ void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View
     const auto at = project(view, label.anchor);
     if (!at || label.text.empty()) continue;
     const double size_px = scale * label.size_px;
-    const double width = default_font().layout(label.text, size_px).width;
+    const double width = text_width(label.text, size_px);
     const double wanted = at->px.x() - (label.centered ? width / 2 : 0);
     if (wanted > pen.width || wanted + width < 0) continue;
     const double margin = pen.px(3);
     const double x = std::max(std::min(wanted, pen.width - width - margin), margin);  // all of it
     if (at->px.y() < -size_px || at->px.y() > pen.height + size_px) continue;
     const OverlayText text = {.x = x,
-                              .baseline = at->px.y() + default_font().cap_height(size_px) / 2,
+                              .baseline = at->px.y() + cap_height(size_px) / 2,
                               .size_px = size_px,
                               .text = label.text,
                               .color = label.color,

@@ -6,10 +6,19 @@
 #include <vector>
 
 #include "render/palette.hpp"
-#include "render/passes.hpp"
 #include "render/view.hpp"
 
 namespace planescope::render {
+
+/// A line or arrow of constant width on screen.
+struct Segment {
+  Vec3f a, b;
+  Rgba color;
+  float width_px = 1;
+  float arrow = 0;   // 1: with a head at b
+  float bias_m = 0;  // drawn this much nearer to the eye
+  std::uint32_t id = 0;
+};
 
 struct OverlayShape {  // rounded rectangle, in pixels from the top left corner
   float x0 = 0, y0 = 0, x1 = 0, y1 = 0;

@@ -2,10 +2,16 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstddef>
+#include <cmath>
+#include <cstring>
+
+#include "core/model/error.hpp"
+#include "render/paint.hpp"
 
 PLANESCOPE_ASSET_DECLARE(boxes_frag);
 PLANESCOPE_ASSET_DECLARE(boxes_vert);
+PLANESCOPE_ASSET_DECLARE(glyphs_frag);
+PLANESCOPE_ASSET_DECLARE(glyphs_vert);
 PLANESCOPE_ASSET_DECLARE(id_frag);
 PLANESCOPE_ASSET_DECLARE(points_frag);
 PLANESCOPE_ASSET_DECLARE(points_id_frag);
@@ -15,22 +21,48 @@ PLANESCOPE_ASSET_DECLARE(polygons_vert);
 PLANESCOPE_ASSET_DECLARE(segments_frag);
 PLANESCOPE_ASSET_DECLARE(segments_id_frag);
 PLANESCOPE_ASSET_DECLARE(segments_vert);
+PLANESCOPE_ASSET_DECLARE(shapes_frag);
+PLANESCOPE_ASSET_DECLARE(shapes_vert);
 
 namespace planescope::render {
+
+Pass::Pass(const char* name,
+           std::string_view vertex,
+           std::string_view fragment,
+           std::string_view id)
+    : color_(make_program(name, vertex, fragment)),
+      id_(id.empty() ? GlProgram() : make_program(name, vertex, id)) {
+  glBindVertexArray(array_);
+  glBindBuffer(GL_ARRAY_BUFFER, buffer_);
+}
+
+const GlProgram& Pass::use(const View& view, Output output) const {
+  const GlProgram& program = output == Output::color ? color_ : id_;
+  glUseProgram(program);
+  set_uniform(program, "view", view.view);  // GL ignores those that a program does not have
+  set_uniform(program, "proj", view.proj);
+  set_uniform(program, "viewport", view.size_px());
+  set_uniform(program, "orthographic", view.orthographic ? 1 : 0);
+  set_uniform(program, "near_m", view.near_m);
+  set_uniform(program, "px_per_m", view.px_per_m);
+  glBindVertexArray(array_);
+  return program;
+}
+
+template <typename Values>
+void Pass::draw_strips(const Values& instances) const {
+  upload(buffer_, instances);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(instances.size()));
+}
 
 // ---- Points ----
 
 PointPass::PointPass()
-    : color_(make_program("points", PLANESCOPE_ASSET(points_vert), PLANESCOPE_ASSET(points_frag))),
-      id_(make_program(
-          "points_id", PLANESCOPE_ASSET(points_vert), PLANESCOPE_ASSET(points_id_frag))),
-      array_(make_vertex_array()),
-      positions_(make_buffer()),
-      colors_(make_buffer()),
-      ids_(make_buffer()) {
+    : Pass("points",
+           PLANESCOPE_ASSET(points_vert),
+           PLANESCOPE_ASSET(points_frag),
+           PLANESCOPE_ASSET(points_id_frag)) {
   static_assert(sizeof(Vec3f) == 12 && sizeof(Rgba) == 4);
-  glBindVertexArray(array_);
-  glBindBuffer(GL_ARRAY_BUFFER, positions_);
   set_attribute({.location = 0, .components = 3});
   glBindBuffer(GL_ARRAY_BUFFER, colors_);
   set_attribute({.location = 1, .components = 4, .type = GL_UNSIGNED_BYTE});
@@ -39,14 +71,8 @@ PointPass::PointPass()
 }
 
 void PointPass::draw(const std::vector<DrawPoints>& clouds, const View& view, Output output) {
-  const GlProgram& program = output == Output::color ? color_ : id_;
-  glUseProgram(program);
-  set_uniform(program, "view", view.view);
-  set_uniform(program, "proj", view.proj);
-  set_uniform(program, "orthographic", view.orthographic ? 1 : 0);
-  set_uniform(program, "px_per_m", view.px_per_m);
+  const GlProgram& program = use(view, output);
   glEnable(GL_PROGRAM_POINT_SIZE);
-  glBindVertexArray(array_);
   for (const DrawPoints& cloud : clouds) {
     assert(cloud.colors.size() == cloud.positions.size());
     assert(cloud.ids.empty() || cloud.ids.size() == cloud.positions.size());
@@ -54,7 +80,7 @@ void PointPass::draw(const std::vector<DrawPoints>& clouds, const View& view, Ou
     set_uniform(program, "size_m", cloud.size_m);
     set_uniform(program, "min_px", std::max(cloud.min_px, 1.0f));
     set_uniform(program, "max_px", std::max({cloud.max_px, cloud.min_px, 1.0f}));
-    upload(positions_, cloud.positions);
+    upload(buffer_, cloud.positions);
     upload(colors_, cloud.colors);
     if (output == Output::id && !cloud.ids.empty()) {
       upload(ids_, cloud.ids);
@@ -82,12 +108,10 @@ struct BoxInstance {
 }  // namespace
 
 BoxPass::BoxPass()
-    : color_(make_program("boxes", PLANESCOPE_ASSET(boxes_vert), PLANESCOPE_ASSET(boxes_frag))),
-      id_(make_program("boxes_id", PLANESCOPE_ASSET(boxes_vert), PLANESCOPE_ASSET(id_frag))),
-      array_(make_vertex_array()),
-      instances_(make_buffer()) {
-  glBindVertexArray(array_);
-  glBindBuffer(GL_ARRAY_BUFFER, instances_);
+    : Pass("boxes",
+           PLANESCOPE_ASSET(boxes_vert),
+           PLANESCOPE_ASSET(boxes_frag),
+           PLANESCOPE_ASSET(id_frag)) {
   const std::size_t stride = sizeof(BoxInstance);
   for (GLuint i = 0; i < 8; ++i)
     set_attribute({i, 3, GL_FLOAT, stride, i * sizeof(Vec3f), true});  // corners
@@ -111,16 +135,10 @@ void BoxPass::draw(std::span<const DrawBox> boxes,
   }
   if (instances.empty()) return;
 
-  const GlProgram& program = output == Output::color ? color_ : id_;
-  glUseProgram(program);
-  set_uniform(program, "view", view.view);
-  set_uniform(program, "proj", view.proj);
-  if (output == Output::color) {
-    set_uniform(program, "face_alpha", face_alpha);
-    set_uniform(program, "hatch_period_px", hatch_period_px);
-  }
-  glBindVertexArray(array_);
-  upload(instances_, instances);
+  const GlProgram& program = use(view, output);
+  set_uniform(program, "face_alpha", face_alpha);
+  set_uniform(program, "hatch_period_px", hatch_period_px);
+  upload(buffer_, instances);
   glEnable(GL_CULL_FACE);
   glCullFace(GL_BACK);
   glFrontFace(GL_CCW);
@@ -130,27 +148,11 @@ void BoxPass::draw(std::span<const DrawBox> boxes,
 
 // ---- Segments ----
 
-namespace {
-
-void upload_and_draw(const GlVertexArray& array,
-                     const GlBuffer& buffer,
-                     std::span<const Segment> segments) {
-  glBindVertexArray(array);
-  upload(buffer, segments);
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(segments.size()));
-}
-
-}  // namespace
-
 SegmentPass::SegmentPass()
-    : color_(make_program(
-          "segments", PLANESCOPE_ASSET(segments_vert), PLANESCOPE_ASSET(segments_frag))),
-      id_(make_program(
-          "segments_id", PLANESCOPE_ASSET(segments_vert), PLANESCOPE_ASSET(segments_id_frag))),
-      array_(make_vertex_array()),
-      instances_(make_buffer()) {
-  glBindVertexArray(array_);
-  glBindBuffer(GL_ARRAY_BUFFER, instances_);
+    : Pass("segments",
+           PLANESCOPE_ASSET(segments_vert),
+           PLANESCOPE_ASSET(segments_frag),
+           PLANESCOPE_ASSET(segments_id_frag)) {
   const std::size_t stride = sizeof(Segment);
   set_attribute({0, 3, GL_FLOAT, stride, offsetof(Segment, a), true});
   set_attribute({1, 3, GL_FLOAT, stride, offsetof(Segment, b), true});
@@ -165,15 +167,8 @@ void SegmentPass::draw(std::span<const Segment> segments,
                        Rgba halo,
                        Output output) {
   if (segments.empty()) return;
-  const GlProgram& program = output == Output::color ? color_ : id_;
-  glUseProgram(program);
-  set_uniform(program, "view", view.view);
-  set_uniform(program, "proj", view.proj);
-  set_uniform(program, "viewport", view.size_px());
-  set_uniform(program, "orthographic", view.orthographic ? 1 : 0);
-  set_uniform(program, "near_m", view.near_m);
-  if (output == Output::color) set_uniform(program, "halo", to_vector(halo));
-  upload_and_draw(array_, instances_, segments);
+  set_uniform(use(view, output), "halo", to_vector(halo));
+  draw_strips(segments);
 }
 
 void SegmentPass::draw_flat(std::span<const Segment> segments, int width, int height) {
@@ -230,13 +225,10 @@ struct Vertex {
 }  // namespace
 
 PolygonPass::PolygonPass()
-    : color_(make_program(
-          "polygons", PLANESCOPE_ASSET(polygons_vert), PLANESCOPE_ASSET(polygons_frag))),
-      id_(make_program("polygons_id", PLANESCOPE_ASSET(polygons_vert), PLANESCOPE_ASSET(id_frag))),
-      array_(make_vertex_array()),
-      vertices_(make_buffer()) {
-  glBindVertexArray(array_);
-  glBindBuffer(GL_ARRAY_BUFFER, vertices_);
+    : Pass("polygons",
+           PLANESCOPE_ASSET(polygons_vert),
+           PLANESCOPE_ASSET(polygons_frag),
+           PLANESCOPE_ASSET(id_frag)) {
   const std::size_t stride = sizeof(Vertex);
   set_attribute({0, 3, GL_FLOAT, stride, offsetof(Vertex, position), false});
   set_attribute({1, 4, GL_UNSIGNED_BYTE, stride, offsetof(Vertex, color), false});
@@ -262,16 +254,132 @@ void PolygonPass::draw(std::span<const DrawPolygon* const> polygons,
   }
   if (vertices.empty()) return;
 
-  const GlProgram& program = output == Output::color ? color_ : id_;
-  glUseProgram(program);
-  set_uniform(program, "view", view.view);
-  set_uniform(program, "proj", view.proj);
-  set_uniform(program, "orthographic", view.orthographic ? 1 : 0);
-  set_uniform(program, "near_m", view.near_m);
-  set_uniform(program, "bias_m", bias_m);
-  glBindVertexArray(array_);
-  upload(vertices_, vertices);
+  set_uniform(use(view, output), "bias_m", bias_m);
+  upload(buffer_, vertices);
   glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices.size()));
+}
+
+// ---- Shapes ----
+
+ShapePass::ShapePass()
+    : Pass("shapes", PLANESCOPE_ASSET(shapes_vert), PLANESCOPE_ASSET(shapes_frag), {}) {
+  const std::size_t stride = sizeof(OverlayShape);
+  static_assert(offsetof(OverlayShape, hatch_period_px) == offsetof(OverlayShape, radius) + 8);
+  set_attribute({0, 4, GL_FLOAT, stride, offsetof(OverlayShape, x0), true});
+  set_attribute({1, 4, GL_UNSIGNED_BYTE, stride, offsetof(OverlayShape, fill), true});
+  set_attribute({2, 4, GL_UNSIGNED_BYTE, stride, offsetof(OverlayShape, border), true});
+  set_attribute({3, 3, GL_FLOAT, stride, offsetof(OverlayShape, radius), true});
+}
+
+void ShapePass::draw(std::span<const OverlayShape> shapes, const View& view) {
+  if (shapes.empty()) return;
+  use(view, Output::color);
+  draw_strips(shapes);
+}
+
+// ---- Text ----
+
+namespace {
+
+constexpr double kMaxSize_px = 256;
+
+int sixteenths(double value) { return static_cast<int>(std::lround(value * 16)); }
+
+}  // namespace
+
+TextPass::TextPass()
+    : Pass("glyphs", PLANESCOPE_ASSET(glyphs_vert), PLANESCOPE_ASSET(glyphs_frag), {}) {
+  const std::size_t stride = sizeof(Instance);
+  set_attribute({0, 4, GL_FLOAT, stride, offsetof(Instance, x), true});
+  set_attribute({1, 2, GL_FLOAT, stride, offsetof(Instance, atlas_x), true});
+  set_attribute({2, 4, GL_UNSIGNED_BYTE, stride, offsetof(Instance, color), true});
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  clear_atlas(512);
+}
+
+void TextPass::draw(std::span<const OverlayText> texts, const View& view) {
+  // Where the atlas is full, start over with an empty one; where that is not enough for these
+  // texts alone, with a larger one.
+  std::vector<Instance> instances;
+  for (int attempt = 0;; ++attempt) {
+    instances.clear();
+    const auto fits = [&](const OverlayText& text) { return append(text, instances); };
+    if (std::all_of(texts.begin(), texts.end(), fits)) break;
+    clear_atlas(attempt == 0 ? atlas_height_ : atlas_height_ * 2);
+  }
+  if (instances.empty()) return;
+  set_uniform(use(view, Output::color), "atlas", 0);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  if (atlas_changed_) upload_atlas();
+  draw_strips(instances);
+}
+
+// False where the atlas is full.
+bool TextPass::append(const OverlayText& text, std::vector<Instance>& instances) {
+  const double size_px = std::clamp(text.size_px, 1.0, kMaxSize_px);
+  const TextLayout layout = layout_text(text.text, size_px);
+  const double baseline = std::round(text.baseline);
+  for (const bool halo : {true, false}) {
+    if (halo && (text.halo_px <= 0 || text.halo.a == 0)) continue;
+    for (const PlacedGlyph& placed : layout.glyphs) {
+      const GlyphPen pen = pen_at(text.x + placed.x);
+      const Entry* glyph = entry(
+          {placed.codepoint, sixteenths(size_px), pen.phase, halo ? sixteenths(text.halo_px) : 0});
+      if (glyph == nullptr) return false;
+      if (glyph->width == 0) continue;
+      instances.push_back({static_cast<float>(pen.column + glyph->left),
+                           static_cast<float>(baseline + glyph->top),
+                           static_cast<float>(glyph->width), static_cast<float>(glyph->height),
+                           static_cast<float>(glyph->x), static_cast<float>(glyph->y),
+                           halo ? text.halo : text.color});
+    }
+  }
+  return true;
+}
+
+const TextPass::Entry* TextPass::entry(const Key& key) {
+  if (const auto found = entries_.find(key); found != entries_.end()) return &found->second;
+  GlyphBitmap glyph = glyph_bitmap(key.codepoint, key.size_q / 16.0, key.phase);
+  if (key.halo_q > 0 && glyph.width > 0) glyph = grown(glyph, key.halo_q / 16.0);
+  if (shelf_x_ + glyph.width > kAtlasWidth) {
+    shelf_y_ += shelf_height_ + 1;
+    shelf_x_ = 0;
+    shelf_height_ = 0;
+  }
+  if (glyph.width > kAtlasWidth || shelf_y_ + glyph.height > atlas_height_) return nullptr;
+  for (int y = 0; y < glyph.height; ++y) {
+    std::memcpy(atlas_.data() + static_cast<std::size_t>(shelf_y_ + y) * kAtlasWidth + shelf_x_,
+                glyph.coverage.data() + static_cast<std::size_t>(y) * glyph.width,
+                static_cast<std::size_t>(glyph.width));
+  }
+  atlas_changed_ = true;
+  const Entry entry = {shelf_x_, shelf_y_, glyph.width, glyph.height, glyph.left, glyph.top};
+  shelf_x_ += glyph.width + 1;
+  shelf_height_ = std::max(shelf_height_, glyph.height);
+  return &entries_.emplace(key, entry).first->second;
+}
+
+void TextPass::clear_atlas(int height) {
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (height > largest)
+    throw Error("the picture has more different glyphs than a texture can hold");
+  atlas_height_ = height;
+  atlas_.assign(static_cast<std::size_t>(kAtlasWidth) * height, 0);
+  entries_.clear();
+  shelf_x_ = shelf_y_ = shelf_height_ = 0;
+  atlas_changed_ = true;
+}
+
+void TextPass::upload_atlas() {
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, kAtlasWidth, atlas_height_, 0, GL_RED, GL_UNSIGNED_BYTE,
+               atlas_.data());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  atlas_changed_ = false;
 }
 
 }  // namespace planescope::render

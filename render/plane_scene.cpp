@@ -1,4 +1,4 @@
-#include "render/plane_scene.hpp"
+// Finished planes, room for a foot and stairs as they are drawn.
 
 #include <fmt/format.h>
 
@@ -193,7 +193,7 @@ void add_shape(const PlaneShape& shape, const ShapeLook& look, DrawList& list) {
 
 void add_foot_space(const PlaneScene& scene, Theme theme, DrawList& list) {
   for (std::size_t k = 0; k < scene.foot.size(); ++k) {
-    // Apart from the verdict's own colour, which the points may have.
+    // Apart from the verdict's own color, which the points may have.
     const ThemeColors& colors = theme_colors(theme);
     const Rgba color =
         scene.steppable[k] ? mix(verdict_color(true), colors.ink, 0.4) : colors.muted;

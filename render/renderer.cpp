@@ -2,18 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <numeric>
+#include <ranges>
 #include <utility>
 
 #include "render/gl.hpp"
-#include "render/overlay.hpp"
-#include "render/overlay_passes.hpp"
-#include "render/palette.hpp"
 #include "render/passes.hpp"
-#include "render/scene_tiles.hpp"
-#include "render/splats.hpp"
-#include "render/view.hpp"
+#include "render/tiles.hpp"
 
 PLANESCOPE_ASSET_DECLARE(background_frag);
 PLANESCOPE_ASSET_DECLARE(fullscreen_vert);
@@ -83,23 +77,17 @@ void flip_rows(Image<T>& image) {
 // The farthest first: they are seen through.
 std::vector<const DrawPolygon*> back_to_front(const std::vector<DrawPolygon>& polygons,
                                               const View& view) {
-  struct Item {
-    float depth_m = 0;
-    const DrawPolygon* polygon = nullptr;
-  };
-  std::vector<Item> items;
+  std::vector<std::pair<float, const DrawPolygon*>> items;
   for (const DrawPolygon& polygon : polygons) {
     if (polygon.corners.empty()) continue;
     Vec3f sum = Vec3f::Zero();
     for (const Vec3f& corner : polygon.corners) sum += corner;
     const Vec3f middle = sum / static_cast<float>(polygon.corners.size());
-    items.push_back({-(view.view * middle.homogeneous()).z(), &polygon});
+    items.emplace_back((view.view * middle.homogeneous()).z(), &polygon);
   }
-  std::stable_sort(items.begin(), items.end(),
-                   [](const Item& a, const Item& b) { return a.depth_m > b.depth_m; });
-  std::vector<const DrawPolygon*> sorted;
-  for (const Item& item : items) sorted.push_back(item.polygon);
-  return sorted;
+  std::ranges::stable_sort(items, {}, [](const auto& item) { return item.first; });
+  const auto sorted = std::views::values(items);
+  return {sorted.begin(), sorted.end()};
 }
 
 bool same_view(const View& a, const View& b) {
@@ -117,7 +105,7 @@ float polygon_bias_m(const DrawList& list) {
 
 /// A picture that is kept, and what it shows.
 struct Sheet {
-  explicit Sheet(int samples_per_pixel) : target(samples_per_pixel) {}
+  explicit Sheet(int samples) : target(samples) {}
 
   SceneTarget target;
   std::uint64_t seen_from = 0;  // of the view and the theme
@@ -127,27 +115,20 @@ struct Sheet {
   std::vector<Part> turn_to(const DrawList& list,
                             const Overlay& overlay,
                             const View& view,
-                            Theme theme);
+                            Theme theme) {
+    const std::uint64_t from = hashed(1, view.view, view.proj, int{view.orthographic}, view.width,
+                                      view.height, static_cast<int>(theme));
+    const Tiles before = std::exchange(tiles, {});
+    // While the camera moves, nothing is compared.
+    if (std::exchange(seen_from, from) != from) return {{0, 0, view.width, view.height}};
+    const float radius_px = shade_radius_px(view);
+    tiles = scene_tiles(list, overlay, view, radius_px);
+    constexpr std::size_t kMostParts = 4;  // each goes through all passes
+    // Points are darkened by what is beside them, which must not be about to change.
+    return apart(at_most(tiles.changes_since(before), kMostParts),
+                 static_cast<int>(std::ceil(radius_px)) + 1);
+  }
 };
-
-std::vector<Part> Sheet::turn_to(const DrawList& list,
-                                 const Overlay& overlay,
-                                 const View& view,
-                                 Theme theme) {
-  std::uint64_t from = hashed(hashed_bytes(1, view.view), static_cast<std::uint64_t>(theme));
-  from = hashed(hashed_bytes(from, view.proj), view.orthographic);
-  from = hashed(hashed(from, static_cast<std::uint64_t>(view.width)),
-                static_cast<std::uint64_t>(view.height));
-  const Tiles before = std::exchange(tiles, {});
-  // While the camera moves, nothing is compared.
-  if (std::exchange(seen_from, from) != from) return {{0, 0, view.width, view.height}};
-  const float radius_px = shade_radius_px(view);
-  tiles = scene_tiles(list, overlay, view, radius_px);
-  constexpr std::size_t kMostParts = 4;  // each goes through all passes
-  // Points are darkened by what is beside them, which must not be about to change.
-  return apart(at_most(tiles.changes_since(before), kMostParts),
-               static_cast<int>(std::ceil(radius_px)) + 1);
-}
 
 }  // namespace
 
@@ -155,45 +136,38 @@ struct Renderer::State {
   Sheet fine = Sheet(4);
   Sheet quick = Sheet(0);
   std::vector<Part> changes;
-  PictureTarget picture;
+  SceneTarget picture = SceneTarget(0);  // lines and outlines have soft edges of their own
   IdTarget id_target;
-  GlProgram background;
-  GlProgram shade;
-  GlVertexArray nothing;  // for the full-screen triangle
+  GlProgram background = make_program(
+      "background", PLANESCOPE_ASSET(fullscreen_vert), PLANESCOPE_ASSET(background_frag));
+  GlProgram shade =
+      make_program("shade", PLANESCOPE_ASSET(fullscreen_vert), PLANESCOPE_ASSET(shade_frag));
+  GlVertexArray nothing = make_vertex_array();  // for the full-screen triangle
   PointPass points;
   BoxPass boxes;
   SegmentPass segments;
   PolygonPass polygons;
   ShapePass shapes;
   TextPass texts;
-  // The points drawn last: pictures of one frame often differ in their colours alone.
+  // The points drawn last: pictures of one frame often differ in their colors alone.
   SplatLayer layer;
   std::vector<DrawPoints> layer_points;
   View layer_view;
-
-  State()
-      : background(make_program(
-            "background", PLANESCOPE_ASSET(fullscreen_vert), PLANESCOPE_ASSET(background_frag))),
-        shade(
-            make_program("shade", PLANESCOPE_ASSET(fullscreen_vert), PLANESCOPE_ASSET(shade_frag))),
-        nothing(make_vertex_array()) {}
 
   void draw_background(const View& view, const ThemeColors& theme);
   void draw_points(const DrawList& list, const View& view);
   void shade_points(const SceneTarget& target, const Part& part, const View& view);
   void show_points(const DrawList& list, const View& view, const ThemeColors& theme);
-  void draw_boxes(const DrawList& list,
-                  GLuint scene,
-                  GLuint boxes,
-                  const Part& part,
-                  const View& view,
-                  const ThemeColors& theme);
   void draw_over_points(const DrawList& list,
-                        GLuint scene,
-                        GLuint boxes,
+                        const SceneTarget& target,
                         const Part& part,
                         const View& view,
                         const ThemeColors& theme);
+  void draw_boxes(const DrawList& list,
+                  const SceneTarget& target,
+                  const Part& part,
+                  const View& view,
+                  const ThemeColors& theme);
   void draw_polygons(const DrawList& list, const View& view, const ThemeColors& theme);
   void draw_lines(const DrawList& list, const View& view, const ThemeColors& theme);
   void draw_overlay(const Overlay& overlay, const View& view);
@@ -220,7 +194,7 @@ void Renderer::State::draw_points(const DrawList& list, const View& view) {
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 
-// Into `picture`.
+// Into `picture`, on the CPU.
 void Renderer::State::show_points(const DrawList& list,
                                   const View& view,
                                   const ThemeColors& theme) {
@@ -230,15 +204,17 @@ void Renderer::State::show_points(const DrawList& list,
     layer = splat(list.points, view);
     layer_points = list.points;
     layer_view = view;
-    glBindTexture(GL_TEXTURE_2D, picture.depth);
+    glBindTexture(GL_TEXTURE_2D, picture.flat_depth);
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, view.width, view.height, GL_DEPTH_COMPONENT,
                     GL_UNSIGNED_INT, depths(layer, view).data());
   }
   const Image8 image = paint(layer, list.points, theme);
-  glBindTexture(GL_TEXTURE_2D, picture.color);
+  glBindTexture(GL_TEXTURE_2D, picture.flat_color);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, view.width, view.height, GL_RGBA, GL_UNSIGNED_BYTE,
                   image.data.data());
   glBindTexture(GL_TEXTURE_2D, 0);
+  copy(picture.resolved, picture.scene, {0, 0, view.width, view.height}, view,
+       GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
 void Renderer::State::shade_points(const SceneTarget& target, const Part& part, const View& view) {
@@ -265,8 +241,7 @@ void Renderer::State::shade_points(const SceneTarget& target, const Part& part, 
 // Solid boxes hide one another, so that many of them stay readable, but not the points in them: of
 // each pixel only the nearest face tints what lies behind. Outlines alone hide nothing.
 void Renderer::State::draw_boxes(const DrawList& list,
-                                 GLuint scene,
-                                 GLuint box_scene,
+                                 const SceneTarget& target,
                                  const Part& part,
                                  const View& view,
                                  const ThemeColors& theme) {
@@ -276,8 +251,8 @@ void Renderer::State::draw_boxes(const DrawList& list,
     append_edges(box, view, is_solid(box) ? solid_edges : open_edges);
   }
   if (!solid_edges.empty()) {
-    copy(scene, box_scene, part, view, GL_DEPTH_BUFFER_BIT);
-    glBindFramebuffer(GL_FRAMEBUFFER, box_scene);
+    copy(target.scene, target.boxes, part, view, GL_DEPTH_BUFFER_BIT);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.boxes);
     const auto hatch_period_px = static_cast<float>(7 * overlay_scale(view));
     const float face_alpha = 0.30f;
     glDepthMask(GL_TRUE);
@@ -287,7 +262,7 @@ void Renderer::State::draw_boxes(const DrawList& list,
     glDepthMask(GL_FALSE);
     boxes.draw(list.boxes, view, face_alpha, hatch_period_px, Output::color);
     segments.draw(solid_edges, view, theme.halo, Output::color);
-    glBindFramebuffer(GL_FRAMEBUFFER, scene);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
   }
   segments.draw(open_edges, view, theme.halo, Output::color);
 }
@@ -326,8 +301,7 @@ void Renderer::State::draw_lines(const DrawList& list, const View& view, const T
 
 // What is seen through hides nothing.
 void Renderer::State::draw_over_points(const DrawList& list,
-                                       GLuint scene,
-                                       GLuint box_scene,
+                                       const SceneTarget& target,
                                        const Part& part,
                                        const View& view,
                                        const ThemeColors& theme) {
@@ -335,17 +309,17 @@ void Renderer::State::draw_over_points(const DrawList& list,
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
-  draw_boxes(list, scene, box_scene, part, view, theme);
+  draw_boxes(list, target, part, view, theme);
   draw_polygons(list, view, theme);
   draw_lines(list, view, theme);
   glDepthMask(GL_TRUE);
 }
 
 void Renderer::State::draw_overlay(const Overlay& overlay, const View& view) {
-  texts.draw(overlay.labels, view.width, view.height);
-  shapes.draw(overlay.shapes, view.width, view.height);
+  texts.draw(overlay.labels, view);
+  shapes.draw(overlay.shapes, view);
   segments.draw_flat(overlay.segments, view.width, view.height);
-  texts.draw(overlay.texts, view.width, view.height);
+  texts.draw(overlay.texts, view);
 }
 
 void Renderer::State::draw_scene(const DrawList& list,
@@ -365,7 +339,7 @@ void Renderer::State::draw_scene(const DrawList& list,
   draw_points(list, view);
   shade_points(target, part, view);
 
-  draw_over_points(list, target.scene, target.boxes, part, view, theme);
+  draw_over_points(list, target, part, view, theme);
   copy(target.scene, target.resolved, part, view, GL_COLOR_BUFFER_BIT);
 
   glBindFramebuffer(GL_FRAMEBUFFER, target.resolved);
@@ -406,7 +380,7 @@ std::span<const Part> Renderer::changes() const { return state_->changes; }
 Image8 Renderer::render(
     const DrawList& list, const Camera& camera, int width, int height, Theme theme, Image8* bare) {
   const ThemeColors& colors = theme_colors(theme);
-  PictureTarget& target = state_->picture;
+  SceneTarget& target = state_->picture;
   const RestoredBindings restored;
   target.resize(width, height);
   const View view = make_view(camera, width, height);
@@ -414,7 +388,7 @@ Image8 Renderer::render(
   glViewport(0, 0, width, height);
   state_->show_points(list, view, colors);
   glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
-  state_->draw_over_points(list, target.scene, target.boxes, {0, 0, width, height}, view, colors);
+  state_->draw_over_points(list, target, {0, 0, width, height}, view, colors);
   glDisable(GL_DEPTH_TEST);
   const auto draw_part = [&](OverlayPart part) {
     state_->draw_overlay(layout_overlay(list, view, colors, part), view);

@@ -1,14 +1,37 @@
 #pragma once
 
+// A GL context, and what draws draw lists into it.
+
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "core/model/types.hpp"
 #include "render/draw_list.hpp"
 #include "render/tiles.hpp"
 
+struct GLFWwindow;
+
 namespace planescope::render {
+
+/// A current GL 3.3 core context. EGL needs no display server (device platform, then surfaceless,
+/// then default); GLFW needs one and also owns a window. Throws Error with what each attempt said.
+class GlContext {
+ public:
+  virtual ~GlContext() = default;
+  virtual void make_current() = 0;
+  /// "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6, EGL device"
+  virtual std::string description() const = 0;
+  virtual GLFWwindow* window() { return nullptr; }  // of a GLFW context
+};
+std::unique_ptr<GlContext> make_egl_context();
+/// A resizable window, drawn in step with the screen. Size for a screen of ordinary density: it
+/// grows with the monitor's scale.
+std::unique_ptr<GlContext> make_glfw_context(int width,
+                                             int height,
+                                             const std::string& title,
+                                             bool visible = true);
 
 /// `quick` takes half the time on a CPU and leaves points and fills without antialiasing: for a
 /// view that moves.
@@ -25,7 +48,7 @@ class Renderer {
 
   /// RGB picture, row 0 at the top, antialiased: points, drawn on the CPU (splats.hpp), with 4
   /// samples, all else by soft edges. Same input, same renderer: same pixels. Quicker where only
-  /// colours of points differ from the picture before.
+  /// colors of points differ from the picture before.
   /// `bare`: becomes the picture without title and legend.
   Image8 render(const DrawList& list,
                 const Camera& camera,

@@ -1,26 +1,23 @@
 #include "render/scene_parts.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
-#include <utility>
+#include <numeric>
 
 #include "core/model/plane.hpp"
-#include "render/palette.hpp"
-#include "render/scenes.hpp"
+#include "render/view.hpp"
 
 namespace planescope::render {
 namespace {
 
 constexpr Rgba kGravity{90, 60, 140, 255};
 constexpr std::size_t kMostPlanesInLegend = 8;
-
-/// Splats a little wider than the voxels they stand for, so that surfaces close.
-float splat_size(const planes::VoxelCloud& voxels) {
-  return voxels.size_m > 0 ? static_cast<float>(1.4 * voxels.size_m) : 0.01F;
-}
 
 double cross(const Vec2d& from, const Vec2d& to, const Vec2d& p) {
   return (to.x() - from.x()) * (p.y() - from.y()) - (to.y() - from.y()) * (p.x() - from.x());
@@ -55,29 +52,7 @@ void drop_inner_points(std::vector<Vec2d>& points) {
   });
 }
 
-/// Indices of planes, those with most points first.
-std::vector<std::size_t> by_size(const planes::Segmentation& segmentation) {
-  std::vector<std::size_t> order(segmentation.planes.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return segmentation.planes[a].points > segmentation.planes[b].points;
-  });
-  return order;
-}
-
 }  // namespace
-
-Rgba with_alpha(Rgba color, std::uint8_t alpha) {
-  color.a = alpha;
-  return color;
-}
-
-Rgba mix(Rgba a, Rgba b, double share_b) {
-  const auto blend = [&](std::uint8_t x, std::uint8_t y) {
-    return static_cast<std::uint8_t>(std::lround(x + share_b * (y - x)));
-  };
-  return {blend(a.r, b.r), blend(a.g, b.g), blend(a.b, b.b), 255};
-}
 
 int color_id_of(int plane_id, std::span<const int> color_of_plane) {
   const auto index = static_cast<std::size_t>(plane_id - 1);
@@ -97,13 +72,8 @@ RobustBounds robust_bounds(std::span<const Vec3f> points) {
   for (int axis = 0; axis < 3; ++axis) {
     values.clear();
     for (std::size_t i = 0; i < points.size(); i += stride) values.push_back(points[i][axis]);
-    const auto at = [&](double share) {
-      const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-      std::nth_element(values.begin(), values.begin() + k, values.end());
-      return values[static_cast<std::size_t>(k)];
-    };
-    bounds.low[axis] = at(0.01);
-    bounds.high[axis] = at(0.99);
+    bounds.low[axis] = quantile(values, 0.01);
+    bounds.high[axis] = quantile(values, 0.99);
   }
   return bounds;
 }
@@ -183,11 +153,10 @@ void add_gravity(const planes::FrameResult& result, DrawList& list) {
     return;
   }
   list.arrows.push_back({from.cast<float>(), to.cast<float>(), kGravity, 4});
-  const bool sure = result.gravity.source != GravitySource::estimate &&
-                    result.gravity.source != GravitySource::assumed &&
-                    result.gravity.source != GravitySource::carried;
-  std::string text = "gravity";
-  if (!sure) text += std::string(" (") + to_string(result.gravity.source) + ")";
+  const GravitySource source = result.gravity.source;
+  const bool sure = source != GravitySource::estimate && source != GravitySource::assumed &&
+                    source != GravitySource::carried;
+  const std::string text = sure ? "gravity" : fmt::format("gravity ({})", to_string(source));
   const Vec3d below = to - 0.06 * half_height * Vec3d::UnitZ();
   list.labels.push_back({below.cast<float>(), text, kGravity, 15, true});
 }
@@ -207,7 +176,8 @@ DrawPoints kept_points(const planes::Cloud& cloud, std::vector<std::size_t>& at)
 DrawPoints voxel_points(const planes::VoxelCloud& voxels) {
   DrawPoints points;
   points.positions = voxels.points;
-  points.size_m = splat_size(voxels);
+  // A little wider than the voxels they stand for, so that surfaces close.
+  points.size_m = voxels.size_m > 0 ? static_cast<float>(1.4 * voxels.size_m) : 0.01F;
   points.max_px = 40;
   return points;
 }
@@ -227,7 +197,7 @@ DrawBox points_box(const planes::Octree& octree,
     const Vec3d p = octree.points[i].cast<double>();
     own.add(image ? image->from_local(p) : p);
   }
-  // Half a voxel or pixel around each point: neighbouring tiles meet. Along 1 / z it is thin.
+  // Half a voxel or pixel around each point: neighboring tiles meet. Along 1 / z it is thin.
   const Vec3d margin =
       image ? Vec3d(0.5, 0.5, 0.1 / image->px_per_inverse_m) : Vec3d::Constant(voxel_size_m / 2);
   const Bounds cell = planes::cell_bounds(octree, node);
@@ -257,15 +227,15 @@ std::string percent(std::size_t part, std::size_t whole) {
   if (whole == 0) return "0 %";
   const double value = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
   const long tenths = std::lround(10 * value);
-  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " %";
+  return fmt::format("{}.{} %", tenths / 10, tenths % 10);
 }
 
 void add_case_legend(std::span<const std::size_t> count, bool on_image, DrawList& list) {
   const auto entry = [&](planes::Case c, const std::string& meaning) {
     using Mark = LegendEntry::Mark;
     list.legend.push_back({c == planes::Case::II ? Mark::hatched_box : Mark::box, case_color(c),
-                           std::string(planes::to_string(c)) + "  " + meaning + "  " +
-                               std::to_string(count[static_cast<int>(c)])});
+                           fmt::format("{}  {}  {}", planes::to_string(c), meaning,
+                                       count[static_cast<std::size_t>(c)])});
   };
   entry(planes::Case::I, on_image ? "two planes" : "impure");
   entry(planes::Case::II, on_image ? "not filled" : "too few points");
@@ -278,15 +248,14 @@ void add_plane_legend(const planes::FrameResult& result,
                       DrawList& list) {
   using Mark = LegendEntry::Mark;
   const auto& planes = result.segmentation.planes;
-  const std::vector<std::size_t> order = by_size(result.segmentation);
+  std::vector<std::size_t> order(planes.size());  // those with most points first
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return planes[i].points; });
   for (std::size_t i = 0; i < std::min(order.size(), kMostPlanesInLegend); ++i) {
     const planes::PlaneRegion& plane = planes[order[i]];
+    const char* label = plane.label == Label::h ? "h  " : plane.label == Label::v ? "v  " : "";
     list.legend.push_back({Mark::box, color_of(plane.id, color_of_plane),
-                           std::to_string(plane.id) +
-                               (plane.label == Label::h   ? "  h  "
-                                : plane.label == Label::v ? "  v  "
-                                                          : "  ") +
-                               std::to_string(plane.points) + " voxels"});
+                           fmt::format("{}  {}{} voxels", plane.id, label, plane.points)});
   }
   if (order.size() > kMostPlanesInLegend)
     list.legend.push_back({Mark::box, kSceneFaded,

@@ -1,31 +1,34 @@
 #pragma once
 
-// What the scenes of a frame share: colours, bounds, the gravity arrow.
+// What the scenes of a frame share: points, boxes, names, legends, and planes as they are drawn.
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/planes/foot/footholds.hpp"
+#include "core/planes/outline/outline.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "render/draw_list.hpp"
+#include "core/planes/stairs/stairs.hpp"
+#include "render/palette.hpp"
 
 namespace planescope::render {
 
 inline constexpr Rgba kSceneText{32, 36, 42, 255};
 inline constexpr Rgba kSceneFaded{190, 194, 200, 255};  // what a scene is not about
 
-Rgba with_alpha(Rgba color, std::uint8_t alpha);
-Rgba mix(Rgba a, Rgba b, double share_b);  // opaque
 int color_id_of(int plane_id, std::span<const int> color_of_plane);
 Rgba color_of(int plane_id, std::span<const int> color_of_plane);
 
-/// The voxels as splats that close the surface, without colours yet.
+/// The voxels as splats that close the surface, without colors yet.
 DrawPoints voxel_points(const planes::VoxelCloud& voxels);
 
-/// The points inside range and cube as dots, without colours yet; `at`: the cloud's index of each.
+/// The points inside range and cube as dots, without colors yet; `at`: the cloud's index of each.
 DrawPoints kept_points(const planes::Cloud& cloud, std::vector<std::size_t>& at);
 
-/// A node's whole cell, and the part of it that holds its points: on a plane, a tile. Colours and
+/// A node's whole cell, and the part of it that holds its points: on a plane, a tile. Colors and
 /// styles are the caller's to set.
 DrawBox cell_box(const planes::Octree& octree, const planes::OctreeNode& node);
 DrawBox points_box(const planes::Octree& octree,
@@ -78,5 +81,66 @@ void add_case_legend(std::span<const std::size_t> count, bool on_image, DrawList
 void add_plane_legend(const planes::FrameResult& result,
                       std::span<const int> color_of_plane,
                       DrawList& list);
+
+// ---- Finished planes: their extent with its holes, room for a foot, stairs ----
+// Coordinates are the scene's, about Cloud::origin.
+
+/// What a plane covers. Lines are pairs of ends.
+struct PlaneShape {
+  std::vector<Vec3f> rings;    // outer ones, and those of holes where something else was seen
+  std::vector<Vec3f> unknown;  // dashes about holes where nothing was measured
+  // Filled by triangles, three corners each; empty where it is not.
+  std::vector<Vec3f> corners;
+  std::vector<std::uint32_t> triangles;
+};
+
+/// One for each plane, by id - 1, not filled yet. `origin`: of the scene, in the world.
+std::vector<PlaneShape> plane_shapes(std::span<const planes::Outline> outlines,
+                                     const Vec3d& origin);
+/// Leaves a shape unfilled where its outline has no triangulation.
+void fill_shape(const planes::Outline& outline, const Vec3d& origin, PlaneShape& shape);
+
+struct FootShape {
+  std::vector<Vec3f> rings;                // of the area for its centre, pairs of ends
+  std::vector<std::vector<Vec3f>> pieces;  // convex
+};
+
+/// All that is known of a run's planes; what is empty is not known yet.
+struct PlaneScene {
+  std::vector<PlaneShape> shapes;  // by id - 1
+  std::vector<FootShape> foot;     // likewise; empty where no foot is given
+  std::vector<bool> steppable;     // likewise
+  planes::Stairs stairs;           // in the world
+  std::vector<Vec3f> centroids;    // of planes, by id - 1
+  Vec3d origin = Vec3d::Zero();
+  bool complete = false;  // nothing is being found out any more
+
+  bool has_stairs() const {
+    return !stairs.flights.empty() || !stairs.kerbs.empty() || !stairs.ramps.empty();
+  }
+  /// Whether a plane carries a foot; nothing where that is not known.
+  std::optional<bool> verdict(int plane_id) const;
+};
+
+/// Of planes in the order of their ids. `footholds`: likewise.
+PlaneScene plane_scene(std::span<const planes::PlaneRegion> planes,
+                       std::span<const planes::Outline> outlines,
+                       std::span<const planes::Foothold> footholds,
+                       const planes::Stairs& stairs,
+                       const Vec3d& origin);
+
+struct ShapeLook {
+  Rgba fill, line;
+  float width_px = 1.5f;
+  std::uint32_t id = 0;
+};
+void add_shape(const PlaneShape& shape, const ShapeLook& look, DrawList& list);
+
+/// Where the centre of a foot may go: an area in a line, its convex pieces faint and thin; grey on
+/// planes that carry none.
+void add_foot_space(const PlaneScene& scene, Theme theme, DrawList& list);
+
+/// Nosings with what each step rises and how far it goes, an arrow up each flight and ramp, kerbs.
+void add_stairs(const PlaneScene& scene, Theme theme, DrawList& list);
 
 }  // namespace planescope::render

@@ -1,4 +1,4 @@
-#include "render/splats.hpp"
+// Points on the CPU (passes.hpp).
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <span>
 #include <utility>
 
-#include "render/overlay.hpp"
+#include "render/passes.hpp"
 
 namespace planescope::render {
 namespace {
@@ -27,7 +27,7 @@ struct Splat {
   float radius_px = 0, radius_m = 0;
   float distance_m = 0;  // of its middle along the view
   float rim = 0;         // how dark its rim is: only splats large enough show one
-  float alpha = 1;       // of its colour
+  float alpha = 1;       // of its color
   std::uint32_t point = 0;
 };
 
@@ -170,14 +170,6 @@ void put(const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, Spl
   }
 }
 
-}  // namespace
-
-float shade_radius_px(const View& view) {
-  return static_cast<float>(std::max(1.0, 2 * overlay_scale(view)));
-}
-
-namespace {
-
 /// shade.frag: eye-dome lighting.
 std::vector<float> lights(const SplatLayer& layer, const View& view) {
   const float radius_px = shade_radius_px(view);
@@ -229,6 +221,10 @@ std::vector<float> lights(const SplatLayer& layer, const View& view) {
 }
 
 }  // namespace
+
+float shade_radius_px(const View& view) {
+  return static_cast<float>(std::max(1.0, 2 * overlay_scale(view)));
+}
 
 SplatLayer splat(const std::vector<DrawPoints>& clouds, const View& view) {
   SplatLayer layer;

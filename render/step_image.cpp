@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/palette.hpp"
-#include "render/region_image.hpp"
-#include "render/step_colors.hpp"
+#include "render/frame_image.hpp"
+#include "render/step_scene.hpp"
 
 namespace planescope::render {
 namespace {

@@ -8,8 +8,6 @@
 #include "core/debug/explain/provenance.hpp"
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
-#include "render/step_colors.hpp"
-
 namespace planescope::render {
 namespace {
 
@@ -24,9 +22,11 @@ std::uint32_t pick_id(Picked::Kind kind, std::int32_t index) {
 // ---- The octree's nodes as they stand at the step ----
 
 // A traversal to the leaves makes thousands of nodes. Children come after their parents, so the
-// first of a kind are the largest; the small ones show by their voxels' colour.
+// first of a kind are the largest; the small ones show by their voxels' color.
 constexpr std::size_t kMostSettled = 250;
 constexpr std::size_t kMostWaiting = 120;
+
+Rgba waiting_color(Theme theme) { return with_alpha(theme_colors(theme).muted, 90); }
 
 struct Boxes {
   const debug::Run& run;
@@ -43,97 +43,90 @@ struct Boxes {
     box.id = pick_id(Picked::Kind::node, i);
     return box;
   }
-  void add_settled() const;
-  void add_waiting() const;
-  void add_parents(std::int32_t of, Rgba color) const;
-  void add_children(std::int32_t of) const;
-  void add_frame(std::int32_t i, Rgba color, float width_px, LabelRank rank) const;
-};
 
-void Boxes::add_settled() const {
-  const bool by_case = look.color_by == ColorBy::cases;
-  // So that cases need not be told by colour alone.
-  const bool numerals = by_case && look.show_numerals;
-  const double least_edge_m =
-      numerals ? least_numeral_edge_m(run.subject->prepared.voxels.points) : 0;
-  std::size_t settled = 0, numbered = 0;
-  const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
-  for (std::int32_t i = 0; i < n && settled < kMostSettled; ++i) {
-    if (!is_settled_leaf(run, i, look.step)) continue;
-    ++settled;
-    DrawBox box = tile(i);
-    box.color = case_color(node(i).decided);
-    if (!by_case)
-      box.color.a = 110;  // outlines alone: a tint would spoil the colours that were asked for
-    else
-      box.style = node(i).at_max_depth ? BoxStyle::hatched : BoxStyle::tinted;
-    list.boxes.push_back(box);
-    if (numerals && numbered < kMostNumerals &&
-        numeral_edge_m(run.octree(), node(i), box) >= least_edge_m) {
-      list.labels.push_back({middle_of(box), case_numeral(node(i)), theme_colors(look.theme).ink,
-                             15, true, kNumeralLabel});
-      ++numbered;
+  void add_settled() const {
+    const bool by_case = look.color_by == ColorBy::cases;
+    // So that cases need not be told by color alone.
+    const bool numerals = by_case && look.show_numerals;
+    const double least_edge_m =
+        numerals ? least_numeral_edge_m(run.subject->prepared.voxels.points) : 0;
+    std::size_t settled = 0, numbered = 0;
+    const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
+    for (std::int32_t i = 0; i < n && settled < kMostSettled; ++i) {
+      if (!is_settled_leaf(run, i, look.step)) continue;
+      ++settled;
+      DrawBox box = tile(i);
+      box.color = case_color(node(i).decided);
+      if (!by_case)
+        box.color.a = 110;  // outlines alone: a tint would spoil the colors that were asked for
+      else
+        box.style = node(i).at_max_depth ? BoxStyle::hatched : BoxStyle::tinted;
+      list.boxes.push_back(box);
+      if (numerals && numbered < kMostNumerals &&
+          numeral_edge_m(run.octree(), node(i), box) >= least_edge_m) {
+        list.labels.push_back({middle_of(box), case_numeral(node(i)), theme_colors(look.theme).ink,
+                               15, true, kNumeralLabel});
+        ++numbered;
+      }
     }
   }
-}
 
-Rgba waiting_color(Theme theme) { return with_alpha(theme_colors(theme).muted, 90); }
+  /// The head of the queue.
+  void add_waiting() const {
+    const Rgba color = waiting_color(look.theme);
+    const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
+    std::size_t count = 0;
+    for (std::int32_t i = 0; i < n && count < kMostWaiting; ++i) {
+      if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
+      DrawBox box = tile(i);
+      box.color = color;
+      list.boxes.push_back(box);
+      ++count;
+    }
+  }
 
-/// The head of the queue.
-void Boxes::add_waiting() const {
-  const Rgba color = waiting_color(look.theme);
-  const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
-  std::size_t count = 0;
-  for (std::int32_t i = 0; i < n && count < kMostWaiting; ++i) {
-    if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
+  /// The nearest cells that the node lies in, so that its place in the tree is seen.
+  void add_parents(std::int32_t of, Rgba color) const {
+    color.a = 45;
+    std::int32_t i = node(of).parent;
+    for (int levels = 3; levels > 0 && i >= 0; --levels, i = node(i).parent) {
+      DrawBox box = cell_box(run.octree(), node(i));
+      box.color = color;
+      list.boxes.push_back(box);
+    }
+  }
+
+  /// What the node was divided into at this step.
+  void add_children(std::int32_t of) const {
+    const std::int32_t first = node(of).first_child;
+    const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
+    for (std::int32_t i = std::max(first, 0); first >= 0 && i < n && node(i).parent == of; ++i) {
+      if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
+      DrawBox box = tile(i);
+      box.color = waiting_color(look.theme);
+      list.boxes.push_back(box);
+    }
+  }
+
+  void add_frame(std::int32_t i, Rgba color, float width_px, LabelRank rank) const {
     DrawBox box = tile(i);
+    DrawLines edges;
+    edges.width_px = width_px;
+    edges.shine_through = true;
+    each_edge(box, [&](const Vec3f& from, const Vec3f& to) {
+      edges.positions.push_back(from);
+      edges.positions.push_back(to);
+      edges.colors.push_back(color);
+    });
+    list.lines.push_back(std::move(edges));
     box.color = color;
-    list.boxes.push_back(box);
-    ++count;
+    list.boxes.push_back(box);  // to be picked by
+    // Below: above it stands the name of its voxel.
+    Vec3f foot = middle_of(box);
+    for (const Vec3f& corner : box.corners) foot.z() = std::min(foot.z(), corner.z());
+    list.labels.push_back({foot, "node " + std::to_string(i), color, 15, true, rank});
   }
-}
-
-/// The nearest cells that the node lies in, so that its place in the tree is seen.
-void Boxes::add_parents(std::int32_t of, Rgba color) const {
-  color.a = 45;
-  std::int32_t i = node(of).parent;
-  for (int levels = 3; levels > 0 && i >= 0; --levels, i = node(i).parent) {
-    DrawBox box = cell_box(run.octree(), node(i));
-    box.color = color;
-    list.boxes.push_back(box);
-  }
-}
-
-/// What the node was divided into at this step.
-void Boxes::add_children(std::int32_t of) const {
-  const std::int32_t first = node(of).first_child;
-  const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
-  for (std::int32_t i = std::max(first, 0); first >= 0 && i < n && node(i).parent == of; ++i) {
-    if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
-    DrawBox box = tile(i);
-    box.color = waiting_color(look.theme);
-    list.boxes.push_back(box);
-  }
-}
-
-void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, LabelRank rank) const {
-  DrawBox box = tile(i);
-  DrawLines edges;
-  edges.width_px = width_px;
-  edges.shine_through = true;
-  each_edge(box, [&](const Vec3f& from, const Vec3f& to) {
-    edges.positions.push_back(from);
-    edges.positions.push_back(to);
-    edges.colors.push_back(color);
-  });
-  list.lines.push_back(std::move(edges));
-  box.color = color;
-  list.boxes.push_back(box);  // to be picked by
-  // Below: above it stands the name of its voxel.
-  Vec3f foot = middle_of(box);
-  for (const Vec3f& corner : box.corners) foot.z() = std::min(foot.z(), corner.z());
-  list.labels.push_back({foot, "node " + std::to_string(i), color, 15, true, rank});
-}
+};
 
 void add_node_boxes(const debug::Run& run,
                     const StepLook& look,
@@ -254,7 +247,7 @@ void add_planes(const debug::Run& run,
   }
 }
 
-// ---- What the colours mean ----
+// ---- What the colors mean ----
 
 using Mark = LegendEntry::Mark;
 
@@ -368,7 +361,7 @@ void add_step_legend(const debug::Run& run,
 
 // ---- The whole scene ----
 
-/// One voxel made large, so that it is found among its neighbours.
+/// One voxel made large, so that it is found among its neighbors.
 void add_voxel(
     const debug::Run& run, std::int32_t voxel, Rgba color, LabelRank rank, DrawList& list) {
   if (voxel < 0) return;
@@ -413,7 +406,7 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   list.pick_points_first = true;
   DrawPoints points = voxel_points(run.subject->prepared.voxels);
   points.colors = voxel_colors(run, look, state);
-  // Lightness tells what is concerned; the hue is the colours' own.
+  // Lightness tells what is concerned; the hue is the colors' own.
   constexpr double kReceded = 0.45;
   const std::vector<std::uint8_t> concerned = concerned_voxels(run, look, state);
   for (std::size_t v = 0; v < concerned.size(); ++v)

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "render/overlay.hpp"
+#include "render/paint.hpp"
 
 namespace planescope::render {
 namespace {
@@ -102,6 +106,110 @@ std::vector<Part> Tiles::changes_since(const Tiles& before) const {
     }
   }
   return parts;
+}
+
+// ---- Of a scene ----
+
+namespace {
+
+/// Of what is `reach_px` about a place on screen.
+Part about(double x, double y, double reach_px) {
+  return {whole_px(std::floor(x - reach_px)), whole_px(std::floor(y - reach_px)),
+          whole_px(std::ceil(x + reach_px)), whole_px(std::ceil(y + reach_px))};
+}
+
+/// Of what is drawn between these points, and `reach_px` beyond. What comes before the near plane
+/// may be anywhere.
+Part about(const View& view, std::span<const Vec3f> points, double reach_px) {
+  const Part all{0, 0, view.width, view.height};
+  Part part;
+  for (const Vec3f& point : points) {
+    const auto at = project(view, point);
+    // Far beside the picture, integers would end.
+    if (!at || !(at->px.cwiseAbs().maxCoeff() < 1e6)) return all;
+    const Part here = about(at->px.x(), at->px.y(), reach_px);
+    part = &point == points.data() ? here : around(part, here);
+  }
+  return part;
+}
+
+enum Kind : std::uint64_t { kPoint = 1, kBox, kPolygon, kLine, kArrow, kText, kShape, kStroke };
+
+void add_points(const DrawPoints& cloud, const View& view, float shade_radius_px, Tiles& tiles) {
+  const std::uint64_t start = hashed(kPoint, cloud.size_m, cloud.min_px, cloud.max_px);
+  const double least = std::max(cloud.min_px, 1.0f);
+  const double most = std::max<double>(cloud.max_px, least);
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i) {
+    const auto at = project(view, cloud.positions[i]);
+    if (!at || !(at->px.cwiseAbs().maxCoeff() < 1e6)) continue;  // not seen
+    const double scale = view.orthographic ? view.px_per_m : view.px_per_m / at->depth_m;
+    // A point shades its neighbors.
+    const double reach_px =
+        std::clamp<double>(cloud.size_m * scale, least, most) / 2 + shade_radius_px + 3;
+    tiles.add(about(at->px.x(), at->px.y(), reach_px),
+              hashed(start, cloud.positions[i], cloud.colors[i]));
+  }
+}
+
+void add_polygon(const DrawPolygon& polygon, const View& view, float bias_m, Tiles& tiles) {
+  if (polygon.corners.empty()) return;
+  std::uint64_t hash = hashed(kPolygon, bias_m, polygon.outline_px, polygon.fill, polygon.outline);
+  for (const Vec3f& corner : polygon.corners) hash = hashed(hash, corner);
+  for (const std::uint32_t corner : polygon.triangles) hash = hashed(hash, corner);
+  tiles.add(about(view, polygon.corners, polygon.outline_px + 4), hash);
+}
+
+void add_lines(const DrawLines& lines, const View& view, float bias_m, Tiles& tiles) {
+  const std::uint64_t start =
+      hashed(kLine, lines.width_px, int{lines.shine_through}, lines.lifted ? bias_m : 0);
+  for (std::size_t i = 0; i < lines.colors.size() && 2 * i + 1 < lines.positions.size(); ++i) {
+    const std::array<Vec3f, 2> ends = {lines.positions[2 * i], lines.positions[2 * i + 1]};
+    tiles.add(about(view, ends, lines.width_px + 4), hashed(start, ends, lines.colors[i]));
+  }
+}
+
+void add_text(const OverlayText& text, Tiles& tiles) {
+  const double width = text_width(text.text, text.size_px);
+  const double reach_px = text.size_px + text.halo_px + 2;
+  const double middle = text.baseline - text.size_px / 2;
+  std::uint64_t hash = hashed(kText, text.x, text.baseline, text.size_px, text.halo_px, text.color,
+                              text.halo, text.text.size());
+  for (const char c : text.text) hash = hashed(hash, int{c});
+  tiles.add(around(about(text.x, middle, reach_px), about(text.x + width, middle, reach_px)), hash);
+}
+
+}  // namespace
+
+Tiles scene_tiles(const DrawList& list,
+                  const Overlay& overlay,
+                  const View& view,
+                  float shade_radius_px) {
+  Tiles tiles(view.width, view.height);
+  float bias_m = 0;  // polygons, arrows and lifted lines stand out by the largest splat
+  for (const DrawPoints& cloud : list.points) bias_m = std::max(bias_m, cloud.size_m);
+  for (const DrawPoints& cloud : list.points) add_points(cloud, view, shade_radius_px, tiles);
+  for (const DrawBox& box : list.boxes)
+    tiles.add(about(view, box.corners, 4),
+              hashed(kBox, box.corners, box.color, static_cast<int>(box.style)));
+  for (const DrawPolygon& polygon : list.polygons) add_polygon(polygon, view, bias_m, tiles);
+  for (const DrawLines& lines : list.lines) add_lines(lines, view, bias_m, tiles);
+  for (const DrawArrow& arrow : list.arrows) {
+    const std::array<Vec3f, 2> ends = {arrow.from, arrow.to};
+    tiles.add(about(view, ends, 4 * arrow.width_px + 12),
+              hashed(kArrow, bias_m, arrow.width_px, ends, arrow.color));
+  }
+  for (const OverlayText& text : overlay.labels) add_text(text, tiles);
+  for (const OverlayShape& shape : overlay.shapes)
+    tiles.add(around(about(shape.x0, shape.y0, 2), about(shape.x1, shape.y1, 2)),
+              hashed(kShape, shape));
+  for (const Segment& stroke : overlay.segments) {
+    const double reach_px = 4 * stroke.width_px + 12;
+    tiles.add(around(about(stroke.a.x(), stroke.a.y(), reach_px),
+                     about(stroke.b.x(), stroke.b.y(), reach_px)),
+              hashed(kStroke, stroke));
+  }
+  for (const OverlayText& text : overlay.texts) add_text(text, tiles);
+  return tiles;
 }
 
 }  // namespace planescope::render

@@ -1,6 +1,8 @@
 #pragma once
 
-// Which parts of a picture change, from hashes of what is drawn into its tiles.
+// Which parts of a picture change, from hashes of what is drawn into its tiles: a step of the
+// window changes few of them. Scenes drawn as a whole: a step takes 1.24 times as long (llvmpipe,
+// two cores, 1440 x 900, `planescope-lab bench desktop`).
 
 #include <array>
 #include <cstdint>
@@ -9,7 +11,11 @@
 
 namespace planescope::render {
 
-/// Pixels from the top left; the second corner is no longer of it.
+struct DrawList;
+struct Overlay;
+struct View;
+
+/// Pixels from the top left; the second corner is outside.
 struct Part {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
@@ -18,7 +24,7 @@ struct Part {
   bool operator==(const Part&) const = default;
 };
 
-/// Of a place in pixels, cut off far beyond any picture; 0 of what is no number.
+/// A coordinate in pixels, limited far beyond any picture; 0 of NaN.
 int whole_px(double place);
 Part common(const Part& a, const Part& b);
 /// The smallest that holds both.
@@ -44,19 +50,27 @@ class Tiles {
   std::vector<std::uint64_t> hashes_;  // row by row
 };
 
-inline std::uint64_t hashed(std::uint64_t hash, std::uint64_t word) {
-  hash = (hash ^ word) * 0x9e3779b97f4a7c15;
-  return hash ^ (hash >> 29);
-}
-
-/// Of a value without padding.
-template <typename T>
-std::uint64_t hashed_bytes(std::uint64_t hash, const T& value) {
-  static_assert(sizeof(T) % 4 == 0);
-  std::array<std::uint32_t, sizeof(T) / 4> words;
-  std::memcpy(words.data(), &value, sizeof(T));
-  for (const std::uint32_t word : words) hash = hashed(hash, word);
+/// Of values without padding, in words of 32 bits.
+template <typename... Values>
+std::uint64_t hashed(std::uint64_t hash, const Values&... values) {
+  const auto add = [&](const auto& value) {
+    static_assert(sizeof(value) % 4 == 0);
+    std::array<std::uint32_t, sizeof(value) / 4> words;
+    std::memcpy(words.data(), &value, sizeof(value));
+    for (const std::uint32_t word : words) {
+      hash = (hash ^ word) * 0x9e3779b97f4a7c15;
+      hash ^= hash >> 29;
+    }
+  };
+  (add(values), ...);
   return hash;
 }
+
+/// What a list draws where, seen from one place. Pictures from another place or in another theme
+/// are not compared.
+Tiles scene_tiles(const DrawList& list,
+                  const Overlay& overlay,
+                  const View& view,
+                  float shade_radius_px);
 
 }  // namespace planescope::render

@@ -1,10 +1,20 @@
 #include "render/view.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <numbers>
+
+#include "core/model/disjoint_sets.hpp"
 
 namespace planescope::render {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kOutliers = 0.005;  // share of points that may stick out on each side
 
 // Rows: right, up and back in the world. Where `up` says nothing (along the view), any will do.
 Mat3d eye_axes(const Camera& camera) {
@@ -76,6 +86,271 @@ std::optional<ScreenPoint> project(const View& view, const Vec3f& world) {
   point.px.y() = (0.5 - clip.y() / clip.w() * 0.5) * view.height;
   point.depth_m = depth_m;
   return point;
+}
+
+// ---- Points that fill a view ----
+
+namespace {
+
+constexpr double kMargin = 0.92;  // share of the half view that may be filled, on each side
+
+/// Evenly all around (Fibonacci's lattice on the sphere).
+Vec3d direction(int i, int count) {
+  const double z = 1 - (2.0 * i + 1) / count;
+  const double turn = std::numbers::pi * (1 + std::sqrt(5.0)) * i;
+  const double across = std::sqrt(1 - z * z);
+  return {across * std::cos(turn), across * std::sin(turn), z};
+}
+
+/// From the lowest to the highest of the points along `axis`.
+struct Extent {
+  double low = 0, high = 0;
+  double middle() const { return (low + high) / 2; }
+  double length() const { return high - low; }
+};
+Extent span_along(std::span<const Vec3f> points, const Vec3d& axis) {
+  Extent span{1e300, -1e300};
+  for (const Vec3f& point : points) {
+    const double at = point.cast<double>().dot(axis);
+    span.low = std::min(span.low, at);
+    span.high = std::max(span.high, at);
+  }
+  return span;
+}
+
+/// The value that all but a share of `values` stay below.
+double robust_max(std::vector<double>& values, double outliers) {
+  const auto n = static_cast<std::ptrdiff_t>(values.size());
+  const auto k = n - 1 - static_cast<std::ptrdiff_t>(outliers * static_cast<double>(n));
+  std::nth_element(values.begin(), values.begin() + k, values.end());
+  return values[static_cast<std::size_t>(k)];
+}
+
+/// One axis of a frustum around points given as (offset across, depth along the view). For an eye
+/// at (across, along), every point has -low (depth - along) <= offset - across <= high (...).
+struct AxisFit {
+  double largest = 0;   // of offset - high * depth
+  double smallest = 0;  // of offset + low * depth
+  double low = 0, high = 0;
+
+  /// The last place along the view from which all points are in.
+  double along() const { return (smallest - largest) / (low + high); }
+  /// From there or from farther back: across, so that as much room is left on both sides.
+  double across(double along) const {
+    return ((largest + high * along) + (smallest - low * along)) / 2;
+  }
+};
+AxisFit fit_axis(std::span<const double> offset,
+                 std::span<const double> depth,
+                 double low,
+                 double high,
+                 double outliers) {
+  std::vector<double> above(offset.size()), below(offset.size());
+  for (std::size_t i = 0; i < offset.size(); ++i) {
+    above[i] = offset[i] - high * depth[i];
+    below[i] = -offset[i] - low * depth[i];
+  }
+  return {robust_max(above, outliers), -robust_max(below, outliers), low, high};
+}
+
+}  // namespace
+
+std::vector<Vec3f> reach_of(std::span<const Vec3f> points, double outliers) {
+  constexpr int kDirections = 96;
+  constexpr std::size_t kEnough = 8000;  // points to go by
+  std::vector<Vec3f> some;
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kEnough);
+  for (std::size_t i = 0; i < points.size(); i += stride) some.push_back(points[i]);
+  std::vector<Vec3f> reach;
+  if (some.empty()) return reach;
+  const auto left_out = static_cast<std::size_t>(outliers * static_cast<double>(some.size()));
+  const auto last = static_cast<std::ptrdiff_t>(some.size() - 1 - left_out);
+  for (int i = 0; i < kDirections; ++i) {
+    const Vec3f along = direction(i, kDirections).cast<float>();
+    std::nth_element(some.begin(), some.begin() + last, some.end(),
+                     [&](const Vec3f& a, const Vec3f& b) { return a.dot(along) < b.dot(along); });
+    reach.push_back(some[static_cast<std::size_t>(last)]);
+  }
+  return reach;
+}
+
+std::vector<Vec3f> bulk_of(std::span<const Vec3f> points, double cell_m) {
+  using Cell = std::array<int, 3>;
+  constexpr double kFar = 1e9;  // cells
+  std::map<Cell, std::uint32_t> cells;
+  std::vector<std::uint32_t> cell_of;
+  std::vector<std::size_t> points_in;
+  for (const Vec3f& point : points) {
+    Cell cell;
+    for (int axis = 0; axis < 3; ++axis)
+      cell[static_cast<std::size_t>(axis)] =
+          static_cast<int>(std::clamp(std::floor(point[axis] / cell_m), -kFar, kFar));
+    const auto at = cells.emplace(cell, static_cast<std::uint32_t>(cells.size())).first->second;
+    if (at == points_in.size()) points_in.push_back(0);
+    ++points_in[at];
+    cell_of.push_back(at);
+  }
+  DisjointSets pieces(cells.size());
+  for (const auto& [cell, index] : cells)
+    for (int step = 0; step < 27; ++step) {
+      const Cell beside = {cell[0] + step % 3 - 1, cell[1] + step / 3 % 3 - 1,
+                           cell[2] + step / 9 - 1};
+      if (const auto other = cells.find(beside); other != cells.end())
+        pieces.join(index, other->second);
+    }
+  std::vector<std::size_t> piece_size(cells.size(), 0);
+  for (std::uint32_t i = 0; i < points_in.size(); ++i) piece_size[pieces.root(i)] += points_in[i];
+  std::vector<Vec3f> bulk;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (50 * piece_size[pieces.root(cell_of[i])] >= points.size()) bulk.push_back(points[i]);
+  return bulk;
+}
+
+Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens) {
+  Camera camera;
+  camera.fov_y_deg = lens.fov_y_deg;
+  camera.up = lens.up;
+  Vec3d right = lens.forward.cross(lens.up);
+  right = right.norm() > 1e-9 ? Vec3d(right.normalized()) : Vec3d(lens.forward.unitOrthogonal());
+  const Vec3d upwards = right.cross(lens.forward);
+  const double slope = std::tan(lens.fov_y_deg * kDegree / 2);
+  constexpr double kNearest_m = 0.05;
+  double across = 0, height = 0, target = 0, distance = 2;
+  if (!reach.empty()) {
+    const Extent x = span_along(reach, right), y = span_along(reach, upwards);
+    const Extent z = span_along(reach, lens.forward);
+    target = z.middle();
+    if (lens.orthographic) {
+      across = x.middle();
+      height = y.middle();
+      distance = std::max(x.length() / lens.aspect, y.length()) / (2 * kMargin * slope);
+    } else {
+      const auto fit = [&](const Vec3d& axis, double fill) {
+        std::vector<double> offset, depth;
+        for (const Vec3f& point : reach) {
+          offset.push_back(point.cast<double>().dot(axis));
+          depth.push_back(point.cast<double>().dot(lens.forward));
+        }
+        return fit_axis(offset, depth, fill, fill, 0);
+      };
+      const AxisFit wide = fit(right, kMargin * slope * lens.aspect);
+      const AxisFit high = fit(upwards, kMargin * slope);
+      across = wide.across(wide.along());
+      height = high.across(high.along());
+      distance = target - std::min(wide.along(), high.along());
+    }
+    distance = std::max(kNearest_m, lens.room * distance);
+  }
+  camera.target = across * right + height * upwards + target * lens.forward;
+  camera.eye = camera.target - distance * lens.forward;
+  camera.near_m = std::max(0.005, 0.02 * distance);
+  camera.far_m = std::max(200.0, 20 * distance);
+  return camera;
+}
+
+// ---- The view of a frame ----
+
+namespace {
+
+struct Placed {
+  double elevation_deg = 0;  // of the eye above the horizon, seen from the target
+  double yaw_deg = 0;        // of the line of sight, from world x towards y
+};
+
+Vec3d direction_of(const Placed& view) {
+  const double elevation = view.elevation_deg * kDegree, yaw = view.yaw_deg * kDegree;
+  return {std::cos(elevation) * std::cos(yaw), std::cos(elevation) * std::sin(yaw),
+          -std::sin(elevation)};
+}
+
+/// How much of the planes' surface faces a viewer.
+double facing(const planes::Segmentation& segmentation, const Vec3d& forward) {
+  double sum = 0;
+  for (const planes::PlaneRegion& plane : segmentation.planes)
+    sum += plane.points * std::abs(plane.fit.normal.dot(forward));
+  return sum;
+}
+
+/// From where the points were seen: the mean direction to them, as far as all lie to one side.
+Vec3d sight_of(const planes::PreparedFrame& prepared) {
+  const Vec3f sensor = prepared.sensor().cast<float>();
+  Vec3d sum = Vec3d::Zero();
+  for (const Vec3f& point : prepared.voxels.points)
+    sum += (point - sensor).normalized().cast<double>();
+  return sum / std::max<double>(1, static_cast<double>(prepared.voxels.points.size()));
+}
+
+Placed view_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {
+  // Only depth cameras look along their z axis; a cloud's pose turns gravity to -z, nothing more.
+  const Vec3d forward = prepared.cloud.T_world_sensor.linear() * Vec3d::UnitZ();
+  const bool depth_camera = forward.x() > 0.05 || forward.z() < -0.9;
+  Placed left{35, 35}, right{35, -35};
+  if (depth_camera) {
+    // A little above the sensor's own line of sight: far from it, the sensor's shadows open.
+    const double pitch_deg = std::asin(std::clamp(-forward.z(), -1.0, 1.0)) / kDegree;
+    left = {std::clamp(pitch_deg + 10, 24.0, 60.0), 18};
+    right = {left.elevation_deg, -left.yaw_deg};
+  } else if (const Vec3d sight = sight_of(prepared); sight.norm() > 0.7) {
+    // A scan from one place, as it seems: from that side, or it is seen from behind.
+    const double pitch_deg = std::asin(std::clamp(-sight.normalized().z(), -1.0, 1.0)) / kDegree;
+    const double yaw_deg = std::atan2(sight.y(), sight.x()) / kDegree;
+    left = {std::clamp(pitch_deg + 10, -60.0, 60.0), yaw_deg + 18};
+    right = {left.elevation_deg, yaw_deg - 18};
+  }
+  // To the side from which more is seen; and, as the zero of a cloud often lies on the ground,
+  // never from so low that what lies level is an edge.
+  const bool from_right =
+      facing(segmentation, direction_of(right)) > facing(segmentation, direction_of(left));
+  Placed placed = from_right ? right : left;
+  placed.elevation_deg = std::max(placed.elevation_deg, 24.0);
+  return placed;
+}
+
+}  // namespace
+
+Camera frame_camera(const planes::PreparedFrame& prepared,
+                    const planes::Segmentation& segmentation,
+                    double aspect) {
+  Camera camera;
+  const Vec3d forward = direction_of(view_of(prepared, segmentation));
+  const Vec3d right = forward.cross(Vec3d::UnitZ()).normalized();
+  const Vec3d up = right.cross(forward);
+
+  std::vector<double> x, y, z;
+  for (const Vec3f& point : prepared.voxels.points) {
+    const Vec3d p = point.cast<double>();
+    x.push_back(p.dot(right));
+    y.push_back(p.dot(up));
+    z.push_back(p.dot(forward));
+  }
+  if (x.empty()) {
+    camera.eye = -2 * forward;
+    return camera;
+  }
+  // The title stands above, the legend at the left.
+  constexpr double kLeft = 0.80, kRight = 0.93, kTop = 0.84, kBottom = 0.92;
+  const double slope = std::tan(camera.fov_y_deg * kDegree / 2);
+  const AxisFit fit_x = fit_axis(x, z, kLeft * slope * aspect, kRight * slope * aspect, kOutliers);
+  const AxisFit fit_y = fit_axis(y, z, kBottom * slope, kTop * slope, kOutliers);
+  std::nth_element(z.begin(), z.begin() + z.size() / 2, z.end());
+  const double middle = z[z.size() / 2];
+  const double along = std::min({fit_x.along(), fit_y.along(), middle - 0.2});
+
+  camera.eye = fit_x.across(along) * right + fit_y.across(along) * up + along * forward;
+  camera.target = camera.eye + (middle - along) * forward;
+  camera.near_m = std::max(0.01, 0.02 * (middle - along));
+  camera.far_m = std::max(200.0, 20 * (middle - along));
+  return camera;
+}
+
+Home home_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {
+  const std::vector<Vec3f> all = reach_of(prepared.voxels.points, kOutliers);
+  float size_m = 0;
+  for (const Vec3f& a : all) size_m = std::max(size_m, (a - all[0]).norm());
+  constexpr double kCells = 40;  // what is apart by more than one or two of them stands apart
+  const double cell_m = std::max({size_m / kCells, 2 * prepared.voxels.size_m, 0.01});
+  return {direction_of(view_of(prepared, segmentation)),
+          reach_of(bulk_of(prepared.voxels.points, cell_m), kOutliers)};
 }
 
 }  // namespace planescope::render

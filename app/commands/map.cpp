@@ -17,7 +17,6 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
-#include "core/world/files/known_map.hpp"
 #include "core/world/files/map_files.hpp"
 #include "core/world/files/observed_files.hpp"
 

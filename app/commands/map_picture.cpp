@@ -13,7 +13,7 @@
 #include "render/overlay.hpp"
 #include "render/paint.hpp"
 #include "render/palette.hpp"
-#include "render/plane_image.hpp"
+#include "render/plane_colors.hpp"
 
 namespace planescope::app {
 namespace {

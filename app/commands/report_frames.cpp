@@ -20,9 +20,9 @@
 #include "core/planes/pipeline/truth.hpp"
 #include "core/planes/result/analyze.hpp"
 #include "core/report/data/segment_files.hpp"
-#include "render/context.hpp"
 #include "render/palette.hpp"
 #include "render/plane_colors.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::app {
 namespace {

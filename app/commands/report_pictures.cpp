@@ -10,7 +10,6 @@
 #include "core/model/text.hpp"
 #include "core/report/page/pictures.hpp"
 #include "render/scenes.hpp"
-#include "render/truth_image.hpp"
 
 namespace planescope::app {
 namespace {

@@ -15,7 +15,7 @@
 #include "core/report/data/ros_json.hpp"
 #include "core/report/data/segment_files.hpp"
 #include "core/report/data/terrain.hpp"
-#include "core/world/files/known_map.hpp"
+#include "core/world/files/map_files.hpp"
 
 namespace planescope::app {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "app/desktop/debugger/planes.hpp"
 #include "core/debug/explain/provenance.hpp"
-#include "render/step_values.hpp"
+#include "render/step_scene.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -10,7 +10,6 @@ namespace {
 
 using render::common;
 using render::hashed;
-using render::hashed_bytes;
 using render::whole_px;
 
 /// The pixels that a command may touch, rounded as ImGui's OpenGL renderer rounds them.
@@ -60,10 +59,9 @@ std::vector<Part> Damage::next(const ImDrawData& frame,
   render::Tiles tiles(static_cast<int>(frame.DisplaySize.x), static_cast<int>(frame.DisplaySize.y));
   each_command(frame, [&](const ImDrawList& list, const ImDrawCmd& command, const Part& room) {
     const std::uint64_t texture = texture_name(command.GetTexID());
-    const std::uint64_t start =
-        hashed(hashed(hashed_bytes(1, room), texture), version(command.GetTexID()));
+    const std::uint64_t start = hashed(1, room, texture, version(command.GetTexID()));
     each_triangle(list, command, [&](const Triangle& triangle) {
-      tiles.add(common(bounds(triangle), room), hashed_bytes(start, triangle));
+      tiles.add(common(bounds(triangle), room), hashed(start, triangle));
     });
   });
   std::vector<Part> parts = tiles.changes_since(tiles_);

@@ -14,7 +14,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
-#include "render/font.hpp"
+#include "render/paint.hpp"
 
 namespace planescope::desktop {
 namespace {

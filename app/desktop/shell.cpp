@@ -14,7 +14,7 @@
 #include "app/desktop/panels.hpp"
 #include "app/desktop/ui.hpp"
 #include "app/desktop/views.hpp"
-#include "render/font.hpp"
+#include "render/paint.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -10,7 +10,7 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/planes/cloud/camera.hpp"
-#include "render/step_values.hpp"
+#include "render/step_scene.hpp"
 
 namespace planescope::desktop {
 namespace {

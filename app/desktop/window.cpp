@@ -13,7 +13,6 @@
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "render/context.hpp"
 #include "render/gl.hpp"
 #include "render/renderer.hpp"
 

@@ -11,7 +11,7 @@
 #include "app/desktop/screen.hpp"
 #include "app/desktop/script.hpp"
 #include "app/desktop/state/session.hpp"
-#include "render/context.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::desktop {
 

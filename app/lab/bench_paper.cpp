@@ -25,7 +25,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
-#include "render/context.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::app {
 namespace {

@@ -14,7 +14,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/world/tracks/expected.hpp"
+#include "core/world/tracks/sight.hpp"
 
 namespace planescope::world {
 namespace {

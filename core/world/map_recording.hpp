@@ -14,8 +14,8 @@
 #include "core/io/recording.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/world/poses/upright.hpp"
-#include "core/world/tracks/stability.hpp"
+#include "core/world/poses/sequence_gravity.hpp"
+#include "core/world/tracks/history.hpp"
 #include "core/world/tracks/tracker.hpp"
 
 namespace planescope::world {

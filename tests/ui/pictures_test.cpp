@@ -17,7 +17,7 @@
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 #include "render/palette.hpp"
-#include "render/step_values.hpp"
+#include "render/step_scene.hpp"
 #include "support/apng.hpp"
 
 namespace planescope::desktop {

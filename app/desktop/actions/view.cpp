@@ -11,7 +11,7 @@
 #include "app/desktop/panels.hpp"
 #include "app/desktop/views.hpp"
 #include "core/model/error.hpp"
-#include "render/step_values.hpp"
+#include "render/step_scene.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -13,7 +13,7 @@
 #include "core/labels/review/spread.hpp"
 #include "core/model/text.hpp"
 #include "core/world/files/map_files.hpp"
-#include "core/world/tracks/track_labels.hpp"
+#include "core/world/tracks/sight.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -9,7 +9,6 @@
 #include "app/lab/paper_figures/parts.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
 #include "render/scenes.hpp"
-#include "render/truth_image.hpp"
 
 namespace planescope::app::figures {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "app/commands/inputs.hpp"
 #include "app/lab/paper_figures/parts.hpp"
+#include "render/frame_image.hpp"
 #include "render/paint.hpp"
 #include "render/plane_colors.hpp"
-#include "render/region_image.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::app::figures {

@@ -1,9 +1,16 @@
 #pragma once
 
-// map.json and tracks.json. All in the map's world: z up, metres.
+// map.json, tracks.json and poses.tum, written and read again. All in the map's world: z up,
+// meters.
 
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "core/io/recording.hpp"
 #include "core/world/map_recording.hpp"
 
 namespace planescope::world {
@@ -28,5 +35,38 @@ std::string pace_json(const Pace& pace);
 
 /// For people, a few lines.
 std::string stability_text(const Stability& stability);
+
+// ---- Read again ----
+
+struct KnownMap : UprightPoses {
+  std::filesystem::path dir;
+  struct FramePlanes {
+    std::vector<int> tracks;       // by plane id - 1; 0 none
+    std::string sha256;            // of the image of the frame's planes; empty: none is stored
+    std::vector<double> margins;   // by id - 1, the minor ones' last
+    std::optional<Vec3d> gravity;  // unit, in the camera, that the planes were found with
+  };
+  std::map<int, FramePlanes> planes_of;  // by frame
+
+  bool knows(int frame) const { return pose_of(poses, frame) && planes_of.contains(frame); }
+};
+
+/// Of DIR/map.json, tracks.json and poses.tum. Throws Error naming the file that is missing or
+/// damaged, or is of another recording or of planes that were found with other options.
+std::shared_ptr<const KnownMap> read_known_map(const std::filesystem::path& dir,
+                                               const io::RecordingInfo& recording,
+                                               const planes::PipelineOptions& options);
+
+/// Where the image of a frame's planes is: 16 bit, per pixel the plane's id.
+std::filesystem::path planes_file(const std::filesystem::path& dir, int frame);
+
+/// The recording whose frames, where the map knows them, have its gravity and planes; methods that
+/// do not find planes on pixels find the same ones again with options_of_map().
+std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recording> recording,
+                                              std::shared_ptr<const KnownMap> map);
+
+/// The tracks of the planes of a frame that it knows, by id - 1. Throws Error where it knows
+/// another number of planes.
+const std::vector<int>& tracks_of(const KnownMap& map, int frame, std::size_t planes);
 
 }  // namespace planescope::world

@@ -1,15 +1,53 @@
 #pragma once
 
-// Gravity of frames that show too little of it: taken from a neighbor in the recording and carried
-// by the camera's motion between the two.
+// Gravity over a recording: one direction for all frames whose poses are known, and for frames that
+// show too little of it that of a neighbor.
 
 #include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "core/io/picked_gravity.hpp"
 #include "core/io/recording.hpp"
+#include "core/model/frame.hpp"
 #include "core/planes/cloud/gravity.hpp"
+#include "core/world/poses/trajectory.hpp"
 
 namespace planescope::world {
+
+// ---- One direction for a whole recording ----
+// Each frame's own errs by half a degree and more; the camera's motion tells how they belong
+// together.
+
+/// Gravity as a frame has it, at a pose.
+struct GravitySample {
+  Pose T_world_camera = Pose::Identity();
+  Gravity gravity;  // direction in the camera's frame
+};
+
+struct SharedGravity {
+  bool known = false;
+  Vec3d direction = Vec3d(0, 0, -1);  // unit, in the world of the poses
+  double spread_deg = 0;              // of the samples about it: their median angle
+  int samples = 0, strays = 0;        // strays: more than kStray spreads off, they do not count
+  GravitySource source = GravitySource::none;  // the worst of those that count
+};
+
+/// Those whose gravity is not known do not count.
+SharedGravity shared_gravity(std::span<const GravitySample> samples);
+
+/// Turns each segment's world upright, z against its gravity, unless it is already so within
+/// kUpright degrees: a world that was given upright stays as it was given, to the bit. Returns what
+/// was found, by segment.
+std::vector<SharedGravity> turn_upright(Trajectory& trajectory,
+                                        std::span<const GravitySample> samples,
+                                        std::span<const int> segments);
+
+/// The frame's gravity in a world whose z is up.
+Gravity gravity_at(const Pose& T_world_camera, const SharedGravity& shared);
+
+// ---- Taken from a neighbor and carried by the camera's motion ----
 
 /// How far to either side gravity is searched for, in frames. A pick reaches farther where the
 /// recording has poses.

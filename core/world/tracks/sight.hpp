@@ -1,9 +1,13 @@
 #pragma once
 
-// What a frame shows at the place of a plane that is known.
+// Tracks against a frame: what it shows at their places, its pose aligned with them, where they are
+// expected in it, and which of its pixels measure them.
 
+#include <span>
 #include <vector>
 
+#include "core/labels/model/grid.hpp"
+#include "core/planes/depth/inverse_depth.hpp"
 #include "core/world/tracks/observation.hpp"
 #include "core/world/tracks/track.hpp"
 
@@ -49,5 +53,39 @@ Sight sight_of(Track& track,
 
 /// The cells remember it; those that were seen through too often are gone.
 void remember(const Sight& sight);
+
+// ---- Alignment ----
+// Aligns a frame with the tracks before matching. Poses err by a centimeter and half a degree, more
+// in fast turns; uncorrected, planes match the wrong track.
+
+/// T_world_camera of the frame, moved so that its depth fits the tracks (point to plane, the given
+/// pose with its uncertainty as a prior). As given where the depth fits within its noise.
+Pose aligned_pose(const ObservedFrame& frame, std::span<Track* const> tracks);
+
+/// The same observation at another pose.
+void move_to(ObservedFrame& frame, const Pose& T_world_camera);
+
+// ---- Expected planes ----
+
+/// The tracks as candidates for the planes of a frame at this pose; `KnownPlane::id` is the
+/// track's. Of each, the measured pixels whose rays hit cells that are sure or gone.
+std::vector<planes::KnownPlane> expected_planes(std::span<const Track* const> tracks,
+                                                const Frame& frame,
+                                                const Pose& T_world_camera,
+                                                const TrackOptions& options,
+                                                int threads = 1);
+
+// ---- Labels from the map ----
+
+struct PixelsOfTrack {
+  labels::PixelSet sure;
+  labels::PixelSet doubtful;  // at its place, and farther off than noise alone puts them, or at
+                              // another angle
+};
+
+/// Of a depth image at this pose in the track's world.
+PixelsOfTrack pixels_of_track(const Track& track,
+                              const labels::LabelGrid& grid,
+                              const Pose& T_world_camera);
 
 }  // namespace planescope::world

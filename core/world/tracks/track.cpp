@@ -1,10 +1,101 @@
 #include "core/world/tracks/track.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <utility>
 
 namespace planescope::world {
+
+// ---- Cells ----
+
+namespace {
+
+int floor_div(int a, int b) { return (a >= 0 ? a : a - b + 1) / b; }
+
+std::int64_t key_of(int tile_x, int tile_y) {
+  return (static_cast<std::int64_t>(tile_x) << 32) ^ static_cast<std::uint32_t>(tile_y);
+}
+
+}  // namespace
+
+void Cell::look(bool is_through) {
+  if (looked >= kHorizon) {
+    looked /= 2;
+    seen = seen > 1 ? seen / 2 : seen;
+  }
+  ++looked;
+  through = is_through ? static_cast<std::uint8_t>(through + 1) : std::uint8_t{0};
+  if (through >= kGone) *this = {.gone = gone || seen > 0};
+}
+
+void Cell::see() {
+  if (seen < kHorizon) ++seen;
+  if (looked < seen) looked = seen;
+  through = 0;
+  gone = false;
+}
+
+Cell& CellMap::at(int x, int y) {
+  const int tile_x = floor_div(x, kSide), tile_y = floor_div(y, kSide);
+  const auto [at, is_new] =
+      index_.try_emplace(key_of(tile_x, tile_y), static_cast<std::uint32_t>(tiles_.size()));
+  if (is_new) tiles_.push_back({tile_x, tile_y, {}});
+  return tiles_[at->second].cells[(y - tile_y * kSide) * kSide + (x - tile_x * kSide)];
+}
+
+const Cell* CellMap::find(int x, int y) const {
+  const int tile_x = floor_div(x, kSide), tile_y = floor_div(y, kSide);
+  const auto at = index_.find(key_of(tile_x, tile_y));
+  if (at == index_.end()) return nullptr;
+  return &tiles_[at->second].cells[(y - tile_y * kSide) * kSide + (x - tile_x * kSide)];
+}
+
+std::vector<CellMap::Tile> CellMap::take_out(const std::function<bool(const Tile&)>& leaves) {
+  std::vector<Tile> left, stay;
+  for (Tile& tile : tiles_) (leaves(tile) ? left : stay).push_back(tile);
+  if (left.empty()) return left;
+  tiles_ = std::move(stay);
+  index_.clear();
+  for (std::size_t i = 0; i < tiles_.size(); ++i)
+    index_[key_of(tiles_[i].x, tiles_[i].y)] = static_cast<std::uint32_t>(i);
+  return left;
+}
+
+bool CellMap::is_near(int x, int y, int radius) const {
+  for (int dy = -radius; dy <= radius; ++dy)
+    for (int dx = -radius; dx <= radius; ++dx)
+      if (const Cell* cell = find(x + dx, y + dy); cell && cell->present()) return true;
+  return false;
+}
+
+std::size_t CellMap::present() const {
+  std::size_t count = 0;
+  for (const Tile& tile : tiles_)
+    for (const Cell& cell : tile.cells) count += cell.present();
+  return count;
+}
+
+template <typename Which>
+std::vector<Vec2d> CellMap::places(const Which& which) const {
+  std::vector<Vec2d> places;
+  for (const Tile& tile : tiles_)
+    for (int i = 0; i < kSide * kSide; ++i)
+      if (which(tile.cells[i])) places.push_back(middle(tile, i));
+  return places;
+}
+
+std::vector<Vec2d> CellMap::sure_places() const {
+  return places([](const Cell& cell) { return cell.sure(); });
+}
+std::vector<Vec2d> CellMap::gone_places() const {
+  return places([](const Cell& cell) { return cell.gone; });
+}
+
+// ---- Tracks ----
+
 namespace {
 
 // A measurement with it weighs 1: so much that a plane of few, noisy ones still counts as three.
@@ -19,56 +110,37 @@ Mat3d covariance_of(const Mat3d& information) {
   return (information + 1e-6 * Mat3d::Identity()).inverse();
 }
 
+/// After a merge, drops gaps that overlap a sighting.
+void drop_gaps_of_sightings(Track& track) {
+  std::vector<Gap> gaps;
+  track.frames_missed = 0;
+  for (const Gap& gap : track.gaps) {
+    const auto first = std::ranges::lower_bound(track.sightings, gap.first, {}, &Sighting::frame);
+    const auto end = std::ranges::upper_bound(track.sightings, gap.last, {}, &Sighting::frame);
+    if (first != end) continue;
+    if (is_miss(gap.why)) track.frames_missed += gap.frames;
+    gaps.push_back(gap);
+  }
+  track.gaps = std::move(gaps);
+}
+
 }  // namespace
 
 const char* to_string(Absence absence) {
-  switch (absence) {
-    case Absence::out_of_view:
-      return "out of view";
-    case Absence::beyond_range:
-      return "beyond range";
-    case Absence::occluded:
-      return "occluded";
-    case Absence::not_measured:
-      return "not measured";
-    case Absence::seen_through:
-      return "seen through";
-    case Absence::not_detected:
-      return "not detected";
-    case Absence::not_matched:
-      return "not matched";
-    case Absence::set_aside:
-      return "frame set aside";
-  }
-  return "";
+  constexpr const char* kNames[] = {"out of view",  "beyond range",   "occluded",
+                                    "not measured", "seen through",   "not detected",
+                                    "not matched",  "frame set aside"};
+  return kNames[static_cast<int>(absence)];
 }
 
 const char* to_string(Term term) {
-  switch (term) {
-    case Term::none:
-      return "none";
-    case Term::angle_deg:
-      return "angle_deg";
-    case Term::gap_m:
-      return "gap_m";
-    case Term::taken:
-      return "taken";
-  }
-  return "";
+  constexpr const char* kNames[] = {"none", "angle_deg", "gap_m", "taken"};
+  return kNames[static_cast<int>(term)];
 }
 
 const char* to_string(TrackState state) {
-  switch (state) {
-    case TrackState::alive:
-      return "alive";
-    case TrackState::gone:
-      return "gone";
-    case TrackState::merged:
-      return "merged";
-    case TrackState::left:
-      return "left";
-  }
-  return "";
+  constexpr const char* kNames[] = {"alive", "gone", "merged", "left"};
+  return kNames[static_cast<int>(state)];
 }
 
 double width_of(const PlaneFit& fit) {
@@ -117,6 +189,44 @@ void Track::fuse(const ObservedPlane& plane, const Vec3d& camera) {
     add({axis.dot(basis.u), axis.dot(basis.v), 0},
         std::max(kLeastTilt_rad, plane.certainty.sigma_tilt_rad[i]));
   }
+}
+
+void Track::absorb(const Track& from) {
+  for (const CellMap::Tile& tile : from.cells.tiles())
+    for (int i = 0; i < CellMap::kSide * CellMap::kSide; ++i) {
+      const Cell& cell = tile.cells[i];
+      if (!cell.present()) continue;
+      const Vec2d at = on_grid(from.on_plane(from.cells.middle(tile, i)));
+      Cell& target = cells.at(cells.index_of(at.x()), cells.index_of(at.y()));
+      if (cell.seen > target.seen) target = cell;
+    }
+  Pose shift = Pose::Identity();
+  shift.translation() = from.anchor - anchor;
+  moments += moved(from.moments, shift);
+  refit();
+  // (slope u, slope v, height at from's anchor) as functions of ours.
+  const Vec2d at = on_grid(from.anchor);
+  Mat3d j;
+  j << from.basis.u.dot(basis.u), from.basis.u.dot(basis.v), 0, from.basis.v.dot(basis.u),
+      from.basis.v.dot(basis.v), 0, at.x(), at.y(), 1;
+  information += j.transpose() * from.information * j;
+
+  // A frame in which both were seen counts once.
+  std::vector<Sighting> both;
+  std::ranges::merge(
+      sightings, from.sightings, std::back_inserter(both), {},
+      [](const Sighting& s) { return std::pair(s.frame, s.minor); },
+      [](const Sighting& s) { return std::pair(s.frame, s.minor); });
+  frames_seen = 0;
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    both[i].part = i > 0 && both[i - 1].frame == both[i].frame;
+    frames_seen += !both[i].part;
+  }
+  sightings = std::move(both);
+  drop_gaps_of_sightings(*this);
+  born = std::min(born, from.born);
+  known = std::max(known, from.known);
+  left_m2 += from.left_m2;
 }
 
 double Track::sure_area_m2() const {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/planes/evaluate/metrics.hpp"
-#include "core/world/tracks/align.hpp"
+#include "core/world/tracks/sight.hpp"
 
 namespace planescope::world {
 namespace {
@@ -60,20 +60,6 @@ double sigma_m_at(const ObservedPlane& plane, const Vec3d& p) {
   const Vec3d d = p - plane.centroid;
   return std::sqrt(squared(c.sigma_offset_m) + squared(c.sigma_tilt_rad[0] * c.axes[0].dot(d)) +
                    squared(c.sigma_tilt_rad[1] * c.axes[1].dot(d)));
-}
-
-/// After a merge, drops gaps that overlap a sighting.
-void drop_gaps_of_sightings(Track& track) {
-  std::vector<Gap> gaps;
-  track.frames_missed = 0;
-  for (const Gap& gap : track.gaps) {
-    const auto first = std::ranges::lower_bound(track.sightings, gap.first, {}, &Sighting::frame);
-    const auto end = std::ranges::upper_bound(track.sightings, gap.last, {}, &Sighting::frame);
-    if (first != end) continue;
-    if (is_miss(gap.why)) track.frames_missed += gap.frames;
-    gaps.push_back(gap);
-  }
-  track.gaps = std::move(gaps);
 }
 
 /// Why the track is absent, if no plane lies at its place.
@@ -451,42 +437,7 @@ bool Tracker::merge_equal(int frame, const std::function<bool(const Track&)>& ha
 }
 
 void Tracker::merge(Track& from, Track& into, int frame) {
-  for (const CellMap::Tile& tile : from.cells.tiles())
-    for (int i = 0; i < CellMap::kSide * CellMap::kSide; ++i) {
-      const Cell& cell = tile.cells[i];
-      if (!cell.present()) continue;
-      const Vec2d at = into.on_grid(from.on_plane(from.cells.middle(tile, i)));
-      Cell& target = into.cells.at(into.cells.index_of(at.x()), into.cells.index_of(at.y()));
-      if (cell.seen > target.seen) target = cell;
-    }
-  Pose shift = Pose::Identity();
-  shift.translation() = from.anchor - into.anchor;
-  into.moments += moved(from.moments, shift);
-  into.refit();
-  // (slope u, slope v, height at from's anchor) as functions of into's.
-  const Vec2d at = into.on_grid(from.anchor);
-  Mat3d j;
-  j << from.basis.u.dot(into.basis.u), from.basis.u.dot(into.basis.v), 0,
-      from.basis.v.dot(into.basis.u), from.basis.v.dot(into.basis.v), 0, at.x(), at.y(), 1;
-  into.information += j.transpose() * from.information * j;
-
-  // A frame in which both were seen counts once.
-  std::vector<Sighting> sightings;
-  std::merge(into.sightings.begin(), into.sightings.end(), from.sightings.begin(),
-             from.sightings.end(), std::back_inserter(sightings),
-             [](const Sighting& a, const Sighting& b) {
-               return std::pair(a.frame, a.minor) < std::pair(b.frame, b.minor);
-             });
-  into.frames_seen = 0;
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
-    sightings[i].part = i > 0 && sightings[i - 1].frame == sightings[i].frame;
-    into.frames_seen += !sightings[i].part;
-  }
-  into.sightings = std::move(sightings);
-  drop_gaps_of_sightings(into);
-  into.born = std::min(into.born, from.born);
-  into.known = std::max(into.known, from.known);
-  into.left_m2 += from.left_m2;
+  into.absorb(from);
   from.state = TrackState::merged;
   from.merged_into = into.id;
   from.ended = frame;

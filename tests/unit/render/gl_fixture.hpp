@@ -9,7 +9,6 @@
 #include <string>
 
 #include "core/model/error.hpp"
-#include "render/context.hpp"
 #include "render/gl.hpp"
 #include "render/renderer.hpp"
 

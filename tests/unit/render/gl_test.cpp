@@ -1,8 +1,11 @@
 #include "render/gl.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 
+#include "core/model/random.hpp"
 #include "gl_fixture.hpp"
+#include "render/passes.hpp"
 
 namespace planescope::render {
 namespace {
@@ -131,6 +134,60 @@ TEST_F(Texture, OfAnImageHoldsItsPixelsAndTakesOthers) {
   EXPECT_EQ(moved.id(), id);
   held = pixels_of(moved.id(), 5, 4);
   EXPECT_EQ(held.at(4, 3, 3), 77);
+}
+
+// ---- Points on the CPU ----
+
+constexpr int kSide = 96;
+
+View front_view() {
+  Camera camera;
+  camera.eye = {-1, 0, 0};
+  camera.target = Vec3d::Zero();
+  return make_view(camera, kSide, kSide);
+}
+
+DrawPoints scattered(int count) {
+  Random random(7);
+  DrawPoints points;
+  points.size_m = 0.08f;
+  points.max_px = 40;
+  for (int i = 0; i < count; ++i) {
+    const auto next = [&] { return static_cast<float>(random.uniform()); };
+    const float x = 0.4f * next(), y = next() - 0.5f, z = next() - 0.5f;
+    points.positions.emplace_back(x, y, z);
+    points.colors.push_back({static_cast<std::uint8_t>(i), 90, 200, 255});
+  }
+  return points;
+}
+
+Image8 picture(const std::vector<DrawPoints>& clouds) {
+  return paint(splat(clouds, front_view()), clouds, theme_colors(Theme::light));
+}
+
+TEST(Splats, OrderOfPointsDoesNotMatter) {
+  const DrawPoints points = scattered(300);
+  DrawPoints reversed = points;
+  std::ranges::reverse(reversed.positions);
+  std::ranges::reverse(reversed.colors);
+  const Image8 one = picture({points}), other = picture({reversed});
+  int differing = 0;  // where two are equally far the later one is seen
+  for (std::size_t i = 0; i < one.data.size(); ++i) differing += one.data[i] != other.data[i];
+  EXPECT_LE(differing, 30);
+}
+
+TEST(Splats, OtherColorsDoNotChangeTheShapes) {
+  DrawPoints points = scattered(10);
+  std::vector<DrawPoints> other = {points};
+  for (Rgba& color : other[0].colors) color = {1, 2, 3, 255};
+  EXPECT_TRUE(same_shapes({points}, other));
+  other[0].colors[3].a = 128;
+  EXPECT_FALSE(same_shapes({points}, other));
+  other = {points, points};
+  EXPECT_FALSE(same_shapes({points}, other));
+  other = {points};
+  other[0].positions[0].x() += 0.01f;
+  EXPECT_FALSE(same_shapes({points}, other));
 }
 
 }  // namespace

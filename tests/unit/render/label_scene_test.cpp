@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/labels/edit/operations.hpp"
+#include "core/labels/edit/selection.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::render {
@@ -43,24 +44,26 @@ struct LabelScene : testing::Test {
     look.labels = labels;
     return look;
   }
+  DrawPoints points() const {
+    DrawPoints points = label_points(grid, world, labels::shown_pixels(*labels));
+    color_label_points(points, label_ground(grid, Backdrop::color), grid, look());
+    return points;
+  }
   std::vector<Rgba> tints(const LabelLook& of) const { return label_tints(grid, of, 1); }
   static std::size_t at(int u, int v) { return static_cast<std::size_t>(v * 40 + u); }
 };
 
 TEST_F(LabelScene, DrawsEveryMeasuredPointAndNamesItsPixel) {
-  const DrawList list = label_scene(grid, world, look());
-  ASSERT_EQ(list.points.size(), 1u);
-  const DrawPoints& points = list.points[0];
-  ASSERT_EQ(points.positions.size(), grid.measured_count);
-  ASSERT_EQ(points.colors.size(), points.positions.size());
-  for (std::size_t k = 0; k < points.ids.size(); ++k)
-    EXPECT_EQ(points.positions[k], world[points.ids[k] - 1]);
+  const DrawPoints drawn = points();
+  ASSERT_EQ(drawn.positions.size(), grid.measured_count);
+  ASSERT_EQ(drawn.colors.size(), drawn.positions.size());
+  for (std::size_t k = 0; k < drawn.ids.size(); ++k)
+    EXPECT_EQ(drawn.positions[k], world[drawn.ids[k] - 1]);
 }
 
 TEST_F(LabelScene, LeavesHiddenPlanesOut) {
   *labels = labels::with_flag(*labels, 2, labels::PlaneFlag::hidden, true);
-  const DrawList list = label_scene(grid, world, look());
-  EXPECT_EQ(list.points[0].positions.size(),
+  EXPECT_EQ(points().positions.size(),
             grid.measured_count - labels::pixels_of_plane(*labels, 2).size());
   EXPECT_EQ(tints(look())[at(38, 5)].a, 0);
   EXPECT_EQ(label_places(*labels, grid).size(), 1u);

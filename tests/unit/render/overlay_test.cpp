@@ -1,59 +1,16 @@
 #include "render/overlay.hpp"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "render/font.hpp"
+#include "gl_fixture.hpp"
+#include "render/paint.hpp"
 #include "render/view.hpp"
 
 namespace planescope::render {
 namespace {
-
-// ---- Where the world lands on the picture ----
-
-TEST(View, TargetIsInTheMiddleAndUpIsUp) {
-  Camera camera;
-  camera.eye = Vec3d(3, -2, 1);
-  camera.target = Vec3d(0.5, 0.5, 0.2);
-  const View view = make_view(camera, 640, 480);
-  const auto middle = project(view, camera.target.cast<float>());
-  ASSERT_TRUE(middle);
-  EXPECT_NEAR(middle->px.x(), 320, 1e-3);
-  EXPECT_NEAR(middle->px.y(), 240, 1e-3);
-  EXPECT_NEAR(middle->depth_m, (camera.eye - camera.target).norm(), 1e-5);
-  const auto above = project(view, Vec3f(0.5f, 0.5f, 0.3f));
-  ASSERT_TRUE(above);
-  EXPECT_LT(above->px.y(), 239);
-  EXPECT_NEAR(above->px.x(), 320, 1e-3);
-}
-
-TEST(View, PixelsPerMetreAtTheTargetAreTrue) {
-  for (const bool orthographic : {false, true}) {
-    Camera camera;
-    camera.eye = Vec3d(-2, 0, 0);
-    camera.orthographic = orthographic;
-    const View view = make_view(camera, 640, 480);
-    const auto a = project(view, Vec3f(0, 0, 0));
-    const auto b = project(view, Vec3f(0, 0.1f, 0));
-    ASSERT_TRUE(a && b);
-    EXPECT_NEAR((a->px - b->px).norm(), 0.1 * view.px_per_m_at_target, 1e-3);
-  }
-}
-
-TEST(View, NothingBehindTheEyeIsProjected) {
-  Camera camera;
-  camera.eye = Vec3d(-1, 0, 0);
-  const View view = make_view(camera, 640, 480);
-  EXPECT_FALSE(project(view, Vec3f(-2, 0, 0)));
-  EXPECT_FALSE(project(view, Vec3f(std::nanf(""), 0, 0)));
-  EXPECT_TRUE(project(view, Vec3f(2, 0, 0)));
-}
-
-// ---- What lies over it ----
 
 View view_of(int width, int height) {
   Camera camera;
@@ -128,7 +85,7 @@ TEST(Overlay, LongTitleIsShortenedToThePicture) {
   const Overlay overlay = layout(list);
   const OverlayText& title = overlay.texts.front();
   EXPECT_EQ(title.text.substr(title.text.size() - 3), "…");
-  EXPECT_LT(title.x + default_font().layout(title.text, title.size_px).width, 900);
+  EXPECT_LT(title.x + text_width(title.text, title.size_px), 900);
 }
 
 TEST(Overlay, LongLegendFlowsIntoColumnsInsideThePicture) {
@@ -185,7 +142,7 @@ TEST(Overlay, NoTwoLabelsStandOnEachOther) {
       for (std::size_t b = 0; b < a; ++b) {
         const OverlayText &one = overlay.labels[a], &other = overlay.labels[b];
         const auto width = [](const OverlayText& text) {
-          return default_font().layout(text.text, text.size_px).width;
+          return text_width(text.text, text.size_px);
         };
         const bool beside = one.x >= other.x + width(other) || other.x >= one.x + width(one);
         const double high = 0.9 * std::max(one.size_px, other.size_px);
@@ -239,6 +196,100 @@ TEST(Overlay, LabelsBehindTheCameraAreLeftOut) {
   ASSERT_EQ(overlay.labels.size(), 2u);
   EXPECT_EQ(overlay.labels[0].text, "near");
   EXPECT_EQ(overlay.labels[1].text, "far");
+}
+
+// ---- Text ----
+
+// Columns that hold any ink: first and last, or -1 where there is none.
+std::pair<int, int> ink_columns(const Image8& image) {
+  int first = -1;
+  int last = -1;
+  for (int x = 0; x < image.width; ++x) {
+    for (int y = 0; y < image.height; ++y) {
+      if (image.at(x, y) > 64) {
+        last = x;
+        if (first < 0) first = x;
+      }
+    }
+  }
+  return {first, last};
+}
+
+TEST(Text, InkCoversTheWidthThatIsReported) {
+  Image8 image(400, 60, 3);
+  const double advance = draw_text(image, 20, 40, "MnHoM", 24, {255, 255, 255});
+  EXPECT_DOUBLE_EQ(advance, text_width("MnHoM", 24));
+  const auto [first, last] = ink_columns(image);
+  EXPECT_NEAR(first, 20, 4);
+  EXPECT_NEAR(last, 20 + advance, 4);
+}
+
+TEST(Text, StandsOnItsBaseline) {
+  Image8 image(60, 60, 3);
+  draw_text(image, 5, 40, "H", 30, {255, 255, 255});
+  EXPECT_GT(image.at(10, 38), 100);  // the left stem of the H
+  EXPECT_GT(image.at(10, 21), 100);
+  for (int x = 0; x < 60; ++x) EXPECT_EQ(image.at(x, 41), 0);
+}
+
+TEST(Text, HasEveryCharacterOfOurPictures) {
+  const std::string text = "θστα µμ ≤≥±°×²³·–—…√Δλ 0123456789 (h/v) äöüß";
+  for (const char32_t c : decode_utf8(text)) {
+    EXPECT_TRUE(has_glyph(c)) << static_cast<unsigned>(c);
+  }
+}
+
+TEST(Text, BrokenUtf8BecomesReplacementCharacters) {
+  EXPECT_EQ(decode_utf8("a\xC3\xA4z").size(), 3u);
+  EXPECT_EQ(decode_utf8("a\xC3\xA4z")[1], U'ä');
+  EXPECT_EQ(decode_utf8("\xF0\x9F\x98\x80")[0], char32_t{0x1F600});
+  EXPECT_EQ(decode_utf8("\xFFz")[0], char32_t{0xFFFD});
+  EXPECT_EQ(decode_utf8("z\xE2\x89").size(), 3u);  // cut short: one per byte
+}
+
+TEST(Text, IsClippedAtTheImagesEdges) {
+  Image8 image(20, 10, 3);
+  EXPECT_NO_THROW(draw_text(image, -30, 5, "planescope", 40, {255, 255, 255}));
+  EXPECT_NO_THROW(draw_text(image, 15, -100, "planescope", 40, {255, 255, 255}));
+  EXPECT_NO_THROW(draw_text(image, 15, 500, "planescope", 40, {255, 255, 255}));
+}
+
+TEST(Text, AlphaBlendsWithTheImage) {
+  Image8 full(60, 60, 3);
+  Image8 half(60, 60, 3);
+  draw_text(full, 5, 50, "H", 50, {255, 255, 255});
+  draw_text(half, 5, 50, "H", 50, {255, 255, 255, 128});
+  EXPECT_EQ(*std::max_element(full.data.begin(), full.data.end()), 255);
+  EXPECT_NEAR(*std::max_element(half.data.begin(), half.data.end()), 128, 1);
+}
+
+TEST(Text, HaloSurroundsTheGlyph) {
+  const GlyphBitmap glyph = glyph_bitmap(U'l', 20, 0);
+  const GlyphBitmap halo = grown(glyph, 2);
+  EXPECT_GT(halo.width, glyph.width + 3);
+  EXPECT_EQ(halo.left + halo.width - glyph.left - glyph.width, glyph.left - halo.left);
+  for (int y = 0; y < glyph.height; ++y) {
+    for (int x = 0; x < glyph.width; ++x) {
+      const int hx = x + glyph.left - halo.left;
+      const int hy = y + glyph.top - halo.top;
+      EXPECT_GE(halo.coverage[hy * halo.width + hx], glyph.coverage[y * glyph.width + x]);
+    }
+  }
+}
+
+struct OverlayPicture : GlTest {};
+
+TEST_F(OverlayPicture, ManySizesOfTextOutgrowTheAtlasAndAreAllDrawn) {
+  DrawList list = without_overlay();
+  for (int i = 0; i < 60; ++i) {
+    const auto y = static_cast<float>(i % 10) * 0.08f - 0.4f;
+    list.labels.push_back({{0, y, 0}, "ABCDEFGHIJ", {255, 0, 0}, 40 + static_cast<float>(i), true});
+  }
+  const Image8 first = render(list, front_camera());
+  EXPECT_EQ(render(list, front_camera()).data, first.data);
+  int red = 0;
+  for (int x = 0; x < kWidth; ++x) red += pixel(first, x, kHeight / 2).g < 60;
+  EXPECT_GT(red, 20);
 }
 
 }  // namespace

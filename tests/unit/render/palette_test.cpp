@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "render/step_colors.hpp"
+#include "render/step_scene.hpp"
 
 namespace planescope::render {
 namespace {
@@ -150,21 +150,51 @@ TEST(Palette, AnyTwoPlanesAreApartForAllEyes) {
   EXPECT_EQ(plane_color(1), plane_color(kPlaneColors + 1));
 }
 
-TEST(Palette, DepthRampGetsEvenlyDarkerWithDistance) {
-  double before = 200;
+TEST(Palette, TheRampGetsEvenlyLighterAndStaysWithinItsEnds) {
+  double before = 100 * oklab(seen(ramp_color(0), Eye::normal))[0];
   for (int i = 1; i <= 30; ++i) {
-    const Rgba c = depth_color(0.1 * i, 3.0);
-    const double lightness = 100 * oklab(seen(c, Eye::normal))[0];
-    EXPECT_LT(lightness, before);
-    if (i > 1) {
-      EXPECT_LT(before - lightness, 5);
-    }
+    const double lightness = 100 * oklab(seen(ramp_color(i / 30.0), Eye::normal))[0];
+    EXPECT_GT(lightness, before);
+    EXPECT_LT(lightness - before, 5);
     before = lightness;
   }
-  EXPECT_EQ(depth_color(9, 3), depth_color(3, 3));
-  const Rgba none = depth_color(0, 3);
-  EXPECT_LE(std::abs(none.r - none.b), 16);
-  EXPECT_EQ(depth_color(std::nan(""), 3), none);
+  EXPECT_EQ(ramp_color(2), ramp_color(1));
+  EXPECT_EQ(ramp_color(-1), ramp_color(0));
+}
+
+TEST(ColorScale, TicksAreRoundInOneUnitAndWithinTheRange) {
+  const auto texts = [](double low, double high, ColorScale::Map map = ColorScale::Map::rising) {
+    std::string all;
+    const ScaleTicks ticks = ticks_of({.what = "", .range = {low, high}, .map = map});
+    for (const ScaleTick& tick : ticks.ticks) {
+      EXPECT_GE(tick.value_m, low - 1e-9);
+      EXPECT_LE(tick.value_m, high + 1e-9);
+      all += tick.text + " ";
+    }
+    return all + ticks.unit;
+  };
+  EXPECT_EQ(texts(0.7, 1.5), "0.8 1.0 1.2 1.4 m");
+  EXPECT_EQ(texts(0, 0.02), "0 5 10 15 20 mm");
+  EXPECT_EQ(texts(-0.01, 0.01, ColorScale::Map::diverging), "-10 -5 0 +5 +10 mm");
+  EXPECT_EQ(texts(0, 0.5), "0 10 20 30 40 50 cm");
+  EXPECT_EQ(texts(0, 200), "0 50 100 150 200 m");
+}
+
+TEST(ColorScale, ColoursAreOrderedInLightnessAndBeyondTheEndsStayThose) {
+  const auto lightness = [](Rgba c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; };
+  ColorScale scale{.what = "", .range = {1, 3}};
+  double before = -1;
+  for (double value = 1; value <= 3; value += 0.1) {
+    EXPECT_GT(lightness(scale.color(value)), before);
+    before = lightness(scale.color(value));
+  }
+  EXPECT_EQ(scale.color(9), scale.color(3));
+  EXPECT_EQ(scale.color(-9), scale.color(1));
+  scale.map = ColorScale::Map::falling;
+  EXPECT_EQ(scale.color(1), ramp_color(1));
+  scale.map = ColorScale::Map::diverging;
+  EXPECT_GT(scale.color(1).b, scale.color(1).r);
+  EXPECT_GT(scale.color(3).r, scale.color(3).b);
 }
 
 }  // namespace

@@ -1,10 +1,9 @@
-#include "render/plane_scene.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "gl_fixture.hpp"
 #include "render/palette.hpp"
+#include "render/scene_parts.hpp"
 
 namespace planescope::render {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "render/frame_image.hpp"
 #include "render/paint.hpp"
 #include "render/palette.hpp"
-#include "render/region_image.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::render {

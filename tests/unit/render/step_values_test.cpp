@@ -1,5 +1,3 @@
-#include "render/step_values.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <map>
 
 #include "render/palette.hpp"
+#include "render/step_scene.hpp"
 #include "support/box_scene.hpp"
 #include "support/render_depth.hpp"
 
@@ -172,41 +171,6 @@ TEST(StepValues, TheRangeIsTheSameAtEveryStepAndPassesOutliersOver) {
   const ValueRange range = robust_range(values);
   EXPECT_NEAR(range.low_m, 0.5, 0.051);
   EXPECT_NEAR(range.high_m, 1.5, 0.051);
-}
-
-TEST(ColorScale, TicksAreRoundInOneUnitAndWithinTheRange) {
-  const auto texts = [](double low, double high, ColorScale::Map map = ColorScale::Map::rising) {
-    std::string all;
-    const ScaleTicks ticks = ticks_of({.what = "", .range = {low, high}, .map = map});
-    for (const ScaleTick& tick : ticks.ticks) {
-      EXPECT_GE(tick.value_m, low - 1e-9);
-      EXPECT_LE(tick.value_m, high + 1e-9);
-      all += tick.text + " ";
-    }
-    return all + ticks.unit;
-  };
-  EXPECT_EQ(texts(0.7, 1.5), "0.8 1.0 1.2 1.4 m");
-  EXPECT_EQ(texts(0, 0.02), "0 5 10 15 20 mm");
-  EXPECT_EQ(texts(-0.01, 0.01, ColorScale::Map::diverging), "-10 -5 0 +5 +10 mm");
-  EXPECT_EQ(texts(0, 0.5), "0 10 20 30 40 50 cm");
-  EXPECT_EQ(texts(0, 200), "0 50 100 150 200 m");
-}
-
-TEST(ColorScale, ColoursAreOrderedInLightnessAndBeyondTheEndsStayThose) {
-  const auto lightness = [](Rgba c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; };
-  ColorScale scale{.what = "", .range = {1, 3}};
-  double before = -1;
-  for (double value = 1; value <= 3; value += 0.1) {
-    EXPECT_GT(lightness(scale.color(value)), before);
-    before = lightness(scale.color(value));
-  }
-  EXPECT_EQ(scale.color(9), scale.color(3));
-  EXPECT_EQ(scale.color(-9), scale.color(1));
-  scale.map = ColorScale::Map::falling;
-  EXPECT_EQ(scale.color(1), ramp_color(1));
-  scale.map = ColorScale::Map::diverging;
-  EXPECT_GT(scale.color(1).b, scale.color(1).r);
-  EXPECT_GT(scale.color(3).r, scale.color(3).b);
 }
 
 }  // namespace

@@ -4,9 +4,9 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/world/poses/pose_graph.hpp"
+#include "core/world/poses/odometry.hpp"
+#include "core/world/poses/sequence_gravity.hpp"
 #include "core/world/poses/trajectory.hpp"
-#include "core/world/poses/upright.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::world {

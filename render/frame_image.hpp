@@ -1,7 +1,6 @@
 #pragma once
 
-// Plane ids in image space: where they come from, what lies under them, and what is drawn around
-// them.
+// Plane ids in image space and what lies under them, for pictures of depth frames (scenes.hpp).
 
 #include <vector>
 
@@ -13,17 +12,17 @@ namespace planescope::render {
 /// Plane id per pixel, 0 none.
 using RegionImage = Image<std::int32_t>;
 
-/// Depth as a grey relief lit from the camera, so that surfaces can be told apart without colour.
+/// Depth as a grey relief lit from the camera, so that surfaces can be told apart without color.
 Image8 shaded_depth(const Frame& frame);
 
 /// On the depth image's own pixels.
 RegionImage regions_on_depth(const Frame& frame, const planes::FrameResult& result);
 
-/// On the colour image of a frame whose colour is calibrated but not aligned: each depth pixel is
+/// On the color image of a frame whose color is calibrated but not aligned: each depth pixel is
 /// projected into it as a patch wide enough to leave no holes, the nearest surface in front.
 RegionImage regions_on_color(const Frame& frame, const planes::FrameResult& result);
 
-/// For drawing outlines: pinholes and specks go to the id that most of their 5x5 neighbours have.
+/// For drawing outlines: pinholes and specks go to the id that most of their 5x5 neighbors have.
 RegionImage smooth_regions(const RegionImage& regions);
 
 /// The pixel deepest inside each region, by plane id - 1; depth_px 0 where the region is absent.

@@ -1,0 +1,375 @@
+#include "render/frame_image.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "render/paint.hpp"
+#include "render/palette.hpp"
+#include "render/scene_parts.hpp"
+#include "render/scenes.hpp"
+
+namespace planescope::render {
+
+Image8 shaded_depth(const Frame& frame) {
+  const int width = frame.depth.width, height = frame.depth.height;
+  Image8 image(width, height, 3);
+  const auto point = [&](int x, int y) {
+    const double z = frame.depth.at(x, y) * frame.depth_unit_m;
+    return Vec3d((x - frame.intrinsics.cx) / frame.intrinsics.fx * z,
+                 (y - frame.intrinsics.cy) / frame.intrinsics.fy * z, z);
+  };
+  const auto measured = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < width && y < height && frame.depth.at(x, y) != 0 &&
+           frame.depth.at(x, y) != 65535;
+  };
+  constexpr int kReach = 4;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      double grey = on_hatch(x, y, 8) ? 196 : 214;
+      if (measured(x, y)) {
+        grey = 150;
+        const int x0 = measured(x - kReach, y) ? x - kReach : x;
+        const int x1 = measured(x + kReach, y) ? x + kReach : x;
+        const int y0 = measured(x, y - kReach) ? y - kReach : y;
+        const int y1 = measured(x, y + kReach) ? y + kReach : y;
+        const Vec3d normal = (point(x1, y) - point(x0, y)).cross(point(x, y1) - point(x, y0));
+        if (normal.norm() > 0) {
+          const Vec3d light = (-point(x, y).normalized() + Vec3d(-0.25, -0.35, 0)).normalized();
+          grey = 70 + 165 * std::abs(normal.normalized().dot(light));
+        }
+      }
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<std::uint8_t>(grey);
+    }
+  }
+  return image;
+}
+
+namespace {
+
+/// Distorts normalized coordinates as OpenCV does (Brown-Conrady).
+Vec2d distorted(const Intrinsics& camera, const Vec2d& p) {
+  if (camera.distortion != Distortion::brown_conrady) return p;
+  const auto& [k1, k2, p1, p2, k3] = camera.coefficients;
+  const double x = p.x(), y = p.y(), r2 = x * x + y * y;
+  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+          y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+}
+
+}  // namespace
+
+RegionImage regions_on_depth(const Frame& frame, const planes::FrameResult& result) {
+  RegionImage regions(frame.depth.width, frame.depth.height);
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
+    regions.data[result.cloud.source[i]] = result.plane_of[i];
+  return regions;
+}
+
+RegionImage regions_on_color(const Frame& frame, const planes::FrameResult& result) {
+  const Intrinsics& camera = frame.color_intrinsics;
+  RegionImage regions(frame.color.width, frame.color.height);
+  Image<float> nearest(frame.color.width, frame.color.height, 1,
+                       std::numeric_limits<float>::infinity());
+  const Pose T_depth_world = result.cloud.T_world_sensor.inverse();
+  const Pose T_color_world = frame.T_color_depth * T_depth_world;
+  // Color pixels per depth pixel, each way.
+  const double grow = std::max(1.0, camera.fx / std::max(1.0, frame.intrinsics.fx));
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i) {
+    const Vec3d p = T_color_world * (result.cloud.origin + result.cloud.points[i].cast<double>());
+    if (p.z() < 0.05) continue;
+    const Vec2d n = distorted(camera, Vec2d(p.x() / p.z(), p.y() / p.z()));
+    const double u = camera.fx * n.x() + camera.cx, v = camera.fy * n.y() + camera.cy;
+    const double half = 0.5 * grow + 0.25;
+    const auto depth = static_cast<float>(p.z());
+    const int first_x = std::max(0, static_cast<int>(std::lround(u - half)));
+    const int last_x = std::min(regions.width - 1, static_cast<int>(std::lround(u + half)));
+    const int first_y = std::max(0, static_cast<int>(std::lround(v - half)));
+    const int last_y = std::min(regions.height - 1, static_cast<int>(std::lround(v + half)));
+    for (int y = first_y; y <= last_y; ++y) {
+      for (int x = first_x; x <= last_x; ++x) {
+        if (depth >= nearest.at(x, y)) continue;
+        nearest.at(x, y) = depth;
+        regions.at(x, y) = result.plane_of[i];
+      }
+    }
+  }
+  return regions;
+}
+
+RegionImage smooth_regions(const RegionImage& regions) {
+  constexpr int kReach = 2;
+  constexpr int kMajority = 13;  // of 25
+  RegionImage smooth = regions;
+  for (int y = kReach; y < regions.height - kReach; ++y) {
+    for (int x = kReach; x < regions.width - kReach; ++x) {
+      // Boyer-Moore majority vote: the only id that can hold more than half of the window.
+      std::int32_t winner = 0;
+      int lead = 0;
+      const auto window = [&](auto&& each) {
+        for (int dy = -kReach; dy <= kReach; ++dy)
+          for (int dx = -kReach; dx <= kReach; ++dx) each(regions.at(x + dx, y + dy));
+      };
+      window([&](std::int32_t id) {
+        if (lead == 0) winner = id;
+        lead += id == winner ? 1 : -1;
+      });
+      int votes = 0;
+      window([&](std::int32_t id) { votes += id == winner; });
+      if (votes >= kMajority) smooth.at(x, y) = winner;
+    }
+  }
+  return smooth;
+}
+
+std::vector<InteriorPoint> interior_points(const RegionImage& regions, std::size_t plane_count) {
+  // Chamfer distance to the nearest pixel of another id, with the picture's edge as another id.
+  const int width = regions.width, height = regions.height;
+  Image<float> distance(width, height, 1, 1e9F);
+  const auto relax = [&](int x, int y, int dx, int dy, float step) {
+    const int nx = x + dx, ny = y + dy;
+    const bool same =
+        nx >= 0 && ny >= 0 && nx < width && ny < height && regions.at(nx, ny) == regions.at(x, y);
+    const float through = same ? distance.at(nx, ny) + step : step;
+    distance.at(x, y) = std::min(distance.at(x, y), through);
+  };
+  constexpr float kDiagonal = 1.4142F;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      relax(x, y, -1, 0, 1);
+      relax(x, y, 0, -1, 1);
+      relax(x, y, -1, -1, kDiagonal);
+      relax(x, y, 1, -1, kDiagonal);
+    }
+  }
+  std::vector<InteriorPoint> points(plane_count);
+  for (int y = height - 1; y >= 0; --y) {
+    for (int x = width - 1; x >= 0; --x) {
+      relax(x, y, 1, 0, 1);
+      relax(x, y, 0, 1, 1);
+      relax(x, y, 1, 1, kDiagonal);
+      relax(x, y, -1, 1, kDiagonal);
+      const std::int32_t id = regions.at(x, y);
+      if (id <= 0 || static_cast<std::size_t>(id) > plane_count) continue;
+      InteriorPoint& best = points[static_cast<std::size_t>(id) - 1];
+      if (distance.at(x, y) > best.depth_px) best = {x, y, distance.at(x, y)};
+    }
+  }
+  return points;
+}
+
+// ---- Planes over the camera's image ----
+
+namespace {
+
+constexpr double kTint = 0.40;  // share of the plane's color over the image
+constexpr Rgba kOutlineShade{20, 22, 26, 255};
+
+/// The image under the planes, and the planes on its pixels.
+struct Ground {
+  Image8 image;
+  RegionImage regions;
+};
+Ground ground_of(const Frame& frame, const planes::FrameResult& result) {
+  const bool same_size =
+      frame.color.width == frame.depth.width && frame.color.height == frame.depth.height;
+  if (!frame.color.empty() && frame.color_aligned && same_size)
+    return {frame.color, regions_on_depth(frame, result)};
+  if (!frame.color.empty() && !frame.color_aligned && frame.color_intrinsics.fx > 0)
+    return {frame.color, regions_on_color(frame, result)};
+  return {shaded_depth(frame), regions_on_depth(frame, result)};
+}
+
+/// Lines along the inside of each region, `width_px` wide.
+void draw_outlines(Image8& image,
+                   const RegionImage& regions,
+                   int factor,
+                   int width_px,
+                   std::span<const int> color_of_plane) {
+  const auto region_at = [&](int x, int y) {
+    return regions.at(std::clamp(x, 0, regions.width - 1), std::clamp(y, 0, regions.height - 1));
+  };
+  // Pixels of the picture look for another region as far as this, in pixels of the regions.
+  const int reach = (width_px + factor - 1) / factor;
+  const auto is_inside = [&](int column, int row, std::int32_t id) {
+    for (int d = 1; d <= reach; ++d)
+      if (region_at(column - d, row) != id || region_at(column + d, row) != id ||
+          region_at(column, row - d) != id || region_at(column, row + d) != id)
+        return false;
+    return true;
+  };
+  const auto is_edge = [&](int x, int y, std::int32_t id) {
+    const auto id_at = [&](int column, int row) {
+      column = std::clamp(column, 0, image.width - 1);
+      row = std::clamp(row, 0, image.height - 1);
+      return regions.at(column / factor, row / factor);
+    };
+    for (int d = 1; d <= width_px; ++d)
+      if (id_at(x - d, y) != id || id_at(x + d, y) != id || id_at(x, y - d) != id ||
+          id_at(x, y + d) != id)
+        return true;
+    return false;
+  };
+  for (int row = 0; row < regions.height; ++row) {
+    for (int column = 0; column < regions.width; ++column) {
+      const std::int32_t id = regions.at(column, row);
+      if (id <= 0 || is_inside(column, row, id)) continue;
+      const Rgba color = mix(color_of(id, color_of_plane), kOutlineShade, 0.2);
+      for (int y = row * factor; y < (row + 1) * factor; ++y)
+        for (int x = column * factor; x < (column + 1) * factor; ++x)
+          if (is_edge(x, y, id)) blend_pixel(image, x, y, color);
+    }
+  }
+}
+
+void draw_ids(Image8& image,
+              const RegionImage& regions,
+              int factor,
+              std::size_t plane_count,
+              std::span<const int> color_of_plane) {
+  constexpr double kLeastDepth = 9;  // of a region that has room for its id [px of the picture]
+  const std::vector<InteriorPoint> points = interior_points(regions, plane_count);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double depth = points[k].depth_px * factor;
+    if (depth < kLeastDepth) continue;
+    const int id = static_cast<int>(k) + 1;
+    const std::string text = std::to_string(id);
+    const double size = std::clamp(0.8 * depth, 13.0, 26.0);
+    const double x = (points[k].x + 0.5) * factor, y = (points[k].y + 0.5) * factor;
+    const double radius = std::max(0.72 * size, 0.5 * text_width(text, size) + 0.28 * size);
+    fill_disc(image, x, y, radius + 2, {255, 255, 255, 235});
+    fill_disc(image, x, y, radius, mix(color_of(id, color_of_plane), kOutlineShade, 0.45));
+    draw_text(image, x - text_width(text, size) / 2, y + 0.36 * size, text, size,
+              {255, 255, 255, 255});
+  }
+}
+
+}  // namespace
+
+Image8 image_overlay(const Frame& frame,
+                     const planes::FrameResult& result,
+                     std::span<const int> color_of_plane) {
+  const Ground below = ground_of(frame, result);
+  const int factor = enlargement(below.image.width);
+  Image8 tinted = below.image;
+  for (int y = 0; y < tinted.height; ++y) {
+    for (int x = 0; x < tinted.width; ++x) {
+      const std::int32_t id = below.regions.at(x, y);
+      if (id > 0) blend_pixel(tinted, x, y, color_of(id, color_of_plane), kTint);
+    }
+  }
+  Image8 image = enlarge(tinted, factor);
+  const RegionImage smooth = smooth_regions(below.regions);
+  draw_outlines(image, smooth, factor, 2, color_of_plane);
+  draw_ids(image, smooth, factor, result.segmentation.planes.size(), color_of_plane);
+  return image;
+}
+
+// ---- Depth with its scale ----
+
+namespace {
+
+constexpr Rgba kInk{52, 58, 66, 255};
+constexpr Rgba kNotMeasured{232, 234, 237, 255};
+constexpr Rgba kHatch{196, 200, 206, 255};
+constexpr Rgba kBeyond{150, 154, 160, 255};
+constexpr int kBarRoom = 120;  // [px] right of the image
+constexpr int kNoteRoom = 44;  // [px] below the image
+constexpr int kHatchSpacing = 12;
+
+bool measured(std::uint16_t count) { return count != 0 && count != 65535; }
+
+/// Spans all but the outermost half percent of the depths within range, rounded outward to 10 cm.
+ColorScale ramp_of(const Frame& frame, double max_range_m) {
+  ColorScale ramp{.what = "depth", .range = {0, max_range_m}, .map = ColorScale::Map::falling};
+  std::vector<double> depths;
+  for (const std::uint16_t count : frame.depth.data)
+    if (measured(count) && count * frame.depth_unit_m <= max_range_m)
+      depths.push_back(count * frame.depth_unit_m);
+  if (depths.empty()) return ramp;
+  auto& [low_m, high_m] = ramp.range;
+  low_m = std::floor(10 * quantile(depths, 0.005)) / 10;
+  high_m = std::ceil(10 * quantile(depths, 0.995)) / 10;
+  if (high_m - low_m < 0.15) high_m = low_m + 0.2;
+  return ramp;
+}
+
+/// Of each count that a depth image can hold; those not measured are hatched.
+std::vector<Rgba> colors_of_counts(const Frame& frame, const ColorScale& ramp, double max_range_m) {
+  std::vector<Rgba> colors(65536, kNotMeasured);
+  std::vector<bool> is_there(colors.size());
+  for (const std::uint16_t count : frame.depth.data) is_there[count] = measured(count);
+  for (std::size_t count = 0; count < colors.size(); ++count) {
+    if (!is_there[count]) continue;
+    const double depth_m = static_cast<double>(count) * frame.depth_unit_m;
+    colors[count] = depth_m > max_range_m ? kBeyond : ramp.color(depth_m);
+  }
+  return colors;
+}
+
+/// A round step that gives between 4 and 8 marks.
+double tick_step(double span_m) { return round_step(span_m / 8); }
+
+void draw_bar(Image8& image, int left, int top, int height, const ColorScale& ramp) {
+  constexpr int kWidth = 22;
+  const auto [low_m, high_m] = ramp.range;
+  const double span_m = high_m - low_m;
+  for (int y = 0; y < height; ++y)  // near at the top
+    fill_rect(image, left, top + y, kWidth, 1, ramp.color(low_m + span_m * (y + 0.5) / height));
+  const double step = tick_step(span_m);
+  const auto first = static_cast<int>(std::ceil(low_m / step - 1e-6));
+  const auto last = static_cast<int>(std::floor(high_m / step + 1e-6));
+  for (int k = first; k <= last; ++k) {
+    const int y = top + static_cast<int>(std::lround((k * step - low_m) / span_m * height));
+    fill_rect(image, left + kWidth, std::min(y, top + height - 1), 6, 1, kInk);
+    const std::string text =
+        fmt::format("{:.{}f}{}", k * step, step < 0.095 ? 2 : 1, k == first ? " m" : "");
+    draw_text(image, left + kWidth + 11, y + 6, text, 17, kInk);
+  }
+}
+
+void draw_notes(Image8& image, int bottom, double max_range_m) {
+  const int top = bottom - kNoteRoom + 15;
+  double x = 4;
+  const auto swatch = [&](bool hatched, Rgba color, const std::string& text) {
+    const int left = static_cast<int>(x);
+    for (int dy = 0; dy < 18; ++dy)
+      for (int dx = 0; dx < 26; ++dx)
+        blend_pixel(image, left + dx, top + dy,
+                    hatched && on_hatch(left + dx, top + dy, kHatchSpacing) ? kHatch : color);
+    x += 34;
+    x += draw_text(image, x, top + 15, text, 17, kInk) + 28;
+  };
+  swatch(true, kNotMeasured, "no measurement");
+  swatch(false, kBeyond, fmt::format("beyond {:.4g} m", max_range_m));
+}
+
+}  // namespace
+
+Image8 image_depth(const Frame& frame, double max_range_m) {
+  const int factor = enlargement(frame.depth.width);
+  const int width = frame.depth.width * factor, height = frame.depth.height * factor;
+  const ColorScale ramp = ramp_of(frame, max_range_m);
+  Image8 image(width + kBarRoom, height + kNoteRoom, 3, 255);
+  const std::vector<Rgba> colors = colors_of_counts(frame, ramp, max_range_m);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const std::uint16_t count = frame.depth.at(x / factor, y / factor);
+      const bool hatch = !measured(count) && on_hatch(x, y, kHatchSpacing);
+      const Rgba color = hatch ? kHatch : colors[count];
+      std::uint8_t* pixel = &image.at(x, y);
+      pixel[0] = color.r;
+      pixel[1] = color.g;
+      pixel[2] = color.b;
+    }
+  }
+  draw_bar(image, width + 18, 16, height - 32, ramp);
+  draw_notes(image, image.height, max_range_m);
+  return image;
+}
+
+}  // namespace planescope::render
