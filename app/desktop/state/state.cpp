@@ -199,7 +199,6 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
 }
 
 std::string state_text(const State& state, bool idle) {
-  using Json = nlohmann::ordered_json;
   return json_text(state_facts(state, idle), 2);
 }
 

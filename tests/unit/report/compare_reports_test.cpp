@@ -10,6 +10,8 @@
 namespace planescope::report {
 namespace {
 
+using planes::PlaneSummary;
+
 /// A strip of measurements, `plane_of` each tenth of it, and floors of the heights given.
 ReportFrame strip(const std::vector<int>& plane_of_tenths, const std::vector<double>& heights_m) {
   ReportFrame result;

@@ -17,6 +17,9 @@
 namespace planescope::report {
 namespace {
 
+using planes::FramePlanes;
+using planes::PlaneSummary;
+
 // A level square of 1 m and an upright one, sampled every centimetre, and a point in no plane.
 planes::FrameResult two_squares(const Vec3d& origin) {
   planes::FrameResult result;

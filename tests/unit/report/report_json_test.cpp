@@ -15,6 +15,8 @@
 namespace planescope::report {
 namespace {
 
+using planes::PlaneSummary;
+
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 

@@ -17,6 +17,8 @@
 namespace planescope::report {
 namespace {
 
+using planes::PlaneSummary;
+
 namespace fs = std::filesystem;
 
 constexpr const char* kHostile = "\"><script>alert(1)</script>";

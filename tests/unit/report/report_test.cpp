@@ -22,6 +22,8 @@
 namespace planescope::report {
 namespace {
 
+using planes::PlaneSummary;
+
 using Json = nlohmann::json;
 
 ReportFrame numbered_frame(int index) {

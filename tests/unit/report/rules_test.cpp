@@ -14,6 +14,8 @@
 namespace planescope::report {
 namespace {
 
+using planes::PlaneSummary;
+
 namespace fs = std::filesystem;
 
 ReportFrame frame_with(int index, std::vector<double> heights_m, double mean_iou = 90) {
