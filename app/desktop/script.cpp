@@ -280,11 +280,9 @@ void Script::play(Shell& shell, Stage& stage, std::stop_token stop) const {
     };
     try {
       shell.forget_nothing_done();
-      const ViewState& view = shell.state().view;
-      const std::string before = view.message;
       player.play(step);
-      if (view.did_nothing || (view.message_is_error && view.message != before))
-        fmt::print(stderr, "{}: nothing was done: {}\n", where(), view.message);
+      if (shell.state().view.did_nothing)
+        fmt::print(stderr, "{}: nothing was done: {}\n", where(), shell.state().view.message);
     } catch (const Json::exception& error) {
       throw Error(where() + ": " + json_problem(error));
     } catch (const ExpectationFailed& error) {

@@ -290,7 +290,9 @@ void LabelJobs::pursue_carry(State& state) {
       state.results.refusal.empty() ? state.results.label.refusal : state.results.refusal;
   if (!state.results.loading && !frames_.busy() && !refusal.empty()) {
     carry = {};
-    return say(state, refusal, true);
+    say(state, refusal, true);
+    state.view.did_nothing = true;
+    return;
   }
   if (!state.labels()) return;  // being made
   carry.begun = true;
@@ -312,6 +314,7 @@ void LabelJobs::pursue_carry(State& state) {
       [](State& s, const std::string& why) {
         s.results.label.carry = {};
         say(s, why, true);
+        s.view.did_nothing = true;
       });
 }
 

@@ -37,7 +37,8 @@ struct OptionInfo {
   std::string section;  // "cloud", "gravity", "classifier", "method", "criteria", "objective",
                         // "rivals", "foot", "stairs"
   std::function<std::string(const PipelineOptions&)> get = {};
-  std::function<void(PipelineOptions&, const std::string&)> set = {};  // throws Error on a bad value
+  std::function<void(PipelineOptions&, const std::string&)> set =
+      {};  // throws Error on a bad value
   OptionKind kind = OptionKind::text;
   OptionRange range = {};                 // of number and whole
   std::vector<std::string> choices = {};  // of choice

@@ -163,12 +163,12 @@ TEST(Trajectory, ThatIsDamagedIsRefusedWithItsLine) {
   expect("f.log", "0 0 1\n1 0 0 5\n0 1 0 inf\n0 0 1 0\n0 0 0 1\n", ", line 3: 'inf' is not a");
   expect("f.log", "0 0 1\n1 0 0 5\n0 1 0 6\n0 0 1 0\n0 0 0 2\n", ", line 1: the matrix is not");
   expect("g.txt", "hello\n", ", line 1: 1 word; expected TUM");
-  expect("h.json", "{\"parameters\": [{}]}", "parameters[0]");
+  expect("h.json", "{\"parameters\": [{}]}", ": parameters[0]");
   expect("h.json", "{\"parameters\": [{\"extrinsic\": [1,0,0,0,0,1,0,0,0,0,1,0,\"a\",0,0,1]}]}",
-         "parameters[0]");
+         ": parameters[0]");
   // Row by row.
   expect("h.json", "{\"parameters\": [{\"extrinsic\": [1,0,0,5,0,1,0,0,0,0,1,0,0,0,0,1]}]}",
-         "parameters[0]");
+         ": parameters[0]");
   expect("i.tum", "# frame 0 segment 900000000\n" + fine, ", line 2: segment 900000000; expected");
 }
 
