@@ -24,7 +24,7 @@ std::int64_t key_of(int tile_x, int tile_y) {
 void Cell::look(bool is_through) {
   if (looked >= kHorizon) {
     looked /= 2;
-    seen = seen > 1 ? seen / 2 : seen;
+    if (seen > 1) seen /= 2;
   }
   ++looked;
   through = is_through ? static_cast<std::uint8_t>(through + 1) : std::uint8_t{0};
