@@ -226,8 +226,8 @@ void drop_done_hint(State& state) {
   if (state.view.hint_done && state.view.hint_done(state)) say(state, "");
 }
 
-void say_nothing_done(State& state, std::string why) {
-  say(state, std::move(why));
+void say_nothing_done(State& state, std::string why, bool is_error) {
+  say(state, std::move(why), is_error);
   state.view.did_nothing = true;
 }
 

@@ -135,7 +135,7 @@ Takes<Enum> choice(std::string names) {
           }};
 }
 
-/// An argument for which one text stands for nothing.
+/// An argument with one text that means "none".
 template <typename T>
 Takes<std::optional<T>> or_none(Takes<T> takes, std::string none = "none") {
   Takes<std::optional<T>> some;

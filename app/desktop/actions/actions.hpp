@@ -167,9 +167,9 @@ void save_labels_if_possible(State& state);
 void say(State& state, std::string message, bool is_error = false);
 /// Suggests what could be done next, until it is done.
 void say_hint(State& state, std::string hint, std::function<bool(const State&)> done);
-/// Takes a hint away whose time is over.
+/// Removes a hint that is done.
 void drop_done_hint(State& state);
-/// Says that nothing was changed, and why; reported to whoever plays a script.
-void say_nothing_done(State& state, std::string why);
+/// Shows why nothing was changed; scripts print it to stderr.
+void say_nothing_done(State& state, std::string why, bool is_error = false);
 
 }  // namespace planescope::desktop

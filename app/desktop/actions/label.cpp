@@ -179,10 +179,10 @@ void save_labels(State& state) {
   labels::LabelStore* store = store_of(state);
   if (!store || !store->read_only().empty() || !store->any_unsaved()) return;
   std::string& problem = state.results.label.save_problem;
-  const std::size_t told = store->notices().size();
+  const std::size_t shown = store->notices().size();
   try {
     store->save_all();
-    if (store->notices().size() > told) say(state, store->notices().back(), true);
+    if (store->notices().size() > shown) say(state, store->notices().back(), true);
     problem.clear();
     state.document.labels_written = true;
   } catch (const std::exception& error) {

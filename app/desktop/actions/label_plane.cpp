@@ -20,7 +20,7 @@ namespace {
 
 // ---- Finishing: each gesture shows what it would change, Enter does it in one step of undo ------
 
-/// `nothing`: what the plane is said not to have.
+/// `nothing`: completes the message for a plane without it.
 void show_finish(State& state,
                  int plane,
                  const std::string& title,
@@ -61,7 +61,7 @@ void drop_specks(State& state, const std::optional<double>& typed_cm2) {
 
 std::string name_of(int plane) { return fmt::format("P{}", plane); }
 
-/// Of the active plane; where there is none, of what is painted next.
+/// Sets the class of the active plane, or of what is painted next if there is none.
 void set_class(State& state, const std::optional<int>& chosen, Label label) {
   const char* name = to_string(label);
   LabelView& view = state.view.label;
@@ -208,7 +208,7 @@ void show_next(State& state, const char* what, bool (*is_wanted)(const FrameMark
   say_nothing_done(state, fmt::format("no other frame is {}", what));
 }
 
-/// Of the frames that labels were proposed in and nobody has reviewed yet.
+/// The next frame with proposed labels that are not reviewed.
 void show_next_doubtful(State& state) {
   for (const auto& [frame, share] : state.results.label.spread.doubtful)
     if (frame != state.document.frame && !frame_mark(state, frame).reviewed)

@@ -177,7 +177,7 @@ void show_lost(State& state, int index) {
 
 // ---- Marking -----------------------------------------------------------------------------------
 
-/// Of a rectangle in which nothing could be marked anew.
+/// Why a rectangle marked nothing new.
 std::string what_is_wrong_with_a_box(std::size_t measured, std::size_t beyond) {
   if (measured == 0) return "nothing was marked: nothing was measured there";
   if (beyond == measured)

@@ -91,7 +91,7 @@ void play(State& state, int direction) {
 
 // ---- Pictures of steps -------------------------------------------------------------------------
 
-constexpr int kMostPictures = 500;  // where nobody says how many steps apart
+constexpr int kMostPictures = 500;  // unless the argument gives the distance in steps
 constexpr const char* kSaveTakes = "PATH.png [FROM-TO [EVERY [PICTURES_PER_SECOND]]]";
 
 [[noreturn]] void refuse_saving(const std::string& text) {

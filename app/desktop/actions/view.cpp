@@ -342,7 +342,7 @@ void add_camera_actions(std::vector<Action>& all) {
         at.eye = Vec3d(v[0], v[1], v[2]);
         at.target = Vec3d(v[3], v[4], v[5]);
         if ((at.eye - at.target).norm() < 1e-6)
-          throw Error("action camera.set: the camera stands on its target");
+          throw Error("action camera.set: eye and target are the same point");
         move_camera(s, at);
       });
   camera.add("camera.hold", "Group camera moves into one undo step")

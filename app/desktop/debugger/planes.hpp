@@ -1,8 +1,7 @@
 #pragma once
 
-// What is told about the planes of a result and about what leads from one to another: the table's
-// rows, in the order and with the filter of the view, and texts. Pure functions of the state;
-// planes are the trace's.
+// Texts about the planes of a result and the steps between them, and the table's rows in the order
+// and with the filter of the view. Pure functions of the state; planes are the trace's.
 
 #include <cstdint>
 #include <string>

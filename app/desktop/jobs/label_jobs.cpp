@@ -64,9 +64,9 @@ void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
   label.refusal.clear();
   try {
     if (labels::LabelStore* store = open->labels.get()) {
-      const std::size_t told = store->notices().size();
+      const std::size_t shown = store->notices().size();
       store->open(made->frame, labels::empty_labels(made->grid, made->sha256));
-      if (store->notices().size() > told) say(state, store->notices().back(), true);
+      if (store->notices().size() > shown) say(state, store->notices().back(), true);
     }
     label.frame = std::move(made);
   } catch (const std::exception& error) {
@@ -290,9 +290,7 @@ void LabelJobs::pursue_carry(State& state) {
       state.results.refusal.empty() ? state.results.label.refusal : state.results.refusal;
   if (!state.results.loading && !frames_.busy() && !refusal.empty()) {
     carry = {};
-    say(state, refusal, true);
-    state.view.did_nothing = true;
-    return;
+    return say_nothing_done(state, refusal, /*is_error=*/true);
   }
   if (!state.labels()) return;  // being made
   carry.begun = true;
@@ -313,8 +311,7 @@ void LabelJobs::pursue_carry(State& state) {
       },
       [](State& s, const std::string& why) {
         s.results.label.carry = {};
-        say(s, why, true);
-        s.view.did_nothing = true;
+        say_nothing_done(s, why, /*is_error=*/true);
       });
 }
 

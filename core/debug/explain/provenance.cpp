@@ -373,6 +373,7 @@ std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel) {
     if (least >= 0 && distance >= least) continue;
     least = distance;
     best = cloud.source[i];
+    if (voxels.count[voxel] == 1) break;
   }
   return best;
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/json_fields.hpp"
 #include "core/planes/foot/footholds.hpp"
 #include "core/planes/outline/outline.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
@@ -75,5 +76,15 @@ std::string planes_json(const Frame& frame,
                         const PipelineOptions& options);
 /// Milliseconds by stage and their sum.
 std::string timings_json(const FrameTimings& timings);
+
+/// The stages' times, for timings.json and reports.
+void visit_fields(auto& fields, Same<FrameTimings> auto& timings) {
+  fields("load_ms", timings.load_ms);
+  fields("cloud_ms", timings.cloud_ms);
+  fields("t_d_ms", timings.t_d_ms);
+  fields("t_c_ms", timings.t_c_ms);
+  fields("t_b_ms", timings.t_b_ms);
+  fields("t_s_ms", timings.t_s_ms);
+}
 
 }  // namespace planescope::planes

@@ -343,12 +343,8 @@ std::string planes_json(const Frame& frame,
 std::string timings_json(const FrameTimings& t) {
   Json json;
   json["schema"] = "planescope.timings/1";
-  json["load_ms"] = t.load_ms;
-  json["cloud_ms"] = t.cloud_ms;
-  json["t_d_ms"] = t.t_d_ms;
-  json["t_c_ms"] = t.t_c_ms;
-  json["t_b_ms"] = t.t_b_ms;
-  json["t_s_ms"] = t.t_s_ms;
+  FieldWriter fields(json);
+  visit_fields(fields, t);
   json["total_ms"] = total_ms(t);
   return printed(json);
 }

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/planes/evaluate/metrics.hpp"
+#include "core/planes/result/analyze.hpp"
 #include "core/report/data/terrain_fields.hpp"
 
 namespace planescope::report {
@@ -165,13 +166,7 @@ void picture_fields(auto& fields, auto& picture) {
 }
 
 void timings_fields(auto& fields, auto& frame) {
-  auto& t = frame.timings;
-  fields("load_ms", t.load_ms);
-  fields("cloud_ms", t.cloud_ms);
-  fields("t_d_ms", t.t_d_ms);
-  fields("t_c_ms", t.t_c_ms);
-  fields("t_b_ms", t.t_b_ms);
-  fields("t_s_ms", t.t_s_ms);
+  visit_fields(fields, frame.timings);
   fields("reference_ms", frame.reference_ms);
 }
 

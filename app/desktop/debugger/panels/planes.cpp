@@ -385,7 +385,7 @@ void draw_planes(const Ui& ui) {
 
 namespace {
 
-/// Why there is nothing to tell at the cursor; empty where there is.
+/// Why nothing is shown at the cursor; empty if something is.
 std::string why_untold(const State& state) {
   if (!state.run()->subject->prepared.gravity.known())
     return "Stairs, kerbs and ramps need gravity, which is unknown.";
