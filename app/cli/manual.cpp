@@ -8,7 +8,7 @@
 
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::app {
 namespace {

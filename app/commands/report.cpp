@@ -16,7 +16,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 #include "core/report/compare/judgement.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/data/report_json.hpp"
 #include "core/world/map_recording.hpp"

@@ -11,10 +11,8 @@
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/plane_files.hpp"
-#include "core/report/data/ros_json.hpp"
 #include "core/report/data/segment_files.hpp"
-#include "core/report/data/terrain.hpp"
+#include "core/report/data/report_data.hpp"
 #include "core/world/files/map_files.hpp"
 
 namespace planescope::app {

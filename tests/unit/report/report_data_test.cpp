@@ -10,8 +10,6 @@
 
 #include "core/model/random.hpp"
 #include "core/planes/result/analyze.hpp"
-#include "core/report/data/plane_files.hpp"
-#include "core/report/data/ros_json.hpp"
 #include "core/report/data/segment_files.hpp"
 
 namespace planescope::report {

@@ -11,7 +11,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/report/compare/judgement.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/data/report_json.hpp"
 #include "core/report/page/pictures.hpp"
