@@ -1,11 +1,10 @@
-#include "app/cli/manual.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 
+#include "app/cli/program.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/data/report_data.hpp"
