@@ -1,3 +1,5 @@
+// Reads and writes classifier weights (safetensors), and the shapes of the three networks.
+
 #include "core/planes/classify/weights.hpp"
 
 #include <fmt/format.h>

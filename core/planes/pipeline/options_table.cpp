@@ -1,3 +1,5 @@
+// The table of all options, and profile files.
+
 #include "core/planes/pipeline/options_table.hpp"
 
 #include <fmt/format.h>
