@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "core/io/cloud_files/cloud_formats.hpp"
-#include "core/io/mapped_file.hpp"
+#include "core/io/byte_reader.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
@@ -261,7 +261,7 @@ PointSet read_pcd_bytes(const std::filesystem::path& path, Bytes file, CloudExtr
 
 PointSet read_pcd(const std::filesystem::path& path, CloudExtras* extras) {
   const MappedFile file(path);
-  return file.guarded([&] { return read_pcd_bytes(path, file.bytes(), extras); });
+  return guarded(file, [&] { return read_pcd_bytes(path, file.bytes(), extras); });
 }
 
 }  // namespace planescope::io

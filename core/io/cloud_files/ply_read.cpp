@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "core/io/cloud_files/cloud_formats.hpp"
-#include "core/io/mapped_file.hpp"
+#include "core/io/byte_reader.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
@@ -230,7 +230,7 @@ PointSet read_ply_bytes(const std::filesystem::path& path, Bytes file, CloudExtr
 
 PointSet read_ply(const std::filesystem::path& path, CloudExtras* extras) {
   const MappedFile file(path);
-  return file.guarded([&] { return read_ply_bytes(path, file.bytes(), extras); });
+  return guarded(file, [&] { return read_ply_bytes(path, file.bytes(), extras); });
 }
 
 }  // namespace planescope::io

@@ -2,7 +2,7 @@
 #include <map>
 
 #include "core/io/cloud_files/cloud_formats.hpp"
-#include "core/io/mapped_file.hpp"
+#include "core/io/byte_reader.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
