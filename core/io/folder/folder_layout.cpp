@@ -9,7 +9,6 @@
 #include <map>
 #include <set>
 
-#include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"

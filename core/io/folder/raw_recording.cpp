@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <map>
 
-#include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/byte_reader.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
