@@ -11,7 +11,7 @@
 
 #include "core/io/bag/message_log.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
-#include "core/io/folder/folder_layout.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

@@ -5,7 +5,7 @@
 
 #include "core/io/bag/message_log.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
-#include "core/io/folder/camera_files.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/picked_gravity.hpp"

@@ -1,11 +1,10 @@
-#include "core/io/folder/camera_files.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

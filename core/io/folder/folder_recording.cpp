@@ -4,8 +4,7 @@
 #include <map>
 #include <set>
 
-#include "core/io/folder/camera_files.hpp"
-#include "core/io/folder/folder_layout.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
