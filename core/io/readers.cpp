@@ -203,6 +203,11 @@ void apply_sidecar(const Sidecar& sidecar, Frame& frame) {
   }
 }
 
+double time_of_frame(const Sidecar& sidecar, const std::string& name, double own_s) {
+  const Sidecar::FrameFacts* facts = facts_of(sidecar, name);
+  return facts ? facts->timestamp_s.value_or(own_s) : own_s;
+}
+
 bool tells_times(const Sidecar& sidecar) {
   return std::ranges::any_of(sidecar.frames, [](const Sidecar::FrameFacts& frame) {
     return frame.timestamp_s.value_or(0) != 0;
@@ -222,15 +227,9 @@ std::optional<Gravity> gravity_of_accelerometer(const Vec3d& mean_m_s2,
 
 namespace {
 
-constexpr double kRealSenseUnit_m = 0.001;
-
 bool usable(const Intrinsics& k) {
   return std::isfinite(k.fx) && std::isfinite(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy) &&
          k.fx > 0 && k.fy > 0;
-}
-
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
 }
 
 }  // namespace
@@ -239,6 +238,7 @@ void settle_camera(const RecordingOptions& options,
                    const Sidecar& sidecar,
                    const CameraFacts& facts,
                    RecordingInfo& info) {
+  const std::string path = info.path.string();
   if (options.intrinsics) {
     const auto& [fx, fy, cx, cy] = *options.intrinsics;
     info.intrinsics = {0, 0, fx, fy, cx, cy, Distortion::none, {}};
@@ -250,28 +250,26 @@ void settle_camera(const RecordingOptions& options,
     info.intrinsics = *facts.intrinsics;
     info.intrinsics_source = facts.intrinsics_source;
   } else if (!options.intrinsics_may_lack) {
-    throw Error(info.path.string() + ": the recording does not say its camera intrinsics; " +
-                kHowToGiveIntrinsics);
+    throw Error(fmt::format("{}: the recording does not say its camera intrinsics; {}", path,
+                            kHowToGiveIntrinsics));
   }
   Intrinsics& k = info.intrinsics;
-  if (!info.intrinsics_source.empty() && !usable(k)) {
-    throw Error(info.path.string() + ": intrinsics fx " + std::to_string(k.fx) + ", fy " +
-                std::to_string(k.fy) + " from " + info.intrinsics_source +
-                " are not usable, expected focal lengths above 0 in pixels");
-  }
-  if (k.width > 0 && k.height > 0 && (k.width != info.width || k.height != info.height)) {
-    throw Error(info.path.string() + ": depth images are " + size_text(info.width, info.height) +
-                " but the intrinsics in " + info.intrinsics_source + " are for " +
-                size_text(k.width, k.height));
-  }
+  if (!info.intrinsics_source.empty() && !usable(k))
+    throw Error(
+        fmt::format("{}: intrinsics fx {:f}, fy {:f} from {} are not usable, expected focal "
+                    "lengths above 0 in pixels",
+                    path, k.fx, k.fy, info.intrinsics_source));
+  if (k.width > 0 && k.height > 0 && (k.width != info.width || k.height != info.height))
+    throw Error(fmt::format("{}: depth images are {}x{} but the intrinsics in {} are for {}x{}",
+                            path, info.width, info.height, info.intrinsics_source, k.width,
+                            k.height));
   k.width = info.width;
   k.height = info.height;
   // Of a cropped image it may be a little outside.
   if (std::abs(k.cx - 0.5 * k.width) > k.width || std::abs(k.cy - 0.5 * k.height) > k.height)
     throw Error(fmt::format(
-        "{}: principal point cx {:g}, cy {:g} from {} is far outside the {} depth image",
-        info.path.string(), k.cx, k.cy, info.intrinsics_source,
-        size_text(info.width, info.height)));
+        "{}: principal point cx {:g}, cy {:g} from {} is far outside the {}x{} depth image", path,
+        k.cx, k.cy, info.intrinsics_source, info.width, info.height));
 
   if (options.depth_unit_m) {
     info.depth_unit_m = *options.depth_unit_m;
@@ -283,13 +281,12 @@ void settle_camera(const RecordingOptions& options,
     info.depth_unit_m = *facts.depth_unit_m;
     info.depth_unit_source = facts.depth_unit_source;
   } else {
-    info.depth_unit_m = kRealSenseUnit_m;
+    info.depth_unit_m = 0.001;
     info.depth_unit_source = "assumed (RealSense default)";
   }
-  if (!(info.depth_unit_m > 0) || !std::isfinite(info.depth_unit_m)) {
-    throw Error(info.path.string() + ": depth unit " + std::to_string(info.depth_unit_m) +
-                " m from " + info.depth_unit_source + ", expected metres per count above 0");
-  }
+  if (!(info.depth_unit_m > 0) || !std::isfinite(info.depth_unit_m))
+    throw Error(fmt::format("{}: depth unit {:f} m from {}, expected metres per count above 0",
+                            path, info.depth_unit_m, info.depth_unit_source));
 }
 
 bool set_distortion(const std::string& model,
@@ -297,17 +294,16 @@ bool set_distortion(const std::string& model,
                     Intrinsics& intrinsics) {
   intrinsics.distortion = Distortion::none;
   intrinsics.coefficients = {};
-  const bool all_zero =
-      std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; });
-  if (all_zero) return true;
+  const auto are_zero = [&](std::size_t from) {
+    return std::all_of(coefficients.begin() + static_cast<std::ptrdiff_t>(from), coefficients.end(),
+                       [](double c) { return c == 0; });
+  };
+  if (are_zero(0)) return true;
   const std::string lower = lower_case(model);
   const auto names = [&](const char* part) { return lower.find(part) != std::string::npos; };
-  const bool finite = std::all_of(coefficients.begin(), coefficients.end(),
-                                  [](double c) { return std::isfinite(c); });
+  const bool finite = std::ranges::all_of(coefficients, [](double c) { return std::isfinite(c); });
   // More than five coefficients are a rational model, which ours cannot express.
-  const bool five =
-      coefficients.size() <= 5 ||
-      std::all_of(coefficients.begin() + 5, coefficients.end(), [](double c) { return c == 0; });
+  const bool five = coefficients.size() <= 5 || are_zero(5);
   if (!finite || !five || !(names("brown") || names("plumb"))) return false;
   std::copy_n(coefficients.begin(), std::min<std::size_t>(5, coefficients.size()),
               intrinsics.coefficients.begin());

@@ -400,8 +400,7 @@ double BagRecording::timestamp_s(int i) const {
   Frame facts;
   name_frame(i, parse_message(bag_, depth_.at(i), layout_.depth, ros::parse_header, kHeaderBytes),
              facts);
-  apply_sidecar(sidecar_, facts);
-  return facts.timestamp_s;
+  return time_of_frame(sidecar_, facts.name, facts.timestamp_s);
 }
 
 std::string BagRecording::frame_hash(int i) const {

@@ -74,12 +74,7 @@ class CloudRecording : public Recording {
     return frame;
   }
 
-  double timestamp_s(int i) const override {
-    Frame facts;
-    facts.name = names_.at(i);
-    apply_sidecar(sidecar_, facts);
-    return facts.timestamp_s;
-  }
+  double timestamp_s(int i) const override { return time_of_frame(sidecar_, names_.at(i), 0); }
 
   std::string frame_hash(int i) const override {
     const PointSet set = read_cloud_file(files_.at(i));
