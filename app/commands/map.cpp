@@ -18,7 +18,6 @@
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 #include "core/world/files/map_files.hpp"
-#include "core/world/files/observed_files.hpp"
 
 namespace planescope::app {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/io/mapped_file.hpp"
+#include "core/io/byte_reader.hpp"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -120,10 +120,16 @@ void MappedFile::expect_hops() const {
 }
 
 void MappedFile::prefetch(Bytes part) const {
-  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
   if (part.empty()) return;
-  const std::size_t before = reinterpret_cast<std::uintptr_t>(part.data()) % page;
+  const std::size_t before = reinterpret_cast<std::uintptr_t>(part.data()) % g_page;
   ::madvise(const_cast<std::byte*>(part.data()) - before, before + part.size(), MADV_WILLNEED);
+}
+
+void MappedFile::overwrite(std::size_t at, std::byte value) {
+  auto* bytes = const_cast<std::byte*>(bytes_.data());
+  if (::mprotect(bytes, g_page, PROT_READ | PROT_WRITE) != 0)
+    throw Error(path_.string() + ": cannot be mapped into memory");
+  bytes[at] = value;
 }
 
 }  // namespace planescope::io

@@ -1,6 +1,8 @@
 #pragma once
 
-// Internal to core/io.
+// What a folder of images has in its files: which image is which, when it was taken, what the
+// accelerometer measured, and calibration. But for camera_choices() and what follows it, internal
+// to core/io.
 
 #include <filesystem>
 #include <map>
@@ -9,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/frame.hpp"
+#include "core/io/readers.hpp"
 
 namespace planescope::io {
 
@@ -34,12 +36,7 @@ FolderLayout find_folder_layout(const std::filesystem::path& folder);
 /// the point, the first not 0 (seconds, milli-, micro- or nanoseconds since 1970). [s]
 std::optional<double> timestamp_in_name(const std::filesystem::path& path);
 
-}  // namespace planescope::io
-
-// When the frames of a folder were taken, and what its accelerometer measured then: text files
-// beside the images, as TUM's RGB-D recordings have them. Internal to core/io.
-
-namespace planescope::io {
+// ---- Times and gravity: text files beside the images, as TUM's RGB-D recordings have them ----
 
 /// The file NAME in the folder of the images, or beside a folder named `depth`; empty: none.
 std::filesystem::path file_beside_images(const std::filesystem::path& folder, const char* name);
@@ -94,5 +91,45 @@ class Accelerometer {
 
   std::vector<Sample> samples_;  // by time
 };
+
+// ---- Calibration ----
+
+struct CameraFiles {
+  CameraFacts depth;
+  std::optional<Intrinsics> color;  // only where a file tells them apart from those of depth
+  std::optional<Pose> T_color_depth;
+};
+
+/// Reads what calibration the folder has: JSON with `intrinsic_matrix` (and `depth_scale`), OpenCV
+/// XML, or a text file of numbers. Throws Error when a file named as intrinsics is damaged.
+CameraFiles find_camera_files(const std::filesystem::path& folder);
+
+// One per format; nullopt where the file is of another kind.
+std::optional<CameraFacts> camera_from_json(const std::filesystem::path& path);
+std::optional<CameraFiles> camera_from_opencv_xml(const std::filesystem::path& path);
+std::optional<CameraFacts> camera_from_text(const std::filesystem::path& path);
+
+// ---- Intrinsics for a recording whose files have none ----
+
+/// Intrinsics that may be those of a recording.
+struct CameraChoice {
+  std::string name;  // the file that has them, or the camera
+  Intrinsics intrinsics;
+  double depth_unit_m = 0.001;  // m per count
+  bool from_file = false;
+};
+
+/// Intrinsics for depth images of the recording's size: those in files of neighboring folders
+/// first, then nominal values of common cameras. Damaged files are skipped.
+std::vector<CameraChoice> camera_choices(const RecordingInfo& info);
+
+/// The camera whose nominal values these are; empty: none.
+std::string nominal_camera(const Intrinsics& intrinsics);
+
+/// `<recording>.planescope.json` beside the recording.
+std::filesystem::path camera_file(const RecordingInfo& info);
+/// Stores the recording's intrinsics and depth unit in camera_file(), and keeps what else that
+/// file has. Throws Error.
+void remember_camera(const RecordingInfo& info);
 
 }  // namespace planescope::io
