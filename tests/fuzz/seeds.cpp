@@ -22,8 +22,7 @@
 #include "fuzz/fuzz.hpp"
 #include "support/empty_report.hpp"
 #include "support/jpeg_bytes.hpp"
-#include "unit/io/ros2_writer.hpp"
-#include "unit/io/sample_bags.hpp"
+#include "unit/io/bag_writer.hpp"
 
 namespace planescope::fuzz {
 
@@ -148,7 +147,8 @@ void add_ros2_recordings(const Seeds& seeds) {
     if (!message.topic.ends_with("/image_rect_raw")) continue;
     const auto& [format, bytes] = forms[frame++];
     message.type = "sensor_msgs/msg/CompressedImage";
-    message.bytes = cdr_compressed_image(1'700'000'000, "depth_optical", format, bytes);
+    message.bytes =
+        compressed_image_message(1'700'000'000, "depth_optical", format, bytes, Wire::cdr);
   }
   for (const std::string compression : {"", "lz4", "zstd"}) {
     write_mcap(path, ros, {compression, 7, compression != "lz4", "cdr"});

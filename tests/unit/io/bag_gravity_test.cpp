@@ -1,4 +1,4 @@
-#include "unit/io/sample_bags.hpp"
+#include "unit/io/bag_writer.hpp"
 #include "unit/io/support.hpp"
 
 namespace planescope::io {

@@ -1,6 +1,6 @@
 #include <random>
 
-#include "unit/io/sample_bags.hpp"
+#include "unit/io/bag_writer.hpp"
 #include "unit/io/support.hpp"
 
 namespace planescope::io {

@@ -37,6 +37,9 @@ fs::path sample_folder() {
   return folder;
 }
 
+/// Opens it, with intrinsics.
+std::unique_ptr<Recording> open_known(const fs::path& folder) { return open_known(folder); }
+
 TEST(Folder, FramesAreInTheOrderOfTheirNumbersWithTheirColour) {
   const fs::path folder = sample_folder();
   write_text(folder / "camera_intrinsic.json", kOpen3dJson);
@@ -137,7 +140,7 @@ TEST(Folder, ColourOfAnotherSizeIsShownOnly) {
   const fs::path folder = temp_folder();
   write_depth(folder / "0000_depth.png", 1000);
   write_color(folder / "0000_color.png", 7, 48, 27);
-  const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+  const auto recording = open_known(folder);
   const Frame frame = recording->frame(0);
   EXPECT_EQ(frame.color.width, 48);
   EXPECT_FALSE(frame.color_aligned);
@@ -154,7 +157,7 @@ TEST(Folder, FlatFoldersPairNamesAndIgnoreOtherPictures) {
   }
   write_color(folder / "result.png", 1);
   write_depth(folder / "labels.png", 3);
-  const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+  const auto recording = open_known(folder);
   ASSERT_EQ(recording->frame_count(), 2);
   EXPECT_EQ(recording->frame(1).depth.at(0, 0), 501);
   EXPECT_EQ(recording->frame(1).color.at(0, 0, 0), 41);
@@ -187,11 +190,6 @@ TEST(Folder, TimesInNamesAreSecondsWhateverTheirUnit) {
   EXPECT_FALSE(timestamp_in_name("000123.png"));
   EXPECT_FALSE(timestamp_in_name("0000000012.png"));
   EXPECT_FALSE(timestamp_in_name("depth.png"));
-}
-
-/// Opens it, with intrinsics.
-std::unique_ptr<Recording> open_known(const fs::path& folder) {
-  return open_recording(folder, with_intrinsics(10, 10, 6, 4));
 }
 
 /// Of the three frames, and where they come from.
@@ -304,7 +302,7 @@ TEST(Folder, TheKinectsAccelerometerTellsGravityOfFramesWithTimes) {
 TEST(Folder, MissingColourImagesAreCounted) {
   const fs::path folder = sample_folder();
   fs::remove(folder / "color" / "2.png");
-  const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+  const auto recording = open_known(folder);
   ASSERT_EQ(recording->info().warnings.size(), 1u);
   expect_one_line_with(recording->info().warnings[0], {"1 of 3 depth images have no colour"});
   EXPECT_TRUE(recording->frame(1).color.empty());
@@ -334,13 +332,6 @@ TEST(Folder, TheSidecarGivesWhatTheSampleWriterWrites) {
   EXPECT_EQ(recording->frame(2).gravity->direction, Vec3d(0, 1, 0));
 }
 
-TEST(Folder, AGravityFileAloneIsEnough) {
-  const fs::path folder = sample_folder();
-  write_text(folder / "gravity.json", R"({"gravity": [0.5, 0.5, 0]})");
-  const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
-  EXPECT_NEAR(recording->frame(0).gravity->direction.x(), std::sqrt(0.5), 1e-12);
-}
-
 TEST(Folder, AUnitVectorOfGravityIsReadToTheBit) {
   const fs::path folder = sample_folder();
   for (int i = 1; i < 60; ++i) {
@@ -349,7 +340,7 @@ TEST(Folder, AUnitVectorOfGravityIsReadToTheBit) {
     std::snprintf(text, sizeof text, R"({"gravity": [%.17g, %.17g, %.17g]})", unit.x(), unit.y(),
                   unit.z());
     write_text(folder / "gravity.json", text);
-    const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+    const auto recording = open_known(folder);
     EXPECT_EQ(recording->frame(0).gravity->direction, unit) << text;
   }
 }
@@ -358,7 +349,7 @@ TEST(Folder, GravityMayBeOfAnyLength) {
   for (const char* text : {"{\"gravity\": [3e300, 4e300, 0]}", "{\"gravity\": [3e-6, 4e-6, 0]}"}) {
     const fs::path folder = sample_folder();
     write_text(folder / "gravity.json", text);
-    const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+    const auto recording = open_known(folder);
     EXPECT_LT((recording->frame(0).gravity->direction - Vec3d(0.6, 0.8, 0)).norm(), 1e-12) << text;
   }
 }
@@ -381,19 +372,18 @@ TEST(Folder, ADamagedSidecarIsNamedWithItsKey) {
   for (const auto& [text, part] : cases) {
     const fs::path folder = sample_folder();
     write_text(folder / "planescope.json", text);
-    expect_one_line_with(message_of([&] { open_recording(folder, with_intrinsics(9, 9, 6, 4)); }),
-                         {"planescope.json", part});
+    expect_one_line_with(message_of([&] { open_known(folder); }), {"planescope.json", part});
   }
 }
 
 TEST(Folder, PicturesOfDepthAreRefused) {
   const fs::path eight = sample_folder();
   write_png(eight / "depth" / "2.png", Image8(kW, kH));
-  expect_one_line_with(message_of([&] { open_recording(eight, with_intrinsics(9, 9, 6, 4)); }),
+  expect_one_line_with(message_of([&] { open_known(eight); }),
                        {"2.png", "1 channel(s) with 8 bits", "16 bits"});
   const fs::path three = sample_folder();
   write_color(three / "depth" / "10.png", 1);
-  expect_one_line_with(message_of([&] { open_recording(three, with_intrinsics(9, 9, 6, 4)); }),
+  expect_one_line_with(message_of([&] { open_known(three); }),
                        {"10.png", "3 channel(s) with 8 bits"});
 }
 
@@ -405,8 +395,7 @@ TEST(Folder, SizesThatDoNotAgreeAreRefused) {
                        {"12x8", "640x480", "camera_intrinsic.json"});
   const fs::path mixed = sample_folder();
   write_depth(mixed / "depth" / "2.png", 5, 14, 8);
-  expect_one_line_with(message_of([&] { open_recording(mixed, with_intrinsics(9, 9, 6, 4)); }),
-                       {"2.png", "14x8", "12x8"});
+  expect_one_line_with(message_of([&] { open_known(mixed); }), {"2.png", "14x8", "12x8"});
 }
 
 TEST(Folder, APngCutInHalfIsNoticedOnOpening) {
@@ -415,14 +404,9 @@ TEST(Folder, APngCutInHalfIsNoticedOnOpening) {
     auto bytes = read_file_bytes(folder / name);
     bytes.resize(bytes.size() / 2);
     write_file_bytes(folder / name, bytes);
-    expect_one_line_with(message_of([&] { open_recording(folder, with_intrinsics(9, 9, 6, 4)); }),
+    expect_one_line_with(message_of([&] { open_known(folder); }),
                          {fs::path(name).filename().c_str(), "truncated"});
   }
-}
-
-TEST(Folder, WithoutIntrinsicsTheOptionIsNamed) {
-  expect_one_line_with(message_of([&] { open_recording(sample_folder()); }),
-                       {"intrinsics", "--intrinsics FX,FY,CX,CY"});
 }
 
 TEST(Folder, UnusableIntrinsicsAreRefused) {
