@@ -289,6 +289,13 @@ ImageMessage color_message(std::uint32_t seq, double stamp_s) {
   return image;
 }
 
+void add_depth(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image) {
+  bag.add(kSdkDepth + "/image/data", "sensor_msgs/Image", time_ns, image_message(image));
+}
+void add_color(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image) {
+  bag.add(kSdkColor + "/image/data", "sensor_msgs/Image", time_ns, image_message(image));
+}
+
 void add_sdk_statics(BagWriter& bag, const SdkBag& options) {
   bag.add("/device_0/info", "diagnostic_msgs/KeyValue", 1, Fields().text("Serial").text("1").out);
   bag.add("/device_0/info", "diagnostic_msgs/KeyValue", 1,
@@ -322,8 +329,8 @@ BagWriter sdk_bag(const SdkBag& options) {
       depth.depth_unit_m = options.unit_m;
       color.depth_unit_m = 0;
     }
-    bag.add(kSdkDepth + "/image/data", "sensor_msgs/Image", time_ns, image_message(depth));
-    bag.add(kSdkColor + "/image/data", "sensor_msgs/Image", time_ns + 9, image_message(color));
+    add_depth(bag, time_ns, depth);
+    add_color(bag, time_ns + 9, color);
   }
   return bag;
 }

@@ -163,6 +163,9 @@ inline const std::string kSdkDepth = "/device_0/sensor_0/Depth_0";
 inline const std::string kSdkColor = "/device_0/sensor_1/Color_0";
 inline const std::string kSdkAccel = "/device_0/sensor_2/Accel_0";
 
+/// An image of the SDK's stream.
+void add_depth(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image);
+void add_color(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image);
 /// What the SDK writes before the first frame, at time 1 ns.
 void add_sdk_statics(BagWriter& bag, const SdkBag& options);
 /// A bag as the RealSense SDK records it, depth frames 100, 101, ... with a colour image each.

@@ -11,6 +11,7 @@ namespace fs = std::filesystem;
 
 constexpr int kW = 12;
 constexpr int kH = 8;
+const RecordingOptions kKnown = with_intrinsics(10, 10, 6, 4);
 constexpr const char* kOpen3dJson =
     R"({"width": 12, "height": 8, "intrinsic_matrix": [10, 0, 0, 0, 11, 0, 6, 4, 1]})";
 
@@ -110,8 +111,7 @@ TEST(Folder, IntrinsicsOfSevenNumbersTellTheUnitAndTheImageSize) {
   EXPECT_EQ(info.depth_unit_m, 0.0002);
   EXPECT_EQ(info.depth_unit_source, "intrinsics.txt");
   write_text(folder / "intrinsics.txt", "10 11 6 4 0.0002 640 480\n");
-  expect_one_line_with(message_of([&] { open_recording(folder); }),
-                       {"12x8", "intrinsics.txt", "640x480"});
+  expect_refused(folder, {"12x8", "intrinsics.txt", "640x480"});
 }
 
 TEST(Folder, OptionsWinOverFiles) {
@@ -236,7 +236,7 @@ TEST(Folder, ADamagedListOfImagesIsNamedWithItsLine) {
   for (const auto& [text, part] : cases) {
     const fs::path folder = sample_folder();
     write_text(folder / "depth.txt", text);
-    expect_one_line_with(message_of([&] { open_known(folder); }), {"depth.txt", part});
+    expect_refused(folder, kKnown, {"depth.txt", part});
   }
   const fs::path folder = sample_folder();
   write_text(folder / "depth.txt", "1 depth/1.png\n");
@@ -270,8 +270,7 @@ TEST(Folder, PosesOfAsManyFramesGiveTheirTimesAlone) {
   ASSERT_EQ(other->info().warnings.size(), 1u);
   expect_one_line_with(other->info().warnings[0], {"poses.tum: 1 pose for 3 frames"});
   write_text(folder / "poses.tum", "1 0 0 0 0 0 0 1\n2 0 0 NaN 0 0 0 1\n3 0 0 0 0 0 0 1\n");
-  expect_one_line_with(message_of([&] { open_known(folder); }),
-                       {"poses.tum, line 2: 'NaN' is not a number"});
+  expect_refused(folder, kKnown, {"poses.tum, line 2: 'NaN' is not a number"});
 }
 
 TEST(Folder, TheKinectsAccelerometerTellsGravityOfFramesWithTimes) {
@@ -295,8 +294,7 @@ TEST(Folder, TheKinectsAccelerometerTellsGravityOfFramesWithTimes) {
   write_text(folder / "depth.txt", "105 depth/1.png\n106 depth/2.png\n109 depth/10.png\n");
   expect_one_line_with(open_known(folder)->info().warnings.at(0), {"no sample is within 0.2 s"});
   write_text(folder / "accelerometer.txt", "5 0 9.8 0\n5.1 0 inf 0\n");
-  expect_one_line_with(message_of([&] { open_known(folder); }),
-                       {"accelerometer.txt, line 2: 'inf' is not a number"});
+  expect_refused(folder, kKnown, {"accelerometer.txt, line 2: 'inf' is not a number"});
 }
 
 TEST(Folder, MissingColourImagesAreCounted) {
@@ -372,30 +370,27 @@ TEST(Folder, ADamagedSidecarIsNamedWithItsKey) {
   for (const auto& [text, part] : cases) {
     const fs::path folder = sample_folder();
     write_text(folder / "planescope.json", text);
-    expect_one_line_with(message_of([&] { open_known(folder); }), {"planescope.json", part});
+    expect_refused(folder, kKnown, {"planescope.json", part});
   }
 }
 
 TEST(Folder, PicturesOfDepthAreRefused) {
   const fs::path eight = sample_folder();
   write_png(eight / "depth" / "2.png", Image8(kW, kH));
-  expect_one_line_with(message_of([&] { open_known(eight); }),
-                       {"2.png", "1 channel(s) with 8 bits", "16 bits"});
+  expect_refused(eight, kKnown, {"2.png", "1 channel(s) with 8 bits", "16 bits"});
   const fs::path three = sample_folder();
   write_color(three / "depth" / "10.png", 1);
-  expect_one_line_with(message_of([&] { open_known(three); }),
-                       {"10.png", "3 channel(s) with 8 bits"});
+  expect_refused(three, kKnown, {"10.png", "3 channel(s) with 8 bits"});
 }
 
 TEST(Folder, SizesThatDoNotAgreeAreRefused) {
   const fs::path folder = sample_folder();
   write_text(folder / "camera_intrinsic.json",
              R"({"width": 640, "height": 480, "intrinsic_matrix": [10,0,0,0,11,0,6,4,1]})");
-  expect_one_line_with(message_of([&] { open_recording(folder); }),
-                       {"12x8", "640x480", "camera_intrinsic.json"});
+  expect_refused(folder, {"12x8", "640x480", "camera_intrinsic.json"});
   const fs::path mixed = sample_folder();
   write_depth(mixed / "depth" / "2.png", 5, 14, 8);
-  expect_one_line_with(message_of([&] { open_known(mixed); }), {"2.png", "14x8", "12x8"});
+  expect_refused(mixed, kKnown, {"2.png", "14x8", "12x8"});
 }
 
 TEST(Folder, APngCutInHalfIsNoticedOnOpening) {
@@ -404,8 +399,7 @@ TEST(Folder, APngCutInHalfIsNoticedOnOpening) {
     auto bytes = read_file_bytes(folder / name);
     bytes.resize(bytes.size() / 2);
     write_file_bytes(folder / name, bytes);
-    expect_one_line_with(message_of([&] { open_known(folder); }),
-                         {fs::path(name).filename().c_str(), "truncated"});
+    expect_refused(folder, kKnown, {fs::path(name).filename().c_str(), "truncated"});
   }
 }
 
@@ -415,11 +409,10 @@ TEST(Folder, UnusableIntrinsicsAreRefused) {
   const fs::path folder = sample_folder();
   for (const char* matrix : {"[10, 0, 0]", "3", R"({"a": 10, "b": [0, 0, 0, 11, 0, 6, 4, 1]})"}) {
     write_text(folder / "intrinsic.json", "{\"intrinsic_matrix\": " + std::string(matrix) + "}");
-    expect_one_line_with(message_of([&] { open_recording(folder); }),
-                         {"intrinsic.json", "expected 9"});
+    expect_refused(folder, {"intrinsic.json", "expected 9"});
   }
   write_text(folder / "intrinsic.json", "{\"intrinsic_matrix\": [10,");
-  expect_one_line_with(message_of([&] { open_recording(folder); }), {"intrinsic.json", "JSON"});
+  expect_refused(folder, {"intrinsic.json", "JSON"});
 }
 
 TEST(Folder, ASingleDepthImageOpensWithIntrinsicsAndItsColour) {
@@ -428,8 +421,7 @@ TEST(Folder, ASingleDepthImageOpensWithIntrinsicsAndItsColour) {
   ASSERT_EQ(recording->frame_count(), 1);
   EXPECT_EQ(recording->frame(0).depth.at(0, 0), 1010);
   EXPECT_EQ(recording->frame(0).color.at(0, 0, 0), 10);
-  expect_one_line_with(message_of([&] { open_recording(folder / "depth" / "10.png"); }),
-                       {"10.png", "--intrinsics"});
+  expect_refused(folder / "depth" / "10.png", {"10.png", "--intrinsics"});
 }
 
 TEST(Folder, HashesAreOfTheCounts) {
@@ -443,17 +435,14 @@ TEST(Folder, HashesAreOfTheCounts) {
 
 TEST(Open, WhatIsNoRecordingGetsOneLineThatSaysWhatWasFound) {
   const fs::path folder = temp_folder();
-  expect_one_line_with(message_of([&] { open_recording(folder / "nothing"); }),
-                       {"nothing", "no such file or folder"});
-  expect_one_line_with(message_of([&] { open_recording(folder); }),
-                       {folder.c_str(), "no files", "expected a .bag, .db3 or .mcap"});
+  expect_refused(folder / "nothing", {"nothing", "no such file or folder"});
+  expect_refused(folder, {folder.c_str(), "no files", "expected a .bag, .db3 or .mcap"});
   write_text(folder / "notes.txt", "hello");
   write_text(folder / "more.txt", "hello");
-  expect_one_line_with(message_of([&] { open_recording(folder); }), {"2 .txt"});
-  expect_one_line_with(message_of([&] { open_recording(folder / "notes.txt"); }),
-                       {"notes.txt", "not a recording"});
+  expect_refused(folder, {"2 .txt"});
+  expect_refused(folder / "notes.txt", {"notes.txt", "not a recording"});
   fs::create_directories(folder / "depth");
-  expect_one_line_with(message_of([&] { open_recording(folder); }), {"no recording"});
+  expect_refused(folder, {"no recording"});
 }
 
 TEST(ViewerRaw, SizesAreCheckedAgainstTheMetadata) {
@@ -471,12 +460,11 @@ TEST(ViewerRaw, SizesAreCheckedAgainstTheMetadata) {
   EXPECT_EQ(frame.timestamp_s, 1.0005);
   EXPECT_EQ(recording->info().intrinsics.fy, 11);
   write_text(folder / "a.raw", std::string(15, '\0'));
-  expect_one_line_with(message_of([&] { open_recording(folder); }), {"a.raw", "15 bytes", "4x2"});
+  expect_refused(folder, {"a.raw", "15 bytes", "4x2"});
   write_text(folder / "a_metadata.csv", "Type,Depth\nFormat,Z16\nResolution x,wide\n");
-  expect_one_line_with(message_of([&] { open_recording(folder); }), {"Resolution x", "wide"});
+  expect_refused(folder, {"Resolution x", "wide"});
   fs::remove(folder / "a_metadata.csv");
-  expect_one_line_with(message_of([&] { open_recording(folder / "a.raw"); }),
-                       {"a.raw", "_metadata.csv"});
+  expect_refused(folder / "a.raw", {"a.raw", "_metadata.csv"});
 }
 
 }  // namespace
