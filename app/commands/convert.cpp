@@ -151,25 +151,17 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
                                          const fs::path& path,
                                          int threads,
                                          const std::stop_token& stop) {
-  const int count = static_cast<int>(input.frames.size());
   std::vector<io::WrittenFrame> written;
-  std::vector<Frame> read(input.frames.size());
-  Progress progress("convert", count);
   write_file_stream(path, [&](std::ostream& out) {
     io::McapWriter file(out);
-    work_in_order(
-        count, threads,
-        [&](int i) {
-          const auto at = static_cast<std::size_t>(i);
-          if (!stop.stop_requested()) read[at] = input.recording->frame(input.frames[at]);
-        },
-        [&](int i) {
-          if (stop.stop_requested()) throw Cancelled();
-          Frame frame = std::move(read[static_cast<std::size_t>(i)]);
-          progress.show(i + 1, fmt::format("frame {}", frame.index));
+    run_frames(
+        "convert", input.frames, threads, stop,
+        [&](std::size_t i) { return input.recording->frame(input.frames[i]); },
+        [&](std::size_t i, Frame&& frame) {
           file.add(frame);
           written.push_back(io::facts_of(std::move(frame), std::to_string(i)));
         });
+    if (stop.stop_requested()) throw Cancelled();
     file.finish();
   });
   return written;

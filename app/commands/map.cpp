@@ -11,7 +11,7 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "app/commands/map_picture.hpp"
-#include "app/commands/report_frames.hpp"
+#include "app/commands/report.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/open3d/install.hpp"
 #include "core/model/error.hpp"
