@@ -15,7 +15,7 @@
 #include "core/model/json.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/world/files/map_files.hpp"
-#include "core/world/poses/sequence_gravity.hpp"
+#include "core/world/poses/poses.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::world {

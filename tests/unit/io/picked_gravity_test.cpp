@@ -1,8 +1,7 @@
-#include "core/io/picked_gravity.hpp"
-
 #include <gtest/gtest.h>
 
 #include "core/io/readers.hpp"
+#include "core/io/recording.hpp"
 #include "core/model/error.hpp"
 #include "unit/io/support.hpp"
 
