@@ -33,12 +33,7 @@ void forge_size(std::vector<unsigned char>& png, std::uint32_t width, std::uint3
   };
   put(16, width);
   put(20, height);
-  std::uint32_t crc = 0xffffffffu;
-  for (std::size_t i = 12; i < 29; ++i) {
-    crc ^= png[i];
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0);
-  }
-  put(29, ~crc);
+  put(29, test::crc_of(std::string(png.begin() + 12, png.begin() + 29)));
 }
 
 TEST(Png, SixteenBitDepthComesBackAsWritten) {
