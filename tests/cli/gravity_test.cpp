@@ -10,7 +10,7 @@
 #include "cli/scene_files.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/picked_gravity.hpp"
+#include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "support/needs_open3d.hpp"
 

@@ -23,7 +23,6 @@
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
 #include "core/debug/replay/steps.hpp"
-#include "core/io/picked_gravity.hpp"
 #include "core/io/recording.hpp"
 #include "core/model/types.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
