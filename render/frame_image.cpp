@@ -155,7 +155,7 @@ std::vector<InteriorPoint> interior_points(const RegionImage& regions, std::size
       relax(x, y, -1, 1, kDiagonal);
       const std::int32_t id = regions.at(x, y);
       if (id <= 0 || static_cast<std::size_t>(id) > plane_count) continue;
-      InteriorPoint& best = points[static_cast<std::size_t>(id) - 1];
+      InteriorPoint& best = points[id - 1];
       if (distance.at(x, y) > best.depth_px) best = {x, y, distance.at(x, y)};
     }
   }

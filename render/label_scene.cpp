@@ -252,7 +252,7 @@ std::vector<LabelPlace> label_places(const FrameLabels& labels, const labels::La
       interior_points(regions, static_cast<std::size_t>(largest));
   std::vector<LabelPlace> places;
   for (const LabelPlane& plane : labels.planes) {
-    const InteriorPoint& at = inside[static_cast<std::size_t>(plane.id) - 1];
+    const InteriorPoint& at = inside[plane.id - 1];
     if (plane.hidden || at.depth_px <= 0) continue;
     places.push_back(
         {plane.id, static_cast<std::uint32_t>(at.y) * static_cast<std::uint32_t>(regions.width) +

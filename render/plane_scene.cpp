@@ -74,7 +74,7 @@ struct StairsPen {
   Vec3f at(const Vec3d& world) const { return (world - scene.origin).cast<float>(); }
   Vec3d middle(const planes::NosingLine& nosing) const { return (nosing.right + nosing.left) / 2; }
   void add_text(const Vec3d& where, const std::string& text) const {
-    list.labels.push_back({at(where), text, theme_colors(theme).ink, 14, true, kFigureLabel});
+    list.labels.push_back({at(where), text, theme_colors(theme).ink, 14, kFigureLabel});
   }
   void add_nosing(const planes::NosingLine& nosing) const {
     add_lines({at(nosing.right), at(nosing.left)}, theme_colors(theme).ink, 2.5f, list);

@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "core/model/plane.hpp"
-#include "render/view.hpp"
+#include "render/draw_list.hpp"
 
 namespace planescope::render {
 namespace {
@@ -149,7 +149,7 @@ void add_gravity(const planes::FrameResult& result, DrawList& list) {
                      0.62 * half_height * right.cross(forward);
   const Vec3d to = from - 0.25 * half_height * Vec3d::UnitZ();
   if (!result.gravity.known()) {
-    list.labels.push_back({from.cast<float>(), "gravity not known", kGravity, 15, true});
+    list.labels.push_back({from.cast<float>(), "gravity not known", kGravity, 15});
     return;
   }
   list.arrows.push_back({from.cast<float>(), to.cast<float>(), kGravity, 4});
@@ -158,7 +158,7 @@ void add_gravity(const planes::FrameResult& result, DrawList& list) {
                     source != GravitySource::carried;
   const std::string text = sure ? "gravity" : fmt::format("gravity ({})", to_string(source));
   const Vec3d below = to - 0.06 * half_height * Vec3d::UnitZ();
-  list.labels.push_back({below.cast<float>(), text, kGravity, 15, true});
+  list.labels.push_back({below.cast<float>(), text, kGravity, 15});
 }
 
 DrawPoints kept_points(const planes::Cloud& cloud, std::vector<std::size_t>& at) {

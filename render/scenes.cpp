@@ -145,7 +145,7 @@ void add_numerals(std::vector<Numeral> numerals, DrawList& list) {
   });
   if (numerals.size() > kMostNumerals) numerals.resize(kMostNumerals);
   for (const auto& [node, at] : numerals)
-    list.labels.push_back({at, case_numeral(*node), kSceneText, 15, true, kNumeralLabel});
+    list.labels.push_back({at, case_numeral(*node), kSceneText, 15, kNumeralLabel});
 }
 
 }  // namespace
@@ -219,7 +219,7 @@ std::vector<std::vector<Vec3f>> voxels_by_plane(const planes::FrameResult& resul
   std::vector<std::vector<Vec3f>> members(result.segmentation.planes.size());
   for (std::size_t i = 0; i < result.voxels.points.size(); ++i)
     if (const std::int32_t id = result.segmentation.plane_of[i]; id > 0)
-      members[static_cast<std::size_t>(id) - 1].push_back(result.voxels.points[i]);
+      members[id - 1].push_back(result.voxels.points[i]);
   return members;
 }
 
@@ -249,7 +249,7 @@ void add_plane_shapes(const Frame& frame,
     const Vec3f normal = plane.fit.normal.cast<float>();
     list.arrows.push_back({from, from + arrow_m * normal, dark, 2.5F});
     list.labels.push_back({from + 1.35F * arrow_m * normal, std::to_string(plane.id), kSceneText,
-                           19, true, plane_label_rank(plane.points, result.voxels.points.size())});
+                           19, plane_label_rank(plane.points, result.voxels.points.size())});
   }
 }
 
@@ -306,11 +306,10 @@ DrawList scene_overlay(const Frame& frame,
   const auto members = voxels_by_plane(result);
   for (const planes::PlaneRegion& plane : result.segmentation.planes)
     if (is_named(plane.points, result.voxels.points.size()))
-      list.labels.push_back(
-          {place_on_plane(plane.fit.centroid, members[static_cast<std::size_t>(plane.id) - 1],
-                          static_cast<float>(result.voxels.size_m)),
-           std::to_string(plane.id), kSceneText, 19, true,
-           plane_label_rank(plane.points, result.voxels.points.size())});
+      list.labels.push_back({place_on_plane(plane.fit.centroid, members[plane.id - 1],
+                                            static_cast<float>(result.voxels.size_m)),
+                             std::to_string(plane.id), kSceneText, 19,
+                             plane_label_rank(plane.points, result.voxels.points.size())});
   add_gravity(result, list);
   add_plane_legend(result, color_of_plane, list);
   return list;

@@ -14,7 +14,6 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
 #include "render/draw_list.hpp"
-#include "render/view.hpp"
 
 namespace planescope::render {
 

@@ -42,7 +42,7 @@ struct Measures {
     if (const planes::PlaneChange* change = plane(of))
       return static_cast<float>(change->fit.rms_m());
     if (node < 0 || !is_settled_leaf(run, node, step)) return kUnknown;
-    const PlaneFit& fit = run.facts[static_cast<std::size_t>(node)].fit;
+    const PlaneFit& fit = run.facts[node].fit;
     return fit.count >= 3 ? static_cast<float>(fit.rms_m()) : kUnknown;
   }
   float distance_m(std::size_t voxel, std::int32_t own) const {
@@ -390,7 +390,7 @@ std::vector<std::uint8_t> concerned_voxels(const debug::Run& run,
   std::vector<std::uint8_t> concerned(run.subject->voxel_count(), 0);
   const auto add_node = [&](std::int32_t i) {
     if (i < 0 || run.timeline.queued_at()[i] > look.step) return;
-    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(i)];
+    const planes::OctreeNode& node = run.octree().nodes[i];
     for (std::uint32_t k = node.begin; k < node.end; ++k) concerned[run.octree().order[k]] = 1;
   };
   add_node(look.node);
@@ -420,7 +420,7 @@ std::vector<Rgba> voxel_colors(const debug::Run& run,
   // The node that the step is about, whatever its colors: lighter on dark, darker on light.
   constexpr double kLit = 0.3;
   if (state.node >= 0 && state.node < static_cast<std::int32_t>(run.octree().nodes.size())) {
-    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(state.node)];
+    const planes::OctreeNode& node = run.octree().nodes[state.node];
     const bool all = node.size() == colors.size();
     for (std::uint32_t k = node.begin; k < node.end && !all; ++k) {
       Rgba& color = colors[run.octree().order[k]];
@@ -428,8 +428,7 @@ std::vector<Rgba> voxel_colors(const debug::Run& run,
     }
   }
   const auto replace = [&](std::int32_t voxel, Rgba mark) {
-    if (voxel >= 0 && static_cast<std::size_t>(voxel) < colors.size())
-      colors[static_cast<std::size_t>(voxel)] = mark;
+    if (voxel >= 0 && static_cast<std::size_t>(voxel) < colors.size()) colors[voxel] = mark;
   };
   replace(state.voxel, marks.current);
   replace(look.voxel, marks.selected);

@@ -34,9 +34,7 @@ struct Boxes {
   const StepState& state;
   DrawList& list;
 
-  const planes::OctreeNode& node(std::int32_t i) const {
-    return run.octree().nodes[static_cast<std::size_t>(i)];
-  }
+  const planes::OctreeNode& node(std::int32_t i) const { return run.octree().nodes[i]; }
   /// The part of its cell that holds its points.
   DrawBox tile(std::int32_t i) const {
     DrawBox box = points_box(run.octree(), node(i), run.subject->prepared.voxels.size_m);
@@ -65,7 +63,7 @@ struct Boxes {
       if (numerals && numbered < kMostNumerals &&
           numeral_edge_m(run.octree(), node(i), box) >= least_edge_m) {
         list.labels.push_back({middle_of(box), case_numeral(node(i)), theme_colors(look.theme).ink,
-                               15, true, kNumeralLabel});
+                               15, kNumeralLabel});
         ++numbered;
       }
     }
@@ -124,7 +122,7 @@ struct Boxes {
     // Below: above it stands the name of its voxel.
     Vec3f foot = middle_of(box);
     for (const Vec3f& corner : box.corners) foot.z() = std::min(foot.z(), corner.z());
-    list.labels.push_back({foot, "node " + std::to_string(i), color, 15, true, rank});
+    list.labels.push_back({foot, "node " + std::to_string(i), color, 15, rank});
   }
 };
 
@@ -203,7 +201,7 @@ void add_planes(const debug::Run& run,
   for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
     const planes::PlaneChange* change = run.timeline.plane_at(plane, look.step);
     if (change == nullptr || !change->alive) continue;
-    const auto& own = members[static_cast<std::size_t>(plane)];
+    const auto& own = members[plane];
     const bool selected = plane == look.plane;
     const bool current = plane == state.plane || plane == state.other;
     const bool recedes = any_stands_out && !selected && !current;
@@ -243,7 +241,7 @@ void add_planes(const debug::Run& run,
                                         : plane_label_rank(own.size(), points.size());
     list.labels.push_back({from + (look.show_normals ? 1.35F * arrow_m : 0.0F) * normal,
                            debug::plane_name(run, plane), selected ? selected_color : ink,
-                           selected ? 19.0F : 16.0F, true, rank});
+                           selected ? 19.0F : 16.0F, rank});
   }
 }
 
@@ -365,7 +363,7 @@ void add_step_legend(const debug::Run& run,
 void add_voxel(
     const debug::Run& run, std::int32_t voxel, Rgba color, LabelRank rank, DrawList& list) {
   if (voxel < 0) return;
-  const Vec3f at = run.subject->prepared.voxels.points[static_cast<std::size_t>(voxel)];
+  const Vec3f at = run.subject->prepared.voxels.points[voxel];
   DrawPoints dot = voxel_points(planes::VoxelCloud{});
   dot.positions = {at};
   dot.colors = {color};
@@ -373,8 +371,7 @@ void add_voxel(
   dot.min_px = 14;
   list.points.push_back(std::move(dot));
   const auto above = static_cast<float>(1.5 * run.subject->prepared.voxels.size_m + 0.01);
-  list.labels.push_back(
-      {at + Vec3f(0, 0, above), debug::point_name(run, voxel), color, 15, true, rank});
+  list.labels.push_back({at + Vec3f(0, 0, above), debug::point_name(run, voxel), color, 15, rank});
 }
 
 void keep_only(const std::vector<std::uint8_t>& kept, DrawPoints& points) {
@@ -434,7 +431,7 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
 }
 
 std::vector<Vec3f> node_points(const debug::Run& run, std::int32_t node) {
-  const planes::OctreeNode& of = run.octree().nodes[static_cast<std::size_t>(node)];
+  const planes::OctreeNode& of = run.octree().nodes[node];
   std::vector<Vec3f> points;
   for (std::uint32_t k = of.begin; k < of.end; ++k)
     points.push_back(run.subject->prepared.voxels.points[run.octree().order[k]]);

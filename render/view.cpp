@@ -1,4 +1,4 @@
-#include "render/view.hpp"
+// Cameras: one made ready for a picture, and where it stands so that its subject fills the view.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "core/model/disjoint_sets.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "render/draw_list.hpp"
 
 namespace planescope::render {
 namespace {
@@ -123,7 +125,7 @@ double robust_max(std::vector<double>& values, double outliers) {
   const auto n = static_cast<std::ptrdiff_t>(values.size());
   const auto k = n - 1 - static_cast<std::ptrdiff_t>(outliers * static_cast<double>(n));
   std::nth_element(values.begin(), values.begin() + k, values.end());
-  return values[static_cast<std::size_t>(k)];
+  return values[k];
 }
 
 /// One axis of a frustum around points given as (offset across, depth along the view). For an eye
@@ -169,7 +171,7 @@ std::vector<Vec3f> reach_of(std::span<const Vec3f> points, double outliers) {
     const Vec3f along = direction(i, kDirections).cast<float>();
     std::nth_element(some.begin(), some.begin() + last, some.end(),
                      [&](const Vec3f& a, const Vec3f& b) { return a.dot(along) < b.dot(along); });
-    reach.push_back(some[static_cast<std::size_t>(last)]);
+    reach.push_back(some[last]);
   }
   return reach;
 }
@@ -183,8 +185,7 @@ std::vector<Vec3f> bulk_of(std::span<const Vec3f> points, double cell_m) {
   for (const Vec3f& point : points) {
     Cell cell;
     for (int axis = 0; axis < 3; ++axis)
-      cell[static_cast<std::size_t>(axis)] =
-          static_cast<int>(std::clamp(std::floor(point[axis] / cell_m), -kFar, kFar));
+      cell[axis] = static_cast<int>(std::clamp(std::floor(point[axis] / cell_m), -kFar, kFar));
     const auto at = cells.emplace(cell, static_cast<std::uint32_t>(cells.size())).first->second;
     if (at == points_in.size()) points_in.push_back(0);
     ++points_in[at];
@@ -341,6 +342,10 @@ Camera frame_camera(const planes::PreparedFrame& prepared,
   camera.near_m = std::max(0.01, 0.02 * (middle - along));
   camera.far_m = std::max(200.0, 20 * (middle - along));
   return camera;
+}
+
+Camera frame_camera(const planes::FrameResult& result, double aspect) {
+  return frame_camera(result, result.segmentation, aspect);
 }
 
 Home home_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {

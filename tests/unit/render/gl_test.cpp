@@ -5,7 +5,7 @@
 
 #include "core/model/random.hpp"
 #include "gl_fixture.hpp"
-#include "render/passes.hpp"
+#include "render/gl.hpp"
 
 namespace planescope::render {
 namespace {

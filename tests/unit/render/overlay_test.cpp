@@ -1,13 +1,11 @@
-#include "render/overlay.hpp"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "gl_fixture.hpp"
+#include "render/draw_list.hpp"
 #include "render/paint.hpp"
-#include "render/view.hpp"
 
 namespace planescope::render {
 namespace {
@@ -111,10 +109,10 @@ TEST(Overlay, LongLegendFlowsIntoColumnsInsideThePicture) {
 
 TEST(Overlay, ALabelGivesWayToAMoreImportantOneThatItWouldStandOn) {
   DrawList list;
-  list.labels = {{{0, 0, 0}, "IV", {}, 14, true, kNumeralLabel},
-                 {{0.01f, 0.01f, 0}, "P7", {}, 14, true, kPlaneLabel + 900},
-                 {{0, 0, 0}, "P3", {}, 14, true, kPlaneLabel + 10},
-                 {{0.3f, -0.3f, 0}, "II", {}, 14, true, kNumeralLabel}};
+  list.labels = {{{0, 0, 0}, "IV", {}, 14, kNumeralLabel},
+                 {{0.01f, 0.01f, 0}, "P7", {}, 14, kPlaneLabel + 900},
+                 {{0, 0, 0}, "P3", {}, 14, kPlaneLabel + 10},
+                 {{0.3f, -0.3f, 0}, "II", {}, 14, kNumeralLabel}};
   const Overlay overlay = layout(list);
   std::vector<std::string> shown;
   for (const OverlayText& label : overlay.labels) shown.push_back(label.text);
@@ -133,7 +131,6 @@ TEST(Overlay, NoTwoLabelsStandOnEachOther) {
                              "P" + std::to_string(number(300)),
                              {},
                              static_cast<float>(12 + number(8)),
-                             true,
                              number(3)});
     }
     const Overlay overlay = layout(list);
@@ -163,7 +160,7 @@ TEST(Overlay, ALabelKeepsClearOfWhatLiesOverThePicture) {
     const Eigen::Vector4f clip(static_cast<float>(2 * x / 900 - 1),
                                static_cast<float>(1 - 2 * y / 720), 0.5f, 1);
     const Vec3f at = (to_world * clip).hnormalized();
-    list.labels = {{at, "P7", {}, 14, true}};
+    list.labels = {{at, "P7", {}, 14}};
     EXPECT_NEAR((project(view, at)->px - Vec2d(x, y)).norm(), 0, 1);
     return !layout_overlay(list, view, theme_colors(Theme::light)).labels.empty();
   };
@@ -189,9 +186,9 @@ TEST(Overlay, IsAsLargeOnADenseScreenAsOnAnOrdinaryOne) {
 
 TEST(Overlay, LabelsBehindTheCameraAreLeftOut) {
   DrawList list;
-  list.labels = {{{-0.5f, -0.5f, 0.5f}, "near", {}, 14, true},
-                 {{1, -0.5f, -1}, "far", {}, 14, true},
-                 {{-3, -3, 3}, "behind", {}, 14, true}};
+  list.labels = {{{-0.5f, -0.5f, 0.5f}, "near", {}, 14},
+                 {{1, -0.5f, -1}, "far", {}, 14},
+                 {{-3, -3, 3}, "behind", {}, 14}};
   const Overlay overlay = layout(list);
   ASSERT_EQ(overlay.labels.size(), 2u);
   EXPECT_EQ(overlay.labels[0].text, "near");
@@ -283,7 +280,7 @@ TEST_F(OverlayPicture, ManySizesOfTextOutgrowTheAtlasAndAreAllDrawn) {
   DrawList list = without_overlay();
   for (int i = 0; i < 60; ++i) {
     const auto y = static_cast<float>(i % 10) * 0.08f - 0.4f;
-    list.labels.push_back({{0, y, 0}, "ABCDEFGHIJ", {255, 0, 0}, 40 + static_cast<float>(i), true});
+    list.labels.push_back({{0, y, 0}, "ABCDEFGHIJ", {255, 0, 0}, 40 + static_cast<float>(i)});
   }
   const Image8 first = render(list, front_camera());
   EXPECT_EQ(render(list, front_camera()).data, first.data);

@@ -249,7 +249,7 @@ TEST_F(RendererTest, LabelStaysOnTopOfPoints) {
   DrawList list = without_overlay();
   list.points = {one_point({-0.3f, 0, 0}, {100, 100, 100}, 1)};
   list.points[0].max_px = 60;
-  list.labels = {{Vec3f::Zero(), "HHH", kRed, 20, true}};
+  list.labels = {{Vec3f::Zero(), "HHH", kRed, 20}};
   const Image8 image = render(list, front_camera());
   int ink = 0;
   for (int x = 50; x < 110; ++x) ink += reddish(pixel(image, x, kHeight / 2));
@@ -262,7 +262,7 @@ TEST_F(RendererTest, SamePictureTwiceHasTheSamePixels) {
   list.legend = {{LegendEntry::Mark::hatched_box, kRed, "hatched"}};
   list.points = {one_point({0.1f, 0, 0}, kRed)};
   list.boxes = {box(Vec3f::Zero(), 0.4f, kBlue, BoxStyle::hatched)};
-  list.labels = {{Vec3f::Zero(), "label", kRed, 14, true}};
+  list.labels = {{Vec3f::Zero(), "label", kRed, 14}};
   const Image8 first = render(list, front_camera());
   render(without_overlay(), front_camera(), Theme::dark);
   renderer().render(list, front_camera(), 99, 77, Theme::dark);
@@ -290,7 +290,7 @@ TEST_F(RendererTest, DegenerateInputIsDrawnWithoutAnError) {
   list.polygons = {{{}, kRed, kRed, 2, 0}, {{{0, 0, 0}, {0, 1, 0}}, kRed, kRed, 2, 0}};
   list.boxes = {box(Vec3f(-1, 0, 0), 0.5f, kRed, BoxStyle::tinted)};  // around the eye
   list.arrows = {{{0, 0, 0}, {0, 0, 0}, kRed, 3}};
-  list.labels = {{{-2, 0, 0}, "behind", kRed, 14, true}, {Vec3f::Zero(), "", kRed, 14, true}};
+  list.labels = {{{-2, 0, 0}, "behind", kRed, 14}, {Vec3f::Zero(), "", kRed, 14}};
   Camera camera = front_camera();
   camera.up = Vec3d::UnitX();  // along the view
   EXPECT_NO_THROW(render(list, camera));

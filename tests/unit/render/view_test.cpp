@@ -1,10 +1,9 @@
-#include "render/view.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/model/random.hpp"
+#include "render/draw_list.hpp"
 
 namespace planescope::render {
 namespace {
