@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/model/types.hpp"
@@ -144,6 +145,9 @@ struct DrawList {
   bool show_scale_bar = true;       // a round length at the camera's target distance
   bool operator==(const DrawList&) const = default;
 
+  void explain(Rgba color, std::string text, LegendEntry::Mark mark = LegendEntry::Mark::dot) {
+    legend.push_back({mark, color, std::move(text)});
+  }
   /// How much nearer to the eye polygons, arrows and lifted lines are drawn: they lie over the
   /// splats of their own points, which stand out by half their size and noise.
   float lift_m() const {

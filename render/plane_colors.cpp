@@ -12,8 +12,7 @@
 
 #include "core/model/plane.hpp"
 #include "core/planes/evaluate/metrics.hpp"
-#include "render/palette.hpp"
-#include "render/scene_parts.hpp"
+#include "render/scenes.hpp"
 
 namespace planescope::render {
 
