@@ -8,7 +8,7 @@
 #include "app/desktop/look.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
-#include "render/view.hpp"
+#include "render/draw_list.hpp"
 
 namespace planescope::desktop {
 namespace {

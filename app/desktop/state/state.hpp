@@ -27,9 +27,9 @@
 #include "core/model/types.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/result/analyze.hpp"
+#include "render/draw_list.hpp"
 #include "render/plane_colors.hpp"
 #include "render/step_scene.hpp"
-#include "render/view.hpp"
 
 namespace planescope::desktop {
 
