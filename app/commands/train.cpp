@@ -11,7 +11,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/training_data.hpp"
 #include "app/commands/training_record.hpp"
-#include "core/lab/training/training_page.hpp"
+#include "core/lab/training/checkpoint.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 

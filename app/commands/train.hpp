@@ -8,7 +8,7 @@
 
 #include "app/cli/command.hpp"
 #include "app/commands/training_data.hpp"
-#include "core/lab/training/training_recipe.hpp"
+#include "core/lab/training/training_set.hpp"
 
 namespace planescope::app {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/commands/inputs.hpp"
-#include "core/lab/training/training_recipe.hpp"
+#include "core/lab/training/training_set.hpp"
 
 namespace planescope::app {
 

@@ -9,7 +9,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/tune_frames.hpp"
 #include "core/lab/tuning/tuning_answer.hpp"
-#include "core/lab/tuning/tuning_journal.hpp"
+#include "core/lab/tuning/tuning_trials.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"

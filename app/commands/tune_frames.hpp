@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/commands/inputs.hpp"
-#include "core/lab/tuning/tuning_frames.hpp"
+#include "core/lab/tuning/tuning_trials.hpp"
 
 namespace planescope::app {
 

@@ -29,6 +29,9 @@ Ran run_and_then(const std::vector<std::string>& args,
                  const std::filesystem::path& marker,
                  const std::function<void()>& then);
 
+/// Runs scripts/typeset with these words and returns what it prints.
+std::string typeset(const std::string& words);
+
 /// A new, empty folder for the running test.
 std::filesystem::path scratch();
 
