@@ -11,10 +11,9 @@
 #include <set>
 #include <sstream>
 
-#include "app/cli/assets.hpp"
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
-#include "app/commands/input_list.hpp"
+#include "app/commands/inputs.hpp"
 #include "app/lab/lab.hpp"
 #include "core/lab/bench/classifier_bench.hpp"
 #include "core/lab/experiments/measure_paper.hpp"

@@ -13,7 +13,7 @@
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
-#include "app/commands/input_list.hpp"
+#include "app/commands/inputs.hpp"
 #include "app/lab/lab.hpp"
 #include "core/lab/experiments/measure_real.hpp"
 #include "core/model/error.hpp"

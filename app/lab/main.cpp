@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "app/cli/manual.hpp"
 #include "app/cli/output.hpp"
 #include "app/cli/program.hpp"
 #include "app/commands/train.hpp"

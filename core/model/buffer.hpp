@@ -1,5 +1,7 @@
 #pragma once
 
+// A float array aligned for SIMD registers.
+
 #include <algorithm>
 #include <cstddef>
 #include <memory>

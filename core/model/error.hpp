@@ -1,5 +1,7 @@
 #pragma once
 
+// The one exception type for errors of the outside world: files, options, devices.
+
 #include <exception>
 #include <new>
 #include <stdexcept>

@@ -1,3 +1,5 @@
+// Reading, hashing and atomically replacing files.
+
 #include "core/model/file_bytes.hpp"
 
 #include <fcntl.h>

@@ -1,3 +1,5 @@
+// The origin about which coordinates of a cloud are stored as floats.
+
 #include "core/model/frame.hpp"
 
 #include <Eigen/Geometry>

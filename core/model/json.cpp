@@ -1,3 +1,5 @@
+// JSON with limits on depth and size, and errors that name the place in the document.
+
 #include "core/model/json.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Morton codes and their radix sort.
+
 #include "core/model/morton.hpp"
 
 #include <numeric>

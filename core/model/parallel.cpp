@@ -1,3 +1,5 @@
+// A thread pool for loops and for teams that meet at barriers, and the SIMD level of the processor.
+
 #include "core/model/parallel.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Plane fits from moments: 3x3 eigenvalues by Jacobi rotations, hulls and areas.
+
 #include "core/model/plane.hpp"
 
 #include <algorithm>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Moments of points, least-squares planes, and polygons on a plane.
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>

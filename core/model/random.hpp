@@ -1,5 +1,7 @@
 #pragma once
 
+// Random numbers that are the same on every platform.
+
 #include <cmath>
 #include <cstdint>
 #include <numbers>

@@ -1,3 +1,5 @@
+// Numbers, units and words as text, and line-based text files.
+
 #include "core/model/text.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,6 @@
+// Two runs of one frame, or a run and the ground truth: which planes, nodes and points differ, and
+// the first event in which they do.
+
 #include "core/debug/explain/compare.hpp"
 
 #include <fmt/format.h>

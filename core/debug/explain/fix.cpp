@@ -1,3 +1,5 @@
+// Searches option changes that give a surface the result a user wants, cheapest first.
+
 #include "core/debug/explain/fix.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Histograms of what each criterion measured, split by whether the decision was right.
+
 #include "core/debug/explain/histogram.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Distances and angles between picked points and planes.
+
 #include "core/debug/explain/measure.hpp"
 
 #include <fmt/format.h>

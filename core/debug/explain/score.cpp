@@ -1,3 +1,6 @@
+// A run against the ground truth, the reasons of its unassigned points, and the effect of other
+// options on it.
+
 #include "core/debug/explain/score.hpp"
 
 #include <fmt/format.h>

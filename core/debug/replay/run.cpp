@@ -1,3 +1,5 @@
+// Runs one frame with a trace and computes what the debugger reads of it.
+
 #include "core/debug/replay/run.hpp"
 
 #include <fmt/format.h>

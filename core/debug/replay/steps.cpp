@@ -1,3 +1,5 @@
+// Text and highlights of single steps of a run.
+
 #include "core/debug/replay/steps.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// State of nodes, points and planes at any step, from the changes in a trace.
+
 #include "core/debug/replay/timeline.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/model/json.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::lab {
 

@@ -15,7 +15,6 @@
 #include "core/model/json.hpp"
 #include "core/planes/classify/weights.hpp"
 #include "core/report/page/charts.hpp"
-#include "core/report/page/plain_page.hpp"
 
 namespace planescope::lab {
 

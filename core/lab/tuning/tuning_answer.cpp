@@ -10,7 +10,6 @@
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/page/charts.hpp"
-#include "core/report/page/plain_page.hpp"
 
 namespace planescope::lab {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/io/cloud_files/cloud_formats.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
 #include "core/labels/exchange/formats.hpp"
 
 // https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/io/byte_reader.hpp"
-#include "core/io/cloud_files/cloud_formats.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
 
 namespace planescope::labels {
 

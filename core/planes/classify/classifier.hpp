@@ -1,5 +1,7 @@
 #pragma once
 
+// Labels points as horizontal (h) or vertical (v): the interface, and the PCA classifier.
+
 #include <algorithm>
 #include <cstdint>
 #include <memory>

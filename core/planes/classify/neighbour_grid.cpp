@@ -1,3 +1,5 @@
+// Exact k nearest neighbors over cells of a Morton-ordered cloud.
+
 #include "core/planes/classify/neighbour_grid.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Reads and writes classifier weights (safetensors), and the shapes of the three networks.
+
 #include "core/planes/classify/weights.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +20,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/json.hpp"
+#include "core/model/json_fields.hpp"
 
 namespace planescope::planes {
 
@@ -27,7 +29,7 @@ namespace planescope::planes {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 static_assert(std::endian::native == std::endian::little, "tensors are copied as they are");
 
@@ -42,31 +44,20 @@ struct Entry {
   std::uint64_t begin = 0, end = 0;  // within the data
 };
 
-/// nullopt where `json` is no list of counts.
-std::optional<std::vector<std::uint64_t>> counts_of(const Json& json) {
-  if (!json.is_array()) return std::nullopt;
-  std::vector<std::uint64_t> counts;
-  for (const Json& value : json) {
-    if (!value.is_number_unsigned()) return std::nullopt;
-    counts.push_back(value.get<std::uint64_t>());
-  }
-  return counts;
-}
-
-Entry entry_of(const std::string& name, const Json& json, const std::string& what) {
-  const auto dtype = json.find("dtype"), shape = json.find("shape"),
-             offsets = json.find("data_offsets");
-  if (!json.is_object() || dtype == json.end() || shape == json.end() || offsets == json.end())
-    throw Error(what + ": expected dtype, shape and data_offsets");
-  if (*dtype != "F32")
-    throw Error(what + ": dtype " +
-                (dtype->is_string() ? shown(dtype->get<std::string>()) : "is no text") +
-                ", expected \"F32\"");
-  const auto extents = counts_of(*shape), range = counts_of(*offsets);
-  if (!extents) throw Error(what + ": its shape is not a list of counts");
-  if (!range || range->size() != 2 || (*range)[0] > (*range)[1])
-    throw Error(what + ": data_offsets are not its first byte and the one after its last");
-  return {name, {extents->begin(), extents->end()}, (*range)[0], (*range)[1]};
+Entry entry_of(const std::string& name, const JsonPlace& place) {
+  Entry entry;
+  entry.name = name;
+  constexpr const char* kTypes[] = {"F32"};
+  place.at("dtype").choice(kTypes);
+  place.at("shape").each([&](const JsonPlace& extent) { entry.shape.push_back(extent.count()); });
+  const JsonPlace offsets = place.at("data_offsets");
+  std::vector<std::uint64_t> range;
+  offsets.each([&](const JsonPlace& at) { range.push_back(at.count()); });
+  if (range.size() != 2 || range[0] > range[1])
+    offsets.fail_kind("its first byte and the one after its last");
+  entry.begin = range[0];
+  entry.end = range[1];
+  return entry;
 }
 
 /// Bytes of a tensor of this shape; nullopt beyond `limit`, however far.
@@ -104,16 +95,6 @@ void check_layout(std::vector<Entry>& entries, std::uint64_t data_bytes, const f
                             filled));
 }
 
-std::map<std::string, std::string> metadata_of(const Json& json, const std::string& what) {
-  if (!json.is_object()) throw Error(what + ": __metadata__ is no object");
-  std::map<std::string, std::string> metadata;
-  for (const auto& [key, value] : json.items()) {
-    if (!value.is_string()) throw Error(what + ": metadata " + shown(key) + " is no text");
-    metadata[key] = value.get<std::string>();
-  }
-  return metadata;
-}
-
 std::string_view header_of(std::span<const unsigned char> bytes, const fs::path& path) {
   if (bytes.size() < kLengthBytes)
     throw Error(
@@ -139,17 +120,23 @@ TensorFile read_safetensors(std::span<const unsigned char> bytes, const fs::path
   const std::string_view header = header_of(bytes, path);
   const std::span data = bytes.subspan(kLengthBytes + header.size());
 
-  const std::string what = path.string() + ": header";
-  const Json json = parse_json<Json>(header, what);
-  if (!json.is_object()) throw Error(what + " is no JSON object");
   TensorFile file;
   std::vector<Entry> entries;
-  for (const auto& [name, value] : json.items()) {
-    if (name == kMetadata)
-      file.metadata = metadata_of(value, what);
-    else
-      entries.push_back(entry_of(name, value, path.string() + ": tensor " + shown(name)));
-  }
+  const std::string what = path.string() + ": header";
+  const auto json = parse_json<Json>(header, what);
+  if (!json.is_object()) throw Error(what + " is no JSON object");
+  read_place(path, json, [&](const JsonPlace&) {
+    for (const auto& [name, value] : json.items()) {
+      const JsonPlace place(value, name == kMetadata ? name : "tensor " + shown(name));
+      if (name != kMetadata) {
+        entries.push_back(entry_of(name, place));
+        continue;
+      }
+      if (!value.is_object()) place.fail_kind("an object");
+      for (const auto& [key, text] : value.items())
+        file.metadata[key] = JsonPlace(text, "metadata " + shown(key)).text();
+    }
+  });
   check_layout(entries, data.size(), path);
   for (const Entry& entry : entries) {
     const std::span raw = data.subspan(entry.begin, entry.end - entry.begin);
@@ -166,7 +153,7 @@ void write_safetensors(const fs::path& path, const TensorFile& file) {
   std::sort(ordered.begin(), ordered.end(),
             [](const Tensor* a, const Tensor* b) { return a->name < b->name; });
 
-  nlohmann::ordered_json json;
+  Json json;
   if (!file.metadata.empty()) json[kMetadata] = file.metadata;
   std::size_t offset = 0;
   for (const Tensor* tensor : ordered) {
@@ -265,85 +252,41 @@ std::size_t parameter_count(const NetworkConfig& config) {
 // Network weights as a safetensors file. What the tensors alone do not tell stands in its metadata:
 // "format", "version", "config" and "training", the last two JSON objects as text.
 
-namespace {
+template <typename Fields>
+void visit_fields(Fields& fields, Same<NetworkConfig> auto& config) {
+  fields("name", config.name);
+  fields("levels", config.levels);
+  fields.whole("supports", config.supports, kPlain, 1, 16);
+  fields.whole("neighbours", config.neighbours, kPlain, 1, 1024);
+  fields.whole("pool_rate", config.pool_rate, kPlain, 2, 64);
+  fields.whole("pool_neighbours", config.pool_neighbours, kPlain, 1, config.neighbours);
+  fields("global_feature", config.global_feature);
+  fields("head", config.head);
+}
 
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
+namespace {
 
 constexpr const char* kFormat = "planescope-classifier";
 constexpr const char* kVersion = "1";
 
-struct Range {
-  int min = 1, max = 1;
-};
-constexpr Range kChannels{1, 4096}, kLevels{1, 8}, kLayers{1, 8}, kHidden{0, 8}, kSupports{1, 16},
-    kNeighbours{1, 1024}, kPoolRate{2, 64};
-
-int count_of(const Json& json, const Range& range, const std::string& what) {
-  const auto value = json.is_number_integer() ? json.get<std::int64_t>() : std::int64_t{-1};
-  if (!json.is_number_integer() || value < range.min || value > range.max)
-    throw Error(fmt::format("{} is {}, expected {} to {}", what,
-                            json.is_number() ? json.dump() : "no number", range.min, range.max));
-  return static_cast<int>(value);
+/// Convolutions of a level, or hidden layers of the head.
+void check_layers(const std::vector<int>& channels, std::size_t least, const JsonPlace& place) {
+  if (channels.size() < least || channels.size() > 8)
+    place.fail_kind(fmt::format("{} to 8 layers", least));
+  place.each([](const JsonPlace& count) { count.whole(1, 4096); });
 }
 
-const Json& list_of(const Json& json, const Range& size, const std::string& what) {
-  if (!json.is_array()) throw Error(what + " is no list");
-  count_of(json.size(), size, what + ": its length");
-  return json;
-}
-
-std::vector<int> channels_of(const Json& json, const Range& layers, const std::string& what) {
-  std::vector<int> channels;
-  for (const Json& value : list_of(json, layers, what))
-    channels.push_back(count_of(value, kChannels, what + ": a channel count"));
-  return channels;
-}
-
-NetworkConfig config_of(const Json& json, const std::string& what) {
-  if (!json.is_object()) throw Error(what + " is no JSON object");
-  std::size_t used = 0;
-  const auto field = [&](const char* name) -> const Json& {
-    const auto found = json.find(name);
-    if (found == json.end()) throw Error(what + " does not say '" + name + "'");
-    ++used;
-    return *found;
-  };
-  const auto count = [&](const char* name, const Range& range) {
-    return count_of(field(name), range, what + ": " + name);
-  };
+NetworkConfig config_of(const JsonPlace& place) {
+  place.has_only({"name", "levels", "supports", "neighbours", "pool_rate", "pool_neighbours",
+                  "global_feature", "head"});
   NetworkConfig config;
-  if (const Json& name = field("name"); name.is_string())
-    config.name = name.get<std::string>();
-  else
-    throw Error(what + ": name is no text");
-  config.levels.clear();
-  for (const Json& level : list_of(field("levels"), kLevels, what + ": levels"))
-    config.levels.push_back(channels_of(level, kLayers, what + ": levels"));
-  config.supports = count("supports", kSupports);
-  config.neighbours = count("neighbours", kNeighbours);
-  config.pool_rate = count("pool_rate", kPoolRate);
-  config.pool_neighbours = count("pool_neighbours", {1, config.neighbours});
-  if (const Json& global = field("global_feature"); global.is_boolean())
-    config.global_feature = global.get<bool>();
-  else
-    throw Error(what + ": global_feature is neither true nor false");
-  config.head = channels_of(field("head"), kHidden, what + ": head");
-  if (used != json.size())
-    throw Error(fmt::format("{} has {} fields, expected {}", what, json.size(), used));
+  read_fields(place, config);
+  if (config.levels.empty() || config.levels.size() > 8)
+    place.at("levels").fail_kind("1 to 8 levels");
+  auto level = config.levels.begin();
+  place.at("levels").each([&](const JsonPlace& layers) { check_layers(*level++, 1, layers); });
+  check_layers(config.head, 0, place.at("head"));
   return config;
-}
-
-std::string text_of(const NetworkConfig& config) {
-  const nlohmann::ordered_json json = {{"name", config.name},
-                                       {"levels", config.levels},
-                                       {"supports", config.supports},
-                                       {"neighbours", config.neighbours},
-                                       {"pool_rate", config.pool_rate},
-                                       {"pool_neighbours", config.pool_neighbours},
-                                       {"global_feature", config.global_feature},
-                                       {"head", config.head}};
-  return json.dump();
 }
 
 /// A metadata text that must be there.
@@ -397,12 +340,12 @@ NetworkWeights read_weights(std::span<const unsigned char> bytes, const fs::path
   expect_metadata(file, "version", kVersion, path);
 
   NetworkWeights weights;
-  const std::string what = path.string() + ": configuration";
-  weights.config =
-      config_of(parse_json<nlohmann::json>(metadata(file, "config", path), what), what);
+  const std::string config = path.string() + ": configuration";
+  const auto json = parse_json<Json>(metadata(file, "config", path), config);
+  weights.config = read_place(config, json, config_of);
   if (const auto training = file.metadata.find("training"); training != file.metadata.end()) {
     const std::string record = path.string() + ": training record";
-    if (!parse_json<nlohmann::json>(training->second, record).is_object())
+    if (!parse_json<Json>(training->second, record).is_object())
       throw Error(record + " is no JSON object");
     weights.training = training->second;
   }
@@ -418,7 +361,7 @@ void write_weights(const fs::path& path, const NetworkWeights& weights) {
   TensorFile file;
   file.metadata = {{"format", kFormat},
                    {"version", kVersion},
-                   {"config", text_of(weights.config)},
+                   {"config", json_of(weights.config).dump()},
                    {"training", weights.training}};
   const std::vector<TensorSpec> specs = tensor_specs(weights.config);
   assert(weights.tensors.size() == specs.size());

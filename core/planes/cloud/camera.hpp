@@ -1,5 +1,7 @@
 #pragma once
 
+// Rays of pixels, with lens distortion, cached by intrinsics.
+
 #include <cstdint>
 #include <memory>
 #include <vector>

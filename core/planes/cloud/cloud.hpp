@@ -1,5 +1,7 @@
 #pragma once
 
+// Back-projection of a frame into a gravity-aligned cloud, and voxels of it.
+
 #include <cstdint>
 #include <limits>
 #include <span>

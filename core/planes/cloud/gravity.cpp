@@ -1,3 +1,5 @@
+// Gravity from options, the recording, picked surfaces, or a vote of the planes in the scene.
+
 #include "core/planes/cloud/gravity.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Numbers keys in the order in which they are first seen (open addressing).
+
 #include <bit>
 #include <cstdint>
 #include <vector>

@@ -1,3 +1,5 @@
+// Planes of a depth image in inverse depth, by one objective: the stages in their order.
+
 #include "core/planes/depth/segment_depth.hpp"
 
 #include <algorithm>

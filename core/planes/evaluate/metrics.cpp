@@ -1,3 +1,5 @@
+// Matching of found and true planes, and the metrics computed from it.
+
 #include "core/planes/evaluate/metrics.hpp"
 
 #include <algorithm>

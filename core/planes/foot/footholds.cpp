@@ -1,3 +1,5 @@
+// Certainty, surface and free space of each plane for a robot's foot.
+
 #include "core/planes/foot/footholds.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Height map of a plane's measurements above it.
+
 #include "core/planes/foot/places.hpp"
 
 #include <algorithm>

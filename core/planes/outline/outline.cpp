@@ -1,3 +1,5 @@
+// Outlines from region borders in the image, or from occupied cells where rays graze the plane.
+
 #include "core/planes/outline/outline.hpp"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,5 @@
+// Polygon operations by GEOS, and a convex decomposition.
+
 #include "core/planes/outline/polygons.hpp"
 
 #include <geos_c.h>

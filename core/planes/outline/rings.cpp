@@ -1,3 +1,5 @@
+// Traces the borders of connected regions of a label image.
+
 #include "core/planes/outline/rings.hpp"
 
 #include <algorithm>

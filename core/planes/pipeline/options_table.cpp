@@ -1,3 +1,5 @@
+// The table of all options, and profile files.
+
 #include "core/planes/pipeline/options_table.hpp"
 
 #include <fmt/format.h>
@@ -223,7 +225,7 @@ OptionInfo profile_row() {
           .section = "criteria",
           .get = [](const PipelineOptions& o) { return to_string(o.segment.profile); },
           .set = [](PipelineOptions& o,
-                    const std::string& text) { o.segment = profile_options(find_profile(text)); },
+                    const std::string& text) { o.segment = profile_options(parse_profile(text)); },
           .kind = OptionKind::choice,
           .choices = {"paper", "paper-closest", "refined"},
           .method = Method::ours};
@@ -265,13 +267,10 @@ std::vector<OptionInfo> make_table() {
 
 // ---- Removed options ----
 
-struct Replaced {
-  const char* by;  // empty: by nothing
-  std::vector<const char*> names;
-};
+}  // namespace
 
-const std::vector<Replaced>& replaced_options() {
-  static const std::vector<Replaced> all = {
+const std::vector<RemovedOptions>& removed_options() {
+  static const std::vector<RemovedOptions> all = {
       {"flat",
        {"rms_criterion3", "fixed_rms_m", "theta_rms_sigmas", "theta_rms_min_m", "theta_rms_max_m"}},
       {"bow",
@@ -306,24 +305,16 @@ const std::vector<Replaced>& replaced_options() {
 
 // ---- Profile files ----
 
+namespace {
+
 constexpr const char* kSchema = "planescope.profile/1";
 
-const char* type_of(OptionKind kind) {
-  if (kind == OptionKind::on_off) return "true or false";
-  return kind == OptionKind::number || kind == OptionKind::whole ? "a number" : "a text";
-}
-
 /// As OptionInfo::set takes it. Throws Error where the value is of another type than the option.
-std::string value_text(const OptionInfo& info, const Json& value) {
-  if (info.kind == OptionKind::on_off && value.is_boolean())
-    return value.get<bool>() ? "on" : "off";
-  if (info.is_number() && value.is_number_float()) return fmt::format("{}", value.get<double>());
-  if (info.is_number() && value.is_number()) return value.dump();
-  if (info.kind != OptionKind::on_off && !info.is_number() && value.is_string())
-    return value.get<std::string>();
-  throw Error(fmt::format("option {}: found {}, expected {}", info.name,
-                          value.is_string() ? shown(value.get<std::string>()) : value.dump(),
-                          type_of(info.kind)));
+std::string value_text(const OptionInfo& info, const JsonPlace& place) {
+  if (info.kind == OptionKind::on_off) return place.boolean() ? "on" : "off";
+  if (!info.is_number()) return place.text();
+  const double number = place.number();
+  return place.json().is_number_float() ? fmt::format("{}", number) : place.json().dump();
 }
 
 Json value_json(const OptionInfo& info, const std::string& text) {
@@ -331,27 +322,20 @@ Json value_json(const OptionInfo& info, const std::string& text) {
   return info.is_number() ? Json::parse(text) : Json(text);
 }
 
-ProfileFile profile_of(const Json& json) {
-  if (!json.is_object()) throw Error("is no profile, expected an object with a schema");
+ProfileFile profile_of(const JsonPlace& place) {
+  place.schema({kSchema});
+  place.has_only({"schema", "base", "options"});
   ProfileFile profile;
-  for (const auto& [key, value] : json.items()) {
-    if (key == "options" && !value.is_object()) throw Error("its options are no object");
-    if (key == "options") continue;
-    if (key != "schema" && key != "base")
-      throw Error(fmt::format("{} is unknown, expected schema, base and options", shown(key)));
-    if (!value.is_string()) throw Error(fmt::format("its {} is no text", key));
-  }
-  const std::string schema = json.value("schema", "");
-  if (schema != kSchema)
-    throw Error(fmt::format("its schema is {}, expected {}", shown(schema), kSchema));
-  profile.base = find_profile(json.value("base", "refined"));
+  if (place.has("base")) profile.base = parse_profile(place.at("base").text());
   PipelineOptions options;
   options.segment = profile_options(profile.base);
-  const Json named = json.value("options", Json::object());
-  for (const auto& [name, value] : named.items()) {
+  if (!place.has("options")) return profile;
+  const JsonPlace named = place.at("options");
+  if (!named.json().is_object()) named.fail_kind("an object");
+  for (const auto& [name, value] : named.json().items()) {
     if (name == "profile") throw Error("option profile: the profile to begin with is its base");
     const OptionInfo& info = find_option(name);
-    profile.options.emplace_back(name, value_text(info, value));
+    profile.options.emplace_back(name, value_text(info, JsonPlace(value, "option " + name)));
     info.set(options, profile.options.back().second);
   }
   return profile;
@@ -376,43 +360,20 @@ const std::vector<OptionInfo>& option_table() {
   return table;
 }
 
-std::span<const RemovedOption> removed_options() {
-  static const std::vector<RemovedOption> removed = [] {
-    std::vector<RemovedOption> rows;
-    for (const Replaced& replaced : replaced_options())
-      for (const char* name : replaced.names) rows.push_back({name, replaced.by});
-    return rows;
-  }();
-  return removed;
-}
-
-std::string removed_text(std::string_view kind,
-                         std::string_view name,
-                         std::span<const RemovedOption> removed) {
-  const auto row = std::ranges::find(removed, name, &RemovedOption::name);
-  if (row == removed.end()) return "";
-  return fmt::format("{} {} was removed in {}{}{}", kind, name, row->version,
-                     row->see.empty() ? "" : "; see ", row->see);
-}
-
-const OptionInfo& find_option(const std::string& name, std::span<const RemovedOption> removed) {
+const OptionInfo& find_option(const std::string& name) {
   std::vector<std::string> names;
   for (const OptionInfo& info : option_table()) {
     if (info.name == name) return info;
     names.push_back(info.name);
   }
-  if (const std::string text = removed_text("option", name, removed); !text.empty())
-    throw Error(text);
+  for (const RemovedOptions& removed : removed_options())
+    if (std::ranges::count(removed.names, name) > 0)
+      throw Error(fmt::format("option {} was removed in 0.2{}{}", name,
+                              removed.by.empty() ? "" : "; see ", removed.by));
   const std::string near = nearest_name(name, names);
   throw Error("option '" + name + "' is unknown" +
               (near.empty() ? std::string(", `planescope options` lists what there is")
                             : ", did you mean '" + near + "'?"));
-}
-
-Profile find_profile(const std::string& name, std::span<const RemovedOption> removed) {
-  if (const std::string text = removed_text("profile", name, removed); !text.empty())
-    throw Error(text);
-  return parse_profile(name);
 }
 
 std::string default_value(const OptionInfo& info, Profile profile) {
@@ -444,11 +405,7 @@ void set_option(PipelineOptions& options, const std::string& name, const std::st
 ProfileFile read_profile(const fs::path& path) {
   constexpr std::uintmax_t kMostBytes = 1 << 20;
   const auto json = read_json<Json>(path, kMostBytes);
-  try {
-    return profile_of(json);
-  } catch (const Error& error) {
-    throw Error(path.string() + ": " + error.what());
-  }
+  return read_place(path, json, profile_of);
 }
 
 std::string profile_text(const ProfileFile& profile) {
@@ -463,7 +420,7 @@ std::string profile_text(const ProfileFile& profile) {
 
 void set_profile(PipelineOptions& options, const std::string& name_or_file) {
   if (!names_file(name_or_file)) {
-    options.segment = profile_options(find_profile(name_or_file));
+    options.segment = profile_options(parse_profile(name_or_file));
     return;
   }
   const ProfileFile profile = read_profile(name_or_file);

@@ -69,30 +69,17 @@ bool is_idle(const OptionInfo& info,
 /// to that profile's defaults.
 const std::vector<OptionInfo>& option_table();
 
-/// An option or profile that earlier versions had.
-struct RemovedOption {
-  std::string_view name;             // of an option, or of a profile
-  std::string_view see;              // the option or profile that replaces it; empty: none does
-  std::string_view version = "0.2";  // the first without it
+/// Options of 0.1 that 0.2 does not have, and the options that replace them, nothing where none
+/// does.
+struct RemovedOptions {
+  std::string_view by;
+  std::vector<std::string_view> names;
 };
+const std::vector<RemovedOptions>& removed_options();
 
-/// Every one of them. A name that is removed gets a row here.
-std::span<const RemovedOption> removed_options();
-
-/// "option r1_max_angle_deg was removed in 0.2; see merge". Empty: there never was such a name.
-/// `kind`: "option" or "profile".
-std::string removed_text(std::string_view kind,
-                         std::string_view name,
-                         std::span<const RemovedOption> removed = removed_options());
-
-/// Throws Error when `name` is unknown: what became of it where an earlier version had it, else the
-/// nearest existing name.
-const OptionInfo& find_option(const std::string& name,
-                              std::span<const RemovedOption> removed = removed_options());
-
-/// Likewise of profiles.
-Profile find_profile(const std::string& name,
-                     std::span<const RemovedOption> removed = removed_options());
+/// Throws Error when `name` is unknown: what became of it where 0.1 had it, else the nearest
+/// existing name.
+const OptionInfo& find_option(const std::string& name);
 
 /// What the option is by default in a profile, as text.
 std::string default_value(const OptionInfo& info, Profile profile);

@@ -1,3 +1,5 @@
+// Ground truth gathered onto a frame's points, and results scored against it.
+
 #include "core/planes/pipeline/truth.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Neighboring cells of the octree's leaves, and connected parts of planes.
+
 #include "core/planes/segment/cells.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Merging, growing and listing regions of a cloud, each step judged by the change of the objective.
+
 #include "core/planes/segment/cloud_regions.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Noise, bow and point spacing of a cloud, measured in small patches.
+
 #include <algorithm>
 #include <array>
 #include <cmath>

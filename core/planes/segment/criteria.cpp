@@ -1,3 +1,5 @@
+// Criteria 1-4 of Sun et al. 2023, as pure functions.
+
 #include "core/planes/segment/criteria.hpp"
 
 #include <algorithm>

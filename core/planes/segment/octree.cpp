@@ -1,3 +1,5 @@
+// Builds the linear octree and divides its nodes.
+
 #include "core/planes/segment/octree.hpp"
 
 #include <fmt/format.h>

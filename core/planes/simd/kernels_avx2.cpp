@@ -1,3 +1,5 @@
+// The kernels compiled for AVX2.
+
 #define PLANESCOPE_LANES 8
 #define PLANESCOPE_TILE 4
 #include "core/planes/simd/gcn_kernels.inl"

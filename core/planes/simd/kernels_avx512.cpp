@@ -1,3 +1,5 @@
+// The kernels compiled for AVX-512.
+
 #define PLANESCOPE_LANES 16
 #define PLANESCOPE_TILE 8
 #include "core/planes/simd/gcn_kernels.inl"

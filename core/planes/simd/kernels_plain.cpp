@@ -1,3 +1,5 @@
+// The kernels for any processor, and the choice among the three sets.
+
 #define PLANESCOPE_LANES 4
 #define PLANESCOPE_TILE 4
 #include "core/planes/simd/gcn_kernels.inl"

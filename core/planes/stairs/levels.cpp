@@ -1,3 +1,5 @@
+// Levels (planes to stand on, joined where they touch), parallel cuts through them, and ramps.
+
 #include "core/planes/stairs/levels.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Finds flights, kerbs and ramps among the levels of a frame.
+
 #include "core/planes/stairs/stairs.hpp"
 
 #include <algorithm>

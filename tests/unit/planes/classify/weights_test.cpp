@@ -298,7 +298,7 @@ TEST(DamagedWeights, WithTensorsThatAreNotWhereTheyShouldBeAreRefused) {
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.data.pop_back(); }), "the file is cut"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.data.push_back(0); }), "bytes of data"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["conv_0.directions"] = 1; }),
-                  "expected dtype, shape and data_offsets"));
+                  "\"conv_0.directions\" is 1, expected an object"));
 }
 
 TEST(DamagedWeights, WithShapesThatDoNotFitAreRefused) {
@@ -311,13 +311,13 @@ TEST(DamagedWeights, WithShapesThatDoNotFitAreRefused) {
   // 2^64 + 24 bytes, and nothing at all of very many.
   EXPECT_TRUE(has(shape({std::uint64_t{1} << 61, 2, 6}), "not its shape"));
   EXPECT_TRUE(has(shape({0, std::uint64_t{0} - 1}), "not its shape"));
-  EXPECT_TRUE(has(shape({-3, -2}), "not a list of counts"));
-  EXPECT_TRUE(has(shape("3x2"), "not a list of counts"));
+  EXPECT_TRUE(has(shape({-3, -2}), "shape[0] is -3, expected a whole number"));
+  EXPECT_TRUE(has(shape("3x2"), "shape is \"3x2\", expected a list"));
 }
 
 TEST(DamagedWeights, OfOtherTypesOrTensorsAreRefused) {
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["conv_1.bias"]["dtype"] = "F16"; }),
-                  R"("conv_1.bias": dtype "F16", expected "F32")"));
+                  R"("conv_1.bias".dtype is "F16", expected one of F32)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) {
                     const Json moved = parts.header["conv_1.bias"];
                     parts.header.erase("conv_1.bias");
@@ -351,9 +351,9 @@ TEST(DamagedWeights, WithoutOurMetadataSayWhatToAdd) {
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["version"] = "2"; }),
                   R"(version "2", expected "1")"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["version"] = 1; }),
-                  "is no text"));
+                  R"(metadata "version" is 1, expected text)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"] = "all"; }),
-                  "__metadata__ is no object"));
+                  R"(__metadata__ is "all", expected an object)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["training"] = "3"; }),
                   "training record is no JSON object"));
 }
@@ -362,22 +362,25 @@ TEST(DamagedWeights, WithAnAbsurdConfigurationAreRefused) {
   const auto set = [](const char* key, const Json& value) {
     return error_after_config([&](Json& config) { config[key] = value; });
   };
-  EXPECT_TRUE(has(set("levels", Json::parse("[[2,5000],[4]]")), "5000, expected 1 to 4096"));
-  EXPECT_TRUE(has(set("levels", Json::parse("[[2,3],[]]")), "length is 0"));
-  EXPECT_TRUE(has(set("levels", Json::array()), "length is 0"));
-  EXPECT_TRUE(has(set("levels", Json(std::vector<std::vector<int>>(9, {2}))), "length is 9"));
-  EXPECT_TRUE(has(set("levels", 3), "no list"));
-  EXPECT_TRUE(has(set("head", Json::parse("[3.5]")), "3.5, expected"));
-  EXPECT_TRUE(has(set("supports", 17), "supports is 17, expected 1 to 16"));
-  EXPECT_TRUE(has(set("neighbours", 0), "neighbours is 0, expected 1 to 1024"));
+  EXPECT_TRUE(has(set("levels", Json::parse("[[2,5000],[4]]")),
+                  "levels[0][1] is 5000, expected a whole number from 1 to 4096"));
+  EXPECT_TRUE(
+      has(set("levels", Json::parse("[[2,3],[]]")), "levels[1] is [], expected 1 to 8 layers"));
+  EXPECT_TRUE(has(set("levels", Json::array()), "levels is [], expected 1 to 8 levels"));
+  EXPECT_TRUE(
+      has(set("levels", Json(std::vector<std::vector<int>>(9, {2}))), "expected 1 to 8 levels"));
+  EXPECT_TRUE(has(set("levels", 3), "levels is 3, expected a list"));
+  EXPECT_TRUE(has(set("head", Json::parse("[3.5]")), "head[0] is 3.5, expected"));
+  EXPECT_TRUE(has(set("supports", 17), "supports is 17, expected a whole number from 1 to 16"));
+  EXPECT_TRUE(has(set("neighbours", 0), "neighbours is 0, expected a whole number from 1 to 1024"));
   EXPECT_TRUE(has(set("neighbours", std::uint64_t{0} - 1), "neighbours is 18446744073709551615"));
-  EXPECT_TRUE(has(set("pool_rate", 1), "pool_rate is 1, expected 2 to 64"));
-  EXPECT_TRUE(has(set("pool_neighbours", "4"), "pool_neighbours is no number"));
-  EXPECT_TRUE(has(set("global_feature", 1), "neither true nor false"));
-  EXPECT_TRUE(has(set("name", 1), "name is no text"));
-  EXPECT_TRUE(has(set("dropout", 1), "has 9 fields, expected 8"));
+  EXPECT_TRUE(has(set("pool_rate", 1), "pool_rate is 1, expected a whole number from 2 to 64"));
+  EXPECT_TRUE(has(set("pool_neighbours", "4"), R"(pool_neighbours is "4", expected)"));
+  EXPECT_TRUE(has(set("global_feature", 1), "global_feature is 1, expected true or false"));
+  EXPECT_TRUE(has(set("name", 1), "name is 1, expected text"));
+  EXPECT_TRUE(has(set("dropout", 1), "has \"dropout\", expected one of name"));
   EXPECT_TRUE(has(error_after_config([](Json& config) { config.erase("supports"); }),
-                  "does not say 'supports'"));
+                  R"(has no "supports")"));
   EXPECT_TRUE(has(set("levels", Json::parse("[[2,3],[5]]")), "tensor"));  // not these tensors
 }
 

@@ -104,32 +104,19 @@ TEST(OptionsTable, AMistypedNameIsAnsweredWithTheNearest) {
 }
 
 TEST(OptionsTable, ARemovedNameIsAnsweredWithWhatReplacesIt) {
-  const RemovedOption removed[] = {
-      {"r1_max_angle_deg", "merge"}, {"r99_knob", ""}, {"old", "paper"}};
-  EXPECT_EQ(removed_text("option", "r1_max_angle_deg", removed),
-            "option r1_max_angle_deg was removed in 0.2; see merge");
-  EXPECT_EQ(message_of([&] { find_option("r99_knob", removed); }),
-            "option r99_knob was removed in 0.2");
-  EXPECT_EQ(message_of([&] { find_profile("old", removed); }),
-            "profile old was removed in 0.2; see paper");
-  EXPECT_EQ(find_option("theta_n_in", removed).name, "theta_n_in");
-  EXPECT_EQ(find_profile("paper", removed), Profile::paper);
-  EXPECT_NE(message_of([&] { find_option("r99_knobs", removed); }).find("is unknown"),
-            std::string::npos)
+  EXPECT_EQ(message_of([] { find_option("r1_max_angle_deg"); }),
+            "option r1_max_angle_deg was removed in 0.2; see merge_cost");
+  EXPECT_EQ(message_of([] { find_option("r6_refit"); }), "option r6_refit was removed in 0.2");
+  EXPECT_NE(message_of([] { find_option("r99_knob"); }).find("is unknown"), std::string::npos)
       << "no earlier version had it";
-  EXPECT_NE(message_of([&] { find_profile("odl", removed); }).find("expected paper"),
-            std::string::npos);
 }
 
-TEST(OptionsTable, NoOptionOrProfileThatIsThereIsRemoved) {
-  for (const RemovedOption& row : removed_options()) {
-    for (const OptionInfo& info : option_table()) EXPECT_NE(info.name, row.name);
-    for (const std::string& profile : find_option("profile").choices) EXPECT_NE(profile, row.name);
-    if (row.see.empty()) continue;
-    const auto& profiles = find_option("profile").choices;
-    const bool there = std::ranges::count(option_table(), row.see, &OptionInfo::name) > 0 ||
-                       std::ranges::count(profiles, row.see) > 0;
-    EXPECT_TRUE(there) << row.name << " points to " << row.see;
+TEST(OptionsTable, NoOptionThatIsThereIsRemoved) {
+  for (const RemovedOptions& removed : removed_options()) {
+    for (const OptionInfo& info : option_table())
+      EXPECT_EQ(std::ranges::count(removed.names, info.name), 0) << info.name;
+    if (removed.by.empty()) continue;
+    EXPECT_EQ(std::ranges::count(option_table(), removed.by, &OptionInfo::name), 1);
   }
 }
 
