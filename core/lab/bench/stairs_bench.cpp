@@ -99,7 +99,7 @@ std::string true_stairs_json(const std::string& set,
 
 namespace {
 
-constexpr const char* kSets[] = {"depth_stairs", "depth_descent", "depth_boxes"};
+constexpr const char* kStairsSets[] = {"depth_stairs", "depth_descent", "depth_boxes"};
 
 StairsFrame measure_frame(const EvaluationFrame& made,
                           const planes::PipelineOptions& options,
@@ -134,7 +134,7 @@ std::vector<StairsOfSet> measure_stairs(const StairsBenchOptions& options,
                                         const planes::Classifier& classifier,
                                         const std::function<void(int, int)>& progress) {
   std::vector<StairsOfSet> sets;
-  for (const char* name : kSets)
+  for (const char* name : kStairsSets)
     sets.push_back({name, std::vector<StairsFrame>(static_cast<std::size_t>(options.count))});
   planes::PipelineOptions pipeline = options.pipeline;
   pipeline.threads = 1;
