@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "core/io/recording.hpp"
-#include "core/lab/experiments/map_truth.hpp"
+#include "core/lab/experiments/measure_map.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/planes/pipeline/pipeline.hpp"

@@ -13,7 +13,7 @@
 #include "cli/program.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/recording.hpp"
-#include "core/lab/synthetic/sequence.hpp"
+#include "core/lab/synthetic/sample.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 #include "render/palette.hpp"

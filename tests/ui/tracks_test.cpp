@@ -4,7 +4,7 @@
 
 #include "app/desktop/look.hpp"
 #include "app/desktop/tracks/map_view.hpp"
-#include "core/lab/synthetic/sequence.hpp"
+#include "core/lab/synthetic/sample.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/world/files/map_files.hpp"
