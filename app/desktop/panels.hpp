@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/desktop/actions/action.hpp"
+#include "app/desktop/actions/actions.hpp"
 
 namespace planescope::desktop {
 

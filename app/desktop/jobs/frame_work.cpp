@@ -1,11 +1,10 @@
-#include "app/desktop/jobs/frame_work.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 
 #include "app/commands/inputs.hpp"
+#include "app/desktop/jobs/jobs.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/tracks/map_view.hpp"
 #include "core/labels/model/label_files.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/state/report_open.hpp"
+#include "app/desktop/state/session.hpp"
 #include "core/debug/explain/compare.hpp"
 
 namespace planescope::desktop {

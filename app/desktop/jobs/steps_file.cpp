@@ -1,5 +1,3 @@
-#include "app/desktop/jobs/steps_file.hpp"
-
 #include <fmt/format.h>
 
 #include <condition_variable>
@@ -9,6 +7,7 @@
 #include <thread>
 
 #include "app/desktop/actions/actions.hpp"
+#include "app/desktop/jobs/jobs.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

@@ -9,7 +9,7 @@
 #include <functional>
 #include <tuple>
 
-#include "app/desktop/debugger/planes.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"

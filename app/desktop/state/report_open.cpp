@@ -1,5 +1,3 @@
-#include "app/desktop/state/report_open.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

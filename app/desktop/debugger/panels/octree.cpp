@@ -7,8 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/desktop/debugger/filter_box.hpp"
-#include "app/desktop/debugger/rows.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "render/palette.hpp"
