@@ -7,7 +7,6 @@
 
 #include "app/cli/output.hpp"
 #include "app/commands/commands.hpp"
-#include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
 #include "app/desktop/state/state.hpp"
 #include "app/desktop/window.hpp"

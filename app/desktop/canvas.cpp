@@ -1,5 +1,3 @@
-#include "app/desktop/canvas.hpp"
-
 #include <algorithm>
 #include <array>
 #include <map>

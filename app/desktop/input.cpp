@@ -1,10 +1,9 @@
-#include "app/desktop/input.hpp"
-
 #include <array>
 #include <cctype>
 #include <set>
 
 #include "app/desktop/imgui.hpp"
+#include "app/desktop/shell.hpp"
 
 namespace planescope::desktop {
 namespace {

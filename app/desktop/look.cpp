@@ -6,7 +6,7 @@
 #include <cmath>
 #include <span>
 
-#include "app/desktop/debugger/planes.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "render/step_scene.hpp"
 

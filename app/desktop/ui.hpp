@@ -10,11 +10,9 @@
 #include <vector>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/canvas.hpp"
-#include "app/desktop/debugger/filter_box.hpp"
-#include "app/desktop/debugger/rows.hpp"
-#include "app/desktop/debugger/timeline.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/imgui.hpp"
+#include "app/desktop/look.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/io/folder/folder_files.hpp"
 #include "core/labels/review/audit.hpp"

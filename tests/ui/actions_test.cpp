@@ -5,10 +5,10 @@
 #include <fstream>
 #include <set>
 
-#include "app/desktop/debugger/timeline.hpp"
-#include "app/desktop/input.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/script.hpp"
+#include "app/desktop/shell.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"

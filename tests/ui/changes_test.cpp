@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/desktop/jobs/frame_work.hpp"
+#include "app/desktop/jobs/jobs.hpp"
 #include "app/desktop/state/state.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "desktop_fixture.hpp"

@@ -1,11 +1,10 @@
 // Rows of the octree, the axis of the timeline, axes of histograms, as pure functions.
 
+#include "app/desktop/debugger/debugger.hpp"
+
 #include <algorithm>
 #include <set>
 
-#include "app/desktop/debugger/axes.hpp"
-#include "app/desktop/debugger/rows.hpp"
-#include "app/desktop/debugger/timeline.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

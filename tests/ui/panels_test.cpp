@@ -7,8 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/desktop/debugger/axes.hpp"
-#include "app/desktop/debugger/rows.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/state/state.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/planes/pipeline/options_table.hpp"

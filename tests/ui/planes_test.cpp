@@ -1,12 +1,11 @@
 // What the window tells about finished planes: room for a foot, what carries one, stairs; by
 // scripted input with no GL.
 
-#include "app/desktop/debugger/planes.hpp"
-
 #include <algorithm>
 #include <limits>
 
-#include "app/desktop/jobs/frame_work.hpp"
+#include "app/desktop/debugger/debugger.hpp"
+#include "app/desktop/jobs/jobs.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/state/session.hpp"
 #include "desktop_fixture.hpp"

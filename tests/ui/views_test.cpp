@@ -1,6 +1,6 @@
 // The 3D view, the image, the timeline and the frame strip, by scripted input with no GL.
 
-#include "app/desktop/debugger/timeline.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/look.hpp"
 #include "desktop_fixture.hpp"
 

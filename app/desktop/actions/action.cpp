@@ -1,5 +1,3 @@
-#include "app/desktop/actions/action.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

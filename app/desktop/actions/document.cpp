@@ -6,7 +6,6 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/look.hpp"
-#include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
 #include "core/io/folder/folder_files.hpp"
 #include "core/labels/model/label_files.hpp"

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/debugger/planes.hpp"
-#include "app/desktop/state/report_open.hpp"
+#include "app/desktop/debugger/debugger.hpp"
+#include "app/desktop/state/session.hpp"
 #include "core/debug/explain/measure.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/model/error.hpp"

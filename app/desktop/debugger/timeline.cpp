@@ -1,10 +1,9 @@
-#include "app/desktop/debugger/timeline.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/widgets.hpp"
 #include "render/palette.hpp"

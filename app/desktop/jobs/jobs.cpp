@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "app/desktop/look.hpp"
-#include "app/desktop/state/report_open.hpp"
+#include "app/desktop/state/session.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/options_table.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "app/desktop/actions/action.hpp"
+#include "app/desktop/actions/actions.hpp"
 
 namespace planescope::desktop {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "app/desktop/debugger/timeline.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/state/session.hpp"
 #include "app/desktop/tracks/map_view.hpp"
 #include "core/model/json.hpp"

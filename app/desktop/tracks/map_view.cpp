@@ -7,7 +7,7 @@
 
 #include "app/commands/map_picture.hpp"
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/jobs/frame_work.hpp"
+#include "app/desktop/jobs/jobs.hpp"
 #include "core/debug/explain/compare.hpp"
 #include "core/model/error.hpp"
 #include "core/world/tracks/tracker.hpp"

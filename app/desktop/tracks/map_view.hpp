@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/desktop/state/report_open.hpp"
+#include "app/desktop/state/session.hpp"
 #include "app/desktop/state/state.hpp"
 #include "core/world/map_recording.hpp"
 #include "core/world/tracks/tracker.hpp"

@@ -6,7 +6,7 @@
 #include <array>
 #include <span>
 
-#include "app/desktop/debugger/filter_box.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 

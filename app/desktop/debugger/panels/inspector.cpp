@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/debugger/planes.hpp"
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/debug/explain/explain.hpp"

@@ -1,7 +1,5 @@
 // The planes of the result: rows of their table, texts, and the tabs of planes and stairs.
 
-#include "app/desktop/debugger/planes.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/model/text.hpp"

@@ -1,13 +1,12 @@
 // The trace from left to right: phases, cases, what became of planes, marks of what matters, and an
 // overview of all of it.
 
-#include "app/desktop/debugger/timeline.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/model/text.hpp"
