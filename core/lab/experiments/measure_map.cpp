@@ -20,7 +20,7 @@
 #include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "core/world/files/map_files.hpp"
-#include "core/world/poses/trajectory.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -19,7 +19,7 @@
 #include "core/model/json_fields.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/world/poses/trajectory.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::lab {
 
