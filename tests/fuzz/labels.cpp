@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "core/labels/exchange/exchange.hpp"
-#include "core/labels/exchange/npy.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
