@@ -7,7 +7,7 @@
 
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/model/pixel_sets.hpp"
-#include "core/labels/wand/finish.hpp"
+#include "core/labels/wand/wand.hpp"
 #include "core/labels/wand/wand_field.hpp"
 #include "core/model/error.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/labels/wand/finish.hpp"
+// What finishes a labelled plane.
 
 #include <Eigen/Geometry>
 #include <algorithm>

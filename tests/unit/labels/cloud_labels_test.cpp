@@ -14,7 +14,6 @@
 #include "core/labels/review/audit.hpp"
 #include "core/labels/review/review.hpp"
 #include "core/labels/store/store.hpp"
-#include "core/labels/wand/finish.hpp"
 #include "core/labels/wand/wand.hpp"
 #include "core/planes/pipeline/truth.hpp"
 #include "small_frames.hpp"

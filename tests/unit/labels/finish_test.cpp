@@ -1,4 +1,4 @@
-#include "core/labels/wand/finish.hpp"
+#include "core/labels/wand/wand.hpp"
 
 #include <gtest/gtest.h>
 
