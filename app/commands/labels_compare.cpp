@@ -5,7 +5,7 @@
 
 #include "app/cli/progress.hpp"
 #include "app/commands/labels.hpp"
-#include "core/labels/review/agreement.hpp"
+#include "core/labels/review/review.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 

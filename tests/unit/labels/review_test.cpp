@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "core/labels/edit/operations.hpp"
-#include "core/labels/review/agreement.hpp"
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
 

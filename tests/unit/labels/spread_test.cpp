@@ -1,4 +1,4 @@
-#include "core/labels/review/spread.hpp"
+#include "core/labels/review/carry.hpp"
 
 #include <gtest/gtest.h>
 
