@@ -1,6 +1,5 @@
 // planescope: the product.
 
-#include "app/cli/manual.hpp"
 #include "app/cli/program.hpp"
 #include "app/commands/commands.hpp"
 #include "core/io/open3d/install.hpp"

@@ -8,7 +8,6 @@
 #include "core/planes/classify/weights.hpp"
 #include "core/planes/outline/outline.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/report/data/plane_files.hpp"
 #include "core/report/data/segment_files.hpp"
 #include "library/data.hpp"
 

@@ -1,14 +1,13 @@
-#include "app/cli/manual.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 
+#include "app/cli/program.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::app {
 namespace {

@@ -3,7 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 
+#include "app/cli/progress.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
@@ -128,6 +131,46 @@ void StagedOutput::commit() {
     throw Error("output " + dir_.string() + ": " + error.code().message());
   }
   added_.clear();
+}
+
+fs::path find_asset(const std::string& name, const std::string& what) {
+  std::vector<fs::path> places;
+  if (const char* assets = std::getenv("PLANESCOPE_ASSETS")) {
+    places.push_back(fs::path(assets) / name);
+  } else {
+    std::error_code failed;
+    const fs::path program = fs::read_symlink("/proc/self/exe", failed);
+    if (!failed)
+      places.push_back(program.parent_path().parent_path() / "share" / "planescope" / name);
+    places.push_back(fs::path(PLANESCOPE_SOURCE_DIR) / "assets" / name);
+  }
+  std::string tried;
+  for (const fs::path& place : places) {
+    std::error_code ignored;
+    if (fs::exists(place, ignored)) return place;
+    tried += (tried.empty() ? "" : " nor ") + place.string();
+  }
+  throw Error(what + " missing: there is no " + tried);
+}
+
+Progress::Progress(std::string what, int total)
+    : what_(std::move(what)), total_(std::max(1, total)), visible_(isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (visible_) std::fputs("\r\033[K", stderr);
+}
+
+void Progress::show(int done, const std::string& now) {
+  if (!visible_) return;
+  constexpr int kWidth = 28;
+  const int filled = std::clamp(done * kWidth / total_, 0, kWidth);
+  fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {}/{}  {}", what_, "", filled, "",
+             kWidth - filled, done, total_, now);
+  std::fflush(stderr);
+}
+
+void Progress::print(const std::string& line) {
+  fmt::print(stderr, "{}{}\n", visible_ ? "\r\033[K" : "", line);
 }
 
 }  // namespace planescope::app

@@ -25,7 +25,7 @@
 #include "app/cli/output.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::app {
 namespace {

@@ -20,4 +20,9 @@ struct Program {
 /// stop, the second ends the program.
 int run_program(const Program& program, int argc, char** argv);
 
+/// Adds `man`, which prints the manual of the whole program as roff, and `completions`, which
+/// prints what bash, zsh or fish complete.
+void define_man(CLI::App& app, Line& line);
+void define_completions(CLI::App& app, Line& line);
+
 }  // namespace planescope::app

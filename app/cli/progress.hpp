@@ -1,10 +1,17 @@
 #pragma once
 
+// Bars on a terminal, and the loops over frames that show them.
+
+#include <fmt/format.h>
+
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "core/model/error.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope::app {
 
@@ -59,5 +66,45 @@ class StageBar {
   std::string what_, shown_;
   std::shared_ptr<Progress> bar_;
 };
+
+/// work(frame), one after the other. Throws Cancelled on stop.
+template <typename Work>
+void for_each_frame(const char* what,
+                    const std::vector<int>& frames,
+                    const std::stop_token& stop,
+                    Work&& work) {
+  Progress progress(what, static_cast<int>(frames.size()));
+  int done = 0;
+  for (const int frame : frames) {
+    if (stop.stop_requested()) throw Cancelled();
+    progress.show(done++, fmt::format("frame {}", frame));
+    work(frame);
+  }
+}
+
+/// made = make(i), on so many threads, then take(i, made) in the order of the frames. After a stop
+/// no more are made.
+template <typename Make, typename Take>
+void run_frames(const char* what,
+                const std::vector<int>& frames,
+                int threads,
+                const std::stop_token& stop,
+                Make&& make,
+                Take&& take) {
+  std::vector<std::optional<decltype(make(std::size_t{0}))>> made(frames.size());
+  Progress progress(what, static_cast<int>(frames.size()));
+  work_in_order(
+      static_cast<int>(frames.size()), threads,
+      [&](int i) {
+        const auto at = static_cast<std::size_t>(i);
+        if (!stop.stop_requested()) made[at] = make(at);
+      },
+      [&](int i) {
+        const auto at = static_cast<std::size_t>(i);
+        progress.show(i + 1, fmt::format("frame {}", frames[at]));
+        if (made[at]) take(at, std::move(*made[at]));
+        made[at].reset();
+      });
+}
 
 }  // namespace planescope::app

@@ -6,9 +6,8 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "app/commands/inputs.hpp"
-#include "core/io/bag/mcap_write.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
-#include "core/io/folder/folder_write.hpp"
+#include "core/io/recording_write.hpp"
 #include "core/labels/model/grid.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
@@ -152,25 +151,17 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
                                          const fs::path& path,
                                          int threads,
                                          const std::stop_token& stop) {
-  const int count = static_cast<int>(input.frames.size());
   std::vector<io::WrittenFrame> written;
-  std::vector<Frame> read(input.frames.size());
-  Progress progress("convert", count);
   write_file_stream(path, [&](std::ostream& out) {
     io::McapWriter file(out);
-    work_in_order(
-        count, threads,
-        [&](int i) {
-          const auto at = static_cast<std::size_t>(i);
-          if (!stop.stop_requested()) read[at] = input.recording->frame(input.frames[at]);
-        },
-        [&](int i) {
-          if (stop.stop_requested()) throw Cancelled();
-          Frame frame = std::move(read[static_cast<std::size_t>(i)]);
-          progress.show(i + 1, fmt::format("frame {}", frame.index));
+    run_frames(
+        "convert", input.frames, threads, stop,
+        [&](std::size_t i) { return input.recording->frame(input.frames[i]); },
+        [&](std::size_t i, Frame&& frame) {
           file.add(frame);
           written.push_back(io::facts_of(std::move(frame), std::to_string(i)));
         });
+    if (stop.stop_requested()) throw Cancelled();
     file.finish();
   });
   return written;

@@ -9,7 +9,6 @@
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
-#include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
@@ -154,45 +153,41 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
         fmt::format("--prediction names one folder, but {} recordings are given", inputs.size()));
   const planes::ChosenClassifier chosen =
       predicted ? planes::ChosenClassifier{} : choose_classifier(args.input.pipeline);
+  std::vector<const OpenInput*> input_of;
+  std::vector<int> frames;
+  for (const OpenInput& input : inputs)
+    for (const int index : input.frames) {
+      input_of.push_back(&input);
+      frames.push_back(index);
+    }
   struct Scored {
-    const OpenInput* input = nullptr;
-    int frame = 0;
     std::optional<Row> row;
     std::string refused;
   };
-  std::vector<Scored> scored;
-  for (const OpenInput& input : inputs)
-    for (const int index : input.frames) scored.push_back({&input, index, {}, {}});
-  const int count = static_cast<int>(scored.size());
-  const planes::FrameThreads threads = planes::threads_for_frames(args.input.pipeline, count);
+  const planes::FrameThreads threads =
+      planes::threads_for_frames(args.input.pipeline, static_cast<int>(frames.size()));
+  const auto make = [&](std::size_t i) -> Scored {
+    const OpenInput& input = *input_of[i];
+    if (!may_have_truth(input, frames[i])) return {};
+    try {
+      if (predicted) return {score_prediction(input, frames[i], args), ""};
+      return {run_and_score(input, frames[i], threads.pipeline, chosen.classifier.get()), ""};
+    } catch (const FrameRefused& refusal) {
+      return {{}, refusal.what()};
+    }
+  };
   std::vector<Row> rows;
   std::vector<std::string> refused;
   int without_truth = 0;
-  {
-    Progress progress("eval", count);
-    const auto make = [&](int i) {
-      auto& [input, index, row, why_not] = scored[i];
-      if (stop.stop_requested() || !may_have_truth(*input, index)) return;
-      try {
-        row = predicted ? score_prediction(*input, index, args)
-                        : run_and_score(*input, index, threads.pipeline, chosen.classifier.get());
-      } catch (const FrameRefused& refusal) {
-        why_not = refusal.what();
-      }
-    };
-    const auto take = [&](int i) {
-      auto& [input, index, row, why_not] = scored[i];
-      if (stop.stop_requested()) throw Cancelled();
-      progress.show(i + 1, fmt::format("{} frame {}", input->path.filename().string(), index));
-      if (!why_not.empty())
-        refused.push_back(why_not);
-      else if (!row)
-        ++without_truth;
-      else
-        rows.push_back(std::move(*row));
-    };
-    work_in_order(count, threads.at_once, make, take);
-  }
+  run_frames("eval", frames, threads.at_once, stop, make, [&](std::size_t, Scored&& scored) {
+    if (!scored.refused.empty())
+      refused.push_back(scored.refused);
+    else if (!scored.row)
+      ++without_truth;
+    else
+      rows.push_back(std::move(*scored.row));
+  });
+  if (stop.stop_requested()) throw Cancelled();
   if (rows.empty() && !refused.empty()) throw Error(refused.front());
   if (rows.empty())
     throw Error(
@@ -219,7 +214,7 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   json["refused"] = refused;
   json["frames_without_truth"] = without_truth;
   json["mean"] = to_json(mean);
-  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  fmt::print("{}", json_text(json, 2));
   return 0;
 }
 

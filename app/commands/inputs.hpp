@@ -3,8 +3,11 @@
 // What every command that reads recordings shares: which recordings, which frames, which options.
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -98,5 +101,17 @@ LoadedFrame run_input_frame(const OpenInput& input,
                             const planes::Classifier* classifier,
                             bool want_truth,
                             planes::Trace* trace = nullptr);
+
+// Lists of recordings: lines of words, with options as they would be typed.
+
+/// Calls read(words) for each line that is not empty and no comment. Throws Error naming the list
+/// and the line where that throws one.
+void read_list(const std::filesystem::path& list,
+               const std::function<void(std::istringstream& words)>& read);
+
+/// The rest of a line: options as they would be typed, of those that are `known`. Throws Error.
+void set_listed_options(InputArgs& args,
+                        std::istringstream& words,
+                        std::span<const std::string> known);
 
 }  // namespace planescope::app

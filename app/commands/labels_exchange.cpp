@@ -13,7 +13,6 @@
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/cloud/gravity.hpp"
 
@@ -175,47 +174,40 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   const auto picture_of = [](int frame) {
     return fmt::format("{}/{:06}.png", labels::kCocoPictures, frame);
   };
-  {
-    const int count = static_cast<int>(frames.size());
-    Progress progress("export", count);
-    std::vector<std::vector<fs::path>> paths(frames.size());
-    std::vector<labels::LabelledPoints> of_coco(is_coco ? frames.size() : 0);
-    const auto make = [&](int i) {
-      const int index = frames[i];
-      if (stop.stop_requested()) return;
-      Frame frame = input.recording->frame(index);
-      const auto labels =
-          labels::read_labels_of_frame(input.label_dir, frame, input.recording->frame_hash(index));
-      if (!labels) return;
-      frame = frame_as_drawn(std::move(frame), input.recording->info(), *labels);
-      if (frame.is_cloud() && is_coco)
-        throw Error(fmt::format(
-            "{}, frame {}: coco is for images, this is a cloud: expected --format evops, "
-            "ply, pcd, kitti, npz or voxels",
-            input.path.string(), index));
-      make_output_dir(args.out);
-      const labels::LabelGrid grid = labels::make_label_grid(frame, labels->gravity);
-      if (is_coco) {
-        of_coco[i] = labels::points_of_labels(*labels, grid);
-        make_output_dir(args.out / labels::kCocoPictures);
-        paths[i] = {args.out / picture_of(index)};
-        io::write_png(paths[i][0], labels::coco_picture(grid));
-        return;
-      }
-      paths[i] = labels::write_labelled(args.out / fmt::format("{:06}", index), format,
-                                        labels::points_of_labels(*labels, grid),
-                                        args.input.pipeline.cloud.voxel_size_m);
-    };
-    const auto take = [&](int i) {
-      if (stop.stop_requested()) throw Cancelled();
-      progress.show(i + 1, fmt::format("frame {}", frames[i]));
-      written.insert(written.end(), paths[i].begin(), paths[i].end());
-      if (!is_coco || paths[i].empty()) return;
-      coco.add(of_coco[i], picture_of(frames[i]));
-      of_coco[i] = {};
-    };
-    work_in_order(count, args.input.pipeline.threads, make, take);
-  }
+  struct Exported {
+    std::vector<fs::path> paths;
+    labels::LabelledPoints coco;
+  };
+  const auto make = [&](std::size_t i) -> Exported {
+    const int index = frames[i];
+    Frame frame = input.recording->frame(index);
+    const auto labels =
+        labels::read_labels_of_frame(input.label_dir, frame, input.recording->frame_hash(index));
+    if (!labels) return {};
+    frame = frame_as_drawn(std::move(frame), input.recording->info(), *labels);
+    if (frame.is_cloud() && is_coco)
+      throw Error(
+          fmt::format("{}, frame {}: coco is for images, this is a cloud: expected --format evops, "
+                      "ply, pcd, kitti, npz or voxels",
+                      input.path.string(), index));
+    make_output_dir(args.out);
+    const labels::LabelGrid grid = labels::make_label_grid(frame, labels->gravity);
+    labels::LabelledPoints points = labels::points_of_labels(*labels, grid);
+    if (!is_coco)
+      return {labels::write_labelled(args.out / fmt::format("{:06}", index), format, points,
+                                     args.input.pipeline.cloud.voxel_size_m),
+              {}};
+    make_output_dir(args.out / labels::kCocoPictures);
+    io::write_png(args.out / picture_of(index), labels::coco_picture(grid));
+    return {{args.out / picture_of(index)}, std::move(points)};
+  };
+  run_frames("export", frames, args.input.pipeline.threads, stop, make,
+             [&](std::size_t i, Exported&& exported) {
+               written.insert(written.end(), exported.paths.begin(), exported.paths.end());
+               if (is_coco && !exported.paths.empty())
+                 coco.add(exported.coco, picture_of(frames[i]));
+             });
+  if (stop.stop_requested()) throw Cancelled();
   if (is_coco && !written.empty()) {
     written.push_back(args.out / labels::kCocoFileName);
     write_file_bytes(written.back(), coco.bytes(), Durable::yes);

@@ -11,14 +11,13 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "app/commands/map_picture.hpp"
-#include "app/commands/report_frames.hpp"
+#include "app/commands/report.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/open3d/install.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 #include "core/world/files/map_files.hpp"
-#include "core/world/files/observed_files.hpp"
 
 namespace planescope::app {
 namespace {

@@ -11,12 +11,11 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
-#include "app/commands/report_pictures.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 #include "core/report/compare/judgement.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/data/report_json.hpp"
 #include "core/world/map_recording.hpp"
@@ -57,7 +56,7 @@ void print_facts(const std::filesystem::path& out, const report::Report& report,
       {"frames_refused", totals.frames_refused}, {"planes", totals.planes},
       {"rendered", !report.renderer.empty()}};
   if (report.judgement) facts["verdict"] = report::judgement_json(*report.judgement);
-  fmt::print("{}\n", facts.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  fmt::print("{}", json_text(facts, 2));
 }
 
 /// The frames that could not be processed: how many, whether one is damaged, and the first.

@@ -1,8 +1,7 @@
-#include "app/commands/report_folder.hpp"
-
 #include <algorithm>
 
 #include "app/cli/output.hpp"
+#include "app/commands/report.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/report/data/report_files.hpp"

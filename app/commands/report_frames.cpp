@@ -1,5 +1,3 @@
-#include "app/commands/report_frames.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +9,7 @@
 #include <optional>
 
 #include "app/cli/progress.hpp"
-#include "app/commands/report_pictures.hpp"
+#include "app/commands/report.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"

@@ -1,9 +1,8 @@
-#include "app/commands/report_pictures.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "app/commands/report.hpp"
 #include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"

@@ -1,5 +1,9 @@
-#include <fmt/format.h>
+// planescope segment: the planes of each frame as files.
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -8,17 +12,16 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "core/model/error.hpp"
-#include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/plane_files.hpp"
-#include "core/report/data/ros_json.hpp"
+#include "core/report/data/report_data.hpp"
 #include "core/report/data/segment_files.hpp"
-#include "core/report/data/terrain.hpp"
 #include "core/world/files/map_files.hpp"
 
 namespace planescope::app {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 struct SegmentArgs {
   InputArgs input;            // one recording
@@ -28,49 +31,39 @@ struct SegmentArgs {
   bool json = false, ros_json = false;
 };
 
-// The one line that tells what became of a frame.
-std::string line_of(const std::string& folder, const planes::FrameResult& result) {
+/// The one line that tells what became of a frame, and the same as JSON.
+void tell(const std::string& folder,
+          const planes::FrameResult& result,
+          std::string& line,
+          Json& json) {
   const planes::CloudCounts& counts = result.cloud.counts;
-  std::size_t in_plane = 0;
-  for (const std::int32_t id : result.plane_of) in_plane += id > 0;
-  std::string line =
-      fmt::format("{}: {}, {} of {} points in them", folder,
-                  counted(result.segmentation.planes.size(), "plane"), in_plane, counts.kept);
-  const auto undecided =
-      std::ranges::count_if(result.segmentation.planes, &planes::PlaneRegion::undecided);
+  const planes::Segmentation& found = result.segmentation;
+  const Gravity& gravity = result.gravity;
+  const auto in_plane =
+      std::ranges::count_if(result.plane_of, [](std::int32_t id) { return id > 0; });
+  const auto undecided = std::ranges::count_if(found.planes, &planes::PlaneRegion::undecided);
+  line = fmt::format("{}: {}, {} of {} points in them", folder,
+                     counted(found.planes.size(), "plane"), in_plane, counts.kept);
   if (undecided > 0) line += fmt::format(", {} undecided", undecided);
-  if (!result.segmentation.minor.empty())
-    line += ", " + counted(result.segmentation.minor.size(), "minor plane");
+  if (!found.minor.empty()) line += ", " + counted(found.minor.size(), "minor plane");
   if (counts.beyond_range > 0)
     line += fmt::format(", {} beyond the range (--max-range)", counts.beyond_range);
   if (counts.invalid > 0) line += fmt::format(", {} invalid", counts.invalid);
   if (counts.outside_cube > 0) line += fmt::format(", {} outside the cube", counts.outside_cube);
-  const Gravity& gravity = result.gravity;
   line += fmt::format(", gravity {}", to_string(gravity.source));
   if (gravity.source == GravitySource::estimate || gravity.source == GravitySource::carried)
     line += fmt::format(" (confidence {:.2f})", gravity.confidence);
   if (!gravity.known()) line += ": planes are neither h nor v";
-  return line;
+  json = {{"folder", folder},          {"planes", found.planes.size()},
+          {"undecided", undecided},    {"points", result.cloud.points.size()},
+          {"kept", counts.kept},       {"beyond_range", counts.beyond_range},
+          {"invalid", counts.invalid}, {"gravity_source", to_string(gravity.source)}};
 }
 
-nlohmann::ordered_json frame_json(const std::string& folder, const planes::FrameResult& result) {
-  nlohmann::ordered_json json;
-  json["folder"] = folder;
-  json["planes"] = result.segmentation.planes.size();
-  json["undecided"] =
-      std::ranges::count_if(result.segmentation.planes, &planes::PlaneRegion::undecided);
-  json["points"] = result.cloud.points.size();
-  json["kept"] = result.cloud.counts.kept;
-  json["beyond_range"] = result.cloud.counts.beyond_range;
-  json["invalid"] = result.cloud.counts.invalid;
-  json["gravity_source"] = to_string(result.gravity.source);
-  return json;
-}
-
-/// What is told of a frame: empty where it was not begun.
+/// What is told of a frame.
 struct WrittenFrame {
   std::string line, ros, refused;
-  nlohmann::ordered_json json;
+  Json json;
   bool unknown_gravity = false;
 };
 
@@ -82,7 +75,6 @@ WrittenFrame write_frame(const OpenInput& input,
                          const world::KnownMap* map,
                          StagedOutput* output) {
   WrittenFrame written;
-  const std::filesystem::path& out = args.out;
   try {
     const LoadedFrame loaded = run_input_frame(input, index, options, classifier, false);
     const std::filesystem::path folder = report::frame_folder(index);
@@ -93,11 +85,10 @@ WrittenFrame write_frame(const OpenInput& input,
                                   args.also);
     if (args.ros_json) written.ros = report::ros_json(loaded.frame, loaded.result, found);
     written.unknown_gravity = !loaded.result.gravity.known();
-    written.line = line_of((out / folder).string(), loaded.result);
+    tell((args.out / folder).string(), loaded.result, written.line, written.json);
     const bool has_foot = options.foot.radius_m > 0;
     const report::Terrain terrain = report::terrain_of(found, has_foot);
     const auto steppable = std::ranges::count_if(found.footholds, &planes::Foothold::steppable);
-    written.json = frame_json((out / folder).string(), loaded.result);
     if (has_foot) {
       written.line +=
           fmt::format("\n  steppable: {} of {}, {:.2f} m2 for the foot's centre", steppable,
@@ -106,6 +97,7 @@ WrittenFrame write_frame(const OpenInput& input,
       written.json["steppable_area_m2"] = terrain.steppable_area_m2;
     }
     if (const std::string stairs = terrain.text(); !stairs.empty()) written.line += "\n  " + stairs;
+    written.line += "\n";
     written.json["flights"] = found.stairs.flights.size();
     written.json["kerbs"] = found.stairs.kerbs.size();
     written.json["ramps"] = found.stairs.ramps.size();
@@ -144,49 +136,38 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
 
   bool unknown_gravity = false;
-  nlohmann::ordered_json json;
-  json["schema"] = "planescope.segment/1";
-  json["input"] = input.path.string();
-  json["out"] = args.out.string();
-  json["method"] = planes::to_string(args.input.pipeline.method);
-  json["frames"] = nlohmann::ordered_json::array();
-  {
-    const int count = static_cast<int>(input.frames.size());
-    const planes::FrameThreads threads = planes::threads_for_frames(pipeline, count);
-    std::vector<WrittenFrame> written(input.frames.size());
-    Progress progress("segment", count);
-    const auto make = [&](int i) {
-      if (!stop.stop_requested())
-        written[i] = write_frame(input, input.frames[i], threads.pipeline, chosen.classifier.get(),
-                                 args, map.get(), output ? &*output : nullptr);
-    };
-    const auto take = [&](int i) {
-      WrittenFrame& frame = written[i];
-      progress.show(i + 1, fmt::format("frame {}", input.frames[i]));
-      if (!frame.refused.empty()) refused.push_back(frame.refused);
-      if (frame.line.empty()) return;
-      if (args.ros_json) {  // for whoever reads along
-        fmt::print("{}\n", frame.ros);
-        std::fflush(stdout);
-      }
-      unknown_gravity |= frame.unknown_gravity;
-      lines.push_back(std::move(frame.line));
-      json["frames"].push_back(std::move(frame.json));
-    };
-    work_in_order(count, threads.at_once, make, take);
-  }
+  Json json = {{"schema", "planescope.segment/1"},
+               {"input", input.path.string()},
+               {"out", args.out.string()},
+               {"method", planes::to_string(args.input.pipeline.method)},
+               {"frames", Json::array()}};
+  const planes::FrameThreads threads =
+      planes::threads_for_frames(pipeline, static_cast<int>(input.frames.size()));
+  const auto make = [&](std::size_t i) {
+    return write_frame(input, input.frames[i], threads.pipeline, chosen.classifier.get(), args,
+                       map.get(), output ? &*output : nullptr);
+  };
+  run_frames("segment", input.frames, threads.at_once, stop, make,
+             [&](std::size_t, WrittenFrame&& frame) {
+               if (!frame.refused.empty()) {
+                 refused.push_back(frame.refused);
+                 return;
+               }
+               if (args.ros_json) {  // for whoever reads along
+                 fmt::print("{}\n", frame.ros);
+                 std::fflush(stdout);
+               }
+               unknown_gravity |= frame.unknown_gravity;
+               lines.push_back(std::move(frame.line));
+               json["frames"].push_back(std::move(frame.json));
+             });
   if (lines.empty() && !refused.empty()) throw Error(refused.front());
   if (output) output->commit();
   json["refused"] = refused;
   for (const std::string& why : refused) notice("refused: {}", why);
-  if (args.ros_json) {
-    if (unknown_gravity) notice("to tell h from v, {}", planes::kHowToGiveGravity);
-  } else if (args.json) {
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-  } else {
-    for (const std::string& line : lines) fmt::print("{}\n", line);
-    if (unknown_gravity) notice("to tell h from v, {}", planes::kHowToGiveGravity);
-  }
+  if (args.json) fmt::print("{}", json_text(json, 2));
+  if (!args.json && !args.ros_json) fmt::print("{}", fmt::join(lines, ""));
+  if (!args.json && unknown_gravity) notice("to tell h from v, {}", planes::kHowToGiveGravity);
   if (stop.stop_requested()) throw Cancelled();
   return 0;
 }

@@ -9,8 +9,6 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
-#include "app/commands/training_data.hpp"
-#include "app/commands/training_record.hpp"
 #include "core/lab/training/training_page.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

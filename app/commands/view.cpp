@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "app/cli/assets.hpp"
 #include "app/cli/output.hpp"
 #include "app/commands/commands.hpp"
 #include "app/desktop/state/report_open.hpp"

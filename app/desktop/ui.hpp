@@ -16,7 +16,7 @@
 #include "app/desktop/debugger/timeline.hpp"
 #include "app/desktop/imgui.hpp"
 #include "core/debug/explain/provenance.hpp"
-#include "core/io/folder/camera_files.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/labels/review/audit.hpp"
 
 namespace planescope::desktop {

@@ -10,7 +10,6 @@
 #include <optional>
 #include <set>
 
-#include "app/cli/assets.hpp"
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/lab/lab.hpp"

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <optional>
 
-#include "app/cli/assets.hpp"
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/lab/allocations.hpp"

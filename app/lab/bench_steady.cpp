@@ -9,7 +9,7 @@
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
-#include "app/commands/report_frames.hpp"
+#include "app/commands/report.hpp"
 #include "app/lab/lab.hpp"
 #include "core/lab/experiments/measure_steady.hpp"
 #include "core/model/error.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "app/commands/input_list.hpp"
+#include "app/commands/inputs.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 

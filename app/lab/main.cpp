@@ -5,7 +5,6 @@
 
 #include <cstdlib>
 
-#include "app/cli/manual.hpp"
 #include "app/cli/program.hpp"
 #include "app/commands/train.hpp"
 #include "app/lab/lab.hpp"

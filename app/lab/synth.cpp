@@ -13,7 +13,7 @@
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
-#include "app/commands/training_record.hpp"
+#include "app/commands/train.hpp"
 #include "app/lab/lab.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <map>
 
-#include "core/io/bag/compression.hpp"
+#include "core/io/bag/message_log.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
-#include "core/io/folder/folder_layout.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

@@ -1,3 +1,5 @@
+// What lies beside recordings: sidecars, and gravity that was picked; and the camera that follows.
+
 #include "core/io/readers.hpp"
 
 #include <fmt/format.h>
@@ -6,12 +8,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/io/picked_gravity.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::io {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 /// Numbers from a place, as they are checked here: finite, `count` of them.
@@ -89,15 +95,15 @@ Pose read_rigid(const JsonPlace& place) {
 }
 
 /// The sidecar inside a folder; empty if there is none.
-std::filesystem::path sidecar_inside(const std::filesystem::path& recording) {
+fs::path sidecar_inside(const fs::path& recording) {
   std::error_code ignored;
-  if (!std::filesystem::is_directory(recording, ignored)) return {};
+  if (!fs::is_directory(recording, ignored)) return {};
   for (const char* name : {"planescope.json", "gravity.json"})
-    if (std::filesystem::exists(recording / name, ignored)) return recording / name;
+    if (fs::exists(recording / name, ignored)) return recording / name;
   return {};
 }
 
-Sidecar sidecar_of(const JsonPlace& place, const std::filesystem::path& path) {
+Sidecar sidecar_of(const JsonPlace& place, const fs::path& path) {
   Sidecar sidecar;
   sidecar.path = path;
   if (place.has("schema")) place.schema({"planescope.recording/1"});
@@ -126,23 +132,21 @@ Sidecar sidecar_of(const JsonPlace& place, const std::filesystem::path& path) {
   return sidecar;
 }
 
-Sidecar read_one_sidecar(const std::filesystem::path& path) {
+Sidecar read_one_sidecar(const fs::path& path) {
   return read_place(path, read_json<nlohmann::ordered_json>(path),
                     [&](const JsonPlace& place) { return sidecar_of(place, path); });
 }
 
 }  // namespace
 
-std::filesystem::path sidecar_beside(const std::filesystem::path& recording) {
+fs::path sidecar_beside(const fs::path& recording) {
   return path_beside(recording, ".planescope.json");
 }
 
-Sidecar read_sidecar(const std::filesystem::path& recording) {
-  const std::filesystem::path inside = sidecar_inside(recording),
-                              beside = sidecar_beside(recording);
+Sidecar read_sidecar(const fs::path& recording) {
+  const fs::path inside = sidecar_inside(recording), beside = sidecar_beside(recording);
   std::error_code ignored;
-  if (!std::filesystem::exists(beside, ignored))
-    return inside.empty() ? Sidecar{} : read_one_sidecar(inside);
+  if (!fs::exists(beside, ignored)) return inside.empty() ? Sidecar{} : read_one_sidecar(inside);
   Sidecar sidecar = read_one_sidecar(beside);
   if (inside.empty()) return sidecar;
   Sidecar rest = read_one_sidecar(inside);
@@ -199,6 +203,11 @@ void apply_sidecar(const Sidecar& sidecar, Frame& frame) {
   }
 }
 
+double time_of_frame(const Sidecar& sidecar, const std::string& name, double own_s) {
+  const Sidecar::FrameFacts* facts = facts_of(sidecar, name);
+  return facts ? facts->timestamp_s.value_or(own_s) : own_s;
+}
+
 bool tells_times(const Sidecar& sidecar) {
   return std::ranges::any_of(sidecar.frames, [](const Sidecar::FrameFacts& frame) {
     return frame.timestamp_s.value_or(0) != 0;
@@ -218,15 +227,9 @@ std::optional<Gravity> gravity_of_accelerometer(const Vec3d& mean_m_s2,
 
 namespace {
 
-constexpr double kRealSenseUnit_m = 0.001;
-
 bool usable(const Intrinsics& k) {
   return std::isfinite(k.fx) && std::isfinite(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy) &&
          k.fx > 0 && k.fy > 0;
-}
-
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
 }
 
 }  // namespace
@@ -235,6 +238,7 @@ void settle_camera(const RecordingOptions& options,
                    const Sidecar& sidecar,
                    const CameraFacts& facts,
                    RecordingInfo& info) {
+  const std::string path = info.path.string();
   if (options.intrinsics) {
     const auto& [fx, fy, cx, cy] = *options.intrinsics;
     info.intrinsics = {0, 0, fx, fy, cx, cy, Distortion::none, {}};
@@ -246,28 +250,26 @@ void settle_camera(const RecordingOptions& options,
     info.intrinsics = *facts.intrinsics;
     info.intrinsics_source = facts.intrinsics_source;
   } else if (!options.intrinsics_may_lack) {
-    throw Error(info.path.string() + ": the recording does not say its camera intrinsics; " +
-                kHowToGiveIntrinsics);
+    throw Error(fmt::format("{}: the recording does not say its camera intrinsics; {}", path,
+                            kHowToGiveIntrinsics));
   }
   Intrinsics& k = info.intrinsics;
-  if (!info.intrinsics_source.empty() && !usable(k)) {
-    throw Error(info.path.string() + ": intrinsics fx " + std::to_string(k.fx) + ", fy " +
-                std::to_string(k.fy) + " from " + info.intrinsics_source +
-                " are not usable, expected focal lengths above 0 in pixels");
-  }
-  if (k.width > 0 && k.height > 0 && (k.width != info.width || k.height != info.height)) {
-    throw Error(info.path.string() + ": depth images are " + size_text(info.width, info.height) +
-                " but the intrinsics in " + info.intrinsics_source + " are for " +
-                size_text(k.width, k.height));
-  }
+  if (!info.intrinsics_source.empty() && !usable(k))
+    throw Error(
+        fmt::format("{}: intrinsics fx {:f}, fy {:f} from {} are not usable, expected focal "
+                    "lengths above 0 in pixels",
+                    path, k.fx, k.fy, info.intrinsics_source));
+  if (k.width > 0 && k.height > 0 && (k.width != info.width || k.height != info.height))
+    throw Error(fmt::format("{}: depth images are {}x{} but the intrinsics in {} are for {}x{}",
+                            path, info.width, info.height, info.intrinsics_source, k.width,
+                            k.height));
   k.width = info.width;
   k.height = info.height;
   // Of a cropped image it may be a little outside.
   if (std::abs(k.cx - 0.5 * k.width) > k.width || std::abs(k.cy - 0.5 * k.height) > k.height)
     throw Error(fmt::format(
-        "{}: principal point cx {:g}, cy {:g} from {} is far outside the {} depth image",
-        info.path.string(), k.cx, k.cy, info.intrinsics_source,
-        size_text(info.width, info.height)));
+        "{}: principal point cx {:g}, cy {:g} from {} is far outside the {}x{} depth image", path,
+        k.cx, k.cy, info.intrinsics_source, info.width, info.height));
 
   if (options.depth_unit_m) {
     info.depth_unit_m = *options.depth_unit_m;
@@ -279,13 +281,12 @@ void settle_camera(const RecordingOptions& options,
     info.depth_unit_m = *facts.depth_unit_m;
     info.depth_unit_source = facts.depth_unit_source;
   } else {
-    info.depth_unit_m = kRealSenseUnit_m;
+    info.depth_unit_m = 0.001;
     info.depth_unit_source = "assumed (RealSense default)";
   }
-  if (!(info.depth_unit_m > 0) || !std::isfinite(info.depth_unit_m)) {
-    throw Error(info.path.string() + ": depth unit " + std::to_string(info.depth_unit_m) +
-                " m from " + info.depth_unit_source + ", expected metres per count above 0");
-  }
+  if (!(info.depth_unit_m > 0) || !std::isfinite(info.depth_unit_m))
+    throw Error(fmt::format("{}: depth unit {:f} m from {}, expected metres per count above 0",
+                            path, info.depth_unit_m, info.depth_unit_source));
 }
 
 bool set_distortion(const std::string& model,
@@ -293,17 +294,16 @@ bool set_distortion(const std::string& model,
                     Intrinsics& intrinsics) {
   intrinsics.distortion = Distortion::none;
   intrinsics.coefficients = {};
-  const bool all_zero =
-      std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; });
-  if (all_zero) return true;
+  const auto are_zero = [&](std::size_t from) {
+    return std::all_of(coefficients.begin() + static_cast<std::ptrdiff_t>(from), coefficients.end(),
+                       [](double c) { return c == 0; });
+  };
+  if (are_zero(0)) return true;
   const std::string lower = lower_case(model);
   const auto names = [&](const char* part) { return lower.find(part) != std::string::npos; };
-  const bool finite = std::all_of(coefficients.begin(), coefficients.end(),
-                                  [](double c) { return std::isfinite(c); });
+  const bool finite = std::ranges::all_of(coefficients, [](double c) { return std::isfinite(c); });
   // More than five coefficients are a rational model, which ours cannot express.
-  const bool five =
-      coefficients.size() <= 5 ||
-      std::all_of(coefficients.begin() + 5, coefficients.end(), [](double c) { return c == 0; });
+  const bool five = coefficients.size() <= 5 || are_zero(5);
   if (!finite || !five || !(names("brown") || names("plumb"))) return false;
   std::copy_n(coefficients.begin(), std::min<std::size_t>(5, coefficients.size()),
               intrinsics.coefficients.begin());
@@ -314,6 +314,116 @@ bool set_distortion(const std::string& model,
 
 std::string sha256_of_depth(const Image16& depth) {
   return sha256_hex(std::as_bytes(std::span(depth.data)));
+}
+
+// ---- Gravity that was picked ----
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kGravitySchema = "planescope.gravity/1";
+
+fs::path file_in(const fs::path& label_dir) { return label_dir / "gravity.json"; }
+
+void expect_unit(Vec3d& direction, const JsonPlace& place) {
+  if (!direction.allFinite() || std::abs(direction.norm() - 1) > 1e-3)
+    place.fail_kind("a direction of length 1");
+  direction.normalize();
+}
+
+}  // namespace
+
+template <typename Fields>
+void visit_fields(Fields& fields, Same<PickedDirection> auto& picked) {
+  fields("direction", picked.direction);
+  fields("walls", picked.walls);
+  fields("frame", picked.frame);
+  fields("frame_sha256", picked.frame_sha256);
+  fields("note", picked.note);
+  if constexpr (Fields::kReads) {
+    expect_unit(picked.direction, fields.place().at("direction"));
+    for (Vec3d& wall : picked.walls) expect_unit(wall, fields.place().at("walls"));
+  }
+}
+
+template <typename Fields>
+void visit_fields(Fields& fields, Same<PickedGravity> auto& picked) {
+  fields("recording", picked.recording);
+  std::vector<PickedDirection> frames;
+  for (const auto& [index, direction] : picked.frames) frames.push_back(direction);
+  fields("frames", frames);
+  if constexpr (Fields::kReads)
+    for (PickedDirection& direction : frames) picked.frames[direction.frame] = std::move(direction);
+}
+
+namespace {
+
+/// A direction is of use on the very frame that it was clicked on, as labels are.
+void expect_same(const Recording& recording, const PickedDirection& picked) {
+  const auto other = [&] {
+    return Error("was picked on another recording, frame " + std::to_string(picked.frame) +
+                 " differs; delete it, or name the recording's own folder with --labels");
+  };
+  if (picked.frame < 0 || picked.frame >= recording.frame_count()) throw other();
+  std::string hash;
+  try {
+    hash = recording.frame_hash(picked.frame);
+  } catch (const Error&) {
+    return;  // a damaged frame tells nothing, and is told of where it is read
+  }
+  if (hash != picked.frame_sha256) throw other();
+}
+
+}  // namespace
+
+const PickedDirection* PickedGravity::of(int frame) const {
+  const auto own = frames.find(frame);
+  if (own != frames.end()) return &own->second;
+  return recording ? &*recording : nullptr;
+}
+
+PickedGravity read_picked_gravity(const fs::path& label_dir, const Recording& recording) {
+  const fs::path file = file_in(label_dir);
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return {};
+  return read_place(file, read_json<Json>(file), [&](const JsonPlace& place) {
+    place.schema({kGravitySchema});
+    PickedGravity picked;
+    read_fields(place, picked);
+    if (picked.recording) expect_same(recording, *picked.recording);
+    for (const auto& [index, direction] : picked.frames) expect_same(recording, direction);
+    return picked;
+  });
+}
+
+void write_picked_gravity(const fs::path& label_dir, const PickedGravity& picked) {
+  const fs::path file = file_in(label_dir);
+  std::error_code failed;
+  if (picked.empty()) {
+    fs::remove(file, failed);
+    if (failed) throw Error(file.string() + ": cannot be removed: " + failed.message());
+    return;
+  }
+  Json json = {{"schema", kGravitySchema}};
+  json.update(json_of(picked));
+  fs::create_directories(label_dir, failed);
+  if (failed) throw Error(label_dir.string() + ": cannot be made: " + failed.message());
+  write_file_text(file, json_text(json, 2), Durable::yes);
+}
+
+void apply_picked_gravity(const PickedGravity& picked, Frame& frame) {
+  const PickedDirection* direction = picked.of(frame.index);
+  if (direction && !frame.gravity)
+    frame.gravity = Gravity{direction->direction, GravitySource::picked, 1, direction->note};
+}
+
+std::shared_ptr<const Recording> with_picked_gravity(std::shared_ptr<const Recording> recording,
+                                                     PickedGravity picked) {
+  if (picked.empty()) return recording;
+  return with_changed_frames(std::move(recording), [picked = std::move(picked)](Frame& frame) {
+    apply_picked_gravity(picked, frame);
+  });
 }
 
 }  // namespace planescope::io

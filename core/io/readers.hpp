@@ -60,6 +60,9 @@ Sidecar read_sidecar(const std::filesystem::path& recording);
 /// Puts the sidecar's gravity and timestamp into a frame.
 void apply_sidecar(const Sidecar& sidecar, Frame& frame);
 
+/// The sidecar's time of the frame with this name, else its `own`.
+double time_of_frame(const Sidecar& sidecar, const std::string& name, double own_s);
+
 /// Whether the sidecar gives any frame a time other than 0.
 bool tells_times(const Sidecar& sidecar);
 

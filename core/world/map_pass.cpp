@@ -1,5 +1,3 @@
-#include "core/world/map_pass.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +12,8 @@
 #include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/world/tracks/sight.hpp"
+#include "core/world/map_recording.hpp"
+#include "core/world/tracks/tracker.hpp"
 
 namespace planescope::world {
 namespace {

@@ -12,8 +12,7 @@
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/world/map_pass.hpp"
-#include "core/world/poses/odometry.hpp"
+#include "core/world/poses/trajectory.hpp"
 
 namespace planescope::world {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -17,15 +16,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 namespace {
-
-/// $PLANESCOPE_ASSETS for the programs that a test runs.
-class Assets {
- public:
-  explicit Assets(const fs::path& dir) { setenv("PLANESCOPE_ASSETS", dir.c_str(), 1); }
-  ~Assets() { unsetenv("PLANESCOPE_ASSETS"); }
-  Assets(const Assets&) = delete;
-  Assets& operator=(const Assets&) = delete;
-};
 
 /// A network made by hand: v where a point has neighbours right above or below it, which are the
 /// first two channels of the surface convolution.
@@ -54,10 +44,7 @@ struct Commands {
 
   void expect_refused(const std::string& classifier, const std::string& told) const {
     for (const char* command : {"segment", "report"}) {
-      const Ran ran = with(command, classifier);
-      EXPECT_EQ(ran.code, 2) << command;
-      EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-      EXPECT_NE(ran.err.find(told), std::string::npos) << "no '" << told << "' in: " << ran.err;
+      testing_cli::expect_refused(with(command, classifier), told);
       EXPECT_FALSE(fs::exists(dir / "out")) << command;
     }
   }
@@ -69,8 +56,7 @@ TEST(Classifier, AWeightsFileLabelsEveryFrame) {
   const Commands commands;
   const fs::path file = commands.dir / "own.safetensors";
   planes::write_weights(file, hand_made());
-  const Ran ran = commands.with("segment", file.string());
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(commands.with("segment", file.string()));
   const Json json = Json::parse(read_text(commands.dir / "out/frames/000000/planes.json"));
   EXPECT_EQ(json["options"]["classifier"], file.string());
   ASSERT_EQ(json["planes"].size(), 2u);
@@ -80,9 +66,8 @@ TEST(Classifier, AWeightsFileLabelsEveryFrame) {
 TEST(Classifier, TheShippedWeightsAreThoseInTheAssets) {
   const Commands commands;
   planes::write_weights(commands.dir / "classifier.safetensors", hand_made());
-  const Assets assets(commands.dir);
-  const Ran ran = commands.with("report", "gcn");
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Environment assets("PLANESCOPE_ASSETS", commands.dir);
+  well(commands.with("report", "gcn"));
   const Json record = Json::parse(read_text(commands.dir / "out/report.json"))["record"];
   EXPECT_EQ(record["classifier"], "gcn");
   const Json& weights = record["weights"];
@@ -92,33 +77,20 @@ TEST(Classifier, TheShippedWeightsAreThoseInTheAssets) {
   EXPECT_EQ(weights["training"]["recipe"], "by hand");
 }
 
-TEST(Classifier, AMissingWeightsFileIsNamed) {
+TEST(Classifier, WeightsThatAreMissingCutOrLieAreRefused) {
   const Commands commands;
-  const std::string file = (commands.dir / "none.safetensors").string();
-  commands.expect_refused(file, file + ": no such file");
-}
-
-TEST(Classifier, ACutWeightsFileIsRefused) {
-  const Commands commands;
-  const fs::path file = commands.dir / "cut.safetensors";
-  planes::write_weights(file, hand_made());
-  fs::resize_file(file, fs::file_size(file) - 4);
-  commands.expect_refused(file.string(), file.string() + ": tensor");
-}
-
-TEST(Classifier, AWeightsFileWithALyingHeaderIsRefused) {
-  const Commands commands;
-  const fs::path file = commands.dir / "lie.safetensors";
+  const std::string missing = (commands.dir / "none.safetensors").string();
+  commands.expect_refused(missing, missing + ": no such file");
+  const fs::path file = commands.dir / "bad.safetensors";
   planes::write_weights(file, hand_made());
   std::vector<unsigned char> bytes = read_file_bytes(file);
+  fs::resize_file(file, bytes.size() - 4);
+  commands.expect_refused(file.string(), file.string() + ": tensor");
   bytes[5] = 1;  // a header of a terabyte
   write_file_bytes(file, bytes);
   commands.expect_refused(file.string(), file.string() + ": a header of");
-}
-
-TEST(Classifier, WithoutShippedWeightsNothingTakesTheirPlace) {
-  const Commands commands;
+  // Nothing takes the place of those that are shipped.
   fs::create_directories(commands.dir / "empty");
-  const Assets assets(commands.dir / "empty");
+  const Environment assets("PLANESCOPE_ASSETS", commands.dir / "empty");
   commands.expect_refused("gcn", (commands.dir / "empty/classifier.safetensors").string());
 }

@@ -5,13 +5,17 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/recording.hpp"
 #include "core/labels/model/grid.hpp"
 #include "core/labels/model/label_files.hpp"
-#include "program.hpp"
-#include "scene_files.hpp"
 
 namespace planescope {
+
+using namespace testing_cli;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,11 +27,6 @@ struct Convert : testing::Test {
   Ran convert(std::vector<std::string> args) {
     args.insert(args.begin(), "convert");
     return run(args);
-  }
-  void expect_refused(const Ran& ran, const std::string& told) {
-    EXPECT_EQ(ran.code, 2) << ran.out;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(told), std::string::npos) << ran.err;
   }
 };
 
@@ -48,9 +47,8 @@ void expect_same(const Frame& a, const Frame& b) {
 
 TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
   const fs::path out = dir / "out";
-  const Ran ran = convert({sample.string(), "-o", out.string()});
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.out.find("3 of 3 frames"), std::string::npos) << ran.out;
+  const Ran ran = well(convert({sample.string(), "-o", out.string()}));
+  EXPECT_TRUE(has(ran.out, "3 of 3 frames"));
   const auto before = io::open_recording(sample), after = io::open_recording(out);
   ASSERT_EQ(after->frame_count(), before->frame_count());
   for (int i = 0; i < before->frame_count(); ++i) {
@@ -71,7 +69,7 @@ TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
 
 TEST_F(Convert, OnlyTheFramesThatAreAskedForWithTheirOwnLabels) {
   const fs::path out = dir / "out";
-  ASSERT_EQ(convert({sample.string(), "-o", out.string(), "--frames", "2"}).code, 0);
+  well(convert({sample.string(), "-o", out.string(), "--frames", "2"}));
   const auto before = io::open_recording(sample), after = io::open_recording(out);
   ASSERT_EQ(after->frame_count(), 1);
   EXPECT_EQ(after->frame_hash(0), before->frame_hash(2));
@@ -81,8 +79,7 @@ TEST_F(Convert, OnlyTheFramesThatAreAskedForWithTheirOwnLabels) {
 
 TEST_F(Convert, TumNamesItsFilesByTime) {
   const fs::path out = dir / "tum";
-  const Ran ran = convert({sample.string(), "-o", out.string(), "--to", "tum"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(convert({sample.string(), "-o", out.string(), "--to", "tum"}));
   EXPECT_EQ(read_text(out / "depth.txt"),
             "# timestamp filename\n0.000000 depth/0.000000.png\n1.000000 depth/1.000000.png\n"
             "2.000000 depth/2.000000.png\n");
@@ -93,10 +90,9 @@ TEST_F(Convert, TumNamesItsFilesByTime) {
 
 TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
   const fs::path out = dir / "out.mcap";
-  const Ran ran = convert({sample.string(), "-o", out.string()});
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.out.find("3 of 3 frames"), std::string::npos) << ran.out;
-  EXPECT_NE(ran.out.find("the labels of 3, read back, the same to the bit"), std::string::npos);
+  const Ran ran = well(convert({sample.string(), "-o", out.string()}));
+  EXPECT_TRUE(has(ran.out, "3 of 3 frames"));
+  EXPECT_TRUE(has(ran.out, "the labels of 3, read back, the same to the bit"));
   const auto before = io::open_recording(sample), after = io::open_recording(out);
   EXPECT_EQ(after->info().format, "realsense-ros ROS 2 bag (MCAP)");
   EXPECT_TRUE(after->info().warnings.empty());
@@ -106,7 +102,7 @@ TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
   expect_refused(convert({sample.string(), "-o", (dir / "x").string(), "--to", "mcap"}),
                  "expected a name with .mcap");
   // From there on to a folder, and the planes are those of the folder.
-  ASSERT_EQ(convert({out.string(), "-o", (dir / "back").string()}).code, 0);
+  well(convert({out.string(), "-o", (dir / "back").string()}));
   for (const char* from : {"out.mcap", "back"})
     ASSERT_EQ(run({"segment", (dir / from).string(), "--gravity", "0,0.9,0.4", "--frames", "1",
                    "-o", (dir / (std::string(from) + ".planes")).string()})
@@ -126,8 +122,7 @@ TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
   set.origin = Vec3d(430'000, 5'400'000, 120);
   io::write_ply(dir / "clouds" / "a.ply", set);
   const fs::path out = dir / "out";
-  const Ran ran = convert({(dir / "clouds").string(), "-o", out.string(), "--to", "pcd"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(convert({(dir / "clouds").string(), "-o", out.string(), "--to", "pcd"}));
   const PointSet before = *io::open_recording(dir / "clouds")->frame(0).cloud;
   const PointSet after = *io::open_recording(out)->frame(0).cloud;
   EXPECT_EQ(after.label, before.label);
@@ -143,10 +138,8 @@ TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
 TEST_F(Convert, DepthBecomesACloudOfItsMeasuredPixels) {
   const fs::path out = dir / "one.ply";
   expect_refused(convert({sample.string(), "-o", out.string()}), "one file for 3 frames");
-  const Ran ran = convert({sample.string(), "-o", out.string(), "--frames", "1"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.err.find("z of the clouds is where the camera looks"), std::string::npos)
-      << ran.err;
+  const Ran ran = well(convert({sample.string(), "-o", out.string(), "--frames", "1"}));
+  EXPECT_TRUE(has(ran.err, "z of the clouds is where the camera looks"));
   const Frame depth = io::open_recording(sample)->frame(1);
   const PointSet cloud = *io::open_recording(out)->frame(0).cloud;
   EXPECT_EQ(cloud.points.size(), static_cast<std::size_t>(std::ranges::count_if(
@@ -166,9 +159,8 @@ TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
   EXPECT_FALSE(fs::exists(out));
   fs::remove(dir / "b.pcd.planescope.json");
 
-  const Ran ran = convert({in.string(), "-o", out.string()});
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.out.find("and the labels of 1, read back"), std::string::npos) << ran.out;
+  const Ran ran = well(convert({in.string(), "-o", out.string()}));
+  EXPECT_TRUE(has(ran.out, "and the labels of 1, read back"));
   const auto after = io::open_recording(out);
   EXPECT_TRUE(
       labels::read_frame_labels(labels::default_label_dir(out), 0,

@@ -36,11 +36,6 @@ class Labels : public testing::Test {
     args.insert(args.begin(), {"labels", command});
     return run(args);
   }
-  void expect_refused(const Ran& ran, const std::string& part) {
-    EXPECT_EQ(ran.code, 2) << ran.out;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
-  }
   std::vector<std::uint16_t> planes_in(const fs::path& folder, int frame) {
     return labels::read_frame_labels(folder, frame, "")->plane.data;
   }
@@ -52,10 +47,8 @@ class Labels : public testing::Test {
 
 TEST_F(Labels, CheckFindsNothingInGoodLabels) {
   for (const fs::path& what : {rec, own}) {
-    const Ran ran = labels("check", {what.string()});
-    EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
-    EXPECT_NE(ran.out.find("2 labelled frames, 0 damaged, 0 findings"), std::string::npos)
-        << ran.out;
+    const Ran ran = well(labels("check", {what.string()}));
+    EXPECT_TRUE(has(ran.out, "2 labelled frames, 0 damaged, 0 findings"));
   }
 }
 
@@ -65,10 +58,9 @@ TEST_F(Labels, CheckNamesFileFramePlaneValueAndLimitOfAFinding) {
   labels::write_frame_labels(own, 1, wrong);
   const Ran ran = labels("check", {own.string()});
   EXPECT_EQ(ran.code, 1);
-  EXPECT_NE(ran.out.find("000001.json: frame 1: class_normal: P1: labelled v and tilted 0 degrees, "
-                         "expected at least 60"),
-            std::string::npos)
-      << ran.out;
+  EXPECT_TRUE(has(ran.out,
+                  "000001.json: frame 1: class_normal: P1: labelled v and tilted 0 degrees, "
+                  "expected at least 60"));
   const Json json = Json::parse(labels("check", {own.string(), "--json"}).out);
   EXPECT_EQ(json["findings"], 1);
   EXPECT_EQ(json["frames"][1]["findings"][0]["kind"], "class_normal");
@@ -85,7 +77,7 @@ TEST_F(Labels, CheckTellsDamagedFilesFromFindings) {
   EXPECT_EQ(ran.code, 2);
   for (const char* part : {"000000.plane.png", "000001.hv.png", "000002.json",
                            "labels of frame 7, the recording has 3", "4 damaged"})
-    EXPECT_NE(ran.out.find(part), std::string::npos) << part << "\n" << ran.out;
+    EXPECT_TRUE(has(ran.out, part)) << part << "\n" << ran.out;
 }
 
 TEST_F(Labels, CheckRefusesLabelsOfAnotherDepthImage) {
@@ -94,51 +86,45 @@ TEST_F(Labels, CheckRefusesLabelsOfAnotherDepthImage) {
   write_depth_folder(dir / "other", other, 2);
   const Ran ran = labels("check", {own.string(), "--recording", (dir / "other").string()});
   EXPECT_EQ(ran.code, 2);
-  EXPECT_NE(ran.out.find("made for a depth image with SHA-256"), std::string::npos) << ran.out;
+  EXPECT_TRUE(has(ran.out, "made for a depth image with SHA-256"));
 }
 
 TEST_F(Labels, CheckNamesAnotherCameraThanTheyWereDrawnWith) {
   const Ran ran = labels("check", {own.string(), "--intrinsics", "240,240,80,60"});
   EXPECT_EQ(ran.code, 1);
-  EXPECT_NE(ran.out.find("camera: drawn with fx 120, the frame has 240"), std::string::npos)
-      << ran.out;
+  EXPECT_TRUE(has(ran.out, "camera: drawn with fx 120, the frame has 240"));
 }
 
 TEST_F(Labels, CheckTakesTheCameraOfTheLabelsWhereTheRecordingDoesNotSayIt) {
   fs::remove(rec / "camera_intrinsic.json");
   ASSERT_EQ(run({"eval", rec.string()}).code, 2) << "the recording does not say it";
-  const Ran ran = labels("check", {own.string()});
-  EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
-  EXPECT_NE(ran.out.find("2 labelled frames, 0 damaged, 0 findings"), std::string::npos) << ran.out;
+  const Ran ran = well(labels("check", {own.string()}));
+  EXPECT_TRUE(has(ran.out, "2 labelled frames, 0 damaged, 0 findings"));
 }
 
 TEST_F(Labels, ExportTakesTheCameraOfTheLabelsWhereTheRecordingDoesNotSayIt) {
   const fs::path known = dir / "known", unknown = dir / "unknown";
-  ASSERT_EQ(labels("export", {rec.string(), "--format", "ply", "-o", known.string()}).code, 0);
+  well(labels("export", {rec.string(), "--format", "ply", "-o", known.string()}));
   fs::remove(rec / "camera_intrinsic.json");
-  const Ran ran = labels("export", {rec.string(), "--format", "ply", "-o", unknown.string()});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(labels("export", {rec.string(), "--format", "ply", "-o", unknown.string()}));
   EXPECT_EQ(read_text(unknown / "000001.ply"), read_text(known / "000001.ply"));
 }
 
 TEST_F(Labels, CheckWithoutTheRecordingSaysWhatItLeftOut) {
   fs::rename(own, dir / "alone.labels");
-  const Ran ran = labels("check", {(dir / "alone.labels").string()});
-  EXPECT_EQ(ran.code, 0);
-  EXPECT_NE(ran.out.find("no recording found, give --recording"), std::string::npos) << ran.out;
+  const Ran ran = well(labels("check", {(dir / "alone.labels").string()}));
+  EXPECT_TRUE(has(ran.out, "no recording found, give --recording"));
 }
 
 TEST_F(Labels, WhatIsExportedComesBackByImport) {
   for (const char* format : {"evops", "ply", "pcd", "kitti", "npz", "coco"}) {
     SCOPED_TRACE(format);
     const std::string out = (dir / format).string(), back = out + ".labels";
-    const Ran exported = labels("export", {rec.string(), "--format", format, "-o", out});
-    ASSERT_EQ(exported.code, 0) << exported.err;
-    EXPECT_NE(exported.out.find("000001"), std::string::npos);
-    const Ran imported = labels("import", {rec.string(), "--format", format, "--from", out,
-                                           "--labels", back, "--gravity", "0,1,0"});
-    ASSERT_EQ(imported.code, 0) << imported.err;
-    EXPECT_NE(imported.out.find("frame 1: "), std::string::npos) << imported.out;
+    const Ran exported = well(labels("export", {rec.string(), "--format", format, "-o", out}));
+    EXPECT_TRUE(has(exported.out, "000001"));
+    const Ran imported = well(labels("import", {rec.string(), "--format", format, "--from", out,
+                                                "--labels", back, "--gravity", "0,1,0"}));
+    EXPECT_TRUE(has(imported.out, "frame 1: "));
     for (const int frame : {0, 1}) {
       const auto before = labels::read_frame_labels(own, frame, ""),
                  after = labels::read_frame_labels(back, frame, "");
@@ -154,7 +140,7 @@ TEST_F(Labels, WhatIsExportedComesBackByImport) {
 
 TEST_F(Labels, CocoIsOneFileWithAPictureForEachFrame) {
   const fs::path out = dir / "coco";
-  ASSERT_EQ(labels("export", {rec.string(), "--format", "coco", "-o", out.string()}).code, 0);
+  well(labels("export", {rec.string(), "--format", "coco", "-o", out.string()}));
   const Json coco = Json::parse(read_text(out / "annotations.json"));
   std::map<int, Json> images, annotations;
   std::set<int> categories;
@@ -192,7 +178,7 @@ TEST_F(Labels, CocoIsOneFileWithAPictureForEachFrame) {
 
 TEST_F(Labels, CocoIsReadFromOneFileForAllFramesAndFromAFileForEach) {
   const fs::path out = dir / "coco", old = dir / "old";
-  ASSERT_EQ(labels("export", {rec.string(), "--format", "coco", "-o", out.string()}).code, 0);
+  well(labels("export", {rec.string(), "--format", "coco", "-o", out.string()}));
   // As earlier versions wrote it: 000000.json and 000001.json with one image each.
   const Json all = Json::parse(read_text(out / "annotations.json"));
   fs::create_directories(old);
@@ -213,14 +199,12 @@ TEST_F(Labels, CocoIsReadFromOneFileForAllFramesAndFromAFileForEach) {
   for (const fs::path& from : {out, out / "annotations.json", old}) {
     SCOPED_TRACE(from);
     const std::string back = (dir / ("back" + std::to_string(number++))).string();
-    const Ran ran = labels("import", {rec.string(), "--format", "coco", "--from", from.string(),
-                                      "--labels", back, "--gravity", "0,1,0"});
-    ASSERT_EQ(ran.code, 0) << ran.err;
+    well(labels("import", {rec.string(), "--format", "coco", "--from", from.string(), "--labels",
+                           back, "--gravity", "0,1,0"}));
     for (const int frame : {0, 1}) EXPECT_EQ(planes_in(back, frame), planes_in(own, frame));
   }
   const Ran scored =
-      run({"eval", rec.string(), "--frames", "0:2", "--json", "--prediction", out.string()});
-  ASSERT_EQ(scored.code, 0) << scored.err;
+      well(run({"eval", rec.string(), "--frames", "0:2", "--json", "--prediction", out.string()}));
   EXPECT_EQ(Json::parse(scored.out)["mean"]["mean_iou"], 100);
   expect_refused(
       labels("import", {rec.string(), "--format", "coco", "--from", out.string(), "--frames", "2",
@@ -233,9 +217,8 @@ TEST_F(Labels, AnImportCanBeTakenBack) {
   points.instance.assign(160 * 120, 5);
   labels::write_labelled(dir / "five", labels::LabelFormat::evops, points);
   const auto before = planes_in(own, 1);
-  const Ran ran = labels("import", {rec.string(), "--from", (dir / "five.npy").string(), "--frames",
-                                    "1", "--gravity", "0,1,0"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(labels("import", {rec.string(), "--from", (dir / "five.npy").string(), "--frames", "1",
+                         "--gravity", "0,1,0"}));
   EXPECT_EQ(planes_in(own, 1), std::vector<std::uint16_t>(160 * 120, 5));
   labels::LabelStore store(own);
   const auto recording = io::open_recording(rec);
@@ -296,14 +279,13 @@ TEST_F(Labels, ExportsStayOutOfTheRecordingAndOfTheLabels) {
   expect_refused(export_to(dir / "out", "2"), "no labels of the frames");
   expect_refused(labels("export", {rec.string(), "--format", "coco"}), "-o DIR");
   EXPECT_FALSE(fs::exists(dir / "out"));
-  const Ran voxels = labels("export", {rec.string(), "--format", "voxels", "-o",
-                                       (dir / "out").string(), "--voxel", "0.05"});
-  EXPECT_EQ(voxels.code, 0) << voxels.err;
+  well(labels("export", {rec.string(), "--format", "voxels", "-o", (dir / "out").string(),
+                         "--voxel", "0.05"}));
   EXPECT_TRUE(fs::exists(dir / "out/000001.voxels.ply"));
 }
 
 TEST_F(Labels, PointFormatsConvertIntoEachOther) {
-  ASSERT_EQ(labels("export", {rec.string(), "--format", "npz", "-o", dir.string()}).code, 0);
+  well(labels("export", {rec.string(), "--format", "npz", "-o", dir.string()}));
   const auto convert = [&](const char* in, const char* out) {
     return labels("convert", {(dir / in).string(), "-o", (dir / out).string()});
   };
@@ -312,8 +294,7 @@ TEST_F(Labels, PointFormatsConvertIntoEachOther) {
                                 {"b.pcd", "c.label"},
                                 {"c.bin", "d.npy"},
                                 {"000000.npz", "e.json"}}) {
-    const Ran ran = convert(in, out);
-    EXPECT_EQ(ran.code, 0) << ran.err;
+    well(convert(in, out));
   }
   const labels::LabelledPoints first =
       labels::read_labelled(dir / "000000.npz", labels::LabelFormat::npz);
@@ -343,9 +324,8 @@ TEST_F(Labels, CompareSaysHowFarTwoAnnotatorsAgree) {
   labels::write_frame_labels(ann, 1, other);
   json = Json::parse(compare({"--json"}).out);
   EXPECT_LT(json["mean"]["mean_iou"], 0.9);
-  const Ran text = compare({"--recording", rec.string()});
-  EXPECT_EQ(text.code, 0) << text.err;
-  EXPECT_NE(text.out.find("mean"), std::string::npos);
+  const Ran text = well(compare({"--recording", rec.string()}));
+  EXPECT_TRUE(has(text.out, "mean"));
 
   other.depth_sha256 = std::string(64, 'f');
   labels::write_frame_labels(ann, 1, other);
@@ -369,11 +349,9 @@ TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   EXPECT_LT(frame["labelled_m2"], 1.6 * 1.1 + 0.4);
   EXPECT_EQ(json["left"]["unlabelled"], Json::parse("[2]"));
   EXPECT_EQ(json["left"]["unreviewed"], Json::parse("[1]"));
-  const Ran text = labels("stats", {own.string()});
-  EXPECT_EQ(text.code, 0) << text.err;
-  EXPECT_NE(text.out.find("without labels: 1: 2\n  not reviewed: 1: 1\n"), std::string::npos)
-      << text.out;
-  EXPECT_NE(text.out.find("sum"), std::string::npos) << text.out;
+  const Ran text = well(labels("stats", {own.string()}));
+  EXPECT_TRUE(has(text.out, "without labels: 1: 2\n  not reviewed: 1: 1\n"));
+  EXPECT_TRUE(has(text.out, "sum"));
   expect_refused(labels("stats", {(dir / "rec/depth").string(), "--labels", dir.string()}),
                  "no labels in it");
 }
@@ -387,12 +365,9 @@ TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
     args.insert(args.end(), {rec.string(), "--depth-unit", "0.0002"});
     return run(args);
   };
-  const Ran imported = command({"labels", "import", "--from", (rec / "gt_0.npy").string()});
-  ASSERT_EQ(imported.code, 0) << imported.err;
-  EXPECT_NE(imported.out.find("17 planes, 272893 pixels labelled"), std::string::npos)
-      << imported.out;
-  const Ran scored = command({"eval", "--json", "--max-range", "8"});
-  ASSERT_EQ(scored.code, 0) << scored.err;
+  const Ran imported = well(command({"labels", "import", "--from", (rec / "gt_0.npy").string()}));
+  EXPECT_TRUE(has(imported.out, "17 planes, 272893 pixels labelled"));
+  const Ran scored = well(command({"eval", "--json", "--max-range", "8"}));
   const Json mean = Json::parse(scored.out)["mean"];
   EXPECT_EQ(mean["planes_truth"], 17);
   EXPECT_GT(mean["point_accuracy"], 80);
@@ -406,10 +381,9 @@ TEST_F(Labels, ScoreASegmentationThatWasMadeBeforeAsTheOneMadeNow) {
     args.insert(args.end(), options.begin(), options.end());
     return run(args);
   };
-  ASSERT_EQ(with({"segment", rec.string(), "-o", made.string()}).code, 0);
+  well(with({"segment", rec.string(), "-o", made.string()}));
   const Ran now = with({"eval", rec.string(), "--json"});
-  const Ran before = with({"eval", rec.string(), "--json", "--prediction", made.string()});
-  ASSERT_EQ(before.code, 0) << before.err;
+  const Ran before = well(with({"eval", rec.string(), "--json", "--prediction", made.string()}));
   const Json a = Json::parse(now.out)["mean"], b = Json::parse(before.out)["mean"];
   for (const char* figure : {"planes_found", "r_m", "point_accuracy", "mean_iou", "points"})
     EXPECT_EQ(a[figure], b[figure]) << figure;
@@ -418,8 +392,7 @@ TEST_F(Labels, ScoreASegmentationThatWasMadeBeforeAsTheOneMadeNow) {
 
 TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndNameAFrameThatIsMissing) {
   const Ran own_labels =
-      run({"eval", rec.string(), "--frames", "0:2", "--json", "--prediction", own.string()});
-  ASSERT_EQ(own_labels.code, 0) << own_labels.err;
+      well(run({"eval", rec.string(), "--frames", "0:2", "--json", "--prediction", own.string()}));
   EXPECT_EQ(Json::parse(own_labels.out)["mean"]["mean_iou"], 100);
   ASSERT_EQ(labels("export", {rec.string(), "--format", "kitti", "-o", (dir / "kitti").string(),
                               "--frames", "0"})
@@ -427,8 +400,7 @@ TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndNameAFrameThatIsMissing) {
             0);
   const std::string kitti = (dir / "kitti").string();
   const Ran exported =
-      run({"eval", rec.string(), "--frames", "0", "--json", "--prediction", kitti});
-  ASSERT_EQ(exported.code, 0) << exported.err;
+      well(run({"eval", rec.string(), "--frames", "0", "--json", "--prediction", kitti}));
   EXPECT_EQ(Json::parse(exported.out)["mean"]["point_accuracy"], 100);
   expect_refused(run({"eval", rec.string(), "--frames", "1", "--prediction", kitti}),
                  "nothing of frame 1");
@@ -458,7 +430,7 @@ TEST_F(Labels, CheckFailsForHintsOnlyWhereAsked) {
   labels::write_frame_labels(own, 0, labels_0);
   const Ran lax = labels("check", {own.string()});
   EXPECT_EQ(lax.code, 0) << lax.out;
-  EXPECT_NE(lax.out.find("frame 0: hint: unlabelled"), std::string::npos) << lax.out;
+  EXPECT_TRUE(has(lax.out, "frame 0: hint: unlabelled"));
   EXPECT_EQ(labels("check", {own.string(), "--strict"}).code, 1);
 }
 
@@ -485,11 +457,6 @@ class CloudLabels : public testing::Test {
     args.insert(args.begin(), {"labels", command});
     return run(args);
   }
-  void expect_refused(const Ran& ran, const std::string& part) {
-    EXPECT_EQ(ran.code, 2) << ran.out;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
-  }
 
   const test::TrueCloud cloud = test::stair_cloud();
   const fs::path dir = scratch(), rec = dir / "stairs.ply", own = dir / "stairs.ply.labels";
@@ -498,10 +465,8 @@ class CloudLabels : public testing::Test {
 }  // namespace
 
 TEST_F(CloudLabels, AreCheckedCountedAndComparedLikeThoseOfImages) {
-  const Ran checked = labels_of("check", {rec.string()});
-  EXPECT_EQ(checked.code, 0) << checked.out << checked.err;
-  EXPECT_NE(checked.out.find("1 labelled frame, 0 damaged, 0 findings, 0 hints"), std::string::npos)
-      << checked.out;
+  const Ran checked = well(labels_of("check", {rec.string()}));
+  EXPECT_TRUE(has(checked.out, "1 labelled frame, 0 damaged, 0 findings, 0 hints"));
   const Json stats = Json::parse(labels_of("stats", {rec.string(), "--json"}).out);
   EXPECT_EQ(stats["frames"][0]["labelled"], cloud.grid.pixels());
   EXPECT_EQ(stats["frames"][0]["h"], 3);
@@ -516,7 +481,7 @@ TEST_F(CloudLabels, ScoreTheMethodAndWhatOthersFound) {
   EXPECT_EQ(scored["frames"][0]["planes_truth"], 5);
   EXPECT_GT(scored["frames"][0]["mean_iou"].get<double>(), 80);
   const std::string out = (dir / "kitti").string();
-  ASSERT_EQ(labels_of("export", {rec.string(), "--format", "kitti", "-o", out}).code, 0);
+  well(labels_of("export", {rec.string(), "--format", "kitti", "-o", out}));
   const Json others = Json::parse(run({"eval", rec.string(), "--prediction", out, "--json"}).out);
   EXPECT_EQ(others["frames"][0]["mean_iou"], 100);
 }
@@ -526,11 +491,10 @@ TEST_F(CloudLabels, WhatIsExportedComesBackByImport) {
   for (const char* format : {"evops", "ply", "pcd", "kitti", "npz"}) {
     SCOPED_TRACE(format);
     const std::string out = (dir / format).string(), back = out + ".labels";
-    ASSERT_EQ(labels_of("export", {rec.string(), "--format", format, "-o", out}).code, 0);
-    const Ran imported =
-        labels_of("import", {rec.string(), "--format", format, "--from", out, "--labels", back});
-    ASSERT_EQ(imported.code, 0) << imported.err;
-    EXPECT_NE(imported.out.find(" points labelled"), std::string::npos) << imported.out;
+    well(labels_of("export", {rec.string(), "--format", format, "-o", out}));
+    const Ran imported = well(
+        labels_of("import", {rec.string(), "--format", format, "--from", out, "--labels", back}));
+    EXPECT_TRUE(has(imported.out, " points labelled"));
     const auto after = labels::read_frame_labels(back, 0, "");
     ASSERT_TRUE(after);
     EXPECT_EQ(after->plane.data, before->plane.data);
@@ -555,7 +519,7 @@ TEST_F(CloudLabels, LabelsOfAnotherCloudAreRefusedByEveryCommand) {
       " points, this recording's frame has " + std::to_string(cloud.grid.pixels() - 1);
   const Ran checked = labels_of("check", {own.string(), "--recording", other});
   EXPECT_EQ(checked.code, 2);
-  EXPECT_NE(checked.out.find(part), std::string::npos) << checked.out;
+  EXPECT_TRUE(has(checked.out, part));
   expect_refused(labels_of("stats", {own.string(), "--recording", other}), part);
   expect_refused(labels_of("export", {other, "--labels", own.string(), "--format", "ply", "-o",
                                       (dir / "out").string()}),

@@ -10,15 +10,18 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/recording.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
-#include "program.hpp"
-#include "scene_files.hpp"
 
 namespace planescope {
+
+using namespace testing_cli;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,9 +33,8 @@ struct Map : testing::Test {
   void SetUp() override { write_walk("320x240"); }
   void write_walk(const std::string& size) {
     fs::remove_all(walk);
-    const Ran ran = run({"synth", "sequence", "-o", walk.string(), "--size", size, "--frames", "12",
-                         "--depth-only"});
-    ASSERT_EQ(ran.code, 0) << ran.err;
+    well(run({"synth", "sequence", "-o", walk.string(), "--size", size, "--frames", "12",
+              "--depth-only"}));
   }
   Ran map(std::vector<std::string> args) {
     args.insert(args.begin(), {"map", walk.string(), "-o", (dir / "out").string()});
@@ -43,9 +45,8 @@ struct Map : testing::Test {
 }  // namespace
 
 TEST_F(Map, WritesMapTracksAndPoses) {
-  const Ran ran = map({});
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.out.find("from 12 frames, poses of the recording"), std::string::npos) << ran.out;
+  const Ran ran = well(map({}));
+  EXPECT_TRUE(has(ran.out, "from 12 frames, poses of the recording"));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   EXPECT_EQ(tracks["frames"].size(), 12u);
   const auto written = read_json<nlohmann::json>(dir / "out" / "map.json");
@@ -57,19 +58,18 @@ TEST_F(Map, WritesMapTracksAndPoses) {
   EXPECT_FALSE(fs::exists(dir / "out" / "mesh.ply"));
   // poses.tum is a trajectory like any other.
   fs::copy_file(dir / "out" / "poses.tum", dir / "poses.tum");
-  ASSERT_EQ(map({"--poses", (dir / "poses.tum").string()}).code, 0);
+  well(map({"--poses", (dir / "poses.tum").string()}));
   EXPECT_EQ(read_json<nlohmann::json>(dir / "out" / "map.json")["planes"].size(),
             written["planes"].size());
 }
 
 TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
-  const Ran ran = map({"--follow", "--window", "3"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(map({"--follow", "--window", "3"}));
   const auto pace = read_json<nlohmann::json>(dir / "out" / "pace.json");
   EXPECT_EQ(pace["schema"], "planescope.pace/1");
   EXPECT_EQ(pace["frames"], 12);
   EXPECT_GE(pace["taken"], 1);
-  EXPECT_NE(ran.out.find(" of 12 frames at 15.0 Hz"), std::string::npos) << ran.out;
+  EXPECT_TRUE(has(ran.out, " of 12 frames at 15.0 Hz"));
   // What is behind the camera by the end has left, with what it covered.
   std::ifstream left(dir / "out" / "left.jsonl");
   std::string line;
@@ -80,7 +80,7 @@ TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
 
   // A later map takes the place of all files of the earlier one, and of nothing else.
   write_file_text(dir / "out" / "planes" / "notes.png", "mine");
-  ASSERT_EQ(map({"--frames", ":6"}).code, 0);
+  well(map({"--frames", ":6"}));
   EXPECT_FALSE(fs::exists(dir / "out" / "pace.json"));
   EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));
   EXPECT_FALSE(fs::exists(dir / "out" / "planes" / "000011.png"));
@@ -89,8 +89,7 @@ TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
 }
 
 TEST_F(Map, OfAMethodThatTakesNoCandidatesFollowsTheCameraToo) {
-  const Ran ran = map({"--follow", "--profile", "paper"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(map({"--follow", "--profile", "paper"}));
   EXPECT_EQ(read_json<nlohmann::json>(dir / "out" / "pace.json")["frames"], 12);
 }
 
@@ -102,12 +101,10 @@ TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
   write_file_text(walk / "planescope.json", sidecar.dump());
   const Ran ran = map({});
   EXPECT_EQ(ran.code, 2) << ran.err;
-  EXPECT_NE(ran.err.find("frame 4: "), std::string::npos) << ran.err;
-  EXPECT_NE(ran.err.find(
-                "1 of the 12 frames in planescope.json have no depth image, the first is 000009"),
-            std::string::npos)
-      << ran.err;
-  EXPECT_NE(ran.err.find("timestamps decrease at frame 7"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "frame 4: "));
+  EXPECT_TRUE(has(
+      ran.err, "1 of the 12 frames in planescope.json have no depth image, the first is 000009"));
+  EXPECT_TRUE(has(ran.err, "timestamps decrease at frame 7"));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   ASSERT_EQ(tracks["frames"].size(), 11u);
   EXPECT_TRUE(tracks["frames"][4]["track_of_plane"].empty());
@@ -130,15 +127,12 @@ TEST_F(Map, ComesWithAMeshOfItsSurfaces) {
 }
 
 TEST_F(Map, OfShardsIsTheMapOfOneRun) {
-  ASSERT_EQ(map({}).code, 0);
+  well(map({}));
   const std::string parts = (dir / "parts").string();
-  for (const char* shard : {"1/3", "2/3", "3/3"}) {
-    const Ran ran = run({"map", walk.string(), "-o", parts, "--shard", shard});
-    ASSERT_EQ(ran.code, 0) << ran.err;
-  }
+  for (const char* shard : {"1/3", "2/3", "3/3"})
+    well(run({"map", walk.string(), "-o", parts, "--shard", shard}));
   const std::string joined = (dir / "joined").string();
-  const Ran ran = run({"map", walk.string(), "-o", joined, "--join", parts});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(run({"map", walk.string(), "-o", joined, "--join", parts}));
   for (const char* file : {"map.json", "tracks.json", "poses.tum", "map.png"})
     EXPECT_EQ(read_file_bytes(fs::path(joined) / file), read_file_bytes(dir / "out" / file))
         << file;
@@ -146,33 +140,30 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
   const auto refusal = [&](std::vector<std::string> more) {
     std::vector<std::string> args = {"map", walk.string(), "-o", joined, "--join", parts};
     args.insert(args.end(), more.begin(), more.end());
-    const Ran refused = run(args);
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
-    return refused.err;
+    return run(args);
   };
   std::string refusals;
   for (const std::vector<std::string>& other :
        {std::vector<std::string>{"--max-range", "2"}, {"--depth-unit", "0.0005"}})
-    refusals += refusal(other);
+    refusals += refusal(other).err;
   for (const char* what : {"other options: max_range_m is 1.5, expected 2",
                            "other options: camera is 320x240", "unit 0.001 m, expected 320x240"})
-    EXPECT_NE(refusals.find(what), std::string::npos) << what << " in " << refusals;
-  EXPECT_NE(refusal({"--window", "3"}).find("--join cannot be combined with"), std::string::npos);
+    EXPECT_TRUE(has(refusals, what)) << what << " in " << refusals;
+  expect_refused(refusal({"--window", "3"}), "--join cannot be combined with");
   const fs::path part = fs::path(parts) / "observed" / "000007.cbor";
   const std::vector<unsigned char> whole = read_file_bytes(part);
   for (std::size_t at = 0; at < whole.size(); at += whole.size() / 7) {
     std::vector<unsigned char> damaged = whole;
     damaged[at] ^= 1;
     write_file_bytes(part, damaged);
-    EXPECT_NE(refusal({}).find("000007.cbor: is damaged"), std::string::npos) << at;
+    expect_refused(refusal({}), "000007.cbor: is damaged");
   }
   write_file_text(part, "damaged");
-  EXPECT_NE(refusal({}).find("000007.cbor: is damaged"), std::string::npos);
+  expect_refused(refusal({}), "000007.cbor: is damaged");
   fs::copy_file(part.parent_path() / "000008.cbor", part, fs::copy_options::overwrite_existing);
-  EXPECT_NE(refusal({}).find("000007.cbor: holds frame 8, expected frame 7"), std::string::npos);
+  expect_refused(refusal({}), "000007.cbor: holds frame 8, expected frame 7");
   fs::remove(part);
-  EXPECT_NE(refusal({}).find("000007.cbor: is missing"), std::string::npos);
+  expect_refused(refusal({}), "000007.cbor: is missing");
 }
 
 TEST_F(Map, OfShardsNamesTheFramesThatCannotBeRead) {
@@ -185,7 +176,7 @@ TEST_F(Map, OfShardsNamesTheFramesThatCannotBeRead) {
   }
   const Ran joined = map({"--join", parts});
   EXPECT_EQ(joined.code, 2);
-  EXPECT_NE(joined.err.find("frame 4: "), std::string::npos) << joined.err;
+  EXPECT_TRUE(has(joined.err, "frame 4: "));
   EXPECT_TRUE(fs::exists(dir / "out" / "map.json"));
 }
 
@@ -204,7 +195,7 @@ TEST_F(Map, OfEveryMethodTellsSegmentItsPlanes) {
 }
 
 TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
-  ASSERT_EQ(map({"--frames", "0:10"}).code, 0);
+  well(map({"--frames", "0:10"}));
   const std::string known = (dir / "out").string();
   const auto segment = [&](std::vector<std::string> more) {
     std::vector<std::string> args = {"segment", walk.string(), "-o", (dir / "planes").string(),
@@ -212,9 +203,8 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   };
-  const Ran ran = segment({"--frames", "8:"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.err.find("refused: frame 10: is not in the map "), std::string::npos) << ran.err;
+  const Ran ran = well(segment({"--frames", "8:"}));
+  EXPECT_TRUE(has(ran.err, "refused: frame 10: is not in the map "));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   for (const int frame : {8, 9}) {
     const fs::path folder = dir / "planes" / "frames" / fmt::format("{:06}", frame);
@@ -234,40 +224,32 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
     for (std::size_t i = 0; i < ids.data.size(); ++i)
       EXPECT_EQ(of_pixel.data[i], ids.data[i] > 0 ? of_planes[ids.data[i] - 1] : 0);
   }
-  const auto refusal = [&](const std::vector<std::string>& more) {
-    const Ran refused = segment(more);
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
-    return refused.err;
-  };
-  EXPECT_NE(refusal({"--max-range", "2"}).find("other options: max_range_m is 1.5, expected 2"),
-            std::string::npos);
+  expect_refused(segment({"--max-range", "2"}), "other options: max_range_m is 1.5, expected 2");
   const fs::path other = dir / "other";
   fs::copy(walk, other, fs::copy_options::recursive);
   const Ran refused = run({"segment", other.string(), "-o", (dir / "x").string(), "--map", known});
-  EXPECT_NE(refused.err.find("is of the recording \"walk\", expected \"other\""), std::string::npos)
-      << refused.err;
-  EXPECT_NE(refusal({"--frames", "11"}).find("is not in the map "), std::string::npos);
+  EXPECT_TRUE(has(refused.err, "is of the recording \"walk\", expected \"other\""));
+  expect_refused(segment({"--frames", "11"}), "is not in the map ");
   const fs::path stored = dir / "out" / "planes";
   fs::copy_file(stored / "000008.png", stored / "000009.png", fs::copy_options::overwrite_existing);
-  EXPECT_NE(refusal({"--frames", "9"}).find("000009.png: is not what "), std::string::npos);
+  expect_refused(segment({"--frames", "9"}), "000009.png: is not what ");
   fs::remove(stored / "000009.png");
-  EXPECT_NE(refusal({"--frames", "9"}).find("000009.png: "), std::string::npos);
+  expect_refused(segment({"--frames", "9"}), "000009.png: ");
   // Another map in the same folder keeps nothing of this one.
-  ASSERT_EQ(map({"--frames", "0:3"}).code, 0);
+  well(map({"--frames", "0:3"}));
   EXPECT_TRUE(fs::exists(stored / "000002.png"));
   EXPECT_FALSE(fs::exists(stored / "000008.png"));
   fs::copy_file(dir / "out" / "poses.tum", dir / "out" / "tracks.json",
                 fs::copy_options::overwrite_existing);
-  EXPECT_NE(refusal({}).find("tracks.json: is not what "), std::string::npos);
+  expect_refused(segment({}), "tracks.json: is not what ");
   write_file_text(dir / "out" / "tracks.json", "{\"schema\": \"planescope.tracks/1\"}");
-  EXPECT_NE(refusal({}).find("tracks.json: "), std::string::npos);
+  expect_refused(segment({}), "tracks.json: ");
   fs::remove(dir / "out" / "map.json");
-  EXPECT_NE(refusal({}).find("map.json: is missing"), std::string::npos);
+  expect_refused(segment({}), "map.json: is missing");
 }
 
 TEST_F(Map, TellsWherePosesAreOfNoUse) {
-  ASSERT_EQ(map({}).code, 0);
+  well(map({}));
   std::string kitti, millimetres;
   for (int i = 0; i < 12; ++i) {
     kitti += "1 0 0 0 0 1 0 0 0 0 1 0\n";
@@ -284,10 +266,8 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
   };
   // A map without planes is none, and replaces none.
   const std::string empty = told(millimetres, 2, {});
-  EXPECT_NE(empty.find("may not hold T_world_camera in meters"), std::string::npos) << empty;
-  EXPECT_NE(empty.find("not written: no plane was seen in 3 or more of 12 frames"),
-            std::string::npos)
-      << empty;
+  EXPECT_TRUE(has(empty, "may not hold T_world_camera in meters"));
+  EXPECT_TRUE(has(empty, "not written: no plane was seen in 3 or more of 12 frames"));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
   // So is one that few frames fit: T_camera_world, a common mistake.
   std::string inverse;
@@ -299,10 +279,10 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
     inverse += fmt::format("{} {} {} {} {} {} {} {}\n", recording->timestamp_s(i), t.x(), t.y(),
                            t.z(), q.x(), q.y(), q.z(), q.w());
   }
-  EXPECT_NE(told(inverse, 2, {}).find("not written: "), std::string::npos);
+  EXPECT_TRUE(has(told(inverse, 2, {}), "not written: "));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
   // Poses of the whole recording go with some of its frames as well.
-  EXPECT_NE(told(kitti, 2, {"--frames", "3:8"}).find("of 5 frames"), std::string::npos);
+  EXPECT_TRUE(has(told(kitti, 2, {"--frames", "3:8"}), "of 5 frames"));
 }
 
 TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
@@ -320,11 +300,10 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   write_file_text(walk / "planescope.json", sidecar.dump());
   const std::string file = (dir / "given.tum").string();
   write_file_text(file, poses);
-  const Ran ran = map({"--poses", file, "--frames", "::2", "--max-range", "4"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(map({"--poses", file, "--frames", "::2", "--max-range", "4"}));
   const std::string notice = "frames have no times: pose i of " + file + " is taken for frame i";
-  EXPECT_NE(ran.err.find(notice), std::string::npos) << ran.err;
-  EXPECT_NE(ran.out.find("from 6 frames"), std::string::npos) << ran.out;
+  EXPECT_TRUE(has(ran.err, notice));
+  EXPECT_TRUE(has(ran.out, "from 6 frames"));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   EXPECT_EQ(tracks["frames"][3]["frame"], 6);
   EXPECT_EQ(tracks["frames"][3]["timestamp_s"], 1000.75);
@@ -340,64 +319,56 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   // Shards share out the frames asked for.
   const std::string parts = (dir / "parts").string();
   for (const char* shard : {"1/2", "2/2"}) {
-    const Ran part = run({"map", walk.string(), "-o", parts, "--poses", file, "--frames", "::2",
-                          "--max-range", "4", "--shard", shard});
-    EXPECT_EQ(part.code, 0) << part.err;
-    EXPECT_NE(part.out.find("3 frames of shard"), std::string::npos) << part.out;
-    EXPECT_NE(part.err.find(notice), std::string::npos) << part.err;
+    const Ran part = well(run({"map", walk.string(), "-o", parts, "--poses", file, "--frames",
+                               "::2", "--max-range", "4", "--shard", shard}));
+    EXPECT_TRUE(has(part.out, "3 frames of shard"));
+    EXPECT_TRUE(has(part.err, notice));
   }
   const auto whole = read_file_bytes(dir / "out" / "tracks.json");
-  ASSERT_EQ(map({"--poses", file, "--frames", "::2", "--max-range", "4", "--join", parts}).code, 0);
+  well(map({"--poses", file, "--frames", "::2", "--max-range", "4", "--join", parts}));
   EXPECT_EQ(read_file_bytes(dir / "out" / "tracks.json"), whole);
   // As poses.tum in the folder they are times alone.
   fs::copy_file(file, walk / "poses.tum");
   const Ran info = run({"info", walk.string()});
-  EXPECT_NE(info.out.find("8.00 frames per second, no gaps, from poses.tum"), std::string::npos)
-      << info.out;
-  EXPECT_NE(map({"--follow"}).err.find("has no poses"), std::string::npos);
+  EXPECT_TRUE(has(info.out, "8.00 frames per second, no gaps, from poses.tum"));
+  EXPECT_TRUE(has(map({"--follow"}).err, "has no poses"));
 }
 
 TEST_F(Map, ReplacesNothingOfTheUsers) {
   const auto refusal = [&](const fs::path& out) {
-    const Ran ran = run({"map", walk.string(), "-o", out.string()});
-    EXPECT_EQ(ran.code, 2);
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    return ran.err;
+    return run({"map", walk.string(), "-o", out.string()});
   };
-  EXPECT_NE(refusal(walk).find("walk: is the recording; expected another folder"),
-            std::string::npos);
+  expect_refused(refusal(walk), "walk: is the recording; expected another folder");
   fs::create_directories(dir / "mine");
   write_file_text(dir / "mine" / "poses.tum", "measured by hand");
-  EXPECT_NE(refusal(dir / "mine").find("mine: has a poses.tum but no map.json"), std::string::npos);
+  expect_refused(refusal(dir / "mine"), "mine: has a poses.tum but no map.json");
   EXPECT_EQ(read_text(dir / "mine" / "poses.tum"), "measured by hand");
   fs::create_directories(dir / "other" / "tracks.json");
   write_file_text(dir / "other" / "tracks.json" / "note.txt", "mine");
-  EXPECT_NE(refusal(dir / "other").find("tracks.json: is a folder; expected a file"),
-            std::string::npos);
+  expect_refused(refusal(dir / "other"), "tracks.json: is a folder; expected a file");
   EXPECT_EQ(read_text(dir / "other" / "tracks.json" / "note.txt"), "mine");
   EXPECT_FALSE(fs::exists(dir / "other" / "map.json")) << "all or nothing";
 }
 
 TEST_F(Map, ThatFailsLeavesTheOneBefore) {
-  ASSERT_EQ(map({"--window", "3"}).code, 0);
+  well(map({"--window", "3"}));
   const auto left = read_file_bytes(dir / "out" / "left.jsonl");
   write_file_text(dir / "out" / "mesh.ply", "of before");
   ASSERT_EQ(map({"--poses", (dir / "none.tum").string()}).code, 2);
   EXPECT_EQ(read_file_bytes(dir / "out" / "left.jsonl"), left);
   EXPECT_TRUE(fs::exists(dir / "out" / "mesh.ply"));
   // One that is whole takes its place.
-  ASSERT_EQ(map({}).code, 0);
+  well(map({}));
   EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));
   EXPECT_FALSE(fs::exists(dir / "out" / "mesh.ply"));
 }
 
 TEST_F(Map, WithGravityOfItsOwnTellsSegmentTheSamePlanes) {
   const std::vector<std::string> gravity = {"--gravity", "0,0.85,0.53"};
-  ASSERT_EQ(map(gravity).code, 0);
-  const Ran ran = run({"segment", walk.string(), "-o", (dir / "planes").string(), "--map",
-                       (dir / "out").string(), "--gravity", "0,0.85,0.53"});
-  EXPECT_EQ(ran.code, 0) << ran.err;
-  EXPECT_EQ(ran.err.find("refused"), std::string::npos) << ran.err;
+  well(map(gravity));
+  const Ran ran = well(run({"segment", walk.string(), "-o", (dir / "planes").string(), "--map",
+                            (dir / "out").string(), "--gravity", "0,0.85,0.53"}));
+  EXPECT_FALSE(has(ran.err, "refused"));
 }
 
 TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
@@ -408,7 +379,7 @@ TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   };
-  ASSERT_EQ(run_report({}).code, 0);
+  well(run_report({}));
   const auto json = read_json<nlohmann::json>(report / "report.json");
   int breaks = 0;
   for (const auto& frame : json["recordings"][0]["frames"]) {
@@ -419,7 +390,7 @@ TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
   const std::string rule =
       R"({"schema": "planescope.rules/1", "rules": [{"metric": "track_breaks", "scope": "recording", "at_most": )";
   write_file_text(dir / "rules.json", rule + std::to_string(breaks) + "}]}");
-  EXPECT_EQ(run_report({"--rules", (dir / "rules.json").string()}).code, 0);
+  well(run_report({"--rules", (dir / "rules.json").string()}));
   write_file_text(dir / "rules.json", rule + std::to_string(breaks - 1) + "}]}");
   EXPECT_EQ(run_report({"--rules", (dir / "rules.json").string()}).code, 1);
   // Against a baseline: the same again.
@@ -427,18 +398,17 @@ TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
   write_file_text(
       dir / "rules.json",
       R"({"schema": "planescope.rules/1", "rules": [{"metric": "track_breaks_change", "at_most": 0}]})");
-  const Ran again = run_report(
-      {"--rules", (dir / "rules.json").string(), "--baseline", (dir / "baseline.json").string()});
-  EXPECT_EQ(again.code, 0) << again.err;
-  EXPECT_EQ(again.err.find("holds nothing"), std::string::npos) << again.err;
+  const Ran again = well(run_report(
+      {"--rules", (dir / "rules.json").string(), "--baseline", (dir / "baseline.json").string()}));
+  EXPECT_FALSE(has(again.err, "holds nothing"));
   const Ran shard = run_report({"--shard", "1/2"});
   EXPECT_EQ(shard.code, 2);
-  EXPECT_NE(shard.err.find("--tracks needs all frames"), std::string::npos) << shard.err;
+  EXPECT_TRUE(has(shard.err, "--tracks needs all frames"));
 }
 
 TEST_F(Map, PosesOfARecordingComeAlongWhenItIsConverted) {
   const fs::path copy = dir / "copy";
-  ASSERT_EQ(run({"convert", walk.string(), "-o", copy.string()}).code, 0);
+  well(run({"convert", walk.string(), "-o", copy.string()}));
   const auto before = io::open_recording(walk), after = io::open_recording(copy);
   for (int i = 0; i < before->frame_count(); ++i) {
     ASSERT_TRUE(after->T_world_camera(i));
@@ -447,11 +417,6 @@ TEST_F(Map, PosesOfARecordingComeAlongWhenItIsConverted) {
 }
 
 TEST_F(Map, WhatCannotBeMappedIsRefusedInOneLine) {
-  const auto expect_refused = [](const Ran& ran, const std::string& told) {
-    EXPECT_EQ(ran.code, 2) << ran.out;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(told), std::string::npos) << ran.err;
-  };
   write_file_text(dir / "bad.tum", "0 0 0 0 0 0 0 1\n1 2\n");
   expect_refused(map({"--poses", (dir / "bad.tum").string()}), "bad.tum, line 2");
   write_file_text(dir / "later.tum", "9000 0 0 0 0 0 0 1\n");

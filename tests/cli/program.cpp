@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <thread>
@@ -98,6 +99,11 @@ Ran run_and_then(const std::vector<std::string>& args,
   return finish(pid, out, err);
 }
 
+Environment::Environment(const char* variable, const std::string& value) : name(variable) {
+  setenv(name, value.c_str(), 1);
+}
+Environment::~Environment() { unsetenv(name); }
+
 fs::path scratch() {
   const fs::path dir = fresh_name("dir");
   fs::remove_all(dir);
@@ -119,6 +125,17 @@ std::vector<std::string> files_below(const fs::path& dir) {
     if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), dir).string());
   std::sort(files.begin(), files.end());
   return files;
+}
+
+Ran well(Ran ran) {
+  EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
+  return ran;
+}
+
+void expect_refused(const Ran& ran, const std::string& part) {
+  EXPECT_EQ(ran.code, 2) << ran.out;
+  EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+  EXPECT_TRUE(has(ran.err, part));
 }
 
 bool is_one_line(const std::string& err) {

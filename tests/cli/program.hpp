@@ -5,7 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "support/has.hpp"
+
 namespace planescope::testing_cli {
+
+using planescope::has;
 
 /// What a run of the program left behind.
 struct Ran {
@@ -29,6 +33,15 @@ Ran run_and_then(const std::vector<std::string>& args,
                  const std::filesystem::path& marker,
                  const std::function<void()>& then);
 
+/// A variable of the environment while this object lives.
+struct Environment {
+  Environment(const char* variable, const std::string& value);
+  ~Environment();
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+  const char* name;
+};
+
 /// A new, empty folder for the running test.
 std::filesystem::path scratch();
 
@@ -36,6 +49,11 @@ std::string read_text(const std::filesystem::path& path);
 
 /// All files below `dir`, relative, sorted.
 std::vector<std::string> files_below(const std::filesystem::path& dir);
+
+/// What ended with exit code 0.
+Ran well(Ran ran);
+/// That it ended with exit code 2 and one line on stderr, which holds `part`.
+void expect_refused(const Ran& ran, const std::string& part = "");
 
 /// True if `err` is exactly one line that begins with the program's name.
 bool is_one_line(const std::string& err);

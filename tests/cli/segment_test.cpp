@@ -38,8 +38,7 @@ Json planes_of(const std::filesystem::path& out, const std::string& frame = "000
 TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const Ran ran = run(segment_args(dir / "rec", dir / "out"));
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(run(segment_args(dir / "rec", dir / "out")));
   EXPECT_EQ(files_below(dir / "out"),
             (std::vector<std::string>{"frames/000000/cloud.ply", "frames/000000/planes.json",
                                       "frames/000000/planes.png", "frames/000000/timings.json"}));
@@ -95,7 +94,7 @@ TEST(Segment, ResultsAreTheSameBytesForAnyNumberOfThreads) {
         run(segment_args(dir / "rec", out / "rec", {"--gravity", "0,1,0", "--threads", threads}))
             .code,
         0);
-    ASSERT_EQ(run(segment_args(dir / "cloud.ply", out / "cloud", {"--threads", threads})).code, 0);
+    well(run(segment_args(dir / "cloud.ply", out / "cloud", {"--threads", threads})));
   }
   for (const char* file : {"rec/frames/000000/planes.json", "rec/frames/000000/cloud.ply",
                            "rec/frames/000000/planes.png", "cloud/frames/000000/planes.json",
@@ -113,8 +112,7 @@ TEST(Segment, SaturatedCountsAreDroppedAndCounted) {
   for (int i = 0; i < 7; ++i) depth.data[1000 + i] = 65535;
   for (int i = 0; i < 5; ++i) depth.data[3000 + i] = 0;
   write_depth_folder(dir / "rec", depth);
-  const Ran ran = run(segment_args(dir / "rec", dir / "out"));
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(run(segment_args(dir / "rec", dir / "out")));
   const Json counts = planes_of(dir / "out")["counts"];
   EXPECT_EQ(counts["invalid"], 7);
   EXPECT_EQ(counts["no_measurement"], 5);
@@ -130,8 +128,7 @@ TEST(Segment, ACloudKeepsEveryPointInItsPlace) {
   set.points[18] = Vec3f(0, std::numeric_limits<float>::infinity(), 0);
   set.points[19] = Vec3f::Zero();
   io::write_ply(dir / "cloud.ply", set);
-  const Ran ran = run(segment_args(dir / "cloud.ply", dir / "out", {}));
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(run(segment_args(dir / "cloud.ply", dir / "out", {})));
   EXPECT_EQ(files_below(dir / "out"),
             (std::vector<std::string>{"frames/000000/cloud.ply", "frames/000000/planes.json",
                                       "frames/000000/timings.json"}));
@@ -154,10 +151,9 @@ TEST(Segment, ACloudKeepsEveryPointInItsPlace) {
 TEST(Segment, WhatIsCroppedStaysInTheCloudWithoutAPlane) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const Ran ran =
-      run(segment_args(dir / "rec", dir / "out", {"--gravity", "0,1,0", "--max-range", "1.1"}));
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.out.find("--max-range"), std::string::npos);
+  const Ran ran = well(
+      run(segment_args(dir / "rec", dir / "out", {"--gravity", "0,1,0", "--max-range", "1.1"})));
+  EXPECT_TRUE(has(ran.out, "--max-range"));
   const Json counts = planes_of(dir / "out")["counts"];
   EXPECT_GT(counts["beyond_range"].get<int>(), 1000);
   const PointSet cloud = io::read_cloud_file(dir / "out/frames/000000/cloud.ply");
@@ -180,16 +176,14 @@ TEST(Segment, FramesAreChosenAsPythonSlicesThem) {
       {"1:4:2", {1, 3}}, {"-2:", {4, 5}}, {"3", {3}}, {"-1", {5}}, {":1", {0}}, {"::5", {0, 5}}};
   for (const auto& [slice, expected] : cases) {
     const auto out = dir / ("out" + slice);
-    const Ran ran =
-        run(segment_args(dir / "rec", out, {"--gravity", "0,1,0", "--json", "--frames", slice}));
-    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Ran ran = well(
+        run(segment_args(dir / "rec", out, {"--gravity", "0,1,0", "--json", "--frames", slice})));
     EXPECT_EQ(Json::parse(ran.out)["frames"].size(), expected.size());
     for (const int i : expected)
       EXPECT_TRUE(std::filesystem::exists(out / "frames" / ("00000" + std::to_string(i)))) << slice;
   }
   const Ran none = run(segment_args(dir / "rec", dir / "none", {"--frames", "9:"}));
-  EXPECT_EQ(none.code, 2);
-  EXPECT_TRUE(is_one_line(none.err)) << none.err;
+  expect_refused(none);
   EXPECT_FALSE(std::filesystem::exists(dir / "none"));
 }
 
@@ -199,18 +193,15 @@ TEST(Segment, AFrameWithoutDepthIsRefusedAndTheOthersAreDone) {
   write_depth_folder(dir / "rec", good, 2);
   Image16 blind(good.width, good.height);  // nothing measured
   io::write_png(dir / "rec/depth/000001.png", blind);
-  const Ran ran = run(segment_args(dir / "rec", dir / "out", {"--json"}));
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(run(segment_args(dir / "rec", dir / "out", {"--json"})));
   const Json json = Json::parse(ran.out);
   EXPECT_EQ(json["frames"].size(), 1u);
   ASSERT_EQ(json["refused"].size(), 1u);
-  EXPECT_NE(json["refused"][0].get<std::string>().find("holds no depth"), std::string::npos);
+  EXPECT_TRUE(has(json["refused"][0].get<std::string>(), "holds no depth"));
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
   EXPECT_EQ(files_below(dir / "out").size(), 4u);
 
-  const Ran all = run(segment_args(dir / "rec", dir / "none", {"--frames", "1"}));
-  EXPECT_EQ(all.code, 2);
-  EXPECT_TRUE(is_one_line(all.err)) << all.err;
+  expect_refused(run(segment_args(dir / "rec", dir / "none", {"--frames", "1"})));
   EXPECT_FALSE(std::filesystem::exists(dir / "none"));
 }
 
@@ -219,9 +210,9 @@ TEST(Segment, ASecondRunReplacesAFrameAndLeavesOthersAlone) {
   write_depth_folder(dir / "rec", floor_and_wall());
   std::filesystem::create_directories(dir / "out");
   write_text(dir / "out/notes.txt", "mine");
-  ASSERT_EQ(run(segment_args(dir / "rec", dir / "out")).code, 0);
+  well(run(segment_args(dir / "rec", dir / "out")));
   const std::string first = read_text(dir / "out/frames/000000/planes.json");
-  ASSERT_EQ(run(segment_args(dir / "rec", dir / "out")).code, 0);
+  well(run(segment_args(dir / "rec", dir / "out")));
   EXPECT_EQ(read_text(dir / "out/frames/000000/planes.json"), first);
   EXPECT_EQ(files_below(dir / "out").size(), 5u);
 }
@@ -236,8 +227,8 @@ TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
     return segment_args(dir / "rec", dir / out, all);
   };
   // Neither weights nor truth are there: nobody asks for them.
-  ASSERT_EQ(run(args("a", {"--set", "classifier=none.safetensors"})).code, 0);
-  ASSERT_EQ(run(args("b", {"--classifier", "truth", "--threads", "1"})).code, 0);
+  well(run(args("a", {"--set", "classifier=none.safetensors"})));
+  well(run(args("b", {"--classifier", "truth", "--threads", "1"})));
   const Json json = planes_of(dir / "a");
   ASSERT_EQ(json["planes"].size(), 2u);
   EXPECT_EQ(json["options"]["method"], "ransac");
@@ -257,7 +248,7 @@ TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
 TEST(Segment, TellsHowWellEachPlaneIsKnownAndWhereAFootMayGo) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  ASSERT_EQ(run(segment_args(dir / "rec", dir / "bare")).code, 0);
+  well(run(segment_args(dir / "rec", dir / "bare")));
   const Json bare = planes_of(dir / "bare");
   for (const Json& plane : bare["planes"]) {
     EXPECT_GT(plane["outline_area_m2"].get<double>(), 0.1);
@@ -266,10 +257,9 @@ TEST(Segment, TellsHowWellEachPlaneIsKnownAndWhereAFootMayGo) {
     EXPECT_GT(plane["surface"]["clearance_m"].get<double>(), 0.05);
     EXPECT_FALSE(plane.contains("foot"));
   }
-  const Ran ran =
-      run(segment_args(dir / "rec", dir / "foot", {"--gravity", "0,1,0", "--foot", "0.08x0.06"}));
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.out.find("steppable: 1 of 2 planes, "), std::string::npos) << ran.out;
+  const Ran ran = well(
+      run(segment_args(dir / "rec", dir / "foot", {"--gravity", "0,1,0", "--foot", "0.08x0.06"})));
+  EXPECT_TRUE(has(ran.out, "steppable: 1 of 2 planes, "));
   const Json json = planes_of(dir / "foot");
   EXPECT_EQ(json["options"]["foot_radius_m"], 0.05) << "half of its diagonal: any yaw is allowed";
   for (const Json& plane : json["planes"]) {
@@ -287,17 +277,16 @@ TEST(Segment, RefusesAFootThatIsNone) {
   for (const char* foot : {"0", "-1", "0.1x", "0.1x0.2x0.3", "wide", "nan"}) {
     const Ran ran = run(segment_args(dir / "rec", dir / "out", {"--foot", foot}));
     EXPECT_EQ(ran.code, 2) << foot;
-    EXPECT_NE(ran.err.find("--foot"), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, "--foot"));
   }
 }
 
 TEST(Segment, AlsoWritesItsPlanesForOtherTools) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const Ran ran = run(segment_args(dir / "rec", dir / "out",
-                                   {"--gravity", "0,1,0", "--foot", "0.05", "--also",
-                                    "geojson,obj,ply,planar-terrain,csv,svg"}));
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(run(segment_args(dir / "rec", dir / "out",
+                        {"--gravity", "0,1,0", "--foot", "0.05", "--also",
+                         "geojson,obj,ply,planar-terrain,csv,svg"})));
   const auto frame = dir / "out/frames/000000";
   const Json planes = planes_of(dir / "out")["planes"];
 
@@ -326,15 +315,15 @@ TEST(Segment, AlsoWritesItsPlanesForOtherTools) {
 
   const std::string csv = read_text(frame / "planes.csv");
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + static_cast<int>(planes.size()));
-  EXPECT_NE(read_text(frame / "planes.obj").find("o plane_1_"), std::string::npos);
+  EXPECT_TRUE(has(read_text(frame / "planes.obj"), "o plane_1_"));
   const std::string svg = read_text(frame / "planes.svg");
   EXPECT_TRUE(svg.ends_with("</svg>\n"));
   for (const char* told : {"slope ", "rough ", "steps ", "support ", "clearance ", "sigma: tilt ",
                            "class=\"band\" d=", "class=\"place\" cx="})
-    EXPECT_NE(svg.find(told), std::string::npos) << told;
+    EXPECT_TRUE(has(svg, told)) << told;
   EXPECT_TRUE(read_text(frame / "planes.ply").starts_with("ply\nformat ascii 1.0\n"));
 
   const Ran wrong = run(segment_args(dir / "rec", dir / "no", {"--also", "shapefile"}));
   EXPECT_NE(wrong.code, 0);
-  EXPECT_NE(wrong.err.find("planar-terrain"), std::string::npos) << wrong.err;
+  EXPECT_TRUE(has(wrong.err, "planar-terrain"));
 }

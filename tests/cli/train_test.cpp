@@ -43,8 +43,7 @@ struct Training {
   Ran with(const std::vector<std::string>& more) const { return run(command(more)); }
 
   std::string bytes_with(const std::vector<std::string>& more) const {
-    const Ran ran = with(more);
-    EXPECT_EQ(ran.code, 0) << ran.err;
+    well(with(more));
     return read_text(out);
   }
 
@@ -52,15 +51,12 @@ struct Training {
   void stop(const std::vector<std::string>& more) const {
     const Ran ran = run_and_signal(command(more), SIGINT, checkpoint);
     ASSERT_EQ(ran.code, 130) << ran.err;
-    ASSERT_NE(ran.err.find("--resume"), std::string::npos) << ran.err;
+    ASSERT_TRUE(has(ran.err, "--resume"));
     ASSERT_TRUE(fs::exists(checkpoint));
   }
 
   void expect_refused(const std::vector<std::string>& more, const std::string& told) const {
-    const Ran ran = with(more);
-    EXPECT_EQ(ran.code, 2) << ran.err;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(told), std::string::npos) << "no '" << told << "' in: " << ran.err;
+    testing_cli::expect_refused(with(more), told);
   }
 };
 
@@ -71,17 +67,15 @@ Json training_record(const fs::path& weights) {
 /// A labelled recording of a staircase.
 fs::path write_recording(const fs::path& dir, int seed) {
   const fs::path path = dir / ("recording_" + std::to_string(seed));
-  const Ran ran = run({"synth", "sample", "-o", path.string(), "--size", "160x120", "--scenes",
-                       "stairs", "--depth-only", "--seed", std::to_string(seed)});
-  EXPECT_EQ(ran.code, 0) << ran.err;
+  well(run({"synth", "sample", "-o", path.string(), "--size", "160x120", "--scenes", "stairs",
+            "--depth-only", "--seed", std::to_string(seed)}));
   return path;
 }
 
 /// In per cent, away from edges.
 double label_accuracy(const fs::path& recording, const fs::path& weights) {
-  const Ran ran = run({"eval", recording.string(), "--json", "--profile", "paper", "--classifier",
-                       weights.string()});
-  EXPECT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(run({"eval", recording.string(), "--json", "--profile", "paper",
+                            "--classifier", weights.string()}));
   return Json::parse(ran.out)["mean"]["label_accuracy_inner"].get<double>();
 }
 
@@ -89,10 +83,9 @@ double label_accuracy(const fs::path& recording, const fs::path& weights) {
 
 TEST(Train, WritesWeightsTheirRecordAndAPageAndNothingElse) {
   const Training training;
-  const Ran ran = training.with({"--steps", "4", "--epoch", "2", "--seed", "5"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.out.find("scans"), std::string::npos) << "names what it was validated with";
-  EXPECT_EQ(ran.err.find('\r'), std::string::npos) << "no bar without a terminal";
+  const Ran ran = well(training.with({"--steps", "4", "--epoch", "2", "--seed", "5"}));
+  EXPECT_TRUE(has(ran.out, "scans")) << "names what it was validated with";
+  EXPECT_FALSE(has(ran.err, "\r")) << "no bar without a terminal";
   EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 3)
       << "a line for each epoch, and what they mean";
   EXPECT_EQ(files_below(training.dir),
@@ -103,8 +96,8 @@ TEST(Train, WritesWeightsTheirRecordAndAPageAndNothingElse) {
   EXPECT_EQ(record["steps"], 4);
   EXPECT_EQ(record["synthetic_clouds"], 4);
   EXPECT_TRUE(record["validation"].contains("scans"));
-  EXPECT_EQ(record.dump().find(training.dir.string()), std::string::npos) << "holds no path";
-  EXPECT_NE(read_text(training.page).find("<svg"), std::string::npos);
+  EXPECT_FALSE(has(record.dump(), training.dir.string())) << "holds no path";
+  EXPECT_TRUE(has(read_text(training.page), "<svg"));
 }
 
 TEST(Train, TheSameSeedGivesTheSameBytesForAnyThreadsAndInstructionSet) {
@@ -182,10 +175,8 @@ TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
                  other = write_recording(training.dir, 2);
   const fs::path labels = training.dir / "labels";
   fs::rename(recording.string() + ".labels", labels);
-  const Ran ran =
-      training.with({recording.string(), "--labels", labels.string(), "--recipe", "recordings",
-                     "--steps", "130", "--baseline", training.start.string()});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(training.with({recording.string(), "--labels", labels.string(), "--recipe", "recordings",
+                      "--steps", "130", "--baseline", training.start.string()}));
   EXPECT_GT(label_accuracy(other, training.out), label_accuracy(other, training.start) + 10);
   const Json record = training_record(training.out);
   EXPECT_EQ(record["recipe"], "recordings");
@@ -203,6 +194,6 @@ TEST(Train, ABaselineThatLabelsBetterEndsItWithCode1) {
   planes::write_weights(baseline, good);
   const Ran ran = training.with({"--steps", "1", "--baseline", baseline.string()});
   EXPECT_EQ(ran.code, 1) << ran.out;
-  EXPECT_NE(ran.out.find("worse"), std::string::npos) << ran.out;
+  EXPECT_TRUE(has(ran.out, "worse"));
   EXPECT_TRUE(fs::exists(training.out)) << "the weights are kept all the same";
 }

@@ -30,8 +30,8 @@ void expect_explained(const std::string& program, Words typed, const Words& comm
   typed.push_back("--help");
   const Ran ran = run(typed);
   EXPECT_EQ(ran.code, 0) << command[0];
-  EXPECT_NE(ran.out.find("Usage: " + program + " " + command[0]), std::string::npos) << ran.out;
-  EXPECT_NE(ran.out.find("--help"), std::string::npos);
+  EXPECT_TRUE(has(ran.out, "Usage: " + program + " " + command[0]));
+  EXPECT_TRUE(has(ran.out, "--help"));
 }
 
 }  // namespace
@@ -41,9 +41,9 @@ TEST(Usage, TheHelpNamesEveryCommand) {
   EXPECT_EQ(product.code + lab.code, 0);
   EXPECT_EQ(product.err + lab.err, "");
   for (const auto& command : kCommands)
-    EXPECT_NE(product.out.find("  " + command[0] + " "), std::string::npos) << command[0];
+    EXPECT_TRUE(has(product.out, "  " + command[0] + " ")) << command[0];
   for (const auto& command : kLabCommands)
-    EXPECT_NE(lab.out.find("  " + command[0] + " "), std::string::npos) << command[0];
+    EXPECT_TRUE(has(lab.out, "  " + command[0] + " ")) << command[0];
 }
 
 TEST(Usage, EveryCommandExplainsItself) {
@@ -55,14 +55,13 @@ TEST(Usage, EveryCommandExplainsItself) {
 TEST(Usage, AListIsOneWordAndARecordingMayFollow) {
   const Ran ran = run({"planescope-lab", "bench", "classifier", "--only", "frames", "/nowhere"});
   EXPECT_EQ(ran.code, 2);
-  EXPECT_NE(ran.err.find("/nowhere: no such file"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "/nowhere: no such file"));
 }
 
 TEST(Usage, TheVersionIsOneLineAndNamesTheCommit) {
-  const Ran ran = run({"--version"});
-  EXPECT_EQ(ran.code, 0);
+  const Ran ran = well(run({"--version"}));
   EXPECT_EQ(ran.out.rfind("planescope ", 0), 0u);
-  EXPECT_NE(ran.out.find(", commit "), std::string::npos) << ran.out;
+  EXPECT_TRUE(has(ran.out, ", commit "));
   EXPECT_EQ(ran.out.find('\n'), ran.out.size() - 1);
 }
 
@@ -126,17 +125,14 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
   };
   for (const auto& [args, expected] : cases) {
     const Ran ran = run(args);
-    EXPECT_EQ(ran.code, 2) << args.back();
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(expected), std::string::npos) << ran.err;
+    expect_refused(ran, expected);
     EXPECT_EQ(ran.out, "");
   }
 }
 
 TEST(Usage, OptionsShowTheValuesThatACommandWouldUse) {
-  const Ran ran = run({"options", "--json", "--profile", "paper", "--set", "theta_n_in=7",
-                       "--max-range", "3", "--gravity", "0,1,0"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(run({"options", "--json", "--profile", "paper", "--set", "theta_n_in=7",
+                            "--max-range", "3", "--gravity", "0,1,0"}));
   const auto json = nlohmann::json::parse(ran.out);
   std::map<std::string, std::string> values;
   for (const auto& option : json["options"]) {
@@ -160,7 +156,6 @@ TEST(Usage, EveryValueThatIsShownCanBeSet) {
     args.push_back("--set");
     args.push_back(option["name"].get<std::string>() + "=" + option["value"].get<std::string>());
   }
-  const Ran again = run(args);
-  EXPECT_EQ(again.code, 0) << again.err;
+  const Ran again = well(run(args));
   EXPECT_EQ(again.out, shown.out);
 }

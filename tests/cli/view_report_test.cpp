@@ -27,8 +27,7 @@ struct ViewReport : testing::Test {
   fs::path report(const std::string& out, std::vector<std::string> args) {
     args.insert(args.begin(), "report");
     args.insert(args.end(), {"--classifier", "pca", "-o", (dir / out).string()});
-    const Ran ran = run(args);
-    EXPECT_EQ(ran.code, 0) << ran.err;
+    well(run(args));
     return dir / out / "report.json";
   }
   static Ran view(const std::string& target, const std::vector<std::string>& more) {
@@ -39,17 +38,13 @@ struct ViewReport : testing::Test {
   /// What the window shows.
   Json facts(const std::string& target, std::vector<std::string> more = {}) {
     more.insert(more.end(), {"--state", (dir / "state.json").string()});
-    const Ran ran = view(target, more);
-    EXPECT_EQ(ran.code, 0) << ran.err;
+    well(view(target, more));
     return Json::parse(read_text(dir / "state.json"));
   }
   void refuses(const std::string& target,
                const std::string& part,
                const std::vector<std::string>& more = {}) {
-    const Ran ran = view(target, more);
-    EXPECT_EQ(ran.code, 2) << target;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+    expect_refused(view(target, more), part);
   }
 };
 
@@ -94,14 +89,13 @@ TEST_F(ViewReport, ALostPlaneLeadsToTheDecisionThatLostIt) {
   EXPECT_EQ(there["options"]["theta_n_in"], "60") << "B is the report";
   EXPECT_EQ(there["options"]["classifier"], "pca");
   const std::string event = there["event"];
-  EXPECT_NE(event.find("< 60"), std::string::npos)
-      << "case II by the option that changed: " << event;
+  EXPECT_TRUE(has(event, "< 60")) << "case II by the option that changed: " << event;
   EXPECT_EQ(there["case"], "II");
   EXPECT_EQ(there["tab"], "point");
   EXPECT_GE(there["voxel"], 0);
   EXPECT_GT(there["marked"], 100) << "what it covered";
   const std::string message = there["message"];
-  EXPECT_NE(message.find("part at step " + there["step"].dump()), std::string::npos) << message;
+  EXPECT_TRUE(has(message, "part at step " + there["step"].dump()));
 
   // The report's own word, a path from its folder on.
   Json named = Json::parse(read_text(after));
@@ -141,7 +135,7 @@ TEST_F(ViewReport, WithTheBaselinesOptionsTheWindowSaysThatAIsB) {
   EXPECT_EQ(there["pinned"], true);
   const std::string message = there["message"];
   EXPECT_TRUE(message.starts_with("A and B are the same")) << message;
-  EXPECT_NE(message.find("plane 1"), std::string::npos) << message;
+  EXPECT_TRUE(has(message, "plane 1"));
 }
 
 TEST_F(ViewReport, WhatIsNotInTheReportIsRefusedInOneLine) {
@@ -186,9 +180,8 @@ TEST_F(ViewReport, OfRecordingsOfOneNameTheOneThatIsMeantIsTaken) {
   other.at(3, 3) += 1;
   write_depth_folder(dir / "one/rec", floor_and_wall());
   write_depth_folder(dir / "two/rec", other);
-  const Ran ran = run({"report", dir / "one/rec", dir / "two/rec", "-o", dir / "a/out",
-                       "--no-pictures", "--gravity", "0,1,0"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(run({"report", dir / "one/rec", dir / "two/rec", "-o", dir / "a/out", "--no-pictures",
+            "--gravity", "0,1,0"}));
   const std::string file = dir / "a/out/report.json";
   EXPECT_EQ(facts(file + "#r2/f0", {dir / "one/rec", dir / "two/rec"})["recording"],
             (dir / "two/rec").string());

@@ -2,11 +2,11 @@
 // frame.
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/debug/filter/filter.hpp"
+#include "core/io/byte_reader.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
@@ -18,8 +18,6 @@
 #include "core/report/data/report_files.hpp"
 #include "core/report/data/report_json.hpp"
 #include "fuzz/fuzz.hpp"
-#include "fuzz/pieces.hpp"
-#include "fuzz/samples.hpp"
 #include "unit/debug/replay/replay_subject.hpp"
 
 namespace planescope::fuzz {
@@ -39,56 +37,6 @@ void read_weights(Bytes bytes) {
   const fs::path again = memory_folder() / "weights" / "again.safetensors";
   planes::write_weights(again, weights);
   require(planes::read_weights(again).tensors == weights.tensors, "weights that change");
-}
-
-/// Metadata, then tensors: a name, the shape, the values' bytes.
-std::vector<ByteVector> split_weights(Bytes bytes) {
-  const planes::TensorFile file =
-      planes::read_safetensors(file_of("weights/split.safetensors", bytes));
-  std::vector<ByteVector> pieces;
-  for (const auto& [key, value] : file.metadata) {
-    PieceWriter piece;
-    piece.text("");
-    piece.text(key);
-    piece.rest({reinterpret_cast<const unsigned char*>(value.data()), value.size()});
-    pieces.push_back(piece.take());
-  }
-  for (const planes::Tensor& tensor : file.tensors) {
-    PieceWriter piece;
-    piece.text(tensor.name);
-    piece.text(std::string(tensor.shape.begin(), tensor.shape.end()));
-    piece.rest({reinterpret_cast<const unsigned char*>(tensor.values.data()),
-                tensor.values.size() * sizeof(float)});
-    pieces.push_back(piece.take());
-  }
-  return pieces;
-}
-
-ByteVector join_weights(const std::vector<ByteVector>& pieces) {
-  planes::TensorFile file;
-  for (const ByteVector& piece : pieces) {
-    PieceReader in(piece);
-    const std::string name = in.text(), key_or_shape = in.text();
-    const ByteVector rest = in.rest();
-    if (name.empty()) {
-      file.metadata[key_or_shape] = std::string(rest.begin(), rest.end());
-      continue;
-    }
-    planes::Tensor& tensor = file.tensors.emplace_back();
-    tensor.name = name;
-    std::size_t count = 1;
-    for (const char size : key_or_shape) {
-      tensor.shape.push_back(static_cast<unsigned char>(size));
-      count *= tensor.shape.back();
-      if (count > rest.size()) return {};
-    }
-    tensor.values.resize(count);
-    std::copy_n(rest.begin(), std::min(rest.size(), count * sizeof(float)),
-                reinterpret_cast<unsigned char*>(tensor.values.data()));
-  }
-  const fs::path path = memory_folder() / "weights" / "joined.safetensors";
-  planes::write_safetensors(path, file);
-  return bytes_of_file(path);
 }
 
 /// Compared with itself, judged and written, as `planescope compare` and `report` do.
@@ -200,17 +148,20 @@ void find_planes_in_cloud(Bytes bytes) {
 
 /// Width, unit, camera, gravity and then counts; numbers as settle_camera() lets them through.
 void find_planes_in_depth(Bytes bytes) {
-  PieceReader in(bytes);
-  const auto real = [&] { return std::bit_cast<double>(in.number()); };
+  constexpr std::size_t kHead = 2 + 13 * sizeof(double);
+  if (bytes.size() < kHead) return;
+  io::ByteReader in(std::as_bytes(bytes));
+  const auto byte = [&] { return in.read<std::uint8_t>(); };
+  const auto real = [&] { return in.read<double>(); };
   Frame frame;
-  const int width = 1 + in.byte() % 40;
+  const int width = 1 + byte() % 40;
   frame.depth_unit_m = real();
   Intrinsics& k = frame.intrinsics;
   for (double* value : {&k.fx, &k.fy, &k.cx, &k.cy}) *value = real();
-  k.distortion = static_cast<Distortion>(in.byte() % 3);
+  k.distortion = static_cast<Distortion>(byte() % 3);
   for (double& coefficient : k.coefficients) coefficient = real();
   const Vec3d gravity(real(), real(), real());
-  const ByteVector counts = in.rest();
+  const Bytes counts = bytes.subspan(kHead);
   const int height = static_cast<int>(counts.size() / 2) / width;
   bool finite = frame.depth_unit_m > 0 && std::isfinite(frame.depth_unit_m) && k.fx > 0 && k.fy > 0;
   for (const double value : {k.fx, k.fy, k.cx, k.cy}) finite = finite && std::isfinite(value);
@@ -230,10 +181,10 @@ void find_planes_in_depth(Bytes bytes) {
 
 std::vector<Target> document_targets() {
   return {{"json", read_json},
-          {"weights", read_weights, split_weights, join_weights},
-          {"report", read_report, split_json, join_json},
-          {"frame_record", read_frame_record, split_json, join_json},
-          {"rules", read_rules, split_json, join_json},
+          {"weights", read_weights},
+          {"report", read_report},
+          {"frame_record", read_frame_record},
+          {"rules", read_rules},
           {"filter", read_filter},
           {"options", read_options},
           {"report_target", read_report_target},

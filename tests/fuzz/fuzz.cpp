@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "core/model/error.hpp"
-#include "fuzz/pieces.hpp"
 
 namespace planescope::fuzz {
 namespace {
@@ -71,48 +69,6 @@ std::string read(const Target& target, Bytes bytes) {
     require(message.find('\n') == std::string::npos, "an Error of several lines: " + message);
     return message;
   }
-}
-
-std::vector<ByteVector> split_json(Bytes bytes) {
-  const nlohmann::json flat = nlohmann::json::parse(bytes).flatten();
-  std::vector<ByteVector> pieces;
-  for (const auto& [place, value] : flat.items()) {
-    const std::string text = value.dump();
-    PieceWriter piece;
-    piece.text(place);
-    piece.rest({reinterpret_cast<const unsigned char*>(text.data()), text.size()});
-    pieces.push_back(piece.take());
-  }
-  return pieces;
-}
-
-namespace {
-
-/// Any index makes a list of that length.
-bool has_large_index(const std::string& place) {
-  int digits = 0;
-  for (const char c : place) {
-    digits = c >= '0' && c <= '9' ? digits + 1 : 0;
-    if (digits > 3) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
-ByteVector join_json(const std::vector<ByteVector>& pieces) {
-  nlohmann::json flat = nlohmann::json::object();
-  for (const ByteVector& piece : pieces) {
-    PieceReader in(piece);
-    const std::string place = in.text();
-    if (has_large_index(place)) return {};
-    const ByteVector value = in.rest();
-    const auto parsed = nlohmann::json::parse(value, nullptr, false);
-    flat[place] = parsed.is_primitive() ? parsed : nlohmann::json(text_of(value));
-  }
-  const std::string text =
-      flat.unflatten().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  return {text.begin(), text.end()};
 }
 
 }  // namespace planescope::fuzz

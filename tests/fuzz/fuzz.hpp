@@ -2,12 +2,14 @@
 
 // What reads files and texts that anybody may have written, as targets: each reads any bytes. Built
 // twice: with libFuzzer, which looks for bytes that do harm (scripts/fuzz), and as a test that
-// reads the kept corpus and changed copies of it.
+// reads the kept corpus.
 
 #include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "core/labels/model/grid.hpp"
 
 namespace planescope::fuzz {
 
@@ -24,10 +26,6 @@ struct Target {
   const char* name;  // also of its folder in tests/fuzz/corpus
   /// May throw Error. Anything else that is thrown is a finding, as what a sanitizer reports is.
   void (*read)(Bytes);
-  /// For formats that most changes of bytes make unreadable (checksums, lengths, places): told
-  /// apart, one piece is changed, and the file is written anew. May throw where it cannot be.
-  std::vector<ByteVector> (*split)(Bytes) = nullptr;
-  ByteVector (*join)(const std::vector<ByteVector>&) = nullptr;
 };
 
 std::vector<Target> recording_targets();
@@ -44,5 +42,20 @@ std::string read(const Target& target, Bytes bytes);
 
 /// Small good files of every target, made by the project's own writers: FOLDER/TARGET/NAME.
 void write_seeds(const std::filesystem::path& folder);
+
+// ---- What targets read into and seeds are made of ----
+
+inline constexpr int kWidth = 8, kHeight = 6;
+
+/// A wall, a floor and a hole.
+Frame sample_frame();
+/// 24 x 16 pixels, all of them alike.
+Image16 plain_depth();
+const labels::LabelGrid& label_grid();
+/// Of that frame: nothing drawn yet.
+FrameLabels blank_labels(int frame);
+
+/// Empty where there is no file.
+ByteVector bytes_of_file(const std::filesystem::path& path);
 
 }  // namespace planescope::fuzz

@@ -3,18 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/io/bag/message_log.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
-#include "core/io/folder/camera_files.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/picked_gravity.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "fuzz/fuzz.hpp"
-#include "fuzz/pieces.hpp"
-#include "fuzz/samples.hpp"
-#include "unit/io/bag_writer.hpp"
 
 namespace planescope::fuzz {
 namespace {
@@ -43,78 +39,6 @@ void read_bag(Bytes bytes) { read_frames(*io::open_recording(file_of("bag/a.bag"
 
 void read_db3(Bytes bytes) { read_frames(*io::open_recording(file_of("db3/a.db3", bytes))); }
 void read_mcap(Bytes bytes) { read_frames(*io::open_recording(file_of("mcap/a.mcap", bytes))); }
-
-/// How a bag is packed; then each message with its topic, type and time.
-std::vector<ByteVector> split_bag(Bytes bytes) {
-  const auto log = io::open_rosbag1(file_of("bag/split.bag", bytes));
-  const io::MessageLog& bag = *log;
-  std::vector<ByteVector> pieces = {{0, 0, 8}};
-  for (const auto& [topic, type] : bag.topics())
-    for (const io::MessageRef& at : bag.messages(topic)) {
-      const io::Message message = bag.read(at);
-      const auto* first = reinterpret_cast<const unsigned char*>(message.bytes.data());
-      PieceWriter piece;
-      piece.text(topic);
-      piece.text(type);
-      piece.number(at.time_ns);
-      piece.rest({first, message.bytes.size()});
-      pieces.push_back(piece.take());
-    }
-  return pieces;
-}
-
-ByteVector join_bag(const std::vector<ByteVector>& pieces) {
-  if (pieces.size() < 2) return {};
-  PieceReader packing(pieces.front());
-  const char* compressions[] = {"none", "lz4", "bz2"};
-  testing_bags::BagFormat format;
-  format.compression = compressions[packing.byte() % 3];
-  const int parts = packing.byte();
-  format.index = (parts & 1) == 0;
-  format.chunk_index = (parts & 2) == 0;
-  format.close_last_chunk = (parts & 4) == 0;
-  format.messages_per_chunk = 1 + packing.byte() % 16;
-  testing_bags::BagWriter bag(format);
-  for (const ByteVector& piece : std::span(pieces).subspan(1)) {
-    PieceReader in(piece);
-    const std::string topic = in.text(), type = in.text();
-    const std::uint64_t time_ns = in.number();
-    bag.add(topic, type, time_ns, in.rest());
-  }
-  return bag.finish();
-}
-
-constexpr char kPngStart[] = "\x89PNG\r\n\x1a\n";
-constexpr std::size_t kPngStartBytes = 8;
-
-/// Type and data of each chunk.
-std::vector<ByteVector> split_png(Bytes bytes) {
-  std::vector<ByteVector> chunks;
-  for (std::size_t at = kPngStartBytes; at + 12 <= bytes.size();) {
-    std::size_t size = 0;
-    for (int i = 0; i < 4; ++i) size = size << 8 | bytes[at + i];
-    size = std::min(size, bytes.size() - at - 12);
-    const Bytes chunk = bytes.subspan(at + 4, 4 + size);
-    chunks.emplace_back(chunk.begin(), chunk.end());
-    at += 12 + size;
-  }
-  return chunks;
-}
-
-ByteVector join_png(const std::vector<ByteVector>& chunks) {
-  ByteVector out(kPngStart, kPngStart + kPngStartBytes);
-  const auto put = [&](std::size_t value) {
-    for (int shift = 24; shift >= 0; shift -= 8)
-      out.push_back(static_cast<unsigned char>(value >> shift));
-  };
-  for (ByteVector chunk : chunks) {
-    chunk.resize(std::max<std::size_t>(chunk.size(), 4));
-    put(chunk.size() - 4);
-    out.insert(out.end(), chunk.begin(), chunk.end());
-    put(checksum(chunk));
-  }
-  return out;
-}
 
 void read_png(Bytes bytes) {
   const fs::path path = file_of("png/a.png", bytes);
@@ -189,19 +113,19 @@ void read_gravity(Bytes bytes) {
 }  // namespace
 
 std::vector<Target> recording_targets() {
-  return {{"bag", read_bag, split_bag, join_bag},
+  return {{"bag", read_bag},
           {"db3", read_db3},
           {"mcap", read_mcap},
-          {"png", read_png, split_png, join_png},
+          {"png", read_png},
           {"jpeg", read_jpeg},
           {"ply", read_ply},
           {"pcd", read_pcd},
           {"viewer_raw", read_viewer_raw},
-          {"camera_json", read_camera_json, split_json, join_json},
+          {"camera_json", read_camera_json},
           {"camera_xml", read_camera_xml},
           {"camera_text", read_camera_text},
-          {"sidecar", read_sidecar, split_json, join_json},
-          {"gravity", read_gravity, split_json, join_json}};
+          {"sidecar", read_sidecar},
+          {"gravity", read_gravity}};
 }
 
 }  // namespace planescope::fuzz

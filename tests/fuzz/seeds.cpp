@@ -1,5 +1,6 @@
 // What fuzzing begins with: small good files, none of them recorded anywhere.
 
+#include <bit>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -18,8 +19,7 @@
 #include "core/report/compare/rules.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/data/report_json.hpp"
-#include "fuzz/pieces.hpp"
-#include "fuzz/samples.hpp"
+#include "fuzz/fuzz.hpp"
 #include "support/empty_report.hpp"
 #include "support/jpeg_bytes.hpp"
 #include "unit/io/ros2_writer.hpp"
@@ -335,17 +335,19 @@ void add_texts(const Seeds& seeds) {
   for (const auto& [section, lines] : options) seeds.add("options", section, lines);
   seeds.add("options", "gravity", std::string("0,1,0\nauto\nnone\n"));
 
-  PieceWriter depth;
-  depth.rest(ByteVector{kWidth - 1});
-  for (const double value : {0.001, 8.0, 8.0, 4.0, 3.0})
-    depth.number(std::bit_cast<std::uint64_t>(value));
-  depth.rest(ByteVector{0});
-  for (const double value : {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0})
-    depth.number(std::bit_cast<std::uint64_t>(value));
+  ByteVector depth = {kWidth - 1};
+  const auto put = [&](std::initializer_list<double> values) {
+    for (const double value : values)
+      for (int i = 0; i < 8; ++i)
+        depth.push_back(static_cast<unsigned char>(std::bit_cast<std::uint64_t>(value) >> (8 * i)));
+  };
+  put({0.001, 8.0, 8.0, 4.0, 3.0});
+  depth.push_back(0);
+  put({0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0});
   for (const std::uint16_t count : sample_frame().depth.data)
-    depth.rest(ByteVector{static_cast<unsigned char>(count & 255),
-                          static_cast<unsigned char>(count >> 8)});
-  seeds.add("planes_in_depth", "wall", depth.take());
+    depth.insert(depth.end(),
+                 {static_cast<unsigned char>(count & 255), static_cast<unsigned char>(count >> 8)});
+  seeds.add("planes_in_depth", "wall", depth);
 }
 
 }  // namespace

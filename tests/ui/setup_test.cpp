@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/desktop/panels.hpp"
-#include "core/io/folder/camera_files.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 

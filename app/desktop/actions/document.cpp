@@ -8,7 +8,7 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
-#include "core/io/folder/camera_files.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"

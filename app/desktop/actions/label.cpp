@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/labeling/gesture.hpp"
 #include "app/desktop/labeling/work.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"

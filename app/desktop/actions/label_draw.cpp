@@ -6,9 +6,8 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/labeling/gesture.hpp"
-#include "app/desktop/labeling/review.hpp"
 #include "app/desktop/labeling/work.hpp"
+#include "app/desktop/labeling/review.hpp"
 #include "app/desktop/look.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/model/error.hpp"

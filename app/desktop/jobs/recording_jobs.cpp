@@ -13,7 +13,7 @@
 #include "core/labels/review/carry.hpp"
 #include "core/model/text.hpp"
 #include "core/world/files/map_files.hpp"
-#include "core/world/tracks/sight.hpp"
+#include "core/world/tracks/tracker.hpp"
 
 namespace planescope::desktop {
 namespace {

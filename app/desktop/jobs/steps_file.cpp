@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "app/desktop/actions/actions.hpp"
-#include "core/io/image/apng.hpp"
+#include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 

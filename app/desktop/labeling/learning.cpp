@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "app/cli/assets.hpp"
+#include "app/cli/output.hpp"
 #include "app/commands/train.hpp"
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/labeling/work.hpp"

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "app/cli/assets.hpp"
+#include "app/cli/output.hpp"
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/state/session.hpp"
 #include "core/labels/model/label_files.hpp"

@@ -10,7 +10,7 @@
 #include "app/desktop/jobs/frame_work.hpp"
 #include "core/debug/explain/compare.hpp"
 #include "core/model/error.hpp"
-#include "core/world/tracks/sight.hpp"
+#include "core/world/tracks/tracker.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {

@@ -1,4 +1,4 @@
-#include "core/io/bag/bag_layout.hpp"
+// What each topic of a recording is used for, and gravity from its accelerometer.
 
 #include <algorithm>
 #include <map>
@@ -56,7 +56,7 @@ std::map<std::string, Pose> sdk_extrinsics(const MessageLog& bag, const std::str
   std::map<std::string, Pose> by_group;
   const std::string start = prefix + "/tf/";
   for (const auto& [topic, type] : bag.topics()) {
-    if (topic.compare(0, start.size(), start) != 0) continue;
+    if (!topic.starts_with(start)) continue;
     const auto pose = first_message(bag, topic, ros::parse_sdk_extrinsics);
     if (pose) by_group.emplace(topic.substr(start.size()), *pose);
   }
@@ -87,7 +87,7 @@ std::string sdk_device_name(const MessageLog& bag, const std::string& device) {
 
 std::string first_topic(const MessageLog& bag, const std::vector<std::string>& candidates) {
   for (const std::string& topic : candidates) {
-    if (bag.has(topic) && !bag.messages(topic).empty()) return topic;
+    if (!bag.messages(topic).empty()) return topic;
   }
   return {};
 }
@@ -118,9 +118,7 @@ std::optional<BagLayout> sdk_layout(const MessageLog& bag) {
   }
   layout.depth_unit = first_topic(
       bag, {sensor + "/option/Depth Units/value", sensor + "/option/Depth_Units/value"});
-  const auto on_device = [&](const std::string& other) {
-    return other.compare(0, device.size() + 1, device + "/") == 0;
-  };
+  const auto on_device = [&](const std::string& other) { return other.starts_with(device + "/"); };
   for (const std::string& color : sdk_streams(bag, "Color", "/image/data")) {
     if (!on_device(color)) continue;
     layout.color = color + "/image/data";
@@ -144,10 +142,6 @@ std::optional<BagLayout> sdk_layout(const MessageLog& bag) {
 
 // --- realsense-ros: /camera/depth/image_rect_raw, 4.x: /camera/camera/depth/image_rect_raw ---
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 /// Those that are not compressed first, then those that surely keep depth.
 std::vector<std::string> image_topics(const MessageLog& bag) {
   std::vector<std::string> topics;
@@ -156,7 +150,7 @@ std::vector<std::string> image_topics(const MessageLog& bag) {
   }
   std::ranges::stable_sort(topics, {}, [&](const std::string& topic) {
     if (bag.topics().at(topic) == "sensor_msgs/Image") return 0;
-    return ends_with(topic, "/compressed") ? 2 : 1;
+    return topic.ends_with("/compressed") ? 2 : 1;
   });
   return topics;
 }
@@ -170,7 +164,7 @@ std::string image_folder(const std::string& topic) {
 /// The first topic whose last folder is `folder`, such as "depth" in /camera/depth/image_rect_raw.
 std::string image_topic_in(const std::vector<std::string>& topics, const std::string& folder) {
   for (const std::string& topic : topics) {
-    if (ends_with(image_folder(topic), "/" + folder)) return topic;
+    if (image_folder(topic).ends_with("/" + folder)) return topic;
   }
   return {};
 }
@@ -224,7 +218,7 @@ void use_depth_topic(const MessageLog& bag, const std::string& topic, BagLayout&
   layout.depth = topic;
   layout.depth_info = info_of(bag, topic);
   const std::string folder = image_folder(topic);
-  layout.color_aligned = ends_with(folder, "aligned_depth_to_color");
+  layout.color_aligned = folder.ends_with("aligned_depth_to_color");
   if (layout.color.empty() || layout.color_aligned) return;
   const std::string camera = folder.substr(0, folder.rfind('/'));
   auto pose = first_message(bag, camera + "/extrinsics/depth_to_color", ros::parse_extrinsics);
@@ -306,9 +300,9 @@ std::optional<Gravity> gravity_near(const MessageLog& bag,
     if (chunks.insert({accel[i].file, accel[i].chunk}).second) cost += bag.unpacking_cost(accel[i]);
     if (count > 0 && cost > kMaxCost) break;
     try {
-      const auto sample = ros::parse_imu(bag.read(accel[i]));
-      if (!sample.meters_per_s2.allFinite()) continue;
-      sum += sample.meters_per_s2;
+      const Vec3d sample_m_s2 = ros::parse_imu(bag.read(accel[i]));
+      if (!sample_m_s2.allFinite()) continue;
+      sum += sample_m_s2;
     } catch (OutOfBytes) {
       continue;
     } catch (const Error&) {

@@ -1,7 +1,10 @@
+// Recordings of the RealSense SDK and of realsense-ros, whatever contains them.
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "core/io/bag/bag_layout.hpp"
 #include "core/io/bag/ros_messages.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
@@ -55,6 +58,71 @@ class BagRecording : public Recording {
   std::vector<MessageRef> accel_;
   double color_period_s_ = 0;
 };
+
+struct PixelLayout {
+  int channels = 0;
+  int red = 0, green = 0, blue = 0;
+};
+
+PixelLayout layout_of(const std::string& encoding) {
+  if (encoding == "rgb8" || encoding == "8UC3") return {3, 0, 1, 2};
+  if (encoding == "bgr8") return {3, 2, 1, 0};
+  if (encoding == "rgba8" || encoding == "8UC4") return {4, 0, 1, 2};
+  if (encoding == "bgra8") return {4, 2, 1, 0};
+  if (encoding == "mono8" || encoding == "8UC1") return {1, 0, 0, 0};
+  return {};
+}
+
+/// Throws Error naming bag and topic unless the image holds 16-bit depth counts.
+void check_depth_encoding(const ros::Image& image,
+                          const std::filesystem::path& bag,
+                          const std::string& topic) {
+  const std::string what = fmt::format("{}: depth images on {} are ", bag.string(), topic);
+  if (image.lossy)
+    throw Error(what + "JPEG, which does not keep depth; expected compressedDepth, PNG or zstd");
+  if (image.encoding != "mono16" && image.encoding != "16UC1")
+    throw Error(fmt::format("{}encoded as \"{}\", expected mono16 or 16UC1 (16-bit counts)", what,
+                            image.encoding));
+}
+
+/// Throws Error or OutOfBytes when the image is no whole 16-bit depth image.
+Image16 to_depth(const ros::Image& image,
+                 const std::filesystem::path& bag,
+                 const std::string& topic) {
+  check_depth_encoding(image, bag, topic);
+  const std::size_t row_bytes = sizeof(std::uint16_t) * image.width;
+  if (image.width == 0 || image.height == 0 || image.step < row_bytes) throw OutOfBytes{};
+  Image16 depth(image.width, image.height);
+  for (int y = 0; y < image.height; ++y) {
+    std::memcpy(&depth.at(0, y), image.data.data() + y * image.step, row_bytes);
+  }
+  if (image.big_endian)
+    for (auto& count : depth.data) count = static_cast<std::uint16_t>(count << 8 | count >> 8);
+  return depth;
+}
+
+/// rgb8, bgr8, rgba8, bgra8, mono8, 8UC1. Throws Error on any other encoding.
+Image8 to_rgb(const ros::Image& image, const std::filesystem::path& bag, const std::string& topic) {
+  const PixelLayout layout = layout_of(image.encoding);
+  if (layout.channels == 0)
+    throw Error(
+        fmt::format("{}: colour images on {} are encoded as \"{}\", expected rgb8, bgr8, "
+                    "rgba8, bgra8 or mono8",
+                    bag.string(), topic, image.encoding));
+  const std::size_t row_bytes = std::size_t(layout.channels) * image.width;
+  if (image.width == 0 || image.height == 0 || image.step < row_bytes) throw OutOfBytes{};
+  Image8 rgb(image.width, image.height, 3);
+  for (int y = 0; y < image.height; ++y) {
+    const auto* from = reinterpret_cast<const std::uint8_t*>(image.data.data() + y * image.step);
+    std::uint8_t* to = &rgb.at(0, y);
+    for (int x = 0; x < image.width; ++x, from += layout.channels, to += 3) {
+      to[0] = from[layout.red];
+      to[1] = from[layout.green];
+      to[2] = from[layout.blue];
+    }
+  }
+  return rgb;
+}
 
 constexpr std::size_t kHeaderBytes = 4096;  // a header ends before
 
@@ -112,10 +180,9 @@ BagRecording::BagRecording(std::unique_ptr<MessageLog> log, const RecordingOptio
   if (!layout_.color.empty()) color_ = bag_.messages(layout_.color);
   if (!layout_.accel.empty()) accel_ = bag_.messages(layout_.accel);
   color_period_s_ = median_period_s(color_);
-  if (!info_.warnings.empty()) {
-    info_.warnings.front() += ", among them " + std::to_string(depth_.size()) + " depth and " +
-                              std::to_string(color_.size()) + " colour images";
-  }
+  if (!info_.warnings.empty())
+    info_.warnings.front() +=
+        fmt::format(", among them {} depth and {} colour images", depth_.size(), color_.size());
   info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
   read_camera(options);
   read_color_camera();
@@ -177,7 +244,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
     parsed.data = {};  // only the header is kept
     return parsed;
   });
-  ros::check_depth_encoding(image, bag_.path(), layout_.depth);
+  check_depth_encoding(image, bag_.path(), layout_.depth);
   info_.width = image.width;
   info_.height = image.height;
   CameraFacts facts;
@@ -209,7 +276,7 @@ void BagRecording::drop_unreadable_color() {
   if (color_.empty()) return;
   try {
     parse_message(bag_, color_.front(), layout_.color, [&](const Message& bytes) {
-      return ros::to_rgb(image_of(bytes, layout_.color).image, bag_.path(), layout_.color);
+      return to_rgb(image_of(bytes, layout_.color).image, bag_.path(), layout_.color);
     });
   } catch (const Error& error) {
     info_.warnings.push_back(std::string(error.what()) + "; colour is left out");
@@ -282,7 +349,7 @@ void BagRecording::add_color(const MessageRef& depth, double stamp_s, Frame& fra
   const MessageRef* color = reads_color_ ? nearest_color(depth, stamp_s) : nullptr;
   if (!color) return;
   frame.color = parse_message(bag_, *color, layout_.color, [&](const Message& bytes) {
-    return ros::to_rgb(image_of(bytes, layout_.color).image, bag_.path(), layout_.color);
+    return to_rgb(image_of(bytes, layout_.color).image, bag_.path(), layout_.color);
   });
   frame.color_aligned = layout_.color_aligned && frame.color.width == frame.depth.width &&
                         frame.color.height == frame.depth.height;
@@ -303,21 +370,18 @@ BagRecording::DepthMessage BagRecording::read_depth(int i) const {
   return parse_message(bag_, depth_.at(i), layout_.depth, [&](const Message& bytes) {
     const ros::HeldImage unpacked = image_of(bytes, layout_.depth);
     const ros::Image& image = unpacked.image;
-    if (image.width != info_.width || image.height != info_.height) {
-      throw Error(bag_.path().string() + ": depth frame " + std::to_string(i) + " is " +
-                  std::to_string(image.width) + "x" + std::to_string(image.height) + ", expected " +
-                  std::to_string(info_.width) + "x" + std::to_string(info_.height) +
-                  " as the first one");
-    }
-    DepthMessage result{image.header, std::nullopt,
-                        ros::to_depth(image, bag_.path(), layout_.depth)};
+    if (image.width != info_.width || image.height != info_.height)
+      throw Error(fmt::format("{}: depth frame {} is {}x{}, expected {}x{} as the first one",
+                              bag_.path().string(), i, image.width, image.height, info_.width,
+                              info_.height));
+    DepthMessage result{image.header, std::nullopt, to_depth(image, bag_.path(), layout_.depth)};
     if (image.depth_unit_m) result.unit_m = ros::decimal(*image.depth_unit_m);
     return result;
   });
 }
 
 Frame BagRecording::frame(int i) const {
-  return bag_.guarded([&] {
+  return guarded(bag_, [&] {
     Frame frame;
     frame.index = i;
     DepthMessage message = read_depth(i);
@@ -336,12 +400,11 @@ double BagRecording::timestamp_s(int i) const {
   Frame facts;
   name_frame(i, parse_message(bag_, depth_.at(i), layout_.depth, ros::parse_header, kHeaderBytes),
              facts);
-  apply_sidecar(sidecar_, facts);
-  return facts.timestamp_s;
+  return time_of_frame(sidecar_, facts.name, facts.timestamp_s);
 }
 
 std::string BagRecording::frame_hash(int i) const {
-  return bag_.guarded([&] { return sha256_of_depth(read_depth(i).depth); });
+  return guarded(bag_, [&] { return sha256_of_depth(read_depth(i).depth); });
 }
 
 }  // namespace

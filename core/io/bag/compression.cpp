@@ -1,5 +1,3 @@
-#include "core/io/bag/compression.hpp"
-
 #include <bzlib.h>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "core/io/bag/message_log.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -194,75 +193,6 @@ Unpacked unpack(Compression compression, Bytes stored, std::uint64_t raw_bytes) 
 
 namespace {
 
-constexpr std::size_t kCachedChunks = 8;
-constexpr std::size_t kCachedBytes = 64 << 20;
-
-}  // namespace
-
-Bytes content_that_is_there(Chunk& chunk, Unpacked& unpacked) {
-  if (chunk.compression == Compression::none) return chunk.stored;
-  unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
-  if (!unpacked.whole) chunk.cut = true;
-  return unpacked.bytes;
-}
-
-ChunkedLog::ChunkedLog(const std::filesystem::path& path)
-    : MessageLog(path), file_(map_content(path)) {}
-
-std::size_t ChunkedLog::unpacking_cost(const MessageRef& message) const {
-  constexpr std::size_t kBz2Cost = 20;  // times slower than LZ4, measured on depth images
-  if (message.chunk == kNoChunk) return 0;
-  const Chunk& chunk = chunks_.at(message.chunk);
-  if (chunk.compression == Compression::none) return 0;
-  return chunk.raw_bytes * (chunk.compression == Compression::bz2 ? kBz2Cost : 1);
-}
-
-Message ChunkedLog::around(const MessageRef& message) const {
-  if (message.chunk == kNoChunk) return {nullptr, file_.bytes()};
-  const Chunk& chunk = chunks_.at(message.chunk);
-  if (chunk.compression == Compression::none) return {nullptr, chunk.stored};
-  const auto bytes = unpacked(message.chunk);
-  return {bytes, *bytes};
-}
-
-std::shared_ptr<const std::vector<std::byte>> ChunkedLog::unpacked(std::uint32_t number) const {
-  const Chunk& chunk = chunks_.at(number);
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(cache_, number, &Cached::number);
-    if (found != cache_.end()) {
-      std::rotate(found, found + 1, cache_.end());
-      return cache_.back().bytes;
-    }
-  }
-  const std::string name = path_.string() + ": chunk " + std::to_string(number);
-  if (!chunk.cut) expect_within_read_limit(static_cast<double>(chunk.raw_bytes), name);
-  if (chunk.compression == Compression::unknown)
-    throw Error(name + " is compressed in an unknown way, expected none, lz4, bz2 or zstd");
-  file_.prefetch(chunk.stored);
-  // Unpacked outside the lock, so that threads unpack different chunks at the same time.
-  Unpacked unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
-  if (!unpacked.whole && !chunk.cut) {
-    throw Error(name + " is damaged: " + std::to_string(unpacked.bytes.size()) + " of " +
-                std::to_string(chunk.raw_bytes) + " bytes could be unpacked");
-  }
-  if (chunk.crc != 0 && !chunk.cut &&
-      libdeflate_crc32(0, unpacked.bytes.data(), unpacked.bytes.size()) != chunk.crc)
-    throw Error(name + " is damaged: its checksum is another one");
-  const auto bytes = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
-  const std::lock_guard lock(mutex_);
-  cache_.push_back({number, bytes});
-  std::size_t total = 0;
-  for (const Cached& cached : cache_) total += cached.bytes->size();
-  while (cache_.size() > 1 && (cache_.size() > kCachedChunks || total > kCachedBytes)) {
-    total -= cache_.front().bytes->size();
-    cache_.erase(cache_.begin());
-  }
-  return bytes;
-}
-
-namespace {
-
 namespace fs = std::filesystem;
 
 // Depth shrinks to a third at most, and what is all zeros is no recording: more is not written to
@@ -334,7 +264,7 @@ MappedFile map_content(const fs::path& path) {
   const MappedFile packed(path);
   if (!is_zstd(packed.bytes())) return MappedFile(path);
   const FileDescriptor file = make_nameless_file(path);
-  packed.guarded([&] {
+  guarded(packed, [&] {
     unpack_into(file, packed);
     return true;
   });

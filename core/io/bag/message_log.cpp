@@ -1,15 +1,19 @@
+// What all containers of ROS recordings share, and recordings that were split into several files.
+
 #include "core/io/bag/message_log.hpp"
 
+#include <fmt/format.h>
+#include <libdeflate.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 
-#include "core/io/bag/compression.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 
 namespace planescope::io {
+
+namespace fs = std::filesystem;
 
 const std::vector<MessageRef>& MessageLog::messages(const std::string& topic) const {
   static const std::vector<MessageRef> kNone;
@@ -18,16 +22,172 @@ const std::vector<MessageRef>& MessageLog::messages(const std::string& topic) co
 }
 
 void MessageLog::sort_messages() {
-  for (auto& [topic, messages] : messages_) std::sort(messages.begin(), messages.end());
+  for (auto& [topic, messages] : messages_) std::ranges::sort(messages, std::less<>());
 }
+
+void MessageLog::warn_of_encodings(const std::map<std::string, int>& topics) {
+  for (const auto& [encoding, count] : topics)
+    warnings_.push_back(fmt::format(
+        "{} topics are serialized as \"{}\", expected cdr; they are left out", count, encoding));
+}
+
+void expect_start(const MappedFile& file,
+                  std::size_t least_bytes,
+                  std::string_view start,
+                  const char* what,
+                  const char* shown) {
+  const Bytes bytes = file.bytes();
+  if (bytes.size() < least_bytes || std::memcmp(bytes.data(), start.data(), start.size()) != 0)
+    throw Error(fmt::format("{}: not {} ({} bytes that do not start with {})", file.path().string(),
+                            what, bytes.size(), shown));
+  file.expect_hops();
+}
+
+std::string ros_type(std::string type) {
+  const std::size_t middle = type.find("/msg/");
+  if (middle != std::string::npos) type.erase(middle, 4);
+  return type;
+}
+
+Message cdr_message(HeldBytes held, Bytes bytes, std::size_t at_most, const std::string& what) {
+  if (!is_zstd(bytes)) return {std::move(held), bytes, Wire::cdr};
+  const std::uint64_t limit = std::min<std::uint64_t>(at_most, read_limit_bytes());
+  Unpacked unpacked = unpack_zstd(bytes, limit);
+  if (!unpacked.whole && at_most == kWholeMessage)
+    throw Error(fmt::format("{} is damaged: {} bytes could be unpacked of its zstd frame", what,
+                            unpacked.bytes.size()));
+  held = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
+  return {held, *held, Wire::cdr};
+}
+
+// ---- Containers of chunks ----
 
 namespace {
 
-namespace fs = std::filesystem;
+/// A walk finds at most so many messages, and one more for each byte of the file.
+constexpr std::uint64_t kMostMessages = 1 << 20;
+constexpr std::size_t kCachedChunks = 8, kCachedBytes = 64 << 20;
 
-/// A recording that `ros2 bag` split into several files, in their order.
+}  // namespace
+
+Bytes ChunkIndex::content_of(Chunk& chunk, Unpacked& unpacked) {
+  if (chunk.compression == Compression::none) return chunk.stored;
+  unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
+  if (!unpacked.whole) chunk.cut = true;
+  return unpacked.bytes;
+}
+
+void ChunkIndex::add_found(std::uint32_t channel, std::span<const MessageRef> found, Bytes file) {
+  std::ranges::copy(found, std::back_inserter(messages[channel]));
+  found_messages += found.size();
+  if (found_messages > kMostMessages + file.size()) throw OutOfBytes{};
+}
+
+void ChunkIndex::warn_of_loss(const std::string& what,
+                              std::uint64_t declared_chunks,
+                              std::uint64_t damaged_bytes) {
+  const auto cut = std::ranges::count_if(chunks, &Chunk::cut);
+  std::string text = fmt::format("{}; found {}", what, chunks.size());
+  if (declared_chunks > 0) text += fmt::format(" of {}", declared_chunks);
+  text += " chunks";
+  if (cut > 0) text += fmt::format(", {} of them cut", cut);
+  if (missing_bytes > 0) text += fmt::format(" ({} bytes short)", missing_bytes);
+  if (damaged_bytes > 0) text += fmt::format("; {} bytes are unreadable", damaged_bytes);
+  warnings.push_back(text + fmt::format("; {} messages recovered", found_messages));
+}
+
+void ChunkedLog::take(ChunkIndex index) {
+  warnings_ = std::move(index.warnings);
+  chunks_ = std::move(index.chunks);
+  std::map<std::string, int> others;
+  for (const auto& [id, channel] : index.channels) {
+    if (channel.encoding != "cdr" && channel.encoding != "ros1") {
+      ++others[channel.encoding];
+      continue;
+    }
+    topics_.emplace(channel.topic, channel.type);
+    std::ranges::copy(index.messages[id], std::back_inserter(messages_[channel.topic]));
+  }
+  channels_ = std::move(index.channels);
+  sort_messages();
+  warn_of_encodings(others);
+}
+
+Message ChunkedLog::read(const MessageRef& message, std::size_t at_most) const {
+  std::string where = fmt::format("byte {}", message.offset);
+  if (message.chunk != kNoChunk) where += fmt::format(" of chunk {}", message.chunk);
+  HeldBytes held;
+  Bytes around = file_.bytes();
+  if (message.chunk != kNoChunk) {
+    around = chunks_.at(message.chunk).stored;
+    if (chunks_[message.chunk].compression != Compression::none)
+      around = *(held = unpacked(message.chunk));
+  }
+  try {
+    ByteReader reader(around);
+    reader.take(message.offset);
+    if (const std::optional<Message> found = message_at(reader)) {
+      const Bytes bytes = found->bytes;
+      if (!held) file_.prefetch(bytes.first(std::min(bytes.size(), at_most)));
+      if (found->wire == Wire::ros1) return {held, bytes};
+      return cdr_message(held, bytes, at_most, path_.string() + ": message at " + where);
+    }
+  } catch (OutOfBytes) {
+    // The same to the user as a record of another kind.
+  }
+  throw Error(path_.string() + ": no message at " + where + ", where its index places one");
+}
+
+std::size_t ChunkedLog::unpacking_cost(const MessageRef& message) const {
+  constexpr std::size_t kBz2Cost = 20;  // times slower than LZ4, measured on depth images
+  if (message.chunk == kNoChunk) return 0;
+  const Chunk& chunk = chunks_.at(message.chunk);
+  if (chunk.compression == Compression::none) return 0;
+  return chunk.raw_bytes * (chunk.compression == Compression::bz2 ? kBz2Cost : 1);
+}
+
+HeldBytes ChunkedLog::unpacked(std::uint32_t number) const {
+  const Chunk& chunk = chunks_.at(number);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find(cache_, number, [](const auto& one) { return one.first; });
+    if (found != cache_.end()) {
+      std::rotate(found, found + 1, cache_.end());
+      return cache_.back().second;
+    }
+  }
+  const std::string name = fmt::format("{}: chunk {}", path_.string(), number);
+  if (!chunk.cut) expect_within_read_limit(static_cast<double>(chunk.raw_bytes), name);
+  if (chunk.compression == Compression::unknown)
+    throw Error(name + " is compressed in an unknown way, expected none, lz4, bz2 or zstd");
+  file_.prefetch(chunk.stored);
+  // Unpacked outside the lock, so that threads unpack different chunks at the same time.
+  Unpacked unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
+  if (!unpacked.whole && !chunk.cut)
+    throw Error(fmt::format("{} is damaged: {} of {} bytes could be unpacked", name,
+                            unpacked.bytes.size(), chunk.raw_bytes));
+  if (chunk.crc != 0 && !chunk.cut &&
+      libdeflate_crc32(0, unpacked.bytes.data(), unpacked.bytes.size()) != chunk.crc)
+    throw Error(name + " is damaged: its checksum is another one");
+  const auto bytes = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
+  const std::lock_guard lock(mutex_);
+  cache_.emplace_back(number, bytes);
+  std::size_t total = 0;
+  for (const auto& [cached, held] : cache_) total += held->size();
+  while (cache_.size() > 1 && (cache_.size() > kCachedChunks || total > kCachedBytes)) {
+    total -= cache_.front().second->size();
+    cache_.erase(cache_.begin());
+  }
+  return bytes;
+}
+
+// ---- Recordings that `ros2 bag` split into several files ----
+
+namespace {
+
 class SplitLog : public MessageLog {
  public:
+  /// `files`: in their order.
   SplitLog(const fs::path& folder, const std::vector<fs::path>& files) : MessageLog(folder) {
     for (const fs::path& file : files) {
       logs_.push_back(open_message_log(file));

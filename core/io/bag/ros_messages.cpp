@@ -1,15 +1,70 @@
+// Reads messages, those of the RealSense SDK in either ROS, and images compressed in any way.
+
 #include "core/io/bag/ros_messages.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
-#include "core/io/bag/compression.hpp"
+#include "core/io/image/photo.hpp"
+#include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io::ros {
 namespace {
+
+/// Reads the fields of a message in their order, whichever ROS wrote it. Throws OutOfBytes where
+/// they end early.
+/// CDR: https://www.omg.org/spec/DDSI-RTPS/2.5, 10. Plain CDR alone, which ROS 2 writes.
+class FieldReader {
+ public:
+  explicit FieldReader(const Message& message)
+      : in_(message.bytes), is_cdr_(message.wire == Wire::cdr) {
+    if (!is_cdr_) return;
+    const auto high = in_.read<std::uint8_t>();
+    const auto low = in_.read<std::uint8_t>();
+    if (high != 0 || low > 1) throw OutOfBytes{};
+    swapped_ = low == 0;  // written on a big-endian machine
+    in_.take(2);          // options, unused
+    in_ = ByteReader(in_.take(in_.left()));
+  }
+
+  bool is_cdr() const { return is_cdr_; }
+  std::size_t left() const { return in_.left(); }
+
+  template <typename T>
+  T read() {
+    if (is_cdr_) in_.take((sizeof(T) - in_.position() % sizeof(T)) % sizeof(T));
+    std::byte bytes[sizeof(T)];
+    std::ranges::copy(in_.take(sizeof(T)), bytes);
+    if (swapped_) std::reverse(bytes, bytes + sizeof(T));
+    return std::bit_cast<T>(bytes);
+  }
+  /// An array of bytes.
+  Bytes bytes() { return in_.take(read<std::uint32_t>()); }
+  std::string_view text() {
+    const Bytes all = bytes();
+    const std::string_view view(reinterpret_cast<const char*>(all.data()), all.size());
+    if (!is_cdr_) return view;
+    return view.substr(0, view.find('\0'));  // CDR ends it with one
+  }
+  std::vector<double> doubles() {
+    const auto count = read<std::uint32_t>();
+    if (count > in_.left() / sizeof(double)) throw OutOfBytes{};
+    std::vector<double> values(count);
+    for (double& value : values) value = read<double>();
+    return values;
+  }
+
+ private:
+  ByteReader in_;
+  bool is_cdr_;
+  bool swapped_ = false;
+};
 
 int read_side(FieldReader& reader) {
   const auto side = reader.read<std::uint32_t>();
@@ -36,8 +91,6 @@ Pose read_transform(FieldReader& reader) {
   return pose;
 }
 
-}  // namespace
-
 Header read_header(FieldReader& reader) {
   Header header;
   if (!reader.is_cdr()) header.seq = reader.read<std::uint32_t>();
@@ -46,11 +99,6 @@ Header read_header(FieldReader& reader) {
   header.stamp_s = seconds + nanoseconds * 1e-9;
   header.frame_id = reader.text();
   return header;
-}
-
-Header parse_header(const Message& message) {
-  FieldReader reader(message);
-  return read_header(reader);
 }
 
 Image parse_image(const Message& message) {
@@ -71,6 +119,24 @@ Image parse_image(const Message& message) {
   return image;
 }
 
+Pose to_pose(const Mat3d& rotation, const Vec3d& translation) {
+  const bool is_rotation = rotation.allFinite() && translation.allFinite() &&
+                           (rotation * rotation.transpose()).isIdentity(1e-3) &&
+                           rotation.determinant() > 0;
+  if (!is_rotation) throw OutOfBytes{};
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
+  pose.translation() = translation;
+  return pose;
+}
+
+}  // namespace
+
+Header parse_header(const Message& message) {
+  FieldReader reader(message);
+  return read_header(reader);
+}
+
 CameraInfo parse_camera_info(const Message& message) {
   FieldReader reader(message);
   read_header(reader);
@@ -85,19 +151,12 @@ CameraInfo parse_camera_info(const Message& message) {
   return info;
 }
 
-Acceleration parse_imu(const Message& message) {
+Vec3d parse_imu(const Message& message) {
   FieldReader reader(message);
-  Acceleration acceleration;
-  acceleration.header = read_header(reader);
+  read_header(reader);
   // orientation and angular velocity, each with its covariance
   for (int i = 0; i < 4 + 9 + 3 + 9; ++i) reader.read<double>();
-  acceleration.meters_per_s2 = read_vector(reader);
-  return acceleration;
-}
-
-Pose parse_transform(const Message& message) {
-  FieldReader reader(message);
-  return read_transform(reader);
+  return read_vector(reader);
 }
 
 std::vector<NamedTransform> parse_tf_message(const Message& message) {
@@ -114,17 +173,6 @@ std::vector<NamedTransform> parse_tf_message(const Message& message) {
   return transforms;
 }
 
-Pose to_pose(const Mat3d& rotation, const Vec3d& translation) {
-  const bool is_rotation = rotation.allFinite() && translation.allFinite() &&
-                           (rotation * rotation.transpose()).isIdentity(1e-3) &&
-                           rotation.determinant() > 0;
-  if (!is_rotation) throw OutOfBytes{};
-  Pose pose = Pose::Identity();
-  pose.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
-  pose.translation() = translation;
-  return pose;
-}
-
 Pose parse_extrinsics(const Message& message) {
   // Older messages start with a header: 9 + 3 doubles end both.
   constexpr std::size_t kBytes = 12 * sizeof(double);
@@ -136,82 +184,6 @@ Pose parse_extrinsics(const Message& message) {
   return to_pose(rotation, translation);
 }
 
-KeyValue parse_key_value(const Message& message) {
-  FieldReader reader(message);
-  KeyValue pair;
-  pair.key = reader.text();
-  pair.value = reader.text();
-  return pair;
-}
-
-float parse_float32(const Message& message) { return FieldReader(message).read<float>(); }
-
-namespace {
-
-struct Layout {
-  int channels = 0;
-  int red = 0, green = 0, blue = 0;
-};
-
-Layout layout_of(const std::string& encoding) {
-  if (encoding == "rgb8" || encoding == "8UC3") return {3, 0, 1, 2};
-  if (encoding == "bgr8") return {3, 2, 1, 0};
-  if (encoding == "rgba8" || encoding == "8UC4") return {4, 0, 1, 2};
-  if (encoding == "bgra8") return {4, 2, 1, 0};
-  if (encoding == "mono8" || encoding == "8UC1") return {1, 0, 0, 0};
-  return {};
-}
-
-}  // namespace
-
-void check_depth_encoding(const Image& image,
-                          const std::filesystem::path& bag,
-                          const std::string& topic) {
-  if (image.lossy)
-    throw Error(bag.string() + ": depth images on " + topic +
-                " are JPEG, which does not keep depth; expected compressedDepth, PNG or zstd");
-  if (image.encoding == "mono16" || image.encoding == "16UC1") return;
-  throw Error(bag.string() + ": depth images on " + topic + " are encoded as \"" + image.encoding +
-              "\", expected mono16 or 16UC1 (16-bit counts)");
-}
-
-Image16 to_depth(const Image& image, const std::filesystem::path& bag, const std::string& topic) {
-  check_depth_encoding(image, bag, topic);
-  const std::size_t row_bytes = sizeof(std::uint16_t) * image.width;
-  if (image.width == 0 || image.height == 0 || image.step < row_bytes) throw OutOfBytes{};
-  Image16 depth(image.width, image.height);
-  for (int y = 0; y < image.height; ++y) {
-    std::memcpy(&depth.at(0, y), image.data.data() + y * image.step, row_bytes);
-  }
-  if (image.big_endian) {
-    for (auto& count : depth.data) {
-      count = static_cast<std::uint16_t>((count << 8) | (count >> 8));
-    }
-  }
-  return depth;
-}
-
-Image8 to_rgb(const Image& image, const std::filesystem::path& bag, const std::string& topic) {
-  const Layout layout = layout_of(image.encoding);
-  if (layout.channels == 0) {
-    throw Error(bag.string() + ": colour images on " + topic + " are encoded as \"" +
-                image.encoding + "\", expected rgb8, bgr8, rgba8, bgra8 or mono8");
-  }
-  const std::size_t row_bytes = std::size_t(layout.channels) * image.width;
-  if (image.width == 0 || image.height == 0 || image.step < row_bytes) throw OutOfBytes{};
-  Image8 rgb(image.width, image.height, 3);
-  for (int y = 0; y < image.height; ++y) {
-    const auto* from = reinterpret_cast<const std::uint8_t*>(image.data.data() + y * image.step);
-    std::uint8_t* to = &rgb.at(0, y);
-    for (int x = 0; x < image.width; ++x, from += layout.channels, to += 3) {
-      to[0] = from[layout.red];
-      to[1] = from[layout.green];
-      to[2] = from[layout.blue];
-    }
-  }
-  return rgb;
-}
-
 double decimal(float value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof(text), value).ptr;
@@ -220,86 +192,47 @@ double decimal(float value) {
   return result;
 }
 
-Message cdr_message(std::shared_ptr<const std::vector<std::byte>> held,
-                    Bytes bytes,
-                    std::size_t at_most,
-                    const std::string& what) {
-  if (!is_zstd(bytes)) return {std::move(held), bytes, Wire::cdr};
-  const std::uint64_t limit = std::min<std::uint64_t>(at_most, read_limit_bytes());
-  Unpacked unpacked = unpack_zstd(bytes, limit);
-  if (!unpacked.whole && at_most == kWholeMessage) {
-    throw Error(what + " is damaged: " + std::to_string(unpacked.bytes.size()) +
-                " bytes could be unpacked of its zstd frame");
-  }
-  held = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
-  return {held, *held, Wire::cdr};
-}
-
-void warn_of_encodings(const std::map<std::string, int>& topics,
-                       std::vector<std::string>& warnings) {
-  for (const auto& [encoding, count] : topics)
-    warnings.push_back(std::to_string(count) + " topics are serialized as \"" + encoding +
-                       "\", expected cdr; they are left out");
-}
-
-std::string ros_type(std::string type) {
-  const std::size_t middle = type.find("/msg/");
-  if (middle != std::string::npos) type.erase(middle, 4);
-  return type;
-}
-
 namespace {
+
+double to_number(const std::string& text) {
+  const auto value = parse_number(text);
+  if (!value || !std::isfinite(*value)) throw OutOfBytes{};
+  return *value;
+}
 
 /// The values of a text "key=value;key=value".
 class Texts {
  public:
-  explicit Texts(const Message& message) : text_(FieldReader(message).text()) {}
+  explicit Texts(const Message& message) : pairs_(split(text_of(message), ';')) {}
 
-  std::optional<std::string_view> find(std::string_view key) const {
-    for (std::string_view rest = text_; !rest.empty();) {
-      const std::string_view pair = rest.substr(0, rest.find(';'));
-      rest.remove_prefix(std::min(pair.size() + 1, rest.size()));
-      const std::size_t equals = pair.find('=');
-      if (equals != std::string_view::npos && pair.substr(0, equals) == key) {
-        return pair.substr(equals + 1);
-      }
-    }
+  static std::string text_of(const Message& message) {
+    return std::string(FieldReader(message).text());
+  }
+  std::optional<std::string> find(const std::string& key) const {
+    for (const std::string& pair : pairs_)
+      if (pair.starts_with(key + "=")) return pair.substr(key.size() + 1);
     return std::nullopt;
   }
-  std::optional<double> number(std::string_view key) const {
+  std::optional<double> number(const std::string& key) const {
     const auto value = find(key);
-    if (!value) return std::nullopt;
-    return to_number(*value);
+    return value ? std::optional(to_number(*value)) : std::nullopt;
   }
-  double required(std::string_view key) const {
+  double required(const std::string& key) const {
     const auto value = number(key);
     if (!value) throw OutOfBytes{};
     return *value;
   }
   /// Numbers with commas between.
-  std::vector<double> numbers(std::string_view key) const {
+  std::vector<double> numbers(const std::string& key) const {
+    std::string text = find(key).value_or("");
+    std::ranges::replace(text, ',', ' ');
     std::vector<double> values;
-    const auto found = find(key);
-    for (std::string_view rest = found.value_or(""); !rest.empty();) {
-      const std::string_view value = rest.substr(0, rest.find(','));
-      rest.remove_prefix(std::min(value.size() + 1, rest.size()));
-      values.push_back(to_number(value));
-    }
+    for (const std::string& word : words_of(text)) values.push_back(to_number(word));
     return values;
-  }
-  std::string_view all() const { return text_; }
-
-  static double to_number(std::string_view text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
-      throw OutOfBytes{};
-    }
-    return value;
   }
 
  private:
-  std::string_view text_;
+  std::vector<std::string> pairs_;
 };
 
 int to_side(double value) {
@@ -324,12 +257,13 @@ CameraInfo parse_sdk_camera_info(const Message& message) {
 }
 
 double parse_sdk_option(const Message& message) {
-  if (message.wire == Wire::ros1) return decimal(parse_float32(message));
-  return Texts::to_number(Texts(message).all());
+  if (message.wire == Wire::ros1) return decimal(FieldReader(message).read<float>());
+  return to_number(Texts::text_of(message));
 }
 
 Pose parse_sdk_extrinsics(const Message& message) {
-  if (message.wire == Wire::ros1) return parse_transform(message);
+  FieldReader reader(message);
+  if (message.wire == Wire::ros1) return read_transform(reader);
   const Texts texts(message);
   const std::vector<double> rotation = texts.numbers("rotation");  // column by column
   const std::vector<double> translation = texts.numbers("translation");
@@ -340,21 +274,182 @@ Pose parse_sdk_extrinsics(const Message& message) {
 
 std::optional<std::string> parse_sdk_info(const Message& message, const std::string& key) {
   if (message.wire == Wire::ros1) {
-    const KeyValue pair = parse_key_value(message);
-    return pair.key == key ? std::optional(pair.value) : std::nullopt;
+    FieldReader reader(message);
+    const bool is_it = reader.text() == key;
+    const std::string value(reader.text());
+    return is_it ? std::optional(value) : std::nullopt;
   }
-  const auto found = Texts(message).find(key);
-  return found ? std::optional<std::string>(*found) : std::nullopt;
+  return Texts(message).find(key);
 }
 
 SdkFrameFacts parse_sdk_metadata(const Message& message) {
   const Texts texts(message);
   SdkFrameFacts facts;
-  if (const auto number = texts.find("Frame number")) facts.number = *number;
+  facts.number = texts.find("Frame number");
   if (const auto ms = texts.number("timestamp")) facts.timestamp_s = 1e-3 * *ms;
   const auto unit = texts.number("depth_units");
   if (unit && *unit > 1e-7 && *unit < 1) facts.depth_unit_m = unit;
   return facts;
+}
+
+// ---- Compressed images: what image_transport_plugins write, compressed_image_transport,
+// compressed_depth_image_transport and zstd_image_transport ----
+
+namespace {
+
+constexpr std::string_view kCompressed = "sensor_msgs/CompressedImage";
+
+std::span<const unsigned char> as_chars(Bytes bytes) {
+  return {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()};
+}
+
+bool starts_with(Bytes bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+}
+bool is_png(Bytes bytes) { return starts_with(bytes, "\x89PNG"); }
+bool is_jpeg(Bytes bytes) { return starts_with(bytes, "\xff\xd8\xff"); }
+
+int read_image_side(ByteReader& in) {
+  const auto side = in.read<std::uint32_t>();
+  if (side == 0 || side > kMaxSide) throw OutOfBytes{};
+  return static_cast<int>(side);
+}
+
+/// Takes the pixels of `decoded`.
+template <typename T>
+void take_pixels(const planescope::Image<T>& decoded, const char* encoding, HeldImage& to) {
+  const auto bytes = std::as_bytes(std::span(decoded.data));
+  to.held = std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end());
+  to.image.width = decoded.width;
+  to.image.height = decoded.height;
+  to.image.encoding = encoding;
+  to.image.step = sizeof(T) * static_cast<std::size_t>(decoded.width) * decoded.channels;
+  to.image.data = *to.held;
+}
+
+void take_png(Bytes png, const std::string& what, HeldImage& to) {
+  const PngInfo info = png_info(as_chars(png), what);
+  if (info.channels == 1 && info.bit_depth == 16)
+    return take_pixels(decode_png_16(as_chars(png), what), "16UC1", to);
+  take_pixels(decode_png_rgb(as_chars(png), what), "rgb8", to);
+}
+
+/// Wilson, Fast Lossless Depth Image Compression, 2017: runs of zeros and of others in turn, each
+/// other as its difference to the one before; all numbers in nibbles of three bits and a sign that
+/// more follow, eight nibbles in a word, the first in its highest bits.
+class RvlReader {
+ public:
+  explicit RvlReader(Bytes words) : in_(words) {}
+
+  std::uint32_t number() {
+    std::uint32_t value = 0;
+    for (int bits = 0; bits < 32; bits += 3) {
+      const std::uint32_t nibble = next();
+      value |= (nibble & 7) << bits;
+      if ((nibble & 8) == 0) return value;
+    }
+    throw OutOfBytes{};
+  }
+
+ private:
+  std::uint32_t next() {
+    if (left_ == 0) {
+      word_ = in_.read<std::uint32_t>();
+      left_ = 8;
+    }
+    --left_;
+    const std::uint32_t nibble = word_ >> 28;
+    word_ <<= 4;
+    return nibble;
+  }
+
+  ByteReader in_;
+  std::uint32_t word_ = 0;
+  int left_ = 0;
+};
+
+Image16 decode_rvl(Bytes bytes, const std::string& what) {
+  ByteReader head(bytes);
+  const int width = read_image_side(head), height = read_image_side(head);
+  expect_within_read_limit(2.0 * width * height, what + ": its pixels");
+  Image16 depth(width, height);
+  RvlReader in(head.take(head.left()));
+  std::uint32_t before = 0;
+  for (std::size_t at = 0; at < depth.data.size();) {
+    const std::uint32_t zeros = in.number();
+    if (zeros > depth.data.size() - at) throw OutOfBytes{};
+    at += zeros;
+    const std::uint32_t others = in.number();
+    if (others > depth.data.size() - at) throw OutOfBytes{};
+    for (std::uint32_t i = 0; i < others; ++i) {
+      const std::uint32_t turned = in.number();  // 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
+      before += (turned >> 1) ^ (0u - (turned & 1));
+      depth.data[at++] = static_cast<std::uint16_t>(before);
+    }
+  }
+  return depth;
+}
+
+void take_depth(Bytes data, const std::string& encoding, const std::string& what, HeldImage& to) {
+  constexpr std::size_t kConfig = 12;  // a format, and how floats were turned into counts
+  if (encoding.starts_with("32FC1"))
+    throw Error(what +
+                " is depth of floats (32FC1), which were rounded when they were compressed; "
+                "expected 16UC1");
+  if (is_png(data)) return take_png(data, what, to);
+  if (data.size() < kConfig) throw OutOfBytes{};
+  const Bytes picture = data.subspan(kConfig);
+  if (is_png(picture)) return take_png(picture, what, to);
+  take_pixels(decode_rvl(picture, what), "16UC1", to);
+}
+
+void take_zstd(Bytes data, const std::string& what, HeldImage& to) {
+  ByteReader in(data);
+  to.image.height = read_image_side(in);
+  to.image.width = read_image_side(in);
+  to.image.big_endian = in.read<std::uint8_t>() != 0;
+  to.image.step = in.read<std::uint32_t>();
+  to.image.encoding = in.read_text();
+  const std::uint64_t bytes = std::uint64_t{to.image.step} * to.image.height;
+  expect_within_read_limit(static_cast<double>(bytes), what + ": its pixels");
+  Unpacked unpacked = unpack_zstd(in.take(in.left()), bytes);
+  if (!unpacked.whole || unpacked.bytes.size() < bytes) throw OutOfBytes{};
+  to.held = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
+  to.image.data = *to.held;
+}
+
+}  // namespace
+
+HeldImage read_image(const Message& message, const std::string& type, const std::string& what) {
+  if (type != kCompressed) return {parse_image(message), message.held};
+  FieldReader reader(message);
+  HeldImage result;
+  result.image.header = read_header(reader);
+  const std::string format(reader.text());
+  const Bytes data = reader.bytes();
+  if (format.find("compressedDepth") != std::string::npos)
+    take_depth(data, format, what, result);
+  else if (is_jpeg(data)) {
+    take_pixels(decode_jpeg_rgb(as_chars(data), what), "rgb8", result);
+    result.image.lossy = true;
+  } else if (is_png(data))
+    take_png(data, what, result);
+  else if (format.find("zstd") != std::string::npos)
+    take_zstd(data, what, result);
+  else
+    throw Error(what + " is compressed as \"" + format +
+                "\", expected compressedDepth, PNG, JPEG or zstd");
+  return result;
+}
+
+bool is_image_type(const std::string& type) {
+  return type == "sensor_msgs/Image" || type == kCompressed;
+}
+
+std::string without_transport(const std::string& topic) {
+  for (const char* transport : {"/compressedDepth", "/compressed", "/zstd"})
+    if (topic.ends_with(transport)) return topic.substr(0, topic.rfind('/'));
+  return topic;
 }
 
 }  // namespace planescope::io::ros

@@ -1,19 +1,20 @@
 #pragma once
 
-#include <algorithm>
+// The messages of ROS 1 and 2 that recordings of depth cameras use, and what each topic of a
+// recording is used for. Internal to core/io.
+
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/io/bag/message_log.hpp"
+#include "core/model/frame.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope::io::ros {
 
-// The messages of ROS 1 and 2 that recordings of depth cameras use. Every function throws
-// OutOfBytes when the bytes end early.
+// Every function throws OutOfBytes when the bytes end early.
 
 inline constexpr std::uint32_t kMaxSide = 1 << 15;  // of an image [px]
 
@@ -23,8 +24,6 @@ struct Header {
   std::string frame_id;
 };
 Header parse_header(const Message& message);
-class FieldReader;
-Header read_header(FieldReader& reader);  // which goes on behind it
 
 struct Image {
   Header header;
@@ -37,7 +36,6 @@ struct Image {
   std::optional<float> depth_unit_m;  // trailing field of RealSense SDK 2.49 and later
   bool lossy = false;                 // its pixels are not those that were measured
 };
-Image parse_image(const Message& message);
 
 struct CameraInfo {
   int width = 0;
@@ -48,14 +46,8 @@ struct CameraInfo {
 };
 CameraInfo parse_camera_info(const Message& message);
 
-struct Acceleration {
-  Header header;
-  Vec3d meters_per_s2 = Vec3d::Zero();
-};
-Acceleration parse_imu(const Message& message);
-
-/// geometry_msgs/Transform; the quaternion is normalised. Throws OutOfBytes on a zero quaternion.
-Pose parse_transform(const Message& message);
+/// The acceleration that a sensor_msgs/Imu has [m/s2].
+Vec3d parse_imu(const Message& message);
 
 struct NamedTransform {
   std::string parent;
@@ -64,97 +56,11 @@ struct NamedTransform {
 };
 std::vector<NamedTransform> parse_tf_message(const Message& message);
 
-/// Throws OutOfBytes where it is no rotation.
-Pose to_pose(const Mat3d& rotation, const Vec3d& translation);
-
 /// realsense2_camera/Extrinsics: rotation column-major, then translation.
 Pose parse_extrinsics(const Message& message);
 
-struct KeyValue {
-  std::string key;
-  std::string value;
-};
-KeyValue parse_key_value(const Message& message);
-
-float parse_float32(const Message& message);
-
-/// Throws Error naming bag and topic unless the image holds 16-bit depth counts.
-void check_depth_encoding(const Image& image,
-                          const std::filesystem::path& bag,
-                          const std::string& topic);
-/// Throws Error or OutOfBytes when the image is no whole 16-bit depth image.
-Image16 to_depth(const Image& image, const std::filesystem::path& bag, const std::string& topic);
-/// rgb8, bgr8, rgba8, bgra8, mono8, 8UC1. Throws Error on any other encoding.
-Image8 to_rgb(const Image& image, const std::filesystem::path& bag, const std::string& topic);
-
 /// A float as the decimal number that was meant: 0.001f becomes 0.001, not 0.0010000000475.
 double decimal(float value);
-
-/// Reads the fields of a message in their order, whichever ROS wrote it. Throws OutOfBytes where
-/// they end early.
-/// CDR: https://www.omg.org/spec/DDSI-RTPS/2.5, 10. Plain CDR alone, which ROS 2 writes.
-class FieldReader {
- public:
-  explicit FieldReader(const Message& message)
-      : in_(message.bytes), is_cdr_(message.wire == Wire::cdr) {
-    if (!is_cdr_) return;
-    const auto high = in_.read<std::uint8_t>();
-    const auto low = in_.read<std::uint8_t>();
-    if (high != 0 || low > 1) throw OutOfBytes{};
-    swapped_ = low == 0;  // written on a big-endian machine
-    in_.take(2);          // options, unused
-    in_ = ByteReader(in_.take(in_.left()));
-  }
-
-  bool is_cdr() const { return is_cdr_; }
-  std::size_t left() const { return in_.left(); }
-
-  template <typename T>
-  T read() {
-    if (is_cdr_) in_.take((sizeof(T) - in_.position() % sizeof(T)) % sizeof(T));
-    std::byte bytes[sizeof(T)];
-    std::ranges::copy(in_.take(sizeof(T)), bytes);
-    if (swapped_) std::reverse(bytes, bytes + sizeof(T));
-    return std::bit_cast<T>(bytes);
-  }
-  /// An array of bytes.
-  Bytes bytes() { return in_.take(read<std::uint32_t>()); }
-  std::string_view text() {
-    const Bytes all = bytes();
-    const std::string_view view(reinterpret_cast<const char*>(all.data()), all.size());
-    if (!is_cdr_) return view;
-    return view.substr(0, view.find('\0'));  // CDR ends it with one
-  }
-  std::vector<double> doubles() {
-    const auto count = read<std::uint32_t>();
-    if (count > in_.left() / sizeof(double)) throw OutOfBytes{};
-    std::vector<double> values(count);
-    for (double& value : values) value = read<double>();
-    return values;
-  }
-  /// The bytes that are left.
-  Bytes rest() { return in_.take(in_.left()); }
-
- private:
-  ByteReader in_;
-  bool is_cdr_;
-  bool swapped_ = false;
-};
-
-/// The message that bytes of a ROS 2 container hold. They may be a zstd frame: `ros2 bag` says so
-/// in metadata.yaml, the RealSense SDK nowhere. Throws Error that begins with `what` where that is
-/// damaged.
-Message cdr_message(std::shared_ptr<const std::vector<std::byte>> held,
-                    Bytes bytes,
-                    std::size_t at_most,
-                    const std::string& what);
-
-/// Tells of topics that are left out, by how they are serialized.
-void warn_of_encodings(const std::map<std::string, int>& topics,
-                       std::vector<std::string>& warnings);
-
-/// A type as ROS 1 calls it: "sensor_msgs/Image" for "sensor_msgs/msg/Image".
-std::string ros_type(std::string type);
 
 // What the RealSense SDK says of its streams: in messages of ROS 1, or in ROS 2 in texts such as
 // "width=640;height=480;fx=390.4". Every function takes either, and throws OutOfBytes where the
@@ -179,7 +85,7 @@ SdkFrameFacts parse_sdk_metadata(const Message& message);
 /// An image, and its pixels where they do not lie in the message.
 struct HeldImage {
   Image image;
-  std::shared_ptr<const std::vector<std::byte>> held;
+  HeldBytes held;
 };
 
 /// An image of any type that is_image_type() knows. sensor_msgs/CompressedImage is unpacked:
@@ -194,3 +100,35 @@ bool is_image_type(const std::string& type);
 std::string without_transport(const std::string& topic);
 
 }  // namespace planescope::io::ros
+
+namespace planescope::io {
+
+/// What each topic of a recording is used for. Names are empty where there is no such topic.
+struct BagLayout {
+  std::string format;   // "RealSense SDK bag", "realsense-ros ROS 2 bag (MCAP)", ...
+  bool is_sdk = false;  // else realsense-ros
+  std::string device;
+  std::string depth, depth_info;
+  std::string color, color_info;
+  bool color_aligned = false;
+  bool has_extrinsics = false;
+  Pose T_color_depth = Pose::Identity();
+  std::string depth_unit;      // SDK option topic
+  std::string depth_metadata;  // SDK texts beside each depth image
+  std::string accel;
+  Mat3d R_depth_accel = Mat3d::Identity();
+  std::vector<std::string> warnings;
+};
+
+/// Throws Error that lists the image topics found when there is none with depth.
+BagLayout find_bag_layout(const MessageLog& bag);
+
+/// Gravity from the accelerometer samples recorded nearest to `time_ns`: at rest it measures the
+/// reaction to gravity, so things fall along the negative of their mean. nullopt where there are
+/// no samples or their mean is not near 1 g (shaken, or damaged). `accel` is sorted by time.
+std::optional<Gravity> gravity_near(const MessageLog& bag,
+                                    const std::vector<MessageRef>& accel,
+                                    std::uint64_t time_ns,
+                                    const Mat3d& R_depth_accel);
+
+}  // namespace planescope::io

@@ -2,30 +2,14 @@
 // each chunk, never the messages; files without a summary are walked.
 
 #include <algorithm>
-#include <optional>
 #include <set>
 
-#include "core/io/bag/compression.hpp"
-#include "core/io/bag/ros_messages.hpp"
+#include "core/io/bag/message_log.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::io {
 namespace rosbag2 {
 namespace {
-
-/// What an MCAP file holds and where: found in its summary, or by walking its records where there
-/// is none or it does not add up.
-struct McapIndex {
-  /// Messages are CDR, or as ROS 1 lays them out where a bag of ROS 1 was converted.
-  struct Channel {
-    std::string topic, type, encoding;
-  };
-  std::map<std::uint16_t, std::string> schemas;  // types of messages
-  std::map<std::uint16_t, Channel> channels;
-  std::map<std::uint16_t, std::vector<MessageRef>> messages;  // by channel, in file order
-  std::vector<Chunk> chunks;
-  std::vector<std::string> warnings;
-};
 
 enum class Op : std::uint8_t {
   footer = 0x02,
@@ -41,6 +25,10 @@ enum class Op : std::uint8_t {
 
 constexpr std::size_t kMessageHeader = 2 + 4 + 8 + 8;  // channel, sequence, two times
 
+struct McapIndex : ChunkIndex {
+  std::map<std::uint16_t, std::string> schemas;  // types of messages
+};
+
 struct Record {
   Op op{};
   Bytes content;
@@ -52,44 +40,39 @@ Record read_record(ByteReader& reader) {
   return {op, reader.take(reader.read<std::uint64_t>())};
 }
 
-void add_schema(Bytes content, McapIndex& index) {
-  ByteReader in(content);
+/// Adds a schema or a channel; passes over other records.
+void add_names(const Record& record, McapIndex& index) {
+  if (record.op != Op::schema && record.op != Op::channel) return;
+  ByteReader in(record.content);
   const auto id = in.read<std::uint16_t>();
-  index.schemas.try_emplace(id, ros::ros_type(std::string(in.read_text())));
-}
-
-void add_channel(Bytes content, McapIndex& index) {
-  ByteReader in(content);
-  const auto id = in.read<std::uint16_t>();
+  if (record.op == Op::schema) {
+    index.schemas.try_emplace(id, ros_type(std::string(in.read_text())));
+    return;
+  }
   const auto schema = index.schemas.find(in.read<std::uint16_t>());
   const std::string topic(in.read_text());
   index.channels.try_emplace(
-      id, McapIndex::Channel{topic, schema == index.schemas.end() ? "" : schema->second,
-                             std::string(in.read_text())});
+      id, ChunkIndex::Channel{topic, schema == index.schemas.end() ? "" : schema->second,
+                              std::string(in.read_text())});
 }
 
-struct ReadChunk {
-  Chunk chunk;
-  std::uint64_t missing_bytes = 0;  // that it declares and the file does not hold
-};
-
-/// `content` may end early.
-ReadChunk read_chunk(Bytes content) {
+/// Adds a chunk, whose record may end early; returns how many bytes it declares that are missing.
+std::uint64_t add_chunk(Bytes content, McapIndex& index) {
   ByteReader in(content);
   in.take(16);  // times of the first and the last message
-  ReadChunk read;
-  read.chunk.raw_bytes = in.read<std::uint64_t>();
-  read.chunk.crc = in.read<std::uint32_t>();  // checked where it is unpacked
-  read.chunk.compression = parse_compression(in.read_text());
+  Chunk chunk;
+  chunk.raw_bytes = in.read<std::uint64_t>();
+  chunk.crc = in.read<std::uint32_t>();  // checked where it is unpacked
+  chunk.compression = parse_compression(in.read_text());
   const auto stored_bytes = in.read<std::uint64_t>();
   const std::size_t there = std::min<std::uint64_t>(stored_bytes, in.left());
-  read.chunk.stored = in.take(there);
-  read.missing_bytes = stored_bytes - there;
-  read.chunk.cut = read.missing_bytes > 0;
-  return read;
+  chunk.stored = in.take(there);
+  chunk.cut = there < stored_bytes;
+  index.chunks.push_back(chunk);
+  return stored_bytes - there;
 }
 
-// --- By the summary ---
+// ---- By the summary ----
 
 /// Where a chunk is, and the index records behind it.
 struct ChunkPlace {
@@ -107,15 +90,14 @@ ChunkPlace read_chunk_index(Bytes content) {
 
 /// Adds what the index records behind a chunk say; returns how many messages. Throws OutOfBytes
 /// when they do not add up.
-std::uint64_t add_chunk(Bytes file, const ChunkPlace& place, McapIndex& index) {
+std::uint64_t add_indexed_chunk(Bytes file, const ChunkPlace& place, McapIndex& index) {
   ByteReader at(file);
   at.take(place.start);
   ByteReader whole(at.take(place.length));
   const Record record = read_record(whole);
   if (record.op != Op::chunk || !whole.done()) throw OutOfBytes{};
   const auto number = static_cast<std::uint32_t>(index.chunks.size());
-  index.chunks.push_back(read_chunk(record.content).chunk);
-  if (index.chunks.back().cut) throw OutOfBytes{};
+  if (add_chunk(record.content, index) > 0) throw OutOfBytes{};
   ByteReader entries(at.take(place.index_bytes));
   std::uint64_t count = 0;
   while (!entries.done()) {
@@ -146,204 +128,115 @@ std::optional<std::uint64_t> summary_start(Bytes file) {
   return in.read<std::uint64_t>();
 }
 
-void read_summary(Bytes file, std::uint64_t start, McapIndex& index) {
+McapIndex read_summary(Bytes file, std::uint64_t start) {
+  McapIndex index;
   ByteReader reader(file);
   reader.take(start);
   std::set<std::uint64_t> positions;
   std::uint64_t index_bytes = 0, found = 0;
-  std::optional<std::uint64_t> declared;
+  std::uint64_t declared = 0;
   for (Record record; (record = read_record(reader)).op != Op::footer;) {
-    if (record.op == Op::schema) add_schema(record.content, index);
-    if (record.op == Op::channel) add_channel(record.content, index);
+    add_names(record, index);
     if (record.op == Op::statistics) declared = ByteReader(record.content).read<std::uint64_t>();
     if (record.op != Op::chunk_index) continue;
     const ChunkPlace place = read_chunk_index(record.content);
     // Chunks that overlap could share their entries: there is room for each once.
     index_bytes += std::min<std::uint64_t>(place.index_bytes, file.size());
     if (!positions.insert(place.start).second || index_bytes > file.size()) throw OutOfBytes{};
-    found += add_chunk(file, place, index);
+    found += add_indexed_chunk(file, place, index);
   }
   // Messages outside chunks, and those of chunks without an index, are found by walking alone.
-  if (declared.value_or(0) != found) throw OutOfBytes{};
+  if (declared != found) throw OutOfBytes{};
   for (const auto& [channel, messages] : index.messages)
     if (!index.channels.contains(channel)) throw OutOfBytes{};
+  return index;
 }
 
-// --- By walking ---
+// ---- By walking ----
 
-struct Walk {
-  McapIndex index;
-  std::uint64_t messages = 0, missing_bytes = 0;
-  bool ended = false;  // the record that ends the data was reached
-};
-
-void add_message(
-    Walk& walk, Bytes file, const Record& record, std::uint32_t chunk, std::uint64_t offset) {
+/// Takes a schema, channel or message at `offset` of a chunk or the file.
+void take_record(
+    McapIndex& index, Bytes file, const Record& record, std::uint32_t chunk, std::uint64_t offset) {
+  add_names(record, index);
+  if (record.op != Op::message) return;
   if (record.content.size() < kMessageHeader) throw OutOfBytes{};
   ByteReader in(record.content);
   const auto channel = in.read<std::uint16_t>();
   in.take(4);  // its number in the channel
-  walk.index.messages[channel].push_back({in.read<std::uint64_t>(), 0, chunk, offset});
-  // Chunks may unpack to any number of them.
-  if (++walk.messages > kMostMessages + file.size()) throw OutOfBytes{};
+  const MessageRef message{in.read<std::uint64_t>(), 0, chunk, offset};
+  index.add_found(channel, {&message, 1}, file);
 }
 
-/// Schemas, channels and messages inside a chunk, as far as it can be unpacked.
-void walk_chunk(Walk& walk, Bytes file, const ReadChunk& read) {
-  const auto number = static_cast<std::uint32_t>(walk.index.chunks.size());
-  walk.index.chunks.push_back(read.chunk);
-  walk.missing_bytes += read.missing_bytes;
-  Chunk& chunk = walk.index.chunks.back();
-  Unpacked unpacked;
-  ByteReader reader(content_that_is_there(chunk, unpacked));
-  try {
-    while (!reader.done()) {
-      const std::uint64_t offset = reader.position();
-      const Record record = read_record(reader);
-      if (record.op == Op::schema) add_schema(record.content, walk.index);
-      if (record.op == Op::channel) add_channel(record.content, walk.index);
-      if (record.op == Op::message) add_message(walk, file, record, number, offset);
-    }
-  } catch (OutOfBytes) {
-    chunk.cut = true;
-  }
+void walk_chunk(McapIndex& index, Bytes file, Bytes content) {
+  index.missing_bytes += add_chunk(content, index);
+  index.walk_chunk(index.chunks.size() - 1,
+                   [&](ByteReader& reader, std::uint32_t chunk, std::size_t offset) {
+                     take_record(index, file, read_record(reader), chunk, offset);
+                   });
 }
 
-/// The chunk whose record starts here though its end is missing.
-void walk_cut_chunk(Walk& walk, Bytes file, ByteReader reader) {
-  try {
-    if (static_cast<Op>(reader.read<std::uint8_t>()) != Op::chunk) return;
-    reader.take(8);
-    walk_chunk(walk, file, read_chunk(reader.take(reader.left())));
-  } catch (OutOfBytes) {
-    // Not even its head is there.
-  }
-}
-
-Walk walk_records(Bytes file) {
-  Walk walk;
+/// `has_end`: whether the file has one.
+McapIndex walk_records(Bytes file, bool has_end) {
+  McapIndex index;
   ByteReader reader(file);
   reader.take(kMcapMagic.size());
-  while (!reader.done() && !walk.ended) {
-    const ByteReader before = reader;
+  bool ended = false;  // the record that ends the data was reached
+  while (!reader.done() && !ended) {
+    ByteReader at = reader;
     try {
       const std::uint64_t offset = reader.position();
       const Record record = read_record(reader);
-      switch (record.op) {
-        case Op::schema:
-          add_schema(record.content, walk.index);
-          break;
-        case Op::channel:
-          add_channel(record.content, walk.index);
-          break;
-        case Op::message:
-          add_message(walk, file, record, kNoChunk, offset);
-          break;
-        case Op::chunk:
-          walk_chunk(walk, file, read_chunk(record.content));
-          break;
-        case Op::data_end:
-        case Op::footer:
-          walk.ended = true;
-          break;
-        default:
-          break;
-      }
+      ended = record.op == Op::data_end || record.op == Op::footer;
+      if (record.op == Op::chunk)
+        walk_chunk(index, file, record.content);
+      else
+        take_record(index, file, record, kNoChunk, offset);
     } catch (OutOfBytes) {
-      walk_cut_chunk(walk, file, before);
+      try {  // the end of a chunk may be missing, or even of its head
+        if (static_cast<Op>(at.read<std::uint8_t>()) == Op::chunk) {
+          at.take(8);
+          walk_chunk(index, file, at.take(at.left()));
+        }
+      } catch (OutOfBytes) {
+      }
       break;
     }
   }
-  return walk;
+  const bool whole = ended && std::ranges::none_of(index.chunks, &Chunk::cut);
+  if (!whole || !has_end)
+    index.warn_of_loss(has_end ? "the file is damaged"
+                               : "the file has no end: it is cut or was never closed");
+  return index;
 }
 
-std::string describe(const Walk& walk, bool has_end) {
-  const auto cut = std::ranges::count_if(walk.index.chunks, &Chunk::cut);
-  std::string text =
-      has_end ? "the file is damaged" : "the file has no end: it is cut or was never closed";
-  text += "; found " + std::to_string(walk.index.chunks.size()) + " chunks";
-  if (cut > 0) text += ", " + std::to_string(cut) + " of them cut";
-  if (walk.missing_bytes > 0) text += " (" + std::to_string(walk.missing_bytes) + " bytes short)";
-  return text + "; " + std::to_string(walk.messages) + " messages recovered";
-}
-
-McapIndex index_of(const MappedFile& mapped, const std::filesystem::path& path) {
-  const Bytes file = mapped.bytes();
-  if (file.size() < kMcapMagic.size() ||
-      std::memcmp(file.data(), kMcapMagic.data(), kMcapMagic.size()) != 0) {
-    throw Error(path.string() + ": not an MCAP file (" + std::to_string(file.size()) +
-                " bytes that do not start with \"\\x89MCAP0\")");
-  }
-  mapped.expect_hops();
+McapIndex index_of(Bytes file) {
   const auto start = summary_start(file);
-  if (start && *start > 0) {
-    try {
-      McapIndex index;
-      read_summary(file, *start, index);
-      return index;
+  if (start && *start > 0) try {
+      return read_summary(file, *start);
     } catch (OutOfBytes) {
       // Walked instead.
     }
-  }
-  Walk walk = walk_records(file);
-  const bool whole = walk.ended && std::ranges::none_of(walk.index.chunks, &Chunk::cut);
-  if (!whole || !start) walk.index.warnings.push_back(describe(walk, start.has_value()));
-  return std::move(walk.index);
-}
-
-bool is_readable(const McapIndex::Channel& channel) {
-  return channel.encoding == "cdr" || channel.encoding == "ros1";
+  return walk_records(file, start.has_value());
 }
 
 class McapLog : public ChunkedLog {
  public:
   explicit McapLog(const std::filesystem::path& path) : ChunkedLog(path) {
-    McapIndex index = index_of(file_, path);
-    warnings_ = std::move(index.warnings);
-    chunks_ = std::move(index.chunks);
-    channels_ = std::move(index.channels);
-    std::map<std::string, int> others;
-    for (const auto& [id, channel] : channels_) {
-      if (!is_readable(channel)) {
-        ++others[channel.encoding];
-        continue;
-      }
-      topics_.emplace(channel.topic, channel.type);
-      auto& of_topic = messages_[channel.topic];
-      const auto& more = index.messages[id];
-      of_topic.insert(of_topic.end(), more.begin(), more.end());
-    }
-    sort_messages();
-    ros::warn_of_encodings(others, warnings_);
+    expect_start(file_, kMcapMagic.size(), kMcapMagic, "an MCAP file", "\"\\x89MCAP0\"");
+    take(index_of(file_.bytes()));
   }
 
   std::string kind() const override { return "ROS 2 bag (MCAP)"; }
-  Message read(const MessageRef& message, std::size_t at_most) const override {
-    std::string where = "byte " + std::to_string(message.offset);
-    if (message.chunk != kNoChunk) where += " of chunk " + std::to_string(message.chunk);
-    Message result = around(message);
-    try {
-      ByteReader reader(result.bytes);
-      reader.take(message.offset);
-      const Record record = read_record(reader);
-      if (record.op == Op::message && record.content.size() >= kMessageHeader) {
-        const auto id = ByteReader(record.content).read<std::uint16_t>();
-        const auto channel = channels_.find(id);
-        result.bytes = record.content.subspan(kMessageHeader);
-        if (!result.held)
-          file_.prefetch(result.bytes.first(std::min(result.bytes.size(), at_most)));
-        if (channel != channels_.end() && channel->second.encoding == "ros1") return result;
-        return ros::cdr_message(result.held, result.bytes, at_most,
-                                path_.string() + ": message at " + where);
-      }
-    } catch (OutOfBytes) {
-      // The same to the user as a record of another kind.
-    }
-    throw Error(path_.string() + ": no message at " + where + ", where its index places one");
-  }
 
- private:
-  std::map<std::uint16_t, McapIndex::Channel> channels_;
+ protected:
+  std::optional<Message> message_at(ByteReader& reader) const override {
+    const Record record = read_record(reader);
+    if (record.op != Op::message || record.content.size() < kMessageHeader) return std::nullopt;
+    const auto channel = channels_.find(ByteReader(record.content).read<std::uint16_t>());
+    const bool is_ros1 = channel != channels_.end() && channel->second.encoding == "ros1";
+    return Message{nullptr, record.content.subspan(kMessageHeader),
+                   is_ros1 ? Wire::ros1 : Wire::cdr};
+  }
 };
 
 }  // namespace

@@ -1,25 +1,31 @@
 // ROS 2 recordings in SQLite: https://www.sqlite.org/fileformat2.html,
-// https://www.sqlite.org/vfs.html and the tables that `ros2 bag` makes. Opening reads numbers and
+// and the tables that `ros2 bag` makes. Opening reads numbers and
 // times of messages, never the blobs.
 
+#include <fmt/format.h>
 #include <sqlite3.h>
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 #include <mutex>
 
-#include "core/io/bag/compression.hpp"
-#include "core/io/bag/ros_messages.hpp"
+#include "core/io/bag/message_log.hpp"
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 
 namespace planescope::io {
 namespace {
 
-/// A SQLite database read out of a mapped file, through a file system of SQLite's (VFS) that knows
-/// this file alone: nothing is ever written, locked or made beside it, and a file that is cut opens
-/// as far as its pages are whole.
+constexpr std::string_view kSqliteMagic{"SQLite format 3\0", 16};
+constexpr std::size_t kDatabaseHeaderBytes = 100;
+
+std::uint64_t big_endian(Bytes bytes) {
+  std::uint64_t value = 0;
+  for (const std::byte byte : bytes) value = value << 8 | std::to_integer<std::uint64_t>(byte);
+  return value;
+}
+
+/// A SQLite database read out of a mapped file, so that nothing is ever written, locked or made
+/// beside it, and a file that is cut opens as far as its pages are whole.
 class MappedSqlite {
  public:
   /// Throws Error when the file is no SQLite file.
@@ -36,146 +42,40 @@ class MappedSqlite {
   struct Closer {
     void operator()(sqlite3* database) const { sqlite3_close(database); }
   };
-  struct Vfs;
-  struct VfsDeleter {
-    void operator()(Vfs* vfs) const;
-  };
 
   MappedFile file_;
   std::size_t page_bytes_ = 0;
   std::uint64_t promised_bytes_ = 0;
-  std::unique_ptr<Vfs, VfsDeleter> vfs_;
   std::unique_ptr<sqlite3, Closer> database_;
 };
 
-constexpr std::string_view kSqliteMagic{"SQLite format 3\0", 16};
-constexpr std::size_t kDatabaseHeaderBytes = 100;
-constexpr std::size_t kVersions = 18;  // where the header tells of write-ahead logging, two bytes
-
-std::uint64_t big_endian(Bytes bytes) {
-  std::uint64_t value = 0;
-  for (const std::byte byte : bytes) value = value << 8 | std::to_integer<std::uint64_t>(byte);
-  return value;
-}
-
-/// SQLite's view of the mapped file; it allocates this itself, as plain bytes.
-struct File {
-  sqlite3_file base;
-  Bytes bytes;
-};
-
-int read(sqlite3_file* file, void* to, int count, sqlite3_int64 from) {
-  const Bytes bytes = reinterpret_cast<File*>(file)->bytes;
-  const auto at = std::min<std::size_t>(static_cast<std::size_t>(from), bytes.size());
-  const Bytes part = bytes.subspan(at, std::min<std::size_t>(count, bytes.size() - at));
-  auto* out = static_cast<std::byte*>(to);
-  std::fill(std::copy(part.begin(), part.end(), out), out + count, std::byte{0});
-  // A log of writes ahead would be a file beside: what it holds is not asked for.
-  for (std::size_t i = kVersions; i < kVersions + 2; ++i) {
-    if (i >= at && i < at + part.size()) out[i - at] = std::byte{1};
-  }
-  return part.size() == static_cast<std::size_t>(count) ? SQLITE_OK : SQLITE_IOERR_SHORT_READ;
-}
-
-int size(sqlite3_file* file, sqlite3_int64* bytes) {
-  *bytes = static_cast<sqlite3_int64>(reinterpret_cast<File*>(file)->bytes.size());
-  return SQLITE_OK;
-}
-
-const sqlite3_io_methods& methods() {
-  static const sqlite3_io_methods table = [] {
-    sqlite3_io_methods m{};
-    m.iVersion = 1;
-    m.xClose = [](sqlite3_file*) { return SQLITE_OK; };
-    m.xRead = read;
-    m.xWrite = [](sqlite3_file*, const void*, int, sqlite3_int64) { return SQLITE_READONLY; };
-    m.xTruncate = [](sqlite3_file*, sqlite3_int64) { return SQLITE_READONLY; };
-    m.xSync = [](sqlite3_file*, int) { return SQLITE_OK; };
-    m.xFileSize = size;
-    m.xLock = [](sqlite3_file*, int) { return SQLITE_OK; };
-    m.xUnlock = [](sqlite3_file*, int) { return SQLITE_OK; };
-    m.xCheckReservedLock = [](sqlite3_file*, int* reserved) {
-      *reserved = 0;
-      return SQLITE_OK;
-    };
-    m.xFileControl = [](sqlite3_file*, int, void*) { return SQLITE_NOTFOUND; };
-    m.xSectorSize = [](sqlite3_file*) { return 4096; };
-    m.xDeviceCharacteristics = [](sqlite3_file*) { return SQLITE_IOCAP_IMMUTABLE; };
-    return m;
-  }();
-  return table;
-}
-
-struct MappedSqlite::Vfs {
-  std::string name;
-  Bytes bytes;
-  sqlite3_vfs base{};
-};
-
-void MappedSqlite::VfsDeleter::operator()(Vfs* vfs) const {
-  sqlite3_vfs_unregister(&vfs->base);
-  delete vfs;
-}
-
-MappedSqlite::MappedSqlite(const std::filesystem::path& path)
-    : file_(map_content(path)), vfs_(new Vfs) {
+MappedSqlite::MappedSqlite(const std::filesystem::path& path) : file_(map_content(path)) {
+  expect_start(file_, kDatabaseHeaderBytes, kSqliteMagic, "a SQLite file",
+               "a header \"SQLite format 3\"");
   const Bytes bytes = file_.bytes();
-  if (bytes.size() < kDatabaseHeaderBytes ||
-      std::memcmp(bytes.data(), kSqliteMagic.data(), kSqliteMagic.size()) != 0) {
-    throw Error(path.string() + ": not a SQLite file (" + std::to_string(bytes.size()) +
-                " bytes that do not start with a header \"SQLite format 3\")");
-  }
   page_bytes_ = big_endian(bytes.subspan(16, 2));
   if (page_bytes_ == 1) page_bytes_ = 65536;
-  if (page_bytes_ < 512 || !std::has_single_bit(page_bytes_)) {
-    throw Error(path.string() + ": a SQLite file with pages of " + std::to_string(page_bytes_) +
-                " bytes, expected a power of two from 512 to 65536");
-  }
+  if (page_bytes_ < 512 || !std::has_single_bit(page_bytes_))
+    throw Error(fmt::format(
+        "{}: a SQLite file with pages of {} bytes, expected a power of two from 512 to 65536",
+        path.string(), page_bytes_));
   const bool is_kept = big_endian(bytes.subspan(24, 4)) == big_endian(bytes.subspan(92, 4));
   if (is_kept) promised_bytes_ = page_bytes_ * big_endian(bytes.subspan(28, 4));
-  file_.expect_hops();
-
-  static std::atomic<unsigned> number{0};
-  vfs_->name = "planescope-" + std::to_string(++number);
-  vfs_->bytes = bytes.first(bytes.size() / page_bytes_ * page_bytes_);
-  sqlite3_vfs& vfs = vfs_->base;
-  vfs.iVersion = 1;
-  vfs.szOsFile = sizeof(File);
-  vfs.mxPathname = 16;
-  vfs.zName = vfs_->name.c_str();
-  vfs.pAppData = vfs_.get();
-  vfs.xOpen = [](sqlite3_vfs* self, const char*, sqlite3_file* file, int flags, int* flags_out) {
-    file->pMethods = nullptr;
-    if (!(flags & SQLITE_OPEN_MAIN_DB)) return SQLITE_CANTOPEN;
-    new (file) File{{&methods()}, static_cast<Vfs*>(self->pAppData)->bytes};
-    if (flags_out) *flags_out = SQLITE_OPEN_READONLY | SQLITE_OPEN_MAIN_DB;
-    return SQLITE_OK;
-  };
-  vfs.xDelete = [](sqlite3_vfs*, const char*, int) { return SQLITE_READONLY; };
-  vfs.xAccess = [](sqlite3_vfs*, const char*, int, int* exists) {
-    *exists = 0;
-    return SQLITE_OK;
-  };
-  vfs.xFullPathname = [](sqlite3_vfs*, const char* name, int room, char* out) {
-    sqlite3_snprintf(room, out, "%s", name);
-    return SQLITE_OK;
-  };
-  vfs.xRandomness = [](sqlite3_vfs*, int, char*) { return 0; };
-  vfs.xSleep = [](sqlite3_vfs*, int) { return 0; };
-  vfs.xCurrentTime = [](sqlite3_vfs*, double* days) {
-    *days = 0;
-    return SQLITE_OK;
-  };
-  vfs.xGetLastError = [](sqlite3_vfs*, int, char*) { return 0; };
-  sqlite3_vfs_register(&vfs, 0);
+  // A log of writes ahead would be a file beside: what it holds is not asked for.
+  for (const std::size_t version : {18, 19})
+    if (bytes[version] == std::byte{2}) file_.overwrite(version, std::byte{1});
 
   sqlite3* opened = nullptr;
-  const int status = sqlite3_open_v2("mapped", &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX,
-                                     vfs_->name.c_str());
+  int status =
+      sqlite3_open_v2(":memory:", &opened, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);
   database_.reset(opened);
-  if (status != SQLITE_OK) {
+  const auto whole = static_cast<sqlite3_int64>(bytes.size() / page_bytes_ * page_bytes_);
+  auto* content = reinterpret_cast<unsigned char*>(const_cast<std::byte*>(bytes.data()));
+  if (status == SQLITE_OK)
+    status =
+        sqlite3_deserialize(opened, "main", content, whole, whole, SQLITE_DESERIALIZE_READONLY);
+  if (status != SQLITE_OK)
     throw Error(path.string() + ": cannot be opened by SQLite: " + sqlite3_errstr(status));
-  }
   // A schema from anybody runs nothing, and a file shorter than its header says opens all the same.
   sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(opened, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
@@ -267,13 +167,13 @@ void SqliteLog::read_topics() {
       continue;
     }
     topic_of_[topics.number(0)] = topics.text(1);
-    topics_.emplace(topics.text(1), ros::ros_type(topics.text(2)));
+    topics_.emplace(topics.text(1), ros_type(topics.text(2)));
   }
   if (!topics.is_whole() && topics_.empty()) {
     throw Error(path_.string() + ": its table of topics is cut or damaged");
   }
   if (!topics.is_whole()) damage_ = "; its table of topics is cut or damaged";
-  ros::warn_of_encodings(others, warnings_);
+  warn_of_encodings(others);
 }
 
 /// Walks the table from its start, and from its end where it is damaged between.
@@ -333,8 +233,8 @@ void SqliteLog::drop_cut_messages() {
 void SqliteLog::warn_of_loss() {
   std::string text;
   if (file_.is_cut()) {
-    text = "the file is cut: it has " + std::to_string(file_.file().bytes().size()) +
-           " bytes, its header says " + std::to_string(file_.promised_bytes());
+    text = fmt::format("the file is cut: it has {} bytes, its header says {}",
+                       file_.file().bytes().size(), file_.promised_bytes());
   } else if (!damage_.empty()) {
     text = "the file is damaged";
   }
@@ -347,10 +247,10 @@ void SqliteLog::warn_of_loss() {
     const std::filesystem::path beside = path_.string() + suffix;
     const auto bytes = std::filesystem::file_size(beside, ignored);
     if (ignored || bytes == 0) continue;
-    warnings_.push_back(
-        "the recording was never closed: " + beside.filename().string() + " holds " +
-        std::to_string(bytes) + " bytes that are not in it yet and are not read; sqlite3 " +
-        path_.filename().string() + " \"PRAGMA wal_checkpoint(TRUNCATE)\" takes them in");
+    warnings_.push_back(fmt::format(
+        "the recording was never closed: {} holds {} bytes that are not in it yet and are not "
+        "read; sqlite3 {} \"PRAGMA wal_checkpoint(TRUNCATE)\" takes them in",
+        beside.filename().string(), bytes, path_.filename().string()));
   }
 }
 
@@ -400,7 +300,7 @@ Message SqliteLog::read(const MessageRef& message, std::size_t at_most) const {
     if (is_zstd(bytes)) read_to(size);  // no part of it can be unpacked alone
   }
   const auto held = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
-  return ros::cdr_message(held, *held, at_most, what);
+  return cdr_message(held, *held, at_most, what);
 }
 
 }  // namespace

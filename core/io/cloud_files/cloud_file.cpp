@@ -1,3 +1,5 @@
+// Recordings of clouds, points that readers collect, and what is written.
+
 #include "core/io/cloud_files/cloud_file.hpp"
 
 #include <fmt/format.h>
@@ -8,8 +10,8 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
-#include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -72,12 +74,7 @@ class CloudRecording : public Recording {
     return frame;
   }
 
-  double timestamp_s(int i) const override {
-    Frame facts;
-    facts.name = names_.at(i);
-    apply_sidecar(sidecar_, facts);
-    return facts.timestamp_s;
-  }
+  double timestamp_s(int i) const override { return time_of_frame(sidecar_, names_.at(i), 0); }
 
   std::string frame_hash(int i) const override {
     const PointSet set = read_cloud_file(files_.at(i));
@@ -97,10 +94,6 @@ class CloudRecording : public Recording {
   std::vector<fs::path> files_;
   std::vector<std::string> names_;
 };
-
-}  // namespace
-
-namespace {
 
 std::vector<CloudFormat>& formats_of_clouds() {
   static std::vector<CloudFormat> formats = {{".ply", read_ply, check_ply},
@@ -128,10 +121,124 @@ std::unique_ptr<Recording> open_clouds(const fs::path& path, const RecordingOpti
   return std::make_unique<CloudRecording>(path, options.instance_field);
 }
 
+// ---- Read ----
+
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "clouds are written as they lie in memory");
+// Beyond this a float no longer resolves hundredths of a millimetre: coordinates get an origin.
+constexpr double kFar_m = 100;
+
+template <typename T>
+T saturate(double value) {
+  if (std::isnan(value)) return 0;
+  constexpr auto kMin = static_cast<double>(std::numeric_limits<T>::min());
+  constexpr auto kMax = static_cast<double>(std::numeric_limits<T>::max());
+  return static_cast<T>(std::clamp(value, kMin, kMax));
+}
+
+/// Zero for a cloud near zero; else the middle of its bounds, rounded to metres.
+Vec3d choose_origin(const std::vector<Vec3d>& points) {
+  const Vec3d origin = bulk_origin(points);
+  return origin.norm() <= kFar_m ? Vec3d::Zero() : origin;
+}
+
+}  // namespace
+
+CloudBuilder::CloudBuilder(const std::filesystem::path& path,
+                           std::span<const CloudField> fields,
+                           CloudExtras* extras)
+    : fields_(fields.begin(), fields.end()), extras_(extras) {
+  if (extras_) {
+    extras_->values.assign(extras_->names.size(), {});
+    extra_.assign(extras_->names.size(), -1);
+  }
+  for (int i = 0; i < static_cast<int>(fields_.size()); ++i) {
+    const std::string& name = fields_[i].name;
+    const auto take = [&](const char* wanted, int& slot) {
+      if (name == wanted && slot < 0) slot = i;
+    };
+    take("x", xyz_[0]);
+    take("y", xyz_[1]);
+    take("z", xyz_[2]);
+    for (const char* red : {"red", "diffuse_red", "r"}) take(red, rgb_[0]);
+    for (const char* green : {"green", "diffuse_green", "g"}) take(green, rgb_[1]);
+    for (const char* blue : {"blue", "diffuse_blue", "b"}) take(blue, rgb_[2]);
+    if (size_of(fields_[i].type) == 4) {
+      take("rgb", packed_);
+      take("rgba", packed_);
+    }
+    take("label", label_);
+    take("instance", instance_);
+    for (std::size_t k = 0; k < extra_.size(); ++k) take(extras_->names[k].c_str(), extra_[k]);
+  }
+  if (std::any_of(xyz_.begin(), xyz_.end(), [](int i) { return i < 0; })) {
+    std::string names;
+    for (const CloudField& field : fields_) names += (names.empty() ? "" : " ") + field.name;
+    throw Error(path.string() + ": points have the fields \"" + names + "\", expected x, y and z");
+  }
+  if (std::any_of(rgb_.begin(), rgb_.end(), [](int i) { return i < 0; })) rgb_.fill(-1);
+}
+
+void CloudBuilder::reserve(std::size_t points) {
+  points_.reserve(points);
+  if (rgb_[0] >= 0 || packed_ >= 0) set_.rgb.reserve(3 * points);
+  if (label_ >= 0) set_.label.reserve(points);
+  if (instance_ >= 0) set_.instance.reserve(points);
+  for (std::size_t k = 0; k < extra_.size(); ++k)
+    if (extra_[k] >= 0) extras_->values[k].reserve(points);
+}
+
+std::uint8_t CloudBuilder::color_value(double value, int field) const {
+  switch (fields_[field].type) {
+    case Scalar::f32:
+    case Scalar::f64:
+      return saturate<std::uint8_t>(std::round(255 * value));
+    case Scalar::u16:
+      return saturate<std::uint8_t>(std::round(value / 257));
+    default:
+      return saturate<std::uint8_t>(value);
+  }
+}
+
+void CloudBuilder::add_color(std::span<const double> values) {
+  if (rgb_[0] >= 0) {
+    for (const int field : rgb_) set_.rgb.push_back(color_value(values[field], field));
+  } else if (packed_ >= 0) {
+    // Four bytes b g r a; a float's bits are meant, not its value.
+    const double value = values[packed_];
+    const auto bits = fields_[packed_].type == Scalar::f32
+                          ? std::bit_cast<std::uint32_t>(static_cast<float>(value))
+                          : static_cast<std::uint32_t>(saturate<std::int64_t>(value));
+    for (const int shift : {16, 8, 0}) {
+      set_.rgb.push_back(static_cast<std::uint8_t>((bits >> shift) & 255));
+    }
+  }
+}
+
+void CloudBuilder::add(std::span<const double> values) {
+  points_.emplace_back(values[xyz_[0]], values[xyz_[1]], values[xyz_[2]]);
+  add_color(values);
+  if (label_ >= 0) set_.label.push_back(saturate<std::uint8_t>(values[label_]));
+  if (instance_ >= 0) set_.instance.push_back(saturate<std::int32_t>(values[instance_]));
+  for (std::size_t k = 0; k < extra_.size(); ++k)
+    if (extra_[k] >= 0) extras_->values[k].push_back(values[extra_[k]]);
+}
+
+PointSet CloudBuilder::finish() {
+  set_.origin = choose_origin(points_);
+  set_.points.reserve(points_.size());
+  for (const Vec3d& point : points_) {
+    // (0, 0, 0) is "no measurement" and must stay recognisable beside an origin.
+    const bool none = point.isZero(0);
+    set_.points.push_back(none ? Vec3f(0, 0, 0) : Vec3f((point - set_.origin).cast<float>()));
+  }
+  points_.clear();
+  return std::move(set_);
+}
+
+// ---- Written ----
+
+namespace {
 
 constexpr std::size_t kAtOnce = 256;  // points whose records stay in the cache
 

@@ -1,12 +1,10 @@
-#include "core/io/folder/camera_files.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
-#include "core/io/cloud_files/cloud_formats.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -229,18 +227,14 @@ constexpr std::uintmax_t kMaxXmlBytes = 1 << 20;
 
 std::vector<double> numbers_in(std::string_view text) {
   std::vector<double> numbers;
-  WordReader words(std::as_bytes(std::span(text)));
-  try {
-    while (true) {
-      std::string_view word = words.next();
+  for (const TextLine& line : text_lines(text))
+    for (std::string_view word : line.words) {
       if (word.ends_with('.')) word.remove_suffix(1);
       const auto value = parse_number(word);
       if (!value) return {};
       numbers.push_back(*value);
     }
-  } catch (OutOfBytes) {
-    return numbers;
-  }
+  return numbers;
 }
 
 using Matrices = std::map<std::string, std::vector<double>>;

@@ -1,5 +1,3 @@
-#include "core/io/folder/folder_layout.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "core/io/cloud_files/cloud_formats.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"

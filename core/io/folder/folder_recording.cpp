@@ -1,11 +1,13 @@
+// Recordings of single depth images: folders of PNG, and snapshots of the RealSense Viewer.
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 #include <set>
 
-#include "core/io/folder/camera_files.hpp"
-#include "core/io/folder/folder_layout.hpp"
+#include "core/io/byte_reader.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
@@ -19,10 +21,6 @@ namespace fs = std::filesystem;
 
 Image8 read_picture(const fs::path& path) {
   return extension(path) == ".png" ? read_png_rgb(path) : read_jpeg_rgb(path);
-}
-
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
 }
 
 class FolderRecording : public Recording {
@@ -154,21 +152,19 @@ void FolderRecording::settle_times() {
 void FolderRecording::check_images(bool later) {
   const auto check_depth = [this](const fs::path& path) {
     const PngInfo image = png_info(path);
-    if (image.channels != 1 || image.bit_depth != 16) {
-      throw Error(path.string() + ": PNG of " + std::to_string(image.channels) +
-                  " channel(s) with " + std::to_string(image.bit_depth) +
-                  " bits, expected depth as 1 channel with 16 bits (a picture of depth holds no "
-                  "distances)");
-    }
+    if (image.channels != 1 || image.bit_depth != 16)
+      throw Error(
+          fmt::format("{}: PNG of {} channel(s) with {} bits, expected depth as 1 channel "
+                      "with 16 bits (a picture of depth holds no distances)",
+                      path.string(), image.channels, image.bit_depth));
     if (png_is_cut(path)) throw Error(path.string() + ": the PNG is truncated");
     if (info_.width == 0) {
       info_.width = image.width;
       info_.height = image.height;
     }
-    if (image.width != info_.width || image.height != info_.height) {
-      throw Error(path.string() + ": depth image of " + size_text(image.width, image.height) +
-                  ", expected " + size_text(info_.width, info_.height) + " as the first one");
-    }
+    if (image.width != info_.width || image.height != info_.height)
+      throw Error(fmt::format("{}: depth image of {}x{}, expected {}x{} as the first one",
+                              path.string(), image.width, image.height, info_.width, info_.height));
   };
   for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
     try {
@@ -217,11 +213,11 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
   const Image8 color = read_picture(*first);
   const bool same_size = color.width == info_.width && color.height == info_.height;
   if (sidecar_.color_aligned && *sidecar_.color_aligned) {
-    if (!same_size) {
-      throw Error(first->string() + ": colour of " + size_text(color.width, color.height) +
-                  ", expected " + size_text(info_.width, info_.height) + " since " +
-                  sidecar_.path.filename().string() + " calls it aligned with depth");
-    }
+    if (!same_size)
+      throw Error(
+          fmt::format("{}: colour of {}x{}, expected {}x{} since {} calls it aligned with depth",
+                      first->string(), color.width, color.height, info_.width, info_.height,
+                      sidecar_.path.filename().string()));
     color_aligned_ = true;
     info_.color_note = "aligned";
   } else if (sidecar_.color_intrinsics || (camera.color && camera.T_color_depth)) {
@@ -234,8 +230,8 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
     color_aligned_ = true;
     info_.color_note = "assumed aligned (same size, one set of intrinsics)";
   } else {
-    info_.color_note = "shown only: colour of " + size_text(color.width, color.height) +
-                       " without extrinsics to depth";
+    info_.color_note = fmt::format("shown only: colour of {}x{} without extrinsics to depth",
+                                   color.width, color.height);
   }
   if (color_aligned_) color_intrinsics_ = info_.intrinsics;
 }
@@ -279,6 +275,155 @@ Frame FolderRecording::frame(int i) const {
 std::unique_ptr<Recording> open_image_folder(const fs::path& path,
                                              const RecordingOptions& options) {
   return std::make_unique<FolderRecording>(path, options);
+}
+
+// ---- Snapshots of the RealSense Viewer: headerless 16-bit little-endian counts in X.raw, what
+// they are in X_metadata.csv. The picture X.png beside them is coloured, no depth ----
+
+namespace {
+
+constexpr std::string_view kCsvEnd = "_metadata.csv";
+
+/// The `key,value` lines of the metadata.
+class Metadata {
+ public:
+  explicit Metadata(const fs::path& path) : path_(path) {
+    constexpr std::uintmax_t kMaxBytes = 1 << 20;
+    const auto bytes = read_file_bytes(path, kMaxBytes);
+    const std::string text(bytes.begin(), bytes.end());
+    for (std::string& line : split(std::string(without_byte_order_mark(text)), '\n')) {
+      if (line.ends_with('\r')) line.pop_back();
+      if (const std::size_t comma = line.find(','); comma != std::string::npos)
+        values_.emplace(line.substr(0, comma), line.substr(comma + 1));
+    }
+  }
+
+  std::string text(const std::string& key) const {
+    const auto found = values_.find(key);
+    return found == values_.end() ? "" : found->second;
+  }
+  double number(const std::string& key) const {
+    const auto value = parse_number(text(key));
+    if (!value)
+      throw Error(
+          fmt::format("{}: \"{}\" is \"{}\", expected a number", path_.string(), key, text(key)));
+    return *value;
+  }
+
+ private:
+  fs::path path_;
+  std::map<std::string, std::string> values_;
+};
+
+class RawRecording : public Recording {
+ public:
+  RawRecording(const fs::path& path, const RecordingOptions& options)
+      : files_(viewer_raw_files(path)), sidecar_(read_sidecar(path)) {
+    info_.path = path;
+    info_.format = "RealSense Viewer raw";
+    info_.color_note = "none";
+    if (files_.empty())
+      throw Error(path.string() +
+                  ": no depth of the RealSense Viewer: expected X.raw with X_metadata.csv of type "
+                  "Depth and format Z16");
+    CameraFacts facts;
+    for (const RawFile& file : files_) facts = check(file);
+    info_.times_source = tells_times(sidecar_)     ? sidecar_.path.filename().string()
+                         : time_of(files_[0]) != 0 ? files_[0].csv.filename().string()
+                                                   : "";
+    settle_camera(options, sidecar_, facts, info_);
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(files_.size()); }
+  Frame frame(int i) const override {
+    Frame frame;
+    frame.index = i;
+    frame.name = files_.at(i).raw.stem().string();
+    frame.timestamp_s = time_of(files_[i]);
+    frame.depth = read_depth(i);
+    frame.depth_unit_m = info_.depth_unit_m;
+    frame.intrinsics = info_.intrinsics;
+    apply_sidecar(sidecar_, frame);
+    return frame;
+  }
+  double timestamp_s(int i) const override {
+    return time_of_frame(sidecar_, files_.at(i).raw.stem().string(), time_of(files_[i]));
+  }
+  std::string frame_hash(int i) const override { return sha256_of_depth(read_depth(i)); }
+
+ private:
+  static double time_of(const RawFile& file) {
+    return 1e-3 * parse_number(Metadata(file.csv).text("Timestamp (ms)")).value_or(0);
+  }
+  /// Sizes of one snapshot against each other and against the first.
+  CameraFacts check(const RawFile& file) {
+    const Metadata metadata(file.csv);
+    const double width = metadata.number("Resolution x"), height = metadata.number("Resolution y");
+    std::error_code error;
+    const std::uintmax_t bytes = fs::file_size(file.raw, error);
+    const bool sane = width >= 1 && height >= 1 && width <= 1 << 15 && height <= 1 << 15;
+    if (error || !sane || static_cast<double>(bytes) != 2 * width * height)
+      throw Error(fmt::format("{}: {} bytes, expected {}x{} counts of 2 bytes as {} says",
+                              file.raw.string(), bytes, metadata.text("Resolution x"),
+                              metadata.text("Resolution y"), file.csv.filename().string()));
+    if (info_.width == 0) {
+      info_.width = static_cast<int>(width);
+      info_.height = static_cast<int>(height);
+    }
+    if (info_.width != width || info_.height != height)
+      throw Error(file.raw.string() + ": of another size than the first snapshot in its folder");
+    const auto number = [&](const char* key) { return metadata.number(key); };
+    CameraFacts facts;
+    facts.intrinsics = {info_.width,   info_.height,  number("Fx"),     number("Fy"),
+                        number("PPx"), number("PPy"), Distortion::none, {}};
+    facts.intrinsics_source = file.csv.filename().string();
+    return facts;
+  }
+
+  Image16 read_depth(int i) const {
+    const MappedFile file(files_.at(i).raw);
+    Image16 depth(info_.width, info_.height);
+    if (file.bytes().size() != depth.pixels() * sizeof(std::uint16_t))
+      throw Error(files_[i].raw.string() + ": the file has changed since it was opened");
+    std::memcpy(depth.data.data(), file.bytes().data(), file.bytes().size());
+    file.expect_whole();
+    return depth;
+  }
+
+  RecordingInfo info_;
+  std::vector<RawFile> files_;
+  Sidecar sidecar_;
+};
+
+}  // namespace
+
+std::vector<RawFile> viewer_raw_files(const fs::path& path) {
+  std::error_code ignored;
+  std::vector<fs::path> raws;
+  if (fs::is_directory(path, ignored)) {
+    for (const fs::path& file : files_in(path))
+      if (extension(file) == ".raw") raws.push_back(file);
+  } else if (extension(path) == ".csv") {
+    const std::string name = path.filename().string();
+    if (!name.ends_with(kCsvEnd)) return {};
+    raws = {path.parent_path() / (name.substr(0, name.size() - kCsvEnd.size()) + ".raw")};
+  } else {
+    raws = {path};
+  }
+  std::vector<RawFile> found;
+  for (const fs::path& raw : raws) {
+    const fs::path csv = raw.parent_path() / (raw.stem().string() + std::string(kCsvEnd));
+    if (!fs::exists(raw, ignored) || !fs::exists(csv, ignored)) continue;
+    const Metadata metadata(csv);
+    if (metadata.text("Type") == "Depth" && metadata.text("Format") == "Z16")
+      found.push_back({raw, csv});
+  }
+  return found;
+}
+
+std::unique_ptr<Recording> open_viewer_raw(const fs::path& path, const RecordingOptions& options) {
+  return std::make_unique<RawRecording>(path, options);
 }
 
 }  // namespace planescope::io

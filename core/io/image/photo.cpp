@@ -80,11 +80,9 @@ Image8 decode_jpeg_rgb(std::span<const unsigned char> bytes, const std::string& 
   // A JPEG block of 64 pixels takes at least a few bits: an image far larger than its file allows
   // is damaged, and is refused before it is allocated.
   const std::uint64_t pixels = std::uint64_t(decoder.jpeg.image_width) * decoder.jpeg.image_height;
-  if (pixels > bytes.size() * std::uint64_t{4096}) {
-    throw Error(name + ": promises " + std::to_string(decoder.jpeg.image_width) + "x" +
-                std::to_string(decoder.jpeg.image_height) + " pixels, more than its " +
-                std::to_string(bytes.size()) + " bytes can hold");
-  }
+  if (pixels > bytes.size() * std::uint64_t{4096})
+    throw Error(fmt::format("{}: promises {}x{} pixels, more than its {} bytes can hold", name,
+                            decoder.jpeg.image_width, decoder.jpeg.image_height, bytes.size()));
   expect_within_read_limit(3.0 * static_cast<double>(pixels), name + ": its pixels");
   Image8 image(static_cast<int>(decoder.jpeg.image_width),
                static_cast<int>(decoder.jpeg.image_height), 3);

@@ -1,17 +1,19 @@
+// Decoded by libpng where png_rows.cpp does not, and written by libdeflate.
+
 #include "core/io/image/png.hpp"
 
+#include <fmt/format.h>
 #include <libdeflate.h>
 #include <png.h>
 
+#include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 #include <cstring>
 #include <fstream>
 #include <memory>
 #include <new>
 
-#include "core/io/image/png_plain.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
@@ -67,10 +69,9 @@ void read_header(Decoder& decoder) {
 }
 
 void set_transforms(Decoder& decoder) {
-  if constexpr (std::endian::native == std::endian::little) {
-    if (!decoder.to_rgb) png_set_swap(decoder.png);
-  }
-  if (decoder.to_rgb) {
+  if (!decoder.to_rgb) {
+    png_set_swap(decoder.png);
+  } else {
     png_set_expand(decoder.png);
     png_set_scale_16(decoder.png);
     png_set_strip_alpha(decoder.png);
@@ -126,12 +127,11 @@ PngInfo open(Decoder& decoder,
           png_get_bit_depth(decoder.png, decoder.info)};
 }
 
-/// As the machine has it, from as PNG has it: 16 bits with the high byte first.
-void to_native(std::span<std::uint16_t> values) {
-  if constexpr (std::endian::native == std::endian::little)
-    for (std::uint16_t& value : values) value = static_cast<std::uint16_t>(value << 8 | value >> 8);
+/// From memory's order to PNG's, which has the high byte of 16 bits first, and back.
+void swap_order(std::span<std::uint16_t> values) {
+  for (std::uint16_t& value : values) value = static_cast<std::uint16_t>(value << 8 | value >> 8);
 }
-void to_native(std::span<std::uint8_t>) {}
+void swap_order(std::span<std::uint8_t>) {}
 
 /// `decoder` has read the header of `file`.
 template <typename T>
@@ -141,11 +141,9 @@ Image<T> decode(Decoder& decoder,
                 int channels,
                 const std::filesystem::path& path) {
   const std::uint64_t packed_bits = std::uint64_t(info.width) * info.height * info.bit_depth;
-  if (packed_bits / 8 > file.size() * kMaxDeflateRatio) {
-    throw Error(path.string() + ": promises " + std::to_string(info.width) + "x" +
-                std::to_string(info.height) + " pixels, more than its " +
-                std::to_string(file.size()) + " bytes can hold");
-  }
+  if (packed_bits / 8 > file.size() * kMaxDeflateRatio)
+    throw Error(fmt::format("{}: promises {}x{} pixels, more than its {} bytes can hold",
+                            path.string(), info.width, info.height, file.size()));
   expect_within_read_limit(static_cast<double>(info.width) * info.height * channels * sizeof(T),
                            path.string() + ": its pixels");
   Image<T> image(info.width, info.height, channels);
@@ -153,7 +151,7 @@ Image<T> decode(Decoder& decoder,
   auto* const pixels = reinterpret_cast<unsigned char*>(image.data.data());
   if (info.channels == channels && info.bit_depth == 8 * static_cast<int>(sizeof(T)) &&
       unpack_plain_png(file, info, {pixels, row_bytes * info.height})) {
-    to_native(image.data);
+    swap_order(image.data);
     return image;
   }
   if (!guarded(decoder, set_transforms)) fail(path, decoder);
@@ -174,11 +172,10 @@ Image<T> decode_grey(std::span<const unsigned char> bytes, const std::filesystem
   Decoder decoder;
   const PngInfo info = open(decoder, bytes, path);
   const int bits = 8 * sizeof(T);
-  if (info.channels != 1 || info.bit_depth != bits) {
-    throw Error(path.string() + ": PNG of " + std::to_string(info.channels) + " channel(s) with " +
-                std::to_string(info.bit_depth) + " bits, expected 1 channel with " +
-                std::to_string(bits) + " bits");
-  }
+  if (info.channels != 1 || info.bit_depth != bits)
+    throw Error(
+        fmt::format("{}: PNG of {} channel(s) with {} bits, expected 1 channel with {} bits",
+                    path.string(), info.channels, info.bit_depth, bits));
   return decode<T>(decoder, info, bytes, 1, path);
 }
 
@@ -196,16 +193,10 @@ PngInfo png_info(std::span<const unsigned char> head, const std::string& name) {
   if (head.size() < kHeaderBytes || std::memcmp(&head[12], "IHDR", 4) != 0) {
     throw Error(name + ": not a readable PNG (its header is cut or damaged)");
   }
-  const auto side = [&](std::size_t at) {
-    return std::uint32_t(head[at]) << 24 | std::uint32_t(head[at + 1]) << 16 |
-           std::uint32_t(head[at + 2]) << 8 | head[at + 3];
-  };
-  const std::uint32_t width = side(16);
-  const std::uint32_t height = side(20);
-  if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide) {
-    throw Error(name + ": PNG of " + std::to_string(width) + "x" + std::to_string(height) +
-                " pixels, expected 1 to " + std::to_string(kMaxSide) + " a side");
-  }
+  const std::uint32_t width = number_32(&head[16]), height = number_32(&head[20]);
+  if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide)
+    throw Error(fmt::format("{}: PNG of {}x{} pixels, expected 1 to {} a side", name, width, height,
+                            kMaxSide));
   return {static_cast<int>(width), static_cast<int>(height), channels_of(head[25]), head[24]};
 }
 
@@ -244,7 +235,10 @@ Image8 read_png_rgb(const std::filesystem::path& path) {
   return decode_png_rgb(read_file_bytes(path), path.string());
 }
 
-using PngBytes = std::vector<unsigned char>;
+std::uint32_t number_32(const unsigned char* at) {
+  return std::uint32_t{at[0]} << 24 | std::uint32_t{at[1]} << 16 | std::uint32_t{at[2]} << 8 |
+         at[3];
+}
 
 void append_32(PngBytes& bytes, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8)
@@ -290,17 +284,6 @@ namespace {
 
 constexpr int kQuickLevel = 1;  // files are little larger
 
-/// Values of a row as PNG has them in the file: 16 bits with the high byte first.
-void to_file(std::span<const std::uint8_t> values, unsigned char* out) {
-  std::memcpy(out, values.data(), values.size());
-}
-void to_file(std::span<const std::uint16_t> values, unsigned char* out) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    out[2 * i] = static_cast<unsigned char>(values[i] >> 8);
-    out[2 * i + 1] = static_cast<unsigned char>(values[i]);
-  }
-}
-
 template <typename T>
 std::vector<unsigned char> encode(const Image<T>& image) {
   const int channels = image.channels;
@@ -310,12 +293,15 @@ std::vector<unsigned char> encode(const Image<T>& image) {
   const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(image.width);
   std::vector<unsigned char> rows((row_bytes + 1) * static_cast<std::size_t>(image.height));
   const std::size_t row_values = row_bytes / sizeof(T);
-  std::vector<unsigned char> plain(pixel_bytes + row_bytes);  // a row, and a black pixel before it
+  const auto channels_before = static_cast<std::size_t>(channels);
+  std::vector<T> plain(channels_before + row_values);  // a row, and a black pixel before it
   for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y) {
-    to_file(std::span(image.data).subspan(y * row_values, row_values), plain.data() + pixel_bytes);
+    const std::span row_of(plain.data() + channels_before, row_values);
+    std::ranges::copy(std::span(image.data).subspan(y * row_values, row_values), row_of.begin());
+    swap_order(row_of);
     unsigned char* row = rows.data() + y * (row_bytes + 1);
     *row++ = kSub;  // cheap, and helps
-    const unsigned char* const before = plain.data();
+    const auto* const before = reinterpret_cast<const unsigned char*>(plain.data());
     const unsigned char* const at = before + pixel_bytes;
     for (std::size_t i = 0; i < row_bytes; ++i)
       row[i] = static_cast<unsigned char>(at[i] - before[i]);

@@ -1,8 +1,10 @@
 #pragma once
 
+// PNG: read, written, and animated.
+
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
+#include <ostream>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,32 +42,61 @@ void write_png(const std::filesystem::path& path, const Image8& image);
 std::vector<unsigned char> encode_png(const Image8& image);
 std::vector<unsigned char> encode_png(const Image16& image);
 
-// For writers of PNG's parts (apng.cpp): chunks, and how pixels are packed (PNG, third edition, W3C
-// 2025).
+// ---- Animated PNG: any browser shows the animation, and every other viewer its first frame ----
+
+/// How a frame is stored: as a whole, or as the rectangle in which it differs from the one before.
+enum class ApngStores : std::uint8_t { whole, difference };
+
+/// Writes one RGB frame after the other, without loss; only one is in memory, two of differences.
+/// The stream's owner checks it for errors.
+class ApngWriter {
+ public:
+  /// `frames`: how many add() will be called with, at least one.
+  ApngWriter(std::ostream& out,
+             int width,
+             int height,
+             int frames,
+             int frames_per_second,
+             ApngStores stores = ApngStores::whole);
+  void add(const Image8& image);
+  void finish();
+
+ private:
+  std::ostream& out_;
+  int width_, height_, frames_, frames_per_second_;
+  ApngStores stores_;
+  int added_ = 0;
+  Image8 before_;
+  std::uint32_t sequence_ = 0;
+};
+
+// ---- Internal to core/io: chunks, and how pixels are packed (PNG, third edition, W3C 2025) ----
+
+using PngBytes = std::vector<unsigned char>;
 
 enum class PngColor : unsigned char { grey = 0, rgb = 2, rgba = 6 };
 
-/// By what a row's bytes are foretold; only what they differ by is packed.
+/// By what a row's bytes are predicted; only what they differ by is packed.
 enum PngFilter : unsigned char { kNone, kSub, kUp, kAverage, kPaeth, kFilters };
-/// That of the three neighbours which is nearest to left + up - corner.
-inline int paeth(int left, int up, int corner) {
-  const int guess = left + up - corner;
-  const int by_left = std::abs(guess - left), by_up = std::abs(guess - up);
-  const int by_corner = std::abs(guess - corner);
-  if (by_left <= by_up && by_left <= by_corner) return left;
-  return by_up <= by_corner ? up : corner;
-}
 
-void append_32(std::vector<unsigned char>& bytes, std::uint32_t value);  // big-endian
-void append_16(std::vector<unsigned char>& bytes, int value);
+std::uint32_t number_32(const unsigned char* at);  // big-endian, as these
+void append_32(PngBytes& bytes, std::uint32_t value);
+void append_16(PngBytes& bytes, int value);
 
 /// What every PNG begins with: signature and IHDR.
-std::vector<unsigned char> png_start(int width, int height, int bits, PngColor color);
-void append_chunk(std::vector<unsigned char>& out,
-                  std::string_view type,
-                  std::span<const unsigned char> content);
+PngBytes png_start(int width, int height, int bits, PngColor color);
+void append_chunk(PngBytes& out, std::string_view type, std::span<const unsigned char> content);
 
 /// A zlib stream; `level`: 1, quick, to 12, small. The same bytes give the same stream.
-std::vector<unsigned char> deflated(std::span<const unsigned char> bytes, int level);
+PngBytes deflated(std::span<const unsigned char> bytes, int level);
+
+/// Unpacks a file that is whole and nothing but pixels: grey or RGB of 8 or 16 bits, not
+/// interlaced, no chunk beside IHDR, IDAT and IEND. False for any other, and where anything is
+/// wrong with it: libpng then reads it, or says what is wrong. Several times as quick as libpng,
+/// which goes row by row and inflates with zlib. pixels: [height x row], as in the
+/// file: 16 bits with the high byte first.
+bool unpack_plain_png(std::span<const unsigned char> file,
+                      const PngInfo& info,
+                      std::span<unsigned char> pixels);
 
 }  // namespace planescope::io

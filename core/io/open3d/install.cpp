@@ -26,7 +26,6 @@
 #include <system_error>
 
 #include "core/io/cloud_files/cloud_file.hpp"
-#include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

@@ -9,7 +9,7 @@
 
 #include "core/lab/bench/measuring.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::lab {
 

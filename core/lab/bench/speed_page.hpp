@@ -11,7 +11,7 @@
 #include "core/lab/bench/scaling.hpp"
 #include "core/lab/bench/table.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::lab {
 

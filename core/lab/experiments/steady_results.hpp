@@ -10,7 +10,7 @@
 #include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/steadiness.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/data/build_info.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::lab {
 

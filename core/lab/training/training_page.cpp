@@ -5,7 +5,6 @@
 #include <kainjow/mustache.hpp>
 
 #include "core/report/page/charts.hpp"
-#include "core/report/page/plain_page.hpp"
 
 namespace planescope::lab {
 namespace {

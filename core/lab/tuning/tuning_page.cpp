@@ -5,7 +5,6 @@
 
 #include "core/lab/tuning/tuning_answer.hpp"
 #include "core/report/page/charts.hpp"
-#include "core/report/page/plain_page.hpp"
 
 namespace planescope::lab {
 namespace {

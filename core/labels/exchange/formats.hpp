@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/io/byte_reader.hpp"
-#include "core/io/cloud_files/cloud_formats.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/model/error.hpp"
 

@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "core/model/json_fields.hpp"
-#include "core/report/compare/rule_metrics.hpp"
 
 namespace planescope::report {
 namespace {
@@ -49,7 +48,7 @@ bool is_of(const Rule& rule, const FrameComparison& frame) {
 }
 
 std::vector<Group> groups_of(const Rule& rule,
-                             const MeasuredMetric& metric,
+                             const RuleMetric& metric,
                              const ReportComparison& comparison) {
   std::vector<Group> groups;
   for (const FrameComparison& frame : comparison.frames) {
@@ -76,12 +75,11 @@ bool breaks(double value, const Rule& rule) {
 void add_breaches(const Rule& rule,
                   const ReportComparison& comparison,
                   std::vector<Breach>& breaches) {
-  const MeasuredMetric& metric = find_metric(rule.metric);
+  const RuleMetric& metric = find_metric(rule.metric);
   for (const Group& group : groups_of(rule, metric, comparison)) {
-    const double value = folded(group.values, metric.metric.fold);
+    const double value = folded(group.values, metric.fold);
     if (!breaks(value, rule)) continue;
-    if (metric.with_undecided && !breaks(folded(group.with_undecided, metric.metric.fold), rule))
-      continue;
+    if (metric.with_undecided && !breaks(folded(group.with_undecided, metric.fold), rule)) continue;
     breaches.push_back({rule, group.recording, group.frame, value, ""});
     if (rule.scope == RuleScope::frame && metric.why)
       breaches.back().why = metric.why(*group.first);
@@ -89,11 +87,11 @@ void add_breaches(const Rule& rule,
 }
 
 void add_notes(const Rule& rule, const ReportComparison& comparison, std::vector<Breach>& notes) {
-  const MeasuredMetric& metric = find_metric(rule.metric);
+  const RuleMetric& metric = find_metric(rule.metric);
   if (!metric.with_undecided) return;
   for (const Group& group : groups_of(rule, metric, comparison)) {
-    const double decided = folded(group.values, metric.metric.fold);
-    const double all = folded(group.with_undecided, metric.metric.fold);
+    const double decided = folded(group.values, metric.fold);
+    const double all = folded(group.with_undecided, metric.fold);
     if (decided == all || (!breaks(decided, rule) && !breaks(all, rule))) continue;
     const std::string planes = rule.scope == RuleScope::frame
                                    ? ": " + metric.undecided(*group.first)
@@ -121,10 +119,9 @@ Rule rule_of(const JsonPlace& place) {
   place.has_only({"metric", "scope", "recording", "frame", "at_least", "at_most", "level"});
   Rule rule;
   read_fields(place, rule);
-  if (std::ranges::none_of(measured_metrics(),
-                           [&](const MeasuredMetric& m) { return m.metric.name == rule.metric; })) {
+  if (!std::ranges::count(rule_metrics(), rule.metric, &RuleMetric::name)) {
     std::vector<std::string_view> names;
-    for (const MeasuredMetric& metric : measured_metrics()) names.push_back(metric.metric.name);
+    for (const RuleMetric& metric : rule_metrics()) names.push_back(metric.name);
     place.at("metric").fail_kind(fmt::format("one of {}", fmt::join(names, ", ")));
   }
   if (!place.has("at_least") && !place.has("at_most"))
@@ -132,7 +129,7 @@ Rule rule_of(const JsonPlace& place) {
   if (rule.at_least > rule.at_most)
     place.fail_kind(fmt::format("at_least {} not above at_most {}, which no value can be within",
                                 rule.at_least, rule.at_most));
-  if (!find_metric(rule.metric).metric.is_timing) return rule;
+  if (find_metric(rule.metric).need != RuleNeed::timing) return rule;
   if (!place.has("level")) rule.level = RuleLevel::warn;
   if (rule.level == RuleLevel::error)
     place.at("level").fail_kind("warn or off for " + rule.metric +
@@ -156,7 +153,7 @@ std::string why_no_value(const RuleMetric& metric, bool by_name, bool compared) 
   }
   // A rule on a change since the baseline may wait for a baseline, unless it names its frames.
   if (metric.needs_baseline && !by_name) return "";
-  if (metric.needs_truth) return "no such frame has labels";
+  if (metric.need == RuleNeed::truth) return "no such frame has labels";
   if (metric.need == RuleNeed::foot) return "no foot is given, as by --foot 0.08";
   if (metric.need == RuleNeed::stairs) return "no such frame has stairs";
   if (metric.need == RuleNeed::tracks) return "planes are not followed, as by --tracks";
@@ -165,8 +162,8 @@ std::string why_no_value(const RuleMetric& metric, bool by_name, bool compared) 
 
 /// Why the rule holds nothing; empty: it holds something, or there is nothing yet that it is about.
 std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool has_baseline) {
-  const MeasuredMetric& metric = find_metric(rule.metric);
-  const bool needs_baseline = metric.metric.needs_baseline;
+  const RuleMetric& metric = find_metric(rule.metric);
+  const bool needs_baseline = metric.needs_baseline;
   if (needs_baseline && !has_baseline) return "it needs a baseline";
   bool has_recording = rule.recording.empty(), has_frame = false, has_value = false;
   bool compared = false;
@@ -182,41 +179,26 @@ std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool 
   if (!has_frame) return "there is no such frame";
   if (has_value) return "";
   const bool by_name = !rule.recording.empty() || rule.frame >= 0;
-  return why_no_value(metric.metric, by_name, compared);
+  return why_no_value(metric, by_name, compared);
 }
 
 }  // namespace
 
-const std::vector<RuleMetric>& rule_metrics() {
-  static const std::vector<RuleMetric> all = [] {
-    std::vector<RuleMetric> result;
-    for (const MeasuredMetric& metric : measured_metrics()) result.push_back(metric.metric);
-    return result;
-  }();
-  return all;
-}
-
 std::vector<Rule> built_in_rules() {
-  std::vector<Rule> rules;
-  const auto at_most = [&rules](const char* metric, double limit, RuleLevel level) {
-    rules.emplace_back();
-    rules.back().metric = metric;
-    rules.back().at_most = limit;
-    rules.back().level = level;
-  };
-  for (const char* metric : {"frames_missing", "frames_refused", "labels_missing", "planes_lost",
-                             "planes_gained", "planes_merged", "planes_split"})
-    at_most(metric, 0, RuleLevel::error);
-  at_most("offset_mm", 5, RuleLevel::error);
-  at_most("angle_deg", 1, RuleLevel::error);
-  at_most("planes_resized", 0, RuleLevel::warn);
-  at_most("inputs_changed", 0, RuleLevel::warn);
-  rules.emplace_back();
-  rules.back().metric = "mean_iou_change";
-  rules.back().at_least = -1;
-  at_most("time_growth", 2, RuleLevel::warn);
-  rules.back().scope = RuleScope::all;
-  return rules;
+  using enum RuleLevel;
+  return {{.metric = "frames_missing", .at_most = 0},
+          {.metric = "frames_refused", .at_most = 0},
+          {.metric = "labels_missing", .at_most = 0},
+          {.metric = "planes_lost", .at_most = 0},
+          {.metric = "planes_gained", .at_most = 0},
+          {.metric = "planes_merged", .at_most = 0},
+          {.metric = "planes_split", .at_most = 0},
+          {.metric = "offset_mm", .at_most = 5},
+          {.metric = "angle_deg", .at_most = 1},
+          {.metric = "planes_resized", .at_most = 0, .level = warn},
+          {.metric = "inputs_changed", .at_most = 0, .level = warn},
+          {.metric = "mean_iou_change", .at_least = -1},
+          {.metric = "time_growth", .scope = RuleScope::all, .at_most = 2, .level = warn}};
 }
 
 std::vector<Rule> read_rules(const std::filesystem::path& file) {
@@ -249,7 +231,7 @@ std::string digits_of(double value, int digits) {
 /// "1 plane", "2 planes", "5 mm", "1.2 % points", "1.5 times".
 std::string with_unit(const std::string& number, const RuleMetric& metric) {
   if (metric.unit.empty()) return number;
-  std::string_view unit = metric.unit == "m2" ? "m\u00b2" : metric.unit;
+  std::string_view unit = metric.unit == "m2" ? "m\u00b2" : std::string_view(metric.unit);
   if (number == "1" &&
       (unit == "planes" || unit == "frames" || unit == "steps" || unit == "degrees"))
     unit.remove_suffix(1);
@@ -259,7 +241,7 @@ std::string with_unit(const std::string& number, const RuleMetric& metric) {
 }  // namespace
 
 std::string Breach::text() const {
-  const RuleMetric& metric = find_metric(rule.metric).metric;
+  const RuleMetric& metric = find_metric(rule.metric);
   const bool low = value < rule.at_least;
   const double limit = low ? rule.at_least : rule.at_most;
   int digits = 3;

@@ -5,7 +5,9 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,7 +34,7 @@ inline const char* to_string(RuleScope scope) {
 struct Rule {
   std::string metric;  // of rule_metrics()
   RuleScope scope = RuleScope::frame;
-  std::string recording;
+  std::string recording = {};
   int frame = -1;
   double at_least = -std::numeric_limits<double>::infinity();
   double at_most = std::numeric_limits<double>::infinity();
@@ -43,20 +45,56 @@ struct Rule {
 /// How the values of several frames become one.
 enum class RuleFold : std::uint8_t { mean, sum, largest };
 
-/// What a frame must tell of, apart from its planes.
-enum class RuleNeed : std::uint8_t { nothing, foot, stairs, tracks };
+/// What a frame must have for a value. `timing` depends on the machine, and only ever warns.
+enum class RuleNeed : std::uint8_t { nothing, truth, foot, stairs, tracks, timing };
 
-struct RuleMetric {
-  std::string_view name, unit;
-  std::string_view sentence;  // of a value: {n} is the value with its unit, {are}, {have} agree
-  std::string_view meaning;
-  bool needs_baseline = false, needs_truth = false;
-  RuleFold fold = RuleFold::mean;
-  bool is_timing = false;  // only ever warns
+/// More than a value tells of a frame that has one.
+using FrameWords = std::string (*)(const FrameComparison&);
+
+/// A figure of a frame, which rules, frames.csv and the page's charts and tables take from here.
+struct FrameMetric {
+  const char *name, *unit;
+  const char* sentence;  // of a value: {n} is the value with its unit, {are}, {have} agree
+  const char* meaning;
+  double (*value)(const ReportFrame&);  // of one that was processed; NaN: it has none
   RuleNeed need = RuleNeed::nothing;
+  RuleFold fold = RuleFold::mean;
+  /// The rule on its change since the baseline: "WHAT changed by {n}"; no name: there is none.
+  struct Change {
+    const char *name = nullptr, *what = nullptr, *meaning = nullptr;
+    FrameWords why = nullptr;
+  } change = {};
+  /// By frame, below `heading`; no heading: there is none.
+  struct Chart {
+    const char *heading = nullptr, *name = nullptr;
+    bool from_zero = false, unless_zero = false;  // left out where all frames have 0
+  } chart = {};
+  const char* column = nullptr;  // of the page's table of frames; null: none
+  FrameWords why = nullptr;
+};
+const std::vector<FrameMetric>& frame_metrics();
+/// `name` must be one of them.
+const FrameMetric& find_frame_metric(std::string_view name);
+
+using FrameValue = std::function<std::optional<double>(const FrameComparison&)>;
+
+/// What a rule may be about.
+struct RuleMetric {
+  std::string name, unit, sentence, meaning;  // as of FrameMetric
+  bool needs_baseline = false;
+  RuleFold fold = RuleFold::mean;
+  RuleNeed need = RuleNeed::nothing;
+  FrameValue value;  // nullopt where the frame has none
+  FrameWords why = nullptr;
+  // Changes of undecided planes are not in `value`. The value with them; empty: there is no such
+  // difference. And which undecided planes changed: "plane 3 (margin 0.02)".
+  FrameValue with_undecided = {};
+  std::function<std::string(const FrameComparison&)> undecided = {};
 };
 /// "planes_lost", "offset_mm", "mean_iou_change", ...
 const std::vector<RuleMetric>& rule_metrics();
+/// `name` must be one of them.
+const RuleMetric& find_metric(std::string_view name);
 
 /// Planes lost, gained, merged, split, or moved by 5 mm or 1 degree; a fall in IoU; refused frames.
 std::vector<Rule> built_in_rules();

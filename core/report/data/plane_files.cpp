@@ -1,4 +1,4 @@
-#include "core/report/data/plane_files.hpp"
+// A frame's planes in the formats of other tools, and all files of it.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,13 +6,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
-#include "core/model/error.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json_fields.hpp"
-#include "core/planes/outline/outline.hpp"
-#include "core/report/data/plane_svg.hpp"
+#include "core/report/data/segment_files.hpp"
 
 namespace planescope::report {
 namespace {
@@ -21,6 +23,26 @@ using Json = nlohmann::ordered_json;
 using planes::Outline;
 using planes::Polygon;
 using planes::PolygonRing;
+
+constexpr double kDegrees = 180 / std::numbers::pi;  // per radian
+
+/// geometry_msgs/Vector3, Point and Point32; also the world's of PlanarTerrain.
+Json xyz_json(const Vec3d& p) {
+  return {{"x", rounded(p.x())}, {"y", rounded(p.y())}, {"z", rounded(p.z())}};
+}
+
+Json quaternion_json(const Eigen::Quaterniond& q) {
+  Json json = xyz_json(q.vec());
+  json["w"] = rounded(q.w());
+  return json;
+}
+
+template <typename Things, typename ToJson>
+Json list_json(const Things& things, const ToJson& to_json) {
+  Json list = Json::array();
+  for (const auto& thing : things) list.push_back(to_json(thing));
+  return list;
+}
 
 // ---- GeoJSON ----
 
@@ -112,29 +134,22 @@ std::string ply_text(const planes::FramePlanes& found) {
 // ---- convex_plane_decomposition_msgs/PlanarTerrain ----
 
 Json points_json(const PolygonRing& ring) {
-  Json points = Json::array();
-  for (const Vec2d& p : ring) points.push_back({{"x", rounded(p.x())}, {"y", rounded(p.y())}});
-  return {{"points", points}};
+  return {{"points", list_json(ring, [](const Vec2d& p) -> Json {
+             return {{"x", rounded(p.x())}, {"y", rounded(p.y())}};
+           })}};
 }
 
 Json with_holes_json(const Polygon& polygon) {
-  Json holes = Json::array();
-  for (const PolygonRing& hole : polygon.holes) holes.push_back(points_json(hole));
-  return {{"outer_boundary", points_json(polygon.outer)}, {"holes", holes}};
+  return {{"outer_boundary", points_json(polygon.outer)},
+          {"holes", list_json(polygon.holes, points_json)}};
 }
 
 /// Coordinates on the plane: the pose takes them to the world, z along the normal.
 Json pose_json(const Outline& outline) {
   Mat3d axes;
   axes << outline.basis.u, outline.basis.v, outline.basis.u.cross(outline.basis.v);
-  const Eigen::Quaterniond q(axes);
-  const Vec3d& p = outline.origin;
-  return {{"position", {{"x", rounded(p.x())}, {"y", rounded(p.y())}, {"z", rounded(p.z())}}},
-          {"orientation",
-           {{"x", rounded(q.x())},
-            {"y", rounded(q.y())},
-            {"z", rounded(q.z())},
-            {"w", rounded(q.w())}}}};
+  return {{"position", xyz_json(outline.origin)},
+          {"orientation", quaternion_json(Eigen::Quaterniond(axes))}};
 }
 
 Json box_json(const PolygonRing& ring) {
@@ -168,11 +183,8 @@ std::string planar_terrain_text(const planes::FramePlanes& found) {
 
 // ---- CSV ----
 
-std::string csv_number(double value) {
+std::string csv_of(double value) {
   return std::isfinite(value) ? fmt::format("{}", rounded(value)) : std::string();
-}
-std::string csv_vector(const Vec3d& v) {
-  return fmt::format("{},{},{}", csv_number(v.x()), csv_number(v.y()), csv_number(v.z()));
 }
 
 std::string csv_text(const planes::FramePlanes& found) {
@@ -181,38 +193,29 @@ std::string csv_text(const planes::FramePlanes& found) {
       "rms_m,area_m2,outline_area_m2,slope_deg,rough_rms_m,rough_step_m,support,best_x,best_y,"
       "best_z,clearance_m,tilt_sigma_1_deg,tilt_sigma_2_deg,offset_sigma_m,steppable,why_not,"
       "foot_area_m2,pieces,margin,undecided\n";
-  constexpr double kDeg = 180 / M_PI;
   for (std::size_t k = 0; k < found.summaries.size(); ++k) {
     const planes::PlaneSummary& s = found.summaries[k];
     const planes::Foothold& foothold = found.footholds[k];
     const planes::Surface& surface = foothold.surface;
     const planes::Certainty& certainty = foothold.certainty;
-    const std::vector<std::string> cells = {std::to_string(s.id),
-                                            to_string(s.label),
-                                            csv_vector(s.normal),
-                                            csv_vector(s.centroid),
-                                            csv_number(s.offset_m),
-                                            std::to_string(s.points),
-                                            std::to_string(s.voxels),
-                                            csv_number(s.rms_m),
-                                            csv_number(s.area_m2),
-                                            csv_number(found.outlines[k].area_m2),
-                                            csv_number(surface.slope_deg),
-                                            csv_number(surface.rough_rms_m),
-                                            csv_number(surface.rough_step_m),
-                                            csv_number(surface.support),
-                                            csv_vector(surface.best_place),
-                                            csv_number(surface.clearance_m),
-                                            csv_number(certainty.sigma_tilt_rad[0] * kDeg),
-                                            csv_number(certainty.sigma_tilt_rad[1] * kDeg),
-                                            csv_number(certainty.sigma_offset_m)};
-    text += fmt::format("{}", fmt::join(cells, ","));
+    text += fmt::format("{},{}", s.id, to_string(s.label));
+    const auto add = [&](const auto&... values) { ((text += ',', text += csv_of(values)), ...); };
+    const auto add_vector = [&](const Vec3d& v) { add(v.x(), v.y(), v.z()); };
+    add_vector(s.normal);
+    add_vector(s.centroid);
+    add(s.offset_m);
+    text += fmt::format(",{},{}", s.points, s.voxels);
+    add(s.rms_m, s.area_m2, found.outlines[k].area_m2, surface.slope_deg, surface.rough_rms_m,
+        surface.rough_step_m, surface.support);
+    add_vector(surface.best_place);
+    add(surface.clearance_m, certainty.sigma_tilt_rad[0] * kDegrees,
+        certainty.sigma_tilt_rad[1] * kDegrees, certainty.sigma_offset_m);
     if (foothold.space)
       text += fmt::format(",{},\"{}\",{},{}", foothold.steppable, foothold.why_not,
-                          csv_number(foothold.space->area_m2), foothold.space->pieces.size());
+                          csv_of(foothold.space->area_m2), foothold.space->pieces.size());
     else
       text += ",,,,";
-    text += fmt::format(",{},{}\n", csv_number(s.margin), s.undecided);
+    text += fmt::format(",{},{}\n", csv_of(s.margin), s.undecided);
   }
   return text;
 }
@@ -238,6 +241,209 @@ void write_plane_files(const std::filesystem::path& dir,
   for (const PlaneFormat& format : plane_formats())
     if (std::ranges::find(formats, format.name) != formats.end())
       write_file_text(dir / format.file, format.text(found));
+}
+
+// ---- Messages of packaging/ros2/planescope_msgs ----
+
+namespace {
+
+Json ros_transform(const Pose& pose) {
+  Eigen::Quaterniond q(pose.linear());
+  if (q.w() < 0) q.coeffs() *= -1;
+  return {{"translation", xyz_json(pose.translation())}, {"rotation", quaternion_json(q)}};
+}
+
+Json ros_polygon(const Outline& outline, const PolygonRing& ring) {
+  return {{"points", list_json(ring, [&](const Vec2d& p) { return xyz_json(outline.world(p)); })}};
+}
+
+Json ros_polygons(const Outline& outline, const std::vector<PolygonRing>& rings) {
+  return list_json(rings, [&](const PolygonRing& ring) { return ros_polygon(outline, ring); });
+}
+
+/// Minor planes are in no message.
+Json ros_ids(const planes::LevelPlanes& planes) {
+  Json ids = Json::array();
+  for (const int id : planes)
+    if (id > 0) ids.push_back(id);
+  return ids;
+}
+
+Json ros_plane(const planes::FramePlanes& found, std::size_t k) {
+  const planes::PlaneSummary& summary = found.summaries[k];
+  const Outline& outline = found.outlines[k];
+  const planes::Foothold& foothold = found.footholds[k];
+  const Json parts = list_json(outline.parts, [&](const Outline::Part& part) -> Json {
+    return {{"outer", ros_polygon(outline, part.outer)},
+            {"holes", ros_polygons(outline, part.holes)},
+            {"unknown", ros_polygons(outline, part.unknown)}};
+  });
+  const double height = found.stairs.height_m[k];
+  const bool has_margin = std::isfinite(summary.margin);
+  const bool has_height = !std::isnan(height);
+  Json places = Json::array();
+  if (foothold.space) places = ros_polygons(outline, foothold.space->pieces);
+  return {{"id", summary.id},
+          {"label", static_cast<int>(summary.label)},
+          {"normal", xyz_json(summary.normal)},
+          {"offset", rounded(summary.offset_m)},
+          {"centroid", xyz_json(summary.centroid)},
+          {"sigma_tilt",
+           {rounded(foothold.certainty.sigma_tilt_rad[0]),
+            rounded(foothold.certainty.sigma_tilt_rad[1])}},
+          {"sigma_offset", rounded(foothold.certainty.sigma_offset_m)},
+          {"points", summary.points},
+          {"rms", rounded(summary.rms_m)},
+          {"undecided", summary.undecided},
+          {"has_margin", has_margin},
+          {"margin", has_margin ? rounded(summary.margin) : 0.0},
+          {"outline", parts},
+          {"area", rounded(outline.area_m2)},
+          {"has_height", has_height},
+          {"height", has_height ? rounded(height) : 0.0},
+          {"steppable", foothold.steppable},
+          {"why_not", foothold.why_not},
+          {"places", places}};
+}
+
+Json ros_step(const planes::LevelPlanes& lower,
+              const planes::LevelPlanes& upper,
+              int riser,
+              double rise_m,
+              double going_m,
+              const planes::NosingLine& nosing) {
+  return {{"lower", ros_ids(lower)},
+          {"upper", ros_ids(upper)},
+          {"riser", std::max(0, riser)},
+          {"rise", rounded(rise_m)},
+          {"going", rounded(going_m)},
+          {"nosing_right", xyz_json(nosing.right)},
+          {"nosing_left", xyz_json(nosing.left)}};
+}
+
+Json ros_flight(const planes::Flight& flight) {
+  Json steps = Json::array();
+  const planes::LevelPlanes* below = &flight.foot;
+  for (const planes::Flight::Step& step : flight.steps) {
+    steps.push_back(
+        ros_step(*below, step.tread, step.riser, step.rise_m, step.going_m, step.nosing));
+    below = &step.tread;
+  }
+  return {{"steps", steps},
+          {"rise", rounded(flight.rise_m)},
+          {"going", rounded(flight.going_m)},
+          {"width", rounded(flight.width_m)},
+          {"uphill", xyz_json(flight.uphill)},
+          {"landing", flight.landing}};
+}
+
+Json ros_ramp(const planes::SlopingPlane& ramp) {
+  return {{"plane", std::max(0, ramp.plane)},
+          {"slope", rounded(ramp.slope_deg * (std::numbers::pi / 180))},
+          {"rise", rounded(ramp.rise_m)},
+          {"run", rounded(ramp.run_m)},
+          {"width", rounded(ramp.width_m)},
+          {"uphill", xyz_json(ramp.uphill)},
+          {"lower", ros_ids(ramp.lower)},
+          {"upper", ros_ids(ramp.upper)}};
+}
+
+/// builtin_interfaces/Time
+Json ros_time(double timestamp_s) {
+  const double whole = std::floor(std::max(0.0, timestamp_s));
+  const double rest = std::max(0.0, timestamp_s) - whole;
+  return {{"sec", static_cast<std::int64_t>(whole)},
+          {"nanosec", std::min<std::int64_t>(999'999'999, std::llround(rest * 1e9))}};
+}
+
+}  // namespace
+
+std::string ros_json(const Frame& frame,
+                     const planes::FrameResult& result,
+                     const planes::FramePlanes& found) {
+  Json planes = Json::array();
+  for (std::size_t k = 0; k < found.summaries.size(); ++k) planes.push_back(ros_plane(found, k));
+  const auto kerb_step = [](const planes::Kerb& kerb) {
+    return ros_step(kerb.lower, kerb.upper, kerb.riser, kerb.rise_m, 0, kerb.nosing);
+  };
+  return Json({{"header",
+                {{"stamp", ros_time(frame.timestamp_s)}, {"frame_id", "planescope_world"}}},
+               {"sensor", ros_transform(result.cloud.T_world_sensor)},
+               {"gravity_known", result.gravity.known()},
+               {"planes", planes},
+               {"flights", list_json(found.stairs.flights, ros_flight)},
+               {"kerbs", list_json(found.stairs.kerbs, kerb_step)},
+               {"ramps", list_json(found.stairs.ramps, ros_ramp)}})
+      .dump();
+}
+
+// ---- What `planescope segment` writes ----
+
+std::filesystem::path frame_folder(int frame_index) {
+  return std::filesystem::path("frames") / fmt::format("{:06}", frame_index);
+}
+
+Image16 plane_image(const Frame& frame, const planes::FrameResult& result) {
+  Image16 image(frame.depth.width, frame.depth.height);
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
+    image.data[result.cloud.source[i]] =
+        static_cast<std::uint16_t>(std::min(result.plane_of[i], 65535));
+  return image;
+}
+
+Image16 track_image(const Frame& frame,
+                    const planes::FrameResult& result,
+                    std::span<const int> tracks) {
+  Image16 image = plane_image(frame, result);
+  for (std::uint16_t& id : image.data)
+    if (id > 0) id = static_cast<std::uint16_t>(std::min(tracks[id - 1], 65535));
+  return image;
+}
+
+PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result) {
+  const planes::Cloud& cloud = result.cloud;
+  const std::size_t n = frame.is_cloud() ? frame.cloud->points.size() : cloud.points.size();
+  // World coordinates close to zero fit a float; an origin far away is written as doubles.
+  const bool far_away = cloud.origin.norm() > 100;
+  PointSet set;
+  if (far_away) set.origin = cloud.origin;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  set.points.assign(n, Vec3f(kNan, kNan, kNan));  // what was no measurement stays none
+  set.label.assign(n, 0);
+  const std::uint32_t* const place_of = frame.is_cloud() ? cloud.source.data() : nullptr;
+  const auto place = [place_of](std::size_t i) { return place_of ? place_of[i] : i; };
+  const Vec3d shift = far_away ? Vec3d::Zero().eval() : cloud.origin;
+  if (place_of || !shift.isZero(0))
+    for (std::size_t i = 0; i < cloud.points.size(); ++i)
+      set.points[place(i)] = (cloud.points[i].cast<double>() + shift).cast<float>();
+  else
+    std::ranges::transform(cloud.points, set.points.begin(),
+                           [](const Vec3f& p) { return p + Vec3f::Zero(); });  // -0 becomes 0
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (const std::uint32_t voxel = result.voxels.voxel_of[i]; voxel != planes::kNoVoxel)
+      set.label[place(i)] = static_cast<std::uint8_t>(result.classification.labels[voxel]);
+  if (!place_of) {
+    set.instance = result.plane_of;
+    return set;
+  }
+  set.instance.assign(n, 0);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) set.instance[place(i)] = result.plane_of[i];
+  return set;
+}
+
+void write_segment_files(const std::filesystem::path& dir,
+                         const Frame& frame,
+                         const planes::FrameResult& result,
+                         const planes::FramePlanes& found,
+                         const planes::PipelineOptions& options,
+                         const std::vector<std::string>& also) {
+  write_file_text(dir / "timings.json", planes::timings_json(result.timings));
+  write_file_text(dir / "planes.json", planes::planes_json(frame, result, found, options));
+  write_plane_files(dir, also, found);
+  if (!frame.is_cloud()) io::write_png(dir / "planes.png", plane_image(frame, result));
+  if (!frame.is_cloud() && found.tracks)
+    io::write_png(dir / "tracks.png", track_image(frame, result, *found.tracks));
+  io::write_ply(dir / "cloud.ply", labelled_cloud(frame, result));
 }
 
 }  // namespace planescope::report

@@ -1,10 +1,10 @@
-#include "core/report/data/plane_svg.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "core/report/data/segment_files.hpp"
 
 namespace planescope::report {
 namespace {

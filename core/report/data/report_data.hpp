@@ -3,10 +3,12 @@
 // What a report says, as plain data: of the run that is being made, and of an earlier one that is
 // read back. report_json.hpp writes and reads it, report_files.hpp makes the other files of it.
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,12 +18,104 @@
 #include "core/planes/result/analyze.hpp"
 #include "core/planes/segment/options.hpp"
 #include "core/planes/segment/segment.hpp"
-#include "core/report/data/region_sample.hpp"
-#include "core/report/data/terrain.hpp"
 
 namespace planescope::report {
 
 struct Judgement;
+
+/// What this binary was built from.
+struct BuildInfo {
+  std::string version;    // "0.2.0"
+  std::string commit;     // 40 hex digits, or "unknown" where it was not built from a git checkout
+  bool modified = false;  // tracked files differed from the commit
+};
+BuildInfo build_info();
+
+// ---- What a report keeps of what one can stand on: figures of planes.json, without polygons ----
+
+struct FootRoom {
+  bool steppable = false;
+  std::string why_not;  // empty: steppable
+  double area_m2 = 0;   // where the foot's centre may go
+  int piece_count = 0;  // convex, of that area
+};
+
+/// Of a plane.
+struct Footing {
+  double outline_area_m2 = 0;
+  double height_m = std::nan("");  // above the floor; NaN: it is not level
+  // As planes::Surface has them.
+  double slope_deg = std::nan("");
+  double rough_rms_m = 0, rough_step_m = 0, support = 0, clearance_m = 0;
+  double tilt_sigma_deg[2] = {0, 0};  // towards the axis of the longer extent, the shorter
+  double offset_sigma_m = 0;
+
+  std::optional<FootRoom> foot;  // where one was given
+};
+
+struct FlightFigures {
+  int count = 0;  // of steps
+  planes::SeenFrom seen = planes::SeenFrom::unknown;
+  double rise_m = 0, going_m = 0, width_m = 0;
+  bool landing = false;
+  std::vector<int> planes;  // ids of the foot and of the treads, from the lowest
+};
+/// "4 steps up, rise 170 mm, going 289 mm".
+std::string text_of(const FlightFigures& flight);
+
+struct KerbFigures {
+  double rise_m = 0, width_m = 0;
+  std::vector<int> planes;  // the lower ones, then the upper ones
+};
+std::string text_of(const KerbFigures& kerb);  // "120 mm"
+
+struct RampFigures {
+  int plane = 0;
+  double slope_deg = 0, rise_m = 0, run_m = 0, width_m = 0;
+};
+std::string text_of(const RampFigures& ramp);  // "12 deg"
+
+/// Of a frame.
+struct Terrain {
+  int floor = 0;  // plane, 0 none
+  // Where a foot's centre may go, over all steppable planes; NaN: no foot was given.
+  double steppable_area_m2 = std::nan("");
+  std::vector<FlightFigures> flights;  // those of most steps first
+  std::vector<KerbFigures> kerbs;
+  std::vector<RampFigures> ramps;
+
+  int steps() const;  // of all flights
+  /// "1 flight: 4 steps up, rise 170 mm, going 289 mm; 1 kerb: 120 mm"; empty where there is
+  /// nothing.
+  std::string text() const;
+};
+
+/// One for each plane, by id - 1; none where only summaries are there.
+std::vector<Footing> footings_of(const planes::FramePlanes& found);
+/// `foot`: whether one was given, and areas are known.
+Terrain terrain_of(const planes::Stairs& stairs);
+Terrain terrain_of(const planes::FramePlanes& found, bool foot);
+
+// ---- Frames ----
+
+/// Which plane some of a frame's measurements are on: enough to match its planes with those of
+/// another run, and small enough to be kept.
+struct RegionSample {
+  struct Run {
+    int plane = 0;  // plane id, 0 in none, -1 not measured or cropped
+    int count = 0;
+    bool operator==(const Run&) const = default;
+  };
+  int step = 1;               // every step-th pixel of every step-th row, or point of a cloud
+  int columns = 0, rows = 0;  // of a cloud one row
+  std::vector<Run> runs;      // row by row
+
+  bool operator==(const RegionSample&) const = default;
+  std::vector<int> plane_of() const;  // one per sample
+};
+
+std::vector<RegionSample::Run> runs_of(std::span<const int> plane_of);
+RegionSample sample_regions(const Frame& frame, const planes::FrameResult& result);
 
 /// A plane with the colour that all pictures give it ("#rrggbb").
 struct ReportPlane {
@@ -160,7 +254,6 @@ struct ReportTotals {
   std::optional<planes::Metrics> metrics;  // mean over the frames with ground truth
 };
 ReportTotals totals_of(const Report& report);
-ReportTotals totals_of(const ReportRecording& recording);
 
 /// How many depths of the octree a table of its nodes needs: from the root to the deepest node that
 /// was visited, at least 1.

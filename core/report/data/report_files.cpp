@@ -10,7 +10,6 @@
 #include "core/model/json.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/compare/judgement.hpp"
-#include "core/report/data/frame_json.hpp"
 #include "core/report/data/report_json.hpp"
 #include "core/report/page/page.hpp"
 
@@ -32,18 +31,15 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-/// Of the steppable area, which is empty without a foot, and of the flight of most steps.
-std::string terrain_cells(const ReportFrame& frame) {
-  if (!frame.terrain) return ",,,";
-  const Terrain& terrain = *frame.terrain;
-  const std::string area = std::isnan(terrain.steppable_area_m2)
-                               ? std::string()
-                               : fmt::format("{:.6g}", terrain.steppable_area_m2);
-  if (terrain.flights.empty()) return area + ",0,,";
-  const FlightFigures& flight = terrain.flights.front();
-  return area + fmt::format(",{},{:.6g},{:.6g}", terrain.steps(), flight.rise_m, flight.going_m);
+/// The metrics of frame_metrics() that are columns.
+constexpr const char* kCsvMetrics[] = {
+    "alpha_deg", "r_p", "r_m", "point_accuracy", "mean_iou", "steppable_area_m2", "stairs_steps"};
+
+std::string csv_number(double value) {
+  return std::isnan(value) ? std::string() : fmt::format("{:.6g}", value);
 }
 
+/// What a frame does not have is empty.
 std::string csv_line(const ReportRecording& recording, const ReportFrame& frame) {
   const std::string start = fmt::format(
       "{},{},{},{},{}", quoted(recording.info.path.string()), frame.index, quoted(frame.name),
@@ -51,22 +47,24 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
   if (!frame.refused.empty()) return start + std::string(26, ',') + "\n";
   const planes::CloudCounts& c = frame.counts;
   const Vec3d& g = frame.gravity.direction;
-  // Without gravity there is no direction, and no plane is h or v: left empty.
+  // Without gravity there is no direction, and no plane is h or v.
   std::string gravity = ",,", classes = ",";
   if (frame.gravity.known()) {
     gravity = fmt::format("{:.6f},{:.6f},{:.6f}", g.x(), g.y(), g.z());
     classes = fmt::format("{},{}", frame.planes_h, frame.planes_v);
   }
-  std::string metrics = ",,,,,";
-  if (frame.metrics)
-    metrics = fmt::format("{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", frame.metrics->planes_truth,
-                          frame.metrics->alpha_deg, frame.metrics->r_p, frame.metrics->r_m,
-                          frame.metrics->point_accuracy, frame.metrics->mean_iou);
-  return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+  std::string metrics = frame.metrics ? std::to_string(frame.metrics->planes_truth) : "";
+  for (const char* name : kCsvMetrics)
+    metrics += "," + csv_number(find_frame_metric(name).value(frame));
+  // Of the flight of most steps.
+  const bool has_flight = frame.terrain && !frame.terrain->flights.empty();
+  const FlightFigures flight = has_flight ? frame.terrain->flights.front() : FlightFigures();
+  return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
                              to_string(frame.gravity.source), gravity, c.pixels, c.no_measurement,
                              c.invalid, c.beyond_range, c.outside_cube, c.kept, frame.voxels,
                              classes, frame.points_on_planes, frame.segment.unassigned, metrics,
-                             terrain_cells(frame), frame.planes_undecided);
+                             has_flight ? csv_number(flight.rise_m) : "",
+                             has_flight ? csv_number(flight.going_m) : "", frame.planes_undecided);
 }
 
 // junit.xml, valid against the schema of Ant's JUnit task and within what Jenkins and GitLab read.
@@ -194,8 +192,9 @@ std::string frames_csv(const Report& report) {
   std::string text =
       "recording,frame,name,status,message,gravity_source,gravity_x,gravity_y,gravity_z,pixels,"
       "no_measurement,invalid,beyond_range,outside_cube,n_m,n_d,planes_h,planes_v,"
-      "points_on_planes,voxels_in_no_plane,truth_planes,alpha_deg,r_p,r_m,point_accuracy,"
-      "mean_iou,steppable_area_m2,stairs_steps,rise_m,going_m,planes_undecided\n";
+      "points_on_planes,voxels_in_no_plane,truth_planes";
+  for (const char* name : kCsvMetrics) text += fmt::format(",{}", name);
+  text += ",rise_m,going_m,planes_undecided\n";
   for (const ReportRecording& recording : report.recordings)
     for (const ReportFrame& frame : recording.frames) text += csv_line(recording, frame);
   return text;

@@ -16,7 +16,6 @@
 #include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
 #include "core/report/compare/judgement.hpp"
-#include "core/report/data/frame_json.hpp"
 
 namespace planescope::report {
 namespace {

@@ -5,10 +5,12 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/model/json_fields.hpp"
 #include "core/report/data/report_data.hpp"
 
 namespace planescope::report {
@@ -42,5 +44,18 @@ struct ReportTarget {
 };
 /// Throws Error that names the file, what was found after its name and what was expected.
 ReportTarget parse_report_target(const std::string& text);
+
+// A frame in it.
+
+nlohmann::ordered_json metrics_json(const planes::Metrics& metrics);
+/// All of it but its timings. `ours`: with what the octree's traversal tells.
+nlohmann::ordered_json frame_json(const ReportFrame& frame, bool ours);
+/// Of its timings and its reference work.
+nlohmann::ordered_json timings_json(const ReportFrame& frame);
+
+/// These throw Error naming the place. Hulls, and the noise elsewhere than at 1 m, are not in the
+/// file.
+ReportFrame read_frame(const JsonPlace& place, Extent extent);
+void read_timings(const JsonPlace& place, ReportFrame& frame);
 
 }  // namespace planescope::report

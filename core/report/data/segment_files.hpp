@@ -37,4 +37,31 @@ void write_segment_files(const std::filesystem::path& dir,
                          const planes::PipelineOptions& options,
                          const std::vector<std::string>& also = {});
 
+// A frame's planes in the formats of other tools, in the world frame: z up, metres.
+
+struct PlaneFormat {
+  const char* name;  // as --also has it
+  const char* file;
+  const char* holds;  // one phrase
+  std::string (*text)(const planes::FramePlanes&);
+};
+/// geojson, obj, ply, planar-terrain, csv, svg.
+const std::vector<PlaneFormat>& plane_formats();
+
+/// Those of these formats, by name, into `dir`, which exists. Throws Error naming the file that
+/// cannot be written.
+void write_plane_files(const std::filesystem::path& dir,
+                       const std::vector<std::string>& formats,
+                       const planes::FramePlanes& found);
+
+/// A picture of each plane, seen against its normal: what it covers, holes, what is unknown, where
+/// a foot may go with its convex pieces, and the largest circle.
+std::string planes_svg(const planes::FramePlanes& found);
+
+/// planescope_msgs/PlaneArray as one line of JSON, with the message's fields, all of them, and no
+/// others.
+std::string ros_json(const Frame& frame,
+                     const planes::FrameResult& result,
+                     const planes::FramePlanes& found);
+
 }  // namespace planescope::report

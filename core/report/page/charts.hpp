@@ -64,4 +64,8 @@ std::string scatter_chart(const ScatterChart& chart);
 /// CSS for a page with charts, light and dark as the reader's system is.
 std::string line_chart_style();
 
+/// One HTML page that needs nothing beside it, light and dark as the reader's system is, with the
+/// style of charts. `body`: HTML below the title, which is escaped here.
+std::string plain_page(const std::string& title, const std::string& body);
+
 }  // namespace planescope::report

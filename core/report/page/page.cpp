@@ -5,19 +5,22 @@
 #include "core/report/page/page.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <kainjow/mustache.hpp>
 #include <limits>
 #include <map>
+#include <ostream>
 #include <utility>
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/page/charts.hpp"
 #include "core/report/page/pictures.hpp"
-#include "core/report/page/signs.hpp"
 
 extern "C" {
 extern const char planescope_asset_report_css[], planescope_asset_report_css_end[];
@@ -114,6 +117,10 @@ void rank_frames(PagePlan& plan, std::vector<std::size_t> order, bool is_judged)
   }
 }
 
+constexpr double kSliver_m = 0.04;       // radius
+constexpr double kFloorHeight_m = 0.03;  // a step is higher, and a piece of the floor is not
+constexpr double kLeastSupport = 0.9;
+
 constexpr const char* kReplacement = "\xEF\xBF\xBD";  // U+FFFD
 
 /// Length of the UTF-8 character at the front; 0 where there is none.
@@ -194,12 +201,6 @@ std::string decimal(double value, int digits) {
   return value < 0 && !zero ? "\u2212" + text : text;
 }
 
-std::string change(double value, int digits) {
-  const std::string text = decimal(value, digits);
-  const bool zero = text.find_first_not_of("0.") == std::string::npos;
-  return value > 0 && !zero ? "+" + text : text;
-}
-
 std::string escaped(const std::string& text) { return kainjow::mustache::html_escape(text); }
 
 std::string href(const std::string& file) {
@@ -255,44 +256,35 @@ std::string gravity_text(const Gravity& gravity) {
   return "<em>not known</em>";
 }
 
-Data text_or_false(const std::string& text) { return text.empty() ? Data(false) : Data(text); }
-
-Data list_of(const char* name, const std::vector<std::string>& values) {
-  Data result{Data::type::list};
-  for (const std::string& value : values) result.push_back(Data(name, value));
-  return result;
-}
-
-const char* case_meaning(planes::Case c) {
-  switch (c) {
-    case planes::Case::I:
-      return "mixed labels (fails Criterion 1): divided";
-    case planes::Case::II:
-      return "too few points (fails Criterion 2): left over";
-    case planes::Case::III:
-      return "one label but not planar (fails Criterion 3): divided";
-    case planes::Case::IV:
-      return "planar: a candidate, its outliers left over";
-    case planes::Case::none:
-      break;
-  }
-  return "";
-}
-
 std::string webp_source(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return "";  // the page links the picture instead
   return "data:image/webp;base64," + base64(read_file_bytes(file));
 }
 
-Template::Template(const char* begin, const char* end) : mustache_(std::string(begin, end)) {
-  if (!mustache_.is_valid()) throw Error("report template: " + mustache_.error_message());
+double Signs::weight() const { return slivers + 3 * floor_pieces + 2 * low_support + off_planes; }
+
+std::string Signs::text() const {
+  std::vector<std::string> signs;
+  if (floor_pieces > 0) signs.push_back(fmt::format("the floor in {} pieces", floor_pieces + 1));
+  if (low_support > 0) signs.push_back(counted(low_support, "plane") + " of low support");
+  if (slivers > 0) signs.push_back(counted(slivers, "sliver"));
+  return fmt::format("{}{}{:.1f} % of the points on planes", fmt::join(signs, ", "),
+                     signs.empty() ? "" : "; ", 100 * (1 - off_planes));
 }
 
-void Template::write(std::ostream& out, const Data& data) {
-  // Into a string: a stream would leave out what it has no memory for.
-  std::string text;
-  mustache_.render(data, [&](const std::string& piece) { text += piece; });
-  out << valid_text(text);
+Signs signs_of(const ReportFrame& frame) {
+  Signs signs;
+  signs.off_planes = 1 - frame.percent_on_planes() / 100;
+  const int floor = frame.terrain ? frame.terrain->floor : 0;
+  for (const ReportPlane& plane : frame.planes) {
+    if (!plane.footing) continue;
+    const Footing& footing = *plane.footing;
+    signs.slivers += footing.clearance_m < kSliver_m;
+    signs.low_support += footing.support < kLeastSupport;
+    signs.floor_pieces +=
+        floor > 0 && plane.summary.id != floor && std::abs(footing.height_m) <= kFloorHeight_m;
+  }
+  return signs;
 }
 
 }  // namespace planescope::report::html
@@ -303,6 +295,47 @@ namespace {
 using namespace html;
 
 constexpr const char* kEndOfRows = "</tbody>\n</table>\n</div>\n</section>\n";
+
+using Data = kainjow::mustache::data;
+
+/// As page.hpp says that templates take it.
+Data data_of(const PageJson& json) {
+  if (json.is_object()) {
+    Data object;
+    for (const auto& [name, value] : json.items()) {
+      if (value.is_array()) object.set("has_" + name, !value.empty());
+      object.set(name, data_of(value));
+    }
+    return object;
+  }
+  if (json.is_array()) {
+    Data list{Data::type::list};
+    for (const PageJson& item : json)
+      list.push_back(item.is_object() ? data_of(item) : Data("text", data_of(item)));
+    return list;
+  }
+  if (json.is_number()) return json.dump();
+  if (json.is_boolean()) return json.get<bool>();
+  if (json.is_null() || json.get_ref<const std::string&>().empty()) return false;
+  return json.get_ref<const std::string&>();
+}
+
+/// A template of assets/report, parsed once.
+class Template {
+ public:
+  Template(const char* begin, const char* end) : mustache_(std::string(begin, end)) {
+    if (!mustache_.is_valid()) throw Error("report template: " + mustache_.error_message());
+  }
+  void write(std::ostream& out, const PageJson& json) {
+    // Into a string: a stream would leave out what it has no memory for.
+    std::string text;
+    mustache_.render(data_of(json), [&](const std::string& piece) { text += piece; });
+    out << valid_text(text);
+  }
+
+ private:
+  kainjow::mustache::mustache mustache_;
+};
 
 std::string page_title(const Report& report) {
   if (report.recordings.size() == 1) return report.recordings[0].name;
@@ -319,10 +352,11 @@ std::string hash_source(const std::string& script) {
 }
 
 /// One entry per column after "Change": the figures of a frame.
-Data columns_of(const PageSource& page) {
+std::vector<std::string> columns_of(const PageSource& page) {
   std::vector<std::string> names = {"Planes", "On planes"};
-  if (page.has_metrics()) names.insert(names.end(), {"IoU", "PQ", "Right", "Angle"});
-  return list_of("name", names);
+  for (const FrameMetric& metric : frame_metrics())
+    if (metric.column && page.has_metrics()) names.emplace_back(metric.column);
+  return names;
 }
 
 /// The smallest of the files that the page links: whether its folder is there.
@@ -333,22 +367,22 @@ std::string picture_beside(const Report& report) {
   return "";
 }
 
-Data page_data(const PageSource& page) {
-  Data data;
+PageJson page_data(const PageSource& page) {
   const std::string script(planescope_asset_report_js, planescope_asset_report_js_end);
-  data.set("css",
-           std::string(planescope_asset_report_css, planescope_asset_report_css_end) +
-               std::string(planescope_asset_report_page_css, planescope_asset_report_page_css_end) +
-               line_chart_style());
-  data.set("script_hash", hash_source(script));
-  data.set("title", page_title(page.report));
-  data.set("version", page.report.version);
-  data.set("created", page.report.created_utc);
-  data.set("has_rows", page.plan.frames.size() > 1);
-  data.set("has_change", page.has_baseline());
-  data.set("columns", columns_of(page));
-  data.set("frames_text", counted(page.plan.frames.size(), "frame"));
-  data.set("beside", text_or_false(picture_beside(page.report)));
+  PageJson data = {
+      {"css",
+       std::string(planescope_asset_report_css, planescope_asset_report_css_end) +
+           std::string(planescope_asset_report_page_css, planescope_asset_report_page_css_end) +
+           line_chart_style()},
+      {"script_hash", hash_source(script)},
+      {"title", page_title(page.report)},
+      {"version", page.report.version},
+      {"created", page.report.created_utc},
+      {"has_rows", page.plan.frames.size() > 1},
+      {"has_change", page.has_baseline()},
+      {"columns", columns_of(page)},
+      {"frames_text", counted(page.plan.frames.size(), "frame")},
+      {"beside", picture_beside(page.report)}};
   set_verdict(page, data);
   return data;
 }
@@ -381,10 +415,8 @@ void write_report_page(std::ostream& out, const Report& report, const std::files
     out << kEndOfRows;
   }
   write_frames(out, page);
-  Data end;
-  end.set("script", std::string(planescope_asset_report_js, planescope_asset_report_js_end));
-  set_histograms(page, end);
-  set_record(page, end);
+  PageJson end = end_data(page);
+  end["script"] = std::string(planescope_asset_report_js, planescope_asset_report_js_end);
   Template(planescope_asset_report_end_mustache, planescope_asset_report_end_mustache_end)
       .write(out, end);
 }

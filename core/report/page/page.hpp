@@ -5,8 +5,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <kainjow/mustache.hpp>
-#include <ostream>
+#include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,9 +51,27 @@ PagePlan plan_page(const Report& report);
 
 std::string frame_anchor(std::size_t recordings, std::size_t recording, int index);
 
-// The page's pieces: data for its templates.
+/// Signs that planes of a frame went wrong, without labels and without a baseline: which frames to
+/// look at first where nothing else says so.
+struct Signs {
+  int slivers = 0;        // planes too narrow for a circle of 4 cm radius
+  int floor_pieces = 0;   // level planes within 3 cm of the floor's height: pieces of it, beside it
+  int low_support = 0;    // planes that miss a tenth of the pixels within their outline
+  double off_planes = 0;  // share of the points, 0 to 1
 
-using Data = kainjow::mustache::data;
+  /// The more, the worse: a floor in pieces counts three times a sliver, low support twice, and all
+  /// points off planes once.
+  double weight() const;
+  /// "2 slivers, the floor in 3 pieces, 1 plane of low support; 61.2 % of the points on planes".
+  std::string text() const;
+};
+/// Of a frame that was processed.
+Signs signs_of(const ReportFrame& frame);
+
+// The page's pieces: data for its templates. In them numbers are text, empty text is not there, an
+// item of a list that is text is called `text`, and has_X says whether the list X has items.
+
+using PageJson = nlohmann::ordered_json;
 
 struct PageSource {
   const Report& report;
@@ -68,31 +86,30 @@ struct PageSource {
 };
 
 /// Of report_page.mustache: the verdict, what differs, the worst frames, the totals.
-void set_verdict(const PageSource& page, Data& data);
+void set_verdict(const PageSource& page, PageJson& data);
 
 /// Data of report_row.mustache.
-Data row_data(const PageSource& page, const PageFrame& frame);
+PageJson row_data(const PageSource& page, const PageFrame& frame);
 /// "failed", for people and for CSS.
 const char* name_of(Standing standing);
+/// The same of a frame, which may also be missing or refused.
+const char* result_of(const PageFrame& frame);
 /// "Frame 12", "Frame 12 of a.bag".
 std::string title_of(const PageSource& page, const PageFrame& frame);
 /// Entries `source`, `href`, `alt` of a frame's thumbnails; at most `most`.
-Data thumbnails(const PageSource& page, const PageFrame& frame, std::size_t most);
+PageJson thumbnails(const PageSource& page, const PageFrame& frame, std::size_t most);
 
 /// Data of report_recording.mustache: facts, warnings, how its frames go.
-Data recording_data(const PageSource& page, std::size_t recording);
+PageJson recording_data(const PageSource& page, std::size_t recording);
 /// All frames' sources of gravity, each once, as HTML.
 std::string gravity_summary(const std::vector<ReportRecording>& recordings);
 
 /// Data of report_frame.mustache.
-Data frame_data(const PageSource& page, const PageFrame& frame);
-/// The part of it that compares the frame with the baseline.
-void set_comparison(const PageSource& page, const PageFrame& frame, Data& data);
+PageJson frame_data(const PageSource& page, const PageFrame& frame);
 
-/// What one can stand on: what it is like, and stairs, kerbs and ramps.
-void set_terrain(const PageFrame& frame, Data& data);
-/// What became of it since the baseline.
-void set_terrain_changes(const PageFrame& frame, Data& data);
+/// What one can stand on: what it is like, stairs, kerbs and ramps, what became of it since the
+/// baseline.
+void set_terrain(const PageFrame& frame, PageJson& data);
 
 /// Planes of a compared frame then and now, as sources of images; empty for clouds.
 struct PlaneMaps {
@@ -100,13 +117,13 @@ struct PlaneMaps {
   int width = 0, height = 0;
 };
 PlaneMaps plane_maps(const PageFrame& frame);
-/// "2 lost, 1 gained"; "none" where all planes are as they were.
+/// "2 lost, 1 gained" of planes that changed; "none" where all are as they were. `count(fate)`.
+std::string changes_text(const std::function<std::size_t(PlaneFate)>& count);
 std::string changes_text(const PageFrame& frame);
 
-/// Of report_end.mustache: how near to their thresholds decisions fell.
-void set_histograms(const PageSource& page, Data& data);
-/// Of the same: what one needs to make the report again.
-void set_record(const PageSource& page, Data& data);
+/// Of report_end.mustache: how near to their thresholds decisions fell, and what one needs to make
+/// the report again.
+PageJson end_data(const PageSource& page);
 
 // Text, numbers and links.
 
@@ -118,8 +135,6 @@ std::string share(std::uint64_t part, std::uint64_t whole);
 std::string counted(std::size_t count, std::string_view noun);
 /// A true minus sign, and none before zeros.
 std::string decimal(double value, int digits);
-/// decimal() with a plus sign where it grew.
-std::string change(double value, int digits);
 std::string escaped(const std::string& text);
 /// For a link to a file beside the page: never another scheme, host or place of this page.
 std::string href(const std::string& file);
@@ -129,23 +144,7 @@ std::string valid_text(std::string_view text);
 std::string safe_color(const std::string& color);
 /// Where gravity comes from, as HTML; emphasised where it is a guess.
 std::string gravity_text(const Gravity& gravity);
-/// A section that is there only where `text` is not empty.
-Data text_or_false(const std::string& text);
-/// Data for a list whose entries have this one name.
-Data list_of(const char* name, const std::vector<std::string>& values);
-/// One phrase per case of the paper's figure.
-const char* case_meaning(planes::Case c);
 /// "data:image/webp;base64,..." of a file; empty where it cannot be read.
 std::string webp_source(const std::filesystem::path& file);
-
-/// A template of assets/report, parsed once.
-class Template {
- public:
-  Template(const char* begin, const char* end);
-  void write(std::ostream& out, const Data& data);
-
- private:
-  kainjow::mustache::mustache mustache_;
-};
 
 }  // namespace planescope::report::html

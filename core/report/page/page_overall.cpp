@@ -6,14 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/model/json.hpp"
 #include "core/planes/cloud/gravity.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/page/charts.hpp"
 #include "core/report/page/page.hpp"
-#include "core/report/page/signs.hpp"
 
 namespace planescope::report::html {
 namespace {
@@ -83,25 +81,18 @@ double median_pipeline_ms(const Report& report) {
 
 /// Planes of all compared frames by what became of them.
 std::string all_changes(const PagePlan& plan) {
-  std::vector<std::string> parts;
-  for (const PlaneFate fate : {PlaneFate::lost, PlaneFate::gained, PlaneFate::merged,
-                               PlaneFate::split, PlaneFate::moved, PlaneFate::resized}) {
+  return changes_text([&](PlaneFate fate) {
     std::size_t count = 0;
     for (const PageFrame& frame : plan.frames)
       if (frame.is_compared()) count += static_cast<std::size_t>(frame.comparison->count(fate));
-    if (count > 0) parts.push_back(fmt::format("{} {}", grouped(count), to_string(fate)));
-  }
-  return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
+    return count;
+  });
 }
 
-Data tiles(const PageSource& page, const ReportTotals& totals) {
-  Data result{Data::type::list};
-  const auto add = [&](const std::string& name, const std::string& value, const std::string& unit) {
-    Data tile;
-    tile.set("name", name);
-    tile.set("value", value);
-    tile.set("unit", text_or_false(unit));
-    result.push_back(tile);
+PageJson tiles(const PageSource& page, const ReportTotals& totals) {
+  PageJson result = PageJson::array();
+  const auto add = [&](const char* name, const std::string& value, const std::string& unit = "") {
+    result.push_back({{"name", name}, {"value", value}, {"unit", unit}});
   };
   add(totals.frames_done == 1 ? "Planes" : "Planes per frame",
       range_text(totals.fewest_planes, totals.most_planes),
@@ -109,17 +100,17 @@ Data tiles(const PageSource& page, const ReportTotals& totals) {
           ? ""
           : fmt::format("{} of {} undecided", totals.planes_undecided,
                         counted(static_cast<std::size_t>(totals.planes), "plane")));
-  add("Points on planes", share(totals.points_on_planes, totals.points), "");
+  add("Points on planes", share(totals.points_on_planes, totals.points));
   add("Frames", std::to_string(totals.frames_done),
       totals.frames_refused > 0 ? fmt::format("and {} refused", totals.frames_refused) : "");
   add("Voxel grid to planes", fmt::format("{:.1f}", median_pipeline_ms(page.report)),
       totals.frames_done == 1 ? "ms" : "ms, median");
   if (totals.metrics) {
-    add("Mean IoU", fmt::format("{:.1f} %", totals.metrics->mean_iou), "");
-    add("Points right", fmt::format("{:.1f} %", totals.metrics->point_accuracy), "");
+    add("Mean IoU", fmt::format("{:.1f} %", totals.metrics->mean_iou));
+    add("Points right", fmt::format("{:.1f} %", totals.metrics->point_accuracy));
     if (const double right = totals.metrics->label_accuracy_edge; !std::isnan(right))
       add("h / v right", fmt::format("{:.1f} %", right), "near edges");
-    add("Angle error", fmt::format("{:.2f}\u00b0", totals.metrics->alpha_deg), "");
+    add("Angle error", fmt::format("{:.2f}\u00b0", totals.metrics->alpha_deg));
   }
   return result;
 }
@@ -132,41 +123,38 @@ std::string counts_text(const Judgement& judgement) {
                      counted(judgement.notes.size(), "note"));
 }
 
-void set_banner(const PageSource& page, Data& data) {
+void set_banner(const PageSource& page, PageJson& data) {
   const Judgement* judgement = page.report.judgement.get();
-  if (!judgement) {
-    data.set("verdict_class", "open");
-    data.set("verdict_mark", "\u2013");
-    data.set("verdict", "Nothing to compare against");
-    data.set("verdict_text",
-             "The figures below say what was found, not whether that is right. "
-             "<code>--baseline report.json</code> holds a run against an earlier one.");
-    return;
-  }
-  const bool failed = judgement->errors() > 0;
-  data.set("verdict_class", failed ? "failed" : judgement->warnings() > 0 ? "warning" : "passed");
-  data.set("verdict_mark", failed ? "\u2715" : "\u2713");
-  data.set("verdict", failed ? "Failed" : "Passed");
+  const auto set = [&](const char* css_class, const char* mark, const char* verdict,
+                       const std::string& text) {
+    data["verdict_class"] = css_class;
+    data["verdict_mark"] = mark;
+    data["verdict"] = verdict;
+    data["verdict_text"] = text;
+  };
+  if (!judgement)
+    return set("open", "\u2013", "Nothing to compare against",
+               "The figures below say what was found, not whether that is right. "
+               "<code>--baseline report.json</code> holds a run against an earlier one.");
   std::string text = counts_text(*judgement);
   if (judgement->baseline)
     text += fmt::format(" against <code>{}</code>", escaped(judgement->baseline_file));
   if (page.plan.failed > 0)
     text += fmt::format("; {} of {} failed", page.plan.failed,
                         counted(page.plan.frames.size(), "frame"));
-  data.set("verdict_text", text + ".");
+  if (judgement->errors() > 0) return set("failed", "\u2715", "Failed", text + ".");
+  set(judgement->warnings() > 0 ? "warning" : "passed", "\u2713", "Passed", text + ".");
 }
 
 /// "option voxel_size_m: 0.02 -> 0.04" as its name and what it says.
-Data differences_of(const Judgement& judgement) {
-  Data list{Data::type::list};
+PageJson differences_of(const Judgement& judgement) {
+  PageJson list = PageJson::array();
   for (const std::string& difference : judgement.differences()) {
     const std::size_t colon = difference.find(": ");
     const std::size_t arrow = difference.find(" -> ", colon);
-    Data row;
-    row.set("name", difference.substr(0, colon));
-    row.set("before", difference.substr(colon + 2, arrow - colon - 2));
-    row.set("now", difference.substr(arrow + 4));
-    list.push_back(row);
+    list.push_back({{"name", difference.substr(0, colon)},
+                    {"before", difference.substr(colon + 2, arrow - colon - 2)},
+                    {"now", difference.substr(arrow + 4)}});
   }
   return list;
 }
@@ -177,17 +165,8 @@ std::string doubt_text(const PageSource& page, const PageFrame& frame) {
   return signs_of(*frame.frame).text();
 }
 
-Data worst_data(const PageSource& page, const PageFrame& frame) {
+PageJson worst_data(const PageSource& page, const PageFrame& frame) {
   constexpr std::size_t kMostReasons = 4;
-  Data data;
-  data.set("anchor", frame.anchor);
-  data.set("title", title_of(page, frame));
-  data.set("standing", name_of(frame.standing));
-  data.set("has_badge", frame.standing != Standing::none);
-  data.set("standing_text", !frame.frame         ? "missing"
-                            : frame.is_refused() ? "refused"
-                                                 : name_of(frame.standing));
-  data.set("thumbnails", thumbnails(page, frame, 1));
   std::vector<std::string> reasons;
   if (frame.is_refused()) reasons.push_back(frame.frame->refused);
   for (const Breach* breach : frame.breaches) reasons.push_back(breach->text());
@@ -195,33 +174,31 @@ Data worst_data(const PageSource& page, const PageFrame& frame) {
   const std::size_t more = reasons.size() > kMostReasons ? reasons.size() - kMostReasons : 0;
   reasons.resize(reasons.size() - more);
   if (more > 0) reasons.push_back(fmt::format("and {} more", more));
-  data.set("reasons", list_of("text", reasons));
-  return data;
+  return {{"anchor", frame.anchor},
+          {"title", title_of(page, frame)},
+          {"standing", name_of(frame.standing)},
+          {"has_badge", frame.standing != Standing::none},
+          {"standing_text", result_of(frame)},
+          {"thumbnails", thumbnails(page, frame, 1)},
+          {"reasons", reasons}};
 }
 
-Data general_data(const PagePlan& plan, const Judgement* judgement) {
-  Data list{Data::type::list};
-  const std::vector<std::string> none;
-  for (const std::string& line : judgement ? judgement->unguarded() : none) {
-    Data row;
-    row.set("level", to_string(RuleLevel::warn));
-    row.set("class", "warning");
-    row.set("where", "");
-    row.set("text", line);
-    list.push_back(row);
-  }
-  const auto add = [&](const Breach& breach, const char* level, const char* css_class) {
-    Data row;
-    row.set("level", level);
-    row.set("class", css_class);
-    row.set("where", breach.recording.empty() ? "all frames" : breach.recording);
-    row.set("text", breach.text());
-    list.push_back(row);
+PageJson general_data(const PagePlan& plan, const Judgement* judgement) {
+  PageJson list = PageJson::array();
+  const auto add = [&](const char* level, const char* css_class, const std::string& where,
+                       const std::string& text) {
+    list.push_back({{"level", level}, {"class", css_class}, {"where", where}, {"text", text}});
   };
+  const auto where = [](const Breach& breach) {
+    return breach.recording.empty() ? std::string("all frames") : breach.recording;
+  };
+  if (judgement)
+    for (const std::string& line : judgement->unguarded()) add("warn", "warning", "", line);
   for (const Breach* breach : plan.general)
-    add(*breach, to_string(breach->rule.level),
-        breach->rule.level == RuleLevel::error ? "failed" : "warning");
-  for (const Breach* note : plan.general_notes) add(*note, "note", "note");
+    add(to_string(breach->rule.level),
+        breach->rule.level == RuleLevel::error ? "failed" : "warning", where(*breach),
+        breach->text());
+  for (const Breach* note : plan.general_notes) add("note", "note", where(*note), note->text());
   return list;
 }
 
@@ -286,8 +263,7 @@ std::string weights_text(const planes::WeightsRecord& weights) {
   std::string text = fmt::format("{} ({}), SHA-256 <code>{}</code>", escaped(weights.file),
                                  escaped(weights.network), escaped(weights.sha256));
   std::string facts;
-  const auto training =
-      parse_json<nlohmann::ordered_json>(weights.training, weights.file + ": training record");
+  const auto training = parse_json<PageJson>(weights.training, weights.file + ": training record");
   for (const auto& [name, value] : training.items()) {
     if (value.is_structured()) continue;
     facts += facts.empty() ? ", trained with " : ", ";
@@ -296,47 +272,37 @@ std::string weights_text(const planes::WeightsRecord& weights) {
   return text + escaped(facts);
 }
 
-void set_options(const Report& report, Data& data) {
-  std::vector<const ReportOption*> options;
-  for (const ReportOption& option : report.options) options.push_back(&option);
-  std::stable_partition(options.begin(), options.end(),
-                        [](const ReportOption* option) { return option->changed; });
+void set_options(const Report& report, PageJson& data) {
   std::string of = "method " + report.method;
-  std::size_t changed = 0;
-  Data rows{Data::type::list};
-  for (const ReportOption* option : options) {
-    Data row;
-    row.set("name", option->name);
-    row.set("value", option->value);
-    row.set("unit", option->unit);
-    row.set("meaning", option->meaning);
-    row.set("changed", option->changed);
-    rows.push_back(row);
-    changed += option->changed;
-    if (option->name == "profile") of = "profile " + option->value;
+  PageJson changed = PageJson::array(), others = PageJson::array();
+  for (const ReportOption& option : report.options) {
+    (option.changed ? changed : others)
+        .push_back({{"name", option.name},
+                    {"value", option.value},
+                    {"unit", option.unit},
+                    {"meaning", option.meaning},
+                    {"changed", option.changed}});
+    if (option.name == "profile") of = "profile " + option.value;
   }
-  data.set("options", rows);
-  data.set("options_of", of);
-  data.set("changed_text",
-           changed == 0 ? "unchanged" : counted(changed, "option") + " changed, which stand first");
+  data["options_of"] = of;
+  data["changed_text"] = changed.empty()
+                             ? "unchanged"
+                             : counted(changed.size(), "option") + " changed, which stand first";
+  changed.insert(changed.end(), others.begin(), others.end());
+  data["options"] = std::move(changed);
 }
 
-void set_hashes(const Report& report, Data& data) {
-  Data hashes{Data::type::list};
+PageJson hashes_of(const Report& report) {
+  PageJson hashes = PageJson::array();
   const auto add = [&](const std::string& name, const std::string& sha256) {
-    if (sha256.empty()) return;
-    Data row;
-    row.set("name", name);
-    row.set("sha256", sha256);
-    hashes.push_back(row);
+    if (!sha256.empty()) hashes.push_back({{"name", name}, {"sha256", sha256}});
   };
   for (const ReportRecording& recording : report.recordings) {
     add(recording.name, recording.sha256);
     for (const ReportFrame& frame : recording.frames)
       add(fmt::format("{}, frame {}", recording.name, frame.index), frame.sha256);
   }
-  data.set("has_hashes", hashes.is_non_empty_list());
-  data.set("hashes", hashes);
+  return hashes;
 }
 
 std::string limits_of(const Rule& rule) {
@@ -356,39 +322,57 @@ std::string frames_of(const Rule& rule) {
   return text;
 }
 
-void set_rules(const Judgement& judgement, Data& data) {
-  Data rows{Data::type::list};
+void set_rules(const Judgement& judgement, PageJson& data) {
   for (const Rule& rule : judgement.rules) {
     if (rule.level == RuleLevel::off) continue;
-    const auto broken = std::ranges::count_if(
-        judgement.breaches, [&](const Breach& breach) { return breach.rule == rule; });
-    const auto& metrics = rule_metrics();
-    const auto metric = std::ranges::find(metrics, rule.metric, &RuleMetric::name);
-    Data row;
-    row.set("metric", rule.metric);
-    row.set("meaning", metric == metrics.end() ? "" : std::string(metric->meaning));
-    row.set("frames", frames_of(rule));
-    row.set("limits", limits_of(rule));
-    row.set("level", to_string(rule.level));
+    const auto broken = std::ranges::count(judgement.breaches, rule, &Breach::rule);
     const bool idle = std::ranges::count(judgement.idle, rule, &IdleRule::rule) > 0;
-    row.set("broken", broken > 0 ? counted(static_cast<std::size_t>(broken), "time")
-                      : idle     ? "holds nothing"
-                                 : "held");
     const char* bad = rule.level == RuleLevel::error && !idle ? "failed" : "warning";
-    row.set("class", broken > 0 || idle ? Data(bad) : Data(false));
-    rows.push_back(row);
+    data["rules"].push_back(
+        {{"metric", rule.metric},
+         {"meaning", find_metric(rule.metric).meaning},
+         {"frames", frames_of(rule)},
+         {"limits", limits_of(rule)},
+         {"level", to_string(rule.level)},
+         {"broken", broken > 0 ? counted(static_cast<std::size_t>(broken), "time")
+                    : idle     ? "holds nothing"
+                               : "held"},
+         {"class", broken > 0 || idle ? bad : ""}});
   }
-  data.set("has_rules", rows.is_non_empty_list());
-  data.set("rules", rows);
   if (!judgement.baseline) return;
   const Report& baseline = *judgement.baseline;
-  data.set(
-      "baseline",
-      fmt::format(
-          "<code>{}</code>: planescope {}, commit <code>{}</code>{}, written {}, <code>{}</code>",
-          escaped(judgement.baseline_file), escaped(baseline.version), escaped(baseline.commit),
-          baseline.modified ? " with changes" : "", escaped(baseline.created_utc),
-          escaped(baseline.command)));
+  data["baseline"] = fmt::format(
+      "<code>{}</code>: planescope {}, commit <code>{}</code>{}, written {}, <code>{}</code>",
+      escaped(judgement.baseline_file), escaped(baseline.version), escaped(baseline.commit),
+      baseline.modified ? " with changes" : "", escaped(baseline.created_utc),
+      escaped(baseline.command));
+}
+
+PageJson histograms_data(const Report& report) {
+  PageJson list = PageJson::array();
+  for (const ValueHistogram& histogram : summed(report)) {
+    if (histogram.total() == 0) continue;
+    list.push_back({{"title", title_of(histogram)},
+                    {"says", fmt::format("{} of {} within the threshold",
+                                         share(within_threshold(histogram), histogram.total()),
+                                         grouped(histogram.total()))},
+                    {"svg", cumulative_chart(histogram)}});
+  }
+  return list;
+}
+
+/// One phrase per case of the paper's figure.
+PageJson cases_data(const Report& report) {
+  constexpr const char* kMeanings[] = {"", "mixed labels (fails Criterion 1): divided",
+                                       "too few points (fails Criterion 2): left over",
+                                       "one label but not planar (fails Criterion 3): divided",
+                                       "planar: a candidate, its outliers left over"};
+  PageJson cases = PageJson::array();
+  for (int c = 1; c <= 4; ++c)
+    cases.push_back({{"numeral", planes::to_string(static_cast<planes::Case>(c))},
+                     {"color", safe_color(report.case_colors[c])},
+                     {"meaning", kMeanings[c]}});
+  return cases;
 }
 
 }  // namespace
@@ -420,74 +404,42 @@ std::string gravity_summary(const std::vector<ReportRecording>& recordings) {
   return result;
 }
 
-void set_verdict(const PageSource& page, Data& data) {
+void set_verdict(const PageSource& page, PageJson& data) {
   const ReportTotals totals = totals_of(page.report);
-  set_banner(page, data);
   const Judgement* judgement = page.report.judgement.get();
-  const Data differences = judgement ? differences_of(*judgement) : Data{Data::type::list};
-  data.set("has_differences", differences.is_non_empty_list());
-  data.set("differences", differences);
-  const Data general = general_data(page.plan, judgement);
-  data.set("has_general", general.is_non_empty_list());
-  data.set("general", general);
-  data.set("partial", page.report.partial);
-  data.set("frames_done", std::to_string(totals.frames_done + totals.frames_refused));
-  data.set("frames_asked", std::to_string(totals.frames_asked));
-  data.set("renderer_error", text_or_false(page.report.renderer_error));
-  data.set("summary", summary(page.report, totals));
-  data.set("changes", page.has_baseline() ? Data(all_changes(page.plan)) : Data(false));
-  data.set("tiles", tiles(page, totals));
-  Data worst{Data::type::list};
-  for (const PageFrame* frame : page.plan.worst) worst.push_back(worst_data(page, *frame));
-  data.set("has_worst", !page.plan.worst.empty());
-  data.set("worst_title", judgement ? "The worst frames" : "Frames to look at first");
-  data.set("worst_note", worst_note(page));
-  data.set("worst", worst);
+  set_banner(page, data);
+  if (judgement) data["differences"] = differences_of(*judgement);
+  data["general"] = general_data(page.plan, judgement);
+  data["partial"] = page.report.partial;
+  data["frames_done"] = totals.frames_done + totals.frames_refused;
+  data["frames_asked"] = totals.frames_asked;
+  data["renderer_error"] = page.report.renderer_error;
+  data["summary"] = summary(page.report, totals);
+  if (page.has_baseline()) data["changes"] = all_changes(page.plan);
+  data["tiles"] = tiles(page, totals);
+  for (const PageFrame* frame : page.plan.worst) data["worst"].push_back(worst_data(page, *frame));
+  data["worst_title"] = judgement ? "The worst frames" : "Frames to look at first";
+  data["worst_note"] = worst_note(page);
 }
 
-void set_histograms(const PageSource& page, Data& data) {
-  Data list{Data::type::list};
-  for (const ValueHistogram& histogram : summed(page.report)) {
-    if (histogram.total() == 0) continue;
-    Data one;
-    one.set("title", title_of(histogram));
-    one.set("says", fmt::format("{} of {} within the threshold",
-                                share(within_threshold(histogram), histogram.total()),
-                                grouped(histogram.total())));
-    one.set("svg", cumulative_chart(histogram));
-    list.push_back(one);
-  }
-  data.set("has_histograms", list.is_non_empty_list());
-  data.set("histograms", list);
-}
-
-void set_record(const PageSource& page, Data& data) {
+PageJson end_data(const PageSource& page) {
   const Report& report = page.report;
-  data.set("command", report.command + " -o DIR");
-  data.set("version", report.version);
-  data.set("commit", report.commit);
-  data.set("modified", report.modified);
-  data.set("method", report.method);
-  data.set("is_ours", report.is_ours());
-  data.set("classifier", report.classifier.empty() ? "none" : report.classifier);
-  data.set("weights", report.weights ? weights_text(*report.weights) : "none");
-  data.set("renderer", report.renderer.empty() ? "none" : report.renderer);
-  data.set("created", report.created_utc);
+  PageJson data = {{"histograms", histograms_data(report)},
+                   {"command", report.command + " -o DIR"},
+                   {"version", report.version},
+                   {"commit", report.commit},
+                   {"modified", report.modified},
+                   {"method", report.method},
+                   {"is_ours", report.is_ours()},
+                   {"classifier", report.classifier.empty() ? "none" : report.classifier},
+                   {"weights", report.weights ? weights_text(*report.weights) : "none"},
+                   {"renderer", report.renderer.empty() ? "none" : report.renderer},
+                   {"created", report.created_utc},
+                   {"hashes", hashes_of(report)},
+                   {"cases", cases_data(report)}};
   set_options(report, data);
-  set_hashes(report, data);
-  data.set("has_rules", false);
-  data.set("baseline", false);
   if (report.judgement) set_rules(*report.judgement, data);
-  Data cases{Data::type::list};
-  for (const planes::Case c :
-       {planes::Case::I, planes::Case::II, planes::Case::III, planes::Case::IV}) {
-    Data entry;
-    entry.set("numeral", planes::to_string(c));
-    entry.set("color", safe_color(report.case_colors[static_cast<int>(c)]));
-    entry.set("meaning", case_meaning(c));
-    cases.push_back(entry);
-  }
-  data.set("cases", cases);
+  return data;
 }
 
 }  // namespace planescope::report::html

@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/io/image/apng.hpp"
 #include "core/io/image/photo.hpp"
+#include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/report/data/report_files.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
-// map.json, tracks.json and poses.tum, written and read again. All in the map's world: z up,
-// meters.
+// map.json, tracks.json and poses.tum, written and read again; and what single frames tell of a
+// map, made side by side on many machines, joined by one. All in the map's world: z up, meters.
 
 #include <filesystem>
 #include <map>
@@ -68,5 +68,19 @@ std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recordin
 /// The tracks of the planes of a frame that it knows, by id - 1. Throws Error where it knows
 /// another number of planes.
 const std::vector<int>& tracks_of(const KnownMap& map, int frame, std::size_t planes);
+
+// ---- Single frames ----
+
+/// planes_from(), and under "poses" what identifies the poses and gravity.
+PlanesFrom planes_from(const planes::PipelineOptions& options,
+                       const io::RecordingInfo& recording,
+                       const UprightPoses& upright);
+
+/// CBOR, schema "planescope.observed/5": the frame's planes to the bit, and which pixel is on
+/// which. After it the SHA-256 of it, 64 hexadecimal digits.
+std::vector<unsigned char> observed_bytes(const ObservedFrame& frame, const PlanesFrom& from);
+/// All but what the frame itself, its pose and the options tell. Throws Error naming the file where
+/// it is damaged or made with another camera, other options or other poses.
+ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom& expected);
 
 }  // namespace planescope::world

@@ -1,5 +1,3 @@
-#include "core/world/files/observed_files.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
+#include "core/world/files/map_files.hpp"
 
 namespace planescope::world {
 namespace {
@@ -17,103 +16,91 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "planescope.observed/5";
 
-Json vector_bits(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
-Vec3d vector_of_bits(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
+/// Writes values into JSON, or reads them from it: one function for each type. Json's own
+/// exceptions where one is not there.
+class Exchange {
+ public:
+  explicit Exchange(bool reads) : reads_(reads) {}
 
-Json ring_bits(const planes::PolygonRing& ring) {
-  Json json = Json::array();
-  for (const Vec2d& p : ring) {
-    json.push_back(p.x());
-    json.push_back(p.y());
+  /// Its camera, pose and depth are read elsewhere.
+  void operator()(Json& json, ObservedFrame& frame) const {
+    fields(json, "frame", frame.frame, "noise", frame.noise, "planes", frame.planes);
   }
-  return json;
-}
-planes::PolygonRing ring_of_bits(const Json& json) {
-  planes::PolygonRing ring;
-  for (std::size_t i = 0; i + 1 < json.size(); i += 2)
-    ring.emplace_back(json[i].get<double>(), json[i + 1].get<double>());
-  return ring;
-}
 
-Json rings_bits(const std::vector<planes::PolygonRing>& rings) {
-  Json json = Json::array();
-  for (const planes::PolygonRing& ring : rings) json.push_back(ring_bits(ring));
-  return json;
-}
-std::vector<planes::PolygonRing> rings_of_bits(const Json& json) {
-  std::vector<planes::PolygonRing> rings;
-  for (const Json& ring : json) rings.push_back(ring_of_bits(ring));
-  return rings;
-}
+ private:
+  template <typename Number>
+  requires std::is_arithmetic_v<Number>
+  void one(Json& json, Number& value) const {
+    if (reads_)
+      value = json.get<Number>();
+    else
+      json = value;
+  }
+  /// Values one after the other.
+  template <typename... Values>
+  void list(Json& json, Values&... values) const {
+    if (!reads_) json = Json::array();
+    std::size_t i = 0;
+    (one(reads_ ? json.at(i++) : json.emplace_back(), values), ...);
+  }
+  void fields(Json&) const {}
+  /// A name and a value, and so on.
+  template <typename Value, typename... Rest>
+  void fields(Json& json, const char* name, Value& value, Rest&&... rest) const {
+    one(reads_ ? json.at(name) : json[name], value);
+    fields(json, rest...);
+  }
 
-Json outline_bits(const planes::Outline& outline) {
-  Json parts = Json::array();
-  for (const planes::Outline::Part& part : outline.parts)
-    parts.push_back({ring_bits(part.outer), rings_bits(part.holes), rings_bits(part.unknown)});
-  return {{"origin", vector_bits(outline.origin)},
-          {"u", vector_bits(outline.basis.u)},
-          {"v", vector_bits(outline.basis.v)},
-          {"area_m2", outline.area_m2},
-          {"parts", parts}};
-}
-planes::Outline outline_of_bits(const Json& json) {
-  planes::Outline outline;
-  outline.origin = vector_of_bits(json.at("origin"));
-  outline.basis = {vector_of_bits(json.at("u")), vector_of_bits(json.at("v"))};
-  outline.area_m2 = json.at("area_m2").get<double>();
-  for (const Json& part : json.at("parts"))
-    outline.parts.push_back(
-        {ring_of_bits(part.at(0)), rings_of_bits(part.at(1)), rings_of_bits(part.at(2))});
-  return outline;
-}
+  void one(Json& json, Vec3d& v) const { list(json, v.x(), v.y(), v.z()); }
+  /// x, y, x, y ...
+  void one(Json& json, planes::PolygonRing& ring) const {
+    if (!reads_) json = Json::array();
+    if (reads_) ring.resize(json.size() / 2);
+    for (std::size_t i = 0; i < ring.size(); ++i)
+      for (const int k : {0, 1}) one(reads_ ? json.at(2 * i + k) : json.emplace_back(), ring[i][k]);
+  }
+  template <typename Value>
+  void one(Json& json, std::vector<Value>& values) const {
+    if (!reads_) json = Json::array();
+    if (reads_) values.resize(json.size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      one(reads_ ? json.at(i) : json.emplace_back(), values[i]);
+  }
+  void one(Json& json, planes::Outline::Part& part) const {
+    list(json, part.outer, part.holes, part.unknown);
+  }
+  void one(Json& json, planes::Outline& outline) const {
+    fields(json, "origin", outline.origin, "u", outline.basis.u, "v", outline.basis.v, "area_m2",
+           outline.area_m2, "parts", outline.parts);
+  }
+  void one(Json& json, Moments& m) const {
+    list(json, m.count, m.sum.x(), m.sum.y(), m.sum.z(), m.xx, m.xy, m.xz, m.yy, m.yz, m.zz);
+  }
+  void one(Json& json, planes::NoiseModel& noise) const {
+    list(json, noise.estimated, noise.by_range, noise.constant_m, noise.growth_per_m);
+  }
+  struct Sigmas {
+    planes::Certainty& of;
+  };
+  void one(Json& json, Sigmas& sigmas) const {
+    planes::Certainty& c = sigmas.of;
+    list(json, c.sigma_m, c.sigma_tilt_rad[0], c.sigma_tilt_rad[1], c.sigma_offset_m);
+  }
+  void one(Json& json, planes::Certainty& c) const {
+    Sigmas sigmas{c};
+    list(json, c.eigenvalues_m2, c.axes[0], c.axes[1], sigmas);
+  }
+  void one(Json& json, ObservedPlane& plane) const {
+    int label = static_cast<int>(plane.label);
+    fields(json, "label", label, "minor", plane.minor, "normal", plane.normal, "centroid",
+           plane.centroid, "moments", plane.moments, "certainty", plane.certainty, "pixels",
+           plane.pixels, "rms_m", plane.rms_m, "margin", plane.margin, "undecided", plane.undecided,
+           "outline", plane.outline);
+    plane.label = static_cast<Label>(std::clamp(label, 0, 255));
+  }
 
-Json plane_bits(const ObservedPlane& plane) {
-  const Moments& m = plane.moments;
-  const planes::Certainty& c = plane.certainty;
-  return {
-      {"label", static_cast<int>(plane.label)},
-      {"minor", plane.minor},
-      {"normal", vector_bits(plane.normal)},
-      {"centroid", vector_bits(plane.centroid)},
-      {"moments", {m.count, m.sum.x(), m.sum.y(), m.sum.z(), m.xx, m.xy, m.xz, m.yy, m.yz, m.zz}},
-      {"certainty",
-       {vector_bits(c.eigenvalues_m2), vector_bits(c.axes[0]), vector_bits(c.axes[1]),
-        Json{c.sigma_m, c.sigma_tilt_rad[0], c.sigma_tilt_rad[1], c.sigma_offset_m}}},
-      {"pixels", plane.pixels},
-      {"rms_m", plane.rms_m},
-      {"margin", plane.margin},
-      {"undecided", plane.undecided},
-      {"outline", outline_bits(plane.outline)}};
-}
-ObservedPlane plane_of_bits(const Json& json) {
-  ObservedPlane plane;
-  plane.label = static_cast<Label>(std::clamp(json.at("label").get<int>(), 0, 255));
-  plane.minor = json.at("minor").get<bool>();
-  plane.normal = vector_of_bits(json.at("normal"));
-  plane.centroid = vector_of_bits(json.at("centroid"));
-  const Json& m = json.at("moments");
-  const auto moment = [&](std::size_t i) { return m.at(i).get<double>(); };
-  plane.moments = {moment(0), {moment(1), moment(2), moment(3)},
-                   moment(4), moment(5),
-                   moment(6), moment(7),
-                   moment(8), moment(9)};
-  const Json& c = json.at("certainty");
-  plane.certainty.eigenvalues_m2 = vector_of_bits(c.at(0));
-  plane.certainty.axes[0] = vector_of_bits(c.at(1));
-  plane.certainty.axes[1] = vector_of_bits(c.at(2));
-  plane.certainty.sigma_m = c.at(3).at(0).get<double>();
-  plane.certainty.sigma_tilt_rad[0] = c.at(3).at(1).get<double>();
-  plane.certainty.sigma_tilt_rad[1] = c.at(3).at(2).get<double>();
-  plane.certainty.sigma_offset_m = c.at(3).at(3).get<double>();
-  plane.pixels = json.at("pixels").get<std::uint32_t>();
-  plane.rms_m = json.at("rms_m").get<double>();
-  plane.margin = json.at("margin").get<double>();
-  plane.undecided = json.at("undecided").get<bool>();
-  plane.outline = outline_of_bits(json.at("outline"));
-  return plane;
-}
+  bool reads_;
+};
 
 /// Value, count, value, count ...
 Json runs_json(const Image16& image) {
@@ -151,7 +138,7 @@ PlanesFrom planes_from(const planes::PipelineOptions& options,
                        const UprightPoses& upright) {
   std::string text = tum_text(upright.poses);
   for (const SharedGravity& gravity : upright.gravity)
-    text += Json{gravity.known, vector_bits(gravity.direction)}.dump();
+    text += Json{gravity.known, Json(std::span(gravity.direction.data(), 3))}.dump();
   PlanesFrom from = planes_from(options, recording);
   from["poses"] = fmt::format("{}, SHA-256 {:.8}", counted(upright.poses.poses.size(), "pose"),
                               sha256_hex(text));
@@ -159,17 +146,15 @@ PlanesFrom planes_from(const planes::PipelineOptions& options,
 }
 
 std::vector<unsigned char> observed_bytes(const ObservedFrame& frame, const PlanesFrom& from) {
-  Json planes = Json::array();
-  for (const ObservedPlane& plane : frame.planes) planes.push_back(plane_bits(plane));
-  const planes::NoiseModel& noise = frame.noise;
-  std::vector<unsigned char> bytes = Json::to_cbor(
-      {{"schema", kSchema},
-       {"from", from},
-       {"frame", frame.frame},
-       {"noise", {noise.estimated, noise.by_range, noise.constant_m, noise.growth_per_m}},
-       {"planes", std::move(planes)},
-       {"size", {frame.plane_of.width, frame.plane_of.height}},
-       {"plane_of", runs_json(frame.plane_of)}});
+  Json json = {{"schema", kSchema}, {"from", from}};
+  ObservedFrame same;
+  same.frame = frame.frame;
+  same.noise = frame.noise;
+  same.planes = frame.planes;
+  Exchange(false)(json, same);
+  json["size"] = {frame.plane_of.width, frame.plane_of.height};
+  json["plane_of"] = runs_json(frame.plane_of);
+  std::vector<unsigned char> bytes = Json::to_cbor(json);
   const std::string check = sha256_hex(std::as_bytes(std::span(bytes)));
   bytes.insert(bytes.end(), check.begin(), check.end());
   return bytes;
@@ -186,22 +171,15 @@ ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom&
                             std::span(check, bytes.end())))
       throw std::out_of_range("the check");
     bytes.erase(check, bytes.end());
-    const Json json = Json::from_cbor(bytes);
+    Json json = Json::from_cbor(bytes);
     if (json.at("schema") != kSchema) throw std::out_of_range("the schema");
     if (const std::string other = difference(json.at("from").get<PlanesFrom>(), expected);
         !other.empty())
       throw Error(file.string() + ": was made with other options: " + other);
     ObservedFrame frame;
-    frame.frame = json.at("frame").get<int>();
-    const Json& noise = json.at("noise");
-    frame.noise.estimated = noise.at(0).get<bool>();
-    frame.noise.by_range = noise.at(1).get<bool>();
-    frame.noise.constant_m = noise.at(2).get<double>();
-    frame.noise.growth_per_m = noise.at(3).get<double>();
-    for (const Json& plane : json.at("planes")) {
-      frame.planes.push_back(plane_of_bits(plane));
-      frame.planes.back().id = static_cast<int>(frame.planes.size());
-    }
+    Exchange(true)(json, frame);
+    for (std::size_t i = 0; i < frame.planes.size(); ++i)
+      frame.planes[i].id = static_cast<int>(i) + 1;
     const int width = json.at("size").at(0).get<int>(), height = json.at("size").at(1).get<int>();
     if (width < 1 || height < 1 || width > kMostSide || height > kMostSide)
       throw std::out_of_range("a size");

@@ -1,5 +1,3 @@
-#include "core/world/poses/odometry.hpp"
-
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include "core/labels/review/carry.hpp"
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
+#include "core/world/poses/trajectory.hpp"
 
 namespace planescope::world {
 

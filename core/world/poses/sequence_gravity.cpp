@@ -14,7 +14,7 @@
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/cloud/cloud.hpp"
-#include "core/world/poses/odometry.hpp"
+#include "core/world/poses/trajectory.hpp"
 
 namespace planescope::world {
 

@@ -1,5 +1,3 @@
-#include "core/world/tracks/sight.hpp"
-
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,6 +10,7 @@
 
 #include "core/model/parallel.hpp"
 #include "core/planes/cloud/camera.hpp"
+#include "core/world/tracks/tracker.hpp"
 
 namespace planescope::world {
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/planes/evaluate/metrics.hpp"
-#include "core/world/tracks/sight.hpp"
 
 namespace planescope::world {
 namespace {

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "core/io/folder/folder_layout.hpp"
+#include "core/io/folder/folder_files.hpp"
 #include "core/io/image/png.hpp"
 #include "unit/io/support.hpp"
 

@@ -1,7 +1,7 @@
 // Small files that ask for much, and files that change while they are read.
 
+#include "core/io/byte_reader.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/mapped_file.hpp"
 #include "core/model/file_bytes.hpp"
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"
@@ -74,9 +74,9 @@ TEST(HostileFile, AMappingOfAFileThatIsCutReadsZerosAndSaysSo) {
     for (const std::byte byte : file.bytes()) total = total + std::to_integer<int>(byte);
     return static_cast<int>(total);
   };
-  EXPECT_EQ(file.guarded(sum), 1 << 16);
+  EXPECT_EQ(io::guarded(file, sum), 1 << 16);
   fs::resize_file(path, 8192);
-  expect_one_line_with(message_of([&] { file.guarded(sum); }),
+  expect_one_line_with(message_of([&] { io::guarded(file, sum); }),
                        {"cut.bin", "was cut while it was read", "65536 bytes"});
   EXPECT_EQ(sum(), 8192);
   EXPECT_EQ(message_of([&] { whole.expect_whole(); }), "") << "nothing of it was looked at";

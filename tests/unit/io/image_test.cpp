@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "core/io/image/apng.hpp"
 #include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"

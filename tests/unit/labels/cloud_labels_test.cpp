@@ -92,13 +92,6 @@ TEST(CloudGrid, PointsThatAreNoneHaveNoNeighbours) {
   EXPECT_TRUE(grid.graph.around(9).empty());
 }
 
-TEST(CloudGrid, ACloudWithoutPointsIsRefused) {
-  Frame frame;
-  frame.name = "none";
-  frame.cloud.emplace();
-  expect_refused([&] { make_label_grid(frame, Gravity{}); }, "has no points");
-}
-
 TEST(CloudWand, FindsEachPlaneOfAStair) {
   const TrueCloud cloud = stair_cloud();
   const std::array<Vec3f, 5> clicks = {Vec3f(0.5f, 0.5f, 0), Vec3f(0.5f, 1, 0.1f),

@@ -9,6 +9,7 @@
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/compare/rules.hpp"
 #include "support/empty_report.hpp"
+#include "support/has.hpp"
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
 
@@ -161,10 +162,9 @@ TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
   }
   json = good;
   json["recordings"][0]["frames"][0]["regions"]["rows"] = 2000000000;
-  EXPECT_NE(refusal_of(json).find("regions.rows"), std::string::npos);
+  EXPECT_TRUE(has(refusal_of(json), "regions.rows"));
   EXPECT_EQ(refusal_of(Json::array()), "the file is [], expected an object");
-  EXPECT_NE(message_of([] { read_report(written("{\"schema\": ")); }).find("not valid JSON"),
-            std::string::npos);
+  EXPECT_TRUE(has(message_of([] { read_report(written("{\"schema\": ")); }), "not valid JSON"));
 }
 
 Report through_a_file(const Report& report) { return read_report(written(report_json(report))); }
@@ -285,8 +285,8 @@ TEST(ReportTarget, WhatIsNoneIsRefusedWithWhatWasFound) {
     const std::string text =
         message_of([&] { parse_report_target(std::string("a.json#") + place); });
     EXPECT_TRUE(text.starts_with(std::string("a.json: '") + place + "' is no place")) << text;
-    EXPECT_NE(text.find("expected f<frame>"), std::string::npos) << text;
-    EXPECT_EQ(text.find('\n'), std::string::npos);
+    EXPECT_TRUE(has(text, "expected f<frame>"));
+    EXPECT_FALSE(has(text, "\n"));
   }
 }
 

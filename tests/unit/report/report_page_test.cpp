@@ -12,6 +12,7 @@
 #include "core/report/data/report_json.hpp"
 #include "core/report/page/pictures.hpp"
 #include "support/empty_report.hpp"
+#include "support/has.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::report {
@@ -126,10 +127,6 @@ std::size_t count_of(const std::string& text, const std::string& part) {
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
     ++count;
   return count;
-}
-
-bool has(const std::string& page, const std::string& part) {
-  return page.find(part) != std::string::npos;
 }
 
 TEST(ReportPage, NeedsNothingButItself) {

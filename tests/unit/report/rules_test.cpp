@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/empty_report.hpp"
+#include "support/has.hpp"
 #include "support/json_schema.hpp"
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
@@ -166,7 +167,7 @@ TEST(UndecidedPlanes, ThatAreNewAreNoted) {
   const Outcome undecided = outcome_of(before, with_undecided(baseline()));
   EXPECT_TRUE(undecided.broken.empty());
   ASSERT_EQ(undecided.noted.size(), 1u);
-  EXPECT_NE(undecided.noted[0].text().find("plane 2 (margin 0.02)"), std::string::npos);
+  EXPECT_TRUE(has(undecided.noted[0].text(), "plane 2 (margin 0.02)"));
 }
 
 TEST(UndecidedPlanes, OfEitherRunThatMovedTurnedOrGrewAreNoted) {
@@ -198,12 +199,12 @@ TEST(UndecidedPlanes, ThatSplitOrMergeAreNotedWhicheverPartIsUndecided) {
   const Outcome split = outcome_of(whole, with_undecided(parts));
   EXPECT_TRUE(split.broken.empty());
   ASSERT_EQ(split.noted.size(), 1u);
-  EXPECT_NE(split.noted[0].text().find("undecided: plane 2 ("), std::string::npos);
+  EXPECT_TRUE(has(split.noted[0].text(), "undecided: plane 2 ("));
   const Outcome merged = outcome_of(with_undecided(parts), whole);
   EXPECT_TRUE(merged.broken.empty());
   ASSERT_EQ(merged.noted.size(), 1u);
   EXPECT_EQ(merged.noted[0].value, 2);
-  EXPECT_NE(merged.noted[0].text().find("undecided: plane 2 of the baseline ("), std::string::npos);
+  EXPECT_TRUE(has(merged.noted[0].text(), "undecided: plane 2 of the baseline ("));
 }
 
 TEST(UndecidedPlanes, DoNotHideADecidedOneBesideThem) {
@@ -373,7 +374,7 @@ TEST(Rules, TheDocumentTellsOfEveryMetricWithItsUnit) {
     std::string row = "| `";
     row.append(metric.name).append("` | ").append(metric.unit).append(" | ");
     row.append(metric.meaning).append(" | ");
-    EXPECT_NE(text.find(row), std::string::npos) << row;
+    EXPECT_TRUE(has(text, row)) << row;
   }
 }
 
@@ -386,10 +387,8 @@ TEST(Rules, TimesOnlyEverWarn) {
     return file;
   };
   EXPECT_EQ(read_rules(written("")).at(0).level, RuleLevel::warn);
-  EXPECT_NE(message_of([&] {
-              read_rules(written(R"(, "level": "error")"));
-            }).find("rules[0].level is \"error\", expected warn or off"),
-            std::string::npos);
+  EXPECT_TRUE(has(message_of([&] { read_rules(written(R"(, "level": "error")")); }),
+                  "rules[0].level is \"error\", expected warn or off"));
   Report now = baseline();
   Report before = baseline();
   for (Report* report : {&before, &now})
@@ -423,21 +422,15 @@ TEST(Rules, AMistakeInTheFileIsNamed) {
     EXPECT_EQ(text.rfind(file.string() + ": ", 0), 0u) << text;
     return text;
   };
-  EXPECT_NE(refusal_of(R"({"metric": "planes_lsot", "at_most": 0})").find("planes_lost"),
-            std::string::npos);
-  EXPECT_NE(refusal_of(R"({"metric": "planes", "atmost": 0})").find("has \"atmost\""),
-            std::string::npos);
-  EXPECT_NE(refusal_of(R"({"metric": "planes"})").find("\"at_least\" or \"at_most\""),
-            std::string::npos);
-  EXPECT_NE(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})")
-                .find("rules[0].level is \"fatal\", expected one of off, warn, error"),
-            std::string::npos);
-  EXPECT_NE(refusal_of(R"({"metric": "planes", "at_least": 5, "at_most": 4})")
-                .find("at_least 5 not above at_most 4"),
-            std::string::npos);
-  EXPECT_NE(refusal_of(R"({"metric": "planes", "at_most": 4}], "rules": [)")
-                .find("has \"rules\" twice in one object"),
-            std::string::npos);
+  EXPECT_TRUE(has(refusal_of(R"({"metric": "planes_lsot", "at_most": 0})"), "planes_lost"));
+  EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "atmost": 0})"), "has \"atmost\""));
+  EXPECT_TRUE(has(refusal_of(R"({"metric": "planes"})"), "\"at_least\" or \"at_most\""));
+  EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})"),
+                  "rules[0].level is \"fatal\", expected one of off, warn, error"));
+  EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_least": 5, "at_most": 4})"),
+                  "at_least 5 not above at_most 4"));
+  EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 4}], "rules": [)"),
+                  "has \"rules\" twice in one object"));
 }
 
 TEST(Rules, LabelsThatAreGoneAreAnErrorOfTheirFrame) {

@@ -4,7 +4,6 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/world/poses/odometry.hpp"
 #include "core/world/poses/sequence_gravity.hpp"
 #include "core/world/poses/trajectory.hpp"
 #include "support/temp_dir.hpp"

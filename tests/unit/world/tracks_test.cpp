@@ -12,7 +12,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/world/files/map_files.hpp"
-#include "core/world/tracks/sight.hpp"
+#include "core/world/tracks/tracker.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::world {

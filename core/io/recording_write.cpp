@@ -1,0 +1,389 @@
+// Folders with a sidecar; and MCAP (https://mcap.dev/spec) of the messages of ROS 2.
+
+#include "core/io/recording_write.hpp"
+
+#include <fmt/format.h>
+#include <libdeflate.h>
+#include <zstd.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "core/io/bag/message_log.hpp"
+#include "core/io/image/png.hpp"
+#include "core/io/readers.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
+
+namespace planescope::io {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+const char* color_folder(FolderForm form) { return form == FolderForm::tum ? "rgb" : "color"; }
+
+std::string name_of(FolderForm form, int number, const Frame& frame) {
+  return form == FolderForm::tum ? fmt::format("{:.6f}", frame.timestamp_s)
+                                 : fmt::format("{:06}", number);
+}
+
+/// Colour that is not on depth's pixels.
+Json color_json(const Frame& facts) {
+  Json pose = Json::array();
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column)
+      pose.push_back(facts.T_color_depth.matrix()(row, column));
+  return {{"intrinsics", intrinsics_json(facts.color_intrinsics)}, {"T_color_depth", pose}};
+}
+
+Json frames_json(const std::vector<WrittenFrame>& frames) {
+  Json list = Json::array();
+  for (const WrittenFrame& frame : frames) {
+    Json entry = {{"name", frame.name}, {"timestamp_s", frame.facts.timestamp_s}};
+    if (const auto& gravity = frame.facts.gravity; gravity && gravity->known())
+      entry["gravity"] = {gravity->direction.x(), gravity->direction.y(), gravity->direction.z()};
+    if (frame.facts.T_world_camera)
+      entry["T_world_camera"] = pose_numbers(*frame.facts.T_world_camera);
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+const WrittenFrame* first_in_color(const std::vector<WrittenFrame>& frames) {
+  for (const WrittenFrame& frame : frames)
+    if (frame.has_color) return &frame;
+  return nullptr;
+}
+
+void expect_one_camera(const std::vector<WrittenFrame>& frames) {
+  const Frame& first = frames.front().facts;
+  for (const WrittenFrame& frame : frames)
+    if (!(frame.facts.intrinsics == first.intrinsics) ||
+        frame.facts.depth_unit_m != first.depth_unit_m)
+      throw Error(fmt::format(
+          "frame {} has another camera or depth unit than frame {}, a recording has one of each",
+          frame.facts.index, first.index));
+}
+
+void write_tum_list(const fs::path& path,
+                    const char* folder,
+                    const std::vector<WrittenFrame>& frames,
+                    bool all) {
+  std::string text = "# timestamp filename\n";
+  for (const WrittenFrame& frame : frames)
+    if (all || frame.has_color) text += fmt::format("{0} {1}/{0}.png\n", frame.name, folder);
+  write_file_text(path, text);
+}
+
+/// As Open3D reads it: column by column, and counts per metre.
+Json open3d_camera(const Frame& facts) {
+  const Intrinsics& k = facts.intrinsics;
+  return {{"width", k.width},
+          {"height", k.height},
+          {"intrinsic_matrix", {k.fx, 0, 0, 0, k.fy, 0, k.cx, k.cy, 1}},
+          {"depth_scale", 1 / facts.depth_unit_m}};
+}
+
+}  // namespace
+
+WrittenFrame write_frame(const fs::path& dir, FolderForm form, int number, const Frame& frame) {
+  const std::string name = name_of(form, number, frame);
+  fs::create_directories(dir / "depth");
+  write_png(dir / "depth" / (name + ".png"), frame.depth);
+  const bool has_color = frame.color.channels == 3;
+  if (has_color) {
+    fs::create_directories(dir / color_folder(form));
+    write_png(dir / color_folder(form) / (name + ".png"), frame.color);
+  }
+  return facts_of(frame, name);
+}
+
+WrittenFrame facts_of(Frame frame, const std::string& name) {
+  const bool has_color = frame.color.channels == 3;
+  frame.depth = {};
+  frame.color = {};
+  return {std::move(frame), name, has_color};
+}
+
+void write_folder_facts(const fs::path& dir,
+                        FolderForm form,
+                        const std::vector<WrittenFrame>& frames) {
+  if (form == FolderForm::tum) {
+    for (std::size_t i = 1; i < frames.size(); ++i)
+      if (!(frames[i].facts.timestamp_s > frames[i - 1].facts.timestamp_s))
+        throw Error(fmt::format(
+            "frame {} is of {:.6f} s, not later than the one before: the form tum names files by "
+            "their time",
+            frames[i].facts.index, frames[i].facts.timestamp_s));
+    write_tum_list(dir / "depth.txt", "depth", frames, true);
+    if (first_in_color(frames)) write_tum_list(dir / "rgb.txt", "rgb", frames, false);
+  } else {
+    write_file_text(dir / "camera_intrinsic.json", json_text(open3d_camera(frames.front().facts)));
+  }
+  write_recording_facts(dir / "planescope.json", frames);
+}
+
+void write_recording_facts(const fs::path& path, const std::vector<WrittenFrame>& frames) {
+  expect_one_camera(frames);
+  const Frame& facts = frames.front().facts;
+  Json sidecar = {{"schema", "planescope.recording/1"},
+                  {"intrinsics", intrinsics_json(facts.intrinsics)},
+                  {"depth_unit_m", facts.depth_unit_m}};
+  if (const WrittenFrame* colored = first_in_color(frames)) {
+    sidecar["color_aligned"] = colored->facts.color_aligned;
+    if (!colored->facts.color_aligned && colored->facts.color_intrinsics.fx > 0)
+      sidecar["color"] = color_json(colored->facts);
+  }
+  sidecar["frames"] = frames_json(frames);
+  write_file_text(path, json_text(sidecar));
+}
+
+void write_frame_facts(const fs::path& sidecar, const std::vector<WrittenFrame>& frames) {
+  write_file_text(
+      sidecar, json_text({{"schema", "planescope.recording/1"}, {"frames", frames_json(frames)}}));
+}
+
+// ---- MCAP ----
+
+namespace {
+
+constexpr const char* kImage = "sensor_msgs/msg/Image";
+constexpr const char* kCameraInfo = "sensor_msgs/msg/CameraInfo";
+constexpr const char* kTransforms = "tf2_msgs/msg/TFMessage";
+
+/// Without comments: what tools need to unpack a message.
+std::string definition_of(const std::string& type) {
+  const std::string rule = std::string(80, '=') + "\nMSG: ";
+  const std::string header = rule +
+                             "std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n" +
+                             rule + "builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+  if (type == kImage)
+    return "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\n"
+           "uint8 is_bigendian\nuint32 step\nuint8[] data\n" +
+           header;
+  if (type == kCameraInfo)
+    return "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"
+           "float64[] d\nfloat64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\n"
+           "uint32 binning_y\nsensor_msgs/RegionOfInterest roi\n" +
+           rule +
+           "sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\nuint32 height\n"
+           "uint32 width\nbool do_rectify\n" +
+           header;
+  return "geometry_msgs/TransformStamped[] transforms\n" + rule +
+         "geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n"
+         "geometry_msgs/Transform transform\n" +
+         rule +
+         "geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n"
+         "geometry_msgs/Quaternion rotation\n" +
+         rule + "geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n" + rule +
+         "geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" + header;
+}
+
+/// Fields without gaps, as MCAP has them, or aligned behind four bytes, as CDR has them.
+class Fields {
+ public:
+  static Fields cdr() {
+    Fields fields;
+    fields.bytes = std::string("\0\1\0\0", 4);
+    fields.is_cdr_ = true;
+    return fields;
+  }
+  template <typename T>
+  Fields& put(T value) {
+    if (is_cdr_) bytes.append((sizeof(T) - (bytes.size() - 4) % sizeof(T)) % sizeof(T), '\0');
+    char raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof(T));
+    bytes.append(raw, sizeof(T));
+    return *this;
+  }
+  Fields& text(const std::string& text) {
+    put(static_cast<std::uint32_t>(text.size() + (is_cdr_ ? 1 : 0)));
+    bytes += text;
+    if (is_cdr_) bytes += '\0';
+    return *this;
+  }
+  Fields& header(double stamp_s, const char* frame_id) {
+    const double whole = std::floor(stamp_s);
+    put(static_cast<std::int32_t>(whole));
+    put(static_cast<std::uint32_t>(1e9 * (stamp_s - whole)));
+    return text(frame_id);
+  }
+
+  std::string bytes;
+
+ private:
+  bool is_cdr_ = false;
+};
+
+std::string record(std::uint8_t op, const std::string& content) {
+  return Fields().put(op).put(std::uint64_t{content.size()}).bytes + content;
+}
+
+template <typename T>
+std::string image_message(const Image<T>& image,
+                          double stamp_s,
+                          const char* frame_id,
+                          const char* encoding) {
+  const std::size_t row = sizeof(T) * static_cast<std::size_t>(image.width) * image.channels;
+  Fields fields = Fields::cdr();
+  fields.header(stamp_s, frame_id).put(static_cast<std::uint32_t>(image.height));
+  fields.put(static_cast<std::uint32_t>(image.width)).text(encoding).put(std::uint8_t{0});
+  fields.put(static_cast<std::uint32_t>(row));
+  fields.put(static_cast<std::uint32_t>(row * static_cast<std::size_t>(image.height)));
+  fields.bytes.append(reinterpret_cast<const char*>(image.data.data()),
+                      sizeof(T) * image.data.size());
+  return fields.bytes;
+}
+
+std::string camera_message(
+    const Intrinsics& k, int width, int height, double stamp_s, const char* frame_id) {
+  Fields fields = Fields::cdr();
+  fields.header(stamp_s, frame_id).put(static_cast<std::uint32_t>(height));
+  fields.put(static_cast<std::uint32_t>(width));
+  fields.text(k.distortion == Distortion::inverse_brown_conrady ? to_string(k.distortion)
+                                                                : "plumb_bob");
+  fields.put(static_cast<std::uint32_t>(k.coefficients.size()));
+  for (const double value : k.coefficients) fields.put(value);
+  for (const double value : {k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0}) fields.put(value);
+  for (const double value : {1., 0., 0., 0., 1., 0., 0., 0., 1.}) fields.put(value);
+  for (const double value : {k.fx, 0., k.cx, 0., 0., k.fy, k.cy, 0., 0., 0., 1., 0.})
+    fields.put(value);
+  for (int i = 0; i < 6; ++i) fields.put(std::uint32_t{0});  // binning, region of interest
+  return fields.put(std::uint8_t{0}).bytes;
+}
+
+std::string transform_message(const Pose& T_parent_child, const char* parent, const char* child) {
+  Fields fields = Fields::cdr();
+  fields.put(std::uint32_t{1}).header(0, parent).text(child);
+  const Eigen::Quaterniond q(T_parent_child.linear());
+  for (int i = 0; i < 3; ++i) fields.put(T_parent_child.translation()[i]);
+  for (const double value : {q.x(), q.y(), q.z(), q.w()}) fields.put(value);
+  return fields.bytes;
+}
+
+}  // namespace
+
+McapWriter::McapWriter(std::ostream& out) : out_(out) {
+  write(std::string(kMcapMagic) + record(0x01, Fields().text("ros2").text("planescope").bytes));
+}
+
+void McapWriter::write(const std::string& bytes) {
+  out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  position_ += bytes.size();
+}
+
+void McapWriter::message(const std::string& topic,
+                         const char* type,
+                         double stamp_s,
+                         const std::string& cdr) {
+  const auto [at, is_new] =
+      channels_.try_emplace(topic, Channel{static_cast<std::uint16_t>(channels_.size()), 0});
+  Channel& channel = at->second;
+  if (is_new) {
+    const auto schema = static_cast<std::uint16_t>(channel.id + 1);  // 0 is none
+    const std::string of_schema = record(
+        0x03, Fields().put(schema).text(type).text("ros2msg").text(definition_of(type)).bytes);
+    const std::string of_channel = record(
+        0x04,
+        Fields().put(channel.id).put(schema).text(topic).text("cdr").put(std::uint32_t{0}).bytes);
+    chunk_ += of_schema + of_channel;
+    schemas_ += of_schema;
+    channel_records_ += of_channel;
+  }
+  const auto time_ns = static_cast<std::uint64_t>(std::llround(1e9 * std::max(stamp_s, 0.0)));
+  if (entries_.empty()) chunk_first_ns_ = chunk_last_ns_ = time_ns;
+  if (messages_ == 0) first_ns_ = last_ns_ = time_ns;
+  for (std::uint64_t* first : {&chunk_first_ns_, &first_ns_}) *first = std::min(*first, time_ns);
+  for (std::uint64_t* last : {&chunk_last_ns_, &last_ns_}) *last = std::max(*last, time_ns);
+  entries_[channel.id] += Fields().put(time_ns).put(std::uint64_t{chunk_.size()}).bytes;
+  chunk_ +=
+      record(0x05, Fields().put(channel.id).put(frames_).put(time_ns).put(time_ns).bytes + cdr);
+  ++channel.messages;
+  ++messages_;
+}
+
+void McapWriter::add(const Frame& frame) {
+  const char *depth = "camera_depth_optical_frame", *color = "camera_color_optical_frame";
+  const std::string folder =
+      frame.color_aligned ? "/camera/aligned_depth_to_color/" : "/camera/depth/";
+  const double t = frame.timestamp_s;
+  const bool has_color = frame.color.channels == 3;
+  const bool has_pose = has_color && !frame.color_aligned && frame.color_intrinsics.fx > 0;
+  if (has_pose && !channels_.contains("/tf_static"))
+    message("/tf_static", kTransforms, t,
+            transform_message(frame.T_color_depth.inverse(), depth, color));
+  message(folder + (frame.color_aligned ? "image_raw" : "image_rect_raw"), kImage, t,
+          image_message(frame.depth, t, depth, "16UC1"));
+  message(folder + "camera_info", kCameraInfo, t,
+          camera_message(frame.intrinsics, frame.depth.width, frame.depth.height, t, depth));
+  if (has_color) {
+    message("/camera/color/image_raw", kImage, t, image_message(frame.color, t, color, "rgb8"));
+    const Intrinsics& k = frame.color_aligned ? frame.intrinsics : frame.color_intrinsics;
+    if (k.fx > 0)
+      message("/camera/color/camera_info", kCameraInfo, t,
+              camera_message(k, frame.color.width, frame.color.height, t, color));
+  }
+  ++frames_;
+  end_chunk();
+}
+
+void McapWriter::end_chunk() {
+  std::string stored(ZSTD_compressBound(chunk_.size()), '\0');
+  const std::size_t size =
+      ZSTD_compress(stored.data(), stored.size(), chunk_.data(), chunk_.size(), 3);
+  if (ZSTD_isError(size)) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size));
+  stored.resize(size);
+  const std::uint64_t start = position_;
+  write(record(0x06, Fields().put(chunk_first_ns_)
+                             .put(chunk_last_ns_)
+                             .put(std::uint64_t{chunk_.size()})
+                             .put(libdeflate_crc32(0, chunk_.data(), chunk_.size()))
+                             .text("zstd")
+                             .put(std::uint64_t{stored.size()})
+                             .bytes +
+                         stored));
+  const std::uint64_t index_start = position_;
+  Fields places;
+  for (const auto& [channel, entries] : entries_) {
+    places.put(channel).put(position_);
+    write(record(0x07, Fields().put(channel).text(entries).bytes));
+  }
+  chunk_indexes_ += record(0x08, Fields()
+                                     .put(chunk_first_ns_)
+                                     .put(chunk_last_ns_)
+                                     .put(start)
+                                     .put(index_start - start)
+                                     .text(places.bytes)
+                                     .put(position_ - index_start)
+                                     .text("zstd")
+                                     .put(std::uint64_t{stored.size()})
+                                     .put(std::uint64_t{chunk_.size()})
+                                     .bytes);
+  chunk_.clear();
+  entries_.clear();
+  ++chunks_;
+}
+
+void McapWriter::finish() {
+  write(record(0x0f, Fields().put(std::uint32_t{0}).bytes));
+  const std::uint64_t summary = position_;
+  Fields counts, statistics;
+  for (const auto& [topic, channel] : channels_) counts.put(channel.id).put(channel.messages);
+  statistics.put(messages_)
+      .put(static_cast<std::uint16_t>(channels_.size()))
+      .put(static_cast<std::uint32_t>(channels_.size()))
+      .put(std::uint32_t{0})  // attachments
+      .put(std::uint32_t{0})  // metadata
+      .put(chunks_)
+      .put(first_ns_)
+      .put(last_ns_)
+      .text(counts.bytes);
+  write(schemas_ + channel_records_ + chunk_indexes_ + record(0x0b, statistics.bytes));
+  write(record(0x02, Fields().put(summary).put(std::uint64_t{0}).put(std::uint32_t{0}).bytes) +
+        std::string(kMcapMagic));
+}
+
+}  // namespace planescope::io

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace planescope {
+
+/// Whether `text` holds `part`; the failure shows both.
+inline testing::AssertionResult has(const std::string& text, const std::string& part) {
+  const bool holds = text.find(part) != std::string::npos;
+  return (holds ? testing::AssertionSuccess() : testing::AssertionFailure())
+         << "'" << part << "' in: " << text;
+}
+
+}  // namespace planescope
