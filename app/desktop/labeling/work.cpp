@@ -95,9 +95,7 @@ void commit_and_say(State& state,
                     const std::string& title,
                     const FrameLabels& after,
                     const std::string& unchanged) {
-  const std::shared_ptr<const FrameLabels> before = state.labels();
-  commit_labels(state, title, after);
-  if (state.labels() == before)
+  if (commit_labels(state, title, after).empty())
     say_nothing_done(state, unchanged);
   else
     say(state, title);
@@ -263,13 +261,14 @@ void paint_pixels(State& state,
   if (is_plane(paint) && !plane && mode == labels::PaintMode::subtract)
     throw Error(
         fmt::format("P{} has no {}s to remove", paint.plane, sample_name(*state.label_frame())));
-  const std::size_t changed = labels::changed_by_painting(labels, grid, pixels, paint, mode).size();
-  if (changed == 0) return say_nothing_done(state, "nothing to change here");
   const std::string title = fmt::format(
       "{} {}{}", tool, mode == labels::PaintMode::subtract ? "off " : "", name_of_paint(paint));
-  commit_labels(state, title, labels::painted(labels, grid, pixels, paint, mode));
+  const labels::LabelEdit edit =
+      commit_labels(state, title, labels::painted(labels, grid, pixels, paint, mode));
+  if (edit.empty()) return say_nothing_done(state, "nothing to change here");
   if (is_plane(paint)) state.view.label.plane = paint.plane;
-  say(state, fmt::format("{}: {}", title, counted(changed, sample_name(*state.label_frame()))));
+  say(state, fmt::format("{}: {}", title,
+                         counted(edit.changed_pixels(), sample_name(*state.label_frame()))));
 }
 
 // ---- Gestures --------------------------------------------------------------------------------

@@ -1,9 +1,10 @@
 // Labels carried to the next frame, and proposed in all frames.
 
+#include "core/labels/review/carry.hpp"
+
 #include <gtest/gtest.h>
 
 #include "core/labels/edit/operations.hpp"
-#include "core/labels/review/carry.hpp"
 #include "core/model/error.hpp"
 #include "small_frames.hpp"
 

@@ -205,9 +205,8 @@ TEST(LabelFiles, InconsistentLabelsAreNotWritten) {
       {"review note", [](FrameLabels& labels) { labels.review.emplace_back().pixel = 48; }},
       // The journal keeps counts as whole numbers from 0 on.
       {"-1 fragments", [](FrameLabels& labels) { labels.planes[1].fragments = -1; }},
-      {"planes -1 and 0", [](FrameLabels& labels) {
-         labels.review.emplace_back().label_plane = -1;
-       }}};
+      {"planes -1 and 0",
+       [](FrameLabels& labels) { labels.review.emplace_back().label_plane = -1; }}};
   for (const auto& [message, damage] : cases) {
     FrameLabels labels = two_planes();
     damage(labels);

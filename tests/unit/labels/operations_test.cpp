@@ -1,5 +1,7 @@
 // What gestures do to labels, and edits as the differences that they make.
 
+#include "core/labels/edit/operations.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include <iterator>
 
 #include "core/labels/edit/edit.hpp"
-#include "core/labels/edit/operations.hpp"
 #include "core/labels/wand/wand.hpp"
 #include "core/model/error.hpp"
 #include "random_labels.hpp"
