@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 
-#include "render/label_scene.hpp"
 #include "render/step_scene.hpp"
 
 namespace planescope::desktop {

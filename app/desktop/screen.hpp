@@ -12,7 +12,7 @@
 #include "app/desktop/imgui.hpp"
 #include "app/desktop/shell.hpp"
 #include "render/gl.hpp"
-#include "render/tiles.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::desktop {
 
@@ -60,8 +60,8 @@ class Screen {
   void resize(int width, int height);
 
   int width_ = 0, height_ = 0;
-  render::GlRenderbuffer color_ = render::make_renderbuffer();
-  render::GlFramebuffer framebuffer_ = render::make_framebuffer();
+  render::GlRenderbuffer color_ = render::GlRenderbuffer::make();
+  render::GlFramebuffer framebuffer_ = render::GlFramebuffer::make();
   Canvas* canvas_ = nullptr;  // the shell's
   std::unique_ptr<Shell> shell_;
   Damage damage_;

@@ -13,7 +13,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
-#include "render/view.hpp"
+#include "render/draw_list.hpp"
 
 namespace planescope::desktop {
 

@@ -8,7 +8,7 @@
 #include "core/lab/synthetic/sample.hpp"
 #include "core/planes/segment/criteria.hpp"
 #include "render/palette.hpp"
-#include "render/scene_parts.hpp"
+#include "render/scenes.hpp"
 
 namespace planescope::app::figures {
 namespace {

@@ -10,7 +10,6 @@
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/report/page/pictures.hpp"
-#include "render/scene_parts.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::app::figures {

@@ -6,7 +6,6 @@
 
 #include "app/commands/inputs.hpp"
 #include "app/lab/paper_figures/parts.hpp"
-#include "render/frame_image.hpp"
 #include "render/paint.hpp"
 #include "render/plane_colors.hpp"
 #include "render/scenes.hpp"

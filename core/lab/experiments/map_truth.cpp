@@ -13,7 +13,7 @@
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
-#include "core/world/poses/trajectory.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::lab {
 namespace {
