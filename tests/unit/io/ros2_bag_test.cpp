@@ -127,7 +127,7 @@ TEST_F(Ros2Bag, MessagesOfABigEndianMachineAreRead) {
     if (message.topic != "/camera/camera/depth/image_rect_raw") continue;
     ImageMessage image = depth_message(100, 3);
     image.encoding = "16UC1";
-    message.bytes = image_message(image, Wire::cdr_big);
+    message.bytes = image_message(image, testing_bags::Wire::cdr_big);
   }
   EXPECT_EQ(open_db3(messages)->frame(0).depth.data, depth_of(100).data);
 }
@@ -156,10 +156,11 @@ Ros2Messages transported(int frames,
     message.type = "sensor_msgs/msg/CompressedImage";
     message.topic += "/" + (is_depth ? transport : "compressed");
     const auto jpeg = encode_jpeg(kWidth, kHeight, true);
-    message.bytes = is_depth ? compressed_image_message(stamp_s, "depth_optical", format,
-                                                        pack(depth_of(100 + number++)), Wire::cdr)
-                             : compressed_image_message(stamp_s, "color_optical", color_format,
-                                                        jpeg, Wire::cdr);
+    message.bytes =
+        is_depth ? compressed_image_message(stamp_s, "depth_optical", format,
+                                            pack(depth_of(100 + number++)), testing_bags::Wire::cdr)
+                 : compressed_image_message(stamp_s, "color_optical", color_format, jpeg,
+                                            testing_bags::Wire::cdr);
   }
   return messages;
 }
@@ -202,7 +203,7 @@ TEST_F(Ros2Bag, CompressedImagesOfTheSdkAreRead) {
     message.type = "sensor_msgs/msg/CompressedImage";
     message.bytes = compressed_image_message(
         1e-9 * static_cast<double>(message.time_ns), "Depth", "16UC1; compressedDepth png",
-        with_config(encode_png(depth_of(number++))), Wire::cdr);
+        with_config(encode_png(depth_of(number++))), testing_bags::Wire::cdr);
   }
   expect_sdk_frames(*open_db3(messages), 2);
 }

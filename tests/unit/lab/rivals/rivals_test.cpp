@@ -61,7 +61,7 @@ class FurtherRivals : public testing::TestWithParam<LibraryRival> {
   }
 };
 /// GoogleTest would print the bytes, with addresses that differ from run to run.
-void PrintTo(const LibraryRival& rival, std::ostream* out) { *out << rival.name; }
+[[maybe_unused]] void PrintTo(const LibraryRival& rival, std::ostream* out) { *out << rival.name; }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(FurtherRivals);
 INSTANTIATE_TEST_SUITE_P(OfUnorderedClouds, FurtherRivals, testing::ValuesIn(cloud_rivals()));
