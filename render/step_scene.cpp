@@ -35,10 +35,15 @@ struct Boxes {
 
   const planes::OctreeNode& node(std::int32_t i) const { return run.octree().nodes[i]; }
   /// The part of its cell that holds its points.
-  DrawBox tile(std::int32_t i) const {
+  DrawBox tile(std::int32_t i, Rgba color) const {
     DrawBox box = points_box(run.octree(), node(i), run.subject->prepared.voxels.size_m);
     box.id = pick_id(Picked::Kind::node, i);
+    box.color = color;
     return box;
+  }
+  std::int32_t node_count() const { return static_cast<std::int32_t>(run.octree().nodes.size()); }
+  bool is_waiting(std::int32_t i) const {
+    return run.timeline.node_state(i, look.step) == debug::NodeState::queued;
   }
 
   void add_settled() const {
@@ -48,12 +53,10 @@ struct Boxes {
     const double least_edge_m =
         numerals ? least_numeral_edge_m(run.subject->prepared.voxels.points) : 0;
     std::size_t settled = 0, numbered = 0;
-    const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
-    for (std::int32_t i = 0; i < n && settled < kMostSettled; ++i) {
+    for (std::int32_t i = 0; i < node_count() && settled < kMostSettled; ++i) {
       if (!is_settled_leaf(run, i, look.step)) continue;
       ++settled;
-      DrawBox box = tile(i);
-      box.color = case_color(node(i).decided);
+      DrawBox box = tile(i, case_color(node(i).decided));
       if (!by_case)
         box.color.a = 110;  // outlines alone: a tint would spoil the colors that were asked for
       else
@@ -70,14 +73,10 @@ struct Boxes {
 
   /// The head of the queue.
   void add_waiting() const {
-    const Rgba color = waiting_color(look.theme);
-    const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
     std::size_t count = 0;
-    for (std::int32_t i = 0; i < n && count < kMostWaiting; ++i) {
-      if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
-      DrawBox box = tile(i);
-      box.color = color;
-      list.boxes.push_back(box);
+    for (std::int32_t i = 0; i < node_count() && count < kMostWaiting; ++i) {
+      if (!is_waiting(i)) continue;
+      list.boxes.push_back(tile(i, waiting_color(look.theme)));
       ++count;
     }
   }
@@ -96,17 +95,12 @@ struct Boxes {
   /// What the node was divided into at this step.
   void add_children(std::int32_t of) const {
     const std::int32_t first = node(of).first_child;
-    const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
-    for (std::int32_t i = std::max(first, 0); first >= 0 && i < n && node(i).parent == of; ++i) {
-      if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
-      DrawBox box = tile(i);
-      box.color = waiting_color(look.theme);
-      list.boxes.push_back(box);
-    }
+    for (std::int32_t i = first; first >= 0 && i < node_count() && node(i).parent == of; ++i)
+      if (is_waiting(i)) list.boxes.push_back(tile(i, waiting_color(look.theme)));
   }
 
   void add_frame(std::int32_t i, Rgba color, float width_px, LabelRank rank) const {
-    DrawBox box = tile(i);
+    const DrawBox box = tile(i, color);
     DrawLines edges;
     edges.width_px = width_px;
     edges.shine_through = true;
@@ -116,7 +110,6 @@ struct Boxes {
       edges.colors.push_back(color);
     });
     list.lines.push_back(std::move(edges));
-    box.color = color;
     list.boxes.push_back(box);  // to be picked by
     // Below: above it stands the name of its voxel.
     Vec3f foot = middle_of(box);
