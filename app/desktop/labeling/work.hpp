@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "app/desktop/actions/action.hpp"
+#include "app/desktop/actions/actions.hpp"
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/state/state.hpp"
 
