@@ -98,7 +98,8 @@ TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
         << only;
   const std::string sets = (dir / "1/frames,sets/real.jsonl").string();
   std::map<std::string, int> frames;
-  for (const Json& line : results_of(read_text(sets))["set"]) ++frames[line["method"]];
+  auto set_results = results_of(read_text(sets));
+  for (const Json& line : set_results["set"]) ++frames[line["method"]];
   EXPECT_EQ(frames["ransac"], 6) << "one of three sets, clean and d435";
   const std::string tables = typeset(sets + " " + (dir / "1/repeat/real.jsonl").string());
   for (const char* part : {"Labelled real frames, half tuning: 1 frame",
@@ -117,7 +118,8 @@ TEST(BenchReal, MeasuresOneHalfOfTheList) {
              "room tuning rec 0 --gravity 0,1,0\nmissing printed nowhere 0 --gravity 0,1,0\n");
   const Ran ran = run_with(frames_args(dir), {"--half", "tuning"});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  for (const Json& line : results_of(ran.out)["labelled"]) EXPECT_EQ(line["name"], "room");
+  auto results = results_of(ran.out);
+  for (const Json& line : results["labelled"]) EXPECT_EQ(line["name"], "room");
 }
 
 TEST(BenchReal, RefusesWhatItDoesNotKnowInOneLine) {

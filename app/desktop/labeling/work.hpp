@@ -7,7 +7,6 @@
 #include <string>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/actions.hpp"
 #include "app/desktop/state/state.hpp"
 
 namespace planescope::desktop {
