@@ -51,7 +51,7 @@ void draw_label_statistics(const Ui& ui);  // area, planes, time, history
 void draw_label_learning(const Ui& ui);    // a classifier trained on what is reviewed
 
 /// Of a finished plane, in the inspector: what it carries and how well it is known; nothing where
-/// that is not known (debugger/panels/stairs.cpp).
+/// that is not known (debugger/panels/planes.cpp).
 void draw_plane_facts(const Ui& ui, std::int32_t plane);
 
 // Fixes (debugger/panels/fix.cpp).
@@ -84,7 +84,7 @@ std::vector<Assumption> assumptions_of(const State& state);
 /// One line, above the views.
 void draw_assumptions(const Ui& ui, const std::vector<Assumption>& all);
 
-// Parts of several panels (panels/gravity.cpp).
+// Parts of several panels (panels/setup.cpp).
 
 /// A line that says what to click where nobody knows gravity, or while a click is waited for;
 /// otherwise nothing.
@@ -92,7 +92,7 @@ void draw_click_line(const Ui& ui);
 /// Where gravity is from, and what picks another one.
 void draw_gravity(const Ui& ui);
 
-// What is measured (panels/measure.cpp).
+// What is measured (panels/views.cpp).
 
 /// A line that says which end to click, and how far apart the two are.
 void draw_measure_line(const Ui& ui);

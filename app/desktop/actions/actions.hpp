@@ -350,6 +350,26 @@ struct CameraEntry {
   std::optional<double> depth_unit_m = {};
   bool remember = false;  // beside the recording
 };
+/// What points are colored by: the action that chooses it, by its key, and its name in lists.
+struct ColorChoice {
+  render::ColorBy by;
+  const char *action, *title, *key, *name;
+};
+/// By render::ColorBy.
+inline constexpr ColorChoice kColorChoices[] = {
+    {render::ColorBy::cases, "color.cases", "Color by case", "1", "case"},
+    {render::ColorBy::planes, "color.planes", "Color by plane", "2", "plane"},
+    {render::ColorBy::labels, "color.labels", "Color by horizontal and vertical", "3",
+     "horizontal or vertical"},
+    {render::ColorBy::margins, "color.margins", "Color by label margin", "4", "sureness"},
+    {render::ColorBy::truth, "color.truth", "Color by ground truth", "5", "truth"},
+    {render::ColorBy::camera, "color.camera", "Color from the camera", "6", "camera"},
+    {render::ColorBy::steppable, "color.steppable", "Color by steppable", "7", "steppable"},
+    {render::ColorBy::depth, "color.depth", "Color by depth", "8", "depth"},
+    {render::ColorBy::height, "color.height", "Color by height", "9", "height"},
+    {render::ColorBy::rms, "color.rms", "Color by RMS", "0", "RMS"},
+    {render::ColorBy::distance, "color.distance", "Color by distance to a plane", "Shift+0",
+     "distance"}};
 /// What all tools of the label mode do to slivers.
 enum class SliverAction : std::uint8_t { show, keep, take, ignore };
 

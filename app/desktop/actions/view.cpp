@@ -18,21 +18,6 @@ namespace {
 
 // ---- Colors ------------------------------------------------------------------------------------
 
-void add_color(const ActionGroup& group,
-               const char* name,
-               const char* title,
-               const char* key,
-               render::ColorBy by) {
-  group.add(name, title)
-      .key(key)
-      .on([by](const State& s) { return s.view.color_by == by; })
-      .run([by](State& s) {
-        s.view.color_by = by;
-        s.view.range.reset();
-        if (s.view.case_colors == CaseColors::shown) s.view.case_colors = CaseColors::declined;
-      });
-}
-
 using ColorRange = std::optional<render::ValueRange>;
 
 ColorRange read_color_range(const State&, const std::string& action, const std::string& text) {
@@ -158,20 +143,17 @@ void forget_cameras(State& state) {
 }
 
 void add_view_actions(std::vector<Action>& all) {
-  using render::ColorBy;
   const ActionGroup view{all, KeyMode::anywhere, "View"};
   const ActionGroup shows{all, KeyMode::debugger, "View"};  // what is drawn in the debugger alone
-  add_color(view, "color.cases", "Color by case", "1", ColorBy::cases);
-  add_color(view, "color.planes", "Color by plane", "2", ColorBy::planes);
-  add_color(view, "color.labels", "Color by horizontal and vertical", "3", ColorBy::labels);
-  add_color(view, "color.margins", "Color by label margin", "4", ColorBy::margins);
-  add_color(view, "color.truth", "Color by ground truth", "5", ColorBy::truth);
-  add_color(view, "color.camera", "Color from the camera", "6", ColorBy::camera);
-  add_color(view, "color.steppable", "Color by steppable", "7", ColorBy::steppable);
-  add_color(view, "color.depth", "Color by depth", "8", ColorBy::depth);
-  add_color(view, "color.height", "Color by height", "9", ColorBy::height);
-  add_color(view, "color.rms", "Color by RMS", "0", ColorBy::rms);
-  add_color(view, "color.distance", "Color by distance to a plane", "Shift+0", ColorBy::distance);
+  for (const ColorChoice& choice : kColorChoices)
+    view.add(choice.action, choice.title)
+        .key(choice.key)
+        .on([by = choice.by](const State& s) { return s.view.color_by == by; })
+        .run([by = choice.by](State& s) {
+          s.view.color_by = by;
+          s.view.range.reset();
+          if (s.view.case_colors == CaseColors::shown) s.view.case_colors = CaseColors::declined;
+        });
   view.add("color.range", "Range of the color scale")
       .menu()
       .when([](const State& s) { return render::is_along_scale(s.view.color_by); })

@@ -1,8 +1,8 @@
 #pragma once
 
-// Rows of the debugger's lists. Events as a person reads them: stages as headings, and what happens
-// to many points in a row as one line that opens. The octree: the part of it that exists at a step,
-// folded where it is settled.
+// What the debugger's panels share, most of it pure functions: rows of the events and of the
+// octree, the timeline, texts about planes and stairs, axes of sliders and histograms, the filter
+// box.
 
 #include <array>
 #include <cstdint>

@@ -31,12 +31,7 @@ Range range_of(const std::vector<Vec3f>& points, int axis) {
   std::vector<float> values;
   values.reserve(points.size());
   for (const Vec3f& point : points) values.push_back(point[axis]);
-  const auto at = [&](double share) {
-    const auto nth = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + nth, values.end());
-    return static_cast<double>(values[static_cast<std::size_t>(nth)]);
-  };
-  return {at(kCutOff), at(1 - kCutOff)};
+  return {render::quantile(values, kCutOff), render::quantile(values, 1 - kCutOff)};
 }
 
 /// A small picture of a frame that has no image: its voxels from above, in the colours of their

@@ -28,6 +28,14 @@ struct SpreadInputs {
   int from = 0, track = 0, frames = 0;
 };
 
+/// Those in the window or on disk; nothing: the frame has none.
+std::optional<FrameLabels> labels_of(const SpreadInputs& wanted, int index) {
+  if (const auto known = wanted.at_hand.find(index); known != wanted.at_hand.end())
+    return *known->second;
+  return labels::read_frame_labels(wanted.label_dir, index,
+                                   wanted.map->recording->frame_hash(index));
+}
+
 labels::SpreadFrame open_frame(const SpreadInputs& wanted, int index) {
   const io::Recording& recording = *wanted.map->recording;
   labels::SpreadFrame made;
@@ -35,25 +43,15 @@ labels::SpreadFrame open_frame(const SpreadInputs& wanted, int index) {
   if (const world::CameraPose* pose = wanted.map->pose(index))
     world::turn_to_map(made.frame, {}, *pose, wanted.map->map);
   made.grid = labels::make_label_grid(made.frame, made.frame.gravity.value_or(Gravity{}));
-  if (const auto known = wanted.at_hand.find(index); known != wanted.at_hand.end()) {
-    made.labels = *known->second;
-    return made;
-  }
-  const std::string hash = recording.frame_hash(index);
-  auto written = labels::read_frame_labels(wanted.label_dir, index, hash);
-  made.labels = written ? std::move(*written) : labels::empty_labels(made.grid, hash);
+  auto labels = labels_of(wanted, index);
+  made.labels =
+      labels ? std::move(*labels) : labels::empty_labels(made.grid, recording.frame_hash(index));
   return made;
 }
 
-/// The highest id of the frame's labels, of those in the window or on disk; 0: it has none.
+/// 0: the frame has no labels.
 int highest_id(const SpreadInputs& wanted, int index) {
-  const auto known = wanted.at_hand.find(index);
-  std::optional<FrameLabels> written;
-  if (known == wanted.at_hand.end())
-    written = labels::read_frame_labels(wanted.label_dir, index,
-                                        wanted.map->recording->frame_hash(index));
-  const FrameLabels* labels = written ? &*written : nullptr;
-  if (known != wanted.at_hand.end()) labels = known->second.get();
+  const std::optional<FrameLabels> labels = labels_of(wanted, index);
   return labels && !labels->planes.empty() ? labels->planes.back().id : 0;
 }
 

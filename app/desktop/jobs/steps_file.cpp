@@ -24,27 +24,21 @@ class StepsFile {
         wake_(std::move(wake)),
         thread_([this](std::stop_token stop) { run(stop); }) {}
 
-  bool has_room() const {
+  struct Progress {
+    int written = 0;       // pictures
+    bool has_room = true;  // for the next one
+    bool ended = false;
+    std::string failure;  // why it ended before it was whole
+  };
+  Progress progress() const {
     constexpr std::size_t kMostWaiting = 2;
     const std::lock_guard lock(mutex_);
-    return waiting_.size() < kMostWaiting;
+    return {written_, waiting_.size() < kMostWaiting, ended_, failure_};
   }
   void add(Image8 picture) {
     const std::lock_guard lock(mutex_);
     waiting_.push_back(std::move(picture));
     more_.notify_all();
-  }
-  int written() const {
-    const std::lock_guard lock(mutex_);
-    return written_;
-  }
-  bool ended() const {
-    const std::lock_guard lock(mutex_);
-    return ended_;
-  }
-  std::string failure() const {
-    const std::lock_guard lock(mutex_);
-    return failure_;
   }
 
  private:
@@ -106,7 +100,11 @@ class StepsFile {
 StepsSaver::StepsSaver(std::function<void()> wake) : wake_(std::move(wake)) {}
 StepsSaver::~StepsSaver() = default;
 
-bool StepsSaver::has_room() const { return !file_ || file_->has_room() || file_->ended(); }
+bool StepsSaver::has_room() const {
+  if (!file_) return true;
+  const StepsFile::Progress now = file_->progress();
+  return now.has_room || now.ended;
+}
 
 void StepsSaver::end(State& state, const std::string& message, bool is_error) {
   file_.reset();
@@ -126,15 +124,13 @@ bool StepsSaver::begin(State& state, bool still_at_work) {
     return false;
   }
   if (!file_) file_ = std::make_unique<StepsFile>(*saving, wake_);
-  saving->written = file_->written();
-  if (file_->ended()) {
-    const std::string failure = file_->failure();
-    end(state,
-        failure.empty() ? fmt::format("{} written to {}",
-                                      counted(static_cast<std::size_t>(saving->count()), "step"),
-                                      saving->path.string())
-                        : failure,
-        !failure.empty());
+  const StepsFile::Progress now = file_->progress();
+  saving->written = now.written;
+  if (now.ended) {
+    const std::string written =
+        fmt::format("{} written to {}", counted(static_cast<std::size_t>(saving->count()), "step"),
+                    saving->path.string());
+    end(state, now.failure.empty() ? written : now.failure, !now.failure.empty());
     return false;
   }
   const bool all = saving->taken == saving->count();
@@ -142,7 +138,7 @@ bool StepsSaver::begin(State& state, bool still_at_work) {
     end(state, "steps not saved: the run has changed", true);
     return false;
   }
-  if (all || still_at_work || !file_->has_room()) return false;
+  if (all || still_at_work || !now.has_room) return false;
   state.view.playing.direction = 0;
   state.view.playing_frames = false;
   go_to_step(state, saving->step(saving->taken));

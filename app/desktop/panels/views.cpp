@@ -21,30 +21,15 @@ namespace planescope::desktop {
 namespace {
 
 void draw_tools(const Ui& ui) {
-  static const struct {
-    render::ColorBy by;
-    const char* action;
-    const char* title;
-  } colors[] = {{render::ColorBy::cases, "color.cases", "case"},
-                {render::ColorBy::planes, "color.planes", "plane"},
-                {render::ColorBy::labels, "color.labels", "horizontal or vertical"},
-                {render::ColorBy::margins, "color.margins", "sureness"},
-                {render::ColorBy::truth, "color.truth", "truth"},
-                {render::ColorBy::camera, "color.camera", "camera"},
-                {render::ColorBy::steppable, "color.steppable", "steppable"},
-                {render::ColorBy::depth, "color.depth", "depth"},
-                {render::ColorBy::height, "color.height", "height"},
-                {render::ColorBy::rms, "color.rms", "RMS"},
-                {render::ColorBy::distance, "color.distance", "distance"}};
-  const auto* chosen = &colors[static_cast<std::size_t>(ui.state.view.color_by)];
+  const ColorChoice& chosen = kColorChoices[static_cast<std::size_t>(ui.state.view.color_by)];
   ImGui::SetNextItemWidth(ui.px(96));
-  const bool open = ImGui::BeginCombo("##color", chosen->title);
+  const bool open = ImGui::BeginCombo("##color", chosen.name);
   ui.name("view3d.color");
   if (!open) tooltip("Color by   1 to 9, 0, Shift+0");
   if (open) {
-    for (const auto& color : colors) {
-      if (ImGui::Selectable(color.title, &color == chosen)) ui.act(color.action);
-      ui.name(std::string("view3d.color.") + color.title);
+    for (const ColorChoice& color : kColorChoices) {
+      if (ImGui::Selectable(color.name, color.by == chosen.by)) ui.act(color.action);
+      ui.name(std::string("view3d.color.") + color.name);
     }
     ImGui::EndCombo();
   }

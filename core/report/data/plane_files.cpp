@@ -199,7 +199,7 @@ std::string csv_text(const planes::FramePlanes& found) {
     const planes::Surface& surface = foothold.surface;
     const planes::Certainty& certainty = foothold.certainty;
     text += fmt::format("{},{}", s.id, to_string(s.label));
-    const auto add = [&](const auto&... values) { ((text += "," + csv_of(values)), ...); };
+    const auto add = [&](const auto&... values) { ((text += ',', text += csv_of(values)), ...); };
     const auto add_vector = [&](const Vec3d& v) { add(v.x(), v.y(), v.z()); };
     add_vector(s.normal);
     add_vector(s.centroid);

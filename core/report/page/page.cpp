@@ -12,6 +12,7 @@
 #include <kainjow/mustache.hpp>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <ostream>
 #include <utility>
 

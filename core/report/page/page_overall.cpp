@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/model/json.hpp"
 #include "core/planes/cloud/gravity.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/report/data/report_files.hpp"
 #include "core/report/page/charts.hpp"

@@ -1,7 +1,7 @@
 // Small files that ask for much, and files that change while they are read.
 
-#include "core/io/image/png.hpp"
 #include "core/io/byte_reader.hpp"
+#include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"

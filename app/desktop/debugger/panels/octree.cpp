@@ -37,22 +37,11 @@ void polygon(ImDrawList* draw, ImVec2 centre, float radius, int corners, float t
 }
 
 void fill_case(ImDrawList* draw, ImVec2 centre, float radius, planes::Case decided, ImU32 color) {
-  switch (decided) {
-    case planes::Case::none:
-      break;
-    case planes::Case::I:
-      draw->AddCircleFilled(centre, radius, color, 20);
-      break;
-    case planes::Case::II:
-      polygon(draw, centre, radius * 1.15f, 4, 0.125f, color);
-      break;
-    case planes::Case::III:
-      polygon(draw, centre, radius * 1.1f, 6, 0, color);
-      break;
-    case planes::Case::IV:
-      polygon(draw, centre, radius * 1.2f, 4, 0, color);
-      break;
-  }
+  using planes::Case;
+  if (decided == Case::I) draw->AddCircleFilled(centre, radius, color, 20);
+  if (decided == Case::II) polygon(draw, centre, radius * 1.15f, 4, 0.125f, color);
+  if (decided == Case::III) polygon(draw, centre, radius * 1.1f, 6, 0, color);
+  if (decided == Case::IV) polygon(draw, centre, radius * 1.2f, 4, 0, color);
 }
 
 void hatch(const Ui& ui, ImDrawList* draw, ImVec2 c, float r) {
@@ -104,17 +93,13 @@ void draw_shape_key(const Ui& ui, bool on_image) {
   };
   if (on_image) entries.pop_back();
   const float line = ImGui::GetTextLineHeight();
-  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
   bool first = true;
   for (const Entry& entry : entries) {
     const float width = line + ImGui::CalcTextSize(entry.name).x + ui.px(2);
-    if (!first) ImGui::SameLine(0, ui.px(9));
+    if (!first && !same_line_if_room(width, ui.px(9)))
+      return;  // a narrow panel shows the first ones
     first = false;
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    if (at.x + width > right) {  // a narrow panel shows the first ones
-      ImGui::NewLine();
-      return;
-    }
     ImGui::Dummy(ImVec2(width, line));
     tooltip(entry.meaning);
     draw_node_shape(ui, ImVec2(at.x + line * 0.4f, at.y + line * 0.5f), line * 0.34f, entry.shape);
@@ -128,36 +113,23 @@ const planes::OctreeNode& node_of(const debug::Run& run, std::int32_t node) {
   return run.octree().nodes[static_cast<std::size_t>(node)];
 }
 
-std::string reason_on_image(const debug::Run& run, std::int32_t node) {
+/// By what it was settled: "N_out 12", "e_n 0.0071"; on a depth image "cost 3.1", "40 % filled".
+std::string reason_of(const debug::Run& run, std::int32_t node) {
   const debug::NodeFacts& facts = run.facts[static_cast<std::size_t>(node)];
+  const bool on_image = run.is_on_image();
   switch (node_of(run, node).decided) {
     case planes::Case::none:
-      return {};
+      break;
     case planes::Case::I:
+      if (!on_image) return fmt::format("N_out {}", facts.purity.n_out);
       return facts.e_n >= planes::kNotFlat ? "not flat inside"
                                            : fmt::format("cost {:.3g}", facts.e_n);
     case planes::Case::II:
-      return fmt::format("{:.0f} % filled", 100 * facts.e_n);
+      return on_image ? fmt::format("{:.0f} % filled", 100 * facts.e_n)
+                      : fmt::format("N_in {}", facts.purity.n_in);
     case planes::Case::III:
     case planes::Case::IV:
-      return fmt::format("variance {:.2g}", facts.e_n);
-  }
-  return {};
-}
-
-/// By what it was settled: "N_out 12", "e_n 0.0071".
-std::string reason_of(const debug::Run& run, std::int32_t node) {
-  if (run.is_on_image()) return reason_on_image(run, node);
-  const debug::NodeFacts& facts = run.facts[static_cast<std::size_t>(node)];
-  switch (node_of(run, node).decided) {
-    case planes::Case::none:
-      return {};
-    case planes::Case::I:
-      return fmt::format("N_out {}", facts.purity.n_out);
-    case planes::Case::II:
-      return fmt::format("N_in {}", facts.purity.n_in);
-    case planes::Case::III:
-    case planes::Case::IV:
+      if (on_image) return fmt::format("variance {:.2g}", facts.e_n);
       return run.segment_options.by_objective() ? "RMS " + length_text(facts.e_n)
                                                 : fmt::format("e_n {:.2g}", facts.e_n);
   }

@@ -184,13 +184,11 @@ void draw_timeline_of(const Ui& ui, const MapView& view, const std::vector<const
 }
 
 void draw_filter(const Ui& ui) {
-  static constexpr std::size_t kRoom = 256;
   const TracksView& view = ui.state.view.tracks;
-  std::string text = view.filter.substr(0, kRoom - 1);
-  text.resize(kRoom);
+  std::string text = view.filter;
   ImGui::SetNextItemWidth(ui.px(230));
-  if (ImGui::InputTextWithHint("##filter", "filter: gap && length>5", text.data(), kRoom))
-    ui.act("track.filter", std::string(text.c_str()));
+  if (ImGui::InputTextWithHint("##filter", "filter: gap && length>5", &text))
+    ui.act("track.filter", text);
   ui.name("tracks.filter");
   if (!view.filter_problem.empty()) tooltip(view.filter_problem);
 }
