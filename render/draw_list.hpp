@@ -1,14 +1,24 @@
 #pragma once
 
 // The bridge from core to pixels: plain points, lines, boxes and polygons, made by pure functions
-// without GL, so that a test can assert on what would be drawn.
+// without GL, so that a test can assert on what would be drawn; and from where they are seen.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/model/types.hpp"
+
+namespace planescope::planes {
+struct PreparedFrame;
+struct Segmentation;
+struct FrameResult;
+}  // namespace planescope::planes
 
 namespace planescope::render {
 
@@ -98,12 +108,11 @@ enum LabelRank : std::int32_t {
   kNumeralLabel = 2000,  // of a node's case
 };
 
-struct DrawLabel {  // text at a place in the world, on top of all but another label
-  Vec3f anchor;
+struct DrawLabel {   // text at a place in the world, on top of all but another label
+  Vec3f anchor;      // of its middle
   std::string text;  // UTF-8
   Rgba color;
   float size_px = 14;
-  bool centered = true;
   std::int32_t rank = kSelectedLabel;
   bool operator==(const DrawLabel&) const = default;
 };
@@ -135,7 +144,20 @@ struct DrawList {
   bool show_axes = true;            // axes triad with x y z, bottom right
   bool show_scale_bar = true;       // a round length at the camera's target distance
   bool operator==(const DrawList&) const = default;
+
+  void explain(Rgba color, std::string text, LegendEntry::Mark mark = LegendEntry::Mark::dot) {
+    legend.push_back({mark, color, std::move(text)});
+  }
+  /// How much nearer to the eye polygons, arrows and lifted lines are drawn: they lie over the
+  /// splats of their own points, which stand out by half their size and noise.
+  float lift_m() const {
+    float largest_m = 0;
+    for (const DrawPoints& cloud : points) largest_m = std::max(largest_m, cloud.size_m);
+    return largest_m;
+  }
 };
+
+// ---- Cameras ----
 
 /// An orbiting camera: looks from `eye` at `target`, `up` is up on screen.
 struct Camera {
@@ -149,5 +171,67 @@ struct Camera {
 };
 
 enum class Theme : std::uint8_t { light, dark };
+
+/// A camera made ready for a picture.
+struct View {
+  Eigen::Matrix4f view;  // world -> eye: x right, y up, looking along -z [m]
+  Eigen::Matrix4f proj;  // eye -> clip
+  bool orthographic = false;
+  float near_m = 0, far_m = 0;
+  float px_per_m = 0;  // of a length at 1 m from the eye; anywhere where orthographic
+  double px_per_m_at_target = 0;
+  int width = 0, height = 0;  // [px]
+  double screen_scale = 1;    // pixels per pixel of an ordinary screen
+
+  Eigen::Vector2f size_px() const {
+    return {static_cast<float>(width), static_cast<float>(height)};
+  }
+};
+
+View make_view(const Camera& camera, int width, int height, double screen_scale = 1);
+
+/// Where a world point lands, in pixels from the top left corner, and its distance along the view
+/// axis. Nothing for points before the near plane.
+struct ScreenPoint {
+  Vec2d px;
+  double depth_m = 0;
+};
+std::optional<ScreenPoint> project(const View& view, const Vec3f& world);
+
+/// A few of the points that stand for all of them in a view: in each of many directions, one that
+/// all but `outliers` of the points stay below. At most 96; none of none.
+std::vector<Vec3f> reach_of(std::span<const Vec3f> points, double outliers);
+
+/// The points without what stands far apart from the rest and has less than 2 % of them: pieces on
+/// a grid of cells of `cell_m`, which touch where their cells do.
+std::vector<Vec3f> bulk_of(std::span<const Vec3f> points, double cell_m);
+
+/// How a view looks, apart from where it stands.
+struct Lens {
+  Vec3d forward = Vec3d::UnitX();  // unit
+  Vec3d up = Vec3d::UnitZ();
+  double fov_y_deg = 45;
+  double aspect = 4.0 / 3;  // width by height
+  bool orthographic = false;
+  double room = 1;  // how far away: times the distance at which the points fill the view
+};
+
+/// A camera from which the points just fill the view, but for a margin. A perspective one that
+/// stands where an orthographic view of the height at its target shows the same, if that is asked.
+Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens);
+
+/// A frame's own view, before its shape is known.
+struct Home {
+  Vec3d forward = Vec3d::UnitX();  // unit
+  std::vector<Vec3f> reach;        // of the bulk of its points
+};
+Home home_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation);
+
+/// A view of the frame that just holds its kept points (all but the outermost half percent). Depth
+/// frames: from behind and above the sensor, looking the way it looks. Clouds: from the -x side.
+Camera frame_camera(const planes::PreparedFrame& prepared,
+                    const planes::Segmentation& segmentation,
+                    double aspect);
+Camera frame_camera(const planes::FrameResult& result, double aspect);
 
 }  // namespace planescope::render

@@ -1,4 +1,4 @@
-#include "render/frame_image.hpp"
+// Pictures on the pixels of a depth frame: planes over the image, depth with its scale, one step.
 
 #include <fmt/format.h>
 
@@ -9,11 +9,21 @@
 #include <vector>
 
 #include "render/paint.hpp"
-#include "render/palette.hpp"
-#include "render/scene_parts.hpp"
 #include "render/scenes.hpp"
+#include "render/step_scene.hpp"
 
 namespace planescope::render {
+
+namespace {
+
+bool measured(std::uint16_t count) { return count != 0 && count != 65535; }
+
+}  // namespace
+
+bool has_aligned_color(const Frame& frame) {
+  return frame.color_aligned && frame.color.channels == 3 && !frame.color.empty() &&
+         frame.color.width == frame.depth.width && frame.color.height == frame.depth.height;
+}
 
 Image8 shaded_depth(const Frame& frame) {
   const int width = frame.depth.width, height = frame.depth.height;
@@ -23,20 +33,19 @@ Image8 shaded_depth(const Frame& frame) {
     return Vec3d((x - frame.intrinsics.cx) / frame.intrinsics.fx * z,
                  (y - frame.intrinsics.cy) / frame.intrinsics.fy * z, z);
   };
-  const auto measured = [&](int x, int y) {
-    return x >= 0 && y >= 0 && x < width && y < height && frame.depth.at(x, y) != 0 &&
-           frame.depth.at(x, y) != 65535;
+  const auto is_there = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < width && y < height && measured(frame.depth.at(x, y));
   };
   constexpr int kReach = 4;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       double grey = on_hatch(x, y, 8) ? 196 : 214;
-      if (measured(x, y)) {
+      if (is_there(x, y)) {
         grey = 150;
-        const int x0 = measured(x - kReach, y) ? x - kReach : x;
-        const int x1 = measured(x + kReach, y) ? x + kReach : x;
-        const int y0 = measured(x, y - kReach) ? y - kReach : y;
-        const int y1 = measured(x, y + kReach) ? y + kReach : y;
+        const int x0 = is_there(x - kReach, y) ? x - kReach : x;
+        const int x1 = is_there(x + kReach, y) ? x + kReach : x;
+        const int y0 = is_there(x, y - kReach) ? y - kReach : y;
+        const int y1 = is_there(x, y + kReach) ? y + kReach : y;
         const Vec3d normal = (point(x1, y) - point(x0, y)).cross(point(x, y1) - point(x, y0));
         if (normal.norm() > 0) {
           const Vec3d light = (-point(x, y).normalized() + Vec3d(-0.25, -0.35, 0)).normalized();
@@ -155,7 +164,7 @@ std::vector<InteriorPoint> interior_points(const RegionImage& regions, std::size
       relax(x, y, -1, 1, kDiagonal);
       const std::int32_t id = regions.at(x, y);
       if (id <= 0 || static_cast<std::size_t>(id) > plane_count) continue;
-      InteriorPoint& best = points[static_cast<std::size_t>(id) - 1];
+      InteriorPoint& best = points[id - 1];
       if (distance.at(x, y) > best.depth_px) best = {x, y, distance.at(x, y)};
     }
   }
@@ -175,10 +184,7 @@ struct Ground {
   RegionImage regions;
 };
 Ground ground_of(const Frame& frame, const planes::FrameResult& result) {
-  const bool same_size =
-      frame.color.width == frame.depth.width && frame.color.height == frame.depth.height;
-  if (!frame.color.empty() && frame.color_aligned && same_size)
-    return {frame.color, regions_on_depth(frame, result)};
+  if (has_aligned_color(frame)) return {frame.color, regions_on_depth(frame, result)};
   if (!frame.color.empty() && !frame.color_aligned && frame.color_intrinsics.fx > 0)
     return {frame.color, regions_on_color(frame, result)};
   return {shaded_depth(frame), regions_on_depth(frame, result)};
@@ -190,38 +196,26 @@ void draw_outlines(Image8& image,
                    int factor,
                    int width_px,
                    std::span<const int> color_of_plane) {
-  const auto region_at = [&](int x, int y) {
-    return regions.at(std::clamp(x, 0, regions.width - 1), std::clamp(y, 0, regions.height - 1));
-  };
-  // Pixels of the picture look for another region as far as this, in pixels of the regions.
-  const int reach = (width_px + factor - 1) / factor;
-  const auto is_inside = [&](int column, int row, std::int32_t id) {
-    for (int d = 1; d <= reach; ++d)
-      if (region_at(column - d, row) != id || region_at(column + d, row) != id ||
-          region_at(column, row - d) != id || region_at(column, row + d) != id)
-        return false;
-    return true;
-  };
-  const auto is_edge = [&](int x, int y, std::int32_t id) {
-    const auto id_at = [&](int column, int row) {
-      column = std::clamp(column, 0, image.width - 1);
-      row = std::clamp(row, 0, image.height - 1);
-      return regions.at(column / factor, row / factor);
+  // Whether another region is within `reach` of a place in the regions, each pixel `scale` wide.
+  const auto is_edge = [&](int x, int y, std::int32_t id, int scale, int reach) {
+    const auto is_other = [&](int column, int row) {
+      return regions.at(std::clamp(column, 0, scale * regions.width - 1) / scale,
+                        std::clamp(row, 0, scale * regions.height - 1) / scale) != id;
     };
-    for (int d = 1; d <= width_px; ++d)
-      if (id_at(x - d, y) != id || id_at(x + d, y) != id || id_at(x, y - d) != id ||
-          id_at(x, y + d) != id)
+    for (int d = 1; d <= reach; ++d)
+      if (is_other(x - d, y) || is_other(x + d, y) || is_other(x, y - d) || is_other(x, y + d))
         return true;
     return false;
   };
+  const int reach = (width_px + factor - 1) / factor;  // in pixels of the regions
   for (int row = 0; row < regions.height; ++row) {
     for (int column = 0; column < regions.width; ++column) {
       const std::int32_t id = regions.at(column, row);
-      if (id <= 0 || is_inside(column, row, id)) continue;
+      if (id <= 0 || !is_edge(column, row, id, 1, reach)) continue;
       const Rgba color = mix(color_of(id, color_of_plane), kOutlineShade, 0.2);
       for (int y = row * factor; y < (row + 1) * factor; ++y)
         for (int x = column * factor; x < (column + 1) * factor; ++x)
-          if (is_edge(x, y, id)) blend_pixel(image, x, y, color);
+          if (is_edge(x, y, id, factor, width_px)) blend_pixel(image, x, y, color);
     }
   }
 }
@@ -281,8 +275,6 @@ constexpr int kBarRoom = 120;  // [px] right of the image
 constexpr int kNoteRoom = 44;  // [px] below the image
 constexpr int kHatchSpacing = 12;
 
-bool measured(std::uint16_t count) { return count != 0 && count != 65535; }
-
 /// Spans all but the outermost half percent of the depths within range, rounded outward to 10 cm.
 ColorScale ramp_of(const Frame& frame, double max_range_m) {
   ColorScale ramp{.what = "depth", .range = {0, max_range_m}, .map = ColorScale::Map::falling};
@@ -300,19 +292,15 @@ ColorScale ramp_of(const Frame& frame, double max_range_m) {
 
 /// Of each count that a depth image can hold; those not measured are hatched.
 std::vector<Rgba> colors_of_counts(const Frame& frame, const ColorScale& ramp, double max_range_m) {
-  std::vector<Rgba> colors(65536, kNotMeasured);
-  std::vector<bool> is_there(colors.size());
-  for (const std::uint16_t count : frame.depth.data) is_there[count] = measured(count);
-  for (std::size_t count = 0; count < colors.size(); ++count) {
-    if (!is_there[count]) continue;
-    const double depth_m = static_cast<double>(count) * frame.depth_unit_m;
-    colors[count] = depth_m > max_range_m ? kBeyond : ramp.color(depth_m);
+  std::vector<Rgba> colors;
+  for (int count = 0; count < 65536; ++count) {
+    const double depth_m = count * frame.depth_unit_m;
+    colors.push_back(!measured(static_cast<std::uint16_t>(count)) ? kNotMeasured
+                     : depth_m > max_range_m                      ? kBeyond
+                                                                  : ramp.color(depth_m));
   }
   return colors;
 }
-
-/// A round step that gives between 4 and 8 marks.
-double tick_step(double span_m) { return round_step(span_m / 8); }
 
 void draw_bar(Image8& image, int left, int top, int height, const ColorScale& ramp) {
   constexpr int kWidth = 22;
@@ -320,7 +308,7 @@ void draw_bar(Image8& image, int left, int top, int height, const ColorScale& ra
   const double span_m = high_m - low_m;
   for (int y = 0; y < height; ++y)  // near at the top
     fill_rect(image, left, top + y, kWidth, 1, ramp.color(low_m + span_m * (y + 0.5) / height));
-  const double step = tick_step(span_m);
+  const double step = round_step(span_m / 8);  // between 4 and 8 marks
   const auto first = static_cast<int>(std::ceil(low_m / step - 1e-6));
   const auto last = static_cast<int>(std::floor(high_m / step + 1e-6));
   for (int k = first; k <= last; ++k) {
@@ -369,6 +357,123 @@ Image8 image_depth(const Frame& frame, double max_range_m) {
   }
   draw_bar(image, width + 18, 16, height - 32, ramp);
   draw_notes(image, image.height, max_range_m);
+  return image;
+}
+
+// ---- One step over the camera's image ----
+namespace {
+
+constexpr std::int32_t kUnmeasured = -3;  // beside StepState::kOpen, kLeftover
+
+/// Blends in integers: a step's picture has hundreds of thousands of pixels.
+void blend(std::uint8_t* pixel, Rgba color, int share_256) {
+  const auto mixed = [share_256](int below, int above) {
+    return static_cast<std::uint8_t>(below + (above - below) * share_256 / 256);
+  };
+  pixel[0] = mixed(pixel[0], color.r);
+  pixel[1] = mixed(pixel[1], color.g);
+  pixel[2] = mixed(pixel[2], color.b);
+}
+
+/// Of the pixels of a row: voxel, and the plane that it is in.
+using Row = std::vector<std::pair<std::uint32_t, std::int32_t>>;
+Row row_of(const StepState& state, int y, int width) {
+  Row row(width);
+  for (std::size_t x = 0; x < row.size(); ++x) {
+    const std::uint32_t voxel = state.run.subject->voxel_of_source(y * row.size() + x);
+    row[x] = {voxel, voxel == planes::kNoVoxel ? kUnmeasured : state.plane_of[voxel]};
+  }
+  return row;
+}
+
+/// The plane whose contour runs between two pixels, -1 if none does. Holes in the measurement are
+/// no edges of a plane.
+std::int32_t contour_between(std::int32_t a, std::int32_t b) {
+  if (a == b || a == kUnmeasured || b == kUnmeasured) return -1;
+  return std::max(a, b);
+}
+
+/// Marks the nearer pixel where depth jumps by more than a tenth, the edges that color shows too.
+void paint_depth_edges(const Image16& depth, Image8& image) {
+  constexpr double kJump = 0.1;  // of the smaller depth
+  const auto jumps = [&](int x, int y, int to_x, int to_y) {
+    const int here = depth.at(x, y), there = depth.at(to_x, to_y);
+    return here > 0 && there > here * (1 + kJump);
+  };
+  for (int y = 1; y + 1 < depth.height; ++y)
+    for (int x = 1; x + 1 < depth.width; ++x)
+      if (jumps(x, y, x + 1, y) || jumps(x, y, x - 1, y) || jumps(x, y, x, y + 1) ||
+          jumps(x, y, x, y - 1)) {
+        std::uint8_t* pixel = &image.at(x, y);
+        pixel[0] = 255;
+        pixel[1] = 220;
+        pixel[2] = 0;
+      }
+}
+
+}  // namespace
+
+Image8 image_backdrop(const debug::Subject& subject, Backdrop backdrop) {
+  const Frame& frame = subject.frame;
+  if (frame.is_cloud()) return {};
+  if (backdrop == Backdrop::depth || !has_aligned_color(frame)) return shaded_depth(frame);
+  Image8 image = frame.color;
+  if (backdrop == Backdrop::edges) paint_depth_edges(frame.depth, image);
+  return image;
+}
+
+void paint_step(Image8& image, const debug::Run& run, const StepLook& look, double opacity) {
+  if (image.empty()) return;
+  const StepState state = step_state(run, look);
+  const std::vector<Rgba> colors = voxel_colors(state);
+  const Rgba selected = mark_colors(look.theme).selected;
+  // The camera's own picture is not painted over with itself.
+  const int share = look.color_by == ColorBy::camera
+                        ? 0
+                        : static_cast<int>(std::lround(256 * std::clamp(opacity, 0.0, 1.0)));
+  // What is pointed at is seen however faint the rest is, which recedes.
+  constexpr int kLeastShare = 140;
+  std::vector<std::uint8_t> pointed = concerned_voxels(state);
+  const int rest = pointed.empty() ? share : share / 2;
+  const bool alone = look.isolated && !pointed.empty();
+  const Rgba ground = theme_colors(look.theme).background_bottom;
+  const auto stands_out = [&](std::int32_t plane) {
+    return plane == look.plane || plane == state.plane || plane == state.other;
+  };
+  pointed.resize(colors.size(), 0);
+  const auto point_at = [&](std::size_t voxel) {
+    if (voxel < pointed.size()) pointed[voxel] = 1;
+  };
+  for (const std::uint32_t voxel : look.marked) point_at(voxel);
+  for (const std::int32_t voxel : {look.voxel, state.voxel})
+    if (voxel >= 0) point_at(static_cast<std::size_t>(voxel));
+
+  Row row = row_of(state, 0, image.width), below;
+  for (int y = 0; y < image.height; ++y) {
+    const bool last = y + 1 == image.height;
+    if (!last) below = row_of(state, y + 1, image.width);
+    std::uint8_t* pixel = &image.at(0, y);
+    for (int x = 0; x < image.width; ++x, pixel += 3) {
+      const auto [voxel, plane] = row[x];
+      if (alone && (voxel == planes::kNoVoxel || !pointed[voxel])) {
+        blend(pixel, ground, 200);
+        continue;
+      }
+      if (voxel != planes::kNoVoxel)
+        blend(pixel, colors[voxel], pointed[voxel] ? std::max(share, kLeastShare) : rest);
+      if (!look.show_planes) continue;
+      std::int32_t contour = last ? -1 : contour_between(plane, below[x].second);
+      if (contour < 0 && x + 1 < image.width) contour = contour_between(plane, row[x + 1].second);
+      if (contour >= 0 && (!alone || stands_out(contour)))
+        blend(pixel, contour == look.plane ? selected : look.plane_color(contour), 230);
+    }
+    std::swap(row, below);
+  }
+}
+
+Image8 image_step(const debug::Run& run, const StepLook& look, Backdrop backdrop, double opacity) {
+  Image8 image = image_backdrop(*run.subject, backdrop);
+  paint_step(image, run, look, opacity);
   return image;
 }
 

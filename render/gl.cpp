@@ -1,6 +1,11 @@
 #include "render/gl.hpp"
 
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
 #include <fmt/format.h>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 
 #include <algorithm>
 #include <array>
@@ -8,16 +13,13 @@
 #include <cstring>
 
 #include "core/model/error.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::render {
-namespace {
 
-template <typename Handle, typename Generate>
-Handle generate(Generate function) {
-  GLuint id = 0;
-  function(1, &id);
-  return Handle(id);
-}
+// ---- Programs ----
+
+namespace {
 
 /// What the driver says about a shader or a program, in one line.
 template <typename Get, typename Log>
@@ -49,12 +51,6 @@ GLuint compile(GLenum kind, const char* name, std::string_view source) {
 
 }  // namespace
 
-GlBuffer make_buffer() { return generate<GlBuffer>(glGenBuffers); }
-GlVertexArray make_vertex_array() { return generate<GlVertexArray>(glGenVertexArrays); }
-GlTexture make_texture() { return generate<GlTexture>(glGenTextures); }
-GlRenderbuffer make_renderbuffer() { return generate<GlRenderbuffer>(glGenRenderbuffers); }
-GlFramebuffer make_framebuffer() { return generate<GlFramebuffer>(glGenFramebuffers); }
-
 GlProgram make_program(const char* name, std::string_view vertex, std::string_view fragment) {
   GlProgram program(glCreateProgram());
   for (const auto& [kind, source] :
@@ -69,39 +65,6 @@ GlProgram make_program(const char* name, std::string_view vertex, std::string_vi
   if (linked == GL_TRUE) return program;
   throw Error(fmt::format("the shaders of '{}' do not link: {}", name,
                           info_log(program, glGetProgramiv, glGetProgramInfoLog)));
-}
-
-void set_attribute(const Attribute& attribute) {
-  // A place in the bound buffer, which OpenGL takes as a pointer.
-  const void* offset =
-      reinterpret_cast<const void*>(attribute.offset);  // NOLINT(performance-no-int-to-ptr)
-  const GLsizei stride = static_cast<GLsizei>(attribute.stride);
-  glEnableVertexAttribArray(attribute.location);
-  if (attribute.type == GL_UNSIGNED_INT) {
-    glVertexAttribIPointer(attribute.location, attribute.components, attribute.type, stride,
-                           offset);
-  } else {
-    const GLboolean normalised = attribute.type == GL_UNSIGNED_BYTE ? GL_TRUE : GL_FALSE;
-    glVertexAttribPointer(attribute.location, attribute.components, attribute.type, normalised,
-                          stride, offset);
-  }
-  glVertexAttribDivisor(attribute.location, attribute.per_instance ? 1 : 0);
-}
-
-void set_uniform(GLuint program, const char* name, float value) {
-  glUniform1f(glGetUniformLocation(program, name), value);
-}
-void set_uniform(GLuint program, const char* name, int value) {
-  glUniform1i(glGetUniformLocation(program, name), value);
-}
-void set_uniform(GLuint program, const char* name, const Eigen::Vector2f& value) {
-  glUniform2fv(glGetUniformLocation(program, name), 1, value.data());
-}
-void set_uniform(GLuint program, const char* name, const Eigen::Vector4f& value) {
-  glUniform4fv(glGetUniformLocation(program, name), 1, value.data());
-}
-void set_uniform(GLuint program, const char* name, const Eigen::Matrix4f& value) {
-  glUniformMatrix4fv(glGetUniformLocation(program, name), 1, GL_FALSE, value.data());
 }
 
 void check_gl(const char* where) {
@@ -147,14 +110,14 @@ std::string gl_description() {
 namespace {
 
 GlRenderbuffer storage(int samples, GLenum format, int width, int height) {
-  GlRenderbuffer buffer = make_renderbuffer();
+  GlRenderbuffer buffer = GlRenderbuffer::make();
   glBindRenderbuffer(GL_RENDERBUFFER, buffer);
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width, height);
   return buffer;
 }
 
 GlTexture texture(GLint format, GLenum channels, int width, int height) {
-  GlTexture result = make_texture();
+  GlTexture result = GlTexture::make();
   glBindTexture(GL_TEXTURE_2D, result);
   glTexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, channels, GL_UNSIGNED_INT, nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -171,7 +134,7 @@ void attach(GLenum point, const GlTexture& texture) {
 
 template <typename Color, typename Depth>
 GlFramebuffer framebuffer_of(const Color& color, const Depth& depth) {
-  GlFramebuffer result = make_framebuffer();
+  GlFramebuffer result = GlFramebuffer::make();
   glBindFramebuffer(GL_FRAMEBUFFER, result);
   attach(GL_COLOR_ATTACHMENT0, color);
   attach(GL_DEPTH_ATTACHMENT, depth);
@@ -228,7 +191,7 @@ void ImageTexture::upload(const Image8& image) {
   GLint before = 0;
   glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
   const bool same = width_ == image.width && height_ == image.height && channels_ == image.channels;
-  if (texture_ == 0) texture_ = make_texture();
+  if (texture_ == 0) texture_ = GlTexture::make();
   glBindTexture(GL_TEXTURE_2D, texture_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   const GLenum channels = image.channels == 3 ? GL_RGB : GL_RGBA;
@@ -249,6 +212,186 @@ void ImageTexture::upload(const Image8& image) {
   height_ = image.height;
   channels_ = image.channels;
   check_gl("uploading an image");
+}
+
+// ---- Contexts: EGL off-screen, GLFW with a window ----
+
+namespace {
+
+std::string egl_error() {
+  constexpr std::array kNames = {"SUCCESS",       "NOT_INITIALIZED",     "BAD_ACCESS",
+                                 "BAD_ALLOC",     "BAD_ATTRIBUTE",       "BAD_CONFIG",
+                                 "BAD_CONTEXT",   "BAD_CURRENT_SURFACE", "BAD_DISPLAY",
+                                 "BAD_MATCH",     "BAD_NATIVE_PIXMAP",   "BAD_NATIVE_WINDOW",
+                                 "BAD_PARAMETER", "BAD_SURFACE",         "CONTEXT_LOST"};
+  const auto i = static_cast<std::size_t>(eglGetError() - EGL_SUCCESS);
+  return i < kNames.size() ? std::string("EGL_") + kNames[i] : "an unknown EGL error";
+}
+
+class EglContext : public GlContext {
+ public:
+  /// Current. Throws Error that says which call failed.
+  EglContext(EGLDisplay display, const char* way) : EglContext(display) {
+    way_ = way;
+    const auto expect = [](bool succeeded, const char* call) {
+      if (!succeeded) throw Error(fmt::format("{}: {}", call, egl_error()));
+    };
+    if (display == EGL_NO_DISPLAY) throw Error("no display");
+    expect(eglInitialize(display, nullptr, nullptr), "eglInitialize");
+    expect(eglBindAPI(EGL_OPENGL_API), "eglBindAPI(EGL_OPENGL_API)");
+    const EGLint config_attributes[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
+                                        EGL_OPENGL_BIT, EGL_NONE};
+    EGLConfig config = nullptr;
+    EGLint count = 0;
+    expect(eglChooseConfig(display, config_attributes, &config, 1, &count), "eglChooseConfig");
+    if (count == 0) throw Error("eglChooseConfig: no configuration with OpenGL");
+    // clang-format off
+    const EGLint context_attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
+        EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    // clang-format on
+    context_ = eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes);
+    expect(context_ != EGL_NO_CONTEXT, "eglCreateContext (OpenGL 3.3 core)");
+    if (!bind()) {
+      // No EGL_KHR_surfaceless_context: a small surface that nobody draws into.
+      const EGLint surface_attributes[] = {EGL_WIDTH, 16, EGL_HEIGHT, 16, EGL_NONE};
+      surface_ = eglCreatePbufferSurface(display, config, surface_attributes);
+      expect(surface_ != EGL_NO_SURFACE, "eglCreatePbufferSurface");
+      expect(bind(), "eglMakeCurrent");
+    }
+    description_ = fmt::format("{}, {}", gl_description(), way);
+  }
+  ~EglContext() override {  // also of one that could not be set up
+    if (context_ == EGL_NO_CONTEXT) return;
+    if (eglGetCurrentContext() == context_)
+      eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
+    eglDestroyContext(display_, context_);
+    // The display stays initialized: it is one object per process, whoever asks for it, so that
+    // others may still be drawing with it, and Mesa leaks a little when it is unloaded.
+  }
+  void make_current() override {
+    if (!bind())
+      throw Error(fmt::format("cannot make the {} context current: {}", way_, egl_error()));
+  }
+  std::string description() const override { return description_; }
+
+ private:
+  explicit EglContext(EGLDisplay display) : display_(display) {}
+  bool bind() const { return eglMakeCurrent(display_, surface_, surface_, context_) == EGL_TRUE; }
+
+  EGLDisplay display_;
+  EGLContext context_ = EGL_NO_CONTEXT;
+  EGLSurface surface_ = EGL_NO_SURFACE;
+  std::string way_, description_;
+};
+
+bool has_client_extension(const char* name) {
+  const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  return extensions != nullptr && std::strstr(extensions, name) != nullptr;
+}
+
+}  // namespace
+
+/// Without a display server: the device platform (a GPU's render node or Mesa's software device),
+/// then Mesa's surfaceless platform, then the default display.
+std::unique_ptr<GlContext> make_egl_context() {
+  std::vector<std::string> attempts;  // what each answered
+  std::unique_ptr<GlContext> context;
+  const auto is_open = [&](EGLDisplay display, const char* way, const std::string& name) {
+    try {
+      context = std::make_unique<EglContext>(display, way);
+    } catch (const Error& error) {
+      attempts.push_back(name + ": " + error.what());
+    }
+    return context != nullptr;
+  };
+  const auto get_platform_display = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(
+      eglGetProcAddress("eglGetPlatformDisplayEXT"));
+  const auto query_devices =
+      reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
+
+  if (get_platform_display == nullptr || query_devices == nullptr ||
+      !has_client_extension("EGL_EXT_platform_device")) {
+    attempts.emplace_back("device platform: not supported");
+  } else {
+    EGLDeviceEXT devices[16] = {};
+    EGLint device_count = 0;
+    if (!query_devices(16, devices, &device_count))
+      attempts.push_back("device platform: eglQueryDevicesEXT: " + egl_error());
+    else if (device_count == 0)
+      attempts.emplace_back("device platform: no device");
+    for (EGLint i = 0; i < device_count; ++i)
+      if (is_open(get_platform_display(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr), "EGL device",
+                  fmt::format("device {}", i)))
+        return context;
+  }
+
+  if (get_platform_display == nullptr || !has_client_extension("EGL_MESA_platform_surfaceless"))
+    attempts.emplace_back("surfaceless platform: not supported");
+  else if (is_open(
+               get_platform_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr),
+               "EGL surfaceless", "surfaceless platform"))
+    return context;
+  if (is_open(eglGetDisplay(EGL_DEFAULT_DISPLAY), "EGL default display", "default display"))
+    return context;
+
+  throw Error(
+      fmt::format("no OpenGL 3.3 core context through EGL: {} (Debian: libegl1, libopengl0 "
+                  "and libgl1-mesa-dri give a software one)",
+                  fmt::join(attempts, "; ")));
+}
+
+namespace {
+
+std::string glfw_answer() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text != nullptr ? text : "no reason given";
+}
+
+/// One at a time: with it ends all of GLFW.
+class GlfwContext : public GlContext {
+ public:
+  GlfwContext(int width, int height, const std::string& title, bool visible) {
+    if (!glfwInit()) throw Error("cannot open a window: " + glfw_answer());
+    glfwDefaultWindowHints();
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_VISIBLE, visible);
+    glfwWindowHint(GLFW_RESIZABLE, GLFW_TRUE);
+    // What desktops know its windows by: planescope.desktop has the same name.
+    glfwWindowHintString(GLFW_X11_CLASS_NAME, "planescope");
+    glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "planescope");
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);  // the same apparent size at any density
+    window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+    if (window_ == nullptr) {
+      const std::string answer = glfw_answer();
+      glfwTerminate();
+      throw Error("cannot open a window with OpenGL 3.3 core: " + answer);
+    }
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);  // never faster than the screen
+    description_ = gl_description() + ", GLFW window";
+  }
+  ~GlfwContext() override { glfwTerminate(); }  // the window with it
+  void make_current() override { glfwMakeContextCurrent(window_); }
+  std::string description() const override { return description_; }
+  GLFWwindow* window() override { return window_; }
+
+ private:
+  GLFWwindow* window_ = nullptr;
+  std::string description_;
+};
+
+}  // namespace
+
+std::unique_ptr<GlContext> make_glfw_context(int width,
+                                             int height,
+                                             const std::string& title,
+                                             bool visible) {
+  return std::make_unique<GlfwContext>(width, height, title, visible);
 }
 
 }  // namespace planescope::render

@@ -1,4 +1,4 @@
-#include "render/label_scene.hpp"
+// What the labels of a frame look like (step_scene.hpp).
 
 #include <algorithm>
 #include <cassert>
@@ -7,70 +7,32 @@
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/edit/selection.hpp"
 #include "core/labels/model/pixel_sets.hpp"
-#include "render/frame_image.hpp"
 #include "render/paint.hpp"
-#include "render/palette.hpp"
+#include "render/scenes.hpp"
+#include "render/step_scene.hpp"
 
 namespace planescope::render {
 namespace {
 
 constexpr std::uint8_t kMuted = 165, kBright = 225, kMark = 205;  // shares of 255
+constexpr Rgba kIgnored{24, 26, 30, 200};
 
 struct Marks {
-  Rgba preview, takes, doubt, marked, ignored;
+  Rgba preview, takes, doubt, marked;
 };
 Marks marks_of(Theme theme) {
   const bool dark = theme == Theme::dark;
   return {.preview = {255, 236, 64, kMark},
           .takes = {240, 60, 50, kMark},
           .doubt = dark ? Rgba{255, 150, 40, 190} : Rgba{235, 120, 0, 190},
-          .marked = dark ? Rgba{255, 64, 160, kMark} : Rgba{225, 0, 122, kMark},
-          .ignored = {24, 26, 30, 200}};
-}
-
-std::uint8_t mixed(std::uint8_t below, std::uint8_t above, int share_255) {
-  return static_cast<std::uint8_t>(below + (above - below) * share_255 / 255);
+          .marked = dark ? Rgba{255, 64, 160, kMark} : Rgba{225, 0, 122, kMark}};
 }
 
 void blend(std::uint8_t* pixel, Rgba tint) {
-  pixel[0] = mixed(pixel[0], tint.r, tint.a);
-  pixel[1] = mixed(pixel[1], tint.g, tint.a);
-  pixel[2] = mixed(pixel[2], tint.b, tint.a);
+  const std::uint8_t above[3] = {tint.r, tint.g, tint.b};
+  for (int c = 0; c < 3; ++c)
+    pixel[c] = static_cast<std::uint8_t>(pixel[c] + (above[c] - pixel[c]) * tint.a / 255);
 }
-
-/// Tints of the values that a pixel's labels can have.
-class Palette {
- public:
-  Palette(const FrameLabels& labels, const LabelLook& look, double opacity)
-      : of_plane_(kPlaneIgnore + 1, Rgba{0, 0, 0, 0}) {
-    const auto faded = [opacity](Rgba color, int share) {
-      color.a = static_cast<std::uint8_t>(std::lround(share * std::clamp(opacity, 0.0, 1.0)));
-      return color;
-    };
-    for (const LabelPlane& plane : labels.planes) {
-      if (plane.hidden) continue;
-      const Rgba color = look.show_class ? label_color(plane.label) : plane_color(plane.id);
-      of_plane_[plane.id] = faded(color, plane.id == look.plane ? kBright : kMuted);
-    }
-    for (int hv = 1; hv <= 2; ++hv)
-      of_class_[hv] = faded(label_color(static_cast<Label>(hv)), kMuted / 2);
-    ignored_ = faded(marks_of(look.theme).ignored, marks_of(look.theme).ignored.a);
-  }
-
-  Rgba at(std::uint16_t plane, std::uint8_t hv, int x, int y) const {
-    if (plane == kPlaneIgnore) {
-      Rgba tint = ignored_;
-      if (!on_hatch(x, y, 6)) tint.a /= 2;
-      return tint;
-    }
-    return plane == 0 && (hv == 1 || hv == 2) ? of_class_[hv] : of_plane_[plane];
-  }
-
- private:
-  std::vector<Rgba> of_plane_;
-  Rgba of_class_[3] = {};
-  Rgba ignored_;
-};
 
 /// Light from the camera's upper left, so that surfaces can be told apart.
 std::uint8_t shade_of(const labels::LabelGrid& grid, std::size_t pixel) {
@@ -135,20 +97,8 @@ void tint_residuals(const labels::LabelGrid& grid,
     if (!grid.measured[i]) continue;
     const double share = residual.distance_m(grid.points[i]) / residual.most_m;
     if (std::abs(share) > 1 && !own[i]) continue;
-    tints[i] = residual_color(share);
-    tints[i].a = alpha;
+    tints[i] = with_alpha(residual_color(share), alpha);
   }
-}
-
-std::vector<LabelPlace> label_places_in_cloud(const FrameLabels& labels,
-                                              const labels::LabelGrid& grid) {
-  std::vector<LabelPlace> places;
-  for (const LabelPlane& plane : labels.planes) {
-    const labels::PixelSet pixels = labels::pixels_of_plane(labels, plane.id);
-    if (!plane.hidden && !pixels.empty())
-      places.push_back({plane.id, labels::deepest_pixel(pixels, grid)});
-  }
-  return places;
 }
 
 }  // namespace
@@ -173,12 +123,27 @@ std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
   std::vector<Rgba> tints(grid.pixels(), Rgba{0, 0, 0, 0});
   if (look.labels) {
     assert(look.labels->plane.pixels() == grid.pixels());
-    const Palette palette(*look.labels, look, opacity);
-    const std::uint16_t* plane = look.labels->plane.data.data();
-    const std::uint8_t* hv = look.labels->hv.data.data();
-    Rgba* tint = tints.data();
-    for (int y = 0; y < grid.height; ++y)
-      for (int x = 0; x < grid.width; ++x) *tint++ = palette.at(*plane++, *hv++, x, y);
+    const auto faded = [opacity](Rgba color, int share) {
+      const double alpha = share * std::clamp(opacity, 0.0, 1.0);
+      return with_alpha(color, static_cast<std::uint8_t>(std::lround(alpha)));
+    };
+    std::vector<Rgba> of_plane(kPlaneIgnore + 1, Rgba{0, 0, 0, 0});
+    for (const LabelPlane& plane : look.labels->planes) {
+      if (plane.hidden) continue;
+      const Rgba color = look.show_class ? label_color(plane.label) : plane_color(plane.id);
+      of_plane[plane.id] = faded(color, plane.id == look.plane ? kBright : kMuted);
+    }
+    const Rgba of_class[] = {faded(label_color(Label::h), kMuted / 2),
+                             faded(label_color(Label::v), kMuted / 2)};
+    const Rgba ignored = faded(kIgnored, kIgnored.a);
+    for (std::size_t i = 0; i < tints.size(); ++i) {
+      const std::uint16_t plane = look.labels->plane.data[i];
+      const std::uint8_t hv = look.labels->hv.data[i];
+      tints[i] = plane == 0 && (hv == 1 || hv == 2) ? of_class[hv - 1] : of_plane[plane];
+      if (plane != kPlaneIgnore) continue;
+      const auto x = static_cast<int>(i % grid.width), y = static_cast<int>(i / grid.width);
+      tints[i] = on_hatch(x, y, 6) ? ignored : with_alpha(ignored, ignored.a / 2);
+    }
   }
   if (look.residual) tint_residuals(grid, look, opacity, tints);
   const Marks marks = marks_of(look.theme);
@@ -244,19 +209,21 @@ void color_label_points(DrawPoints& points,
 }
 
 std::vector<LabelPlace> label_places(const FrameLabels& labels, const labels::LabelGrid& grid) {
-  if (grid.is_cloud()) return label_places_in_cloud(labels, grid);
-  RegionImage regions(labels.plane.width, labels.plane.height);
-  std::ranges::copy(labels.plane.data, regions.data.begin());
-  const int largest = labels.planes.empty() ? 0 : labels.planes.back().id;
-  const std::vector<InteriorPoint> inside =
-      interior_points(regions, static_cast<std::size_t>(largest));
+  std::vector<InteriorPoint> inside;  // in images, by id - 1
+  if (!grid.is_cloud()) {
+    RegionImage regions(labels.plane.width, labels.plane.height);
+    std::ranges::copy(labels.plane.data, regions.data.begin());
+    inside = interior_points(regions, labels.planes.empty() ? 0 : labels.planes.back().id);
+  }
   std::vector<LabelPlace> places;
   for (const LabelPlane& plane : labels.planes) {
-    const InteriorPoint& at = inside[static_cast<std::size_t>(plane.id) - 1];
-    if (plane.hidden || at.depth_px <= 0) continue;
-    places.push_back(
-        {plane.id, static_cast<std::uint32_t>(at.y) * static_cast<std::uint32_t>(regions.width) +
-                       static_cast<std::uint32_t>(at.x)});
+    if (plane.hidden) continue;
+    if (grid.is_cloud()) {
+      const labels::PixelSet pixels = labels::pixels_of_plane(labels, plane.id);
+      if (!pixels.empty()) places.push_back({plane.id, labels::deepest_pixel(pixels, grid)});
+    } else if (const InteriorPoint& at = inside[plane.id - 1]; at.depth_px > 0) {
+      places.push_back({plane.id, static_cast<std::uint32_t>(at.y * labels.plane.width + at.x)});
+    }
   }
   return places;
 }

@@ -1,9 +1,12 @@
 #include "render/paint.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 #include "render/gl.hpp"
 
 #define STBTT_STATIC
@@ -92,24 +95,6 @@ int glyph_index(char32_t codepoint) {
   return stbtt_FindGlyphIndex(&font(), static_cast<int>(codepoint));
 }
 
-void blend_glyph(Image8& image, const GlyphBitmap& glyph, int left, int top, Rgba color) {
-  const std::uint8_t rgb[3] = {color.r, color.g, color.b};
-  const int x_begin = std::max(0, -left);
-  const int x_end = std::min(glyph.width, image.width - left);
-  const int y_begin = std::max(0, -top);
-  const int y_end = std::min(glyph.height, image.height - top);
-  for (int y = y_begin; y < y_end; ++y) {
-    for (int x = x_begin; x < x_end; ++x) {
-      const int alpha = glyph.coverage[static_cast<std::size_t>(y) * glyph.width + x] * color.a;
-      for (int c = 0; c < std::min(3, image.channels); ++c) {
-        std::uint8_t& value = image.at(left + x, top + y, c);
-        const int mixed = value * (255 * 255 - alpha) + rgb[c] * alpha;
-        value = static_cast<std::uint8_t>((mixed + 255 * 255 / 2) / (255 * 255));
-      }
-    }
-  }
-}
-
 }  // namespace
 
 double draw_text(
@@ -119,7 +104,10 @@ double draw_text(
   for (const PlacedGlyph& placed : layout.glyphs) {
     const GlyphPen pen = pen_at(x + placed.x);
     const GlyphBitmap glyph = glyph_bitmap(placed.codepoint, size_px, pen.phase);
-    blend_glyph(image, glyph, pen.column + glyph.left, baseline + glyph.top, color);
+    for (int row = 0; row < glyph.height; ++row)
+      for (int column = 0; column < glyph.width; ++column)
+        blend_pixel(image, pen.column + glyph.left + column, baseline + glyph.top + row, color,
+                    glyph.coverage[row * glyph.width + column] / 255.0);
   }
   return layout.width;
 }
@@ -171,24 +159,21 @@ std::string_view font_file() { return PLANESCOPE_ASSET(DejaVuSans_ttf); }
 
 GlyphBitmap grown(const GlyphBitmap& glyph, double radius_px) {
   const int margin = static_cast<int>(std::ceil(radius_px)) + 1;
-  GlyphBitmap halo;
-  halo.width = glyph.width + 2 * margin;
-  halo.height = glyph.height + 2 * margin;
-  halo.left = glyph.left - margin;
-  halo.top = glyph.top - margin;
+  GlyphBitmap halo{glyph.width + 2 * margin,
+                   glyph.height + 2 * margin,
+                   glyph.left - margin,
+                   glyph.top - margin,
+                   {}};
   halo.coverage.assign(static_cast<std::size_t>(halo.width) * halo.height, 0);
   for (int dy = -margin; dy <= margin; ++dy) {
     for (int dx = -margin; dx <= margin; ++dx) {
       const double weight = std::clamp(radius_px + 0.5 - std::hypot(dx, dy), 0.0, 1.0);
       if (weight <= 0) continue;
       for (int y = 0; y < glyph.height; ++y) {
-        const std::uint8_t* from =
-            glyph.coverage.data() + static_cast<std::size_t>(y) * glyph.width;
-        std::uint8_t* to = halo.coverage.data() +
-                           static_cast<std::size_t>(y + margin + dy) * halo.width + margin + dx;
-        for (int x = 0; x < glyph.width; ++x) {
+        const std::uint8_t* from = glyph.coverage.data() + y * glyph.width;
+        std::uint8_t* to = &halo.coverage[(y + margin + dy) * halo.width + margin + dx];
+        for (int x = 0; x < glyph.width; ++x)
           to[x] = std::max(to[x], static_cast<std::uint8_t>(std::lround(from[x] * weight)));
-        }
       }
     }
   }
@@ -216,6 +201,292 @@ std::vector<char32_t> decode_utf8(const std::string& utf8) {
     i += valid ? static_cast<std::size_t>(length) : 1;
   }
   return text;
+}
+
+// ---- What lies over a picture ----
+
+namespace {
+
+/// A place on screen.
+Vec3f on_screen(double x, double y) { return {static_cast<float>(x), static_cast<float>(y), 0}; }
+
+/// Lays things out with lengths that grow with the picture.
+struct Pen {
+  Overlay& overlay;
+  const ThemeColors& theme;
+  double scale;          // of all lengths below
+  double width, height;  // of the picture [px]
+
+  float px(double length) const { return static_cast<float>(length * scale); }
+  OverlayShape panel(double x0, double y0, double x1, double y1) const {
+    const Vec3f low = on_screen(std::round(x0), std::round(y0));
+    const Vec3f high = on_screen(std::round(x1), std::round(y1));
+    return {low.x(), low.y(), high.x(), high.y(), theme.panel, theme.panel_border, px(7), 1};
+  }
+  /// One line, shortened where it is wider than there is room. Returns its width.
+  double add_line(double x,
+                  double baseline,
+                  double size_px,
+                  const std::string& text,
+                  Rgba color,
+                  double room) const {
+    const std::string line =
+        shortened(text, [&](const auto& part) { return text_width(part, size_px) <= room; });
+    overlay.texts.push_back({std::round(x), baseline, size_px, line, color});
+    return text_width(line, size_px);
+  }
+  /// A word in the picture, with a halo.
+  void add_word(double x,
+                double baseline,
+                double size_px,
+                const std::string& text,
+                Rgba color,
+                double halo) const {
+    const double left = x - text_width(text, size_px) / 2;
+    overlay.texts.push_back({left, baseline, size_px, text, color, theme.halo, px(halo)});
+  }
+  void add_stroke(
+      const Vec3f& from, const Vec3f& to, Rgba color, double thickness, float arrow = 0) const {
+    overlay.segments.push_back({from, to, color, px(thickness), arrow, 0, 0});
+  }
+};
+
+void add_heading(const Pen& pen, const DrawList& list) {
+  if (list.title.empty() && list.subtitle.empty()) return;
+  const double margin = pen.px(14), inset = pen.px(11);
+  const double room = pen.width - 2 * (margin + inset);
+  double y = margin + pen.px(9);
+  double widest = 0;
+  const auto add_line = [&](const std::string& text, double size_px, Rgba color) {
+    y += size_px;
+    widest = std::max(widest, pen.add_line(margin + inset, y, size_px, text, color, room));
+  };
+  if (!list.title.empty()) add_line(list.title, pen.px(18), pen.theme.ink);
+  if (!list.title.empty() && !list.subtitle.empty()) y += pen.px(6);
+  if (!list.subtitle.empty()) add_line(list.subtitle, pen.px(12.5), pen.theme.muted);
+  pen.overlay.shapes.push_back(
+      pen.panel(margin, margin, margin + 2 * inset + widest, y + pen.px(11)));
+}
+
+// The mark of a legend entry, about (x, y) as its middle.
+void add_mark(const Pen& pen, const LegendEntry& entry, double x, double y) {
+  using Mark = LegendEntry::Mark;
+  if (entry.mark == Mark::line || entry.mark == Mark::arrow) {
+    const Vec3f middle = on_screen(x, y), half(pen.px(8), 0, 0);
+    pen.add_stroke(middle - half, middle + half, entry.color, 2.4,
+                   entry.mark == Mark::arrow ? 1.0f : 0.0f);
+    return;
+  }
+  const double r = pen.px(6);
+  const Vec3f low = on_screen(x - r, y - r), high = on_screen(x + r, y + r);
+  OverlayShape shape{low.x(), low.y(), high.x(), high.y(), entry.color};
+  shape.radius = entry.mark == Mark::dot ? static_cast<float>(r) : pen.px(2);
+  if (entry.mark != Mark::dot) {
+    shape.border = entry.color;
+    shape.border_px = pen.px(1.4);
+  }
+  if (entry.mark == Mark::hatched_box) shape.hatch_period_px = pen.px(5);
+  if (entry.mark == Mark::box) shape.fill.a = static_cast<std::uint8_t>(entry.color.a * 0.45);
+  pen.overlay.shapes.push_back(shape);
+}
+
+// `top`: where the legend may begin; it fills columns upwards from the lower left corner.
+void add_legend(const Pen& pen, const std::vector<LegendEntry>& legend, double top) {
+  if (legend.empty()) return;
+  const double margin = pen.px(14), inset = pen.px(11), row = pen.px(21);
+  const double mark_room = pen.px(25);
+  const double gap = pen.px(18);  // between columns
+  const double size_px = pen.px(13);
+  const double available = pen.height - margin - top - 2 * inset;
+  const auto rows_that_fit = static_cast<std::size_t>(std::max(1.0, available / row));
+  const std::size_t columns = (legend.size() + rows_that_fit - 1) / rows_that_fit;
+  const std::size_t rows = (legend.size() + columns - 1) / columns;
+  const double y0 = pen.height - margin - 2 * pen.px(8) - static_cast<double>(rows) * row;
+  double x = margin + inset;
+  const std::size_t panel = pen.overlay.shapes.size();  // below the marks
+  pen.overlay.shapes.emplace_back();
+  for (std::size_t first = 0; first < legend.size(); first += rows) {
+    double widest = 0;
+    const double room = pen.width - x - mark_room - margin - inset;
+    for (std::size_t i = first; i < std::min(first + rows, legend.size()); ++i) {
+      const double middle = y0 + pen.px(8) + (static_cast<double>(i - first) + 0.5) * row;
+      add_mark(pen, legend[i], x + pen.px(8), middle);
+      widest =
+          std::max(widest, pen.add_line(x + mark_room, middle + cap_height(size_px) / 2, size_px,
+                                        legend[i].text, pen.theme.ink, std::max(room, 0.0)));
+    }
+    x += mark_room + widest + gap;
+  }
+  pen.overlay.shapes[panel] = pen.panel(margin, y0, x - gap + inset, pen.height - margin);
+}
+
+// The three world axes as seen by the camera, the farthest first.
+void add_axes(const Pen& pen, const View& view, double middle_x, double middle_y) {
+  struct Axis {
+    Vec3f in_eye;
+    Rgba color;
+    const char* name;
+  };
+  const Eigen::Matrix3f rotation = view.view.topLeftCorner<3, 3>();
+  Axis axes[3] = {{rotation.col(0), pen.theme.axis_x, "x"},
+                  {rotation.col(1), pen.theme.axis_y, "y"},
+                  {rotation.col(2), pen.theme.axis_z, "z"}};
+  std::ranges::stable_sort(axes, {}, [](const Axis& axis) { return axis.in_eye.z(); });
+  const double letter_px = pen.px(13);
+  const Vec3f from = on_screen(middle_x, middle_y);
+  for (const Axis& axis : axes) {
+    const Vec3f along(axis.in_eye.x(), -axis.in_eye.y(), 0);
+    const Vec3f tip = from + along * pen.px(30);
+    pen.add_stroke(from, tip, axis.color, 2.2, 1);
+    // The letter stands off the tip; for an axis along the view, beside the middle.
+    const float norm = along.norm();
+    const Vec3f away = norm > 0.15f ? Vec3f(along / norm) : Vec3f(0.7071f, -0.7071f, 0);
+    const Vec3f at = tip + away * pen.px(9);
+    pen.add_word(at.x(), at.y() + 0.28 * letter_px, letter_px, axis.name, axis.color, 1.5);
+  }
+}
+
+// A bar that ends at `right`, its length above it.
+void add_scale_bar(const Pen& pen, const View& view, double right, double bottom) {
+  const double max_px = std::min<double>(pen.px(150), 0.22 * pen.width);
+  if (!(view.px_per_m_at_target > 0) || !std::isfinite(view.px_per_m_at_target)) return;
+  const double length_m = round_length_m(view.px_per_m_at_target, max_px);
+  const auto length_px = static_cast<float>(length_m * view.px_per_m_at_target);
+  const Vec3f end = on_screen(std::round(right), std::round(bottom)) + Vec3f(0.5f, 0.5f, 0);
+  const Vec3f begin = end - Vec3f(length_px, 0, 0), tick(0, pen.px(4), 0);
+  for (const auto& [from, to] :
+       {std::pair(begin, end), std::pair<Vec3f, Vec3f>(begin - tick, begin + tick),
+        std::pair<Vec3f, Vec3f>(end - tick, end + tick)})
+    pen.add_stroke(from, to, pen.theme.ink, 1.8);
+  pen.add_word(0.5 * (begin.x() + end.x()), end.y() - pen.px(7), pen.px(12.5),
+               length_text(length_m), pen.theme.ink, 1.8);
+}
+
+/// What a text covers.
+struct Box {
+  double x0, y0, x1, y1;
+  bool overlaps(const Box& other) const {
+    return x0 < other.x1 && other.x0 < x1 && y0 < other.y1 && other.y0 < y1;
+  }
+};
+Box box_of(const OverlayText& text) {
+  return {text.x, text.baseline - 0.8 * text.size_px, text.x + text_width(text.text, text.size_px),
+          text.baseline + 0.1 * text.size_px};
+}
+
+// Whether a label would stand on a panel, the axes or the scale bar.
+bool is_covered(const Box& label, const Overlay& by) {
+  const auto is_on = [&](const Box& box) { return label.overlaps(box); };
+  return std::ranges::any_of(by.shapes, is_on,
+                             [](const OverlayShape& s) {
+                               return Box{s.x0, s.y0, s.x1, s.y1};
+                             }) ||
+         std::ranges::any_of(
+             by.segments, is_on,
+             [](const Segment& s) {
+               const double half = s.width_px / 2;
+               const Vec3f low = s.a.cwiseMin(s.b), high = s.a.cwiseMax(s.b);
+               return Box{low.x() - half, low.y() - half, high.x() + half, high.y() + half};
+             }) ||
+         std::ranges::any_of(by.texts, is_on, box_of);
+}
+
+struct PlacedLabel {
+  double depth_m = 0, width = 0;
+  std::int32_t rank = kSelectedLabel;
+  OverlayText text;
+
+  bool overlaps(const PlacedLabel& other) const {
+    const double apart_x =
+        std::max(text.x - (other.text.x + other.width), other.text.x - (text.x + width));
+    const double apart_y = std::abs(text.baseline - other.text.baseline) -
+                           0.9 * std::max(text.size_px, other.text.size_px);
+    return apart_x < 0 && apart_y < 0;
+  }
+};
+
+// Where nothing else lies over the picture yet; of labels that overlap, that of the lowest rank,
+// of equal ones the nearest.
+void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View& view) {
+  std::vector<PlacedLabel> placed;
+  const double scale = std::max(1.0, pen.scale);
+  for (const DrawLabel& label : labels) {
+    const auto at = project(view, label.anchor);
+    if (!at || label.text.empty()) continue;
+    const double size_px = scale * label.size_px;
+    const double width = text_width(label.text, size_px);
+    const double wanted = at->px.x() - width / 2;
+    if (wanted > pen.width || wanted + width < 0) continue;
+    const double margin = pen.px(3);
+    const double x = std::max(std::min(wanted, pen.width - width - margin), margin);  // all of it
+    if (at->px.y() < -size_px || at->px.y() > pen.height + size_px) continue;
+    const OverlayText text = {.x = x,
+                              .baseline = at->px.y() + cap_height(size_px) / 2,
+                              .size_px = size_px,
+                              .text = label.text,
+                              .color = label.color,
+                              .halo = pen.theme.halo,
+                              .halo_px = std::clamp(0.16 * size_px, 1.5, 4.0)};
+    if (!is_covered(box_of(text), pen.overlay))
+      placed.push_back({at->depth_m, width, label.rank, text});
+  }
+  std::ranges::stable_sort(
+      placed, {}, [](const PlacedLabel& label) { return std::pair(label.rank, label.depth_m); });
+  std::vector<const PlacedLabel*> kept;
+  for (const PlacedLabel& label : placed) {
+    if (std::ranges::any_of(kept, [&](const auto* other) { return label.overlaps(*other); }))
+      continue;
+    kept.push_back(&label);
+    pen.overlay.labels.push_back(label.text);
+  }
+}
+
+}  // namespace
+
+Overlay layout_overlay(const DrawList& list,
+                       const View& view,
+                       const ThemeColors& theme,
+                       OverlayPart part) {
+  Overlay overlay;
+  const Pen pen = {overlay, theme, overlay_scale(view), static_cast<double>(view.width),
+                   static_cast<double>(view.height)};
+  if (part != OverlayPart::scene) {
+    add_heading(pen, list);
+    const double below_heading = overlay.shapes.empty() ? 0 : overlay.shapes.back().y1;
+    add_legend(pen, list.legend, below_heading + pen.px(10));
+  }
+  if (part == OverlayPart::panels) return overlay;
+  double right = pen.width - pen.px(22);
+  if (list.show_axes) {
+    const double reach = pen.px(50);
+    add_axes(pen, view, pen.width - pen.px(8) - reach, pen.height - pen.px(8) - reach);
+    right = pen.width - pen.px(20) - 2 * reach;
+  }
+  if (list.show_scale_bar) add_scale_bar(pen, view, right, pen.height - pen.px(24));
+  add_labels(pen, list.labels, view);  // last: they keep clear of all the rest
+  return overlay;
+}
+
+double overlay_scale(const View& view) {
+  const double width = view.width / view.screen_scale, height = view.height / view.screen_scale;
+  const double large = std::min(height / 720.0, width / 900.0);
+  const double small = std::min({height / 500.0, width / 640.0, 1.0});  // a panel of a window
+  return view.screen_scale * std::clamp(std::max(large, small), 0.7, 2.5);
+}
+
+double round_length_m(double px_per_m, double max_px) {
+  const double longest_m = max_px / px_per_m;
+  const double decade = std::pow(10.0, std::floor(std::log10(longest_m)));
+  for (const double step : {5.0, 2.0})
+    if (step * decade <= longest_m) return step * decade;
+  return decade;
+}
+
+std::string length_text(double length_m) {
+  if (length_m >= 999.5) return fmt::format("{:g} km", length_m / 1000);
+  if (length_m >= 0.9995) return fmt::format("{:g} m", length_m);
+  if (length_m >= 0.009995) return fmt::format("{:g} cm", length_m * 100);
+  return fmt::format("{:g} mm", length_m * 1000);
 }
 
 }  // namespace planescope::render

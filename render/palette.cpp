@@ -41,13 +41,6 @@ void drop_unknown(std::vector<float>& values) {
   std::erase_if(values, [](float value) { return !std::isfinite(value); });
 }
 
-double most_of(std::vector<float> sizes_m) {
-  drop_unknown(sizes_m);
-  if (sizes_m.empty()) return 1;
-  for (float& size : sizes_m) size = std::abs(size);
-  return round_step(std::max<double>(quantile(sizes_m, 0.95), kLeastRange_m));
-}
-
 }  // namespace
 
 Rgba with_alpha(Rgba color, std::uint8_t alpha) {
@@ -166,11 +159,11 @@ ValueRange robust_range(std::vector<float> values_m) {
   return {from * step, std::max(to, from + 1) * step};
 }
 
-ValueRange range_from_zero(std::vector<float> sizes_m) { return {0, most_of(std::move(sizes_m))}; }
-
-ValueRange range_about_zero(std::vector<float> sizes_m) {
-  const double most = most_of(std::move(sizes_m));
-  return {-most, most};
+ValueRange range_from_zero(std::vector<float> sizes_m) {
+  drop_unknown(sizes_m);
+  if (sizes_m.empty()) return {0, 1};
+  for (float& size : sizes_m) size = std::abs(size);
+  return {0, round_step(std::max<double>(quantile(sizes_m, 0.95), kLeastRange_m))};
 }
 
 }  // namespace planescope::render

@@ -90,8 +90,7 @@ ScaleTicks ticks_of(const ColorScale& scale);
 /// The range of all but the outermost 2 % of the values at either end, widened to round ends. Skips
 /// values that are not finite; {0, 1} without others.
 ValueRange robust_range(std::vector<float> values_m);
-/// From 0 to the size that 95 % of the values stay below, and the same to both sides of 0.
+/// From 0 to the size that 95 % of the values stay below.
 ValueRange range_from_zero(std::vector<float> sizes_m);
-ValueRange range_about_zero(std::vector<float> sizes_m);
 
 }  // namespace planescope::render

@@ -1,12 +1,12 @@
-#include "render/passes.hpp"
+// The passes of a picture (gl.hpp).
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstring>
+#include <utility>
 
 #include "core/model/error.hpp"
-#include "render/paint.hpp"
+#include "render/gl.hpp"
 
 PLANESCOPE_ASSET_DECLARE(boxes_frag);
 PLANESCOPE_ASSET_DECLARE(boxes_vert);
@@ -25,6 +25,35 @@ PLANESCOPE_ASSET_DECLARE(shapes_frag);
 PLANESCOPE_ASSET_DECLARE(shapes_vert);
 
 namespace planescope::render {
+namespace {
+
+/// Describes one attribute of the bound array buffer. `stride` 0: values side by side.
+void set_attribute(GLuint location,
+                   GLint components,
+                   GLenum type,  // GL_UNSIGNED_BYTE: as 0..1; GL_UNSIGNED_INT: stays integer
+                   std::size_t stride = 0,
+                   std::size_t offset = 0,
+                   bool per_instance = false) {
+  // A place in the bound buffer, which OpenGL takes as a pointer.
+  const void* at = reinterpret_cast<const void*>(offset);  // NOLINT(performance-no-int-to-ptr)
+  const auto step = static_cast<GLsizei>(stride);
+  glEnableVertexAttribArray(location);
+  if (type == GL_UNSIGNED_INT)
+    glVertexAttribIPointer(location, components, type, step, at);
+  else
+    glVertexAttribPointer(location, components, type, type == GL_UNSIGNED_BYTE, step, at);
+  glVertexAttribDivisor(location, per_instance ? 1 : 0);
+}
+
+/// Fills an array buffer, and leaves it bound.
+template <typename Value>
+void upload(const GlBuffer& buffer, const std::vector<Value>& values) {
+  glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size() * sizeof(Value)),
+               values.data(), GL_STREAM_DRAW);
+}
+
+}  // namespace
 
 Pass::Pass(const char* name,
            std::string_view vertex,
@@ -42,7 +71,7 @@ const GlProgram& Pass::use(const View& view, Output output) const {
   set_uniform(program, "view", view.view);  // GL ignores those that a program does not have
   set_uniform(program, "proj", view.proj);
   set_uniform(program, "viewport", view.size_px());
-  set_uniform(program, "orthographic", view.orthographic ? 1 : 0);
+  set_uniform(program, "orthographic", view.orthographic);
   set_uniform(program, "near_m", view.near_m);
   set_uniform(program, "px_per_m", view.px_per_m);
   glBindVertexArray(array_);
@@ -63,11 +92,11 @@ PointPass::PointPass()
            PLANESCOPE_ASSET(points_frag),
            PLANESCOPE_ASSET(points_id_frag)) {
   static_assert(sizeof(Vec3f) == 12 && sizeof(Rgba) == 4);
-  set_attribute({.location = 0, .components = 3});
+  set_attribute(0, 3, GL_FLOAT);
   glBindBuffer(GL_ARRAY_BUFFER, colors_);
-  set_attribute({.location = 1, .components = 4, .type = GL_UNSIGNED_BYTE});
+  set_attribute(1, 4, GL_UNSIGNED_BYTE);
   glBindBuffer(GL_ARRAY_BUFFER, ids_);
-  set_attribute({.location = 2, .components = 1, .type = GL_UNSIGNED_INT});
+  set_attribute(2, 1, GL_UNSIGNED_INT);
 }
 
 void PointPass::draw(const std::vector<DrawPoints>& clouds, const View& view, Output output) {
@@ -114,13 +143,13 @@ BoxPass::BoxPass()
            PLANESCOPE_ASSET(id_frag)) {
   const std::size_t stride = sizeof(BoxInstance);
   for (GLuint i = 0; i < 8; ++i)
-    set_attribute({i, 3, GL_FLOAT, stride, i * sizeof(Vec3f), true});  // corners
-  set_attribute({8, 4, GL_UNSIGNED_BYTE, stride, offsetof(BoxInstance, color), true});
-  set_attribute({9, 1, GL_FLOAT, stride, offsetof(BoxInstance, hatched), true});
-  set_attribute({10, 1, GL_UNSIGNED_INT, stride, offsetof(BoxInstance, id), true});
+    set_attribute(i, 3, GL_FLOAT, stride, i * sizeof(Vec3f), true);  // corners
+  set_attribute(8, 4, GL_UNSIGNED_BYTE, stride, offsetof(BoxInstance, color), true);
+  set_attribute(9, 1, GL_FLOAT, stride, offsetof(BoxInstance, hatched), true);
+  set_attribute(10, 1, GL_UNSIGNED_INT, stride, offsetof(BoxInstance, id), true);
 }
 
-void BoxPass::draw(std::span<const DrawBox> boxes,
+void BoxPass::draw(const std::vector<DrawBox>& boxes,
                    const View& view,
                    float face_alpha,
                    float hatch_period_px,
@@ -154,24 +183,24 @@ SegmentPass::SegmentPass()
            PLANESCOPE_ASSET(segments_frag),
            PLANESCOPE_ASSET(segments_id_frag)) {
   const std::size_t stride = sizeof(Segment);
-  set_attribute({0, 3, GL_FLOAT, stride, offsetof(Segment, a), true});
-  set_attribute({1, 3, GL_FLOAT, stride, offsetof(Segment, b), true});
-  set_attribute({2, 4, GL_UNSIGNED_BYTE, stride, offsetof(Segment, color), true});
+  set_attribute(0, 3, GL_FLOAT, stride, offsetof(Segment, a), true);
+  set_attribute(1, 3, GL_FLOAT, stride, offsetof(Segment, b), true);
+  set_attribute(2, 4, GL_UNSIGNED_BYTE, stride, offsetof(Segment, color), true);
   static_assert(offsetof(Segment, bias_m) == offsetof(Segment, width_px) + 8);
-  set_attribute({3, 3, GL_FLOAT, stride, offsetof(Segment, width_px), true});
-  set_attribute({4, 1, GL_UNSIGNED_INT, stride, offsetof(Segment, id), true});
+  set_attribute(3, 3, GL_FLOAT, stride, offsetof(Segment, width_px), true);
+  set_attribute(4, 1, GL_UNSIGNED_INT, stride, offsetof(Segment, id), true);
 }
 
-void SegmentPass::draw(std::span<const Segment> segments,
+void SegmentPass::draw(const std::vector<Segment>& segments,
                        const View& view,
                        Rgba halo,
                        Output output) {
   if (segments.empty()) return;
-  set_uniform(use(view, output), "halo", to_vector(halo));
+  set_uniform(use(view, output), "halo", halo);
   draw_strips(segments);
 }
 
-void SegmentPass::draw_flat(std::span<const Segment> segments, int width, int height) {
+void SegmentPass::draw_flat(const std::vector<Segment>& segments, int width, int height) {
   View flat;
   flat.width = width;
   flat.height = height;
@@ -206,10 +235,9 @@ void append_edges(const DrawBox& box, const View& view, std::vector<Segment>& se
 void append_outline(const DrawPolygon& polygon, float bias_m, std::vector<Segment>& segments) {
   if (!polygon.triangles.empty()) return;
   const std::size_t n = polygon.corners.size();
-  for (std::size_t i = 0; i < n && n >= 2; ++i) {
+  for (std::size_t i = 0; i < n && n >= 2; ++i)
     segments.push_back({polygon.corners[i], polygon.corners[(i + 1) % n], polygon.outline,
                         polygon.outline_px, 0, bias_m, polygon.id});
-  }
 }
 
 // ---- Polygons ----
@@ -230,12 +258,12 @@ PolygonPass::PolygonPass()
            PLANESCOPE_ASSET(polygons_frag),
            PLANESCOPE_ASSET(id_frag)) {
   const std::size_t stride = sizeof(Vertex);
-  set_attribute({0, 3, GL_FLOAT, stride, offsetof(Vertex, position), false});
-  set_attribute({1, 4, GL_UNSIGNED_BYTE, stride, offsetof(Vertex, color), false});
-  set_attribute({2, 1, GL_UNSIGNED_INT, stride, offsetof(Vertex, id), false});
+  set_attribute(0, 3, GL_FLOAT, stride, offsetof(Vertex, position), false);
+  set_attribute(1, 4, GL_UNSIGNED_BYTE, stride, offsetof(Vertex, color), false);
+  set_attribute(2, 1, GL_UNSIGNED_INT, stride, offsetof(Vertex, id), false);
 }
 
-void PolygonPass::draw(std::span<const DrawPolygon* const> polygons,
+void PolygonPass::draw(const std::vector<const DrawPolygon*>& polygons,
                        const View& view,
                        float bias_m,
                        Output output) {
@@ -246,11 +274,9 @@ void PolygonPass::draw(std::span<const DrawPolygon* const> polygons,
     for (const std::uint32_t k : polygon->triangles)
       vertices.push_back({corners[k], polygon->fill, polygon->id});
     if (!polygon->triangles.empty()) continue;
-    for (std::size_t i = 2; i < corners.size(); ++i) {  // a fan, as it is convex
-      for (const std::size_t k : {std::size_t{0}, i - 1, i}) {
+    for (std::size_t i = 2; i < corners.size(); ++i)  // a fan, as it is convex
+      for (const std::size_t k : {std::size_t{0}, i - 1, i})
         vertices.push_back({corners[k], polygon->fill, polygon->id});
-      }
-    }
   }
   if (vertices.empty()) return;
 
@@ -265,13 +291,13 @@ ShapePass::ShapePass()
     : Pass("shapes", PLANESCOPE_ASSET(shapes_vert), PLANESCOPE_ASSET(shapes_frag), {}) {
   const std::size_t stride = sizeof(OverlayShape);
   static_assert(offsetof(OverlayShape, hatch_period_px) == offsetof(OverlayShape, radius) + 8);
-  set_attribute({0, 4, GL_FLOAT, stride, offsetof(OverlayShape, x0), true});
-  set_attribute({1, 4, GL_UNSIGNED_BYTE, stride, offsetof(OverlayShape, fill), true});
-  set_attribute({2, 4, GL_UNSIGNED_BYTE, stride, offsetof(OverlayShape, border), true});
-  set_attribute({3, 3, GL_FLOAT, stride, offsetof(OverlayShape, radius), true});
+  set_attribute(0, 4, GL_FLOAT, stride, offsetof(OverlayShape, x0), true);
+  set_attribute(1, 4, GL_UNSIGNED_BYTE, stride, offsetof(OverlayShape, fill), true);
+  set_attribute(2, 4, GL_UNSIGNED_BYTE, stride, offsetof(OverlayShape, border), true);
+  set_attribute(3, 3, GL_FLOAT, stride, offsetof(OverlayShape, radius), true);
 }
 
-void ShapePass::draw(std::span<const OverlayShape> shapes, const View& view) {
+void ShapePass::draw(const std::vector<OverlayShape>& shapes, const View& view) {
   if (shapes.empty()) return;
   use(view, Output::color);
   draw_strips(shapes);
@@ -279,27 +305,19 @@ void ShapePass::draw(std::span<const OverlayShape> shapes, const View& view) {
 
 // ---- Text ----
 
-namespace {
-
-constexpr double kMaxSize_px = 256;
-
-int sixteenths(double value) { return static_cast<int>(std::lround(value * 16)); }
-
-}  // namespace
-
 TextPass::TextPass()
     : Pass("glyphs", PLANESCOPE_ASSET(glyphs_vert), PLANESCOPE_ASSET(glyphs_frag), {}) {
   const std::size_t stride = sizeof(Instance);
-  set_attribute({0, 4, GL_FLOAT, stride, offsetof(Instance, x), true});
-  set_attribute({1, 2, GL_FLOAT, stride, offsetof(Instance, atlas_x), true});
-  set_attribute({2, 4, GL_UNSIGNED_BYTE, stride, offsetof(Instance, color), true});
+  set_attribute(0, 4, GL_FLOAT, stride, offsetof(Instance, x), true);
+  set_attribute(1, 2, GL_FLOAT, stride, offsetof(Instance, atlas_x), true);
+  set_attribute(2, 4, GL_UNSIGNED_BYTE, stride, offsetof(Instance, color), true);
   glBindTexture(GL_TEXTURE_2D, texture_);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   clear_atlas(512);
 }
 
-void TextPass::draw(std::span<const OverlayText> texts, const View& view) {
+void TextPass::draw(const std::vector<OverlayText>& texts, const View& view) {
   // Where the atlas is full, start over with an empty one; where that is not enough for these
   // texts alone, with a larger one.
   std::vector<Instance> instances;
@@ -313,12 +331,19 @@ void TextPass::draw(std::span<const OverlayText> texts, const View& view) {
   set_uniform(use(view, Output::color), "atlas", 0);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture_);
-  if (atlas_changed_) upload_atlas();
+  if (std::exchange(atlas_changed_, false)) {
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, kAtlasWidth, atlas_height_, 0, GL_RED, GL_UNSIGNED_BYTE,
+                 atlas_.data());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  }
   draw_strips(instances);
 }
 
 // False where the atlas is full.
 bool TextPass::append(const OverlayText& text, std::vector<Instance>& instances) {
+  constexpr double kMaxSize_px = 256;
+  const auto sixteenths = [](double value) { return static_cast<int>(std::lround(value * 16)); };
   const double size_px = std::clamp(text.size_px, 1.0, kMaxSize_px);
   const TextLayout layout = layout_text(text.text, size_px);
   const double baseline = std::round(text.baseline);
@@ -350,11 +375,9 @@ const TextPass::Entry* TextPass::entry(const Key& key) {
     shelf_height_ = 0;
   }
   if (glyph.width > kAtlasWidth || shelf_y_ + glyph.height > atlas_height_) return nullptr;
-  for (int y = 0; y < glyph.height; ++y) {
-    std::memcpy(atlas_.data() + static_cast<std::size_t>(shelf_y_ + y) * kAtlasWidth + shelf_x_,
-                glyph.coverage.data() + static_cast<std::size_t>(y) * glyph.width,
-                static_cast<std::size_t>(glyph.width));
-  }
+  for (int y = 0; y < glyph.height; ++y)
+    std::copy_n(glyph.coverage.begin() + y * glyph.width, glyph.width,
+                atlas_.begin() + (shelf_y_ + y) * kAtlasWidth + shelf_x_);
   atlas_changed_ = true;
   const Entry entry = {shelf_x_, shelf_y_, glyph.width, glyph.height, glyph.left, glyph.top};
   shelf_x_ += glyph.width + 1;
@@ -372,14 +395,6 @@ void TextPass::clear_atlas(int height) {
   entries_.clear();
   shelf_x_ = shelf_y_ = shelf_height_ = 0;
   atlas_changed_ = true;
-}
-
-void TextPass::upload_atlas() {
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, kAtlasWidth, atlas_height_, 0, GL_RED, GL_UNSIGNED_BYTE,
-               atlas_.data());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  atlas_changed_ = false;
 }
 
 }  // namespace planescope::render

@@ -12,8 +12,7 @@
 
 #include "core/model/plane.hpp"
 #include "core/planes/evaluate/metrics.hpp"
-#include "render/palette.hpp"
-#include "render/scene_parts.hpp"
+#include "render/scenes.hpp"
 
 namespace planescope::render {
 
@@ -148,8 +147,7 @@ double gap_m(const PlaneInView& a, const PlaneInView& b) {
 /// By plane id - 1.
 std::vector<double> cells_of(const PlaneImage& image) {
   std::vector<double> count(image.planes.size(), 0);
-  for (const PlaneImage::Cell& cell : image.cells)
-    ++count[static_cast<std::size_t>(cell.plane) - 1];
+  for (const PlaneImage::Cell& cell : image.cells) ++count[cell.plane - 1];
   return count;
 }
 
@@ -285,7 +283,7 @@ PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now) {
   // Then the rest, moved with the camera.
   std::vector<std::uint8_t> taken(rows, 0);
   for (const int b : match.before_of)
-    if (b > 0) taken[static_cast<std::size_t>(b) - 1] = 1;
+    if (b > 0) taken[b - 1] = 1;
   std::vector<double> near(rows * columns, 0);
   for (std::size_t b = 0; b < rows; ++b) {
     const PlaneInView from = moved(before.planes[b], match.T_now_before);
@@ -320,8 +318,8 @@ constexpr std::size_t kColors = kPlaneColors;
 std::vector<std::vector<int>> neighbors_of(const PlaneImage& planes) {
   std::vector<std::vector<int>> neighbors(planes.planes.size());
   for (const auto& [a, b] : planes.touching) {
-    neighbors[static_cast<std::size_t>(a) - 1].push_back(b - 1);
-    neighbors[static_cast<std::size_t>(b) - 1].push_back(a - 1);
+    neighbors[a - 1].push_back(b - 1);
+    neighbors[b - 1].push_back(a - 1);
   }
   return neighbors;
 }
@@ -340,9 +338,7 @@ int new_color(const PlaneImage& planes,
   for (std::size_t i = 0; i < colors.size(); ++i)
     if (colors[i] > 0) uses[static_cast<std::size_t>(colors[i]) - 1].anywhere += 1;
   for (const int i : neighbors)
-    if (const int color = colors[static_cast<std::size_t>(i)]; color > 0)
-      uses[static_cast<std::size_t>(color) - 1].touching +=
-          planes.planes[static_cast<std::size_t>(i)].size;
+    if (const int color = colors[i]; color > 0) uses[color - 1].touching += planes.planes[i].size;
   for (std::size_t c = 0; c < kColors; ++c) uses[c].reserved = reserved[c];
   return static_cast<int>(std::ranges::min_element(uses) - uses.begin()) + 1;
 }
@@ -361,30 +357,26 @@ std::vector<int> settle_colors(const PlaneImage& planes,
   for (int& color : wanted)
     if (color > 0) color = (color - 1) % kPlaneColors + 1;
   std::array<bool, kColors> is_reserved{};
-  for (const int color : reserved) is_reserved[static_cast<std::size_t>(color) - 1] = true;
+  for (const int color : reserved) is_reserved[color - 1] = true;
   const std::vector<std::vector<int>> neighbors = neighbors_of(planes);
   std::vector<int> by_size(wanted.size());
   std::iota(by_size.begin(), by_size.end(), 0);
-  const auto size_of = [&](int i) { return planes.planes[static_cast<std::size_t>(i)].size; };
+  const auto size_of = [&](int i) { return planes.planes[i].size; };
   std::ranges::stable_sort(by_size, std::greater(), size_of);
 
   std::vector<int> colors(wanted.size(), 0);
   const auto touches = [&](int i, int color) {
-    return std::ranges::any_of(neighbors[static_cast<std::size_t>(i)], [&](int other) {
-      return colors[static_cast<std::size_t>(other)] == color;
-    });
+    return std::ranges::any_of(neighbors[i], [&](int other) { return colors[other] == color; });
   };
   for (const int i : by_size)
-    if (const int color = wanted[static_cast<std::size_t>(i)]; color > 0 && !touches(i, color))
-      colors[static_cast<std::size_t>(i)] = color;
+    if (const int color = wanted[i]; color > 0 && !touches(i, color)) colors[i] = color;
   for (const int i : by_size) {
-    int& color = colors[static_cast<std::size_t>(i)];
+    int& color = colors[i];
     if (color > 0) continue;
-    const int found =
-        new_color(planes, colors, neighbors[static_cast<std::size_t>(i)], is_reserved);
+    const int found = new_color(planes, colors, neighbors[i], is_reserved);
     // Smaller neighbors give it up, and get another color in their turn.
-    for (const int other : neighbors[static_cast<std::size_t>(i)])
-      if (int& theirs = colors[static_cast<std::size_t>(other)];
+    for (const int other : neighbors[i])
+      if (int& theirs = colors[other];
           theirs == found && std::tuple(size_of(i), other) > std::tuple(size_of(other), i))
         theirs = 0;
     color = found;
@@ -407,8 +399,8 @@ ColoredPlanes color_planes(PlaneImage now, const ColoredPlanes* before) {
   for (std::size_t i = 0; i < own; ++i) {
     const int from = match.before_of[i] > 0 ? match.before_of[i] : match.piece_of[i];
     if (from == 0) continue;
-    wanted[i] = before->colors[static_cast<std::size_t>(from) - 1];
-    goes_on[static_cast<std::size_t>(from) - 1] = 1;
+    wanted[i] = before->colors[from - 1];
+    goes_on[from - 1] = 1;
   }
   std::vector<int> remembered;
   std::vector<PlaneInView> lost;

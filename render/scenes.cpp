@@ -7,10 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "render/frame_image.hpp"
 #include "render/paint.hpp"
 #include "render/plane_colors.hpp"
-#include "render/scene_parts.hpp"
+#include "render/scenes.hpp"
 
 namespace planescope::render {
 
@@ -18,105 +17,110 @@ namespace planescope::render {
 
 namespace {
 
+using Mark = LegendEntry::Mark;
 constexpr float kUnsure = 0.5F;              // margins below this are reported as unsure
 constexpr Rgba kLeftOver{213, 60, 20, 255};  // where left over is what the picture is about
+
+/// The voxels, each in color(index).
+template <typename Color>
+DrawList voxel_scene(const planes::FrameResult& result,
+                     const std::string& title,
+                     const Color& color) {
+  DrawList list;
+  list.title = title;
+  DrawPoints& points = list.points.emplace_back(voxel_points(result.voxels));
+  for (std::size_t i = 0; i < points.positions.size(); ++i) points.colors.push_back(color(i));
+  return list;
+}
+
+/// The points inside range and cube as dots, each in color(index in the cloud).
+template <typename Color>
+DrawList cloud_scene(const planes::Cloud& cloud, const std::string& title, const Color& color) {
+  DrawList list;
+  list.title = title;
+  DrawPoints& points = list.points.emplace_back();
+  points.size_m = 0.012F;
+  points.min_px = 2.5F;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!cloud.kept[i]) continue;
+    points.positions.push_back(cloud.points[i]);
+    points.colors.push_back(color(i));
+  }
+  return list;
+}
+
+std::string points_text(const DrawList& list) {
+  return std::to_string(list.points[0].positions.size()) + " points";
+}
 
 }  // namespace
 
 DrawList scene_labels(const planes::FrameResult& result) {
-  using Mark = LegendEntry::Mark;
-  DrawList list;
-  DrawPoints points = voxel_points(result.voxels);
-  std::size_t count[3] = {};
-  for (const Label label : result.classification.labels) {
-    points.colors.push_back(label_color(label));
-    ++count[static_cast<int>(label)];
-  }
-  const std::size_t n = points.positions.size();
-  list.points.push_back(std::move(points));
+  const std::vector<Label>& labels = result.classification.labels;
+  DrawList list = voxel_scene(result, "Pointwise classification",
+                              [&](std::size_t i) { return label_color(labels[i]); });
   add_gravity(result, list);
-  list.title = "Pointwise classification";
-  list.subtitle = std::to_string(n) + " voxels by the tilt of the surface around them";
-  const auto entry = [&](Label label, const std::string& name) {
-    const std::size_t k = count[static_cast<int>(label)];
-    list.legend.push_back(
-        {Mark::dot, label_color(label), fmt::format("{}  {}  ({})", name, k, percent(k, n))});
-  };
-  entry(Label::h, "horizontal, up to 45\u00b0");
-  entry(Label::v, "vertical");
-  if (count[0] > 0) entry(Label::unknown, "unknown");
+  list.subtitle = std::to_string(labels.size()) + " voxels by the tilt of the surface around them";
+  for (const auto& [label, name] :
+       {std::pair(Label::h, "horizontal, up to 45\u00b0"), std::pair(Label::v, "vertical"),
+        std::pair(Label::unknown, "unknown")}) {
+    const auto k = static_cast<std::size_t>(std::ranges::count(labels, label));
+    if (k > 0 || label != Label::unknown)
+      list.explain(label_color(label),
+                   fmt::format("{}  {}  ({})", name, k, percent(k, labels.size())));
+  }
   return list;
 }
 
 DrawList scene_margins(const planes::FrameResult& result) {
-  using Mark = LegendEntry::Mark;
   const planes::Classification& classified = result.classification;
-  DrawList list;
-  DrawPoints points = voxel_points(result.voxels);
+  const std::size_t n = classified.labels.size();
   std::size_t unsure = 0, unknown = 0;
-  for (std::size_t i = 0; i < points.positions.size(); ++i) {
-    points.colors.push_back(margin_color(classified.labels[i], classified.margins[i]));
-    if (classified.labels[i] == Label::unknown)
-      ++unknown;
-    else
-      unsure += classified.margins[i] < kUnsure;
-  }
-  const std::size_t n = points.positions.size();
-  list.points.push_back(std::move(points));
+  DrawList list = voxel_scene(result, "Sureness of the classification", [&](std::size_t i) {
+    const bool is_known = classified.labels[i] != Label::unknown;
+    unknown += !is_known;
+    unsure += is_known && classified.margins[i] < kUnsure;
+    return margin_color(classified.labels[i], classified.margins[i]);
+  });
   add_gravity(result, list);
-  list.title = "Sureness of the classification";
   list.subtitle =
       fmt::format("{} of {} voxels have a margin below 0.5 ({})", unsure, n, percent(unsure, n));
-  const auto entry = [&](Label label, double margin, const std::string& text) {
-    list.legend.push_back({Mark::dot, margin_color(label, margin), text});
-  };
-  entry(Label::h, 1, "h  sure (margin 1)");
-  entry(Label::h, 0.5, "h  margin 0.5");
-  entry(Label::h, 0, "on the boundary (margin 0)");
-  entry(Label::v, 0.5, "v  margin 0.5");
-  entry(Label::v, 1, "v  sure (margin 1)");
-  if (unknown > 0) entry(Label::unknown, 0, "unknown  " + std::to_string(unknown));
+  list.explain(margin_color(Label::h, 1), "h  sure (margin 1)");
+  list.explain(margin_color(Label::h, 0.5), "h  margin 0.5");
+  list.explain(margin_color(Label::h, 0), "on the boundary (margin 0)");
+  list.explain(margin_color(Label::v, 0.5), "v  margin 0.5");
+  list.explain(margin_color(Label::v, 1), "v  sure (margin 1)");
+  if (unknown > 0) list.explain(label_color(Label::unknown), "unknown  " + std::to_string(unknown));
   return list;
 }
 
 DrawList scene_leftovers(const planes::FrameResult& result, std::span<const int> color_of_plane) {
-  using Mark = LegendEntry::Mark;
-  DrawList list;
-  DrawPoints points = voxel_points(result.voxels);
   std::size_t left = 0;
-  for (const std::int32_t id : result.segmentation.plane_of) {
-    const Rgba faded = id > 0 ? mix(color_of(id, color_of_plane), kSceneFaded, 0.75) : kLeftOver;
-    points.colors.push_back(faded);
+  DrawList list = voxel_scene(result, "Points left over", [&](std::size_t i) {
+    const std::int32_t id = result.segmentation.plane_of[i];
     left += id <= 0;
-  }
-  const std::size_t n = points.positions.size();
-  list.points.push_back(std::move(points));
+    return id > 0 ? mix(color_of(id, color_of_plane), kSceneFaded, 0.75) : kLeftOver;
+  });
+  const std::size_t n = result.voxels.points.size();
   add_gravity(result, list);
-  list.title = "Points left over";
   list.subtitle = fmt::format("{} of {} voxels are in no plane ({})", left, n, percent(left, n));
-  list.legend.push_back({Mark::dot, kLeftOver, "in no plane  " + std::to_string(left)});
-  list.legend.push_back({Mark::dot, kSceneFaded, "in a plane  " + std::to_string(n - left)});
+  list.explain(kLeftOver, "in no plane  " + std::to_string(left));
+  list.explain(kSceneFaded, "in a plane  " + std::to_string(n - left));
   return list;
 }
 
 DrawList scene_heights(const planes::FrameResult& result) {
-  using Mark = LegendEntry::Mark;
-  DrawList list;
   const RobustBounds bounds = robust_bounds(result.voxels.points);
   const double low = bounds.low.z(), high = std::max(bounds.high.z(), bounds.low.z() + 1e-3F);
   const auto color_at = [&](double z) {
     return ramp_color(1 - std::clamp((z - low) / (high - low), 0.001, 1.0));
   };
-  std::vector<std::size_t> at;
-  DrawPoints points = kept_points(result.cloud, at);
-  for (const Vec3f& point : points.positions) points.colors.push_back(color_at(point.z()));
-  list.title = "Measured points by height";
-  list.subtitle = std::to_string(points.positions.size()) + " points";
-  list.points.push_back(std::move(points));
+  DrawList list = cloud_scene(result.cloud, "Measured points by height",
+                              [&](std::size_t i) { return color_at(result.cloud.points[i].z()); });
+  list.subtitle = points_text(list);
   for (int k = 4; k >= 0; --k) {
     const double z = low + (high - low) * k / 4;
-    list.legend.push_back(
-        {Mark::dot, color_at(z), fmt::format("z = {:.2f} m", z + result.cloud.origin.z())});
+    list.explain(color_at(z), fmt::format("z = {:.2f} m", z + result.cloud.origin.z()));
   }
   add_gravity(result, list);
   return list;
@@ -125,12 +129,6 @@ DrawList scene_heights(const planes::FrameResult& result) {
 // ---- Octree nodes by case: the panels a-d of the paper's figure, on real data ----
 
 namespace {
-
-DrawBox tile_of(const planes::FrameResult& result, const planes::OctreeNode& node) {
-  return points_box(result.segmentation.octree, node, result.voxels.size_m);
-}
-
-bool divided(const planes::OctreeNode& node) { return node.first_child >= 0; }
 
 struct Numeral {
   const planes::OctreeNode* node = nullptr;
@@ -145,13 +143,12 @@ void add_numerals(std::vector<Numeral> numerals, DrawList& list) {
   });
   if (numerals.size() > kMostNumerals) numerals.resize(kMostNumerals);
   for (const auto& [node, at] : numerals)
-    list.labels.push_back({at, case_numeral(*node), kSceneText, 15, true, kNumeralLabel});
+    list.labels.push_back({at, case_numeral(*node), kSceneText, 15, kNumeralLabel});
 }
 
 }  // namespace
 
 DrawList scene_cases(const planes::FrameResult& result) {
-  using Mark = LegendEntry::Mark;
   const planes::Octree& octree = result.segmentation.octree;
   DrawList list;
   std::size_t count[5] = {}, hatched = 0, label_fits = 0;
@@ -165,13 +162,14 @@ DrawList scene_cases(const planes::FrameResult& result) {
   for (const planes::OctreeNode& node : octree.nodes) {
     if (node.decided == planes::Case::none) continue;
     ++count[static_cast<int>(node.decided)];
-    DrawBox box = divided(node) ? cell_box(octree, node) : tile_of(result, node);
+    const bool is_divided = node.first_child >= 0;
+    DrawBox box =
+        is_divided ? cell_box(octree, node) : points_box(octree, node, result.voxels.size_m);
     box.color = case_color(node.decided);
-    if (divided(node)) {
+    if (is_divided) {
       box.color.a = 40;  // the finer nodes inside are what matters
     } else {
-      for (std::uint32_t i = node.begin; i < node.end; ++i)
-        points.colors[octree.order[i]] = box.color;
+      for (const std::uint32_t voxel : members(octree, node)) points.colors[voxel] = box.color;
       if (node.at_max_depth) {
         box.style = BoxStyle::hatched;
         ++hatched;
@@ -192,11 +190,11 @@ DrawList scene_cases(const planes::FrameResult& result) {
                   " nodes visited; voxels in the color of the node that decided them";
   add_case_legend(count, result.segmentation.octree.image.has_value(), list);
   if (hatched > 0)
-    list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
-                           "I or III at full depth: unassigned  " + std::to_string(hatched)});
+    list.explain(case_color(planes::Case::III),
+                 "I or III at full depth: unassigned  " + std::to_string(hatched),
+                 Mark::hatched_box);
   if (label_fits > 0)
-    list.legend.push_back(
-        {Mark::dot, kSceneText, "or I*: fitted label by label  " + std::to_string(label_fits)});
+    list.explain(kSceneText, "or I*: fitted label by label  " + std::to_string(label_fits));
   fitted.colors.assign(fitted.positions.size(), kSceneText);
   list.points.push_back(std::move(fitted));
   add_gravity(result, list);
@@ -219,7 +217,7 @@ std::vector<std::vector<Vec3f>> voxels_by_plane(const planes::FrameResult& resul
   std::vector<std::vector<Vec3f>> members(result.segmentation.planes.size());
   for (std::size_t i = 0; i < result.voxels.points.size(); ++i)
     if (const std::int32_t id = result.segmentation.plane_of[i]; id > 0)
-      members[static_cast<std::size_t>(id) - 1].push_back(result.voxels.points[i]);
+      members[id - 1].push_back(result.voxels.points[i]);
   return members;
 }
 
@@ -232,7 +230,7 @@ void add_plane_shapes(const Frame& frame,
   const Vec3d& origin = result.cloud.origin;
   const auto outlines = planes::outlines_of(frame, result, cell_m);
   std::vector<PlaneShape> shapes = plane_shapes(outlines, origin);
-  const auto members = voxels_by_plane(result);
+  const auto own = voxels_by_plane(result);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const planes::PlaneRegion& plane = result.segmentation.planes[k];
     const Rgba color = color_of(plane.id, color_of_plane);
@@ -245,11 +243,11 @@ void add_plane_shapes(const Frame& frame,
                .id = static_cast<std::uint32_t>(plane.id)},
               list);
     if (!is_named(plane.points, result.voxels.points.size())) continue;
-    const Vec3f from = place_on_plane(plane.fit.centroid, members[k], static_cast<float>(cell_m));
+    const Vec3f from = place_on_plane(plane.fit.centroid, own[k], static_cast<float>(cell_m));
     const Vec3f normal = plane.fit.normal.cast<float>();
     list.arrows.push_back({from, from + arrow_m * normal, dark, 2.5F});
     list.labels.push_back({from + 1.35F * arrow_m * normal, std::to_string(plane.id), kSceneText,
-                           19, true, plane_label_rank(plane.points, result.voxels.points.size())});
+                           19, plane_label_rank(plane.points, result.voxels.points.size())});
   }
 }
 
@@ -258,25 +256,20 @@ void add_plane_shapes(const Frame& frame,
 DrawList scene_planes(const Frame& frame,
                       const planes::FrameResult& result,
                       std::span<const int> color_of_plane) {
-  using Mark = LegendEntry::Mark;
-  DrawList list;
-  DrawPoints points = voxel_points(result.voxels);
-  std::size_t in_planes = 0;
-  for (const std::int32_t id : result.segmentation.plane_of) {
-    points.colors.push_back(id > 0 ? color_of(id, color_of_plane) : kSceneFaded);
-    points.ids.push_back(id > 0 ? static_cast<std::uint32_t>(id) : 0);
-    in_planes += id > 0;
-  }
-  const std::size_t n = points.positions.size();
-  list.points.push_back(std::move(points));
+  const std::vector<std::int32_t>& plane_of = result.segmentation.plane_of;
+  DrawList list = voxel_scene(result, "Final planes", [&](std::size_t i) {
+    return plane_of[i] > 0 ? color_of(plane_of[i], color_of_plane) : kSceneFaded;
+  });
+  for (const std::int32_t id : plane_of)
+    list.points[0].ids.push_back(static_cast<std::uint32_t>(std::max(id, 0)));
+  const std::size_t n = plane_of.size();
+  const auto in_planes =
+      static_cast<std::size_t>(std::ranges::count_if(plane_of, [](auto id) { return id > 0; }));
   add_plane_shapes(frame, result, color_of_plane, list);
   add_plane_legend(result, color_of_plane, list);
-  if (in_planes < n)
-    list.legend.push_back(
-        {Mark::dot, kSceneFaded, "in no plane  " + std::to_string(n - in_planes)});
+  if (in_planes < n) list.explain(kSceneFaded, "in no plane  " + std::to_string(n - in_planes));
   add_gravity(result, list);
   const std::size_t planes = result.segmentation.planes.size();
-  list.title = "Final planes";
   list.subtitle =
       fmt::format("{} {} {} of {} voxels", planes, planes == 1 ? "plane holds" : "planes hold",
                   percent(in_planes, n), n);
@@ -286,31 +279,24 @@ DrawList scene_planes(const Frame& frame,
 DrawList scene_overlay(const Frame& frame,
                        const planes::FrameResult& result,
                        std::span<const int> color_of_plane) {
-  DrawList list;
-  std::vector<std::size_t> at;
-  DrawPoints points = kept_points(result.cloud, at);
   const bool colored = frame.cloud && has_colors(frame.cloud->rgb);
-  for (const std::size_t i : at) {
+  DrawList list = cloud_scene(result.cloud, "Planes over the cloud", [&](std::size_t i) {
     Rgba base{160, 163, 168, 255};
     if (colored) {
-      const std::uint8_t* rgb =
-          &frame.cloud->rgb[3 * static_cast<std::size_t>(result.cloud.source[i])];
+      const std::uint8_t* rgb = &frame.cloud->rgb[std::size_t{3} * result.cloud.source[i]];
       base = {rgb[0], rgb[1], rgb[2], 255};
     }
     const std::int32_t id = result.plane_of[i];
-    points.colors.push_back(id > 0 ? mix(base, color_of(id, color_of_plane), 0.6) : base);
-  }
-  list.title = "Planes over the cloud";
-  list.subtitle = std::to_string(points.positions.size()) + " points";
-  list.points.push_back(std::move(points));
-  const auto members = voxels_by_plane(result);
+    return id > 0 ? mix(base, color_of(id, color_of_plane), 0.6) : base;
+  });
+  list.subtitle = points_text(list);
+  const auto own = voxels_by_plane(result);
   for (const planes::PlaneRegion& plane : result.segmentation.planes)
     if (is_named(plane.points, result.voxels.points.size()))
-      list.labels.push_back(
-          {place_on_plane(plane.fit.centroid, members[static_cast<std::size_t>(plane.id) - 1],
-                          static_cast<float>(result.voxels.size_m)),
-           std::to_string(plane.id), kSceneText, 19, true,
-           plane_label_rank(plane.points, result.voxels.points.size())});
+      list.labels.push_back({place_on_plane(plane.fit.centroid, own[plane.id - 1],
+                                            static_cast<float>(result.voxels.size_m)),
+                             std::to_string(plane.id), kSceneText, 19,
+                             plane_label_rank(plane.points, result.voxels.points.size())});
   add_gravity(result, list);
   add_plane_legend(result, color_of_plane, list);
   return list;
@@ -321,7 +307,6 @@ DrawList scene_overlay(const Frame& frame,
 namespace {
 
 constexpr double kTruthTint = 0.55;
-constexpr Rgba kTruthInk{32, 36, 42, 255};
 constexpr int kTitleRoom = 52, kLegendRoom = 52, kGap = 12;  // [px]
 constexpr const char* kTitles[] = {"Labels", "Found", "Errors"};
 constexpr std::size_t kVerdicts = 6;
@@ -336,20 +321,9 @@ std::array<std::size_t, kVerdicts> counts_of(const planes::JudgedFrame& judged) 
 
 /// Color of a kind of error; faded for points that are right or were not scored.
 Rgba error_color(planes::Verdict verdict) {
-  switch (verdict) {
-    case planes::Verdict::missed:
-      return {0, 114, 178, 255};
-    case planes::Verdict::invented:
-      return {230, 159, 0, 255};
-    case planes::Verdict::wrong_plane:
-      return {204, 60, 130, 255};
-    case planes::Verdict::wrong_class:
-      return {0, 158, 115, 255};
-    case planes::Verdict::unscored:
-    case planes::Verdict::right:
-      break;
-  }
-  return kSceneFaded;
+  static constexpr std::array<Rgba, kVerdicts> kErrorColors = {
+      kSceneFaded, kSceneFaded, {0, 114, 178}, {230, 159, 0}, {204, 60, 130}, {0, 158, 115}};
+  return kErrorColors[static_cast<std::size_t>(verdict)];
 }
 
 /// What each of the three pictures shows of a point; alpha 0: nothing.
@@ -376,7 +350,7 @@ PointColors point_colors(const planes::FrameResult& result,
 
 Image8 titled(const Image8& image, const std::string& title) {
   Image8 result(image.width, image.height + kTitleRoom, 3, 255);
-  draw_text(result, 4, kTitleRoom - 16, title, 30, kTruthInk);
+  draw_text(result, 4, kTitleRoom - 16, title, 30, kSceneText);
   std::copy(image.data.begin(), image.data.end(),
             result.data.begin() + static_cast<std::ptrdiff_t>(3) * image.width * kTitleRoom);
   return result;
@@ -391,7 +365,7 @@ Image8 with_legend(const Image8& image, const planes::JudgedFrame& judged) {
   for (std::size_t k = 2; k < kVerdicts; ++k) {
     fill_rect(result, static_cast<int>(x), y, 26, 26, error_color(static_cast<planes::Verdict>(k)));
     x += 36;
-    x += draw_text(result, x, y + 22, fmt::format("{} {}", kNames[k], counts[k]), 26, kTruthInk) +
+    x += draw_text(result, x, y + 22, fmt::format("{} {}", kNames[k], counts[k]), 26, kSceneText) +
          36;
   }
   return result;
@@ -437,19 +411,14 @@ std::array<DrawList, 3> scenes_truth(const planes::FrameResult& result,
                                      std::span<const int> color_of_plane) {
   const PointColors colors = point_colors(result, judged, color_of_plane);
   std::array<DrawList, 3> scenes;
-  for (int k = 0; k < 3; ++k) {
-    std::vector<std::size_t> at;
-    DrawPoints points = kept_points(result.cloud, at);
-    for (const std::size_t i : at)
-      points.colors.push_back(colors.of[k][i].a > 0 ? colors.of[k][i] : kSceneFaded);
-    scenes[k].points.push_back(std::move(points));
-    scenes[k].title = kTitles[k];
-  }
+  for (int k = 0; k < 3; ++k)
+    scenes[k] = cloud_scene(result.cloud, kTitles[k], [&](std::size_t i) {
+      return colors.of[k][i].a > 0 ? colors.of[k][i] : kSceneFaded;
+    });
   const auto counts = counts_of(judged);
   for (std::size_t v = 2; v < kVerdicts; ++v)
-    scenes[2].legend.push_back({LegendEntry::Mark::dot,
-                                error_color(static_cast<planes::Verdict>(v)),
-                                fmt::format("{}  {}", kNames[v], counts[v])});
+    scenes[2].explain(error_color(static_cast<planes::Verdict>(v)),
+                      fmt::format("{}  {}", kNames[v], counts[v]));
   return scenes;
 }
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <utility>
 
-#include "render/passes.hpp"
+#include "render/gl.hpp"
 
 namespace planescope::render {
 namespace {

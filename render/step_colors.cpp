@@ -42,7 +42,7 @@ struct Measures {
     if (const planes::PlaneChange* change = plane(of))
       return static_cast<float>(change->fit.rms_m());
     if (node < 0 || !is_settled_leaf(run, node, step)) return kUnknown;
-    const PlaneFit& fit = run.facts[static_cast<std::size_t>(node)].fit;
+    const PlaneFit& fit = run.facts[node].fit;
     return fit.count >= 3 ? static_cast<float>(fit.rms_m()) : kUnknown;
   }
   float distance_m(std::size_t voxel, std::int32_t own) const {
@@ -79,9 +79,10 @@ ValueRange range_of(const debug::Run& run, ColorBy by) {
     if (by == ColorBy::rms && own < 0) continue;
     values.push_back(measures.of(v, own));
   }
-  if (by == ColorBy::rms) return range_from_zero(std::move(values));
-  if (by == ColorBy::distance) return range_about_zero(std::move(values));
-  return robust_range(std::move(values));
+  if (by != ColorBy::rms && by != ColorBy::distance) return robust_range(std::move(values));
+  ValueRange range = range_from_zero(std::move(values));
+  if (by == ColorBy::distance) range.low_m = -range.high_m;
+  return range;
 }
 
 std::string what_of(const debug::Run& run, const StepLook& look) {
@@ -125,11 +126,9 @@ std::string why_no_values(const debug::Run& run, const StepLook& look) {
   return look.step == run.steps() ? "no planes found" : "there is not a plane at this step yet";
 }
 
-std::vector<float> voxel_values(const debug::Run& run,
-                                const StepLook& look,
-                                const StepState& state) {
-  const Measures measures = measures_of(run, look);
-  std::vector<float> values(run.subject->voxel_count());
+std::vector<float> voxel_values(const StepState& state) {
+  const Measures measures = measures_of(state.run, state.look);
+  std::vector<float> values(state.run.subject->voxel_count());
   for (std::size_t v = 0; v < values.size(); ++v) values[v] = measures.of(v, state.plane_of[v]);
   return values;
 }
@@ -168,14 +167,12 @@ namespace {
 
 /// Colors of the values; `unknown` for those of which nothing is known, and for points that lie
 /// farther off the selected plane than the scale goes and are not its own.
-std::vector<Rgba> scaled_colors(const debug::Run& run,
-                                const StepLook& look,
-                                const StepState& state,
-                                Rgba unknown) {
-  const ColorScale scale = color_scale(run, look);
+std::vector<Rgba> scaled_colors(const StepState& state, Rgba unknown) {
+  const StepLook& look = state.look;
+  const ColorScale scale = color_scale(state.run, look);
   const bool to_one = look.color_by == ColorBy::distance && look.plane >= 0;
   std::vector<Rgba> colors;
-  const std::vector<float> values = voxel_values(run, look, state);
+  const std::vector<float> values = voxel_values(state);
   for (std::size_t v = 0; v < values.size(); ++v) {
     const float value = values[v];
     const bool far_off = value < scale.range.low_m || value > scale.range.high_m;
@@ -192,11 +189,9 @@ std::vector<Rgba> camera_colors(const debug::Subject& subject) {
   const planes::Cloud& cloud = subject.prepared.cloud;
   const planes::VoxelCloud& voxels = subject.prepared.voxels;
   std::vector<Rgba> colors(voxels.points.size(), Rgba{150, 153, 158, 255});
-  const bool aligned = frame.color_aligned && frame.color.channels == 3 &&
-                       frame.color.pixels() == frame.depth.pixels();
   const std::vector<std::uint8_t>* rgb = nullptr;
   if (frame.is_cloud() && !frame.cloud->rgb.empty()) rgb = &frame.cloud->rgb;
-  if (!frame.is_cloud() && aligned && !frame.color.empty()) rgb = &frame.color.data;
+  if (!frame.is_cloud() && has_aligned_color(frame)) rgb = &frame.color.data;
   if (rgb == nullptr) return colors;
 
   std::vector<std::array<std::uint32_t, 4>> sums(colors.size());  // r, g, b, count
@@ -216,101 +211,63 @@ std::vector<Rgba> camera_colors(const debug::Subject& subject) {
   return colors;
 }
 
-Rgba truth_color(const debug::VoxelTruth& truth,
-                 const StepLook& look,
-                 std::size_t voxel,
-                 Rgba unknown) {
-  if (!truth.known() || truth.plane[voxel] < 0) return unknown;  // not scored
-  return truth.plane[voxel] == 0 ? leftover_color()
-                                 : color_of(truth.plane[voxel], look.color_of_truth);
+/// Of a plane of the trace; nothing where that is not known at the step.
+std::optional<bool> verdict_of(const StepState& state, std::int32_t plane) {
+  const debug::Run& run = state.run;
+  const StepLook& look = state.look;
+  if (look.step != run.steps() || !look.planes) return std::nullopt;
+  return look.planes->verdict(run.timeline.result_of_plane(plane));
 }
 
-Rgba color_at_step(
-    const StepLook& look, ColorBy by, const StepState& state, std::size_t voxel, Rgba waiting) {
-  if (by == ColorBy::cases)
-    return state.case_of[voxel] == planes::Case::none ? waiting : case_color(state.case_of[voxel]);
+/// Of a voxel; `waiting` where nothing is known of it.
+Rgba color_at_step(const StepState& state, ColorBy by, std::size_t voxel, Rgba waiting) {
+  const debug::Run& run = state.run;
+  const planes::Classification& classified = run.subject->prepared.classification;
   const std::int32_t plane = state.plane_of[voxel];
-  if (plane == StepState::kLeftover) return leftover_color();
-  return plane >= 0 ? look.plane_color(plane) : waiting;
-}
-
-/// The classifier's label or, of methods that have none, that of the plane.
-Label label_of(const debug::Run& run, const StepState& state, std::size_t voxel) {
-  if (run.is_ours() && !run.is_on_image())
-    return run.subject->prepared.classification.labels[voxel];
-  const std::int32_t plane = state.plane_of[voxel];
-  return plane >= 0 ? run.timeline.label_of_plane(plane) : Label::unknown;
-}
-
-/// Of a voxel in a plane of the trace; `waiting` where nothing is known of it.
-Rgba verdict_color_at(const debug::Run& run,
-                      const StepLook& look,
-                      std::int32_t plane,
-                      Rgba waiting) {
-  if (look.step != run.steps() || !look.planes) return waiting;
-  if (plane < 0) return leftover_color();
-  const auto verdict = look.planes->verdict(run.timeline.result_of_plane(plane));
-  return verdict ? verdict_color(*verdict) : waiting;
-}
-
-std::vector<Rgba> base_colors(const debug::Run& run, const StepLook& look, const StepState& state) {
-  const planes::PreparedFrame& prepared = run.subject->prepared;
-  const Rgba waiting = mark_colors(look.theme).waiting;
-  const ColorBy by = told_by(run, look.color_by);
-  if (by == ColorBy::camera) return camera_colors(*run.subject);
-  if (is_along_scale(by)) return scaled_colors(run, look, state, waiting);
-  std::vector<Rgba> colors(prepared.voxels.points.size());
-  for (std::size_t v = 0; v < colors.size(); ++v) {
-    const planes::Classification& classified = prepared.classification;
-    switch (by) {
-      case ColorBy::labels:
-        colors[v] = label_color(label_of(run, state, v));
-        break;
-      case ColorBy::margins:
-        colors[v] = margin_color(classified.labels[v], classified.margins[v]);
-        break;
-      case ColorBy::steppable:
-        colors[v] = verdict_color_at(run, look, state.plane_of[v], waiting);
-        break;
-      case ColorBy::truth:
-        colors[v] = truth_color(run.subject->voxel_truth, look, v, waiting);
-        break;
-      default:
-        colors[v] = color_at_step(look, by, state, v, waiting);
+  switch (by) {
+    case ColorBy::cases:
+      return state.case_of[voxel] == planes::Case::none ? waiting
+                                                        : case_color(state.case_of[voxel]);
+    case ColorBy::labels:  // the classifier's or, of methods that have none, that of the plane
+      if (run.is_ours() && !run.is_on_image()) return label_color(classified.labels[voxel]);
+      return label_color(plane >= 0 ? run.timeline.label_of_plane(plane) : Label::unknown);
+    case ColorBy::margins:
+      return margin_color(classified.labels[voxel], classified.margins[voxel]);
+    case ColorBy::steppable: {
+      const bool is_known = state.look.step == run.steps() && state.look.planes;
+      if (plane < 0) return is_known ? leftover_color() : waiting;
+      const std::optional<bool> verdict = verdict_of(state, plane);
+      return verdict ? verdict_color(*verdict) : waiting;
     }
+    case ColorBy::truth: {
+      const debug::VoxelTruth& truth = run.subject->voxel_truth;
+      if (!truth.known() || truth.plane[voxel] < 0) return waiting;  // not scored
+      return truth.plane[voxel] == 0 ? leftover_color()
+                                     : color_of(truth.plane[voxel], state.look.color_of_truth);
+    }
+    default:
+      if (plane == StepState::kLeftover) return leftover_color();
+      return plane >= 0 ? state.look.plane_color(plane) : waiting;
   }
-  return colors;
 }
 
-/// Whether a state is told by stripes besides its hue: dead ends of the octree, and planes that are
-/// not steppable.
-bool is_striped(const debug::Run& run,
-                const StepLook& look,
-                ColorBy by,
-                const StepState& state,
-                std::size_t v) {
-  if (by == ColorBy::cases) return state.case_of[v] == planes::Case::II;
-  if (by != ColorBy::steppable || look.step != run.steps() || !look.planes) return false;
-  const std::int32_t plane = state.plane_of[v];
-  return plane >= 0 && !look.planes->verdict(run.timeline.result_of_plane(plane)).value_or(true);
-}
-
-/// Draws the stripes: diagonals of the image or, of voxels in a grid, of space.
-void add_stripes(const debug::Run& run,
-                 const StepLook& look,
-                 const StepState& state,
-                 std::vector<Rgba>& colors) {
-  const ColorBy by = told_by(run, look.color_by);
+/// Stripes tell dead ends of the octree, and planes that are not steppable, besides their hue:
+/// diagonals of the image or, of voxels in a grid, of space.
+void add_stripes(const StepState& state, ColorBy by, std::vector<Rgba>& colors) {
   if (by != ColorBy::cases && by != ColorBy::steppable) return;
   constexpr int kPeriod = 8, kWidth = 3;  // pixels; voxels have half of it
   constexpr double kShade = 0.5;
-  const Rgba ground = theme_colors(look.theme).background_bottom;
-  const planes::PreparedFrame& prepared = run.subject->prepared;
+  const Rgba ground = theme_colors(state.look.theme).background_bottom;
+  const planes::PreparedFrame& prepared = state.run.subject->prepared;
   const auto shade = [&](std::size_t voxel) {
-    if (is_striped(run, look, by, state, voxel)) colors[voxel] = mix(colors[voxel], ground, kShade);
+    const std::int32_t plane = state.plane_of[voxel];
+    const bool is_striped = by == ColorBy::cases
+                                ? state.case_of[voxel] == planes::Case::II
+                                : plane >= 0 && !verdict_of(state, plane).value_or(true);
+    if (is_striped) colors[voxel] = mix(colors[voxel], ground, kShade);
   };
-  if (run.is_on_image()) {
-    const auto width = static_cast<std::uint32_t>(run.subject->frame.depth.width);
+  if (state.run.is_on_image()) {
+    const auto width = static_cast<std::uint32_t>(state.run.subject->frame.depth.width);
     for (std::size_t i = 0; i < prepared.cloud.source.size(); ++i) {
       const std::uint32_t voxel = prepared.voxels.voxel_of[i], source = prepared.cloud.source[i];
       if (voxel != planes::kNoVoxel && (source % width + source / width) % kPeriod < kWidth)
@@ -327,34 +284,29 @@ void add_stripes(const debug::Run& run,
 
 }  // namespace
 
-Rgba StepLook::plane_color(std::int32_t of) const {
-  const auto i = static_cast<std::size_t>(of);
-  return render::plane_color(i < color_of_plane.size() ? color_of_plane[i] : of + 1);
-}
+Rgba StepLook::plane_color(std::int32_t of) const { return color_of(of + 1, color_of_plane); }
 
 StepState step_state(const debug::Run& run, const StepLook& look) {
   const std::int32_t step = look.step;
-  const debug::Timeline& timeline = run.timeline;
   const planes::Octree& octree = run.octree();
   const std::size_t n = run.subject->voxel_count();
-  StepState state;
+  StepState state{.run = run, .look = look};
   state.case_of.assign(n, planes::Case::none);
   for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
     if (!is_settled_leaf(run, static_cast<std::int32_t>(i), step)) continue;
-    const planes::OctreeNode& node = octree.nodes[i];
-    for (std::uint32_t k = node.begin; k < node.end; ++k)
-      state.case_of[octree.order[k]] = node.decided;
+    for (const std::uint32_t voxel : members(octree, octree.nodes[i]))
+      state.case_of[voxel] = octree.nodes[i].decided;
   }
-  state.plane_of.resize(n);
   for (std::size_t v = 0; v < n; ++v) {
-    const planes::PointChange change = timeline.point_at(static_cast<std::int32_t>(v), step);
-    state.plane_of[v] = change.plane >= 0 ? change.plane
-                        : change.leftover ? StepState::kLeftover
-                                          : StepState::kOpen;
+    const planes::PointChange change = run.timeline.point_at(static_cast<std::int32_t>(v), step);
+    state.plane_of.push_back(change.plane >= 0 ? change.plane
+                             : change.leftover ? StepState::kLeftover
+                                               : StepState::kOpen);
   }
   if (const planes::TraceEvent* event = look.show_current ? run.event_at(step) : nullptr) {
-    state.node = event->node >= 0 || event->point < 0 ? event->node
-                                                      : timeline.node_of_point(event->point, step);
+    state.node = event->node >= 0 || event->point < 0
+                     ? event->node
+                     : run.timeline.node_of_point(event->point, step);
     state.plane = event->plane;
     state.other = event->other;
     state.voxel = event->point;
@@ -384,14 +336,14 @@ MarkColors mark_colors(Theme theme) {
           .waiting = dark ? Rgba{86, 92, 102, 255} : Rgba{201, 205, 211, 255}};
 }
 
-std::vector<std::uint8_t> concerned_voxels(const debug::Run& run,
-                                           const StepLook& look,
-                                           const StepState& state) {
+std::vector<std::uint8_t> concerned_voxels(const StepState& state) {
+  const debug::Run& run = state.run;
+  const StepLook& look = state.look;
   std::vector<std::uint8_t> concerned(run.subject->voxel_count(), 0);
   const auto add_node = [&](std::int32_t i) {
     if (i < 0 || run.timeline.queued_at()[i] > look.step) return;
-    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(i)];
-    for (std::uint32_t k = node.begin; k < node.end; ++k) concerned[run.octree().order[k]] = 1;
+    for (const std::uint32_t voxel : members(run.octree(), run.octree().nodes[i]))
+      concerned[voxel] = 1;
   };
   add_node(look.node);
   add_node(state.node);
@@ -401,35 +353,39 @@ std::vector<std::uint8_t> concerned_voxels(const debug::Run& run,
   // A plane that has no points of its own any more: where it began.
   if (look.show_current && std::ranges::count(concerned, 1) == 0)
     add_node(debug::node_at_step(run, look.step));
-  const auto count = static_cast<std::size_t>(std::ranges::count(concerned, 1));
-  if (count == 0 || count == concerned.size()) concerned.clear();
+  const auto count = std::ranges::count(concerned, 1);
+  if (count == 0 || count == std::ssize(concerned)) concerned.clear();
   return concerned;
 }
 
-std::vector<Rgba> voxel_colors(const debug::Run& run,
-                               const StepLook& look,
-                               const StepState& state) {
+std::vector<Rgba> voxel_colors(const StepState& state) {
   constexpr double kHighlight = 0.55;  // share of the mark; the color below still shows
+  const debug::Run& run = state.run;
+  const StepLook& look = state.look;
   const MarkColors marks = mark_colors(look.theme);
-  std::vector<Rgba> colors = base_colors(run, look, state);
-  add_stripes(run, look, state, colors);
-  const auto emphasise = [&](std::size_t voxel, Rgba mark) {
-    if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], mark, kHighlight);
-  };
-  for (const std::uint32_t voxel : look.marked) emphasise(voxel, marks.marked);
+  const ColorBy by = told_by(run, look.color_by);
+  std::vector<Rgba> colors;
+  if (by == ColorBy::camera) {
+    colors = camera_colors(*run.subject);
+  } else if (is_along_scale(by)) {
+    colors = scaled_colors(state, marks.waiting);
+  } else {
+    for (std::size_t v = 0; v < state.plane_of.size(); ++v)
+      colors.push_back(color_at_step(state, by, v, marks.waiting));
+    add_stripes(state, by, colors);
+  }
+  for (const std::uint32_t voxel : look.marked)
+    if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], marks.marked, kHighlight);
   // The node that the step is about, whatever its colors: lighter on dark, darker on light.
   constexpr double kLit = 0.3;
-  if (state.node >= 0 && state.node < static_cast<std::int32_t>(run.octree().nodes.size())) {
-    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(state.node)];
-    const bool all = node.size() == colors.size();
-    for (std::uint32_t k = node.begin; k < node.end && !all; ++k) {
-      Rgba& color = colors[run.octree().order[k]];
-      color = mix(color, marks.current, kLit);
-    }
+  if (state.node >= 0 && state.node < std::ssize(run.octree().nodes)) {
+    const planes::OctreeNode& node = run.octree().nodes[state.node];
+    if (node.size() != colors.size())
+      for (const std::uint32_t voxel : members(run.octree(), node))
+        colors[voxel] = mix(colors[voxel], marks.current, kLit);
   }
   const auto replace = [&](std::int32_t voxel, Rgba mark) {
-    if (voxel >= 0 && static_cast<std::size_t>(voxel) < colors.size())
-      colors[static_cast<std::size_t>(voxel)] = mark;
+    if (voxel >= 0 && voxel < std::ssize(colors)) colors[voxel] = mark;
   };
   replace(state.voxel, marks.current);
   replace(look.voxel, marks.selected);

@@ -6,8 +6,7 @@
 #include <string>
 
 #include "core/debug/explain/provenance.hpp"
-#include "render/palette.hpp"
-#include "render/scene_parts.hpp"
+#include "render/scenes.hpp"
 namespace planescope::render {
 namespace {
 
@@ -29,19 +28,22 @@ constexpr std::size_t kMostWaiting = 120;
 Rgba waiting_color(Theme theme) { return with_alpha(theme_colors(theme).muted, 90); }
 
 struct Boxes {
-  const debug::Run& run;
-  const StepLook& look;
   const StepState& state;
   DrawList& list;
+  const debug::Run& run = state.run;
+  const StepLook& look = state.look;
 
-  const planes::OctreeNode& node(std::int32_t i) const {
-    return run.octree().nodes[static_cast<std::size_t>(i)];
-  }
+  const planes::OctreeNode& node(std::int32_t i) const { return run.octree().nodes[i]; }
   /// The part of its cell that holds its points.
-  DrawBox tile(std::int32_t i) const {
+  DrawBox tile(std::int32_t i, Rgba color) const {
     DrawBox box = points_box(run.octree(), node(i), run.subject->prepared.voxels.size_m);
     box.id = pick_id(Picked::Kind::node, i);
+    box.color = color;
     return box;
+  }
+  std::int32_t node_count() const { return static_cast<std::int32_t>(run.octree().nodes.size()); }
+  bool is_waiting(std::int32_t i) const {
+    return run.timeline.node_state(i, look.step) == debug::NodeState::queued;
   }
 
   void add_settled() const {
@@ -51,12 +53,10 @@ struct Boxes {
     const double least_edge_m =
         numerals ? least_numeral_edge_m(run.subject->prepared.voxels.points) : 0;
     std::size_t settled = 0, numbered = 0;
-    const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
-    for (std::int32_t i = 0; i < n && settled < kMostSettled; ++i) {
+    for (std::int32_t i = 0; i < node_count() && settled < kMostSettled; ++i) {
       if (!is_settled_leaf(run, i, look.step)) continue;
       ++settled;
-      DrawBox box = tile(i);
-      box.color = case_color(node(i).decided);
+      DrawBox box = tile(i, case_color(node(i).decided));
       if (!by_case)
         box.color.a = 110;  // outlines alone: a tint would spoil the colors that were asked for
       else
@@ -65,7 +65,7 @@ struct Boxes {
       if (numerals && numbered < kMostNumerals &&
           numeral_edge_m(run.octree(), node(i), box) >= least_edge_m) {
         list.labels.push_back({middle_of(box), case_numeral(node(i)), theme_colors(look.theme).ink,
-                               15, true, kNumeralLabel});
+                               15, kNumeralLabel});
         ++numbered;
       }
     }
@@ -73,14 +73,10 @@ struct Boxes {
 
   /// The head of the queue.
   void add_waiting() const {
-    const Rgba color = waiting_color(look.theme);
-    const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
     std::size_t count = 0;
-    for (std::int32_t i = 0; i < n && count < kMostWaiting; ++i) {
-      if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
-      DrawBox box = tile(i);
-      box.color = color;
-      list.boxes.push_back(box);
+    for (std::int32_t i = 0; i < node_count() && count < kMostWaiting; ++i) {
+      if (!is_waiting(i)) continue;
+      list.boxes.push_back(tile(i, waiting_color(look.theme)));
       ++count;
     }
   }
@@ -99,17 +95,12 @@ struct Boxes {
   /// What the node was divided into at this step.
   void add_children(std::int32_t of) const {
     const std::int32_t first = node(of).first_child;
-    const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
-    for (std::int32_t i = std::max(first, 0); first >= 0 && i < n && node(i).parent == of; ++i) {
-      if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
-      DrawBox box = tile(i);
-      box.color = waiting_color(look.theme);
-      list.boxes.push_back(box);
-    }
+    for (std::int32_t i = first; first >= 0 && i < node_count() && node(i).parent == of; ++i)
+      if (is_waiting(i)) list.boxes.push_back(tile(i, waiting_color(look.theme)));
   }
 
   void add_frame(std::int32_t i, Rgba color, float width_px, LabelRank rank) const {
-    DrawBox box = tile(i);
+    const DrawBox box = tile(i, color);
     DrawLines edges;
     edges.width_px = width_px;
     edges.shine_through = true;
@@ -119,25 +110,22 @@ struct Boxes {
       edges.colors.push_back(color);
     });
     list.lines.push_back(std::move(edges));
-    box.color = color;
     list.boxes.push_back(box);  // to be picked by
     // Below: above it stands the name of its voxel.
     Vec3f foot = middle_of(box);
     for (const Vec3f& corner : box.corners) foot.z() = std::min(foot.z(), corner.z());
-    list.labels.push_back({foot, "node " + std::to_string(i), color, 15, true, rank});
+    list.labels.push_back({foot, "node " + std::to_string(i), color, 15, rank});
   }
 };
 
-void add_node_boxes(const debug::Run& run,
-                    const StepLook& look,
-                    const StepState& state,
-                    DrawList& list) {
-  const Boxes boxes{run, look, state, list};
+void add_node_boxes(const StepState& state, DrawList& list) {
+  const Boxes boxes{state, list};
+  const StepLook& look = state.look;
   const MarkColors marks = mark_colors(look.theme);
   const bool alone = look.isolated && (state.node >= 0 || look.node >= 0);
   if (look.show_settled && !alone) boxes.add_settled();
   if (look.show_queue && !alone) boxes.add_waiting();
-  const bool selected = look.node >= 0 && run.timeline.queued_at()[look.node] <= look.step;
+  const bool selected = look.node >= 0 && state.run.timeline.queued_at()[look.node] <= look.step;
   if (state.node >= 0 && !look.show_queue) boxes.add_children(state.node);
   if (state.node >= 0 && state.node != look.node) {
     boxes.add_parents(state.node, marks.current);
@@ -153,13 +141,12 @@ void add_node_boxes(const debug::Run& run,
 // ---- The planes of the trace as they stand at the step ----
 
 /// Which voxels each plane holds at this moment.
-std::vector<std::vector<Vec3f>> points_by_plane(const debug::Run& run, const StepState& state) {
-  const std::vector<Vec3f>& points = run.subject->prepared.voxels.points;
-  std::vector<std::vector<Vec3f>> members(static_cast<std::size_t>(run.timeline.plane_count()));
+std::vector<std::vector<Vec3f>> points_by_plane(const StepState& state) {
+  const std::vector<Vec3f>& points = state.run.subject->prepared.voxels.points;
+  std::vector<std::vector<Vec3f>> own(state.run.timeline.plane_count());
   for (std::size_t v = 0; v < points.size(); ++v)
-    if (state.plane_of[v] >= 0)
-      members[static_cast<std::size_t>(state.plane_of[v])].push_back(points[v]);
-  return members;
+    if (state.plane_of[v] >= 0) own[state.plane_of[v]].push_back(points[v]);
+  return own;
 }
 
 /// What is known of the finished planes, at the step where they are; null at all others.
@@ -187,23 +174,22 @@ bool add_plane(const PlaneShape* shape,
   return true;
 }
 
-void add_planes(const debug::Run& run,
-                const StepLook& look,
-                const StepState& state,
-                DrawList& list) {
+void add_planes(const StepState& state, DrawList& list) {
+  const debug::Run& run = state.run;
+  const StepLook& look = state.look;
   const std::vector<Vec3f>& points = run.subject->prepared.voxels.points;
   const float most_arrow_m = normal_arrow_m(points);
   const double size_m = run.subject->prepared.voxels.size_m;
   const auto voxel_m = static_cast<float>(size_m > 0 ? size_m : 0.02);  // pixels: near enough
   const Rgba ink = theme_colors(look.theme).ink;
   const Rgba selected_color = mark_colors(look.theme).selected;
-  const auto members = points_by_plane(run, state);
+  const auto members = points_by_plane(state);
   const PlaneScene* shapes = finished(run, look);
   const bool any_stands_out = look.plane >= 0 || state.plane >= 0 || state.other >= 0;
   for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
     const planes::PlaneChange* change = run.timeline.plane_at(plane, look.step);
     if (change == nullptr || !change->alive) continue;
-    const auto& own = members[static_cast<std::size_t>(plane)];
+    const auto& own = members[plane];
     const bool selected = plane == look.plane;
     const bool current = plane == state.plane || plane == state.other;
     const bool recedes = any_stands_out && !selected && !current;
@@ -243,7 +229,7 @@ void add_planes(const debug::Run& run,
                                         : plane_label_rank(own.size(), points.size());
     list.labels.push_back({from + (look.show_normals ? 1.35F * arrow_m : 0.0F) * normal,
                            debug::plane_name(run, plane), selected ? selected_color : ink,
-                           selected ? 19.0F : 16.0F, true, rank});
+                           selected ? 19.0F : 16.0F, rank});
   }
 }
 
@@ -251,113 +237,107 @@ void add_planes(const debug::Run& run,
 
 using Mark = LegendEntry::Mark;
 
-void add_cases(const debug::Run& run, std::int32_t step, Rgba waiting, DrawList& list) {
-  std::size_t count[5] = {}, hatched = 0, queued = 0;
-  for (std::size_t i = 0; i < run.octree().nodes.size(); ++i) {
-    const planes::OctreeNode& node = run.octree().nodes[i];
-    if (run.timeline.decided_at()[i] <= step) {
-      ++count[static_cast<int>(node.decided)];
-      hatched += node.at_max_depth;
-    } else {
-      queued += run.timeline.queued_at()[i] <= step;
+/// Lines of the legend at a step.
+struct Legend {
+  const StepState& state;
+  DrawList& list;
+  const debug::Run& run = state.run;
+  const StepLook& look = state.look;
+  Rgba waiting = mark_colors(look.theme).waiting;
+
+  void add(Rgba color, const std::string& text, Mark mark = Mark::dot) const {
+    list.explain(color, text, mark);
+  }
+  void add(Rgba color, const std::string& text, std::ptrdiff_t count, Mark mark = Mark::dot) const {
+    add(color, text + "  " + std::to_string(count), mark);
+  }
+
+  void add_cases() const {
+    std::size_t count[5] = {};
+    std::ptrdiff_t hatched = 0, queued = 0;
+    for (std::size_t i = 0; i < run.octree().nodes.size(); ++i) {
+      const planes::OctreeNode& node = run.octree().nodes[i];
+      if (run.timeline.decided_at()[i] <= look.step) {
+        ++count[static_cast<int>(node.decided)];
+        hatched += node.at_max_depth;
+      } else {
+        queued += run.timeline.queued_at()[i] <= look.step;
+      }
+    }
+    add_case_legend(count, run.is_on_image(), list);
+    if (hatched > 0)
+      add(case_color(planes::Case::III), "at full depth: unassigned", hatched, Mark::hatched_box);
+    if (queued > 0) add(waiting, "queued", queued);
+  }
+
+  void add_plane_states() const {
+    const auto left = std::ranges::count(state.plane_of, StepState::kLeftover);
+    const auto open = std::ranges::count(state.plane_of, StepState::kOpen);
+    if (left > 0) add(leftover_color(), "unassigned", left);
+    if (open > 0) add(waiting, "not visited yet", open);
+  }
+
+  /// Why nothing is told about a foot; empty where it is.
+  std::string no_verdicts() const {
+    if (look.step != run.steps()) return "available at the last step";
+    if (!look.planes || !look.planes->complete) return "computing …";
+    return look.planes->foot.empty() && !look.planes->shapes.empty() ? "no foot: set foot_radius_m"
+                                                                     : "";
+  }
+
+  void add_verdicts() const {
+    if (const std::string why = no_verdicts(); !why.empty()) return add(waiting, why);
+    const std::vector<bool>& steppable = look.planes->steppable;
+    const auto yes = std::ranges::count(steppable, true);
+    add(verdict_color(true), "steppable", yes);
+    add(verdict_color(false), "not steppable", std::ssize(steppable) - yes, Mark::hatched_box);
+    add(leftover_color(), "unassigned");
+  }
+
+  void add_colors() const {
+    switch (told_by(run, look.color_by)) {
+      case ColorBy::cases:
+        return add_cases();
+      case ColorBy::planes:
+        return add_plane_states();
+      case ColorBy::labels:
+        if (!run.subject->prepared.gravity.known())
+          return add(label_color(Label::unknown), "no class: gravity is unknown");
+        add(label_color(Label::h), "horizontal");
+        add(label_color(Label::v), "vertical");
+        if (!run.is_ours()) add(label_color(Label::unknown), "unassigned");
+        return;
+      case ColorBy::margins:
+        add(margin_color(Label::h, 1), "horizontal, sure");
+        add(margin_color(Label::v, 1), "vertical, sure");
+        return add(margin_color(Label::h, 0), "unsure");
+      case ColorBy::truth:
+        if (!run.subject->voxel_truth.known())
+          return add(waiting, "this frame has no ground truth");
+        add(leftover_color(), "in no true plane");
+        return add(waiting, "not scored");
+      case ColorBy::steppable:
+        return add_verdicts();
+      default:  // the camera's need no words; those along a scale have a bar of their own
+        return;
     }
   }
-  add_case_legend(count, run.is_on_image(), list);
-  if (hatched > 0)
-    list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
-                           "at full depth: unassigned  " + std::to_string(hatched)});
-  if (queued > 0) list.legend.push_back({Mark::dot, waiting, "queued  " + std::to_string(queued)});
-}
 
-void add_plane_states(const StepState& state, Rgba waiting, DrawList& list) {
-  const auto holds = [&](std::int32_t what) {
-    return std::count(state.plane_of.begin(), state.plane_of.end(), what);
-  };
-  const auto entry = [&](Rgba color, const std::string& text, std::ptrdiff_t count) {
-    if (count > 0) list.legend.push_back({Mark::dot, color, text + "  " + std::to_string(count)});
-  };
-  entry(leftover_color(), "unassigned", holds(StepState::kLeftover));
-  entry(waiting, "not visited yet", holds(StepState::kOpen));
-}
-
-/// Why nothing is told about a foot; empty where it is.
-std::string no_verdicts(const debug::Run& run, const StepLook& look) {
-  if (look.step != run.steps()) return "available at the last step";
-  if (!look.planes || !look.planes->complete) return "computing …";
-  return look.planes->foot.empty() && !look.planes->shapes.empty() ? "no foot: set foot_radius_m"
-                                                                   : "";
-}
-
-void add_verdicts(const debug::Run& run, const StepLook& look, Rgba waiting, DrawList& list) {
-  if (const std::string why = no_verdicts(run, look); !why.empty()) {
-    list.legend.push_back({Mark::dot, waiting, why});
-    return;
+  void add_all() const {
+    add_colors();
+    const PlaneScene* planes = finished(run, look);
+    if (look.show_stairs && planes && planes->complete && !planes->has_stairs())
+      add(waiting,
+          run.subject->prepared.gravity.known() ? "no stairs, kerb or ramp"
+                                                : "stairs need gravity, which is unknown",
+          Mark::line);
+    if (look.show_foot && look.color_by != ColorBy::steppable)
+      if (const std::string why = no_verdicts(); !why.empty())
+        add(waiting, "foot space: " + why, Mark::line);
+    if (!look.marked.empty())
+      add(mark_colors(look.theme).marked, "marked", std::ssize(look.marked));
   }
-  const std::vector<bool>& steppable = look.planes->steppable;
-  const auto yes = std::count(steppable.begin(), steppable.end(), true);
-  const auto no = static_cast<std::ptrdiff_t>(steppable.size()) - yes;
-  list.legend.push_back({Mark::dot, verdict_color(true), "steppable  " + std::to_string(yes)});
-  list.legend.push_back(
-      {Mark::hatched_box, verdict_color(false), "not steppable  " + std::to_string(no)});
-  list.legend.push_back({Mark::dot, leftover_color(), "unassigned"});
-}
-
-void add_step_legend(const debug::Run& run,
-                     const StepLook& look,
-                     const StepState& state,
-                     DrawList& list) {
-  const Rgba waiting = mark_colors(look.theme).waiting;
-  switch (told_by(run, look.color_by)) {
-    case ColorBy::cases:
-      add_cases(run, look.step, waiting, list);
-      break;
-    case ColorBy::planes:
-      add_plane_states(state, waiting, list);
-      break;
-    case ColorBy::labels:
-      if (!run.subject->prepared.gravity.known()) {
-        list.legend.push_back(
-            {Mark::dot, label_color(Label::unknown), "no class: gravity is unknown"});
-        break;
-      }
-      list.legend.push_back({Mark::dot, label_color(Label::h), "horizontal"});
-      list.legend.push_back({Mark::dot, label_color(Label::v), "vertical"});
-      if (!run.is_ours())
-        list.legend.push_back({Mark::dot, label_color(Label::unknown), "unassigned"});
-      break;
-    case ColorBy::margins:
-      list.legend.push_back({Mark::dot, margin_color(Label::h, 1), "horizontal, sure"});
-      list.legend.push_back({Mark::dot, margin_color(Label::v, 1), "vertical, sure"});
-      list.legend.push_back({Mark::dot, margin_color(Label::h, 0), "unsure"});
-      break;
-    case ColorBy::truth:
-      if (!run.subject->voxel_truth.known()) {
-        list.legend.push_back({Mark::dot, waiting, "this frame has no ground truth"});
-      } else {
-        list.legend.push_back({Mark::dot, leftover_color(), "in no true plane"});
-        list.legend.push_back({Mark::dot, waiting, "not scored"});
-      }
-      break;
-    case ColorBy::steppable:
-      add_verdicts(run, look, waiting, list);
-      break;
-    default:  // the camera's need no words; those along a scale have a bar of their own
-      break;
-  }
-  const PlaneScene* planes = finished(run, look);
-  if (look.show_stairs && planes && planes->complete && !planes->has_stairs())
-    list.legend.push_back({Mark::line, waiting,
-                           run.subject->prepared.gravity.known()
-                               ? "no stairs, kerb or ramp"
-                               : "stairs need gravity, which is unknown"});
-  if (look.show_foot && look.color_by != ColorBy::steppable) {
-    if (const std::string why = no_verdicts(run, look); !why.empty())
-      list.legend.push_back({Mark::line, waiting, "foot space: " + why});
-  }
-  if (!look.marked.empty())
-    list.legend.push_back({Mark::dot, mark_colors(look.theme).marked,
-                           "marked  " + std::to_string(look.marked.size())});
-}
+};
 
 // ---- The whole scene ----
 
@@ -365,7 +345,7 @@ void add_step_legend(const debug::Run& run,
 void add_voxel(
     const debug::Run& run, std::int32_t voxel, Rgba color, LabelRank rank, DrawList& list) {
   if (voxel < 0) return;
-  const Vec3f at = run.subject->prepared.voxels.points[static_cast<std::size_t>(voxel)];
+  const Vec3f at = run.subject->prepared.voxels.points[voxel];
   DrawPoints dot = voxel_points(planes::VoxelCloud{});
   dot.positions = {at};
   dot.colors = {color};
@@ -373,22 +353,17 @@ void add_voxel(
   dot.min_px = 14;
   list.points.push_back(std::move(dot));
   const auto above = static_cast<float>(1.5 * run.subject->prepared.voxels.size_m + 0.01);
-  list.labels.push_back(
-      {at + Vec3f(0, 0, above), debug::point_name(run, voxel), color, 15, true, rank});
+  list.labels.push_back({at + Vec3f(0, 0, above), debug::point_name(run, voxel), color, 15, rank});
 }
 
 void keep_only(const std::vector<std::uint8_t>& kept, DrawPoints& points) {
-  std::size_t count = 0;
-  for (std::size_t v = 0; v < kept.size(); ++v) {
-    if (!kept[v]) continue;
-    points.positions[count] = points.positions[v];
-    points.colors[count] = points.colors[v];
-    points.ids[count] = points.ids[v];
-    ++count;
-  }
-  points.positions.resize(count);
-  points.colors.resize(count);
-  points.ids.resize(count);
+  const auto keep = [&](auto& values) {
+    std::size_t v = 0;
+    std::erase_if(values, [&](const auto&) { return !kept[v++]; });
+  };
+  keep(points.positions);
+  keep(points.colors);
+  keep(points.ids);
 }
 
 }  // namespace
@@ -405,10 +380,10 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   DrawList list;
   list.pick_points_first = true;
   DrawPoints points = voxel_points(run.subject->prepared.voxels);
-  points.colors = voxel_colors(run, look, state);
+  points.colors = voxel_colors(state);
   // Lightness tells what is concerned; the hue is the colors' own.
   constexpr double kReceded = 0.45;
-  const std::vector<std::uint8_t> concerned = concerned_voxels(run, look, state);
+  const std::vector<std::uint8_t> concerned = concerned_voxels(state);
   for (std::size_t v = 0; v < concerned.size(); ++v)
     if (!concerned[v])
       points.colors[v] =
@@ -420,8 +395,8 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   points.size_m *= static_cast<float>(look.point_size);
   points.max_px = 120;  // surfaces stay closed when seen from nearby
   if (look.show_points) list.points.push_back(std::move(points));
-  add_node_boxes(run, look, state, list);
-  if (look.show_planes) add_planes(run, look, state, list);
+  add_node_boxes(state, list);
+  if (look.show_planes) add_planes(state, list);
   if (const PlaneScene* planes = finished(run, look)) {
     if (look.show_foot && !alone) add_foot_space(*planes, look.theme, list);
     if (look.show_stairs && !alone) add_stairs(*planes, look.theme, list);
@@ -429,15 +404,14 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   if (look.map && !alone) list.lines.insert(list.lines.end(), look.map->begin(), look.map->end());
   if (state.voxel != look.voxel) add_voxel(run, state.voxel, marks.current, kCurrentLabel, list);
   add_voxel(run, look.voxel, marks.selected, kSelectedLabel, list);
-  add_step_legend(run, look, state, list);
+  Legend{state, list}.add_all();
   return list;
 }
 
 std::vector<Vec3f> node_points(const debug::Run& run, std::int32_t node) {
-  const planes::OctreeNode& of = run.octree().nodes[static_cast<std::size_t>(node)];
   std::vector<Vec3f> points;
-  for (std::uint32_t k = of.begin; k < of.end; ++k)
-    points.push_back(run.subject->prepared.voxels.points[run.octree().order[k]]);
+  for (const std::uint32_t voxel : members(run.octree(), run.octree().nodes[node]))
+    points.push_back(run.subject->prepared.voxels.points[voxel]);
   return points;
 }
 

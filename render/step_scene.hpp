@@ -1,7 +1,8 @@
 #pragma once
 
-// What one step of a run looks like, in space and on the camera's image: pure functions, no GL.
-// Only what the step knows is drawn: its queue, what is settled, planes as they are at that moment.
+// What one step of a run and what labels look like, in space and on the camera's image: pure
+// functions, no GL. Of a step only what it knows is drawn: its queue, what is settled, planes as
+// they are at that moment.
 
 #include <cstdint>
 #include <memory>
@@ -11,10 +12,8 @@
 #include <vector>
 
 #include "core/debug/replay/run.hpp"
-#include "core/model/types.hpp"
-#include "render/draw_list.hpp"
-#include "render/palette.hpp"
-#include "render/scene_parts.hpp"
+#include "core/labels/model/grid.hpp"
+#include "render/scenes.hpp"
 
 namespace planescope::render {
 
@@ -102,10 +101,12 @@ std::vector<Vec3f> plane_points(const debug::Run& run, std::int32_t plane, std::
 
 /// What is known at a step, read from the timeline once for a whole picture.
 struct StepState {
+  const debug::Run& run;
+  const StepLook& look;
   static constexpr std::int32_t kOpen = -1;      // plane of a voxel: not known yet
   static constexpr std::int32_t kLeftover = -2;  // in none, on the list of leftovers or dropped
-  std::vector<planes::Case> case_of;             // per voxel: of the node that settled it
-  std::vector<std::int32_t> plane_of;            // per voxel: plane of the trace
+  std::vector<planes::Case> case_of = {};        // per voxel: of the node that settled it
+  std::vector<std::int32_t> plane_of = {};       // per voxel: plane of the trace
   // What the event that led here was about; -1 none.
   std::int32_t node = -1;  // its own, or that of its point
   std::int32_t plane = -1;
@@ -125,12 +126,10 @@ MarkColors mark_colors(Theme theme);
 
 /// Per voxel: 1 where it belongs to the node or the planes that is selected or that the step is
 /// about. Empty where there is none, and where it is all of them: nothing recedes then.
-std::vector<std::uint8_t> concerned_voxels(const debug::Run& run,
-                                           const StepLook& look,
-                                           const StepState& state);
+std::vector<std::uint8_t> concerned_voxels(const StepState& state);
 
-/// Per voxel, as `look` asks, with single ones and the marked region standing out.
-std::vector<Rgba> voxel_colors(const debug::Run& run, const StepLook& look, const StepState& state);
+/// Per voxel, as the look asks, with single ones and the marked region standing out.
+std::vector<Rgba> voxel_colors(const StepState& state);
 
 /// What the colors show: only our method has cases and margins, for others planes and labels take
 /// their place.
@@ -139,8 +138,7 @@ ColorBy told_by(const debug::Run& run, ColorBy asked);
 /// A settled node that was not divided: its points are done with.
 bool is_settled_leaf(const debug::Run& run, std::int32_t node, std::int32_t step);
 
-// ---- What is measured of the voxels, in meters: the quantities that colors show along a scale
-// ----
+// ---- What is measured of the voxels, in meters: what colors show along a scale ----
 
 /// depth: along the camera's axis, in clouds the distance from their origin. height: along gravity,
 /// above the camera or the cloud's origin. rms: of the plane that a point is in, of its settled
@@ -152,14 +150,71 @@ bool is_along_scale(ColorBy by);
 std::string why_no_values(const debug::Run& run, const StepLook& look);
 
 /// Per voxel; NaN where nothing is known of it.
-std::vector<float> voxel_values(const debug::Run& run,
-                                const StepLook& look,
-                                const StepState& state);
+std::vector<float> voxel_values(const StepState& state);
 
 /// Its range is the same at every step: that of the points as the run leaves them, or `look`'s own.
 ColorScale color_scale(const debug::Run& run, const StepLook& look);
 
 /// "depth 1.234 m", "3.2 mm before P3"; empty where nothing is known of the voxel.
 std::string value_text(const debug::Run& run, const StepLook& look, std::int32_t voxel);
+
+// ---- Labels of a frame, in space and on the camera's image ----
+
+/// Distances to a plane, as colors from -most_m, behind it, to +most_m, before it.
+struct Residual {
+  int plane = 0;                  // of the labels; 0: of the preview
+  Vec3d normal = Vec3d::UnitZ();  // towards the sensor, in its frame: normal . x = offset
+  double offset_m = 0, most_m = 0.016;
+  std::string name;
+
+  double distance_m(const Vec3f& point) const {
+    return normal.dot(point.cast<double>()) - offset_m;
+  }
+  bool operator==(const Residual&) const = default;
+};
+
+/// What is drawn and what stands out.
+struct LabelLook {
+  std::shared_ptr<const FrameLabels> labels;  // null: none yet
+  int plane = 0;                              // the active one, brighter than others; 0: none
+  bool show_class = false;                    // colors of h and v instead of the planes' own
+  std::span<const std::uint32_t> preview;     // pixels that a gesture would change
+  bool preview_takes = false;                 // ... by taking labels off
+  std::span<const std::uint32_t> taken;       // pixels that it would take off besides
+  std::optional<Residual> residual;           // colors by distance, in place of labels
+  std::span<const std::uint8_t> doubt;        // per pixel; empty: none
+  std::span<const std::uint32_t> marked;      // pixels that a question is about
+  Theme theme = Theme::dark;
+};
+
+/// What labels are drawn over, RGB per depth pixel: the camera's color where it is aligned, the
+/// shape of surfaces otherwise.
+Image8 label_ground(const labels::LabelGrid& grid, Backdrop backdrop);
+
+/// How labels cover the ground, per pixel: alpha is their share. `opacity`: of labels, 0..1; what
+/// stands out is seen however faint they are.
+std::vector<Rgba> label_tints(const labels::LabelGrid& grid, const LabelLook& look, double opacity);
+
+/// Labels over a copy of the ground, each plane with its outline. Hidden planes are left out.
+void paint_labels(Image8& image,
+                  const labels::LabelGrid& grid,
+                  const LabelLook& look,
+                  double opacity);
+
+/// The points that are shown, by pixel: `world` of each, its id is pixel + 1. Colors are missing.
+DrawPoints label_points(const labels::LabelGrid& grid,
+                        std::span<const Vec3f> world,
+                        std::span<const std::uint8_t> shown);
+void color_label_points(DrawPoints& points,
+                        const Image8& ground,
+                        const labels::LabelGrid& grid,
+                        const LabelLook& look);
+/// Where a plane's name stands: on its pixel farthest from other labels.
+struct LabelPlace {
+  int plane = 0;
+  std::uint32_t pixel = 0;
+};
+/// Of the planes that are shown, by id.
+std::vector<LabelPlace> label_places(const FrameLabels& labels, const labels::LabelGrid& grid);
 
 }  // namespace planescope::render

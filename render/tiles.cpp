@@ -1,11 +1,11 @@
-#include "render/tiles.hpp"
+// Which parts of a picture change (renderer.hpp).
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
-#include "render/overlay.hpp"
 #include "render/paint.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::render {
 namespace {
@@ -185,8 +185,7 @@ Tiles scene_tiles(const DrawList& list,
                   const View& view,
                   float shade_radius_px) {
   Tiles tiles(view.width, view.height);
-  float bias_m = 0;  // polygons, arrows and lifted lines stand out by the largest splat
-  for (const DrawPoints& cloud : list.points) bias_m = std::max(bias_m, cloud.size_m);
+  const float bias_m = list.lift_m();
   for (const DrawPoints& cloud : list.points) add_points(cloud, view, shade_radius_px, tiles);
   for (const DrawBox& box : list.boxes)
     tiles.add(about(view, box.corners, 4),

@@ -1,4 +1,4 @@
-#include "render/view.hpp"
+// Cameras: one made ready for a picture, and where it stands so that its subject fills the view.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "core/model/disjoint_sets.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "render/draw_list.hpp"
 
 namespace planescope::render {
 namespace {
@@ -109,13 +111,9 @@ struct Extent {
   double length() const { return high - low; }
 };
 Extent span_along(std::span<const Vec3f> points, const Vec3d& axis) {
-  Extent span{1e300, -1e300};
-  for (const Vec3f& point : points) {
-    const double at = point.cast<double>().dot(axis);
-    span.low = std::min(span.low, at);
-    span.high = std::max(span.high, at);
-  }
-  return span;
+  const auto along = [&](const Vec3f& point) { return point.cast<double>().dot(axis); };
+  const auto [low, high] = std::ranges::minmax_element(points, {}, along);
+  return {along(*low), along(*high)};
 }
 
 /// The value that all but a share of `values` stay below.
@@ -123,7 +121,7 @@ double robust_max(std::vector<double>& values, double outliers) {
   const auto n = static_cast<std::ptrdiff_t>(values.size());
   const auto k = n - 1 - static_cast<std::ptrdiff_t>(outliers * static_cast<double>(n));
   std::nth_element(values.begin(), values.begin() + k, values.end());
-  return values[static_cast<std::size_t>(k)];
+  return values[k];
 }
 
 /// One axis of a frustum around points given as (offset across, depth along the view). For an eye
@@ -140,15 +138,18 @@ struct AxisFit {
     return ((largest + high * along) + (smallest - low * along)) / 2;
   }
 };
-AxisFit fit_axis(std::span<const double> offset,
-                 std::span<const double> depth,
+AxisFit fit_axis(std::span<const Vec3f> points,
+                 const Vec3d& axis,
+                 const Vec3d& forward,
                  double low,
                  double high,
                  double outliers) {
-  std::vector<double> above(offset.size()), below(offset.size());
-  for (std::size_t i = 0; i < offset.size(); ++i) {
-    above[i] = offset[i] - high * depth[i];
-    below[i] = -offset[i] - low * depth[i];
+  std::vector<double> above, below;
+  for (const Vec3f& point : points) {
+    const Vec3d p = point.cast<double>();
+    const double offset = p.dot(axis), depth = p.dot(forward);
+    above.push_back(offset - high * depth);
+    below.push_back(-offset - low * depth);
   }
   return {robust_max(above, outliers), -robust_max(below, outliers), low, high};
 }
@@ -169,7 +170,7 @@ std::vector<Vec3f> reach_of(std::span<const Vec3f> points, double outliers) {
     const Vec3f along = direction(i, kDirections).cast<float>();
     std::nth_element(some.begin(), some.begin() + last, some.end(),
                      [&](const Vec3f& a, const Vec3f& b) { return a.dot(along) < b.dot(along); });
-    reach.push_back(some[static_cast<std::size_t>(last)]);
+    reach.push_back(some[last]);
   }
   return reach;
 }
@@ -183,8 +184,7 @@ std::vector<Vec3f> bulk_of(std::span<const Vec3f> points, double cell_m) {
   for (const Vec3f& point : points) {
     Cell cell;
     for (int axis = 0; axis < 3; ++axis)
-      cell[static_cast<std::size_t>(axis)] =
-          static_cast<int>(std::clamp(std::floor(point[axis] / cell_m), -kFar, kFar));
+      cell[axis] = static_cast<int>(std::clamp(std::floor(point[axis] / cell_m), -kFar, kFar));
     const auto at = cells.emplace(cell, static_cast<std::uint32_t>(cells.size())).first->second;
     if (at == points_in.size()) points_in.push_back(0);
     ++points_in[at];
@@ -226,12 +226,7 @@ Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens) {
       distance = std::max(x.length() / lens.aspect, y.length()) / (2 * kMargin * slope);
     } else {
       const auto fit = [&](const Vec3d& axis, double fill) {
-        std::vector<double> offset, depth;
-        for (const Vec3f& point : reach) {
-          offset.push_back(point.cast<double>().dot(axis));
-          depth.push_back(point.cast<double>().dot(lens.forward));
-        }
-        return fit_axis(offset, depth, fill, fill, 0);
+        return fit_axis(reach, axis, lens.forward, fill, fill, 0);
       };
       const AxisFit wide = fit(right, kMargin * slope * lens.aspect);
       const AxisFit high = fit(upwards, kMargin * slope);
@@ -316,24 +311,21 @@ Camera frame_camera(const planes::PreparedFrame& prepared,
   const Vec3d right = forward.cross(Vec3d::UnitZ()).normalized();
   const Vec3d up = right.cross(forward);
 
-  std::vector<double> x, y, z;
-  for (const Vec3f& point : prepared.voxels.points) {
-    const Vec3d p = point.cast<double>();
-    x.push_back(p.dot(right));
-    y.push_back(p.dot(up));
-    z.push_back(p.dot(forward));
-  }
-  if (x.empty()) {
+  const std::vector<Vec3f>& points = prepared.voxels.points;
+  if (points.empty()) {
     camera.eye = -2 * forward;
     return camera;
   }
   // The title stands above, the legend at the left.
   constexpr double kLeft = 0.80, kRight = 0.93, kTop = 0.84, kBottom = 0.92;
   const double slope = std::tan(camera.fov_y_deg * kDegree / 2);
-  const AxisFit fit_x = fit_axis(x, z, kLeft * slope * aspect, kRight * slope * aspect, kOutliers);
-  const AxisFit fit_y = fit_axis(y, z, kBottom * slope, kTop * slope, kOutliers);
-  std::nth_element(z.begin(), z.begin() + z.size() / 2, z.end());
-  const double middle = z[z.size() / 2];
+  const AxisFit fit_x =
+      fit_axis(points, right, forward, kLeft * slope * aspect, kRight * slope * aspect, kOutliers);
+  const AxisFit fit_y = fit_axis(points, up, forward, kBottom * slope, kTop * slope, kOutliers);
+  std::vector<double> depths;
+  for (const Vec3f& point : points) depths.push_back(point.cast<double>().dot(forward));
+  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
+  const double middle = depths[depths.size() / 2];
   const double along = std::min({fit_x.along(), fit_y.along(), middle - 0.2});
 
   camera.eye = fit_x.across(along) * right + fit_y.across(along) * up + along * forward;
@@ -341,6 +333,10 @@ Camera frame_camera(const planes::PreparedFrame& prepared,
   camera.near_m = std::max(0.01, 0.02 * (middle - along));
   camera.far_m = std::max(200.0, 20 * (middle - along));
   return camera;
+}
+
+Camera frame_camera(const planes::FrameResult& result, double aspect) {
+  return frame_camera(result, result.segmentation, aspect);
 }
 
 Home home_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {

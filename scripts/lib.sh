@@ -82,3 +82,17 @@ build() {
   cmake --preset "$preset" -DPLANESCOPE_WERROR="$werror" --log-level=WARNING >&2
   cmake --build "build/$preset" -j "$(nproc)" ${1:+--target "$@"} >&2
 }
+
+# out_folder DEFAULT WORDS...: the folder that -o or --out names among the words
+out_folder() {
+  local out=$1
+  shift
+  while [ $# -gt 0 ]; do
+    case $1 in
+      -o | --out) out=${2:-} ;;
+      --out=*) out=${1#*=} ;;
+    esac
+    shift
+  done
+  printf '%s\n' "$out"
+}

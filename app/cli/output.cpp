@@ -18,10 +18,6 @@ namespace fs = std::filesystem;
 
 const char* g_program = "planescope";
 
-fs::path without_trailing_slash(const fs::path& path) {
-  return path.has_filename() ? path : path.parent_path();
-}
-
 constexpr const char* kStaging = ".partial-";
 
 /// What a run left behind that was killed: nobody holds its lock any more.
@@ -35,6 +31,10 @@ void remove_abandoned(const fs::path& dir) {
 
 }  // namespace
 
+fs::path without_slash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
 void set_notice_name(const char* program) { g_program = program; }
 
 void print_notice(const std::string& text) {
@@ -44,7 +44,7 @@ void print_notice(const std::string& text) {
 void check_output_dir(const fs::path& dir) {
   if (dir.empty()) throw Error("output: the folder's name is empty");
   std::error_code ignored;
-  fs::path existing = fs::absolute(without_trailing_slash(dir));
+  fs::path existing = fs::absolute(without_slash(dir));
   while (!fs::exists(existing, ignored) && existing.has_relative_path())
     existing = existing.parent_path();
   if (!fs::is_directory(existing, ignored))
@@ -59,7 +59,7 @@ void make_output_dir(const fs::path& dir) {
   if (failed) throw Error("output " + dir.string() + ": " + failed.message());
 }
 
-StagedOutput::StagedOutput(const fs::path& dir) : dir_(without_trailing_slash(dir)) {
+StagedOutput::StagedOutput(const fs::path& dir) : dir_(without_slash(dir)) {
   check_output_dir(dir);
 }
 

@@ -23,6 +23,9 @@ void notice(fmt::format_string<Values...> format, Values&&... values) {
   print_notice(fmt::format(format, std::forward<Values>(values)...));
 }
 
+/// "dir" of "dir/", so that it has a name.
+std::filesystem::path without_slash(const std::filesystem::path& path);
+
 /// Throws Error unless `dir` is a folder that can be written to, or could be made as one. Makes
 /// nothing: called before the work starts, so that an unwritable output costs no time.
 void check_output_dir(const std::filesystem::path& dir);

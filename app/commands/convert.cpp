@@ -45,7 +45,7 @@ struct Target {
 };
 
 Target target_of(const RecastArgs& args, const OpenInput& input) {
-  Target target{args.out.has_filename() ? args.out : args.out.parent_path()};
+  Target target{without_slash(args.out)};
   const std::string ending = lower_case(target.out.extension().string());
   target.one_file = ending == ".mcap" || ending == ".ply" || ending == ".pcd";
   if (target.one_file) {

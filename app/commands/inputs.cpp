@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "app/cli/output.hpp"
-#include "core/io/picked_gravity.hpp"
+#include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

@@ -15,7 +15,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
-#include "core/world/poses/sequence_gravity.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::app {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "app/cli/output.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 
@@ -33,10 +34,6 @@ std::set<int> frames_in(const fs::path& dir) {
     if (const auto frame = frame_of(at->path().filename().string())) frames.insert(*frame);
   if (error) throw Error(dir.string() + ": cannot be listed: " + error.message());
   return frames;
-}
-
-fs::path without_slash(const fs::path& path) {
-  return path.has_filename() ? path : path.parent_path();
 }
 
 bool is_label_folder(const fs::path& path) {

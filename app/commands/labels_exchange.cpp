@@ -8,7 +8,6 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/labels.hpp"
 #include "core/io/image/png.hpp"
-#include "core/labels/exchange/coco.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/labels/store/store.hpp"
@@ -47,12 +46,6 @@ void check_export_dir(const fs::path& out, const OpenInput& input) {
     throw Error(out.string() + ": is inside the recording, expected a folder elsewhere");
   if (is_below(out, input.label_dir) && is_below(input.label_dir, out))
     throw Error(out.string() + ": is the folder of the labels themselves, expected another");
-}
-
-const char* extension_of(labels::LabelFormat format) {
-  constexpr const char* kExtensions[] = {".npy", ".ply",  ".pcd",       ".label",
-                                         ".npz", ".json", ".voxels.ply"};  // by LabelFormat
-  return kExtensions[static_cast<std::size_t>(format)];
 }
 
 struct FileOfFrame {
@@ -99,7 +92,7 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
                               args.from.string(), input.frames.size()));
     return {{input.frames[0], args.from, {}}};
   }
-  const std::string extension = extension_of(format);
+  const std::string extension = labels::extension_of(format);
   std::vector<FileOfFrame> files;
   for (const int frame : input.frames) {
     const fs::path path = args.from / fmt::format("{:06}{}", frame, extension);
@@ -156,8 +149,13 @@ Import read_import(const FileOfFrame& file,
   return import;
 }
 
-constexpr const char* kReadFormats = "evops|ply|pcd|kitti|npz|coco";
-constexpr const char* kFormats = "evops|ply|pcd|kitti|npz|coco|voxels";
+/// "evops|ply|..."
+std::string format_names(bool read_back) {
+  std::vector<std::string> names;
+  for (const labels::LabelFormat format : labels::label_formats(read_back))
+    names.emplace_back(labels::to_string(format));
+  return fmt::format("{}", fmt::join(names, "|"));
+}
 
 int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   const labels::LabelFormat format = labels::parse_label_format(args.format);
@@ -284,7 +282,7 @@ void define_labels_export(CLI::App* labels, Line& line) {
       "export", "Write labels in another tool's format: a file per frame, for coco one for all");
   const auto args = std::make_shared<LabelsArgs>();
   add_inputs(command, args->input, "A recording with labels");
-  add(command, "--format", args->format, kFormats, "What to write")->required();
+  add(command, "--format", args->format, format_names(false), "What to write")->required();
   add_of_method(command, args->input.pipeline, "--voxel", "M",
                 "Edge of a voxel of format voxels, default 0.02");
   add_out(command, args->out)->required();
@@ -299,7 +297,7 @@ void define_labels_import(CLI::App* labels, Line& line) {
   add_inputs(command, args->input, "The recording that the labels are of");
   command->get_option("--labels")
       ->description(wrapped("Where the labels go; otherwise <recording>.labels beside it"));
-  add(command, "--format", args->format, kReadFormats,
+  add(command, "--format", args->format, format_names(true),
       "What the files are; otherwise as --from FILE is named");
   add(command, "--from", args->from, "FILE|DIR",
       "One file, for the frame of --frames; or a folder with files as export names them")
@@ -310,9 +308,12 @@ void define_labels_import(CLI::App* labels, Line& line) {
 }
 
 void define_labels_convert(CLI::App* labels, Line& line) {
+  std::vector<std::string> endings;
+  for (const labels::LabelFormat format : labels::label_formats(true))
+    endings.emplace_back(labels::extension_of(format));
   CLI::App* command = labels->add_subcommand(
       "convert",
-      "From one format to another, as the names end: .npy, .ply, .pcd, .label, .npz, .json");
+      fmt::format("From one format to another, as the names end: {}", fmt::join(endings, ", ")));
   const auto args = std::make_shared<ConvertArgs>();
   add(command, "IN", args->in, "", "A file with labels")->required();
   add(command, "-o,--out", args->out, "FILE", "What to write")->required();

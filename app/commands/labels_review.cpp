@@ -8,9 +8,9 @@
 
 #include "app/cli/progress.hpp"
 #include "app/commands/labels.hpp"
-#include "core/labels/review/agreement.hpp"
 #include "core/labels/review/audit.hpp"
 #include "core/labels/review/carry.hpp"
+#include "core/labels/review/review.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"

@@ -10,7 +10,6 @@
 #include <optional>
 
 #include "core/world/files/map_files.hpp"
-#include "render/overlay.hpp"
 #include "render/paint.hpp"
 #include "render/palette.hpp"
 #include "render/plane_colors.hpp"

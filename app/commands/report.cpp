@@ -28,26 +28,18 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRulesFile = "planescope.rules.json";
 
-/// Where the range left little to find planes in.
-std::string beyond_range_text(const report::Report& report) {
-  std::size_t kept = 0, beyond = 0;
-  for (const report::ReportRecording& recording : report.recordings)
-    for (const report::ReportFrame& frame : recording.frames) {
-      kept += frame.counts.kept;
-      beyond += frame.counts.beyond_range;
-    }
-  if (beyond <= kept) return "";
-  return fmt::format(", {:.0f} % of the points beyond the range (--max-range)",
-                     100.0 * static_cast<double>(beyond) / static_cast<double>(kept + beyond));
-}
-
-void print_facts(const std::filesystem::path& out, const report::Report& report, bool json) {
+void print_facts(const fs::path& out, const report::Report& report, bool json) {
   const report::ReportTotals totals = report::totals_of(report);
   const std::string page = (out / "index.html").string();
   if (!json) {
-    fmt::print("{}: {}, {}{}\n", page, counted(totals.frames_done, "frame"),
-               counted(totals.planes, "plane"), beyond_range_text(report));
-    if (report.judgement) fmt::print("{}", report.judgement->text());
+    fmt::print("{}: {}, {}", page, counted(totals.frames_done, "frame"),
+               counted(totals.planes, "plane"));
+    const auto kept = static_cast<double>(totals.points);
+    const auto beyond = static_cast<double>(totals.points_beyond_range);
+    if (beyond > kept)  // little is left to find planes in
+      fmt::print(", {:.0f} % of the points beyond the range (--max-range)",
+                 100 * beyond / (kept + beyond));
+    fmt::print("\n{}", report.judgement ? report.judgement->text() : "");
     return;
   }
   nlohmann::ordered_json facts = {
@@ -57,25 +49,6 @@ void print_facts(const std::filesystem::path& out, const report::Report& report,
       {"rendered", !report.renderer.empty()}};
   if (report.judgement) facts["verdict"] = report::judgement_json(*report.judgement);
   fmt::print("{}", json_text(facts, 2));
-}
-
-/// The frames that could not be processed: how many, whether one is damaged, and the first.
-struct Refused {
-  int frames = 0;
-  bool unreadable = false;
-  std::string first;
-};
-
-Refused refused_of(const report::Report& report) {
-  Refused refused;
-  for (const report::ReportRecording& recording : report.recordings)
-    for (const report::ReportFrame& frame : recording.frames) {
-      if (frame.refused.empty()) continue;
-      ++refused.frames;
-      refused.unreadable |= frame.unreadable;
-      if (refused.first.empty()) refused.first = frame.refused;
-    }
-  return refused;
 }
 
 /// Reads what the report is to be held to. Throws Error.
@@ -97,9 +70,6 @@ void check_baseline_place(const ReportGuardArgs& args, const std::filesystem::pa
                 ": the report would overwrite it; keep the baseline elsewhere");
 }
 
-/// Throws Error with the first reason: a report of which no frame could be processed is bad input.
-void throw_first_refusal(const report::Report& report) { throw Error(refused_of(report).first); }
-
 /// Judges `report`, writes its files into `out`, where its frames lie, and says how it went.
 /// Returns the exit code, as run_report(); throws Cancelled where the report is partial.
 int finish_report(const std::filesystem::path& out,
@@ -111,13 +81,14 @@ int finish_report(const std::filesystem::path& out,
   report::write_report_files(out, report);
   if (report.partial) throw Cancelled();
   print_facts(out, report, json);
-  const Refused refused = refused_of(report);
-  if (refused.frames > 0)
-    notice("{}: {} frame{} refused, the first: {}", refused.unreadable ? "error" : "warning",
-           refused.frames, refused.frames == 1 ? " was" : "s were", refused.first);
+  const report::ReportTotals totals = report::totals_of(report);
+  if (totals.frames_refused > 0)
+    notice("{}: {} frame{} refused, the first: {}", totals.unreadable ? "error" : "warning",
+           totals.frames_refused, totals.frames_refused == 1 ? " was" : "s were",
+           totals.first_refusal);
   if (!report.renderer_error.empty())
     notice("rendering failed, the data files are written: {}", report.renderer_error);
-  if (args.approve && refused.unreadable)
+  if (args.approve && totals.unreadable)
     notice("warning: --approve: {} stays as it was", args.baseline.string());
   else if (args.approve) {
     fs::create_directories(fs::absolute(args.baseline).parent_path());
@@ -125,7 +96,7 @@ int finish_report(const std::filesystem::path& out,
     notice("{} is the baseline now", args.baseline.string());
   }
   if (report.judgement && report.judgement->errors() > 0 && !args.approve) return 1;
-  if (refused.unreadable) return 2;
+  if (totals.unreadable) return 2;
   return report.renderer_error.empty() ? 0 : 3;
 }
 
@@ -264,9 +235,10 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     if (slot.done) recording.frames.push_back(folder.read(slot.folder));
   }
   // A recording that gives nothing at all is bad input, not a report; a shard may be empty.
-  if (!report.partial && args.shard.count == 1 && report::totals_of(report).frames_done == 0) {
+  if (const report::ReportTotals totals = report::totals_of(report);
+      !report.partial && args.shard.count == 1 && totals.frames_done == 0) {
     folder.give_up();
-    throw_first_refusal(report);
+    throw Error(totals.first_refusal);
   }
   for (std::size_t i = 0; args.tracks && !report.partial && i < inputs.size(); ++i)
     if (inputs[i].recording->info().width > 0)
@@ -371,7 +343,8 @@ int run_report_merge(const ReportMergeArgs& args, std::stop_token) {
     }
   }
   if (!report.renderer_error.empty()) report.renderer.clear();
-  if (report::totals_of(report).frames_done == 0) throw_first_refusal(report);
+  if (const report::ReportTotals totals = report::totals_of(report); totals.frames_done == 0)
+    throw Error(totals.first_refusal);
   folder.commit(true, frames);
   return finish_report(args.out, report, guard, args.guard, args.json);
 }

@@ -26,7 +26,7 @@ class ReportFolder {
  public:
   /// Without `resume`, deletes what a stopped run left. Throws Error where DIR cannot be written
   /// to, or another run writes into it.
-  ReportFolder(std::filesystem::path dir, bool resume);
+  ReportFolder(const std::filesystem::path& dir, bool resume);
   /// Keeps finished frames, of this run or of an earlier one, for a run that resumes.
   ~ReportFolder();
   ReportFolder(const ReportFolder&) = delete;
@@ -111,7 +111,7 @@ LoadedFrame run_report_frame(const OpenInput& input,
 
 struct ReportFramesJob {
   const std::vector<OpenInput>& inputs;
-  const planes::PipelineOptions& options;
+  planes::PipelineOptions options;
   const planes::Classifier* classifier = nullptr;
   FrameRunner run;
   std::string build_key;  // of all but the input

@@ -63,8 +63,7 @@ auto on_disk(const fs::path& dir, Body&& body) {
 
 }  // namespace
 
-ReportFolder::ReportFolder(fs::path dir, bool resume) : dir_(std::move(dir)) {
-  if (!dir_.has_filename()) dir_ = dir_.parent_path();
+ReportFolder::ReportFolder(const fs::path& dir, bool resume) : dir_(without_slash(dir)) {
   check_output_dir(dir_);
   work_ = dir_ / ".report-work";
   on_disk(dir_, [&] {

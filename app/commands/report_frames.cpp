@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/report.hpp"
 #include "core/model/file_bytes.hpp"
@@ -280,8 +281,7 @@ std::vector<std::string> recording_names(const std::vector<OpenInput>& inputs) {
   std::vector<fs::path> paths;
   std::vector<std::string> last, names;
   for (const OpenInput& input : inputs) {
-    paths.push_back(fs::absolute(input.path).lexically_normal());
-    if (!paths.back().has_filename()) paths.back() = paths.back().parent_path();
+    paths.push_back(without_slash(fs::absolute(input.path).lexically_normal()));
     last.push_back(as_utf8(paths.back().filename().string()));
     if (last.back().empty()) last.back() = "recording";
   }
@@ -356,8 +356,8 @@ ReportDrawing write_report_frames(const ReportFramesJob& job,
   for (const ReportSlot& slot : slots) turns.push_back(of_input[slot.input]++);
   const int count = static_cast<int>(slots.size());
   const planes::FrameThreads threads = planes::threads_for_frames(job.options, count);
-  const ReportFramesJob one{job.inputs,    threads.pipeline, job.classifier, job.run,
-                            job.build_key, job.copy_width,   job.resume,     job.pictures};
+  ReportFramesJob one = job;
+  one.options = threads.pipeline;
   // Mesa's software renderer fills one frame's triangles at a time, whichever thread asks: with
   // threads of its own it leaves no core idle while others wait for it.
   ::setenv("LP_NUM_THREADS",

@@ -8,7 +8,6 @@
 #include "app/commands/commands.hpp"
 #include "core/lab/synthetic/sample.hpp"
 #include "core/lab/synthetic/scenes.hpp"
-#include "core/lab/synthetic/sequence.hpp"
 #include "core/labels/model/label_files.hpp"
 
 namespace planescope::app {

@@ -9,9 +9,9 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
-#include "core/lab/training/training_page.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::app {
 namespace {
@@ -136,11 +136,6 @@ std::string epoch_line(const lab::Epoch& epoch, int steps) {
   return line;
 }
 
-std::string minutes(double seconds) {
-  const int whole = static_cast<int>(seconds);
-  return fmt::format("{}:{:02}", whole / 60, whole % 60);
-}
-
 /// Runs the steps that are left. Stopped, it returns early.
 void train(const Session& session, lab::TrainState& state, const std::stop_token& stop) {
   const lab::TrainOptions& options = session.options();
@@ -157,7 +152,7 @@ void train(const Session& session, lab::TrainState& state, const std::stop_token
     }
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started;
     const double left = spent.count() / (state.step - first) * (options.steps - state.step);
-    bar.show(state.step, fmt::format("steps, {} left", minutes(left)));
+    bar.show(state.step, fmt::format("steps, {} left", minutes_text(left)));
   }
 }
 

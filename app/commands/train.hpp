@@ -11,7 +11,7 @@
 
 #include "app/cli/command.hpp"
 #include "core/lab/training/checkpoint.hpp"
-#include "core/lab/training/training_recipe.hpp"
+#include "core/lab/training/training_set.hpp"
 
 namespace planescope::app {
 

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "app/desktop/state/state.hpp"
-#include "render/label_scene.hpp"
 #include "render/step_scene.hpp"
 
 namespace planescope::desktop {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "app/desktop/ui.hpp"
-#include "render/view.hpp"
+#include "render/draw_list.hpp"
 
 namespace planescope::desktop {
 

@@ -67,8 +67,8 @@ class Screen {
   void resize(int width, int height);
 
   int width_ = 0, height_ = 0;
-  render::GlRenderbuffer color_ = render::make_renderbuffer();
-  render::GlFramebuffer framebuffer_ = render::make_framebuffer();
+  render::GlRenderbuffer color_ = render::GlRenderbuffer::make();
+  render::GlFramebuffer framebuffer_ = render::GlFramebuffer::make();
   Canvas* canvas_ = nullptr;  // the shell's
   std::unique_ptr<Shell> shell_;
   Damage damage_;

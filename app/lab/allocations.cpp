@@ -1,7 +1,10 @@
-#include "app/lab/allocations.hpp"
+// Counts what work allocates on the heap, by standing before the C library's functions in this
+// program alone.
 
 #include <cerrno>
 #include <cstdlib>
+
+#include "app/lab/lab.hpp"
 
 // No other file may define these functions, and none of this may allocate.
 
@@ -27,12 +30,12 @@ namespace {
 
 // Of each thread, so that others' work does not count and nothing is shared.
 thread_local bool counting = false;
-thread_local planescope::lab::Allocations counted;
+thread_local planescope::lab::Allocations allocated;
 
 void count_allocation(std::size_t bytes) {
   if (!counting) return;
-  ++counted.calls;
-  counted.bytes += bytes;
+  ++allocated.calls;
+  allocated.bytes += bytes;
 }
 
 }  // namespace
@@ -82,7 +85,7 @@ namespace planescope::app {
 lab::CountAllocations allocation_counter() {
 #if PLANESCOPE_COUNTS_ALLOCATIONS
   return [](const std::function<void()>& work) {
-    counted = {};
+    allocated = {};
     counting = true;
     try {
       work();
@@ -91,7 +94,7 @@ lab::CountAllocations allocation_counter() {
       throw;
     }
     counting = false;
-    return counted;
+    return allocated;
   };
 #else
   return {};

@@ -1,3 +1,5 @@
+// planescope-lab bench classifier: networks against PCA normals.
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,12 +11,12 @@
 #include "app/lab/lab.hpp"
 #include "core/lab/bench/classifier_bench.hpp"
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 
 namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 const std::vector<std::string> kClassifierParts = {"accuracy", "gravity", "chain", "speed",
                                                    "frames"};
@@ -26,9 +28,8 @@ struct BenchClassifierArgs {
   std::uint64_t seed = 960001;                 // of the clouds: no training has it
   int count = 100;                             // clouds of each kind
   int rounds = 20;                             // of the speed part
-  std::filesystem::path out;                   // -o; empty: nothing is written
-  bool json = false;
-  std::string command;  // as it was typed
+  std::filesystem::path out;                   // -o; empty: stdout
+  std::string command;                         // as it was typed
 };
 
 constexpr double kTiltDeg = 5;
@@ -66,48 +67,64 @@ std::vector<Contender> load_all(const std::vector<std::string>& weights) {
   return contenders;
 }
 
-std::vector<lab::FrameRow> time_frames(const BenchClassifierArgs& args,
-                                       const std::vector<Contender>& contenders,
-                                       const std::stop_token& stop) {
+void time_frames(const BenchClassifierArgs& args,
+                 const std::vector<Contender>& contenders,
+                 const std::stop_token& stop,
+                 lab::ResultLines& lines) {
   planes::PipelineOptions options = args.input.pipeline;
   if (options.segment.by_objective())  // it finds planes of depth images without labels
     options.segment = planes::profile_options(planes::Profile::paper);
-  std::set<int> thread_counts = {1, options.threads};
-  std::vector<lab::FrameRow> rows;
+  const std::set<int> thread_counts = {1, options.threads};
   for (const OpenInput& input : open_inputs(args.input))
     for (const Contender& contender : contenders)
       for (const int threads : thread_counts) {
         options.threads = threads;
-        const std::string name = fs::absolute(input.path / "").parent_path().filename().string();
+        Json json = {{"recording", fs::absolute(input.path / "").parent_path().filename().string()},
+                     {"classifier", contender.named.name}};
         try {
-          rows.push_back(lab::measure_frames(*input.recording, input.frames, options,
-                                             *contender.named.classifier, Bar("frames", stop)));
+          json.update(
+              json_of(lab::measure_frames(*input.recording, input.frames, options,
+                                          *contender.named.classifier, Bar("frames", stop))));
         } catch (const Error& error) {
           throw Error(fmt::format("{}: {}", input.path.string(), error.what()));
         }
-        rows.back().recording = name;
-        rows.back().classifier = contender.named.name;
+        lines.add("frames", json);
       }
-  return rows;
 }
 
-lab::ClassifierBench measure(const BenchClassifierArgs& args, const std::stop_token& stop) {
+Json json_of_accuracy(const planes::LabelAccuracy& accuracy) {
+  return {{"edge_percent", accuracy.edge_percent()},
+          {"inner_percent", accuracy.inner_percent()},
+          {"edge_points", accuracy.edge},
+          {"inner_points", accuracy.inner}};
+}
+
+/// Measures networks: classifier.jsonl, and what depends on time in classifier.timings.jsonl.
+/// Throws Cancelled on stop.
+int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop) {
+  if (!args.out.empty()) check_output_dir(args.out);
   const auto wanted = [&](const char* part) { return args.parts.contains(part); };
   const std::vector<Contender> contenders = load_all(args.weights);
   const int threads = args.input.pipeline.threads;
-
-  lab::ClassifierBench bench;
-  bench.command = args.command;
-  bench.machine = lab::this_machine();
-  bench.accuracy = wanted("accuracy");
-  bench.gravity = wanted("gravity");
-  bench.labels = {args.seed, args.count, bench.gravity ? kTiltDeg : 0, threads};
-  bench.speed_options = {args.seed, args.rounds, threads};
-
+  const lab::LabelBenchOptions of_labels{args.seed, args.count, wanted("gravity") ? kTiltDeg : 0,
+                                         threads};
+  lab::ResultLines results("classifier", args.command, {},
+                           {{"seed", args.seed},
+                            {"count", args.count},
+                            {"accuracy", wanted("accuracy")},
+                            {"tilt_deg", of_labels.tilt_deg}});
+  lab::ResultLines timings("classifier.timings", args.command, {},
+                           {{"machine", lab::machine_json(lab::this_machine())},
+                            {"seed", args.seed},
+                            {"rounds", args.rounds}});
   std::vector<lab::NamedClassifier> classifiers;
   std::vector<lab::BenchNetwork> networks;
   for (const Contender& contender : contenders) {
-    bench.networks.emplace_back(contender.named.name, contender.record);
+    results.add("network", {{"name", contender.named.name},
+                            {"file", contender.record.file},
+                            {"sha256", contender.record.sha256},
+                            {"network", contender.record.network},
+                            {"training", Json::parse(contender.record.training)}});
     classifiers.push_back(contender.named);
     networks.push_back({contender.named.name, contender.weights});
   }
@@ -116,44 +133,30 @@ lab::ClassifierBench measure(const BenchClassifierArgs& args, const std::stop_to
                            planes::make_pca_classifier({.neighbours = neighbours})});
 
   // The recordings first: one that cannot be read is reported before anything slow starts.
-  if (wanted("frames")) bench.frame_rows = time_frames(args, contenders, stop);
-  if (wanted("speed"))
-    bench.speed = lab::measure_speed(networks, bench.speed_options, Bar("speed", stop));
-  if (bench.accuracy || bench.gravity)
-    bench.label_rows = lab::measure_labels(classifiers, bench.labels, Bar("labels", stop));
+  if (wanted("frames")) time_frames(args, contenders, stop, timings);
+  if (wanted("speed")) {
+    const lab::SpeedBench bench =
+        lab::measure_speed(networks, {args.seed, args.rounds, threads}, Bar("speed", stop));
+    for (const lab::SpeedRow& row : bench.speed) timings.add("speed", json_of(row));
+    for (const lab::ReferenceRow& row : bench.reference) timings.add("reference", json_of(row));
+  }
+  if (wanted("accuracy") || wanted("gravity"))
+    for (const lab::LabelRow& row :
+         lab::measure_labels(classifiers, of_labels, Bar("labels", stop))) {
+      Json json = {{"clouds", row.set},
+                   {"classifier", row.classifier},
+                   {"level", json_of_accuracy(row.level)}};
+      if (wanted("gravity")) json["tilted"] = json_of_accuracy(row.tilted);
+      results.add("labels", json);
+    }
   if (wanted("chain"))
-    bench.chain_rows = lab::measure_chain(classifiers, args.input.pipeline.segment, bench.labels,
-                                          Bar("chain", stop));
-  return bench;
-}
-
-void write_files(const lab::ClassifierBench& bench, const fs::path& dir) {
-  make_output_dir(dir);
-  if (const auto tables = lab::result_tables(bench); !tables.empty()) {
-    write_file_text(dir / "classifier.md", joined(tables, lab::to_markdown));
-    write_file_text(dir / "classifier.json", lab::results_json(bench));
-  }
-  if (const auto tables = lab::timing_tables(bench); !tables.empty()) {
-    write_file_text(dir / "classifier.timings.md", joined(tables, lab::to_markdown));
-    write_file_text(dir / "classifier.timings.json", lab::timings_json(bench));
-  }
-}
-
-/// Measures networks: prints tables, and writes classifier.json and .md, and what depends on time
-/// to classifier.timings.json and .md. Returns the exit code; throws Cancelled on stop.
-int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop) {
-  if (!args.out.empty()) check_output_dir(args.out);
-  const lab::ClassifierBench bench = measure(args, stop);
-  if (!args.out.empty()) write_files(bench, args.out);
-  if (args.json) {
-    auto json = nlohmann::ordered_json::parse(lab::results_json(bench));
-    json["timings"] = nlohmann::ordered_json::parse(lab::timings_json(bench));
-    fmt::print("{}\n", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
-    return 0;
-  }
-  std::vector<lab::Table> tables = lab::result_tables(bench);
-  for (lab::Table& table : lab::timing_tables(bench)) tables.push_back(std::move(table));
-  fmt::print("{}", joined(tables, lab::to_text));
+    for (const lab::ChainRow& row : lab::measure_chain(classifiers, args.input.pipeline.segment,
+                                                       of_labels, Bar("chain", stop)))
+      results.add("chain", lab::with_metrics({{"noise_cm", row.noise_cm}, {"labels", row.labels}},
+                                             row.metrics));
+  if (wanted("accuracy") || wanted("gravity") || wanted("chain"))
+    deliver(results, args.out, "classifier");
+  if (wanted("speed") || wanted("frames")) deliver(timings, args.out, "classifier.timings");
   return 0;
 }
 
@@ -176,7 +179,6 @@ void define_bench_classifier(CLI::App* bench, Line& line) {
   add_inputs(classifier, args->input, io::recordings_text(true) + " whose frames are timed");
   classifier->remove_option(classifier->get_option("--labels"));
   add_out(classifier, args->out);
-  add_json(classifier, args->json);
   classifier
       ->add_option("--weights", args->weights,
                    wrapped("Networks to measure, side by side: gcn, the one that comes with "

@@ -1,3 +1,5 @@
+// planescope-lab bench desktop: how quick the window is, off-screen.
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,20 +13,18 @@
 #include "app/desktop/window.hpp"
 #include "app/lab/lab.hpp"
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 
 namespace planescope::app {
 namespace {
 
 using namespace desktop;
-using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 struct BenchDesktopArgs {
   ViewArgs view;              // recording, options, size of the window
   int steps = 500;            // of the scrub
-  std::filesystem::path out;  // desktop.json is written there; empty: nowhere
-  bool json = false;
+  std::string command;        // as it was typed
+  std::filesystem::path out;  // -o; empty: stdout
 };
 
 constexpr int kTicks = 60;  // of a slider
@@ -35,11 +35,6 @@ struct Times {
   void add(Clock::time_point since) {
     ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - since).count());
   }
-  double at(double share) const {
-    std::vector<double> sorted = ms;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-  }
 };
 
 /// One frame, drawn to the end.
@@ -48,18 +43,6 @@ void time_frame(Offscreen& window, Times& times) {
   window.draw_frame();
   window.finish();
   times.add(start);
-}
-
-Json to_json(const Times& times, const Times& empty) {
-  return {{"median_ms", times.at(0.5)},
-          {"p99_ms", times.at(0.99)},
-          {"median_ratio", times.at(0.5) / empty.at(0.5)},
-          {"p99_ratio", times.at(0.99) / empty.at(0.99)}};
-}
-
-void print_row(const char* what, const Times& times, const Times& empty) {
-  fmt::print("{:<34} {:>8.1f} ms {:>8.1f} ms {:>8.2f} x {:>8.2f} x\n", what, times.at(0.5),
-             times.at(0.99), times.at(0.5) / empty.at(0.5), times.at(0.99) / empty.at(0.99));
 }
 
 /// The same as if nothing of it stood there yet.
@@ -119,31 +102,15 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
     }
   }
 
-  if (!args.out.empty() || args.json) {
-    Json json = {{"schema", "planescope.bench.desktop/1"},
-                 {"width", view.width},
-                 {"height", view.height},
-                 {"voxels", run->subject->voxel_count()},
-                 {"steps", args.steps},
-                 {"empty", to_json(empty, empty)},
-                 {"scrub", to_json(scrub, empty)},
-                 {"jump", to_json(jump, empty)},
-                 {"slider", to_json(tick, empty)}};
-    const std::string text = json.dump(2) + '\n';
-    if (args.json) fmt::print("{}", text);
-    if (!args.out.empty()) {
-      make_output_dir(args.out);
-      write_file_text(args.out / "desktop.json", text);
-    }
-  }
-  if (args.json) return 0;
-  fmt::print("{} x {}, {} voxels; ratios are to an empty window of the same size\n\n", view.width,
-             view.height, run->subject->voxel_count());
-  fmt::print("{:<34} {:>11} {:>11} {:>10} {:>10}\n", "", "median", "99 %", "median", "99 %");
-  print_row("empty window", empty, empty);
-  print_row("one step on", scrub, empty);
-  print_row("a step anywhere in the trace", jump, empty);
-  print_row("a tick of a slider, run and shown", tick, empty);
+  lab::ResultLines lines(
+      "desktop", args.command, {},
+      {{"width", view.width}, {"height", view.height}, {"voxels", run->subject->voxel_count()}});
+  for (const auto& [what, times] :
+       {std::pair("empty window", &empty), std::pair("one step on", &scrub),
+        std::pair("a step anywhere in the trace", &jump),
+        std::pair("a tick of a slider, run and shown", &tick)})
+    lines.add("times", {{"what", what}, {"ms", times->ms}});
+  deliver(lines, args.out, "desktop");
   return 0;
 }
 
@@ -158,12 +125,12 @@ void define_bench_desktop(CLI::App* bench, Line& line) {
   ViewArgs& view = args->view;
   add_inputs(command, view.input, io::recordings_text(false));
   add_out(command, args->out);
-  add_json(command, args->json);
   add(command, "--steps", args->steps, "N", "Steps of the scrub, default 500")->transform(whole(1));
   add_size(command, view.width, view.height, "Of the window in pixels, default 1440x900", 640, 400);
   add_method(command, view.input.pipeline);
   command->remove_option(command->get_option("--method"));
-  runs(command, line, args, run_bench_desktop, [args] {
+  runs(command, line, args, run_bench_desktop, [args, &line] {
+    args->command = line.text;
     expect_ours(args->view.input.pipeline, "bench desktop");
     args->view.fresh = true;
   });

@@ -1,37 +1,41 @@
-#include "app/lab/bench_paper.hpp"
+// planescope-lab bench paper: cells, sizes of real recordings' frames, and times.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <filesystem>
+#include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
+#include "app/commands/inputs.hpp"
 #include "app/lab/lab.hpp"
-#include "app/lab/lists.hpp"
+#include "core/lab/bench/classifier_bench.hpp"
 #include "core/lab/experiments/measure_paper.hpp"
-#include "core/lab/experiments/paper_markdown.hpp"
-#include "core/lab/experiments/paper_page.hpp"
-#include "core/lab/experiments/paper_plan.hpp"
-#include "core/lab/experiments/paper_tables.hpp"
-#include "core/lab/experiments/results.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
-#include "render/renderer.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
-const std::vector<std::string> kPaperParts = {"tables", "timings", "figures"};
+const std::vector<std::string> kPaperParts = {"tables", "timings"};
+
+/// A real recording under the name that it has in tables.
+struct PaperRecording {
+  std::string name;
+  InputArgs input;
+};
 
 struct BenchPaperArgs {
   InputArgs input;                         // recordings as they are typed
@@ -45,42 +49,173 @@ struct BenchPaperArgs {
   bool quick = false;             // fewer frames and conditions
   bool resume = false;
   int threads = all_cores();
-  std::filesystem::path out;   // -o
-  std::filesystem::path from;  // results that are there: nothing is measured
-  std::filesystem::path doc;   // with `from`: the file of docs/reproduction.md
-  bool json = false;
-  std::string same_command;  // measures the same again; without folders, which are this machine's
+  std::filesystem::path out;  // -o
+  std::string same_command;   // measures the same again; without folders, which are this machine's
 };
 
-/// What was measured, now or before.
-struct Measured {
-  lab::PaperResults results;
-  std::optional<lab::PaperTimings> timings;
+// ---- Cells as they are measured ----
+
+/// DIR/cells.jsonl: a line that tells the run, then one for each cell, so that a run that was cut
+/// short can resume where it stopped.
+class CellLog {
+ public:
+  /// Throws Error where there is a run and `resume` is not set, or where it is another run: of
+  /// other seeds, weights, build or size than the first line `run` of results.
+  CellLog(const fs::path& dir, const std::string& run, bool resume) : file_(dir / "cells.jsonl") {
+    const Json identity = identity_of(Json::parse(run));
+    std::string text = identity.dump() + "\n";
+    if (fs::exists(file_)) {
+      if (!resume)
+        throw Error(dir.string() +
+                    ": holds a run that is not done, go on with it by --resume or give another -o");
+      std::ifstream in = open_to_read(file_);
+      int number = 0;
+      // A last line that was cut is dropped.
+      for (std::string line; std::getline(in, line) && !in.eof();) {
+        const std::string where = fmt::format("{}, line {}", file_.string(), ++number);
+        const Json json = parse_json<Json>(line, where);
+        if (number == 1) {
+          check_same_run(json, identity);
+          continue;
+        }
+        if (!json.is_object() || !json.contains("key")) throw Error(where + ": is no cell");
+        lines_[json["key"].dump()] = line + '\n';
+        text += line + '\n';
+      }
+    }
+    write_file_text(file_, text, Durable::yes);
+  }
+
+  bool has(const lab::CellKey& key) const { return lines_.contains(json_of(key).dump()); }
+  const std::string& line(const lab::CellKey& key) const { return lines_.at(json_of(key).dump()); }
+  void append(std::span<const lab::Cell> cells) {
+    std::ofstream file(file_, std::ios::app | std::ios::binary);
+    for (const lab::Cell& cell : cells) {
+      const Json key = json_of(cell.key);
+      file << (lines_[key.dump()] = lab::result_line(
+                   "cell",
+                   lab::with_metrics({{"key", key}, {"frames", cell.frames}}, cell.metrics)));
+    }
+    file.flush();
+    if (!file) throw Error(file_.string() + ": not all of it could be written (disk full?)");
+  }
+  /// The results are written elsewhere.
+  void remove() {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+
+ private:
+  /// Everything that must agree for cells to belong to one run.
+  static Json identity_of(const Json& run) {
+    Json identity;
+    for (const char* name :
+         {"seed", "tuning_seed", "quick", "count", "version", "commit", "modified"})
+      identity[name] = run.at(name);
+    identity["weights"] = run.at("weights").at("sha256");
+    return identity;
+  }
+  void check_same_run(const Json& found, const Json& expected) const {
+    for (const auto& [name, value] : expected.items())
+      if (const Json other = found.is_object() ? found.value(name, Json()) : Json(); other != value)
+        throw Error(fmt::format(
+            "{}: is of a run with {} {}, expected {}; give another -o, or remove the file",
+            file_.string(), name, other.dump(), value.dump()));
+  }
+
+  fs::path file_;
+  std::map<std::string, std::string> lines_;  // by key
 };
 
-/// Pages of what is there. Without figures the page has none.
-void write_pages(const fs::path& dir,
-                 const Measured& m,
-                 const std::vector<lab::PaperFigure>& figures) {
-  write_file_text(dir / "paper.md", lab::paper_markdown(m.results));
-  if (m.timings)
-    write_file_text(dir / "paper.timings.md",
-                    joined(lab::timing_tables(*m.timings), lab::to_markdown));
-  for (const lab::PaperFigure& figure : figures)
-    for (const lab::PaperPicture& picture : figure.pictures)
-      write_file_bytes(dir / picture.png, picture.bytes);
-  write_file_text(dir / "index.html",
-                  lab::paper_page(m.results, m.timings ? &*m.timings : nullptr, figures));
+// ---- Real recordings ----
+
+struct RealInput {
+  std::string name;
+  OpenInput input;
+  planes::PipelineOptions options;  // of one thread
+};
+
+/// Opens all, and takes at most `frames` of each, evenly spread.
+std::vector<RealInput> open_real(std::span<const PaperRecording> recordings, int frames) {
+  std::vector<RealInput> opened;
+  for (const PaperRecording& recording : recordings) {
+    RealInput& real = opened.emplace_back(RealInput{
+        recording.name, std::move(open_inputs(recording.input)[0]), recording.input.pipeline});
+    real.options.threads = 1;
+    real.input.frames = spread(real.input.frames, frames);
+  }
+  return opened;
 }
 
-/// Throws Error where the folder holds anything that is not from an earlier run: a recording, say.
-void check_own(const fs::path& dir) {
-  if (!fs::exists(dir) || fs::is_empty(dir)) return;
-  for (const char* own : {"cells.jsonl", "paper.json", "paper.timings.json", "paper.md"})
-    if (fs::exists(dir / own)) return;
-  throw Error("output " + dir.string() +
-              ": holds other files, expected an empty folder or one of bench paper");
+/// Sizes of its frames, means over them: what the paper's table IV has. The same for any number of
+/// threads.
+Json sizes_of(const RealInput& real,
+              const planes::Classifier& classifier,
+              int threads,
+              const std::function<void(int, int)>& progress) {
+  struct Sizes {
+    double n_m = 0, n_d = 0, planes = 0;
+  };
+  std::vector<std::optional<Sizes>> of_frames(real.input.frames.size());
+  const auto measure = [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    try {
+      const planes::FrameResult result =
+          run_input_frame(real.input, real.input.frames[k], real.options, &classifier, false)
+              .result;
+      of_frames[k] = {static_cast<double>(result.cloud.counts.kept),
+                      static_cast<double>(result.voxels.points.size()),
+                      static_cast<double>(result.segmentation.planes.size())};
+    } catch (const FrameRefused&) {
+      // Counted below: nothing tells which way is down there.
+    }
+  };
+  work_through(static_cast<int>(of_frames.size()), threads, measure, progress);
+
+  int frames = 0;
+  Sizes sum;
+  for (const std::optional<Sizes>& sizes : of_frames) {
+    if (!sizes) continue;
+    ++frames;
+    sum.n_m += sizes->n_m;
+    sum.n_d += sizes->n_d;
+    sum.planes += sizes->planes;
+  }
+  const double divisor = std::max(1, frames);
+  return {{"recording", real.name},
+          {"frames", frames},
+          {"refused", std::ssize(of_frames) - frames},
+          {"n_m", sum.n_m / divisor},
+          {"n_d", sum.n_d / divisor},
+          {"planes", sum.planes / divisor}};
 }
+
+/// Of the frames whose gravity is known, `runs` runs.
+Json times_of(const RealInput& real,
+              const planes::Classifier& classifier,
+              int threads,
+              int runs,
+              const std::function<void(int, int)>& progress) {
+  planes::PipelineOptions options = real.options;
+  std::vector<int> frames;
+  for (const int frame : real.input.frames) {
+    try {
+      planes::resolve_gravity(real.input.recording->frame(frame), options.gravity);
+      frames.push_back(frame);
+    } catch (const Error&) {
+      // Refused, as table IV's sizes say.
+    }
+  }
+  options.threads = threads;
+  lab::FrameRow row;
+  if (!frames.empty())
+    row = lab::measure_frames(*real.input.recording, frames, options, classifier, progress, runs);
+  return {{"recording", real.name},  {"frames", frames.size()}, {"t_d_ms", row.ms.t_d_ms},
+          {"t_c_ms", row.ms.t_c_ms}, {"t_b_ms", row.ms.t_b_ms}, {"t_s_ms", row.ms.t_s_ms},
+          {"fps", row.fps}};
+}
+
+// ---- The run ----
 
 class PaperRun {
  public:
@@ -89,57 +224,19 @@ class PaperRun {
 
   int run() {
     check_output_dir(args_.out);
-    check_own(args_.out);
-    Measured measured = args_.from.empty() ? measure() : recorded(args_.from);
+    // Damaged input is found before anything slow starts.
+    load_classifiers();
+    real_ = open_real(args_.recordings, args_.quick ? 3 : 30);
     make_output_dir(args_.out);
-    write_pages(args_.out, measured, {});
-    const bool drawn = !wanted("figures") || !is_of_this_build(measured.results) || draw(measured);
-    if (log_) log_->finish();
-    tell(measured);
-    return drawn ? 0 : 3;
+    if (wanted("tables")) measure_tables();
+    if (wanted("timings")) measure_times();
+    return 0;
   }
 
  private:
   bool wanted(const char* part) const { return args_.parts.contains(part); }
   void check_stop() const {
     if (stop_.stop_requested()) throw Cancelled();
-  }
-
-  /// Pictures of another build, or with other weights, would show what the tables do not say.
-  bool is_of_this_build(const lab::PaperResults& results) const {
-    const report::BuildInfo now = report::build_info();
-    return results.build.commit == now.commit && results.build.modified == now.modified &&
-           (weights_.sha256.empty() || results.weights.sha256 == weights_.sha256);
-  }
-
-  static Measured recorded(const fs::path& dir) {
-    Measured measured{lab::read_results(dir), std::nullopt};
-    if (fs::exists(dir / "paper.timings.json")) measured.timings = lab::read_timings(dir);
-    return measured;
-  }
-
-  Measured measure() {
-    // Damaged input is found before anything slow starts.
-    load_classifiers();
-    const std::vector<RealInput> real = open_real(args_.recordings, args_.quick ? 3 : 30);
-    make_output_dir(args_.out);
-    Measured measured;
-    // What is not asked for stays as it was measured before.
-    measured.results = start_results();
-    if (!wanted("tables") && fs::exists(args_.out / "paper.json")) {
-      measured.results = lab::read_results(args_.out);
-      if (!is_of_this_build(measured.results))
-        throw Error(
-            fmt::format("{}: measured by commit {} with weights {}, this is commit {} with "
-                        "weights {}; measure its tables as well, or give another -o",
-                        (args_.out / "paper.json").string(), measured.results.build.commit,
-                        measured.results.weights.file, report::build_info().commit, weights_.file));
-    }
-    if (!wanted("timings") && fs::exists(args_.out / "paper.timings.json"))
-      measured.timings = lab::read_timings(args_.out);
-    if (wanted("tables")) measure_tables(real, measured.results);
-    if (wanted("timings")) measured.timings = measure_times(real);
-    return measured;
   }
 
   void load_classifiers() {
@@ -156,46 +253,35 @@ class PaperRun {
     if (wanted("tables")) tools_.real_labelled = lab::read_real_labelled(args_.data);
   }
 
-  lab::PaperResults start_results() const {
-    lab::PaperResults results;
-    results.command = args_.same_command;
-    results.build = report::build_info();
-    results.weights = weights_;
-    results.seed = args_.seed;
-    results.tuning_seed = args_.tuning_seed;
-    results.quick = args_.quick;
-    results.count = args_.count;
-    return results;
-  }
-
-  void measure_tables(const std::vector<RealInput>& real, lab::PaperResults& results) {
-    log_.emplace(args_.out, results, args_.resume);
-    measure_all(*log_);
-    for (const RealInput& input : real) {
+  void measure_tables() {
+    lab::ResultLines lines("paper", args_.same_command, weights_,
+                           {{"seed", args_.seed},
+                            {"tuning_seed", args_.tuning_seed},
+                            {"quick", args_.quick},
+                            {"count", args_.count}});
+    CellLog log(args_.out, lines.text(), args_.resume);
+    const lab::PaperPlan plan{args_.seed,  args_.tuning_seed, args_.sets,
+                              args_.count, args_.quick,       tools_.real_labelled.has_value()};
+    measure_all(plan, log);
+    for (const RealInput& input : real_) {
       Progress bar(input.name, static_cast<int>(input.input.frames.size()));
-      results.real.push_back(measure_real(input, *tools_.gcn, args_.threads, [&](int done, int) {
-        check_stop();
-        bar.show(done, "");
-      }));
+      lines.add("real", sizes_of(input, *tools_.gcn, args_.threads, [&](int done, int) {
+                  check_stop();
+                  bar.show(done, "");
+                }));
     }
-    for (const lab::CellKey& key : plan())
-      results.cells.push_back(*std::ranges::find(log_->cells(), key, &lab::Cell::key));
-    lab::write_results(args_.out, results);
-  }
-
-  std::vector<lab::CellKey> plan() const { return lab::planned_cells(paper_plan()); }
-  lab::PaperPlan paper_plan() const {
-    return {args_.seed,  args_.tuning_seed, args_.sets,
-            args_.count, args_.quick,       tools_.real_labelled.has_value()};
+    for (const lab::EvaluationSet& set : lab::evaluation_sets())
+      lines.add("set", {{"set", set.name}, {"meaning", set.meaning}});
+    for (const lab::CellKey& key : lab::planned_cells(plan)) lines.append(log.line(key));
+    deliver(lines, args_.out, "paper");
+    log.remove();
   }
 
   /// Every planned cell that the log has not yet, frames by frames.
-  void measure_all(lab::CellLog& log) {
-    std::vector<lab::CellKey> left = plan();
+  void measure_all(const lab::PaperPlan& plan, CellLog& log) {
+    std::vector<lab::CellKey> left = lab::planned_cells(plan);
     const auto all = static_cast<int>(left.size());
-    std::erase_if(left, [&](const lab::CellKey& key) {
-      return std::ranges::find(log.cells(), key, &lab::Cell::key) != log.cells().end();
-    });
+    std::erase_if(left, [&](const lab::CellKey& key) { return log.has(key); });
     Progress bar("cells", all);
     while (!left.empty()) {
       const lab::CellKey first = left[0];
@@ -207,7 +293,7 @@ class PaperRun {
       const int before = all - static_cast<int>(left.size() + group.size());
       const std::string name = lab::frames_name(first);
       log.append(lab::measure_cells(
-          group, lab::planned_frames(paper_plan(), first.set), tools_, [&](int done, int frames) {
+          group, lab::planned_frames(plan, first.set), tools_, [&](int done, int frames) {
             check_stop();
             bar.show(before, fmt::format("{}, frame {}/{}", name, done, frames));
           }));
@@ -215,103 +301,65 @@ class PaperRun {
     }
   }
 
-  lab::PaperTimings measure_times(const std::vector<RealInput>& real) {
-    lab::PaperTimings timings;
-    timings.command = args_.same_command;
-    timings.machine = lab::this_machine();
-    timings.threads = args_.threads;
-    const auto counted = args_.count > 0 ? args_.count : 20;
+  void measure_times() {
+    lab::ResultLines lines(
+        "paper.timings", args_.same_command, weights_,
+        {{"machine", lab::machine_json(lab::this_machine())}, {"threads", args_.threads}});
     lab::TimingOptions options;
     options.seed = args_.seed;
     options.threads = args_.threads;
-    options.rounds = std::min(counted, args_.quick ? 5 : 20);
+    options.rounds = std::min(args_.count > 0 ? args_.count : 20, args_.quick ? 5 : 20);
     options.before_turn = [this] { check_stop(); };
     {
-      Progress bar("timings", 2 + static_cast<int>(real.size()));
+      const auto real = static_cast<int>(real_.size());
+      Progress bar("timings", 2 + real);
       bar.show(0, "classifiers");
-      timings.classifiers = lab::classifier_timings(tools_, options);
+      lab::time_classifiers(tools_, options, lines);
       bar.show(1, "methods");
-      timings.methods = lab::method_timings(tools_, options);
-      for (const RealInput& input : real) {
-        bar.show(2 + static_cast<int>(timings.real.size()), input.name);
-        timings.real.push_back(time_real(input, *tools_.gcn, args_.threads, args_.quick ? 5 : 30,
-                                         [&](int, int) { check_stop(); }));
+      lab::time_methods(tools_, options, lines);
+      for (int i = 0; i < real; ++i) {
+        bar.show(2 + i, real_[i].name);
+        lines.add("real_time", times_of(real_[i], *tools_.gcn, args_.threads, args_.quick ? 5 : 30,
+                                        [&](int, int) { check_stop(); }));
       }
     }
-    lab::write_timings(args_.out, timings);
-    return timings;
-  }
-
-  /// False where nothing can be drawn here.
-  bool draw(const Measured& measured) {
-    std::unique_ptr<render::GlContext> context;
-    std::unique_ptr<render::Renderer> renderer;
-    try {
-      context = render::make_egl_context();
-      renderer = std::make_unique<render::Renderer>();
-    } catch (const Error& error) {
-      notice("no figures: {}", error.what());
-      return false;
-    }
-    Progress bar("figures", 1);
-    PaperFigureArgs figure_args;
-    figure_args.recordings = args_.recordings;
-    figure_args.weights = args_.weights;
-    figure_args.threads = args_.threads;
-    figure_args.stop = stop_;
-    figure_args.progress = [&bar](const std::string& what) { bar.show(0, what); };
-    write_pages(args_.out, measured, draw_paper_figures(figure_args, measured.results, *renderer));
-    renderer.reset();  // before its context
-    return true;
-  }
-
-  void tell(const Measured& m) const {
-    if (args_.json) return tell_json();
-    std::vector<lab::Table> tables;
-    if (const std::vector<lab::Claim> all = lab::claims(m.results); !all.empty())
-      tables.push_back(lab::claim_table(all));
-    for (lab::Table& table : lab::paper_tables(m.results)) tables.push_back(std::move(table));
-    if (m.timings)
-      for (lab::Table& table : lab::timing_tables(*m.timings)) tables.push_back(std::move(table));
-    fmt::print("{}\nAll tables and figures: {}\n", joined(tables, lab::to_text),
-               (args_.out / "index.html").string());
-  }
-
-  void tell_json() const {
-    nlohmann::ordered_json json = nlohmann::ordered_json::object();
-    const fs::path dir = args_.from.empty() ? args_.out : args_.from;
-    for (const char* name : {"paper", "paper.timings"}) {
-      const fs::path file = dir / (std::string(name) + ".json");
-      if (!fs::exists(file)) continue;
-      json[name == std::string("paper") ? "results" : "timings"] =
-          read_json<nlohmann::ordered_json>(file);
-    }
-    fmt::print("{}\n", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
+    deliver(lines, args_.out, "paper.timings");
   }
 
   const BenchPaperArgs& args_;
   std::stop_token stop_;
   lab::CellTools tools_;
   planes::WeightsRecord weights_;
-  std::optional<lab::CellLog> log_;  // until all is done, so that --resume measures no cell again
+  std::vector<RealInput> real_;
 };
 
-/// The paper's experiments: paper.json, .md and index.html, and what depends on time in
-/// paper.timings.json and .md. Returns the exit code, 3 where pictures could not be drawn; throws
+/// The paper's experiments: paper.jsonl, and what depends on time in paper.timings.jsonl. Throws
 /// Cancelled on stop, and what was measured can be gone on with.
 int run_bench_paper(const BenchPaperArgs& args, std::stop_token stop) {
-  if (!args.doc.empty()) {
-    write_file_text(args.doc, lab::reproduction_page(lab::read_results(args.from),
-                                                     lab::read_timings(args.from)));
-    return 0;
-  }
   return PaperRun(args, std::move(stop)).run();
+}
+
+/// Of a list like assets/paper_recordings.txt those that are there below `data`. Throws Error
+/// naming the list and the line that is not understood.
+std::vector<PaperRecording> listed_recordings(const fs::path& list, const fs::path& data) {
+  static const std::vector<std::string> options = {"--frames", "--gravity", "--intrinsics",
+                                                   "--depth-unit"};
+  std::vector<PaperRecording> recordings;
+  read_list(list, [&](std::istringstream& words) {
+    std::string name, path;
+    if (!(words >> name >> path)) throw Error("a name without a path");
+    PaperRecording recording{name, {}};
+    set_listed_options(recording.input, words, options);
+    recording.input.inputs = {data / path};
+    if (fs::exists(data / path)) recordings.push_back(std::move(recording));
+  });
+  return recordings;
 }
 
 /// What is typed, or those of the list that comes with planescope which are below $PLANESCOPE_DATA.
 std::vector<PaperRecording> chosen_recordings(const BenchPaperArgs& args) {
   if (args.input.inputs.empty())
-    return args.data.empty() || !args.from.empty()
+    return args.data.empty()
                ? std::vector<PaperRecording>()
                : listed_recordings(
                      find_asset("paper_recordings.txt", "the list of bench paper's recordings is"),
@@ -336,9 +384,6 @@ std::string same_command(const BenchPaperArgs& args, const CLI::App& typed) {
 }
 
 void finish(BenchPaperArgs& args, const CLI::App& typed) {
-  if (args.doc.empty() && args.out.empty()) throw Error("bench paper needs -o DIR: Output folder");
-  if (!args.doc.empty() && args.from.empty())
-    throw Error("--doc needs the results that it is written from, --from DIR");
   for (const std::string& set : args.sets)
     if (set != lab::kRealLabelled) lab::find_evaluation_set(set);
   if (args.parts.empty()) args.parts = {kPaperParts.begin(), kPaperParts.end()};
@@ -355,8 +400,8 @@ void finish(BenchPaperArgs& args, const CLI::App& typed) {
 void define_bench_paper(CLI::App* bench, Line& line) {
   CLI::App* paper = bench->add_subcommand(
       "paper",
-      "Every experiment of the paper beside its printed numbers, and measures on which methods\n"
-      "really differ: tables, plots and pictures as one page.");
+      "Every experiment of the paper, and measures on which methods really differ. Writes\n"
+      "paper.jsonl and paper.timings.jsonl.");
   const auto args = std::make_shared<BenchPaperArgs>();
   add_inputs(paper, args->input,
              "Recordings for table IV; without, those of assets/paper_recordings.txt that are\n"
@@ -365,13 +410,11 @@ void define_bench_paper(CLI::App* bench, Line& line) {
   add_of_method(paper, args->input.pipeline, "--gravity", "auto|X,Y,Z|imu|estimate",
                 "Of the recordings that are given")
       ->group("Recordings");
-  add_out(paper, args->out);
-  add_json(paper, args->json);
+  add_out(paper, args->out)->required();
   paper->add_flag("--quick", args->quick, "Fewer frames and conditions: under two minutes");
   paper->add_flag("--resume", args->resume, "Go on with the run that was cut short in DIR");
   add_parts(paper, args->parts, kPaperParts,
-            fmt::format("Of {}; the others stay as they are in DIR. Default: all",
-                        fmt::join(kPaperParts, ", ")));
+            fmt::format("Of {}; default: all", fmt::join(kPaperParts, ", ")));
   add(paper, "--seed", args->seed, "N", "Of the sets that the tables are printed for, default 1")
       ->transform(whole(1));
   add(paper, "--tuning-seed", args->tuning_seed, "N",
@@ -383,10 +426,6 @@ void define_bench_paper(CLI::App* bench, Line& line) {
       ->transform(whole(1));
   add(paper, "--weights", args->weights, "gcn|FILE",
       "The network: gcn, the one that comes with planescope (default), or a file");
-  add(paper, "--from", args->from, "DIR",
-      "Measure nothing: write pages of the results there, with figures where\nthey are of this "
-      "commit");
-  add(paper, "--doc", args->doc, "FILE.md", "With --from: write docs/reproduction.md alone");
   add_threads(paper, args->threads);
   runs(paper, line, args, run_bench_paper, [args, paper] { finish(*args, *paper); });
 }

@@ -1,26 +1,29 @@
+// planescope-lab bench real: every method by pixel.
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
+#include "app/commands/inputs.hpp"
 #include "app/lab/lab.hpp"
-#include "app/lab/lists.hpp"
-#include "core/lab/experiments/paper_plan.hpp"
-#include "core/lab/experiments/paper_tables.hpp"
-#include "core/lab/experiments/real_results.hpp"
+#include "core/lab/experiments/measure_real.hpp"
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 const std::vector<std::string> kRealParts = {"frames", "sets", "repeat"};
 
@@ -34,8 +37,7 @@ struct BenchRealArgs {
   std::vector<std::uint64_t> seeds = {1, 2, 3, 4, 5, 6, 1001, 2001};  // of part sets
   int count = 0;  // frames of a set and of repeat's recording at most; 0: all
   int threads = all_cores();
-  fs::path out;  // -o
-  bool json = false;
+  fs::path out;              // -o; empty: stdout
   std::string same_command;  // measures the same again; without folders, which are this machine's
 };
 
@@ -56,7 +58,7 @@ class RealRun {
   RealRun(const BenchRealArgs& args, std::stop_token stop) : args_(args), stop_(std::move(stop)) {}
 
   int run() {
-    check_output_dir(args_.out);
+    if (!args_.out.empty()) check_output_dir(args_.out);
     // What is missing is told before anything slow starts.
     std::vector<lab::EvaluationFrame> frames;
     for (const lab::ListedFrame& listed : args_.frames)
@@ -65,55 +67,67 @@ class RealRun {
     if (wanted("repeat"))
       repeated = io::open_recording(args_.data / kRepeatRecording, repeat_reading().recording);
 
-    lab::RealResults results = start_results();
+    const planes::PipelineOptions options;
+    planes::ChosenClassifier chosen = choose_classifier(options);
+    tools_.gcn = std::move(chosen.classifier);
+    tools_.pca = planes::make_pca_classifier(options.pca);
+    tools_.threads = args_.threads;
+    lab::ResultLines lines("real", args_.same_command, *chosen.weights,
+                           {{"least_true_px", lab::kLeastTruePixels},
+                            {"least_true_voxels", lab::kMinTruthVoxels},
+                            {"least_repeat_px", lab::kLeastRepeatPixels},
+                            {"partner_iou", lab::kPartnerIou}});
     if (wanted("frames"))
-      results.labelled = lab::measure_labelled(args_.frames, frames, tools_, Bar("frames", stop_));
-    if (wanted("sets")) results.sets = measure_sets();
-    if (repeated) {
-      results.repeat = lab::measure_repeat(*repeated, repeat_reading(), args_.count, tools_,
-                                           Bar("repeat", stop_));
-      results.repeat.recording = kRepeatRecording;
-    }
-    make_output_dir(args_.out);
-    const std::string json = lab::real_json(results);
-    write_file_text(args_.out / "real.json", json);
-    write_file_text(args_.out / "real.md", lab::real_markdown(results));
-    fmt::print("{}", args_.json ? json : joined(lab::real_tables(results), lab::to_text));
+      for (const lab::MethodScores& method :
+           lab::measure_labelled(args_.frames, frames, tools_, Bar("frames", stop_)))
+        for (std::size_t i = 0; i < frames.size(); ++i) {
+          Json json = json_of(args_.frames[i].name);
+          json["method"] = lab::contestant_name(method.method);
+          lines.add("labelled", lab::with_metrics(json, method.of_frames[i]));
+        }
+    if (wanted("sets")) measure_sets(lines);
+    if (repeated)
+      for (const lab::RepeatScores& method : lab::measure_repeat(
+               *repeated, repeat_reading(), args_.count, tools_, Bar("repeat", stop_)))
+        lines.add("repeat", {{"recording", kRepeatRecording},
+                             {"method", lab::contestant_name(method.method)},
+                             {"neighbours", list_of(method.neighbours)},
+                             {"floor", list_of(method.floor)}});
+    deliver(lines, args_.out, "real");
     return 0;
   }
 
  private:
   bool wanted(const char* part) const { return args_.parts.contains(part); }
 
-  lab::RealResults start_results() {
-    const planes::PipelineOptions options;
-    planes::ChosenClassifier chosen = choose_classifier(options);
-    tools_.gcn = std::move(chosen.classifier);
-    tools_.pca = planes::make_pca_classifier(options.pca);
-    tools_.threads = args_.threads;
-    lab::RealResults results;
-    results.command = args_.same_command;
-    results.build = report::build_info();
-    results.weights = *chosen.weights;
-    return results;
+  static Json list_of(const auto& values) {
+    Json list = Json::array();
+    for (const auto& value : values) list.push_back(json_of(value));
+    return list;
   }
 
-  std::vector<lab::SetScores> measure_sets() {
+  void measure_sets(lab::ResultLines& lines) {
     std::vector<lab::CellKey> sets;
     for (const char* errors : {"clean", "d435"})
       for (const std::uint64_t seed : args_.seeds)
         for (const std::string& set : lab::depth_sets())
           sets.push_back(lab::depth_of(set, seed, errors));
     Progress bar("sets", static_cast<int>(sets.size()));
-    std::vector<lab::SetScores> scores;
-    for (const lab::CellKey& set : sets)
-      scores.push_back(lab::measure_set(set, args_.count, tools_, [&](int done, int frames) {
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      const lab::CellKey& set = sets[i];
+      const auto show = [&](int done, int frames) {
         if (stop_.stop_requested()) throw Cancelled();
-        bar.show(
-            static_cast<int>(scores.size()),
-            fmt::format("{}, seed {}, frame {}/{}", lab::frames_name(set), set.seed, done, frames));
-      }));
-    return scores;
+        bar.show(static_cast<int>(i), fmt::format("{}, seed {}, frame {}/{}", lab::frames_name(set),
+                                                  set.seed, done, frames));
+      };
+      for (const lab::MethodScores& method : lab::measure_set(set, args_.count, tools_, show))
+        for (const planes::Metrics& metrics : method.of_frames)
+          lines.add("set", lab::with_metrics({{"set", set.set},
+                                              {"errors", set.errors},
+                                              {"seed", set.seed},
+                                              {"method", lab::contestant_name(method.method)}},
+                                             metrics));
+    }
   }
 
   const BenchRealArgs& args_;
@@ -122,9 +136,52 @@ class RealRun {
 };
 
 /// Every method by pixel: on labelled frames, on depth sets of many seeds, from frame to frame.
-/// Writes real.json and real.md, prints the tables, and returns 0; throws Cancelled on stop.
+/// Throws Cancelled on stop.
 int run_bench_real(const BenchRealArgs& args, std::stop_token stop) {
   return RealRun(args, std::move(stop)).run();
+}
+
+// ---- The list of labelled frames ----
+
+lab::Half parse_half(const std::string& text) {
+  for (const lab::Half half : {lab::Half::tuning, lab::Half::printed})
+    if (text == lab::to_string(half)) return half;
+  throw Error("'" + text + "' is not a half, expected tuning or printed");
+}
+
+lab::ListedFrame listed_frame(std::istringstream& words) {
+  static const std::vector<std::string> options = {"--intrinsics", "--depth-unit", "--gravity",
+                                                   "--max-range"};
+  lab::ListedFrame listed;
+  lab::LabelledName& name = listed.name;
+  std::string half, frame;
+  if (!(words >> name.name >> half >> name.recording >> frame))
+    throw Error("expected NAME HALF RECORDING FRAME OPTIONS");
+  name.half = parse_half(half);
+  name.frame = parse_integer(frame, "FRAME");
+  if (name.frame < 0) throw Error("FRAME: " + frame + " is out of range, expected at least 0");
+  InputArgs input;
+  set_listed_options(input, words, options);
+  listed.reading = {input.recording, input.pipeline.gravity, input.pipeline.cloud.max_range_m};
+  return listed;
+}
+
+/// The frames of a list like tests/real/labels/list.txt, of one half or of both. Throws Error
+/// naming the list and the line that is not understood, and where no frame is left.
+std::vector<lab::ListedFrame> labelled_list(const fs::path& list, std::optional<lab::Half> half) {
+  std::vector<lab::ListedFrame> frames;
+  read_list(list, [&](std::istringstream& words) {
+    lab::ListedFrame listed = listed_frame(words);
+    if (std::ranges::any_of(
+            frames, [&](const lab::ListedFrame& f) { return f.name.name == listed.name.name; }))
+      throw Error(listed.name.name + " is there twice");
+    frames.push_back(std::move(listed));
+  });
+  if (half) std::erase_if(frames, [&](const lab::ListedFrame& f) { return f.name.half != *half; });
+  if (frames.empty())
+    throw Error(list.string() + ": no frame" +
+                (half ? fmt::format(" of half {}", lab::to_string(*half)) : ""));
+  return frames;
 }
 
 void finish(BenchRealArgs& args, const CLI::App& typed) {
@@ -161,7 +218,7 @@ void define_bench_real(CLI::App* bench, Line& line) {
   CLI::App* real = bench->add_subcommand(
       "real",
       "Every method by pixel: on labelled frames of real recordings, on depth sets of many seeds,\n"
-      "and from frame to frame of a recording. Writes real.json and real.md.");
+      "and from frame to frame of a recording. With -o: real.jsonl.");
   const auto args = std::make_shared<BenchRealArgs>();
   add(real, "--frames-list", args->frames_list, "FILE",
       "Lines of NAME HALF RECORDING FRAME OPTIONS: the labelled frames, with --intrinsics, "
@@ -169,12 +226,11 @@ void define_bench_real(CLI::App* bench, Line& line) {
   add(real, "--data", args->data, "DIR", "Folder of the recordings; default $PLANESCOPE_DATA");
   add(real, "--labels", args->labels, "DIR",
       "Where the folder NAME holds the labels of each frame that is listed");
-  add_out(real, args->out)->required();
-  add_json(real, args->json);
+  add_out(real, args->out);
   add_parts(real, args->parts, kRealParts,
             fmt::format("Of {}; default: all", fmt::join(kRealParts, ", ")));
   add_read(
-      real, "--half", [args](const std::string& text) { args->half = lab::parse_half(text); },
+      real, "--half", [args](const std::string& text) { args->half = parse_half(text); },
       "tuning|printed", "Listed frames of this half alone; default: both");
   add(real, "--seeds", args->seeds, "N,...", "Of the depth sets, default 1,2,3,4,5,6,1001,2001")
       ->transform(whole(1));

@@ -1,3 +1,5 @@
+// planescope-lab bench speed: how fast everything is.
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <stdlib.h>
@@ -5,22 +7,22 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
-#include "app/lab/allocations.hpp"
 #include "app/lab/lab.hpp"
-#include "app/lab/speed_subjects.hpp"
 #include "core/io/open3d/install.hpp"
-#include "core/lab/bench/speed_page.hpp"
+#include "core/lab/bench/scaling.hpp"
+#include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 
 namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 const std::vector<std::string> kSpeedParts = {"stages", "frames", "scaling", "memory", "start"};
 
@@ -30,8 +32,7 @@ struct BenchSpeedArgs {
   std::set<std::string> parts;  // of kSpeedParts
   int rounds = 20;
   int most_points = 1'000'000;
-  fs::path out;  // -o
-  bool json = false;
+  fs::path out;                              // -o; empty: stdout
   std::string command;                       // as it was typed
   std::vector<std::string> reading_options;  // of it, those that `segment` takes as well
 };
@@ -56,27 +57,70 @@ class ScratchFolder {
   fs::path path_;
 };
 
+/// A recording that is open for as long as its frames are read again.
+struct OpenSubject {
+  OpenInput input;
+  std::vector<int> numbers;  // of the subject's frames in the recording
+  lab::SpeedSubject subject;
+};
+
+constexpr int kMostFrames = 10;
+
+/// Ten of its frames at most, evenly spread. Throws Error where none of these can be read, knows or
+/// tells which way is down, and has anything within range.
+std::shared_ptr<OpenSubject> read_subject(OpenInput input, const planes::PipelineOptions& options) {
+  const auto open = std::make_shared<OpenSubject>();
+  open->input = std::move(input);
+  const io::Recording& recording = *open->input.recording;
+  lab::SpeedSubject& subject = open->subject;
+  subject.name = std::filesystem::absolute(open->input.path / "").parent_path().filename().string();
+  subject.options = options;
+  std::string refusal;
+  for (const int number : spread(open->input.frames, kMostFrames)) {
+    Frame frame = recording.frame(number);
+    try {
+      const Gravity gravity = planes::resolve_gravity(frame, options.gravity);
+      const planes::Cloud cloud = planes::make_cloud(frame, gravity, options.cloud);
+      if (cloud.counts.kept == 0) throw Error("nothing of it is within range");
+    } catch (const Error& error) {
+      refusal = fmt::format("{}, frame {}: {}", open->input.path.string(), number, error.what());
+      continue;
+    }
+    open->numbers.push_back(number);
+    subject.frames.push_back(std::move(frame));
+  }
+  if (subject.frames.empty()) throw Error(refusal);
+  subject.load = [&recording, numbers = open->numbers](std::size_t i) {
+    return recording.frame(numbers[i]);
+  };
+  return open;
+}
+
+/// What is measured where no recording is given, depth_stairs with a camera's errors: the same
+/// bytes everywhere.
+std::shared_ptr<OpenSubject> made_subject(const planes::PipelineOptions& options) {
+  const auto made = std::make_shared<OpenSubject>();
+  const lab::EvaluationSet& set = lab::find_evaluation_set("depth_stairs");
+  made->subject.name = "depth_stairs, d435";
+  made->subject.options = options;
+  for (int i = 0; i < std::min(set.frames, kMostFrames); ++i)
+    made->subject.frames.push_back(
+        lab::make_evaluation_frame(set, i, {.errors = lab::DepthErrors::d435}).frame);
+  return made;
+}
+
 class SpeedRun {
  public:
   SpeedRun(const BenchSpeedArgs& args, std::stop_token stop)
       : args_(args), stop_(std::move(stop)) {}
 
   int run() {
-    check_output_dir(args_.out);
+    if (!args_.out.empty()) check_output_dir(args_.out);
     // What cannot be read or found is told before anything slow starts.
     load_tools();
     read_subjects();
     if (wanted("start")) find_commands();
-    const lab::ChainSpeed speed = measure();
-    make_output_dir(args_.out);
-    const std::string json = lab::speed_json(speed);
-    write_file_text(args_.out / "speed.json", json);
-    write_file_text(args_.out / "index.html", lab::speed_page(speed));
-    if (args_.json)
-      fmt::print("{}", json);
-    else
-      fmt::print("{}\nAll of it as a page: {}\n", joined(lab::speed_tables(speed), lab::to_text),
-                 (args_.out / "index.html").string());
+    deliver(measure(), args_.out, "speed");
     return 0;
   }
 
@@ -145,43 +189,52 @@ class SpeedRun {
     }
   }
 
-  lab::ChainSpeed measure() {
-    lab::ChainSpeed speed;
-    speed.command = args_.command;
-    speed.build = report::build_info();
-    speed.weights = weights_;
-    speed.machine = lab::this_machine();
-    speed.rounds = args_.rounds;
-    speed.threads = tools_.threads;
+  lab::ResultLines measure() {
+    Json facts = {{"machine", lab::machine_json(lab::this_machine())},
+                  {"rounds", args_.rounds},
+                  {"threads", tools_.threads}};
+    if (wanted("stages")) {
+      tools_.peaks = lab::measure_peaks();
+      facts["bytes_per_s"] = tools_.peaks.bytes_per_s;
+      facts["flops_per_s"] = tools_.peaks.flops_per_s;
+    }
+    lab::ResultLines lines("speed", args_.command, weights_, facts);
     for (const auto& open : subjects_) {
       const Frame& first = open->subject.frames[0];
-      speed.subjects.push_back({open->subject.name, static_cast<int>(open->subject.frames.size()),
-                                first.depth.width, first.depth.height});
+      lines.add("subject", {{"name", open->subject.name},
+                            {"frames", open->subject.frames.size()},
+                            {"width", first.depth.width},
+                            {"height", first.depth.height}});
     }
-    if (wanted("stages")) speed.peaks = tools_.peaks = lab::measure_peaks();
-
     bar_.emplace("bench speed", static_cast<int>(args_.parts.size() * subjects_.size()));
-    for (const auto& open : subjects_) measure_subject(open->subject, speed);
-    if (begin("scaling")) speed.scaling = lab::measure_scaling(subjects_[0]->subject, tools_);
+    for (const auto& open : subjects_) measure_subject(open->subject, lines);
+    if (begin("scaling"))
+      for (const lab::Scaling& scaling : lab::measure_scaling(subjects_[0]->subject, tools_))
+        lines.add("scaling", json_of(scaling));
     if (begin("start"))
-      speed.commands =
-          lab::measure_commands(commands_, args_.rounds, [this] { tools_.before("planescope"); });
+      for (const lab::CommandRow& row :
+           lab::measure_commands(commands_, args_.rounds, [this] { tools_.before("planescope"); }))
+        lines.add("command", json_of(row));
     bar_.reset();
-    return speed;
+    return lines;
   }
 
-  void measure_subject(const lab::SpeedSubject& subject, lab::ChainSpeed& speed) {
-    const auto append = [](auto& rows, auto more) {
-      rows.insert(rows.end(), more.begin(), more.end());
+  void measure_subject(const lab::SpeedSubject& subject, lab::ResultLines& lines) {
+    const auto add_rows = [&](const char* kind, const auto& rows) {
+      for (const auto& row : rows) {
+        Json json = {{"recording", subject.name}};
+        json.update(json_of(row));
+        lines.add(kind, json);
+      }
     };
     if (begin("stages")) {
-      append(speed.stages, lab::measure_stages(subject, tools_));
-      append(speed.duels, lab::measure_duels(subject, tools_));
+      add_rows("stage", lab::measure_stages(subject, tools_));
+      add_rows("duel", lab::measure_duels(subject, tools_));
     }
-    if (begin("frames")) append(speed.methods, lab::measure_methods(subject, tools_));
+    if (begin("frames")) add_rows("method", lab::measure_methods(subject, tools_));
     if (begin("memory")) {
-      append(speed.stage_memory, lab::measure_stage_memory(subject, tools_));
-      append(speed.method_memory, lab::measure_method_memory(subject, tools_));
+      add_rows("stage_memory", lab::measure_stage_memory(subject, tools_));
+      add_rows("method_memory", lab::measure_method_memory(subject, tools_));
     }
   }
 
@@ -206,8 +259,7 @@ class SpeedRun {
   int begun_ = 0;  // parts
 };
 
-/// How fast everything is: speed.json and index.html, and the tables on stdout. Returns 0; throws
-/// Cancelled on stop.
+/// Throws Cancelled on stop.
 int run_bench_speed(const BenchSpeedArgs& args, std::stop_token stop) {
   return SpeedRun(args, std::move(stop)).run();
 }
@@ -218,7 +270,7 @@ void define_bench_speed(CLI::App* bench, Line& line) {
   CLI::App* speed = bench->add_subcommand(
       "speed",
       "How fast everything is: each stage beside its floor, whole frames beside other methods,\n"
-      "how times grow, memory, and what it costs to start. Writes speed.json and index.html.");
+      "how times grow, memory, and what it costs to start. With -o: speed.jsonl.");
   const auto args = std::make_shared<BenchSpeedArgs>();
   planes::PipelineOptions& pipeline = args->input.pipeline;
   add_inputs(speed, args->input,
@@ -230,8 +282,7 @@ void define_bench_speed(CLI::App* bench, Line& line) {
                 "Direction in which things fall, as in planescope segment");
   add_of_method(speed, pipeline, "--max-range", "M", "Crop what is farther, default 1.5");
   add_of_method(speed, pipeline, "--voxel", "M", "Edge of the voxel grid, default 0.02");
-  add_out(speed, args->out)->required();
-  add_json(speed, args->json);
+  add_out(speed, args->out);
   add(speed, "--weights", args->weights, "gcn|FILE",
       "The network: gcn, the one that comes with planescope (default), or a file");
   add_parts(speed, args->parts, kSpeedParts,

@@ -1,8 +1,11 @@
+// planescope-lab bench steady: planes under changes that mean nothing, and in the next frame.
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -11,9 +14,8 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/report.hpp"
 #include "app/lab/lab.hpp"
-#include "core/lab/experiments/measure_steady.hpp"
+#include "core/lab/experiments/steady.hpp"
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
@@ -27,17 +29,15 @@ struct BenchSteadyArgs {
   std::set<std::string> only;
   fs::path poses;  // --poses; "none": pixel by pixel; empty: those of the recording
   int turns = 20;
-  fs::path out;  // -o; empty: nothing is written
-  bool json = false;
+  fs::path out;  // -o; empty: stdout
   std::set<lab::SteadyPart> parts;
   std::vector<lab::SteadyMethod> methods;
   std::string same_command;
 };
 
 std::vector<std::string> part_names() {
-  std::vector<std::string> names;
-  for (const lab::SteadyPart part : lab::steady_parts()) names.emplace_back(lab::to_string(part));
-  return names;
+  const auto names = names_of(lab::SteadyPart());
+  return {names.begin(), names.end()};
 }
 
 /// --poses, else the recording's own, else a file poses.tum in its folder.
@@ -57,7 +57,7 @@ lab::FramePoses read_poses(const OpenInput& input, const fs::path& typed) {
   return std::move(paired.poses);
 }
 
-/// Writes steady.json and steady.md, prints the table, and returns 0; throws Cancelled on stop.
+/// Throws Cancelled on stop.
 int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
   if (!args.out.empty()) check_output_dir(args.out);
   InputArgs depth_only = args.input;
@@ -72,17 +72,17 @@ int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
   planes::PipelineOptions ours = args.methods.front().options;
   const planes::ChosenClassifier chosen = choose_classifier(ours);
 
-  lab::SteadyResults results;
-  results.command = args.same_command;
-  results.build = report::build_info();
-  if (chosen.weights) results.weights = *chosen.weights;
+  lab::ResultLines lines("steady", args.same_command,
+                         chosen.weights.value_or(planes::WeightsRecord{}),
+                         {{"same_iou", lab::kSamePlaneIou},
+                          {"partner_iou", lab::kSteadyPartnerIou},
+                          {"big_px", lab::kBigPlanePixels}});
   const std::vector<std::string> names = recording_names(inputs);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const auto units = static_cast<int>(inputs[i].frames.size() * args.methods.size());
     const planes::FrameThreads threads = planes::threads_for_frames(args.input.pipeline, units);
     lab::SteadyJob job;
     job.recording = inputs[i].recording.get();
-    job.name = names[i];
     job.frames = inputs[i].frames;
     job.methods = args.methods;
     for (lab::SteadyMethod& method : job.methods) method.options.threads = threads.pipeline.threads;
@@ -93,17 +93,26 @@ int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
     job.threads = threads.at_once;
     job.progress = Bar("steady", stop);
     job.stop = stop;
-    results.recordings.push_back(lab::measure_steady(job));
-    for (const std::string& line : results.recordings.back().refused)
+    const lab::SteadyScores scores = lab::measure_steady(job);
+    for (const std::string& line : scores.refused)
       notice("left out: {}, {}", inputs[i].path.string(), line);
+    lines.add(
+        "recording",
+        {{"recording", names[i]}, {"poses", !job.poses.empty()}, {"refused", scores.refused}});
+    for (const lab::SteadyRow& row : scores.rows)
+      for (const lab::SteadyRow::OfFrame& frame : row.frames)
+        for (const lab::SteadyPair& pair : frame.pairs) {
+          nlohmann::ordered_json json = {
+              {"recording", names[i]},
+              {"part", names_of(row.part)[static_cast<std::size_t>(row.part)]},
+              {"change", row.change},
+              {"method", row.method},
+              {"frame", frame.frame}};
+          json.update(json_of(pair));
+          lines.add("pair", json);
+        }
   }
-  const std::string json = lab::steady_json(results);
-  if (!args.out.empty()) {
-    make_output_dir(args.out);
-    write_file_text(args.out / "steady.json", json);
-    write_file_text(args.out / "steady.md", lab::steady_markdown(results));
-  }
-  fmt::print("{}", args.json ? json : lab::to_text(lab::steady_table(results)));
+  deliver(lines, args.out, "steady");
   return 0;
 }
 
@@ -119,13 +128,7 @@ std::vector<lab::SteadyMethod> methods_to_measure(const CLI::App& command,
   const bool one_method =
       !typed_values(command, "--method").empty() || typed.method != planes::Method::ours;
   std::vector<lab::SteadyMethod> methods;
-  for (const planes::Method method : planes::built_methods()) {
-    if (one_method && method != typed.method) continue;
-    if (method != planes::Method::ours) {
-      methods.push_back({planes::to_string(method), typed});
-      methods.back().options.method = method;
-      continue;
-    }
+  if (!one_method || typed.method == planes::Method::ours) {
     std::vector<std::string> profiles = typed_values(command, "--profile");
     for (const std::string& assignment : set)
       if (assignment.starts_with("profile=")) profiles = {assignment.substr(8)};
@@ -137,16 +140,26 @@ std::vector<lab::SteadyMethod> methods_to_measure(const CLI::App& command,
       methods.push_back({"ours " + fs::path(profile).filename().string(), options});
     }
   }
+  for (const std::string& name : lab::rival_names(/*images=*/true)) {
+    lab::SteadyMethod method{name, typed, lab::find_library_rival(name)};
+    method.options.method =
+        method.rival ? planes::Method::region_growing : planes::parse_method(name);
+    if (one_method ? !method.rival && method.options.method == typed.method : true)
+      methods.push_back(method);
+  }
   return methods;
 }
 
 void finish(BenchSteadyArgs& args, const CLI::App& typed) {
   const planes::PipelineOptions& pipeline = args.input.pipeline;
   const bool knows_gravity = pipeline.gravity.mode != planes::GravityMode::none;
-  for (const lab::SteadyPart part : lab::steady_parts())
+  const std::vector<std::string> names = part_names();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto part = static_cast<lab::SteadyPart>(i);
     if (args.only.empty() ? part != lab::SteadyPart::gravity || knows_gravity
-                          : args.only.contains(lab::to_string(part)))
+                          : args.only.contains(names[i]))
       args.parts.insert(part);
+  }
   if (!knows_gravity && args.parts.contains(lab::SteadyPart::gravity))
     throw Error("--only gravity: turns gravity, which --gravity none leaves unknown");
   if (pipeline.classifier == "truth")
@@ -173,12 +186,11 @@ void define_bench_steady(CLI::App* bench, Line& line) {
       "steady",
       "How many planes stay the same under changes that mean nothing, and in the next frame:\n"
       "ours (profiles paper and refined) and every other method. Measures every 8th frame\n"
-      "unless --frames says otherwise. With -o: steady.json and steady.md.");
+      "unless --frames says otherwise. With -o: steady.jsonl.");
   const auto args = std::make_shared<BenchSteadyArgs>();
   args->input.frames.step = 8;
   add_inputs(steady, args->input, "Recordings of depth images");
   add_out(steady, args->out);
-  add_json(steady, args->json);
   add_parts(steady, args->only, part_names(),
             fmt::format("Only these changes: {}; default all", fmt::join(part_names(), ", ")));
   add(steady, "--poses", args->poses, "FILE|none",

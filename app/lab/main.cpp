@@ -3,13 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 
+#include "app/cli/output.hpp"
 #include "app/cli/program.hpp"
 #include "app/commands/train.hpp"
 #include "app/lab/lab.hpp"
 #include "core/io/open3d/install.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::app {
 namespace {
@@ -45,6 +48,27 @@ std::filesystem::path data_folder() {
   if (!std::filesystem::is_directory(data))
     throw Error(std::string("PLANESCOPE_DATA: ") + data + " is not a folder");
   return data;
+}
+
+std::vector<int> spread(std::span<const int> frames, int most) {
+  const std::size_t used = std::min(frames.size(), static_cast<std::size_t>(most));
+  std::vector<int> spread;
+  for (std::size_t i = 0; i < used; ++i) spread.push_back(frames[i * frames.size() / used]);
+  return spread;
+}
+
+void deliver(const lab::ResultLines& lines,
+             const std::filesystem::path& dir,
+             const std::string& name) {
+  if (dir.empty()) {
+    fmt::print("{}", lines.text());
+    return;
+  }
+  make_output_dir(dir);
+  const std::filesystem::path file = dir / (name + ".jsonl");
+  write_file_text(file, lines.text());
+  fmt::print("{}: {} lines; scripts/typeset prints them as tables\n", file.string(),
+             std::ranges::count(lines.text(), '\n'));
 }
 
 }  // namespace planescope::app

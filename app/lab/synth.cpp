@@ -16,10 +16,9 @@
 #include "app/commands/train.hpp"
 #include "app/lab/lab.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
+#include "core/lab/bench/stairs_bench.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/lab/synthetic/sample.hpp"
-#include "core/lab/synthetic/seen_steps.hpp"
-#include "core/lab/synthetic/stairs.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -30,72 +29,6 @@ namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct NamedCloud {
-  std::string name;
-  PointSet cloud;
-};
-
-/// DIR/NAME.ply for each of `count` clouds. Returns how many there are: fewer where stopped.
-int write_clouds(const std::filesystem::path& dir,
-                 const std::string& task,
-                 int count,
-                 int threads,
-                 const std::stop_token& stop,
-                 const std::function<NamedCloud(int)>& make_cloud) {
-  make_output_dir(dir);
-  std::atomic<int> done = 0;
-  Progress progress(task, count);
-  const auto make = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
-      const NamedCloud made = make_cloud(static_cast<int>(i));
-      io::write_ply(dir / (made.name + ".ply"), made.cloud);
-      ++done;
-      if (begin == 0) progress.show(done, "");  // one thread speaks for all
-    }
-  };
-  parallel_for(static_cast<std::size_t>(count), threads, make, 1);
-  return done;
-}
-
-struct SynthStairsArgs {
-  std::filesystem::path out;  // -o
-  int count = 100;
-  lab::StairsOptions stairs;
-  int threads = all_cores();
-};
-
-/// Writes the paper's evaluation set: DIR/stairs_000.ply and so on, with label and instance.
-int run_synth_stairs(const SynthStairsArgs& args, std::stop_token stop) {
-  check_output_dir(args.out);
-  const auto make = [&](int i) {
-    return NamedCloud{fmt::format("stairs_{:03}", i), lab::make_stairs(i, args.stairs).cloud};
-  };
-  const int done = write_clouds(args.out, "synth stairs", args.count, args.threads, stop, make);
-  fmt::print("{}: {} stairs\n", args.out.string(), done);
-  if (stop.stop_requested()) throw Cancelled();
-  return 0;
-}
-
-void define_stairs(CLI::App* synth, Line& line) {
-  CLI::App* command = synth->add_subcommand(
-      "stairs", "The paper's evaluation set: stairs as PLY clouds with label and instance");
-  const auto args = std::make_shared<SynthStairsArgs>();
-  lab::StairsOptions& stairs = args->stairs;
-  add_out(command, args->out)->required();
-  add(command, "--count", args->count, "N", "How many stairs, default 100")->transform(whole(1));
-  add(command, "--points", stairs.points, "N", "Points of each, default 8192; 0 = dense sampling")
-      ->transform(whole(0));
-  add(command, "--noise", stairs.noise_m, "M",
-      "Standard deviation of the noise, added after the sampling; default 0")
-      ->check(number(0));
-  add(command, "--seed", stairs.seed, "N", "Another seed makes another set, default 1")
-      ->transform(whole(0));
-  command->add_flag_callback(
-      "--axis-aligned", [&stairs] { stairs.random_yaw = false; }, "Do not turn the stairs about z");
-  add_threads(command, args->threads);
-  runs(command, line, args, run_synth_stairs);
-}
 
 struct SynthSetArgs {
   std::filesystem::path out;  // -o
@@ -109,13 +42,24 @@ struct SynthSetArgs {
   int threads = all_cores();  // clouds
 };
 
+/// DIR/NAME.ply for each cloud.
 int write_set_clouds(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
-  const auto make = [&](int i) {
-    lab::EvaluationFrame made = lab::make_evaluation_frame(args.set, i, args.options);
-    return NamedCloud{std::move(made.name), std::move(*made.frame.cloud)};
-  };
-  const int done = write_clouds(args.out, task, args.count, args.threads, stop, make);
-  fmt::print("{}: {} clouds of {}\n", args.out.string(), done, args.set.name);
+  make_output_dir(args.out);
+  std::atomic<int> done = 0;
+  {
+    Progress progress(task, args.count);
+    const auto make = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
+        const lab::EvaluationFrame made =
+            lab::make_evaluation_frame(args.set, static_cast<int>(i), args.options);
+        io::write_ply(args.out / (made.name + ".ply"), *made.frame.cloud);
+        ++done;
+        if (begin == 0) progress.show(done, "");  // one thread speaks for all
+      }
+    };
+    parallel_for(static_cast<std::size_t>(args.count), args.threads, make, 1);
+  }
+  fmt::print("{}: {} clouds of {}\n", args.out.string(), done.load(), args.set.name);
   if (stop.stop_requested()) throw Cancelled();
   return 0;
 }
@@ -168,6 +112,31 @@ int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
   return args.set.depth ? write_set_depth(args, task, stop) : write_set_clouds(args, task, stop);
 }
 
+void add_of_clouds(CLI::App* command, SynthSetArgs& args) {
+  add(command, "--count", args.count, "N", "How many frames; default as many as are measured on")
+      ->transform(whole(1));
+  add(command, "--points", args.points, "N",
+      "Clouds: points of each, default 8192; 0 = dense sampling")
+      ->transform(whole(0));
+  add(command, "--noise", args.noise_m, "M",
+      "Clouds: standard deviation of the noise on every coordinate, added after the sampling; "
+      "default 0")
+      ->check(number(0));
+  add(command, "--seed", args.options.seed, "N", "Another seed makes another set, default 1")
+      ->transform(whole(0));
+  add_threads(command, args.threads);
+}
+
+void define_stairs(CLI::App* synth, Line& line) {
+  CLI::App* command = synth->add_subcommand(
+      "stairs", "The paper's evaluation set: stairs as PLY clouds with label and instance");
+  const auto args = std::make_shared<SynthSetArgs>();
+  args->set = lab::find_evaluation_set("stairs");
+  add_out(command, args->out)->required();
+  add_of_clouds(command, *args);
+  runs(command, line, args, run_synth_set, [args] { set_options(*args); });
+}
+
 void define_set(CLI::App* synth, Line& line) {
   std::string names = "Which set";
   for (const lab::EvaluationSet& set : lab::evaluation_sets())
@@ -182,22 +151,12 @@ void define_set(CLI::App* synth, Line& line) {
       ->type_name("")
       ->required();
   add_out(command, args->out)->required();
-  add(command, "--count", args->count, "N", "How many frames; default as many as are measured on")
-      ->transform(whole(1));
-  add(command, "--points", args->points, "N",
-      "Clouds: points of each, default 8192; 0 = dense sampling")
-      ->transform(whole(0));
-  add(command, "--noise", args->noise_m, "M",
-      "Clouds: standard deviation of the noise on every coordinate, default 0")
-      ->check(number(0));
+  add_of_clouds(command, *args);
   add_read(
       command, "--errors",
       [args](const std::string& text) { args->errors = lab::parse_depth_errors(text); },
       "clean|noise|d435",
       "Depth: exact (default), independent noise on every pixel, or the whole camera model");
-  add(command, "--seed", args->options.seed, "N", "Another seed makes another set, default 1")
-      ->transform(whole(0));
-  add_threads(command, args->threads);
   runs(command, line, args, run_synth_set, [args] { set_options(*args); });
 }
 

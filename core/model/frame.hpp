@@ -85,6 +85,7 @@ struct Gravity {
   std::string note;       // one phrase for people: how it was found
 
   bool known() const { return source != GravitySource::none; }
+  bool operator==(const Gravity&) const = default;
 };
 
 /// A point cloud as it came from a file: coordinates about `origin`, in file order.

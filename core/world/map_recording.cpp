@@ -12,7 +12,7 @@
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/world/poses/trajectory.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::world {
 namespace {

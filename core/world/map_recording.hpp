@@ -15,8 +15,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/world/poses/sequence_gravity.hpp"
-#include "core/world/tracks/history.hpp"
+#include "core/world/poses/poses.hpp"
 #include "core/world/tracks/tracker.hpp"
 
 namespace planescope::world {

@@ -135,8 +135,7 @@ TEST_P(BadInputs, OneLineExitTwoAndNothingWritten) {
   for (const std::string& command : kWritingCommands) {
     // A report tells of the damaged frame and has the others (report_test.cpp).
     if (command == "report" && bad.name == "LaterPngCutInHalf") continue;
-    std::vector<std::string> args = {command,     input.string(), "-o", (dir / "out").string(),
-                                     "--gravity", "0,1,0"};
+    std::vector<std::string> args = {command, input, "-o", dir / "out", "--gravity", "0,1,0"};
     args.insert(args.end(), bad.more_args.begin(), bad.more_args.end());
     const Ran ran = run(args);
     expect_refused(ran);
@@ -157,17 +156,17 @@ TEST(BadOutput, AFolderBelowAFileIsRefusedBeforeTheWork) {
   write_text(dir / "file", "in the way");
   for (const std::string& command : kWritingCommands)
     for (const fs::path& out : {dir / "file", dir / "file/below", dir / "file/far/below"}) {
-      expect_refused(run({command, (dir / "rec").string(), "-o", out.string()}), "file");
+      expect_refused(run({command, dir / "rec", "-o", out}), "file");
       EXPECT_EQ(read_text(dir / "file"), "in the way");
     }
-  expect_refused(run({"planescope-lab", "synth", "stairs", "-o", (dir / "file/below").string()}));
+  expect_refused(run({"planescope-lab", "synth", "stairs", "-o", dir / "file/below"}));
 }
 
 TEST(BadOutput, AFailedRunLeavesAnEarlierResultAlone) {
   const fs::path dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
-  const std::vector<std::string> args = {
-      "segment", (dir / "rec").string(), "-o", (dir / "out").string(), "--gravity", "0,1,0"};
+  const std::vector<std::string> args = {"segment",   dir / "rec", "-o",
+                                         dir / "out", "--gravity", "0,1,0"};
   well(run(args));
   const auto before = files_below(dir / "out");
   const std::string planes = read_text(dir / "out/frames/000000/planes.json");

@@ -1,13 +1,12 @@
 // planescope-lab bench paper, with few sets and frames.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
 #include <map>
-#include <nlohmann/json.hpp>
-#include <sstream>
 
-#include "cli/program.hpp"
+#include "cli/result_lines.hpp"
 #include "cli/scene_files.hpp"
 
 using namespace planescope::testing_cli;
@@ -33,7 +32,7 @@ std::vector<std::string> and_more(std::vector<std::string> args,
 
 std::string frames_of(const Json& cell) {
   return cell["key"]["set"].get<std::string>() + cell["key"].value("errors", "") +
-         std::to_string(cell["key"]["seed"].get<int>());
+         std::to_string(cell["key"].value("seed", 0));
 }
 
 bool is_ours(const Json& cell, const std::string& labels) {
@@ -48,18 +47,18 @@ TEST(BenchPaper, TheTablesHoldWhatMustHoldWhateverIsMeasured) {
   const fs::path out = scratch() / "out";
   const Ran ran = bench(out, kTables);
   ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_EQ(files_below(out), (std::vector<std::string>{"index.html", "paper.json", "paper.md"}));
+  EXPECT_EQ(files_below(out), std::vector<std::string>{"paper.jsonl"});
 
-  const Json results = Json::parse(read_text(out / "paper.json"));
-  EXPECT_EQ(results["weights"]["sha256"].get<std::string>().size(), 64u);
+  auto results = results_of(read_text(out / "paper.jsonl"));
+  EXPECT_EQ(results["run"].at(0)["weights"]["sha256"].get<std::string>().size(), 64u);
   std::map<std::string, Json> oracle, truth;
-  for (const Json& cell : results["cells"]) {
+  for (const Json& cell : results["cell"]) {
     if (cell["key"]["method"] == "oracle") oracle[frames_of(cell)] = cell;
     if (is_ours(cell, "truth")) truth[frames_of(cell)] = cell;
   }
   EXPECT_EQ(truth.size(), 1u) << "kerbs; no labels take part on the boxes' depth";
   EXPECT_EQ(oracle.size(), 4u) << "kerbs; boxes clean, as a D435 sees them, and those tuned on";
-  for (const Json& cell : results["cells"]) {
+  for (const Json& cell : results["cell"]) {
     const std::string name = cell.dump();
     const auto count = [&](const char* value) { return cell[value].get<int>(); };
     // Each true plane is right, apart, part of a larger one or missed; each found one likewise. A
@@ -92,34 +91,37 @@ TEST(BenchPaper, TheResultsAreTheSameForAnyThreadCountAndForARunThatWasCutShort)
     const Ran ran = bench(dir / threads, and_more(args, {"--threads", threads}));
     ASSERT_EQ(ran.code, 0) << ran.err;
   }
-  EXPECT_EQ(read_text(dir / "1/paper.json"), read_text(dir / "2/paper.json"));
+  const std::string whole = read_text(dir / "1/paper.jsonl");
+  EXPECT_EQ(whole, read_text(dir / "2/paper.jsonl"));
 
   // As if it had ended after a few cells: the log of a whole run, cut.
-  std::ostringstream log;
-  const Json results = Json::parse(read_text(dir / "1/paper.json"));
-  log << Json{{"schema", "planescope.paper.cells/1"},
-              {"seed", 1},
-              {"tuning_seed", 1001},
-              {"quick", true},
-              {"count", 1},
-              {"weights", results["weights"]["sha256"]},
-              {"version", results["version"]},
-              {"commit", results["commit"]},
-              {"modified", results["modified"]}}
-             .dump()
-      << '\n';
-  for (std::size_t i = 0; i < results["cells"].size() / 2; ++i)
-    log << results["cells"][i].dump() << '\n';
+  auto results = results_of(whole);
+  const Json& run_line = results["run"].at(0);
+  Json identity;
+  for (const char* name :
+       {"seed", "tuning_seed", "quick", "count", "version", "commit", "modified"})
+    identity[name] = run_line[name];
+  identity["weights"] = run_line["weights"]["sha256"];
+  std::string log = identity.dump() + '\n';
+  const std::size_t first = whole.find(R"({"kind":"cell")");
+  log += whole.substr(first, whole.find('\n', first + (whole.size() - first) / 2) + 1 - first);
   fs::create_directories(dir / "cut");
-  write_text(dir / "cut/cells.jsonl", log.str() + R"({"key":{"se)");
+  write_text(dir / "cut/cells.jsonl", log + R"({"kind":"cell","key":{"se)");
   const Ran refused = bench(dir / "cut", args);
   EXPECT_EQ(refused.code, 2);
   EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
   EXPECT_NE(refused.err.find("--resume"), std::string::npos) << refused.err;
   const Ran resumed = bench(dir / "cut", and_more(args, {"--resume"}));
   ASSERT_EQ(resumed.code, 0) << resumed.err;
-  EXPECT_EQ(read_text(dir / "1/paper.json"), read_text(dir / "cut/paper.json"));
-  EXPECT_FALSE(fs::exists(dir / "cut/cells.jsonl"));
+  EXPECT_EQ(whole, read_text(dir / "cut/paper.jsonl"));
+  EXPECT_EQ(files_below(dir / "cut"), std::vector<std::string>{"paper.jsonl"});
+
+  identity["seed"] = 2;
+  fs::remove(dir / "cut/paper.jsonl");
+  write_text(dir / "cut/cells.jsonl", identity.dump() + '\n');
+  const Ran other = bench(dir / "cut", and_more(args, {"--resume"}));
+  EXPECT_EQ(other.code, 2);
+  EXPECT_NE(other.err.find("seed 2, expected 1"), std::string::npos) << other.err;
 }
 
 TEST(BenchPaper, TimesRecordingsAndCountsThoseWithoutGravity) {
@@ -128,49 +130,39 @@ TEST(BenchPaper, TimesRecordingsAndCountsThoseWithoutGravity) {
   planescope::Image16 nothing = floor_and_wall();
   std::fill(nothing.data.begin(), nothing.data.end(), std::uint16_t{0});
   write_depth_folder(dir / "dark", nothing);
-  const Ran ran = bench(dir / "out", {(dir / "rec").string(), (dir / "dark").string(), "--only",
-                                      "tables,timings", "--sets", "kerbs", "--json"});
+  const Ran ran =
+      bench(dir / "out", {(dir / "rec").string(), (dir / "dark").string(), "--sets", "kerbs"});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  const Json json = Json::parse(ran.out);
-  const Json& real = json["results"]["real"];
+  auto results = results_of(read_text(dir / "out/paper.jsonl"));
+  const auto& real = results["real"];
   ASSERT_EQ(real.size(), 2u);
   EXPECT_EQ(real[0]["recording"], "rec");
   EXPECT_EQ(real[0]["frames"], 2);
   EXPECT_EQ(real[0]["planes"], 2.0);
   EXPECT_EQ(real[1]["frames"], 0);
   EXPECT_EQ(real[1]["refused"], 1);
-  EXPECT_GT(json["timings"]["real"][0]["fps"], 0);
-  EXPECT_EQ(json["timings"]["classifiers"].size() % 3, 0u);
-  EXPECT_GT(json["timings"]["methods"][0]["fps"], 0);
+  auto timings = results_of(read_text(dir / "out/paper.timings.jsonl"));
+  EXPECT_GT(timings["real_time"].at(0)["fps"], 0);
+  EXPECT_EQ(timings["classifier_time"].size() % 3, 0u);
+  EXPECT_GT(timings["method_time"].at(0)["fps"], 0);
   // Both files may be committed: neither says where this machine keeps its recordings and results.
-  for (const char* file : {"out/paper.json", "out/paper.timings.json"})
+  for (const char* file : {"out/paper.jsonl", "out/paper.timings.jsonl"})
     EXPECT_EQ(read_text(dir / file).find(dir.string()), std::string::npos) << file;
+
+  const std::string tables = typeset(fmt::format(
+      "{0}/out/paper.jsonl {0}/out/paper.timings.jsonl --plots {0}/plots", dir.string()));
+  for (const char* part : {"Table IV: sizes of real data", "kerbs, 8192 points, 0.2 cm",
+                           "Table II: classifier time [ms]", "iou_clouds.svg"})
+    EXPECT_NE(tables.find(part), std::string::npos) << part << " in " << tables;
 }
 
-TEST(BenchPaper, DrawsEachFigureIntoThePage) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
-  const Ran ran = bench(dir / "out", {(dir / "rec").string(), "--only", "figures"});
-  if (ran.code == 3) GTEST_SKIP() << ran.err;  // nothing to draw with here
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  const std::string page = read_text(dir / "out/index.html");
-  for (const char* title : {"A staircase of 10 planes", "Real scenes, method by method",
-                            "The framework, stage by stage", "Cases of a node"})
-    EXPECT_NE(page.find(title), std::string::npos) << title;
-  for (const char* text : {"(a) Case I", "(b) Case II", "(c) Case III", "(d) Case IV"})
-    EXPECT_NE(page.find(text), std::string::npos) << text;
-  EXPECT_NE(page.find("rec, frame 0"), std::string::npos) << "the recording given is a scene";
-  EXPECT_EQ(page.find("src=\"http"), std::string::npos) << "one file";
-}
-
-TEST(BenchPaper, WritesItsPagesAgainFromWhatWasMeasured) {
-  const fs::path dir = scratch();
-  ASSERT_EQ(bench(dir / "out", {"--only", "tables", "--sets", "kerbs"}).code, 0);
-  const Ran ran = run({"planescope-lab", "bench", "paper", "--from", (dir / "out").string(), "-o",
-                       (dir / "again").string(), "--only", "tables"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
-  for (const char* file : {"paper.md", "index.html"})
-    EXPECT_EQ(read_text(dir / "out" / file), read_text(dir / "again" / file)) << file;
+TEST(BenchPaper, TheDocumentIsThatOfTheCommittedRun) {
+  const std::string reproduction = PLANESCOPE_SOURCE_DIR "/docs/reproduction";
+  const fs::path written = scratch() / "reproduction.md";
+  typeset(fmt::format("{0}/paper.jsonl {0}/paper.timings.jsonl --doc {1}", reproduction,
+                      written.string()));
+  EXPECT_TRUE(read_text(written) == read_text(reproduction + ".md"))
+      << "scripts/typeset docs/reproduction/*.jsonl --doc docs/reproduction.md writes it again";
 }
 
 TEST(BenchPaper, KeepsItsCellsWhenItIsInterrupted) {
@@ -186,16 +178,13 @@ TEST(BenchPaper, KeepsItsCellsWhenItIsInterrupted) {
 TEST(BenchPaper, RefusesWhatItDoesNotKnowInOneLine) {
   const fs::path out = scratch() / "out";
   const std::vector<std::pair<std::vector<std::string>, std::string>> bad = {
-      {{"planescope-lab", "bench", "paper"}, "-o DIR"},
+      {{"planescope-lab", "bench", "paper"}, "-o"},
       {{"planescope-lab", "bench", "paper", "-o", out.string(), "--only", "tabels"}, "tabels"},
       {{"planescope-lab", "bench", "paper", "-o", out.string(), "--sets", "stares"}, "stares"},
       {{"planescope-lab", "bench", "paper", "-o", out.string(), "--count", "0"}, "--count"},
       {{"planescope-lab", "bench", "paper", "-o", out.string(), "--weights", "pca"},
        "is not a network"},
-      {{"planescope-lab", "bench", "paper", "-o", out.string(), (out / "none").string()}, "none"},
-      {{"planescope-lab", "bench", "paper", "--from", (out / "none").string(), "-o", out.string()},
-       "paper.json"},
-      {{"planescope-lab", "bench", "paper", "--doc", (out / "x.md").string()}, "--from"}};
+      {{"planescope-lab", "bench", "paper", "-o", out.string(), (out / "none").string()}, "none"}};
   for (const auto& [args, part] : bad) {
     const Ran ran = run(args);
     EXPECT_EQ(ran.code, 2) << part;

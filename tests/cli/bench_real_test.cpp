@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
-#include "cli/program.hpp"
+#include "cli/result_lines.hpp"
 #include "cli/scene_files.hpp"
 #include "support/needs_open3d.hpp"
 
@@ -58,21 +56,23 @@ TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
   PLANESCOPE_NEEDS_OPEN3D();
   const fs::path dir = scratch();
   write_labelled(dir);
-  const Ran ran = run_with(frames_args(dir), {"-o", (dir / "out").string(), "--json"});
+  const Ran ran = run_with(frames_args(dir), {});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_EQ(files_below(dir / "out"), (std::vector<std::string>{"real.json", "real.md"}));
-  EXPECT_EQ(ran.out, read_text(dir / "out/real.json"));
   EXPECT_EQ(ran.out.find(dir.string()), std::string::npos) << "no folders of this machine";
-  const Json json = Json::parse(ran.out);
-  const Json& frame = json["frames"][0];
-  EXPECT_EQ(frame["name"], "room");
-  EXPECT_EQ(frame["recording"], "rec");
+  auto results = results_of(ran.out);
+  std::map<std::string, Json> scores;
+  for (const Json& line : results["labelled"]) {
+    EXPECT_EQ(line["name"], "room");
+    EXPECT_EQ(line["half"], "tuning");
+    EXPECT_EQ(line["recording"], "rec");
+    scores[line["method"]] = line;
+  }
   for (const char* method :
        {"ours refined gcn", "ours paper gcn", "ours paper-closest gcn", "ransac", "region-growing"})
-    EXPECT_EQ(frame["scores"][method]["planes_truth"], 2) << method;
-  EXPECT_EQ(frame["scores"]["ours refined gcn"]["correct"], 2);
-  EXPECT_EQ(json["halves"][0]["precision"], 100.0);
-  EXPECT_EQ(json["command"], "planescope-lab bench real --frames-list list.txt --only frames");
+    EXPECT_EQ(scores[method]["planes_truth"], 2) << method;
+  EXPECT_EQ(scores["ours refined gcn"]["correct"], 2);
+  EXPECT_EQ(results["run"].at(0)["command"],
+            "planescope-lab bench real --frames-list list.txt --only frames");
 }
 
 TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
@@ -92,18 +92,22 @@ TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
     measure("frames,sets", "1", threads);
     measure("repeat", "2", threads);
   }
-  for (const char* file : {"frames,sets/real.json", "repeat/real.json", "repeat/real.md"})
-    EXPECT_EQ(read_text(dir / "1" / file), read_text(dir / "2" / file)) << file;
-  const Json json = Json::parse(read_text(dir / "1/frames,sets/real.json"));
-  EXPECT_EQ(json["sets"].size(), 6u) << "three sets, clean and d435";
-  EXPECT_EQ(json["sets"][0]["scores"]["ransac"].size(), 1u);
-  const Json& all = json["over_seeds"].back();
-  EXPECT_EQ(all["set"], "all");
-  EXPECT_EQ(all["seeds"], 1);
-  EXPECT_EQ(all["frames"], 3);
-  const Json repeat = Json::parse(read_text(dir / "1/repeat/real.json"));
-  EXPECT_EQ(repeat["repeated"]["frames"], 2);
-  EXPECT_EQ(repeat["repeat"][0]["planes"], repeat["repeat"][0]["partners"]) << "nothing moved";
+  for (const char* only : {"frames,sets", "repeat"})
+    EXPECT_EQ(read_text(dir / "1" / only / "real.jsonl"),
+              read_text(dir / "2" / only / "real.jsonl"))
+        << only;
+  const std::string sets = (dir / "1/frames,sets/real.jsonl").string();
+  std::map<std::string, int> frames;
+  for (const Json& line : results_of(read_text(sets))["set"]) ++frames[line["method"]];
+  EXPECT_EQ(frames["ransac"], 6) << "one of three sets, clean and d435";
+  const std::string tables = typeset(sets + " " + (dir / "1/repeat/real.jsonl").string());
+  for (const char* part : {"Labelled real frames, half tuning: 1 frame",
+                           "All depth sets, d435: 1 seed, 3 frames each", "From frame to frame: 2"})
+    EXPECT_NE(tables.find(part), std::string::npos) << part << " in " << tables;
+  const Json repeat = results_of(read_text(dir / "1/repeat/real.jsonl"))["repeat"].at(0);
+  EXPECT_EQ(repeat["floor"].size(), 2u);
+  EXPECT_EQ(repeat["neighbours"][0]["planes"], repeat["neighbours"][0]["partners"])
+      << "nothing moved";
 }
 
 TEST(BenchReal, MeasuresOneHalfOfTheList) {
@@ -111,10 +115,9 @@ TEST(BenchReal, MeasuresOneHalfOfTheList) {
   write_labelled(dir);
   write_text(dir / "list.txt",
              "room tuning rec 0 --gravity 0,1,0\nmissing printed nowhere 0 --gravity 0,1,0\n");
-  const Ran ran =
-      run_with(frames_args(dir), {"--half", "tuning", "-o", (dir / "out").string(), "--json"});
+  const Ran ran = run_with(frames_args(dir), {"--half", "tuning"});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_EQ(Json::parse(ran.out)["frames"].size(), 1u);
+  for (const Json& line : results_of(ran.out)["labelled"]) EXPECT_EQ(line["name"], "room");
 }
 
 TEST(BenchReal, RefusesWhatItDoesNotKnowInOneLine) {
@@ -145,7 +148,6 @@ TEST(BenchReal, RefusesWhatItDoesNotKnowInOneLine) {
   }
   const std::string out = (dir / "out").string(), data = (dir / "data").string();
   const std::vector<std::pair<std::vector<std::string>, std::string>> bad = {
-      {{}, "-o DIR"},
       {{"-o", out}, "--frames-list"},
       {{"-o", out, "--frames-list", (dir / "list.txt").string()}, "--labels"},
       {{"-o", out, "--data", data, "--frames-list", (dir / "list.txt").string(), "--labels",

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <nlohmann/json.hpp>
+#include <set>
 
-#include "cli/program.hpp"
+#include "cli/result_lines.hpp"
 #include "cli/scene_files.hpp"
 
 using namespace planescope;
@@ -21,10 +21,31 @@ Ran bench_steady(const fs::path& recording, const std::vector<std::string>& more
   return run(args);
 }
 
-const Json& row_of(const Json& json, const std::string& change, const std::string& method) {
-  for (const Json& row : json["rows"])
-    if (row["change"] == change && row["method"] == method) return row;
-  throw std::runtime_error("no row " + change + ", " + method);
+/// The pairs of a method under a change.
+std::vector<Json> pairs_of(const std::string& lines,
+                           const std::string& change,
+                           const std::string& method) {
+  std::vector<Json> pairs = results_of(lines)["pair"];
+  std::erase_if(pairs, [&](const Json& pair) {
+    return pair["change"] != change || pair["method"] != method;
+  });
+  EXPECT_FALSE(pairs.empty()) << change << ", " << method;
+  return pairs;
+}
+
+/// Of the planes with at least 3000 compared pixels, the share that have no partner.
+double big_lost(const std::vector<Json>& pairs, const char* which) {
+  double lost = 0, all = 0;
+  for (const Json& pair : pairs) {
+    lost += pair[which]["big_lost"].get<double>();
+    all += pair[which]["big"].get<double>();
+  }
+  return lost / all;
+}
+
+double self_pq(const Json& pair) {
+  return 2 * pair["all"]["iou_sum"].get<double>() /
+         (pair["all"]["planes"].get<double>() + pair["second_planes"].get<double>());
 }
 
 }  // namespace
@@ -32,34 +53,37 @@ const Json& row_of(const Json& json, const std::string& change, const std::strin
 TEST(BenchSteady, AStillCameraBeforeAFloorAndAWallKeepsBoth) {
   const fs::path dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
-  const Ran ran =
-      bench_steady(dir / "rec", {"--gravity", "0,1,0", "--max-range", "4", "--frames", ":",
-                                 "--turns", "2", "-o", (dir / "out").string(), "--json"});
+  const Ran ran = bench_steady(dir / "rec", {"--gravity", "0,1,0", "--max-range", "4", "--frames",
+                                             ":", "--turns", "2", "-o", (dir / "out").string()});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_EQ(files_below(dir / "out"), (std::vector<std::string>{"steady.json", "steady.md"}));
-  EXPECT_EQ(ran.out, read_text(dir / "out/steady.json"));
-  EXPECT_EQ(ran.out.find(dir.string()), std::string::npos) << "no folders of this machine";
-  const Json json = Json::parse(ran.out);
-  EXPECT_EQ(json["command"],
+  EXPECT_EQ(files_below(dir / "out"), std::vector<std::string>{"steady.jsonl"});
+  const std::string lines = read_text(dir / "out/steady.jsonl");
+  EXPECT_EQ(lines.find(dir.string()), std::string::npos) << "no folders of this machine";
+  EXPECT_EQ(results_of(lines)["run"].at(0)["command"],
             "planescope-lab bench steady rec --turns 2 --frames : --gravity 0,1,0 --max-range 4");
   for (const char* method : {"ours refined", "region-growing"}) {
-    const Json& next = row_of(json, "next frame", method);
-    EXPECT_EQ(next["n"], 2) << "the last frame has no next one";
-    EXPECT_EQ(next["self_pq"]["mean"], 1.0) << method;
-    EXPECT_EQ(next["lost_percent"]["mean"], 0.0) << method;
-    EXPECT_EQ(next["big_lost_percent"]["mean"], 0.0) << method;
-    EXPECT_EQ(next["undecided_big_percent"]["mean"], 0.0) << method;
+    const std::vector<Json> next = pairs_of(lines, "next frame", method);
+    EXPECT_EQ(next.size(), 2u) << "the last frame has no next one";
+    for (const Json& pair : next) {
+      EXPECT_EQ(self_pq(pair), 1) << method;
+      EXPECT_EQ(pair["all"]["planes"], pair["all"]["partners"]) << method;
+      EXPECT_EQ(pair["all"]["big_lost"], 0) << method;
+      EXPECT_EQ(pair["all"]["big"], pair["decided"]["big"]) << method;
+    }
   }
-  const Json& turned = row_of(json, "gravity turned", "ours refined");
-  EXPECT_EQ(turned["n"], 3);
-  EXPECT_EQ(turned["planes"]["mean"], 2.0);
-  EXPECT_EQ(turned["label_changes"]["mean"], 0.0);
-  EXPECT_TRUE(turned["label_changes_deg"].is_null()) << "of no change";
-  const Json& rounded = row_of(json, "intrinsics to 6 digits", "ours paper");
-  EXPECT_EQ(rounded["changed"]["mean"], 0.0) << "they have fewer digits";
-  EXPECT_EQ(rounded["report_errors"]["mean"], 0.0);
-  EXPECT_EQ(row_of(json, "dither of 5 %", "ours refined")["n"], 3);
-  EXPECT_EQ(json["frames"].size(), json["rows"].size());
+  const std::vector<Json> turned = pairs_of(lines, "gravity turned", "ours refined");
+  EXPECT_EQ(turned.size(), 6u) << "two of each frame";
+  for (const Json& pair : turned) {
+    EXPECT_EQ(pair["all"]["planes"], 2);
+    EXPECT_EQ(pair["label_changes"], 0);
+  }
+  for (const Json& pair : pairs_of(lines, "intrinsics to 6 digits", "ours paper")) {
+    EXPECT_EQ(pair["changed"], 0) << "they have fewer digits";
+    EXPECT_EQ(pair["report_errors"], 0);
+  }
+  EXPECT_EQ(pairs_of(lines, "dither of 5 %", "ours refined").size(), 9u);
+  const std::string table = typeset((dir / "out/steady.jsonl").string());
+  EXPECT_NE(table.find("1.000 +- 0.000"), std::string::npos) << table;
 }
 
 TEST(BenchSteady, ARealPanKeepsItsPlanes) {
@@ -69,35 +93,46 @@ TEST(BenchSteady, ARealPanKeepsItsPlanes) {
       bench_steady(fs::path(data) / "aims_slam_realsense_640x480",
                    {"--only", "gravity,focal,dither", "--turns", "5", "--method", "ours",
                     "--profile", "refined", "--intrinsics", "383.8,383.8,321.7,236.8", "--gravity",
-                    "0.168,0.925,0.341", "--max-range", "4", "--json"});
+                    "0.168,0.925,0.341", "--max-range", "4"});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  const Json json = Json::parse(ran.out);
   for (const char* change :
        {"gravity turned", "fx x (1 + 1e-7)", "fx x (1 + 1e-5)", "fx, fy x (1 + 1e-6)"}) {
-    const Json& row = row_of(json, change, "ours refined");
-    EXPECT_EQ(row["n"], 5);
-    EXPECT_EQ(row["changed"]["mean"], 0.0) << change;
-    EXPECT_EQ(row["report_errors"]["mean"], 0.0) << change;
-    EXPECT_EQ(row["self_pq"]["mean"], 1.0) << change;
+    std::set<int> frames;
+    for (const Json& pair : pairs_of(ran.out, change, "ours refined")) {
+      frames.insert(pair["frame"].get<int>());
+      EXPECT_EQ(pair["changed"], 0) << change;
+      EXPECT_EQ(pair["report_errors"], 0) << change;
+      EXPECT_EQ(self_pq(pair), 1) << change;
+    }
+    EXPECT_EQ(frames.size(), 5u);
   }
-  EXPECT_GE(row_of(json, "dither of 5 %", "ours refined")["self_pq"]["mean"], 0.8);
+  double sum = 0;
+  const std::vector<Json> dithered = pairs_of(ran.out, "dither of 5 %", "ours refined");
+  for (const Json& pair : dithered) sum += self_pq(pair);
+  EXPECT_GE(sum, 0.8 * static_cast<double>(dithered.size()));
 }
 
 // A hand-held camera that turns fast: what is decided stays from one frame to the next.
 TEST(BenchSteady, DecidedPlanesStayInTheNextFrame) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
-  const Ran ran = bench_steady(fs::path(data) / "tum_fr1_rpy_kinect_640x480",
-                               {"--only", "next", "--method", "ours", "--profile", "refined",
-                                "--intrinsics", "591.1,590.1,331,234", "--depth-unit", "0.0002",
-                                "--gravity", "none", "--max-range", "4", "--json"});
+  const Ran ran = bench_steady(
+      fs::path(data) / "tum_fr1_rpy_kinect_640x480",
+      {"--only", "next", "--method", "ours", "--profile", "refined", "--intrinsics",
+       "591.1,590.1,331,234", "--depth-unit", "0.0002", "--gravity", "none", "--max-range", "4"});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  const Json row = row_of(Json::parse(ran.out), "next frame", "ours refined");
-  EXPECT_EQ(row["n"], 38);
-  EXPECT_GE(row["self_pq"]["mean"], 0.70);
-  EXPECT_LE(row["big_lost_percent"]["mean"], 11);
-  EXPECT_LE(row["decided_big_lost_percent"]["mean"], 3);
-  EXPECT_LE(row["undecided_big_percent"]["mean"], 25);
+  const std::vector<Json> pairs = pairs_of(ran.out, "next frame", "ours refined");
+  EXPECT_EQ(pairs.size(), 38u);
+  double pq = 0, big = 0, decided = 0;
+  for (const Json& pair : pairs) {
+    pq += self_pq(pair) / 38;
+    big += pair["all"]["big"].get<double>();
+    decided += pair["decided"]["big"].get<double>();
+  }
+  EXPECT_GE(pq, 0.70);
+  EXPECT_LE(big_lost(pairs, "all"), 0.11);
+  EXPECT_LE(big_lost(pairs, "decided"), 0.03);
+  EXPECT_LE((big - decided) / big, 0.25);
 }
 
 TEST(BenchSteady, IsTheSameForAnyNumberOfThreads) {
@@ -109,8 +144,7 @@ TEST(BenchSteady, IsTheSameForAnyNumberOfThreads) {
                                    "--threads", threads, "-o", (dir / threads).string()});
     ASSERT_EQ(ran.code, 0) << ran.err;
   }
-  for (const char* file : {"steady.json", "steady.md"})
-    EXPECT_EQ(read_text(dir / "1" / file), read_text(dir / "3" / file)) << file;
+  EXPECT_EQ(read_text(dir / "1/steady.jsonl"), read_text(dir / "3/steady.jsonl"));
 }
 
 TEST(BenchSteady, PosesMoveTheLabelsToTheNextFrame) {
@@ -119,15 +153,14 @@ TEST(BenchSteady, PosesMoveTheLabelsToTheNextFrame) {
   const auto compared_planes = [&](const std::string& second_pose,
                                    const std::vector<std::string>& more) {
     write_text(dir / "rec/poses.tum", "5.1 0 0 0 0 0 0 1\n" + second_pose);
-    std::vector<std::string> args = {"--only",  "next",      "--method", "ours",  "--profile",
-                                     "refined", "--gravity", "0,1,0",    "--json"};
+    std::vector<std::string> args = {"--only",    "next",    "--method",  "ours",
+                                     "--profile", "refined", "--gravity", "0,1,0"};
     args.insert(args.end(), more.begin(), more.end());
     const Ran ran = bench_steady(dir / "rec", args);
     EXPECT_EQ(ran.code, 0) << ran.err;
-    const Json json = Json::parse(ran.out);
-    EXPECT_EQ(json["rows"].size(), 1u);
-    EXPECT_EQ(json["recordings"][0]["poses"], more.empty());
-    return json["rows"][0]["planes"]["mean"].get<double>();
+    auto results = results_of(ran.out);
+    EXPECT_EQ(results["recording"].at(0)["poses"], more.empty());
+    return results["pair"].at(0)["all"]["planes"].get<int>();
   };
   EXPECT_EQ(compared_planes("5.2 0 0 0 0 0 0 1\n", {}), 2);
   const std::string turned_away = "5.2 0 0 0 0 1 0 0\n";  // by 180 degrees: nothing is in common

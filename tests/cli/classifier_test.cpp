@@ -36,9 +36,8 @@ struct Commands {
   Commands() { write_depth_folder(dir / "rec", floor_and_wall()); }
 
   Ran with(const std::string& command, const std::string& classifier) const {
-    std::vector<std::string> args = {command, (dir / "rec").string(), "--gravity",
-                                     "0,1,0", "--classifier",         classifier,
-                                     "-o",    (dir / "out").string()};
+    std::vector<std::string> args = {command,        dir / "rec", "--gravity", "0,1,0",
+                                     "--classifier", classifier,  "-o",        dir / "out"};
     return run(args);
   }
 

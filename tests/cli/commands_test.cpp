@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 TEST(Info, ADepthFolderIsDescribed) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
-  const Ran ran = well(run({"info", "--json", (dir / "rec").string(), "--gravity", "0,2,0"}));
+  const Ran ran = well(run({"info", "--json", dir / "rec", "--gravity", "0,2,0"}));
   const Json info = Json::parse(ran.out)["recordings"][0];
   EXPECT_EQ(info["frames"], 3);
   EXPECT_EQ(info["depth"]["width"], 160);
@@ -33,7 +33,7 @@ TEST(Info, ADepthFolderIsDescribed) {
   EXPECT_EQ(info["first_frame"]["measured_percent"], 100);
   EXPECT_NEAR(info["first_frame"]["depth_m"]["max"].get<double>(), 1.2, 1e-9);
 
-  const Ran text = well(run({"info", (dir / "rec").string()}));
+  const Ran text = well(run({"info", dir / "rec"}));
   EXPECT_TRUE(has(text.out, "1 unit = 1 mm"));
   EXPECT_TRUE(has(text.out, "160x120"));
 }
@@ -41,8 +41,8 @@ TEST(Info, ADepthFolderIsDescribed) {
 TEST(Info, WhatTheUserSaysWins) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const Ran ran = well(run({"info", "--json", (dir / "rec").string(), "--depth-unit", "0.0002",
-                            "--intrinsics", "100,101,79.5,59.5"}));
+  const Ran ran = well(run({"info", "--json", dir / "rec", "--depth-unit", "0.0002", "--intrinsics",
+                            "100,101,79.5,59.5"}));
   const Json info = Json::parse(ran.out)["recordings"][0];
   EXPECT_EQ(info["depth"]["unit_m"], 0.0002);
   EXPECT_EQ(info["intrinsics"]["fy"], 101);
@@ -54,15 +54,15 @@ TEST(Info, WhatIsKnownIsShownWhereIntrinsicsLack) {
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   for (const auto& file : std::filesystem::directory_iterator(dir / "rec"))
     if (file.is_regular_file()) std::filesystem::remove(file);  // who says what the camera is
-  const Ran ran = well(run({"info", "--json", (dir / "rec").string()}));
+  const Ran ran = well(run({"info", "--json", dir / "rec"}));
   const Json info = Json::parse(ran.out)["recordings"][0];
   EXPECT_EQ(info["frames"], 2);
   EXPECT_EQ(info["depth"]["width"], 160);
   EXPECT_EQ(info["intrinsics"], nullptr);
   EXPECT_EQ(info["gravity"], nullptr);
-  const Ran text = run({"info", (dir / "rec").string()});
+  const Ran text = run({"info", dir / "rec"});
   EXPECT_TRUE(has(text.out, "not known; give them with --intrinsics"));
-  EXPECT_EQ(run({"segment", (dir / "rec").string(), "-o", (dir / "out").string()}).code, 2);
+  EXPECT_EQ(run({"segment", dir / "rec", "-o", dir / "out"}).code, 2);
 }
 
 TEST(Info, GravityThatContradictsTheSceneIsWarnedOf) {
@@ -81,8 +81,8 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
   labels::write_frame_labels(dir / "rec.labels", 0,
                              floor_and_wall_labels(*io::open_recording(dir / "rec")));
   for (const char* classifier : {"gcn", "pca", "truth"}) {
-    const Ran ran = well(run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0",
-                              "--classifier", classifier, "--frames", "0"}));
+    const Ran ran = well(run({"eval", "--json", dir / "rec", "--gravity", "0,1,0", "--classifier",
+                              classifier, "--frames", "0"}));
     const Json json = Json::parse(ran.out);
     ASSERT_EQ(json["frames"].size(), 1u);
     EXPECT_EQ(json["mean"]["planes_truth"], 2);
@@ -90,9 +90,9 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
     EXPECT_LT(json["mean"]["alpha_deg"].get<double>(), 0.2);
     EXPECT_GT(json["mean"]["point_accuracy"].get<double>(), 98);
   }
-  const Ran both = run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0"});
+  const Ran both = run({"eval", "--json", dir / "rec", "--gravity", "0,1,0"});
   EXPECT_EQ(Json::parse(both.out)["frames_without_truth"], 1);
-  const Ran table = run({"eval", (dir / "rec").string(), "--gravity", "0,1,0"});
+  const Ran table = run({"eval", dir / "rec", "--gravity", "0,1,0"});
   EXPECT_TRUE(has(table.out, "alpha"));
   EXPECT_TRUE(has(table.out, "mean"));
 }
@@ -103,8 +103,8 @@ TEST(Eval, ARivalIsScoredAsOursIs) {
   write_depth_folder(dir / "rec", floor_and_wall());
   labels::write_frame_labels(dir / "rec.labels", 0,
                              floor_and_wall_labels(*io::open_recording(dir / "rec")));
-  const Ran ran = well(
-      run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0", "--method", "ransac"}));
+  const Ran ran =
+      well(run({"eval", "--json", dir / "rec", "--gravity", "0,1,0", "--method", "ransac"}));
   const Json json = Json::parse(ran.out);
   EXPECT_EQ(json["method"], "ransac");
   EXPECT_EQ(json["mean"]["planes_truth"], 2);
@@ -120,8 +120,7 @@ TEST(Eval, LabelsOfOtherDepthAreRefused) {
                              floor_and_wall_labels(*io::open_recording(dir / "rec")));
   depth.data[5] = 999;
   write_depth_folder(dir / "rec", depth);
-  expect_refused(run({"eval", (dir / "rec").string(), "--labels", (dir / "truth").string(),
-                      "--gravity", "0,1,0"}));
+  expect_refused(run({"eval", dir / "rec", "--labels", dir / "truth", "--gravity", "0,1,0"}));
 }
 
 TEST(Eval, WithoutTruthItSaysWhereItLooked) {
@@ -129,7 +128,7 @@ TEST(Eval, WithoutTruthItSaysWhereItLooked) {
   write_depth_folder(dir / "rec", floor_and_wall());
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{}, {"--classifier", "truth"}}) {
-    std::vector<std::string> args = {"eval", (dir / "rec").string(), "--gravity", "0,1,0"};
+    std::vector<std::string> args = {"eval", dir / "rec", "--gravity", "0,1,0"};
     args.insert(args.end(), more.begin(), more.end());
     expect_refused(run(args), "rec.labels");
   }
@@ -138,8 +137,8 @@ TEST(Eval, WithoutTruthItSaysWhereItLooked) {
 TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
   const auto dir = scratch();
   for (const char* name : {"a", "b"})
-    well(run({"planescope-lab", "synth", "stairs", "-o", (dir / name).string(), "--count", "3",
-              "--points", "2048", "--noise", "0.001", "--threads", name[0] == 'a' ? "1" : "3"}));
+    well(run({"planescope-lab", "synth", "stairs", "-o", dir / name, "--count", "3", "--points",
+              "2048", "--noise", "0.001", "--threads", name[0] == 'a' ? "1" : "3"}));
   ASSERT_EQ(files_below(dir / "a"),
             (std::vector<std::string>{"stairs_000.ply", "stairs_001.ply", "stairs_002.ply"}));
   for (const std::string& file : files_below(dir / "a"))
@@ -150,9 +149,8 @@ TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
   EXPECT_EQ(stairs.instance.size(), 2048u);
 
   // Clouds carry their own truth.
-  const Ran eval =
-      well(run({"eval", "--json", "--classifier", "truth", "--voxel", "0",
-                (dir / "a/stairs_000.ply").string(), (dir / "a/stairs_001.ply").string()}));
+  const Ran eval = well(run({"eval", "--json", "--classifier", "truth", "--voxel", "0",
+                             dir / "a/stairs_000.ply", dir / "a/stairs_001.ply"}));
   const Json json = Json::parse(eval.out);
   EXPECT_EQ(json["frames"].size(), 2u);
   EXPECT_EQ(json["mean"]["r_p"], 100);
@@ -161,11 +159,11 @@ TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
 
 TEST(SynthSet, CloudsAreWrittenThatScoreThemselves) {
   const auto dir = scratch();
-  well(run({"planescope-lab", "synth", "set", "ramps", "-o", (dir / "set").string(), "--count", "2",
+  well(run({"planescope-lab", "synth", "set", "ramps", "-o", dir / "set", "--count", "2",
             "--points", "2048", "--noise", "0.001"}));
   ASSERT_EQ(files_below(dir / "set"), (std::vector<std::string>{"ramps_000.ply", "ramps_001.ply"}));
   const Ran eval =
-      well(run({"eval", "--json", "--classifier", "truth", (dir / "set/ramps_000.ply").string()}));
+      well(run({"eval", "--json", "--classifier", "truth", dir / "set/ramps_000.ply"}));
   EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 80);
 }
 
@@ -180,15 +178,15 @@ TEST(InstanceField, IsTheTruthThatItsNameSaysInsteadOfInstance) {
            << " 0.5\n";
   file.close();
   const auto eval = [&](const std::string& field) {
-    return run({"eval", "--json", "--classifier", "pca", "--instance-field", field,
-                (dir / "tops.pcd").string()});
+    return run(
+        {"eval", "--json", "--classifier", "pca", "--instance-field", field, dir / "tops.pcd"});
   };
   const Ran ran = well(eval("segment"));
   EXPECT_EQ(Json::parse(ran.out)["mean"]["planes_truth"], 2);
   EXPECT_GT(Json::parse(ran.out)["mean"]["mean_iou"].get<double>(), 99);
   EXPECT_TRUE(Json::parse(ran.out)["mean"]["label_accuracy_edge"].is_null()) << "it has no h and v";
-  const Ran by_truth = run({"eval", "--classifier", "truth", "--instance-field", "segment",
-                            (dir / "tops.pcd").string()});
+  const Ran by_truth =
+      run({"eval", "--classifier", "truth", "--instance-field", "segment", dir / "tops.pcd"});
   EXPECT_EQ(by_truth.code, 2);
   EXPECT_TRUE(has(by_truth.err, "needs ground truth labels"));
   for (const auto& [field, problem] :
@@ -203,7 +201,7 @@ TEST(InstanceField, ARoomOfASimulatedLaserScannerKeepsItsAccuracy) {
   if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Ran ran =
       well(run({"eval", "--json", "--instance-field", "intensity", "--gravity", "0,0,-1", "--voxel",
-                "0", (std::filesystem::path(data) / "NOT_REAL_synpeb_ppe/test_500.pcd").string()}));
+                "0", std::filesystem::path(data) / "NOT_REAL_synpeb_ppe/test_500.pcd"}));
   const Json mean = Json::parse(ran.out)["mean"];
   EXPECT_GE(mean["mean_iou"].get<double>(), 94);
   EXPECT_GE(mean["pq"].get<double>(), 89);
@@ -239,7 +237,7 @@ TEST(SynthSet, StairsHaveTheirTruthBesideAndSegmentTellsThem) {
   const int seen = stairs["seen"];
   ASSERT_GE(seen, 2);
 
-  const Ran ran = well(run({"segment", rec, "-o", (dir / "out").string()}));
+  const Ran ran = well(run({"segment", rec, "-o", dir / "out"}));
   EXPECT_TRUE(has(ran.out, "\n  1 flight: " + std::to_string(seen) + " steps down, rise "));
   const Json json = Json::parse(read_text(dir / "out/frames/000000/planes.json"));
   ASSERT_EQ(json["flights"].size(), 1u);
@@ -258,8 +256,8 @@ TEST(SynthSet, StairsHaveTheirTruthBesideAndSegmentTellsThem) {
 TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
   const auto dir = scratch();
   for (const char* name : {"a", "b"})
-    well(run({"planescope-lab", "synth", "training", "-o", (dir / name).string(), "--count", "1",
-              "--seed", "7", "--threads", name[0] == 'a' ? "1" : "3"}));
+    well(run({"planescope-lab", "synth", "training", "-o", dir / name, "--count", "1", "--seed",
+              "7", "--threads", name[0] == 'a' ? "1" : "3"}));
   ASSERT_EQ(files_below(dir / "a"),
             (std::vector<std::string>{"box_000.ply", "plane_000.ply", "scan_000.ply",
                                       "stairs_000.ply", "training.json"}));
@@ -280,14 +278,13 @@ TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
     EXPECT_EQ(std::count(cloud.label.begin(), cloud.label.end(), 2), entry["v"]);
   }
 
-  well(run({"report", (dir / "a/stairs_000.ply").string(), (dir / "a/scan_000.ply").string(), "-o",
-            (dir / "report").string()}));
+  well(run({"report", dir / "a/stairs_000.ply", dir / "a/scan_000.ply", "-o", dir / "report"}));
 }
 
 TEST(SynthTraining, ThePapersRecipeHasNoScansAndCanBeSeenAugmented) {
   const auto dir = scratch();
-  well(run({"planescope-lab", "synth", "training", "-o", dir.string(), "--recipe", "paper",
-            "--count", "1", "--augmented"}));
+  well(run({"planescope-lab", "synth", "training", "-o", dir, "--recipe", "paper", "--count", "1",
+            "--augmented"}));
   EXPECT_EQ(files_below(dir), (std::vector<std::string>{"box_000.ply", "plane_000.ply",
                                                         "stairs_000.ply", "training.json"}));
   const Json json = Json::parse(read_text(dir / "training.json"));
@@ -311,7 +308,7 @@ TEST(SynthSample, ARecordingIsWrittenThatEveryCommandReads) {
   const Ran eval = well(run({"eval", "--json", "--classifier", "truth", rec}));
   EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 70);
 
-  well(run({"segment", rec, "-o", (dir / "out").string()}));
+  well(run({"segment", rec, "-o", dir / "out"}));
   EXPECT_EQ(files_below(dir / "out").size(), 8u);
 }
 
@@ -329,13 +326,13 @@ TEST(Synth, WhatItCannotMakeIsRefused) {
                                             {sample, {"--size", "0x480"}},
                                             {sample, {"--size", "900000x900000"}}}) {
     Words args = command;
-    args.insert(args.end(), {"-o", (dir / "out").string()});
+    args.insert(args.end(), {"-o", dir / "out"});
     args.insert(args.end(), bad.begin(), bad.end());
     expect_refused(run(args));
   }
-  expect_refused(run({"planescope-lab", "synth", "training", "-o", (dir / "out").string(),
-                      "--recipe", "cookies"}),
-                 "one of planescope, real-camera, paper");
+  expect_refused(
+      run({"planescope-lab", "synth", "training", "-o", dir / "out", "--recipe", "cookies"}),
+      "one of planescope, real-camera, paper");
   EXPECT_FALSE(std::filesystem::exists(dir / "out"));
 }
 
@@ -347,7 +344,7 @@ TEST(Sample, CommandsWithoutARecordingTakeTheOneThatShips) {
   EXPECT_TRUE(is_one_line(info.err)) << "it says which recording it took: " << info.err;
 
   const auto dir = scratch();
-  well(run({"segment", "-o", (dir / "out").string(), "--frames", "0"}));
+  well(run({"segment", "-o", dir / "out", "--frames", "0"}));
   EXPECT_EQ(files_below(dir / "out").size(), 4u);
 }
 

@@ -47,7 +47,7 @@ void expect_same(const Frame& a, const Frame& b) {
 
 TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
   const fs::path out = dir / "out";
-  const Ran ran = well(convert({sample.string(), "-o", out.string()}));
+  const Ran ran = well(convert({sample, "-o", out}));
   EXPECT_TRUE(has(ran.out, "3 of 3 frames"));
   const auto before = io::open_recording(sample), after = io::open_recording(out);
   ASSERT_EQ(after->frame_count(), before->frame_count());
@@ -58,10 +58,8 @@ TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
         labels::read_frame_labels(labels::default_label_dir(out), i, after->frame_hash(i).c_str());
     EXPECT_TRUE(labels);
   }
-  const Ran from_sample =
-      run({"segment", sample.string(), "--gravity", "0,0.9,0.4", "-o", (dir / "a").string()});
-  const Ran from_out =
-      run({"segment", out.string(), "--gravity", "0,0.9,0.4", "-o", (dir / "b").string()});
+  const Ran from_sample = run({"segment", sample, "--gravity", "0,0.9,0.4", "-o", dir / "a"});
+  const Ran from_out = run({"segment", out, "--gravity", "0,0.9,0.4", "-o", dir / "b"});
   ASSERT_EQ(from_sample.code + from_out.code, 0) << from_out.err;
   EXPECT_EQ(read_text(dir / "a/frames/000001/planes.json"),
             read_text(dir / "b/frames/000001/planes.json"));
@@ -69,7 +67,7 @@ TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
 
 TEST_F(Convert, OnlyTheFramesThatAreAskedForWithTheirOwnLabels) {
   const fs::path out = dir / "out";
-  well(convert({sample.string(), "-o", out.string(), "--frames", "2"}));
+  well(convert({sample, "-o", out, "--frames", "2"}));
   const auto before = io::open_recording(sample), after = io::open_recording(out);
   ASSERT_EQ(after->frame_count(), 1);
   EXPECT_EQ(after->frame_hash(0), before->frame_hash(2));
@@ -79,7 +77,7 @@ TEST_F(Convert, OnlyTheFramesThatAreAskedForWithTheirOwnLabels) {
 
 TEST_F(Convert, TumNamesItsFilesByTime) {
   const fs::path out = dir / "tum";
-  well(convert({sample.string(), "-o", out.string(), "--to", "tum"}));
+  well(convert({sample, "-o", out, "--to", "tum"}));
   EXPECT_EQ(read_text(out / "depth.txt"),
             "# timestamp filename\n0.000000 depth/0.000000.png\n1.000000 depth/1.000000.png\n"
             "2.000000 depth/2.000000.png\n");
@@ -90,7 +88,7 @@ TEST_F(Convert, TumNamesItsFilesByTime) {
 
 TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
   const fs::path out = dir / "out.mcap";
-  const Ran ran = well(convert({sample.string(), "-o", out.string()}));
+  const Ran ran = well(convert({sample, "-o", out}));
   EXPECT_TRUE(has(ran.out, "3 of 3 frames"));
   EXPECT_TRUE(has(ran.out, "the labels of 3, read back, the same to the bit"));
   const auto before = io::open_recording(sample), after = io::open_recording(out);
@@ -98,14 +96,13 @@ TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
   EXPECT_TRUE(after->info().warnings.empty());
   ASSERT_EQ(after->frame_count(), 3);
   for (int i = 0; i < 3; ++i) expect_same(before->frame(i), after->frame(i));
-  expect_refused(convert({sample.string(), "-o", out.string()}), "is there already");
-  expect_refused(convert({sample.string(), "-o", (dir / "x").string(), "--to", "mcap"}),
-                 "expected a name with .mcap");
+  expect_refused(convert({sample, "-o", out}), "is there already");
+  expect_refused(convert({sample, "-o", dir / "x", "--to", "mcap"}), "expected a name with .mcap");
   // From there on to a folder, and the planes are those of the folder.
-  well(convert({out.string(), "-o", (dir / "back").string()}));
+  well(convert({out, "-o", dir / "back"}));
   for (const char* from : {"out.mcap", "back"})
-    ASSERT_EQ(run({"segment", (dir / from).string(), "--gravity", "0,0.9,0.4", "--frames", "1",
-                   "-o", (dir / (std::string(from) + ".planes")).string()})
+    ASSERT_EQ(run({"segment", dir / from, "--gravity", "0,0.9,0.4", "--frames", "1", "-o",
+                   (dir / (std::string(from) + ".planes")).string()})
                   .code,
               0);
   const auto planes = [&](const char* from) {
@@ -122,7 +119,7 @@ TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
   set.origin = Vec3d(430'000, 5'400'000, 120);
   io::write_ply(dir / "clouds" / "a.ply", set);
   const fs::path out = dir / "out";
-  well(convert({(dir / "clouds").string(), "-o", out.string(), "--to", "pcd"}));
+  well(convert({dir / "clouds", "-o", out, "--to", "pcd"}));
   const PointSet before = *io::open_recording(dir / "clouds")->frame(0).cloud;
   const PointSet after = *io::open_recording(out)->frame(0).cloud;
   EXPECT_EQ(after.label, before.label);
@@ -131,14 +128,13 @@ TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
   for (std::size_t i = 0; i < after.points.size(); i += 97)
     EXPECT_EQ(after.origin + after.points[i].cast<double>(),
               before.origin + before.points[i].cast<double>());
-  expect_refused(convert({(dir / "clouds").string(), "-o", (dir / "no").string(), "--to", "tum"}),
-                 "expected ply or pcd");
+  expect_refused(convert({dir / "clouds", "-o", dir / "no", "--to", "tum"}), "expected ply or pcd");
 }
 
 TEST_F(Convert, DepthBecomesACloudOfItsMeasuredPixels) {
   const fs::path out = dir / "one.ply";
-  expect_refused(convert({sample.string(), "-o", out.string()}), "one file for 3 frames");
-  const Ran ran = well(convert({sample.string(), "-o", out.string(), "--frames", "1"}));
+  expect_refused(convert({sample, "-o", out}), "one file for 3 frames");
+  const Ran ran = well(convert({sample, "-o", out, "--frames", "1"}));
   EXPECT_TRUE(has(ran.err, "z of the clouds is where the camera looks"));
   const Frame depth = io::open_recording(sample)->frame(1);
   const PointSet cloud = *io::open_recording(out)->frame(0).cloud;
@@ -155,11 +151,11 @@ TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
   labels::write_frame_labels(labels::default_label_dir(in), 0,
                              labels::empty_labels(grid, before->frame_hash(0)));
   write_text(dir / "b.pcd.planescope.json", "{}");
-  expect_refused(convert({in.string(), "-o", out.string()}), "b.pcd.planescope.json: is there");
+  expect_refused(convert({in, "-o", out}), "b.pcd.planescope.json: is there");
   EXPECT_FALSE(fs::exists(out));
   fs::remove(dir / "b.pcd.planescope.json");
 
-  const Ran ran = well(convert({in.string(), "-o", out.string()}));
+  const Ran ran = well(convert({in, "-o", out}));
   EXPECT_TRUE(has(ran.out, "and the labels of 1, read back"));
   const auto after = io::open_recording(out);
   EXPECT_TRUE(
@@ -170,9 +166,9 @@ TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
 TEST_F(Convert, NothingIsOverwrittenAndNothingIsLeftOfWhatFailed) {
   fs::create_directories(dir / "full");
   write_text(dir / "full" / "mine.txt", "mine");
-  expect_refused(convert({sample.string(), "-o", (dir / "full").string()}), "is there already");
-  expect_refused(convert({sample.string(), "-o", (dir / "x.bag").string()}), ".bag is not written");
-  expect_refused(convert({sample.string(), "-o", (dir / "x").string(), "--to", "avi"}),
+  expect_refused(convert({sample, "-o", dir / "full"}), "is there already");
+  expect_refused(convert({sample, "-o", dir / "x.bag"}), ".bag is not written");
+  expect_refused(convert({sample, "-o", dir / "x", "--to", "avi"}),
                  "expected folder, tum, mcap, ply or pcd");
   EXPECT_EQ(files_below(dir), std::vector<std::string>{"full/mine.txt"});
 }

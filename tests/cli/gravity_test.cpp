@@ -10,7 +10,7 @@
 #include "cli/scene_files.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/picked_gravity.hpp"
+#include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "support/needs_open3d.hpp"
 
@@ -43,8 +43,7 @@ void pick(const fs::path& recording, const Vec3d& down, bool all = true) {
 TEST(GravityNone, SegmentFindsThePlanesAndSaysWhatIsMissing) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const Ran ran = well(
-      run({"segment", (dir / "rec").string(), "-o", (dir / "out").string(), "--gravity", "none"}));
+  const Ran ran = well(run({"segment", dir / "rec", "-o", dir / "out", "--gravity", "none"}));
   EXPECT_TRUE(has(ran.out, "gravity none: planes are neither h nor v"));
   for (const char* way : {"--gravity X,Y,Z", "planescope view"}) EXPECT_TRUE(has(ran.err, way));
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
@@ -71,8 +70,7 @@ TEST(GravityNone, ACloudAndARivalGoWithoutAsWell) {
   io::write_ply(dir / "cloud.ply", floor_and_wall_cloud());
   for (const char* method : {"ours", "ransac"}) {
     const auto out = dir / method;
-    well(run({"segment", (dir / "cloud.ply").string(), "-o", out.string(), "--gravity", "none",
-              "--method", method}));
+    well(run({"segment", dir / "cloud.ply", "-o", out, "--gravity", "none", "--method", method}));
     const Json json = planes_json(out);
     ASSERT_EQ(json["planes"].size(), 2u) << method;
     for (const Json& plane : json["planes"]) EXPECT_EQ(plane["label"], "unknown") << method;
@@ -85,8 +83,7 @@ TEST(GravityNone, IsARefusedFramesWayOut) {
   Image16 depth(160, 120);
   depth.data[100] = 900;  // hardly anything measured
   write_depth_folder(dir / "rec", depth);
-  const std::vector<std::string> args = {"segment", (dir / "rec").string(), "-o",
-                                         (dir / "out").string()};
+  const std::vector<std::string> args = {"segment", dir / "rec", "-o", dir / "out"};
   const Ran refused = run(args);
   expect_refused(refused);
   EXPECT_TRUE(has(refused.err, "--gravity none"));
@@ -120,7 +117,7 @@ TEST(GravityNone, AReportFollowsItsSchemaAndHasNoPictureOfClasses) {
   // The same once more, taken up where it ended, and held against itself.
   std::filesystem::copy(dir / "out/report.json", dir / "before.json");
   const std::vector<std::string> held = {"--gravity", "none", "--resume", "--baseline",
-                                         (dir / "before.json").string()};
+                                         dir / "before.json"};
   well(run(report_args({dir / "rec"}, dir / "out", held)));
 }
 
@@ -129,21 +126,21 @@ TEST(GravityNone, EvalScoresPlanesAndLeavesLabelsOpen) {
   write_depth_folder(dir / "rec", floor_and_wall());
   const auto recording = io::open_recording(dir / "rec");
   labels::write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*recording));
-  const Ran ran = well(run({"eval", (dir / "rec").string(), "--gravity", "none", "--json"}));
+  const Ran ran = well(run({"eval", dir / "rec", "--gravity", "none", "--json"}));
   const Json json = Json::parse(ran.out);
   EXPECT_GT(json["mean"]["mean_iou"].get<double>(), 90);
   EXPECT_TRUE(json["mean"]["label_accuracy_edge"].is_null());
-  const Ran table = run({"eval", (dir / "rec").string(), "--gravity", "none"});
+  const Ran table = run({"eval", dir / "rec", "--gravity", "none"});
   EXPECT_FALSE(has(table.out, "nan"));
 }
 
 TEST(GravityNone, InfoSaysHowToGiveOne) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const Ran text = well(run({"info", (dir / "rec").string(), "--gravity", "none"}));
+  const Ran text = well(run({"info", dir / "rec", "--gravity", "none"}));
   EXPECT_TRUE(has(text.out, "none, "));
   EXPECT_TRUE(has(text.out, "--gravity X,Y,Z"));
-  const Ran json = run({"info", (dir / "rec").string(), "--gravity", "none", "--json"});
+  const Ran json = run({"info", dir / "rec", "--gravity", "none", "--json"});
   const Json gravity = Json::parse(json.out)["recordings"][0]["gravity"];
   EXPECT_EQ(gravity["source"], "none");
   EXPECT_TRUE(gravity["direction"].is_null());
@@ -155,18 +152,18 @@ TEST(GravityNone, LabelsThatAreImportedHaveNoClassAndAreExportedSo) {
   const auto recording = io::open_recording(dir / "rec");
   labels::write_frame_labels(dir / "true", 0, floor_and_wall_labels(*recording));
   const std::string rec = (dir / "rec").string();
-  ASSERT_EQ(run({"labels", "export", rec, "--labels", (dir / "true").string(), "--format", "evops",
-                 "-o", (dir / "npy").string()})
+  ASSERT_EQ(run({"labels", "export", rec, "--labels", dir / "true", "--format", "evops", "-o",
+                 dir / "npy"})
                 .code,
             0);
-  well(run({"labels", "import", rec, "--format", "evops", "--from", (dir / "npy").string(),
-            "--gravity", "none"}));
+  well(run(
+      {"labels", "import", rec, "--format", "evops", "--from", dir / "npy", "--gravity", "none"}));
   const auto labels = labels::read_frame_labels(dir / "rec.labels", 0, "");
   ASSERT_TRUE(labels);
   EXPECT_EQ(labels->gravity.source, GravitySource::none);
   ASSERT_EQ(labels->planes.size(), 2u);
   for (const LabelPlane& plane : labels->planes) EXPECT_EQ(plane.label, Label::unknown);
-  well(run({"labels", "export", rec, "--format", "ply", "-o", (dir / "ply").string()}));
+  well(run({"labels", "export", rec, "--format", "ply", "-o", dir / "ply"}));
   const PointSet cloud = io::read_cloud_file(dir / "ply/000000.ply");
   EXPECT_EQ(std::ranges::count(cloud.label, 0), static_cast<std::ptrdiff_t>(cloud.label.size()));
   well(run({"labels", "check", rec, "--strict"}));
@@ -179,7 +176,7 @@ TEST(GravityNone, WhatIsAboutClassesIsRefusedInOneLine) {
   for (const std::vector<std::string>& args :
        {std::vector<std::string>{"segment", rec, "-o", out, "--classifier", "pca"},
         std::vector<std::string>{"train", rec, "--recipe", "recordings", "-o",
-                                 (dir / "w.safetensors").string()},
+                                 dir / "w.safetensors"},
         std::vector<std::string>{"planescope-lab", "bench", "classifier", rec, "-o", out}}) {
     std::vector<std::string> none = args;
     none.insert(none.end(), {"--gravity", "none"});
@@ -196,7 +193,7 @@ TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
   pick(dir / "rec", Vec3d(0, 0.8, 0.6));
   const Ran info = run({"info", rec, "--json"});
   EXPECT_EQ(Json::parse(info.out)["recordings"][0]["gravity"]["source"], "picked") << info.err;
-  well(run({"segment", rec, "-o", (dir / "out").string()}));
+  well(run({"segment", rec, "-o", dir / "out"}));
   const Json gravity = planes_json(dir / "out")["gravity"];
   EXPECT_EQ(gravity["source"], "picked");
   EXPECT_EQ(gravity["direction"], (Json{0, 0.8, 0.6}));
@@ -207,12 +204,12 @@ TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
     EXPECT_EQ(frame["gravity"]["source"], "picked");
 
   // What is said on the command line goes before it.
-  well(run({"segment", rec, "-o", (dir / "given").string(), "--gravity", "0,1,0"}));
+  well(run({"segment", rec, "-o", dir / "given", "--gravity", "0,1,0"}));
   EXPECT_EQ(planes_json(dir / "given")["gravity"]["source"], "option");
-  well(run({"segment", rec, "-o", (dir / "est").string(), "--gravity", "estimate"}));
+  well(run({"segment", rec, "-o", dir / "est", "--gravity", "estimate"}));
   EXPECT_EQ(planes_json(dir / "est")["gravity"]["source"], "estimate");
   write_text(dir / "rec/gravity.json", R"({"gravity": [0, 1, 0]})");
-  well(run({"segment", rec, "-o", (dir / "sidecar").string()}));
+  well(run({"segment", rec, "-o", dir / "sidecar"}));
   EXPECT_EQ(planes_json(dir / "sidecar")["gravity"]["source"], "sidecar");
 }
 
@@ -220,7 +217,7 @@ TEST(GravityPicked, OnOneFrameIsCarriedToTheOthersByTheMotionBetweenThem) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   pick(dir / "rec", Vec3d(0, 0.8, 0.6), false);
-  well(run({"segment", (dir / "rec").string(), "-o", (dir / "out").string()}));
+  well(run({"segment", dir / "rec", "-o", dir / "out"}));
   EXPECT_EQ(planes_json(dir / "out")["gravity"]["source"], "picked");
   const Json second = Json::parse(read_text(dir / "out/frames/000001/planes.json"))["gravity"];
   EXPECT_EQ(second["source"], "carried");
@@ -228,10 +225,7 @@ TEST(GravityPicked, OnOneFrameIsCarriedToTheOthersByTheMotionBetweenThem) {
       second["note"],
       "carried from frame 0 by odometry over 1 frame, where it was picked: a floor of 1.00 m2");
   EXPECT_NEAR(second["direction"][1].get<double>(), 0.8, 1e-3);
-  ASSERT_EQ(
-      run({"segment", (dir / "rec").string(), "-o", (dir / "alone").string(), "--frames", "1"})
-          .code,
-      0);
+  ASSERT_EQ(run({"segment", dir / "rec", "-o", dir / "alone", "--frames", "1"}).code, 0);
   EXPECT_EQ(Json::parse(read_text(dir / "alone/frames/000001/planes.json"))["gravity"], second)
       << "whatever frames are asked for";
 }
@@ -255,17 +249,13 @@ TEST(GravityPicked, AFileThatIsDamagedOrAnothersIsRefusedInOneLine) {
   other.data[5] = 1111;
   write_depth_folder(dir / "other", other);
   pick(dir / "rec", Vec3d(0, 1, 0));
-  const Ran mixed =
-      run({"info", (dir / "other").string(), "--labels", (dir / "rec.labels").string()});
+  const Ran mixed = run({"info", dir / "other", "--labels", dir / "rec.labels"});
   expect_refused(mixed);
   EXPECT_TRUE(has(mixed.err, "another recording"));
   write_text(dir / "rec.labels/gravity.json", "{\"schema\": 3}");
-  const Ran damaged = run({"segment", (dir / "rec").string(), "-o", (dir / "out").string()});
+  const Ran damaged = run({"segment", dir / "rec", "-o", dir / "out"});
   expect_refused(damaged);
   EXPECT_TRUE(has(damaged.err, "gravity.json"));
   // Who says which way things fall does not need it.
-  EXPECT_EQ(
-      run({"segment", (dir / "rec").string(), "--gravity", "0,1,0", "-o", (dir / "out").string()})
-          .code,
-      0);
+  EXPECT_EQ(run({"segment", dir / "rec", "--gravity", "0,1,0", "-o", dir / "out"}).code, 0);
 }

@@ -10,9 +10,8 @@ TEST(Interrupt, ALongRunEndsWithWholeFramesAndCode130) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2000);
   // The output folder appears with the first frame.
-  const Ran ran = run_and_signal(
-      {"segment", (dir / "rec").string(), "-o", (dir / "out").string(), "--gravity", "0,1,0"},
-      SIGINT, dir / "out");
+  const Ran ran = run_and_signal({"segment", dir / "rec", "-o", dir / "out", "--gravity", "0,1,0"},
+                                 SIGINT, dir / "out");
   EXPECT_EQ(ran.code, 130);
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
   EXPECT_TRUE(has(ran.err, "cancelled"));

@@ -21,6 +21,11 @@ using Json = nlohmann::json;
 
 namespace {
 
+Ran labels_of(const std::string& command, std::vector<std::string> args) {
+  args.insert(args.begin(), {"labels", command});
+  return run(args);
+}
+
 /// Three frames of a floor and a wall, the first two labelled.
 class Labels : public testing::Test {
  protected:
@@ -31,10 +36,6 @@ class Labels : public testing::Test {
 
   void write_labels(const fs::path& to, int frame) {
     labels::write_frame_labels(to, frame, floor_and_wall_labels(*io::open_recording(rec), frame));
-  }
-  Ran labels(const std::string& command, std::vector<std::string> args) {
-    args.insert(args.begin(), {"labels", command});
-    return run(args);
   }
   std::vector<std::uint16_t> planes_in(const fs::path& folder, int frame) {
     return labels::read_frame_labels(folder, frame, "")->plane.data;
@@ -47,7 +48,7 @@ class Labels : public testing::Test {
 
 TEST_F(Labels, CheckFindsNothingInGoodLabels) {
   for (const fs::path& what : {rec, own}) {
-    const Ran ran = well(labels("check", {what.string()}));
+    const Ran ran = well(labels_of("check", {what}));
     EXPECT_TRUE(has(ran.out, "2 labelled frames, 0 damaged, 0 findings"));
   }
 }
@@ -56,12 +57,12 @@ TEST_F(Labels, CheckNamesFileFramePlaneValueAndLimitOfAFinding) {
   FrameLabels wrong = floor_and_wall_labels(*io::open_recording(rec), 1);
   wrong.planes[0].label = Label::v;
   labels::write_frame_labels(own, 1, wrong);
-  const Ran ran = labels("check", {own.string()});
+  const Ran ran = labels_of("check", {own});
   EXPECT_EQ(ran.code, 1);
   EXPECT_TRUE(has(ran.out,
                   "000001.json: frame 1: class_normal: P1: labelled v and tilted 0 degrees, "
                   "expected at least 60"));
-  const Json json = Json::parse(labels("check", {own.string(), "--json"}).out);
+  const Json json = Json::parse(labels_of("check", {own, "--json"}).out);
   EXPECT_EQ(json["findings"], 1);
   EXPECT_EQ(json["frames"][1]["findings"][0]["kind"], "class_normal");
   EXPECT_EQ(json["frames"][1]["findings"][0]["plane"], 1);
@@ -73,7 +74,7 @@ TEST_F(Labels, CheckTellsDamagedFilesFromFindings) {
   fs::remove(own / "000001.hv.png");
   write_labels(own, 2);
   fs::rename(own / "000002.json", own / "000007.json");
-  const Ran ran = labels("check", {own.string()});
+  const Ran ran = labels_of("check", {own});
   EXPECT_EQ(ran.code, 2);
   for (const char* part : {"000000.plane.png", "000001.hv.png", "000002.json",
                            "labels of frame 7, the recording has 3", "4 damaged"})
@@ -84,35 +85,35 @@ TEST_F(Labels, CheckRefusesLabelsOfAnotherDepthImage) {
   Image16 other = floor_and_wall();
   other.at(5, 5) = 777;
   write_depth_folder(dir / "other", other, 2);
-  const Ran ran = labels("check", {own.string(), "--recording", (dir / "other").string()});
+  const Ran ran = labels_of("check", {own, "--recording", dir / "other"});
   EXPECT_EQ(ran.code, 2);
   EXPECT_TRUE(has(ran.out, "made for a depth image with SHA-256"));
 }
 
 TEST_F(Labels, CheckNamesAnotherCameraThanTheyWereDrawnWith) {
-  const Ran ran = labels("check", {own.string(), "--intrinsics", "240,240,80,60"});
+  const Ran ran = labels_of("check", {own, "--intrinsics", "240,240,80,60"});
   EXPECT_EQ(ran.code, 1);
   EXPECT_TRUE(has(ran.out, "camera: drawn with fx 120, the frame has 240"));
 }
 
 TEST_F(Labels, CheckTakesTheCameraOfTheLabelsWhereTheRecordingDoesNotSayIt) {
   fs::remove(rec / "camera_intrinsic.json");
-  ASSERT_EQ(run({"eval", rec.string()}).code, 2) << "the recording does not say it";
-  const Ran ran = well(labels("check", {own.string()}));
+  ASSERT_EQ(run({"eval", rec}).code, 2) << "the recording does not say it";
+  const Ran ran = well(labels_of("check", {own}));
   EXPECT_TRUE(has(ran.out, "2 labelled frames, 0 damaged, 0 findings"));
 }
 
 TEST_F(Labels, ExportTakesTheCameraOfTheLabelsWhereTheRecordingDoesNotSayIt) {
   const fs::path known = dir / "known", unknown = dir / "unknown";
-  well(labels("export", {rec.string(), "--format", "ply", "-o", known.string()}));
+  well(labels_of("export", {rec, "--format", "ply", "-o", known}));
   fs::remove(rec / "camera_intrinsic.json");
-  well(labels("export", {rec.string(), "--format", "ply", "-o", unknown.string()}));
+  well(labels_of("export", {rec, "--format", "ply", "-o", unknown}));
   EXPECT_EQ(read_text(unknown / "000001.ply"), read_text(known / "000001.ply"));
 }
 
 TEST_F(Labels, CheckWithoutTheRecordingSaysWhatItLeftOut) {
   fs::rename(own, dir / "alone.labels");
-  const Ran ran = well(labels("check", {(dir / "alone.labels").string()}));
+  const Ran ran = well(labels_of("check", {dir / "alone.labels"}));
   EXPECT_TRUE(has(ran.out, "no recording found, give --recording"));
 }
 
@@ -120,10 +121,10 @@ TEST_F(Labels, WhatIsExportedComesBackByImport) {
   for (const char* format : {"evops", "ply", "pcd", "kitti", "npz", "coco"}) {
     SCOPED_TRACE(format);
     const std::string out = (dir / format).string(), back = out + ".labels";
-    const Ran exported = well(labels("export", {rec.string(), "--format", format, "-o", out}));
+    const Ran exported = well(labels_of("export", {rec, "--format", format, "-o", out}));
     EXPECT_TRUE(has(exported.out, "000001"));
-    const Ran imported = well(labels("import", {rec.string(), "--format", format, "--from", out,
-                                                "--labels", back, "--gravity", "0,1,0"}));
+    const Ran imported = well(labels_of("import", {rec, "--format", format, "--from", out,
+                                                   "--labels", back, "--gravity", "0,1,0"}));
     EXPECT_TRUE(has(imported.out, "frame 1: "));
     for (const int frame : {0, 1}) {
       const auto before = labels::read_frame_labels(own, frame, ""),
@@ -140,7 +141,7 @@ TEST_F(Labels, WhatIsExportedComesBackByImport) {
 
 TEST_F(Labels, CocoIsOneFileWithAPictureForEachFrame) {
   const fs::path out = dir / "coco";
-  well(labels("export", {rec.string(), "--format", "coco", "-o", out.string()}));
+  well(labels_of("export", {rec, "--format", "coco", "-o", out}));
   const Json coco = Json::parse(read_text(out / "annotations.json"));
   std::map<int, Json> images, annotations;
   std::set<int> categories;
@@ -178,7 +179,7 @@ TEST_F(Labels, CocoIsOneFileWithAPictureForEachFrame) {
 
 TEST_F(Labels, CocoIsReadFromOneFileForAllFramesAndFromAFileForEach) {
   const fs::path out = dir / "coco", old = dir / "old";
-  well(labels("export", {rec.string(), "--format", "coco", "-o", out.string()}));
+  well(labels_of("export", {rec, "--format", "coco", "-o", out}));
   // As earlier versions wrote it: 000000.json and 000001.json with one image each.
   const Json all = Json::parse(read_text(out / "annotations.json"));
   fs::create_directories(old);
@@ -199,17 +200,15 @@ TEST_F(Labels, CocoIsReadFromOneFileForAllFramesAndFromAFileForEach) {
   for (const fs::path& from : {out, out / "annotations.json", old}) {
     SCOPED_TRACE(from);
     const std::string back = (dir / ("back" + std::to_string(number++))).string();
-    well(labels("import", {rec.string(), "--format", "coco", "--from", from.string(), "--labels",
-                           back, "--gravity", "0,1,0"}));
+    well(labels_of("import", {rec, "--format", "coco", "--from", from, "--labels", back,
+                              "--gravity", "0,1,0"}));
     for (const int frame : {0, 1}) EXPECT_EQ(planes_in(back, frame), planes_in(own, frame));
   }
-  const Ran scored =
-      well(run({"eval", rec.string(), "--frames", "0:2", "--json", "--prediction", out.string()}));
+  const Ran scored = well(run({"eval", rec, "--frames", "0:2", "--json", "--prediction", out}));
   EXPECT_EQ(Json::parse(scored.out)["mean"]["mean_iou"], 100);
-  expect_refused(
-      labels("import", {rec.string(), "--format", "coco", "--from", out.string(), "--frames", "2",
-                        "--labels", (dir / "none").string(), "--gravity", "0,1,0"}),
-      "no image of any of the frames, expected names such as 000002.png");
+  expect_refused(labels_of("import", {rec, "--format", "coco", "--from", out, "--frames", "2",
+                                      "--labels", dir / "none", "--gravity", "0,1,0"}),
+                 "no image of any of the frames, expected names such as 000002.png");
 }
 
 TEST_F(Labels, AnImportCanBeTakenBack) {
@@ -217,8 +216,8 @@ TEST_F(Labels, AnImportCanBeTakenBack) {
   points.instance.assign(160 * 120, 5);
   labels::write_labelled(dir / "five", labels::LabelFormat::evops, points);
   const auto before = planes_in(own, 1);
-  well(labels("import", {rec.string(), "--from", (dir / "five.npy").string(), "--frames", "1",
-                         "--gravity", "0,1,0"}));
+  well(labels_of("import",
+                 {rec, "--from", dir / "five.npy", "--frames", "1", "--gravity", "0,1,0"}));
   EXPECT_EQ(planes_in(own, 1), std::vector<std::uint16_t>(160 * 120, 5));
   labels::LabelStore store(own);
   const auto recording = io::open_recording(rec);
@@ -237,8 +236,8 @@ TEST_F(Labels, FilesThatCannotBeImportedChangeNothing) {
   points.instance.assign(160 * 120, 5);
   labels::write_labelled(dir / "in/000000", labels::LabelFormat::evops, points);
   const auto import = [&](std::vector<std::string> args) {
-    args.insert(args.begin(), {rec.string(), "--gravity", "0,1,0", "--from"});
-    return labels("import", args);
+    args.insert(args.begin(), {rec, "--gravity", "0,1,0", "--from"});
+    return labels_of("import", args);
   };
   const std::string in = (dir / "in").string();
   expect_refused(import({in, "--format", "evops"}), "000001.npy: 100 points, expected 19200");
@@ -247,10 +246,9 @@ TEST_F(Labels, FilesThatCannotBeImportedChangeNothing) {
   expect_refused(import({in, "--format", "npz"}), "expected names such as 000000.npz");
   expect_refused(import({in + "/000000.npy"}), "--frames N");
   expect_refused(import({in + "/nothing.npy"}), "nothing.npy: no such file");
-  expect_refused(import({(rec / "camera_intrinsic.json").string(), "--frames", "0"}),
-                 "not a COCO file");
+  expect_refused(import({rec / "camera_intrinsic.json", "--frames", "0"}), "not a COCO file");
   EXPECT_EQ(planes_in(own, 0), floor_and_wall_labels(*io::open_recording(rec)).plane.data);
-  expect_refused(import({in + "/000000.npy", "--frames", "0", "--labels", (rec / "l").string()}),
+  expect_refused(import({in + "/000000.npy", "--frames", "0", "--labels", rec / "l"}),
                  "inside the recording");
   EXPECT_FALSE(fs::exists(own / "journal"));
 }
@@ -264,30 +262,28 @@ TEST_F(Labels, NothingIsImportedWhereAnotherInstanceIsAtWork) {
   FrameLabels after = *before;
   after.planes[0].locked = true;
   held.commit(labels::make_edit(0, "Lock P1", *before, after));
-  expect_refused(labels("import", {rec.string(), "--from", (dir / "five.npy").string(), "--frames",
-                                   "0", "--gravity", "0,1,0"}),
-                 "read-only: held by ann");
+  expect_refused(
+      labels_of("import", {rec, "--from", dir / "five.npy", "--frames", "0", "--gravity", "0,1,0"}),
+      "read-only: held by ann");
 }
 
 TEST_F(Labels, ExportsStayOutOfTheRecordingAndOfTheLabels) {
   const auto export_to = [&](const fs::path& out, const std::string& frames = "0:") {
-    return labels("export",
-                  {rec.string(), "--format", "coco", "-o", out.string(), "--frames", frames});
+    return labels_of("export", {rec, "--format", "coco", "-o", out, "--frames", frames});
   };
   expect_refused(export_to(rec / "out"), "inside the recording");
   expect_refused(export_to(own), "the folder of the labels themselves");
   expect_refused(export_to(dir / "out", "2"), "no labels of the frames");
-  expect_refused(labels("export", {rec.string(), "--format", "coco"}), "-o DIR");
+  expect_refused(labels_of("export", {rec, "--format", "coco"}), "-o DIR");
   EXPECT_FALSE(fs::exists(dir / "out"));
-  well(labels("export", {rec.string(), "--format", "voxels", "-o", (dir / "out").string(),
-                         "--voxel", "0.05"}));
+  well(labels_of("export", {rec, "--format", "voxels", "-o", dir / "out", "--voxel", "0.05"}));
   EXPECT_TRUE(fs::exists(dir / "out/000001.voxels.ply"));
 }
 
 TEST_F(Labels, PointFormatsConvertIntoEachOther) {
-  well(labels("export", {rec.string(), "--format", "npz", "-o", dir.string()}));
+  well(labels_of("export", {rec, "--format", "npz", "-o", dir}));
   const auto convert = [&](const char* in, const char* out) {
-    return labels("convert", {(dir / in).string(), "-o", (dir / out).string()});
+    return labels_of("convert", {dir / in, "-o", dir / out});
   };
   for (const auto& [in, out] : {std::pair{"000000.npz", "a.ply"},
                                 {"a.ply", "b.pcd"},
@@ -310,8 +306,8 @@ TEST_F(Labels, CompareSaysHowFarTwoAnnotatorsAgree) {
   const fs::path ann = dir / "ann.labels";
   write_labels(ann, 1);
   const auto compare = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), {own.string(), ann.string()});
-    return labels("compare", more);
+    more.insert(more.begin(), {own, ann});
+    return labels_of("compare", more);
   };
   Json json = Json::parse(compare({"--json"}).out);
   EXPECT_EQ(json["frames"].size(), 1u);
@@ -324,20 +320,20 @@ TEST_F(Labels, CompareSaysHowFarTwoAnnotatorsAgree) {
   labels::write_frame_labels(ann, 1, other);
   json = Json::parse(compare({"--json"}).out);
   EXPECT_LT(json["mean"]["mean_iou"], 0.9);
-  const Ran text = well(compare({"--recording", rec.string()}));
+  const Ran text = well(compare({"--recording", rec}));
   EXPECT_TRUE(has(text.out, "mean"));
 
   other.depth_sha256 = std::string(64, 'f');
   labels::write_frame_labels(ann, 1, other);
   expect_refused(compare({}), "made for different depth images");
-  expect_refused(labels("compare", {own.string()}), "expected two");
+  expect_refused(labels_of("compare", {own}), "expected two");
 }
 
 TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   FrameLabels second = floor_and_wall_labels(*io::open_recording(rec), 1);
   second.review_state = "unreviewed";
   labels::write_frame_labels(own, 1, second);
-  const Json json = Json::parse(labels("stats", {rec.string(), "--json"}).out);
+  const Json json = Json::parse(labels_of("stats", {rec, "--json"}).out);
   ASSERT_EQ(json["frames"].size(), 2u);
   const Json& frame = json["frames"][0];
   EXPECT_EQ(frame["planes"], 2);
@@ -349,11 +345,10 @@ TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   EXPECT_LT(frame["labelled_m2"], 1.6 * 1.1 + 0.4);
   EXPECT_EQ(json["left"]["unlabelled"], Json::parse("[2]"));
   EXPECT_EQ(json["left"]["unreviewed"], Json::parse("[1]"));
-  const Ran text = well(labels("stats", {own.string()}));
+  const Ran text = well(labels_of("stats", {own}));
   EXPECT_TRUE(has(text.out, "without labels: 1: 2\n  not reviewed: 1: 1\n"));
   EXPECT_TRUE(has(text.out, "sum"));
-  expect_refused(labels("stats", {(dir / "rec/depth").string(), "--labels", dir.string()}),
-                 "no labels in it");
+  expect_refused(labels_of("stats", {dir / "rec/depth", "--labels", dir}), "no labels in it");
 }
 
 TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
@@ -362,10 +357,10 @@ TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
   const fs::path dir = scratch(), rec = dir / "icl";
   fs::copy(fs::path(data) / "NOT_REAL_icl_nuim_with_plane_gt", rec);
   const auto command = [&](std::vector<std::string> args) {
-    args.insert(args.end(), {rec.string(), "--depth-unit", "0.0002"});
+    args.insert(args.end(), {rec, "--depth-unit", "0.0002"});
     return run(args);
   };
-  const Ran imported = well(command({"labels", "import", "--from", (rec / "gt_0.npy").string()}));
+  const Ran imported = well(command({"labels", "import", "--from", rec / "gt_0.npy"}));
   EXPECT_TRUE(has(imported.out, "17 planes, 272893 pixels labelled"));
   const Ran scored = well(command({"eval", "--json", "--max-range", "8"}));
   const Json mean = Json::parse(scored.out)["mean"];
@@ -381,9 +376,9 @@ TEST_F(Labels, ScoreASegmentationThatWasMadeBeforeAsTheOneMadeNow) {
     args.insert(args.end(), options.begin(), options.end());
     return run(args);
   };
-  well(with({"segment", rec.string(), "-o", made.string()}));
-  const Ran now = with({"eval", rec.string(), "--json"});
-  const Ran before = well(with({"eval", rec.string(), "--json", "--prediction", made.string()}));
+  well(with({"segment", rec, "-o", made}));
+  const Ran now = with({"eval", rec, "--json"});
+  const Ran before = well(with({"eval", rec, "--json", "--prediction", made}));
   const Json a = Json::parse(now.out)["mean"], b = Json::parse(before.out)["mean"];
   for (const char* figure : {"planes_found", "r_m", "point_accuracy", "mean_iou", "points"})
     EXPECT_EQ(a[figure], b[figure]) << figure;
@@ -391,19 +386,15 @@ TEST_F(Labels, ScoreASegmentationThatWasMadeBeforeAsTheOneMadeNow) {
 }
 
 TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndNameAFrameThatIsMissing) {
-  const Ran own_labels =
-      well(run({"eval", rec.string(), "--frames", "0:2", "--json", "--prediction", own.string()}));
+  const Ran own_labels = well(run({"eval", rec, "--frames", "0:2", "--json", "--prediction", own}));
   EXPECT_EQ(Json::parse(own_labels.out)["mean"]["mean_iou"], 100);
-  ASSERT_EQ(labels("export", {rec.string(), "--format", "kitti", "-o", (dir / "kitti").string(),
-                              "--frames", "0"})
-                .code,
-            0);
+  ASSERT_EQ(
+      labels_of("export", {rec, "--format", "kitti", "-o", dir / "kitti", "--frames", "0"}).code,
+      0);
   const std::string kitti = (dir / "kitti").string();
-  const Ran exported =
-      well(run({"eval", rec.string(), "--frames", "0", "--json", "--prediction", kitti}));
+  const Ran exported = well(run({"eval", rec, "--frames", "0", "--json", "--prediction", kitti}));
   EXPECT_EQ(Json::parse(exported.out)["mean"]["point_accuracy"], 100);
-  expect_refused(run({"eval", rec.string(), "--frames", "1", "--prediction", kitti}),
-                 "nothing of frame 1");
+  expect_refused(run({"eval", rec, "--frames", "1", "--prediction", kitti}), "nothing of frame 1");
 }
 
 TEST_F(Labels, OfAWindowThatWasKilledAreSaidToBeInTheJournal) {
@@ -418,7 +409,7 @@ TEST_F(Labels, OfAWindowThatWasKilledAreSaidToBeInTheJournal) {
     store.open(0, none);
     store.commit(labels::make_edit(0, "all", none, all));
   }
-  expect_refused(labels("stats", {killed.string()}), "only a journal");
+  expect_refused(labels_of("stats", {killed}), "only a journal");
 }
 
 TEST_F(Labels, CheckFailsForHintsOnlyWhereAsked) {
@@ -428,10 +419,10 @@ TEST_F(Labels, CheckFailsForHintsOnlyWhereAsked) {
   std::erase_if(labels_0.planes, [](const LabelPlane& plane) { return plane.id == 2; });
   labels_0.review_state = "unreviewed";
   labels::write_frame_labels(own, 0, labels_0);
-  const Ran lax = labels("check", {own.string()});
+  const Ran lax = labels_of("check", {own});
   EXPECT_EQ(lax.code, 0) << lax.out;
   EXPECT_TRUE(has(lax.out, "frame 0: hint: unlabelled"));
-  EXPECT_EQ(labels("check", {own.string(), "--strict"}).code, 1);
+  EXPECT_EQ(labels_of("check", {own, "--strict"}).code, 1);
 }
 
 // Labels of clouds.
@@ -453,10 +444,6 @@ class CloudLabels : public testing::Test {
                                labels::PaintMode::over);
     labels::write_frame_labels(to, 0, labels);
   }
-  Ran labels_of(const std::string& command, std::vector<std::string> args) {
-    args.insert(args.begin(), {"labels", command});
-    return run(args);
-  }
 
   const test::TrueCloud cloud = test::stair_cloud();
   const fs::path dir = scratch(), rec = dir / "stairs.ply", own = dir / "stairs.ply.labels";
@@ -465,24 +452,24 @@ class CloudLabels : public testing::Test {
 }  // namespace
 
 TEST_F(CloudLabels, AreCheckedCountedAndComparedLikeThoseOfImages) {
-  const Ran checked = well(labels_of("check", {rec.string()}));
+  const Ran checked = well(labels_of("check", {rec}));
   EXPECT_TRUE(has(checked.out, "1 labelled frame, 0 damaged, 0 findings, 0 hints"));
-  const Json stats = Json::parse(labels_of("stats", {rec.string(), "--json"}).out);
+  const Json stats = Json::parse(labels_of("stats", {rec, "--json"}).out);
   EXPECT_EQ(stats["frames"][0]["labelled"], cloud.grid.pixels());
   EXPECT_EQ(stats["frames"][0]["h"], 3);
   EXPECT_EQ(stats["frames"][0]["v"], 2);
   EXPECT_NEAR(stats["frames"][0]["labelled_m2"].get<double>(), 2, 0.2);
-  const Json same = Json::parse(labels_of("compare", {own.string(), own.string(), "--json"}).out);
+  const Json same = Json::parse(labels_of("compare", {own, own, "--json"}).out);
   EXPECT_EQ(same["mean"]["mean_iou"], 1);
 }
 
 TEST_F(CloudLabels, ScoreTheMethodAndWhatOthersFound) {
-  const Json scored = Json::parse(run({"eval", rec.string(), "--classifier", "pca", "--json"}).out);
+  const Json scored = Json::parse(run({"eval", rec, "--classifier", "pca", "--json"}).out);
   EXPECT_EQ(scored["frames"][0]["planes_truth"], 5);
   EXPECT_GT(scored["frames"][0]["mean_iou"].get<double>(), 80);
   const std::string out = (dir / "kitti").string();
-  well(labels_of("export", {rec.string(), "--format", "kitti", "-o", out}));
-  const Json others = Json::parse(run({"eval", rec.string(), "--prediction", out, "--json"}).out);
+  well(labels_of("export", {rec, "--format", "kitti", "-o", out}));
+  const Json others = Json::parse(run({"eval", rec, "--prediction", out, "--json"}).out);
   EXPECT_EQ(others["frames"][0]["mean_iou"], 100);
 }
 
@@ -491,9 +478,9 @@ TEST_F(CloudLabels, WhatIsExportedComesBackByImport) {
   for (const char* format : {"evops", "ply", "pcd", "kitti", "npz"}) {
     SCOPED_TRACE(format);
     const std::string out = (dir / format).string(), back = out + ".labels";
-    well(labels_of("export", {rec.string(), "--format", format, "-o", out}));
-    const Ran imported = well(
-        labels_of("import", {rec.string(), "--format", format, "--from", out, "--labels", back}));
+    well(labels_of("export", {rec, "--format", format, "-o", out}));
+    const Ran imported =
+        well(labels_of("import", {rec, "--format", format, "--from", out, "--labels", back}));
     EXPECT_TRUE(has(imported.out, " points labelled"));
     const auto after = labels::read_frame_labels(back, 0, "");
     ASSERT_TRUE(after);
@@ -504,7 +491,7 @@ TEST_F(CloudLabels, WhatIsExportedComesBackByImport) {
 
 TEST_F(CloudLabels, FormatsOfImagesAreRefusedAndNothingIsWritten) {
   const fs::path out = dir / "coco";
-  expect_refused(labels_of("export", {rec.string(), "--format", "coco", "-o", out.string()}),
+  expect_refused(labels_of("export", {rec, "--format", "coco", "-o", out}),
                  "stairs.ply, frame 0: coco is for images, this is a cloud: expected --format");
   EXPECT_FALSE(fs::exists(out));
 }
@@ -517,12 +504,11 @@ TEST_F(CloudLabels, LabelsOfAnotherCloudAreRefusedByEveryCommand) {
   const std::string part =
       "000000.json: made for a cloud of " + std::to_string(cloud.grid.pixels()) +
       " points, this recording's frame has " + std::to_string(cloud.grid.pixels() - 1);
-  const Ran checked = labels_of("check", {own.string(), "--recording", other});
+  const Ran checked = labels_of("check", {own, "--recording", other});
   EXPECT_EQ(checked.code, 2);
   EXPECT_TRUE(has(checked.out, part));
-  expect_refused(labels_of("stats", {own.string(), "--recording", other}), part);
-  expect_refused(labels_of("export", {other, "--labels", own.string(), "--format", "ply", "-o",
-                                      (dir / "out").string()}),
-                 part);
-  expect_refused(run({"eval", other, "--labels", own.string(), "--classifier", "pca"}), part);
+  expect_refused(labels_of("stats", {own, "--recording", other}), part);
+  expect_refused(
+      labels_of("export", {other, "--labels", own, "--format", "ply", "-o", dir / "out"}), part);
+  expect_refused(run({"eval", other, "--labels", own, "--classifier", "pca"}), part);
 }

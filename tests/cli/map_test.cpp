@@ -33,11 +33,10 @@ struct Map : testing::Test {
   void SetUp() override { write_walk("320x240"); }
   void write_walk(const std::string& size) {
     fs::remove_all(walk);
-    well(run({"synth", "sequence", "-o", walk.string(), "--size", size, "--frames", "12",
-              "--depth-only"}));
+    well(run({"synth", "sequence", "-o", walk, "--size", size, "--frames", "12", "--depth-only"}));
   }
   Ran map(std::vector<std::string> args) {
-    args.insert(args.begin(), {"map", walk.string(), "-o", (dir / "out").string()});
+    args.insert(args.begin(), {"map", walk, "-o", dir / "out"});
     return run(args);
   }
 };
@@ -58,7 +57,7 @@ TEST_F(Map, WritesMapTracksAndPoses) {
   EXPECT_FALSE(fs::exists(dir / "out" / "mesh.ply"));
   // poses.tum is a trajectory like any other.
   fs::copy_file(dir / "out" / "poses.tum", dir / "poses.tum");
-  well(map({"--poses", (dir / "poses.tum").string()}));
+  well(map({"--poses", dir / "poses.tum"}));
   EXPECT_EQ(read_json<nlohmann::json>(dir / "out" / "map.json")["planes"].size(),
             written["planes"].size());
 }
@@ -130,15 +129,15 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
   well(map({}));
   const std::string parts = (dir / "parts").string();
   for (const char* shard : {"1/3", "2/3", "3/3"})
-    well(run({"map", walk.string(), "-o", parts, "--shard", shard}));
+    well(run({"map", walk, "-o", parts, "--shard", shard}));
   const std::string joined = (dir / "joined").string();
-  well(run({"map", walk.string(), "-o", joined, "--join", parts}));
+  well(run({"map", walk, "-o", joined, "--join", parts}));
   for (const char* file : {"map.json", "tracks.json", "poses.tum", "map.png"})
     EXPECT_EQ(read_file_bytes(fs::path(joined) / file), read_file_bytes(dir / "out" / file))
         << file;
   // Parts of other options, damaged or missing ones.
   const auto refusal = [&](std::vector<std::string> more) {
-    std::vector<std::string> args = {"map", walk.string(), "-o", joined, "--join", parts};
+    std::vector<std::string> args = {"map", walk, "-o", joined, "--join", parts};
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   };
@@ -170,7 +169,7 @@ TEST_F(Map, OfShardsNamesTheFramesThatCannotBeRead) {
   write_file_text(walk / "depth" / "000004.png", "no PNG");
   const std::string parts = (dir / "parts").string();
   for (const char* shard : {"1/2", "2/2"}) {
-    const Ran ran = run({"map", walk.string(), "-o", parts, "--shard", shard});
+    const Ran ran = run({"map", walk, "-o", parts, "--shard", shard});
     EXPECT_EQ(ran.code, shard[0] == '1' ? 2 : 0) << shard << ran.err;
     EXPECT_EQ(ran.err.find("frame 4: ") != std::string::npos, shard[0] == '1') << ran.err;
   }
@@ -186,8 +185,7 @@ TEST_F(Map, OfEveryMethodTellsSegmentItsPlanes) {
                                                  {"--method", "region-growing"},
                                                  {}}) {
     ASSERT_EQ(map(method).code, 0) << testing::PrintToString(method);
-    std::vector<std::string> args = {
-        "segment", walk.string(), "-o", (dir / "planes").string(), "--map", (dir / "out").string()};
+    std::vector<std::string> args = {"segment", walk, "-o", dir / "planes", "--map", dir / "out"};
     args.insert(args.end(), method.begin(), method.end());
     const Ran ran = run(args);
     EXPECT_EQ(ran.code, 0) << testing::PrintToString(method) << ran.err;
@@ -198,8 +196,7 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
   well(map({"--frames", "0:10"}));
   const std::string known = (dir / "out").string();
   const auto segment = [&](std::vector<std::string> more) {
-    std::vector<std::string> args = {"segment", walk.string(), "-o", (dir / "planes").string(),
-                                     "--map",   known};
+    std::vector<std::string> args = {"segment", walk, "-o", dir / "planes", "--map", known};
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   };
@@ -227,7 +224,7 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
   expect_refused(segment({"--max-range", "2"}), "other options: max_range_m is 1.5, expected 2");
   const fs::path other = dir / "other";
   fs::copy(walk, other, fs::copy_options::recursive);
-  const Ran refused = run({"segment", other.string(), "-o", (dir / "x").string(), "--map", known});
+  const Ran refused = run({"segment", other, "-o", dir / "x", "--map", known});
   EXPECT_TRUE(has(refused.err, "is of the recording \"walk\", expected \"other\""));
   expect_refused(segment({"--frames", "11"}), "is not in the map ");
   const fs::path stored = dir / "out" / "planes";
@@ -258,7 +255,7 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
   const std::string good = read_text(dir / "out" / "map.json");
   const auto told = [&](const std::string& poses, int code, const std::vector<std::string>& more) {
     write_file_text(dir / "poses.txt", poses);
-    std::vector<std::string> args = {"--poses", (dir / "poses.txt").string()};
+    std::vector<std::string> args = {"--poses", dir / "poses.txt"};
     args.insert(args.end(), more.begin(), more.end());
     const Ran ran = map(args);
     EXPECT_EQ(ran.code, code) << ran.err;
@@ -319,8 +316,8 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   // Shards share out the frames asked for.
   const std::string parts = (dir / "parts").string();
   for (const char* shard : {"1/2", "2/2"}) {
-    const Ran part = well(run({"map", walk.string(), "-o", parts, "--poses", file, "--frames",
-                               "::2", "--max-range", "4", "--shard", shard}));
+    const Ran part = well(run({"map", walk, "-o", parts, "--poses", file, "--frames", "::2",
+                               "--max-range", "4", "--shard", shard}));
     EXPECT_TRUE(has(part.out, "3 frames of shard"));
     EXPECT_TRUE(has(part.err, notice));
   }
@@ -329,15 +326,13 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   EXPECT_EQ(read_file_bytes(dir / "out" / "tracks.json"), whole);
   // As poses.tum in the folder they are times alone.
   fs::copy_file(file, walk / "poses.tum");
-  const Ran info = run({"info", walk.string()});
+  const Ran info = run({"info", walk});
   EXPECT_TRUE(has(info.out, "8.00 frames per second, no gaps, from poses.tum"));
   EXPECT_TRUE(has(map({"--follow"}).err, "has no poses"));
 }
 
 TEST_F(Map, ReplacesNothingOfTheUsers) {
-  const auto refusal = [&](const fs::path& out) {
-    return run({"map", walk.string(), "-o", out.string()});
-  };
+  const auto refusal = [&](const fs::path& out) { return run({"map", walk, "-o", out}); };
   expect_refused(refusal(walk), "walk: is the recording; expected another folder");
   fs::create_directories(dir / "mine");
   write_file_text(dir / "mine" / "poses.tum", "measured by hand");
@@ -354,7 +349,7 @@ TEST_F(Map, ThatFailsLeavesTheOneBefore) {
   well(map({"--window", "3"}));
   const auto left = read_file_bytes(dir / "out" / "left.jsonl");
   write_file_text(dir / "out" / "mesh.ply", "of before");
-  ASSERT_EQ(map({"--poses", (dir / "none.tum").string()}).code, 2);
+  ASSERT_EQ(map({"--poses", dir / "none.tum"}).code, 2);
   EXPECT_EQ(read_file_bytes(dir / "out" / "left.jsonl"), left);
   EXPECT_TRUE(fs::exists(dir / "out" / "mesh.ply"));
   // One that is whole takes its place.
@@ -366,16 +361,15 @@ TEST_F(Map, ThatFailsLeavesTheOneBefore) {
 TEST_F(Map, WithGravityOfItsOwnTellsSegmentTheSamePlanes) {
   const std::vector<std::string> gravity = {"--gravity", "0,0.85,0.53"};
   well(map(gravity));
-  const Ran ran = well(run({"segment", walk.string(), "-o", (dir / "planes").string(), "--map",
-                            (dir / "out").string(), "--gravity", "0,0.85,0.53"}));
+  const Ran ran = well(run(
+      {"segment", walk, "-o", dir / "planes", "--map", dir / "out", "--gravity", "0,0.85,0.53"}));
   EXPECT_FALSE(has(ran.err, "refused"));
 }
 
 TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
   const fs::path report = dir / "report";
   const auto run_report = [&](std::vector<std::string> more) {
-    std::vector<std::string> args = {"report",        walk.string(), "-o",
-                                     report.string(), "--tracks",    "--no-pictures"};
+    std::vector<std::string> args = {"report", walk, "-o", report, "--tracks", "--no-pictures"};
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   };
@@ -390,16 +384,16 @@ TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
   const std::string rule =
       R"({"schema": "planescope.rules/1", "rules": [{"metric": "track_breaks", "scope": "recording", "at_most": )";
   write_file_text(dir / "rules.json", rule + std::to_string(breaks) + "}]}");
-  well(run_report({"--rules", (dir / "rules.json").string()}));
+  well(run_report({"--rules", dir / "rules.json"}));
   write_file_text(dir / "rules.json", rule + std::to_string(breaks - 1) + "}]}");
-  EXPECT_EQ(run_report({"--rules", (dir / "rules.json").string()}).code, 1);
+  EXPECT_EQ(run_report({"--rules", dir / "rules.json"}).code, 1);
   // Against a baseline: the same again.
   fs::copy_file(report / "report.json", dir / "baseline.json");
   write_file_text(
       dir / "rules.json",
       R"({"schema": "planescope.rules/1", "rules": [{"metric": "track_breaks_change", "at_most": 0}]})");
-  const Ran again = well(run_report(
-      {"--rules", (dir / "rules.json").string(), "--baseline", (dir / "baseline.json").string()}));
+  const Ran again =
+      well(run_report({"--rules", dir / "rules.json", "--baseline", dir / "baseline.json"}));
   EXPECT_FALSE(has(again.err, "holds nothing"));
   const Ran shard = run_report({"--shard", "1/2"});
   EXPECT_EQ(shard.code, 2);
@@ -408,7 +402,7 @@ TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
 
 TEST_F(Map, PosesOfARecordingComeAlongWhenItIsConverted) {
   const fs::path copy = dir / "copy";
-  well(run({"convert", walk.string(), "-o", copy.string()}));
+  well(run({"convert", walk, "-o", copy}));
   const auto before = io::open_recording(walk), after = io::open_recording(copy);
   for (int i = 0; i < before->frame_count(); ++i) {
     ASSERT_TRUE(after->T_world_camera(i));
@@ -418,15 +412,14 @@ TEST_F(Map, PosesOfARecordingComeAlongWhenItIsConverted) {
 
 TEST_F(Map, WhatCannotBeMappedIsRefusedInOneLine) {
   write_file_text(dir / "bad.tum", "0 0 0 0 0 0 0 1\n1 2\n");
-  expect_refused(map({"--poses", (dir / "bad.tum").string()}), "bad.tum, line 2");
+  expect_refused(map({"--poses", dir / "bad.tum"}), "bad.tum, line 2");
   write_file_text(dir / "later.tum", "9000 0 0 0 0 0 0 1\n");
-  expect_refused(map({"--poses", (dir / "later.tum").string()}), "no pose is near a frame");
+  expect_refused(map({"--poses", dir / "later.tum"}), "no pose is near a frame");
   write_file_text(dir / "ms.tum", "0 0 0 0 0 0 0 1\n1000 0 0 0 0 0 0 1\n");
-  expect_refused(map({"--poses", (dir / "ms.tum").string()}),
+  expect_refused(map({"--poses", dir / "ms.tum"}),
                  "ms.tum: frames 0 and 1 are both nearest to the pose at 0 s");
   write_file_text(dir / "far.tum", "0 0 0 0 0 0 0 1\n0.1 1e9 0 0 0 0 0 1\n");
-  expect_refused(map({"--poses", (dir / "far.tum").string()}),
-                 "far.tum, line 2: the pose is 1e+09");
+  expect_refused(map({"--poses", dir / "far.tum"}), "far.tum, line 2: the pose is 1e+09");
   expect_refused(map({"--window", "-1"}), "--window");
   expect_refused(map({"--window", "0.01"}),
                  "--window: 0.01; expected 0 (no limit) or at least 0.5");
@@ -444,8 +437,7 @@ TEST_F(Map, WhatCannotBeMappedIsRefusedInOneLine) {
   write_file_text(walk / "planescope.json", leap.dump());
   expect_refused(map({}), "walk: the pose of frame 5 is 1e+09 m from");
   const fs::path cloudy = fs::path(PLANESCOPE_SOURCE_DIR) / "assets" / "sample";
-  expect_refused(run({"map", cloudy.string(), "-o", (dir / "out").string(), "--follow"}),
-                 "has no poses");
+  expect_refused(run({"map", cloudy, "-o", dir / "out", "--follow"}), "has no poses");
 }
 
 }  // namespace planescope

@@ -79,6 +79,17 @@ Ran run(const std::vector<std::string>& args, const std::function<void()>& befor
   return finish(start(args, out, err, before), out, err);
 }
 
+std::string typeset(const std::string& words) {
+  const fs::path out = fresh_name("tables");
+  const std::string command =
+      PLANESCOPE_SOURCE_DIR "/scripts/typeset " + words + " >" + out.string() + " 2>&1";
+  const int status = std::system(command.c_str());
+  const std::string text = read_text(out);
+  EXPECT_EQ(status, 0) << text;
+  fs::remove(out);
+  return text;
+}
+
 Ran run_and_signal(const std::vector<std::string>& args,
                    int signal_number,
                    const fs::path& marker) {

@@ -33,6 +33,9 @@ Ran run_and_then(const std::vector<std::string>& args,
                  const std::filesystem::path& marker,
                  const std::function<void()>& then);
 
+/// Runs scripts/typeset with these words and returns what it prints.
+std::string typeset(const std::string& words);
+
 /// A variable of the environment while this object lives.
 struct Environment {
   Environment(const char* variable, const std::string& value);

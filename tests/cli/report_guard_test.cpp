@@ -97,7 +97,7 @@ TEST(ReportGuard, WarnsOfWhatNothingIsHeldTo) {
           "0 errors, 2 warnings\n"));
   std::filesystem::copy(dir / "out/report.json", dir / "baseline.json");
   const Ran more = well(run(report_args({dir / "rec", dir / "new"}, dir / "more",
-                                        {"--baseline", (dir / "baseline.json").string()})));
+                                        {"--baseline", dir / "baseline.json"})));
   EXPECT_TRUE(has(more.out, "warn   new: is not in the baseline\n0 errors, "));
   EXPECT_EQ(read_report(dir / "more")["verdict"]["unguarded"],
             Json({"new: is not in the baseline"}));
@@ -117,8 +117,7 @@ TEST(ReportGuard, AFolderForTheFirstBaselineIsMade) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
   const auto baseline = dir / "ci" / "planes" / "baseline.json";
-  well(
-      run(report_args({dir / "rec"}, dir / "out", {"--baseline", baseline.string(), "--approve"})));
+  well(run(report_args({dir / "rec"}, dir / "out", {"--baseline", baseline, "--approve"})));
   EXPECT_EQ(read_text(baseline), read_text(dir / "out/report.json"));
 }
 
@@ -127,8 +126,8 @@ TEST(ReportGuard, WhereTheBaselineCannotBeKeptIsFoundBeforeAnythingIsRun) {
   write_depth_folder(dir / "rec", floor_and_wall());
   write_text(dir / "file", "no folder");
   for (const auto& baseline : {dir / "file" / "baseline.json", dir / "rec"}) {
-    expect_refused(run(
-        report_args({dir / "rec"}, dir / "out", {"--baseline", baseline.string(), "--approve"})));
+    expect_refused(
+        run(report_args({dir / "rec"}, dir / "out", {"--baseline", baseline, "--approve"})));
     EXPECT_FALSE(std::filesystem::exists(dir / "out"));
   }
 }
@@ -139,7 +138,7 @@ TEST(ReportGuard, HoldsAReportToRulesOfItsOwn) {
   const auto with_rule = [&](const std::string& rule) {
     std::ofstream(dir / "rules.json")
         << R"({"schema": "planescope.rules/1", "rules": [)" << rule << "]}";
-    return run(report_args({dir / "rec"}, dir / "out", {"--rules", (dir / "rules.json").string()}));
+    return run(report_args({dir / "rec"}, dir / "out", {"--rules", dir / "rules.json"}));
   };
   well(with_rule(R"({"metric": "planes", "at_least": 2})"));
   well(with_rule(R"({"metric": "planes", "at_least": 3, "level": "warn"})"));
@@ -153,8 +152,7 @@ TEST(ReportGuard, HoldsAReportToWhereAFootMayGo) {
   write_text(dir / "rules.json", R"({"schema": "planescope.rules/1", "rules": [
                {"metric": "steppable_area_change", "at_least": -0.001}]})");
   const auto report = [&](const std::string& out, std::vector<std::string> more) {
-    more.insert(more.end(), {"--baseline", (dir / "baseline.json").string(), "--rules",
-                             (dir / "rules.json").string()});
+    more.insert(more.end(), {"--baseline", dir / "baseline.json", "--rules", dir / "rules.json"});
     return run(report_args({dir / "rec"}, dir / out, more));
   };
   well(report("first", {"--foot", "0.05", "--approve"}));
@@ -179,9 +177,9 @@ TEST(ReportGuard, ABrokenBaselineIsFoundBeforeAnythingIsWritten) {
   write_depth_folder(dir / "rec", floor_and_wall());
   for (const char* text : {"", "{", "[]", R"({"schema": "planescope.report/99"})"}) {
     std::ofstream(dir / "baseline.json") << text;
-    expect_refused(run(report_args({dir / "rec"}, dir / "out",
-                                   {"--baseline", (dir / "baseline.json").string()})),
-                   "baseline.json");
+    expect_refused(
+        run(report_args({dir / "rec"}, dir / "out", {"--baseline", dir / "baseline.json"})),
+        "baseline.json");
     EXPECT_FALSE(std::filesystem::exists(dir / "out"));
   }
   EXPECT_EQ(run(report_args({dir / "rec"}, dir / "out", {"--approve"})).code, 2);

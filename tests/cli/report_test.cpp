@@ -193,7 +193,7 @@ TEST(Report, LeavesOtherFilesOfAFrameAlone) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
   const std::string out = (dir / "out").string();
-  well(run({"segment", (dir / "rec").string(), "-o", out, "--gravity", "0,1,0"}));
+  well(run({"segment", dir / "rec", "-o", out, "--gravity", "0,1,0"}));
   well(run(report_args({dir / "rec"}, out, {"--gravity", "0,1,0"})));
   EXPECT_TRUE(std::filesystem::exists(dir / "out" / "frames" / "000000" / "planes.json"));
   EXPECT_TRUE(
@@ -224,10 +224,7 @@ TEST(Report, ReportsThatLieInItsFolderAreLeftAlone) {
   }
   std::filesystem::create_directory_symlink(".", out / "02-here");
   const auto before = files_below(out);
-  ASSERT_EQ(run({"report", "merge", (out / "s/1").string(), (out / "s/2").string(), "-o",
-                 (out / "s").string()})
-                .code,
-            0);
+  ASSERT_EQ(run({"report", "merge", out / "s/1", out / "s/2", "-o", out / "s"}).code, 0);
   well(run(report_args({dir / "rec"}, out, {"--no-pictures"})));
   const auto after = files_below(out);
   for (const std::string& file : before) EXPECT_EQ(std::ranges::count(after, file), 1) << file;
@@ -330,7 +327,7 @@ TEST(Report, DoesNotOverwriteTheBaselineThatItIsHeldAgainst) {
       report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0", "--no-pictures"});
   well(run(args));
   auto against = args;
-  against.insert(against.end(), {"--baseline", (dir / "out" / "report.json").string()});
+  against.insert(against.end(), {"--baseline", dir / "out" / "report.json"});
   expect_refused(run(against));
 }
 
@@ -353,7 +350,7 @@ TEST(Report, ShardsJoinToTheReportThatIsNotDivided) {
   write_depth_folder(dir / "b", floor_and_wall(), 3);
   const std::vector<std::filesystem::path> inputs{dir / "a", dir / "b"};
   well(run(report_args(inputs, dir / "whole", {"--gravity", "0,1,0"})));
-  std::vector<std::string> merge{"report", "merge", "-o", (dir / "joined").string()};
+  std::vector<std::string> merge{"report", "merge", "-o", dir / "joined"};
   for (const char* shard : {"3", "1", "2"}) {
     const std::string of = std::string(shard) + "/3";
     well(run(report_args(inputs, dir / shard, {"--gravity", "0,1,0", "--shard", of})));

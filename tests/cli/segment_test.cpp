@@ -24,7 +24,7 @@ const std::vector<std::string> kLevel = {"--gravity", "0,1,0"};
 std::vector<std::string> segment_args(const std::filesystem::path& input,
                                       const std::filesystem::path& out,
                                       const std::vector<std::string>& more = kLevel) {
-  std::vector<std::string> args = {"segment", input.string(), "-o", out.string()};
+  std::vector<std::string> args = {"segment", input, "-o", out};
   args.insert(args.end(), more.begin(), more.end());
   return args;
 }

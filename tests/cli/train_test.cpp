@@ -33,11 +33,10 @@ struct Training {
   }
 
   std::vector<std::string> command(std::vector<std::string> more) const {
-    std::vector<std::string> args = {"planescope-lab", "train",       "--count", "1",
-                                     "--from",         start.string()};
+    std::vector<std::string> args = {"planescope-lab", "train", "--count", "1", "--from", start};
     args.insert(args.end(), more.begin(), more.end());
     if (std::find(args.begin(), args.end(), "-o") == args.end())
-      args.insert(args.end(), {"-o", out.string()});
+      args.insert(args.end(), {"-o", out});
     return args;
   }
   Ran with(const std::vector<std::string>& more) const { return run(command(more)); }
@@ -67,15 +66,15 @@ Json training_record(const fs::path& weights) {
 /// A labelled recording of a staircase.
 fs::path write_recording(const fs::path& dir, int seed) {
   const fs::path path = dir / ("recording_" + std::to_string(seed));
-  well(run({"synth", "sample", "-o", path.string(), "--size", "160x120", "--scenes", "stairs",
+  well(run({"synth", "sample", "-o", path, "--size", "160x120", "--scenes", "stairs",
             "--depth-only", "--seed", std::to_string(seed)}));
   return path;
 }
 
 /// In per cent, away from edges.
 double label_accuracy(const fs::path& recording, const fs::path& weights) {
-  const Ran ran = well(run({"eval", recording.string(), "--json", "--profile", "paper",
-                            "--classifier", weights.string()}));
+  const Ran ran =
+      well(run({"eval", recording, "--json", "--profile", "paper", "--classifier", weights}));
   return Json::parse(ran.out)["mean"]["label_accuracy_inner"].get<double>();
 }
 
@@ -160,7 +159,7 @@ TEST(Train, WhatCannotWorkIsToldBeforeAnythingIsMade) {
                           "expected planescope, real-camera, paper or recordings");
   training.expect_refused({"--recipe", "recordings"}, "needs labelled recordings");
   training.expect_refused({"--labels", dir}, "needs the recording");
-  training.expect_refused({recording.string()}, "no labelled frame");
+  training.expect_refused({recording}, "no labelled frame");
   training.expect_refused({"--steps", "0"}, "--steps");
   training.expect_refused({"--epoch", "0"}, "--epoch");
   training.expect_refused({"--classifier", "pca"}, "unknown option");
@@ -175,8 +174,8 @@ TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
                  other = write_recording(training.dir, 2);
   const fs::path labels = training.dir / "labels";
   fs::rename(recording.string() + ".labels", labels);
-  well(training.with({recording.string(), "--labels", labels.string(), "--recipe", "recordings",
-                      "--steps", "130", "--baseline", training.start.string()}));
+  well(training.with({recording, "--labels", labels, "--recipe", "recordings", "--steps", "130",
+                      "--baseline", training.start}));
   EXPECT_GT(label_accuracy(other, training.out), label_accuracy(other, training.start) + 10);
   const Json record = training_record(training.out);
   EXPECT_EQ(record["recipe"], "recordings");
@@ -192,7 +191,7 @@ TEST(Train, ABaselineThatLabelsBetterEndsItWithCode1) {
   good.tensors = {{0, 0, 0, 0, 1, -1}, {1, 1}, {0}, {0, 8}, {8, 0}};
   const fs::path baseline = training.dir / "good.safetensors";
   planes::write_weights(baseline, good);
-  const Ran ran = training.with({"--steps", "1", "--baseline", baseline.string()});
+  const Ran ran = training.with({"--steps", "1", "--baseline", baseline});
   EXPECT_EQ(ran.code, 1) << ran.out;
   EXPECT_TRUE(has(ran.out, "worse"));
   EXPECT_TRUE(fs::exists(training.out)) << "the weights are kept all the same";

@@ -46,8 +46,8 @@ void write_without_wall(const fs::path& dir, int frame) {
 /// On the recording `rec` of a folder, into its folder `out`. PCA labels are not perfect: there is
 /// something to gain.
 std::vector<std::string> tune(const fs::path& dir, const std::string& out) {
-  return {"tune",         (dir / "rec").string(),
-          "-o",           (dir / out).string(),
+  return {"tune",         dir / "rec",
+          "-o",           dir / out,
           "--gravity",    "0,1,0",
           "--classifier", "pca",
           "--only",       "pca_neighbours,voxel_size_m,merge_cost,worth_px,reach_sigma,use_labels"};
@@ -71,10 +71,10 @@ TEST(ProfileOfOnesOwn, IsTakenAndWhatIsTypedBesideItWins) {
   const auto file = scratch() / "mine.json";
   write_text(file, R"({"schema": "planescope.profile/1", "base": "paper",
                       "options": {"theta_n_in": 12, "theta_coplane": 0.9, "criterion4_n2": false}})");
-  EXPECT_EQ(value_of({"--profile", file.string()}, "theta_n_in"), "12");
-  EXPECT_EQ(value_of({"--profile", file.string()}, "profile"), "paper");
-  EXPECT_EQ(value_of({"--profile", file.string()}, "criterion4_n2"), "off");
-  const std::vector<std::string> both = {"--set", "theta_n_in=20", "--profile", file.string()};
+  EXPECT_EQ(value_of({"--profile", file}, "theta_n_in"), "12");
+  EXPECT_EQ(value_of({"--profile", file}, "profile"), "paper");
+  EXPECT_EQ(value_of({"--profile", file}, "criterion4_n2"), "off");
+  const std::vector<std::string> both = {"--set", "theta_n_in=20", "--profile", file};
   EXPECT_EQ(value_of(both, "theta_n_in"), "20");
   EXPECT_EQ(value_of(both, "theta_coplane"), "0.9");
 }
@@ -85,13 +85,13 @@ TEST(ProfileOfOnesOwn, WhatItSetsIsRecordedInThePlanes) {
   write_text(dir / "mine.json", R"({"schema": "planescope.profile/1",
                                     "options": {"theta_n_in": 12}})");
   const auto planes = [&](const std::string& out, const std::vector<std::string>& more) {
-    std::vector<std::string> words = {
-        "segment", (dir / "rec").string(), "-o", (dir / out).string(), "--gravity", "0,1,0"};
+    std::vector<std::string> words = {"segment", dir / "rec", "-o",
+                                      dir / out, "--gravity", "0,1,0"};
     words.insert(words.end(), more.begin(), more.end());
     well(run(words));
     return read_text(dir / out / "frames/000000/planes.json");
   };
-  const std::string by_file = planes("a", {"--profile", (dir / "mine.json").string()});
+  const std::string by_file = planes("a", {"--profile", dir / "mine.json"});
   EXPECT_EQ(by_file, planes("b", {"--set", "theta_n_in=12"}));
   EXPECT_NE(by_file, planes("c", {}));
 }
@@ -102,10 +102,10 @@ TEST(ProfileOfOnesOwn, ABadOneIsRefusedInOneLineByEveryCommand) {
   write_text(dir / "bad.json", R"({"schema": "planescope.profile/1",
                                    "options": {"theta_n_inn": 12}})");
   for (const std::string command : {"view", "info", "segment", "report", "eval", "train"}) {
-    expect_refused(run({command, (dir / "rec").string(), "--profile", (dir / "bad.json").string()}),
+    expect_refused(run({command, dir / "rec", "--profile", dir / "bad.json"}),
                    "bad.json: option 'theta_n_inn' is unknown, did you mean 'theta_n_in'?");
   }
-  expect_refused(run({"options", "--profile", (dir / "none.json").string()}));
+  expect_refused(run({"options", "--profile", dir / "none.json"}));
 }
 
 TEST(Tune, TheAnswerIsTheSameForAnyNumberOfThreadsAndAfterEveryStop) {
@@ -131,8 +131,8 @@ TEST(Tune, ItsProfileReachesWhatItSaysItReaches) {
   write_labelled(dir / "rec", 2);
   well(run(tune(dir, "out")));
   const Json answer = Json::parse(read_text(dir / "out/tuning.json"));
-  const Ran ran = well(run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0",
-                            "--profile", (dir / "out/profile.json").string()}));
+  const Ran ran = well(run({"eval", "--json", dir / "rec", "--gravity", "0,1,0", "--profile",
+                            dir / "out/profile.json"}));
   const Json eval = Json::parse(ran.out);
   EXPECT_EQ(eval["frames"][0]["pq"], answer["tuning"]["frames"][0]["tuned_pq"]);
   EXPECT_EQ(eval["frames"][1]["pq"], answer["held_out"]["frames"][0]["tuned_pq"]);
@@ -160,8 +160,8 @@ TEST(Tune, AListNamesTheHalvesAndTheOptionsOfEachRecording) {
              "# two recordings\n"
              "tuning a --gravity 0,1,0 --frames 0\n"
              "held-out b --gravity 0,1,0 --labels b.labels\n");
-  const std::vector<std::string> words = {
-      "tune", "--list", (dir / "list.txt").string(), "-o", (dir / "out").string(), "--trials", "3"};
+  const std::vector<std::string> words = {"tune",     "--list", dir / "list.txt", "-o", dir / "out",
+                                          "--trials", "3"};
   well(run(words));
   const Json answer = Json::parse(read_text(dir / "out/tuning.json"));
   ASSERT_EQ(answer["tuning"]["frames"].size(), 1u);
@@ -183,7 +183,7 @@ TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   const auto tried = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"tune", (dir / "rec").string(), "-o", (dir / "out").string()};
+    std::vector<std::string> words = {"tune", dir / "rec", "-o", dir / "out"};
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
   };
@@ -204,13 +204,10 @@ TEST(ProfileOfOnesOwn, TheWindowOpensItAsBBesideWhatWasTyped) {
       {"state": ")" + (dir / "b.json").string() +
                                  R"("},
       "option.undo", {"expect": {"profile": "refined"}}]})");
-  const std::vector<std::string> view = {"view",      (dir / "rec").string(),
-                                         "--gravity", "0,1,0",
-                                         "--set",     "theta_n_in=7",
-                                         "--fresh",   "--offscreen",
-                                         "--script",  (dir / "s.json").string(),
-                                         "--compare"};
-  const Ran ran = run_with(view, {(dir / "mine.json").string()});
+  const std::vector<std::string> view = {"view",     dir / "rec",    "--gravity", "0,1,0",
+                                         "--set",    "theta_n_in=7", "--fresh",   "--offscreen",
+                                         "--script", dir / "s.json", "--compare"};
+  const Ran ran = run_with(view, {dir / "mine.json"});
   if (ran.code == 3) GTEST_SKIP() << ran.err;
   ASSERT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(Json::parse(read_text(dir / "b.json"))["options"]["theta_n_in"], "12");

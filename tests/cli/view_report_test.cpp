@@ -26,7 +26,7 @@ struct ViewReport : testing::Test {
   /// Its report.json.
   fs::path report(const std::string& out, std::vector<std::string> args) {
     args.insert(args.begin(), "report");
-    args.insert(args.end(), {"--classifier", "pca", "-o", (dir / out).string()});
+    args.insert(args.end(), {"--classifier", "pca", "-o", dir / out});
     well(run(args));
     return dir / out / "report.json";
   }
@@ -37,7 +37,7 @@ struct ViewReport : testing::Test {
   }
   /// What the window shows.
   Json facts(const std::string& target, std::vector<std::string> more = {}) {
-    more.insert(more.end(), {"--state", (dir / "state.json").string()});
+    more.insert(more.end(), {"--state", dir / "state.json"});
     well(view(target, more));
     return Json::parse(read_text(dir / "state.json"));
   }

@@ -58,162 +58,127 @@ void make_recording(const fs::path& dir) { run_well(sample(dir, "stairs,boxes"))
 const Words kCoarse = {"--voxel", "0.04"};
 const Words kFigures = {"--no-pictures"};
 
-Command segment_command() {
-  return {"segment",
-          [](const fs::path& dir) {
-            make_recording(dir);
-            run_well(segment(dir) + kCoarse);
-          },
-          segment};
-}
-
-Command report_command() {
-  return {"report",
-          [](const fs::path& dir) {
-            make_recording(dir);
-            run_well(report(dir) + kFigures + kCoarse);
-          },
-          [](const fs::path& dir) { return report(dir) + kFigures; }};
-}
-
-/// One frame of two was finished before.
-Command resume_command() {
-  return {"resume",
-          [](const fs::path& dir) {
-            make_recording(dir);
-            run_well(report(dir) + kFigures + Words{"--frames", "0:1"});
-          },
-          [](const fs::path& dir) { return report(dir) + kFigures + Words{"--resume"}; }};
-}
-
-/// The baseline is of the same options, so that it is the same before and after but for its times,
-/// to which nothing is held.
-Command approve_command() {
-  const auto guarded = [](const fs::path& dir) {
-    return report(dir) + kFigures +
-           Words{"--baseline", (dir / "baseline.json").string(), "--rules",
-                 (dir / "rules.json").string(), "--approve"};
-  };
-  return {"approve",
-          [guarded](const fs::path& dir) {
-            make_recording(dir);
-            write_text(dir / "rules.json", R"({"schema": "planescope.rules/1", "rules": [
-                {"metric": "planes_lost", "at_most": 0}]})");
-            run_well(guarded(dir));
-            run_well(guarded(dir));  // that has a baseline to be held to
-          },
-          guarded};
-}
-
-Command pictures_command() {
-  return {"pictures",
-          [](const fs::path& dir) {
-            make_recording(dir);
-            run_well(report(dir) + kFigures + kCoarse);
-          },
-          [](const fs::path& dir) {
-            return report(dir) + Words{"--frames", "0:1"};
-          },
-          true};
-}
-
-Command export_command() {
-  return {"export",
-          [](const fs::path& dir) {
-            make_recording(dir);
-            fs::create_directories(dir / "npz");
-            write_text(dir / "npz" / "000000.npz", "of before");
-          },
-          [](const fs::path& dir) { return export_labels(dir, "npz"); }};
-}
-
-/// Over labels that the algorithm gave.
-Command import_command() {
-  return {"import",
-          [](const fs::path& dir) {
-            make_recording(dir);
-            run_well(export_labels(dir, "npz"));
-            run_well(import_labels(dir) + Words{"--frames", "0"});
-          },
-          import_labels};
-}
-
-Command convert_command() {
-  return {"convert",
-          [](const fs::path& dir) {
-            make_recording(dir);
-            run_well(export_labels(dir, "npz"));
-            write_text(dir / "a.ply", "of before");
-          },
-          [](const fs::path& dir) {
-            return Words{"labels", "convert", (dir / "npz" / "000000.npz").string(), "-o",
-                         (dir / "a.ply").string()};
-          }};
-}
-
-Command eval_command() {
-  return {"eval", make_recording, [](const fs::path& dir) {
-            return Words{"eval", (dir / "rec").string(), "--json"};
-          }};
-}
-
-Command synth_command() {
-  return {"synth", [](const fs::path& dir) { fs::create_directories(dir); },
-          [](const fs::path& dir) { return sample(dir, "stairs"); }};
-}
-
-Command train_command() {
-  return {"train",
-          [](const fs::path& dir) {
-            make_recording(dir);
-            planes::write_weights(
-                dir / "start.safetensors",
-                lab::random_weights({.name = "tiny", .levels = {{4}, {4}}, .head = {4}}, 1));
-            write_text(dir / "out.safetensors", "of before");
-          },
-          [](const fs::path& dir) {
-            return Words{"train",    (dir / "rec").string(),
-                         "--recipe", "recordings",
-                         "--from",   (dir / "start.safetensors").string(),
-                         "--steps",  "4",
-                         "--epoch",  "2",
-                         "--count",  "1",
-                         "-o",       (dir / "out.safetensors").string()};
-          },
-          false,
-          {"out.html"}};
-}
-
-/// Labels are drawn and saved, and a session.
-Command view_command() {
-  return {"view",
-          [](const fs::path& dir) {
-            make_recording(dir);
-            const fs::path session = dir / "a.session";
-            write_text(dir / "script.json",
-                       R"({"actions": ["label.mode", "label.take", "label.save",
-                {"do": "label.stroke", "with": "image over 6 60,60 90,70"}, "label.save",
-                {"do": "session.save", "with": ")" +
-                           session.string() + R"("}]})");
-          },
-          [](const fs::path& dir) {
-            return Words{"view",         (dir / "rec").string(),
-                         "--labels",     (dir / "drawn").string(),
-                         "--script",     (dir / "script.json").string(),
-                         "--screenshot", (dir / "a.png").string(),
-                         "--size",       "640x400"};
-          },
-          true,
-          {"drawn/", "a.png"},
-          "a.png"};
+Words approve(const fs::path& dir) {
+  return report(dir) + kFigures +
+         Words{"--baseline", (dir / "baseline.json").string(), "--rules",
+               (dir / "rules.json").string(), "--approve"};
 }
 
 }  // namespace
 
 std::vector<Command> main_commands() {
-  return {segment_command(),  report_command(), resume_command(), approve_command(),
-          pictures_command(), export_command(), import_command(), convert_command(),
-          eval_command(),     synth_command(),  train_command(),  view_command()};
+  return {
+      {"segment",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         run_well(segment(dir) + kCoarse);
+       },
+       segment},
+      {"report",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         run_well(report(dir) + kFigures + kCoarse);
+       },
+       [](const fs::path& dir) { return report(dir) + kFigures; }},
+      // One frame of two was finished before.
+      {"resume",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         run_well(report(dir) + kFigures + Words{"--frames", "0:1"});
+       },
+       [](const fs::path& dir) { return report(dir) + kFigures + Words{"--resume"}; }},
+      // The baseline is of the same options, so that it is the same before and after but for its
+      // times, to which nothing is held.
+      {"approve",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         write_text(dir / "rules.json", R"({"schema": "planescope.rules/1", "rules": [
+                {"metric": "planes_lost", "at_most": 0}]})");
+         run_well(approve(dir));
+         run_well(approve(dir));  // that has a baseline to be held to
+       },
+       approve},
+      {"pictures",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         run_well(report(dir) + kFigures + kCoarse);
+       },
+       [](const fs::path& dir) {
+         return report(dir) + Words{"--frames", "0:1"};
+       },
+       true},
+      {"export",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         fs::create_directories(dir / "npz");
+         write_text(dir / "npz" / "000000.npz", "of before");
+       },
+       [](const fs::path& dir) { return export_labels(dir, "npz"); }},
+      // Over labels that the algorithm gave.
+      {"import",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         run_well(export_labels(dir, "npz"));
+         run_well(import_labels(dir) + Words{"--frames", "0"});
+       },
+       import_labels},
+      {"convert",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         run_well(export_labels(dir, "npz"));
+         write_text(dir / "a.ply", "of before");
+       },
+       [](const fs::path& dir) {
+         return Words{"labels", "convert", (dir / "npz" / "000000.npz").string(), "-o",
+                      (dir / "a.ply").string()};
+       }},
+      {"eval", make_recording,
+       [](const fs::path& dir) {
+         return Words{"eval", (dir / "rec").string(), "--json"};
+       }},
+      {"synth", [](const fs::path& dir) { fs::create_directories(dir); },
+       [](const fs::path& dir) { return sample(dir, "stairs"); }},
+      {"train",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         planes::write_weights(
+             dir / "start.safetensors",
+             lab::random_weights({.name = "tiny", .levels = {{4}, {4}}, .head = {4}}, 1));
+         write_text(dir / "out.safetensors", "of before");
+       },
+       [](const fs::path& dir) {
+         return Words{"train",    (dir / "rec").string(),
+                      "--recipe", "recordings",
+                      "--from",   (dir / "start.safetensors").string(),
+                      "--steps",  "4",
+                      "--epoch",  "2",
+                      "--count",  "1",
+                      "-o",       (dir / "out.safetensors").string()};
+       },
+       false,
+       {"out.html"}},
+      // Labels are drawn and saved, and a session.
+      {"view",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         const fs::path session = dir / "a.session";
+         write_text(dir / "script.json",
+                    R"({"actions": ["label.mode", "label.take", "label.save",
+                {"do": "label.stroke", "with": "image over 6 60,60 90,70"}, "label.save",
+                {"do": "session.save", "with": ")" +
+                        session.string() + R"("}]})");
+       },
+       [](const fs::path& dir) {
+         return Words{"view",         (dir / "rec").string(),
+                      "--labels",     (dir / "drawn").string(),
+                      "--script",     (dir / "script.json").string(),
+                      "--screenshot", (dir / "a.png").string(),
+                      "--size",       "640x400"};
+       },
+       true,
+       {"drawn/", "a.png"},
+       "a.png"},
+  };
 }
 
 Command main_command(const std::string& name) {

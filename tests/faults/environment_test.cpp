@@ -116,10 +116,12 @@ TEST_F(Environment, SixteenOpenFilesAndASmallStackAreEnough) {
   EXPECT_EQ(run_in(report("b"), [] { limit(RLIMIT_STACK, 256 * 1024); }).code, 0);
 }
 
+// Finely where the last byte is asked for anywhere: in a library, while a document is taken down,
+// in a thread.
 TEST_F(Environment, LittleMemoryIsEnoughOrIsToldInOneLine) {
   bool worked = false;
   for (rlim_t bytes = 150'000'000; bytes <= 400'000'000;
-       bytes += bytes < 220'000'000 ? 5'000'000 : 60'000'000) {
+       bytes += bytes < 250'000'000 ? 4'000'000 : 60'000'000) {
     SCOPED_TRACE(bytes);
     if (run_in({"--version"}, [&] { limit(RLIMIT_AS, bytes); }).code != 0) continue;
     const Ran ran = run_in(segment(dir / "out"), [&] { limit(RLIMIT_AS, bytes); });
@@ -131,19 +133,6 @@ TEST_F(Environment, LittleMemoryIsEnoughOrIsToldInOneLine) {
   if (run_in({"--version"}, [] { limit(RLIMIT_AS, 400'000'000); }).code != 0)
     GTEST_SKIP() << "this build does not start in so little memory";
   EXPECT_TRUE(worked);
-}
-
-// Wherever the last byte is asked for: in a library, while a document is taken down, in a thread.
-TEST_F(Environment, MemoryThatRunsOutAnywhereIsToldInOneLine) {
-  constexpr rlim_t kFinely = 4'000'000;
-  for (rlim_t bytes = 206'000'000; bytes <= 250'000'000; bytes += kFinely) {
-    SCOPED_TRACE(bytes);
-    if (run_in({"--version"}, [&] { limit(RLIMIT_AS, bytes); }).code != 0) continue;
-    const Ran ran = run_in(segment(dir / "out"), [&] { limit(RLIMIT_AS, bytes); });
-    if (ran.code == 0) continue;
-    expect_one_line(ran);
-    EXPECT_NE(ran.err.find("out of memory"), std::string::npos) << ran.err;
-  }
 }
 
 // ---- Locales and names ----

@@ -6,9 +6,9 @@
 //   PLANESCOPE_FAULT_STAYS   set: those after it fail as well
 //   PLANESCOPE_FAULT_ERRNO   its number; 0: a read or write does half of what it was asked
 //   PLANESCOPE_FAULT_BELOW   folders, with ':' between: only calls that concern files below them
-//   count PLANESCOPE_FAULT_MEMORY  bytes: smaller requests do not count PLANESCOPE_FAULT_COUNTS  a
-//   file that is long enough for a std::uint32_t of each kind: how many calls
-//                            were met, whatever becomes of the process
+//   count PLANESCOPE_FAULT_COUNTS  a file that is long enough for a std::uint32_t of each kind: how
+//   many
+//                            calls were met, whatever becomes of the process
 
 #include <dirent.h>
 #include <dlfcn.h>
@@ -54,7 +54,6 @@ struct Faults {
   std::uint32_t at = 0;
   bool stays = false;
   int error = EIO;
-  std::size_t least_memory = 0;
   Range callers[16];  // the program itself, then libraries whose memory is the program's business
   int caller_count = 0;
 } g_faults;
@@ -95,7 +94,6 @@ __attribute__((constructor)) void set_up() {
   g_faults.at = static_cast<std::uint32_t>(number("PLANESCOPE_FAULT_AT", 0));
   g_faults.stays = std::getenv("PLANESCOPE_FAULT_STAYS") != nullptr;
   g_faults.error = static_cast<int>(number("PLANESCOPE_FAULT_ERRNO", EIO));
-  g_faults.least_memory = static_cast<std::size_t>(number("PLANESCOPE_FAULT_MEMORY", 65536));
   dl_iterate_phdr(add_caller, nullptr);
   const int file = static_cast<int>(syscall(SYS_openat, AT_FDCWD, counts, O_RDWR | O_CLOEXEC));
   if (file < 0) std::abort();
@@ -175,8 +173,8 @@ bool is_callers(const void* address) {
 }
 
 bool memory_fails(std::size_t bytes, const void* caller) {
-  return g_faults.counts && bytes >= g_faults.least_memory && is_callers(caller) &&
-         meets_fault(kMemory);
+  constexpr std::size_t kLeast = 65536;  // smaller requests do not count
+  return g_faults.counts && bytes >= kLeast && is_callers(caller) && meets_fault(kMemory);
 }
 
 template <typename Function>

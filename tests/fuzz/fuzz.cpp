@@ -71,4 +71,30 @@ std::string read(const Target& target, Bytes bytes) {
   }
 }
 
+// ---- What targets read into ----
+
+Frame sample_frame() {
+  Frame frame;
+  frame.name = "sample";
+  frame.depth = Image16(kWidth, kHeight);
+  frame.depth_unit_m = 0.001;
+  frame.intrinsics = {kWidth, kHeight, 8, 8, kWidth / 2.0, kHeight / 2.0};
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      frame.depth.at(x, y) = static_cast<std::uint16_t>(y < 4 ? 1000 : 1000 - 100 * (y - 3));
+  frame.depth.at(0, 0) = 0;
+  return frame;
+}
+
+Image16 plain_depth() { return Image16(24, 16, 1, 1000); }
+
+const labels::LabelGrid& label_grid() {
+  static const labels::LabelGrid grid = labels::make_label_grid(sample_frame(), Gravity{});
+  return grid;
+}
+
+FrameLabels blank_labels(int frame) {
+  return labels::empty_labels(label_grid(), std::string(64, static_cast<char>('a' + frame)));
+}
+
 }  // namespace planescope::fuzz

@@ -40,10 +40,7 @@ void require(bool holds, const std::string& what);
 /// read.
 std::string read(const Target& target, Bytes bytes);
 
-/// Small good files of every target, made by the project's own writers: FOLDER/TARGET/NAME.
-void write_seeds(const std::filesystem::path& folder);
-
-// ---- What targets read into and seeds are made of ----
+// ---- What targets read into ----
 
 inline constexpr int kWidth = 8, kHeight = 6;
 
@@ -54,8 +51,5 @@ Image16 plain_depth();
 const labels::LabelGrid& label_grid();
 /// Of that frame: nothing drawn yet.
 FrameLabels blank_labels(int frame);
-
-/// Empty where there is no file.
-ByteVector bytes_of_file(const std::filesystem::path& path);
 
 }  // namespace planescope::fuzz

@@ -1,7 +1,6 @@
 // Labels: their files, their journal, and other tools' formats.
 
 #include "core/labels/exchange/exchange.hpp"
-#include "core/labels/exchange/npy.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"

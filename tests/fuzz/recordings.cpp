@@ -7,8 +7,8 @@
 #include "core/io/folder/folder_files.hpp"
 #include "core/io/image/photo.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/picked_gravity.hpp"
 #include "core/io/readers.hpp"
+#include "core/io/recording.hpp"
 #include "core/model/error.hpp"
 #include "fuzz/fuzz.hpp"
 

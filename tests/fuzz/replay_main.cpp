@@ -1,6 +1,5 @@
 // fuzz_replay FOLDER...: reads every file FOLDER/TARGET/* by its target, as the fuzzers do. Exits 1
 // where one does harm, and names it.
-// fuzz_replay --seeds FOLDER: writes the files that fuzzing begins with.
 
 #include <algorithm>
 #include <iostream>
@@ -52,10 +51,6 @@ int replay(const fs::path& corpus) {
 
 int main(int argc, char** argv) {
   const std::vector<std::string> args(argv + 1, argv + argc);
-  if (args.size() == 2 && args[0] == "--seeds") {
-    fuzz::write_seeds(args[1]);
-    return 0;
-  }
   set_read_limit_bytes(std::uint64_t{64} << 20);
   int code = args.empty() ? 2 : 0;
   for (const std::string& folder : args) code = std::max(code, replay(folder));

@@ -13,7 +13,7 @@
 #include "core/io/recording.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/world/map_recording.hpp"
-#include "core/world/poses/trajectory.hpp"
+#include "core/world/poses/poses.hpp"
 #include "render/plane_colors.hpp"
 
 namespace planescope::render {

@@ -5,19 +5,192 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
-#include "tests/real/levels.hpp"
-#include "tests/real/sheets.hpp"
 
 namespace planescope {
 namespace {
 
 using Json = nlohmann::json;
 using Problems = std::vector<std::string>;
+
+Vec3d vec3_of(const Json& json) {
+  return Vec3d(json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>());
+}
+
+/// Null for 0 (no plane) and for ids that planes.json does not list.
+const OutputPlane* plane_of_id(const FrameOutput& output, int id) {
+  const auto found = std::ranges::find(output.planes, id, &OutputPlane::id);
+  return found == output.planes.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+FrameOutput read_frame_output(const std::filesystem::path& folder) {
+  FrameOutput output;
+  std::ifstream file(folder / "planes.json");
+  if (!file) throw Error((folder / "planes.json").string() + ": was not written");
+  const Json json = Json::parse(file);
+  output.gravity = vec3_of(json.at("gravity").at("direction"));
+  for (const Json& entry : json.at("planes")) {
+    OutputPlane plane;
+    plane.id = entry.at("id").get<int>();
+    plane.label = entry.at("label").get<std::string>();
+    plane.normal = vec3_of(entry.at("normal"));
+    plane.centroid = vec3_of(entry.at("centroid"));
+    plane.offset_m = entry.at("offset_m").get<double>();
+    plane.points = entry.at("points").get<std::int64_t>();
+    output.planes.push_back(plane);
+  }
+  for (const Json& entry : json.at("flights")) {
+    OutputFlight& heights = output.flights.emplace_back();
+    for (const Json& step : entry.at("steps"))
+      heights.push_back((heights.empty() ? 0 : heights.back()) + step.at("rise_m").get<double>());
+  }
+  if (std::filesystem::exists(folder / "planes.png"))
+    output.plane_ids = io::read_png_16(folder / "planes.png");
+  output.cloud = io::read_cloud_file(folder / "cloud.ply");
+  return output;
+}
+
+namespace {
+
+constexpr double kSliceHalfWidth = 0.03;  // [m]
+// Horizontal: within 30 degrees. What is steeper is a riser, which leads from one level to the
+// next.
+constexpr double kMinNormalZ = 0.866;
+constexpr std::size_t kMinPoints = 20;  // fewer in the slice are a crumb at an edge
+
+// A horizontal plane where it crosses the slice.
+struct Crossing {
+  int id = 0;
+  double z = 0;                    // of the plane itself, below the middle of its points
+  double lowest = 0, highest = 0;  // 5th and 95th percentile of its points
+};
+
+double percentile(std::vector<double> values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+std::vector<Crossing> crossings(const FrameOutput& output, double y_m) {
+  std::map<int, std::vector<Vec3d>> slices;
+  for (std::size_t i = 0; i < output.cloud.points.size(); ++i) {
+    const Vec3d p = output.cloud.points[i].cast<double>() + output.cloud.origin;
+    if (output.cloud.instance[i] != 0 && std::abs(p.y() - y_m) < kSliceHalfWidth)
+      slices[output.cloud.instance[i]].push_back(p);
+  }
+  std::vector<Crossing> found;
+  for (const auto& [id, points] : slices) {
+    const OutputPlane* plane = plane_of_id(output, id);
+    if (plane == nullptr || std::abs(plane->normal.z()) < kMinNormalZ || points.size() < kMinPoints)
+      continue;
+    std::vector<double> x, z;
+    for (const Vec3d& p : points) {
+      x.push_back(p.x());
+      z.push_back(p.z());
+    }
+    const Vec3d& n = plane->normal;
+    Crossing crossing;
+    crossing.id = id;
+    crossing.z = (plane->offset_m - n.x() * percentile(x, 0.5) - n.y() * y_m) / n.z();
+    crossing.lowest = percentile(z, 0.05);
+    crossing.highest = percentile(z, 0.95);
+    found.push_back(crossing);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::string> check_levels(const FrameOutput& output,
+                                      double y_m,
+                                      const std::vector<double>& levels_m,
+                                      double tolerance_m) {
+  const std::vector<Crossing> found = crossings(output, y_m);
+  std::string seen;
+  for (const Crossing& c : found)
+    seen += fmt::format(" {}: {:.3f} ({:.3f}..{:.3f})", c.id, c.z, c.lowest, c.highest);
+  std::vector<std::string> problems;
+  for (const double level : levels_m) {
+    const auto near = std::count_if(found.begin(), found.end(), [&](const Crossing& c) {
+      return std::abs(c.z - level) <= tolerance_m;
+    });
+    if (near == 0)
+      problems.push_back(
+          fmt::format("no horizontal plane at z = {:.2f}; there are{}", level, seen));
+  }
+  for (const Crossing& c : found) {
+    const auto spanned = std::count_if(levels_m.begin(), levels_m.end(), [&](double level) {
+      return c.lowest - tolerance_m <= level && level <= c.highest + tolerance_m;
+    });
+    if (spanned > 1)
+      problems.push_back(fmt::format("plane {} spans {} levels, from z = {:.3f} to {:.3f}", c.id,
+                                     spanned, c.lowest, c.highest));
+  }
+  return problems;
+}
+
+namespace {
+
+using Cells = std::set<std::pair<int, int>>;
+
+// The cells that a plane's points occupy when they are projected onto `onto`.
+Cells occupied_cells(const FrameOutput& output, int id, const OutputPlane& onto, double cell_m) {
+  const Vec3d u = onto.normal.unitOrthogonal();
+  const Vec3d v = onto.normal.cross(u);
+  Cells cells;
+  for (std::size_t i = 0; i < output.cloud.points.size(); ++i) {
+    if (output.cloud.instance[i] != id) continue;
+    const Vec3d p = output.cloud.points[i].cast<double>() + output.cloud.origin;
+    cells.emplace(static_cast<int>(std::floor(p.dot(u) / cell_m)),
+                  static_cast<int>(std::floor(p.dot(v) / cell_m)));
+  }
+  return cells;
+}
+
+double overlap(const Cells& a, const Cells& b) {
+  std::size_t both = 0;
+  for (const auto& cell : a) both += b.count(cell);
+  return static_cast<double>(both) / static_cast<double>(std::min(a.size(), b.size()));
+}
+
+}  // namespace
+
+std::vector<std::string> find_sheets(const FrameOutput& output, const SheetOptions& options) {
+  std::vector<std::string> problems;
+  const double min_cosine = std::cos(options.max_angle_deg * M_PI / 180);
+  for (std::size_t i = 0; i < output.planes.size(); ++i) {
+    for (std::size_t j = i + 1; j < output.planes.size(); ++j) {
+      const OutputPlane& a = output.planes[i];
+      const OutputPlane& b = output.planes[j];
+      if (a.label != b.label || std::min(a.points, b.points) < options.min_points) continue;
+      if (std::abs(a.normal.dot(b.normal)) < min_cosine) continue;
+      const double offset = std::min(std::abs(a.normal.dot(b.centroid) - a.offset_m),
+                                     std::abs(b.normal.dot(a.centroid) - b.offset_m));
+      if (offset > options.max_offset_m) continue;
+      const double share = overlap(occupied_cells(output, a.id, a, options.cell_m),
+                                   occupied_cells(output, b.id, a, options.cell_m));
+      if (share > options.min_overlap)
+        problems.push_back(fmt::format(
+            "planes {} and {} ({} and {} points) are sheets of one surface: {:.1f} mm apart, "
+            "{:.0f} % of the smaller is covered by the other",
+            a.id, b.id, a.points, b.points, offset * 1e3, share * 100));
+    }
+  }
+  return problems;
+}
+
+namespace {
 
 constexpr double kDegPerRad = 180 / M_PI;
 
@@ -28,10 +201,6 @@ double angle_deg(const Vec3d& a, const Vec3d& b) {
 double acute_angle_deg(const Vec3d& a, const Vec3d& b) {
   const double angle = angle_deg(a, b);
   return std::min(angle, 180 - angle);
-}
-
-Vec3d vec3_of(const Json& json) {
-  return Vec3d(json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>());
 }
 
 // The plane on which most of the 5x5 pixels around [u, v] lie: one pixel alone may be a hole.
@@ -154,32 +323,21 @@ void check_flights(const Json& e, const FrameOutput& output, Problems& problems)
         fmt::format("treads of flights are at{}, expected{}", all(output.flights), all(expected)));
 }
 
+using Check = void (*)(const Json&, const FrameOutput&, Problems&);
+const std::map<std::string, Check> kChecks = {
+    {"angle", check_angle},     {"label", check_label},   {"one_plane", check_one_plane},
+    {"apart", check_apart},     {"height", check_height}, {"offset", check_offset},
+    {"gravity", check_gravity}, {"planes", check_planes}, {"coverage", check_coverage},
+    {"flights", check_flights}};
+
 }  // namespace
 
 Problems check_expectation(const Json& expectation, const FrameOutput& output) {
   const std::string kind = expectation.at("kind").get<std::string>();
   Problems problems;
   try {
-    if (kind == "angle")
-      check_angle(expectation, output, problems);
-    else if (kind == "label")
-      check_label(expectation, output, problems);
-    else if (kind == "one_plane")
-      check_one_plane(expectation, output, problems);
-    else if (kind == "apart")
-      check_apart(expectation, output, problems);
-    else if (kind == "height")
-      check_height(expectation, output, problems);
-    else if (kind == "offset")
-      check_offset(expectation, output, problems);
-    else if (kind == "gravity")
-      check_gravity(expectation, output, problems);
-    else if (kind == "planes")
-      check_planes(expectation, output, problems);
-    else if (kind == "coverage")
-      check_coverage(expectation, output, problems);
-    else if (kind == "flights")
-      check_flights(expectation, output, problems);
+    if (const auto check = kChecks.find(kind); check != kChecks.end())
+      check->second(expectation, output, problems);
     else if (kind == "no_sheets")
       problems = find_sheets(output, SheetOptions{});
     else if (kind == "levels")

@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/real/expectations.hpp"
-#include "tests/real/levels.hpp"
-#include "tests/real/sheets.hpp"
 
 namespace planescope {
 namespace {

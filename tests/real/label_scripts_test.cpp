@@ -15,7 +15,7 @@
 
 #include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
-#include "core/labels/review/agreement.hpp"
+#include "core/labels/review/review.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope {

@@ -17,7 +17,6 @@
 #include "core/model/file_bytes.hpp"
 #include "support/temp_dir.hpp"
 #include "tests/real/expectations.hpp"
-#include "tests/real/frame_output.hpp"
 
 namespace planescope {
 namespace {

@@ -21,6 +21,16 @@ inline report::Report empty_report() {
   return report;
 }
 
+/// A level plane of 1 m2 at this height.
+inline report::ReportPlane level_plane(int id, double height_m, const std::string& color = "") {
+  planes::PlaneSummary plane;
+  plane.id = id;
+  plane.label = Label::h;
+  plane.centroid.z() = plane.offset_m = height_m;
+  plane.area_m2 = 1;
+  return {plane, color};
+}
+
 /// One that has nothing but frames, by the names of their recordings.
 inline report::Report report_of_frames(
     const std::vector<std::pair<std::string, std::vector<report::ReportFrame>>>& recordings) {

@@ -14,7 +14,7 @@
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/script.hpp"
 #include "app/desktop/shell.hpp"
-#include "core/lab/synthetic/sequence.hpp"
+#include "core/lab/synthetic/sample.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "support/has.hpp"

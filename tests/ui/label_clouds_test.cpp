@@ -3,7 +3,7 @@
 #include "app/desktop/look.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "desktop_fixture.hpp"
-#include "render/view.hpp"
+#include "render/draw_list.hpp"
 #include "support/small_clouds.hpp"
 
 namespace planescope::desktop {

@@ -1,9 +1,12 @@
-// Labeling many frames: carrying on over several, what is done to a plane's whole chain, what is
-// next.
+// Labeling many frames: carrying on, chains of a plane, learning from what was reviewed, saving.
 
 #include <algorithm>
+#include <fstream>
 
+#include "app/desktop/labeling/learning.hpp"
 #include "app/desktop/labeling/work.hpp"
+#include "app/desktop/state/session.hpp"
+#include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {
@@ -123,6 +126,200 @@ TEST_F(ManyFrames, AStepThatDoesNothingSaysSo) {
   const std::string told = testing::internal::GetCapturedStderr();
   EXPECT_NE(told.find("action 3"), std::string::npos) << told;
   EXPECT_NE(told.find("nothing was done: nothing to accept"), std::string::npos) << told;
+}
+
+namespace fs = std::filesystem;
+
+struct Learner : testing::Test {
+  const fs::path dir = scratch_dir();
+  LabelWindow window{dir / "labels", sample_path()};
+  const State& state() const { return window.state(); }
+  const Learning& learning() const { return state().results.label.learning; }
+
+  /// Its planes are what the algorithm finds; that is how a user begins, too.
+  void review_frame(int frame) {
+    window.run("frame.show", std::to_string(frame));
+    window.run("label.take");
+    window.run("tab.label", "review");
+    window.run("review.done");
+    window.run("label.save");
+  }
+};
+
+TEST_F(Learner, WithoutAReviewedFrameThereIsNothingToLearn) {
+  EXPECT_EQ(window.refusal("label.learn"),
+            "no frame is reviewed: Shift+D marks a frame to learn from");
+  EXPECT_EQ(window.refusal("label.learn", "0"),
+            "action label.learn: 0 is out of range, expected 1 to 1000000");
+  EXPECT_EQ(window.refusal("label.learn", "1 2 3"),
+            "action label.learn: '1 2 3', expected [STEPS [CLOUDS]]");
+}
+
+TEST_F(Learner, LearnsFromWhatWasReviewedAndIsTakenForWhatComesNext) {
+  review_frame(0);
+  window.run("label.learn", "2 1");
+  const fs::path file = learnt_weights(dir / "labels");
+  ASSERT_TRUE(fs::exists(file));
+  EXPECT_EQ(state().document.options.classifier, file.string());
+  EXPECT_EQ(state().run()->options.classifier, file.string()) << "the frame is found anew with it";
+  EXPECT_FALSE(learning().training.running);
+
+  window.run("tab.label", "learning");
+  ASSERT_TRUE(learning().learnt);
+  EXPECT_EQ(learning().learnt->steps, 2);
+  EXPECT_EQ(learning().learnt->frames, 1u);
+  EXPECT_EQ(learning().learnt->since.frames, 0u) << "what was learnt from measures nothing";
+
+  const auto run = state().results.current;
+  window.run("label.learn", "3 1");
+  EXPECT_NE(state().results.current, run) << "the file has the same name, and other weights";
+  EXPECT_EQ(learning().learnt->steps, 3);
+
+  review_frame(1);
+  window.run("tab.label", "learning");
+  ASSERT_EQ(learning().learnt->since.frames, 1u);
+  EXPECT_GT(learning().learnt->since.before.percent(), 90);
+  EXPECT_GT(learning().learnt->since.after.percent(), 90);
+}
+
+TEST_F(Learner, AReviewedFrameWithoutALabelMeasuresNothing) {
+  review_frame(0);
+  window.run("label.learn", "2 1");
+  EXPECT_EQ(state().view.label.tab, "learning");
+  window.run("frame.show", "1");
+  window.run("tab.label", "review");
+  while (state().results.label.review->undecided() > 0) window.run("review.ignore");
+  window.run("review.done");
+  window.run("label.save");
+  window.run("tab.label", "learning");
+  ASSERT_TRUE(learning().learnt);
+  EXPECT_EQ(learning().learnt->since.frames, 0u);
+}
+
+TEST_F(Learner, ATrainingThatIsStoppedLeavesTheClassifierAsItWas) {
+  review_frame(0);
+  window.shell.perform({"label.learn", "1000000 1"}, true);
+  window.run("label.learn.stop");
+  EXPECT_FALSE(fs::exists(learnt_weights(dir / "labels")));
+  EXPECT_EQ(state().document.options.classifier, "pca");
+}
+
+TEST_F(Learner, GoesThroughTheFramesThatAreNotReviewedTheMostDoubtfulFirst) {
+  review_frame(0);
+  window.run("label.next.doubtful");
+  const std::vector<int> order = by_doubt(state());
+  const auto frames =
+      static_cast<std::size_t>(state().document.current()->recording->frame_count());
+  ASSERT_EQ(order.size(), frames - 1);
+  EXPECT_EQ(std::ranges::count(order, 0), 0) << "is reviewed";
+  const auto& doubt = learning().doubt.of_frame;
+  for (std::size_t i = 1; i < order.size(); ++i)
+    EXPECT_GE(*doubt[static_cast<std::size_t>(order[i - 1])],
+              *doubt[static_cast<std::size_t>(order[i])]);
+  EXPECT_EQ(state().document.frame, order.front());
+  window.run("label.next.doubtful");
+  EXPECT_EQ(state().document.frame, order[1]);
+
+  window.run("option.set", "classifier=gcn");
+  EXPECT_TRUE(learning().doubt.of_frame.empty()) << "another classifier has other doubts";
+}
+
+using LabelSafety = LabelDesktop;
+
+TEST_F(LabelSafety, LeavingTheFrameSavesAndMarksIt) {
+  window.run("label.take");
+  EXPECT_TRUE(window.shows("frame.0.labels"));
+  EXPECT_FALSE(fs::exists(label_dir / "000000.json"));
+  window.run("frame.next");
+  EXPECT_TRUE(fs::exists(label_dir / "000000.json"));
+  EXPECT_TRUE(window.shows("frame.0.labels"));
+  EXPECT_FALSE(window.shows("frame.1.labels"));
+}
+
+TEST_F(LabelSafety, ClosingTheWindowSaves) {
+  const fs::path other = dir / "other";
+  {
+    LabelWindow closed(other);
+    closed.run("label.take");
+    EXPECT_FALSE(fs::exists(other / "000000.json"));
+  }
+  EXPECT_TRUE(fs::exists(other / "000000.json"));
+}
+
+TEST_F(LabelSafety, ASaveThatFailsSaysSoKeepsTheLabelsAndBarsNoWay) {
+  window.run("label.take");
+  const std::size_t planes = labels().planes.size();
+  fs::create_directories(label_dir / "000000.plane.png.part" / "in the way");
+  EXPECT_NE(window.refusal("label.save").find("000000.plane.png"), std::string::npos);
+  EXPECT_NE(state().results.label.save_problem, "");
+  window.run("frame.next");
+  EXPECT_EQ(state().document.frame, 1);
+  window.run("frame.previous");
+  EXPECT_EQ(labels().planes.size(), planes);
+  fs::remove_all(label_dir / "000000.plane.png.part");
+  window.run("label.save");
+  EXPECT_EQ(state().results.label.save_problem, "");
+  EXPECT_TRUE(fs::exists(label_dir / "000000.plane.png"));
+}
+
+TEST_F(LabelSafety, ASecondWindowReadsOnlyAndSaysWho) {
+  window.run("label.take");
+  LabelWindow second(label_dir);
+  EXPECT_NE(second.store().read_only().find("held by"), std::string::npos);
+  EXPECT_EQ(second.labels().planes.size(), labels().planes.size());
+  EXPECT_NE(second.refusal("label.remove", "1").find("held by"), std::string::npos);
+  EXPECT_EQ(second.labels().planes.size(), labels().planes.size());
+  EXPECT_NE(second.refusal("label.save").find("held by"), std::string::npos);
+  EXPECT_TRUE(second.refusal("label.stroke", "image over 20 300,330").starts_with("read-only"));
+  EXPECT_TRUE(second.shows("status.right"));
+}
+
+TEST_F(LabelSafety, ASessionLeavesTheModeAndTheFolderOfTheLabels) {
+  window.run("label.take");
+  window.run("session.save", (dir / "a.session").string());
+  window.run("session.open", (dir / "a.session").string());
+  EXPECT_EQ(state().view.mode, Mode::debugger);
+  EXPECT_TRUE(fs::exists(label_dir / "000000.json"));
+  EXPECT_EQ(state().document.current()->label_dir, label_dir);
+  window.run("label.mode");
+  EXPECT_FALSE(labels().planes.empty());
+}
+
+TEST_F(LabelSafety, FramesLabelledEarlierAreMarkedOnceTheModeIsEntered) {
+  window.run("frame.show", "1");
+  window.run("label.take");
+  window.run("label.save");
+  const fs::path copy = dir / "copy";
+  fs::copy(label_dir, copy, fs::copy_options::recursive);
+  LabelWindow again(copy);
+  EXPECT_TRUE(again.shows("frame.1.labels"));
+  EXPECT_FALSE(again.shows("frame.2.labels"));
+}
+
+TEST_F(LabelSafety, DamagedFilesAreNotInTheWayOfTheJournal) {
+  window.run("label.take");
+  const std::size_t planes = labels().planes.size();
+  window.run("label.save");
+  const fs::path copy = dir / "copy";
+  fs::copy(label_dir, copy, fs::copy_options::recursive);
+  std::ofstream(copy / "000000.plane.png") << "no picture";
+  LabelWindow again(copy);
+  EXPECT_EQ(again.labels().planes.size(), planes);
+  EXPECT_NE(again.state().view.message.find("000000.plane.png"), std::string::npos);
+  again.run("label.save");
+  EXPECT_EQ(labels::read_frame_labels(copy, 0, "")->planes.size(), planes);
+}
+
+TEST_F(LabelSafety, WhatOthersChangedIsTold) {
+  window.run("label.take");
+  window.run("label.save");
+  const fs::path copy = dir / "copy";
+  fs::copy(label_dir, copy, fs::copy_options::recursive);
+  FrameLabels others = labels();
+  others.annotator = "other tool";
+  labels::write_frame_labels(copy, 0, others);
+  LabelWindow again(copy);
+  EXPECT_NE(again.state().view.message.find("changed outside"), std::string::npos);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/labeling/gesture.hpp"
 #include "app/desktop/labeling/work.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
@@ -153,13 +152,15 @@ void let_go(LabelView& view) {
   view.polygon.reset();
 }
 
-void commit_labels(State& state, const std::string& title, const FrameLabels& after) {
+labels::LabelEdit commit_labels(State& state, const std::string& title, const FrameLabels& after) {
   labels::LabelStore* store = store_of(state);
   const std::shared_ptr<const FrameLabels> before = state.labels();
   if (!store || !before) throw Error("the frame is not ready yet");
   if (!store->read_only().empty()) throw Error(store->read_only());
   state.view.label.finish.reset();  // was of the labels before
-  store->commit(labels::make_edit(state.document.frame, title, *before, after));
+  labels::LabelEdit edit = labels::make_edit(state.document.frame, title, *before, after);
+  store->commit(edit);
+  return edit;
 }
 
 void open_labels(State& state) {

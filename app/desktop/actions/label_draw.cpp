@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/labeling/gesture.hpp"
 #include "app/desktop/labeling/review.hpp"
 #include "app/desktop/labeling/work.hpp"
 #include "app/desktop/look.hpp"
@@ -53,13 +52,9 @@ void cut(State& state, const LabelGesture& gesture) {
       gesture.where == DrawnIn::image
           ? labels::sides_of_line(grid.width, grid.height, from, to)
           : sides_in_space(state, gesture.width, gesture.height, from, to);
-  const FrameLabels& labels = *state.labels();
-  const FrameLabels after = labels::split_by_side(labels, grid, plane, sides);
   const std::string name = name_of_paint({.plane = plane});
-  if (after.planes.size() == labels.planes.size())
-    return say_nothing_done(state, "all of " + name + " is on one side of the line");
-  commit_labels(state, "Cut " + name, after);
-  say(state, "Cut " + name);
+  commit_and_say(state, "Cut " + name, labels::split_by_side(*state.labels(), grid, plane, sides),
+                 "all of " + name + " is on one side of the line");
 }
 
 /// Begins another polygon where the corner is in another view than those before.

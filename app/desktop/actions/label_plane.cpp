@@ -11,7 +11,7 @@
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/labels/review/carry.hpp"
-#include "core/labels/wand/finish.hpp"
+#include "core/labels/wand/wand.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 

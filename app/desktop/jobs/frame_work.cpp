@@ -11,7 +11,6 @@
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/page/pictures.hpp"
-#include "render/frame_image.hpp"
 #include "render/palette.hpp"
 #include "render/scenes.hpp"
 

@@ -14,7 +14,7 @@
 #include "app/desktop/jobs/request.hpp"
 #include "app/desktop/state/state.hpp"
 #include "core/debug/replay/run.hpp"
-#include "core/world/poses/sequence_gravity.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::desktop {
 

@@ -10,7 +10,7 @@
 #include "app/desktop/tracks/map_view.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/model/label_files.hpp"
-#include "core/labels/review/spread.hpp"
+#include "core/labels/review/carry.hpp"
 #include "core/model/text.hpp"
 #include "core/world/files/map_files.hpp"
 #include "core/world/tracks/tracker.hpp"

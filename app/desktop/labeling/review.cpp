@@ -24,8 +24,18 @@ FrameLabels read_other(const ReviewSides& sides) {
   return std::move(*other);
 }
 
-bool same_region(const labels::Disagreement& a, const labels::Disagreement& b) {
-  return a.kind == b.kind && a.pixel == b.pixel;
+/// Where the queue has the region of an item of an earlier one; -1: nowhere.
+int place_in(const ReviewQueue& queue, const labels::Disagreement& item) {
+  const auto same = std::ranges::find_if(queue.items, [&](const labels::Disagreement& one) {
+    return one.kind == item.kind && one.pixel == item.pixel;
+  });
+  return same == queue.items.end() ? -1 : static_cast<int>(same - queue.items.begin());
+}
+
+/// Decided items stand behind those that are left.
+void undecided_first(ReviewQueue& queue) {
+  std::ranges::stable_partition(queue.items,
+                                [](const labels::Disagreement& one) { return !one.note; });
 }
 
 bool is_about(const ReviewNote& note, const labels::Disagreement& item) {
@@ -42,7 +52,7 @@ bool still_holds(const labels::Disagreement& item,
   });
 }
 
-/// The queue after a decision: the item stands behind those that are left.
+/// The queue after a decision.
 std::shared_ptr<ReviewQueue> with_note(const ReviewQueue& queue,
                                        std::size_t item,
                                        const ReviewNote& note) {
@@ -50,8 +60,7 @@ std::shared_ptr<ReviewQueue> with_note(const ReviewQueue& queue,
   after->items[item].note = note;
   after->labels_decided =
       note.decision == ReviewDecision::take || note.decision == ReviewDecision::ignore;
-  std::stable_partition(after->items.begin(), after->items.end(),
-                        [](const labels::Disagreement& one) { return !one.note; });
+  undecided_first(*after);
   return after;
 }
 
@@ -105,11 +114,9 @@ void take_queue(State& state, const std::shared_ptr<const ReviewQueue>& queue) {
   state.results.label.review_refusal.clear();
   if (!before) return choose_item(state, queue->undecided() > 0 ? 0 : -1);
   if (chosen >= 0 && chosen < static_cast<int>(before->items.size())) {
-    const labels::Disagreement& item = before->items[static_cast<std::size_t>(chosen)];
-    const auto same = std::ranges::find_if(
-        queue->items, [&](const labels::Disagreement& one) { return same_region(one, item); });
-    if (same != queue->items.end()) {
-      state.view.label.review_item = static_cast<int>(same - queue->items.begin());
+    const int place = place_in(*queue, before->items[static_cast<std::size_t>(chosen)]);
+    if (place >= 0) {
+      state.view.label.review_item = place;
       return;
     }
   }
@@ -151,11 +158,7 @@ void decide(State& state, ReviewDecision decision) {
   if (is_note && queue->labels == work.labels)  // no label differs: nothing to find anew
     next->labels = state.labels();
   state.results.label.review = next;
-  if (decision == ReviewDecision::edit) {
-    const auto moved = std::ranges::find_if(
-        next->items, [&](const labels::Disagreement& one) { return same_region(one, item); });
-    return choose_item(state, static_cast<int>(moved - next->items.begin()));
-  }
+  if (decision == ReviewDecision::edit) return choose_item(state, place_in(*next, item));
   if (was_open) go_on(state, chosen);
 }
 
@@ -204,8 +207,7 @@ void decide_slivers(State& state, ReviewDecision decision) {
     next->labels = state.labels();  // no label differs: nothing to find anew
   else
     next->labels_decided = true;
-  std::stable_partition(next->items.begin(), next->items.end(),
-                        [](const labels::Disagreement& one) { return !one.note; });
+  undecided_first(*next);
   state.results.label.review = next;
   if (decision == ReviewDecision::keep || next->undecided() == 0) return go_on(state, 0);
   choose_item(state, 0);

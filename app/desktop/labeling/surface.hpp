@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "app/desktop/labeling/gesture.hpp"
+#include "app/desktop/labeling/work.hpp"
 #include "app/desktop/ui.hpp"
 
 namespace planescope::desktop {

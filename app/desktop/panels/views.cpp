@@ -12,7 +12,7 @@
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/debug/explain/measure.hpp"
-#include "render/view.hpp"
+#include "render/draw_list.hpp"
 
 namespace planescope::desktop {
 

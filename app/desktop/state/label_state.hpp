@@ -17,7 +17,6 @@
 #include "core/labels/review/carry.hpp"
 #include "core/labels/review/review.hpp"
 #include "core/labels/store/store.hpp"
-#include "core/labels/wand/finish.hpp"
 #include "core/labels/wand/wand.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "render/draw_list.hpp"

@@ -23,14 +23,13 @@
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
 #include "core/debug/replay/steps.hpp"
-#include "core/io/picked_gravity.hpp"
 #include "core/io/recording.hpp"
 #include "core/model/types.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/result/analyze.hpp"
+#include "render/draw_list.hpp"
 #include "render/plane_colors.hpp"
 #include "render/step_scene.hpp"
-#include "render/view.hpp"
 
 namespace planescope::desktop {
 

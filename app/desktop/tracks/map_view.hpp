@@ -9,7 +9,7 @@
 #include "app/desktop/state/session.hpp"
 #include "app/desktop/state/state.hpp"
 #include "core/world/map_recording.hpp"
-#include "core/world/tracks/history.hpp"
+#include "core/world/tracks/tracker.hpp"
 
 namespace planescope::desktop {
 

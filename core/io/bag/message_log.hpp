@@ -179,8 +179,8 @@ struct ChunkIndex {
   /// may unpack to any number of them.
   void add_found(std::uint32_t channel, std::span<const MessageRef> found, Bytes file);
 
-  /// Adds a chunk and calls take(reader, number, offset) at each record in it, as far as it can be
-  /// unpacked; `take` moves the reader and throws OutOfBytes on damage.
+  /// Calls take(reader, number, offset) at each record in a chunk, as far as it can be unpacked;
+  /// `take` moves the reader and throws OutOfBytes on damage.
   template <typename Take>
   void walk_chunk(std::size_t number, const Take& take) {
     Unpacked unpacked;

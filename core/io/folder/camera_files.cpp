@@ -1,3 +1,7 @@
+// Calibration files beside images, and nominal values of common cameras.
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -5,7 +9,6 @@
 #include <pugixml.hpp>
 
 #include "core/io/folder/folder_files.hpp"
-#include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
@@ -18,12 +21,14 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::uintmax_t kMaxTextBytes = 1 << 16;
-constexpr std::uintmax_t kMaxJsonBytes = 1 << 20;
+constexpr std::uintmax_t kMaxJsonBytes = 1 << 20;  // of XML as well
 
+bool has_word(const std::string& text, std::initializer_list<const char*> words) {
+  return std::ranges::any_of(
+      words, [&](const char* word) { return text.find(word) != std::string::npos; });
+}
 bool name_has(const fs::path& path, std::initializer_list<const char*> words) {
-  const std::string name = path.filename().string();
-  return std::any_of(words.begin(), words.end(),
-                     [&](const char* word) { return name.find(word) != std::string::npos; });
+  return has_word(path.filename().string(), words);
 }
 
 /// The numbers of `intrinsic_matrix`: nine in a row or three rows of three.
@@ -42,32 +47,26 @@ std::vector<double> matrix_numbers(const json& value) {
 
 std::optional<Intrinsics> json_intrinsics(const json& object, const fs::path& path) {
   Intrinsics k;
-  const auto number = [&](const char* key) { return object.at(key).get<double>(); };
   const auto has_numbers = [&](std::initializer_list<const char*> keys) {
-    return std::all_of(keys.begin(), keys.end(), [&](const char* key) {
-      return object.contains(key) && object[key].is_number();
-    });
+    return std::ranges::all_of(
+        keys, [&](const char* key) { return object.contains(key) && object[key].is_number(); });
   };
+  const auto number = [&](const char* key) { return object.at(key).get<double>(); };
   if (object.contains("intrinsic_matrix")) {
     const json& matrix = object["intrinsic_matrix"];
     const auto m = matrix_numbers(matrix);
-    if (m.size() != 9) {
-      throw Error(path.string() + ": \"intrinsic_matrix\" has " + std::to_string(m.size()) +
-                  " numbers, expected 9");
-    }
+    if (m.size() != 9)
+      throw Error(fmt::format("{}: \"intrinsic_matrix\" has {} numbers, expected 9", path.string(),
+                              m.size()));
     // Open3D writes columns one after the other; three rows of three, and what has its principal
     // point in the first row, are rows.
     const bool rows = matrix[0].is_array() || (m[6] == 0 && m[2] != 0);
-    k.fx = m[0];
-    k.fy = m[4];
-    k.cx = rows ? m[2] : m[6];
-    k.cy = rows ? m[5] : m[7];
-  } else if (has_numbers({"fx", "fy", "cx", "cy"})) {
-    k.fx = number("fx"), k.fy = number("fy"), k.cx = number("cx"), k.cy = number("cy");
-  } else if (has_numbers({"fx", "fy", "ppx", "ppy"})) {
-    k.fx = number("fx"), k.fy = number("fy"), k.cx = number("ppx"), k.cy = number("ppy");
+    k.fx = m[0], k.fy = m[4], k.cx = rows ? m[2] : m[6], k.cy = rows ? m[5] : m[7];
   } else {
-    return std::nullopt;
+    const bool by_c = has_numbers({"fx", "fy", "cx", "cy"});
+    if (!by_c && !has_numbers({"fx", "fy", "ppx", "ppy"})) return std::nullopt;
+    k.fx = number("fx"), k.fy = number("fy");
+    k.cx = number(by_c ? "cx" : "ppx"), k.cy = number(by_c ? "cy" : "ppy");
   }
   k.fy = std::abs(k.fy);
   if (has_numbers({"width", "height"})) {
@@ -77,21 +76,33 @@ std::optional<Intrinsics> json_intrinsics(const json& object, const fs::path& pa
   return k;
 }
 
-std::optional<std::string> small_text(const fs::path& path) {
+/// Nullopt where it is larger.
+std::optional<std::string> small_text(const fs::path& path, std::uintmax_t most_bytes) {
   std::error_code ignored;
-  if (fs::file_size(path, ignored) > kMaxTextBytes) return std::nullopt;
-  const auto bytes = read_file_bytes(path, kMaxTextBytes);
+  if (fs::file_size(path, ignored) > most_bytes) return std::nullopt;
+  const auto bytes = read_file_bytes(path, most_bytes);
   return std::string(bytes.begin(), bytes.end());
 }
 
 std::vector<fs::path> files_of(const fs::path& folder, std::initializer_list<const char*> kinds) {
-  std::vector<fs::path> found;
-  for (const fs::path& path : files_in(folder)) {
-    for (const char* kind : kinds) {
-      if (extension(path) == kind) found.push_back(path);
+  std::vector<fs::path> files = files_in(folder);
+  std::erase_if(
+      files, [&](const fs::path& path) { return std::ranges::count(kinds, extension(path)) == 0; });
+  return files;
+}
+
+/// Of a text of numbers alone; nullopt where it is none, or has more than `most`.
+std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t most) {
+  std::vector<double> numbers;
+  for (const TextLine& line : text_lines(text))
+    for (std::string_view word : line.words) {
+      // ICL-NUIM's files and OpenCV write "0." and "-480.0".
+      if (word.ends_with('.')) word.remove_suffix(1);
+      const auto value = parse_number(word);
+      if (!value || !std::isfinite(*value) || numbers.size() == most) return std::nullopt;
+      numbers.push_back(*value);
     }
-  }
-  return found;
+  return numbers;
 }
 
 struct Candidate {
@@ -153,20 +164,12 @@ std::optional<CameraFacts> camera_from_json(const fs::path& path) {
 }
 
 std::optional<CameraFacts> camera_from_text(const fs::path& path) {
-  auto text = small_text(path);
+  auto text = small_text(path, kMaxTextBytes);
   if (!text) return std::nullopt;
-  std::replace(text->begin(), text->end(), ',', ' ');
-  std::vector<double> n;
-  for (const TextLine& line : text_lines(*text))
-    for (std::string_view word : line.words) {
-      // ICL-NUIM's files write "0." and "-480.0".
-      if (word.ends_with('.')) word.remove_suffix(1);
-      const auto value = parse_number(word);
-      if (!value || !std::isfinite(*value) || n.size() > 16) return std::nullopt;
-      n.push_back(*value);
-    }
-  CameraFacts facts;
-  Intrinsics k;
+  std::ranges::replace(*text, ',', ' ');
+  const auto numbers = numbers_in(*text, 17);
+  if (!numbers) return std::nullopt;
+  const std::vector<double>& n = *numbers;
   const auto is_matrix = [&](std::size_t stride) {
     return n[1] == 0 && n[stride] == 0 && n[2 * stride] == 0 && n[2 * stride + 1] == 0 &&
            n[2 * stride + 2] == 1;
@@ -174,27 +177,24 @@ std::optional<CameraFacts> camera_from_text(const fs::path& path) {
   const auto is_whole = [](double pixels) {
     return pixels >= 1 && pixels <= 1e5 && pixels == std::floor(pixels);
   };
-  const auto take_matrix = [&](std::size_t stride) {
+  CameraFacts facts;
+  Intrinsics k;
+  const auto take = [&](std::size_t fy, std::size_t cx, std::size_t cy) {
     // A negative fy (ICL-NUIM) turns the image's y axis; the depth itself has y down as ours.
-    k.fx = n[0], k.fy = std::abs(n[stride + 1]), k.cx = n[2], k.cy = n[stride + 2];
+    k.fx = n[0], k.fy = std::abs(n[fy]), k.cx = n[cx], k.cy = n[cy];
   };
   if (n.size() == 4) {
-    k.fx = n[0], k.fy = std::abs(n[1]), k.cx = n[2], k.cy = n[3];
+    take(1, 2, 3);
   } else if (n.size() == 7 && is_whole(n[5]) && is_whole(n[6]) && n[4] > 0 && n[4] <= 1) {
-    k = {static_cast<int>(n[5]),
-         static_cast<int>(n[6]),
-         n[0],
-         std::abs(n[1]),
-         n[2],
-         n[3],
-         Distortion::none,
-         {}};
+    take(1, 2, 3);
+    k.width = static_cast<int>(n[5]);
+    k.height = static_cast<int>(n[6]);
     facts.depth_unit_m = n[4];
     facts.depth_unit_source = path.filename().string();
   } else if (n.size() == 9 && is_matrix(3)) {
-    take_matrix(3);
+    take(4, 2, 5);
   } else if (n.size() == 16 && is_matrix(4)) {
-    take_matrix(4);
+    take(5, 2, 6);
   } else {
     return std::nullopt;
   }
@@ -223,20 +223,6 @@ CameraFiles find_camera_files(const fs::path& folder) {
 
 namespace {
 
-constexpr std::uintmax_t kMaxXmlBytes = 1 << 20;
-
-std::vector<double> numbers_in(std::string_view text) {
-  std::vector<double> numbers;
-  for (const TextLine& line : text_lines(text))
-    for (std::string_view word : line.words) {
-      if (word.ends_with('.')) word.remove_suffix(1);
-      const auto value = parse_number(word);
-      if (!value) return {};
-      numbers.push_back(*value);
-    }
-  return numbers;
-}
-
 using Matrices = std::map<std::string, std::vector<double>>;
 
 /// The matrices that OpenCV's FileStorage writes, by name: an element <NAME
@@ -244,18 +230,15 @@ using Matrices = std::map<std::string, std::vector<double>>;
 Matrices matrices_in(const pugi::xml_document& document) {
   Matrices matrices;
   for (const pugi::xpath_node& found : document.select_nodes("//*[@type_id='opencv-matrix'][data]"))
-    matrices.emplace(found.node().name(), numbers_in(found.node().child_value("data")));
+    matrices.emplace(found.node().name(),
+                     numbers_in(found.node().child_value("data"), kMaxJsonBytes)
+                         .value_or(std::vector<double>()));
   return matrices;
 }
 
 bool is_camera_matrix(const std::vector<double>& m) {
   return m.size() == 9 && m[0] > 1 && m[4] > 1 && m[1] == 0 && m[3] == 0 && m[6] == 0 &&
          m[7] == 0 && m[8] == 1;
-}
-
-bool has_word(const std::string& text, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(),
-                     [&](const char* word) { return text.find(word) != std::string::npos; });
 }
 
 constexpr std::initializer_list<const char*> kDepthNames = {"IR", "Depth", "depth"};
@@ -301,11 +284,9 @@ std::optional<Pose> stereo_pose(const Matrices& matrices) {
 }  // namespace
 
 std::optional<CameraFiles> camera_from_opencv_xml(const fs::path& path) {
-  std::error_code ignored;
-  if (fs::file_size(path, ignored) > kMaxXmlBytes) return std::nullopt;
-  const auto bytes = read_file_bytes(path, kMaxXmlBytes);
+  const auto text = small_text(path, kMaxJsonBytes);
   pugi::xml_document document;
-  if (!document.load_buffer(bytes.data(), bytes.size())) return std::nullopt;
+  if (!text || !document.load_buffer(text->data(), text->size())) return std::nullopt;
   const Matrices matrices = matrices_in(document);
   CameraFiles files;
   files.depth.intrinsics = intrinsics_of(matrices, kDepthNames);
@@ -321,8 +302,6 @@ std::optional<CameraFiles> camera_from_opencv_xml(const fs::path& path) {
 }
 
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Nominal values; each camera's own differ by a percent or two.
 struct Preset {

@@ -29,6 +29,10 @@ struct SpeedSubject {
 struct Allocations {
   std::uint64_t calls = 0, bytes = 0;
 };
+void visit_fields(auto& fields, Same<Allocations> auto& allocations) {
+  fields("calls", allocations.calls);
+  fields("bytes", allocations.bytes);
+}
 using CountAllocations = std::function<Allocations(const std::function<void()>&)>;
 
 /// What all parts share.
@@ -49,35 +53,60 @@ struct SpeedTools {
 };
 
 struct StageRow {
-  std::string recording, stage;
+  std::string stage;
   Times ms = {};
   Work work = {};                               // of the frame in the middle, by floor
   Floor floor = {};                             // likewise
   double ratio = 0;                             // median of ms / floor, round by round
   std::optional<Allocations> allocations = {};  // of one frame; of the memory part alone
 };
+void visit_fields(auto& fields, Same<StageRow> auto& row) {
+  fields("stage", row.stage);
+  fields("ms", row.ms);
+  fields("bytes", row.work.bytes);
+  fields("flops", row.work.flops);
+  fields("floor_ms", row.floor.ms);
+  fields("bound_by", row.floor.by_bytes ? "bytes" : "flops");
+  fields("ratio", row.ratio);
+  fields("allocations", row.allocations);
+}
 
 /// Every stage on what the stages before it made, one thread, all in turn.
 std::vector<StageRow> measure_stages(const SpeedSubject& subject, const SpeedTools& tools);
 
 struct DuelRow {
-  std::string recording, stage, rival;
+  std::string stage, rival;
   Times ours_ms = {}, rival_ms = {};
   double ratio = 0;  // median of rival / ours, side by side
 };
+void visit_fields(auto& fields, Same<DuelRow> auto& row) {
+  fields("stage", row.stage);
+  fields("rival", row.rival);
+  fields("ours_ms", row.ours_ms);
+  fields("rival_ms", row.rival_ms);
+  fields("ratio", row.ratio);
+}
 
 /// The voxel grid against Open3D's, the octree, every node of it made, against Open3D's of
 /// pointers, and PCA normals against nanoflann's neighbours and Eigen's normals; one thread.
 std::vector<DuelRow> measure_duels(const SpeedSubject& subject, const SpeedTools& tools);
 
 struct MethodRow {
-  std::string recording, method;
+  std::string method;
   Times ms = {};
   double ratio = 0;  // median of this / region growing, side by side
   double planes = 0;
   std::optional<Allocations> allocations = {};
   double peak_mib = 0;  // more than the process had resident before the frame; 0: not known
 };
+void visit_fields(auto& fields, Same<MethodRow> auto& row) {
+  fields("method", row.method);
+  fields("ms", row.ms);
+  fields("ratio", row.ratio);
+  fields("planes", row.planes);
+  fields("allocations", row.allocations);
+  fields("peak_mib", row.peak_mib);
+}
 
 /// A frame in memory to the planes of its pixels, one thread: ours with either profile and either
 /// classifier, and every rival that this program has and that takes such frames. Region growing on
@@ -95,5 +124,30 @@ planes::PipelineOptions ours_with(const SpeedSubject& subject, planes::Profile p
 std::optional<Allocations> steady_allocations(const SpeedSubject& subject,
                                               const SpeedTools& tools,
                                               const std::function<void()>& work);
+
+// ---- How long whole programs take, from their start to their end ----
+
+struct TimedCommand {
+  std::string name;               // in the tables
+  std::vector<std::string> args;  // the program's path first
+};
+
+struct CommandRow {
+  std::string name;
+  Times wall_ms = {}, cpu_ms = {};
+  double peak_mib = 0;  // resident, of one run
+};
+void visit_fields(auto& fields, Same<CommandRow> auto& row) {
+  fields("command", row.name);
+  fields("wall_ms", row.wall_ms);
+  fields("cpu_ms", row.cpu_ms);
+  fields("peak_mib", row.peak_mib);
+}
+
+/// Each command once in every round, in turn. What they print is dropped. Throws Error where one
+/// cannot be started or fails. `before`: as in interleaved_ms().
+std::vector<CommandRow> measure_commands(std::span<const TimedCommand> commands,
+                                         int rounds,
+                                         const std::function<void()>& before);
 
 }  // namespace planescope::lab

@@ -1,252 +1,328 @@
 #include "core/lab/bench/classifier_bench.hpp"
 
-#include <fmt/format.h>
+#include <array>
+#include <chrono>
+#include <memory>
 
-#include <nlohmann/json.hpp>
-
-#include "core/lab/bench/result_json.hpp"
+#include "core/lab/bench/measuring.hpp"
+#include "core/lab/rivals/rivals.hpp"
+#include "core/lab/synthetic/repeatable.hpp"
+#include "core/lab/synthetic/stairs.hpp"
+#include "core/lab/training/training_set.hpp"
+#include "core/model/parallel.hpp"
+#include "core/planes/classify/gcn.hpp"
+#include "core/planes/classify/gcn_forward.hpp"
+#include "core/planes/classify/neighbour_grid.hpp"
+#include "core/planes/pipeline/truth.hpp"
 
 namespace planescope::lab {
 
-// ---- Tables ----
+// ---- Labels ----
 
 namespace {
 
-std::string clouds_of(const ClassifierBench& bench) {
-  return fmt::format("{} clouds of each kind, seed {}", bench.labels.count, bench.labels.seed);
+enum Stream : std::uint64_t { kTiltAxis = 301, kTiltOfSet = 302 };
+
+struct Set {
+  const char* name;
+  planes::LabelledCloud (*make)(std::uint64_t seed, int index);
+};
+
+planes::LabelledCloud stairs(double noise_m, std::uint64_t seed, int index) {
+  return labelled(make_stairs(index, {.seed = seed, .noise_m = noise_m}));
 }
 
-Table accuracy_table(const ClassifierBench& bench) {
-  Table table{
-      "Labels that are right",
-      fmt::format(
-          "Percent of the points within 2 cm of a tread, riser or pixel of the other label (edge), "
-          "and of all others (inner). {}.",
-          clouds_of(bench)),
-      {"clouds", "labels by", "edge %", "inner %"},
-      {},
-      2};
-  for (const LabelRow& row : bench.label_rows)
-    table.rows.push_back({row.set, row.classifier, fixed(row.level.edge_percent(), 2),
-                          fixed(row.level.inner_percent(), 2)});
-  return table;
-}
+const std::array<Set, 6> kSets = {{
+    {"stairs, 0 cm", [](std::uint64_t seed, int index) { return stairs(0, seed, index); }},
+    {"stairs, 0.1 cm", [](std::uint64_t seed, int index) { return stairs(0.001, seed, index); }},
+    {"stairs, 0.2 cm", [](std::uint64_t seed, int index) { return stairs(0.002, seed, index); }},
+    {"stairs, 0.3 cm", [](std::uint64_t seed, int index) { return stairs(0.003, seed, index); }},
+    {"scans of composed scenes",
+     [](std::uint64_t seed, int index) { return make_composed_test_scan(seed, index); }},
+    {"scans of named scenes",
+     [](std::uint64_t seed, int index) { return make_test_scan(seed, index); }},
+}};
 
-Table gravity_table(const ClassifierBench& bench) {
-  const std::string off = fmt::format("{} deg off", bench.labels.tilt_deg);
-  Table table{fmt::format("Gravity wrong by {} degrees", bench.labels.tilt_deg),
-              fmt::format("Edge labels that are right on the same clouds, level and turned about "
-                          "random level axes. {}.",
-                          clouds_of(bench)),
-              {"clouds", "labels by", "level %", off + " %", "lost"},
-              {},
-              2};
-  for (const LabelRow& row : bench.label_rows) {
-    const double level = row.level.edge_percent(), tilted = row.tilted.edge_percent();
-    table.rows.push_back(
-        {row.set, row.classifier, fixed(level, 2), fixed(tilted, 2), fixed(level - tilted, 2)});
-  }
-  return table;
-}
-
-Table chain_table(const ClassifierBench& bench) {
-  Table table{"The planes that follow",
-              fmt::format("Staircases of 8192 points through the whole pipeline, no voxel grid. "
-                          "r_p: 100 x planes found / true; points: % in the matching plane; alpha: "
-                          "mean angle to the true normal; r_m: % of points in no plane. {} "
-                          "staircases, seed {}.",
-                          bench.labels.count, bench.labels.seed),
-              {"noise", "labels by", "r_p", "points %", "alpha deg", "r_m %"},
-              {},
-              2};
-  for (const ChainRow& row : bench.chain_rows)
-    table.rows.push_back({fmt::format("{} cm", row.noise_cm), row.labels, fixed(row.metrics.r_p, 2),
-                          fixed(row.metrics.point_accuracy, 2), fixed(row.metrics.alpha_deg, 3),
-                          fixed(row.metrics.r_m, 2)});
-  return table;
-}
-
-std::string rounds_of(const ClassifierBench& bench) {
-  return fmt::format("Medians of {} rounds in which all take turns", bench.speed_options.rounds);
-}
-
-Table speed_table(const ClassifierBench& bench) {
-  Table table{
-      "From points to labels",
-      fmt::format("{}. Times in ms; ratios: how often the time of the network on the widest "
-                  "instruction set. PCA with 16 neighbours. nanoflann's tree is built on "
-                  "one thread, as its version here has it. {}.",
-                  rounds_of(bench), to_text(bench.machine)),
-      {"network", "points", "threads"},
-      {},
-      1};
-  for (const auto& [simd, ms] : bench.speed->speed[0].network_ms)
-    table.columns.push_back(to_string(simd));
-  for (const char* column : {"nanoflann PCA", "own PCA", "nanoflann / network", "own / network"})
-    table.columns.emplace_back(column);
-  for (const SpeedRow& row : bench.speed->speed) {
-    auto& cells = table.rows.emplace_back();
-    cells = {row.network, std::to_string(row.points), std::to_string(row.threads)};
-    for (const auto& [simd, ms] : row.network_ms) cells.push_back(fixed(ms, 2));
-    for (const double value : {row.nanoflann_ms, row.pca_ms, row.nanoflann_ratio, row.pca_ratio})
-      cells.push_back(fixed(value, 2));
-  }
-  return table;
-}
-
-Table reference_table(const ClassifierBench& bench) {
-  Table table{
-      "Against the same network written plainly",
-      fmt::format("{}, on one thread. Times in ms. The plain forward is given its "
-                  "neighbours; whole: ours with its search for them, forward: without. {}.",
-                  rounds_of(bench), to_text(bench.machine)),
-      {"network", "points", "whole", "forward", "plain", "plain / whole", "plain / forward"},
-      {},
-      1};
-  for (const ReferenceRow& row : bench.speed->reference)
-    table.rows.push_back({row.network, std::to_string(row.points), fixed(row.whole_ms, 2),
-                          fixed(row.forward_ms, 2), fixed(row.plain_ms, 1),
-                          fixed(row.whole_ratio, 1), fixed(row.forward_ratio, 1)});
-  return table;
-}
-
-Table frames_table(const ClassifierBench& bench) {
-  Table table{"Whole frames",
-              fmt::format("As in the paper's table IV: N_m points, N_d voxels within range, t_d "
-                          "voxel grid, t_c labels, t_b octree, t_s planes, FPS of these four. "
-                          "cloud: back-projection and cropping, and FPS with it; load: reading the "
-                          "frame. Medians over {} runs, in ms. {}.",
-                          bench.frame_rows[0].runs, to_text(bench.machine)),
-              {"recording", "labels by", "threads", "frames", "N_m", "N_d", "planes", "load",
-               "cloud", "t_d", "t_c", "t_b", "t_s", "FPS", "FPS with cloud"},
-              {},
-              2};
-  for (const FrameRow& row : bench.frame_rows)
-    table.rows.push_back({row.recording, row.classifier, std::to_string(row.threads),
-                          std::to_string(row.frames), fixed(row.points, 0), fixed(row.voxels, 0),
-                          fixed(row.planes, 0), fixed(row.ms.load_ms, 2), fixed(row.ms.cloud_ms, 2),
-                          fixed(row.ms.t_d_ms, 2), fixed(row.ms.t_c_ms, 2), fixed(row.ms.t_b_ms, 2),
-                          fixed(row.ms.t_s_ms, 2), speed_text(row.fps), speed_text(row.whole_fps)});
-  return table;
+planes::LabelAccuracy accuracy_on(const planes::LabelledCloud& cloud,
+                                  const planes::Classifier& classifier) {
+  return planes::label_accuracy(cloud, classifier.classify(cloud.points, 1).labels);
 }
 
 }  // namespace
 
-std::vector<Table> result_tables(const ClassifierBench& bench) {
-  std::vector<Table> tables;
-  if (bench.accuracy) tables.push_back(accuracy_table(bench));
-  if (bench.gravity) tables.push_back(gravity_table(bench));
-  if (!bench.chain_rows.empty()) tables.push_back(chain_table(bench));
-  return tables;
+planes::LabelledCloud tilted(const planes::LabelledCloud& cloud,
+                             double angle_deg,
+                             std::uint64_t seed) {
+  const double azimuth_deg = 360 * random_uniform(seed, kTiltAxis, 0);
+  const Mat3d turn = rotation({cos_deg(azimuth_deg), sin_deg(azimuth_deg), 0}, angle_deg);
+  planes::LabelledCloud turned = cloud;
+  for (Vec3f& p : turned.points) p = (turn * p.cast<double>()).cast<float>();
+  return turned;
 }
 
-std::vector<Table> timing_tables(const ClassifierBench& bench) {
-  std::vector<Table> tables;
-  if (bench.speed) {
-    tables.push_back(speed_table(bench));
-    tables.push_back(reference_table(bench));
-  }
-  if (!bench.frame_rows.empty()) tables.push_back(frames_table(bench));
-  return tables;
+std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifiers,
+                                     const LabelBenchOptions& options,
+                                     const std::function<void(int, int)>& progress) {
+  const auto count = static_cast<std::size_t>(options.count), n = classifiers.size();
+  std::vector<LabelRow> of_cloud(kSets.size() * count * n);  // [sets][clouds][classifiers]
+  const auto measure = [&](int number) {
+    const auto work = static_cast<std::size_t>(number);
+    const planes::LabelledCloud cloud =
+        kSets[work / count].make(options.seed, static_cast<int>(work % count));
+    const std::uint64_t tilt_seed = random_bits(options.seed, kTiltOfSet, work);
+    const planes::LabelledCloud off = tilted(cloud, options.tilt_deg, tilt_seed);
+    for (std::size_t c = 0; c < n; ++c) {
+      const planes::Classifier& classifier = *classifiers[c].classifier;
+      of_cloud[work * n + c].level = accuracy_on(cloud, classifier);
+      if (options.tilt_deg != 0) of_cloud[work * n + c].tilted = accuracy_on(off, classifier);
+    }
+  };
+  work_through(static_cast<int>(kSets.size() * count), options.threads, measure, progress);
+
+  std::vector<LabelRow> rows;
+  for (std::size_t s = 0; s < kSets.size(); ++s)
+    for (std::size_t c = 0; c < n; ++c) {
+      LabelRow& row = rows.emplace_back();
+      row.set = kSets[s].name;
+      row.classifier = classifiers[c].name;
+      for (std::size_t i = 0; i < count; ++i) {
+        row.level += of_cloud[(s * count + i) * n + c].level;
+        row.tilted += of_cloud[(s * count + i) * n + c].tilted;
+      }
+    }
+  return rows;
 }
 
-// ---- JSON ----
+// ---- The planes that follow ----
+
+std::vector<ChainRow> measure_chain(std::span<const NamedClassifier> classifiers,
+                                    const planes::SegmentOptions& segment,
+                                    const LabelBenchOptions& options,
+                                    const std::function<void(int, int)>& progress) {
+  constexpr double kNoiseCm[] = {0, 0.1, 0.2, 0.3};
+  planes::PipelineOptions pipeline;
+  pipeline.segment = segment;
+  pipeline.cloud.voxel_size_m = 0;
+
+  const auto count = static_cast<std::size_t>(options.count), n = classifiers.size() + 1;
+  // [noises][labels][stairs], so that those of a row lie side by side
+  std::vector<planes::Metrics> of_stairs(std::size(kNoiseCm) * n * count);
+  const auto measure = [&](int number) {
+    const auto work = static_cast<std::size_t>(number);
+    const std::size_t noise = work / count, i = work % count;
+    Stairs stairs =
+        make_stairs(static_cast<int>(i), {.seed = options.seed, .noise_m = kNoiseCm[noise] / 100});
+    planes::SourceTruth truth = *planes::truth_of_cloud(stairs.cloud);
+    truth.normals = stairs.normals;
+    Frame frame;
+    frame.cloud = std::move(stairs.cloud);
+    const planes::FrameTruth on_points =
+        planes::truth_on_points(truth.values, planes::measured_sources(frame));
+    for (std::size_t c = 0; c < n; ++c) {
+      const planes::Classifier* classifier = c > 0 ? classifiers[c - 1].classifier.get() : nullptr;
+      of_stairs[(noise * n + c) * count + i] =
+          planes::score_frame(planes::run_frame(frame, pipeline, classifier, &on_points), truth);
+    }
+  };
+  work_through(static_cast<int>(std::size(kNoiseCm) * count), options.threads, measure, progress);
+
+  std::vector<ChainRow> rows;
+  for (std::size_t noise = 0; noise < std::size(kNoiseCm); ++noise)
+    for (std::size_t c = 0; c < n; ++c)
+      rows.push_back(
+          {kNoiseCm[noise], c > 0 ? classifiers[c - 1].name : "truth",
+           planes::mean_of(std::span(of_stairs).subspan((noise * n + c) * count, count))});
+  return rows;
+}
+
+// ---- Speed ----
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Points = std::vector<Vec3f>;
 
-Json json_of(const planes::LabelAccuracy& accuracy) {
-  return {{"edge_percent", accuracy.edge_percent()},
-          {"inner_percent", accuracy.inner_percent()},
-          {"edge_points", accuracy.edge},
-          {"inner_points", accuracy.inner}};
+constexpr int kSizes[] = {2048, 4096, 8192};
+constexpr int kStairs = 3;  // taken in turn
+
+/// The instruction sets of this machine, the widest last.
+std::vector<Simd> instruction_sets() {
+  std::vector<Simd> sets;
+  for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512})
+    if (simd <= best_simd()) sets.push_back(simd);
+  return sets;
 }
 
-Json json_of(const SpeedRow& row) {
-  Json json = {{"network", row.network}, {"points", row.points}, {"threads", row.threads}};
-  for (const auto& [simd, ms] : row.network_ms) json["network_ms"][to_string(simd)] = ms;
-  json["nanoflann_pca_ms"] = row.nanoflann_ms;
-  json["own_pca_ms"] = row.pca_ms;
-  json["nanoflann_pca_by_network"] = row.nanoflann_ratio;
-  json["own_pca_by_network"] = row.pca_ratio;
-  return json;
+std::vector<Points> make_clouds(int points, std::uint64_t seed) {
+  std::vector<Points> clouds;
+  for (int i = 0; i < kStairs; ++i)
+    clouds.push_back(
+        make_stairs(i, {.seed = seed, .points = points, .noise_m = 0.001}).cloud.points);
+  return clouds;
 }
 
-Json json_of(const ReferenceRow& row) {
-  return {{"network", row.network},
-          {"points", row.points},
-          {"whole_ms", row.whole_ms},
-          {"forward_ms", row.forward_ms},
-          {"plain_ms", row.plain_ms},
-          {"plain_by_whole", row.whole_ratio},
-          {"plain_by_forward", row.forward_ratio}};
+/// Counts turns over all contests.
+class Turns {
+ public:
+  Turns(int all, const std::function<void(int, int)>& progress) : all_(all), progress_(progress) {}
+  void next() {
+    if (progress_) progress_(done_++, all_);
+  }
+
+ private:
+  int done_ = 0, all_;
+  const std::function<void(int, int)>& progress_;
+};
+
+SpeedRow race(const BenchNetwork& network,
+              const std::vector<Points>& clouds,
+              int rounds,
+              int threads,
+              Turns& turns) {
+  std::vector<std::unique_ptr<planes::Classifier>> classifiers;
+  const std::vector<Simd> sets = instruction_sets();
+  for (const Simd simd : sets)
+    classifiers.push_back(planes::make_gcn_classifier(network.weights, network.name, simd));
+  const planes::PcaClassifierOptions pca{.neighbours = 16};
+  classifiers.push_back(make_nanoflann_pca_classifier(pca));
+  classifiers.push_back(planes::make_pca_classifier(pca));
+
+  const auto ms = interleaved_ms(
+      classifiers.size(), rounds, [&] { turns.next(); },
+      [&](std::size_t who, int round) {
+        classifiers[who]->classify(clouds[static_cast<std::size_t>(round % kStairs)], threads);
+      });
+  SpeedRow row{network.name, static_cast<int>(clouds[0].size()), threads, {}};
+  for (std::size_t s = 0; s < sets.size(); ++s) row.network_ms.emplace_back(sets[s], median(ms[s]));
+  const auto &best = ms[sets.size() - 1], &nanoflann = ms[sets.size()], &ours = ms[sets.size() + 1];
+  row.nanoflann_ms = median(nanoflann);
+  row.pca_ms = median(ours);
+  row.nanoflann_ratio = median_ratio(nanoflann, best);
+  row.pca_ratio = median_ratio(ours, best);
+  return row;
 }
 
-Json json_of(const FrameRow& row) {
-  return {{"recording", row.recording},
-          {"classifier", row.classifier},
-          {"threads", row.threads},
-          {"frames", row.frames},
-          {"runs", row.runs},
-          {"points", row.points},
-          {"voxels", row.voxels},
-          {"planes", row.planes},
-          {"load_ms", row.ms.load_ms},
-          {"cloud_ms", row.ms.cloud_ms},
-          {"t_d_ms", row.ms.t_d_ms},
-          {"t_c_ms", row.ms.t_c_ms},
-          {"t_b_ms", row.ms.t_b_ms},
-          {"t_s_ms", row.ms.t_s_ms},
-          {"fps", row.fps},
-          {"fps_with_cloud", row.whole_fps}};
+ReferenceRow race_reference(const BenchNetwork& network,
+                            const Points& cloud,
+                            int rounds,
+                            Turns& turns) {
+  const planes::NetworkConfig& config = network.weights.config;
+  const Simd simd = best_simd();
+  const planes::NeighbourGrid grid(cloud, config.neighbours + 1);
+  const std::span<const Vec3f> points = grid.points();  // the order in which pooling counts
+  const PlainGraph plain_graph = make_plain_graph(points, config);
+  const PlainNetwork<float> plain{config, network.weights.tensors};
+  planes::gcn::Graph graph;
+  planes::gcn::make_graph(points, config, 1, simd, graph);
+  const planes::gcn::Layers layers = planes::gcn::make_layers(network.weights);
+  planes::gcn::Activations activations;
+  const planes::Gcn whole(network.weights, simd);
+
+  enum { kWhole, kForward, kPlain, kCount };
+  const auto ms = interleaved_ms(
+      kCount, rounds, [&] { turns.next(); },
+      [&](std::size_t who, int) {
+        if (who == kWhole) whole.forward(points, 1);
+        if (who == kForward)
+          planes::gcn::forward(graph, layers, planes::gcn::kernels(simd), 1, false, activations);
+        if (who == kPlain) plain_forward(plain, plain_graph, points);
+      });
+  return {network.name,
+          static_cast<int>(points.size()),
+          median(ms[kWhole]),
+          median(ms[kForward]),
+          median(ms[kPlain]),
+          median_ratio(ms[kPlain], ms[kWhole]),
+          median_ratio(ms[kPlain], ms[kForward])};
 }
 
 }  // namespace
 
-std::string results_json(const ClassifierBench& bench) {
-  Json json = {{"schema", "planescope.bench_classifier/1"},
-               {"seed", bench.labels.seed},
-               {"count", bench.labels.count}};
-  json["networks"] = Json::array();
-  for (const auto& [name, record] : bench.networks)
-    json["networks"].push_back({{"name", name},
-                                {"file", record.file},
-                                {"sha256", record.sha256},
-                                {"network", record.network},
-                                {"training", Json::parse(record.training)}});
-  if (bench.gravity) json["tilt_deg"] = bench.labels.tilt_deg;
-  for (const LabelRow& row : bench.label_rows) {
-    Json entry = {{"clouds", row.set}, {"classifier", row.classifier}};
-    entry["level"] = json_of(row.level);
-    if (bench.gravity) entry["tilted"] = json_of(row.tilted);
-    json["labels"].push_back(entry);
+SpeedBench measure_speed(std::span<const BenchNetwork> networks,
+                         const SpeedBenchOptions& options,
+                         const std::function<void(int, int)>& progress) {
+  std::vector<int> thread_counts = {1};
+  if (options.threads > 1) thread_counts.push_back(options.threads);
+  const std::size_t per_round =
+      networks.size() * thread_counts.size() * (instruction_sets().size() + 2) + 3;
+  Turns turns(static_cast<int>(std::size(kSizes) * per_round) * (options.rounds + 1), progress);
+
+  SpeedBench bench;
+  for (const int points : kSizes) {
+    const std::vector<Points> clouds = make_clouds(points, options.seed);
+    for (const BenchNetwork& network : networks)
+      for (const int threads : thread_counts)
+        bench.speed.push_back(race(network, clouds, options.rounds, threads, turns));
+    bench.reference.push_back(race_reference(networks[0], clouds[0], options.rounds, turns));
   }
-  for (const ChainRow& row : bench.chain_rows)
-    json["chain"].push_back({{"noise_cm", row.noise_cm},
-                             {"labels", row.labels},
-                             {"planes_true", row.metrics.planes_truth},
-                             {"planes_found", row.metrics.planes_found},
-                             {"r_p", row.metrics.r_p},
-                             {"point_accuracy", row.metrics.point_accuracy},
-                             {"alpha_deg", row.metrics.alpha_deg},
-                             {"r_m", row.metrics.r_m}});
-  return json_text(json);
+  return bench;
 }
 
-std::string timings_json(const ClassifierBench& bench) {
-  Json json = {{"schema", "planescope.bench_classifier.timings/1"},
-               {"command", bench.command},
-               {"machine", machine_json(bench.machine)}};
-  if (bench.speed) {
-    json["seed"] = bench.speed_options.seed;
-    json["rounds"] = bench.speed_options.rounds;
-    for (const SpeedRow& row : bench.speed->speed) json["speed"].push_back(json_of(row));
-    for (const ReferenceRow& row : bench.speed->reference)
-      json["reference"].push_back(json_of(row));
+// ---- Whole frames ----
+
+namespace {
+
+constexpr int kWarmUp = 3;
+
+planes::FrameResult load_and_run(const io::Recording& recording,
+                                 int frame_number,
+                                 const planes::PipelineOptions& options,
+                                 const planes::Classifier& classifier) {
+  const auto started = std::chrono::steady_clock::now();
+  const Frame frame = recording.frame(frame_number);
+  const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - started;
+  planes::FrameResult result = planes::run_frame(frame, options, &classifier);
+  result.timings.load_ms = load.count();
+  return result;
+}
+
+template <typename Value>
+double median_of(const std::vector<FrameRow>& runs, const Value& value) {
+  std::vector<double> values;
+  for (const FrameRow& run : runs) values.push_back(value(run));
+  return median(std::move(values));
+}
+
+}  // namespace
+
+FrameRow measure_frames(const io::Recording& recording,
+                        const std::vector<int>& frames,
+                        const planes::PipelineOptions& options,
+                        const planes::Classifier& classifier,
+                        const std::function<void(int, int)>& progress,
+                        int runs) {
+  const std::size_t used = std::min(frames.size(), static_cast<std::size_t>(runs));
+  std::vector<FrameRow> rows;
+  for (int run = -kWarmUp; run < runs; ++run) {
+    if (progress) progress(run + kWarmUp, runs + kWarmUp);
+    const std::size_t nth = static_cast<std::size_t>(run + kWarmUp) % used;
+    const planes::FrameResult result =
+        load_and_run(recording, frames[nth * frames.size() / used], options, classifier);
+    if (run < 0) continue;
+    FrameRow& row = rows.emplace_back();
+    row.points = static_cast<double>(result.cloud.points.size());
+    row.voxels = static_cast<double>(result.voxels.points.size());
+    row.planes = static_cast<double>(result.segmentation.planes.size());
+    row.ms = result.timings;
   }
-  for (const FrameRow& row : bench.frame_rows) json["frames"].push_back(json_of(row));
-  return json_text(json);
+
+  FrameRow medians;
+  medians.threads = options.threads;
+  medians.frames = static_cast<int>(used);
+  medians.runs = runs;
+  for (double FrameRow::*value : {&FrameRow::points, &FrameRow::voxels, &FrameRow::planes})
+    medians.*value = median_of(rows, [&](const FrameRow& run) { return run.*value; });
+  for (double planes::FrameTimings::*stage :
+       {&planes::FrameTimings::load_ms, &planes::FrameTimings::cloud_ms,
+        &planes::FrameTimings::t_d_ms, &planes::FrameTimings::t_c_ms, &planes::FrameTimings::t_b_ms,
+        &planes::FrameTimings::t_s_ms})
+    medians.ms.*stage = median_of(rows, [&](const FrameRow& run) { return run.ms.*stage; });
+  if (medians.voxels == 0) return medians;
+  medians.fps =
+      1000 / median_of(rows, [](const FrameRow& run) { return planes::paper_ms(run.ms); });
+  medians.whole_fps = 1000 / median_of(rows, [](const FrameRow& run) {
+                        return run.ms.cloud_ms + planes::paper_ms(run.ms);
+                      });
+  return medians;
 }
 
 }  // namespace planescope::lab

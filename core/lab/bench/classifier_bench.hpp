@@ -1,42 +1,175 @@
 #pragma once
 
-// Everything that `planescope-lab bench classifier` measures, as tables and as JSON.
+// What `planescope-lab bench classifier` measures: how many labels classifiers get right on clouds
+// that no training has seen, and what becomes of the planes of staircases that are segmented by
+// those labels; how quick classifiers are; and how long whole frames of a recording take.
 
-#include <optional>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "core/lab/bench/frame_bench.hpp"
-#include "core/lab/bench/label_bench.hpp"
-#include "core/lab/bench/measuring.hpp"
-#include "core/lab/bench/speed_bench.hpp"
-#include "core/lab/bench/table.hpp"
+#include "core/io/recording.hpp"
+#include "core/model/json_fields.hpp"
+#include "core/model/parallel.hpp"
+#include "core/planes/classify/classifier.hpp"
+#include "core/planes/classify/weights.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/result/analyze.hpp"
+#include "core/planes/segment/options.hpp"
 
 namespace planescope::lab {
 
-struct ClassifierBench {
-  std::string command;  // as it was typed
-  // Names in the tables, and the weights.
-  std::vector<std::pair<std::string, planes::WeightsRecord>> networks;
+// ---- Labels ----
 
-  LabelBenchOptions labels;
-  bool accuracy = false, gravity = false;  // which of the label rows' figures are asked for
-  std::vector<LabelRow> label_rows;
-  std::vector<ChainRow> chain_rows;
-
-  // What depends on time and machine.
-  Machine machine;
-  SpeedBenchOptions speed_options;
-  std::optional<SpeedBench> speed;
-  std::vector<FrameRow> frame_rows;
+struct NamedClassifier {
+  std::string name;  // in the tables
+  std::shared_ptr<const planes::Classifier> classifier;
 };
 
-/// The same for the same seed and count, on any machine with any number of threads.
-std::vector<Table> result_tables(const ClassifierBench& bench);
-std::string results_json(const ClassifierBench& bench);
+struct LabelBenchOptions {
+  std::uint64_t seed = 960001;
+  int count = 100;      // clouds of each set
+  double tilt_deg = 0;  // also measured on clouds tilted by this much
+  int threads = 1;
+};
 
-std::vector<Table> timing_tables(const ClassifierBench& bench);
-std::string timings_json(const ClassifierBench& bench);
+struct LabelRow {
+  std::string set;
+  std::string classifier;
+  planes::LabelAccuracy level;
+  // Against the labels of the level cloud; nothing counted without tilt_deg.
+  planes::LabelAccuracy tilted;
+};
+
+/// Stairs of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, and scans of composed scenes and of
+/// the named ones: a row for each set and classifier. The same for any number of threads.
+/// `progress` as in work_through().
+std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifiers,
+                                     const LabelBenchOptions& options,
+                                     const std::function<void(int, int)>& progress = {});
+
+/// The cloud turned by exactly `angle_deg` about a level axis of random direction.
+planes::LabelledCloud tilted(const planes::LabelledCloud& cloud,
+                             double angle_deg,
+                             std::uint64_t seed);
+
+/// The planes of staircases whose points a classifier labelled.
+struct ChainRow {
+  double noise_cm = 0;
+  std::string labels;       // "truth", or a classifier's name
+  planes::Metrics metrics;  // mean_of() all staircases
+};
+
+/// Staircases of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, as measure_labels() has them,
+/// through the whole pipeline without a voxel grid: a row for each noise and classifier, the true
+/// labels first. The same for any number of threads.
+std::vector<ChainRow> measure_chain(std::span<const NamedClassifier> classifiers,
+                                    const planes::SegmentOptions& segment,
+                                    const LabelBenchOptions& options,
+                                    const std::function<void(int, int)>& progress = {});
+
+// ---- Speed: networks on every instruction set against PCA normals, and written plainly ----
+
+struct BenchNetwork {
+  std::string name;  // in the tables
+  planes::NetworkWeights weights;
+};
+
+struct SpeedBenchOptions {
+  std::uint64_t seed = 960001;
+  int rounds = 20;  // whose median counts
+  int threads = 1;  // "all cores": measured with one and with these
+};
+
+/// One staircase after the other with 0.1 cm of noise, from points to labels and margins.
+struct SpeedRow {
+  std::string network;
+  int points = 0, threads = 1;
+  std::vector<std::pair<Simd, double>> network_ms;  // the widest instruction set last
+  double nanoflann_ms = 0, pca_ms = 0;              // PCA with 16 neighbours, nanoflann's and ours
+  double nanoflann_ratio = 0, pca_ratio = 0;        // as multiples of the network's time
+};
+void visit_fields(auto& fields, Same<SpeedRow> auto& row) {
+  fields("network", row.network);
+  fields("points", row.points);
+  fields("threads", row.threads);
+  fields.object("network_ms", kPlain, [&](auto& sets) {
+    for (const auto& [simd, ms] : row.network_ms) sets(to_string(simd).c_str(), ms);
+  });
+  fields("nanoflann_pca_ms", row.nanoflann_ms);
+  fields("own_pca_ms", row.pca_ms);
+  fields("nanoflann_pca_by_network", row.nanoflann_ratio);
+  fields("own_pca_by_network", row.pca_ratio);
+}
+
+/// On one thread. The plain forward is given its neighbours: nothing of it is a search.
+struct ReferenceRow {
+  std::string network;
+  int points = 0;
+  double whole_ms = 0;    // neighbour search and forward pass
+  double forward_ms = 0;  // the forward pass on a graph already built
+  double plain_ms = 0;
+  double whole_ratio = 0, forward_ratio = 0;  // how much longer the plain one takes
+};
+void visit_fields(auto& fields, Same<ReferenceRow> auto& row) {
+  fields("network", row.network);
+  fields("points", row.points);
+  fields("whole_ms", row.whole_ms);
+  fields("forward_ms", row.forward_ms);
+  fields("plain_ms", row.plain_ms);
+  fields("plain_by_whole", row.whole_ratio);
+  fields("plain_by_forward", row.forward_ratio);
+}
+
+struct SpeedBench {
+  std::vector<SpeedRow> speed;
+  std::vector<ReferenceRow> reference;  // of the first network
+};
+
+/// 2048, 4096 and 8192 points. All of a row take turns in the same run. `progress` is called with
+/// how many of all turns are done; it may be empty and may throw to stop.
+SpeedBench measure_speed(std::span<const BenchNetwork> networks,
+                         const SpeedBenchOptions& options,
+                         const std::function<void(int, int)>& progress = {});
+
+// ---- Whole frames, as in the paper's table IV ----
+
+/// Medians over runs of frames.
+struct FrameRow {
+  int threads = 1;
+  int frames = 0, runs = 0;  // different frames, and how often one was run
+  double points = 0;         // measured, within range or not
+  double voxels = 0, planes = 0;
+  planes::FrameTimings ms;
+  double fps = 0;        // as the paper's: of t_d + t_c + t_b + t_s; 0 if nothing is within range
+  double whole_fps = 0;  // of these, back-projection and cropping; not of loading
+};
+void visit_fields(auto& fields, Same<FrameRow> auto& row) {
+  fields("threads", row.threads);
+  fields("frames", row.frames);
+  fields("runs", row.runs);
+  fields("points", row.points);
+  fields("voxels", row.voxels);
+  fields("planes", row.planes);
+  fields("ms", row.ms);
+  fields("fps", row.fps);
+  fields("fps_with_cloud", row.whole_fps);
+}
+
+/// Up to `runs` of `frames`, evenly spread; where there are fewer, each is run several times. Some
+/// warm-up runs do not count. Frames are loaded anew for each run. `options.threads` as given.
+/// Throws Error where a frame cannot be read or has no gravity. `progress` is called before each
+/// run with its number and that of all; it may be empty and may throw to stop.
+FrameRow measure_frames(const io::Recording& recording,
+                        const std::vector<int>& frames,
+                        const planes::PipelineOptions& options,
+                        const planes::Classifier& classifier,
+                        const std::function<void(int, int)>& progress = {},
+                        int runs = 30);
 
 }  // namespace planescope::lab

@@ -1,9 +1,5 @@
 #include "core/lab/bench/floors.hpp"
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -36,64 +32,33 @@ constexpr int kChains = 12;
 constexpr long kSteps = 1'000'000;
 constexpr float kFactor = 0.999f, kAddend = 0.001f;  // s stays about 1
 
+typedef float Lanes4 __attribute__((vector_size(16)));
+typedef float Lanes8 __attribute__((vector_size(32)));
+typedef float Lanes16 __attribute__((vector_size(64)));
+
+/// Vectors by hand: loops of the compiler would not keep all sums in registers.
+template <typename Lanes>
+__attribute__((always_inline)) inline float sums() {
+  const Lanes zero = {};
+  const Lanes factor = zero + kFactor, addend = zero + kAddend;
+  Lanes all[kChains];
+  for (Lanes& sum : all) sum = addend;
+  for (long step = 0; step < kSteps; ++step)
+    for (Lanes& sum : all) sum = sum * factor + addend;
+  float total = 0;
+  for (const Lanes& sum : all) total += sum[0];
+  return total;
+}
+
+float sums_plain() { return sums<Lanes4>(); }
 #if defined(__x86_64__)
-// By hand: loops of the compiler would not keep all sums in registers.
-__attribute__((target("avx512f"))) float sums_avx512() {
-  const __m512 factor = _mm512_set1_ps(kFactor), addend = _mm512_set1_ps(kAddend);
-  __m512 sums[kChains];
-  for (__m512& sum : sums) sum = addend;
-  for (long step = 0; step < kSteps; ++step)
-    for (__m512& sum : sums) sum = _mm512_add_ps(_mm512_mul_ps(sum, factor), addend);
-  float out[16], all = 0;
-  for (const __m512& sum : sums) {
-    _mm512_storeu_ps(out, sum);
-    all += out[0];
-  }
-  return all;
-}
-
-__attribute__((target("avx2"))) float sums_avx2() {
-  const __m256 factor = _mm256_set1_ps(kFactor), addend = _mm256_set1_ps(kAddend);
-  __m256 sums[kChains];
-  for (__m256& sum : sums) sum = addend;
-  for (long step = 0; step < kSteps; ++step)
-    for (__m256& sum : sums) sum = _mm256_add_ps(_mm256_mul_ps(sum, factor), addend);
-  float out[8], all = 0;
-  for (const __m256& sum : sums) {
-    _mm256_storeu_ps(out, sum);
-    all += out[0];
-  }
-  return all;
-}
-
-float sums_plain() {
-  const __m128 factor = _mm_set1_ps(kFactor), addend = _mm_set1_ps(kAddend);
-  __m128 sums[kChains];
-  for (__m128& sum : sums) sum = addend;
-  for (long step = 0; step < kSteps; ++step)
-    for (__m128& sum : sums) sum = _mm_add_ps(_mm_mul_ps(sum, factor), addend);
-  float all = 0;
-  for (const __m128& sum : sums) all += _mm_cvtss_f32(sum);
-  return all;
-}
-constexpr int kPlainLanes = 4;
-#else
-float sums_plain() {
-  constexpr int kLanes = 4;  // what the compiler makes registers of
-  float sums[kChains * kLanes];
-  for (float& sum : sums) sum = kAddend;
-  for (long step = 0; step < kSteps; ++step)
-    for (float& sum : sums) sum = sum * kFactor + kAddend;
-  float all = 0;
-  for (const float sum : sums) all += sum;
-  return all;
-}
-constexpr int kPlainLanes = 4;
+__attribute__((target("avx2"))) float sums_avx2() { return sums<Lanes8>(); }
+__attribute__((target("avx512f"))) float sums_avx512() { return sums<Lanes16>(); }
 #endif
 
 double summed_flops_per_s(Simd simd) {
   float (*sums)() = sums_plain;
-  int lanes = kPlainLanes;
+  int lanes = 4;
 #if defined(__x86_64__)
   if (simd == Simd::avx2) sums = sums_avx2, lanes = 8;
   if (simd == Simd::avx512) sums = sums_avx512, lanes = 16;

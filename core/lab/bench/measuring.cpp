@@ -1,11 +1,9 @@
 #include "core/lab/bench/measuring.hpp"
 
-#include <fmt/format.h>
 #include <time.h>
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <fstream>
 #include <thread>
 
@@ -24,10 +22,6 @@ Machine this_machine() {
         break;
       }
   return machine;
-}
-
-std::string to_text(const Machine& machine) {
-  return fmt::format("{}, {} cores, {}", machine.cpu, machine.cores, to_string(machine.simd));
 }
 
 ResidentMemory resident_memory(const std::string& status_file) {
@@ -108,18 +102,6 @@ double median_ratio(std::span<const double> numerators, std::span<const double> 
   for (std::size_t i = 0; i < numerators.size(); ++i)
     ratios.push_back(numerators[i] / denominators[i]);
   return median(std::move(ratios));
-}
-
-MeanAndDeviation mean_and_deviation(std::span<const double> values) {
-  MeanAndDeviation result;
-  if (values.empty()) return result;
-  const auto count = static_cast<double>(values.size());
-  for (const double value : values) result.mean += value / count;
-  if (values.size() < 2) return result;
-  double squares = 0;
-  for (const double value : values) squares += (value - result.mean) * (value - result.mean);
-  result.deviation = std::sqrt(squares / (count - 1));
-  return result;
 }
 
 }  // namespace planescope::lab

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/json_fields.hpp"
 #include "core/model/parallel.hpp"
 
 namespace planescope::lab {
@@ -18,7 +19,6 @@ struct Machine {
   Simd simd = Simd::plain;
 };
 Machine this_machine();
-std::string to_text(const Machine& machine);  // "AMD EPYC 7763, 16 cores, avx2"
 
 /// What a process has resident; zeros where its status file (/proc/self/status) does not tell.
 struct ResidentMemory {
@@ -54,17 +54,16 @@ double median(std::vector<double> values);
 struct Times {
   double median = 0, least = 0, greatest = 0;
 };
+void visit_fields(auto& fields, Same<Times> auto& times) {
+  fields("median", times.median);
+  fields("least", times.least);
+  fields("greatest", times.greatest);
+}
 /// At least one value.
 Times times_of(const std::vector<double>& values);
 
 /// The median of numerators[i] / denominators[i]: of values that were measured side by side, so
 /// that what slowed one down slowed the other.
 double median_ratio(std::span<const double> numerators, std::span<const double> denominators);
-
-struct MeanAndDeviation {
-  double mean = 0;
-  double deviation = 0;  // standard deviation of a sample; 0 for less than two values
-};
-MeanAndDeviation mean_and_deviation(std::span<const double> values);
 
 }  // namespace planescope::lab

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/lab/synthetic/tiles.hpp"
+#include "core/lab/synthetic/stairs.hpp"
 #include "core/model/parallel.hpp"
 
 namespace planescope::lab {

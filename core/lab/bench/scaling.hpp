@@ -16,6 +16,11 @@ struct ScalingCurve {
   std::vector<double> ms;  // median, by x
   double exponent = 0;     // NaN: too few x to fit one
 };
+void visit_fields(auto& fields, Same<ScalingCurve> auto& curve) {
+  fields("name", curve.name);
+  fields("ms", curve.ms);
+  fields("exponent", curve.exponent);
+}
 
 struct Scaling {
   std::string id;  // points, planes, voxels, images, threads
@@ -24,6 +29,15 @@ struct Scaling {
   std::vector<double> x = {};  // ascending
   std::vector<ScalingCurve> curves = {};
 };
+void visit_fields(auto& fields, Same<Scaling> auto& scaling) {
+  fields("id", scaling.id);
+  fields("title", scaling.title);
+  fields("x_name", scaling.x_name);
+  fields("note", scaling.note);
+  fields("clock", to_string(scaling.clock));
+  fields("x", scaling.x);
+  fields("curves", scaling.curves);
+}
 
 /// The e of y = c x^e, by least squares of log y over log x; NaN where there are less than two
 /// different x. All values above 0.

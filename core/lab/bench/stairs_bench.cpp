@@ -1,18 +1,105 @@
 #include "core/lab/bench/stairs_bench.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/lab/bench/result_json.hpp"
 #include "core/model/parallel.hpp"
+#include "core/planes/cloud/camera.hpp"
 #include "core/planes/result/analyze.hpp"
 
 namespace planescope::lab {
+
+// ---- What a frame shows of its stairs ----
+
 namespace {
 
-constexpr const char* kSets[] = {"depth_stairs", "depth_descent", "depth_boxes"};
+/// Where the ground before a nosing is.
+struct Before {
+  Vec3d middle, uphill, across;
+  double going_m = 0, half_width_m = 0;
+
+  Before(const TrueStep& step, double going, const Vec3d& up)
+      : middle((step.right + step.left) / 2),
+        across((step.left - step.right).normalized()),
+        going_m(going),
+        half_width_m((step.left - step.right).norm() / 2) {
+    uphill = across.cross(up);
+  }
+  bool has(const Vec3d& p) const {
+    const double along = uphill.dot(p - middle);
+    return along <= 0 && along >= -going_m && std::abs(across.dot(p - middle)) <= half_width_m;
+  }
+};
+
+}  // namespace
+
+std::vector<SeenStep> seen_steps(const EvaluationFrame& frame, double max_range_m) {
+  assert(frame.stairs && frame.labels);
+  const TrueStairs& stairs = *frame.stairs;
+  const Frame& depth = frame.frame;
+  const std::vector<Vec2d> rays = planes::rays_of_pixels(depth.intrinsics);
+  std::vector<SeenStep> seen(stairs.steps.size());
+  std::vector<Before> before;
+  for (const TrueStep& step : stairs.steps)
+    before.emplace_back(step, stairs.going_m, -depth.gravity->direction);
+  for (std::size_t i = 0; i < depth.depth.data.size(); ++i) {
+    const double z = depth.depth.data[i] * depth.depth_unit_m;
+    if (z <= 0 || z > max_range_m) continue;
+    const int plane = frame.labels->plane.data[i];
+    const Vec3d p = z * Vec3d(rays[i].x(), rays[i].y(), 1);
+    for (std::size_t s = 0; s < seen.size(); ++s) {
+      if (stairs.steps[s].tread == plane) ++seen[s].tread_px;
+      if (stairs.steps[s].before == plane && before[s].has(p)) ++seen[s].before_px;
+    }
+  }
+  return seen;
+}
+
+int steps_in_sequence(const std::vector<SeenStep>& seen, int least_px) {
+  int most = 0, now = 0;
+  for (const SeenStep& step : seen) {
+    now = step.least_px() >= least_px ? now + 1 : 0;
+    most = std::max(most, now);
+  }
+  return most;
+}
+
+std::string true_stairs_json(const std::string& set,
+                             const std::vector<ToldStairs>& frames,
+                             double max_range_m) {
+  using Json = nlohmann::ordered_json;
+  Json json = {{"schema", "planescope.true_stairs/1"},
+               {"set", set},
+               {"max_range_m", max_range_m},
+               {"least_px", kSeenPixels},
+               {"frames", Json::array()}};
+  for (const ToldStairs& told : frames) {
+    Json frame = {{"frame", told.frame},
+                  {"direction", told.stairs.seen_from_above ? "down" : "up"},
+                  {"count", told.stairs.steps.size()},
+                  {"seen", steps_in_sequence(told.seen, kSeenPixels)},
+                  {"rise_m", told.stairs.rise_m},
+                  {"going_m", told.stairs.going_m},
+                  {"width_m", told.stairs.width_m},
+                  {"steps", Json::array()}};
+    for (std::size_t s = 0; s < told.seen.size(); ++s)
+      frame["steps"].push_back({{"before", told.stairs.steps[s].before},
+                                {"tread", told.stairs.steps[s].tread},
+                                {"before_px", told.seen[s].before_px},
+                                {"tread_px", told.seen[s].tread_px}});
+    json["frames"].push_back(std::move(frame));
+  }
+  return json.dump(1) + "\n";
+}
+
+// ---- What is found of them ----
+
+namespace {
+
+constexpr const char* kStairsSets[] = {"depth_stairs", "depth_descent", "depth_boxes"};
 
 StairsFrame measure_frame(const EvaluationFrame& made,
                           const planes::PipelineOptions& options,
@@ -41,34 +128,13 @@ StairsFrame measure_frame(const EvaluationFrame& made,
   return row;
 }
 
-/// How many of the frames that have stairs are within a bar.
-int within(const StairsOfSet& set, double StairsFrame::*error, double bar_m) {
-  return static_cast<int>(std::ranges::count_if(set.frames, [&](const StairsFrame& frame) {
-    return frame.has_stairs && std::abs(frame.*error) <= bar_m;
-  }));
-}
-
-/// Of the absolute errors that there are, at a share; NaN where there are none [m].
-double percentile(const StairsOfSet& set, double StairsFrame::*error, double share) {
-  std::vector<double> errors;
-  for (const StairsFrame& frame : set.frames)
-    if (frame.has_stairs && !std::isnan(frame.*error)) errors.push_back(std::abs(frame.*error));
-  if (errors.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::ranges::sort(errors);
-  return errors[static_cast<std::size_t>(share * static_cast<double>(errors.size() - 1))];
-}
-
-int count_of(const StairsOfSet& set, const std::function<bool(const StairsFrame&)>& is) {
-  return static_cast<int>(std::ranges::count_if(set.frames, is));
-}
-
 }  // namespace
 
 std::vector<StairsOfSet> measure_stairs(const StairsBenchOptions& options,
                                         const planes::Classifier& classifier,
                                         const std::function<void(int, int)>& progress) {
   std::vector<StairsOfSet> sets;
-  for (const char* name : kSets)
+  for (const char* name : kStairsSets)
     sets.push_back({name, std::vector<StairsFrame>(static_cast<std::size_t>(options.count))});
   planes::PipelineOptions pipeline = options.pipeline;
   pipeline.threads = 1;
@@ -82,83 +148,6 @@ std::vector<StairsOfSet> measure_stairs(const StairsBenchOptions& options,
   work_through(options.count * static_cast<int>(sets.size()), options.pipeline.threads, measure,
                progress);
   return sets;
-}
-
-std::vector<Table> stairs_tables(const std::vector<StairsOfSet>& sets) {
-  Table flights;
-  flights.title = "Stairs by the D435's errors";
-  flights.note = fmt::format(
-      "A step is seen where {} pixels of its tread were measured within the range, and as many of "
-      "the level before it, within one going. with: frames in which at least two steps in sequence "
-      "have {}. number: frames with the right number of steps: from those in sequence that have {} "
-      "to "
-      "those that have {}, none where these are fewer than two; strict: just those that have {}. "
-      "rise, going: frames with stairs whose flight is within {:.0f} and {:.0f} mm in the mean; "
-      "50 %, 95 %: of the absolute errors where a flight was found [mm].",
-      kSeenPixels, kSurelySeenPixels, kSurelySeenPixels, kBarelySeenPixels, kSeenPixels,
-      1000 * kRiseBarM, 1000 * kGoingBarM);
-  flights.columns = {"set",  "frames", "with",      "number [%]", "strict [%]", "rise [%]",
-                     "50 %", "95 %",   "going [%]", "50 %",       "95 %"};
-  Table none;
-  none.title = "Flights where there are none";
-  none.note =
-      fmt::format("Frames in which no two steps in sequence have {} pixels, and the flights found.",
-                  kBarelySeenPixels);
-  none.columns = {"set", "frames", "flights"};
-  for (const StairsOfSet& set : sets) {
-    const int frames = static_cast<int>(set.frames.size());
-    const int with = count_of(set, [](const StairsFrame& f) { return f.has_stairs; });
-    const auto mm = [&](double StairsFrame::*error, double share) {
-      return fixed(1000 * percentile(set, error, share), 1);
-    };
-    if (with > 0)
-      flights.rows.push_back(
-          {set.set, fmt::format("{}", frames), fmt::format("{}", with),
-           fixed(percent(count_of(set, &StairsFrame::right), frames), 1),
-           fixed(percent(count_of(set,
-                                  [](const StairsFrame& f) {
-                                    return f.found == (f.seen < 2 ? 0 : f.seen);
-                                  }),
-                         frames),
-                 1),
-           fixed(percent(within(set, &StairsFrame::rise_error_m, kRiseBarM), with), 1),
-           mm(&StairsFrame::rise_error_m, 0.5), mm(&StairsFrame::rise_error_m, 0.95),
-           fixed(percent(within(set, &StairsFrame::going_error_m, kGoingBarM), with), 1),
-           mm(&StairsFrame::going_error_m, 0.5), mm(&StairsFrame::going_error_m, 0.95)});
-    int without = 0, found = 0;
-    for (const StairsFrame& frame : set.frames)
-      if (frame.seen_most < 2) ++without, found += frame.flights;
-    if (without > 0)
-      none.rows.push_back({set.set, fmt::format("{}", without), fmt::format("{}", found)});
-  }
-  return {flights, none};
-}
-
-std::string stairs_bench_json(const StairsRun& run) {
-  using Json = nlohmann::ordered_json;
-  Json facts =
-      run_json("planescope.bench.stairs/1", run.command, report::build_info(), run.weights);
-  facts["seed"] = run.options.seed;
-  facts["count"] = run.options.count;
-  facts["max_range_m"] = run.options.pipeline.cloud.max_range_m;
-  facts["least_px"] = kSeenPixels;
-  JsonLines lines(facts);
-  for (const StairsOfSet& set : run.sets) {
-    std::vector<std::string> frames;
-    for (const StairsFrame& frame : set.frames)
-      frames.push_back(json_line(Json{{"frame", frame.name},
-                                      {"seen", frame.seen},
-                                      {"seen_least", frame.seen_least},
-                                      {"seen_most", frame.seen_most},
-                                      {"found", frame.found},
-                                      {"flights", frame.flights},
-                                      {"rise_m", frame.true_rise_m},
-                                      {"going_m", frame.true_going_m},
-                                      {"rise_error_m", frame.rise_error_m},
-                                      {"going_error_m", frame.going_error_m}}));
-    lines.add(set.set, frames);
-  }
-  return std::move(lines).text();
 }
 
 }  // namespace planescope::lab

@@ -1,20 +1,45 @@
 #pragma once
 
-// How well stairs are found on synthetic depth frames whose stairs are known.
+// How much of its stairs a synthetic depth frame shows, and how well they are found.
 
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "core/lab/bench/table.hpp"
-#include "core/lab/synthetic/seen_steps.hpp"
+#include "core/lab/synthetic/evaluation_sets.hpp"
+#include "core/model/json_fields.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::lab {
 
-/// What is asked of the figures of a flight.
-inline constexpr double kRiseBarM = 0.005, kGoingBarM = 0.015;
+/// A step is seen where the tread behind its nosing has so many measured pixels, and the level
+/// before it as many within one going of the nosing, and as wide as that.
+inline constexpr int kSeenPixels = 500;
+/// With so many it is seen for certain; with fewer than these nobody can see it.
+inline constexpr int kSurelySeenPixels = 1000, kBarelySeenPixels = 100;
+
+struct SeenStep {
+  int tread_px = 0, before_px = 0;
+  int least_px() const { return tread_px < before_px ? tread_px : before_px; }
+};
+
+/// Of each step of the frame's stairs, what was measured within a depth.
+std::vector<SeenStep> seen_steps(const EvaluationFrame& frame, double max_range_m);
+
+/// The most steps in sequence that have `least_px` of either.
+int steps_in_sequence(const std::vector<SeenStep>& seen, int least_px);
+
+/// The stairs of a set's frame, as JSON tells them.
+struct ToldStairs {
+  std::string frame;
+  TrueStairs stairs;
+  std::vector<SeenStep> seen;  // within max_range_m of depth
+};
+/// schema "planescope.true_stairs/1".
+std::string true_stairs_json(const std::string& set,
+                             const std::vector<ToldStairs>& frames,
+                             double max_range_m);
 
 struct StairsBenchOptions {
   std::uint64_t seed = 1;
@@ -36,6 +61,20 @@ struct StairsFrame {
     return found >= least && found <= most;
   }
 };
+void visit_fields(auto& fields, Same<StairsFrame> auto& frame) {
+  fields("frame", frame.name);
+  fields("seen", frame.seen);
+  fields("seen_least", frame.seen_least);
+  fields("seen_most", frame.seen_most);
+  fields("found", frame.found);
+  fields("flights", frame.flights);
+  fields("rise_error_m", frame.rise_error_m);
+  fields("going_error_m", frame.going_error_m);
+  fields("rise_m", frame.true_rise_m);
+  fields("going_m", frame.true_going_m);
+  fields("has_stairs", frame.has_stairs);
+  fields("right", frame.right());
+}
 
 struct StairsOfSet {
   std::string set;
@@ -47,16 +86,5 @@ struct StairsOfSet {
 std::vector<StairsOfSet> measure_stairs(const StairsBenchOptions& options,
                                         const planes::Classifier& classifier,
                                         const std::function<void(int, int)>& progress = {});
-
-std::vector<Table> stairs_tables(const std::vector<StairsOfSet>& sets);
-
-struct StairsRun {
-  std::string command;
-  StairsBenchOptions options;
-  planes::WeightsRecord weights;
-  std::vector<StairsOfSet> sets;
-};
-/// schema "planescope.bench.stairs/1".
-std::string stairs_bench_json(const StairsRun& run);
 
 }  // namespace planescope::lab

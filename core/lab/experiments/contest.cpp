@@ -1,6 +1,11 @@
 #include "core/lab/experiments/contest.hpp"
 
-#include "core/lab/experiments/paper_plan.hpp"
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "core/lab/rivals/rivals.hpp"
 
 namespace planescope::lab {
 
@@ -21,7 +26,8 @@ Contest::Contest(const Frame& frame,
 
 planes::FrameResult Contest::run(const CellKey& key) {
   const planes::PipelineOptions options = this->options(key);
-  if (options.method != planes::Method::ours) return planes::run_frame(frame_, options, nullptr);
+  if (options.method != planes::Method::ours)
+    return run_method(frame_, options, nullptr, find_library_rival(key.method));
   planes::FrameResult result{prepared(key.classifier, key), {}, {}};
   planes::FoundRegions found = planes::find_regions(frame_, result, options);
   result.segmentation = std::move(found.segmentation);
@@ -46,6 +52,112 @@ planes::PipelineOptions Contest::options(const CellKey& key) const {
   planes::PipelineOptions options = cell_options(key);
   if (max_range_m_) options.cloud.max_range_m = *max_range_m_;
   return options;
+}
+
+// ---- The oracle ----
+
+namespace {
+
+struct HalfSpace {
+  Vec3d normal;  // unit; inside: normal . x >= offset
+  double offset = 0;
+  double at(const Vec3d& p) const { return normal.dot(p) - offset; }
+};
+
+/// A polygon as the plane it lies in and the half-spaces of its edges.
+struct Region {
+  std::span<const Vec3d> corners;
+  HalfSpace plane;
+  std::vector<HalfSpace> edges;
+};
+
+Region region_of(const TruePolygon& polygon) {
+  assert(polygon.corners.size() >= 3);
+  Region region{polygon.corners, {Vec3d::Zero()}, {}};
+  const std::vector<Vec3d>& corners = polygon.corners;
+  const auto after = [&](std::size_t i) { return corners[(i + 1) % corners.size()]; };
+  // Newell: twice the area, whichever corners lie in line.
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    region.plane.normal += (corners[i] - corners[0]).cross(after(i) - corners[0]);
+  region.plane.normal.normalize();
+  region.plane.offset = region.plane.normal.dot(corners[0]);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3d inward = region.plane.normal.cross(after(i) - corners[i]).normalized();
+    region.edges.push_back({inward, inward.dot(corners[i])});
+  }
+  return region;
+}
+
+double distance_to_segment(const Vec3d& a, const Vec3d& b, const Vec3d& point) {
+  const Vec3d along = b - a;
+  const double t = std::clamp((point - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (point - a - t * along).norm();
+}
+
+double distance_to(const Region& region, const Vec3d& point) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < region.edges.size(); ++i) {
+    if (region.edges[i].at(point) >= 0) continue;
+    const Vec3d& b = region.corners[(i + 1) % region.corners.size()];
+    nearest = std::min(nearest, distance_to_segment(region.corners[i], b, point));
+  }
+  return std::isinf(nearest) ? std::abs(region.plane.at(point)) : nearest;
+}
+
+}  // namespace
+
+double distance_m(const TruePolygon& polygon, const Vec3d& point) {
+  return distance_to(region_of(polygon), point);
+}
+
+std::vector<std::int32_t> oracle_planes(std::span<const Vec3f> points,
+                                        std::span<const TruePolygon> polygons) {
+  std::vector<Region> regions;
+  for (const TruePolygon& polygon : polygons) regions.push_back(region_of(polygon));
+  std::vector<std::int32_t> planes;
+  planes.reserve(points.size());
+  for (const Vec3f& p : points) {
+    const Vec3d point = p.cast<double>();
+    double nearest = std::numeric_limits<double>::infinity();
+    int plane = 0;
+    for (std::size_t i = 0; i < regions.size(); ++i) {
+      if (std::abs(regions[i].plane.at(point)) >= nearest) continue;  // no part of it is nearer
+      const double distance = distance_to(regions[i], point);
+      if (distance >= nearest) continue;
+      nearest = distance;
+      plane = polygons[i].plane;
+    }
+    planes.push_back(plane);
+  }
+  return planes;
+}
+
+planes::FrameResult oracle_result(const planes::PreparedFrame& prepared,
+                                  std::span<const TruePolygon> polygons) {
+  std::vector<TruePolygon> in_cloud(polygons.begin(), polygons.end());
+  for (TruePolygon& polygon : in_cloud)
+    for (Vec3d& corner : polygon.corners)
+      corner = prepared.cloud.T_world_sensor * corner - prepared.cloud.origin;
+
+  planes::FrameResult result{prepared, {}, {}};
+  planes::Segmentation& found = result.segmentation;
+  const std::vector<Vec3f>& points = prepared.voxels.points;
+  found.plane_of = oracle_planes(points, in_cloud);
+  const int planes =
+      found.plane_of.empty() ? 0 : std::max(0, *std::ranges::max_element(found.plane_of));
+  std::vector<Moments> moments(static_cast<std::size_t>(planes));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (found.plane_of[i] > 0)
+      moments[static_cast<std::size_t>(found.plane_of[i]) - 1].add(points[i].cast<double>());
+  for (int id = 1; id <= planes; ++id) {
+    planes::PlaneRegion& plane = found.planes.emplace_back();
+    plane.id = id;
+    plane.fit = fit_plane(moments[static_cast<std::size_t>(id) - 1]);
+    plane.points = static_cast<std::uint32_t>(plane.fit.count);
+  }
+  for (const std::uint32_t voxel : prepared.voxels.voxel_of)
+    result.plane_of.push_back(voxel == planes::kNoVoxel ? 0 : found.plane_of[voxel]);
+  return result;
 }
 
 }  // namespace planescope::lab

@@ -2,17 +2,25 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
-#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
 #include <numeric>
 #include <set>
 #include <tuple>
 
+#include "core/model/error.hpp"
+#include "core/model/json.hpp"
 #include "core/model/parallel.hpp"
+#include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "core/world/files/map_files.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::lab {
 namespace {
@@ -223,7 +231,7 @@ class Scoring {
       const double seen_m2 = static_cast<double>(track.seen.size()) * kSeen_m * kSeen_m;
       if (seen_m2 < MapScore::kLeastSeen_m2) continue;
       ++score_.true_planes;
-      if (!covered.contains(id)) score_.missing.emplace_back(id, seen_m2);
+      if (!covered.contains(id)) score_.missing.push_back({static_cast<double>(id), seen_m2});
     }
   }
 
@@ -274,78 +282,163 @@ MapScore measure_map(const MapBenchOptions& options,
   return score;
 }
 
-Table map_table(const std::vector<MapScore>& scores, const std::vector<std::string>& names) {
-  Table table;
-  table.title = "Tracks and map of a walk";
-  table.note =
-      "Switches: of 1000 found planes, those that had another track in the frame before. Not known "
-      "again: found again after frames without it, as another track. Breaks: of 100 true planes, "
-      "rows of frames in which one was in sight and not found. The map: true planes of which over "
-      "400 cm2 were in sight; planes that cover a place again; planes over 100 cm2 on no true one; "
-      "errors at the planes' centroids, their 95th percentile.";
-  table.columns = {"figure"};
-  for (const std::string& name : names) table.columns.push_back(name);
-  const auto row = [&](const std::string& name, const auto& text) {
-    std::vector<std::string>& cells = table.rows.emplace_back();
-    cells.push_back(name);
-    for (const MapScore& score : scores) cells.push_back(text(score));
-  };
-  const auto worst = [](const MapScore& score, double MapScore::Plane::*error) {
-    std::vector<double> values;
-    for (const MapScore::Plane& plane : score.planes)
-      if (plane.truth > 0) values.push_back(plane.*error);
-    if (values.empty()) return std::nan("");
-    std::ranges::sort(values);
-    return values[static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1) + 0.5)];
-  };
-  using S = MapScore;
-  row("frames", [](const S& s) { return fmt::format("{}", s.frames); });
-  row("found planes", [](const S& s) { return fmt::format("{}", s.plane_frames); });
-  row("switches per 1000",
-      [](const S& s) { return fixed(1000.0 * s.switches / std::max(1, s.plane_frames), 2); });
-  row("not known again", [](const S& s) { return fmt::format("{}", s.not_known_again); });
-  row("breaks per 100",
-      [](const S& s) { return fixed(100.0 * s.breaks / std::max(1, s.true_tracks), 1); });
-  row("true planes", [](const S& s) { return fmt::format("{}", s.true_planes); });
-  row("missing", [](const S& s) { return fmt::format("{}", s.missing.size()); });
-  row("covered twice", [](const S& s) { return fmt::format("{}", s.twice); });
-  row("ghosts", [](const S& s) { return fmt::format("{}", s.ghosts); });
-  row("offset p95 [mm]",
-      [&](const S& s) { return fixed(1000 * worst(s, &MapScore::Plane::offset_m), 1); });
-  row("angle p95 [deg]",
-      [&](const S& s) { return fixed(worst(s, &MapScore::Plane::angle_deg), 2); });
-  row("within 5 mm, 0.5 deg [%]",
-      [](const S& s) { return fixed(percent(s.within, static_cast<int>(s.planes.size())), 0); });
-  row("drift [% of the way]",
-      [](const S& s) { return fixed(s.way_m > 0 ? 100 * s.drift_m / s.way_m : 0, 2); });
-  return table;
+// ---- Against measured cuboids ----
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
+// Smaller planes of the map are ignored.
+constexpr double kLeastArea_m2 = 0.04;
+// A face is in view when its center is near the optical axis and it is not seen edge-on.
+constexpr double kView_deg = 30, kMostIncidence_deg = 75;
+
+double degrees(double radians) { return radians * 180 / std::numbers::pi; }
+double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
+
+struct Face {
+  std::string name;
+  Vec3d center, normal;  // outwards
+  Vec3d along[2];
+  double half[2];
+
+  bool is_near(const Vec3d& p) const {
+    const Vec3d d = p - center;
+    return std::abs(d.dot(normal)) <= kNearFace_m &&
+           std::abs(d.dot(along[0])) <= half[0] + kNearFace_m &&
+           std::abs(d.dot(along[1])) <= half[1] + kNearFace_m;
+  }
+};
+
+std::vector<Face> faces_of(std::span<const Cuboid> cuboids) {
+  const double everywhere = std::numeric_limits<double>::infinity();
+  std::vector<Face> faces{{"floor",
+                           Vec3d::Zero(),
+                           Vec3d::UnitZ(),
+                           {Vec3d::UnitX(), Vec3d::UnitY()},
+                           {everywhere, everywhere}}};
+  for (std::size_t k = 0; k < cuboids.size(); ++k) {
+    const Cuboid& box = cuboids[k];
+    const Mat3d R = Eigen::AngleAxisd(box.yaw, Vec3d::UnitZ()).toRotationMatrix();
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int side : {1, -1}) {
+        if (axis == 2 && side < 0) continue;  // the bottom face touches the floor
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const Vec3d normal = side * R.col(axis);
+        const std::string name =
+            fmt::format("cuboid {} {}{}", k + 1, side > 0 ? '+' : '-', "xyz"[axis]);
+        faces.push_back({name,
+                         box.center + box.half[axis] * normal,
+                         normal,
+                         {R.col(u), R.col(v)},
+                         {box.half[u], box.half[v]}});
+      }
+  }
+  return faces;
 }
 
-Table map_planes_table(const MapScore& score) {
-  Table table;
-  table.title = "Planes of the map";
-  table.note =
-      "The true plane that most of each is on; none: a ghost. Of a missing one, the area in sight.";
-  table.columns = {"track", "true plane", "area [m2]", "offset [mm]", "angle [deg]"};
-  for (const MapScore::Plane& plane : score.planes)
-    table.rows.push_back(
-        {fmt::format("{}", plane.track), plane.truth > 0 ? fmt::format("{}", plane.truth) : "none",
-         fixed(plane.area_m2, 3), fixed(1000 * plane.offset_m, 1), fixed(plane.angle_deg, 2)});
-  for (const auto& [truth, seen_m2] : score.missing)
-    table.rows.push_back({"missing", fmt::format("{}", truth), fixed(seen_m2, 3), "", ""});
-  return table;
+struct MapPlane {
+  Vec3d normal, centroid;
+  double area_m2 = 0;
+};
+
+Vec3d vector_of(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
-Table track_changes_table(const MapScore& score) {
-  Table table;
-  table.title = "Changes of tracks";
-  table.note = "Frames in which a true plane is found as another track than before.";
-  table.columns = {"true plane", "frame", "track before", "track now", "in a row"};
-  for (const MapScore::Change& change : score.changes)
-    table.rows.push_back({fmt::format("{}", change.truth), fmt::format("{}", change.frame),
-                          fmt::format("{}", change.before), fmt::format("{}", change.now),
-                          change.in_a_row ? "yes" : "no"});
-  return table;
+Error not_a_map(const fs::path& file, const Json::exception& problem) {
+  return Error(fmt::format("{}: {}, expected what planescope map wrote", file.string(),
+                           json_problem(problem)));
+}
+
+/// The largest first.
+std::vector<MapPlane> read_planes(const fs::path& file) {
+  std::vector<MapPlane> planes;
+  const Json json = read_json<Json>(file, kMostBytes);
+  try {
+    for (const Json& plane : json.at("planes"))
+      if (plane.at("segment") == 0 && plane.at("state") != "gone")
+        planes.push_back({vector_of(plane.at("normal")), vector_of(plane.at("centroid")),
+                          plane.at("area_m2").get<double>()});
+  } catch (const Json::exception& problem) {
+    throw not_a_map(file, problem);
+  }
+  std::ranges::stable_sort(planes, std::greater(), &MapPlane::area_m2);
+  return planes;
+}
+
+/// T_world_camera of the frames that went into the first segment.
+std::vector<Pose> read_poses(const fs::path& map) {
+  const fs::path file = map / "tracks.json";
+  const Json json = read_json<Json>(file, kMostBytes);
+  const world::Trajectory trajectory = world::read_trajectory(map / "poses.tum");
+  std::vector<Pose> poses;
+  try {
+    for (const Json& frame : json.at("frames")) {
+      if (frame.at("segment") != 0 || frame.contains("set_aside")) continue;
+      if (const auto* pose = world::pose_of(trajectory, frame.at("frame").get<int>()))
+        poses.push_back(pose->T_world_camera);
+    }
+  } catch (const Json::exception& problem) {
+    throw not_a_map(file, problem);
+  }
+  return poses;
+}
+
+bool looks_at(const Pose& T_world_camera, const Face& face) {
+  const Vec3d to = face.center - T_world_camera.translation();
+  return to.dot(T_world_camera.linear().col(2)) > cosine(kView_deg) * to.norm() &&
+         -to.dot(face.normal) > cosine(kMostIncidence_deg) * to.norm();
+}
+
+}  // namespace
+
+std::vector<Cuboid> read_cuboids(const fs::path& file) {
+  std::vector<Cuboid> cuboids;
+  for (const TextLine& line : read_text_lines(file, kMostBytes)) {
+    if (line.words.empty()) continue;
+    const std::vector<double> n = numbers_in(file, line, 7, "x y z yaw and three half sizes");
+    const Cuboid& box = cuboids.emplace_back(Cuboid{{n[0], n[1], n[2]}, n[3], {n[4], n[5], n[6]}});
+    if (!(box.half.minCoeff() > 0)) fail_at(file, line, "a half size is not above 0");
+  }
+  if (cuboids.empty())
+    throw Error(file.string() + ": holds no cuboid, expected lines of x y z yaw and half sizes");
+  return cuboids;
+}
+
+MapTruthScore measure_map_truth(const fs::path& map, std::span<const Cuboid> cuboids) {
+  const std::vector<Face> faces = faces_of(cuboids);
+  const std::vector<MapPlane> planes = read_planes(map / "map.json");
+  const std::vector<Pose> poses = read_poses(map);
+  MapTruthScore score;
+  for (const Face& face : faces) {
+    FaceScore& of = score.faces.emplace_back();
+    of.name = face.name;
+    for (const Pose& T_world_camera : poses)
+      of.frames += face.name == "floor" || looks_at(T_world_camera, face);
+  }
+  for (const MapPlane& plane : planes) {
+    if (plane.area_m2 < kLeastArea_m2) continue;
+    const auto off_m = [&](const Face& face) {
+      return std::abs(plane.normal.dot(face.normal)) >= cosine(kNearFace_deg) &&
+                     face.is_near(plane.centroid)
+                 ? std::abs((plane.centroid - face.center).dot(face.normal))
+                 : std::numeric_limits<double>::infinity();
+    };
+    const auto face = std::ranges::min_element(faces, {}, off_m);
+    if (std::isinf(off_m(*face))) {
+      ++score.elsewhere;
+      continue;
+    }
+    FaceScore& of = score.faces[face - faces.begin()];
+    of.area_m2 += plane.area_m2;
+    if (of.planes++ > 0) continue;
+    of.offset_m = (plane.centroid - face->center).dot(face->normal);
+    of.angle_deg = degrees(std::acos(std::min(1.0, std::abs(plane.normal.dot(face->normal)))));
+  }
+  return score;
 }
 
 }  // namespace planescope::lab

@@ -97,7 +97,7 @@ class TrueScene {
   /// From the nearest surface.
   bool is_off(const Vec3d& p) const {
     return std::ranges::none_of(frame_.polygons, [&](const TruePolygon& polygon) {
-      return distance_m(polygon.corners, p) <= kOffM;
+      return distance_m(polygon, p) <= kOffM;
     });
   }
   /// Whether a surface that is more than 2 cm above the plane through `p` hides it.
@@ -114,21 +114,6 @@ class TrueScene {
   }
 
  private:
-  /// From a convex polygon.
-  static double distance_m(const std::vector<Vec3d>& corners, const Vec3d& p) {
-    const Vec3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
-    bool inside = true;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const Vec3d& a = corners[i];
-      const Vec3d edge = corners[(i + 1) % corners.size()] - a;
-      inside &= edge.cross(p - a).dot(normal) >= 0;
-      const double along = std::clamp(edge.dot(p - a) / edge.squaredNorm(), 0.0, 1.0);
-      nearest = std::min(nearest, (a + along * edge - p).norm());
-    }
-    return inside ? std::abs(normal.dot(p - corners[0])) : nearest;
-  }
-
   const EvaluationFrame& frame_;
   int width_ = 0;
   static constexpr std::int32_t kUnseen = -1;

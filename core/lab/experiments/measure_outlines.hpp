@@ -2,8 +2,7 @@
 
 // Outlines, certainty and places for a foot against synthetic truth.
 
-#include <functional>
-#include <span>
+#include <array>
 #include <vector>
 
 #include "core/lab/experiments/contest.hpp"
@@ -20,6 +19,15 @@ struct OutlineScore {
   std::array<double, 3> off_sigmas{};
   double range_m = 0, voxels = 0;
 };
+void visit_fields(auto& fields, Same<OutlineScore> auto& plane) {
+  fields("true_m2", plane.true_m2);
+  fields("found", plane.found);
+  fields("iou", plane.iou);
+  fields("drawn_iou", plane.drawn_iou);
+  fields("off_sigmas", plane.off_sigmas);
+  fields("range_m", plane.range_m);
+  fields("voxels", plane.voxels);
+}
 
 /// Every 2 cm a place where the foot's centre may go, on planes that are called steppable.
 struct FootScore {
@@ -33,11 +41,27 @@ struct FootScore {
   int pieces = 0;
   double least_covered = 1;  // share, of a plane
 };
+void visit_fields(auto& fields, Same<FootScore> auto& foot) {
+  fields("steppable", foot.steppable);
+  fields("places", foot.places);
+  fields("off", foot.off);
+  fields("hidden", foot.hidden);
+  fields("spaces", foot.spaces);
+  fields("invalid", foot.invalid);
+  fields("area_m2", foot.area_m2);
+  fields("covered_m2", foot.covered_m2);
+  fields("pieces", foot.pieces);
+  fields("least_covered", foot.least_covered);
+}
 
 struct OutlineFrameScore {
   std::vector<OutlineScore> planes;
   FootScore foot;
 };
+void visit_fields(auto& fields, Same<OutlineFrameScore> auto& frame) {
+  fields("planes", frame.planes);
+  fields("foot", frame.foot);
+}
 
 /// `frame`: a depth frame with exact labels and polygons.
 OutlineFrameScore score_outlines(const EvaluationFrame& frame,

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/io/recording.hpp"
 #include "core/lab/bench/measuring.hpp"
-#include "core/lab/experiments/contest.hpp"
-#include "core/lab/experiments/oracle.hpp"
-#include "core/lab/experiments/paper_plan.hpp"
+#include "core/lab/rivals/rivals.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/truth.hpp"
@@ -116,7 +115,7 @@ constexpr double kTimedNoiseCm = 0.1;
 std::vector<EvaluationFrame> stairs(const TimingOptions& options, int points, double noise_cm) {
   std::vector<EvaluationFrame> frames;
   for (int i = 0; i < options.rounds; ++i) {
-    frames.push_back(cell_frame(stairs_of(options.seed, points, noise_cm), i, {}));
+    frames.push_back(cell_frame(clouds_of("stairs", options.seed, points, noise_cm), i, {}));
     if (options.before_turn) options.before_turn();
   }
   return frames;
@@ -128,8 +127,7 @@ std::function<void()> before(const TimingOptions& options) {
 
 }  // namespace
 
-std::vector<ClassifierTiming> classifier_timings(const CellTools& tools,
-                                                 const TimingOptions& options) {
+void time_classifiers(const CellTools& tools, const TimingOptions& options, ResultLines& lines) {
   struct Contestant {
     const char* name;
     const planes::Classifier& classifier;
@@ -140,7 +138,6 @@ std::vector<ClassifierTiming> classifier_timings(const CellTools& tools,
     contestants.push_back({"gcn", *tools.gcn, threads});
     contestants.push_back({"pca", *tools.pca, threads});
   }
-  std::vector<ClassifierTiming> timings;
   for (const int points : {2048, 4096, 8192}) {
     const std::vector<EvaluationFrame> frames = stairs(options, points, 0);
     const auto ms = interleaved_ms(
@@ -149,34 +146,36 @@ std::vector<ClassifierTiming> classifier_timings(const CellTools& tools,
           contestants[c].classifier.classify(frame.frame.cloud->points, contestants[c].threads);
         });
     for (std::size_t c = 0; c < contestants.size(); ++c)
-      timings.push_back({contestants[c].name, points, contestants[c].threads, median(ms[c])});
+      lines.add("classifier_time", {{"classifier", contestants[c].name},
+                                    {"points", points},
+                                    {"threads", contestants[c].threads},
+                                    {"median_ms", median(ms[c])}});
   }
-  return timings;
 }
 
-std::vector<MethodTiming> method_timings(const CellTools& tools, const TimingOptions& options) {
-  const CellKey frames_key = stairs_of(options.seed, 8192, kTimedNoiseCm);
-  std::vector<MethodTiming> timings;
+void time_methods(const CellTools& tools, const TimingOptions& options, ResultLines& lines) {
+  const CellKey frames_key = clouds_of("stairs", options.seed, 8192, kTimedNoiseCm);
+  std::vector<CellKey> keys;
   for (const char* profile : {"paper", "refined"})
     for (const char* labels : {"gcn", "pca"})
-      timings.push_back({with_ours(frames_key, profile, labels), 0});
-  for (const planes::Method method : planes::built_methods())
-    if (method != planes::Method::ours && method != planes::Method::pcl_multi_plane)
-      timings.push_back({with_rival(frames_key, planes::to_string(method)), 0});
+      keys.push_back(with_ours(frames_key, profile, labels));
+  for (const std::string& rival : rival_names(/*images=*/false))
+    keys.push_back(with_rival(frames_key, rival));
 
   std::vector<planes::PipelineOptions> pipelines;
-  for (const MethodTiming& timing : timings) pipelines.push_back(cell_options(timing.key));
+  for (const CellKey& key : keys) pipelines.push_back(cell_options(key));
   const std::vector<EvaluationFrame> frames = stairs(options, 8192, kTimedNoiseCm);
-  const auto ms = interleaved_ms(
-      timings.size(), options.rounds, before(options), [&](std::size_t c, int round) {
-        const std::string& labels = timings[c].key.classifier;
+  const auto ms =
+      interleaved_ms(keys.size(), options.rounds, before(options), [&](std::size_t c, int round) {
+        const std::string& labels = keys[c].classifier;
         const planes::Classifier* classifier = labels == "gcn"   ? tools.gcn.get()
                                                : labels == "pca" ? tools.pca.get()
                                                                  : nullptr;
-        planes::run_frame(frames[static_cast<std::size_t>(round)].frame, pipelines[c], classifier);
+        run_method(frames[static_cast<std::size_t>(round)].frame, pipelines[c], classifier,
+                   find_library_rival(keys[c].method));
       });
-  for (std::size_t c = 0; c < timings.size(); ++c) timings[c].fps = 1000 / median(ms[c]);
-  return timings;
+  for (std::size_t c = 0; c < keys.size(); ++c)
+    lines.add("method_time", {{"key", json_of(keys[c])}, {"fps", 1000 / median(ms[c])}});
 }
 
 }  // namespace planescope::lab

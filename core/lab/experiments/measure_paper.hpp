@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "core/lab/bench/result_lines.hpp"
 #include "core/lab/experiments/contest.hpp"
-#include "core/lab/experiments/results.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
 
 namespace planescope::lab {
@@ -46,9 +46,9 @@ struct TimingOptions {
   std::function<void()> before_turn;  // may be empty and may throw to stop
 };
 
-std::vector<ClassifierTiming> classifier_timings(const CellTools& tools,
-                                                 const TimingOptions& options);
-/// On one thread, each frame from its points to its planes.
-std::vector<MethodTiming> method_timings(const CellTools& tools, const TimingOptions& options);
+/// Adds lines "classifier_time".
+void time_classifiers(const CellTools& tools, const TimingOptions& options, ResultLines& lines);
+/// On one thread, each frame from its points to its planes: lines "method_time".
+void time_methods(const CellTools& tools, const TimingOptions& options, ResultLines& lines);
 
 }  // namespace planescope::lab

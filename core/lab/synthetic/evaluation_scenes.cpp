@@ -1,14 +1,14 @@
-#include "core/lab/synthetic/evaluation_scenes.hpp"
+// What the evaluation sets show, put together at random.
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/lab/synthetic/repeatable.hpp"
-#include "core/lab/synthetic/scene.hpp"
+#include "core/lab/synthetic/scenes.hpp"
 
 namespace planescope::lab {
-
-// ---- Whole objects ----
+// ---- Whole objects, of which points are sampled on every face there is ----
 
 namespace {
 
@@ -23,8 +23,6 @@ std::vector<Range> in_a_row(int count, const Range& size, const Range& gap, Rand
   }
   return row;
 }
-
-}  // namespace
 
 void build_side_walls(Scene& scene, Random& random) {
   Steps steps;
@@ -144,9 +142,8 @@ void build_kerbs(Scene& scene, Random& random) {
     add_polygon(scene, upright({0, pavement.low}, {x.high, pavement.low}, {0, height}), {});
 }
 
-// ---- Views ----
-
-namespace {
+// ---- Views: something on the ground, 0.5 to 1.1 m before a camera that stands 0.6 to 1 m high and
+// is pitched down by 25 to 45 degrees. How much of it shows is left to chance. ----
 
 const Footprint kGround{{-kFarM, kFarM}, {-kFarM, kFarM}};
 
@@ -179,8 +176,6 @@ struct Disc {
 bool overlap(const Disc& a, const Disc& b) {
   return (a.center - b.center).norm() < a.radius + b.radius;
 }
-
-}  // namespace
 
 void build_stairs_view(Scene& scene, Random& random) {
   const double front = place_camera(scene, random);
@@ -248,6 +243,8 @@ void build_slopes_view(Scene& scene, Random& random) {
   set_down(scene, front, 25, random);
 }
 
+/// Stairs seen from their top: a camera 0.5 to 0.9 m above the landing and 0.2 to 0.6 m behind its
+/// edge, pitched down by 30 to 55 degrees; between walls or open to the sides.
 void build_descent_view(Scene& scene, Random& random) {
   const int count = random.integer(2, 6);
   const double rise = random.uniform(0.1, 0.3), going = random.uniform(0.2, 0.4);
@@ -282,6 +279,24 @@ void build_descent_view(Scene& scene, Random& random) {
   }
   set_down(scene, edge, 25, random);
   scene.stairs->steps[0].before = scene.planes;  // the ground
+}
+
+}  // namespace
+
+BuildScene build_of_set(const std::string& set) {
+  static const std::map<std::string, BuildScene> builds = {
+      {"side_walls", build_side_walls},
+      {"open_risers", build_open_risers},
+      {"equal_boxes", build_equal_boxes},
+      {"ramps", build_ramps},
+      {"kerbs", build_kerbs},
+      {"spiral", build_spiral},
+      {"depth_stairs", build_stairs_view},
+      {"depth_boxes", build_boxes_view},
+      {"depth_slopes", build_slopes_view},
+      {"depth_descent", build_descent_view},
+  };
+  return builds.at(set);
 }
 
 }  // namespace planescope::lab

@@ -4,12 +4,10 @@
 #include <cstdio>
 #include <map>
 
-#include "core/lab/synthetic/evaluation_scenes.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
 #include "core/lab/synthetic/repeatable.hpp"
-#include "core/lab/synthetic/scene.hpp"
+#include "core/lab/synthetic/scenes.hpp"
 #include "core/lab/synthetic/stairs.hpp"
-#include "core/lab/synthetic/surface_points.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::lab {
@@ -76,24 +74,6 @@ const EvaluationSet& find_evaluation_set(const std::string& name) {
 // ---- Their frames ----
 
 namespace {
-
-using Build = void (*)(Scene&, Random&);
-
-Build build_of(const EvaluationSet& set) {
-  static const std::map<std::string, Build> builds = {
-      {"side_walls", build_side_walls},
-      {"open_risers", build_open_risers},
-      {"equal_boxes", build_equal_boxes},
-      {"ramps", build_ramps},
-      {"kerbs", build_kerbs},
-      {"spiral", build_spiral},
-      {"depth_stairs", build_stairs_view},
-      {"depth_boxes", build_boxes_view},
-      {"depth_slopes", build_slopes_view},
-      {"depth_descent", build_descent_view},
-  };
-  return builds.at(set.name);
-}
 
 /// The seed of a frame, from its set's name: a set stays the same when others are added or removed.
 std::uint64_t seed_of(const EvaluationSet& set, int index, std::uint64_t seed) {
@@ -168,7 +148,10 @@ PointSet sample_cloud(const Scene& scene, const EvaluationOptions& options, Rand
   return cloud;
 }
 
-void fill_cloud(EvaluationFrame& out, Build build, std::uint64_t seed, const EvaluationOptions& o) {
+void fill_cloud(EvaluationFrame& out,
+                BuildScene build,
+                std::uint64_t seed,
+                const EvaluationOptions& o) {
   Random random(seed);
   Scene scene;
   build(scene, random);
@@ -196,7 +179,7 @@ bool shows_enough(const Scene& scene, const D435Model& model) {
   return planes >= kPlanes;
 }
 
-Scene build_view(Build build, std::uint64_t seed, const D435Model& model) {
+Scene build_view(BuildScene build, std::uint64_t seed, const D435Model& model) {
   for (std::uint64_t attempt = 0;; ++attempt) {
     assert(attempt < 1000);
     Random random(random_bits(seed, 1, attempt));
@@ -206,7 +189,7 @@ Scene build_view(Build build, std::uint64_t seed, const D435Model& model) {
   }
 }
 
-void fill_depth(EvaluationFrame& out, Build build, std::uint64_t seed, DepthErrors errors) {
+void fill_depth(EvaluationFrame& out, BuildScene build, std::uint64_t seed, DepthErrors errors) {
   D435Model model;
   model.noise = errors == DepthErrors::d435;
   model.color = false;
@@ -238,9 +221,9 @@ EvaluationFrame make_evaluation_frame(const EvaluationSet& set,
   if (set.name == "stairs")
     fill_stairs(out, index, options);
   else if (set.depth)
-    fill_depth(out, build_of(set), seed_of(set, index, options.seed), options.errors);
+    fill_depth(out, build_of_set(set.name), seed_of(set, index, options.seed), options.errors);
   else
-    fill_cloud(out, build_of(set), seed_of(set, index, options.seed), options);
+    fill_cloud(out, build_of_set(set.name), seed_of(set, index, options.seed), options);
   return out;
 }
 

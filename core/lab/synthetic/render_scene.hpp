@@ -1,5 +1,7 @@
 #pragma once
 
+// Scenes as a camera sees and measures them, with their exact truth.
+
 #include <cstdint>
 #include <span>
 #include <vector>

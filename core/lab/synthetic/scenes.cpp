@@ -55,19 +55,19 @@ int add_level(Scene& scene,
               double z,
               const Material& material,
               int plane = 0) {
-  return add_polygon(scene, {{x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}}, material, plane);
+  return add_polygon(scene, level({x0, x1}, {y0, y1}, z), material, plane);
 }
 
 /// x = const, facing the camera (-x).
-int add_front(
+void add_front(
     Scene& scene, double x, double y0, double y1, double z0, double z1, const Material& material) {
-  return add_polygon(scene, {{x, y1, z0}, {x, y0, z0}, {x, y0, z1}, {x, y1, z1}}, material);
+  add_polygon(scene, upright({x, y1}, {x, y0}, {z0, z1}), material);
 }
 
 /// y = const on the left, facing right (-y).
-int add_left(
+void add_left(
     Scene& scene, double y, double x0, double x1, double z0, double z1, const Material& material) {
-  return add_polygon(scene, {{x0, y, z0}, {x1, y, z0}, {x1, y, z1}, {x0, y, z1}}, material);
+  add_polygon(scene, upright({x0, y}, {x1, y}, {z0, z1}), material);
 }
 
 /// Four treads between a wall and an open side, the last one a landing before a wall.

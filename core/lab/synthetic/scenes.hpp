@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/lab/synthetic/scene.hpp"
+#include "core/model/random.hpp"
 
 namespace planescope::lab {
 
@@ -17,6 +18,10 @@ const std::vector<std::string>& scene_names();
 /// down by 25 to 40 degrees, most of it within 1.5 m of depth. The seed varies its dimensions by a
 /// few per cent and the camera's pose. Throws Error naming the scenes there are.
 Scene make_scene(const std::string& name, std::uint64_t seed);
+
+/// How a scene of an evaluation set is put together; of all sets but "stairs".
+using BuildScene = void (*)(Scene&, Random&);
+BuildScene build_of_set(const std::string& set);
 
 /// A scene put together at random: a floor, and on it stairs, boxes, a kerb, a ramp or slab, walls,
 /// in sizes from the paper's ranges (Sec. III). The camera stands 0.4 to 1.2 m high, 0.3 to 1.5 m

@@ -1,17 +1,56 @@
 #pragma once
 
-// The paper's evaluation set (Sec. V): stairs of random size, a tread and a riser per step. The
-// noise is added to the points that were sampled: farthest point sampling of noisy points would
-// favour outliers. The paper does not say which of the two comes first.
+// Points evenly spread over surfaces; the paper's evaluation set (Sec. V), stairs of random size
+// with a tread and a riser per step; and clouds of as many points or planes as one likes. The noise
+// is added to the points that were sampled: farthest point sampling of noisy points would favour
+// outliers. The paper does not say which of the two comes first.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/lab/synthetic/scene.hpp"
 #include "core/model/frame.hpp"
+#include "core/model/random.hpp"
+#include "core/model/types.hpp"
 #include "core/planes/classify/classifier.hpp"
 
 namespace planescope::lab {
+
+// ---- Surfaces ----
+
+struct Rectangle {
+  Vec3d corner;
+  Vec3d side_u;
+  Vec3d side_v;
+  Vec3d normal;         // unit, outward
+  bool halved = false;  // the triangle at `corner`, cut off along the diagonal
+  double area() const {
+    return halved ? side_u.cross(side_v).norm() / 2 : side_u.norm() * side_v.norm();
+  }
+};
+
+struct SurfacePoints {
+  std::vector<Vec3f> points;
+  std::vector<std::uint32_t> rectangle;  // that each point lies on
+};
+
+/// `count` points evenly spread over the surface, turned about the origin: farthest points of a
+/// dense random sampling; 0 = all of that.
+SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
+                             std::size_t count,
+                             const Mat3d& turn,
+                             Random& random);
+
+/// A point with Gaussian noise of standard deviation `sigma_m` on every coordinate; draws nothing
+/// where that is 0.
+Vec3f with_noise(const Vec3f& point, double sigma_m, Random& random);
+
+/// Farthest point sampling: indices of `count` points (all, where there are fewer), each the one
+/// farthest from those before it, starting with point 0; ties go to the lower index.
+std::vector<std::uint32_t> farthest_points(std::span<const Vec3f> points, std::size_t count);
+
+// ---- Stairs ----
 
 struct StairsOptions {
   std::uint64_t seed = 1;
@@ -41,5 +80,21 @@ std::vector<TruePolygon> true_polygons(const Stairs& stairs);
 
 /// Its points and labels. Near an edge is what lies within 2 cm of a face of the other label.
 planes::LabelledCloud labelled(const Stairs& stairs);
+
+// ---- Clouds of many points or planes, for how times grow ----
+
+struct PointsOnPlanes {
+  std::vector<Vec3f> points;  // z up [m]
+  std::vector<Label> labels;  // true
+};
+
+/// Level tiles, `side` along either side of a square of 5 m, each some centimetres above or below
+/// its neighbours, with 2 mm of noise. Tiles are planes of their own but for the few whose
+/// neighbour happens to be as high.
+PointsOnPlanes tiles(int side, int points);
+
+/// A staircase of the paper's set, points scattered evenly over it with 2 mm of noise: unlike
+/// make_stairs(), in a time that grows with the points alone.
+PointsOnPlanes scattered_stairs(int points);
 
 }  // namespace planescope::lab

@@ -10,6 +10,7 @@
 
 #include "core/model/parallel.hpp"
 #include "core/planes/classify/classifier.hpp"
+#include "core/planes/classify/gcn_forward.hpp"
 #include "core/planes/classify/weights.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 
@@ -65,5 +66,14 @@ planes::LabelAccuracy score_network(const planes::NetworkWeights& weights,
                                     std::span<const planes::LabelledCloud> clouds,
                                     int threads,
                                     Simd simd = best_simd());
+
+/// Gradients of all layers, given those of the logits ([n x out of the last layer], zero in padded
+/// columns) and what forward() kept with its winners. On one thread, sums in the order of the
+/// points.
+planes::gcn::Layers backward(const planes::gcn::Graph& graph,
+                             const planes::gcn::Layers& layers,
+                             const planes::gcn::Activations& activations,
+                             const planes::gcn::Kernels& kernels,
+                             const Buffer& logit_gradients);
 
 }  // namespace planescope::lab

@@ -1,15 +1,57 @@
 #pragma once
 
 // What the classifier learns from: the paper's staircases, boxes and planes (Sec. III), and views
-// of scenes made of the same shapes through the camera model.
+// of scenes made of the same shapes through the camera model; and recipes, how it is trained from
+// beginning to end: on what, how that is varied, by which loss.
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
+#include "core/lab/synthetic/d435.hpp"
+#include "core/lab/synthetic/scene.hpp"
+#include "core/lab/training/train.hpp"
 #include "core/planes/classify/classifier.hpp"
+#include "core/planes/cloud/cloud.hpp"
 
 namespace planescope::lab {
+
+// ---- Scans ----
+
+/// What the classifier is given of a scene: its view through the camera with the scene's pose,
+/// levelled by the true gravity, within `max_range_m` of depth, on a voxel grid. A voxel has the
+/// label of most of its pixels; voxels of curved surfaces are left out. With `mark_edges` it is
+/// also known which lie near an edge: within 2 cm of a measured pixel of the other label. The seed
+/// drives the noise alone.
+planes::LabelledCloud make_scan(const Scene& scene,
+                                const D435Model& model,
+                                double voxel_size_m,
+                                std::uint64_t seed,
+                                bool mark_edges = false,
+                                double max_range_m = planes::CloudOptions{}.max_range_m);
+
+/// A view of a composed scene with a camera more or less noisy than the usual one; with
+/// `real_errors` half of those that err have bows, flying pixels and holes, and half of all reach
+/// farther than the usual crop. Views that show next to nothing, or one label only, are rejected.
+planes::LabelledCloud make_training_scan(std::uint64_t seed,
+                                         double voxel_size_m,
+                                         bool real_errors = false);
+
+/// Held out from training, through the camera as it is: a view of a composed scene such as training
+/// has them, and one of the named scenes, in turn by `index`.
+planes::LabelledCloud make_composed_test_scan(std::uint64_t seed,
+                                              int index,
+                                              double voxel_size_m = 0.02);
+planes::LabelledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m = 0.02);
+
+/// make_test_scan() of 0 to count - 1.
+std::vector<planes::LabelledCloud> make_test_scans(std::uint64_t seed,
+                                                   int count,
+                                                   double voxel_size_m = 0.02,
+                                                   int threads = 1);
+
+// ---- The set ----
 
 struct TrainingSetOptions {
   std::uint64_t seed = 1;
@@ -47,5 +89,47 @@ struct AugmentOptions {
 planes::LabelledCloud augment(const planes::LabelledCloud& cloud,
                               const AugmentOptions& options,
                               std::uint64_t seed);
+
+// ---- Recipes ----
+
+struct TrainingRecipe {
+  std::string name;
+  TrainOptions train;
+  TrainingSetOptions set;
+  AugmentOptions objects;  // how a cloud is varied each time that it is seen
+  AugmentOptions scans;
+  double scan_share = 0;     // of the clouds seen
+  double uniform_share = 1;  // of the objects seen: with uniform noise, the others with Gaussian
+
+  const AugmentOptions& augmentation_of(const planes::LabelledCloud& cloud) const {
+    return cloud.kind == "scan" ? scans : objects;
+  }
+};
+
+/// "planescope", the default: more than half of it scans, mixed noise, a loss that weighs points
+/// near edges more. "real-camera": that, with scans that err as real cameras do, also beyond the
+/// crop. "paper": the text of Sec. III, objects alone, plain cross-entropy.
+const std::vector<std::string>& recipe_names();
+
+/// Throws Error naming the recipes there are.
+TrainingRecipe make_recipe(const std::string& name);
+
+/// A cloud of the recipe's set as the step that draws cloud `number` sees it.
+planes::LabelledCloud vary(const TrainingRecipe& recipe,
+                           const planes::LabelledCloud& cloud,
+                           std::uint64_t number);
+
+/// Cloud `number` of a training with this recipe: one of its set, varied.
+planes::LabelledCloud draw_cloud(const TrainingRecipe& recipe,
+                                 const std::vector<planes::LabelledCloud>& set,
+                                 std::uint64_t number);
+
+/// What no recipe trains on.
+struct ValidationSet {
+  std::string name;
+  std::vector<planes::LabelledCloud> clouds;
+};
+/// Stairs of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, `count` of each, and as many scans.
+std::vector<ValidationSet> make_validation_sets(std::uint64_t seed, int count, int threads);
 
 }  // namespace planescope::lab

@@ -6,16 +6,6 @@
 namespace planescope::labels {
 namespace {
 
-bool same_gravity(const Gravity& a, const Gravity& b) {
-  return a.direction == b.direction && a.source == b.source && a.confidence == b.confidence &&
-         a.note == b.note;
-}
-
-bool same_notes(const LabelNotes& a, const LabelNotes& b) {
-  return same_gravity(a.gravity, b.gravity) && a.annotator == b.annotator &&
-         a.review_state == b.review_state && a.review == b.review;
-}
-
 LabelNotes notes_of(const FrameLabels& labels) {
   return {labels.gravity, labels.annotator, labels.review_state, labels.review};
 }
@@ -50,10 +40,7 @@ std::vector<LabelRun> changed_runs(const FrameLabels& before, const FrameLabels&
 }
 
 std::vector<LabelPlane> by_id(std::vector<LabelPlane> planes) {
-  const auto less = [](const LabelPlane& a, const LabelPlane& b) { return a.id < b.id; };
-  if (!std::is_sorted(planes.begin(), planes.end(), less)) {
-    std::sort(planes.begin(), planes.end(), less);
-  }
+  std::ranges::sort(planes, {}, &LabelPlane::id);
   return planes;
 }
 
@@ -76,8 +63,7 @@ std::vector<LabelPlaneChange> changed_planes(const FrameLabels& before, const Fr
 
 void set_plane(FrameLabels& labels, int id, const std::optional<LabelPlane>& plane) {
   auto& planes = labels.planes;
-  const auto less = [](const LabelPlane& a, int b) { return a.id < b; };
-  const auto at = std::lower_bound(planes.begin(), planes.end(), id, less);
+  const auto at = std::ranges::lower_bound(planes, id, {}, &LabelPlane::id);
   const bool is_listed = at != planes.end() && at->id == id;
   if (is_listed && plane) {
     *at = *plane;
@@ -141,7 +127,7 @@ LabelEdit make_edit(int frame,
   edit.runs = changed_runs(before, after);
   edit.planes = changed_planes(before, after);
   const LabelNotes old_notes = notes_of(before), new_notes = notes_of(after);
-  if (!same_notes(old_notes, new_notes)) edit.notes = NotesChange{old_notes, new_notes};
+  if (old_notes != new_notes) edit.notes = NotesChange{old_notes, new_notes};
   return edit;
 }
 

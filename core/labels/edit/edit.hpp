@@ -35,6 +35,8 @@ struct LabelNotes {
   std::string annotator;
   std::string review_state;
   std::vector<ReviewNote> review;
+
+  bool operator==(const LabelNotes&) const = default;
 };
 struct NotesChange {
   LabelNotes before, after;

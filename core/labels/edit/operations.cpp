@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 #include "core/labels/model/pixel_sets.hpp"
@@ -15,12 +16,8 @@ LabelPlane* plane_in(FrameLabels& labels, int id) {
   return const_cast<LabelPlane*>(find_plane(std::as_const(labels), id));
 }
 
-/// Throws Error where there is no such plane, or it is locked.
 LabelPlane& editable_plane(FrameLabels& labels, int id) {
-  LabelPlane* plane = plane_in(labels, id);
-  if (!plane) throw Error("there is no plane P" + std::to_string(id));
-  if (plane->locked) throw Error("P" + std::to_string(id) + " is locked");
-  return *plane;
+  return const_cast<LabelPlane&>(labels::editable_plane(std::as_const(labels), id));
 }
 
 /// What a pixel has, or is given.
@@ -57,6 +54,13 @@ void classify_by_tilt(FrameLabels& labels, const LabelGrid& grid, LabelPlane& pl
 const LabelPlane* find_plane(const FrameLabels& labels, int id) {
   const auto found = std::ranges::find(labels.planes, id, &LabelPlane::id);
   return found == labels.planes.end() ? nullptr : &*found;
+}
+
+const LabelPlane& editable_plane(const FrameLabels& labels, int id) {
+  const LabelPlane* plane = find_plane(labels, id);
+  if (!plane) throw Error("there is no plane P" + std::to_string(id));
+  if (plane->locked) throw Error("P" + std::to_string(id) + " is locked");
+  return *plane;
 }
 
 int free_plane_id(const FrameLabels& labels) {
@@ -271,7 +275,7 @@ std::vector<int> nearest_large_part(const LabelGrid& grid,
                                     const std::vector<std::uint8_t>& large) {
   // Rings grow from all large parts at once, over whatever lies between.
   std::vector<int> owner(grid.pixels(), -1);
-  std::vector<std::uint32_t> front, next;
+  std::vector<std::uint32_t> front;
   for (std::size_t k = 0; k < parts.size(); ++k)
     if (large[k])
       for (const std::uint32_t pixel : parts[k]) {
@@ -288,20 +292,18 @@ std::vector<int> nearest_large_part(const LabelGrid& grid,
       ++open;
       for (const std::uint32_t pixel : parts[k]) part_at[pixel] = static_cast<int>(k);
     }
-  while (open > 0 && !front.empty()) {
-    next.clear();
-    for (const std::uint32_t pixel : front)
-      for_neighbours(pixel, grid, [&](std::uint32_t other) {
-        if (owner[other] >= 0) return;
-        owner[other] = owner[pixel];
-        next.push_back(other);
-        if (const int part = part_at[other]; part >= 0 && nearest[part] < 0) {
-          nearest[part] = owner[pixel];
-          --open;
-        }
-      });
-    front.swap(next);
-  }
+  grow_rings(std::move(front), std::numeric_limits<int>::max(), [&](std::uint32_t i, auto& next) {
+    if (open == 0) return;
+    for_neighbours(i, grid, [&](std::uint32_t other) {
+      if (owner[other] >= 0) return;
+      owner[other] = owner[i];
+      next.push_back(other);
+      if (const int part = part_at[other]; part >= 0 && nearest[part] < 0) {
+        nearest[part] = owner[i];
+        --open;
+      }
+    });
+  });
   return nearest;
 }
 

@@ -42,6 +42,8 @@ PixelSet changed_by_painting(const FrameLabels& labels,
 /// The smallest id that no plane has.
 int free_plane_id(const FrameLabels& labels);
 const LabelPlane* find_plane(const FrameLabels& labels, int id);
+/// Throws Error where there is no such plane, or it is locked.
+const LabelPlane& editable_plane(const FrameLabels& labels, int id);
 PixelSet pixels_of_plane(const FrameLabels& labels, int id);
 /// Keeps the list in order of id.
 LabelPlane& add_plane(FrameLabels& labels, const LabelPlane& plane);

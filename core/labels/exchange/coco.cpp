@@ -1,8 +1,6 @@
 // COCO (https://cocodataset.org/#format-data). What it has no field for is in each annotation's
 // "plane", which other readers of COCO ignore.
 
-#include "core/labels/exchange/coco.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

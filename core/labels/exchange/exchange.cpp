@@ -1,13 +1,16 @@
+// The table of formats, and labels of points from a frame and back onto it.
+
 #include "core/labels/exchange/exchange.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
+#include <ranges>
 
 #include "core/io/readers.hpp"
-#include "core/labels/exchange/coco.hpp"
 #include "core/labels/exchange/formats.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -18,12 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormatNames[] = {"evops", "ply", "pcd", "kitti", "npz", "coco", "voxels"};
-
-struct WrittenFile {
-  fs::path path;
-  FileBytes bytes;
-};
+io::Bytes as_bytes(const FileBytes& bytes) { return std::as_bytes(std::span(bytes)); }
 
 fs::path with_extension(const fs::path& stem, const char* extension) {
   fs::path path = stem;  // not replace_extension(): a stem may have dots
@@ -31,48 +29,10 @@ fs::path with_extension(const fs::path& stem, const char* extension) {
   return path;
 }
 
-void need(bool there, const fs::path& stem, LabelFormat format, const char* what) {
-  if (!there)
-    throw Error(stem.string() + ": " + to_string(format) + " needs " + what +
-                ", which these labels come without");
+template <LabelledPoints (*parse)(io::Bytes, const std::string&)>
+LabelledPoints read_whole(const fs::path& path) {
+  return parse(as_bytes(read_file_bytes(path)), path.string());
 }
-
-std::vector<WrittenFile> files_of(const fs::path& stem,
-                                  LabelFormat format,
-                                  const LabelledPoints& points,
-                                  double voxel_size_m) {
-  const auto named = [&](const char* extension) { return with_extension(stem, extension); };
-  const bool with_points = points.points.size() == points.size();
-  switch (format) {
-    case LabelFormat::evops:
-      return {{named(".npy"), evops_bytes(points)}};
-    case LabelFormat::ply:
-      need(with_points, stem, format, "coordinates");
-      return {{named(".ply"), labelled_ply_bytes(points)}};
-    case LabelFormat::pcd:
-      need(with_points, stem, format, "coordinates");
-      return {{named(".pcd"), labelled_pcd_bytes(points)}};
-    case LabelFormat::kitti:
-      need(with_points, stem, format, "coordinates");
-      return {{named(".bin"), kitti_points_bytes(points)},
-              {named(".label"), kitti_label_bytes(points)}};
-    case LabelFormat::npz:
-      return {{named(".npz"), npz_bytes(points, named(".npz").string())}};
-    case LabelFormat::coco: {
-      need(points.width > 0 && points.pixel.size() == points.size(), stem, format,
-           "pixels and the size of the depth image");
-      CocoWriter writer;
-      writer.add(points, stem.filename().string() + ".png");
-      return {{named(".json"), writer.bytes()}};
-    }
-    case LabelFormat::voxels:
-      need(with_points, stem, format, "coordinates");
-      return {{named(".voxels.ply"), voxel_bytes(points, voxel_size_m)}};
-  }
-  return {};
-}
-
-io::Bytes as_bytes(const FileBytes& bytes) { return std::as_bytes(std::span(bytes)); }
 
 LabelledPoints read_kitti(const fs::path& path) {
   fs::path stem = path;
@@ -83,30 +43,104 @@ LabelledPoints read_kitti(const fs::path& path) {
   return parse_kitti(as_bytes(points), as_bytes(labels), stem.string());
 }
 
+enum class Needs : std::uint8_t { ids, coordinates, pixels };
+
+struct FileOfFormat {
+  const char* extension = nullptr;
+  FileBytes (*bytes)(const LabelledPoints&, const fs::path& path, double voxel_size_m) = nullptr;
+};
+
+template <FileBytes (*bytes)(const LabelledPoints&)>
+FileBytes bytes_of(const LabelledPoints& points, const fs::path&, double) {
+  return bytes(points);
+}
+
+FileBytes npz_file(const LabelledPoints& points, const fs::path& path, double) {
+  return npz_bytes(points, path.string());
+}
+
+FileBytes coco_file(const LabelledPoints& points, const fs::path& path, double) {
+  CocoWriter writer;
+  writer.add(points, path.stem().string() + ".png");
+  return writer.bytes();
+}
+
+FileBytes voxel_file(const LabelledPoints& points, const fs::path&, double voxel_size_m) {
+  return voxel_bytes(points, voxel_size_m);
+}
+
+struct Format {
+  const char* name;
+  Needs needs;
+  LabelledPoints (*read)(const fs::path&);  // null: not read back
+  std::array<FileOfFormat, 2> files;        // one or two; read by the last one's name
+};
+
+/// By LabelFormat.
+constexpr Format kFormats[] = {
+    {"evops", Needs::ids, read_whole<parse_evops>, {{{".npy", bytes_of<evops_bytes>}}}},
+    {"ply", Needs::coordinates, read_labelled_cloud, {{{".ply", bytes_of<labelled_ply_bytes>}}}},
+    {"pcd", Needs::coordinates, read_labelled_cloud, {{{".pcd", bytes_of<labelled_pcd_bytes>}}}},
+    {"kitti",
+     Needs::coordinates,
+     read_kitti,
+     {{{".bin", bytes_of<kitti_points_bytes>}, {".label", bytes_of<kitti_label_bytes>}}}},
+    {"npz", Needs::ids, read_whole<parse_npz>, {{{".npz", npz_file}}}},
+    {"coco", Needs::pixels, read_whole<parse_coco>, {{{".json", coco_file}}}},
+    {"voxels", Needs::coordinates, nullptr, {{{".voxels.ply", voxel_file}}}}};
+
+const Format& format_of(LabelFormat format) { return kFormats[static_cast<std::size_t>(format)]; }
+
+void check_needs(const LabelledPoints& points, const Format& format, const fs::path& stem) {
+  const bool has_pixels = points.width > 0 && points.pixel.size() == points.size();
+  const char* lacks = nullptr;
+  if (format.needs == Needs::coordinates && points.points.size() != points.size())
+    lacks = "coordinates";
+  if (format.needs == Needs::pixels && !has_pixels)
+    lacks = "pixels and the size of the depth image";
+  if (lacks)
+    throw Error(fmt::format("{}: {} needs {}, which these labels come without", stem.string(),
+                            format.name, lacks));
+}
+
 }  // namespace
 
+std::vector<LabelFormat> label_formats(bool read_back) {
+  std::vector<LabelFormat> formats;
+  for (std::size_t i = 0; i < std::size(kFormats); ++i)
+    if (kFormats[i].read || !read_back) formats.push_back(static_cast<LabelFormat>(i));
+  return formats;
+}
+
 LabelFormat parse_label_format(const std::string& name) {
-  std::string known;
-  for (int i = 0; i < static_cast<int>(std::size(kFormatNames)); ++i) {
-    if (name == kFormatNames[i]) return static_cast<LabelFormat>(i);
-    known += (i > 0 ? ", " : "") + std::string(kFormatNames[i]);
+  std::vector<std::string> known;
+  for (const LabelFormat format : label_formats(false)) {
+    if (name == to_string(format)) return format;
+    known.emplace_back(to_string(format));
   }
-  throw Error("label format '" + name + "' does not exist, expected one of " + known);
+  throw Error(fmt::format("label format '{}' does not exist, expected one of {}", name,
+                          fmt::join(known, ", ")));
 }
 
 LabelFormat label_format_of(const fs::path& path) {
   const std::string kind = io::extension(path);
-  if (kind == ".npy") return LabelFormat::evops;
-  if (kind == ".ply") return LabelFormat::ply;
-  if (kind == ".pcd") return LabelFormat::pcd;
-  if (kind == ".bin" || kind == ".label") return LabelFormat::kitti;
-  if (kind == ".npz") return LabelFormat::npz;
-  if (kind == ".json") return LabelFormat::coco;
-  throw Error(path.string() +
-              ": expected a name that ends in .npy, .ply, .pcd, .label, .bin, .npz or .json");
+  std::string known, last;
+  for (const LabelFormat format : label_formats(true))
+    for (const FileOfFormat& file : format_of(format).files | std::views::reverse) {
+      if (!file.extension) continue;
+      if (kind == file.extension) return format;
+      if (!last.empty()) known += (known.empty() ? "" : ", ") + last;
+      last = file.extension;
+    }
+  throw Error(fmt::format("{}: expected a name that ends in {} or {}", path.string(), known, last));
 }
 
-const char* to_string(LabelFormat format) { return kFormatNames[static_cast<int>(format)]; }
+const char* to_string(LabelFormat format) { return format_of(format).name; }
+
+const char* extension_of(LabelFormat format) {
+  const auto& files = format_of(format).files;
+  return files[files[1].extension ? 1 : 0].extension;
+}
 
 LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid) {
   assert(labels.plane.pixels() == grid.pixels() && labels.hv.pixels() == grid.pixels());
@@ -146,33 +180,23 @@ std::vector<fs::path> write_labelled(const fs::path& stem,
   };
   assert(fits(points.points.size(), 1) && fits(points.rgb.size(), 3) &&
          fits(points.label.size(), 1) && fits(points.pixel.size(), 1));
-  const std::vector<WrittenFile> files = files_of(stem, format, points, voxel_size_m);
+  check_needs(points, format_of(format), stem);
   std::vector<fs::path> paths;
-  for (const WrittenFile& file : files) {
-    write_file_bytes(file.path, file.bytes, Durable::yes);
-    paths.push_back(file.path);
+  std::vector<FileBytes> bytes;  // all, before one is written
+  for (const FileOfFormat& file : format_of(format).files) {
+    if (!file.extension) continue;
+    paths.push_back(with_extension(stem, file.extension));
+    bytes.push_back(file.bytes(points, paths.back(), voxel_size_m));
   }
+  for (std::size_t i = 0; i < paths.size(); ++i) write_file_bytes(paths[i], bytes[i], Durable::yes);
   return paths;
 }
 
 LabelledPoints read_labelled(const fs::path& path, LabelFormat format) {
-  switch (format) {
-    case LabelFormat::evops:
-      return parse_evops(as_bytes(read_file_bytes(path)), path.string());
-    case LabelFormat::ply:
-    case LabelFormat::pcd:
-      return read_labelled_cloud(path);
-    case LabelFormat::kitti:
-      return read_kitti(path);
-    case LabelFormat::npz:
-      return parse_npz(as_bytes(read_file_bytes(path)), path.string());
-    case LabelFormat::coco:
-      return parse_coco(as_bytes(read_file_bytes(path)), path.string());
-    case LabelFormat::voxels:
-      break;
-  }
-  throw Error(path.string() +
-              ": labels of voxels are made from labels of points and not read back");
+  if (!format_of(format).read)
+    throw Error(path.string() +
+                ": labels of voxels are made from labels of points and not read back");
+  return format_of(format).read(path);
 }
 
 // Labels of points back onto the pixels of a frame.
@@ -239,12 +263,10 @@ void check_points(const LabelledPoints& points,
     const double found = (points.origin + points.points[i].cast<double>()).norm();
     const double expected = (grid.origin + grid.points[indices[i]].cast<double>()).norm();
     if (std::abs(found - expected) <= std::max(kSameDistance_m, kFloatStep * expected)) continue;
-    char text[160];
-    std::snprintf(text, sizeof(text),
-                  ": point %zu is %.3f m from the sensor, the frame has %.3f m there: these are "
-                  "labels of another frame",
-                  i, found, expected);
-    throw Error(where + text);
+    throw Error(
+        fmt::format("{}: point {} is {:.3f} m from the sensor, the frame has {:.3f} m there: these "
+                    "are labels of another frame",
+                    where, i, found, expected));
   }
 }
 

@@ -8,24 +8,30 @@
 //   kitti     .bin + .label   float32 x y z remission; uint32 instance << 16 | class
 //   npz                 arrays points, [rgb,] label, instance, pixel, depth_size
 //   coco      .json     one annotation per plane: run-length mask, box, area, plane parameters;
-//                       of several images in coco.hpp
+//                       one file may have several images
 //   voxels    .voxels.ply     mean of each voxel's points, upright; majority of their labels
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/io/byte_reader.hpp"
 #include "core/labels/model/grid.hpp"
 
 namespace planescope::labels {
 
 enum class LabelFormat : std::uint8_t { evops, ply, pcd, kitti, npz, coco, voxels };
+/// All, or those that are read back alone.
+std::vector<LabelFormat> label_formats(bool read_back);
 /// Throws Error that lists them.
 LabelFormat parse_label_format(const std::string& name);
 /// By a file's extension; a .ply is `ply`, and .bin and .label are both `kitti`. Throws Error.
 LabelFormat label_format_of(const std::filesystem::path& path);
 const char* to_string(LabelFormat format);
+const char* extension_of(LabelFormat format);  // ".npy"; of the file that it is read by
 
 /// Column and row in the depth image.
 struct DepthPixel {
@@ -71,5 +77,45 @@ FrameLabels labels_of_points(const LabelledPoints& points,
                              const LabelGrid& grid,
                              const std::string& depth_sha256,
                              const std::string& where);
+
+// Files of COCO: one for all frames of a recording.
+
+/// The file of an export with all frames, and the folder with their pictures.
+inline constexpr const char* kCocoFileName = "annotations.json";
+inline constexpr const char* kCocoPictures = "images";
+
+/// A file that was read, of any number of images. Throws Error naming `where` when it is damaged.
+class CocoFile {
+ public:
+  CocoFile(io::Bytes file, const std::string& where);
+
+  const std::vector<std::string>& names() const { return names_; }  // file_name of each image
+  /// The image whose file is named 000123 and any ending; nullopt where there is none.
+  std::optional<std::size_t> image_of_frame(int frame) const;
+  LabelledPoints points(std::size_t image) const;
+
+ private:
+  struct Parsed;
+  std::shared_ptr<const Parsed> parsed_;
+  std::vector<std::string> names_;
+};
+CocoFile read_coco(const std::filesystem::path& path);
+
+/// Images and annotations are numbered from 1 in the order of add().
+class CocoWriter {
+ public:
+  CocoWriter();
+  ~CocoWriter();
+
+  void add(const LabelledPoints& points, const std::string& file_name);
+  std::vector<unsigned char> bytes() const;
+
+ private:
+  struct Made;
+  std::unique_ptr<Made> made_;
+};
+
+/// What annotations are drawn on: aligned color, else depth in gray, near is bright.
+Image8 coco_picture(const LabelGrid& grid);
 
 }  // namespace planescope::labels

@@ -3,12 +3,9 @@
 
 #include "core/labels/exchange/formats.hpp"
 
-#include <cmath>
-#include <cstdio>
 #include <cstring>
 
 #include "core/io/cloud_files/cloud_file.hpp"
-#include "core/labels/exchange/npy.hpp"
 #include "core/planes/cloud/cloud.hpp"
 
 namespace planescope::labels {
@@ -25,38 +22,6 @@ std::string printable(std::string_view text) {
     if (c < ' ' || c > '~') c = '?';
   return result;
 }
-
-template <typename T>
-std::vector<T> whole_numbers(std::span<const double> values,
-                             double low,
-                             double high,
-                             const std::string& where) {
-  std::vector<T> whole(values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double value = values[i];
-    if (!(value >= low && value <= high) || value != std::floor(value)) {
-      char text[128];
-      std::snprintf(text, sizeof(text),
-                    ": %g at place %zu, expected a whole number of %.0f to %.0f", value, i, low,
-                    high);
-      throw Error(where + text);
-    }
-    whole[i] = static_cast<T>(value);
-  }
-  return whole;
-}
-template std::vector<std::uint8_t> whole_numbers(std::span<const double>,
-                                                 double,
-                                                 double,
-                                                 const std::string&);
-template std::vector<std::uint16_t> whole_numbers(std::span<const double>,
-                                                  double,
-                                                  double,
-                                                  const std::string&);
-template std::vector<std::int32_t> whole_numbers(std::span<const double>,
-                                                 double,
-                                                 double,
-                                                 const std::string&);
 
 std::vector<std::int32_t> instances_of(std::span<const double> values, const std::string& where) {
   return whole_numbers<std::int32_t>(values, 0, kPlaneIgnore, where + ": plane id");

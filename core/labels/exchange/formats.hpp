@@ -2,9 +2,13 @@
 
 // The formats of exchanged labels, and what they share. Internal to core/labels.
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <span>
 
 #include "core/io/byte_reader.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/model/error.hpp"
 
@@ -24,7 +28,16 @@ template <typename T>
 std::vector<T> whole_numbers(std::span<const double> values,
                              double low,
                              double high,
-                             const std::string& where);
+                             const std::string& where) {
+  std::vector<T> whole(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(values[i] >= low && values[i] <= high) || values[i] != std::floor(values[i]))
+      throw Error(fmt::format("{}: {:g} at place {}, expected a whole number of {:.0f} to {:.0f}",
+                              where, values[i], i, low, high));
+    whole[i] = static_cast<T>(values[i]);
+  }
+  return whole;
+}
 /// Of `instance` and `label`, with what may stand there.
 std::vector<std::int32_t> instances_of(std::span<const double> values, const std::string& where);
 std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::string& where);
@@ -45,11 +58,32 @@ LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& wh
 FileBytes npz_bytes(const LabelledPoints& points, const std::string& where);
 LabelledPoints parse_npz(io::Bytes file, const std::string& where);
 
-/// Of one image (coco.hpp writes and reads those of several).
+/// Of one image; CocoFile has those of several.
 LabelledPoints parse_coco(io::Bytes file, const std::string& where);
 /// The counts of a COCO mask that pycocotools compressed into text.
 std::vector<std::uint64_t> counts_of_text(const std::string& text, const std::string& where);
 
 FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m);
+
+// NumPy's array files (numpy.lib.format), versions 1.0 and 2.0.
+
+/// An array as it lies in its file, in C order.
+struct NpyArray {
+  std::vector<std::uint64_t> shape;
+  io::Scalar type = io::Scalar::u8;
+  bool big_endian = false;
+  io::Bytes data;  // as many values as the shape says
+
+  std::size_t size() const { return data.size() / io::size_of(type); }
+  std::vector<double> values() const;
+};
+
+/// Throws Error naming `where`: the header is checked against the file's size.
+NpyArray parse_npy(io::Bytes file, const std::string& where);
+
+/// Version 1.0, little-endian. `type`: "<i4", "|u1", "<f4" as the values at `data` are.
+std::vector<unsigned char> npy_bytes(const std::string& type,
+                                     const std::vector<std::uint64_t>& shape,
+                                     io::Bytes data);
 
 }  // namespace planescope::labels

@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "core/labels/model/point_graph.hpp"
 #include "core/model/frame.hpp"
 #include "core/model/plane.hpp"
 #include "core/model/types.hpp"
@@ -19,6 +18,20 @@ using Vec2f = Eigen::Vector2f;
 
 /// Pixel indices v * width + u, ascending, none twice.
 using PixelSet = std::vector<std::uint32_t>;
+
+/// Neighbours of point i: list[first[i] .. first[i+1]), ascending, each a neighbour of the other,
+/// none of itself. Empty: there is no cloud.
+struct PointGraph {
+  std::vector<std::uint32_t> first, list;
+
+  bool empty() const { return first.empty(); }
+  std::span<const std::uint32_t> around(std::uint32_t point) const {
+    return std::span(list).subspan(first[point], first[point + 1] - first[point]);
+  }
+};
+
+/// About how many spacings a step from a point to its neighbours reaches.
+inline constexpr int kSpacingsOfStep = 2;
 
 struct LabelGrid {
   int width = 0, height = 0;
@@ -87,5 +100,18 @@ Label class_of_tilt(double tilt_deg);
 /// Fits normal, offset, RMS and fragments of these planes anew from their pixels; a plane without
 /// pixels is taken off the list. `ids` empty: of all.
 void refit_planes(FrameLabels& labels, const LabelGrid& grid, std::span<const int> ids = {});
+
+/// What the surface around each point of a cloud is like (point_graph.cpp).
+struct PointSurface {
+  PointGraph graph;  // of the 12 nearest places; of points at one place the first has them,
+                     // and is the neighbour of the others
+  std::vector<Vec3f> normals;  // unit, either way; zero where unknown
+  std::vector<float> area_m2;  // of the surface that a point stands for
+  double noise_m = 0;          // across a smooth surface
+  double spacing_m = 0;        // from point to point, the median
+};
+/// `measured`: 0 where a point is none; such points have no neighbours.
+PointSurface surface_of_points(std::span<const Vec3f> points,
+                               std::span<const std::uint8_t> measured);
 
 }  // namespace planescope::labels

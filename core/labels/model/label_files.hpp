@@ -79,8 +79,6 @@ void write_label_files(const std::filesystem::path& dir,
                        int frame_index,
                        const LabelFileBytes& bytes);
 
-// Internal to core/labels/model (label_json.cpp).
-
 /// Everything of FrameLabels but its two images, as JSON text of schema "planescope.labels/1".
 std::string label_json(int frame_index, const FrameLabels& labels);
 

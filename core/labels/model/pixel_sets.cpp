@@ -3,38 +3,29 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <utility>
 
 #include "core/model/disjoint_sets.hpp"
 
 namespace planescope::labels {
 
-std::vector<int> count_fragments(const Image16& image) {
+std::vector<int> count_fragments(const Image16& image, const LabelGrid* grid) {
   if (image.empty()) return {};
   DisjointSets sets(image.pixels());
-  const auto join_if_same = [&](int a, int b) {
-    if (image.data[a] == image.data[b])
-      sets.join(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+  const auto join_if_same = [&](std::uint32_t a, std::uint32_t b) {
+    if (image.data[a] == image.data[b]) sets.join(a, b);
   };
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const int i = y * image.width + x;
-      if (x > 0) join_if_same(i - 1, i);
-      if (y > 0) join_if_same(i - image.width, i);
+  const auto width = static_cast<std::uint32_t>(image.width);
+  for (std::uint32_t i = 0; i < image.pixels(); ++i) {
+    if (grid && grid->is_cloud()) {
+      for (const std::uint32_t j : grid->graph.around(i))
+        if (j < i) join_if_same(i, j);
+      continue;
     }
+    if (i % width > 0) join_if_same(i - 1, i);
+    if (i >= width) join_if_same(i - width, i);
   }
-  std::vector<int> counts(*std::max_element(image.data.begin(), image.data.end()) + 1, 0);
-  for (std::uint32_t i = 0; i < sets.size(); ++i)
-    if (sets.root(i) == i) ++counts[image.data[i]];
-  return counts;
-}
-
-std::vector<int> count_fragments(const Image16& image, const LabelGrid& grid) {
-  if (!grid.is_cloud() || image.empty()) return count_fragments(image);
-  DisjointSets sets(image.pixels());
-  std::vector<int> counts(*std::max_element(image.data.begin(), image.data.end()) + 1, 0);
-  for (std::uint32_t i = 0; i < image.pixels(); ++i)
-    for (const std::uint32_t j : grid.graph.around(i))
-      if (j < i && image.data[i] == image.data[j]) sets.join(i, j);
+  std::vector<int> counts(*std::ranges::max_element(image.data) + 1, 0);
   for (std::uint32_t i = 0; i < sets.size(); ++i)
     if (sets.root(i) == i) ++counts[image.data[i]];
   return counts;
@@ -43,6 +34,7 @@ std::vector<int> count_fragments(const Image16& image, const LabelGrid& grid) {
 namespace {
 
 constexpr std::uint16_t kFar = std::numeric_limits<std::uint16_t>::max();
+constexpr int kNoOutside = 1 << 20;
 
 }  // namespace
 
@@ -91,8 +83,9 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
   return parts;
 }
 
-std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, int width, int height) {
-  assert(!pixels.empty());
+namespace {
+
+std::uint32_t deepest_in_image(std::span<const std::uint32_t> pixels, int width, int height) {
   // Steps to the outside, by one pass down and one up; a frame of zeros around the image.
   const int stride = width + 2;
   std::vector<int> steps(static_cast<std::size_t>(stride) * (height + 2), 0);
@@ -113,10 +106,10 @@ std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, int width, in
   return deepest;
 }
 
-std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
-                                      int width,
-                                      int height,
-                                      int distance_px) {
+std::vector<std::uint8_t> near_in_image(std::span<const std::uint32_t> pixels,
+                                        int width,
+                                        int height,
+                                        int distance_px) {
   // Along the rows, then along the columns: a square is both.
   const auto image = static_cast<std::size_t>(width) * height;
   std::vector<std::uint8_t> along(image, 0), near(image, 0);
@@ -130,6 +123,73 @@ std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
     for (int v = from; v <= to; ++v)
       for (int x = 0; x < width; ++x) near[y * width + x] |= along[v * width + x];
   }
+  return near;
+}
+
+}  // namespace
+
+std::vector<int> steps_to_outside(const LabelGrid& cloud, std::span<const int> region_of) {
+  std::vector<int> steps(region_of.size(), 0);
+  std::vector<std::uint32_t> border;
+  for (std::uint32_t i = 0; i < region_of.size(); ++i) {
+    if (region_of[i] < 0) continue;
+    const bool inside = std::ranges::all_of(
+        cloud.graph.around(i), [&](std::uint32_t j) { return region_of[j] == region_of[i]; });
+    if (inside) continue;
+    steps[i] = 1;
+    border.push_back(i);
+  }
+  grow_rings(std::move(border), kNoOutside, [&](std::uint32_t i, auto& next) {
+    for (const std::uint32_t j : cloud.graph.around(i)) {
+      if (region_of[j] != region_of[i] || steps[j] != 0) continue;
+      steps[j] = steps[i] + 1;
+      next.push_back(j);
+    }
+  });
+  for (std::uint32_t i = 0; i < region_of.size(); ++i)
+    if (region_of[i] >= 0 && steps[i] == 0) steps[i] = kNoOutside;
+  return steps;
+}
+
+std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, const LabelGrid& grid) {
+  assert(!pixels.empty());
+  if (!grid.is_cloud()) return deepest_in_image(pixels, grid.width, grid.height);
+  std::vector<int> region_of(grid.pixels(), -1);
+  for (const std::uint32_t pixel : pixels) region_of[pixel] = 0;
+  const std::vector<int> steps = steps_to_outside(grid, region_of);
+  int most = 0;
+  for (const std::uint32_t pixel : pixels) most = std::max(most, steps[pixel]);
+  Vec3d sum = Vec3d::Zero();
+  double count = 0;
+  for (const std::uint32_t pixel : pixels)
+    if (grid.measured[pixel]) {
+      sum += grid.points[pixel].cast<double>();
+      count += 1;
+    }
+  const Vec3d middle = sum / std::max(count, 1.0);
+  std::uint32_t deepest = pixels.front();
+  double least = -1;
+  for (const std::uint32_t pixel : pixels) {
+    if (steps[pixel] != most || !grid.measured[pixel]) continue;
+    const double apart = (grid.points[pixel].cast<double>() - middle).squaredNorm();
+    if (least >= 0 && apart >= least) continue;
+    least = apart;
+    deepest = pixel;
+  }
+  return deepest;
+}
+
+std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
+                                      const LabelGrid& grid,
+                                      int distance_px) {
+  if (!grid.is_cloud()) return near_in_image(pixels, grid.width, grid.height, distance_px);
+  std::vector<std::uint8_t> near(grid.pixels(), 0);
+  for (const std::uint32_t pixel : pixels) near[pixel] = 1;
+  grow_rings({pixels.begin(), pixels.end()}, (distance_px + 1) / kSpacingsOfStep,
+             [&](std::uint32_t i, auto& next) {
+               for (const std::uint32_t j : grid.graph.around(i))
+                 if (!std::exchange(near[j], std::uint8_t{1})) next.push_back(j);
+             });
   return near;
 }
 
@@ -179,27 +239,16 @@ void spread(const std::vector<std::uint8_t>& passable,
             int height,
             int reach,
             std::vector<std::uint8_t>& region) {
-  std::vector<std::uint32_t> front, next;
-  const auto visit = [&](std::uint32_t i) {
-    if (!passable[i] || region[i]) return;
-    region[i] = 1;
-    next.push_back(i);
-  };
-  const auto visit_around = [&](std::uint32_t i) {
-    const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
-    if (x > 0) visit(i - 1);
-    if (x + 1 < width) visit(i + 1);
-    if (y > 0) visit(i - width);
-    if (y + 1 < height) visit(i + width);
-  };
-  // The first ring in one pass: most of a region has no open neighbour.
+  std::vector<std::uint32_t> front;
   for (std::size_t i = 0; i < region.size(); ++i)
     if (region[i]) front.push_back(static_cast<std::uint32_t>(i));
-  for (int step = 0; step < reach && !front.empty(); ++step) {
-    for (const std::uint32_t i : front) visit_around(i);
-    front.swap(next);
-    next.clear();
-  }
+  grow_rings(std::move(front), reach, [&](std::uint32_t i, auto& next) {
+    for_sides(i, width, height, [&](std::uint32_t j) {
+      if (!passable[j] || region[j]) return;
+      region[j] = 1;
+      next.push_back(j);
+    });
+  });
 }
 
 std::vector<PixelSet> small_holes(const std::vector<std::uint8_t>& region,

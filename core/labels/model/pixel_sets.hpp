@@ -13,8 +13,7 @@ namespace planescope::labels {
 
 /// Connected parts (four neighbours; of a cloud, its own) of every value in an image, by value; as
 /// long as the largest value needs.
-std::vector<int> count_fragments(const Image16& image);
-std::vector<int> count_fragments(const Image16& image, const LabelGrid& grid);
+std::vector<int> count_fragments(const Image16& image, const LabelGrid* grid = nullptr);
 
 /// Calls visit(neighbour) for the eight pixels around one, fewer at the image's border.
 template <typename Visit>
@@ -25,7 +24,29 @@ void for_neighbours(std::uint32_t pixel, int width, int height, const Visit& vis
       if (u != x || v != y) visit(static_cast<std::uint32_t>(v * width + u));
 }
 
-/// The same on a grid, whose neighbours are a cloud's own where it is one.
+/// The same for the up to four pixels at its sides.
+template <typename Visit>
+void for_sides(std::uint32_t pixel, int width, int height, const Visit& visit) {
+  const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
+  if (x > 0) visit(pixel - 1);
+  if (x + 1 < width) visit(pixel + 1);
+  if (y > 0) visit(pixel - static_cast<std::uint32_t>(width));
+  if (y + 1 < height) visit(pixel + static_cast<std::uint32_t>(width));
+}
+
+/// Grows from `front` ring by ring, `rings` of them at most: reach(pixel, next) adds the pixels
+/// that it takes to `next`.
+template <typename Reach>
+void grow_rings(std::vector<std::uint32_t> front, int rings, const Reach& reach) {
+  std::vector<std::uint32_t> next;
+  for (int ring = 0; ring < rings && !front.empty(); ++ring) {
+    next.clear();
+    for (const std::uint32_t pixel : front) reach(pixel, next);
+    front.swap(next);
+  }
+}
+
+/// for_neighbours() on a grid, whose neighbours are a cloud's own where it is one.
 template <typename Visit>
 void for_neighbours(std::uint32_t pixel, const LabelGrid& grid, const Visit& visit) {
   if (!grid.is_cloud()) return for_neighbours(pixel, grid.width, grid.height, visit);
@@ -71,19 +92,12 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
                                       int gap_px);
 
 /// The pixel of a set that is farthest from all that is not in it; of several the first. The
-/// image's border counts as outside. `pixels` is not empty.
-std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, int width, int height);
-/// Of a cloud the point most steps from all that is not in the set; of several the one nearest to
-/// their middle.
+/// image's border counts as outside. Of a cloud the point most steps from all that is not in the
+/// set; of several the one nearest to their middle. `pixels` is not empty.
 std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, const LabelGrid& grid);
 
-/// Per pixel of the image: 1 where one of the set is at most `distance_px` columns and rows away.
-std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
-                                      int width,
-                                      int height,
-                                      int distance_px);
-
-/// Of a cloud: at most about as many spacings away.
+/// Per pixel: 1 where one of the set is at most `distance_px` columns and rows away; of a cloud, at
+/// most about as many spacings.
 std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
                                       const LabelGrid& grid,
                                       int distance_px);

@@ -1,4 +1,4 @@
-#include "core/labels/model/point_graph.hpp"
+// Which points of a cloud are neighbors, and what the surface around each is like.
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/labels/model/grid.hpp"
 #include "core/model/plane.hpp"
 
 namespace planescope::labels {

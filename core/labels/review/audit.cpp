@@ -1,9 +1,9 @@
 #include "core/labels/review/audit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <numeric>
 #include <optional>
 
@@ -22,18 +22,10 @@ constexpr int kStrip_px = 2;
 constexpr std::size_t kSpeck_px =
     32;  // smaller parts are crumbs along ragged edges, not parts of a plane
 
-[[gnu::format(printf, 1, 2)]] std::string text_of(const char* format, ...) {
-  char text[160];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof(text), format, arguments);
-  va_end(arguments);
-  return text;
-}
-
 /// In square metres where that is the handier number.
 std::string area_text(double area_m2) {
-  return area_m2 < 0.1 ? text_of("%.0f cm2", 1e4 * area_m2) : text_of("%.2f m2", area_m2);
+  return area_m2 < 0.1 ? fmt::format("{:.0f} cm2", 1e4 * area_m2)
+                       : fmt::format("{:.2f} m2", area_m2);
 }
 
 /// What is known of one plane's pixels.
@@ -102,7 +94,7 @@ class Audit {
   void add(
       FindingKind kind, int plane, PixelSet pixels, double value, double limit, std::string text) {
     const std::uint32_t where = deepest_pixel(pixels, grid_);
-    if (plane > 0) text = text_of("P%d: ", plane) + text;
+    if (plane > 0) text = fmt::format("P{}: ", plane) + text;
     findings_.push_back({kind, plane, where, std::move(pixels), value, limit, std::move(text)});
   }
 
@@ -110,7 +102,8 @@ class Audit {
     const double value = 1000 * rms(s.distance_m), limit = 1000 * 2 * rms(s.noise_m);
     if (value <= limit) return;
     add(FindingKind::rms, s.plane.id, s.pixels, value, limit,
-        text_of("RMS %.1f mm, expected at most %.1f mm at %.1f m", value, limit, s.mean_range_m));
+        fmt::format("RMS {:.1f} mm, expected at most {:.1f} mm at {:.1f} m", value, limit,
+                    s.mean_range_m));
   }
 
   void check_outliers(const Surface& s) {
@@ -122,7 +115,8 @@ class Audit {
     const double limit = 100 * options_.max_outlier_share;
     if (value <= limit) return;
     add(FindingKind::outliers, s.plane.id, std::move(far), value, limit,
-        text_of("%.1f %% of its %ss lie off it, expected at most %.1f %%", value, sample(), limit));
+        fmt::format("{:.1f} % of its {}s lie off it, expected at most {:.1f} %", value, sample(),
+                    limit));
   }
 
   void check_parts(const Surface& s) {
@@ -139,15 +133,15 @@ class Audit {
     std::sort(smaller.begin(), smaller.end());
     const std::size_t pixels = smaller.size();
     add(FindingKind::parts, s.plane.id, std::move(smaller), value, 1,
-        text_of("%.0f parts that lie apart, expected 1 (%zu %ss in the smaller ones)", value,
-                pixels, sample()));
+        fmt::format("{:.0f} parts that lie apart, expected 1 ({} {}s in the smaller ones)", value,
+                    pixels, sample()));
   }
 
   void check_area(const Surface& s) {
     const double value = 1e4 * s.area_m2, limit = 1e4 * options_.min_area_m2;
     if (value >= limit) return;
     add(FindingKind::tiny, s.plane.id, s.pixels, value, limit,
-        text_of("%.1f cm2, expected at least %.1f cm2", value, limit));
+        fmt::format("{:.1f} cm2, expected at least {:.1f} cm2", value, limit));
   }
 
   void check_class(const Surface& s) {
@@ -158,21 +152,22 @@ class Audit {
     const double limit = is_h ? options_.max_class_tilt_deg : 90 - options_.max_class_tilt_deg;
     if (is_h ? tilt_deg <= limit : tilt_deg >= limit) return;
     add(FindingKind::class_normal, s.plane.id, s.pixels, tilt_deg, limit,
-        text_of("labelled %s and tilted %.0f degrees, expected at %s %.0f",
-                to_string(s.plane.label), tilt_deg, is_h ? "most" : "least", limit));
+        fmt::format("labelled {} and tilted {:.0f} degrees, expected at {} {:.0f}",
+                    to_string(s.plane.label), tilt_deg, is_h ? "most" : "least", limit));
   }
 
   /// Labels keep what they were drawn with: with another camera planes lie elsewhere.
   void check_camera() {
     const Intrinsics &ours = labels_.intrinsics, &k = grid_.intrinsics;
     const auto name = [&](const char* what, double was, double is) {
-      findings_.push_back({FindingKind::camera,
-                           0,
-                           0,
-                           {},
-                           was,
-                           is,
-                           text_of("drawn with %s %.6g, the frame has %.6g", what, was, is)});
+      findings_.push_back(
+          {FindingKind::camera,
+           0,
+           0,
+           {},
+           was,
+           is,
+           fmt::format("drawn with {} {:.6g}, the frame has {:.6g}", what, was, is)});
     };
     const auto differ = [](double a, double b) {
       return std::abs(a - b) > kSameCamera * std::max(std::abs(a), std::abs(b));
@@ -236,9 +231,8 @@ class Audit {
       if (share < kLeastPlanar || share * value < limit) continue;
       const std::size_t pixels = region.size();
       add(FindingKind::unlabelled, 0, std::move(region), value, limit,
-          text_of("%s without a label (%zu %ss), expected less than %s",
-                  area_text(1e-4 * value).c_str(), pixels, sample(),
-                  area_text(1e-4 * limit).c_str()));
+          fmt::format("{} without a label ({} {}s), expected less than {}", area_text(1e-4 * value),
+                      pixels, sample(), area_text(1e-4 * limit)));
     }
   }
 

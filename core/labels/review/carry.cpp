@@ -1,13 +1,16 @@
+// Labels carried to another frame, or proposed in all frames of known pose.
+
 #include "core/labels/review/carry.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/model/pixel_sets.hpp"
-#include "core/labels/wand/finish.hpp"
+#include "core/labels/wand/wand.hpp"
 #include "core/labels/wand/wand_field.hpp"
 #include "core/model/error.hpp"
 
@@ -25,12 +28,6 @@ constexpr double kRegistering = 0.7;   // of the whole work
 constexpr double kSpeck_m2 = 0.001;    // smaller parts of a carried plane are dropped
 constexpr int kHole_px = 100;          // smaller holes of a carried plane are filled
 constexpr std::uint32_t kUnseen = 0xffffffff;
-
-std::string percent(double share) {
-  char text[16];
-  std::snprintf(text, sizeof(text), "%.0f %%", 100 * share);
-  return text;
-}
 
 /// What the other frame's labels say about each pixel of this one.
 struct Expected {
@@ -145,23 +142,19 @@ class Carrying {
   void extend() {
     std::vector<int> slot(kPlaneIgnore + 1, -1);
     for (std::size_t k = 0; k < carried_.size(); ++k) slot[carried_[k].id] = static_cast<int>(k);
-    std::vector<std::uint32_t> front, next;
+    std::vector<std::uint32_t> front;
     for (std::size_t i = 0; i < to_.pixels(); ++i)
       if (slot[result_.labels.plane.data[i]] >= 0) front.push_back(static_cast<std::uint32_t>(i));
-    for (int step = 0; step < kExtend_px; ++step) {
-      next.clear();
-      for (const std::uint32_t i : front) {
-        const Carried& plane = carried_[slot[result_.labels.plane.data[i]]];
-        for_pixels(to_, box_around(to_, i, 1), [&](std::uint32_t j) {
-          if (!is_free(j) || !plane.open[j] || !field_.lies_on(plane.sheet, j) ||
-              !field_.faces(plane.sheet, j))
-            return;
-          paint(j, plane.id);
-          next.push_back(j);
-        });
-      }
-      front.swap(next);
-    }
+    grow_rings(std::move(front), kExtend_px, [&](std::uint32_t i, auto& next) {
+      const Carried& plane = carried_[slot[result_.labels.plane.data[i]]];
+      for_pixels(to_, box_around(to_, i, 1), [&](std::uint32_t j) {
+        if (!is_free(j) || !plane.open[j] || !field_.lies_on(plane.sheet, j) ||
+            !field_.faces(plane.sheet, j))
+          return;
+        paint(j, plane.id);
+        next.push_back(j);
+      });
+    });
   }
 
   /// Grows each plane, as the wand would from within its parts, over what the other frame did not
@@ -272,9 +265,11 @@ Registration motion_between(const Frame& from_frame,
     if (progress) progress(kRegistering * done);
   });
   if (motion.fitness < options.min_fitness)
-    throw Error("frames " + from_frame.name + " and " + to_frame.name + ": " + "only " +
-                percent(motion.fitness) + " of the points match, expected at least " +
-                percent(options.min_fitness) + ": the frames overlap too little");
+    throw Error(fmt::format(
+        "frames {} and {}: only {:.0f} % of the points match, expected at least {:.0f} %: the "
+        "frames "
+        "overlap too little",
+        from_frame.name, to_frame.name, 100 * motion.fitness, 100 * options.min_fitness));
   return motion;
 }
 
@@ -321,5 +316,106 @@ CarriedLabels carry_labels(const Frame& from_frame,
   if (progress) progress(1);
   return result;
 }
+
+namespace {
+
+/// Whose labels can be carried on.
+struct Source {
+  SpreadFrame at;
+  Pose T_world_camera = Pose::Identity();
+};
+
+/// The labels of planes that `labels` does not have yet.
+FrameLabels without_those_of(const FrameLabels& all, const FrameLabels& labels) {
+  FrameLabels rest = all;
+  for (const LabelPlane& plane : labels.planes)
+    if (find_plane(rest, plane.id)) rest = without_plane(rest, plane.id);
+  return rest;
+}
+
+class Spreading {
+ public:
+  explicit Spreading(const SpreadJob& job) : job_(job) {
+    const auto pose = job.T_world_camera(job.from);
+    if (!pose) throw Error(fmt::format("frame {} has no pose", job.from));
+    first_ = {job.open(job.from), *pose};
+    if (first_.at.labels.planes.empty())
+      throw Error(fmt::format("frame {} has no planes that could be proposed", job.from));
+  }
+
+  std::vector<Proposal> run() {
+    for (const int direction : {1, -1}) {
+      Source before = first_;
+      for (int i = job_.from + direction; i >= 0 && i < job_.frames; i += direction) {
+        if (job_.stop.stop_requested()) throw Cancelled();
+        if (auto here = propose(before, i)) before = std::move(*here);
+        if (job_.progress) job_.progress(++done_, job_.frames - 1);
+      }
+    }
+    std::ranges::sort(proposals_, {}, [](const Proposal& proposal) { return proposal.edit.frame; });
+    return std::move(proposals_);
+  }
+
+ private:
+  /// The frame with what is proposed; nothing where it cannot be labelled.
+  std::optional<Source> propose(const Source& before, int frame) {
+    const auto pose = job_.T_world_camera(frame);
+    if (!pose) return std::nullopt;
+    Source here;
+    here.T_world_camera = *pose;
+    try {
+      here.at = job_.open(frame);
+    } catch (const Error&) {
+      return std::nullopt;  // says why where it is opened
+    }
+    std::size_t doubtful = 0;
+    FrameLabels labels = carry(before, here, before.at.labels, here.at.labels, doubtful);
+    const FrameLabels unseen = without_those_of(first_.at.labels, labels);
+    if (&before != &first_ && !unseen.planes.empty())
+      labels = carry(first_, here, unseen, labels, doubtful);
+    Proposal proposal = proposal_of(frame, fmt::format("Propose labels of frame {}", job_.from),
+                                    here.at.labels, labels);
+    proposal.doubtful = doubtful;
+    if (!proposal.edit.empty()) proposals_.push_back(std::move(proposal));
+    here.at.labels = std::move(labels);
+    return here;
+  }
+
+  FrameLabels carry(const Source& from,
+                    const Source& to,
+                    const FrameLabels& labels,
+                    const FrameLabels& existing,
+                    std::size_t& doubtful) const {
+    CarryOptions options;
+    options.T_to_from = to.T_world_camera.inverse() * from.T_world_camera;
+    const CarriedLabels carried = carry_labels(from.at.frame, from.at.grid, labels, to.at.frame,
+                                               to.at.grid, existing, options, job_.stop);
+    for (const CarriedPlane& plane : carried.planes) doubtful += plane.doubtful;
+    return carried.labels;
+  }
+
+  const SpreadJob& job_;
+  Source first_;
+  std::vector<Proposal> proposals_;
+  int done_ = 0;
+};
+
+}  // namespace
+
+Proposal proposal_of(int frame,
+                     std::string title,
+                     const FrameLabels& before,
+                     const FrameLabels& after) {
+  Proposal proposal;
+  proposal.edit = make_edit(frame, std::move(title), before, after);
+  proposal.blank = before;
+  proposal.blank.planes.clear();
+  proposal.blank.review.clear();
+  proposal.blank.plane = Image16();
+  proposal.blank.hv = Image8();
+  return proposal;
+}
+
+std::vector<Proposal> spread_labels(const SpreadJob& job) { return Spreading(job).run(); }
 
 }  // namespace planescope::labels

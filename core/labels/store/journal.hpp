@@ -1,15 +1,19 @@
 #pragma once
 
-// An append-only file of records, each with a checksum: it keeps a label folder's history.
-// journal_records.hpp says what the records hold.
+// An append-only file of records, each with a checksum: it keeps a label folder's history; and the
+// records, byte by byte as docs/formats.md has them (journal_records.cpp).
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "core/labels/edit/edit.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/file_bytes.hpp"
 
 namespace planescope::labels {
@@ -61,5 +65,46 @@ class Journal {
   bool created_ = false;                        // and its name not yet made durable
   std::unique_ptr<BackgroundSync> background_;  // from the first append() on
 };
+
+enum class RecordKind : std::uint8_t {
+  base = 1,  // the frame's labels before the first edit
+  edit,
+  undo,     // of the latest edit that is done, in any frame
+  redo,     // of the latest that was undone
+  saving,   // label files are about to hold the labels as they are now
+  written,  // and they do
+};
+
+/// How every record opens.
+struct RecordHead {
+  RecordKind kind = RecordKind::base;
+  int frame = 0;
+  std::int64_t time_ms = 0;  // since 1970, UTC
+  std::string annotator;
+};
+
+/// SHA-256 of each of a frame's label files; empty where one is missing.
+using LabelDigests = std::array<std::string, kLabelFiles>;
+
+JournalBytes base_record(const RecordHead& head, const FrameLabels& labels);
+JournalBytes edit_record(const RecordHead& head, const LabelEdit& edit);
+JournalBytes saving_record(const RecordHead& head, const LabelDigests& digests);
+JournalBytes plain_record(const RecordHead& head);  // of any other kind
+
+/// One line of the history.
+struct HistoryEntry {
+  int frame = 0;
+  std::string title, annotator;
+  std::int64_t time_ms = 0;
+  std::size_t pixels = 0;
+};
+
+// All throw Error where the bytes are no such record, as of a later version.
+RecordHead read_head(std::span<const unsigned char> record);
+FrameLabels read_base(std::span<const unsigned char> record);
+HistoryEntry read_history_entry(std::span<const unsigned char> record);
+/// `pixels`: of the frame; no run reaches beyond them.
+LabelEdit read_edit(std::span<const unsigned char> record, std::size_t pixels);
+LabelDigests read_saving(std::span<const unsigned char> record);
 
 }  // namespace planescope::labels

@@ -1,7 +1,9 @@
+// The label files beside a journal: read, compared with what the journal has, written.
+
 #include <algorithm>
 #include <cassert>
 
-#include "core/labels/store/store_state.hpp"
+#include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
@@ -32,16 +34,12 @@ void require_same_depth(const FrameLabels& labels,
   }
 }
 
-std::string digest_of(std::span<const unsigned char> bytes) {
-  return sha256_hex(std::as_bytes(bytes));
-}
-
 std::string name_of(int frame) { return "frame " + std::to_string(frame); }
 
 }  // namespace
 
-LabelDigests LabelStore::State::digests_of_files(int frame) const {
-  const auto paths = label_file_paths(dir, frame);
+LabelDigests LabelStore::digests_of_files(int frame) const {
+  const auto paths = label_file_paths(dir_, frame);
   LabelDigests digests;
   for (std::size_t i = 0; i < kLabelFiles; ++i) {
     if (is_there(paths[i])) digests[i] = sha256_hex_of_file(paths[i]);
@@ -51,10 +49,10 @@ LabelDigests LabelStore::State::digests_of_files(int frame) const {
 
 /// Whether each of the files is one that we wrote or began with. They need not belong together:
 /// a crash may have come between replacing one and the next.
-bool LabelStore::State::is_ours(int frame, const LabelDigests& digests) const {
-  const auto* track = history.find(frame);
+bool LabelStore::is_ours(int frame, const LabelDigests& digests) const {
+  const auto* track = history_.find(frame);
   const auto is_known = [&](std::size_t i) {
-    if (digests[i].empty() || digests[i] == frames.at(frame).base_files[i]) return true;
+    if (digests[i].empty() || digests[i] == frames_.at(frame).base_files[i]) return true;
     return track && std::any_of(track->saves.begin(), track->saves.end(),
                                 [&](const auto& save) { return save.digests[i] == digests[i]; });
   };
@@ -64,58 +62,57 @@ bool LabelStore::State::is_ours(int frame, const LabelDigests& digests) const {
   return true;
 }
 
-LabelStore::State::OpenFrame LabelStore::State::first_labels(int frame,
-                                                             const FrameLabels& blank) const {
+LabelStore::OpenFrame LabelStore::first_labels(int frame, const FrameLabels& blank) const {
   OpenFrame open;
   open.in_files = 0;
   open.base_files = digests_of_files(frame);
-  auto found = read_frame_labels(dir, frame,
+  auto found = read_frame_labels(dir_, frame,
                                  {blank.depth_sha256, blank.is_cloud() ? blank.plane.pixels() : 0});
-  if (found) require_same_depth(*found, blank, label_file_paths(dir, frame).back().string());
+  if (found) require_same_depth(*found, blank, label_file_paths(dir_, frame).back().string());
   FrameLabels labels = blank;
   if (found) labels = std::move(*found);
   if (labels.depth_unit_m == 0) labels.depth_unit_m = blank.depth_unit_m;  // of an older file
   labels.origin = blank.origin;
-  if (!found && labels.annotator.empty()) labels.annotator = options.annotator;
+  if (!found && labels.annotator.empty()) labels.annotator = options_.annotator;
   std::sort(labels.planes.begin(), labels.planes.end(),
             [](const LabelPlane& a, const LabelPlane& b) { return a.id < b.id; });
   open.labels = std::make_shared<const FrameLabels>(std::move(labels));
   return open;
 }
 
-LabelStore::State::OpenFrame& LabelStore::State::open(int frame, const FrameLabels* blank) {
-  if (const auto at = frames.find(frame); at != frames.end()) {
+LabelStore::OpenFrame& LabelStore::opened(int frame, const FrameLabels* blank) {
+  if (const auto at = frames_.find(frame); at != frames_.end()) {
     if (!blank) return at->second;
-    require_same_depth(*at->second.labels, *blank, dir.string());
+    require_same_depth(*at->second.labels, *blank, dir_.string());
     // Nobody drew on it yet: it is as blank as the one at hand, whose gravity may be a better one.
-    if (!history.find(frame) && at->second.base_files == LabelDigests{}) {
+    if (!history_.find(frame) && at->second.base_files == LabelDigests{}) {
       const std::uint64_t version = at->second.version;
       at->second = first_labels(frame, *blank);
       at->second.version = version + 1;
     }
     return at->second;
   }
-  if (!history.find(frame)) {
+  if (!history_.find(frame)) {
     assert(blank);
-    return frames[frame] = first_labels(frame, *blank);
+    return frames_[frame] = first_labels(frame, *blank);
   }
   FrameLabels labels = replay(frame);
-  if (blank) require_same_depth(labels, *blank, journal->path().string());
+  if (blank) require_same_depth(labels, *blank, journal_->path().string());
   if (blank && labels.depth_unit_m == 0) labels.depth_unit_m = blank->depth_unit_m;
   if (blank) labels.origin = blank->origin;
-  frames[frame].labels = std::make_shared<const FrameLabels>(std::move(labels));
+  frames_[frame].labels = std::make_shared<const FrameLabels>(std::move(labels));
   try {
     compare_with_files(frame);
   } catch (const Error&) {
-    frames.erase(frame);
+    frames_.erase(frame);
     throw;
   }
-  return frames.at(frame);
+  return frames_.at(frame);
 }
 
-void LabelStore::State::compare_with_files(int frame) {
-  OpenFrame& open = frames.at(frame);
-  const auto& saves = history.find(frame)->saves;
+void LabelStore::compare_with_files(int frame) {
+  OpenFrame& open = frames_.at(frame);
+  const auto& saves = history_.find(frame)->saves;
   const LabelDigests digests = digests_of_files(frame);
   open.in_files.reset();
   if (!is_ours(frame, digests)) {
@@ -131,26 +128,26 @@ void LabelStore::State::compare_with_files(int frame) {
 
 /// Records what others wrote as an edit, so that both states are kept. False where their files
 /// cannot be read.
-bool LabelStore::State::take_over(int frame, const LabelDigests& digests) {
-  OpenFrame& open = frames.at(frame);
+bool LabelStore::take_over(int frame, const LabelDigests& digests) {
+  OpenFrame& open = frames_.at(frame);
   std::optional<FrameLabels> files;
   try {
-    files = read_frame_labels(dir, frame, "");
+    files = read_frame_labels(dir_, frame, "");
   } catch (const Error& error) {
     notice(std::string(error.what()) + ": the journal's labels of " + name_of(frame) +
            " are kept, saving sets the files aside");
     return false;
   }
-  require_same_depth(*files, *open.labels, label_file_paths(dir, frame).back().string());
+  require_same_depth(*files, *open.labels, label_file_paths(dir_, frame).back().string());
   const LabelEdit edit = make_edit(frame, "changed outside planescope", *open.labels, *files);
-  if (!read_only.empty()) {
+  if (!read_only_.empty()) {
     open.labels = std::make_shared<const FrameLabels>(std::move(*files));
     open.in_files = mark(frame);
     return true;
   }
   if (!edit.empty()) {
     commit(edit);
-    notice(dir.string() + ": the label files of " + name_of(frame) +
+    notice(dir_.string() + ": the label files of " + name_of(frame) +
            " were changed outside planescope: taken over, undo takes that back");
   }
   auto entries = base_entries(frame);
@@ -161,8 +158,8 @@ bool LabelStore::State::take_over(int frame, const LabelDigests& digests) {
   return true;
 }
 
-void LabelStore::State::set_files_aside(int frame) const {
-  for (const fs::path& path : label_file_paths(dir, frame)) {
+void LabelStore::set_files_aside(int frame) const {
+  for (const fs::path& path : label_file_paths(dir_, frame)) {
     if (!is_there(path)) continue;
     std::error_code error;
     fs::rename(path, unused_path(path.string() + ".outside-"), error);
@@ -170,24 +167,24 @@ void LabelStore::State::set_files_aside(int frame) const {
   }
 }
 
-void LabelStore::State::notice(std::string text) {
-  if (std::find(notices.begin(), notices.end(), text) == notices.end()) {
-    notices.push_back(std::move(text));
+void LabelStore::notice(std::string text) {
+  if (std::find(notices_.begin(), notices_.end(), text) == notices_.end()) {
+    notices_.push_back(std::move(text));
   }
 }
 
-bool LabelStore::State::unsaved(int frame) const {
-  if (const auto at = frames.find(frame); at != frames.end()) {
+bool LabelStore::unsaved(int frame) const {
+  if (const auto at = frames_.find(frame); at != frames_.end()) {
     return at->second.in_files != mark(frame);
   }
-  const auto* track = history.find(frame);
+  const auto* track = history_.find(frame);
   return track && track->mark != track->written_mark;
 }
 
-void LabelStore::State::save(int frame) {
+void LabelStore::save(int frame) {
   require_writable();
-  if (!frames.contains(frame) && !history.find(frame)) return;
-  OpenFrame& open = this->open(frame, nullptr);
+  if (!frames_.contains(frame) && !history_.find(frame)) return;
+  OpenFrame& open = opened(frame, nullptr);
   if (const auto digests = digests_of_files(frame); !is_ours(frame, digests)) {
     const auto ours = open.labels;
     const bool has_news = unsaved(frame);
@@ -201,18 +198,18 @@ void LabelStore::State::save(int frame) {
   }
   if (!unsaved(frame)) return;
 
-  const LabelFileBytes bytes = encode_label_files(dir, frame, *open.labels);
+  const LabelFileBytes bytes = encode_label_files(dir_, frame, *open.labels);
   LabelDigests digests;
   std::transform(bytes.begin(), bytes.end(), digests.begin(),
-                 [](const auto& file) { return digest_of(file); });
+                 [](const auto& file) { return sha256_hex(std::as_bytes(std::span(file))); });
   // In the journal first: should the process end between two of the files, they are recognised as
   // ours.
   auto entries = base_entries(frame);
   entries.push_back(saving(frame, digests));
   append(entries);
-  journal->sync();
+  journal_->sync();
   open.in_files.reset();
-  write_label_files(dir, frame, bytes);
+  write_label_files(dir_, frame, bytes);
   open.in_files = mark(frame);
   append({entry(RecordKind::written, frame)});
 }

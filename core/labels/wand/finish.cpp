@@ -1,4 +1,4 @@
-#include "core/labels/wand/finish.hpp"
+// What finishes a labelled plane.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -32,20 +32,13 @@ struct Plane {
   }
 };
 
-void require_editable(const FrameLabels& labels, int id) {
-  const LabelPlane* plane = find_plane(labels, id);
-  if (!plane) throw Error("there is no plane P" + std::to_string(id));
-  if (plane->locked) throw Error("P" + std::to_string(id) + " is locked");
-}
-
 Plane plane_of(const FrameLabels& labels,
                const LabelGrid& grid,
                int id,
                const WandOptions& options) {
-  require_editable(labels, id);
+  const LabelPlane& known = editable_plane(labels, id);
   WandOptions free_only = options;
   free_only.take_labelled = false;
-  const LabelPlane& known = *find_plane(labels, id);
   Plane plane{make_wand_field(grid, &labels, free_only),
               {known.normal.cast<float>(), static_cast<float>(known.offset_m)},
               pixels_of_plane(labels, id),
@@ -218,8 +211,7 @@ Finish grow_to_border(const FrameLabels& labels,
 }
 
 Finish drop_specks(const FrameLabels& labels, const LabelGrid& grid, int id, double area_m2) {
-  require_editable(labels, id);
-  const LabelPlane& plane = *find_plane(labels, id);
+  const LabelPlane& plane = editable_plane(labels, id);
   std::vector<PixelSet> parts = connected_parts(grid, pixels_of_plane(labels, id), kPartsGap_px);
   Finish finish;
   if (parts.empty()) return finish;
@@ -235,7 +227,7 @@ FrameLabels finished(const FrameLabels& labels,
                      const LabelGrid& grid,
                      int plane,
                      const Finish& finish) {
-  require_editable(labels, plane);
+  editable_plane(labels, plane);
   const Paint paint{.plane = plane};
   return painted(painted(labels, grid, finish.adds, paint, PaintMode::add), grid, finish.takes,
                  paint, PaintMode::subtract);

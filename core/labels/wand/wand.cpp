@@ -129,144 +129,26 @@ PixelBox bounds_of(const LabelGrid& grid, const std::vector<std::uint8_t>& regio
           std::min(grid.width, box.u1 + margin), std::min(grid.height, box.v1 + margin)};
 }
 
-/// The nearest free pixel to a click that may have hit a hole.
-std::optional<std::uint32_t> nearest_allowed(const WandField& field, std::uint32_t click) {
-  const LabelGrid& grid = field.grid;
-  std::optional<std::uint32_t> nearest;
-  int best = kNearClick_px * kNearClick_px + 1;
-  const int u = static_cast<int>(click) % grid.width, v = static_cast<int>(click) / grid.width;
-  for_pixels(grid, box_around(grid, click, kNearClick_px), [&](std::uint32_t i) {
-    const int du = static_cast<int>(i) % grid.width - u, dv = static_cast<int>(i) / grid.width - v;
-    if (!field.allowed[i] || du * du + dv * dv >= best) return;
-    best = du * du + dv * dv;
-    nearest = i;
-  });
-  return nearest;
-}
-
-std::optional<Sheet> plane_at(const WandField& field, std::uint32_t click) {
-  const LabelGrid& grid = field.grid;
-  const Vec3f& point = grid.points[click];
-  const double tolerance_m = field.tolerance_m({-point.normalized(), -point.norm()}, click);
-  const double reach = kWindowTolerances * tolerance_m * std::abs(grid.intrinsics.fx) / point.z();
-  const int window =
-      static_cast<int>(std::clamp(reach, double{kLeastWindow_px}, double{kMostWindow_px}));
-  const auto fit = fit_around(field, grid.measured, box_around(grid, click, window), click);
-  if (!fit || fit->share < kLeastShare) return std::nullopt;
-  return fit->sheet;
-}
-
-/// A region and the plane under it, as it grows over connected inliers; gaps that were not measured
-/// are crossed.
-class WandGrowth {
+/// Over connected inliers; gaps that were not measured are crossed.
+class ImageGrowth : public Growth {
  public:
-  explicit WandGrowth(const WandField& field);
+  explicit ImageGrowth(const WandField& field)
+      : Growth(field, kLeastPixels), on_(grid_.pixels(), 0) {}
 
-  /// From a click and the plane there, in ever larger boxes, the plane fitted anew each time.
-  /// False where that ends in nothing.
-  bool grow(std::uint32_t click, const Sheet& start);
-
-  /// Continues from there with further clicks until nothing changes.
-  void grow_on(const std::vector<std::uint32_t>& clicks);
-
-  /// Adds, up to some distance, what lies on the plane but faces elsewhere, as normals beside an
-  /// edge do.
-  void take_turned();
-
-  const Sheet& sheet() const { return sheet_; }
-  const PixelBox& box() const { return box_; }  // holds the region
-  std::vector<std::uint8_t>& region() { return region_; }
-
-  /// Adds to `reached` what is connected to a click within the region. Returns the pixels added.
-  PixelSet reach_within_region(std::uint32_t click, std::vector<std::uint8_t>& reached) const;
+  std::optional<std::uint32_t> free_pixel(std::uint32_t click) const override;
+  std::optional<Sheet> plane_at(std::uint32_t click) const override;
+  /// In ever larger boxes.
+  bool begin(std::uint32_t click, const Sheet& start) override;
+  bool complete(const std::vector<std::uint32_t>& clicks) override;
+  PixelSet reach_from(std::uint32_t click, std::vector<std::uint8_t>& reached) const override;
 
  private:
   void regrow(const std::vector<std::uint32_t>& clicks, const PixelBox& box);
-  bool refit();
+  void grow_on(const std::vector<std::uint32_t>& clicks);
 
-  const WandField& field_;
-  const LabelGrid& grid_;
-  Sheet sheet_;
-  // Strips narrower than the normals' windows have no normals: there distance alone decides.
-  bool facing_ = true;
-  PixelBox box_;
+  PixelBox box_;                  // holds the region
   std::vector<std::uint8_t> on_;  // 1 on the sheet, 2 and facing as it does
-  std::vector<std::uint8_t> region_;
 };
-
-WandGrowth::WandGrowth(const WandField& field)
-    : field_(field), grid_(field.grid), on_(grid_.pixels(), 0), region_(grid_.pixels(), 0) {}
-
-bool WandGrowth::grow(std::uint32_t click, const Sheet& start) {
-  sheet_ = start;
-  for (int reach = kFirstReach_px;; reach *= 3) {
-    const PixelBox box = box_around(grid_, click, reach);
-    regrow({click}, box);
-    if (reach == kFirstReach_px) {
-      const auto facing = std::ranges::count(region_, 1);
-      facing_ = false;
-      regrow({click}, box);
-      facing_ = static_cast<double>(facing) >=
-                kLeastFacing * static_cast<double>(std::ranges::count(region_, 1));
-      if (facing_) regrow({click}, box);
-    }
-    if (!refit()) return false;
-    if (!touches(grid_, region_, box)) return true;
-  }
-}
-
-void WandGrowth::grow_on(const std::vector<std::uint32_t>& clicks) {
-  const PixelBox whole{0, 0, grid_.width, grid_.height};
-  PixelBox box = clicks.size() > 1 ? whole : bounds_of(grid_, region_, kMargin_px);
-  // A better fit finds more, and more makes a better fit.
-  for (int round = 0; round < kMostRounds; ++round) {
-    const auto before = static_cast<double>(std::ranges::count(region_, 1));
-    regrow(clicks, box);
-    const auto after = static_cast<double>(std::ranges::count(region_, 1));
-    const bool cut_off = touches(grid_, region_, box);
-    if (!cut_off && std::abs(after - before) <= kSettled * before) return;
-    if (cut_off) box = whole;
-    refit();
-  }
-  regrow(clicks, box);
-}
-
-void WandGrowth::take_turned() { spread(on_, grid_.width, grid_.height, kTurned_px, region_); }
-
-PixelSet WandGrowth::reach_within_region(std::uint32_t click,
-                                         std::vector<std::uint8_t>& reached) const {
-  const std::vector<std::uint8_t> pass = passable(field_, region_, box_, 1);
-  PixelSet added = flood(pass, grid_.width, grid_.height, starts_at(grid_, click, pass), reached);
-  std::erase_if(added, [&](std::uint32_t i) { return !region_[i]; });
-  return added;
-}
-
-void WandGrowth::regrow(const std::vector<std::uint32_t>& clicks, const PixelBox& box) {
-  box_ = box;
-  std::ranges::fill(on_, std::uint8_t{0});
-  mark_inliers(field_, sheet_, box, on_);
-  const std::vector<std::uint8_t> pass = passable(field_, on_, box, facing_ ? 2 : 1);
-  std::ranges::fill(region_, std::uint8_t{0});
-  for (const std::uint32_t click : clicks)
-    flood(pass, grid_.width, grid_.height, starts_at(grid_, click, pass), region_);
-  for_pixels(grid_, box, [&](std::uint32_t i) { region_[i] = region_[i] && on_[i]; });
-}
-
-bool WandGrowth::refit() {
-  const Moments moments = moments_of(grid_, region_, box_);
-  const auto refitted = sheet_through(moments);
-  if (!refitted || moments.count < kLeastPixels) return false;
-  sheet_ = *refitted;
-  return true;
-}
-
-/// Whether a later click means the same plane.
-bool is_fragment(const WandField& field, const Sheet& sheet, std::uint32_t click) {
-  const auto there = plane_at(field, click);
-  return there && field.lies_on(sheet, click, 2) &&
-         there->normal.dot(sheet.normal) >=
-             std::cos(field.options.max_angle_deg * std::numbers::pi / 180);
-}
 
 /// Fills holes that are the depth's own, as a surface that bows has them: nothing else is seen
 /// there.
@@ -286,6 +168,104 @@ void fill_holes(const WandField& field, const Sheet& sheet, std::vector<std::uin
   }
 }
 
+std::optional<std::uint32_t> ImageGrowth::free_pixel(std::uint32_t click) const {
+  std::optional<std::uint32_t> nearest;
+  int best = kNearClick_px * kNearClick_px + 1;
+  const int u = static_cast<int>(click) % grid_.width, v = static_cast<int>(click) / grid_.width;
+  for_pixels(grid_, box_around(grid_, click, kNearClick_px), [&](std::uint32_t i) {
+    const int du = static_cast<int>(i) % grid_.width - u,
+              dv = static_cast<int>(i) / grid_.width - v;
+    if (!field_.allowed[i] || du * du + dv * dv >= best) return;
+    best = du * du + dv * dv;
+    nearest = i;
+  });
+  return nearest;
+}
+
+std::optional<Sheet> ImageGrowth::plane_at(std::uint32_t click) const {
+  const Vec3f& point = grid_.points[click];
+  const double tolerance_m = field_.tolerance_m({-point.normalized(), -point.norm()}, click);
+  const double reach = kWindowTolerances * tolerance_m * std::abs(grid_.intrinsics.fx) / point.z();
+  const int window =
+      static_cast<int>(std::clamp(reach, double{kLeastWindow_px}, double{kMostWindow_px}));
+  const auto fit = fit_around(field_, grid_.measured, box_around(grid_, click, window), click);
+  if (!fit || fit->share < kLeastShare) return std::nullopt;
+  return fit->sheet;
+}
+
+bool ImageGrowth::begin(std::uint32_t click, const Sheet& start) {
+  sheet_ = start;
+  for (int reach = kFirstReach_px;; reach *= 3) {
+    const PixelBox box = box_around(grid_, click, reach);
+    regrow({click}, box);
+    if (reach == kFirstReach_px) {
+      const auto facing = std::ranges::count(region_, 1);
+      facing_ = false;
+      regrow({click}, box);
+      facing_ = static_cast<double>(facing) >=
+                kLeastFacing * static_cast<double>(std::ranges::count(region_, 1));
+      if (facing_) regrow({click}, box);
+    }
+    if (!refit(moments_of(grid_, region_, box_))) return false;
+    if (!touches(grid_, region_, box)) return true;
+  }
+}
+
+void ImageGrowth::grow_on(const std::vector<std::uint32_t>& clicks) {
+  const PixelBox whole{0, 0, grid_.width, grid_.height};
+  PixelBox box = clicks.size() > 1 ? whole : bounds_of(grid_, region_, kMargin_px);
+  // A better fit finds more, and more makes a better fit.
+  for (int round = 0; round < kMostRounds; ++round) {
+    const auto before = static_cast<double>(std::ranges::count(region_, 1));
+    regrow(clicks, box);
+    const auto after = static_cast<double>(std::ranges::count(region_, 1));
+    const bool cut_off = touches(grid_, region_, box);
+    if (!cut_off && std::abs(after - before) <= kSettled * before) return;
+    if (cut_off) box = whole;
+    refit(moments_of(grid_, region_, box_));
+  }
+  regrow(clicks, box);
+}
+
+bool ImageGrowth::complete(const std::vector<std::uint32_t>& clicks) {
+  grow_on(clicks);
+  // What lies on the plane but faces elsewhere, as normals beside an edge do.
+  spread(on_, grid_.width, grid_.height, kTurned_px, region_);
+  fill_holes(field_, sheet_, region_);
+  cut_at_creases(field_, sheet_, box_, region_);
+  if (field_.options.use_color && !grid_.color.empty())
+    settle_border_by_color(field_, sheet_, box_, region_);
+  fill_holes(field_, sheet_, region_);
+  return true;
+}
+
+PixelSet ImageGrowth::reach_from(std::uint32_t click, std::vector<std::uint8_t>& reached) const {
+  const std::vector<std::uint8_t> pass = passable(field_, region_, box_, 1);
+  PixelSet added = flood(pass, grid_.width, grid_.height, starts_at(grid_, click, pass), reached);
+  std::erase_if(added, [&](std::uint32_t i) { return !region_[i]; });
+  return added;
+}
+
+void ImageGrowth::regrow(const std::vector<std::uint32_t>& clicks, const PixelBox& box) {
+  box_ = box;
+  std::ranges::fill(on_, std::uint8_t{0});
+  mark_inliers(field_, sheet_, box, on_);
+  const std::vector<std::uint8_t> pass = passable(field_, on_, box, facing_ ? 2 : 1);
+  std::ranges::fill(region_, std::uint8_t{0});
+  for (const std::uint32_t click : clicks)
+    flood(pass, grid_.width, grid_.height, starts_at(grid_, click, pass), region_);
+  for_pixels(grid_, box, [&](std::uint32_t i) { region_[i] = region_[i] && on_[i]; });
+}
+
+/// Whether a later click means the same plane.
+bool is_part(const WandField& field, const Growth& growth, std::uint32_t click) {
+  const auto there = growth.plane_at(click);
+  if (!there || !field.lies_on(growth.sheet(), click, 2)) return false;
+  const float cosine = there->normal.dot(growth.sheet().normal);
+  return (field.grid.is_cloud() ? std::abs(cosine) : cosine) >=
+         std::cos(field.options.max_angle_deg * std::numbers::pi / 180);
+}
+
 }  // namespace
 
 std::optional<WandResult> grow_plane(const LabelGrid& grid,
@@ -299,43 +279,36 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   };
   if (seeds.empty()) return refuse("nothing was clicked");
   const WandField field = make_wand_field(grid, labels, options);
-  if (grid.is_cloud()) return grow_plane_in_cloud(field, seeds, why_not);
-  const auto click = nearest_allowed(field, seeds[0]);
+  const std::unique_ptr<Growth> growth =
+      grid.is_cloud() ? growth_in_cloud(field) : std::make_unique<ImageGrowth>(field);
+  const auto click = growth->free_pixel(seeds[0]);
   if (!click)
     return refuse(!grid.measured[seeds[0]] ? "nothing was measured there"
                   : !options.within.empty() && !options.within[seeds[0]]
                       ? "it is outside of the lasso"
                       : "it has a label already");
-  const auto start = plane_at(field, *click);
-  WandGrowth growth(field);
-  if (!start || !growth.grow(*click, *start)) return refuse("no plane there");
+  const auto start = growth->plane_at(*click);
+  if (!start || !growth->begin(*click, *start)) return refuse("no plane there");
 
   std::vector<std::uint32_t> clicks{*click};
   std::vector<std::size_t> seed_of{0};
   for (std::size_t k = 1; k < seeds.size(); ++k)
-    if (const auto other = nearest_allowed(field, seeds[k]);
-        other && is_fragment(field, growth.sheet(), *other)) {
+    if (const auto other = growth->free_pixel(seeds[k]); other && is_part(field, *growth, *other)) {
       clicks.push_back(*other);
       seed_of.push_back(k);
     }
-  growth.grow_on(clicks);
-  growth.take_turned();
-  fill_holes(field, growth.sheet(), growth.region());
-  cut_at_creases(field, growth.sheet(), growth.box(), growth.region());
-  if (options.use_color && !grid.color.empty())
-    settle_border_by_color(field, growth.sheet(), growth.box(), growth.region());
-  fill_holes(field, growth.sheet(), growth.region());
+  if (!growth->complete(clicks)) return refuse("no plane there");
 
   // Drops what is no longer connected to a click.
   WandResult result;
   result.fragment_pixels.resize(seeds.size(), 0);
   std::vector<std::uint8_t> reached(grid.pixels(), 0);
   for (std::size_t k = 0; k < clicks.size(); ++k) {
-    const PixelSet fragment = growth.reach_within_region(clicks[k], reached);
+    const PixelSet fragment = growth->reach_from(clicks[k], reached);
     result.fragment_pixels[seed_of[k]] = fragment.size();
     result.pixels.insert(result.pixels.end(), fragment.begin(), fragment.end());
   }
-  if (result.pixels.size() < kLeastPixels) return refuse("no plane there");
+  if (result.pixels.size() < growth->least_pixels) return refuse("no plane there");
   std::ranges::sort(result.pixels);
   result.plane = fit_plane(grid, result.pixels);
   result.label = class_of_tilt(result.plane.tilt_deg);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "core/labels/model/pixel_sets.hpp"
@@ -36,65 +35,46 @@ PixelSet patch_around(const LabelGrid& grid, std::uint32_t point) {
   return patch;
 }
 
-std::optional<Sheet> plane_about(const WandField& field, std::uint32_t click) {
-  LocalFitOptions options;
-  options.half_px = kHalf;
-  const auto fit = fit_through(field, patch_around(field.grid, click), options);
-  if (!fit || fit->share < kLeastPatchShare) return std::nullopt;
-  return fit->sheet;
-}
-
-/// The click, or a free point beside it.
-std::optional<std::uint32_t> free_point(const WandField& field, std::uint32_t click) {
-  if (field.allowed[click]) return click;
-  std::optional<std::uint32_t> nearest;
-  float least = 0;
-  for (const std::uint32_t next : field.grid.graph.around(click)) {
-    const float apart = (field.grid.points[next] - field.grid.points[click]).squaredNorm();
-    if (!field.allowed[next] || (nearest && apart >= least)) continue;
-    nearest = next;
-    least = apart;
-  }
-  return nearest;
-}
-
-/// A region and the plane under it, as it grows.
-class CloudGrowth {
+class CloudGrowth : public Growth {
  public:
-  CloudGrowth(const WandField& field, const Sheet& start)
-      : field_(field), grid_(field.grid), sheet_(start), region_(grid_.pixels(), 0) {}
+  explicit CloudGrowth(const WandField& field) : Growth(field, kLeastPoints) {}
 
-  /// In ever longer reaches about the clicks, the plane fitted anew each time, until all is reached
-  /// and nothing changes. False where that ends in nothing.
-  bool grow(const std::vector<std::uint32_t>& clicks) {
-    decide_facing(clicks);
-    std::size_t before = 0;
-    int settled = 0;
-    for (int steps = kFirstSteps; settled < kMostRefits; steps = std::min(3 * steps, 1 << 28)) {
-      const bool cut_off = regrow(clicks, steps);
-      if (!refit()) return false;
-      if (cut_off) continue;
-      ++settled;
-      const auto change =
-          std::abs(static_cast<double>(taken_.size()) - static_cast<double>(before));
-      if (change <= kSettledShare * static_cast<double>(before)) break;
-      before = taken_.size();
+  std::optional<std::uint32_t> free_pixel(std::uint32_t click) const override {
+    if (field_.allowed[click]) return click;
+    std::optional<std::uint32_t> nearest;
+    float least = 0;
+    for (const std::uint32_t next : grid_.graph.around(click)) {
+      const float apart = (grid_.points[next] - grid_.points[click]).squaredNorm();
+      if (!field_.allowed[next] || (nearest && apart >= least)) continue;
+      nearest = next;
+      least = apart;
     }
-    regrow(clicks, 1 << 28);
-    return taken_.size() >= kLeastPoints;
+    return nearest;
   }
 
-  /// What lies on the plane but faces elsewhere, as points beside an edge do; and what is off it by
-  /// noise alone, with the plane all around.
-  void round_off() {
+  std::optional<Sheet> plane_at(std::uint32_t click) const override {
+    LocalFitOptions options;
+    options.half_px = kHalf;
+    const auto fit = fit_through(field_, patch_around(grid_, click), options);
+    if (!fit || fit->share < kLeastPatchShare) return std::nullopt;
+    return fit->sheet;
+  }
+
+  bool begin(std::uint32_t click, const Sheet& start) override {
+    sheet_ = start;
+    return grow({click});
+  }
+
+  /// Adds what lies on the plane but faces elsewhere, as points beside an edge do; and what is off
+  /// it by noise alone, with the plane all around.
+  bool complete(const std::vector<std::uint32_t>& clicks) override {
+    if (clicks.size() > 1 && !grow(clicks)) return false;
     if (facing_) spread(kTurnedSteps);
     for (int round = 0; round < kSpeckRounds; ++round) fill_specks();
+    return true;
   }
 
-  const Sheet& sheet() const { return sheet_; }
-
-  /// Adds to `reached` what is connected to a click within the region. Returns the points added.
-  PixelSet reach_from(std::uint32_t click, std::vector<std::uint8_t>& reached) const {
+  PixelSet reach_from(std::uint32_t click, std::vector<std::uint8_t>& reached) const override {
     PixelSet added;
     const auto visit = [&](std::uint32_t i) {
       if (!region_[i] || reached[i]) return;
@@ -109,6 +89,28 @@ class CloudGrowth {
   }
 
  private:
+  /// In ever longer reaches about the clicks, the plane fitted anew each time, until all is reached
+  /// and nothing changes. False where that ends in nothing.
+  bool grow(const std::vector<std::uint32_t>& clicks) {
+    decide_facing(clicks);
+    std::size_t before = 0;
+    int settled = 0;
+    for (int steps = kFirstSteps; settled < kMostRefits; steps = std::min(3 * steps, 1 << 28)) {
+      const bool cut_off = regrow(clicks, steps);
+      Moments moments;
+      for (const std::uint32_t i : taken_) moments.add(grid_.points[i].cast<double>());
+      if (!refit(moments)) return false;
+      if (cut_off) continue;
+      ++settled;
+      const auto change =
+          std::abs(static_cast<double>(taken_.size()) - static_cast<double>(before));
+      if (change <= kSettledShare * static_cast<double>(before)) break;
+      before = taken_.size();
+    }
+    regrow(clicks, 1 << 28);
+    return taken_.size() >= kLeastPoints;
+  }
+
   bool takes(std::uint32_t i) const {
     return field_.allowed[i] && field_.lies_on(sheet_, i) && (!facing_ || field_.faces(sheet_, i));
   }
@@ -133,15 +135,6 @@ class CloudGrowth {
     return from < taken_.size();
   }
 
-  bool refit() {
-    Moments moments;
-    for (const std::uint32_t i : taken_) moments.add(grid_.points[i].cast<double>());
-    const auto refitted = sheet_through(moments);
-    if (!refitted || moments.count < kLeastPoints) return false;
-    sheet_ = *refitted;
-    return true;
-  }
-
   void decide_facing(const std::vector<std::uint32_t>& clicks) {
     regrow(clicks, kFirstSteps);
     const auto facing = static_cast<double>(taken_.size());
@@ -151,18 +144,14 @@ class CloudGrowth {
   }
 
   void spread(int steps) {
-    PixelSet front = taken_, next;
-    for (int step = 0; step < steps; ++step) {
-      next.clear();
-      for (const std::uint32_t i : front)
-        for (const std::uint32_t j : grid_.graph.around(i)) {
-          if (region_[j] || !field_.allowed[j] || !field_.lies_on(sheet_, j)) continue;
-          region_[j] = 1;
-          next.push_back(j);
-        }
-      taken_.insert(taken_.end(), next.begin(), next.end());
-      front.swap(next);
-    }
+    grow_rings(taken_, steps, [&](std::uint32_t i, auto& next) {
+      for (const std::uint32_t j : grid_.graph.around(i)) {
+        if (region_[j] || !field_.allowed[j] || !field_.lies_on(sheet_, j)) continue;
+        region_[j] = 1;
+        next.push_back(j);
+        taken_.push_back(j);
+      }
+    });
   }
 
   void fill_specks() {
@@ -185,66 +174,13 @@ class CloudGrowth {
     return 4 * static_cast<std::size_t>(in) >= 3 * around.size();
   }
 
-  const WandField& field_;
-  const LabelGrid& grid_;
-  Sheet sheet_;
-  bool facing_ = true;
-  std::vector<std::uint8_t> region_;
   PixelSet taken_;  // the region, as it grew
 };
 
-/// Whether a later click means the same plane.
-bool is_part(const WandField& field, const Sheet& sheet, std::uint32_t click) {
-  const auto there = plane_about(field, click);
-  return there && field.lies_on(sheet, click, 2) &&
-         std::abs(there->normal.dot(sheet.normal)) >=
-             std::cos(field.options.max_angle_deg * std::numbers::pi / 180);
-}
-
 }  // namespace
 
-std::optional<WandResult> grow_plane_in_cloud(const WandField& field,
-                                              std::span<const std::uint32_t> seeds,
-                                              std::string* why_not) {
-  const LabelGrid& grid = field.grid;
-  const auto refuse = [&](const char* why) {
-    if (why_not) *why_not = why;
-    return std::nullopt;
-  };
-  const auto click = free_point(field, seeds[0]);
-  if (!click)
-    return refuse(!grid.measured[seeds[0]] ? "nothing was measured there"
-                  : !field.options.within.empty() && !field.options.within[seeds[0]]
-                      ? "it is outside of the lasso"
-                      : "it has a label already");
-  const auto start = plane_about(field, *click);
-  if (!start) return refuse("no plane there");
-  std::vector<std::uint32_t> clicks{*click};
-  std::vector<std::size_t> seed_of{0};
-  CloudGrowth growth(field, *start);
-  if (!growth.grow(clicks)) return refuse("no plane there");
-  for (std::size_t k = 1; k < seeds.size(); ++k)
-    if (const auto other = free_point(field, seeds[k]);
-        other && is_part(field, growth.sheet(), *other)) {
-      clicks.push_back(*other);
-      seed_of.push_back(k);
-    }
-  if (clicks.size() > 1 && !growth.grow(clicks)) return refuse("no plane there");
-  growth.round_off();
-
-  WandResult result;
-  result.fragment_pixels.resize(seeds.size(), 0);
-  std::vector<std::uint8_t> reached(grid.pixels(), 0);
-  for (std::size_t k = 0; k < clicks.size(); ++k) {
-    const PixelSet fragment = growth.reach_from(clicks[k], reached);
-    result.fragment_pixels[seed_of[k]] = fragment.size();
-    result.pixels.insert(result.pixels.end(), fragment.begin(), fragment.end());
-  }
-  if (result.pixels.size() < kLeastPoints) return refuse("no plane there");
-  std::ranges::sort(result.pixels);
-  result.plane = fit_plane(grid, result.pixels);
-  result.label = class_of_tilt(result.plane.tilt_deg);
-  return result;
+std::unique_ptr<Growth> growth_in_cloud(const WandField& field) {
+  return std::make_unique<CloudGrowth>(field);
 }
 
 }  // namespace planescope::labels

@@ -1,10 +1,14 @@
+// Planes through a few pixels, and where a region of the wand ends.
+
 #include "core/labels/wand/wand_field.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "core/labels/model/pixel_sets.hpp"
 #include "core/model/plane.hpp"
 #include "core/model/random.hpp"
 
@@ -156,6 +160,251 @@ std::optional<LocalFit> fit_through(const WandField& field,
     weights += static_cast<double>(all.back().weight);
   }
   return fit_weighted(field, all, weights, options);
+}
+
+// Where a region of the wand ends.
+
+// Creases. Where two surfaces meet at an angle, points near the edge are within tolerance of both
+// planes. The other surface continues outside of the region: its plane is fitted there, tile by
+// tile along the border, and each pixel near the border goes to the nearer of the two planes.
+
+namespace {
+
+constexpr int kTile_px = 16;
+constexpr int kLeastCrease_px = 12;  // beyond the tile, to each side
+constexpr int kMostCrease_px = 80;
+constexpr std::size_t kLeastContact_px = 3;  // of a tile's pixels
+constexpr double kLeastCreaseShare = 0.3;    // of what is beyond lies on the other surface
+constexpr double kLeastSine = 0.12;          // of the angle: flatter creases are no creases
+constexpr double kFlatSine = 0.35;      // below it noise decides unless it is averaged over more
+constexpr float kLeaves = 1.8f;         // tolerances from the sheet: a surface, not a bump
+constexpr double kLeastLeaving = 0.2;   // of the other surface's pixels are that far
+constexpr int kLong_px = 60;            // a window so large ...
+constexpr double kLeastLong = 0.3;      // ... is filled by the other surface to this share
+constexpr int kMostSurfaces = 2;        // that meet the region in one tile
+constexpr std::size_t kRemembered = 6;  // surfaces, for the tiles that follow
+
+using Tile = std::vector<std::uint32_t>;
+
+/// Pixels just outside of the region that continue it without a step in depth, by tile.
+std::vector<Tile> contacts_by_tile(const WandField& field,
+                                   const Sheet& sheet,
+                                   const PixelBox& box,
+                                   const std::vector<std::uint8_t>& region) {
+  const LabelGrid& grid = field.grid;
+  const int width = grid.width, height = grid.height;
+  const int across = (width + kTile_px - 1) / kTile_px, down = (height + kTile_px - 1) / kTile_px;
+  std::vector<Tile> tiles(static_cast<std::size_t>(across) * down);
+  for (int v = std::max(box.v0, 1); v < std::min(box.v1, height - 1); ++v)
+    for (int u = std::max(box.u0, 1); u < std::min(box.u1, width - 1); ++u) {
+      const auto i = static_cast<std::uint32_t>(v * width + u);
+      if (region[i] || !grid.measured[i]) continue;
+      if (!region[i - 1] && !region[i + 1] && !region[i - width] && !region[i + width]) continue;
+      if (field.lies_on(sheet, i, 3)) tiles[v / kTile_px * across + u / kTile_px].push_back(i);
+    }
+  return tiles;
+}
+
+class CreaseCut {
+ public:
+  CreaseCut(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region)
+      : field_(field),
+        grid_(field.grid),
+        sheet_(sheet),
+        region_(region),
+        outside_(grid_.pixels(), 0),
+        goes_(grid_.pixels(), 0) {
+    for (std::size_t i = 0; i < outside_.size(); ++i) outside_[i] = grid_.measured[i] && !region[i];
+  }
+
+  void cut_at(const Tile& contacts) {
+    Tile open = contacts;
+    for (int k = 0; k < kMostSurfaces && open.size() >= kLeastContact_px; ++k) {
+      const std::uint32_t middle = open[open.size() / 2];
+      const double tolerance_px = field_.tolerance_m(sheet_, middle) *
+                                  std::abs(grid_.intrinsics.fx) / grid_.points[middle].z();
+      const auto other = surface_beyond(middle, tolerance_px);
+      if (!other) return;
+      Tile front;
+      std::erase_if(open, [&](std::uint32_t i) {
+        const bool on = field_.lies_on(*other, i);
+        if (on) front.push_back(i);
+        return on;
+      });
+      if (front.empty()) return;
+      const double sine = sine_to(*other);
+      const int deep = static_cast<int>(std::min(1.3 * tolerance_px / sine, 60.0)) + 2;
+      take(*other, std::move(front), deep, sine < kFlatSine ? 3 : 1);
+    }
+  }
+
+  void finish() {
+    for (std::size_t i = 0; i < region_.size(); ++i)
+      if (goes_[i]) region_[i] = 0;
+  }
+
+ private:
+  double sine_to(const Sheet& other) const { return other.normal.cross(sheet_.normal).norm(); }
+
+  /// The surface that continues outside of the region at `middle`. The flatter the crease, the
+  /// larger the window that is needed to tell the two apart.
+  std::optional<Sheet> surface_beyond(std::uint32_t middle, double tolerance_px) {
+    for (const double tolerances : {2.0, 5.0}) {
+      const int beyond =
+          std::clamp(static_cast<int>(tolerances * tolerance_px), kLeastCrease_px, kMostCrease_px);
+      const PixelBox box = box_around(grid_, middle, kTile_px / 2 + beyond);
+      LocalFitOptions options;
+      options.half_px = beyond;
+      options.samples = 32;
+      options.most_pixels = 144;
+      options.hints = known_;
+      const auto fit = fit_around(field_, outside_, box, middle, options);
+      if (!fit || fit->share < kLeastCreaseShare) return std::nullopt;
+      if (sine_to(fit->sheet) < kLeastSine || !is_surface(fit->sheet, box)) continue;
+      remember(fit->sheet);
+      return fit->sheet;
+    }
+    return std::nullopt;
+  }
+
+  void remember(const Sheet& other) {
+    if (std::ranges::any_of(known_, [&](const Sheet& s) {
+          return s.normal == other.normal && s.offset_m == other.offset_m;
+        }))
+      return;
+    if (known_.size() == kRemembered) known_.erase(known_.begin());
+    known_.push_back(other);
+  }
+
+  /// Not a bump in the region's own surface: it is farther off than noise explains, or it is large.
+  bool is_surface(const Sheet& other, const PixelBox& box) const {
+    int all = 0, on = 0, far = 0;
+    for (int v = box.v0; v < box.v1; v += 2)
+      for (int u = box.u0; u < box.u1; u += 2) {
+        const auto i = static_cast<std::uint32_t>(v * grid_.width + u);
+        ++all;
+        if (!outside_[i] || !field_.lies_on(other, i)) continue;
+        ++on;
+        far += !field_.lies_on(sheet_, i, kLeaves);
+      }
+    return far > kLeastLeaving * on || (box.u1 - box.u0 > kLong_px && on > kLeastLong * all);
+  }
+
+  /// Into the region from where the other surface touches it, `deep` pixels at most.
+  void take(const Sheet& other, Tile front, int deep, int blur) {
+    grow_rings(std::move(front), deep, [&](std::uint32_t i, auto& next) {
+      for_sides(i, grid_.width, grid_.height, [&](std::uint32_t j) {
+        if (!region_[j] || goes_[j] || !is_nearer(other, j, blur)) return;
+        goes_[j] = 1;
+        next.push_back(j);
+      });
+    });
+  }
+
+  /// Nearer to the other plane than to the sheet, by the mean of the pixels around.
+  bool is_nearer(const Sheet& other, std::uint32_t pixel, int blur) const {
+    const float middle = sheet_.distance_m(grid_.points[pixel]);
+    const float most = field_.tolerance_m(sheet_, pixel);
+    float to_sheet = 0, to_other = 0;
+    for_pixels(grid_, box_around(grid_, pixel, blur), [&](std::uint32_t i) {
+      const float d = sheet_.distance_m(grid_.points[i]);
+      if (!(std::abs(d - middle) <= most)) return;  // also where not measured
+      to_sheet += d;
+      to_other += other.distance_m(grid_.points[i]);
+    });
+    return std::abs(to_other) < std::abs(to_sheet);
+  }
+
+  const WandField& field_;
+  const LabelGrid& grid_;
+  const Sheet& sheet_;
+  std::vector<std::uint8_t>& region_;
+  std::vector<std::uint8_t> outside_;  // measured, and none of the region
+  std::vector<std::uint8_t> goes_;     // to another surface
+  std::vector<Sheet> known_;           // other surfaces, met in the last tiles
+};
+
+}  // namespace
+
+void cut_at_creases(const WandField& field,
+                    const Sheet& sheet,
+                    const PixelBox& box,
+                    std::vector<std::uint8_t>& region) {
+  CreaseCut cut(field, sheet, region);
+  for (const Tile& tile : contacts_by_tile(field, sheet, box, region))
+    if (tile.size() >= kLeastContact_px) cut.cut_at(tile);
+  cut.finish();
+}
+
+// Colour. Depth images are ragged at the borders of objects, colour images are not. Border pixels
+// whose depth leaves it open go to the side whose colour nearby is more like theirs.
+
+namespace {
+
+constexpr int kStrip_px = 3;          // of the border, to each side
+constexpr int kAround_px = 6;         // where the two sides' colours are taken from
+constexpr int kLeastColorPixels = 8;  // of each side
+constexpr float kContrast = 36;       // between them, of 255 per channel
+constexpr float kClearly = 0.6f;      // nearer to one than to the other
+constexpr float kDoubtful = 0.6f;     // of the tolerance: what fits worse inside may be wrong
+
+struct MeanColor {
+  Vec3f sum = Vec3f::Zero();
+  int count = 0;
+
+  void add(const std::uint8_t* rgb) {
+    sum += Vec3f(rgb[0], rgb[1], rgb[2]);
+    ++count;
+  }
+  Vec3f value() const { return sum / static_cast<float>(count); }
+};
+
+}  // namespace
+
+void settle_border_by_color(const WandField& field,
+                            const Sheet& sheet,
+                            const PixelBox& box,
+                            std::vector<std::uint8_t>& region) {
+  const LabelGrid& grid = field.grid;
+  const int width = grid.width, height = grid.height;
+  std::vector<std::uint8_t> strip(grid.pixels(), 0);
+  for (int v = box.v0; v < box.v1; ++v)
+    for (int u = box.u0; u < box.u1; ++u) {
+      const int i = v * width + u;
+      const bool right = u + 1 < width && region[i] != region[i + 1];
+      const bool down = v + 1 < height && region[i] != region[i + width];
+      if (!right && !down) continue;
+      for_pixels(grid, box_around(grid, static_cast<std::uint32_t>(i), kStrip_px),
+                 [&](std::uint32_t j) { strip[j] = 1; });
+    }
+  enum : std::uint8_t { kUnknown, kInside, kOutside };
+  std::vector<std::uint8_t> side(grid.pixels(), kUnknown);
+  std::vector<std::uint32_t> doubtful;
+  for_pixels(grid, box, [&](std::uint32_t i) {
+    if (!grid.measured[i]) return;
+    const bool in_doubt =
+        strip[i] && field.allowed[i] &&
+        (region[i] ? !field.lies_on(sheet, i, kDoubtful) : field.lies_on(sheet, i, kLoosely));
+    if (in_doubt)
+      doubtful.push_back(i);
+    else
+      side[i] = region[i] ? kInside : kOutside;
+  });
+  for (const std::uint32_t i : doubtful) {
+    MeanColor inside, outside;
+    for_pixels(grid, box_around(grid, i, kAround_px), [&](std::uint32_t j) {
+      if (side[j] == kInside) inside.add(&grid.color.data[std::size_t{3} * j]);
+      if (side[j] == kOutside) outside.add(&grid.color.data[std::size_t{3} * j]);
+    });
+    if (inside.count < kLeastColorPixels || outside.count < kLeastColorPixels) continue;
+    if ((inside.value() - outside.value()).norm() < kContrast) continue;
+    const std::uint8_t* rgb = &grid.color.data[std::size_t{3} * i];
+    const Vec3f own(rgb[0], rgb[1], rgb[2]);
+    const float to_inside = (own - inside.value()).norm();
+    const float to_outside = (own - outside.value()).norm();
+    if (to_inside < kClearly * to_outside) region[i] = 1;
+    if (to_outside < kClearly * to_inside) region[i] = 0;
+  }
 }
 
 }  // namespace planescope::labels

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -99,10 +100,46 @@ std::optional<LocalFit> fit_through(const WandField& field,
                                     std::span<const std::uint32_t> pixels,
                                     const LocalFitOptions& options = {});
 
-/// grow_plane() in a cloud, over its own neighbours (wand_cloud.cpp).
-std::optional<WandResult> grow_plane_in_cloud(const WandField& field,
-                                              std::span<const std::uint32_t> seeds,
-                                              std::string* why_not);
+/// A region and the plane under it, as it grows from clicks: in an image over pixels (wand.cpp), in
+/// a cloud over each point's neighbours (wand_cloud.cpp).
+class Growth {
+ public:
+  Growth(const WandField& field, std::size_t least)
+      : least_pixels(least), field_(field), grid_(field.grid), region_(grid_.pixels(), 0) {}
+  virtual ~Growth() = default;
+  Growth(const Growth&) = delete;
+  Growth& operator=(const Growth&) = delete;
+
+  /// The nearest free pixel to a click that may have hit a hole.
+  virtual std::optional<std::uint32_t> free_pixel(std::uint32_t click) const = 0;
+  virtual std::optional<Sheet> plane_at(std::uint32_t click) const = 0;
+  /// From a click and the plane there, the plane fitted anew as the region grows. False where that
+  /// ends in nothing.
+  virtual bool begin(std::uint32_t click, const Sheet& start) = 0;
+  /// With further clicks, until nothing changes, and to the region's border.
+  virtual bool complete(const std::vector<std::uint32_t>& clicks) = 0;
+  /// Adds to `reached` what is connected to a click within the region. Returns the pixels added.
+  virtual PixelSet reach_from(std::uint32_t click, std::vector<std::uint8_t>& reached) const = 0;
+
+  const Sheet& sheet() const { return sheet_; }
+  const std::size_t least_pixels;  // of a plane
+
+ protected:
+  bool refit(const Moments& moments) {
+    const auto refitted = sheet_through(moments);
+    if (!refitted || moments.count < static_cast<double>(least_pixels)) return false;
+    sheet_ = *refitted;
+    return true;
+  }
+
+  const WandField& field_;
+  const LabelGrid& grid_;
+  Sheet sheet_;
+  // Strips narrower than the normals' windows have no normals: there distance alone decides.
+  bool facing_ = true;
+  std::vector<std::uint8_t> region_;
+};
+std::unique_ptr<Growth> growth_in_cloud(const WandField& field);
 
 /// Takes pixels off `region` that lie on another surface which meets the sheet at a crease. All of
 /// `region` is within tolerance of the sheet; where the other surface lies is told by its part

@@ -258,12 +258,6 @@ std::vector<OptionInfo> make_table() {
   };
   if (has_ransac()) append_rival(Method::ransac, &RivalOptions::ransac);
   append_rival(Method::region_growing, &RivalOptions::region_growing);
-  if (has_pcl_and_cgal()) {
-    append_rival(Method::pcl_multi_plane, &RivalOptions::pcl_multi_plane);
-    append_rival(Method::pcl_region_growing, &RivalOptions::pcl_region_growing);
-    append_rival(Method::cgal_ransac, &RivalOptions::cgal_ransac);
-    append_rival(Method::cgal_region_growing, &RivalOptions::cgal_region_growing);
-  }
   append_stage(
       rows, {"foot"}, [](auto& o) -> auto& { return o.foot; });
   append_stage(

@@ -28,32 +28,18 @@ struct NamedMethod {
 };
 constexpr std::array kMethods = {NamedMethod{Method::ours, "ours"},
                                  NamedMethod{Method::ransac, "ransac"},
-                                 NamedMethod{Method::region_growing, "region-growing"},
-                                 NamedMethod{Method::pcl_multi_plane, "pcl-multi-plane"},
-                                 NamedMethod{Method::pcl_region_growing, "pcl-region-growing"},
-                                 NamedMethod{Method::cgal_ransac, "cgal-ransac"},
-                                 NamedMethod{Method::cgal_region_growing, "cgal-region-growing"}};
+                                 NamedMethod{Method::region_growing, "region-growing"}};
 
 /// The CMake option without which this program was built, and so without the method; null where it
 /// has it.
 const char* missing_option(Method method) {
   if (method == Method::ransac) return has_ransac() ? nullptr : "PLANESCOPE_OPEN3D";
-  if (method > Method::region_growing) return has_pcl_and_cgal() ? nullptr : "PLANESCOPE_RIVALS";
   return nullptr;
 }
 
 }  // namespace
 
 const char* to_string(Method method) { return kMethods[static_cast<std::size_t>(method)].name; }
-
-const std::vector<Method>& all_methods() {
-  static const std::vector<Method> methods = [] {
-    std::vector<Method> all;
-    for (const NamedMethod& named : kMethods) all.push_back(named.method);
-    return all;
-  }();
-  return methods;
-}
 
 const std::vector<Method>& built_methods() {
   static const std::vector<Method> methods = [] {
@@ -114,52 +100,6 @@ ChosenClassifier make_classifier(const PipelineOptions& options, const fs::path&
 
 namespace {
 
-bool looks_at_pixels(Method method, const Frame& frame) {
-  if (method == Method::pcl_multi_plane && frame.is_cloud())
-    throw Error(std::string("method ") + to_string(method) +
-                " is for depth images, this frame is a cloud");
-  return !frame.is_cloud() &&
-         (method == Method::pcl_multi_plane || method == Method::region_growing);
-}
-
-FoundPlanes find_on_pixels(const Frame& frame,
-                           const PreparedFrame& prepared,
-                           const PipelineOptions& options) {
-  const Cloud& cloud = prepared.cloud;
-  const PixelPoints pixels{.points = cloud.points,
-                           .pixel = cloud.source,
-                           .kept = cloud.kept,
-                           .sensor = prepared.sensor().cast<float>(),
-                           .view = cloud.T_world_sensor.linear().col(2).cast<float>(),
-                           .width = frame.depth.width,
-                           .height = frame.depth.height};
-  return options.method == Method::pcl_multi_plane
-             ? pcl_multi_plane(pixels, options.rivals.pcl_multi_plane)
-             : grow_regions(pixels, options.rivals.region_growing);
-}
-
-FoundPlanes find_on_voxels(const PreparedFrame& prepared, const PipelineOptions& options) {
-  const std::vector<Vec3f>& points = prepared.voxels.points;
-  const RivalOptions& rivals = options.rivals;
-  switch (options.method) {
-    case Method::ransac:
-      return find_planes_ransac(points, rivals.ransac);
-    case Method::region_growing:
-      return grow_regions(points, rivals.region_growing);
-    case Method::pcl_region_growing:
-      return pcl_region_growing(points, rivals.pcl_region_growing);
-    case Method::cgal_ransac:
-      return cgal_ransac(points, rivals.cgal_ransac);
-    case Method::cgal_region_growing:
-      return cgal_region_growing(points, rivals.cgal_region_growing);
-    case Method::ours:
-    case Method::pcl_multi_plane:
-      break;
-  }
-  assert(false);
-  return {};
-}
-
 std::vector<PlaneRegion> regions_of(const std::vector<PlaneFit>& planes,
                                     const PreparedFrame& prepared) {
   std::vector<PlaneRegion> regions;
@@ -175,36 +115,12 @@ std::vector<PlaneRegion> regions_of(const std::vector<PlaneFit>& planes,
   return regions;
 }
 
-/// As find_regions(), for every method but ours. Those for depth images look at the pixels, and a
-/// voxel gets the plane of most of its points; the others look at the voxels, and leave
-/// FoundRegions::plane_of empty: a point's plane is its voxel's. Throws Error where the method does
-/// not take such a frame.
-FoundRegions find_rival_regions(const Frame& frame,
-                                const PreparedFrame& prepared,
-                                const PipelineOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
-  FoundRegions found;
-  Segmentation& segmentation = found.segmentation;
-  const bool on_pixels = looks_at_pixels(options.method, frame);
-  FoundPlanes planes =
-      on_pixels ? find_on_pixels(frame, prepared, options) : find_on_voxels(prepared, options);
-  if (on_pixels) {
-    found.plane_of = std::move(planes.plane_of);
-    segmentation.plane_of = vote_instances(prepared.voxels, found.plane_of);
-  } else {
-    segmentation.plane_of = std::move(planes.plane_of);
-  }
-  segmentation.planes = regions_of(planes.planes, prepared);
-  for (const std::int32_t id : segmentation.plane_of) {
-    if (id > 0)
-      ++segmentation.planes[static_cast<std::size_t>(id) - 1].points;
-    else
-      ++segmentation.counts.unassigned;
-  }
-  const std::chrono::duration<double, std::milli> elapsed =
-      std::chrono::steady_clock::now() - start;
-  segmentation.timings.traverse_ms = elapsed.count();
-  return found;
+/// Of points that have no plane of their own: their voxel's.
+void set_planes_of_points(const PreparedFrame& prepared, FoundRegions& found) {
+  found.plane_of.assign(prepared.cloud.points.size(), 0);
+  for (std::size_t i = 0; i < found.plane_of.size(); ++i)
+    if (const std::uint32_t voxel = prepared.voxels.voxel_of[i]; voxel != kNoVoxel)
+      found.plane_of[i] = found.segmentation.plane_of[voxel];
 }
 
 /// The label of each voxel's plane, unknown where it has none: what stands in for a classification.
@@ -347,6 +263,36 @@ DepthInput depth_input(const Frame& frame,
 
 }  // namespace
 
+PixelPoints pixel_points(const Frame& frame, const PreparedFrame& prepared) {
+  const Cloud& cloud = prepared.cloud;
+  return {.points = cloud.points,
+          .pixel = cloud.source,
+          .kept = cloud.kept,
+          .sensor = prepared.sensor().cast<float>(),
+          .view = cloud.T_world_sensor.linear().col(2).cast<float>(),
+          .width = frame.depth.width,
+          .height = frame.depth.height};
+}
+
+FoundRegions regions_of_rival(const PreparedFrame& prepared, FoundPlanes planes, bool on_pixels) {
+  FoundRegions found;
+  Segmentation& segmentation = found.segmentation;
+  segmentation.plane_of = std::move(planes.plane_of);
+  if (on_pixels) {  // a voxel gets the plane of most of its points
+    found.plane_of = std::move(segmentation.plane_of);
+    segmentation.plane_of = vote_instances(prepared.voxels, found.plane_of);
+  }
+  segmentation.planes = regions_of(planes.planes, prepared);
+  for (const std::int32_t id : segmentation.plane_of) {
+    if (id > 0)
+      ++segmentation.planes[static_cast<std::size_t>(id) - 1].points;
+    else
+      ++segmentation.counts.unassigned;
+  }
+  if (!on_pixels) set_planes_of_points(prepared, found);
+  return found;
+}
+
 FoundRegions find_regions(const Frame& frame,
                           const PreparedFrame& prepared,
                           const PipelineOptions& options,
@@ -366,13 +312,20 @@ FoundRegions find_regions(const Frame& frame,
         segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
                 prepared.sensor(), segment_options(prepared, options), trace);
   } else {
-    found = find_rival_regions(frame, prepared, options);
+    Stopwatch watch;
+    const RivalOptions& rivals = options.rivals;
+    const bool on_pixels = options.method == Method::region_growing && !frame.is_cloud();
+    const std::vector<Vec3f>& points = prepared.voxels.points;
+    found = regions_of_rival(
+        prepared,
+        on_pixels ? grow_regions(pixel_points(frame, prepared), rivals.region_growing)
+        : options.method == Method::ransac ? find_planes_ransac(points, rivals.ransac)
+                                           : grow_regions(points, rivals.region_growing),
+        on_pixels);
+    found.segmentation.timings.traverse_ms = watch.lap_ms();
+    return found;
   }
-  if (!found.plane_of.empty()) return found;
-  found.plane_of.assign(prepared.cloud.points.size(), 0);
-  for (std::size_t i = 0; i < found.plane_of.size(); ++i)
-    if (const std::uint32_t voxel = prepared.voxels.voxel_of[i]; voxel != kNoVoxel)
-      found.plane_of[i] = found.segmentation.plane_of[voxel];
+  set_planes_of_points(prepared, found);
   return found;
 }
 

@@ -30,25 +30,16 @@ enum class Method : std::uint8_t {
   ours,
   ransac,  // the paper's rivals; this one only in programs that have Open3D (has_ransac())
   region_growing,
-  pcl_multi_plane,  // further rivals, only where they were built (has_pcl_and_cgal())
-  pcl_region_growing,
-  cgal_ransac,
-  cgal_region_growing,
 };
 /// As --method has it: "region-growing".
 const char* to_string(Method method);
 Method parse_method(const std::string& text);  // throws Error naming those that this build has
-const std::vector<Method>& all_methods();      // ours first, built or not
 const std::vector<Method>& built_methods();    // ours first; the same for the whole process
 
 /// Options of all methods but ours, which has SegmentOptions.
 struct RivalOptions {
   RansacOptions ransac;
   RegionGrowingOptions region_growing;
-  PclMultiPlaneOptions pcl_multi_plane;
-  PclRegionGrowingOptions pcl_region_growing;
-  CgalRansacOptions cgal_ransac;
-  CgalRegionGrowingOptions cgal_region_growing;
 };
 
 /// Everything a user can set about the processing of one frame.
@@ -132,6 +123,11 @@ FoundRegions find_regions(const Frame& frame,
                           const PipelineOptions& options,
                           Trace* trace = nullptr,
                           std::span<const KnownPlane> known = {});
+
+/// The measurements of a depth image, as methods for pixels take them.
+PixelPoints pixel_points(const Frame& frame, const PreparedFrame& prepared);
+/// find_regions() of a rival that found these planes, in points of pixel_points() or in voxels.
+FoundRegions regions_of_rival(const PreparedFrame& prepared, FoundPlanes planes, bool on_pixels);
 
 /// Runs one frame: prepare_frame() and find_regions(). `trace` may be null. Of a rival, the labels
 /// are those of the voxels' planes, unknown elsewhere.

@@ -77,7 +77,25 @@ std::string planes_json(const Frame& frame,
 /// Milliseconds by stage and their sum.
 std::string timings_json(const FrameTimings& timings);
 
-/// The stages' times, for timings.json and reports.
+// What planes.json, timings.json and report.json have in common.
+
+/// The noise that was measured, and how far off a plane points may lie, one meter from the sensor
+/// [m].
+struct NoiseFigures {
+  bool estimated = false, by_range = false;
+  double sigma_m = 0, tau_m = 0;
+};
+inline NoiseFigures noise_figures(const NoiseModel& noise) {
+  return {noise.estimated, noise.by_range, noise.sigma(1), noise.tau(1)};
+}
+void visit_fields(auto& fields, Same<NoiseFigures> auto& noise) {
+  fields("estimated", noise.estimated);
+  fields("by_range", noise.by_range);
+  fields("sigma_at_1m_m", noise.sigma_m, kRounded);
+  fields("tau_at_1m_m", noise.tau_m, kRounded);
+}
+
+/// The stages' times.
 void visit_fields(auto& fields, Same<FrameTimings> auto& timings) {
   fields("load_ms", timings.load_ms);
   fields("cloud_ms", timings.cloud_ms);
@@ -85,6 +103,47 @@ void visit_fields(auto& fields, Same<FrameTimings> auto& timings) {
   fields("t_c_ms", timings.t_c_ms);
   fields("t_b_ms", timings.t_b_ms);
   fields("t_s_ms", timings.t_s_ms);
+}
+
+template <typename Fields>
+void gravity_fields(Fields& fields, Same<Gravity> auto& gravity) {
+  if constexpr (Fields::kReads) fields("source", gravity.source);  // is there a direction?
+  if (gravity.known())
+    fields("direction", gravity.direction, kRounded);
+  else if constexpr (!Fields::kReads)
+    fields.null("direction");
+  if constexpr (!Fields::kReads) fields("source", gravity.source);
+  fields("confidence", gravity.confidence, kRounded);
+  fields("note", gravity.note);
+}
+
+/// Of the points that are left out.
+void dropped_fields(auto& fields, Same<CloudCounts> auto& counts) {
+  fields("pixels", counts.pixels);
+  fields("no_measurement", counts.no_measurement);
+  fields("invalid", counts.invalid);
+  fields("beyond_range", counts.beyond_range);
+  fields("outside_cube", counts.outside_cube);
+}
+
+/// Of a Surface, or of what a report keeps of it: without its best place.
+void surface_fields(auto& fields, auto& surface) {
+  fields("slope_deg", surface.slope_deg, kRounded | kOrNull);
+  fields("rough_rms_m", surface.rough_rms_m, kRounded);
+  fields("rough_step_m", surface.rough_step_m, kRounded);
+  fields("support", surface.support, kRounded);
+  if constexpr (requires { surface.best_place; })
+    fields("best_place", surface.best_place, kRounded);
+  fields("clearance_m", surface.clearance_m, kRounded);
+}
+
+/// Of a SlopingPlane, or of what a report keeps of it.
+void ramp_fields(auto& fields, auto& ramp) {
+  fields.whole("plane", ramp.plane, kCompared, 1);
+  fields("slope_deg", ramp.slope_deg, kCompared | kRounded);
+  fields("rise_m", ramp.rise_m, kCompared | kRounded);
+  fields("run_m", ramp.run_m, kCompared | kRounded);
+  fields("width_m", ramp.width_m, kCompared | kRounded);
 }
 
 }  // namespace planescope::planes

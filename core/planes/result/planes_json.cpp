@@ -14,12 +14,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// As report.json has it.
-Json gravity_json(const Gravity& gravity) {
-  return {{"direction", gravity.known() ? vector_json(gravity.direction) : Json()},
-          {"source", to_string(gravity.source)},
-          {"confidence", rounded(gravity.confidence)},
-          {"note", gravity.note}};
+/// What `visit(fields)` names.
+template <typename Visit>
+Json object_of(const Visit& visit) {
+  Json json = Json::object();
+  FieldWriter fields(json);
+  visit(fields);
+  return json;
 }
 
 Json to_json(const Pose& pose) {
@@ -65,12 +66,7 @@ void add_steps(const SegmentCounts& segment, Json& json) {
 Json counts_json(const FrameResult& result, bool ours) {
   const CloudCounts& cloud = result.cloud.counts;
   const SegmentCounts& segment = result.segmentation.counts;
-  Json json;
-  json["pixels"] = cloud.pixels;
-  json["no_measurement"] = cloud.no_measurement;
-  json["invalid"] = cloud.invalid;
-  json["beyond_range"] = cloud.beyond_range;
-  json["outside_cube"] = cloud.outside_cube;
+  Json json = object_of([&](auto& fields) { dropped_fields(fields, cloud); });
   json["kept"] = cloud.kept;
   json["voxels"] = result.voxels.points.size();
   if (ours) add_steps(segment, json);
@@ -97,17 +93,6 @@ Json outline_json(const Outline& outline) {
                      {"holes", rings_json(outline, part.holes)},
                      {"unknown", rings_json(outline, part.unknown)}});
   return parts;
-}
-
-Json surface_json(const Surface& surface) {
-  Json json;
-  json["slope_deg"] = std::isnan(surface.slope_deg) ? Json() : Json(rounded(surface.slope_deg));
-  json["rough_rms_m"] = rounded(surface.rough_rms_m);
-  json["rough_step_m"] = rounded(surface.rough_step_m);
-  json["support"] = rounded(surface.support);
-  json["best_place"] = vector_json(surface.best_place);
-  json["clearance_m"] = rounded(surface.clearance_m);
-  return json;
 }
 
 Json certainty_json(const Certainty& certainty, const Vec3d& centroid) {
@@ -138,16 +123,6 @@ Json foot_json(const Foothold& foothold, const Outline& outline) {
     json["area"].push_back({{"outer", ring_json(outline, polygon.outer)},
                             {"holes", rings_json(outline, polygon.holes)}});
   json["pieces"] = rings_json(outline, foothold.space->pieces);
-  return json;
-}
-
-// The noise that was measured, and how far off a plane points may lie, one meter from the sensor.
-Json noise_json(const NoiseModel& noise) {
-  Json json;
-  json["estimated"] = noise.estimated;
-  json["by_range"] = noise.by_range;
-  json["sigma_at_1m_m"] = rounded(noise.sigma(1));
-  json["tau_at_1m_m"] = rounded(noise.tau(1));
   return json;
 }
 
@@ -218,14 +193,11 @@ Json kerb_json(const Kerb& kerb) {
 }
 
 Json ramp_json(const SlopingPlane& ramp) {
-  return {{"plane", ramp.plane},
-          {"slope_deg", rounded(ramp.slope_deg)},
-          {"rise_m", rounded(ramp.rise_m)},
-          {"run_m", rounded(ramp.run_m)},
-          {"width_m", rounded(ramp.width_m)},
-          {"uphill", vector_json(ramp.uphill)},
-          {"lower", ramp.lower},
-          {"upper", ramp.upper}};
+  Json json = object_of([&](auto& fields) { ramp_fields(fields, ramp); });
+  json["uphill"] = vector_json(ramp.uphill);
+  json["lower"] = ramp.lower;
+  json["upper"] = ramp.upper;
+  return json;
 }
 
 Json decision_json(const StepDecision& decision) {
@@ -292,11 +264,11 @@ std::string planes_json(const Frame& frame,
   json["frame"] = {
       {"index", frame.index}, {"name", frame.name}, {"timestamp_s", frame.timestamp_s}};
   json["T_world_camera"] = to_json(result.cloud.T_world_sensor);
-  json["gravity"] = gravity_json(result.gravity);
+  json["gravity"] = object_of([&](auto& fields) { gravity_fields(fields, result.gravity); });
   json["options"] = options_json(options);
   const bool ours = options.method == Method::ours;
   json["counts"] = counts_json(result, ours);
-  if (ours) json["noise"] = noise_json(result.segmentation.noise);
+  if (ours) json["noise"] = json_of(noise_figures(result.segmentation.noise));
   json["planes"] = Json::array();
   for (std::size_t k = 0; k < found.summaries.size(); ++k) {
     const PlaneSummary& s = found.summaries[k];
@@ -321,7 +293,7 @@ std::string planes_json(const Frame& frame,
     plane["outline_area_m2"] = rounded(outline.area_m2);
     const double height_m = found.stairs.height_m[k];
     plane["height_m"] = std::isnan(height_m) ? Json() : Json(rounded(height_m));
-    plane["surface"] = surface_json(foothold.surface);
+    plane["surface"] = object_of([&](auto& fields) { surface_fields(fields, foothold.surface); });
     plane["certainty"] = certainty_json(foothold.certainty, s.centroid);
     if (foothold.space) plane["foot"] = foot_json(foothold, outline);
     json["planes"].push_back(std::move(plane));

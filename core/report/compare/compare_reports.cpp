@@ -229,23 +229,15 @@ std::vector<std::pair<FrameKey, const ReportFrame*>> frames_of(const Report& rep
 }  // namespace
 
 const char* to_string(PlaneFate fate) {
-  switch (fate) {
-    case PlaneFate::same:
-      return "same";
-    case PlaneFate::resized:
-      return "resized";
-    case PlaneFate::moved:
-      return "moved";
-    case PlaneFate::lost:
-      return "lost";
-    case PlaneFate::merged:
-      return "merged";
-    case PlaneFate::split:
-      return "split";
-    case PlaneFate::gained:
-      return "gained";
-  }
-  return "?";
+  constexpr const char* kNames[] = {"same",   "resized", "moved", "lost",
+                                    "merged", "split",   "gained"};
+  return kNames[static_cast<std::size_t>(fate)];
+}
+
+const char* to_string(FrameFate fate) {
+  constexpr const char* kNames[] = {"compared",        "other input", "refused", "mended",
+                                    "refused in both", "added",       "missing"};
+  return kNames[static_cast<std::size_t>(fate)];
 }
 
 std::vector<PlaneComparison> compare_planes(const ReportFrame& baseline,
@@ -254,30 +246,8 @@ std::vector<PlaneComparison> compare_planes(const ReportFrame& baseline,
   return PlaneComparer(baseline, now, limits).run();
 }
 
-const char* to_string(FrameFate fate) {
-  switch (fate) {
-    case FrameFate::compared:
-      return "compared";
-    case FrameFate::other_input:
-      return "other input";
-    case FrameFate::refused:
-      return "refused";
-    case FrameFate::mended:
-      return "mended";
-    case FrameFate::both_refused:
-      return "refused in both";
-    case FrameFate::added:
-      return "added";
-    case FrameFate::missing:
-      return "missing";
-  }
-  return "?";
-}
-
 int FrameComparison::count(PlaneFate fate_of_plane) const {
-  return static_cast<int>(
-      std::count_if(planes.begin(), planes.end(),
-                    [&](const PlaneComparison& plane) { return plane.fate == fate_of_plane; }));
+  return static_cast<int>(std::ranges::count(planes, fate_of_plane, &PlaneComparison::fate));
 }
 
 ReportComparison compare_reports(const Report& baseline,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -42,6 +43,15 @@ std::vector<std::string> added_frames(const ReportComparison& comparison) {
   return lines;
 }
 
+Json breach_json(const Breach& breach) {
+  return {{"level", to_string(breach.rule.level)},
+          {"metric", breach.rule.metric},
+          {"recording", breach.recording.empty() ? Json() : Json(breach.recording)},
+          {"frame", breach.frame < 0 ? Json() : Json(breach.frame)},
+          {"value", breach.value},
+          {"message", breach.text()}};
+}
+
 }  // namespace
 
 int Judgement::errors() const {
@@ -65,41 +75,25 @@ std::vector<std::string> Judgement::differences() const {
 }
 
 std::string Judgement::text() const {
-  constexpr std::size_t kMostLines = 20;
   std::string text;
+  const auto add = [&](const auto& items, const auto& line_of) {
+    constexpr std::size_t kMostLines = 20;
+    for (const auto& item : items | std::views::take(kMostLines)) text += line_of(item) + "\n";
+    if (items.size() > kMostLines)
+      text += fmt::format("... and {} more\n", items.size() - kMostLines);
+  };
   for (const std::string& difference : differences()) text += "differs: " + difference + "\n";
-  for (std::size_t i = 0; i < std::min(breaches.size(), kMostLines); ++i)
-    text += fmt::format("{:5}  {}: {}\n", to_string(breaches[i].rule.level), where(breaches[i]),
-                        breaches[i].text());
-  if (breaches.size() > kMostLines)
-    text += fmt::format("... and {} more\n", breaches.size() - kMostLines);
-  const std::vector<std::string> lines = unguarded();
-  for (std::size_t i = 0; i < std::min(lines.size(), kMostLines); ++i)
-    text.append("warn   ").append(lines[i]).append("\n");
-  if (lines.size() > kMostLines)
-    text += fmt::format("... and {} more\n", lines.size() - kMostLines);
-  for (std::size_t i = 0; i < std::min(notes.size(), kMostLines); ++i)
-    text += fmt::format("note   {}: {}\n", where(notes[i]), notes[i].text());
-  if (notes.size() > kMostLines)
-    text += fmt::format("... and {} more\n", notes.size() - kMostLines);
+  add(breaches, [](const Breach& breach) {
+    return fmt::format("{:5}  {}: {}", to_string(breach.rule.level), where(breach), breach.text());
+  });
+  add(unguarded(), [](const std::string& line) { return "warn   " + line; });
+  add(notes,
+      [](const Breach& note) { return fmt::format("note   {}: {}", where(note), note.text()); });
   const std::string noted = notes.empty() ? "" : ", " + counted(notes.size(), "note");
   const std::string against = baseline ? " against " + baseline_file : "";
   return text + fmt::format("{}, {}{}{}\n", counted(errors(), "error"),
                             counted(warnings(), "warning"), noted, against);
 }
-
-namespace {
-
-Json breach_json(const Breach& breach) {
-  return {{"level", to_string(breach.rule.level)},
-          {"metric", breach.rule.metric},
-          {"recording", breach.recording.empty() ? Json() : Json(breach.recording)},
-          {"frame", breach.frame < 0 ? Json() : Json(breach.frame)},
-          {"value", breach.value},
-          {"message", breach.text()}};
-}
-
-}  // namespace
 
 Json judgement_json(const Judgement& judgement) {
   Json json = {{"baseline", judgement.baseline ? Json(judgement.baseline_file) : Json()},

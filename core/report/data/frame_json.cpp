@@ -19,24 +19,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kMostSamples = 1 << 22;
 constexpr int kMostBins = 1000;
 
-template <typename Fields>
-void gravity_fields(Fields& fields, auto& gravity) {
-  if constexpr (Fields::kReads) fields("source", gravity.source);  // is there a direction?
-  if (gravity.known())
-    fields("direction", gravity.direction, kRounded);
-  else if constexpr (!Fields::kReads)
-    fields.null("direction");
-  if constexpr (!Fields::kReads) fields("source", gravity.source);
-  fields("confidence", gravity.confidence, kRounded);
-  fields("note", gravity.note);
-}
-
 void counts_fields(auto& fields, auto& frame) {
-  fields("pixels", frame.counts.pixels);
-  fields("no_measurement", frame.counts.no_measurement);
-  fields("invalid", frame.counts.invalid);
-  fields("beyond_range", frame.counts.beyond_range);
-  fields("outside_cube", frame.counts.outside_cube);
+  planes::dropped_fields(fields, frame.counts);
   fields("n_m", frame.counts.kept, kCompared);
   fields("n_d", frame.voxels);
   fields("voxels_in_no_plane", frame.segment.unassigned);
@@ -62,12 +46,7 @@ void segmentation_fields(auto& fields, auto& frame) {
   fields("leftovers", frame.segment.leftovers);
   fields("assigned", frame.segment.assigned);
   fields("unassigned", frame.segment.unassigned);
-  fields.object("noise", kPlain, [&](auto& noise) {
-    noise("estimated", frame.noise.estimated);
-    noise("by_range", frame.noise.by_range);
-    noise("sigma_at_1m_m", frame.noise.sigma_m, kRounded);
-    noise("tau_at_1m_m", frame.noise.tau_m, kRounded);
-  });
+  fields("noise", frame.noise);
 }
 
 /// Those of planes.json, without polygons.
@@ -75,13 +54,7 @@ template <typename Fields>
 void footing_fields(Fields& fields, auto& footing) {
   fields("outline_area_m2", footing.outline_area_m2, kCompared | kRounded);
   fields("height_m", footing.height_m, kRounded | kOrNull);
-  fields.object("surface", kPlain, [&](auto& surface) {
-    surface("slope_deg", footing.slope_deg, kRounded | kOrNull);
-    surface("rough_rms_m", footing.rough_rms_m, kRounded);
-    surface("rough_step_m", footing.rough_step_m, kRounded);
-    surface("support", footing.support, kRounded);
-    surface("clearance_m", footing.clearance_m, kRounded);
-  });
+  fields.object("surface", kPlain, [&](auto& of) { planes::surface_fields(of, footing); });
   fields.object("certainty", kPlain, [&](auto& certainty) {
     certainty.numbers("tilt_sigma_deg", footing.tilt_sigma_deg, 2, "at most 2 tilts");
     certainty("offset_sigma_m", footing.offset_sigma_m, kRounded);
@@ -141,13 +114,8 @@ void terrain_fields(Fields& fields, auto& terrain) {
     of("width_m", kerb.width_m, kCompared | kRounded);
     of("planes", kerb.planes, kCompared);
   });
-  fields.list("ramps", terrain.ramps, kCompared, [](auto& of, auto& ramp) {
-    of.whole("plane", ramp.plane, kCompared, 1);
-    of("slope_deg", ramp.slope_deg, kCompared | kRounded);
-    of("rise_m", ramp.rise_m, kCompared | kRounded);
-    of("run_m", ramp.run_m, kCompared | kRounded);
-    of("width_m", ramp.width_m, kCompared | kRounded);
-  });
+  fields.list("ramps", terrain.ramps, kCompared,
+              [](auto& of, auto& ramp) { planes::ramp_fields(of, ramp); });
 }
 
 /// `id`: the one that the plane must have.
@@ -282,7 +250,7 @@ void frame_fields(Fields& fields, auto& frame, bool ours) {
   fields("timestamp_s", frame.timestamp_s);
   fields("sha256", frame.sha256, kCompared);
   if (!status_fields(fields, frame)) return;
-  fields.object("gravity", kPlain, [&](auto& of) { gravity_fields(of, frame.gravity); });
+  fields.object("gravity", kPlain, [&](auto& of) { planes::gravity_fields(of, frame.gravity); });
   fields.object("counts", kCompared, [&](auto& of) { counts_fields(of, frame); });
   fields.maybe_object("nodes", ours, kPlain, [&](auto& of) { nodes_fields(of, frame.segment); });
   fields.maybe_object("segmentation", ours, kPlain,

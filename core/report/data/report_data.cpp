@@ -19,29 +19,6 @@
 namespace planescope::report {
 namespace {
 
-void add_to(ReportTotals& totals,
-            const ReportRecording& recording,
-            std::vector<planes::Metrics>& metrics) {
-  ++totals.recordings;
-  totals.frames_asked += recording.frames_asked;
-  for (const ReportFrame& frame : recording.frames) {
-    if (!frame.refused.empty()) {
-      ++totals.frames_refused;
-      continue;
-    }
-    const int planes = static_cast<int>(frame.planes.size());
-    const bool first = totals.frames_done == 0;
-    totals.fewest_planes = first ? planes : std::min(totals.fewest_planes, planes);
-    totals.most_planes = std::max(totals.most_planes, planes);
-    ++totals.frames_done;
-    totals.planes += planes;
-    totals.planes_undecided += frame.planes_undecided;
-    totals.points += frame.counts.kept;
-    totals.points_on_planes += frame.points_on_planes;
-    if (frame.metrics) metrics.push_back(*frame.metrics);
-  }
-}
-
 std::string in_report_folder(const ReportPicture& picture, const char* ending) {
   const std::filesystem::path pictures = std::filesystem::path(picture.file).parent_path();
   return (pictures.parent_path() / "report" / (picture.name + ending)).generic_string();
@@ -103,7 +80,29 @@ double ReportFrame::percent_on_planes() const {
 ReportTotals totals_of(const Report& report) {
   ReportTotals totals;
   std::vector<planes::Metrics> metrics;
-  for (const ReportRecording& recording : report.recordings) add_to(totals, recording, metrics);
+  for (const ReportRecording& recording : report.recordings) {
+    ++totals.recordings;
+    totals.frames_asked += recording.frames_asked;
+    for (const ReportFrame& frame : recording.frames) {
+      if (!frame.refused.empty()) {
+        ++totals.frames_refused;
+        totals.unreadable |= frame.unreadable;
+        if (totals.first_refusal.empty()) totals.first_refusal = frame.refused;
+        continue;
+      }
+      const int planes = static_cast<int>(frame.planes.size());
+      const bool first = totals.frames_done == 0;
+      totals.fewest_planes = first ? planes : std::min(totals.fewest_planes, planes);
+      totals.most_planes = std::max(totals.most_planes, planes);
+      ++totals.frames_done;
+      totals.planes += planes;
+      totals.planes_undecided += frame.planes_undecided;
+      totals.points += frame.counts.kept;
+      totals.points_on_planes += frame.points_on_planes;
+      totals.points_beyond_range += frame.counts.beyond_range;
+      if (frame.metrics) metrics.push_back(*frame.metrics);
+    }
+  }
   if (!metrics.empty()) totals.metrics = planes::mean_of(metrics);
   return totals;
 }
@@ -129,8 +128,7 @@ ReportFrame make_report_frame(const Frame& frame,
   report.counts = result.cloud.counts;
   report.voxels = result.voxels.points.size();
   report.segment = result.segmentation.counts;
-  const planes::NoiseModel& noise = result.segmentation.noise;
-  report.noise = {noise.estimated, noise.by_range, noise.sigma(1), noise.tau(1)};
+  report.noise = planes::noise_figures(result.segmentation.noise);
   report.timings = result.timings;
   report.regions = sample_regions(frame, result);
   for (planes::PlaneSummary plane : found.summaries) {

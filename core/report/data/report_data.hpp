@@ -148,13 +148,6 @@ struct ReportPicture {
 std::string copy_of(const ReportPicture& picture);
 std::string thumbnail_of(const ReportPicture& picture);
 
-/// The noise that was measured, and how far off a plane points may lie, one meter from the sensor
-/// [m].
-struct ReportNoise {
-  bool estimated = false, by_range = false;
-  double sigma_m = 0, tau_m = 0;
-};
-
 /// How near to their thresholds a frame's decisions fell: counts that add up over frames.
 struct ValueHistogram {
   std::string name;  // "n_out", "planarity", "merge_angle", "merge_distance"
@@ -191,7 +184,7 @@ struct ReportFrame {
   int planes_h = 0, planes_v = 0;  // both 0 where gravity is not known
   int planes_undecided = 0;
   planes::SegmentCounts segment;
-  ReportNoise noise;
+  planes::NoiseFigures noise;
   std::vector<ReportPlane> planes;
   RegionSample regions;
   std::optional<Terrain> terrain;
@@ -244,13 +237,15 @@ struct Report {
   std::string weights_sha256() const { return weights ? weights->sha256 : std::string(); }
 };
 
-/// Sums over all frames that were processed.
+/// Sums over all frames that were processed, and why others were not.
 struct ReportTotals {
   int recordings = 0;
   int frames_asked = 0, frames_done = 0, frames_refused = 0;
   int planes = 0, fewest_planes = 0, most_planes = 0;
   int planes_undecided = 0;
-  std::uint64_t points = 0, points_on_planes = 0;
+  std::uint64_t points = 0, points_on_planes = 0, points_beyond_range = 0;
+  bool unreadable = false;                 // one of the refused frames is damaged
+  std::string first_refusal;               // empty: none was refused
   std::optional<planes::Metrics> metrics;  // mean over the frames with ground truth
 };
 ReportTotals totals_of(const Report& report);

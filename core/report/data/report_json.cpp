@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
+#include <regex>
 #include <sstream>
 
 #include "core/model/file_bytes.hpp"
@@ -293,18 +293,6 @@ void expect_file_name(const JsonPlace& place) {
     place.fail_kind("a file's name");
 }
 
-/// The number after `letters`, where the part is nothing else.
-std::optional<int> numbered(const std::string& part, const std::string& letters) {
-  if (!part.starts_with(letters)) return {};
-  const char* begin = part.data() + letters.size();
-  const char* end = part.data() + part.size();
-  int number = 0;
-  if (begin == end || *begin == '-') return {};
-  const auto [stop, problem] = std::from_chars(begin, end, number);
-  if (problem != std::errc() || stop != end) return {};
-  return number;
-}
-
 }  // namespace
 
 void write_report_json(std::ostream& out, const Report& report) {
@@ -373,27 +361,18 @@ ReportTarget parse_report_target(const std::string& text) {
   target.file = text.substr(0, at);
   if (at == std::string::npos) return target;
   const std::string place = text.substr(at + 1);
-  const auto refuse = [&] {
+  static const std::regex pattern(R"((?:r(\d{1,9})/)?f(\d{1,9})(?:/(p|was)(\d{1,9}))?)");
+  std::smatch parts;
+  const bool matches = std::regex_match(place, parts, pattern);
+  if (matches && parts[1].matched) target.recording = std::stoi(parts[1]);
+  if (matches && parts[4].matched) target.plane = std::stoi(parts[4]);
+  if (!matches || target.recording < 1 || (parts[4].matched && target.plane < 1))
     throw Error(fmt::format(
         "{}: '{}' is no place in a report, expected f<frame>, f<frame>/p<plane> or "
         "f<frame>/was<plane of the baseline>, after r<n>/ where it has several recordings",
         target.file.string(), place));
-  };
-  std::vector<std::string> parts = split(place, '/');
-  if (const auto recording = numbered(parts[0], "r")) {
-    target.recording = *recording;
-    parts.erase(parts.begin());
-  }
-  if (parts.empty() || parts.size() > 2 || target.recording < 1) refuse();
-  const auto frame = numbered(parts[0], "f");
-  if (!frame) refuse();
-  target.frame = *frame;
-  if (parts.size() == 1) return target;
-  const auto was = numbered(parts[1], "was");
-  const auto plane = was ? was : numbered(parts[1], "p");
-  if (!plane || *plane < 1) refuse();
-  target.plane = *plane;
-  target.of_baseline = was.has_value();
+  target.frame = std::stoi(parts[2]);
+  target.of_baseline = parts[3] == "was";
   return target;
 }
 

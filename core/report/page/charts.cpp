@@ -18,19 +18,12 @@ constexpr int kWidth = 760, kHeight = 320;
 constexpr int kLeft = 52, kRight = 176, kTop = 14, kBottom = 44;  // margins
 constexpr int kColors = 10;                                       // .curve0 ... of the style
 
-/// Linear or logarithmic.
 struct Axis {
   double low = 0, high = 1;
-  bool logarithmic = false;
   std::vector<double> ticks;
 
-  double share(double value) const;  // 0 at low, 1 at high
+  double share(double value) const { return (value - low) / (high - low); }  // 0 at low, 1 at high
 };
-
-double Axis::share(double value) const {
-  if (!logarithmic) return (value - low) / (high - low);
-  return std::log(std::max(value, low) / low) / std::log(high / low);
-}
 
 /// At most six round ticks: 1, 2 or 5 times a power of ten apart.
 Axis axis_over(double low, double high) {
@@ -46,25 +39,6 @@ Axis axis_over(double low, double high) {
   axis.high = std::max(std::ceil(high / step) * step, axis.low + step);
   const auto count = std::lround((axis.high - axis.low) / step) + 1;
   for (long i = 0; i < count; ++i) axis.ticks.push_back(axis.low + static_cast<double>(i) * step);
-  return axis;
-}
-
-/// Ticks at powers of ten and, where there are few, at 2 and 5 times them. `low` from above 0;
-/// smaller values stand there.
-Axis log_axis_over(double low, double high) {
-  Axis axis;
-  axis.logarithmic = true;
-  axis.low = low;
-  axis.high = std::max(high, 1.5 * low);
-  const bool few = axis.high / axis.low < 100;
-  const int first = static_cast<int>(std::floor(std::log10(axis.low)));
-  const int last = static_cast<int>(std::floor(std::log10(axis.high)));
-  for (int power = first; power <= last; ++power)
-    for (const int factor : {1, 2, 5}) {
-      const double tick = factor * std::pow(10, power);
-      const bool inside = tick >= 0.999 * axis.low && tick <= 1.001 * axis.high;
-      if (inside && (few || factor == 1)) axis.ticks.push_back(tick);
-    }
   return axis;
 }
 
@@ -88,11 +62,6 @@ std::string y_grid(const Axis& axis) {
 std::string begin_svg(const std::string& title) {
   return fmt::format("<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
                      kWidth, kHeight, html_escape(title));
-}
-
-/// The style's colour for the curve or bars at this place of the chart.
-int color_of(const Curve& curve, std::size_t place) {
-  return (curve.color >= 0 ? curve.color : static_cast<int>(place)) % kColors;
 }
 
 /// Lowest and highest of all values but NaN; 0 and 1 where there are none.
@@ -139,17 +108,6 @@ std::string mark(const LineChart& chart, const Axis& axis) {
       x, kTop, kHeight - kBottom, x + 6, kHeight - kBottom - 8, html_escape(chart.mark_name));
 }
 
-Axis y_axis(const LineChart& chart) {
-  const Range range = range_of(chart.curves);
-  if (chart.log_from > 0) return log_axis_over(chart.log_from, range.high);
-  return axis_over(chart.from_zero ? std::fmin(0, range.low) : range.low, range.high);
-}
-
-Axis x_axis(const LineChart& chart) {
-  if (!chart.log_x) return axis_over(chart.x_from, chart.x.back());
-  return log_axis_over(chart.x_from > 0 ? chart.x_from : chart.x.front(), chart.x.back());
-}
-
 /// Path data through the values that are not NaN. The first point is there twice, so that a curve
 /// of one point shows as a dot.
 std::string path_of(const LineChart& chart, const Curve& curve, const Axis& x, const Axis& y) {
@@ -164,26 +122,13 @@ std::string path_of(const LineChart& chart, const Curve& curve, const Axis& x, c
   return path;
 }
 
-constexpr double kGroupShare = 0.84;  // of a group's width that its bars take
-
-std::string group_name(const std::string& name, double middle) {
-  std::string svg;
-  int y = kHeight - kBottom + 18;
-  for (std::size_t begin = 0; begin <= name.size(); y += 16) {
-    const std::size_t end = std::min(name.find('\n', begin), name.size());
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", middle, y,
-                       html_escape(name.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  return svg;
-}
-
 }  // namespace
 
 std::string line_chart(const LineChart& chart) {
   assert(!chart.x.empty() && !chart.curves.empty());
-  const Axis x = x_axis(chart);
-  const Axis y = y_axis(chart);
+  const Axis x = axis_over(chart.x_from, chart.x.back());
+  const Range range = range_of(chart.curves);
+  const Axis y = axis_over(chart.from_zero ? std::fmin(0, range.low) : range.low, range.high);
   std::string svg = begin_svg(chart.title) + y_grid(y) +
                     x_ticks(x, chart.x_name, std::ranges::all_of(chart.x, is_whole)) +
                     mark(chart, x);
@@ -194,46 +139,12 @@ std::string line_chart(const LineChart& chart) {
     for (std::size_t i = 0; i < chart.x.size() && chart.x.size() <= kMostDots; ++i)
       if (!std::isnan(curve.values[i]))
         svg += fmt::format("<circle class=\"bar{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n",
-                           color_of(curve, c), x_of(x, chart.x[i]), y_of(y, curve.values[i]));
+                           c % kColors, x_of(x, chart.x[i]), y_of(y, curve.values[i]));
     svg += fmt::format(
         "<path class=\"curve{}\" d=\"{}M{} {}h16\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
-        color_of(curve, c), path_of(chart, curve, x, y), legend_x, legend_y, legend_x + 24,
-        legend_y + 4, html_escape(curve.name));
+        c % kColors, path_of(chart, curve, x, y), legend_x, legend_y, legend_x + 24, legend_y + 4,
+        html_escape(curve.name));
   }
-  return svg + "</svg>\n";
-}
-
-std::string bar_chart(const BarChart& chart) {
-  assert(!chart.groups.empty() && !chart.bars.empty());
-  const Axis y = axis_over(chart.low, chart.high);
-  std::string svg = begin_svg(chart.title) + y_grid(y);
-  const double group_px =
-      static_cast<double>(kWidth - kLeft - kRight) / static_cast<double>(chart.groups.size());
-  const double bar_px = kGroupShare * group_px / static_cast<double>(chart.bars.size());
-  for (std::size_t b = 0; b < chart.bars.size(); ++b) {
-    const Curve& bar = chart.bars[b];
-    assert(bar.values.size() == chart.groups.size());
-    for (std::size_t g = 0; g < chart.groups.size(); ++g) {
-      if (std::isnan(bar.values[g])) continue;
-      const double left = kLeft + (static_cast<double>(g) + (1 - kGroupShare) / 2) * group_px +
-                          static_cast<double>(b) * bar_px;
-      const double top = y_of(y, std::clamp(bar.values[g], y.low, y.high));
-      std::string where = chart.groups[g];
-      std::replace(where.begin(), where.end(), '\n', ' ');
-      svg += fmt::format(
-          "<rect class=\"bar{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\">"
-          "<title>{}, {}: {:.2f}</title></rect>\n",
-          color_of(bar, b), left, top, std::max(bar_px - 1, 0.5), y_of(y, y.low) - top,
-          html_escape(bar.name), html_escape(where), bar.values[g]);
-    }
-    const int legend_x = kWidth - kRight + 16, legend_y = kTop + 20 * static_cast<int>(b);
-    svg += fmt::format(
-        "<rect class=\"bar{}\" x=\"{}\" y=\"{}\" width=\"12\" height=\"12\"/>"
-        "<text x=\"{}\" y=\"{}\">{}</text>\n",
-        color_of(bar, b), legend_x, legend_y, legend_x + 20, legend_y + 11, html_escape(bar.name));
-  }
-  for (std::size_t g = 0; g < chart.groups.size(); ++g)
-    svg += group_name(chart.groups[g], kLeft + (static_cast<double>(g) + 0.5) * group_px);
   return svg + "</svg>\n";
 }
 

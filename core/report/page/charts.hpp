@@ -13,7 +13,6 @@ namespace planescope::report {
 struct Curve {
   std::string name;
   std::vector<double> values;  // one for each of the chart's x; NaN: none, the curve goes on after
-  int color = -1;              // one of the style's; -1: by its place in the chart
 };
 
 struct LineChart {
@@ -25,23 +24,10 @@ struct LineChart {
   std::optional<double> x_mark = {};  // a vertical line there ...
   std::string mark_name = {};         // ... and what it means
   bool from_zero = false;             // else the y axis spans the values alone
-  double log_from = 0;  // above 0: a logarithmic y axis from there; smaller values stand there
-  bool log_x = false;   // a logarithmic x axis, from x_from or, where that is 0, from the first x
 };
 
 /// The chart as an SVG element, its names beside the curves' colours.
 std::string line_chart(const LineChart& chart);
-
-struct BarChart {
-  std::string title;                // read out where the chart is not seen
-  std::vector<std::string> groups;  // names below them; "\n" breaks the line
-  std::vector<Curve> bars;          // one value per group; NaN: no bar
-  double low = 0, high = 100;       // what the axis spans; lower values are cut off
-};
-
-/// The chart as an SVG element. Each bar says its value where a
-/// mouse rests on it.
-std::string bar_chart(const BarChart& chart);
 
 /// Points of one kind.
 struct Scatter {

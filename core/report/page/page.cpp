@@ -122,25 +122,6 @@ constexpr double kSliver_m = 0.04;       // radius
 constexpr double kFloorHeight_m = 0.03;  // a step is higher, and a piece of the floor is not
 constexpr double kLeastSupport = 0.9;
 
-constexpr const char* kReplacement = "\xEF\xBF\xBD";  // U+FFFD
-
-/// Length of the UTF-8 character at the front; 0 where there is none.
-std::size_t character_at(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned first = byte(0);
-  if (first < 0x80) return first >= 0x20 || first == '\n' || first == '\t' ? 1 : 0;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-  // Overlong forms, surrogates, and what is beyond Unicode.
-  const unsigned second = byte(1);
-  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
-      (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F))
-    return 0;
-  return length;
-}
-
 bool is_plain(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
          std::string_view("-._~/").find(c) != std::string_view::npos;
@@ -213,17 +194,15 @@ std::string href(const std::string& file) {
   return result;
 }
 
-std::string valid_text(std::string_view text) {
+std::string valid_text(const std::string& text) {
+  const std::string written =
+      PageJson(text).dump(-1, ' ', false, PageJson::error_handler_t::replace);
   std::string result;
-  result.reserve(text.size());
-  while (!text.empty()) {
-    const std::size_t length = character_at(text);
-    if (length > 0)
-      result += text.substr(0, length);
+  for (const char c : PageJson::parse(written).get<std::string>())
+    if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t')
+      result += "\uFFFD";
     else
-      result += kReplacement;
-    text.remove_prefix(std::max<std::size_t>(length, 1));
-  }
+      result += c;
   return result;
 }
 

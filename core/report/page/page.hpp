@@ -107,10 +107,6 @@ std::string gravity_summary(const std::vector<ReportRecording>& recordings);
 /// Data of report_frame.mustache.
 PageJson frame_data(const PageSource& page, const PageFrame& frame);
 
-/// What one can stand on: what it is like, stairs, kerbs and ramps, what became of it since the
-/// baseline.
-void set_terrain(const PageFrame& frame, PageJson& data);
-
 /// Planes of a compared frame then and now, as sources of images; empty for clouds.
 struct PlaneMaps {
   std::string baseline, now;
@@ -139,7 +135,7 @@ std::string escaped(const std::string& text);
 /// For a link to a file beside the page: never another scheme, host or place of this page.
 std::string href(const std::string& file);
 /// Bytes that are no UTF-8, and control characters, become U+FFFD.
-std::string valid_text(std::string_view text);
+std::string valid_text(const std::string& text);
 /// "#rrggbb", or grey where it is none.
 std::string safe_color(const std::string& color);
 /// Where gravity comes from, as HTML; emphasised where it is a guess.

@@ -6,7 +6,7 @@
 #include "core/labels/review/carry.hpp"
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
-#include "core/world/poses/trajectory.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::world {
 

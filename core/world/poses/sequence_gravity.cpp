@@ -1,4 +1,3 @@
-#include "core/world/poses/sequence_gravity.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +13,7 @@
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/cloud/cloud.hpp"
-#include "core/world/poses/trajectory.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::world {
 

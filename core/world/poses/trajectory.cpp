@@ -1,5 +1,3 @@
-#include "core/world/poses/trajectory.hpp"
-
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -15,6 +13,7 @@
 #include "core/model/error.hpp"
 #include "core/model/json_fields.hpp"
 #include "core/model/text.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::world {
 namespace {

@@ -1,5 +1,3 @@
-#include "core/world/tracks/history.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <unordered_map>
 
 #include "core/model/error.hpp"
+#include "core/world/tracks/tracker.hpp"
 
 namespace planescope::world {
 

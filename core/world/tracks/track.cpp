@@ -75,6 +75,12 @@ Moments moved(const Moments& m, const Pose& T) {
   return {m.count, turned + m.count * t, s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2)};
 }
 
+Moments shifted(const Moments& m, const Vec3d& by) {
+  Pose T = Pose::Identity();
+  T.translation() = by;
+  return moved(m, T);
+}
+
 Apart apart(const Moments& a, const Moments& b) {
   PlaneFit narrow = fit_plane(a), wide = fit_plane(b);
   const bool is_first = narrow.eigenvalues[1] * wide.count < wide.eigenvalues[1] * narrow.count;
@@ -326,9 +332,7 @@ void Track::refit() {
 
 void Track::fuse(const ObservedPlane& plane, const Vec3d& camera) {
   const double sigma = std::max(kLeastSigma_m, plane.certainty.sigma_m);
-  Pose shift = Pose::Identity();
-  shift.translation() = camera - anchor;
-  moments += scaled(moved(plane.moments, shift), squared(kUnitSigma_m / sigma));
+  moments += scaled(shifted(plane.moments, camera - anchor), squared(kUnitSigma_m / sigma));
   refit();
 
   // The observation tells the height at its centroid and the slopes along its axes.
@@ -353,9 +357,7 @@ void Track::absorb(const Track& from) {
       Cell& target = cells.at(cells.index_of(at.x()), cells.index_of(at.y()));
       if (cell.seen > target.seen) target = cell;
     }
-  Pose shift = Pose::Identity();
-  shift.translation() = from.anchor - anchor;
-  moments += moved(from.moments, shift);
+  moments += shifted(from.moments, from.anchor - anchor);
   refit();
   // (slope u, slope v, height at from's anchor) as functions of ours.
   const Vec2d at = on_grid(from.anchor);

@@ -81,6 +81,7 @@ void take_frame(ObservedFrame& seen,
 Moments moments_of(const PlaneFit& fit, const Vec3d axes[2], const Vec3d& origin);
 /// The same points seen from elsewhere: of X, those of T X.
 Moments moved(const Moments& moments, const Pose& T);
+Moments shifted(const Moments& moments, const Vec3d& by);
 /// How far the narrower of two sets of points is from the plane of the other [m].
 struct Apart {
   double middle_m = 0;  // signed, along the other's normal

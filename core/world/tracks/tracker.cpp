@@ -97,9 +97,8 @@ Apart Tracker::apart_from(const ObservedFrame& frame,
                           const Judged& judged,
                           const ObservedPlane& plane) const {
   if (judged.sight.there >= options_.least_cells) return apart(judged.sight.places, plane.moments);
-  Pose shift = Pose::Identity();
-  shift.translation() = judged.track->anchor - frame.camera();
-  return apart(moved(judged.track->moments, shift), plane.moments);
+  return apart(shifted(judged.track->moments, judged.track->anchor - frame.camera()),
+               plane.moments);
 }
 
 TermResult Tracker::compare(const ObservedFrame& frame,
@@ -410,9 +409,9 @@ bool Tracker::merge_equal(int frame, const std::function<bool(const Track&)>& ha
       const double most = most_offset_m(options_, small->sigma_m(small->on_grid(where)),
                                         large->sigma_m(large->on_grid(where)));
       if (std::abs((is_narrower ? large : small)->distance_m(where)) > most) continue;
-      Pose shift = Pose::Identity();
-      shift.translation() = small->anchor - large->anchor;
-      if (apart(large->moments, moved(small->moments, shift)).rim_m > most) continue;
+      if (apart(large->moments, shifted(small->moments, small->anchor - large->anchor)).rim_m >
+          most)
+        continue;
       const int radius = large->cells.index_of(options_.join_gap_m);
       bool near = false;
       int count = 0;

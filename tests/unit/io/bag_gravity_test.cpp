@@ -1,4 +1,4 @@
-#include "unit/io/sample_bags.hpp"
+#include "unit/io/bag_writer.hpp"
 #include "unit/io/support.hpp"
 
 namespace planescope::io {
@@ -95,8 +95,7 @@ TEST(ImuGravity, EachFrameTakesTheSamplesAroundIt) {
   add_sdk_statics(bag, {});
   for (int i = 0; i < 2; ++i) {
     const std::uint64_t time_ns = 10'000'000'000u * (i + 1);
-    bag.add(kSdkDepth + "/image/data", "sensor_msgs/Image", time_ns,
-            image_message(depth_message(100 + i, 5 + i)));
+    add_depth(bag, time_ns, depth_message(100 + i, 5 + i));
     add_imu(bag, kSdkAccel + "/imu/data", 100, i == 0 ? Vec3d(0, -kG, 0) : Vec3d(-kG, 0, 0),
             time_ns - 250'000'000u);
   }

@@ -5,25 +5,10 @@
 
 #include <cmath>
 #include <cstring>
+#include <random>
 
 namespace planescope::testing_bags {
 namespace {
-
-template <typename T>
-void put(ByteVector& out, T value) {
-  const auto at = out.size();
-  out.resize(at + sizeof(T));
-  std::memcpy(out.data() + at, &value, sizeof(T));
-}
-
-void put_bytes(ByteVector& out, const ByteVector& bytes) {
-  out.insert(out.end(), bytes.begin(), bytes.end());
-}
-
-void put_text(ByteVector& out, const std::string& text) {
-  put(out, static_cast<std::uint32_t>(text.size()));
-  out.insert(out.end(), text.begin(), text.end());
-}
 
 template <typename T>
 std::string bytes_of(T value) {
@@ -37,23 +22,19 @@ std::string field(const std::string& name, const std::string& value) {
   return bytes_of(static_cast<std::uint32_t>(text.size())) + text;
 }
 
-void put_record(ByteVector& out, const std::string& header, const ByteVector& data) {
-  put_text(out, header);
-  put(out, static_cast<std::uint32_t>(data.size()));
-  put_bytes(out, data);
+void put_bytes(ByteVector& out, const ByteVector& bytes) {
+  out.insert(out.end(), bytes.begin(), bytes.end());
 }
+
+void put_record(ByteVector& out, const std::string& header, const ByteVector& data) {
+  put_bytes(out, Fields().text(header).sized(data).out);
+}
+
+constexpr std::uint64_t kSecond = 1'000'000'000;  // [ns]
 
 std::string time_bytes(std::uint64_t time_ns) {
-  return bytes_of(static_cast<std::uint32_t>(time_ns / 1'000'000'000)) +
-         bytes_of(static_cast<std::uint32_t>(time_ns % 1'000'000'000));
-}
-
-void put_header(ByteVector& out, std::uint32_t seq, double stamp_s, const std::string& frame_id) {
-  put(out, seq);
-  const double seconds = std::floor(stamp_s);
-  put(out, static_cast<std::uint32_t>(seconds));
-  put(out, static_cast<std::uint32_t>(std::lround((stamp_s - seconds) * 1e9)));
-  put_text(out, frame_id);
+  return bytes_of(static_cast<std::uint32_t>(time_ns / kSecond)) +
+         bytes_of(static_cast<std::uint32_t>(time_ns % kSecond));
 }
 
 ByteVector compress(const std::string& how, const ByteVector& raw) {
@@ -126,25 +107,22 @@ void BagWriter::close_chunk(bool last) {
   const ByteVector stored = compress(format_.compression, chunk_);
   const bool close = !last || format_.close_last_chunk;
   chunks_.push_back({file_.size(), chunk_entries_});
-  put_text(file_,
-           field("compression", format_.compression) + field("op", "\x05") +
-               field("size", bytes_of(static_cast<std::uint32_t>(close ? chunk_.size() : 0))));
-  put(file_, static_cast<std::uint32_t>(close ? stored.size() : 0));
+  const std::string header =
+      field("compression", format_.compression) + field("op", "\x05") +
+      field("size", bytes_of(static_cast<std::uint32_t>(close ? chunk_.size() : 0)));
+  put_bytes(file_, Fields().text(header).put_32(close ? stored.size() : 0).out);
   for (const auto& [topic, end] : chunk_ends_) ends_[topic].push_back(file_.size() + end);
   put_bytes(file_, stored);
   if (format_.chunk_index && close) {
     for (const auto& [id, entries] : chunk_entries_) {
-      ByteVector data;
-      for (const Entry& entry : entries) {
-        const std::string time = time_bytes(entry.time_ns);
-        data.insert(data.end(), time.begin(), time.end());
-        put(data, entry.offset);
-      }
+      Fields data;
+      for (const Entry& entry : entries)
+        data.put_32(entry.time_ns / kSecond).put_32(entry.time_ns % kSecond).put(entry.offset);
       put_record(file_,
                  field("conn", bytes_of(id)) +
                      field("count", bytes_of(static_cast<std::uint32_t>(entries.size()))) +
                      field("op", "\x04") + field("ver", bytes_of(std::uint32_t{1})),
-                 data);
+                 data.out);
     }
   }
   chunk_.clear();
@@ -159,18 +137,15 @@ ByteVector BagWriter::finish() {
   const std::uint64_t index_position = file_.size();
   for (const auto& [id, record] : connection_records_) put_bytes(file_, record);
   for (const ChunkInfo& chunk : chunks_) {
-    ByteVector data;
-    for (const auto& [id, entries] : chunk.entries) {
-      put(data, id);
-      put(data, static_cast<std::uint32_t>(entries.size()));
-    }
+    Fields data;
+    for (const auto& [id, entries] : chunk.entries) data.put(id).put_32(entries.size());
     for (int i = 0; i < format_.named_times; ++i)
       put_record(file_,
                  field("chunk_pos", bytes_of(chunk.position)) +
                      field("count", bytes_of(static_cast<std::uint32_t>(chunk.entries.size()))) +
                      field("end_time", time_bytes(0)) + field("op", "\x06") +
                      field("start_time", time_bytes(0)) + field("ver", bytes_of(std::uint32_t{1})),
-                 data);
+                 data.out);
   }
   const ByteVector header =
       bag_header(index_position, connection_records_.size(),
@@ -179,105 +154,185 @@ ByteVector BagWriter::finish() {
   return file_;
 }
 
+// ---- Messages ----
+
+Fields& Fields::header(std::uint32_t seq, double stamp_s, const std::string& frame_id) {
+  const double seconds = std::floor(stamp_s);
+  if (wire_ == Wire::ros1) put(seq);
+  put(static_cast<std::uint32_t>(seconds));
+  put(static_cast<std::uint32_t>(std::lround((stamp_s - seconds) * 1e9)));
+  return text(frame_id);
+}
+
 ByteVector compressed_image_message(double stamp_s,
                                     const std::string& frame_id,
                                     const std::string& format,
-                                    const ByteVector& data) {
-  ByteVector out;
-  put_header(out, 7, stamp_s, frame_id);
-  put_text(out, format);
-  put(out, static_cast<std::uint32_t>(data.size()));
-  out.insert(out.end(), data.begin(), data.end());
-  return out;
+                                    const ByteVector& data,
+                                    Wire wire) {
+  return Fields(wire).header(7, stamp_s, frame_id).text(format).sized(data).out;
 }
 
-ByteVector image_message(const ImageMessage& image) {
-  ByteVector out;
-  put_header(out, image.seq, image.stamp_s, image.frame_id);
-  put(out, static_cast<std::uint32_t>(image.height));
-  put(out, static_cast<std::uint32_t>(image.width));
-  put_text(out, image.encoding);
-  put(out, static_cast<std::uint8_t>(image.big_endian));
+ByteVector image_message(const ImageMessage& image, Wire wire) {
+  Fields fields(wire);
+  fields.header(image.seq, image.stamp_s, image.frame_id);
+  fields.put_32(image.height).put_32(image.width).text(image.encoding);
+  fields.put(static_cast<std::uint8_t>(image.big_endian));
   const std::size_t row = image.pixels.size() / image.height;
-  put(out, static_cast<std::uint32_t>(row + image.row_padding));
-  put(out, static_cast<std::uint32_t>((row + image.row_padding) * image.height));
+  fields.put_32(row + image.row_padding).put_32((row + image.row_padding) * image.height);
   for (int y = 0; y < image.height; ++y) {
-    out.insert(out.end(), &image.pixels[y * row], &image.pixels[y * row] + row);
-    out.insert(out.end(), image.row_padding, 0xee);
+    fields.out.insert(fields.out.end(), &image.pixels[y * row], &image.pixels[y * row] + row);
+    fields.out.insert(fields.out.end(), image.row_padding, 0xee);
   }
-  if (image.depth_unit_m) put(out, *image.depth_unit_m);
-  return out;
+  if (image.depth_unit_m) fields.put(*image.depth_unit_m);
+  return fields.out;
 }
 
 ByteVector camera_info_message(int width,
                                int height,
                                std::array<double, 4> k,
                                const std::string& model,
-                               const std::vector<double>& d) {
-  ByteVector out;
-  put_header(out, 0, 0, "0");
-  put(out, static_cast<std::uint32_t>(height));
-  put(out, static_cast<std::uint32_t>(width));
-  put_text(out, model);
-  put(out, static_cast<std::uint32_t>(d.size()));
-  for (const double c : d) put(out, c);
-  for (const double v : {k[0], 0.0, k[2], 0.0, k[1], k[3], 0.0, 0.0, 1.0}) put(out, v);
-  for (int i = 0; i < 9 + 12; ++i) put(out, 0.0);          // R and P
-  for (int i = 0; i < 6; ++i) put(out, std::uint32_t{0});  // binning and region of interest
-  put(out, std::uint8_t{0});
-  return out;
+                               const std::vector<double>& d,
+                               Wire wire) {
+  Fields fields(wire);
+  fields.header(0, 0, "0").put_32(height).put_32(width).text(model).put_32(d.size());
+  for (const double c : d) fields.put(c);
+  for (const double v : {k[0], 0.0, k[2], 0.0, k[1], k[3], 0.0, 0.0, 1.0}) fields.put(v);
+  for (int i = 0; i < 9 + 12; ++i) fields.put(0.0);  // R and P
+  for (int i = 0; i < 6; ++i) fields.put_32(0);      // binning and region of interest
+  return fields.put(std::uint8_t{0}).out;
 }
 
 ByteVector imu_message(std::uint32_t seq,
                        double stamp_s,
                        const Vec3d& acceleration,
-                       const std::string& frame_id) {
-  ByteVector out;
-  put_header(out, seq, stamp_s, frame_id);
-  for (int i = 0; i < 4 + 9 + 3 + 9; ++i) put(out, 0.0);
-  for (int i = 0; i < 3; ++i) put(out, acceleration[i]);
-  for (int i = 0; i < 9; ++i) put(out, 0.0);
-  return out;
+                       const std::string& frame_id,
+                       Wire wire) {
+  Fields fields(wire);
+  fields.header(seq, stamp_s, frame_id);
+  for (int i = 0; i < 4 + 9 + 3 + 9; ++i) fields.put(-7.0);
+  for (const double v : acceleration) fields.put(v);
+  for (int i = 0; i < 9; ++i) fields.put(0.0);
+  return fields.out;
 }
+
+namespace {
+
+Fields& put_transform(Fields& fields, const Pose& pose, double quaternion_scale) {
+  for (const double v : pose.translation()) fields.put(v);
+  const Eigen::Quaterniond q(pose.linear());
+  for (const double v : {q.x(), q.y(), q.z(), q.w()}) fields.put(quaternion_scale * v);
+  return fields;
+}
+
+}  // namespace
 
 ByteVector transform_message(const Pose& pose, double quaternion_scale) {
-  ByteVector out;
-  for (int i = 0; i < 3; ++i) put(out, pose.translation()[i]);
-  const Eigen::Quaterniond q(pose.linear());
-  for (const double v : {q.x(), q.y(), q.z(), q.w()}) put(out, quaternion_scale * v);
-  return out;
+  Fields fields;
+  return put_transform(fields, pose, quaternion_scale).out;
 }
 
-ByteVector tf_message(const std::string& parent, const std::string& child, const Pose& pose) {
-  ByteVector out;
-  put(out, std::uint32_t{1});
-  put_header(out, 0, 0, parent);
-  put_text(out, child);
-  put_bytes(out, transform_message(pose));
-  return out;
+ByteVector tf_message(const std::string& parent,
+                      const std::string& child,
+                      const Pose& pose,
+                      Wire wire) {
+  Fields fields(wire);
+  fields.put_32(1).header(0, 0, parent).text(child);
+  return put_transform(fields, pose, 1).out;
 }
 
 ByteVector extrinsics_message(const Pose& pose) {
-  ByteVector out;
-  put_header(out, 0, 0, "depth_to_color_extrinsics");
-  for (int column = 0; column < 3; ++column) {
-    for (int row = 0; row < 3; ++row) put(out, pose.linear()(row, column));
+  Fields fields;
+  fields.header(0, 0, "depth_to_color_extrinsics");
+  for (const double v : pose.linear().reshaped()) fields.put(v);
+  for (const double v : pose.translation()) fields.put(v);
+  return fields.out;
+}
+
+// ---- Samples ----
+
+Image16 depth_of(std::uint32_t seq) {
+  std::mt19937 random(seq);
+  Image16 depth(kWidth, kHeight);
+  for (auto& count : depth.data) count = static_cast<std::uint16_t>(random() % 4000);
+  return depth;
+}
+
+ByteVector pixels_of(const Image16& image) {
+  ByteVector bytes;
+  for (const std::uint16_t count : image.data) {
+    bytes.push_back(static_cast<unsigned char>(count & 255));
+    bytes.push_back(static_cast<unsigned char>(count >> 8));
   }
-  for (int i = 0; i < 3; ++i) put(out, pose.translation()[i]);
-  return out;
+  return bytes;
 }
 
-ByteVector float_message(float value) {
-  ByteVector out;
-  put(out, value);
-  return out;
+ByteVector plain_color(std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
+  ByteVector bytes;
+  for (int i = 0; i < kWidth * kHeight; ++i) bytes.insert(bytes.end(), {red, green, blue});
+  return bytes;
 }
 
-ByteVector key_value_message(const std::string& key, const std::string& value) {
-  ByteVector out;
-  put_text(out, key);
-  put_text(out, value);
-  return out;
+ImageMessage depth_message(std::uint32_t seq, double stamp_s) {
+  ImageMessage image;
+  image.seq = seq;
+  image.stamp_s = stamp_s;
+  image.width = kWidth;
+  image.height = kHeight;
+  image.pixels = pixels_of(depth_of(seq));
+  return image;
+}
+
+ImageMessage color_message(std::uint32_t seq, double stamp_s) {
+  ImageMessage image = depth_message(seq, stamp_s);
+  image.encoding = "rgb8";
+  image.pixels = plain_color(static_cast<std::uint8_t>(seq), 20, 30);
+  return image;
+}
+
+void add_depth(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image) {
+  bag.add(kSdkDepth + "/image/data", "sensor_msgs/Image", time_ns, image_message(image));
+}
+void add_color(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image) {
+  bag.add(kSdkColor + "/image/data", "sensor_msgs/Image", time_ns, image_message(image));
+}
+
+void add_sdk_statics(BagWriter& bag, const SdkBag& options) {
+  bag.add("/device_0/info", "diagnostic_msgs/KeyValue", 1, Fields().text("Serial").text("1").out);
+  bag.add("/device_0/info", "diagnostic_msgs/KeyValue", 1,
+          Fields().text("Name").text("Intel RealSense D435I").out);
+  bag.add(kSdkDepth + "/info/camera_info", "sensor_msgs/CameraInfo", 1,
+          camera_info_message(kWidth, kHeight, {20, 21, 12, 8}));
+  bag.add(kSdkColor + "/info/camera_info", "sensor_msgs/CameraInfo", 1,
+          camera_info_message(kWidth, kHeight, {30, 31, 13, 9}));
+  bag.add(std::string("/device_0/sensor_0/option/") +
+              (options.sdk_2_49 ? "Depth_Units" : "Depth Units") + "/value",
+          "std_msgs/Float32", 1, Fields().put(options.unit_m).out);
+  Pose T_color_reference = Pose::Identity();
+  T_color_reference.linear() = Eigen::AngleAxisd(0.1, Vec3d::UnitY()).toRotationMatrix();
+  T_color_reference.translation() = Vec3d(0.015, 0.001, -0.002);
+  bag.add(kSdkDepth + "/tf/0", "geometry_msgs/Transform", 1, transform_message(Pose::Identity()));
+  // Some SDK versions wrote quaternions that are not of unit length.
+  bag.add(kSdkColor + "/tf/0", "geometry_msgs/Transform", 1,
+          transform_message(T_color_reference, 1.7));
+}
+
+BagWriter sdk_bag(const SdkBag& options) {
+  BagWriter bag(options.format);
+  add_sdk_statics(bag, options);
+  for (int i = 0; i < options.frames; ++i) {
+    const double time_s = 500 + i * kDepthPeriod_s;
+    const auto time_ns = static_cast<std::uint64_t>(1e9 * (0.001 + i * kDepthPeriod_s));
+    auto depth = depth_message(100 + i, time_s);
+    auto color = color_message(10 + i, time_s + 0.004);
+    if (options.sdk_2_49) {
+      depth.frame_id = color.frame_id = std::string("1");
+      depth.depth_unit_m = options.unit_m;
+      color.depth_unit_m = 0;
+    }
+    add_depth(bag, time_ns, depth);
+    add_color(bag, time_ns + 9, color);
+  }
+  return bag;
 }
 
 }  // namespace planescope::testing_bags

@@ -1,7 +1,12 @@
 #pragma once
 
+// Recordings of ROS 1 and 2, whole and broken ones, written from the specifications and
+// independently of the reader; and samples of both.
+
 #include <array>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,6 +18,46 @@ namespace planescope::testing_bags {
 
 using ByteVector = std::vector<unsigned char>;
 
+/// As ROS 1 lays out fields, or ROS 2 (CDR): each at a multiple of its size, counted behind the
+/// first four bytes; the latter from a little- or big-endian machine.
+enum class Wire { ros1, cdr, cdr_big };
+
+/// Fields one after the other; of ROS 1 also as bags and MCAP files have them.
+class Fields {
+ public:
+  explicit Fields(Wire wire = Wire::ros1) : wire_(wire) {
+    if (wire != Wire::ros1) out = {0, static_cast<unsigned char>(wire == Wire::cdr), 0, 0};
+  }
+  template <typename T>
+  Fields& put(T value) {
+    if (wire_ != Wire::ros1)
+      while ((out.size() - 4) % sizeof(T) != 0) out.push_back(0xcd);
+    unsigned char bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof(T));
+    if (wire_ == Wire::cdr_big) std::reverse(bytes, bytes + sizeof(T));
+    out.insert(out.end(), bytes, bytes + sizeof(T));
+    return *this;
+  }
+  Fields& put_32(std::size_t value) { return put(static_cast<std::uint32_t>(value)); }
+  Fields& text(const std::string& text) {
+    put_32(text.size() + (wire_ == Wire::ros1 ? 0 : 1));
+    out.insert(out.end(), text.begin(), text.end());
+    if (wire_ != Wire::ros1) out.push_back(0);
+    return *this;
+  }
+  Fields& raw(const ByteVector& bytes) {
+    out.insert(out.end(), bytes.begin(), bytes.end());
+    return *this;
+  }
+  Fields& sized(const ByteVector& bytes) { return put_32(bytes.size()).raw(bytes); }
+  Fields& header(std::uint32_t seq, double stamp_s, const std::string& frame_id);
+
+  ByteVector out;
+
+ private:
+  Wire wire_;
+};
+
 struct BagFormat {
   std::string compression = "none";  // none, lz4, bz2
   bool index = true;                 // the index section at the end and its place in the header
@@ -22,7 +67,7 @@ struct BagFormat {
   int named_times = 1;  // each chunk in the index
 };
 
-/// Writes ROS 1 bags, whole and broken ones, independently of the reader.
+/// Writes ROS 1 bags.
 class BagWriter {
  public:
   explicit BagWriter(BagFormat format = {}) : format_(format) {}
@@ -32,7 +77,6 @@ class BagWriter {
            const ByteVector& message);
   /// The whole file.
   ByteVector finish();
-  std::size_t bytes() const { return file_.size(); }
   /// For uncompressed bags: the byte behind each message on `topic`, in order.
   const std::vector<std::size_t>& ends_of(const std::string& topic) { return ends_[topic]; }
 
@@ -59,7 +103,7 @@ class BagWriter {
   std::map<std::string, std::vector<std::size_t>> ends_;
 };
 
-// ROS 1 messages as bytes.
+// Messages as bytes.
 struct ImageMessage {
   std::uint32_t seq = 0;
   double stamp_s = 0;
@@ -71,24 +115,100 @@ struct ImageMessage {
   ByteVector pixels;
   std::optional<float> depth_unit_m;  // the four extra bytes of SDK 2.49
 };
-ByteVector image_message(const ImageMessage& image);
+ByteVector image_message(const ImageMessage& image, Wire wire = Wire::ros1);
 ByteVector compressed_image_message(double stamp_s,
                                     const std::string& frame_id,
                                     const std::string& format,
-                                    const ByteVector& data);
+                                    const ByteVector& data,
+                                    Wire wire = Wire::ros1);
 ByteVector camera_info_message(int width,
                                int height,
                                std::array<double, 4> k,
                                const std::string& model = "Brown Conrady",
-                               const std::vector<double>& d = {0, 0, 0, 0, 0});
+                               const std::vector<double>& d = {0, 0, 0, 0, 0},
+                               Wire wire = Wire::ros1);
 ByteVector imu_message(std::uint32_t seq,
                        double stamp_s,
                        const Vec3d& acceleration,
-                       const std::string& frame_id = "0");
+                       const std::string& frame_id = "0",
+                       Wire wire = Wire::ros1);
 ByteVector transform_message(const Pose& pose, double quaternion_scale = 1);
-ByteVector tf_message(const std::string& parent, const std::string& child, const Pose& pose);
+ByteVector tf_message(const std::string& parent,
+                      const std::string& child,
+                      const Pose& pose,
+                      Wire wire = Wire::ros1);
 ByteVector extrinsics_message(const Pose& pose);
-ByteVector float_message(float value);
-ByteVector key_value_message(const std::string& key, const std::string& value);
+
+inline constexpr int kWidth = 24;
+inline constexpr int kHeight = 16;
+inline constexpr double kDepthPeriod_s = 1.0 / 30;
+
+/// What depth frame `seq` holds: noise, so that it is different in each and packs badly.
+Image16 depth_of(std::uint32_t seq);
+ByteVector pixels_of(const Image16& image);
+/// Colour of one value everywhere, by its number.
+ByteVector plain_color(std::uint8_t red, std::uint8_t green, std::uint8_t blue);
+
+ImageMessage depth_message(std::uint32_t seq, double stamp_s);
+ImageMessage color_message(std::uint32_t seq, double stamp_s);
+
+struct SdkBag {
+  int frames = 6;
+  BagFormat format;
+  bool sdk_2_49 = false;  // unit behind the pixels, frame_id "1", Depth_Units
+  float unit_m = 0.001f;
+};
+
+inline const std::string kSdkDepth = "/device_0/sensor_0/Depth_0";
+inline const std::string kSdkColor = "/device_0/sensor_1/Color_0";
+inline const std::string kSdkAccel = "/device_0/sensor_2/Accel_0";
+
+/// An image of the SDK's stream.
+void add_depth(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image);
+void add_color(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image);
+/// What the SDK writes before the first frame, at time 1 ns.
+void add_sdk_statics(BagWriter& bag, const SdkBag& options);
+/// A bag as the RealSense SDK records it, depth frames 100, 101, ... with a colour image each.
+BagWriter sdk_bag(const SdkBag& options);
+
+// ---- ROS 2 ----
+
+struct Ros2Message {
+  std::string topic;
+  std::string type;  // "sensor_msgs/msg/Image"
+  std::uint64_t time_ns = 0;
+  ByteVector bytes;
+};
+using Ros2Messages = std::vector<Ros2Message>;
+
+/// Columns, rows, and counts as Wilson packs them (RVL, 2017).
+ByteVector rvl_packed(const Image16& depth);
+/// With what compressedDepth puts before a picture.
+ByteVector with_config(const ByteVector& picture);
+/// As zstd_image_transport packs an image of counts.
+ByteVector zstd_transport(const Image16& depth);
+
+ByteVector zstd_packed(const ByteVector& bytes);
+/// Each message a zstd frame of its own.
+Ros2Messages packed(Ros2Messages messages);
+
+/// As `ros2 bag` makes it: tables `topics` and `messages`.
+void write_db3(const std::filesystem::path& path, const Ros2Messages& messages, int page = 4096);
+
+/// How an MCAP file holds them.
+struct McapForm {
+  std::string compression;   // "", "lz4" or "zstd"
+  std::size_t in_chunk = 5;  // messages in each; 0: no chunks
+  bool summary = true;
+  std::string encoding = "cdr";
+};
+void write_mcap(const std::filesystem::path& path,
+                const Ros2Messages& messages,
+                const McapForm& form = {});
+
+/// As the RealSense SDK records: texts, depth frames 100, 101, ... with colour, as sdk_bag().
+Ros2Messages sdk_messages(int frames);
+/// As realsense-ros records under `camera`, depth_of(100), depth_of(101), ... with colour.
+Ros2Messages realsense_ros_messages(int frames, const std::string& camera = "/camera/camera");
 
 }  // namespace planescope::testing_bags

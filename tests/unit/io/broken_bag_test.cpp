@@ -1,6 +1,4 @@
-#include <random>
-
-#include "unit/io/sample_bags.hpp"
+#include "unit/io/bag_writer.hpp"
 #include "unit/io/support.hpp"
 
 namespace planescope::io {
@@ -152,35 +150,16 @@ TEST_F(BrokenBag, ADamagedChunkCostsItsFramesOnly) {
 }
 
 TEST_F(BrokenBag, AnyChangedByteNeverCrashes) {
-  std::mt19937 random(5);
-  for (const char* compression : {"none", "lz4", "bz2"}) {
+  for (const char* compression : {"none", "lz4", "bz2"})
     for (const bool index : {true, false}) {
       SdkBag options;
       options.frames = 3;
       options.format = {compression, index, index, true, 8};
-      const ByteVector good = sdk_bag(options).finish();
-      for (int trial = 0; trial < 250; ++trial) {
-        ByteVector bytes = good;
-        const int changes = 1 + static_cast<int>(random() % 4);
-        for (int c = 0; c < changes; ++c) {
-          // Half of them past the padding of the bag header, where there is more to break.
-          const std::size_t from = random() % 4 == 0 ? 0 : 4096;
-          const std::size_t at = from + random() % (bytes.size() - from);
-          const unsigned char values[] = {0,    1,    0x7f,
-                                          0x80, 0xff, static_cast<unsigned char>(random())};
-          bytes[at] = values[random() % 6];
-        }
-        if (random() % 4 == 0) bytes.resize(random() % bytes.size());
-        const std::string message = message_of([&] {
-          const auto recording = open(bytes);
-          for (int i = 0; i < recording->frame_count(); ++i) {
-            message_of([&] { recording->frame(i); });
-          }
-        });
-        EXPECT_EQ(message.find('\n'), std::string::npos);
-      }
+      expect_no_harm_by_damage(path_, sdk_bag(options).finish(), 250, [&] {
+        const auto recording = open_recording(path_);
+        for (int i = 0; i < recording->frame_count(); ++i) message_of([&] { recording->frame(i); });
+      });
     }
-  }
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include "core/io/byte_reader.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
-#include "unit/io/sample_bags.hpp"
+#include "unit/io/bag_writer.hpp"
 #include "unit/io/support.hpp"
 
 namespace planescope::io {

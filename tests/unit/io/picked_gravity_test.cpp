@@ -1,12 +1,9 @@
-#include "core/io/picked_gravity.hpp"
-
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "core/io/readers.hpp"
+#include "core/io/recording.hpp"
 #include "core/model/error.hpp"
-#include "support/temp_dir.hpp"
+#include "unit/io/support.hpp"
 
 namespace planescope::io {
 namespace {
@@ -44,17 +41,9 @@ struct Picked : testing::Test {
   PickedDirection direction(int frame, const Vec3d& down) const {
     return {down, {}, frame, "hash" + std::to_string(frame), "picked: a floor"};
   }
-  void write(const std::string& text) const {
-    fs::create_directories(dir);
-    std::ofstream(dir / "gravity.json") << text;
-  }
+  void write(const std::string& text) const { write_text(dir / "gravity.json", text); }
   std::string refusal() const {
-    try {
-      read_picked_gravity(dir, recording);
-      return "";
-    } catch (const Error& error) {
-      return error.what();
-    }
+    return message_of([&] { read_picked_gravity(dir, recording); });
   }
 };
 
@@ -99,25 +88,25 @@ TEST_F(Picked, OnAnotherRecordingIsRefused) {
 }
 
 TEST_F(Picked, AFileThatCannotBeUsedIsRefusedByName) {
-  const std::string one =
-      R"({"direction": [0,1,0], "walls": [], "frame": 1, "frame_sha256": "hash1", "note": ""})";
+  const auto file = [](const std::string& all, const std::string& frames) {
+    return R"({"schema": "planescope.gravity/1", "recording": )" + all + R"(, "frames": )" +
+           frames + "}";
+  };
+  const auto along = [](const std::string& direction) {
+    return R"({"direction": )" + direction +
+           R"(, "walls": [], "frame": 1, "frame_sha256": "hash1", "note": ""})";
+  };
+  const std::string one = along("[0,1,0]");
   for (const std::string& text :
        {std::string("{"), std::string("[]"), std::string("{}"), std::string("null"),
-        R"({"schema": "planescope.gravity/2", "recording": null, "frames": []})" + std::string(),
-        R"({"schema": "planescope.gravity/1", "recording": 7, "frames": []})" + std::string(),
-        R"({"schema": "planescope.gravity/1", "recording": null, "frames": 7})" + std::string(),
-        R"({"schema": "planescope.gravity/1", "recording": null, "frames": [)" + one + ", {}]}",
-        R"({"schema": "planescope.gravity/1", "frames": [], "recording": {"direction": [0,0,0],)"
-        R"( "walls": [], "frame": 1, "frame_sha256": "hash1", "note": ""}})" +
-            std::string(),
-        R"({"schema": "planescope.gravity/1", "frames": [], "recording": {"direction": [0,1],)"
-        R"( "walls": [], "frame": 1, "frame_sha256": "hash1", "note": ""}})" +
-            std::string()}) {
+        std::string(R"({"schema": "planescope.gravity/2", "recording": null, "frames": []})"),
+        file("7", "[]"), file("null", "7"), file("null", "[" + one + ", {}]"),
+        file(along("[0,0,0]"), "[]"), file(along("[0,1]"), "[]")}) {
     write(text);
     EXPECT_EQ(refusal().find((dir / "gravity.json").string()), 0u) << text << ": " << refusal();
     EXPECT_EQ(refusal().find('\n'), std::string::npos) << refusal();
   }
-  write(R"({"schema": "planescope.gravity/1", "recording": null, "frames": [)" + one + "]}");
+  write(file("null", "[" + one + "]"));
   EXPECT_EQ(refusal(), "");
 }
 

@@ -97,47 +97,6 @@ TEST_F(RealRecordings, McapOfRos2BagOpensAsFarAsItsTopicsAndHasNoDepth) {
   }
 }
 
-TEST_F(RealRecordings, TheFolderOfASingleBagOpensTheBag) {
-  EXPECT_EQ(open("realsense_sdk_bag")->frame_count(), 2);
-}
-
-TEST_F(RealRecordings, FolderWithOpen3dIntrinsics) {
-  const auto recording = open("felixchenfy_d4xx_640x480");
-  EXPECT_EQ(recording->frame_count(), 5);
-  EXPECT_EQ(recording->info().intrinsics.fx, 617.25);
-  EXPECT_NEAR(recording->info().intrinsics.cx, 317.3921203613281, 1e-12);
-  EXPECT_NEAR(recording->info().intrinsics.cy, 245.98019409179688, 1e-12);
-  EXPECT_EQ(recording->info().intrinsics_source, "cam_params_realsense.json");
-  EXPECT_EQ(recording->info().depth_unit_source, "assumed (RealSense default)");
-  const Frame frame = recording->frame(2);
-  EXPECT_EQ(frame.name, "000003");
-  EXPECT_TRUE(frame.color_aligned);
-  EXPECT_EQ(recording->info().color_note, "assumed aligned (same size, one set of intrinsics)");
-  EXPECT_EQ(recording->frame_hash(0).size(), 64u);
-  EXPECT_NE(recording->frame_hash(0), recording->frame_hash(1));
-}
-
-TEST_F(RealRecordings, FolderWithoutIntrinsicsAsksForThem) {
-  const std::string message = message_of([&] { open("aims_slam_realsense_640x480"); });
-  EXPECT_NE(message.find("--intrinsics"), std::string::npos) << message;
-  const auto recording =
-      open("aims_slam_realsense_640x480", with_intrinsics(383.8, 383.8, 321.7, 236.8));
-  ASSERT_EQ(recording->frame_count(), 40);
-  EXPECT_EQ(recording->frame(0).name, "15");
-  EXPECT_EQ(recording->frame(39).name, "54");
-  EXPECT_EQ(recording->frame(39).color.width, 640);
-}
-
-TEST_F(RealRecordings, ColourIsPairedThoughItsNamesDifferFromThoseOfDepth) {
-  const auto recording = open("polylidar_d435i_424x240");
-  ASSERT_EQ(recording->frame_count(), 4);
-  EXPECT_EQ(recording->info().width, 424);
-  const Frame frame = recording->frame(3);
-  EXPECT_TRUE(frame.color_aligned);
-  EXPECT_NEAR(frame.timestamp_s, 1580908154.939, 1e-3);
-  EXPECT_EQ(measured(frame), frame.depth.pixels());
-}
-
 TEST_F(RealRecordings, ViewerExportOpensByEachOfItsPaths) {
   for (const char* path :
        {"rs_viewer_raw_export_848x480", "rs_viewer_raw_export_848x480/001_big_depth.raw",
@@ -154,38 +113,6 @@ TEST_F(RealRecordings, ViewerExportOpensByEachOfItsPaths) {
   EXPECT_NE(message.find("3 channel(s) with 8 bits"), std::string::npos) << message;
 }
 
-TEST_F(RealRecordings, DepthBesideCloudAndUnalignedColour) {
-  const RecordingOptions options = with_intrinsics(365.3177, 365.3174, 254.685, 208.549);
-  const auto recording = open("stairs_kinect2_512x424", options);
-  ASSERT_EQ(recording->frame_count(), 1);
-  const Frame frame = recording->frame(0);
-  EXPECT_EQ(frame.depth.width, 512);
-  EXPECT_EQ(frame.color.width, 1920);
-  EXPECT_FALSE(frame.color_aligned);
-  EXPECT_EQ(frame.color_intrinsics.fx, 0);
-  const auto cloud = open("stairs_kinect2_512x424/0000_cloud.pcd");
-  EXPECT_EQ(cloud->frame(0).cloud->points.size(), 217088u);
-  EXPECT_EQ(cloud->frame(0).cloud->rgb.size(), 3 * 217088u);
-}
-
-TEST_F(RealRecordings, CloudsInNestedFolders) {
-  const auto recording = open("plane_seg_clouds");
-  ASSERT_EQ(recording->frame_count(), 2);
-  EXPECT_EQ(recording->frame(0).name, "terrain_med");
-  EXPECT_EQ(recording->frame(0).cloud->points.size(), 68913u);
-  EXPECT_EQ(recording->frame(1).name, "anymal/ori_entrance_stair_climb/06");
-  // The compressed cloud: its landing lies at 1.27 m, its floor at 0.59 m.
-  const auto points =
-      open("plane_seg_clouds/anymal/ori_entrance_stair_climb/06.pcd")->frame(0).cloud->points;
-  ASSERT_EQ(points.size(), 107772u);
-  const auto near = [&](float z) {
-    return std::count_if(points.begin(), points.end(),
-                         [&](const Vec3f& p) { return std::abs(p.z() - z) < 0.02f; });
-  };
-  EXPECT_GT(near(0.59f), 3 * near(0.68f));
-  EXPECT_GT(near(1.27f), 3 * near(1.19f));
-}
-
 TEST_F(RealRecordings, OpencvCalibrationWithDistortionAndExtrinsics) {
   const auto recording = open("cape_tunnel_structure_640x480");
   const Frame frame = recording->frame(0);
@@ -198,31 +125,6 @@ TEST_F(RealRecordings, OpencvCalibrationWithDistortionAndExtrinsics) {
   EXPECT_NEAR(frame.T_color_depth.translation().y(), 0.035139088879273231, 1e-12);
   EXPECT_NEAR(frame.T_color_depth.linear()(0, 1), -0.011131100247700660, 1e-3);
   EXPECT_EQ(recording->info().color_note, "projected by extrinsics");
-}
-
-TEST_F(RealRecordings, TumFrameWithItsUnitAsOption) {
-  RecordingOptions options = with_intrinsics(525, 525, 319.5, 239.5);
-  options.depth_unit_m = 0.0002;
-  const auto recording = open("tum_kinect_640x480", options);
-  EXPECT_EQ(recording->info().depth_unit_source, "option --depth-unit");
-  EXPECT_TRUE(recording->frame(0).color_aligned);
-}
-
-TEST_F(RealRecordings, TextMatrixWithNegativeFocalLength) {
-  RecordingOptions options;
-  options.depth_unit_m = 0.0002;
-  const auto recording = open("NOT_REAL_icl_nuim_with_plane_gt", options);
-  EXPECT_EQ(recording->info().intrinsics.fx, 481.2);
-  EXPECT_EQ(recording->info().intrinsics.fy, 480);
-  EXPECT_EQ(recording->info().intrinsics_source, "ICL_living_room.K");
-  EXPECT_FALSE(recording->info().has_color);
-}
-
-TEST_F(RealRecordings, ASingleDepthImageFindsItsCalibrationAndColour) {
-  const auto recording = open("felixchenfy_d4xx_640x480/depth/000004.png");
-  ASSERT_EQ(recording->frame_count(), 1);
-  EXPECT_EQ(recording->info().intrinsics.fx, 617.25);
-  EXPECT_TRUE(recording->frame(0).color_aligned);
 }
 
 }  // namespace

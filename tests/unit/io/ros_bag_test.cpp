@@ -1,7 +1,6 @@
 #include "core/io/image/png.hpp"
 #include "support/jpeg_bytes.hpp"
-#include "unit/io/ros2_writer.hpp"
-#include "unit/io/sample_bags.hpp"
+#include "unit/io/bag_writer.hpp"
 #include "unit/io/support.hpp"
 
 namespace planescope::io {

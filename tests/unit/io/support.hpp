@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <random>
 #include <string>
+#include <vector>
 
 #include "core/io/recording.hpp"
 #include "core/model/file_bytes.hpp"
@@ -34,6 +36,28 @@ inline void write_anew(const std::filesystem::path& path, std::span<const unsign
   write_file_bytes(path, bytes);
 }
 
+/// Reads copies of a file with a few changed bytes, some of them cut: each is read, or refused by
+/// an Error of one line.
+template <typename Read>
+void expect_no_harm_by_damage(const std::filesystem::path& path,
+                              const std::vector<unsigned char>& good,
+                              int trials,
+                              const Read& read) {
+  std::mt19937 random(5);
+  for (int trial = 0; trial < trials; ++trial) {
+    auto bytes = good;
+    for (unsigned changes = 1 + random() % 4; changes > 0; --changes) {
+      const unsigned char values[] = {0,    1,    '9',  '-',  ' ',
+                                      '\n', 0x7f, 0x80, 0xff, static_cast<unsigned char>(random())};
+      bytes[random() % bytes.size()] = values[random() % std::size(values)];
+    }
+    if (random() % 4 == 0) bytes.resize(random() % bytes.size());
+    write_anew(path, bytes);
+    const std::string message = message_of(read);
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+}
+
 inline RecordingOptions with_intrinsics(double fx, double fy, double cx, double cy) {
   RecordingOptions options;
   options.intrinsics = {fx, fy, cx, cy};
@@ -47,6 +71,16 @@ inline void expect_one_line_with(const std::string& message,
   for (const char* part : parts) {
     EXPECT_NE(message.find(part), std::string::npos) << "\"" << part << "\" is not in: " << message;
   }
+}
+
+inline void expect_refused(const std::filesystem::path& path,
+                           const RecordingOptions& options,
+                           std::initializer_list<const char*> parts) {
+  expect_one_line_with(message_of([&] { open_recording(path, options); }), parts);
+}
+inline void expect_refused(const std::filesystem::path& path,
+                           std::initializer_list<const char*> parts) {
+  expect_refused(path, {}, parts);
 }
 
 }  // namespace planescope::io

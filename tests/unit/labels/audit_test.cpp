@@ -232,9 +232,10 @@ TEST(PixelDepth, TheDeepestPixelIsFarthestFromTheOutside) {
   for (std::uint32_t y = 0; y < 9; ++y)
     for (std::uint32_t x = 0; x < 9; ++x)
       if (x < 6 || y < 6) ring.push_back(y * 12 + x);
-  EXPECT_EQ(deepest_pixel(ring, 12, 10), 3 * 12 + 3u);
+  const LabelGrid grid = test::wall_grid(12, 10);
+  EXPECT_EQ(deepest_pixel(ring, grid), 3 * 12 + 3u);
   const std::vector<std::uint32_t> one = {119};
-  EXPECT_EQ(deepest_pixel(one, 12, 10), 119u);
+  EXPECT_EQ(deepest_pixel(one, grid), 119u);
 }
 
 TEST(PixelDepth, PartsNearerThanTheGapAreOne) {

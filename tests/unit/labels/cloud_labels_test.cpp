@@ -14,7 +14,6 @@
 #include "core/labels/review/audit.hpp"
 #include "core/labels/review/review.hpp"
 #include "core/labels/store/store.hpp"
-#include "core/labels/wand/finish.hpp"
 #include "core/labels/wand/wand.hpp"
 #include "core/planes/pipeline/truth.hpp"
 #include "small_frames.hpp"
@@ -91,13 +90,6 @@ TEST(CloudGrid, PointsThatAreNoneHaveNoNeighbours) {
   EXPECT_EQ(grid.measured_count, grid.pixels() - 2);
   EXPECT_TRUE(grid.graph.around(5).empty());
   EXPECT_TRUE(grid.graph.around(9).empty());
-}
-
-TEST(CloudGrid, ACloudWithoutPointsIsRefused) {
-  Frame frame;
-  frame.name = "none";
-  frame.cloud.emplace();
-  expect_refused([&] { make_label_grid(frame, Gravity{}); }, "has no points");
 }
 
 TEST(CloudWand, FindsEachPlaneOfAStair) {

@@ -6,6 +6,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/truth.hpp"
 #include "small_frames.hpp"
+#include "support/refusal.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope::labels {
@@ -30,7 +31,7 @@ TEST(LabelGrid, MeasuresWhatTheCloudOfTheFrameHas) {
 TEST(LabelGrid, RefusesACloudWithoutPointsAndIntrinsicsOfAnotherSize) {
   Frame cloud;
   cloud.cloud = PointSet{};
-  EXPECT_THROW(make_label_grid(cloud, Gravity{}), Error);
+  expect_refused([&] { make_label_grid(cloud, Gravity{}); }, "has no points");
   Frame frame = test::frame_of(8, 6, [](int, int) { return 1.0; });
   frame.intrinsics.width = 9;
   EXPECT_THROW(make_label_grid(frame, Gravity{}), Error);

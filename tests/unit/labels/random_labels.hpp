@@ -93,9 +93,7 @@ inline void expect_same(const FrameLabels& a, const FrameLabels& b) {
   EXPECT_EQ(a.intrinsics.width, b.intrinsics.width);
   EXPECT_EQ(a.intrinsics.fx, b.intrinsics.fx);
   EXPECT_EQ(a.depth_unit_m, b.depth_unit_m);
-  EXPECT_EQ(a.gravity.direction, b.gravity.direction);
-  EXPECT_EQ(a.gravity.source, b.gravity.source);
-  EXPECT_EQ(a.gravity.note, b.gravity.note);
+  EXPECT_EQ(a.gravity, b.gravity);
   EXPECT_EQ(a.annotator, b.annotator);
   EXPECT_EQ(a.review_state, b.review_state);
   EXPECT_EQ(a.review, b.review);

@@ -2,11 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <cstdio>
-
 #include "core/labels/edit/operations.hpp"
-#include "core/labels/review/agreement.hpp"
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
 
@@ -222,29 +218,6 @@ TEST_F(Reviews, AfterTakingEveryRegionNothingIsLeft) {
   }
   for (int i = 0; i < 100 && !found().empty(); ++i) labels = take(found()[0]);
   EXPECT_TRUE(found().empty());
-}
-
-TEST(ReviewSpeed, AFullFrame) {
-  const LabelGrid grid = wall(640, 480);
-  FrameLabels labels = empty_labels(grid, std::string(64, 'a'));
-  for (std::size_t i = 0; i < grid.pixels(); ++i) {
-    labels.plane.data[i] = static_cast<std::uint16_t>(1 + i % 640 / 80 + i / 640 / 80 * 8);
-  }
-  for (int id = 1; id <= 48; ++id) labels.planes.push_back(LabelPlane{.id = id, .label = Label::v});
-  OtherLabels other = other_of(labels);
-  Random random(4);
-  for (int i = 0; i < 400; ++i) {
-    const int x = random.integer(0, 600), y = random.integer(0, 440), id = random.integer(0, 48);
-    for (int v = y; v < y + 30; ++v) {
-      for (int u = x; u < x + 30; ++u) other.plane[v * 640 + u] = id;
-    }
-  }
-  const auto start = std::chrono::steady_clock::now();
-  const auto found = find_disagreements(labels, other, grid);
-  const std::chrono::duration<double, std::milli> elapsed =
-      std::chrono::steady_clock::now() - start;
-  std::printf("%zu disagreements in 640x480 pixels: %.1f ms\n", found.size(), elapsed.count());
-  EXPECT_GT(found.size(), 100u);
 }
 
 /// One row of pixels with these planes.

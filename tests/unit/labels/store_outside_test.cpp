@@ -1,6 +1,14 @@
+// Stores beside other instances, other tools and full disks.
+
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
+#include <csignal>
+#include <fstream>
 
 #include "core/labels/model/label_files.hpp"
 #include "core/model/file_bytes.hpp"
@@ -11,6 +19,187 @@ namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// In a process of its own, as another instance would; true where `action` says so.
+bool in_another_process(const std::function<bool()>& action) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    bool good = false;
+    try {
+      good = action();
+    } catch (...) {
+    }
+    ::_exit(good ? 0 : 1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+/// While it lives, no file of this process grows beyond `bytes`: a disk that is full.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uintmax_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit = {bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_ = {};
+  void (*handler_)(int) = SIG_DFL;
+};
+
+TEST(LabelStores, ASecondInstanceReadsOnlyAndSaysWhoHoldsTheLabels) {
+  const fs::path dir = fresh_dir("second");
+  Random random(31);
+  auto store = std::make_unique<LabelStore>(dir, by("ann"));
+  store->open(0, blank(0));
+  gesture(*store, 0, random);
+  const FrameLabels labels = *store->labels(0);
+  const std::string holder = "held by ann, process " + std::to_string(::getpid()) + " on ";
+  EXPECT_TRUE(in_another_process([&] {
+    LabelStore second(dir, by("bob"));
+    const bool sees = second.open(0, blank(0))->plane.data == labels.plane.data;
+    const auto edit = make_edit(0, "x", labels, after_random_gesture(labels, random));
+    const std::string refused = message_of([&] { second.commit(edit); });
+    return sees && second.read_only().find("read-only: " + holder) == 0 &&
+           refused.find(holder) != std::string::npos && second.notices().empty() &&
+           !message_of([&] { second.save(0); }).empty() &&
+           !message_of([&] { second.undo(); }).empty() &&
+           second.labels(0)->plane.data == labels.plane.data;
+  }));
+  gesture(*store, 0, random);
+  store.reset();
+  EXPECT_TRUE(in_another_process([&] { return LabelStore(dir, by("bob")).read_only().empty(); }));
+}
+
+TEST(LabelStores, TwoThatWereOpenedBeforeThereWasAFolderDoNotMixTheirGestures) {
+  const fs::path dir = fresh_dir("two_new");
+  Random random(32);
+  auto first = std::make_unique<LabelStore>(dir, by("ann"));
+  LabelStore second(dir, by("bob"));
+  first->open(0, blank(0));
+  second.open(0, blank(0));
+  gesture(*first, 0, random);
+  expect_refused([&] { gesture(second, 0, random); }, "held by ann");
+  expect_same(*second.labels(0), blank(0));
+  first.reset();
+  LabelStore third(dir, by("carol"));
+  EXPECT_EQ(third.undo_count(), 1u);
+}
+
+TEST(LabelStores, GesturesOfAnInstanceThatIsGoneAreNotWrittenOver) {
+  const fs::path dir = fresh_dir("gone");
+  Random random(33);
+  LabelStore late(dir, by("bob"));
+  late.open(0, blank(0));
+  {
+    LabelStore first(dir, by("ann"));
+    first.open(0, blank(0));
+    gesture(first, 0, random);
+  }
+  expect_refused([&] { gesture(late, 0, random); }, "open the recording again");
+  EXPECT_EQ(LabelStore(dir, by("carol")).undo_count(), 1u);
+}
+
+TEST(LabelStores, AFileInPlaceOfTheFolderIsNamed) {
+  const fs::path dir = fresh_dir("file");
+  std::ofstream(dir) << "a file";
+  expect_refused([&] { LabelStore(dir, by("ann")); }, dir.string());
+}
+
+TEST(LabelStores, AFolderThatCannotBeMadeIsToldWithTheFirstGesture) {
+  const fs::path blocked = fresh_dir("blocked");
+  Random random(34);
+  LabelStore store(blocked / "labels", by("ann"));
+  store.open(0, blank(0));
+  std::ofstream(blocked) << "a file";
+  expect_refused([&] { gesture(store, 0, random); }, "the gesture is not kept");
+  expect_same(*store.labels(0), blank(0));
+  fs::remove(blocked);
+  gesture(store, 0, random);
+  EXPECT_EQ(store.undo_count(), 1u);
+}
+
+TEST(LabelStores, AFolderThatCannotBeWrittenIsReadAndSaysSo) {
+  const fs::path dir = fresh_dir("unwritable");
+  Random random(35);
+  FrameLabels labels;
+  {
+    LabelStore store(dir, by("ann"));
+    store.open(0, blank(0));
+    gesture(store, 0, random);
+    labels = *store.labels(0);
+  }
+  const auto journal = read_file_bytes(dir / "journal");
+  fs::remove(dir / "lock");
+  ::chmod(dir.c_str(), 0555);
+  EXPECT_TRUE(in_another_process([&] {
+    constexpr uid_t kNobody = 65534;  // root writes everywhere
+    if (::geteuid() == 0 && ::setresuid(kNobody, kNobody, kNobody) != 0) return false;
+    LabelStore store(dir, by("ann"));
+    const LabelStore none(dir / "sub", by("ann"));
+    return store.read_only().find("Permission denied") != std::string::npos &&
+           none.read_only().find("Permission denied") != std::string::npos &&
+           store.open(0, blank(0))->plane.data == labels.plane.data &&
+           message_of([&] { gesture(store, 0, random); }).find("read-only") != std::string::npos;
+  }));
+  ::chmod(dir.c_str(), 0755);
+  EXPECT_EQ(read_file_bytes(dir / "journal"), journal);
+}
+
+TEST(LabelStores, OnAFullDiskAGestureIsRefusedAndNothingIsLost) {
+  const fs::path dir = fresh_dir("full");
+  Random random(36);
+  LabelStore store(dir, by("ann"));
+  store.open(0, blank(0));
+  gesture(store, 0, random);
+  const FrameLabels before = *store.labels(0);
+  const auto journal = read_file_bytes(dir / "journal");
+  for (const int room : {0, 1, 7, 15}) {
+    const FullDisk full(journal.size() + room);
+    expect_refused([&] { gesture(store, 0, random); }, "File too large): the gesture is not kept");
+    expect_refused([&] { store.undo(); }, "File too large): the gesture is not kept");
+    expect_same(*store.labels(0), before);
+    EXPECT_EQ(store.undo_count(), 1u);
+    EXPECT_EQ(read_file_bytes(dir / "journal"), journal);
+  }
+  gesture(store, 0, random);
+  EXPECT_EQ(store.undo_count(), 2u);
+}
+
+TEST(LabelStores, OnAFullDiskSavingFailsAndLeavesTheFilesAsTheyWere) {
+  const fs::path dir = fresh_dir("full_save");
+  Random random(37);
+  FrameLabels latest;
+  {
+    LabelStore store(dir, by("ann"));
+    store.open(0, blank(0));
+    gesture(store, 0, random);
+    store.save(0);
+    const FrameLabels saved = *store.labels(0);
+    gesture(store, 0, random);
+    latest = *store.labels(0);
+    for (const std::uintmax_t room : {0, 20, 100}) {
+      const FullDisk full(room);
+      EXPECT_NE(message_of([&] { store.save(0); }), "");
+      EXPECT_TRUE(store.unsaved(0));
+      EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, saved.plane.data);
+    }
+  }
+  LabelStore store(dir, by("ann"));
+  EXPECT_TRUE(store.any_unsaved());
+  expect_same(*store.open(0, blank(0)), latest);
+  EXPECT_TRUE(store.notices().empty());
+  store.save(0);
+  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, latest.plane.data);
+}
 
 constexpr const char* kFiles[] = {"000000.plane.png", "000000.hv.png", "000000.json"};
 

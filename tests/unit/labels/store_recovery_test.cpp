@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "core/labels/store/journal_records.hpp"
+#include "core/labels/store/journal.hpp"
 #include "core/model/file_bytes.hpp"
 #include "random_labels.hpp"
 #include "support/refusal.hpp"

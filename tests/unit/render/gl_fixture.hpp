@@ -60,12 +60,7 @@ class GlTest : public testing::Test {
 };
 
 /// Looks along +x from 1 m before the origin, z up: y to the left, z up on screen.
-inline Camera front_camera() {
-  Camera camera;
-  camera.eye = Vec3d(-1, 0, 0);
-  camera.target = Vec3d::Zero();
-  return camera;
-}
+inline Camera front_camera() { return {.eye = Vec3d(-1, 0, 0)}; }
 
 inline DrawList without_overlay() {
   DrawList list;

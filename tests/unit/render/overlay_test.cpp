@@ -1,30 +1,24 @@
-#include "render/overlay.hpp"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "core/model/random.hpp"
 #include "gl_fixture.hpp"
+#include "render/draw_list.hpp"
 #include "render/paint.hpp"
-#include "render/view.hpp"
 
 namespace planescope::render {
 namespace {
 
-View view_of(int width, int height) {
-  Camera camera;
-  camera.eye = Vec3d(-1, -1, 1);
-  return make_view(camera, width, height);
-}
+View view_of(int width, int height) { return make_view(Camera{}, width, height); }
 
-Overlay layout(const DrawList& list, int width = 900, int height = 720) {
-  return layout_overlay(list, view_of(width, height), theme_colors(Theme::light));
+Overlay layout(const DrawList& list) {
+  return layout_overlay(list, view_of(900, 720), theme_colors(Theme::light));
 }
 
 const OverlayText* find(const Overlay& overlay, const std::string& text) {
-  const auto found = std::find_if(overlay.texts.begin(), overlay.texts.end(),
-                                  [&](const OverlayText& t) { return t.text == text; });
+  const auto found = std::ranges::find(overlay.texts, text, &OverlayText::text);
   return found == overlay.texts.end() ? nullptr : &*found;
 }
 
@@ -91,9 +85,7 @@ TEST(Overlay, LongTitleIsShortenedToThePicture) {
 TEST(Overlay, LongLegendFlowsIntoColumnsInsideThePicture) {
   DrawList list;
   list.title = "Planes";
-  for (int i = 1; i <= 60; ++i) {
-    list.legend.push_back({LegendEntry::Mark::dot, {0, 0, 0}, "plane " + std::to_string(i)});
-  }
+  for (int i = 1; i <= 60; ++i) list.explain({0, 0, 0}, "plane " + std::to_string(i));
   const Overlay overlay = layout(list);
   double leftmost = 900;
   double rightmost = 0;
@@ -111,10 +103,10 @@ TEST(Overlay, LongLegendFlowsIntoColumnsInsideThePicture) {
 
 TEST(Overlay, ALabelGivesWayToAMoreImportantOneThatItWouldStandOn) {
   DrawList list;
-  list.labels = {{{0, 0, 0}, "IV", {}, 14, true, kNumeralLabel},
-                 {{0.01f, 0.01f, 0}, "P7", {}, 14, true, kPlaneLabel + 900},
-                 {{0, 0, 0}, "P3", {}, 14, true, kPlaneLabel + 10},
-                 {{0.3f, -0.3f, 0}, "II", {}, 14, true, kNumeralLabel}};
+  list.labels = {{{0, 0, 0}, "IV", {}, 14, kNumeralLabel},
+                 {{0.01f, 0.01f, 0}, "P7", {}, 14, kPlaneLabel + 900},
+                 {{0, 0, 0}, "P3", {}, 14, kPlaneLabel + 10},
+                 {{0.3f, -0.3f, 0}, "II", {}, 14, kNumeralLabel}};
   const Overlay overlay = layout(list);
   std::vector<std::string> shown;
   for (const OverlayText& label : overlay.labels) shown.push_back(label.text);
@@ -133,7 +125,6 @@ TEST(Overlay, NoTwoLabelsStandOnEachOther) {
                              "P" + std::to_string(number(300)),
                              {},
                              static_cast<float>(12 + number(8)),
-                             true,
                              number(3)});
     }
     const Overlay overlay = layout(list);
@@ -163,24 +154,21 @@ TEST(Overlay, ALabelKeepsClearOfWhatLiesOverThePicture) {
     const Eigen::Vector4f clip(static_cast<float>(2 * x / 900 - 1),
                                static_cast<float>(1 - 2 * y / 720), 0.5f, 1);
     const Vec3f at = (to_world * clip).hnormalized();
-    list.labels = {{at, "P7", {}, 14, true}};
+    list.labels = {{at, "P7", {}, 14}};
     EXPECT_NEAR((project(view, at)->px - Vec2d(x, y)).norm(), 0, 1);
     return !layout_overlay(list, view, theme_colors(Theme::light)).labels.empty();
   };
   EXPECT_TRUE(shown_at(450, 360));
-  for (const OverlayText& text : bare.texts) {  // title, legend, names of the axes, length
+  for (const OverlayText& text : bare.texts)  // title, legend, names of the axes, length
     EXPECT_FALSE(shown_at(text.x + 4, text.baseline - 4)) << text.text;
-  }
 }
 
 TEST(Overlay, IsAsLargeOnADenseScreenAsOnAnOrdinaryOne) {
   DrawList list;
   list.title = "Planes";
-  Camera camera;
-  camera.eye = Vec3d(-1, -1, 1);
   const ThemeColors& colors = theme_colors(Theme::light);
-  const Overlay ordinary = layout_overlay(list, make_view(camera, 400, 500), colors);
-  const Overlay dense = layout_overlay(list, make_view(camera, 800, 1000, 2), colors);
+  const Overlay ordinary = layout_overlay(list, make_view({}, 400, 500), colors);
+  const Overlay dense = layout_overlay(list, make_view({}, 800, 1000, 2), colors);
   ASSERT_FALSE(ordinary.texts.empty());
   ASSERT_EQ(dense.texts.size(), ordinary.texts.size());
   for (std::size_t i = 0; i < dense.texts.size(); ++i)
@@ -189,9 +177,9 @@ TEST(Overlay, IsAsLargeOnADenseScreenAsOnAnOrdinaryOne) {
 
 TEST(Overlay, LabelsBehindTheCameraAreLeftOut) {
   DrawList list;
-  list.labels = {{{-0.5f, -0.5f, 0.5f}, "near", {}, 14, true},
-                 {{1, -0.5f, -1}, "far", {}, 14, true},
-                 {{-3, -3, 3}, "behind", {}, 14, true}};
+  list.labels = {{{-0.5f, -0.5f, 0.5f}, "near", {}, 14},
+                 {{1, -0.5f, -1}, "far", {}, 14},
+                 {{-3, -3, 3}, "behind", {}, 14}};
   const Overlay overlay = layout(list);
   ASSERT_EQ(overlay.labels.size(), 2u);
   EXPECT_EQ(overlay.labels[0].text, "near");
@@ -200,26 +188,17 @@ TEST(Overlay, LabelsBehindTheCameraAreLeftOut) {
 
 // ---- Text ----
 
-// Columns that hold any ink: first and last, or -1 where there is none.
-std::pair<int, int> ink_columns(const Image8& image) {
-  int first = -1;
-  int last = -1;
-  for (int x = 0; x < image.width; ++x) {
-    for (int y = 0; y < image.height; ++y) {
-      if (image.at(x, y) > 64) {
-        last = x;
-        if (first < 0) first = x;
-      }
-    }
-  }
-  return {first, last};
-}
-
 TEST(Text, InkCoversTheWidthThatIsReported) {
   Image8 image(400, 60, 3);
   const double advance = draw_text(image, 20, 40, "MnHoM", 24, {255, 255, 255});
   EXPECT_DOUBLE_EQ(advance, text_width("MnHoM", 24));
-  const auto [first, last] = ink_columns(image);
+  int first = image.width, last = -1;  // columns that hold any ink
+  for (int x = 0; x < image.width; ++x)
+    for (int y = 0; y < image.height; ++y)
+      if (image.at(x, y) > 64) {
+        first = std::min(first, x);
+        last = x;
+      }
   EXPECT_NEAR(first, 20, 4);
   EXPECT_NEAR(last, 20 + advance, 4);
 }
@@ -233,10 +212,8 @@ TEST(Text, StandsOnItsBaseline) {
 }
 
 TEST(Text, HasEveryCharacterOfOurPictures) {
-  const std::string text = "θστα µμ ≤≥±°×²³·–—…√Δλ 0123456789 (h/v) äöüß";
-  for (const char32_t c : decode_utf8(text)) {
+  for (const char32_t c : decode_utf8("θστα µμ ≤≥±°×²³·–—…√Δλ 0123456789 (h/v) äöüß"))
     EXPECT_TRUE(has_glyph(c)) << static_cast<unsigned>(c);
-  }
 }
 
 TEST(Text, BrokenUtf8BecomesReplacementCharacters) {
@@ -268,13 +245,11 @@ TEST(Text, HaloSurroundsTheGlyph) {
   const GlyphBitmap halo = grown(glyph, 2);
   EXPECT_GT(halo.width, glyph.width + 3);
   EXPECT_EQ(halo.left + halo.width - glyph.left - glyph.width, glyph.left - halo.left);
-  for (int y = 0; y < glyph.height; ++y) {
+  for (int y = 0; y < glyph.height; ++y)
     for (int x = 0; x < glyph.width; ++x) {
-      const int hx = x + glyph.left - halo.left;
-      const int hy = y + glyph.top - halo.top;
+      const int hx = x + glyph.left - halo.left, hy = y + glyph.top - halo.top;
       EXPECT_GE(halo.coverage[hy * halo.width + hx], glyph.coverage[y * glyph.width + x]);
     }
-  }
 }
 
 struct OverlayPicture : GlTest {};
@@ -283,13 +258,125 @@ TEST_F(OverlayPicture, ManySizesOfTextOutgrowTheAtlasAndAreAllDrawn) {
   DrawList list = without_overlay();
   for (int i = 0; i < 60; ++i) {
     const auto y = static_cast<float>(i % 10) * 0.08f - 0.4f;
-    list.labels.push_back({{0, y, 0}, "ABCDEFGHIJ", {255, 0, 0}, 40 + static_cast<float>(i), true});
+    list.labels.push_back({{0, y, 0}, "ABCDEFGHIJ", {255, 0, 0}, 40 + static_cast<float>(i)});
   }
   const Image8 first = render(list, front_camera());
   EXPECT_EQ(render(list, front_camera()).data, first.data);
   int red = 0;
   for (int x = 0; x < kWidth; ++x) red += pixel(first, x, kHeight / 2).g < 60;
   EXPECT_GT(red, 20);
+}
+
+// ---- Cameras ----
+
+std::vector<Vec3f> points_in_box(const Vec3f& min, const Vec3f& max, int count) {
+  Random random(7);
+  std::vector<Vec3f> points;
+  for (int i = 0; i < count; ++i) {
+    Vec3f at;
+    for (int axis = 0; axis < 3; ++axis)
+      at[axis] = min[axis] + static_cast<float>(random.uniform()) * (max[axis] - min[axis]);
+    points.push_back(at);
+  }
+  return points;
+}
+
+/// How far the points reach from the middle of the view towards its borders, 1: up to them.
+Vec2d reach_in_view(const std::vector<Vec3f>& points, const Camera& camera, double aspect) {
+  const int height = 1000, width = static_cast<int>(1000 * aspect);
+  const View view = make_view(camera, width, height);
+  Vec2d most = Vec2d::Zero();
+  for (const Vec3f& point : points) {
+    const auto seen = project(view, point);
+    if (!seen) return Vec2d::Constant(1e9);
+    most.x() = std::max(most.x(), std::abs(seen->px.x() / width - 0.5) * 2);
+    most.y() = std::max(most.y(), std::abs(seen->px.y() / height - 0.5) * 2);
+  }
+  return most;
+}
+
+TEST(Framing, FillsViewsOfEveryShapeAndCutsNothingOff) {
+  const std::vector<Vec3f> points = points_in_box({1, -2, 0}, {4, 2, 1.5}, 5000);
+  const std::vector<Vec3f> reach = reach_of(points, 0);
+  for (const double aspect : {0.4, 1.0, 4.0 / 3, 2.6})
+    for (const Vec3d& forward : {Vec3d(1, 0, 0), Vec3d(0.8, 0.2, -0.5), Vec3d(0, 0, -1)}) {
+      Lens lens{.forward = forward.normalized(), .aspect = aspect};
+      if (forward.x() == 0) lens.up = Vec3d::UnitX();
+      const Vec2d most = reach_in_view(points, camera_holding(reach, lens), aspect);
+      EXPECT_LT(most.maxCoeff(), 1) << aspect << " " << forward.transpose();
+      EXPECT_GT(most.maxCoeff(), 0.85) << aspect << " " << forward.transpose();
+    }
+}
+
+TEST(Framing, AnOrthographicViewIsFilledToo) {
+  const std::vector<Vec3f> points = points_in_box({1, -2, 0}, {9, 2, 1.5}, 5000);
+  for (const double aspect : {0.5, 2.0}) {
+    Camera camera = camera_holding(reach_of(points, 0), {.aspect = aspect, .orthographic = true});
+    camera.orthographic = true;
+    camera.ortho_height_m =
+        2 * (camera.eye - camera.target).norm() * std::tan(camera.fov_y_deg * M_PI / 360);
+    camera.eye = camera.target - Vec3d(50, 0, 0);
+    const Vec2d most = reach_in_view(points, camera, aspect);
+    EXPECT_LT(most.maxCoeff(), 1);
+    EXPECT_GT(most.maxCoeff(), 0.85);
+  }
+}
+
+TEST(Framing, WhatIsFewAndFarApartIsAside) {
+  std::vector<Vec3f> points = points_in_box({0, 0, 0}, {2, 2, 0.1F}, 5000);
+  const std::vector<Vec3f> speck = points_in_box({9, 9, 3}, {9.3F, 9.3F, 3.1F}, 60);
+  const std::vector<Vec3f> wall = points_in_box({5, 0, 0}, {5.1F, 2, 2}, 1000);
+  points.insert(points.end(), speck.begin(), speck.end());
+  points.insert(points.end(), wall.begin(), wall.end());
+  const std::vector<Vec3f> bulk = bulk_of(points, 0.25);
+  EXPECT_EQ(bulk.size(), points.size() - speck.size()) << "a wall apart from the floor stays";
+  for (const Vec3f& point : bulk) EXPECT_LT(point.x(), 6);
+}
+
+TEST(Framing, OfNothingIsFinite) {
+  EXPECT_TRUE(reach_of({}, 0.01).empty());
+  EXPECT_TRUE(bulk_of({}, 0.1).empty());
+  EXPECT_TRUE(camera_holding({}, {}).eye.allFinite());
+  const std::vector<Vec3f> one = {Vec3f(1, 2, 3)};
+  EXPECT_GT((camera_holding(one, {}).eye - camera_holding(one, {}).target).norm(), 0.01);
+}
+
+TEST(View, TargetIsInTheMiddleAndUpIsUp) {
+  Camera camera;
+  camera.eye = Vec3d(3, -2, 1);
+  camera.target = Vec3d(0.5, 0.5, 0.2);
+  const View view = make_view(camera, 640, 480);
+  const auto middle = project(view, camera.target.cast<float>());
+  ASSERT_TRUE(middle);
+  EXPECT_NEAR(middle->px.x(), 320, 1e-3);
+  EXPECT_NEAR(middle->px.y(), 240, 1e-3);
+  EXPECT_NEAR(middle->depth_m, (camera.eye - camera.target).norm(), 1e-5);
+  const auto above = project(view, Vec3f(0.5f, 0.5f, 0.3f));
+  ASSERT_TRUE(above);
+  EXPECT_LT(above->px.y(), 239);
+  EXPECT_NEAR(above->px.x(), 320, 1e-3);
+}
+
+TEST(View, PixelsPerMetreAtTheTargetAreTrue) {
+  for (const bool orthographic : {false, true}) {
+    Camera camera;
+    camera.eye = Vec3d(-2, 0, 0);
+    camera.orthographic = orthographic;
+    const View view = make_view(camera, 640, 480);
+    const auto a = project(view, Vec3f(0, 0, 0));
+    const auto b = project(view, Vec3f(0, 0.1f, 0));
+    ASSERT_TRUE(a && b);
+    EXPECT_NEAR((a->px - b->px).norm(), 0.1 * view.px_per_m_at_target, 1e-3);
+  }
+}
+
+TEST(View, NothingBehindTheEyeIsProjected) {
+  Camera camera;
+  camera.eye = Vec3d(-1, 0, 0);
+  const View view = make_view(camera, 640, 480);
+  EXPECT_FALSE(project(view, Vec3f(-2, 0, 0)));
+  EXPECT_FALSE(project(view, Vec3f(std::nanf(""), 0, 0)));
+  EXPECT_TRUE(project(view, Vec3f(2, 0, 0)));
 }
 
 }  // namespace

@@ -180,16 +180,10 @@ TEST(ColorScale, TicksAreRoundInOneUnitAndWithinTheRange) {
   EXPECT_EQ(texts(0, 200), "0 50 100 150 200 m");
 }
 
-TEST(ColorScale, ColoursAreOrderedInLightnessAndBeyondTheEndsStayThose) {
-  const auto lightness = [](Rgba c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; };
+TEST(ColorScale, ColoursBeyondTheEndsAreThoseOfTheEnds) {
   ColorScale scale{.what = "", .range = {1, 3}};
-  double before = -1;
-  for (double value = 1; value <= 3; value += 0.1) {
-    EXPECT_GT(lightness(scale.color(value)), before);
-    before = lightness(scale.color(value));
-  }
-  EXPECT_EQ(scale.color(9), scale.color(3));
-  EXPECT_EQ(scale.color(-9), scale.color(1));
+  EXPECT_EQ(scale.color(9), ramp_color(1));
+  EXPECT_EQ(scale.color(-9), ramp_color(0));
   scale.map = ColorScale::Map::falling;
   EXPECT_EQ(scale.color(1), ramp_color(1));
   scale.map = ColorScale::Map::diverging;

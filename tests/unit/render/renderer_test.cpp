@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "gl_fixture.hpp"
-#include "render/scene_parts.hpp"
+#include "render/scenes.hpp"
 #include "support/image_octree.hpp"
 
 namespace planescope::render {
@@ -38,9 +38,9 @@ DrawPoints one_point(Vec3f at, Rgba color, float size_m = 0.1f) {
   return points;
 }
 
-DrawBox box(Vec3f middle, float edge, Rgba color, BoxStyle style) {
+DrawBox box(Vec3f middle, float edge, Rgba color, BoxStyle style, std::uint32_t id = 0) {
   const Vec3f half = Vec3f::Constant(edge / 2);
-  return {box_corners(middle - half, middle + half), color, style, 0};
+  return {box_corners(middle - half, middle + half), color, style, id};
 }
 
 // Shading changes lightness a little.
@@ -62,14 +62,6 @@ TEST_F(RendererTest, EmptyListGivesTheThemesBackground) {
     EXPECT_GT(pixel(light, 5, y).g, 220);
     EXPECT_LT(pixel(dark, 5, y).g, 50);
   }
-}
-
-TEST_F(RendererTest, PointInTheMiddleHasItsColorThere) {
-  DrawList list = without_overlay();
-  list.points = {one_point(Vec3f::Zero(), kRed)};
-  const Image8 image = render(list, front_camera());
-  expect_near(pixel(image, kWidth / 2, kHeight / 2), kRed);
-  EXPECT_FALSE(reddish(pixel(image, kWidth / 2 + 20, kHeight / 2)));
 }
 
 TEST_F(RendererTest, RowZeroIsTheTopAndLeftOfTheSensorIsLeft) {
@@ -249,7 +241,7 @@ TEST_F(RendererTest, LabelStaysOnTopOfPoints) {
   DrawList list = without_overlay();
   list.points = {one_point({-0.3f, 0, 0}, {100, 100, 100}, 1)};
   list.points[0].max_px = 60;
-  list.labels = {{Vec3f::Zero(), "HHH", kRed, 20, true}};
+  list.labels = {{Vec3f::Zero(), "HHH", kRed, 20}};
   const Image8 image = render(list, front_camera());
   int ink = 0;
   for (int x = 50; x < 110; ++x) ink += reddish(pixel(image, x, kHeight / 2));
@@ -262,7 +254,7 @@ TEST_F(RendererTest, SamePictureTwiceHasTheSamePixels) {
   list.legend = {{LegendEntry::Mark::hatched_box, kRed, "hatched"}};
   list.points = {one_point({0.1f, 0, 0}, kRed)};
   list.boxes = {box(Vec3f::Zero(), 0.4f, kBlue, BoxStyle::hatched)};
-  list.labels = {{Vec3f::Zero(), "label", kRed, 14, true}};
+  list.labels = {{Vec3f::Zero(), "label", kRed, 14}};
   const Image8 first = render(list, front_camera());
   render(without_overlay(), front_camera(), Theme::dark);
   renderer().render(list, front_camera(), 99, 77, Theme::dark);
@@ -290,7 +282,7 @@ TEST_F(RendererTest, DegenerateInputIsDrawnWithoutAnError) {
   list.polygons = {{{}, kRed, kRed, 2, 0}, {{{0, 0, 0}, {0, 1, 0}}, kRed, kRed, 2, 0}};
   list.boxes = {box(Vec3f(-1, 0, 0), 0.5f, kRed, BoxStyle::tinted)};  // around the eye
   list.arrows = {{{0, 0, 0}, {0, 0, 0}, kRed, 3}};
-  list.labels = {{{-2, 0, 0}, "behind", kRed, 14, true}, {Vec3f::Zero(), "", kRed, 14, true}};
+  list.labels = {{{-2, 0, 0}, "behind", kRed, 14}, {Vec3f::Zero(), "", kRed, 14}};
   Camera camera = front_camera();
   camera.up = Vec3d::UnitX();  // along the view
   EXPECT_NO_THROW(render(list, camera));
@@ -377,23 +369,17 @@ struct Picking : GlTest {
 };
 
 DrawPoints cloud(float x, std::vector<std::uint32_t> ids) {
-  DrawPoints points;
-  points.positions = {{x, 0, 0}};
-  points.colors = {{255, 0, 0}};
+  DrawPoints points = one_point({x, 0, 0}, {255, 0, 0});
   points.ids = std::move(ids);
-  points.size_m = 0.1f;
   return points;
 }
 
-DrawBox box(float x, float edge, std::uint32_t id, BoxStyle style = BoxStyle::tinted) {
-  const Vec3f half = Vec3f::Constant(edge / 2);
-  return {box_corners(Vec3f(x, 0, 0) - half, Vec3f(x, 0, 0) + half), {255, 0, 0}, style, id};
-}
-
-TEST_F(Picking, NothingIsZero) { EXPECT_EQ(middle({}), 0u); }
+const std::vector<Vec3f> kTriangle = {
+    {-0.5f, -0.2f, -0.2f}, {-0.5f, 0.2f, -0.2f}, {-0.5f, 0, 0.3f}};
 
 TEST_F(Picking, AllThirtyTwoBitsOfAnIdComeBack) {
   DrawList list;
+  EXPECT_EQ(middle(list), 0u);
   list.points = {cloud(0, {0xFEDCBA98u})};
   EXPECT_EQ(middle(list), 0xFEDCBA98u);
 }
@@ -402,9 +388,9 @@ TEST_F(Picking, NearestThingIsPicked) {
   DrawList list;
   list.points = {cloud(0.3f, {1}), cloud(0, {2})};
   EXPECT_EQ(middle(list), 2u);
-  list.boxes = {box(0, 0.5f, 3)};
+  list.boxes = {box(Vec3f::Zero(), 0.5f, kRed, BoxStyle::tinted, 3)};
   EXPECT_EQ(middle(list), 3u);
-  list.polygons = {{{{-0.5f, -0.2f, -0.2f}, {-0.5f, 0.2f, -0.2f}, {-0.5f, 0, 0.3f}}, {}, {}, 1, 4}};
+  list.polygons = {{kTriangle, {}, {}, 1, 4}};
   EXPECT_EQ(middle(list), 4u);
 }
 
@@ -417,14 +403,14 @@ TEST_F(Picking, PointsWithoutIdsHideWhatLiesBehindThem) {
 TEST_F(Picking, BoxesAndPolygonsWithoutAnIdAreLookedThrough) {
   DrawList list;
   list.points = {cloud(0, {7})};
-  list.boxes = {box(0, 0.5f, 0)};
-  list.polygons = {{{{-0.5f, -0.2f, -0.2f}, {-0.5f, 0.2f, -0.2f}, {-0.5f, 0, 0.3f}}, {}, {}, 1, 0}};
+  list.boxes = {box(Vec3f::Zero(), 0.5f, kRed, BoxStyle::tinted)};
+  list.polygons = {{kTriangle, {}, {}, 1, 0}};
   EXPECT_EQ(middle(list), 7u);
 }
 
 TEST_F(Picking, OpenBoxIsPickedByItsEdgesOnly) {
   DrawList list;
-  list.boxes = {box(0, 0.5f, 9, BoxStyle::outline)};
+  list.boxes = {box(Vec3f::Zero(), 0.5f, kRed, BoxStyle::outline, 9)};
   const auto ids = renderer().render_ids(list, front_camera(), kWidth, kHeight);
   EXPECT_EQ(ids.at(kWidth / 2, kHeight / 2), 0u);
   EXPECT_GT(std::count(ids.data.begin(), ids.data.end(), 9u), 500);

@@ -7,7 +7,6 @@
 #include "core/debug/replay/run.hpp"
 #include "gl_fixture.hpp"
 #include "render/palette.hpp"
-#include "render/scene_parts.hpp"
 #include "render/scenes.hpp"
 #include "support/render_depth.hpp"
 
@@ -69,9 +68,15 @@ StepLook look_at(std::int32_t step, ColorBy color_by = ColorBy::cases) {
   return look;
 }
 
+/// Without what the last step is about.
+StepLook at_end(const debug::Run& run, ColorBy color_by = ColorBy::cases) {
+  StepLook look = look_at(run.steps(), color_by);
+  look.show_current = false;
+  return look;
+}
+
 const DrawLabel* label(const DrawList& list, const std::string& text) {
-  const auto found = std::find_if(list.labels.begin(), list.labels.end(),
-                                  [&](const DrawLabel& l) { return l.text == text; });
+  const auto found = std::ranges::find(list.labels, text, &DrawLabel::text);
   return found == list.labels.end() ? nullptr : &*found;
 }
 
@@ -104,20 +109,26 @@ bool is_with_stripes(Rgba color, Rgba expected, const StepLook& look) {
          color == mix(expected, theme_colors(look.theme).background_bottom, 0.5);
 }
 
-TEST(StepScene, BeforeTheFirstEventAllVoxelsWaitInTheRoot) {
+TEST(StepScene, BeforeTheFirstEventAllVoxelsWaitInTheRootButThoseMarkedStandOut) {
   const auto run = stairs_run();
-  const DrawList list = scene_step(*run, look_at(0));
+  StepLook look = look_at(0);
+  const DrawList list = scene_step(*run, look);
   const auto& colors = list.points[0].colors;
-  EXPECT_TRUE(std::all_of(colors.begin(), colors.end(), [&](Rgba c) { return c == colors[0]; }));
+  EXPECT_EQ(std::ranges::count(colors, colors[0]), std::ssize(colors));
   EXPECT_TRUE(list.polygons.empty());
   ASSERT_EQ(list.boxes.size(), 1u);
   EXPECT_EQ(picked(list.boxes[0].id).index, 0);
+  look.node = static_cast<std::int32_t>(run->octree().nodes.size()) - 1;
+  EXPECT_TRUE(scene_step(*run, look) == list) << "a node that is not there yet";
+  look.marked = {3, 5};
+  const auto marked = scene_step(*run, look).points[0].colors;
+  EXPECT_EQ(marked[3], marked[5]);
+  EXPECT_FALSE(marked[3] == marked[4]);
 }
 
 TEST(StepScene, SettledVoxelsHaveTheColourOfTheirCaseAtTheEnd) {
   const auto run = stairs_run();
-  StepLook look = look_at(run->steps());
-  look.show_current = false;
+  StepLook look = at_end(*run);
   const DrawList list = scene_step(*run, look);
   for (std::size_t v = 0; v < run->subject->voxel_count(); ++v) {
     const std::int32_t node =
@@ -158,8 +169,7 @@ TEST(StepScene, ADividedNodeShowsItsChildrenWithoutTheWholeQueue) {
 
 TEST(StepScene, PointsNamesAndNormalsAreSwitchedByThemselves) {
   const auto run = stairs_run();
-  StepLook look = look_at(run->steps());
-  look.show_current = false;
+  StepLook look = at_end(*run);
   const DrawList all = scene_step(*run, look);
   EXPECT_NE(label(all, "P1"), nullptr);
   EXPECT_FALSE(all.arrows.empty());
@@ -201,8 +211,7 @@ bool legend_says(const DrawList& list, const std::string& text) {
 
 TEST(StepScene, FinishedPlanesAreDrawnByWhatTheyCoverAndGrowingOnesByTheirHull) {
   const auto run = stairs_run();
-  StepLook look = look_at(run->steps());
-  look.show_current = false;
+  StepLook look = at_end(*run);
   look.planes = known_planes(*run);
   const DrawList list = scene_step(*run, look);
   ASSERT_EQ(list.polygons.size(), run->segmentation.planes.size());
@@ -212,6 +221,7 @@ TEST(StepScene, FinishedPlanesAreDrawnByWhatTheyCoverAndGrowingOnesByTheirHull) 
   ASSERT_FALSE(before.polygons.empty());
   for (const DrawPolygon& polygon : before.polygons) {
     EXPECT_TRUE(polygon.triangles.empty());
+    EXPECT_EQ(polygon.id, 0u) << "not picked";
     EXPECT_LT(polygon.fill.a, list.polygons[0].fill.a) << "fainter";
   }
 }
@@ -242,8 +252,7 @@ TEST(StepScene, FootSpaceAndStairsAreLayersOfTheirOwn) {
 
 TEST(StepScene, VoxelsShowWhetherTheirPlaneCarriesAFoot) {
   const auto run = stairs_run();
-  StepLook look = look_at(run->steps(), ColorBy::steppable);
-  look.show_current = false;
+  StepLook look = at_end(*run, ColorBy::steppable);
   EXPECT_TRUE(legend_says(scene_step(*run, look), "computing …"));
   look.planes = known_planes(*run);
   const DrawList list = scene_step(*run, look);
@@ -273,8 +282,7 @@ TEST(StepScene, WithoutAFootTheLegendSaysHowToGiveOne) {
 
 TEST(StepScene, WhatIsSelectedHasItsNameAndKeepsItsColourAsTheRestRecedes) {
   const auto run = stairs_run();
-  StepLook look = look_at(run->steps());
-  look.show_current = false;
+  StepLook look = at_end(*run);
   const DrawList plain = scene_step(*run, look);
   look.node = run->octree().nodes[0].first_child;
   look.plane = 0;
@@ -299,24 +307,6 @@ TEST(StepScene, WhatIsSelectedHasItsNameAndKeepsItsColourAsTheRestRecedes) {
   look.node = 0;  // all of them: nothing recedes
   look.voxel = look.plane = -1;
   EXPECT_EQ(scene_step(*run, look).points[0].colors, plain.points[0].colors);
-}
-
-TEST(StepScene, SelectedNodeThatIsNotThereYetIsNotDrawn) {
-  const auto run = stairs_run();
-  StepLook look = look_at(0);
-  const DrawList plain = scene_step(*run, look);
-  look.node = static_cast<std::int32_t>(run->octree().nodes.size()) - 1;
-  EXPECT_TRUE(scene_step(*run, look) == plain);
-}
-
-TEST(StepScene, MarkedVoxelsStandOut) {
-  const auto run = stairs_run();
-  const std::vector<std::uint32_t> marked = {3, 5};
-  StepLook look = look_at(0);
-  look.marked = marked;
-  const auto colors = scene_step(*run, look).points[0].colors;
-  EXPECT_EQ(colors[3], colors[5]);
-  EXPECT_FALSE(colors[3] == colors[4]);
 }
 
 TEST(StepScene, TheNodeOfEveryKindOfStepIsLit) {
@@ -352,8 +342,7 @@ TEST(StepScene, TheNodeOfEveryKindOfStepIsLit) {
 
 TEST(StepScene, IsolatedIsDrawnAlone) {
   const auto run = stairs_run();
-  StepLook look = look_at(run->steps(), ColorBy::planes);
-  look.show_current = false;
+  StepLook look = at_end(*run, ColorBy::planes);
   look.isolated = true;
   EXPECT_EQ(scene_step(*run, look).points[0].positions.size(), run->subject->voxel_count())
       << "nothing is selected";
@@ -374,17 +363,9 @@ TEST(StepScene, IsolatedIsDrawnAlone) {
     }
 }
 
-TEST(StepScene, HullsOfGrowingPlanesAreNotPicked) {
-  const auto run = stairs_run();
-  const DrawList list = scene_step(*run, look_at(run->steps() / 2));
-  ASSERT_FALSE(list.polygons.empty());
-  for (const DrawPolygon& polygon : list.polygons) EXPECT_EQ(polygon.id, 0u);
-}
-
 TEST(StepScene, PlanesHaveTheColoursThatAreGiven) {
   const auto run = stairs_run();
-  StepLook look = look_at(run->steps(), ColorBy::planes);
-  look.show_current = false;
+  StepLook look = at_end(*run, ColorBy::planes);
   look.color_of_plane.assign(static_cast<std::size_t>(run->timeline.plane_count()), 7);
   const auto colors = scene_step(*run, look).points[0].colors;
   for (std::size_t v = 0; v < colors.size(); ++v)

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/labels/edit/operations.hpp"
+#include "core/labels/edit/selection.hpp"
 #include "render/palette.hpp"
 #include "render/step_scene.hpp"
 #include "support/box_scene.hpp"
@@ -37,7 +39,7 @@ StepLook look_by(const debug::Run& run, ColorBy by) {
 }
 
 std::vector<float> values_of(const debug::Run& run, const StepLook& look) {
-  return voxel_values(run, look, step_state(run, look));
+  return voxel_values(step_state(run, look));
 }
 
 TEST(StepState, OfADepthImageShowsThePlanesThatOthersJoined) {
@@ -87,14 +89,14 @@ TEST(StepValues, HeightIsUnknownWhereGravityIs) {
   for (const float value : values_of(*run, look)) ASSERT_TRUE(std::isnan(value));
   const StepState state = step_state(*run, look);
   const Rgba waiting = mark_colors(look.theme).waiting;
-  for (const Rgba color : voxel_colors(*run, look, state)) ASSERT_EQ(color, waiting);
+  for (const Rgba color : voxel_colors(state)) ASSERT_EQ(color, waiting);
 }
 
 TEST(StepColors, DeadEndsAreStripedAndOtherCasesAreNot) {
   const auto run = step_run();
   const StepLook look = look_by(*run, ColorBy::cases);
   const StepState state = step_state(*run, look);
-  const std::vector<Rgba> colors = voxel_colors(*run, look, state);
+  const std::vector<Rgba> colors = voxel_colors(state);
   std::map<planes::Case, std::array<int, 2>> count;  // of voxels in the case's color, and in others
   for (std::size_t v = 0; v < colors.size(); ++v) {
     const planes::Case decided = state.case_of[v];
@@ -110,7 +112,7 @@ TEST(StepValues, RmsIsThatOfThePlaneOfThePoint) {
   const auto run = step_run();
   const StepLook look = look_by(*run, ColorBy::rms);
   const StepState state = step_state(*run, look);
-  const std::vector<float> values = voxel_values(*run, look, state);
+  const std::vector<float> values = voxel_values(state);
   int in_planes = 0;
   for (std::size_t v = 0; v < values.size(); ++v) {
     if (state.plane_of[v] < 0) continue;
@@ -149,7 +151,7 @@ TEST(StepValues, DistanceIsSignedAndToTheSelectedPlane) {
   EXPECT_GT(*std::ranges::min_element(values), -0.05);
   EXPECT_NE(color_scale(*run, look).what.find(debug::plane_name(*run, floor)), std::string::npos);
   // Too far off to be told apart, and not its own: no colour of the map.
-  const std::vector<Rgba> colors = voxel_colors(*run, look, state);
+  const std::vector<Rgba> colors = voxel_colors(state);
   const auto top = static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
   EXPECT_EQ(colors[top], mark_colors(look.theme).waiting);
 }
@@ -171,6 +173,112 @@ TEST(StepValues, TheRangeIsTheSameAtEveryStepAndPassesOutliersOver) {
   const ValueRange range = robust_range(values);
   EXPECT_NEAR(range.low_m, 0.5, 0.051);
   EXPECT_NEAR(range.high_m, 1.5, 0.051);
+}
+
+// ---- Labels as they are drawn: colours, what stands out, what is left out ----
+
+/// A wall of 40 x 30 pixels, one of which was not measured; P1 on its left half, P2 at its right
+/// edge.
+struct LabelScene : testing::Test {
+  labels::LabelGrid grid;
+  std::vector<Vec3f> world;
+  std::shared_ptr<FrameLabels> labels;
+
+  void SetUp() override {
+    Frame frame;
+    frame.depth = Image16(40, 30, 1, 1000);
+    frame.depth.at(0, 0) = 0;
+    frame.depth_unit_m = 0.001;
+    frame.intrinsics.width = 40;
+    frame.intrinsics.height = 30;
+    frame.intrinsics.fx = frame.intrinsics.fy = 40;
+    frame.intrinsics.cx = 20;
+    frame.intrinsics.cy = 15;
+    Gravity gravity;
+    gravity.direction = Vec3d::UnitY();
+    grid = labels::make_label_grid(frame, gravity);
+    world = grid.points;
+    labels::PixelSet left, right;
+    for (std::uint32_t i = 0; i < 40 * 30; ++i) (i % 40 < 20 ? left : right).push_back(i);
+    std::erase_if(right, [](std::uint32_t i) { return i % 40 < 35; });
+    labels = std::make_shared<FrameLabels>(labels::empty_labels(grid, "hash"));
+    *labels = labels::painted(*labels, grid, left, {.plane = 1}, labels::PaintMode::over);
+    *labels = labels::painted(*labels, grid, right, {.plane = 2}, labels::PaintMode::over);
+  }
+  LabelLook look() const {
+    LabelLook look;
+    look.labels = labels;
+    return look;
+  }
+  DrawPoints points() const {
+    DrawPoints points = label_points(grid, world, labels::shown_pixels(*labels));
+    color_label_points(points, label_ground(grid, Backdrop::color), grid, look());
+    return points;
+  }
+  std::vector<Rgba> tints(const LabelLook& of) const { return label_tints(grid, of, 1); }
+  static std::size_t at(int u, int v) { return static_cast<std::size_t>(v * 40 + u); }
+};
+
+TEST_F(LabelScene, DrawsEveryMeasuredPointAndNamesItsPixel) {
+  const DrawPoints drawn = points();
+  ASSERT_EQ(drawn.positions.size(), grid.measured_count);
+  ASSERT_EQ(drawn.colors.size(), drawn.positions.size());
+  for (std::size_t k = 0; k < drawn.ids.size(); ++k)
+    EXPECT_EQ(drawn.positions[k], world[drawn.ids[k] - 1]);
+}
+
+TEST_F(LabelScene, LeavesHiddenPlanesOut) {
+  *labels = labels::with_flag(*labels, 2, labels::PlaneFlag::hidden, true);
+  EXPECT_EQ(points().positions.size(),
+            grid.measured_count - labels::pixels_of_plane(*labels, 2).size());
+  EXPECT_EQ(tints(look())[at(38, 5)].a, 0);
+  EXPECT_EQ(label_places(*labels, grid).size(), 1u);
+}
+
+TEST_F(LabelScene, TellsPlanesApartAndTheActiveOneFromTheOthers) {
+  LabelLook active = look();
+  active.plane = 1;
+  const std::vector<Rgba> tint = tints(active);
+  EXPECT_EQ(tint[at(25, 5)].a, 0) << "unlabelled";
+  EXPECT_EQ(tint[at(5, 5)].r, plane_color(1).r);
+  EXPECT_EQ(tint[at(38, 5)].r, plane_color(2).r);
+  EXPECT_GT(tint[at(5, 5)].a, tint[at(38, 5)].a);
+}
+
+TEST_F(LabelScene, ShowsClassesInTheirColours) {
+  *labels = labels::with_class(*labels, 1, Label::h);
+  LabelLook classes = look();
+  classes.show_class = true;
+  EXPECT_EQ(tints(classes)[at(5, 5)].b, label_color(Label::h).b);
+  EXPECT_EQ(tints(classes)[at(38, 5)].b, label_color(Label::v).b);
+}
+
+TEST_F(LabelScene, APreviewIsSeenHoweverFaintLabelsAre) {
+  LabelLook shown = look();
+  const labels::PixelSet preview{static_cast<std::uint32_t>(at(5, 5)), 99999};
+  shown.preview = preview;
+  const std::vector<Rgba> faint = label_tints(grid, shown, 0);
+  EXPECT_GT(faint[at(5, 5)].a, 150);
+  EXPECT_EQ(faint[at(6, 5)].a, 0);
+  const Rgba adds = faint[at(5, 5)];
+  shown.preview_takes = true;
+  EXPECT_NE(label_tints(grid, shown, 0)[at(5, 5)], adds);
+}
+
+TEST_F(LabelScene, PaintsOutlinesBetweenPlanesButNotAroundHoles) {
+  Image8 picture = label_ground(grid, Backdrop::color);
+  const Image8 ground = picture;
+  paint_labels(picture, grid, look(), 0);
+  EXPECT_NE(picture.at(19, 5), ground.at(19, 5));
+  EXPECT_EQ(picture.at(0, 1), ground.at(0, 1));
+  EXPECT_EQ(picture.at(10, 5), ground.at(10, 5));
+}
+
+TEST_F(LabelScene, NamesStandDeepInTheirPlanes) {
+  const std::vector<LabelPlace> places = label_places(*labels, grid);
+  ASSERT_EQ(places.size(), 2u);
+  EXPECT_NEAR(static_cast<double>(places[0].pixel % 40), 10, 5);
+  EXPECT_NEAR(static_cast<double>(places[1].pixel % 40), 37, 1);
 }
 
 }  // namespace

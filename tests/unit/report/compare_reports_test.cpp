@@ -10,8 +10,6 @@
 namespace planescope::report {
 namespace {
 
-using planes::PlaneSummary;
-
 /// A strip of measurements, `plane_of` each tenth of it, and floors of the heights given.
 ReportFrame strip(const std::vector<int>& plane_of_tenths, const std::vector<double>& heights_m) {
   ReportFrame result;
@@ -19,13 +17,9 @@ ReportFrame strip(const std::vector<int>& plane_of_tenths, const std::vector<dou
   for (int i = 0; i < 100; ++i) plane_of.push_back(plane_of_tenths[i / 10]);
   result.regions = {1, 100, 1, runs_of(plane_of)};
   for (std::size_t k = 0; k < heights_m.size(); ++k) {
-    PlaneSummary plane;
-    plane.id = static_cast<int>(k) + 1;
-    plane.label = Label::h;
-    plane.centroid = {0.1 * plane.id, 0, heights_m[k]};
-    plane.offset_m = heights_m[k];
-    plane.area_m2 = 1;
-    result.planes.push_back({plane, ""});
+    const int id = static_cast<int>(k) + 1;
+    result.planes.push_back(level_plane(id, heights_m[k]));
+    result.planes.back().summary.centroid.x() = 0.1 * id;
   }
   return result;
 }
@@ -157,12 +151,7 @@ ReportFrame frame_with_floor(int index, double height_m) {
   ReportFrame frame;
   frame.index = index;
   frame.sha256 = "hash " + std::to_string(index);
-  PlaneSummary floor;
-  floor.id = 1;
-  floor.label = Label::h;
-  floor.centroid.z() = floor.offset_m = height_m;
-  floor.area_m2 = 1;
-  frame.planes = {{floor, ""}};
+  frame.planes = {level_plane(1, height_m)};
   frame.regions = {1, 2, 1, {{1, 2}}};
   return frame;
 }

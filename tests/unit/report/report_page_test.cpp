@@ -18,22 +18,9 @@
 namespace planescope::report {
 namespace {
 
-using planes::PlaneSummary;
-
 namespace fs = std::filesystem;
 
 constexpr const char* kHostile = "\"><script>alert(1)</script>";
-
-PlaneSummary make_plane(int id) {
-  PlaneSummary plane;
-  plane.id = id;
-  plane.label = Label::h;
-  plane.offset_m = id;
-  plane.centroid = Vec3d(0, 0, id);
-  plane.area_m2 = 1;
-  plane.points = 300;
-  return plane;
-}
 
 ReportPicture make_picture(const std::string& name, int index) {
   ReportPicture picture;
@@ -55,7 +42,8 @@ ReportFrame make_frame(int index) {
   frame.counts = {1000, 100, 5, 200, 1, 694};
   frame.points_on_planes = 600;
   frame.planes_h = 2;
-  frame.planes = {{make_plane(1), "#0072b2"}, {make_plane(2), "#d55e00"}};
+  frame.planes = {level_plane(1, 1, "#0072b2"), level_plane(2, 2, "#d55e00")};
+  for (ReportPlane& plane : frame.planes) plane.summary.points = 300;
   frame.regions = {8, 4, 2, {{1, 2}, {2, 2}, {1, 2}, {2, 2}}};
   for (const char* name : {"overlay", "cases"}) frame.pictures.push_back(make_picture(name, index));
   return frame;

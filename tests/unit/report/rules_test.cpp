@@ -26,13 +26,9 @@ ReportFrame frame_with(int index, std::vector<double> heights_m, double mean_iou
   frame.points_on_planes = 90;
   std::vector<int> plane_of(10);
   for (const double height : heights_m) {
-    PlaneSummary plane;
-    plane.id = static_cast<int>(frame.planes.size()) + 1;
-    plane.label = Label::h;
-    plane.centroid.z() = plane.offset_m = height;
-    plane.area_m2 = 1;
-    frame.planes.push_back({plane, ""});
-    plane_of[frame.planes.size() - 1] = plane.id;
+    const int id = static_cast<int>(frame.planes.size()) + 1;
+    frame.planes.push_back(level_plane(id, height));
+    plane_of[frame.planes.size() - 1] = id;
   }
   frame.regions = {1, 10, 1, runs_of(plane_of)};
   frame.metrics = planes::Metrics{};

@@ -1,8 +1,7 @@
-#include "core/world/tracks/history.hpp"
-
 #include <gtest/gtest.h>
 
 #include "core/model/error.hpp"
+#include "core/world/tracks/tracker.hpp"
 
 namespace planescope::world {
 namespace {

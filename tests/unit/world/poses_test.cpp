@@ -1,11 +1,11 @@
+#include "core/world/poses/poses.hpp"
+
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/world/poses/sequence_gravity.hpp"
-#include "core/world/poses/trajectory.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::world {

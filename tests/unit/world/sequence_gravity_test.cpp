@@ -1,5 +1,3 @@
-#include "core/world/poses/sequence_gravity.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
+#include "core/world/poses/poses.hpp"
 
 namespace planescope::world {
 namespace {

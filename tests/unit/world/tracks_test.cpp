@@ -8,7 +8,7 @@
 
 #include "core/io/recording.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
-#include "core/lab/synthetic/sequence.hpp"
+#include "core/lab/synthetic/sample.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/world/files/map_files.hpp"

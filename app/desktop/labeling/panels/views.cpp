@@ -12,8 +12,8 @@
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/labels/edit/operations.hpp"
+#include "render/draw_list.hpp"
 #include "render/palette.hpp"
-#include "render/view.hpp"
 
 namespace planescope::desktop {
 

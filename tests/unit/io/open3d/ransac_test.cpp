@@ -6,7 +6,7 @@
 #include "core/io/open3d/install.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "unit/planes/rivals/found_planes_support.hpp"
+#include "support/found_planes.hpp"
 
 namespace planescope::open3d {
 namespace {

@@ -7,10 +7,10 @@
 #include <map>
 #include <set>
 
-#include "core/lab/experiments/oracle.hpp"
+#include "core/lab/bench/stairs_bench.hpp"
+#include "core/lab/experiments/contest.hpp"
 #include "core/lab/synthetic/d435.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
-#include "core/lab/synthetic/seen_steps.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/model/error.hpp"
 #include "unit/lab/synthetic/test_scenes.hpp"

@@ -6,13 +6,12 @@
 #include <filesystem>
 #include <limits>
 
+#include "core/lab/rivals/rivals.hpp"
 #include "core/lab/synthetic/repeatable.hpp"
 #include "core/lab/training/checkpoint.hpp"
-#include "core/lab/training/gcn_backward.hpp"
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
 #include "core/planes/classify/weights.hpp"
-#include "core/planes/rivals/rival_classifiers.hpp"
 
 namespace planescope::lab {
 namespace {
@@ -193,12 +192,12 @@ void expect_gradients(const planes::NetworkConfig& config, int points_count) {
   const auto gradients =
       planes::gcn::tensor_gradients(weights, backward(graph, layers, a, kernels, slopes));
 
-  planes::PlainNetwork<double> network{config, {}};
+  PlainNetwork<double> network{config, {}};
   for (const auto& tensor : weights.tensors)
     network.tensors.emplace_back(tensor.begin(), tensor.end());
-  const planes::PlainGraph plain = planes::make_plain_graph(sorted, config);
+  const PlainGraph plain = make_plain_graph(sorted, config);
   const auto loss = [&] {
-    const auto logits = planes::plain_forward(network, plain, sorted);
+    const auto logits = plain_forward(network, plain, sorted);
     double sum = 0;
     for (std::size_t i = 0; i < logits.size(); ++i)
       for (std::size_t c = 0; c < 2; ++c) sum += logits[i][c] * double{slopes[i * width + c]};
@@ -251,6 +250,34 @@ TEST(GcnGradient, WithoutAHiddenLayerMatchesFiniteDifferences) {
   expect_gradients(config, 60);
 }
 
-}  // namespace
+// ---- The page ----
 
+TrainingSummary two_epochs() {
+  return {.title = "Training of <own>.safetensors",
+          .facts = {{"Recipe", "planescope"}, {"Command", "planescope train -o '<own>'"}},
+          .validation_sets = {"stairs 0 cm", "scans"},
+          .epochs = {{250, 0.5, {{90, 100, 998, 1000}, {80, 100, 990, 1000}}},
+                     {500, 0.25, {{95, 100, 999, 1000}, {85, 100, 995, 1000}}}}};
+}
+
+TEST(TrainingPage, ShowsFactsCurvesAndEveryEpochAndNeedsNothingElse) {
+  const std::string page = training_page(two_epochs());
+  EXPECT_NE(page.find("<svg"), page.rfind("<svg")) << "two curves";
+  for (const char* text : {"<dt>Recipe</dt><dd>planescope</dd>", "<td>250</td><td>0.5000</td>",
+                           "<td>90.00 / 99.80</td>", "<td>85.00 / 99.50</td>", "stairs 0 cm",
+                           "prefers-color-scheme:dark"})
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  for (const char* text : {"http", "<script", "<link", "<own>"})
+    EXPECT_EQ(page.find(text), std::string::npos) << text;
+}
+
+TEST(TrainingPage, BeforeTheFirstEpochSaysSo) {
+  TrainingSummary summary = two_epochs();
+  summary.epochs.clear();
+  const std::string page = training_page(summary);
+  EXPECT_EQ(page.find("<svg"), std::string::npos);
+  EXPECT_NE(page.find("No epoch is complete yet"), std::string::npos);
+}
+
+}  // namespace
 }  // namespace planescope::lab

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/lab/rivals/rivals.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/lab/training/train.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
-#include "core/planes/rivals/rival_classifiers.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -41,10 +41,11 @@ NetworkConfig odd_config() {
 std::vector<float> plain_logits(const NetworkWeights& weights, const std::vector<Vec3f>& points) {
   const NeighbourGrid grid(points, weights.config.neighbours + 1);
   const std::vector<Vec3f> sorted(grid.points().begin(), grid.points().end());
-  PlainNetwork<double> network{weights.config, {}};
+  lab::PlainNetwork<double> network{weights.config, {}};
   for (const auto& tensor : weights.tensors)
     network.tensors.emplace_back(tensor.begin(), tensor.end());
-  const auto logits = plain_forward(network, make_plain_graph(sorted, weights.config), sorted);
+  const auto logits =
+      lab::plain_forward(network, lab::make_plain_graph(sorted, weights.config), sorted);
   std::vector<float> result(2 * points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t c = 0; c < 2; ++c)

@@ -92,11 +92,6 @@ TEST(Rival, OnDepthFramesRegionGrowingLooksAtPixelsAndVoxelsFollowMostOfTheirs) 
     }
 }
 
-TEST(Rival, MethodsForDepthImagesRefuseClouds) {
-  if (!has_pcl_and_cgal()) GTEST_SKIP() << "built without PCL and CGAL";
-  EXPECT_THROW(run_frame(floor_and_wall(), options_of(Method::pcl_multi_plane), nullptr), Error);
-}
-
 TEST(Rival, ItsOptionsAreSetByName) {
   PipelineOptions options;
   set_option(options, "region_patch_px", "10");

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/planes/rivals/rivals.hpp"
+#include "support/refusal.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -29,6 +30,12 @@ TEST(FoundPlanes, OfTooFewPointsAreLeftOut) {
 TEST(FoundPlanes, OfNoPointsAreNone) {
   EXPECT_TRUE(found_planes({}, {}).planes.empty());
   EXPECT_TRUE(found_planes({}, {}).plane_of.empty());
+}
+
+TEST(Ransac, IsRefusedByNameWhereTheProgramLacksIt) {
+  expect_refused([] { find_planes_ransac({}, {}); },
+                 "method ransac is not part of this build, configure it with "
+                 "-DPLANESCOPE_OPEN3D=ON");
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/planes/rivals/rivals.hpp"
-#include "unit/planes/rivals/found_planes_support.hpp"
+#include "support/found_planes.hpp"
 
 namespace planescope::planes {
 namespace {
