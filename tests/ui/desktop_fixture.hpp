@@ -200,12 +200,26 @@ struct LabelWindow : Desk {
 struct LabelDesktop : testing::Test {
   const std::filesystem::path dir = scratch_dir();
   const std::filesystem::path label_dir = dir / "labels";
-  LabelWindow window{label_dir};
+  LabelWindow window;
+
+  /// `recording`: given the test's folder.
+  explicit LabelDesktop(std::filesystem::path (*recording)(const std::filesystem::path&) =
+                            [](const std::filesystem::path&) { return sample_path(); })
+      : window(label_dir, recording(dir)) {}
 
   const State& state() const { return window.state(); }
+  const LabelView& view() const { return state().view.label; }
   const FrameLabels& labels() const { return window.labels(); }
+  const labels::LabelStore& store() const { return window.store(); }
+  const LabelPlane* find(int plane) const { return labels::find_plane(labels(), plane); }
+  std::size_t pixels_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
   void play(const std::string& actions) { play_actions(window.shell, window.stage, dir, actions); }
   void choose(int plane) { window.run("label.plane", std::to_string(plane)); }
+  /// The labels' folder as it is now, for another window.
+  std::filesystem::path copy_of_labels() const {
+    std::filesystem::copy(label_dir, dir / "copy", std::filesystem::copy_options::recursive);
+    return dir / "copy";
+  }
 };
 
 }  // namespace planescope::desktop

@@ -22,17 +22,14 @@ const fs::path& stair_file() {
   return path;
 }
 
-struct LabelClouds : testing::Test {
-  const fs::path dir = scratch_dir();
-  LabelWindow window{dir / "labels", stair_file()};
+struct LabelClouds : LabelDesktop {
   const test::TrueCloud cloud = test::stair_cloud();
 
-  LabelClouds() { window.run("camera.top"); }
+  LabelClouds() : LabelDesktop([](const fs::path&) { return stair_file(); }) {
+    window.run("camera.top");
+  }
   static void TearDownTestSuite() { fs::remove(stair_file()); }
 
-  const State& state() const { return window.state(); }
-  const FrameLabels& labels() const { return window.labels(); }
-  std::size_t points_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
   /// Where a place of the cloud is seen in a view of 800x800, as an argument.
   std::string seen(const Vec3f& place) const {
     const LabelFrame& frame = *state().label_frame();
@@ -51,7 +48,7 @@ TEST_F(LabelClouds, AreDrawnInSpaceAloneAndTheWandTakesATread) {
   window.run("label.accept");
   ASSERT_EQ(labels().planes.size(), 1u);
   EXPECT_EQ(labels().planes[0].label, Label::h);
-  EXPECT_NEAR(static_cast<double>(points_of(1)), static_cast<double>(cloud.on(3).size()), 60);
+  EXPECT_NEAR(static_cast<double>(pixels_of(1)), static_cast<double>(cloud.on(3).size()), 60);
   EXPECT_NE(state().view.message.find(" points"), std::string::npos) << state().view.message;
 }
 
@@ -82,26 +79,26 @@ TEST_F(LabelClouds, ALassoTakesWhatIsSeenAndThroughTakesWhatIsBelow) {
                      " " + seen({0.9f, 1.25f, 0.2f}) + " " + seen({0.1f, 1.25f, 0.2f});
   window.run("label.tool.lasso");
   window.run("label.area", lasso);
-  const std::size_t seen_points = points_of(1);
+  const std::size_t seen_points = pixels_of(1);
   EXPECT_GT(seen_points, 500u);
   window.run("label.undo");
   EXPECT_TRUE(labels().planes.empty());
   window.run("label.through");
   window.run("label.area", lasso);
-  EXPECT_GT(points_of(1), seen_points) << "the riser below the nosing, too";
+  EXPECT_GT(pixels_of(1), seen_points) << "the riser below the nosing, too";
 }
 
 TEST_F(LabelClouds, ABrushACutAndTheFinishingGesturesAreEachOneStepOfUndo) {
   window.run("label.stroke",
              "space:800x800 20 " + seen({0.3f, 0.5f, 0}) + " " + seen({0.7f, 0.5f, 0}));
-  const std::size_t stroke = points_of(1);
+  const std::size_t stroke = pixels_of(1);
   EXPECT_GT(stroke, 20u);
   window.run("label.grow");
   window.run("label.accept");
-  EXPECT_NEAR(static_cast<double>(points_of(1)), static_cast<double>(cloud.on(1).size()), 120);
+  EXPECT_NEAR(static_cast<double>(pixels_of(1)), static_cast<double>(cloud.on(1).size()), 120);
   window.run("label.cut", "space:800x800 " + seen({0.5f, 0, 0}) + " " + seen({0.5f, 0.99f, 0}));
   EXPECT_EQ(labels().planes.size(), 2u);
-  EXPECT_EQ(window.store().undo_count(), 3u);
+  EXPECT_EQ(store().undo_count(), 3u);
   for (int i = 0; i < 3; ++i) window.run("label.undo");
   EXPECT_TRUE(labels().planes.empty());
 }
@@ -119,18 +116,6 @@ TEST_F(LabelClouds, StartFromTheAlgorithmAndAreReviewedAgainstIt) {
   window.run("review.item", "0");
   window.run("review.take");
   EXPECT_EQ(labels().planes.size(), planes);
-}
-
-TEST_F(LabelClouds, AreThereAgainAfterACrashAndInTheFilesOnceSaved) {
-  wand_at({0.5f, 0.5f, 0});
-  window.run("label.accept");
-  const auto drawn = labels().plane.data;
-  fs::copy(dir / "labels", dir / "crashed", fs::copy_options::recursive);
-  EXPECT_FALSE(fs::exists(dir / "crashed" / "000000.json"));
-  LabelWindow again(dir / "crashed", stair_file());
-  EXPECT_EQ(again.labels().plane.data, drawn);
-  window.run("label.save");
-  EXPECT_EQ(labels::read_frame_labels(dir / "labels", 0, "")->plane.data, drawn);
 }
 
 TEST_F(LabelClouds, SayInOneLineWhatCloudsHaveNot) {

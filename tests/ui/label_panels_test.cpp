@@ -14,7 +14,6 @@ namespace {
 
 struct LabelPlanes : LabelDesktop {
   void SetUp() override { window.run("label.take"); }
-  std::size_t pixels_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
 };
 
 TEST_F(LabelPlanes, StartFromTheAlgorithmInOneUndoStep) {
@@ -25,7 +24,7 @@ TEST_F(LabelPlanes, StartFromTheAlgorithmInOneUndoStep) {
     EXPECT_EQ(plane.origin, LabelOrigin::algorithm);
     EXPECT_EQ(plane.label, found.planes[static_cast<std::size_t>(plane.id - 1)].label);
   }
-  EXPECT_EQ(window.store().history(1).front().title, "Start from the algorithm (refined)");
+  EXPECT_EQ(store().history(1).front().title, "Start from the algorithm (refined)");
   window.run("label.undo");
   EXPECT_TRUE(labels().planes.empty());
 }
@@ -34,16 +33,16 @@ TEST_F(LabelPlanes, LockedAndHiddenOnesStayWhenTheAlgorithmIsAskedAgain) {
   window.run("label.class.v", "1");
   window.run("label.lock", "1");
   window.run("label.take");
-  EXPECT_EQ(labels::find_plane(labels(), 1)->label, Label::v);
+  EXPECT_EQ(find(1)->label, Label::v);
 }
 
 TEST_F(LabelPlanes, TakeTheirClassFromAKeyAndGiveItBackOnUndo) {
-  const Label before = labels::find_plane(labels(), 1)->label;
+  const Label before = find(1)->label;
   window.run("label.class.v", "1");
-  EXPECT_EQ(labels::find_plane(labels(), 1)->label, Label::v);
+  EXPECT_EQ(find(1)->label, Label::v);
   EXPECT_EQ(state().view.message, "Make P1 v");
   window.run("label.undo");
-  EXPECT_EQ(labels::find_plane(labels(), 1)->label, before);
+  EXPECT_EQ(find(1)->label, before);
 }
 
 TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
@@ -55,8 +54,8 @@ TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
   choose(1);
   window.run("label.join", "P2");
   EXPECT_EQ(pixels_of(1), one + two);
-  EXPECT_EQ(labels::find_plane(labels(), 2), nullptr);
-  EXPECT_EQ(window.store().history(1).front().title, "Join P2 into P1");
+  EXPECT_EQ(find(2), nullptr);
+  EXPECT_EQ(store().history(1).front().title, "Join P2 into P1");
   window.run("label.split");
   EXPECT_EQ(labelled(), before);
 }
@@ -68,15 +67,18 @@ TEST_F(LabelPlanes, JoinTheOneUnderTheMouse) {
   choose(1);
   window.shell.perform({"label.hover", pixel}, true);
   window.run("label.join");
-  EXPECT_EQ(labels::find_plane(labels(), 2), nullptr);
+  EXPECT_EQ(find(2), nullptr);
   EXPECT_NE(window.refusal("label.join").find("under the mouse"), std::string::npos);
 }
 
 TEST_F(LabelPlanes, ThatAreLockedRefuseInOneLine) {
   window.run("label.lock", "2");
-  const std::uint64_t version = window.store().version(0);
+  const std::uint64_t version = store().version(0);
   EXPECT_NE(window.refusal("label.remove", "2").find("P2 is locked"), std::string::npos);
-  EXPECT_EQ(window.store().version(0), version);
+  choose(2);
+  EXPECT_EQ(window.refusal("label.stroke", "image over 20 300,330"), "P2 is locked");
+  EXPECT_FALSE(window.refusal("label.cut", "image 330,0 330,479").empty());
+  EXPECT_EQ(store().version(0), version);
   EXPECT_NE(window.refusal("label.lock", "77").find("no plane P77"), std::string::npos);
 }
 
@@ -84,7 +86,7 @@ TEST_F(LabelPlanes, ThatAreHiddenAreCountedUntilAllAreShown) {
   EXPECT_FALSE(window.shows("planes.hidden"));
   window.run("label.hide", "1");
   EXPECT_TRUE(window.shows("planes.hidden"));
-  EXPECT_TRUE(labels::find_plane(labels(), 1)->hidden);
+  EXPECT_TRUE(find(1)->hidden);
   EXPECT_GT(pixels_of(1), 0u);
   window.run("label.show_all");
   EXPECT_FALSE(window.shows("planes.hidden"));
@@ -92,72 +94,22 @@ TEST_F(LabelPlanes, ThatAreHiddenAreCountedUntilAllAreShown) {
 
 TEST_F(LabelPlanes, AreChosenLockedAndLookedAtInTheList) {
   play(R"({"click": "planes.2"})");
-  EXPECT_EQ(state().view.label.plane, 2);
+  EXPECT_EQ(view().plane, 2);
   play(R"({"click": "planes.2.lock"}, {"click": "planes.3.hide"})");
-  EXPECT_TRUE(labels::find_plane(labels(), 2)->locked);
-  EXPECT_TRUE(labels::find_plane(labels(), 3)->hidden);
+  EXPECT_TRUE(find(2)->locked);
+  EXPECT_TRUE(find(3)->hidden);
   ASSERT_FALSE(state().view.camera.has_value());
   play(R"({"click": "planes.1", "double": true})");
-  EXPECT_EQ(state().view.label.plane, 1);
+  EXPECT_EQ(view().plane, 1);
   EXPECT_TRUE(state().view.camera.has_value());
 }
 
 TEST_F(LabelPlanes, WithoutOneTheKeyIsForWhatIsPaintedNext) {
   choose(0);
   window.run("label.class.h");
-  EXPECT_EQ(state().view.label.paints, Paints::h_only);
+  EXPECT_EQ(view().paints, Paints::h_only);
   window.run("label.class.h");
-  EXPECT_EQ(state().view.label.paints, Paints::plane);
-}
-
-/// Frames of the sample show different scenes; here the camera stands still.
-struct CarriedPlanes : testing::Test {
-  const std::filesystem::path dir = scratch_dir();
-  std::filesystem::path still() const {
-    namespace fs = std::filesystem;
-    fs::copy(sample_path(), dir / "still", fs::copy_options::recursive);
-    for (const char* folder : {"depth", "color"})
-      fs::copy(dir / "still" / folder / "000000.png", dir / "still" / folder / "000001.png",
-               fs::copy_options::overwrite_existing);
-    return dir / "still";
-  }
-  LabelWindow window{dir / "labels", still()};
-  const State& state() const { return window.state(); }
-
-  void SetUp() override { window.run("label.take"); }
-};
-
-TEST_F(CarriedPlanes, GoOnToTheNextFrameAsOneGesture) {
-  const std::size_t planes = window.labels().planes.size();
-  window.run("label.carry");
-  EXPECT_EQ(state().document.frame, 1);
-  EXPECT_EQ(window.labels().planes.size(), planes);
-  for (const LabelPlane& plane : window.labels().planes) {
-    EXPECT_EQ(plane.origin, LabelOrigin::carried);
-    EXPECT_GT(plane.confidence, 0.5);
-  }
-  ASSERT_NE(state().results.label.carry.done, nullptr);
-  EXPECT_TRUE(window.shows("planes.doubt"));
-  window.run("label.cancel");
-  EXPECT_EQ(state().results.label.carry.done, nullptr);
-  window.run("label.undo");
-  EXPECT_TRUE(window.labels().planes.empty());
-}
-
-TEST_F(CarriedPlanes, StayWhereTheyAreOnceItIsCancelled) {
-  window.shell.perform({"label.carry", ""}, true);
-  window.run("label.cancel");
-  EXPECT_EQ(state().document.frame, 1);
-  EXPECT_TRUE(window.labels().planes.empty());
-}
-
-TEST_F(CarriedPlanes, AreRefusedWhereTheNextFrameShowsSomethingElse) {
-  window.run("label.carry");
-  EXPECT_NE(window.refusal("label.carry").find("overlap too little"), std::string::npos);
-  EXPECT_EQ(state().document.frame, 2);
-  EXPECT_TRUE(window.labels().planes.empty());
-  window.run("label.take");
-  EXPECT_NE(window.refusal("label.carry").find("last"), std::string::npos);
+  EXPECT_EQ(view().paints, Paints::plane);
 }
 
 struct LabelReview : LabelDesktop {
@@ -169,15 +121,15 @@ struct LabelReview : LabelDesktop {
   }
   const ReviewQueue& queue() const { return *state().results.label.review; }
   const labels::Disagreement& chosen() const {
-    return queue().items[static_cast<std::size_t>(state().view.label.review_item)];
+    return queue().items[static_cast<std::size_t>(view().review_item)];
   }
 };
 
 TEST_F(LabelReview, BeginsAtTheLargestDisagreement) {
   ASSERT_NE(state().results.label.review, nullptr);
   ASSERT_GE(queue().undecided(), 1u);
-  EXPECT_EQ(state().view.label.tab, "review");
-  EXPECT_EQ(state().view.label.review_item, 0);
+  EXPECT_EQ(view().tab, "review");
+  EXPECT_EQ(view().review_item, 0);
   EXPECT_EQ(chosen().kind, DisagreementKind::invented);
   EXPECT_TRUE(window.shows("review.0"));
 }
@@ -189,7 +141,7 @@ TEST_F(LabelReview, TakingTheAlgorithmsSideEndsTheDisagreement) {
   for (const labels::Disagreement& item : queue().items) EXPECT_NE(item.pixels, pixels);
   ASSERT_EQ(labels().review.size(), 1u);
   EXPECT_EQ(labels().review[0].decision, ReviewDecision::take);
-  EXPECT_EQ(labels().review[0].reviewer, window.store().annotator());
+  EXPECT_EQ(labels().review[0].reviewer, store().annotator());
   EXPECT_TRUE(window.shows("review.decided.0"));
   window.run("label.undo");
   EXPECT_TRUE(labels().review.empty());
@@ -206,7 +158,7 @@ TEST_F(LabelReview, EnterKeepsTheLabelsAndGoesOn) {
 
 TEST_F(LabelReview, EditingGoesThereWithTheBrush) {
   window.run("review.edit");
-  EXPECT_EQ(state().view.label.tool, LabelTool::brush);
+  EXPECT_EQ(view().tool, LabelTool::brush);
   EXPECT_EQ(labels().review.at(0).decision, ReviewDecision::edit);
   EXPECT_TRUE(state().view.camera.has_value());
 }
@@ -217,9 +169,7 @@ TEST_F(LabelReview, DecisionsSurviveARestart) {
   window.run("review.done");
   EXPECT_EQ(labels().review_state, "reviewed");
   window.run("label.mode");
-  const std::filesystem::path copy = dir / "copy";
-  std::filesystem::copy(label_dir, copy, std::filesystem::copy_options::recursive);
-  LabelWindow again(copy);
+  LabelWindow again(copy_of_labels());
   again.run("review.start");
   EXPECT_EQ(again.state().results.label.review->undecided(), 0u);
   EXPECT_EQ(again.labels().review.size(), notes);
@@ -280,7 +230,7 @@ TEST_F(LabelReview, RefusesLabelsOfAnotherFrame) {
   EXPECT_NE(window.refusal("review.against", (dir / "other").string()), "");
   EXPECT_NE(window.refusal("review.against", (dir / "none").string()).find("no labels"),
             std::string::npos);
-  EXPECT_EQ(state().view.label.compare_with, "");
+  EXPECT_EQ(view().compare_with, "");
 }
 
 TEST_F(LabelReview, IsMadeAnewWhenLabelsChange) {
@@ -310,12 +260,12 @@ TEST_F(LabelReview, ChecksLeadToTheirPlaces) {
   const auto contradicts =
       std::ranges::find(findings, labels::FindingKind::class_normal, &labels::Finding::kind);
   ASSERT_NE(contradicts, findings.end());
-  EXPECT_EQ(state().view.label.tab, "checks");
-  EXPECT_EQ(state().view.label.finding, 0);
+  EXPECT_EQ(view().tab, "checks");
+  EXPECT_EQ(view().finding, 0);
   const auto index = std::to_string(contradicts - findings.begin());
   play(R"({"click": "checks.)" + index + R"("})");
-  EXPECT_EQ(state().view.label.plane, contradicts->plane);
-  EXPECT_EQ(std::to_string(state().view.label.finding), index);
+  EXPECT_EQ(view().plane, contradicts->plane);
+  EXPECT_EQ(std::to_string(view().finding), index);
 }
 
 TEST_F(LabelReview, StatisticsTellTimeAndGestures) {

@@ -1,4 +1,4 @@
-// The label mode's tools: gestures in both views, the wand, keys; what finishes a surface.
+// The label mode's tools: gestures in both views, the wand, keys, what finishes a surface.
 
 #include <algorithm>
 #include <cmath>
@@ -11,12 +11,10 @@ namespace planescope::desktop {
 namespace {
 
 struct LabelTools : LabelDesktop {
-  std::size_t pixels_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
   std::size_t labelled() const {
     return labels().plane.data.size() -
            static_cast<std::size_t>(std::ranges::count(labels().plane.data, 0));
   }
-  const LabelView& view() const { return state().view.label; }
   void key(const std::string& name) { play(R"({"key": ")" + name + R"("})"); }
   /// The mouse, to a place on the image in shares of it.
   void move(float x, float y) {
@@ -40,7 +38,7 @@ TEST_F(LabelTools, AStrokeMakesAPlaneInOneUndoStepAndGoesOnWithIt) {
   const std::size_t first = pixels_of(1);
   EXPECT_GT(first, 1000u);
   EXPECT_EQ(view().plane, 1);
-  EXPECT_EQ(window.store().history(1).front().title, "Brush P1");
+  EXPECT_EQ(store().history(1).front().title, "Brush P1");
   window.run("label.stroke", "image over 20 200,330");
   EXPECT_GT(pixels_of(1), first);
   window.run("label.undo");
@@ -68,7 +66,7 @@ TEST_F(LabelTools, AddingLeavesOtherLabelsAndSubtractingTakesOnlyItsOwn) {
   window.run("label.undo");
   window.run("label.stroke", kStroke);  // over
   EXPECT_EQ(pixels_of(1), 0u);
-  EXPECT_EQ(labels::find_plane(labels(), 1), nullptr);
+  EXPECT_EQ(find(1), nullptr);
 }
 
 TEST_F(LabelTools, IgnoreEraseAndAClassAloneArePaintedToo) {
@@ -246,7 +244,7 @@ TEST_F(LabelTools, ABrushDraggedOverTheImagePaints) {
   play(R"({"drag": "image", "from": [0.45, 0.68], "to": [0.55, 0.68]})");
   const std::size_t painted = pixels_of(1);
   EXPECT_GT(painted, 500u);
-  EXPECT_EQ(window.store().undo_count(), 1u);
+  EXPECT_EQ(store().undo_count(), 1u);
   play(R"({"drag": "image", "from": [0.45, 0.68], "to": [0.55, 0.68], "hold": "Alt"})");
   EXPECT_LT(pixels_of(1), painted / 4);
 }
@@ -284,7 +282,7 @@ TEST_F(LabelTools, ARectangleIsDraggedInSpaceToo) {
   key("R");
   play(R"({"drag": "view3d", "from": [0.45, 0.5], "to": [0.6, 0.65]})");
   EXPECT_GT(labelled(), 500u);
-  EXPECT_EQ(window.store().history(1).front().title, "Rectangle P1");
+  EXPECT_EQ(store().history(1).front().title, "Rectangle P1");
 }
 
 TEST_F(LabelTools, AClickWithTheWandShowsAPlaneInEitherViewAndADoubleClickMakesIt) {
@@ -320,18 +318,6 @@ TEST_F(LabelTools, TheWheelSizesTheBrushAndZoomsWithCtrlOrAnotherTool) {
   EXPECT_GT(state().view.image_zoom, zoom);
 }
 
-TEST_F(LabelTools, ALockedPlaneIsLeftAsItIs) {
-  window.run("label.stroke", kStroke);
-  state().document.current()->labels->commit(labels::make_edit(
-      0, "Lock P1", labels(), labels::with_flag(labels(), 1, labels::PlaneFlag::locked, true)));
-  const FrameLabels before = labels();
-  EXPECT_EQ(window.refusal("label.stroke", kStroke), "P1 is locked");
-  EXPECT_FALSE(window.refusal("label.cut", "image 330,0 330,479").empty());
-  window.run("label.plane.new");
-  window.run("label.stroke", kStroke);
-  EXPECT_EQ(labels().plane.data, before.plane.data);
-}
-
 TEST_F(LabelTools, RefuseGesturesThatAreNone) {
   for (const char* text :
        {"", "image", "image over", "screen 1,2", "space:0x5 1,2", "space:9 1,2", "image 1,2,3",
@@ -360,10 +346,9 @@ TEST_F(LabelTools, TakeAnyArgumentWithoutACrash) {
   }
 }
 
+// Gestures that finish a surface: each shown first, each one step of undo.
+
 struct LabelFinish : LabelDesktop {
-  std::size_t pixels_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
-  const LabelView& view() const { return state().view.label; }
-  std::size_t undo_steps() const { return window.store().undo_count(); }
   /// The floor of the sample by the wand, with a hole of 20 x 20 pixels in it.
   void floor_with_a_hole() {
     window.run("label.wand", "320,330");
@@ -377,27 +362,19 @@ struct LabelFinish : LabelDesktop {
 
 TEST_F(LabelFinish, HolesAreShownThenFilledInOneStepOfUndo) {
   floor_with_a_hole();
-  const std::size_t before = pixels_of(1), steps = undo_steps();
+  const std::size_t before = pixels_of(1), steps = store().undo_count();
   window.run("label.fill");
   EXPECT_GE(view().finish->finish.adds.size(), 400u);
+  window.run("label.cancel");
+  EXPECT_FALSE(view().finish);
   EXPECT_EQ(pixels_of(1), before);
+  window.run("label.fill");
   window.run("label.accept");
   EXPECT_FALSE(view().finish);
   EXPECT_GE(pixels_of(1), before + 400);
-  EXPECT_EQ(undo_steps(), steps + 1);
+  EXPECT_EQ(store().undo_count(), steps + 1);
   window.run("label.undo");
   EXPECT_EQ(pixels_of(1), before);
-}
-
-TEST_F(LabelFinish, EscapeLeavesWhatIsShown) {
-  floor_with_a_hole();
-  const std::size_t before = pixels_of(1);
-  window.run("label.fill");
-  window.run("label.cancel");
-  EXPECT_FALSE(view().finish);
-  window.run("label.accept");
-  EXPECT_EQ(pixels_of(1), before);
-  EXPECT_EQ(state().view.message, "nothing to accept");
 }
 
 TEST_F(LabelFinish, AStrokeGrowsToTheBorderOfItsSurface) {

@@ -39,7 +39,9 @@ fs::path sample_folder() {
 }
 
 /// Opens it, with intrinsics.
-std::unique_ptr<Recording> open_known(const fs::path& folder) { return open_known(folder); }
+std::unique_ptr<Recording> open_known(const fs::path& folder) {
+  return open_recording(folder, kKnown);
+}
 
 TEST(Folder, FramesAreInTheOrderOfTheirNumbersWithTheirColour) {
   const fs::path folder = sample_folder();

@@ -1,4 +1,4 @@
-// Labels carried to the next frame, and proposed in all frames.
+// Labels carried to the next frame, and proposed in all frames whose pose is known.
 
 #include "core/labels/review/carry.hpp"
 

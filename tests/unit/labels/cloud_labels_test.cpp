@@ -43,6 +43,12 @@ FrameLabels truth_of(const TrueCloud& cloud) {
   return labels;
 }
 
+/// Nothing but P1 on these points.
+FrameLabels one_plane(const TrueCloud& cloud, const PixelSet& points) {
+  return painted(empty_labels(cloud.grid, kHash), cloud.grid, points, {.plane = 1},
+                 PaintMode::over);
+}
+
 std::optional<WandResult> wand(const TrueCloud& cloud,
                                const FrameLabels* labels,
                                const Vec3f& at,
@@ -117,8 +123,7 @@ TEST(CloudWand, LeavesLabelledPointsAndWhatIsOutsideOfTheLasso) {
   PixelSet left;
   for (const std::uint32_t i : cloud.on(1))
     if (cloud.grid.points[i].x() < 0.5f) left.push_back(i);
-  const FrameLabels labels =
-      painted(empty_labels(cloud.grid, kHash), cloud.grid, left, {.plane = 1}, PaintMode::over);
+  const FrameLabels labels = one_plane(cloud, left);
   const auto found = wand(cloud, &labels, {0.8f, 0.5f, 0});
   ASSERT_TRUE(found);
   EXPECT_EQ(test::iou(found->pixels, left), 0);
@@ -167,8 +172,7 @@ TEST(CloudFinish, AHoleIsFilledAndTheOutsideIsNot) {
     const float out = std::max(std::abs(p.x() - 0.5f), std::abs(p.y() - 0.5f));
     if (out < 0.4f && out > 0.1f) ring.push_back(i);
   }
-  const FrameLabels labels =
-      painted(empty_labels(cloud.grid, kHash), cloud.grid, ring, {.plane = 1}, PaintMode::over);
+  const FrameLabels labels = one_plane(cloud, ring);
   const Finish finish = fill_holes(labels, cloud.grid, 1, {});
   EXPECT_NEAR(static_cast<double>(finish.adds.size()), 100, 25);
   for (const std::uint32_t i : finish.adds) {
@@ -182,8 +186,7 @@ TEST(CloudFinish, GrowsToTheBorderSmoothsAndDropsSpecks) {
   PixelSet start;
   for (const std::uint32_t i : cloud.on(1))
     if ((cloud.grid.points[i] - Vec3f(0.5f, 0.5f, 0)).norm() < 0.2f) start.push_back(i);
-  FrameLabels labels =
-      painted(empty_labels(cloud.grid, kHash), cloud.grid, start, {.plane = 1}, PaintMode::over);
+  FrameLabels labels = one_plane(cloud, start);
   labels = finished(labels, cloud.grid, 1, grow_to_border(labels, cloud.grid, 1, {}));
   EXPECT_GT(test::iou(pixels_of_plane(labels, 1), cloud.on(1)), 0.95);
 
@@ -205,8 +208,7 @@ TEST(CloudOperations, PartsBecomePlanesAndFragmentsAreCounted) {
   const PixelSet upper = cloud.on(5);
   both.insert(both.end(), upper.begin(), upper.end());
   std::ranges::sort(both);
-  const FrameLabels labels =
-      painted(empty_labels(cloud.grid, kHash), cloud.grid, both, {.plane = 1}, PaintMode::over);
+  const FrameLabels labels = one_plane(cloud, both);
   EXPECT_EQ(labels.planes[0].fragments, 2);
   const FrameLabels split = split_by_parts(labels, cloud.grid, 1, 0.01);
   ASSERT_EQ(split.planes.size(), 2u);
@@ -260,14 +262,17 @@ TEST(CloudAudit, GoodLabelsHaveNoFindingsAndAnUnlabelledTreadIsHintedAt) {
   EXPECT_EQ(findings[0].kind, FindingKind::unlabelled);
 }
 
-TEST(CloudFiles, LabelsAreReadAsTheyWereWritten) {
-  const TrueCloud cloud = stair_cloud();
+TEST(CloudFiles, LabelsAreReadAsTheyWereWrittenAboutTheirOrigin) {
+  TrueCloud cloud = stair_cloud();
+  cloud.frame.cloud->origin = Vec3d(500000, 200000, 50);
+  cloud.grid = make_label_grid(cloud.frame, test::down());
   const FrameLabels labels = truth_of(cloud);
   const fs::path dir = fresh("files");
   write_frame_labels(dir, 0, labels);
   const auto read = read_frame_labels(dir, 0, {kHash, cloud.grid.pixels()});
   ASSERT_TRUE(read);
   EXPECT_TRUE(read->is_cloud());
+  EXPECT_EQ(read->origin, cloud.frame.cloud->origin);
   EXPECT_EQ(read->plane.data, labels.plane.data);
   EXPECT_EQ(read->hv.data, labels.hv.data);
   EXPECT_EQ(read->planes, labels.planes);
@@ -275,17 +280,7 @@ TEST(CloudFiles, LabelsAreReadAsTheyWereWritten) {
   EXPECT_EQ(image.width, kPointsInRow);
   const auto truth = frame_truth(cloud.frame, dir, kHash);
   ASSERT_TRUE(truth);
-  EXPECT_EQ(truth->values.instance[cloud.at({0.5f, 0.5f, 0})], 1);
-}
-
-TEST(CloudFiles, ACloudFarFromZeroKeepsItsOrigin) {
-  TrueCloud cloud = stair_cloud();
-  cloud.frame.cloud->origin = Vec3d(500000, 200000, 50);
-  cloud.grid = make_label_grid(cloud.frame, test::down());
-  const FrameLabels labels = truth_of(cloud);
-  const fs::path dir = fresh("far");
-  write_frame_labels(dir, 0, labels);
-  EXPECT_EQ(read_frame_labels(dir, 0, kHash)->origin, cloud.frame.cloud->origin);
+  EXPECT_EQ(truth->values.instance[cloud.on(1)[0]], 1);
   LabelStore store(dir, {"ann", {}});
   EXPECT_EQ(store.open(0, empty_labels(cloud.grid, kHash))->origin, cloud.frame.cloud->origin);
 }

@@ -10,7 +10,6 @@
 #include "core/labels/exchange/exchange.hpp"
 #include "random_labels.hpp"
 #include "support/refusal.hpp"
-#include "support/temp_dir.hpp"
 
 namespace planescope::labels {
 
@@ -49,24 +48,26 @@ inline FrameLabels random_labels(const LabelGrid& grid, Random& random) {
   return labels;
 }
 
-class Exchange : public testing::Test {
- protected:
-  void SetUp() override {
-    dir_ =
-        temp_dir() /
-        ("exchange_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(dir_);
-    std::filesystem::create_directories(dir_);
+struct Exchange : testing::Test {
+  const std::filesystem::path dir =
+      fresh_dir(testing::UnitTest::GetInstance()->current_test_info()->name());
+  Random random{4};
+  LabelGrid grid = random_grid(random);
+  FrameLabels labels = random_labels(grid, random);
+
+  void SetUp() override { std::filesystem::create_directories(dir); }
+  void make(std::uint64_t seed) {
+    random = Random(seed);
+    grid = random_grid(random);
+    labels = random_labels(grid, random);
   }
-  void TearDown() override { std::filesystem::remove_all(dir_); }
+  void TearDown() override { std::filesystem::remove_all(dir); }
 
   /// Out to files and back onto the frame.
-  FrameLabels there_and_back(const FrameLabels& labels, const LabelGrid& grid, LabelFormat format) {
-    const auto paths = write_labelled(dir_ / "frame", format, points_of_labels(labels, grid));
+  FrameLabels there_and_back(LabelFormat format) {
+    const auto paths = write_labelled(dir / "frame", format, points_of_labels(labels, grid));
     return labels_of_points(read_labelled(paths.back(), format), grid, kHash, paths[0].string());
   }
-
-  std::filesystem::path dir_;
 };
 
 }  // namespace planescope::labels

@@ -30,6 +30,7 @@ TEST(LabelGrid, MeasuresWhatTheCloudOfTheFrameHas) {
 
 TEST(LabelGrid, RefusesACloudWithoutPointsAndIntrinsicsOfAnotherSize) {
   Frame cloud;
+  cloud.name = "none";
   cloud.cloud = PointSet{};
   expect_refused([&] { make_label_grid(cloud, Gravity{}); }, "has no points");
   Frame frame = test::frame_of(8, 6, [](int, int) { return 1.0; });
@@ -81,15 +82,9 @@ TEST(LabelGrid, NoiseIsMeasuredAndGrowsWithTheSquareOfDepth) {
   }
 }
 
-TEST(LabelGrid, PixelsOfAWallAddUpToItsArea) {
-  const LabelGrid grid = test::wall_grid(40, 30);
-  double area = 0;
-  for (std::uint32_t i = 0; i < grid.pixels(); ++i) area += grid.pixel_area_m2(i);
-  EXPECT_NEAR(area, 0.4 * 0.3, 1e-4);
-}
-
-TEST(LabelGrid, APixelOfASlantedSurfaceStandsForMoreOfIt) {
+TEST(LabelGrid, PixelsAddUpToTheAreaOfAWallAndOnASlantedSurfaceStandForMoreOfIt) {
   const LabelGrid grid = test::wall_grid();
+  EXPECT_NEAR(grid.area_m2(test::rectangle(grid, 0, 0, 40, 30)), 0.4 * 0.3, 1e-4);
   const std::uint32_t middle = test::pixel_at(grid, 20, 15);
   const Vec3d slanted = Vec3d(0, -1, -1).normalized();
   EXPECT_NEAR(grid.pixel_area_m2(middle, &slanted), std::sqrt(2) * grid.pixel_area_m2(middle),

@@ -9,8 +9,8 @@
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "random_labels.hpp"
 #include "support/refusal.hpp"
-#include "support/temp_dir.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -40,15 +40,17 @@ FrameLabels two_planes() {
   return labels;
 }
 
-fs::path fresh_dir(const std::string& name) {
-  const fs::path dir = temp_dir() / ("labels_" + name);
-  fs::remove_all(dir);
-  return dir;
-}
-
-TEST(LabelFiles, KeepTheDepthUnitAndOlderOnesAreReadWithoutIt) {
-  const fs::path dir = fresh_dir("depth_unit");
+struct LabelFiles : testing::Test {
+  const fs::path dir = fresh_dir("files");
   FrameLabels labels = two_planes();
+
+  std::string json_text() const {
+    const auto bytes = read_file_bytes(dir / "000000.json");
+    return {bytes.begin(), bytes.end()};
+  }
+};
+
+TEST_F(LabelFiles, KeepTheDepthUnitAndOlderOnesAreReadWithoutIt) {
   write_frame_labels(dir, 0, labels);  // as older files are
   EXPECT_EQ(read_frame_labels(dir, 0, "")->depth_unit_m, 0);
   labels.depth_unit_m = 0.0002;
@@ -56,74 +58,44 @@ TEST(LabelFiles, KeepTheDepthUnitAndOlderOnesAreReadWithoutIt) {
   EXPECT_EQ(read_frame_labels(dir, 0, "")->depth_unit_m, 0.0002);
 }
 
-TEST(LabelFiles, WithoutGravityHaveNoDirection) {
-  const fs::path dir = fresh_dir("no_gravity");
-  FrameLabels labels = two_planes();
+TEST_F(LabelFiles, WithoutGravityHaveNoDirection) {
   labels.gravity = {Vec3d::UnitY(), GravitySource::none, 0, "nobody knows"};
   write_frame_labels(dir, 0, labels);
-  const auto bytes = read_file_bytes(dir / "000000.json");
-  EXPECT_NE(std::string(bytes.begin(), bytes.end()).find(R"("direction": null)"),
-            std::string::npos);
+  EXPECT_NE(json_text().find(R"("direction": null)"), std::string::npos);
   const auto read = read_frame_labels(dir, 0, labels.depth_sha256);
   ASSERT_TRUE(read);
   EXPECT_FALSE(read->gravity.known());
   EXPECT_EQ(read->gravity.note, "nobody knows");
 }
 
-TEST(LabelFiles, WhatIsWrittenIsReadBackExactly) {
-  const fs::path dir = fresh_dir("round_trip");
-  const FrameLabels written = two_planes();
-  write_frame_labels(dir, 123, written);
-  EXPECT_TRUE(fs::exists(dir / "000123.plane.png"));
-  EXPECT_TRUE(fs::exists(dir / "000123.hv.png"));
-  EXPECT_TRUE(fs::exists(dir / "000123.json"));
-  const auto read = read_frame_labels(dir, 123, written.depth_sha256);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->depth_sha256, written.depth_sha256);
-  EXPECT_EQ(read->intrinsics.width, 8);
-  EXPECT_EQ(read->intrinsics.height, 6);
-  EXPECT_EQ(read->intrinsics.fx, written.intrinsics.fx);
-  EXPECT_EQ(read->intrinsics.fy, written.intrinsics.fy);
-  EXPECT_EQ(read->intrinsics.cx, written.intrinsics.cx);
-  EXPECT_EQ(read->intrinsics.cy, written.intrinsics.cy);
-  EXPECT_EQ(read->intrinsics.distortion, Distortion::brown_conrady);
-  EXPECT_EQ(read->intrinsics.coefficients, written.intrinsics.coefficients);
-  EXPECT_EQ(read->gravity, written.gravity);
-  EXPECT_EQ(read->plane.data, written.plane.data);
-  EXPECT_EQ(read->hv.data, written.hv.data);
-  EXPECT_EQ(read->planes, written.planes);
-  EXPECT_EQ(read->annotator, written.annotator);
-  EXPECT_EQ(read->review_state, "reviewed");
+TEST_F(LabelFiles, WhatIsWrittenIsReadBackExactly) {
+  for (const bool details : {false, true}) {
+    if (details) {
+      labels.planes[1].origin = LabelOrigin::carried;
+      labels.planes[1].confidence = 1.0 / 3;
+      labels.planes[0].locked = labels.planes[1].hidden = true;
+      labels.review = {
+          {DisagreementKind::class_flip, 47, 12, 7, 3, ReviewDecision::ignore, "bob", 5},
+          {DisagreementKind::missed, 0, 1, 0, 9, ReviewDecision::take, "", 1763750000}};
+    }
+    write_frame_labels(dir, 123, labels);
+    for (const char* name : {"000123.plane.png", "000123.hv.png", "000123.json"})
+      EXPECT_TRUE(fs::exists(dir / name));
+    const auto read = read_frame_labels(dir, 123, labels.depth_sha256);
+    ASSERT_TRUE(read);
+    expect_same(*read, labels);
+  }
 }
 
-TEST(LabelFiles, OriginConfidenceFlagsAndReviewNotesAreReadBack) {
-  const fs::path dir = fresh_dir("details");
-  FrameLabels written = two_planes();
-  written.planes[1].origin = LabelOrigin::carried;
-  written.planes[1].confidence = 1.0 / 3;
-  written.planes[0].locked = written.planes[1].hidden = true;
-  written.review = {{DisagreementKind::class_flip, 47, 12, 7, 3, ReviewDecision::ignore, "bob", 5},
-                    {DisagreementKind::missed, 0, 1, 0, 9, ReviewDecision::take, "", 1763750000}};
-  write_frame_labels(dir, 0, written);
-  const auto read = read_frame_labels(dir, 0, "");
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->planes, written.planes);
-  EXPECT_EQ(read->review, written.review);
-}
-
-TEST(LabelFiles, WhatIsAsUsualIsNotWritten) {
-  const fs::path dir = fresh_dir("usual");
-  write_frame_labels(dir, 0, two_planes());
-  const auto bytes = read_file_bytes(dir / "000000.json");
-  const std::string text(bytes.begin(), bytes.end());
+TEST_F(LabelFiles, WhatIsAsUsualIsNotWritten) {
+  write_frame_labels(dir, 0, labels);
+  const std::string text = json_text();
   for (const char* key : {"origin", "locked", "hidden", "\"review\""}) {
     EXPECT_EQ(text.find(key), std::string::npos) << key;
   }
 }
 
-TEST(LabelFiles, TheSameLabelsGiveTheSameBytes) {
-  const fs::path dir = fresh_dir("same_bytes");
-  const FrameLabels labels = two_planes();
+TEST_F(LabelFiles, TheSameLabelsGiveTheSameBytes) {
   write_frame_labels(dir, 0, labels);
   write_frame_labels(dir / "again", 0, *read_frame_labels(dir, 0, ""));
   for (const char* name : {"000000.plane.png", "000000.hv.png", "000000.json"}) {
@@ -131,16 +103,13 @@ TEST(LabelFiles, TheSameLabelsGiveTheSameBytes) {
   }
 }
 
-TEST(LabelFiles, AFrameWithoutLabelsIsNoError) {
-  const fs::path dir = fresh_dir("absent");
+TEST_F(LabelFiles, AFrameWithoutLabelsIsNoError) {
   EXPECT_FALSE(read_frame_labels(dir, 0, ""));
-  write_frame_labels(dir, 1, two_planes());
+  write_frame_labels(dir, 1, labels);
   EXPECT_FALSE(read_frame_labels(dir, 0, ""));
 }
 
-TEST(LabelFiles, LabelsAreReplacedAndLeaveNoTemporaryFiles) {
-  const fs::path dir = fresh_dir("replace");
-  FrameLabels labels = two_planes();
+TEST_F(LabelFiles, LabelsAreReplacedAndLeaveNoTemporaryFiles) {
   write_frame_labels(dir, 0, labels);
   labels.annotator = "second";
   write_frame_labels(dir, 0, labels);
@@ -148,32 +117,28 @@ TEST(LabelFiles, LabelsAreReplacedAndLeaveNoTemporaryFiles) {
   EXPECT_EQ(std::distance(fs::directory_iterator(dir), fs::directory_iterator()), 3);
 }
 
-TEST(LabelFiles, LabelsOfAnotherDepthImageAreRefused) {
-  const fs::path dir = fresh_dir("hash");
-  write_frame_labels(dir, 0, two_planes());
+TEST_F(LabelFiles, LabelsOfAnotherDepthImageAreRefused) {
+  write_frame_labels(dir, 0, labels);
   EXPECT_TRUE(read_frame_labels(dir, 0, std::string(64, 'a')));
   expect_refused([&] { read_frame_labels(dir, 0, std::string(64, 'b')); }, "bbbbbbbbbbbb");
 }
 
-TEST(LabelFiles, ImagesOfAnotherSizeAreRefusedNotResized) {
-  const fs::path dir = fresh_dir("size");
-  write_frame_labels(dir, 0, two_planes());
+TEST_F(LabelFiles, ImagesOfAnotherSizeAreRefusedNotResized) {
+  write_frame_labels(dir, 0, labels);
   io::write_png(dir / "000000.hv.png", Image8(6, 8, 1, 0));
   expect_refused([&] { read_frame_labels(dir, 0, ""); }, "6x8");
 }
 
-TEST(LabelFiles, AMissingFileOfTheThreeIsNamed) {
+TEST_F(LabelFiles, AMissingFileOfTheThreeIsNamed) {
   for (const char* name : {"000000.plane.png", "000000.hv.png", "000000.json"}) {
-    const fs::path dir = fresh_dir("missing");
-    write_frame_labels(dir, 0, two_planes());
+    write_frame_labels(dir, 0, labels);
     fs::remove(dir / name);
     expect_refused([&] { read_frame_labels(dir, 0, ""); }, name);
   }
 }
 
-TEST(LabelFiles, EveryCutOfTheJsonIsRefused) {
-  const fs::path dir = fresh_dir("cut");
-  write_frame_labels(dir, 0, two_planes());
+TEST_F(LabelFiles, EveryCutOfTheJsonIsRefused) {
+  write_frame_labels(dir, 0, labels);
   const auto whole = read_file_bytes(dir / "000000.json");
   for (std::size_t size = 0; size + 2 < whole.size(); size += 7) {
     write_file_bytes(dir / "000000.json", std::span(whole).first(size));
@@ -181,9 +146,8 @@ TEST(LabelFiles, EveryCutOfTheJsonIsRefused) {
   }
 }
 
-TEST(LabelFiles, AnUnknownSchemaAndAnotherFramesFileAreRefused) {
-  const fs::path dir = fresh_dir("schema");
-  write_frame_labels(dir, 0, two_planes());
+TEST_F(LabelFiles, AnUnknownSchemaAndAnotherFramesFileAreRefused) {
+  write_frame_labels(dir, 0, labels);
   for (const char* suffix : {".plane.png", ".hv.png", ".json"}) {
     fs::copy_file(dir / ("000000" + std::string(suffix)), dir / ("000005" + std::string(suffix)));
   }
@@ -192,36 +156,33 @@ TEST(LabelFiles, AnUnknownSchemaAndAnotherFramesFileAreRefused) {
   expect_refused([&] { read_frame_labels(dir, 0, ""); }, "planescope.labels/2");
 }
 
-TEST(LabelFiles, InconsistentLabelsAreNotWritten) {
-  const fs::path dir = fresh_dir("inconsistent");
+TEST_F(LabelFiles, InconsistentLabelsAreNotWritten) {
   const std::pair<const char*, std::function<void(FrameLabels&)>> cases[] = {
-      {"65534", [](FrameLabels& labels) { labels.planes.pop_back(); }},
-      {"twice", [](FrameLabels& labels) { labels.planes[1].id = 7; }},
-      {"expected 1..65534", [](FrameLabels& labels) { labels.planes[0].id = 65535; }},
-      {"h/v value 3", [](FrameLabels& labels) { labels.hv.at(0, 0) = 3; }},
-      {"finite", [](FrameLabels& labels) { labels.planes[0].offset_m = std::nan(""); }},
-      {"9x6", [](FrameLabels& labels) { labels.intrinsics.width = 9; }},
-      {"expected 0..1", [](FrameLabels& labels) { labels.planes[0].confidence = 1.5; }},
-      {"review note", [](FrameLabels& labels) { labels.review.emplace_back().pixel = 48; }},
+      {"65534", [](FrameLabels& l) { l.planes.pop_back(); }},
+      {"twice", [](FrameLabels& l) { l.planes[1].id = 7; }},
+      {"expected 1..65534", [](FrameLabels& l) { l.planes[0].id = 65535; }},
+      {"h/v value 3", [](FrameLabels& l) { l.hv.at(0, 0) = 3; }},
+      {"finite", [](FrameLabels& l) { l.planes[0].offset_m = std::nan(""); }},
+      {"9x6", [](FrameLabels& l) { l.intrinsics.width = 9; }},
+      {"expected 0..1", [](FrameLabels& l) { l.planes[0].confidence = 1.5; }},
+      {"review note", [](FrameLabels& l) { l.review.emplace_back().pixel = 48; }},
       // The journal keeps counts as whole numbers from 0 on.
-      {"-1 fragments", [](FrameLabels& labels) { labels.planes[1].fragments = -1; }},
-      {"planes -1 and 0",
-       [](FrameLabels& labels) { labels.review.emplace_back().label_plane = -1; }}};
-  for (const auto& [message, damage] : cases) {
-    FrameLabels labels = two_planes();
-    damage(labels);
-    expect_refused([&] { write_frame_labels(dir, 0, labels); }, message);
+      {"-1 fragments", [](FrameLabels& l) { l.planes[1].fragments = -1; }},
+      {"planes -1 and 0", [](FrameLabels& l) { l.review.emplace_back().label_plane = -1; }}};
+  for (const auto& [message, change] : cases) {
+    FrameLabels changed = labels;
+    change(changed);
+    expect_refused([&] { write_frame_labels(dir, 0, changed); }, message);
   }
   EXPECT_FALSE(fs::exists(dir));
 }
 
-TEST(LabelFiles, AFolderThatCannotBeMadeIsNamed) {
-  const fs::path file = fresh_dir("blocked");
-  std::ofstream(file) << "a file where the folder should be";
-  expect_refused([&] { write_frame_labels(file / "sub", 0, two_planes()); }, file.string());
+TEST_F(LabelFiles, AFolderThatCannotBeMadeIsNamed) {
+  std::ofstream(dir) << "a file where the folder should be";
+  expect_refused([&] { write_frame_labels(dir / "sub", 0, labels); }, dir.string());
 }
 
-TEST(LabelFiles, TheDefaultFolderStandsBesideTheRecording) {
+TEST_F(LabelFiles, TheDefaultFolderStandsBesideTheRecording) {
   EXPECT_EQ(default_label_dir("data/walk.bag"), "data/walk.bag.labels");
   EXPECT_EQ(default_label_dir("data/walk/"), "data/walk.labels");
   EXPECT_EQ(default_label_dir("walk"), "walk.labels");

@@ -90,8 +90,7 @@ inline void expect_same(const FrameLabels& a, const FrameLabels& b) {
   ASSERT_EQ(a.hv.data, b.hv.data);
   ASSERT_EQ(a.planes, b.planes);
   EXPECT_EQ(a.depth_sha256, b.depth_sha256);
-  EXPECT_EQ(a.intrinsics.width, b.intrinsics.width);
-  EXPECT_EQ(a.intrinsics.fx, b.intrinsics.fx);
+  EXPECT_TRUE(a.intrinsics == b.intrinsics);
   EXPECT_EQ(a.depth_unit_m, b.depth_unit_m);
   EXPECT_EQ(a.gravity, b.gravity);
   EXPECT_EQ(a.annotator, b.annotator);
@@ -115,6 +114,14 @@ inline FrameLabels blank(int frame) {
 
 inline LabelStoreOptions by(const std::string& annotator) { return {annotator, {}}; }
 
+/// Frame 0 is open.
+struct OpenStore : LabelStore {
+  explicit OpenStore(const std::filesystem::path& dir, const std::string& annotator = "ann")
+      : LabelStore(dir, by(annotator)) {
+    open(0, blank(0));
+  }
+};
+
 /// A random gesture that changes something, on a frame that is open.
 inline void gesture(LabelStore& store, int frame, Random& random) {
   const auto before = store.labels(frame);
@@ -124,5 +131,11 @@ inline void gesture(LabelStore& store, int frame, Random& random) {
   }
   store.commit(edit);
 }
+
+struct LabelStores : testing::Test {
+  const std::filesystem::path dir =
+      fresh_dir(testing::UnitTest::GetInstance()->current_test_info()->name());
+  Random random{1};
+};
 
 }  // namespace planescope::labels

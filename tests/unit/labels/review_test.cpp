@@ -2,28 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/labels/edit/operations.hpp"
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
+#include "small_frames.hpp"
 
 namespace planescope::labels {
 namespace {
 
 /// A wall at 1 m, each pixel a square centimetre, all measured.
-LabelGrid wall(int width, int height) {
-  LabelGrid grid;
-  grid.width = width;
-  grid.height = height;
-  grid.intrinsics = {width, height, 100, 100, width / 2.0, height / 2.0};
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      grid.points.emplace_back((x - width / 2.0) / 100, (y - height / 2.0) / 100, 1);
-      grid.normals.emplace_back(0, 0, -1);
-    }
-  }
-  grid.measured.assign(grid.points.size(), 1);
-  grid.sigma_m.assign(grid.points.size(), 0.001f);
-  grid.measured_count = grid.points.size();
+LabelGrid wall() {
+  LabelGrid grid = test::wall_grid(64, 48);
+  std::ranges::fill(grid.normals, Vec3f(0, 0, -1));  // exactly
   return grid;
 }
 
@@ -31,35 +23,26 @@ constexpr double kPixelM2 = 1e-4;
 
 /// P1 (v) on the left half, P2 (v) on the right, and an algorithm that says the same.
 struct Reviews : testing::Test {
-  LabelGrid grid = wall(64, 48);
+  LabelGrid grid = wall();
   FrameLabels labels = empty_labels(grid, std::string(64, 'a'));
   OtherLabels other;
 
   Reviews() {
     put(0, 0, 32, 48, 1);
     put(32, 0, 64, 48, 2);
-    for (const int id : {1, 2}) {
-      LabelPlane plane;
-      plane.id = id;
-      plane.label = Label::v;
-      labels.planes.push_back(plane);
-    }
+    labels.planes = {{.id = 1, .label = Label::v}, {.id = 2, .label = Label::v}};
     refit_planes(labels, grid);
     other = other_of(labels);
   }
 
   void put(int x1, int y1, int x2, int y2, int id) {
-    for (int y = y1; y < y2; ++y) {
-      for (int x = x1; x < x2; ++x) {
-        labels.plane.at(x, y) = static_cast<std::uint16_t>(id);
-        labels.hv.at(x, y) = id == 0 ? 0 : id == kPlaneIgnore ? kHvIgnore : 2;
-      }
+    for (const std::uint32_t i : test::rectangle(grid, x1, y1, x2, y2)) {
+      labels.plane.data[i] = static_cast<std::uint16_t>(id);
+      labels.hv.data[i] = id == 0 ? 0 : id == kPlaneIgnore ? kHvIgnore : 2;
     }
   }
   void put_other(int x1, int y1, int x2, int y2, int id) {
-    for (int y = y1; y < y2; ++y) {
-      for (int x = x1; x < x2; ++x) other.plane[y * 64 + x] = id;
-    }
+    for (const std::uint32_t i : test::rectangle(grid, x1, y1, x2, y2)) other.plane[i] = id;
   }
   std::vector<Disagreement> found() const { return find_disagreements(labels, other, grid); }
 
@@ -68,10 +51,7 @@ struct Reviews : testing::Test {
     const auto all = found();
     EXPECT_EQ(all.size(), 1u);
     if (all.size() != 1) return {};
-    PixelSet box;
-    for (int y = y1; y < y2; ++y) {
-      for (int x = x1; x < x2; ++x) box.push_back(y * 64 + x);
-    }
+    const PixelSet box = test::rectangle(grid, x1, y1, x2, y2);
     EXPECT_EQ(all[0].kind, kind);
     EXPECT_EQ(all[0].pixels, box);
     EXPECT_NEAR(all[0].area_m2, static_cast<double>(box.size()) * kPixelM2, 1e-9);
@@ -147,9 +127,7 @@ TEST_F(Reviews, WhatIsIgnoredNotMeasuredOrUnknownToTheOtherIsNoQuestion) {
   put_other(40, 10, 60, 30, 0);
   put(40, 10, 60, 20, kPlaneIgnore);
   put_other(40, 20, 60, 25, -1);
-  for (int y = 25; y < 30; ++y) {
-    for (int x = 40; x < 60; ++x) grid.measured[y * 64 + x] = 0;
-  }
+  for (const std::uint32_t i : test::rectangle(grid, 40, 25, 60, 30)) grid.measured[i] = 0;
   EXPECT_TRUE(found().empty());
 }
 

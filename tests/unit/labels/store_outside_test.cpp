@@ -1,4 +1,4 @@
-// Stores beside other instances, other tools and full disks.
+// What others do to the labels of a store: instances, files, a folder or a disk that refuses.
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -19,6 +19,189 @@ namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kFiles[] = {"000000.plane.png", "000000.hv.png", "000000.json"};
+
+/// Frame 0 after three gestures, saved after the second.
+struct Outside : LabelStores {
+  FrameLabels saved, latest, others;
+
+  void SetUp() override {
+    random = Random(21);
+    LabelStore store(dir, by("ann"));
+    store.open(0, blank(0));
+    gesture(store, 0, random);
+    gesture(store, 0, random);
+    store.save(0);
+    saved = *store.labels(0);
+    latest = saved;
+    latest.planes.push_back(LabelPlane{.id = 100});  // which changes all three files
+    latest.plane.data[40] = 100;
+    latest.hv.data[40] = kHvIgnore;
+    store.commit(make_edit(0, "Brush P100", saved, latest));
+    others = latest;
+    while (others.plane.data == latest.plane.data) others = after_random_gesture(others, random);
+    others.annotator = "other tool";
+  }
+};
+
+TEST_F(Outside, LabelsThatOthersWroteAreTakenOverAndCanBeUndone) {
+  write_frame_labels(dir, 0, others);
+  OpenStore store(dir);
+  expect_same(*store.labels(0), others);
+  ASSERT_EQ(store.notices().size(), 1u);
+  EXPECT_NE(store.notices()[0].find("changed outside planescope"), std::string::npos);
+  EXPECT_EQ(store.history(1)[0].title, "changed outside planescope");
+  EXPECT_FALSE(store.unsaved(0));
+  store.undo();
+  expect_same(*store.labels(0), latest);
+  EXPECT_TRUE(store.unsaved(0));
+}
+
+TEST_F(Outside, TheyAreTakenOverOnlyOnce) {
+  write_frame_labels(dir, 0, others);
+  LabelStore(dir, by("ann")).open(0, blank(0));
+  OpenStore store(dir);
+  expect_same(*store.labels(0), others);
+  EXPECT_TRUE(store.notices().empty());
+  EXPECT_EQ(store.undo_count(), 4u);
+}
+
+TEST_F(Outside, FilesThatWerePackedAnewAreNoChange) {
+  LabelStore(dir, by("ann")).save_all();
+  auto bytes = read_file_bytes(dir / kFiles[2]);
+  bytes.push_back('\n');
+  write_file_bytes(dir / kFiles[2], bytes);
+  OpenStore store(dir);
+  EXPECT_TRUE(store.notices().empty());
+  EXPECT_EQ(store.undo_count(), 3u);
+}
+
+TEST_F(Outside, FilesThatAreGoneAreWrittenAnew) {
+  for (const char* file : kFiles) fs::remove(dir / file);
+  OpenStore store(dir);
+  expect_same(*store.labels(0), latest);
+  EXPECT_TRUE(store.notices().empty());
+  store.undo();
+  EXPECT_TRUE(store.unsaved(0));
+  store.save(0);
+  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, saved.plane.data);
+}
+
+TEST_F(Outside, ASaveThatACrashEndedBetweenTwoFilesIsNoChangeByOthers) {
+  std::array<std::vector<unsigned char>, 3> old_files;
+  for (int i = 0; i < 3; ++i) old_files[i] = read_file_bytes(dir / kFiles[i]);
+  LabelStore(dir, by("ann")).save_all();
+  for (int replaced = 0; replaced < 3; ++replaced) {
+    for (int i = replaced; i < 3; ++i) write_file_bytes(dir / kFiles[i], old_files[i]);
+    OpenStore store(dir);
+    expect_same(*store.labels(0), latest);
+    EXPECT_TRUE(store.notices().empty()) << store.notices()[0];
+    EXPECT_TRUE(store.unsaved(0));
+    EXPECT_EQ(store.undo_count(), 3u);
+    store.save(0);
+    EXPECT_FALSE(store.unsaved(0));
+  }
+}
+
+TEST_F(Outside, SavingOverWhatOthersWroteMeanwhileKeepsBothInTheHistory) {
+  OpenStore store(dir);
+  write_frame_labels(dir, 0, others);
+  store.save(0);
+  expect_same(*store.labels(0), latest);
+  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, latest.plane.data);
+  EXPECT_EQ(store.notices().size(), 1u);
+  store.undo();
+  expect_same(*store.labels(0), others);
+  store.undo();
+  expect_same(*store.labels(0), latest);
+}
+
+TEST_F(Outside, SavingWithoutNewsTakesOverWhatOthersWroteMeanwhile) {
+  OpenStore store(dir);
+  store.save(0);
+  write_frame_labels(dir, 0, others);
+  store.save(0);
+  expect_same(*store.labels(0), others);
+  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, others.plane.data);
+}
+
+TEST_F(Outside, DamagedFilesLeaveTheJournalsLabels) {
+  write_file_bytes(dir / kFiles[0], std::vector<unsigned char>{1, 2, 3});
+  OpenStore store(dir);
+  expect_same(*store.labels(0), latest);
+  ASSERT_EQ(store.notices().size(), 1u);
+  EXPECT_NE(store.notices()[0].find(kFiles[0]), std::string::npos);
+  store.save(0);
+  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, latest.plane.data);
+  EXPECT_EQ(read_file_bytes(dir / (kFiles[0] + std::string(".outside-1"))).size(), 3u);
+}
+
+TEST_F(Outside, LabelsOfAnotherDepthImageAreRefusedAndLeftAlone) {
+  const auto journal = read_file_bytes(dir / "journal");
+  LabelStore store(dir, by("ann"));
+  expect_refused([&] { store.open(0, blank(1)); }, "bbbbbbbbbbbb");
+  expect_refused([&] { store.open(0, blank_labels(17, 23)); }, "23x17");
+  EXPECT_FALSE(store.labels(0));
+  FrameLabels another = others;
+  another.depth_sha256 = std::string(64, 'f');
+  write_frame_labels(dir, 0, another);
+  expect_refused([&] { store.open(0, blank(0)); }, "ffffffffffff");
+  EXPECT_EQ(read_file_bytes(dir / "journal"), journal);
+}
+
+TEST_F(LabelStores, LabelFilesWithoutAJournalAreWhereTheHistoryBegins) {
+  FrameLabels files = blank(0);
+  for (int i = 0; i < 5; ++i) files = after_random_gesture(files, random);
+  std::reverse(files.planes.begin(), files.planes.end());
+  write_frame_labels(dir, 0, files);
+  {
+    LabelStore store(dir, by("ann"));
+    EXPECT_EQ(store.open(0, blank(0))->plane.data, files.plane.data);
+    EXPECT_FALSE(store.any_unsaved());
+    gesture(store, 0, random);
+    EXPECT_TRUE(store.unsaved(0));
+  }
+  OpenStore store(dir);
+  EXPECT_TRUE(store.notices().empty());
+  EXPECT_TRUE(store.unsaved(0));
+  store.undo();
+  EXPECT_EQ(store.labels(0)->plane.data, files.plane.data);
+  EXPECT_FALSE(store.unsaved(0));
+  EXPECT_EQ(store.undo_count(), 0u);
+}
+
+TEST_F(LabelStores, FilesThatWerePackedAnewBeforeThereWasAJournalDoItNoHarm) {
+  write_frame_labels(dir, 0, blank(0));
+  {
+    OpenStore store(dir);
+    auto bytes = read_file_bytes(dir / kFiles[2]);
+    bytes.push_back('\n');
+    write_file_bytes(dir / kFiles[2], bytes);
+    store.save(0);
+    gesture(store, 0, random);
+  }
+  LabelStore store(dir, by("ann"));
+  EXPECT_TRUE(store.notices().empty());
+  EXPECT_EQ(store.undo_count(), 1u);
+}
+
+TEST_F(LabelStores, FilesOfAnotherSizeAreRefused) {
+  write_frame_labels(dir, 0, blank_labels(8, 6, 'a'));
+  LabelStore store(dir, by("ann"));
+  expect_refused([&] { store.open(0, blank(0)); }, "8x6");
+}
+
+TEST_F(Outside, AFrameThatCannotBeSavedKeepsNoOtherFromBeingSaved) {
+  OpenStore store(dir);
+  store.open(1, blank(1));
+  gesture(store, 1, random);
+  others.depth_sha256[0] = 'f';
+  write_frame_labels(dir, 0, others);
+  expect_refused([&] { store.save_all(); }, "000000.json");
+  EXPECT_TRUE(store.unsaved(0));
+  EXPECT_FALSE(store.unsaved(1));
+}
 
 /// In a process of its own, as another instance would; true where `action` says so.
 bool in_another_process(const std::function<bool()>& action) {
@@ -55,9 +238,8 @@ class FullDisk {
   void (*handler_)(int) = SIG_DFL;
 };
 
-TEST(LabelStores, ASecondInstanceReadsOnlyAndSaysWhoHoldsTheLabels) {
-  const fs::path dir = fresh_dir("second");
-  Random random(31);
+TEST_F(LabelStores, ASecondInstanceReadsOnlyAndSaysWhoHoldsTheLabels) {
+  random = Random(31);
   auto store = std::make_unique<LabelStore>(dir, by("ann"));
   store->open(0, blank(0));
   gesture(*store, 0, random);
@@ -79,9 +261,7 @@ TEST(LabelStores, ASecondInstanceReadsOnlyAndSaysWhoHoldsTheLabels) {
   EXPECT_TRUE(in_another_process([&] { return LabelStore(dir, by("bob")).read_only().empty(); }));
 }
 
-TEST(LabelStores, TwoThatWereOpenedBeforeThereWasAFolderDoNotMixTheirGestures) {
-  const fs::path dir = fresh_dir("two_new");
-  Random random(32);
+TEST_F(LabelStores, TwoThatWereOpenedBeforeThereWasAFolderDoNotMixTheirGestures) {
   auto first = std::make_unique<LabelStore>(dir, by("ann"));
   LabelStore second(dir, by("bob"));
   first->open(0, blank(0));
@@ -94,29 +274,23 @@ TEST(LabelStores, TwoThatWereOpenedBeforeThereWasAFolderDoNotMixTheirGestures) {
   EXPECT_EQ(third.undo_count(), 1u);
 }
 
-TEST(LabelStores, GesturesOfAnInstanceThatIsGoneAreNotWrittenOver) {
-  const fs::path dir = fresh_dir("gone");
-  Random random(33);
-  LabelStore late(dir, by("bob"));
-  late.open(0, blank(0));
+TEST_F(LabelStores, GesturesOfAnInstanceThatIsGoneAreNotWrittenOver) {
+  OpenStore late(dir, "bob");
   {
-    LabelStore first(dir, by("ann"));
-    first.open(0, blank(0));
+    OpenStore first(dir);
     gesture(first, 0, random);
   }
   expect_refused([&] { gesture(late, 0, random); }, "open the recording again");
   EXPECT_EQ(LabelStore(dir, by("carol")).undo_count(), 1u);
 }
 
-TEST(LabelStores, AFileInPlaceOfTheFolderIsNamed) {
-  const fs::path dir = fresh_dir("file");
+TEST_F(LabelStores, AFileInPlaceOfTheFolderIsNamed) {
   std::ofstream(dir) << "a file";
   expect_refused([&] { LabelStore(dir, by("ann")); }, dir.string());
 }
 
-TEST(LabelStores, AFolderThatCannotBeMadeIsToldWithTheFirstGesture) {
-  const fs::path blocked = fresh_dir("blocked");
-  Random random(34);
+TEST_F(LabelStores, AFolderThatCannotBeMadeIsToldWithTheFirstGesture) {
+  const fs::path blocked = dir;
   LabelStore store(blocked / "labels", by("ann"));
   store.open(0, blank(0));
   std::ofstream(blocked) << "a file";
@@ -127,13 +301,10 @@ TEST(LabelStores, AFolderThatCannotBeMadeIsToldWithTheFirstGesture) {
   EXPECT_EQ(store.undo_count(), 1u);
 }
 
-TEST(LabelStores, AFolderThatCannotBeWrittenIsReadAndSaysSo) {
-  const fs::path dir = fresh_dir("unwritable");
-  Random random(35);
+TEST_F(LabelStores, AFolderThatCannotBeWrittenIsReadAndSaysSo) {
   FrameLabels labels;
   {
-    LabelStore store(dir, by("ann"));
-    store.open(0, blank(0));
+    OpenStore store(dir);
     gesture(store, 0, random);
     labels = *store.labels(0);
   }
@@ -154,11 +325,9 @@ TEST(LabelStores, AFolderThatCannotBeWrittenIsReadAndSaysSo) {
   EXPECT_EQ(read_file_bytes(dir / "journal"), journal);
 }
 
-TEST(LabelStores, OnAFullDiskAGestureIsRefusedAndNothingIsLost) {
-  const fs::path dir = fresh_dir("full");
-  Random random(36);
-  LabelStore store(dir, by("ann"));
-  store.open(0, blank(0));
+TEST_F(LabelStores, OnAFullDiskAGestureIsRefusedAndNothingIsLost) {
+  random = Random(36);
+  OpenStore store(dir);
   gesture(store, 0, random);
   const FrameLabels before = *store.labels(0);
   const auto journal = read_file_bytes(dir / "journal");
@@ -174,13 +343,11 @@ TEST(LabelStores, OnAFullDiskAGestureIsRefusedAndNothingIsLost) {
   EXPECT_EQ(store.undo_count(), 2u);
 }
 
-TEST(LabelStores, OnAFullDiskSavingFailsAndLeavesTheFilesAsTheyWere) {
-  const fs::path dir = fresh_dir("full_save");
-  Random random(37);
+TEST_F(LabelStores, OnAFullDiskSavingFailsAndLeavesTheFilesAsTheyWere) {
+  random = Random(37);
   FrameLabels latest;
   {
-    LabelStore store(dir, by("ann"));
-    store.open(0, blank(0));
+    OpenStore store(dir);
     gesture(store, 0, random);
     store.save(0);
     const FrameLabels saved = *store.labels(0);
@@ -199,203 +366,6 @@ TEST(LabelStores, OnAFullDiskSavingFailsAndLeavesTheFilesAsTheyWere) {
   EXPECT_TRUE(store.notices().empty());
   store.save(0);
   EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, latest.plane.data);
-}
-
-constexpr const char* kFiles[] = {"000000.plane.png", "000000.hv.png", "000000.json"};
-
-/// Frame 0 after three gestures, saved after the second.
-struct Outside : testing::Test {
-  fs::path dir;
-  FrameLabels saved, latest, others;
-
-  void SetUp() override {
-    dir = fresh_dir(testing::UnitTest::GetInstance()->current_test_info()->name());
-    Random random(21);
-    LabelStore store(dir, by("ann"));
-    store.open(0, blank(0));
-    gesture(store, 0, random);
-    gesture(store, 0, random);
-    store.save(0);
-    saved = *store.labels(0);
-    latest = saved;
-    latest.planes.push_back(LabelPlane{.id = 100});  // which changes all three files
-    latest.plane.data[40] = 100;
-    latest.hv.data[40] = kHvIgnore;
-    store.commit(make_edit(0, "Brush P100", saved, latest));
-    others = latest;
-    while (others.plane.data == latest.plane.data) others = after_random_gesture(others, random);
-    others.annotator = "other tool";
-  }
-};
-
-TEST_F(Outside, LabelsThatOthersWroteAreTakenOverAndCanBeUndone) {
-  write_frame_labels(dir, 0, others);
-  LabelStore store(dir, by("ann"));
-  expect_same(*store.open(0, blank(0)), others);
-  ASSERT_EQ(store.notices().size(), 1u);
-  EXPECT_NE(store.notices()[0].find("changed outside planescope"), std::string::npos);
-  EXPECT_EQ(store.history(1)[0].title, "changed outside planescope");
-  EXPECT_FALSE(store.unsaved(0));
-  store.undo();
-  expect_same(*store.labels(0), latest);
-  EXPECT_TRUE(store.unsaved(0));
-}
-
-TEST_F(Outside, TheyAreTakenOverOnlyOnce) {
-  write_frame_labels(dir, 0, others);
-  LabelStore(dir, by("ann")).open(0, blank(0));
-  LabelStore store(dir, by("ann"));
-  expect_same(*store.open(0, blank(0)), others);
-  EXPECT_TRUE(store.notices().empty());
-  EXPECT_EQ(store.undo_count(), 4u);
-}
-
-TEST_F(Outside, FilesThatWerePackedAnewAreNoChange) {
-  LabelStore(dir, by("ann")).save_all();
-  auto bytes = read_file_bytes(dir / kFiles[2]);
-  bytes.push_back('\n');
-  write_file_bytes(dir / kFiles[2], bytes);
-  LabelStore store(dir, by("ann"));
-  store.open(0, blank(0));
-  EXPECT_TRUE(store.notices().empty());
-  EXPECT_EQ(store.undo_count(), 3u);
-}
-
-TEST_F(Outside, FilesThatAreGoneAreWrittenAnew) {
-  for (const char* file : kFiles) fs::remove(dir / file);
-  LabelStore store(dir, by("ann"));
-  expect_same(*store.open(0, blank(0)), latest);
-  EXPECT_TRUE(store.notices().empty());
-  store.undo();
-  EXPECT_TRUE(store.unsaved(0));
-  store.save(0);
-  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, saved.plane.data);
-}
-
-TEST_F(Outside, ASaveThatACrashEndedBetweenTwoFilesIsNoChangeByOthers) {
-  std::array<std::vector<unsigned char>, 3> old_files;
-  for (int i = 0; i < 3; ++i) old_files[i] = read_file_bytes(dir / kFiles[i]);
-  LabelStore(dir, by("ann")).save_all();
-  for (int replaced = 0; replaced < 3; ++replaced) {
-    for (int i = replaced; i < 3; ++i) write_file_bytes(dir / kFiles[i], old_files[i]);
-    LabelStore store(dir, by("ann"));
-    expect_same(*store.open(0, blank(0)), latest);
-    EXPECT_TRUE(store.notices().empty()) << store.notices()[0];
-    EXPECT_TRUE(store.unsaved(0));
-    EXPECT_EQ(store.undo_count(), 3u);
-    store.save(0);
-    EXPECT_FALSE(store.unsaved(0));
-  }
-}
-
-TEST_F(Outside, SavingOverWhatOthersWroteMeanwhileKeepsBothInTheHistory) {
-  LabelStore store(dir, by("ann"));
-  store.open(0, blank(0));
-  write_frame_labels(dir, 0, others);
-  store.save(0);
-  expect_same(*store.labels(0), latest);
-  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, latest.plane.data);
-  EXPECT_EQ(store.notices().size(), 1u);
-  store.undo();
-  expect_same(*store.labels(0), others);
-  store.undo();
-  expect_same(*store.labels(0), latest);
-}
-
-TEST_F(Outside, SavingWithoutNewsTakesOverWhatOthersWroteMeanwhile) {
-  LabelStore store(dir, by("ann"));
-  store.open(0, blank(0));
-  store.save(0);
-  write_frame_labels(dir, 0, others);
-  store.save(0);
-  expect_same(*store.labels(0), others);
-  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, others.plane.data);
-}
-
-TEST_F(Outside, DamagedFilesLeaveTheJournalsLabels) {
-  write_file_bytes(dir / kFiles[0], std::vector<unsigned char>{1, 2, 3});
-  LabelStore store(dir, by("ann"));
-  expect_same(*store.open(0, blank(0)), latest);
-  ASSERT_EQ(store.notices().size(), 1u);
-  EXPECT_NE(store.notices()[0].find(kFiles[0]), std::string::npos);
-  store.save(0);
-  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, latest.plane.data);
-  EXPECT_EQ(read_file_bytes(dir / (kFiles[0] + std::string(".outside-1"))).size(), 3u);
-}
-
-TEST_F(Outside, LabelsOfAnotherDepthImageAreRefusedAndLeftAlone) {
-  const auto journal = read_file_bytes(dir / "journal");
-  LabelStore store(dir, by("ann"));
-  expect_refused([&] { store.open(0, blank(1)); }, "bbbbbbbbbbbb");
-  expect_refused([&] { store.open(0, blank_labels(17, 23)); }, "23x17");
-  EXPECT_FALSE(store.labels(0));
-  FrameLabels another = others;
-  another.depth_sha256 = std::string(64, 'f');
-  write_frame_labels(dir, 0, another);
-  expect_refused([&] { store.open(0, blank(0)); }, "ffffffffffff");
-  EXPECT_EQ(read_file_bytes(dir / "journal"), journal);
-}
-
-TEST(LabelStores, LabelFilesWithoutAJournalAreWhereTheHistoryBegins) {
-  const fs::path dir = fresh_dir("files_only");
-  Random random(22);
-  FrameLabels files = blank(0);
-  for (int i = 0; i < 5; ++i) files = after_random_gesture(files, random);
-  std::reverse(files.planes.begin(), files.planes.end());
-  write_frame_labels(dir, 0, files);
-  {
-    LabelStore store(dir, by("ann"));
-    EXPECT_EQ(store.open(0, blank(0))->plane.data, files.plane.data);
-    EXPECT_FALSE(store.any_unsaved());
-    gesture(store, 0, random);
-    EXPECT_TRUE(store.unsaved(0));
-  }
-  LabelStore store(dir, by("ann"));
-  store.open(0, blank(0));
-  EXPECT_TRUE(store.notices().empty());
-  EXPECT_TRUE(store.unsaved(0));
-  store.undo();
-  EXPECT_EQ(store.labels(0)->plane.data, files.plane.data);
-  EXPECT_FALSE(store.unsaved(0));
-  EXPECT_EQ(store.undo_count(), 0u);
-}
-
-TEST(LabelStores, FilesThatWerePackedAnewBeforeThereWasAJournalDoItNoHarm) {
-  const fs::path dir = fresh_dir("packed_anew");
-  Random random(23);
-  write_frame_labels(dir, 0, blank(0));
-  {
-    LabelStore store(dir, by("ann"));
-    store.open(0, blank(0));
-    auto bytes = read_file_bytes(dir / kFiles[2]);
-    bytes.push_back('\n');
-    write_file_bytes(dir / kFiles[2], bytes);
-    store.save(0);
-    gesture(store, 0, random);
-  }
-  LabelStore store(dir, by("ann"));
-  EXPECT_TRUE(store.notices().empty());
-  EXPECT_EQ(store.undo_count(), 1u);
-}
-
-TEST(LabelStores, FilesOfAnotherSizeAreRefused) {
-  const fs::path dir = fresh_dir("other_size");
-  write_frame_labels(dir, 0, blank_labels(8, 6, 'a'));
-  LabelStore store(dir, by("ann"));
-  expect_refused([&] { store.open(0, blank(0)); }, "8x6");
-}
-
-TEST_F(Outside, AFrameThatCannotBeSavedKeepsNoOtherFromBeingSaved) {
-  LabelStore store(dir, by("ann"));
-  store.open(0, blank(0));
-  store.open(1, blank(1));
-  Random random(5);
-  gesture(store, 1, random);
-  others.depth_sha256[0] = 'f';
-  write_frame_labels(dir, 0, others);
-  expect_refused([&] { store.save_all(); }, "000000.json");
-  EXPECT_TRUE(store.unsaved(0));
-  EXPECT_FALSE(store.unsaved(1));
 }
 
 }  // namespace

@@ -11,9 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(LabelStores, NothingIsMadeBeforeTheFirstGesture) {
-  const fs::path dir = fresh_dir("nothing");
-  Random random(1);
+TEST_F(LabelStores, NothingIsMadeBeforeTheFirstGesture) {
   LabelStore store(dir, by("ann"));
   EXPECT_EQ(store.read_only(), "");
   expect_same(*store.open(0, blank(0)), blank(0));
@@ -28,8 +26,8 @@ TEST(LabelStores, NothingIsMadeBeforeTheFirstGesture) {
   EXPECT_TRUE(store.any_unsaved());
 }
 
-TEST(LabelStores, AFrameThatNobodyDrewOnTakesGravityThatIsKnownLater) {
-  LabelStore store(fresh_dir("gravity"), by("ann"));
+TEST_F(LabelStores, AFrameThatNobodyDrewOnTakesGravityThatIsKnownLater) {
+  LabelStore store(dir, by("ann"));
   FrameLabels unknown = blank(0), known = blank(0);
   unknown.gravity.source = GravitySource::none;
   known.gravity = {Vec3d(0, 0.6, 0.8), GravitySource::picked, 1, "picked"};
@@ -37,15 +35,12 @@ TEST(LabelStores, AFrameThatNobodyDrewOnTakesGravityThatIsKnownLater) {
   const auto version = store.version(0);
   EXPECT_EQ(store.open(0, known)->gravity.direction, known.gravity.direction);
   EXPECT_GT(store.version(0), version);
-  Random random(1);
   gesture(store, 0, random);
   const auto drawn = store.labels(0);
   EXPECT_EQ(store.open(0, unknown), drawn) << "what was drawn keeps the gravity it was drawn with";
 }
 
-TEST(LabelStores, UndoAndRedoGoThroughAllFramesAndRestartsWithoutEnd) {
-  const fs::path dir = fresh_dir("undo");
-  Random random(2);
+TEST_F(LabelStores, UndoAndRedoGoThroughAllFramesAndRestartsWithoutEnd) {
   auto store = std::make_unique<LabelStore>(dir, by("ann"));
   std::vector<std::pair<int, FrameLabels>> before;  // of each gesture: its frame, and that before
   for (int i = 0; i < 120; ++i) {
@@ -83,10 +78,8 @@ TEST(LabelStores, UndoAndRedoGoThroughAllFramesAndRestartsWithoutEnd) {
   EXPECT_TRUE(after.empty());
 }
 
-TEST(LabelStores, AGestureAfterAnUndoDropsWhatCouldBeRedone) {
-  Random random(3);
-  LabelStore store(fresh_dir("redo"), by("ann"));
-  store.open(0, blank(0));
+TEST_F(LabelStores, AGestureAfterAnUndoDropsWhatCouldBeRedone) {
+  OpenStore store(dir);
   store.open(1, blank(1));
   gesture(store, 0, random);
   gesture(store, 0, random);
@@ -98,9 +91,7 @@ TEST(LabelStores, AGestureAfterAnUndoDropsWhatCouldBeRedone) {
   EXPECT_FALSE(store.redo_frame());
 }
 
-TEST(LabelStores, WhatIsNotSavedIsThereAfterARestart) {
-  const fs::path dir = fresh_dir("restart");
-  Random random(4);
+TEST_F(LabelStores, WhatIsNotSavedIsThereAfterARestart) {
   FrameLabels saved, unsaved;
   {
     LabelStore store(dir, by("ann"));
@@ -124,9 +115,8 @@ TEST(LabelStores, WhatIsNotSavedIsThereAfterARestart) {
   EXPECT_FALSE(store.unsaved(7));
 }
 
-TEST(LabelStores, LabelsHandedOutStayAsTheyWere) {
-  Random random(5);
-  LabelStore store(fresh_dir("handed_out"), by("ann"));
+TEST_F(LabelStores, LabelsHandedOutStayAsTheyWere) {
+  LabelStore store(dir, by("ann"));
   const auto first = store.open(0, blank(0));
   const auto version = store.version(0);
   gesture(store, 0, random);
@@ -135,8 +125,7 @@ TEST(LabelStores, LabelsHandedOutStayAsTheyWere) {
   EXPECT_NE(store.labels(0), first);
 }
 
-TEST(LabelStores, EditsOfSeveralFramesAreOneStep) {
-  const fs::path dir = fresh_dir("together");
+TEST_F(LabelStores, EditsOfSeveralFramesAreOneStep) {
   const auto drawn = [](int frame, std::size_t pixel) {
     FrameLabels labels = blank(frame);
     labels.hv.data[pixel] = 1;
@@ -171,9 +160,9 @@ TEST(LabelStores, EditsOfSeveralFramesAreOneStep) {
   expect_same(*store->labels(3), drawn(3, 7));
 }
 
-TEST(LabelStores, TheHistoryNamesWhoDidWhatWhenTheLatestFirst) {
+TEST_F(LabelStores, TheHistoryNamesWhoDidWhatWhenTheLatestFirst) {
   std::int64_t now_ms = 1000;
-  LabelStore store(fresh_dir("history"), {"ann", [&] { return now_ms; }});
+  LabelStore store(dir, {"ann", [&] { return now_ms; }});
   store.open(3, blank(3));
   FrameLabels labels = blank(3);
   labels.hv.data[5] = labels.hv.data[6] = 1;
@@ -195,13 +184,10 @@ TEST(LabelStores, TheHistoryNamesWhoDidWhatWhenTheLatestFirst) {
   EXPECT_EQ(store.history(1).size(), 1u);
 }
 
-TEST(LabelStores, SaveAllAlsoWritesFramesThatWereNotOpenedSinceTheRestart) {
-  const fs::path dir = fresh_dir("save_all");
-  Random random(6);
+TEST_F(LabelStores, SaveAllAlsoWritesFramesThatWereNotOpenedSinceTheRestart) {
   FrameLabels labels;
   {
-    LabelStore store(dir, by("ann"));
-    store.open(0, blank(0));
+    OpenStore store(dir);
     gesture(store, 0, random);
     labels = *store.labels(0);
   }
@@ -213,8 +199,7 @@ TEST(LabelStores, SaveAllAlsoWritesFramesThatWereNotOpenedSinceTheRestart) {
   EXPECT_EQ(files->plane.data, labels.plane.data);
 }
 
-TEST(LabelStores, LabelsThatBeginHereNameTheirAnnotator) {
-  const fs::path dir = fresh_dir("annotator");
+TEST_F(LabelStores, LabelsThatBeginHereNameTheirAnnotator) {
   LabelStore store(dir, by("ann"));
   FrameLabels labels = *store.open(0, blank_labels(23, 17));
   labels.hv.data[0] = 1;
@@ -223,11 +208,9 @@ TEST(LabelStores, LabelsThatBeginHereNameTheirAnnotator) {
   EXPECT_EQ(read_frame_labels(dir, 0, "")->annotator, "ann");
 }
 
-TEST(WorkTimes, GapsOfMoreThanAMinuteCountAsAMinute) {
-  const fs::path dir = fresh_dir("work_times");
+TEST_F(LabelStores, WorkTimesCountGapsOfMoreThanAMinuteAsAMinute) {
   EXPECT_TRUE(work_times(dir).empty());
   std::int64_t now_s = 100;
-  Random random(7);
   LabelStore store(dir, {"ann", [&] { return now_s * 1000; }});
   store.open(0, blank(0));
   store.open(4, blank(4));

@@ -1,7 +1,10 @@
+// The plane wand, and gestures that finish a plane.
+
 #include "core/labels/wand/wand.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -10,6 +13,7 @@
 
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/model/pixel_sets.hpp"
+#include "core/model/error.hpp"
 #include "core/model/random.hpp"
 #include "small_frames.hpp"
 
@@ -24,26 +28,6 @@ PixelSet largest_part(const TrueFrame& view, int plane) {
   return *std::ranges::max_element(parts, {}, &PixelSet::size);
 }
 
-/// Of a part, the pixel farthest from anything else.
-std::uint32_t deepest(const TrueFrame& view, const PixelSet& part) {
-  std::vector<std::uint8_t> open(view.grid.pixels(), 0);
-  for (const std::uint32_t i : part) open[i] = 1;
-  PixelSet left = part, inner;
-  while (true) {
-    inner.clear();
-    for (const std::uint32_t i : left) {
-      int around = 0;
-      for_neighbours(i, view.grid.width, view.grid.height,
-                     [&](std::uint32_t j) { around += open[j]; });
-      if (around == 8) inner.push_back(i);
-    }
-    if (inner.empty()) return left[left.size() / 2];
-    for (const std::uint32_t i : left) open[i] = 0;
-    for (const std::uint32_t i : inner) open[i] = 1;
-    left.swap(inner);
-  }
-}
-
 TrueFrame scene(const std::string& name, std::uint64_t seed = 1) {
   const lab::Scene scene = lab::make_scene(name, seed);
   return test::view_of(scene, scene.camera);
@@ -55,7 +39,8 @@ TEST(Wand, OneClickTakesAPlaneOfASceneAndLittleElse) {
     for (const LabelPlane& plane : view.truth.planes) {
       if (pixels_of_plane(view.truth, plane.id).size() < 6000) continue;
       const PixelSet part = largest_part(view, plane.id);
-      const auto result = grow_plane(view.grid, nullptr, std::array{deepest(view, part)}, {});
+      const auto result =
+          grow_plane(view.grid, nullptr, std::array{deepest_pixel(part, view.grid)}, {});
       ASSERT_TRUE(result) << name << " P" << plane.id;
       EXPECT_GT(test::iou(result->pixels, part), 0.85) << name << " P" << plane.id;
       EXPECT_EQ(result->label, plane.label) << name << " P" << plane.id;
@@ -64,25 +49,27 @@ TEST(Wand, OneClickTakesAPlaneOfASceneAndLittleElse) {
   }
 }
 
-TEST(Wand, PixelsAreAscendingConnectedAndMeasured) {
+TEST(Wand, TheSameClickGivesTheSameAscendingMeasuredPixels) {
   const TrueFrame view = scene("boxes");
-  const std::uint32_t click = deepest(view, largest_part(view, 1));
-  const auto result = grow_plane(view.grid, nullptr, std::array{click}, {});
-  ASSERT_TRUE(result);
+  const std::array click{deepest_pixel(largest_part(view, 1), view.grid)};
+  const auto result = grow_plane(view.grid, nullptr, click, {});
+  const auto again = grow_plane(view.grid, nullptr, click, {});
+  ASSERT_TRUE(result && again);
   EXPECT_EQ(std::ranges::adjacent_find(result->pixels, std::ranges::greater_equal{}),
             result->pixels.end());
   for (const std::uint32_t i : result->pixels) ASSERT_TRUE(view.grid.measured[i]);
   EXPECT_EQ(result->fragment_pixels, std::vector<std::size_t>{result->pixels.size()});
+  EXPECT_EQ(again->pixels, result->pixels);
+  EXPECT_EQ(again->plane.normal, result->plane.normal);
 }
 
-TEST(Wand, TheSameClickGivesTheSameAnswer) {
-  const TrueFrame view = scene("stairs");
-  const std::uint32_t click = deepest(view, largest_part(view, 2));
-  const auto first = grow_plane(view.grid, nullptr, std::array{click}, {});
-  const auto second = grow_plane(view.grid, nullptr, std::array{click}, {});
-  ASSERT_TRUE(first && second);
-  EXPECT_EQ(first->pixels, second->pixels);
-  EXPECT_EQ(first->plane.normal, second->plane.normal);
+std::optional<WandResult> grow(const LabelGrid& grid,
+                               int u,
+                               int v,
+                               const WandOptions& options = {},
+                               const FrameLabels* labels = nullptr,
+                               std::string* why_not = nullptr) {
+  return grow_plane(grid, labels, std::array{test::pixel_at(grid, u, v)}, options, why_not);
 }
 
 /// A floor that meets a wall at row `crease`, without noise: 0.5 m below a camera 1 m before it.
@@ -99,8 +86,8 @@ LabelGrid floor_and_wall(int holes_every = 0) {
 
 TEST(Wand, NeitherSideOfACreaseBleedsOntoTheOther) {
   const LabelGrid grid = floor_and_wall();
-  const auto floor = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 80, 110)}, {});
-  const auto wall = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 80, 40)}, {});
+  const auto floor = grow(grid, 80, 110);
+  const auto wall = grow(grid, 80, 40);
   ASSERT_TRUE(floor && wall);
   EXPECT_EQ(floor->label, Label::h);
   EXPECT_EQ(wall->label, Label::v);
@@ -115,7 +102,7 @@ TEST(Wand, NeitherSideOfACreaseBleedsOntoTheOther) {
 
 TEST(Wand, HolesDoNotCutASurfaceIntoPieces) {
   const LabelGrid grid = floor_and_wall(5);
-  const auto wall = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 80, 40)}, {});
+  const auto wall = grow(grid, 80, 40);
   ASSERT_TRUE(wall);
   EXPECT_GT(wall->pixels.size(), 0.95 * 0.8 * 90 * 160);
 }
@@ -124,7 +111,7 @@ TEST(Wand, AClickInAHoleFindsTheSurfaceAroundIt) {
   const LabelGrid grid = make_label_grid(
       test::frame_of(80, 60, [](int u, int v) { return u == 40 && v == 30 ? 0.0 : 1.0; }),
       Gravity{});
-  const auto result = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 40, 30)}, {});
+  const auto result = grow(grid, 40, 30);
   ASSERT_TRUE(result);
   EXPECT_EQ(result->pixels.size(), 80u * 60 - 1);
 }
@@ -133,7 +120,7 @@ TEST(Wand, AClickOnANoisyPixelFindsTheSurfaceAndFillsTheSpeck) {
   const LabelGrid grid = make_label_grid(
       test::frame_of(80, 60, [](int u, int v) { return u == 40 && v == 30 ? 1.011 : 1.0; }),
       Gravity{});
-  const auto result = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 40, 30)}, {});
+  const auto result = grow(grid, 40, 30);
   ASSERT_TRUE(result);
   EXPECT_EQ(result->pixels.size(), 80u * 60);
 }
@@ -177,12 +164,12 @@ TEST(Wand, SaysWhyThereIsNoPlane) {
   std::string why;
   const LabelGrid hole = make_label_grid(
       test::frame_of(80, 60, [](int u, int) { return u < 40 ? 1.0 : 0.0; }), Gravity{});
-  EXPECT_FALSE(grow_plane(hole, nullptr, std::array{test::pixel_at(hole, 70, 30)}, {}, &why));
+  EXPECT_FALSE(grow(hole, 70, 30, {}, nullptr, &why));
   EXPECT_EQ(why, "nothing was measured there");
   const LabelGrid rough = make_label_grid(
       test::frame_of(80, 60, [](int u, int v) { return 1 + 0.3 * ((u * 7 + v * 13) % 10); }),
       Gravity{});
-  EXPECT_FALSE(grow_plane(rough, nullptr, std::array{test::pixel_at(rough, 40, 30)}, {}, &why));
+  EXPECT_FALSE(grow(rough, 40, 30, {}, nullptr, &why));
   EXPECT_EQ(why, "no plane there");
 }
 
@@ -243,12 +230,97 @@ TEST(Wand, StaysWithinTheLassoDrawnAroundIt) {
   for (const std::uint32_t i : left) within[i] = 1;
   WandOptions options;
   options.within = within;
-  const auto result = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 10, 15)}, options);
+  const auto result = grow(grid, 10, 15, options);
   ASSERT_TRUE(result);
   EXPECT_EQ(result->pixels, left);
   std::string why;
-  EXPECT_FALSE(grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 30, 15)}, options, &why));
+  EXPECT_FALSE(grow(grid, 30, 15, options, nullptr, &why));
   EXPECT_EQ(why, "it is outside of the lasso");
+}
+
+using test::pixel_at;
+using test::rectangle;
+
+/// A wall 1 m away with P1 on those pixels.
+struct Wall {
+  LabelGrid grid;
+  FrameLabels labels;
+};
+Wall wall_with(LabelGrid grid, const PixelSet& pixels) {
+  FrameLabels labels =
+      painted(empty_labels(grid, "hash"), grid, pixels, {.plane = 1}, PaintMode::over);
+  return {std::move(grid), std::move(labels)};
+}
+
+PixelSet without(PixelSet pixels, const PixelSet& less) {
+  std::erase_if(pixels, [&](std::uint32_t i) { return std::ranges::binary_search(less, i); });
+  return pixels;
+}
+
+TEST(Finish, HolesAreFilledWithWhatLiesOnThePlaneAndNothingElse) {
+  const auto depth = [](int u, int v) {  // a box stands in the second hole
+    return u >= 24 && u < 30 && v >= 10 && v < 16 ? 0.8 : 1.0;
+  };
+  const LabelGrid grid = make_label_grid(test::frame_of(40, 30, depth), Gravity{});
+  const PixelSet hole = rectangle(grid, 8, 8, 14, 20), box = rectangle(grid, 24, 10, 30, 16);
+  const Wall wall = wall_with(grid, without(without(rectangle(grid, 2, 2, 38, 28), hole), box));
+  const Finish finish = fill_holes(wall.labels, wall.grid, 1, {});
+  EXPECT_EQ(finish.adds, hole);
+  EXPECT_TRUE(finish.takes.empty());
+  const FrameLabels after = finished(wall.labels, wall.grid, 1, finish);
+  EXPECT_EQ(pixels_of_plane(after, 1).size(), pixels_of_plane(wall.labels, 1).size() + hole.size());
+}
+
+TEST(Finish, AHoleThatHasAnotherLabelKeepsIt) {
+  const LabelGrid grid = test::wall_grid();
+  const PixelSet hole = rectangle(grid, 8, 8, 14, 20);
+  Wall wall = wall_with(grid, without(rectangle(grid, 2, 2, 38, 28), hole));
+  wall.labels = painted(wall.labels, grid, hole, {.plane = kPlaneIgnore}, PaintMode::over);
+  EXPECT_TRUE(fill_holes(wall.labels, wall.grid, 1, {}).empty());
+}
+
+TEST(Finish, ASmoothedBorderLosesItsTeethAndItsNotches) {
+  const LabelGrid grid = test::wall_grid();
+  const PixelSet tooth = rectangle(grid, 18, 5, 19, 10), notch = rectangle(grid, 25, 10, 26, 14);
+  PixelSet pixels = without(rectangle(grid, 2, 10, 38, 28), notch);
+  std::ranges::copy(tooth, std::back_inserter(pixels));
+  std::ranges::sort(pixels);
+  const Wall wall = wall_with(grid, pixels);
+  const Finish finish = smooth_border(wall.labels, wall.grid, 1, {});
+  PixelSet lost, filled;
+  std::ranges::set_intersection(finish.takes, tooth, std::back_inserter(lost));
+  std::ranges::set_intersection(finish.adds, notch, std::back_inserter(filled));
+  EXPECT_GE(lost.size(), 4u);
+  EXPECT_GE(filled.size(), 3u);
+  EXPECT_LT(finish.takes.size() + finish.adds.size(), 30u);  // and straight borders stay
+}
+
+TEST(Finish, APlaneGrowsToWhereAnotherSurfaceBegins) {
+  const auto depth = [](int u, int) { return u < 30 ? 1.0 : 1.3; };  // the wall ends at a step
+  const LabelGrid grid = make_label_grid(test::frame_of(40, 30, depth), Gravity{});
+  const Wall wall = wall_with(grid, rectangle(grid, 5, 5, 20, 20));
+  const FrameLabels after =
+      finished(wall.labels, wall.grid, 1, grow_to_border(wall.labels, wall.grid, 1, {}));
+  for (int u = 0; u < 40; ++u) EXPECT_EQ(after.plane.at(u, 25), u < 30 ? 1 : 0) << "column " << u;
+}
+
+TEST(Finish, SpecksBelowASizeAreDroppedAndTheLargestPartIsKept) {
+  const LabelGrid grid = test::wall_grid();  // a pixel is 1 cm2
+  PixelSet pixels = rectangle(grid, 0, 0, 10, 10);
+  std::ranges::copy(rectangle(grid, 20, 0, 22, 2), std::back_inserter(pixels));    // 4 cm2
+  std::ranges::copy(rectangle(grid, 30, 20, 36, 26), std::back_inserter(pixels));  // 36 cm2
+  std::ranges::sort(pixels);
+  const Wall wall = wall_with(grid, pixels);
+  EXPECT_EQ(drop_specks(wall.labels, grid, 1, 10e-4).takes, rectangle(grid, 20, 0, 22, 2));
+  EXPECT_EQ(drop_specks(wall.labels, grid, 1, 1).takes.size(), 4u + 36u);
+}
+
+TEST(Finish, ALockedPlaneIsLeftAlone) {
+  const LabelGrid grid = test::wall_grid();
+  const Wall wall = wall_with(grid, rectangle(grid, 5, 5, 20, 20));
+  const FrameLabels locked = with_flag(wall.labels, 1, PlaneFlag::locked, true);
+  EXPECT_THROW(grow_to_border(locked, grid, 1, {}), Error);
+  EXPECT_THROW(drop_specks(locked, grid, 1, 1), Error);
 }
 
 }  // namespace

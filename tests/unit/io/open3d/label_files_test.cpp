@@ -8,23 +8,21 @@ namespace planescope::labels {
 namespace {
 
 TEST_F(Exchange, Open3dReadsTheFieldsOfPlyAndPcd) {
-  Random random(12);
-  const LabelGrid grid = random_grid(random);
-  const LabelledPoints points = points_of_labels(random_labels(grid, random), grid);
+  const LabelledPoints points = points_of_labels(labels, grid);
   for (const LabelFormat format : {LabelFormat::ply, LabelFormat::pcd}) {
     SCOPED_TRACE(to_string(format));
-    const auto path = write_labelled(dir_ / "frame", format, points).at(0);
+    const auto path = write_labelled(dir / "frame", format, points).at(0);
     ::open3d::t::geometry::PointCloud cloud;
     ASSERT_TRUE(
         ::open3d::t::io::ReadPointCloud(path.string(), cloud, {"auto", false, false, false}));
     ASSERT_EQ(cloud.GetPointPositions().GetLength(), static_cast<std::int64_t>(points.size()));
     for (const char* field : {"label", "instance", "u", "v"})
       ASSERT_TRUE(cloud.HasPointAttr(field)) << field;
-    const auto labels = cloud.GetPointAttr("label").ToFlatVector<std::uint8_t>();
+    const auto classes = cloud.GetPointAttr("label").ToFlatVector<std::uint8_t>();
     const auto instances = cloud.GetPointAttr("instance").ToFlatVector<std::int32_t>();
     const auto u = cloud.GetPointAttr("u").ToFlatVector<std::int32_t>();
     const auto v = cloud.GetPointAttr("v").ToFlatVector<std::int32_t>();
-    EXPECT_EQ(labels, points.label);
+    EXPECT_EQ(classes, points.label);
     EXPECT_EQ(instances, points.instance);
     for (std::size_t i = 0; i < points.size(); ++i) {
       EXPECT_EQ(u[i], points.pixel[i].u);
