@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -114,14 +113,20 @@ class Player {
 
   void click(const Json& step) {
     move_to(place_in(widget(step.at("click")), step.value("at", kMiddle)));
+    press_button(step, [&](int which) {
+      for (int i = step.value("double", false) ? 2 : 1; i > 0; --i) {
+        button(which, true);
+        button(which, false);
+      }
+    });
+  }
+  /// With the step's button, while the key that it holds is down.
+  template <typename Press>
+  void press_button(const Json& step, const Press& press) {
     const std::string name = step.value("button", std::string("left"));
-    const int which = name == "right" ? 1 : name == "middle" ? 2 : 0;
     const auto held = key_of_name(step.value("hold", std::string()));
     if (held) key(*held, true);
-    for (int i = step.value("double", false) ? 2 : 1; i > 0; --i) {
-      button(which, true);
-      button(which, false);
-    }
+    press(name == "right" ? 1 : name == "middle" ? 2 : 0);
     if (held) key(*held, false);
   }
   void drag(const Json& step) {
@@ -134,22 +139,19 @@ class Player {
       to.x += step.at("by").at(0).get<float>();
       to.y += step.at("by").at(1).get<float>();
     }
-    const std::string name = step.value("button", std::string("left"));
-    const int which = name == "right" ? 1 : name == "middle" ? 2 : 0;
-    const auto held = key_of_name(step.value("hold", std::string()));
     move_to(from);
-    if (held) key(*held, true);
-    button(which, true);
-    constexpr int kMoves = 8;
-    for (int i = 1; i <= kMoves; ++i) {
-      const float t = static_cast<float>(i) / kMoves;
-      push({.type = InputEvent::Type::move,
-            .x = from.x + t * (to.x - from.x),
-            .y = from.y + t * (to.y - from.y)});
-      stage_.draw_frame();
-    }
-    button(which, false);
-    if (held) key(*held, false);
+    press_button(step, [&](int which) {
+      button(which, true);
+      constexpr int kMoves = 8;
+      for (int i = 1; i <= kMoves; ++i) {
+        const float t = static_cast<float>(i) / kMoves;
+        push({.type = InputEvent::Type::move,
+              .x = from.x + t * (to.x - from.x),
+              .y = from.y + t * (to.y - from.y)});
+        stage_.draw_frame();
+      }
+      button(which, false);
+    });
   }
   void wheel(const Json& step) {
     move_to(place_in(widget(step.at("wheel")), step.value("at", kMiddle)));

@@ -37,9 +37,10 @@ class Stage {
  public:
   virtual ~Stage() = default;
   virtual void draw_frame() = 0;  // one frame of the shell, a sixtieth of a second later
+  /// What the last frame shows. RGB, row 0 at the top.
+  virtual Image8 picture() = 0;
   /// Of the whole window, or of a part of it.
-  virtual void screenshot(const std::filesystem::path& path,
-                          const std::optional<WidgetRect>& part = {}) = 0;
+  void screenshot(const std::filesystem::path& path, const std::optional<WidgetRect>& part = {});
 };
 
 /// Writes the picture that an action asked for, if one did.

@@ -1,7 +1,5 @@
 #include "app/desktop/shell.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cfloat>

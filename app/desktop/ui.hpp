@@ -33,8 +33,8 @@ struct UiColors {
 /// Where breakpoints stop, kept while neither they nor the run change.
 struct BreakpointStops {
   std::weak_ptr<const debug::Run> run;
-  std::string breakpoints;
-  std::vector<std::int32_t> steps;
+  std::vector<Breakpoint> breakpoints;
+  std::vector<std::int32_t> on, off;  // steps, ascending: of those that are enabled, and not
 };
 
 /// The event list's groups, kept while the run is the same, and which of them are open.
@@ -173,6 +173,8 @@ struct Ui {
   void name(const std::string& widget, ImVec2 min, ImVec2 max) const;
   float px(float at_scale_1) const { return at_scale_1 * scale; }
 };
+
+const BreakpointStops& stops_of(const Ui& ui);
 
 /// ImGui's style and colours for a theme, in one size of everything.
 void set_style(render::Theme theme, float scale);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "app/desktop/look.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/planes/cloud/camera.hpp"
 #include "render/step_scene.hpp"

@@ -6,9 +6,6 @@
 #include <cctype>
 #include <cmath>
 
-#include "app/desktop/imgui.hpp"
-#include "app/desktop/ui.hpp"
-#include "core/model/text.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {
@@ -361,6 +358,16 @@ std::string number_text(double value) {
   if (!std::isfinite(value)) return std::isnan(value) ? "–" : value > 0 ? "∞" : "-∞";
   if (value == std::floor(value) && std::abs(value) < 1e6) return fmt::format("{:.0f}", value);
   return fmt::format("{:.4g}", value);
+}
+
+std::string grouped(std::int64_t number) {
+  const std::string digits = std::to_string(std::abs(number));
+  std::string text = number < 0 ? "−" : "";
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ' ';
+    text += digits[i];
+  }
+  return text;
 }
 
 // ---- Buttons -----------------------------------------------------------------------------------

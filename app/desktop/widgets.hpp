@@ -59,6 +59,8 @@ void math_paragraph(const Ui& ui, ImU32 color, const std::string& text);
 
 /// "12", "0.0071", "∞"; "–" where there is none.
 std::string number_text(double value);
+/// "31 900": groups of three digits.
+std::string grouped(std::int64_t number);
 
 // ---- Buttons -----------------------------------------------------------------------------------
 

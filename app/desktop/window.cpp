@@ -4,7 +4,6 @@
 #include "app/desktop/window.hpp"
 
 #include <GLFW/glfw3.h>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -85,11 +84,9 @@ class Window : public Stage {
   ~Window() override;
   void run(std::stop_token stop);
   void draw_frame() override;
-  void screenshot(const std::filesystem::path& path,
-                  const std::optional<WidgetRect>& part = {}) override;
+  Image8 picture() override;
 
  private:
-  Image8 picture();
   static Window& of(GLFWwindow* window) {
     return *static_cast<Window*>(glfwGetWindowUserPointer(window));
   }
@@ -232,11 +229,6 @@ Image8 Window::picture() {
   return image;
 }
 
-void Window::screenshot(const std::filesystem::path& path, const std::optional<WidgetRect>& part) {
-  const Image8 whole = picture();
-  io::write_png(path, part ? part_of(whole, *part) : whole);
-}
-
 void Window::keep_settings() const {
   Settings settings = options_.settings;
   const State& state = shell().state();
@@ -321,8 +313,7 @@ Image8 Offscreen::picture() {
   return image;
 }
 
-void Offscreen::screenshot(const std::filesystem::path& path,
-                           const std::optional<WidgetRect>& part) {
+void Stage::screenshot(const std::filesystem::path& path, const std::optional<WidgetRect>& part) {
   const Image8 whole = picture();
   io::write_png(path, part ? part_of(whole, *part) : whole);
 }

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <stop_token>
@@ -104,12 +103,9 @@ class Offscreen : public Stage {
   Shell& shell() { return screen_->shell(); }
   Screen& screen() { return *screen_; }
   void draw_frame() override;
-  void screenshot(const std::filesystem::path& path,
-                  const std::optional<WidgetRect>& part = {}) override;
   /// Waits until the last frame is drawn.
   void finish();
-  /// What the last frame shows. RGB, row 0 at the top.
-  Image8 picture();
+  Image8 picture() override;
 
  private:
   int width_, height_;

@@ -10,11 +10,8 @@
 namespace planescope::desktop {
 namespace {
 
-struct Changes : testing::Test {
-  Shell shell{open_state(), nullptr, [] {}};
-  NoStage stage{shell};
-
-  const State& state() const { return shell.state(); }
+struct Changes : OpenDesktop {
+  void SetUp() override {}
   const Results& results() const { return shell.state().results; }
   void perform(const std::string& action, const std::string& argument = {}) {
     shell.perform({action, argument});
@@ -47,7 +44,7 @@ struct Changes : testing::Test {
     for (int i = 0; i < 4000; ++i)
       set.points.push_back(
           Vec3f(1 + 0.01f * static_cast<float>(i % 80), 0.01f * static_cast<float>(i / 80), 0));
-    const std::filesystem::path path = scratch_dir() / "cloud.ply";
+    const std::filesystem::path path = dir / "cloud.ply";
     io::write_ply(path, set);
     perform("recording.open", path.string());
   }
@@ -58,16 +55,16 @@ TEST_F(Changes, OfTheFrameNeverShowAnotherOne) {
     perform("frame.show", std::to_string(i % 3));
     draw(1 + i % 4);
   }
-  settle(shell, stage, {});
+  rest();
   draw(1);
   EXPECT_EQ(results().current->run->subject->frame.index, 2);
   expect_whole_strip();
 }
 
 TEST_F(Changes, OfTheRecordingFillItsOwnStrip) {
-  settle(shell, stage, {});
+  rest();
   perform("frame.show", "2");
-  settle(shell, stage, {});
+  rest();
   perform("option.set", "theta_n_in=8");
   while (results().strip_done == 3) draw(1);  // until it is filled anew
   open_cloud();
@@ -77,15 +74,15 @@ TEST_F(Changes, OfTheRecordingFillItsOwnStrip) {
   perform("recording.show", "1");
   draw(2);
   perform("recording.show", "0");
-  settle(shell, stage, {});
+  rest();
   expect_whole_strip();
   perform("recording.show", "1");
-  settle(shell, stage, {});
+  rest();
   expect_whole_strip();
 }
 
 TEST_F(Changes, OfAnOptionKeepTheComparisonWithItsRuns) {
-  settle(shell, stage, {});
+  rest();
   perform("run.pin");
   for (const char* against : {"pinned", "truth", "pinned"}) {
     perform("compare.against", against);
@@ -96,7 +93,7 @@ TEST_F(Changes, OfAnOptionKeepTheComparisonWithItsRuns) {
     }
   }
   perform("option.drop");
-  settle(shell, stage, {});
+  rest();
   EXPECT_EQ(results().compared_a, results().pinned);
   EXPECT_EQ(results().compared_b, results().current);
   EXPECT_EQ(state().undo.size(), 1u);
@@ -104,12 +101,12 @@ TEST_F(Changes, OfAnOptionKeepTheComparisonWithItsRuns) {
 }
 
 TEST_F(Changes, OfBAreShownInTheStripInTheColoursOfA) {
-  settle(shell, stage, {});
+  rest();
   perform("option.set", "profile=refined");
-  settle(shell, stage, {});
+  rest();
   perform("run.pin");
   perform("option.set", "max_range_m=2");  // the largest planes are gone
-  settle(shell, stage, {});
+  rest();
   FrameTools tools;
   ColorBook book;
   const Wanted wanted = wanted_of(state().document, state().document.frame);
@@ -122,89 +119,89 @@ TEST_F(Changes, OfBAreShownInTheStripInTheColoursOfA) {
   };
   EXPECT_EQ(shown(), like_a.data);
   perform("run.unpin");
-  settle(shell, stage, {});
+  rest();
   EXPECT_EQ(shown(), like_a.data) << "colors stay";
   expect_whole_strip();
 }
 
 TEST_F(Changes, OfTheFrameWhileAIsFlashedKeepNothingOfIt) {
-  settle(shell, stage, {});
+  rest();
   perform("run.pin");
   perform("option.set", "voxel_size_m=0.05");  // a smaller tree
-  settle(shell, stage, {});
+  rest();
   perform("run.flash");
   const auto nodes = state().run()->octree().nodes.size();
   ASSERT_GT(nodes, results().current->run->octree().nodes.size());
   perform("select.node", std::to_string(nodes - 1));
   perform("frame.next");
   draw(2);
-  settle(shell, stage, {});
+  rest();
   EXPECT_FALSE(state().view.flash);
 }
 
 TEST_F(Changes, OfTheTargetSearchForTheLastOne) {
-  settle(shell, stage, {});
+  rest();
   for (const char* plane : {"1", "2", "3"}) {
     perform("fix.plane", plane);
     draw(2);
   }
-  settle(shell, stage, {});
+  rest();
   EXPECT_EQ(results().fix.target.name, "true plane 3");
   EXPECT_TRUE(results().fix.finished);
   perform("fix.plane", "1");
   draw(1);
   perform("fix.cancel");
   perform("fix.plane", "2");
-  settle(shell, stage, {});
+  rest();
   EXPECT_TRUE(results().fix.finished);
   EXPECT_EQ(results().fix.target.name, "true plane 2");
 }
 
 TEST_F(Changes, SensitivitiesComeBackAfterASearch) {
   perform("tab.tool", "criteria");
-  settle(shell, stage, {});
+  rest();
   const std::size_t all = results().sensitivity.size();
   ASSERT_GT(all, 5u);
   perform("option.set", "theta_n_in=6");
   while (results().sensitivity.empty() || results().sensitivity.size() == all) draw(1);
   perform("fix.plane", "1");
-  settle(shell, stage, {});
+  rest();
   perform("tab.tool", "criteria");
-  settle(shell, stage, {});
+  rest();
   EXPECT_EQ(results().sensitivity.size(), all);
 }
 
 TEST_F(Changes, OfTheFrameOnTheWayToABookmarkCallItOff) {
-  settle(shell, stage, {});
+  rest();
   perform("step.goto", "10");
   perform("bookmark.add", "here");
   perform("frame.show", "1");
-  settle(shell, stage, {});
+  rest();
   perform("bookmark.go", "here");
   perform("frame.show", "2");
-  settle(shell, stage, {});
+  rest();
   EXPECT_EQ(state().document.frame, 2);
   EXPECT_EQ(results().current->run->subject->frame.index, 2);
   perform("bookmark.go", "here");
-  settle(shell, stage, {});
+  rest();
   EXPECT_EQ(state().document.frame, 0);
   EXPECT_EQ(state().view.step, 10);
 }
 
 TEST_F(Changes, LeaveABookmarkOfALongerRecordingWhereItIs) {
   perform("frame.show", "2");
-  settle(shell, stage, {});
+  rest();
   perform("bookmark.add", "there");
   open_cloud();
-  settle(shell, stage, {});
+  rest();
   shell.perform({"bookmark.go", "there"});
-  EXPECT_NE(state().view.message.find("frame 2"), std::string::npos) << state().view.message;
-  settle(shell, stage, {});
+  EXPECT_TRUE(has(state().view.message, "frame 2"));
+  rest();
   EXPECT_FALSE(state().view.arrival);
 }
 
 TEST_F(Changes, PlayingGoesOnHoweverSlowItIs) {
-  settle(shell, stage, {});
+  rest();
   perform("step.first");
   perform("step.rate", "20");
   perform("step.play");
@@ -221,11 +218,11 @@ TEST_F(Changes, WhatTheFileSystemRefusesIsSaid) {
   EXPECT_TRUE(state().view.message_is_error);
   shell.perform({"session.open", std::string(5000, 'x')});
   EXPECT_TRUE(state().view.message_is_error);
-  settle(shell, stage, {});
+  rest();
   shell.perform({"bookmark.add", "\xff is no UTF-8"});
   shell.perform({"recording.open", "\xff"});
   EXPECT_NE(state_text(state(), true), "");
-  const std::filesystem::path session = scratch_dir() / "s.json";
+  const std::filesystem::path session = dir / "s.json";
   perform("session.save", session.string());
   perform("session.open", session.string());
 }

@@ -14,8 +14,10 @@
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/script.hpp"
 #include "app/desktop/shell.hpp"
+#include "core/lab/synthetic/sample.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/model/label_files.hpp"
+#include "support/has.hpp"
 
 namespace planescope::desktop {
 
@@ -72,13 +74,24 @@ inline State run_state(planes::Profile profile = planes::Profile::paper) {
   return state;
 }
 
+/// A synthetic walk is written and opened: small frames without color images.
+inline State open_walk(const std::filesystem::path& to, lab::SequenceOptions options) {
+  options.width = 160;
+  options.height = 120;
+  options.color = false;
+  lab::write_sequence(to, options, 2);
+  State state = open_state(planes::Profile::refined);
+  state.document.recordings[0] = {to, io::open_recording(to, {}), to / "none"};
+  return state;
+}
+
 /// Draws nowhere.
 class NoStage : public Stage {
  public:
   NoStage(Shell& shell, int width = 1440, int height = 900)
       : shell_(shell), width_(width), height_(height) {}
   void draw_frame() override { shell_.frame(width_, height_, 1, 1.0 / 60); }
-  void screenshot(const std::filesystem::path&, const std::optional<WidgetRect>&) override {}
+  Image8 picture() override { return Image8(1, 1, 3); }
 
  private:
   Shell& shell_;
@@ -104,16 +117,35 @@ inline void play_actions(Shell& shell,
   Script::read(path).play(shell, stage, {});
 }
 
-/// The sample has been opened and run; panels are drawn nowhere.
-struct OpenDesktop : testing::Test {
+/// A window that is drawn nowhere.
+struct Desk {
   Shell shell;
   NoStage stage{shell};
 
-  explicit OpenDesktop(State opened = open_state()) : shell(std::move(opened), nullptr, [] {}) {}
-  void SetUp() override { settle(shell, stage, {}); }
+  explicit Desk(State opened) : shell(std::move(opened), nullptr, [] {}) {}
   const State& state() const { return shell.state(); }
+  const std::string& message() const { return state().view.message; }
   bool shown(const std::string& widget) const { return shell.widgets().contains(widget); }
-  void play(const std::string& actions) { play_actions(shell, stage, scratch_dir(), actions); }
+  void rest(bool background = true) { settle(shell, stage, {}, background); }
+  /// As a key or a click does it: what is wrong stands in the status bar.
+  void perform(const std::string& action, const std::string& argument = {}) {
+    shell.perform({action, argument});
+    rest();
+  }
+  /// As a script does it: what is wrong is thrown.
+  void run(const std::string& action, const std::string& argument = {}) {
+    shell.perform({action, argument}, true);
+    rest();
+  }
+};
+
+/// The sample, or what else is opened, has been run.
+struct OpenDesktop : testing::Test, Desk {
+  const std::filesystem::path dir = scratch_dir();
+
+  explicit OpenDesktop(State opened = open_state()) : Desk(std::move(opened)) {}
+  void SetUp() override { rest(); }
+  void play(const std::string& actions) { play_actions(shell, stage, dir, actions); }
 };
 
 /// The same with the profile that finds all of the sample's planes.
@@ -141,21 +173,16 @@ inline State open_state_with_labels(const std::filesystem::path& label_dir,
   return state;
 }
 
-/// A window that is labelling; drawn nowhere.
-struct LabelWindow {
-  Shell shell;
-  NoStage stage{shell};
-
+/// A window that is labelling.
+struct LabelWindow : Desk {
   explicit LabelWindow(const std::filesystem::path& label_dir,
                        const std::filesystem::path& recording = sample_path())
-      : shell(open_state_with_labels(label_dir, recording), nullptr, [] {}) {
+      : Desk(open_state_with_labels(label_dir, recording)) {
     finish();
     run("label.mode");
   }
-  const State& state() const { return shell.state(); }
   const FrameLabels& labels() const { return *state().labels(); }
   const labels::LabelStore& store() const { return *state().document.current()->labels; }
-  /// Throws as the action does.
   void run(const std::string& action, const std::string& argument = {}) {
     shell.perform({action, argument}, true);
     finish();
@@ -166,8 +193,8 @@ struct LabelWindow {
     return state().view.message_is_error ? state().view.message : "";
   }
   /// What was begun, but for what goes on in the background: thumbnails, curves along sliders.
-  void finish() { settle(shell, stage, {}, /*background=*/false); }
-  bool shows(const std::string& widget) const { return shell.widgets().contains(widget); }
+  void finish() { rest(/*background=*/false); }
+  bool shows(const std::string& widget) const { return shown(widget); }
 };
 
 struct LabelDesktop : testing::Test {

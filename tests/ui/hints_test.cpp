@@ -17,63 +17,59 @@ struct Hint {
 TEST(Hints, GoOnceWhatTheyAskForIsDone) {
   State fresh = run_state();
   fresh.document.recordings[0].label_dir = scratch_dir();
-  apply(fresh, {"step.last", ""});
+  apply(fresh, {"step.last"});
   const std::vector<Hint> hints = {
-      {{"point.life", ""}, "no point is selected", {{"select.voxel", "7"}}},
-      {{"break.node", ""}, "no node is selected", {{"select.node", "1"}}},
-      {{"break.point", ""}, "no point is selected", {{"select.voxel", "7"}}},
-      {{"break.filter", ""}, "no filter is set", {{"filter.set", "merge"}}},
-      {{"filter.next", ""}, "no filter is set", {{"filter.set", "merge"}}},
-      {{"step.decision", ""}, "no node is selected", {{"select.node", "1"}}},
-      {{"camera.selected", ""}, "nothing is selected", {{"select.plane", "P1"}}},
-      {{"fix.search", ""}, "nothing to recover", {{"mark.pixels", "300,300,340,340"}}},
-      {{"fix.search", ""}, "nothing to recover", {{"fix.plane", "1"}}},
+      {{"point.life"}, "no point is selected", {{"select.voxel", "7"}}},
+      {{"break.node"}, "no node is selected", {{"select.node", "1"}}},
+      {{"break.point"}, "no point is selected", {{"select.voxel", "7"}}},
+      {{"break.filter"}, "no filter is set", {{"filter.set", "merge"}}},
+      {{"filter.next"}, "no filter is set", {{"filter.set", "merge"}}},
+      {{"step.decision"}, "no node is selected", {{"select.node", "1"}}},
+      {{"camera.selected"}, "nothing is selected", {{"select.plane", "P1"}}},
+      {{"fix.search"}, "nothing to recover", {{"mark.pixels", "300,300,340,340"}}},
+      {{"fix.search"}, "nothing to recover", {{"fix.plane", "1"}}},
       {{"measure.end", "320,300"}, "click the other end", {{"measure.end", "voxel 7"}}},
   };
   for (const Hint& hint : hints) {
     State state = fresh;
     apply(state, hint.asks);
-    EXPECT_NE(state.view.message.find(hint.says), std::string::npos)
+    EXPECT_TRUE(has(state.view.message, hint.says))
         << hint.asks.action << ": " << state.view.message;
     EXPECT_FALSE(state.view.message_is_error);
     apply(state, {"step.goto", "3"});
-    apply(state, {"select.none", ""});
+    apply(state, {"select.none"});
     if (hint.asks.action == "measure.end") continue;  // Escape leaves it, which is done, too
     State other = fresh;
     apply(other, hint.asks);
-    apply(other, {"theme.toggle", ""});
-    EXPECT_NE(other.view.message.find(hint.says), std::string::npos) << "not done yet";
+    apply(other, {"theme.toggle"});
+    EXPECT_TRUE(has(other.view.message, hint.says)) << "not done yet";
     for (const Command& command : hint.does) apply(other, command);
-    EXPECT_EQ(other.view.message.find(hint.says), std::string::npos) << hint.asks.action;
+    EXPECT_FALSE(has(other.view.message, hint.says)) << hint.asks.action;
   }
 }
 
 TEST_F(OpenDesktop, AHintOfARunGoesOnceTheRunIsThere) {
-  shell.perform({"run.pin", ""}, true);
-  settle(shell, stage, {});
+  run("run.pin");
   EXPECT_EQ(state().view.message, "A pinned: change an option to make B");
-  shell.perform({"option.set", "theta_n_in=40"}, true);
-  settle(shell, stage, {});
+  run("option.set", "theta_n_in=40");
   EXPECT_NE(state().results.pinned, state().results.current);
-  EXPECT_EQ(state().view.message.find("A pinned"), std::string::npos) << state().view.message;
+  EXPECT_FALSE(has(state().view.message, "A pinned"));
 }
 
 TEST(Hints, OfAFixNameNoLabelsWhereThereAreNone) {
   State state = open_state();
   state.document.recordings[0].label_dir = scratch_dir();  // without labels
-  Shell shell(std::move(state), nullptr, [] {});
-  NoStage stage(shell);
-  settle(shell, stage, {});
-  ASSERT_FALSE(shell.state().run()->subject->voxel_truth.known());
-  shell.perform({"fix.search", ""}, true);
-  EXPECT_EQ(shell.state().view.message.find("truth"), std::string::npos);
-  EXPECT_NE(shell.state().view.message.find("mark a region"), std::string::npos);
-  shell.perform({"mark.pixels", "300,300,310,310"}, true);
-  shell.perform({"fix.search", ""}, true);
-  settle(shell, stage, {});
-  EXPECT_EQ(shell.state().results.fix.target.name, "marked region");
-  EXPECT_EQ(shell.state().results.fix.target.wish, debug::Wish::plane);
-  EXPECT_TRUE(shell.state().results.fix.finished);
+  Desk desk(std::move(state));
+  desk.rest();
+  ASSERT_FALSE(desk.state().run()->subject->voxel_truth.known());
+  desk.shell.perform({"fix.search"}, true);
+  EXPECT_FALSE(has(desk.state().view.message, "truth"));
+  EXPECT_TRUE(has(desk.state().view.message, "mark a region"));
+  desk.shell.perform({"mark.pixels", "300,300,310,310"}, true);
+  desk.run("fix.search");
+  EXPECT_EQ(desk.state().results.fix.target.name, "marked region");
+  EXPECT_EQ(desk.state().results.fix.target.wish, debug::Wish::plane);
+  EXPECT_TRUE(desk.state().results.fix.finished);
 }
 
 TEST(Marking, BeyondTheRangeSaysHowMuchAndWhatToRaise) {
@@ -97,23 +93,21 @@ TEST(Marking, BeyondTheRangeSaysHowMuchAndWhatToRaise) {
   ASSERT_GE(to, 0) << "the sample has such a place";
   const auto box = [v](int u0, int u1) { return fmt::format("{},{},{},{}", u0, v, u1, v + 1); };
   apply(state, {"mark.pixels", box(from, to)});
-  EXPECT_NE(state.view.message.find("50 % of what was measured there is beyond the range"),
-            std::string::npos)
-      << state.view.message;
+  EXPECT_TRUE(has(state.view.message, "50 % of what was measured there is beyond the range"));
   EXPECT_FALSE(state.view.message_is_error);
-  apply(state, {"mark.clear", ""});
+  apply(state, {"mark.clear"});
   apply(state, {"mark.pixels", box(from + 10, to)});
-  EXPECT_NE(state.view.message.find("max_range_m"), std::string::npos) << state.view.message;
+  EXPECT_TRUE(has(state.view.message, "max_range_m"));
   EXPECT_TRUE(state.view.message_is_error);
   EXPECT_TRUE(state.document.marked.empty());
 }
 
 TEST(Marking, IsSeenInBothViewsWhateverTheColours) {
   State state = run_state();
-  apply(state, {"step.last", ""});
+  apply(state, {"step.last"});
   for (const char* color : {"color.planes", "color.depth", "color.camera"}) {
     apply(state, {color, ""});
-    apply(state, {"mark.clear", ""});
+    apply(state, {"mark.clear"});
     const auto scene = [&] { return render::scene_step(*state.run(), look_of(state)); };
     const auto image = [&] {
       return render::image_step(*state.run(), look_of(state), render::Backdrop::color, 0);

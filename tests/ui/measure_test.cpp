@@ -45,7 +45,7 @@ TEST_F(Measuring, TwoClicksOnPointsSayHowFarApartTheyAre) {
   click(high);
   ASSERT_EQ(ends().size(), 2u);
   EXPECT_EQ(state().view.message, fact("measured"));
-  EXPECT_NE(fact("measured").find("up"), std::string::npos) << fact("measured");
+  EXPECT_TRUE(has(fact("measured"), "up"));
   EXPECT_EQ(state().view.selected.source, -1) << "measuring selects nothing";
   click(low);
   EXPECT_EQ(ends().size(), 1u) << "a third begins anew";
@@ -64,13 +64,13 @@ TEST_F(Measuring, BetweenTreadsIsTheRiseOfTheFlight) {
   const planes::Flight& flight = state().planes()->found.stairs.flights.at(0);
   EXPECT_NEAR(measured.height_m.value(), flight.rise_m, 0.005) << measured.text;
   EXPECT_LT(measured.angle_deg.value(), 2);
-  EXPECT_NE(measured.text.find(" above P"), std::string::npos) << measured.text;
+  EXPECT_TRUE(has(measured.text, " above P"));
 }
 
 TEST_F(Measuring, APlaneByItsNumberAndAPointOfTheScene) {
   play(R"({"do": "measure.end", "with": "plane 1"}, {"do": "measure.end", "with": "voxel 5"})");
   ASSERT_EQ(ends().size(), 2u) << state().view.message;
-  EXPECT_NE(fact("measured").find(" P1: "), std::string::npos) << fact("measured");
+  EXPECT_TRUE(has(fact("measured"), " P1: "));
   play(R"("select.none", {"expect": {"measured": ""}})");
 }
 

@@ -11,13 +11,8 @@ namespace {
 
 struct Methods : OpenDesktop {
   void perform(const std::string& action, const std::string& argument = {}) {
-    shell.perform({action, argument});
-    EXPECT_FALSE(state().view.message_is_error) << state().view.message;
-    settle(shell, stage, {});
-  }
-  std::string message_after(const std::string& action) {
-    perform(action);
-    return state().view.message;
+    run(action, argument);
+    EXPECT_FALSE(state().view.message_is_error) << message();
   }
 };
 
@@ -35,7 +30,8 @@ TEST_F(Methods, ARivalShowsItsPlanesAndHasNoSteps) {
   EXPECT_EQ(state().view.selected.plane, 0);
   perform("select.pixel", "320,400");
   EXPECT_EQ(state().view.selected.node, -1) << "there is no octree";
-  EXPECT_NE(message_after("fix.search").find("method ours"), std::string::npos);
+  perform("fix.search");
+  EXPECT_TRUE(has(message(), "method ours"));
 }
 
 TEST_F(Methods, OursAndARivalAreComparedPlaneByPlane) {
@@ -49,7 +45,7 @@ TEST_F(Methods, OursAndARivalAreComparedPlaneByPlane) {
   EXPECT_FALSE(comparison.planes.empty());
   EXPECT_GT(comparison.compared_sources, 1000u);
   EXPECT_TRUE(comparison.nodes.empty());
-  EXPECT_NE(comparison.divergence.find("ransac"), std::string::npos);
+  EXPECT_TRUE(has(comparison.divergence, "ransac"));
   perform("run.flash");
   EXPECT_EQ(state().run()->steps(), steps) << "A is ours";
   perform("run.flash");
@@ -63,14 +59,14 @@ TEST_F(Methods, OursAndARivalAreComparedPlaneByPlane) {
 TEST_F(Methods, ItsOptionsTakeThePlaceOfOurs) {
   PLANESCOPE_NEEDS_OPEN3D();
   perform("method.choose", "ransac");
-  EXPECT_TRUE(shell.widgets().contains("criteria.ransac_theta_pf_m.slider"));
-  EXPECT_FALSE(shell.widgets().contains("criteria.theta_n_in.slider"));
-  EXPECT_FALSE(shell.widgets().contains("criteria.region_patch_px.slider"));
+  EXPECT_TRUE(shown("criteria.ransac_theta_pf_m.slider"));
+  EXPECT_FALSE(shown("criteria.theta_n_in.slider"));
+  EXPECT_FALSE(shown("criteria.region_patch_px.slider"));
   const std::size_t planes = state().run()->segmentation.planes.size();
   perform("option.set", "ransac_min_points=2000");
   EXPECT_LT(state().run()->segmentation.planes.size(), planes);
   perform("method.choose", "ours");
-  EXPECT_TRUE(shell.widgets().contains("criteria.theta_n_in.slider"));
+  EXPECT_TRUE(shown("criteria.theta_n_in.slider"));
 }
 
 TEST_F(Methods, EveryPanelAndEveryKeyWorksWithARival) {
@@ -103,14 +99,12 @@ TEST(MethodsAtFirst, OursIsClassifiedThoughTheWindowOpenedWithARival) {
   PLANESCOPE_NEEDS_OPEN3D();
   State first = open_state();
   first.document.options.method = planes::Method::ransac;
-  Shell shell{std::move(first), nullptr, [] {}};
-  NoStage stage{shell};
-  settle(shell, stage, {});
-  EXPECT_EQ(shell.state().run()->steps(), 0);
-  shell.perform({"method.choose", "ours"});
-  settle(shell, stage, {});
-  ASSERT_NE(shell.state().run(), nullptr) << shell.state().results.refusal;
-  EXPECT_GT(shell.state().run()->steps(), 0);
+  Desk desk(std::move(first));
+  desk.rest();
+  EXPECT_EQ(desk.state().run()->steps(), 0);
+  desk.perform("method.choose", "ours");
+  ASSERT_NE(desk.state().run(), nullptr) << desk.state().results.refusal;
+  EXPECT_GT(desk.state().run()->steps(), 0);
 }
 
 }  // namespace

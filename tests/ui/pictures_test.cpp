@@ -13,7 +13,6 @@
 #include "cli/program.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/recording.hpp"
-#include "core/lab/synthetic/sample.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 #include "render/palette.hpp"
@@ -53,6 +52,9 @@ struct Window {
     }
     return *this;
   }
+  void play(const std::string& actions) {
+    play_actions(offscreen.shell(), offscreen, scratch_dir(), actions);
+  }
   Image8 picture() { return offscreen.picture(); }
   Image8 panel(const std::string& name) {
     return part_of(picture(), offscreen.shell().widgets().at("panel." + name));
@@ -87,22 +89,15 @@ TEST_F(Pictures, OfTheReadmesTourAreWhatItsCommandsDraw) {
   EXPECT_EQ(pictures, 6);
 }
 
-TEST_F(Pictures, OfTheSameScriptAreTheSame) {
-  const std::vector<Command> there = {{"step.goto", "120"}, {"color.planes", ""}};
-  const Image8 a = Window().after(there).picture();
-  EXPECT_LE(difference(a, Window().after(there).picture()), kSame);
-  EXPECT_GT(difference(a, Window(render::Theme::light).after(there).picture()), 0.3);
-}
-
 TEST_F(Pictures, OfAStepDoNotTellHowItWasReached) {
   Window straight, detour;
-  straight.after({{"step.goto", "120"}, {"color.planes", ""}});
+  straight.after({{"step.goto", "120"}, {"color.planes"}});
   detour.after({{"step.goto", "700"},
-                {"color.labels", ""},
+                {"color.labels"},
                 {"select.node", "3"},
                 {"step.goto", "121"},
-                {"step.previous", ""},
-                {"color.planes", ""}});
+                {"step.previous"},
+                {"color.planes"}});
   // The lists below keep their own place in what is scrolled and unfolded.
   for (const char* panel : {"view3d", "image", "timeline", "inspector"})
     EXPECT_LE(difference(straight.panel(panel), detour.panel(panel)), kSame) << panel;
@@ -113,7 +108,7 @@ TEST_F(Pictures, OfAStepAreNotDrawnAsAWhole) {
   window.after({{"step.goto", "120"}});
   Screen& screen = window.offscreen.screen();
   for (int i = 0; i < 5; ++i) {
-    window.offscreen.shell().perform({"step.next", ""}, true);
+    window.offscreen.shell().perform({"step.next"}, true);
     window.offscreen.draw_frame();
     EXPECT_GT(screen.pixels_drawn(), 0);
     EXPECT_LT(screen.pixels_drawn(), 1280 * 800 / 2);
@@ -128,8 +123,9 @@ TEST_F(Pictures, OfAStepAreNotDrawnAsAWhole) {
   }
 }
 
-TEST_F(Pictures, ShowTheStepInBothViews) {
+TEST_F(Pictures, ShowTheThemeAndInBothViewsTheStep) {
   Window window;
+  EXPECT_GT(difference(window.picture(), Window(render::Theme::light).picture()), 0.3);
   const Image8 scene = window.panel("view3d"), image = window.panel("image");
   window.after({{"step.goto", "3"}});
   EXPECT_GT(difference(scene, window.panel("view3d")), 0.05);
@@ -137,38 +133,22 @@ TEST_F(Pictures, ShowTheStepInBothViews) {
 }
 
 TEST_F(Pictures, ShowTheMapWhateverIsSelected) {
-  const auto walk = scratch_dir() / "walk";
-  lab::SequenceOptions options;
-  options.width = 160;
-  options.height = 120;
-  options.frames = 40;
-  options.color = false;
-  lab::write_sequence(walk, options, 2);
-  State state = open_state(planes::Profile::refined);
-  state.document.recordings[0] = {walk, io::open_recording(walk, {}), walk / "none"};
+  State state = open_walk(scratch_dir() / "walk", {.frames = 40});
   state.view.strip_stopped = true;
   Window window(std::move(state));
-  window.after({{"map.make", ""}, {"frame.show", "4"}});
+  window.after({{"map.make"}, {"frame.show", "4"}});
   const Image8 plain = window.panel("view3d");
-  window.after({{"show.map", ""}});
+  window.after({{"show.map"}});
   EXPECT_GT(difference(plain, window.panel("view3d")), 0.005);
 }
 
 TEST_F(Pictures, TheStripHasTheColorsOfTheReport) {
   const std::filesystem::path dir = scratch_dir(), walk = dir / "walk", out = dir / "report";
-  lab::SequenceOptions options;
-  options.width = 160;
-  options.height = 120;
-  options.frames = 12;
-  options.noise = true;
-  options.color = false;
-  lab::write_sequence(walk, options, 2);
+  State state = open_walk(walk, {.frames = 12});
   const testing_cli::Ran ran =
       testing_cli::run({"report", walk.string(), "--profile", "refined", "--classifier", "pca",
                         "--no-pictures", "-o", out.string()});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  State state = open_state(planes::Profile::refined);
-  state.document.recordings[0] = {walk, io::open_recording(walk, {}), walk / "none"};
   Window window(std::move(state));
   const auto& strip = window.offscreen.shell().state().results.strip;
   const auto report = nlohmann::json::parse(testing_cli::read_text(out / "report.json"));
@@ -190,9 +170,8 @@ TEST_F(Pictures, TheStripHasTheColorsOfTheReport) {
 
 TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {
   Window window;
-  window.after({{"option.set", "profile=refined"},
-                {"option.set", "foot_radius_m=0.08"},
-                {"color.planes", ""}});
+  window.after(
+      {{"option.set", "profile=refined"}, {"option.set", "foot_radius_m=0.08"}, {"color.planes"}});
   const Image8 plain = window.panel("view3d");
   for (const char* layer : {"show.foot", "show.stairs"}) {
     window.after({{layer, ""}});
@@ -201,7 +180,7 @@ TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {
     EXPECT_LT(difference(plain, window.panel("view3d")), 0.005) << layer;  // but for its button
   }
   const Image8 image = window.panel("image");
-  window.after({{"color.steppable", ""}});
+  window.after({{"color.steppable"}});
   EXPECT_GT(difference(plain, window.panel("view3d")), 0.1);
   EXPECT_GT(difference(image, window.panel("image")), 0.1);
 }
@@ -211,9 +190,9 @@ struct Covered {
   double width = 0, height = 0;
 };
 Covered covered(Window& window) {
-  window.after({{"color.planes", ""}});
+  window.after({{"color.planes"}});
   const Image8 with = window.panel("view3d");
-  window.after({{"show.points", ""}, {"show.planes", ""}, {"show.names", ""}});
+  window.after({{"show.points"}, {"show.planes"}, {"show.names"}});
   const Image8 without = window.panel("view3d");
   int left = with.width, right = 0, top = with.height, bottom = 0;
   for (int y = 40; y < with.height; ++y)  // below the buttons
@@ -240,13 +219,13 @@ TEST_F(Pictures, ShowTheFrameAsLargeAsItsRoomAllows) {
 
 TEST_F(Pictures, ShowAnIsolatedPlaneAlone) {
   Window window;
-  window.after({{"color.planes", ""}, {"show.names", ""}, {"select.plane", "1"}});
+  window.after({{"color.planes"}, {"show.names"}, {"select.plane", "1"}});
   const Covered all = covered(window);
-  window.after({{"show.points", ""}, {"isolate", ""}, {"show.points", ""}});
+  window.after({{"show.points"}, {"isolate"}, {"show.points"}});
   const Image8 nothing = window.panel("view3d");
-  window.after({{"show.points", ""}});
+  window.after({{"show.points"}});
   const double alone = difference(nothing, window.panel("view3d"));
-  window.after({{"isolate", ""}});
+  window.after({{"isolate"}});
   EXPECT_GT(alone, 0.001);
   EXPECT_LT(alone, 0.7 * difference(nothing, window.panel("view3d")));
   EXPECT_GT(all.width, 0.3);
@@ -263,17 +242,17 @@ bool same_columns(const Image8& a, const Image8& b, int from, int to) {
 
 TEST_F(Pictures, WipeFromAToB) {
   Window window;
-  window.after({{"color.planes", ""}, {"run.pin", ""}, {"option.set", "profile=refined"}});
+  window.after({{"color.planes"}, {"run.pin"}, {"option.set", "profile=refined"}});
   for (const char* panel : {"view3d", "image"}) {
     const Image8 b = window.panel(panel);
-    const Image8 a = window.after({{"run.flash", ""}}).panel(panel);
+    const Image8 a = window.after({{"run.flash"}}).panel(panel);
     ASSERT_GT(difference(a, b), 0.01);
-    window.after({{"run.flash", ""}, {"run.wiper", ""}});
+    window.after({{"run.flash"}, {"run.wiper"}});
     const Image8 both = window.panel(panel);
     const int middle = both.width / 2;
     EXPECT_TRUE(same_columns(both, a, 8, middle - 12)) << panel;
     EXPECT_TRUE(same_columns(both, b, middle + 12, both.width - 8)) << panel;
-    window.after({{"run.wiper", ""}});
+    window.after({{"run.wiper"}});
   }
 }
 
@@ -287,9 +266,9 @@ std::array<int, 3> on_bar(const Image8& bar, const render::ValueRange& range, do
 TEST_F(Pictures, HaveTheColoursOfTheBarWherePointsMeasureItsValues) {
   for (const render::Theme theme : {render::Theme::dark, render::Theme::light}) {
     Window window(theme);
-    window.after({{"color.depth", ""},
-                  {"show.planes", ""},
-                  {"show.names", ""},
+    window.after({{"color.depth"},
+                  {"show.planes"},
+                  {"show.names"},
                   {"views.show", "image"},
                   {"image.opacity", "1"}});
     const Shell& shell = window.offscreen.shell();
@@ -327,9 +306,9 @@ TEST_F(Pictures, OfColoursAlongAScaleHaveItsBarInWhicheverViewIsShown) {
       window.after({{std::string("color.") + color, ""}, {"views.show", views}});
       EXPECT_TRUE(window.offscreen.shell().widgets().contains("scale.bar")) << color << views;
     }
-  window.after({{"color.planes", ""}});
+  window.after({{"color.planes"}});
   EXPECT_FALSE(window.offscreen.shell().widgets().contains("scale.bar"));
-  window.after({{"option.set", "gravity=none"}, {"color.height", ""}});
+  window.after({{"option.set", "gravity=none"}, {"color.height"}});
   EXPECT_FALSE(window.offscreen.shell().widgets().contains("scale.bar"));
   EXPECT_TRUE(window.offscreen.shell().widgets().contains("scale.absent"));
 }
@@ -338,32 +317,32 @@ TEST_F(Pictures, OfTheWindowAreSavedAsTheyAreShown) {
   const std::filesystem::path dir = scratch_dir(), saved = dir / "a.png";
   Window window;
   window.offscreen.shell().tell("", false);
-  const Image8 shown = window.after({{"color.height", ""}, {"step.goto", "90"}}).picture();
+  const Image8 shown = window.after({{"color.height"}, {"step.goto", "90"}}).picture();
   window.after({{"picture.save", saved.string()}});
   EXPECT_EQ(window.offscreen.shell().state().view.message, "picture written to " + saved.string());
   EXPECT_LE(difference(shown, io::read_png_rgb(saved)), kSame);
   EXPECT_THROW(window.after({{"picture.save", "a.jpg"}}), Error);
   window.after({{"picture.save", (dir / "none" / "a.png").string()}});
   EXPECT_TRUE(window.offscreen.shell().state().view.message_is_error);
-  EXPECT_NE(window.offscreen.shell().state().view.message.find("none"), std::string::npos);
+  EXPECT_TRUE(has(window.offscreen.shell().state().view.message, "none"));
 }
 
 TEST_F(Pictures, OfSmallerPointsLeaveMoreOfTheGroundFree) {
   Window window;
-  window.after({{"show.planes", ""}, {"show.names", ""}, {"show.points", ""}});
+  window.after({{"show.planes"}, {"show.names"}, {"show.points"}});
   const Image8 ground = window.panel("view3d");
-  window.after({{"show.points", ""}});
+  window.after({{"show.points"}});
   const double covered = difference(ground, window.panel("view3d"));
   double before = covered;
   for (int i = 0; i < 3; ++i) {
-    const double less = difference(
-        ground, window.after({{"points.smaller", ""}, {"points.smaller", ""}}).panel("view3d"));
+    const double less =
+        difference(ground, window.after({{"points.smaller"}, {"points.smaller"}}).panel("view3d"));
     EXPECT_LT(less, before - 0.005);
     before = less;
   }
-  for (int i = 0; i < 6; ++i) window.after({{"points.larger", ""}});
+  for (int i = 0; i < 6; ++i) window.after({{"points.larger"}});
   EXPECT_NEAR(difference(ground, window.panel("view3d")), covered, 0.001);
-  for (int i = 0; i < 40; ++i) window.after({{"points.larger", ""}});
+  for (int i = 0; i < 40; ++i) window.after({{"points.larger"}});
   EXPECT_EQ(window.offscreen.shell().state().view.point_size, kMostPointSize);
 }
 
@@ -371,12 +350,12 @@ TEST_F(Pictures, OfAFrameAtFirstHaveNoBoxesNoQueueAndNothingThatStandsOut) {
   for (const render::Theme theme : {render::Theme::dark, render::Theme::light}) {
     Window window(theme);
     const Image8 first = window.panel("view3d"), image = window.panel("image");
-    window.after({{"show.settled", ""}});
+    window.after({{"show.settled"}});
     EXPECT_GT(difference(first, window.panel("view3d")), 0.02)
         << "boxes are seen where switched on";
-    window.after({{"show.settled", ""}, {"step.goto", "100"}});
+    window.after({{"show.settled"}, {"step.goto", "100"}});
     EXPECT_GT(difference(first, window.panel("view3d")), 0.02) << "so is what a step is about";
-    window.after({{"step.last", ""}, {"select.none", ""}});
+    window.after({{"step.last"}, {"select.none"}});
     EXPECT_LE(difference(first, window.panel("view3d")), kSame);
     EXPECT_LE(difference(image, window.panel("image")), kSame);
   }
@@ -426,28 +405,20 @@ TEST_F(Pictures, OfStepsThatAreGivenUpLeaveNoFile) {
 
 TEST_F(Pictures, OfAScriptMayShowAPanelAlone) {
   Window window;
-  const std::filesystem::path path = scratch_dir() / "script.json", drawn = scratch_dir() / "a.png";
-  std::ofstream(path) << R"({"actions": [{"screenshot": ")" << drawn.string()
-                      << R"(", "of": "panel.view3d"}]})";
-  Script::read(path).play(window.offscreen.shell(), window.offscreen, {});
+  const std::filesystem::path drawn = scratch_dir() / "a.png";
+  window.play(fmt::format(R"({{"screenshot": "{}", "of": "panel.view3d"}})", drawn.string()));
   EXPECT_LE(difference(window.panel("view3d"), io::read_png_rgb(drawn)), kSame);
-  std::ofstream(path) << R"({"actions": [{"screenshot": "b.png", "of": "panel.view3"}]})";
-  EXPECT_THROW(Script::read(path).play(window.offscreen.shell(), window.offscreen, {}), Error);
+  EXPECT_THROW(window.play(R"({"screenshot": "b.png", "of": "panel.view3"})"), Error);
 }
 
 TEST_F(Pictures, AClickInTheSceneSelectsWhatIsThere) {
-  State state = open_state();
-  Offscreen offscreen(std::move(state), 1280, 800, 1);
-  settle(offscreen.shell(), offscreen, {});
-  const std::filesystem::path path = scratch_dir() / "script.json";
-  std::ofstream(path) << R"({"actions": [{"click": "view3d", "at": [0.5, 0.6]}]})";
-  Script::read(path).play(offscreen.shell(), offscreen, {});
-  const Selection selected = offscreen.shell().state().view.selected;
+  Window window;
+  const Selection& selected = window.offscreen.shell().state().view.selected;
+  window.play(R"({"click": "view3d", "at": [0.5, 0.6]})");
   EXPECT_GE(selected.voxel, 0);
   EXPECT_GE(selected.node, 0);
-  std::ofstream(path) << R"({"actions": [{"click": "view3d", "at": [0.99, 0.02]}]})";
-  Script::read(path).play(offscreen.shell(), offscreen, {});
-  EXPECT_EQ(offscreen.shell().state().view.selected.voxel, -1);
+  window.play(R"({"click": "view3d", "at": [0.99, 0.02]})");
+  EXPECT_EQ(selected.voxel, -1);
 }
 
 }  // namespace

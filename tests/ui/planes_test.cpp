@@ -21,9 +21,7 @@ struct Planes : RefinedDesktop {
   std::int32_t largest(Label label) const {
     const debug::Run& run = *state().run();
     for (const planes::PlaneRegion& plane : run.segmentation.planes)
-      if (plane.label == label)
-        for (std::int32_t p = 0; p < run.timeline.plane_count(); ++p)
-          if (run.timeline.result_of_plane(p) == plane.id) return p;
+      if (plane.label == label) return run.timeline.plane_of_number(plane.id);
     return -1;
   }
   std::string value_of(std::int32_t plane, const std::string& name) const {
@@ -82,7 +80,7 @@ TEST_F(Planes, LayersAreSwitchedByKeyMenuAndButtonAndRemembered) {
       R"({"key": "Shift+F"}, {"click": "view3d.more"}, {"click": "more.show.stairs"}, {"key": "7"})");
   EXPECT_TRUE(look_of(state()).show_foot);
   EXPECT_TRUE(look_of(state()).show_stairs);
-  const std::filesystem::path path = scratch_dir() / "s.json";
+  const std::filesystem::path path = dir / "s.json";
   save_session(state(), path);
   State other;
   open_session(other, path.string());
@@ -96,15 +94,15 @@ TEST_F(Planes, LayersAreSwitchedByKeyMenuAndButtonAndRemembered) {
 TEST_F(Planes, OptionsOfAFootAndOfStairsAreInThePanel) {
   play(R"({"do": "tab.tool", "with": "criteria"},
           {"do": "option.show", "with": "foot_radius_m"})");
-  EXPECT_TRUE(shell.widgets().contains("criteria.section.foot"));
-  EXPECT_TRUE(shell.widgets().contains("criteria.section.stairs"));
-  EXPECT_TRUE(shell.widgets().contains("criteria.foot_radius_m.slider"));
-  EXPECT_FALSE(shell.widgets().contains("criteria.foot_max_rough_m")) << "no foot, no limits";
+  EXPECT_TRUE(shown("criteria.section.foot"));
+  EXPECT_TRUE(shown("criteria.section.stairs"));
+  EXPECT_TRUE(shown("criteria.foot_radius_m.slider"));
+  EXPECT_FALSE(shown("criteria.foot_max_rough_m")) << "no foot, no limits";
   play(R"({"click": "criteria.foot_radius_m.slider", "at": [0.6, 0.5]})");
   const double radius_m = state().document.options.foot.radius_m;
   EXPECT_GT(radius_m, 0.03);
   EXPECT_LT(radius_m, 0.3) << "as wide as feet are";
-  EXPECT_TRUE(shell.widgets().contains("criteria.foot_max_rough_m"));
+  EXPECT_TRUE(shown("criteria.foot_max_rough_m"));
 }
 
 TEST_F(Planes, TellWhyTheyCarryNoFoot) {
@@ -113,11 +111,11 @@ TEST_F(Planes, TellWhyTheyCarryNoFoot) {
   give_foot();
   EXPECT_EQ(verdict_text(state(), floor), "steppable");
   EXPECT_EQ(verdict_text(state(), wall).find("not steppable: upright, v"), 0u);
-  EXPECT_NE(describe_plane(state(), wall).find("\nnot steppable: upright"), std::string::npos);
+  EXPECT_TRUE(has(describe_plane(state(), wall), "\nnot steppable: upright"));
   play(R"({"do": "option.set", "with": "foot_max_rough_m=0.0001"})");
   const std::string rough = verdict_text(state(), floor);
   EXPECT_EQ(rough.find("not steppable: "), 0u) << rough;
-  EXPECT_NE(rough.find("mm rough, limit 0.1"), std::string::npos) << rough;
+  EXPECT_TRUE(has(rough, "mm rough, limit 0.1"));
 }
 
 TEST_F(Planes, AVoxelTellsItsPlanesVerdictWhereThatIsAsked) {
@@ -126,36 +124,37 @@ TEST_F(Planes, AVoxelTellsItsPlanesVerdictWhereThatIsAsked) {
   const int wall = state().run()->timeline.result_of_plane(largest(Label::v));
   const auto voxel =
       static_cast<std::int32_t>(std::ranges::find(plane_of, wall) - plane_of.begin());
-  EXPECT_EQ(describe_voxel(state(), voxel).find("steppable"), std::string::npos);
+  EXPECT_FALSE(has(describe_voxel(state(), voxel), "steppable"));
   play(R"("color.steppable")");
-  EXPECT_NE(describe_voxel(state(), voxel).find("not steppable: upright"), std::string::npos);
+  EXPECT_TRUE(has(describe_voxel(state(), voxel), "not steppable: upright"));
 }
 
 TEST_F(Planes, TheInspectorHasWhatAFinishedPlaneIsWorth) {
   give_foot();
   const std::int32_t floor = largest(Label::h);
   play(R"({"do": "select.plane", "with": ")" + debug::plane_name(*state().run(), floor) + "\"}");
-  EXPECT_TRUE(shell.widgets().contains("inspector.verdict"));
-  EXPECT_NE(value_of(floor, "area").find("m²"), std::string::npos);
-  EXPECT_NE(value_of(floor, "slope").find("°"), std::string::npos);
-  EXPECT_NE(value_of(floor, "rough").find("mm, steps of"), std::string::npos);
-  EXPECT_NE(value_of(floor, "support").find("%"), std::string::npos);
-  EXPECT_NE(value_of(floor, "uncertainty").find("offset"), std::string::npos);
-  EXPECT_NE(value_of(floor, "clearance").find("mm"), std::string::npos);
+  EXPECT_TRUE(shown("inspector.verdict"));
+  for (const auto& [name, part] : {std::pair{"area", "m²"},
+                                   {"slope", "°"},
+                                   {"rough", "mm, steps of"},
+                                   {"support", "%"},
+                                   {"uncertainty", "offset"},
+                                   {"clearance", "mm"},
+                                   {"foot space", "convex piece"}})
+    EXPECT_TRUE(has(value_of(floor, name), part)) << name;
   EXPECT_EQ(value_of(floor, "height"), "0 mm") << "it is the floor";
-  EXPECT_NE(value_of(floor, "foot space").find("convex piece"), std::string::npos);
   play(R"("step.first")");
   EXPECT_TRUE(plane_lines(state(), floor).empty()) << "nothing of the future";
 }
 
 TEST_F(Planes, AFlightIsListedWithItsStepsAndLeadsToItsPlanes) {
   play(R"({"click": "tab.stairs"})");
-  EXPECT_TRUE(shell.widgets().contains("stairs.0"));
+  EXPECT_TRUE(shown("stairs.0"));
   const StairsEntry flight = stairs_entries(state()).at(0);
   EXPECT_EQ(flight.title.find("4 steps up, rise 15"), 0u) << flight.title;
-  EXPECT_NE(flight.lines.at(0).find(" mm wide, from P"), std::string::npos) << flight.lines[0];
+  EXPECT_TRUE(has(flight.lines.at(0), " mm wide, from P")) << flight.lines[0];
   EXPECT_EQ(flight.lines.at(1).find("step 1: rise 15"), 0u) << flight.lines[1];
-  EXPECT_NE(flight.lines.at(2).find("mm, going 2"), std::string::npos) << flight.lines[2];
+  EXPECT_TRUE(has(flight.lines.at(2), "mm, going 2")) << flight.lines[2];
   const std::string tread = debug::plane_name(*state().run(), flight.planes.at(1));
   play(R"({"click": "stairs.0.)" + tread + "\"}");
   EXPECT_EQ(state().view.selected.plane, flight.planes[1]);
@@ -166,9 +165,8 @@ TEST_F(Planes, ALevelThatNoStepLeadsUpToSaysWhy) {
   std::size_t told = 0;
   for (std::int32_t p = 0; p < state().run()->timeline.plane_count(); ++p)
     for (const std::string& text : no_steps_of(state(), p)) {
-      EXPECT_NE(text.find("no step: "), std::string::npos) << text;
-      EXPECT_NE(text.find(debug::plane_name(*state().run(), p)), std::string::npos)
-          << "by the window's names";
+      EXPECT_TRUE(has(text, "no step: "));
+      EXPECT_TRUE(has(text, debug::plane_name(*state().run(), p))) << "by the window's names";
       ++told;
     }
   EXPECT_GT(told, 0u);
@@ -224,12 +222,12 @@ TEST_F(Planes, StandInATableThatIsSortedFilteredAndLinkedWithTheScene) {
 TEST(PlaneTable, MarksUndecidedPlanesBesideTheirMargin) {
   PlaneRow row;
   row.margin = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(cells_of(row).back(), "–");
+  EXPECT_EQ(plane_columns().back().text(row), "–");
   row.margin = 0.75;
-  EXPECT_EQ(cells_of(row).back(), "0.75");
+  EXPECT_EQ(plane_columns().back().text(row), "0.75");
   row.margin = 0.03;
   row.undecided = true;
-  EXPECT_EQ(cells_of(row).back(), "0.03 ~");
+  EXPECT_EQ(plane_columns().back().text(row), "0.03 ~");
   EXPECT_TRUE(planes_csv({row}).ends_with(",0.03,true\n"));
 }
 
@@ -241,10 +239,8 @@ TEST_F(Planes, AreCopiedAsCsvInTheOrderOfTheTable) {
   EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(csv, '\n')),
             state().run()->segmentation.planes.size() + 1);
   const PlaneRow largest = plane_rows(state()).front();
-  EXPECT_NE(csv.find(fmt::format("\n{},{},{},", largest.id, to_string(largest.label, ""),
-                                 largest.area_m2)),
-            std::string::npos)
-      << csv;
+  EXPECT_TRUE(has(
+      csv, fmt::format("\n{},{},{},", largest.id, to_string(largest.label, ""), largest.area_m2)));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 struct Scene : RefinedDesktop {
   void run(const std::string& action, const std::string& argument = {}) {
     shell.perform({action, argument}, true);
-    settle(shell, stage, {}, false);
+    rest(/*background=*/false);
   }
   render::Camera camera() const { return camera_of(state()); }
   std::string facts(const std::string& name) const {
@@ -195,13 +195,12 @@ TEST(Cloud, GivesTheSceneAllOfTheRoom) {
   file.close();
   State opened = open_state(planes::Profile::refined);
   opened.document.recordings[0] = {path, io::open_recording(path, {}), dir / "labels"};
-  Shell shell(std::move(opened), nullptr, [] {});
-  NoStage stage(shell);
-  settle(shell, stage, {}, false);
-  ASSERT_TRUE(shell.state().run()) << shell.state().results.refusal;
-  EXPECT_FALSE(shell.widgets().contains("panel.image"));
-  const WidgetRect scene = shell.widgets().at("panel.view3d");
-  const WidgetRect below = shell.widgets().at("panel.timeline");
+  Desk desk(std::move(opened));
+  desk.rest(/*background=*/false);
+  ASSERT_TRUE(desk.state().run()) << desk.state().results.refusal;
+  EXPECT_FALSE(desk.shown("panel.image"));
+  const WidgetRect scene = desk.shell.widgets().at("panel.view3d");
+  const WidgetRect below = desk.shell.widgets().at("panel.timeline");
   EXPECT_EQ(scene.max.x - scene.min.x, below.max.x - below.min.x);
 }
 
@@ -302,7 +301,7 @@ TEST_F(Scene, IsolatedIsForThisSessionAlone) {
   play(R"({"key": "Z"})");
   EXPECT_TRUE(look_of(state()).isolated);
   EXPECT_EQ(facts("isolated"), "true");
-  const std::filesystem::path path = scratch_dir() / "session.json";
+  const std::filesystem::path path = dir / "session.json";
   run("session.save", path.string());
   run("isolate");
   run("session.open", path.string());
@@ -349,14 +348,14 @@ struct Compared : Scene {
   }
 };
 
-TEST_F(Compared, PlanesThatMatchShareTheirColour) {
+TEST_F(Compared, PlanesThatMatchShareTheirColourAndNothingIsSelected) {
+  EXPECT_EQ(state().view.selected.node, -1);
+  EXPECT_EQ(state().view.selected.plane, -1);
   const std::vector<int> colors = colors_of_planes(state(), *state().results.current);
   const debug::Run &a = *state().results.pinned->run, &b = *state().results.current->run;
   ASSERT_EQ(colors.size(), static_cast<std::size_t>(b.timeline.plane_count()));
   const auto plane_of = [](const debug::Run& of, int id) {
-    std::int32_t plane = 0;
-    while (of.timeline.result_of_plane(plane) != id) ++plane;
-    return plane;
+    return of.timeline.plane_of_number(id);
   };
   const std::vector<int> colors_a = colors_of_planes(state(), *state().results.pinned);
   int matched = 0;
@@ -419,18 +418,11 @@ TEST_F(Compared, TheOtherRunIsShownAtTheSamePlace) {
   for (const debug::PlanePair& pair : state().results.comparison->planes) {
     if (pair.a == 0 || pair.b == 0) continue;
     run("step.last");
-    std::int32_t plane = 0;
-    while (state().run()->timeline.result_of_plane(plane) != pair.b) ++plane;
-    run("select.plane", debug::plane_name(*state().run(), plane));
+    run("select.plane", fmt::format("P{}", pair.b));
     const std::int32_t there = other_look_of(state()).plane;
     ASSERT_GE(there, 0);
     EXPECT_EQ(state().results.pinned->run->timeline.result_of_plane(there), pair.a);
   }
-}
-
-TEST_F(Compared, ARunOfOthersOptionsSelectsNothing) {
-  EXPECT_EQ(state().view.selected.node, -1);
-  EXPECT_EQ(state().view.selected.plane, -1);
 }
 
 }  // namespace

@@ -38,12 +38,12 @@ TEST(Session, BringsBackTheViewOnAnotherMachine) {
   state.document.recordings[0].path = dir / "here" / "sample";
   apply(state, {"option.set", "theta_n_out=7"});
   apply(state, {"filter.set", "case==III"});
-  apply(state, {"filter.next", ""});
+  apply(state, {"filter.next"});
   apply(state, {"break.on", "merge && offset>0.02"});
   apply(state, {"camera.set", "1,2,3,0,0,0"});
   apply(state, {"bookmark.add", "lost tread"});
   apply(state, {"bookmark.note", "0 why here"});
-  apply(state, {"color.depth", ""});
+  apply(state, {"color.depth"});
   apply(state, {"color.range", "0.5,1.25"});
   save_session(state, dir / "here" / "s.json");
 
@@ -65,18 +65,17 @@ TEST(Session, BringsBackTheViewOnAnotherMachine) {
   State at_bookmark;
   open_session(at_bookmark, (dir / "there" / "s.json").string() + "#lost tread");
   EXPECT_EQ(at_bookmark.view.arrival->name, "lost tread");
-  EXPECT_NE(refusal(run_state(), (dir / "there" / "s.json").string() + "#none").find("none"),
-            std::string::npos);
+  EXPECT_TRUE(has(refusal(run_state(), (dir / "there" / "s.json").string() + "#none"), "none"));
 }
 
 TEST(Session, KeepsProjectionAndFromWhereAllIsLookedAt) {
   const fs::path dir = scratch_dir();
   State state = run_state();
-  apply(state, {"camera.orthographic", ""});
-  apply(state, {"camera.top", ""});
+  apply(state, {"camera.orthographic"});
+  apply(state, {"camera.top"});
   apply(state, {"bookmark.add", "from above"});
   apply(state, {"camera.set", "1,2,3,0,0,0"});
-  apply(state, {"camera.orthographic", ""});
+  apply(state, {"camera.orthographic"});
   save_session(state, dir / "s.json");
   const auto opened = [&](const std::string& place) {
     State other;
@@ -101,15 +100,14 @@ TEST(Session, SelectsThePlaneThatWasSelected) {
   std::int32_t place = 0;  // of a plane whose number does not follow from that
   while (timeline.number_of_plane(place) == place + 1) ++place;
   const std::int32_t number = timeline.number_of_plane(place);
-  apply(state, {"step.last", ""});
+  apply(state, {"step.last"});
   apply(state, {"select.plane", fmt::format("P{}", number)});
   save_session(state, dir / "s.json");
-  EXPECT_NE(text_of(dir / "s.json").find(fmt::format("\"plane\": {},", number)), std::string::npos);
-  Shell shell(std::move(state), nullptr, [] {});
-  NoStage stage(shell);
-  shell.perform({"session.open", (dir / "s.json").string()}, true);
-  settle(shell, stage, {}, /*background=*/false);
-  const State& now = shell.state();
+  EXPECT_TRUE(has(text_of(dir / "s.json"), fmt::format("\"plane\": {},", number)));
+  Desk desk(std::move(state));
+  desk.shell.perform({"session.open", (dir / "s.json").string()}, true);
+  desk.rest(/*background=*/false);
+  const State& now = desk.state();
   ASSERT_TRUE(now.run());
   ASSERT_GE(now.view.selected.plane, 0);
   EXPECT_EQ(now.run()->timeline.number_of_plane(now.view.selected.plane), number);
@@ -123,8 +121,8 @@ TEST(Session, ThatIsDamagedIsRefusedInOneLineAndChangesNothing) {
   const auto bad = [&](const std::string& text) {
     write(dir / "bad.json", text);
     const std::string message = refusal(state, (dir / "bad.json").string());
-    EXPECT_NE(message.find("bad.json"), std::string::npos) << message;
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_TRUE(has(message, "bad.json"));
+    EXPECT_FALSE(has(message, "\n"));
   };
   bad("");
   bad("{");
@@ -167,22 +165,20 @@ TEST(Session, WithPlacesThatDoNotExistLeadsToWhereOneIs) {
   state.view.step = 1 << 30;
   state.view.selected = {.node = 1 << 30, .plane = -7, .voxel = 1 << 30};
   save_session(state, dir / "s.json");
-  EXPECT_NE(refusal(run_state(), (dir / "s.json").string() + "#far").find("77"), std::string::npos);
+  EXPECT_TRUE(has(refusal(run_state(), (dir / "s.json").string() + "#far"), "77"));
   State flashing = run_state();
-  apply(flashing, {"run.pin", ""});
-  apply(flashing, {"run.flash", ""});
-  Shell shell(std::move(flashing), nullptr, [] {});
-  NoStage stage(shell);
-  shell.perform({"session.open", (dir / "s.json").string()}, true);
-  settle(shell, stage, {});
-  ASSERT_TRUE(shell.state().run()) << shell.state().results.refusal;
-  EXPECT_FALSE(shell.state().view.flash);
-  EXPECT_EQ(shell.state().view.step, shell.state().run()->steps());
-  EXPECT_EQ(shell.state().view.selected.node, -1);
-  EXPECT_TRUE(shell.state().document.marked.empty());
-  shell.perform({"fix.search", ""}, true);
-  EXPECT_FALSE(shell.state().results.fix.running);
-  shell.perform({"run.back", ""}, true);
+  apply(flashing, {"run.pin"});
+  apply(flashing, {"run.flash"});
+  Desk desk(std::move(flashing));
+  desk.run("session.open", (dir / "s.json").string());
+  ASSERT_TRUE(desk.state().run()) << desk.state().results.refusal;
+  EXPECT_FALSE(desk.state().view.flash);
+  EXPECT_EQ(desk.state().view.step, desk.state().run()->steps());
+  EXPECT_EQ(desk.state().view.selected.node, -1);
+  EXPECT_TRUE(desk.state().document.marked.empty());
+  desk.shell.perform({"fix.search"}, true);
+  EXPECT_FALSE(desk.state().results.fix.running);
+  desk.shell.perform({"run.back"}, true);
 }
 
 TEST(Session, OfAnotherRecordingIsRefused) {
@@ -193,11 +189,11 @@ TEST(Session, OfAnotherRecordingIsRefused) {
   const std::size_t at = text.find("frame_sha256\": \"") + 16;
   text[at] = text[at] == '0' ? '1' : '0';
   write(dir / "s.json", text);
-  EXPECT_NE(refusal(state, (dir / "s.json").string()).find("another recording"), std::string::npos);
+  EXPECT_TRUE(has(refusal(state, (dir / "s.json").string()), "another recording"));
   const std::size_t path = text.find("\"path\": \"") + 9;
   text.replace(path, text.find('"', path) - path, "nowhere/at/all");
   write(dir / "s.json", text);
-  EXPECT_NE(refusal(state, (dir / "s.json").string()).find("nowhere/at/all"), std::string::npos);
+  EXPECT_TRUE(has(refusal(state, (dir / "s.json").string()), "nowhere/at/all"));
 }
 
 TEST(Session, ThatCannotBeWrittenLosesNothing) {

@@ -33,36 +33,32 @@ State opened(const Folder& folder) {
   return state;
 }
 
-struct UnknownCamera : testing::Test {
-  Folder folder;
-  Shell shell{opened(folder), nullptr, [] {}};
-  NoStage stage{shell};
-  void SetUp() override { settle(shell, stage, {}); }
-  const State& state() const { return shell.state(); }
-  bool shows(const std::string& widget) const { return shell.widgets().contains(widget); }
-  void play(const std::string& actions) { play_actions(shell, stage, folder.dir, actions); }
+struct UnknownCamera : testing::Test, Folder, Desk {
+  UnknownCamera() : Desk(opened(*this)) {}
+  void SetUp() override { rest(); }
+  void play(const std::string& actions) { play_actions(shell, stage, dir, actions); }
   io::RecordingInfo info() const { return state().document.current()->recording->info(); }
 };
 
 TEST_F(UnknownCamera, IsAskedForAndTheFrameRunsOnceItIsKnown) {
   EXPECT_FALSE(state().run());
-  EXPECT_TRUE(shows("setup.fx"));
+  EXPECT_TRUE(shown("setup.fx"));
   EXPECT_EQ(state().results.strip.at(0).refusal, "") << "the strip shows the picture";
   play(R"({"click": "setup.choice.0"}, {"frames": 2}, {"click": "setup.apply"})");
   ASSERT_TRUE(state().run()) << state().results.refusal << state().view.message;
   EXPECT_EQ(state().run()->subject->frame.intrinsics.fx, 384);
-  EXPECT_FALSE(shows("setup.fx"));
+  EXPECT_FALSE(shown("setup.fx"));
   EXPECT_GT(state().run()->segmentation.planes.size(), 0u);
-  EXPECT_FALSE(fs::exists(folder.beside)) << "nobody asked to remember them";
+  EXPECT_FALSE(fs::exists(beside)) << "nobody asked to remember them";
 }
 
 TEST_F(UnknownCamera, IsRememberedBesideTheRecordingForEveryCommand) {
   play(R"({"click": "setup.choice.1"}, {"frames": 2}, {"click": "setup.remember"},
           {"click": "setup.apply"})");
   ASSERT_TRUE(state().run());
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()), 1)
+  EXPECT_EQ(std::distance(fs::directory_iterator(path), fs::directory_iterator()), 1)
       << "nothing is written into the recording";
-  const auto again = io::open_recording(folder.path);
+  const auto again = io::open_recording(path);
   EXPECT_EQ(again->info().intrinsics.fx, 615);
   EXPECT_EQ(again->info().intrinsics_source, "walk.planescope.json");
 }
@@ -72,13 +68,12 @@ TEST_F(UnknownCamera, TypedNumbersAreTakenAndBadOnesAreNot) {
   EXPECT_FALSE(state().run());
   play(R"({"click": "setup.apply"})");
   EXPECT_FALSE(state().run()) << "the button waits for four numbers";
-  EXPECT_TRUE(shows("setup.wrong"));
+  EXPECT_TRUE(shown("setup.wrong"));
   EXPECT_THROW(shell.perform({"intrinsics.set", "400,400,3000,240"}, true), Error)
       << "far outside the image";
   EXPECT_THROW(shell.perform({"intrinsics.set", "400,400,320"}, true), Error);
   EXPECT_THROW(shell.perform({"intrinsics.set", "0,400,320,240"}, true), Error);
-  shell.perform({"intrinsics.set", "400,400,320,240 0.002"}, true);
-  settle(shell, stage, {});
+  run("intrinsics.set", "400,400,320,240 0.002");
   ASSERT_TRUE(state().run());
   EXPECT_EQ(info().depth_unit_m, 0.002);
 }
@@ -163,7 +158,7 @@ TEST_F(Assumptions, AShortRangeIsNamedAndOneClickWidensIt) {
   play(R"("option.set max_range_m=0.7")");
   const Assumption* range = with_action("option.set");
   ASSERT_TRUE(range);
-  EXPECT_NE(range->text.find("beyond 0.7 m"), std::string::npos) << range->text;
+  EXPECT_TRUE(has(range->text, "beyond 0.7 m"));
   ASSERT_TRUE(shown("assumption.0"));
   play(R"({"click": "assumption.0"})");
   EXPECT_EQ(state().document.options.cloud.max_range_m, 4);

@@ -14,24 +14,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-State state_of(const fs::path& path) {
-  State state = open_state();
+State state_of(const fs::path& path, planes::Profile profile = planes::Profile::paper) {
+  State state = open_state(profile);
   state.document.recordings = {
       {path, io::open_recording(path, {}), labels::default_label_dir(path)}};
   return state;
 }
 
 /// Every panel once, with the cursor at both ends and in the middle.
-void look_around(Shell& shell) {
-  NoStage stage(shell);
-  settle(shell, stage, {});
+void look_around(Desk& desk) {
+  desk.rest();
   for (const char* tab : {"inspector", "point", "bookmarks"})
     for (const char* tool : {"criteria", "histograms", "compare", "fix"})
       for (const char* step : {"step.first", "step.next", "step.last"}) {
-        shell.perform({"tab.inspector", tab});
-        shell.perform({"tab.tool", tool});
-        shell.perform({step, ""});
-        settle(shell, stage, {});
+        desk.shell.perform({"tab.inspector", tab});
+        desk.shell.perform({"tab.tool", tool});
+        desk.shell.perform({step, ""});
+        desk.rest();
       }
 }
 
@@ -47,36 +46,33 @@ fs::path depth_folder(const fs::path& dir, std::uint16_t value) {
 }
 
 TEST(Survival, AFrameWithNoValidDepthShowsItself) {
-  Shell shell(state_of(depth_folder(scratch_dir(), 0)), nullptr, [] {});
-  look_around(shell);
-  ASSERT_TRUE(shell.state().run() || !shell.state().results.refusal.empty());
-  if (shell.state().run()) {
-    EXPECT_EQ(shell.state().run()->subject->voxel_count(), 0u);
+  Desk desk(state_of(depth_folder(scratch_dir(), 0)));
+  look_around(desk);
+  ASSERT_TRUE(desk.state().run() || !desk.state().results.refusal.empty());
+  if (desk.state().run()) {
+    EXPECT_EQ(desk.state().run()->subject->voxel_count(), 0u);
   }
 }
 
 TEST(Survival, AFrameWithoutPlanesShowsItself) {
   State state = state_of(depth_folder(scratch_dir(), 1200));
   apply(state, {"option.set", "theta_n_in=100000"});
-  Shell shell(std::move(state), nullptr, [] {});
-  look_around(shell);
-  ASSERT_TRUE(shell.state().run());
-  EXPECT_EQ(shell.state().run()->segmentation.planes.size(), 0u);
+  Desk desk(std::move(state));
+  look_around(desk);
+  ASSERT_TRUE(desk.state().run());
+  EXPECT_EQ(desk.state().run()->segmentation.planes.size(), 0u);
 }
 
 TEST(Survival, ARecordingThatDisappearsIsSaidSo) {
   const fs::path dir = scratch_dir() / "gone";
   fs::copy(sample_path(), dir, fs::copy_options::recursive);
-  Shell shell(state_of(dir), nullptr, [] {});
-  NoStage stage(shell);
-  settle(shell, stage, {});
-  ASSERT_TRUE(shell.state().run());
+  Desk desk(state_of(dir));
+  desk.rest();
+  ASSERT_TRUE(desk.state().run());
   fs::remove_all(dir);
-  shell.perform({"frame.next", ""});
-  settle(shell, stage, {});
-  EXPECT_NE(shell.state().results.refusal.find("gone"), std::string::npos)
-      << shell.state().results.refusal;
-  look_around(shell);
+  desk.perform("frame.next");
+  EXPECT_TRUE(has(desk.state().results.refusal, "gone"));
+  look_around(desk);
 }
 
 TEST(Survival, ClosingWhileAJobRunsWaitsForNothing) {
@@ -99,12 +95,11 @@ TEST(Survival, TwoHundredThousandPointsInOneVoxelCubeOnATwoMillimetreGrid) {
   io::write_ply(path, set);
   State state = state_of(path);
   apply(state, {"option.set", "voxel_size_m=0.002"});
-  Shell shell(std::move(state), nullptr, [] {});
-  NoStage stage(shell);
-  settle(shell, stage, {});
-  ASSERT_TRUE(shell.state().run()) << shell.state().results.refusal;
-  EXPECT_LE(shell.state().run()->subject->voxel_count(), 1331u);
-  look_around(shell);
+  Desk desk(std::move(state));
+  desk.rest();
+  ASSERT_TRUE(desk.state().run()) << desk.state().results.refusal;
+  EXPECT_LE(desk.state().run()->subject->voxel_count(), 1331u);
+  look_around(desk);
 }
 
 TEST(Survival, ALongRecordingShowsItsFrameAtOnceAndItsStripCanBeStopped) {
@@ -112,37 +107,34 @@ TEST(Survival, ALongRecordingShowsItsFrameAtOnceAndItsStripCanBeStopped) {
   for (int i = 1; i < 300; ++i)
     fs::copy_file(dir / "depth" / "000000.png",
                   dir / "depth" / (std::to_string(1000000 + i).substr(1) + ".png"));
-  Shell shell(state_of(dir), nullptr, [] {});
-  NoStage stage(shell);
-  const int frames = static_cast<int>(shell.state().document.current()->recording->frame_count());
+  Desk desk(state_of(dir));
+  const int frames = static_cast<int>(desk.state().document.current()->recording->frame_count());
   ASSERT_EQ(frames, 300);
-  while (!shell.state().run() && shell.state().results.refusal.empty()) stage.draw_frame();
-  EXPECT_LT(shell.state().results.strip_done, frames);
-  while (shell.state().results.strip_done < 3) stage.draw_frame();  // it fills by itself
-  shell.perform({"strip.cancel", ""});
-  settle(shell, stage, {});
-  EXPECT_LT(shell.state().results.strip_done, frames);
-  EXPECT_TRUE(shell.state().results.strip[0].ready);
+  while (!desk.state().run() && desk.state().results.refusal.empty()) desk.stage.draw_frame();
+  EXPECT_LT(desk.state().results.strip_done, frames);
+  while (desk.state().results.strip_done < 3) desk.stage.draw_frame();  // it fills by itself
+  desk.perform("strip.cancel");
+  EXPECT_LT(desk.state().results.strip_done, frames);
+  EXPECT_TRUE(desk.state().results.strip[0].ready);
 }
 
 TEST(Survival, ATinyWindowAndAHugeOneDrawEveryPanel) {
-  Shell shell(open_state(), nullptr, [] {});
-  NoStage stage(shell);
-  settle(shell, stage, {});
+  Desk desk(open_state());
+  desk.rest();
   for (const char* share : {"0.3", "0", "0.9"})
     for (const char* tool : {"criteria", "histograms", "compare", "fix"}) {
       for (const char* name : {"left", "right", "bottom", "image", "octree", "tools"})
-        shell.perform({"layout.set", std::string(name) + "=" + share}, true);
-      shell.perform({"tab.tool", tool}, true);
+        desk.shell.perform({"layout.set", std::string(name) + "=" + share}, true);
+      desk.shell.perform({"tab.tool", tool}, true);
       for (const auto& [width, height] : {std::pair{320, 200}, {640, 400}, {7680, 4320}, {1, 1}})
         for (const float scale : {1.0f, 2.0f})
-          for (int i = 0; i < 2; ++i) shell.frame(width, height, scale, 0.01);
+          for (int i = 0; i < 2; ++i) desk.shell.frame(width, height, scale, 0.01);
     }
 }
 
 struct Real {
   const char* path;
-  const char* gravity;  // empty: found by itself
+  const char* gravity = "";  // found by itself
 };
 
 struct RealRecordings : testing::TestWithParam<Real> {};
@@ -151,40 +143,36 @@ TEST_P(RealRecordings, AreSteppedThroughAndSearched) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const std::filesystem::path path = std::filesystem::path(data) / GetParam().path;
-  State state = open_state(planes::Profile::refined);
-  state.document.recordings = {
-      {path, io::open_recording(path, {}), labels::default_label_dir(path)}};
+  State state = state_of(path, planes::Profile::refined);
   state.view.tool_tab = "histograms";
   if (*GetParam().gravity)
     apply(state, {"option.set", std::string("gravity=") + GetParam().gravity});
-  Shell shell(std::move(state), nullptr, [] {});
-  NoStage stage(shell);
-  settle(shell, stage, {});
-  ASSERT_TRUE(shell.state().run()) << shell.state().results.refusal;
-  const planes::Segmentation& found = shell.state().run()->segmentation;
+  Desk desk(std::move(state));
+  desk.rest();
+  ASSERT_TRUE(desk.state().run()) << desk.state().results.refusal;
+  const planes::Segmentation& found = desk.state().run()->segmentation;
   EXPECT_GT(found.planes.size() + found.minor.size(), 0u);
-  for (const Command& command : std::vector<Command>{{"step.first", ""},
+  for (const Command& command : std::vector<Command>{{"step.first"},
                                                      {"filter.set", "case==IV"},
-                                                     {"filter.next", ""},
-                                                     {"run.pin", ""},
-                                                     {"profile.paper", ""},
-                                                     {"compare.diverging", ""},
-                                                     {"run.flash", ""},
-                                                     {"step.last", ""},
-                                                     {"option.undo", ""}}) {
-    shell.perform(command, true);
-    settle(shell, stage, {});
+                                                     {"filter.next"},
+                                                     {"run.pin"},
+                                                     {"profile.paper"},
+                                                     {"compare.diverging"},
+                                                     {"run.flash"},
+                                                     {"step.last"},
+                                                     {"option.undo"}}) {
+    desk.run(command.action, command.argument);
   }
-  EXPECT_EQ(shell.state().document.options.segment.profile, planes::Profile::refined);
+  EXPECT_EQ(desk.state().document.options.segment.profile, planes::Profile::refined);
 }
 
 INSTANTIATE_TEST_SUITE_P(Recordings,
                          RealRecordings,
                          testing::Values(Real{"realsense_sdk_bag/single_depth_color_640x480.bag",
                                               "0,1,0"},
-                                         Real{"felixchenfy_d4xx_640x480", ""},
-                                         Real{"rs_viewer_raw_export_848x480", ""},
-                                         Real{"cape_tunnel_structure_640x480", ""},
+                                         Real{"felixchenfy_d4xx_640x480"},
+                                         Real{"rs_viewer_raw_export_848x480"},
+                                         Real{"cape_tunnel_structure_640x480"},
                                          Real{"stairs_kinect2_512x424/0000_cloud.pcd", ""}));
 
 }  // namespace

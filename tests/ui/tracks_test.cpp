@@ -4,7 +4,6 @@
 
 #include "app/desktop/look.hpp"
 #include "app/desktop/tracks/map_view.hpp"
-#include "core/lab/synthetic/sample.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/world/files/map_files.hpp"
@@ -18,13 +17,7 @@ std::filesystem::path walk() {
   static const std::filesystem::path dir = [] {
     const auto made = std::filesystem::path(testing::TempDir()) /
                       ("planescope_walk." + std::to_string(::getpid()));
-    lab::SequenceOptions options;
-    options.width = 160;
-    options.height = 120;
-    options.frames = 60;
-    options.noise = options.covered = true;
-    options.color = false;
-    lab::write_sequence(made, options, 2);
+    open_walk(made, {.frames = 60, .covered = true});
     return made;
   }();
   return dir;
@@ -90,7 +83,7 @@ TEST_F(Tracks, KeepTheirColourFromFrameToFrame) {
 
 TEST_F(Tracks, WithoutAMapPlanesKeepTheirColorsFromFrameToFrameInTheStripAndInTheViews) {
   shell.perform({"frame.show", "5"});  // before the strip has come by
-  settle(shell, stage, {});
+  rest();
   const std::vector<Thumbnail> strip = state().results.strip;
   ASSERT_EQ(std::ranges::count_if(strip, &Thumbnail::ready), std::ssize(strip));
   double pixels = 0, kept = 0;
@@ -107,8 +100,7 @@ TEST_F(Tracks, WithoutAMapPlanesKeepTheirColorsFromFrameToFrameInTheStripAndInTh
       pixels += size;
       if (before.colors[static_cast<std::size_t>(b) - 1] == colors[n]) kept += size;
     }
-    shell.perform({"frame.show", std::to_string(i)});
-    settle(shell, stage, {});
+    perform("frame.show", std::to_string(i));
     EXPECT_EQ(colors_of_planes(state(), *state().run_view()),
               render::trace_colors(*state().run(), colors));
   }
@@ -122,16 +114,12 @@ TEST_F(Tracks, AGapLeadsToTheDecisionThatLostThePlane) {
   const world::Track& track = missed();
   const int frame =
       std::ranges::find(track.gaps, world::Absence::not_detected, &world::Gap::why)->first;
-  shell.perform({"track.show", fmt::format("T{},{}", track.id, frame)}, true);
-  settle(shell, stage, {});
+  run("track.show", fmt::format("T{},{}", track.id, frame));
   EXPECT_EQ(state().document.frame, frame);
   EXPECT_EQ(state().view.tracks.track, track.id);
-  EXPECT_NE(state().view.message.find(
-                fmt::format("T{} is not in frame {}: not detected", track.id, frame)),
-            std::string::npos)
-      << state().view.message;
-  EXPECT_NE(state().view.message.find("unassigned at step"), std::string::npos)
-      << state().view.message;
+  EXPECT_TRUE(has(state().view.message,
+                  fmt::format("T{} is not in frame {}: not detected", track.id, frame)));
+  EXPECT_TRUE(has(state().view.message, "unassigned at step"));
   EXPECT_LT(state().view.step, state().run()->steps());
   EXPECT_FALSE(state().document.marked.empty()) << "its place";
   // The same place in the frame before, where the plane was seen.
@@ -139,7 +127,7 @@ TEST_F(Tracks, AGapLeadsToTheDecisionThatLostThePlane) {
   const int seen = state().document.frame;
   EXPECT_LT(seen, frame);
   EXPECT_GE(state().view.selected.plane, 0);
-  EXPECT_NE(track_text(state()).find(fmt::format("T{} is P", track.id)), std::string::npos);
+  EXPECT_TRUE(has(track_text(state()), fmt::format("T{} is P", track.id)));
   play(R"({"key": "Shift+PageDown"})");
   EXPECT_EQ(state().document.frame, frame_missed(map(), track, seen, 1));
 }
@@ -178,15 +166,14 @@ TEST_F(Tracks, AreFiltered) {
   EXPECT_FALSE(rows.empty());
   for (const world::Track* track : rows) EXPECT_GT(track->frames_seen, 3);
   play(R"({"do": "track.filter", "with": "lenght<5"})");
-  EXPECT_NE(state().view.tracks.filter_problem.find("'lenght'"), std::string::npos);
+  EXPECT_TRUE(has(state().view.tracks.filter_problem, "'lenght'"));
   EXPECT_EQ(track_rows(state()).size(), all) << "a filter that is none hides nothing";
 }
 
 TEST_F(Tracks, FollowingCanBeStoppedAndCloudsAreRefused) {
   shell.perform({"map.make", ""}, true);
   stage.draw_frame();
-  shell.perform({"map.stop", ""}, true);
-  settle(shell, stage, {});
+  run("map.stop");
   EXPECT_FALSE(state().map());
   EXPECT_FALSE(state().results.map.running);
 }
@@ -209,15 +196,13 @@ TEST_F(LabelOnce, TheFloorOfOneFrameIsTheFloorOfOthers) {
   window.run("label.wand", "80,100");
   window.run("label.accept");
   ASSERT_EQ(labelled(), 1u);
-  EXPECT_NE(window.refusal("label.spread").find("poses are unknown"), std::string::npos);
+  EXPECT_TRUE(has(window.refusal("label.spread"), "poses are unknown"));
   window.run("map.make");
   ASSERT_TRUE(state().map());
   window.run("label.spread");
   const std::size_t proposed = labelled();
   EXPECT_GT(proposed, 8u) << state().view.message;
-  EXPECT_NE(state().view.message.find(fmt::format("proposed in {} frames", proposed - 1)),
-            std::string::npos)
-      << state().view.message;
+  EXPECT_TRUE(has(state().view.message, fmt::format("proposed in {} frames", proposed - 1)));
   // Its confidence is kept with it.
   const auto next = window.store().labels(1);
   ASSERT_TRUE(next);
@@ -240,7 +225,7 @@ TEST_F(LabelOnce, ATrackOfTheMapIsAPlaneOfAllFramesThatSeeIt) {
   const auto by_hand = window.store().labels(0);
   window.run("map.make");
   ASSERT_TRUE(state().map());
-  EXPECT_NE(window.refusal("label.spread.track").find("no track is selected"), std::string::npos);
+  EXPECT_TRUE(has(window.refusal("label.spread.track"), "no track is selected"));
   const world::Tracker& tracker = state().map()->tracker();
   const world::Track& track = *world::planes_of_map(tracker).front();
   window.run("track.show", std::to_string(track.id));

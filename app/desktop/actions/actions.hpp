@@ -373,6 +373,11 @@ inline constexpr ColorChoice kColorChoices[] = {
 /// What all tools of the label mode do to slivers.
 enum class SliverAction : std::uint8_t { show, keep, take, ignore };
 
+/// Pixel v * width + u, or point of a cloud, of the selected point; nothing where none is selected.
+std::optional<std::size_t> source_of(const Selection& selected, const debug::Subject& subject);
+/// The switch of what a click in a view does.
+ActionRow add_click(
+    const ActionGroup& group, const char* name, const char* title, const char* key, Click what);
 /// What a click in a view is handed to; null where it selects.
 const char* click_action(Click click);
 Takes<Clicked> clicked();
@@ -391,8 +396,10 @@ void refresh_matches(State& state);
 void set_filter(State& state, const std::string& text);
 /// What a breakpoint stops at, in the language of filters.
 std::string filter_of(const Breakpoint& breakpoint);
-/// Every step at which a breakpoint stops, ascending.
-std::vector<std::int32_t> breakpoint_steps(const debug::Run& run, const Document& document);
+/// Every step at which one of the breakpoints that are enabled (or are not) stops, ascending.
+std::vector<std::int32_t> breakpoint_steps(const debug::Run& run,
+                                           const std::vector<Breakpoint>& all,
+                                           bool enabled = true);
 /// A result has arrived, or a flash begun: cursor and selection move to the same node and event.
 void follow_run(State& state, const debug::Run& before);
 /// Goes to where a run's story begins, and selects what it is about.

@@ -243,22 +243,10 @@ void keep_picked(State& state,
 
 void add_gravity_actions(std::vector<Action>& all) {
   const ActionGroup gravity{all, KeyMode::anywhere, "Gravity"};
-  const auto add_click = [&](const char* name, const char* title, const char* key,
-                             const char* words, Click what) {
-    gravity.add(name, title)
-        .key(key)
-        .words(words)
-        .when(has_run)
-        .on([what](const State& s) { return s.view.click == what; })
-        .run([what](State& s) {
-          s.view.click = s.view.click == what ? Click::selects : what;
-          s.view.marking = false;
-        });
-  };
-  add_click("gravity.click.floor", "Click a floor to set gravity", "Shift+G",
-            "up down level horizontal", Click::floor);
-  add_click("gravity.click.wall", "Click a wall to set gravity", "Shift+W",
-            "up down upright vertical", Click::wall);
+  add_click(gravity, "gravity.click.floor", "Click a floor to set gravity", "Shift+G", Click::floor)
+      .words("up down level horizontal");
+  add_click(gravity, "gravity.click.wall", "Click a wall to set gravity", "Shift+W", Click::wall)
+      .words("up down upright vertical");
   gravity.add("gravity.all_frames", "Apply clicks to all frames")
       .key("Ctrl+Shift+W")
       .flips(&ViewState::gravity_of_recording);

@@ -262,20 +262,12 @@ void add_end(State& state, const Clicked& clicked) {
 
 // ---- The table of planes -----------------------------------------------------------------------
 
-void sort_planes(State& state, PlaneColumn column) {
+void sort_planes(State& state, int column) {
   PlanesView& view = state.view.planes;
-  // The numbers that one looks for first are the large ones, but for the name and the margin.
   view.descending = view.sorted_by == column
                         ? !view.descending
-                        : column != PlaneColumn::id && column != PlaneColumn::label &&
-                              column != PlaneColumn::margin;
+                        : plane_columns()[static_cast<std::size_t>(column)].largest_first;
   view.sorted_by = column;
-}
-
-PlaneColumn read_column(const State&, const std::string& action, const std::string& text) {
-  std::vector<std::string> names;
-  for (const PlaneColumnInfo& column : kPlaneColumns) names.emplace_back(column.name);
-  return static_cast<PlaneColumn>(choice_argument(action, text, names));
 }
 
 void copy_planes(State& state) {
@@ -285,6 +277,26 @@ void copy_planes(State& state) {
 }
 
 }  // namespace
+
+std::optional<std::size_t> source_of(const Selection& selected, const debug::Subject& subject) {
+  if (selected.source >= 0) return static_cast<std::size_t>(selected.source);
+  const auto voxel = static_cast<std::uint32_t>(selected.voxel);
+  if (voxel >= subject.voxel_count()) return std::nullopt;  // -1, or of another frame
+  return debug::source_of_voxel(subject, voxel);
+}
+
+ActionRow add_click(
+    const ActionGroup& group, const char* name, const char* title, const char* key, Click what) {
+  ActionRow row = group.add(name, title);
+  row.key(key)
+      .when(has_run)
+      .on([what](const State& s) { return s.view.click == what; })
+      .run([what](State& s) {
+        s.view.click = s.view.click == what ? Click::selects : what;
+        s.view.marking = false;
+      });
+  return row;
+}
 
 Takes<Clicked> clicked() { return {"U,V | voxel N | plane N", read_clicked}; }
 
@@ -404,23 +416,13 @@ void add_selection_actions(std::vector<Action>& all) {
 
 void add_measure_actions(std::vector<Action>& all) {
   const ActionGroup measure{all, KeyMode::debugger, "Measure", has_run};
-  const auto add_switch = [&](const char* name, const char* title, const char* key, Click what) {
-    measure.add(name, title)
-        .key(key)
-        .on([what](const State& s) { return s.view.click == what; })
-        .run([what](State& s) {
-          s.view.click = s.view.click == what ? Click::selects : what;
-          s.view.marking = false;
-        });
-  };
-  add_switch("measure.points", "Measure between points", "U", Click::point);
-  add_switch("measure.planes", "Measure between planes", "Shift+U", Click::plane);
+  add_click(measure, "measure.points", "Measure between points", "U", Click::point);
+  add_click(measure, "measure.planes", "Measure between planes", "Shift+U", Click::plane);
   measure.add("measure.end", "Measure from or to here").run(clicked(), add_end);
 
   const ActionGroup planes{all, KeyMode::debugger, "Select"};
   planes.add("planes.sort", "Sort planes")
-      .run(Takes<PlaneColumn>{"id|class|area|tilt|rms|points|support|steppable", read_column},
-           sort_planes);
+      .run(choice<int>("id|class|area|tilt|rms|points|support|steppable|margin"), sort_planes);
   planes.add("planes.filter", "Filter planes")
       .run(text("[TEXT]"),
            [](State& s, const std::string& typed) { s.view.planes.filter = typed; });

@@ -73,11 +73,14 @@ void to_same_case(State& state, int direction) {
                  planes::to_string(wanted));
 }
 
+void hint_at_node(State& state) {
+  say_hint(state, "no node is selected: click its box or its row in the tree",
+           [](const State& now) { return now.view.selected.node >= 0; });
+}
+
 void go_to_decision(State& state) {
   const std::int32_t node = state.view.selected.node;
-  if (node < 0)
-    return say_hint(state, "no node is selected: click its box or its row in the tree",
-                    [](const State& now) { return now.view.selected.node >= 0; });
+  if (node < 0) return hint_at_node(state);
   const std::int32_t step = state.run()->timeline.decided_at()[static_cast<std::size_t>(node)];
   if (step == planes::kNever) return say(state, "the selected node was never decided");
   go_to_step(state, step);
@@ -223,13 +226,10 @@ void follow_run(State& state, const debug::Run& before) {
     if (selected.node < 0) selected.node = root_of(*now);
   }
   if (selected.voxel >= 0 && now->subject != before.subject) {
-    const std::size_t source =
-        selected.source >= 0
-            ? static_cast<std::size_t>(selected.source)
-            : debug::source_of_voxel(*before.subject, static_cast<std::uint32_t>(selected.voxel));
-    const std::uint32_t voxel = now->subject->frame.index == before.subject->frame.index
-                                    ? now->subject->voxel_of_source(source)
-                                    : planes::kNoVoxel;
+    const std::optional<std::size_t> source = source_of(selected, *before.subject);
+    const bool same_frame = now->subject->frame.index == before.subject->frame.index;
+    const std::uint32_t voxel =
+        source && same_frame ? now->subject->voxel_of_source(*source) : planes::kNoVoxel;
     selected.voxel = voxel == planes::kNoVoxel ? -1 : static_cast<std::int32_t>(voxel);
   }
   if (const planes::TraceEvent* event = state.event();
@@ -317,38 +317,37 @@ void hint_at_filter(State& state) {
            [](const State& s) { return s.view.search.filter.has_value(); });
 }
 
+/// The nearest of some steps ahead of the cursor or behind it; nothing where there is none.
+std::optional<std::int32_t> next_of(const std::vector<std::int32_t>& steps,
+                                    std::int32_t cursor,
+                                    int direction) {
+  const auto ahead = std::ranges::upper_bound(steps, cursor);
+  if (direction > 0) return ahead == steps.end() ? std::nullopt : std::optional(*ahead);
+  const auto here = std::ranges::lower_bound(steps, cursor);
+  return here == steps.begin() ? std::nullopt : std::optional(*(here - 1));
+}
+
 void to_match(State& state, int direction) {
   const Search& search = state.view.search;
   if (!search.filter) return hint_at_filter(state);
   const auto& matches = search.matches;
   if (matches.empty()) return say(state, "no event matches " + search.text);
   // Round the ends: a frame opens at its last step.
-  const std::int32_t step = state.view.step;
-  if (direction > 0) {
-    const auto next = std::ranges::upper_bound(matches, step);
-    if (next == matches.end()) say(state, "no later event matches: from the beginning");
-    go_to_step(state, next == matches.end() ? matches.front() : *next);
-  } else {
-    const auto next = std::ranges::lower_bound(matches, step);
-    if (next == matches.begin()) say(state, "no earlier event matches: from the end");
-    go_to_step(state, next == matches.begin() ? matches.back() : *(next - 1));
-  }
-  state.view.playing.direction = 0;
+  const auto next = next_of(matches, state.view.step, direction);
+  if (!next)
+    say(state, direction > 0 ? "no later event matches: from the beginning"
+                             : "no earlier event matches: from the end");
+  stop_and_go(state, next.value_or(direction > 0 ? matches.front() : matches.back()));
 }
 
 void run_to(State& state, int direction) {
   const debug::Run& run = *state.run();
-  const std::vector<std::int32_t> stops = breakpoint_steps(run, state.document);
-  state.view.playing.direction = 0;
-  if (direction > 0) {
-    const auto next = std::ranges::upper_bound(stops, state.view.step);
-    go_to_step(state, next == stops.end() ? run.steps() : *next);
-    if (next == stops.end()) say(state, "no breakpoint ahead: ran to the end");
-  } else {
-    const auto next = std::ranges::lower_bound(stops, state.view.step);
-    go_to_step(state, next == stops.begin() ? 0 : *(next - 1));
-    if (next == stops.begin()) say(state, "no breakpoint behind: ran back to the beginning");
-  }
+  const auto next =
+      next_of(breakpoint_steps(run, state.document.breakpoints), state.view.step, direction);
+  stop_and_go(state, next.value_or(direction > 0 ? run.steps() : 0));
+  if (!next)
+    say(state, direction > 0 ? "no breakpoint ahead: ran to the end"
+                             : "no breakpoint behind: ran back to the beginning");
 }
 
 void toggle_breakpoint(State& state, const Breakpoint& breakpoint) {
@@ -383,10 +382,12 @@ std::string filter_of(const Breakpoint& breakpoint) {
   return fmt::format("{}=={}", what, breakpoint.index);
 }
 
-std::vector<std::int32_t> breakpoint_steps(const debug::Run& run, const Document& document) {
+std::vector<std::int32_t> breakpoint_steps(const debug::Run& run,
+                                           const std::vector<Breakpoint>& all,
+                                           bool enabled) {
   std::vector<std::int32_t> stops;
-  for (const Breakpoint& breakpoint : document.breakpoints) {
-    if (!breakpoint.enabled) continue;
+  for (const Breakpoint& breakpoint : all) {
+    if (breakpoint.enabled != enabled) continue;
     debug::FilterProblem problem;
     if (const auto filter = debug::Filter::parse(filter_of(breakpoint), problem))
       for (const std::int32_t step : filter->matching(run)) stops.push_back(step);
@@ -415,9 +416,7 @@ void add_search_actions(std::vector<Action>& all) {
     s.view.focus = "events.filter";
   });
   in_run.add("break.node", "Breakpoint on the selected node").key("F9").run([](State& s) {
-    if (s.view.selected.node < 0)
-      return say_hint(s, "no node is selected: click its box or its row in the tree",
-                      [](const State& now) { return now.view.selected.node >= 0; });
+    if (s.view.selected.node < 0) return hint_at_node(s);
     toggle_breakpoint(s, {Kind::node, "", s.view.selected.node, true});
   });
   search.add("break.filter", "Breakpoint on the filter").key("Shift+F9").run([](State& s) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -162,28 +163,16 @@ struct PlaneRow {
   bool undecided = false;
 };
 
-struct PlaneColumnInfo {
-  const char* name;   // in actions and of widgets
-  const char* title;  // as short as its numbers
+struct PlaneColumn {
+  const char* name;    // in actions and of widgets
+  const char* title;   // as short as its numbers
+  const char* widest;  // text that it has room for
   const char* meaning;
+  bool largest_first;                    // at the first click
+  std::string (*text)(const PlaneRow&);  // "–" where it is not known
+  double (*key)(const PlaneRow&);        // to sort by; NaN where it is not known
 };
-/// By PlaneColumn.
-inline constexpr PlaneColumnInfo kPlaneColumns[] = {
-    {"id", "id", "As in planes.json"},
-    {"class", "class", "h: horizontal, v: vertical"},
-    {"area", "area", "Area of its outline, without holes"},
-    {"tilt", "tilt", "Angle to the horizontal: 0 for a floor, 90 for a wall"},
-    {"rms", "RMS", "Root mean square distance of its points from the plane"},
-    {"points", "points", "Measured points"},
-    {"support", "support", "Measured share of its outline"},
-    {"steppable", "foot", "Whether it can carry a foot of foot_radius_m"},
-    {"margin", "margin",
-     "Distance from being dropped or merged with a larger neighbor; ~: so small that it is "
-     "undecided"}};
-
-/// Every cell as text, by PlaneColumn; "–" where it is not known.
-std::vector<std::string> cells_of(const PlaneRow& row);
-
+std::span<const PlaneColumn> plane_columns();
 /// Those that the filter leaves, sorted; empty while they are found out. Each word of the filter is
 /// in one of the row's texts, or in "level", "upright", "steppable", "not steppable",
 /// "undecided".

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/debugger/debugger.hpp"
-#include "app/desktop/look.hpp"
 #include "app/desktop/widgets.hpp"
 #include "render/palette.hpp"
 
@@ -221,18 +219,16 @@ void for_shown(const TimelineRows& rows, const std::vector<std::int32_t>& steps,
   }
 }
 
-const std::vector<std::int32_t>& stops_of(const Ui& ui) {
-  BreakpointStops& stops = ui.memory.breakpoint_stops;
-  std::string all;
-  for (const Breakpoint& b : ui.state.document.breakpoints)
-    all += fmt::format("{}|{}|{}|{};", static_cast<int>(b.kind), b.filter, b.index, b.enabled);
-  const std::shared_ptr<const debug::Run>& run = ui.state.run_view()->run;
-  if (stops.run.lock() != run || stops.breakpoints != all)
-    stops = {run, all, breakpoint_steps(*run, ui.state.document)};
-  return stops.steps;
-}
-
 }  // namespace
+
+const BreakpointStops& stops_of(const Ui& ui) {
+  BreakpointStops& stops = ui.memory.breakpoint_stops;
+  const std::shared_ptr<const debug::Run>& run = ui.state.run_view()->run;
+  const std::vector<Breakpoint>& all = ui.state.document.breakpoints;
+  if (stops.run.lock() != run || stops.breakpoints != all)
+    stops = {run, all, breakpoint_steps(*run, all, true), breakpoint_steps(*run, all, false)};
+  return stops;
+}
 
 TimelineRows timeline_rows(const Ui& ui, ImVec2 at, ImVec2 room, const debug::StepRange& shown) {
   TimelineRows rows;
@@ -306,7 +302,7 @@ void draw_step_marks(const Ui& ui, const TimelineRows& rows) {
   const float height = rows.cases - rows.marks;
   const float middle = rows.marks + height / 2;
   const float r = height * 0.36f;
-  for_shown(rows, stops_of(ui),
+  for_shown(rows, stops_of(ui).on,
             [&](float x) { draw->AddCircleFilled(ImVec2(x, middle), r, ui.colors.bad); });
   for (const Bookmark& bookmark : ui.state.document.bookmarks) {
     if (bookmark.frame != ui.state.document.frame || !rows.axis.steps.contains(bookmark.step))

@@ -130,10 +130,7 @@ void take_proposals(State& state,
 
 std::vector<labels::Proposal> propose(const SpreadInputs& wanted, const Turn& turn) {
   const auto progress = [&](int done, int all) {
-    turn.deliver([done, all](State& s) {
-      s.results.label.spread.done = done;
-      s.results.label.spread.total = all;
-    });
+    turn.progress([](State& s) -> Asked& { return s.results.label.spread; }, done, all);
   };
   if (wanted.track > 0) return propose_track(wanted, turn.stop, progress);
   labels::SpreadJob job;
@@ -247,10 +244,7 @@ class RecordingJobs : public JobGroup {
 };
 
 void RecordingJobs::pursue_map(State& state) {
-  MapResults& results = state.results.map;
-  if (maps_.key() && !results.running) maps_.drop();  // called off
-  if (!results.running || results.begun) return;
-  results.begun = true;
+  if (!maps_.begins(state.results.map)) return;
   const OpenRecording& open = *state.document.current();
   maps_.ask(
       open.recording,
@@ -266,11 +260,7 @@ void RecordingJobs::pursue_map(State& state) {
         job.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
         job.stop = turn.stop;
         job.progress = [&](const char* stage, int done, int all) {
-          turn.deliver([stage, done, all](State& s) {
-            s.results.map.stage = stage;
-            s.results.map.done = done;
-            s.results.map.total = all;
-          });
+          turn.progress([](State& s) -> Asked& { return s.results.map; }, done, all, stage);
         };
         auto made = std::make_shared<MapView>();
         made->recording = recording;
@@ -298,10 +288,8 @@ void RecordingJobs::pursue_map(State& state) {
 
 void RecordingJobs::pursue_spread(State& state) {
   SpreadWork& spread = state.results.label.spread;
-  if (spreads_.key() && !spread.running) spreads_.drop();  // called off
   const OpenRecording& open = *state.document.current();
-  if (!spread.running || spread.begun || !open.labels) return;
-  spread.begun = true;
+  if (!spreads_.begins(spread, open.labels != nullptr)) return;
   SpreadInputs wanted{state.results.map.made,       open.label_dir, {}, spread.from, spread.track,
                       open.recording->frame_count()};
   for (int i = 0; i < wanted.frames; ++i)
@@ -328,21 +316,15 @@ void RecordingJobs::pursue_spread(State& state) {
 
 void RecordingJobs::pursue_training(State& state) {
   Learning::Training& training = state.results.label.learning.training;
-  if (trainings_.key() && !training.running) trainings_.drop();  // called off
-  if (!training.running || training.begun) return;
-  training.begun = true;
+  if (!trainings_.begins(training)) return;
   const LearningSource source = learning_source(state);
   trainings_.ask(
       source.recording,
       [this, source, lesson = training.lesson](const Turn& turn) {
         learn(source, lesson, [&](const char* stage, int done, int all) {
           turn.expect_wanted();
-          turn.deliver([stage = std::string(stage), done, all](State& s) {
-            Learning::Training& now = s.results.label.learning.training;
-            now.stage = stage;
-            now.done = done;
-            now.total = all;
-          });
+          turn.progress([](State& s) -> Asked& { return s.results.label.learning.training; }, done,
+                        all, stage);
         });
         turn.deliver([this, source](State& s) {
           s.results.label.learning.training = {};

@@ -4,7 +4,6 @@
 // when the key changes, and drops what is still delivered for an earlier one.
 
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -63,50 +62,41 @@ class Worker {
   using Work = std::function<void(std::stop_token)>;
 
   /// `rested`: called from the thread after each piece of work, when busy() no longer counts it.
-  /// `failed`: before that, with the reason where the work threw.
-  Worker(std::function<void()> rested, std::function<void(const std::string&)> failed)
-      : rested_(std::move(rested)),
-        failed_(std::move(failed)),
-        thread_([this](std::stop_token stop) { loop(stop); }) {}
+  explicit Worker(std::function<void()> rested)
+      : rested_(std::move(rested)), thread_([this](std::stop_token stop) { loop(stop); }) {}
   ~Worker() {
     cancel();
     thread_.request_stop();
     wake_.notify_all();
   }
 
-  /// Replaces whatever is waiting; the work in progress goes on.
+  /// Replaces whatever is waiting; the work in progress goes on. It throws nothing.
   void replace(Work work) {
     const std::lock_guard lock(mutex_);
-    waiting_.clear();
-    waiting_.push_back(std::move(work));
+    waiting_ = std::move(work);
     wake_.notify_all();
   }
   /// Asks the work in progress to stop, and drops what is waiting.
   void cancel() {
     const std::lock_guard lock(mutex_);
-    waiting_.clear();
+    waiting_ = nullptr;
     current_.request_stop();
   }
   bool busy() const {
     const std::lock_guard lock(mutex_);
-    return working_ || !waiting_.empty();
+    return working_ || waiting_;
   }
 
  private:
   void loop(std::stop_token stop) {
     std::unique_lock lock(mutex_);
-    while (wake_.wait(lock, stop, [this] { return !waiting_.empty(); })) {
-      const Work work = std::move(waiting_.front());
-      waiting_.pop_front();
+    while (wake_.wait(lock, stop, [this] { return waiting_ != nullptr; })) {
+      const Work work = std::exchange(waiting_, nullptr);
       working_ = true;
       current_ = std::stop_source();
       const std::stop_token token = current_.get_token();
       lock.unlock();
-      try {
-        work(token);
-      } catch (const std::exception& error) {
-        failed_(message_of(error));
-      }
+      work(token);
       lock.lock();
       working_ = false;
       lock.unlock();
@@ -116,10 +106,9 @@ class Worker {
   }
 
   std::function<void()> rested_;
-  std::function<void(const std::string&)> failed_;
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;
-  std::deque<Work> waiting_;
+  Work waiting_;  // null: none
   std::stop_source current_;
   bool working_ = false;
   std::jthread thread_;  // last: it uses all of the above
@@ -134,6 +123,15 @@ struct Turn {
   void expect_wanted() const {
     if (stop.stop_requested()) throw Cancelled();
   }
+  /// Shows how much of it is done.
+  void progress(Asked& (*of)(State&), int done, int total, const std::string& stage = {}) const {
+    deliver([=](State& state) {
+      Asked& asked = of(state);
+      asked.done = done;
+      asked.total = total;
+      asked.stage = stage;
+    });
+  }
 };
 
 /// Work of one kind, one piece at a time. All but the work itself runs in the window's thread.
@@ -146,9 +144,7 @@ class Request {
   using Failed = std::function<void(State&, const std::string& why)>;
 
   explicit Request(Courier& courier, Late late = Late::dropped)
-      : courier_(courier),
-        late_(late),
-        worker_([&courier] { courier.wake(); }, [](const std::string&) {}) {
+      : courier_(courier), late_(late), worker_([&courier] { courier.wake(); }) {
     courier.at_end([this] { stop(); });
   }
   Request(const Request&) = delete;
@@ -179,6 +175,12 @@ class Request {
         if (number == number_) pending_ = false;
       });
     });
+  }
+  /// Whether what the state asks for is to begin now. What was called off is dropped.
+  bool begins(Asked& asked, bool possible = true) {
+    if (key_ && !asked.running) drop();
+    if (!asked.running || asked.begun || !possible) return false;
+    return asked.begun = true;
   }
   /// Stops the work in progress; its key stays.
   void stop() { worker_.cancel(); }

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "app/desktop/debugger/debugger.hpp"
-#include "app/desktop/look.hpp"
 #include "app/desktop/views.hpp"
 #include "app/desktop/widgets.hpp"
 

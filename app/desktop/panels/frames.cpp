@@ -9,7 +9,6 @@
 #include "app/desktop/labeling/work.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 
@@ -106,7 +105,7 @@ void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, int frame, ImVec2 co
   draw_flag(ui, ImVec2(corner.x - ui.px(4), corner.y + ui.px(4)), text, color, ui.px(5));
 }
 
-void tell(const Thumbnail& thumbnail, int frame) {
+std::string describe(const Thumbnail& thumbnail, int frame) {
   std::string text = fmt::format("frame {}", frame);
   if (!thumbnail.ready) {
     text += ": not run yet";
@@ -124,11 +123,7 @@ void tell(const Thumbnail& thumbnail, int frame) {
     text += fmt::format(": {} found; no ground truth",
                         counted(static_cast<std::size_t>(thumbnail.planes), "plane"));
   }
-  ImGui::BeginTooltip();
-  ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::EndTooltip();
+  return text;
 }
 
 void draw_label_mark(const Ui& ui, int frame, ImVec2 corner) {
@@ -154,7 +149,7 @@ void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
   if (ImGui::InvisibleButton("frame", size)) ui.act("frame.show", frame);
   ImGui::PopID();
   ui.name(fmt::format("frame.{}", frame));
-  if (ImGui::IsItemHovered()) tell(thumbnail, frame);
+  tooltip(describe(thumbnail, frame));
 
   ImDrawList* draw = ImGui::GetWindowDrawList();
   draw->AddRectFilled(at, end, ui.colors.panel, ui.px(3));

@@ -7,10 +7,8 @@
 #include <map>
 #include <span>
 
-#include "app/desktop/imgui.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 

@@ -10,7 +10,6 @@
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/io/folder/folder_files.hpp"
-#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 

@@ -9,8 +9,6 @@
 #include <functional>
 #include <tuple>
 
-#include "app/desktop/debugger/debugger.hpp"
-#include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/debug/explain/measure.hpp"

@@ -23,6 +23,13 @@
 
 namespace planescope::desktop {
 
+/// Work that the state asks for and a job does.
+struct Asked {
+  bool running = false, begun = false;  // begun: the job knows of it
+  int done = 0, total = 0;
+  std::string stage = {};  // what is done of what
+};
+
 /// What the window is for at the moment: other panels, other keys.
 enum class Mode : std::uint8_t { debugger, labels };
 
@@ -73,11 +80,9 @@ struct CarryJob {
 };
 
 /// Labels of one frame, on their way into all frames that see its planes.
-struct SpreadWork {
-  bool running = false, begun = false;  // begun: the job knows of it
-  int from = 0;                         // the frame whose labels are proposed, unless a track is:
-  int track = 0;                        // of the map; 0: none
-  int done = 0, total = 0;              // frames
+struct SpreadWork : Asked {
+  int from = 0;   // the frame whose labels are proposed, unless a track is:
+  int track = 0;  // of the map; 0: none
   std::vector<std::pair<int, double>> doubtful;  // frames it came to, by how much is left open
 };
 
@@ -102,17 +107,12 @@ struct Learnt {
 
 /// A classifier that learns from reviewed frames.
 struct Learning {
-  struct Training {
-    bool running = false, begun = false;  // begun: the job knows of it
+  struct Training : Asked {
     Lesson lesson;
-    std::string stage;  // what is done of what
-    int done = 0, total = 0;
   } training;
   std::shared_ptr<const Learnt> learnt;  // null: there are no such weights, or not yet measured
   std::string refusal;                   // why they cannot be measured, one line
-  struct Doubt {
-    bool running = false, begun = false;
-    int done = 0;
+  struct Doubt : Asked {
     std::vector<std::optional<double>> of_frame;  // doubt_of(); empty: not looked for
   } doubt;
 };

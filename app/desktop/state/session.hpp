@@ -3,9 +3,7 @@
 // What of the state is kept in files, as JSON: sessions, and what the window remembers.
 
 #include <cstdint>
-#include <exception>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

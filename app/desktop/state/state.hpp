@@ -55,6 +55,8 @@ struct Breakpoint {
   std::string filter;       // for filter: its text
   std::int32_t index = -1;  // for node, and for point: a voxel
   bool enabled = true;
+
+  bool operator==(const Breakpoint&) const = default;
 };
 
 /// From where all of the frame is looked at. Home: from where most is seen.
@@ -154,13 +156,10 @@ struct PointAsked {
   bool operator==(const PointAsked&) const = default;
 };
 
-struct FixSearch {
+struct FixSearch : Asked {
   std::shared_ptr<const RunView> of;  // whose fixes they are
   std::optional<PointAsked> asked;    // by a click: the job makes the target of it
   debug::FixTarget target;
-  bool running = false;
-  bool begun = false;  // the job knows of it
-  int done = 0, total = 0;
   bool finished = false;  // fixes is what there is
   bool granted = false;   // it is so already
   std::vector<debug::Fix> fixes;
@@ -170,11 +169,7 @@ struct FixSearch {
 };
 
 /// Planes that are followed over all frames of a recording.
-struct MapResults {
-  bool running = false;
-  bool begun = false;  // the job knows of it
-  std::string stage;   // "odometry", "map"
-  int done = 0, total = 0;
+struct MapResults : Asked {
   std::shared_ptr<const MapView> made;  // the latest; it may be another recording's
 };
 
@@ -226,21 +221,10 @@ inline constexpr LayoutPart kLayoutParts[] = {
     {"left", &Layout::left},   {"right", &Layout::right},   {"bottom", &Layout::bottom},
     {"image", &Layout::image}, {"octree", &Layout::octree}, {"tools", &Layout::tools}};
 
-enum class PlaneColumn : std::uint8_t {
-  id,
-  label,
-  area,
-  tilt,
-  rms,
-  points,
-  support,
-  steppable,
-  margin
-};
 /// The table of planes.
 struct PlanesView {
   std::string filter;  // words that a row has
-  PlaneColumn sorted_by = PlaneColumn::id;
+  int sorted_by = 0;   // of plane_columns()
   bool descending = false;
 };
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "app/commands/map_picture.hpp"
 #include "app/desktop/actions/actions.hpp"
@@ -206,10 +205,7 @@ void follow_planes(State& state) {
     throw Error("action map.make: the recording is of clouds, planes are followed in depth images");
   if (!open->recording->info().knows_camera())
     throw Error("action map.make: the recording has no camera intrinsics");
-  state.results.map.running = true;
-  state.results.map.begun = false;
-  state.results.map.done = state.results.map.total = 0;
-  state.results.map.stage = "begins";
+  static_cast<Asked&>(state.results.map) = {.running = true, .stage = "begins"};
   state.view.list_tab = "tracks";
 }
 

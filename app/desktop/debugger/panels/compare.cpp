@@ -241,18 +241,6 @@ void draw_compare(const Ui& ui) {
 
 namespace {
 
-/// The source of the selected point; the last one told of where none is selected, since a click on
-/// a line of its life selects a node.
-std::int64_t source_to_tell(const Ui& ui, const debug::Run& run) {
-  const Selection& selected = ui.state.view.selected;
-  const debug::Subject& subject = *run.subject;
-  if (selected.source >= 0) return selected.source;
-  if (selected.voxel >= 0 && selected.voxel < static_cast<std::int32_t>(subject.voxel_count()))
-    return static_cast<std::int64_t>(
-        debug::source_of_voxel(subject, static_cast<std::uint32_t>(selected.voxel)));
-  return ui.memory.point.source;
-}
-
 /// Made again where point or run changed; null where there is nothing to tell.
 const PointStory* story(const Ui& ui) {
   const bool flashed = ui.state.view.flash && ui.state.results.pinned;
@@ -264,7 +252,9 @@ const PointStory* story(const Ui& ui) {
       point.of && (point.recording != recording ||
                    point.of->run->subject->frame.index != view->run->subject->frame.index);
   if (other_frame) point = {};
-  const std::int64_t source = source_to_tell(ui, *view->run);
+  // The last one where none is selected: a click on a line of its history selects a node.
+  const auto selected = source_of(ui.state.view.selected, *view->run->subject);
+  const std::int64_t source = selected ? static_cast<std::int64_t>(*selected) : point.source;
   if (source < 0) return nullptr;
   if (point.of != view || point.source != source) {
     const auto index = static_cast<std::size_t>(source);

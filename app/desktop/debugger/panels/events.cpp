@@ -6,7 +6,6 @@
 #include <array>
 #include <span>
 
-#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 
@@ -15,32 +14,7 @@ namespace {
 
 // ---- Breakpoints -------------------------------------------------------------------------------
 
-/// Where running stops, for rows of events: filters made once per frame.
-class BreakpointMarks {
- public:
-  explicit BreakpointMarks(const Document& document) {
-    debug::FilterProblem problem;
-    for (const Breakpoint& breakpoint : document.breakpoints)
-      if (auto filter = debug::Filter::parse(filter_of(breakpoint), problem))
-        stops_.push_back({std::move(*filter), breakpoint.enabled});
-  }
-  enum class Mark { none, off, on };
-  Mark of(const debug::Run& run, std::int32_t step) const {
-    Mark mark = Mark::none;
-    for (const Stop& stop : stops_) {
-      if (mark == Mark::on || (mark == Mark::off && !stop.enabled)) continue;
-      if (stop.filter.matches(run, step)) mark = stop.enabled ? Mark::on : Mark::off;
-    }
-    return mark;
-  }
-
- private:
-  struct Stop {
-    debug::Filter filter;
-    bool enabled;
-  };
-  std::vector<Stop> stops_;
-};
+enum class Mark : std::uint8_t { none, off, on };
 
 std::string title_of(const Breakpoint& breakpoint) {
   switch (breakpoint.kind) {
@@ -55,12 +29,11 @@ std::string title_of(const Breakpoint& breakpoint) {
 }
 
 /// A breakpoint's dot about a point of the window.
-void draw_breakpoint_dot(const Ui& ui, ImVec2 centre, BreakpointMarks::Mark mark) {
+void draw_breakpoint_dot(const Ui& ui, ImVec2 centre, Mark mark) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float radius = ui.px(4.5f);
-  if (mark == BreakpointMarks::Mark::on) draw->AddCircleFilled(centre, radius, ui.colors.bad, 16);
-  if (mark == BreakpointMarks::Mark::off)
-    draw->AddCircle(centre, radius, ui.colors.muted, 16, ui.px(1.2f));
+  if (mark == Mark::on) draw->AddCircleFilled(centre, radius, ui.colors.bad, 16);
+  if (mark == Mark::off) draw->AddCircle(centre, radius, ui.colors.muted, 16, ui.px(1.2f));
 }
 
 /// Each breakpoint with a switch and a cross, in one line.
@@ -82,7 +55,7 @@ void draw_breakpoints(const Ui& ui) {
     ui.name(widget);
     tooltip(all[i].enabled ? "Disable" : "Enable");
     draw_breakpoint_dot(ui, ImVec2(at.x + line / 2, at.y + line / 2),
-                        all[i].enabled ? BreakpointMarks::Mark::on : BreakpointMarks::Mark::off);
+                        all[i].enabled ? Mark::on : Mark::off);
     ImGui::SameLine(0, ui.px(2));
     if (all[i].enabled)
       ImGui::TextUnformatted(title.c_str());
@@ -117,28 +90,22 @@ void toggle_breakpoint(const Ui& ui, const debug::Run& run, const planes::TraceE
 
 bool shows_matches_only(const ViewState& view) { return view.only_matches && view.search.filter; }
 
-/// 12 345
-std::string thousands(std::size_t number) {
-  if (number < 1000) return std::to_string(number);
-  return fmt::format("{} {:03}", thousands(number / 1000), number % 1000);
-}
-
 /// One line: what is wrong with the filter, or how much it finds.
 void draw_findings(const Ui& ui, const debug::Run& run) {
   const Search& search = ui.state.view.search;
   if (!search.problem.message.empty()) {
     colored(ui.colors.bad, search.problem.message);
   } else if (!search.filter) {
-    ImGui::TextDisabled("%s events", thousands(run.trace.events.size()).c_str());
+    ImGui::TextDisabled("%s events", grouped(std::ssize(run.trace.events)).c_str());
   } else {
     const auto& matches = search.matches;
     const auto at = std::lower_bound(matches.begin(), matches.end(), ui.state.view.step);
     const bool on_one = at != matches.end() && *at == ui.state.view.step;
-    const auto number = static_cast<std::size_t>(at - matches.begin()) + 1;
-    const std::string place = on_one ? fmt::format("{} of ", thousands(number)) : std::string();
+    const std::string place =
+        on_one ? fmt::format("{} of ", grouped(at - matches.begin() + 1)) : std::string();
     ImGui::TextDisabled("%s%s matches among %s events", place.c_str(),
-                        thousands(matches.size()).c_str(),
-                        thousands(run.trace.events.size()).c_str());
+                        grouped(std::ssize(matches)).c_str(),
+                        grouped(std::ssize(run.trace.events)).c_str());
   }
   ui.name("events.findings");
 }
@@ -296,11 +263,7 @@ std::string event_words(const debug::Run& run, std::int32_t step) {
   return text.starts_with(name) ? text.substr(name.size()) : text;
 }
 
-void draw_row(const Ui& ui,
-              const debug::Run& run,
-              std::int32_t step,
-              const Columns& columns,
-              const BreakpointMarks& breakpoints) {
+void draw_row(const Ui& ui, const debug::Run& run, std::int32_t step, const Columns& columns) {
   const ViewState& view = ui.state.view;
   const planes::TraceEvent& event = *run.event_at(step);
   const float line = ImGui::GetTextLineHeight();
@@ -329,11 +292,13 @@ void draw_row(const Ui& ui,
   if (view.search.filter && std::binary_search(matches.begin(), matches.end(), step))
     draw->AddRectFilled(ImVec2(at.x + columns.sign - ui.px(5), min.y),
                         ImVec2(at.x + columns.sign - ui.px(2), max.y), ui.colors.accent);
-  const auto mark = breakpoints.of(run, step);
+  const BreakpointStops& stops = stops_of(ui);
+  const Mark mark = std::ranges::binary_search(stops.on, step)    ? Mark::on
+                    : std::ranges::binary_search(stops.off, step) ? Mark::off
+                                                                  : Mark::none;
   draw_breakpoint_dot(ui, ImVec2(at.x + columns.dot, at.y + line / 2), mark);
-  if (mark == BreakpointMarks::Mark::none && in_gutter && ImGui::IsItemHovered())
-    draw_breakpoint_dot(ui, ImVec2(at.x + columns.dot, at.y + line / 2),
-                        BreakpointMarks::Mark::off);
+  if (mark == Mark::none && in_gutter && ImGui::IsItemHovered())
+    draw_breakpoint_dot(ui, ImVec2(at.x + columns.dot, at.y + line / 2), Mark::off);
 
   // What is still to come is muted.
   const ImU32 color = step <= view.step ? ui.colors.text : ui.colors.muted;
@@ -425,7 +390,6 @@ void draw_list(const Ui& ui, const debug::Run& run) {
   const bool some = shows_matches_only(view);
   const std::vector<EventRow> rows = some ? rows_of(view.search.matches) : grouped_rows(ui, run);
   const Columns columns = columns_of(ui, run);
-  const BreakpointMarks breakpoints(ui.state.document);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0, ui.px(3)));
   const float row_height = ImGui::GetTextLineHeightWithSpacing();
   keep_in_sight(ui, row_of_step(rows, view.step), row_height);
@@ -440,7 +404,7 @@ void draw_list(const Ui& ui, const debug::Run& run) {
         draw_group(ui, run, rows[at], at + 1 < rows.size() && rows[at + 1].first == rows[at].first,
                    columns);
       else
-        draw_row(ui, run, rows[at].first, columns, breakpoints);
+        draw_row(ui, run, rows[at].first, columns);
     }
   ImGui::PopStyleVar();
   if (!rows.empty()) return;

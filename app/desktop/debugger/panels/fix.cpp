@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <optional>
 
@@ -24,17 +23,6 @@ namespace {
 constexpr std::size_t kMostShown = 4;  // in an answer
 
 const char* unit_of(const debug::Run& run) { return run.is_on_image() ? "px" : "voxels"; }
-
-/// "31 900": groups of three digits.
-std::string grouped(std::int64_t number) {
-  const std::string digits = std::to_string(std::abs(number));
-  std::string text = number < 0 ? "−" : "";
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) text += ' ';
-    text += digits[i];
-  }
-  return text;
-}
 
 void draw_buttons(const Ui& ui, std::size_t i, bool check) {
   const std::string number = std::to_string(i);
@@ -110,11 +98,7 @@ void draw_decisions(const Ui& ui,
                     const std::shared_ptr<const debug::Run>& of,
                     const FixSearch* fix) {
   const debug::Run& run = *of;
-  const auto& selected = ui.state.view.selected;
-  const std::size_t source =
-      selected.source >= 0
-          ? static_cast<std::size_t>(selected.source)
-          : debug::source_of_voxel(*run.subject, static_cast<std::uint32_t>(selected.voxel));
+  const std::size_t source = *source_of(ui.state.view.selected, *run.subject);
   PointAnswer& kept = ui.memory.answer;
   if (kept.of.lock() != of || kept.source != source)
     kept = {of, source, debug::why_not(run, source)};

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/planes/pipeline/options_table.hpp"

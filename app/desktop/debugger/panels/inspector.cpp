@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/debug/explain/explain.hpp"

@@ -7,16 +7,16 @@
 #include <cmath>
 #include <limits>
 
-#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 
 // ---- The table ----------------------------------------------------------------------------------
 
 namespace {
+
+std::string known(double value, const std::string& text) { return std::isnan(value) ? "–" : text; }
 
 PlaneRow row_of(const debug::Run& run, const planes::FramePlanes& found, std::size_t k) {
   const planes::PlaneSummary& summary = found.summaries[k];
@@ -36,8 +36,50 @@ PlaneRow row_of(const debug::Run& run, const planes::FramePlanes& found, std::si
   return row;
 }
 
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+constexpr PlaneColumn kColumns[] = {
+    {"id", "id", "P000", "As in planes.json", false,
+     [](const PlaneRow& row) { return fmt::format("P{}", row.id); },
+     [](const PlaneRow& row) { return static_cast<double>(row.id); }},
+    {"class", "class", "h", "h: horizontal, v: vertical", false,
+     [](const PlaneRow& row) { return std::string(to_string(row.label, "–")); },
+     [](const PlaneRow& row) { return static_cast<double>(row.label); }},
+    {"area", "area", "00.000 m²", "Area of its outline, without holes", true,
+     [](const PlaneRow& row) { return fmt::format("{:.3f} m²", row.area_m2); },
+     [](const PlaneRow& row) { return row.area_m2; }},
+    {"tilt", "tilt", "00.0°", "Angle to the horizontal: 0 for a floor, 90 for a wall", true,
+     [](const PlaneRow& row) { return known(row.tilt_deg, fmt::format("{:.1f}°", row.tilt_deg)); },
+     [](const PlaneRow& row) { return row.tilt_deg; }},
+    {"rms", "RMS", "00.0 mm", "Root mean square distance of its points from the plane", true,
+     [](const PlaneRow& row) { return fmt::format("{:.1f} mm", 1000 * row.rms_m); },
+     [](const PlaneRow& row) { return row.rms_m; }},
+    {"points", "points", "000000", "Measured points", true,
+     [](const PlaneRow& row) { return std::to_string(row.points); },
+     [](const PlaneRow& row) { return static_cast<double>(row.points); }},
+    {"support", "support", "000 %", "Measured share of its outline", true,
+     [](const PlaneRow& row) {
+       return known(row.support, fmt::format("{:.0f} %", 100 * row.support));
+     },
+     [](const PlaneRow& row) { return row.support; }},
+    {"steppable", "foot", "yes", "Whether it can carry a foot of foot_radius_m", true,
+     [](const PlaneRow& row) {
+       return std::string(row.foot ? (row.steppable ? "yes" : "no") : "–");
+     },
+     [](const PlaneRow& row) { return row.foot ? row.steppable : kUnknown; }},
+    {"margin", "margin", "0.0e-00 ~",
+     "Distance from being dropped or merged with a larger neighbor; ~: so small that it is "
+     "undecided",
+     false,
+     [](const PlaneRow& row) {
+       if (!std::isfinite(row.margin)) return std::string("–");
+       return fmt::format("{:.2g}{}", row.margin, row.undecided ? " ~" : "");
+     },
+     [](const PlaneRow& row) { return std::isfinite(row.margin) ? row.margin : kUnknown; }}};
+
 bool fits(const PlaneRow& row, const std::vector<std::string>& words) {
-  std::vector<std::string> texts = cells_of(row);
+  std::vector<std::string> texts;
+  for (const PlaneColumn& column : kColumns) texts.push_back(column.text(row));
   if (row.label != Label::unknown)
     texts.emplace_back(row.label == Label::h ? "horizontal level" : "vertical upright");
   if (row.foot) texts.emplace_back(row.steppable ? "steppable" : "not steppable");
@@ -50,35 +92,12 @@ bool fits(const PlaneRow& row, const std::vector<std::string>& words) {
 }
 
 /// What is not known stands last, whichever way the rest runs.
-double key_of(const PlaneRow& row, PlaneColumn column) {
-  switch (column) {
-    case PlaneColumn::id:
-      return row.id;
-    case PlaneColumn::label:
-      return static_cast<double>(row.label);
-    case PlaneColumn::area:
-      return row.area_m2;
-    case PlaneColumn::tilt:
-      return row.tilt_deg;
-    case PlaneColumn::rms:
-      return row.rms_m;
-    case PlaneColumn::points:
-      return static_cast<double>(row.points);
-    case PlaneColumn::support:
-      return row.support;
-    case PlaneColumn::steppable:
-      return row.foot ? row.steppable : std::numeric_limits<double>::quiet_NaN();
-    case PlaneColumn::margin:
-      return std::isfinite(row.margin) ? row.margin : std::numeric_limits<double>::quiet_NaN();
-  }
-  return 0;
-}
-
-void sort(std::vector<PlaneRow>& rows, PlaneColumn column, bool descending) {
+void sort(std::vector<PlaneRow>& rows, const PlanesView& by) {
+  const auto key_of = kColumns[by.sorted_by].key;
   std::ranges::stable_sort(rows, [&](const PlaneRow& a, const PlaneRow& b) {
-    const double x = key_of(a, column), y = key_of(b, column);
+    const double x = key_of(a), y = key_of(b);
     if (std::isnan(x) || std::isnan(y)) return !std::isnan(x) && std::isnan(y);
-    return descending ? x > y : x < y;
+    return by.descending ? x > y : x < y;
   });
 }
 
@@ -86,21 +105,7 @@ std::string number(double value) { return std::isfinite(value) ? fmt::format("{}
 
 }  // namespace
 
-std::vector<std::string> cells_of(const PlaneRow& row) {
-  const auto known = [](double value, const std::string& text) {
-    return std::isnan(value) ? std::string("–") : text;
-  };
-  return {fmt::format("P{}", row.id),
-          to_string(row.label, "–"),
-          fmt::format("{:.3f} m²", row.area_m2),
-          known(row.tilt_deg, fmt::format("{:.1f}°", row.tilt_deg)),
-          fmt::format("{:.1f} mm", 1000 * row.rms_m),
-          std::to_string(row.points),
-          known(row.support, fmt::format("{:.0f} %", 100 * row.support)),
-          row.foot ? (row.steppable ? "yes" : "no") : "–",
-          std::isfinite(row.margin) ? fmt::format("{:.2g}{}", row.margin, row.undecided ? " ~" : "")
-                                    : "–"};
-}
+std::span<const PlaneColumn> plane_columns() { return kColumns; }
 
 std::vector<PlaneRow> plane_rows(const State& state) {
   const RunPlanes* planes = state.planes();
@@ -111,7 +116,7 @@ std::vector<PlaneRow> plane_rows(const State& state) {
     const PlaneRow row = row_of(*planes->of->run, planes->found, k);
     if (fits(row, words)) rows.push_back(row);
   }
-  sort(rows, state.view.planes.sorted_by, state.view.planes.descending);
+  sort(rows, state.view.planes);
   return rows;
 }
 
@@ -302,8 +307,7 @@ std::vector<StairsEntry> stairs_entries(const State& state) {
 namespace {
 
 void draw_filter(const Ui& ui) {
-  std::string& text = ui.memory.texts["planes.filter"];
-  if (!ImGui::IsAnyItemActive()) text = ui.state.view.planes.filter;
+  std::string text = ui.state.view.planes.filter;
   ImGui::SetNextItemWidth(std::max(ui.px(60), ImGui::GetContentRegionAvail().x -
                                                   button_width("Copy as CSV") -
                                                   ImGui::GetStyle().ItemSpacing.x));
@@ -318,16 +322,16 @@ void draw_filter(const Ui& ui) {
 void draw_header(const Ui& ui) {
   const PlanesView& view = ui.state.view.planes;
   ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
-  for (std::size_t c = 0; c < std::size(kPlaneColumns); ++c) {
-    const PlaneColumnInfo& column = kPlaneColumns[c];
+  for (const PlaneColumn& column : kColumns) {
     ImGui::TableNextColumn();
-    const bool sorted = static_cast<std::size_t>(view.sorted_by) == c;
+    const auto number = &column - kColumns;
+    const bool sorted = view.sorted_by == number;
     const std::string title = fmt::format("{}{}", column.title,
                                           !sorted           ? ""
                                           : view.descending ? "▾"
                                                             : "▴");
     if (ImGui::Selectable((title + "###" + column.name).c_str(), false))
-      ui.act("planes.sort", static_cast<PlaneColumn>(c));
+      ui.act("planes.sort", number);
     ui.name(std::string("planes.sort.") + column.name);
     tooltip(column.meaning);
   }
@@ -335,11 +339,10 @@ void draw_header(const Ui& ui) {
 
 void draw_row(const Ui& ui, const PlaneRow& row) {
   const std::string widget = fmt::format("planes.{}", row.id);
-  const std::vector<std::string> cells = cells_of(row);
   const bool selected = ui.state.view.selected.plane == row.plane;
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  if (ImGui::Selectable((cells[0] + "##" + widget).c_str(), selected,
+  if (ImGui::Selectable((kColumns[0].text(row) + "##" + widget).c_str(), selected,
                         ImGuiSelectableFlags_SpanAllColumns))
     selected ? ui.act("select.none") : ui.act("select.plane", PlaneRef{row.plane});
   ui.name(widget);
@@ -350,7 +353,7 @@ void draw_row(const Ui& ui, const PlaneRow& row) {
     shown = row.plane + 1;
     if (!ImGui::IsItemVisible()) ImGui::SetScrollHereY(0.5f);
   }
-  for (std::size_t c = 1; c < cells.size(); ++c) cell(cells[c]);
+  for (const PlaneColumn& column : std::span(kColumns).subspan(1)) cell(column.text(row));
 }
 
 }  // namespace
@@ -368,12 +371,12 @@ void draw_planes(const Ui& ui) {
   }
   if (ui.state.view.selected.plane < 0) ui.memory.numbers["planes.shown"] = 0;
   const ImGuiTableFlags flags = kTable | ImGuiTableFlags_ScrollX | ImGuiTableFlags_ScrollY;
-  if (!ImGui::BeginTable("##planes", static_cast<int>(std::size(kPlaneColumns)), flags)) return;
-  static constexpr const char* kWidest[] = {"P000",   "h",     "00.000 m²", "00.0°",    "00.0 mm",
-                                            "000000", "000 %", "yes",       "0.0e-00 ~"};
-  for (std::size_t c = 0; c < std::size(kPlaneColumns); ++c)
-    fixed_column(kPlaneColumns[c].title, kWidest[c],
-                 ImGui::CalcTextSize("▾").x * (c == 2 || c == 5 ? 0.0f : 1.0f));
+  if (!ImGui::BeginTable("##planes", static_cast<int>(std::size(kColumns)), flags)) return;
+  for (const PlaneColumn& column : kColumns) {
+    const bool long_numbers =
+        column.name == std::string("area") || column.name == std::string("points");
+    fixed_column(column.title, column.widest, long_numbers ? 0 : ImGui::CalcTextSize("▾").x);
+  }
   ImGui::TableSetupScrollFreeze(1, 1);
   draw_header(ui);
   for (const PlaneRow& row : rows) draw_row(ui, row);

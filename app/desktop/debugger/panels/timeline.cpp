@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
