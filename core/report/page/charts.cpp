@@ -135,14 +135,15 @@ std::string line_chart(const LineChart& chart) {
   for (std::size_t c = 0; c < chart.curves.size(); ++c) {
     const Curve& curve = chart.curves[c];
     assert(curve.values.size() == chart.x.size());
+    const int color = (curve.color >= 0 ? curve.color : static_cast<int>(c)) % kColors;
     const int legend_x = kWidth - kRight + 16, legend_y = kTop + 8 + 20 * static_cast<int>(c);
     for (std::size_t i = 0; i < chart.x.size() && chart.x.size() <= kMostDots; ++i)
       if (!std::isnan(curve.values[i]))
         svg += fmt::format("<circle class=\"bar{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n",
-                           c % kColors, x_of(x, chart.x[i]), y_of(y, curve.values[i]));
+                           color, x_of(x, chart.x[i]), y_of(y, curve.values[i]));
     svg += fmt::format(
-        "<path class=\"curve{}\" d=\"{}M{} {}h16\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
-        c % kColors, path_of(chart, curve, x, y), legend_x, legend_y, legend_x + 24, legend_y + 4,
+        "<path class=\"curve{}\" d=\"{}M{} {}h16\"/><text x=\"{}\" y=\"{}\">{}</text>\n", color,
+        path_of(chart, curve, x, y), legend_x, legend_y, legend_x + 24, legend_y + 4,
         html_escape(curve.name));
   }
   return svg + "</svg>\n";

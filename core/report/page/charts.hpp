@@ -13,6 +13,7 @@ namespace planescope::report {
 struct Curve {
   std::string name;
   std::vector<double> values;  // one for each of the chart's x; NaN: none, the curve goes on after
+  int color = -1;              // one of the style's; -1: by its place in the chart
 };
 
 struct LineChart {

@@ -248,7 +248,7 @@ std::string cumulative_chart(const ValueHistogram& histogram) {
   chart.from_zero = true;
   chart.x_mark = histogram.threshold;
   chart.mark_name = counts ? fmt::format("threshold {:.6g}", histogram.threshold) : "limit";
-  Curve curve{"%", {}};
+  Curve curve{"%", {}, 0};
   std::uint64_t sum = 0;
   for (std::size_t bin = 0; bin + 1 < histogram.counts.size(); ++bin) {
     sum += histogram.counts[bin];

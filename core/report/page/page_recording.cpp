@@ -88,7 +88,7 @@ std::string trend(const FrameMetric& metric,
   chart.x_name = "frame";
   chart.from_zero = metric.chart.from_zero;
   chart.x_from = frames.front()->frame->index;
-  Curve curve_now{"now", {}}, curve_before{"baseline", {}};
+  Curve curve_now{"now", {}, 0}, curve_before{"baseline", {}, 1};
   for (const PageFrame* frame : frames) {
     chart.x.push_back(frame->frame->index);
     curve_now.values.push_back(value_of(frame->frame));
