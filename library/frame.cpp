@@ -1,3 +1,5 @@
+// Frames of the public library: conversion to core's frames, and their accessors.
+
 #include <fmt/format.h>
 
 #include <algorithm>

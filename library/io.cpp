@@ -1,3 +1,5 @@
+// Recordings and maps of the public library.
+
 #include "planescope/io.hpp"
 
 #include <fmt/format.h>

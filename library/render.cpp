@@ -1,3 +1,5 @@
+// Renderer of the public library: pictures of results and of trace steps.
+
 #include "planescope/render.hpp"
 
 #include <fmt/format.h>

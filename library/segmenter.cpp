@@ -1,3 +1,5 @@
+// Options, segmenter and results of the public library.
+
 #include <fmt/format.h>
 
 #include <limits>

@@ -1,3 +1,5 @@
+// Traces of the public library: events, octree nodes, and the plane of each point at a step.
+
 #include <fmt/format.h>
 
 #include <cstddef>

@@ -1,3 +1,5 @@
+// OpenGL programs, targets, textures, and contexts from EGL or a GLFW window.
+
 #include "render/gl.hpp"
 
 #include <EGL/egl.h>

@@ -1,3 +1,5 @@
+// Text and shapes painted on the CPU, and the layout of overlays over a picture.
+
 #include "render/paint.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Palettes of planes, cases, labels and themes, and the ticks of color scales.
+
 #include "render/palette.hpp"
 
 #include <fmt/format.h>

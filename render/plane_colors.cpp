@@ -1,3 +1,5 @@
+// Assigns plane colors: matches planes between frames and separates neighbors.
+
 #include "render/plane_colors.hpp"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,5 @@
+// Draws draw lists with OpenGL, and finds the parts of a picture that changed.
+
 #include "render/renderer.hpp"
 
 #include <algorithm>

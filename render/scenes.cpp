@@ -1,3 +1,5 @@
+// Draw lists and pictures of a frame's result: labels, cases, planes, leftovers and errors.
+
 #include "render/scenes.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Voxel colors at a step of a run, by case, label, plane or measured quantity.
+
 #include <fmt/format.h>
 
 #include <algorithm>

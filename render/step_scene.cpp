@@ -1,3 +1,5 @@
+// Draw lists and images of a single step of a run, and of labels.
+
 #include "render/step_scene.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Shared command-line options, bound to CLI11 with validation and help text.
+
 #include "app/cli/command.hpp"
 
 #include <fmt/format.h>

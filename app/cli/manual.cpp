@@ -1,3 +1,5 @@
+// Man page and shell completions for bash, zsh and fish, generated from the CLI11 app.
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

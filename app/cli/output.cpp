@@ -1,3 +1,5 @@
+// Notices and progress on stderr, staged output folders and the lookup of shipped assets.
+
 #include "app/cli/output.hpp"
 
 #include <unistd.h>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Command output: notices, progress, and folders whose files appear only when complete.
+
 #include <fmt/format.h>
 
 #include <filesystem>

@@ -1,3 +1,5 @@
+// Parses the command line, runs the command, and turns errors and signals into exit codes.
+
 #include "app/cli/program.hpp"
 
 #include <fcntl.h>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Entry point of planescope and planescope-lab: runs the command and returns the exit code.
+
 #include <vector>
 
 #include "app/cli/command.hpp"

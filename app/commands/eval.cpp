@@ -1,3 +1,5 @@
+// planescope eval: scores a segmentation, or labels made earlier, against ground truth.
+
 #include <fmt/format.h>
 
 #include <cmath>

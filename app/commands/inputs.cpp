@@ -1,3 +1,5 @@
+// Inputs shared by commands: opening recordings, frame slices, input and method options.
+
 #include "app/commands/inputs.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Options and label-folder handling shared by the subcommands of planescope labels.
+
 #include "app/commands/labels.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Draws a map from above: planes, the camera path, plane names with heights, and a scale.
+
 #include "app/commands/map_picture.hpp"
 
 #include <fmt/format.h>

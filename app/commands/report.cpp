@@ -1,3 +1,5 @@
+// planescope report: the command with its subcommands, from opening inputs to the final exit code.
+
 #include "app/commands/report.hpp"
 
 #include <fmt/chrono.h>

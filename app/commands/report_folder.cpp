@@ -1,3 +1,5 @@
+// Output folder of a report: stages frames, resumes from their records, swaps parts in place.
+
 #include <algorithm>
 
 #include "app/cli/output.hpp"

@@ -1,3 +1,5 @@
+// Runs and writes the frames of a report on all cores, including shards and resumed runs.
+
 #include <fmt/format.h>
 
 #include <algorithm>

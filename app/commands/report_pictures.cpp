@@ -1,3 +1,5 @@
+// Draws the pictures of one report frame, with their legends and captions.
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Classifier training: options, checkpoints, progress, and the final accuracy check.
+
 #include "app/commands/train.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Training data from synthetic sets and labeled recordings, with a record of their origin.
+
 #include <fmt/format.h>
 
 #include <algorithm>

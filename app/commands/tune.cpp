@@ -1,3 +1,5 @@
+// planescope tune: searches for better method options on labeled frames.
+
 #include <fmt/format.h>
 
 #include <algorithm>

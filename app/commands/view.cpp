@@ -1,3 +1,5 @@
+// planescope view: opens the desktop window, on a display or offscreen.
+
 #include "app/commands/view.hpp"
 
 #include <fmt/format.h>

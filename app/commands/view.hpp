@@ -1,5 +1,7 @@
 #pragma once
 
+// Options of planescope view, and the desktop state they open.
+
 #include <filesystem>
 #include <optional>
 #include <stop_token>

@@ -1,3 +1,5 @@
+// OpenGL canvas: renders scenes and images into textures and redraws only after changes.
+
 #include <algorithm>
 #include <array>
 #include <map>

@@ -1,3 +1,5 @@
+// Keyboard and mouse input: key names, and a queue of events that feeds ImGui.
+
 #include <array>
 #include <cctype>
 #include <set>

@@ -1,3 +1,5 @@
+// Cameras and draw settings derived from the desktop state.
+
 #include "app/desktop/look.hpp"
 
 #include <fmt/format.h>

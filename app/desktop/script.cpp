@@ -1,3 +1,5 @@
+// Reads scripts of actions and input from JSON and plays them on the window.
+
 #include "app/desktop/script.hpp"
 
 #include <fmt/format.h>

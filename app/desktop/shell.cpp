@@ -1,3 +1,5 @@
+// Window contents: panel layout, keyboard shortcuts, and the update of each frame.
+
 #include "app/desktop/shell.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Image view and scene view: placement, zoom, pan, orbit, A/B divider and color scale.
+
 #include "app/desktop/views.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Styles and basic widgets of the panels: text, links, tooltips, buttons, tables and lists.
+
 #include "app/desktop/widgets.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// GLFW window, and the offscreen stage that draws the same shell without a display.
 
 #define GLFW_INCLUDE_NONE
 

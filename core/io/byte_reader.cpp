@@ -1,3 +1,5 @@
+// Memory-mapped files that survive truncation while they are open.
+
 #include "core/io/byte_reader.hpp"
 
 #include <fcntl.h>

@@ -1,3 +1,5 @@
+// One pass over a recording: runs frames in parallel and adds them to the tracker in order.
+
 #include <fmt/format.h>
 
 #include <algorithm>

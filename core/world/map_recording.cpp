@@ -1,3 +1,5 @@
+// Builds the map of a recording: poses, shared gravity, passes and tracks.
+
 #include "core/world/map_recording.hpp"
 
 #include <fmt/format.h>

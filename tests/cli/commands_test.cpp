@@ -1,3 +1,5 @@
+// Tests of info, eval, sample and synth through the command line.
+
 #include <gtest/gtest.h>
 
 #include <cmath>

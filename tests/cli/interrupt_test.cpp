@@ -1,3 +1,5 @@
+// Test that an interrupted run exits with code 130 and leaves only whole frames.
+
 #include <gtest/gtest.h>
 #include <signal.h>
 

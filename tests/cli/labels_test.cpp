@@ -1,3 +1,5 @@
+// Tests of planescope labels: check, import, export, compare and stats.
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,3 +1,5 @@
+// Starts the built programs as child processes and collects their output.
+
 #include "cli/program.hpp"
 
 #include <fcntl.h>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Runs the built programs in tests: exit code, output, signals and scratch folders.
+
 #include <filesystem>
 #include <functional>
 #include <string>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Helpers of report tests: the command line, and report.json checked against its schema.
+
 #include <gtest/gtest.h>
 
 #include <fstream>

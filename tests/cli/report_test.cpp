@@ -1,3 +1,5 @@
+// Tests of planescope report: output files, failures, resumed runs and shards.
+
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>

@@ -1,3 +1,5 @@
+// Builds the floor-and-wall recording and cloud for command-line tests.
+
 #include "cli/scene_files.hpp"
 
 #include <algorithm>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Small recordings of a floor and a wall with known truth, for command-line tests.
+
 #include <filesystem>
 
 #include "core/io/recording.hpp"

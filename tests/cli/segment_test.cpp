@@ -1,3 +1,5 @@
+// Tests of planescope segment: output files, frame selection, and identical bytes for any threads.
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

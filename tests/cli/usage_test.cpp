@@ -1,3 +1,5 @@
+// Tests of help texts, option defaults and usage errors.
+
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

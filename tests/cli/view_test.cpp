@@ -1,3 +1,5 @@
+// Tests of planescope view without a display.
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>

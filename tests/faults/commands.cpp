@@ -1,3 +1,5 @@
+// Command lines and folders that fault tests run.
+
 #include "faults/commands.hpp"
 
 #include <gtest/gtest.h>

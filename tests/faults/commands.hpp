@@ -1,5 +1,7 @@
 #pragma once
 
+// Main commands as fault tests run them, each in a folder of its own.
+
 #include <filesystem>
 #include <functional>
 #include <ostream>

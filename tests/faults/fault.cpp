@@ -1,3 +1,5 @@
+// Runs the program under the fault layer, and compares folders before and after.
+
 #include "faults/fault.hpp"
 
 #include <unistd.h>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Fault injection for tests: makes a chosen call fail, and snapshots the output folder.
+
 #include <cstdint>
 #include <map>
 #include <string>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Kinds of calls that can fail, shared by the fault layer and the tests.
+
 #include <array>
 #include <string_view>
 

@@ -1,3 +1,5 @@
+// List of all fuzz targets, and the inputs and checks they share.
+
 #include "fuzz/fuzz.hpp"
 
 #include <unistd.h>

@@ -1,3 +1,5 @@
+// Tests of the public library through its public headers.
+
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// Reads the output of segment and checks it against the expectations for real recordings.
+
 #include "tests/real/expectations.hpp"
 
 #include <fmt/format.h>

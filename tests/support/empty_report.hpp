@@ -1,5 +1,7 @@
 #pragma once
 
+// Minimal reports and planes for report tests.
+
 #include <string>
 #include <utility>
 #include <vector>

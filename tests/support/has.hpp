@@ -1,5 +1,7 @@
 #pragma once
 
+// Assertion that a text contains a part, with both in the failure message.
+
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,3 +1,5 @@
+// Reference implementation of the paper's method, simple rather than fast (Sun et al. 2023).
+
 #include "support/reference_segment.hpp"
 
 #include <Eigen/Eigenvalues>

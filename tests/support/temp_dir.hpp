@@ -1,5 +1,7 @@
 #pragma once
 
+// A temporary folder for each test process, removed at exit.
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 

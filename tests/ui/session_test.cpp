@@ -1,3 +1,5 @@
+// Tests of sessions and window settings: saving, restoring and damaged files.
+
 #include "app/desktop/state/session.hpp"
 
 #include <fstream>

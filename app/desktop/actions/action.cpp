@@ -1,3 +1,5 @@
+// Table of desktop actions: lookup by name and key, palette search, and argument parsing.
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,3 +1,5 @@
+// Data behind the debugger panels: event groups, octree rows, slider scales and filter completion.
+
 #include "app/desktop/debugger/debugger.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Debugger timeline: zooming and scrolling its range, and drawing its rows of events.
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Background jobs of the debugger: searching for fixes, checking their effect, sensitivity curves.
+
 #include <algorithm>
 
 #include "app/desktop/jobs/jobs.hpp"

@@ -1,3 +1,5 @@
+// Work on one frame for jobs: loading, running, scoring, thumbnails and plane colors.
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Background jobs: starting and collecting them; loading, running and comparing frames.
+
 #include "app/desktop/jobs/jobs.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Background jobs of the label mode: opening frames, review, audit, and carrying labels over.
+
 #include <fmt/format.h>
 
 #include <algorithm>

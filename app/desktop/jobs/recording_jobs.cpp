@@ -1,3 +1,5 @@
+// Background jobs over a whole recording: maps, spreading labels, training and doubtful frames.
+
 #include <fmt/format.h>
 
 #include <algorithm>

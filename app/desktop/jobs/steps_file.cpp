@@ -1,3 +1,5 @@
+// Writes the animation of a run's steps on a thread of its own.
+
 #include <fmt/format.h>
 
 #include <condition_variable>

@@ -1,3 +1,5 @@
+// Training on reviewed frames: source data, measured gain, doubtful frames and actions.
+
 #include "app/desktop/labeling/learning.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Review queue of the label mode: building it, choosing items, and applying decisions.
+
 #include "app/desktop/labeling/review.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Mouse handling and overlays of the views in which label tools draw.
+
 #include "app/desktop/labeling/surface.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Helpers shared by label actions: the active frame and plane, commits, progress and the camera.
+
 #include "app/desktop/labeling/work.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Sessions and window settings: saving to JSON, reading and restoring.
+
 #include "app/desktop/state/session.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Queries on the desktop state, the list of recent recordings, and the state as JSON.
+
 #include "app/desktop/state/state.hpp"
 
 #include <fmt/format.h>

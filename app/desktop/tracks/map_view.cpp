@@ -1,3 +1,5 @@
+// Tracked planes of a recording as the window shows them, and the actions that use them.
+
 #include "app/desktop/tracks/map_view.hpp"
 
 #include <fmt/format.h>

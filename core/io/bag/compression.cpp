@@ -1,3 +1,5 @@
+// Decompression of LZ4, bzip2 and zstd data, including blocks that are cut off.
+
 #include <bzlib.h>
 #include <fcntl.h>
 #include <fmt/format.h>

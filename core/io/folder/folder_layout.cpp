@@ -1,3 +1,5 @@
+// Finds the depth images of a folder, their color images, timestamps and accelerometer samples.
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

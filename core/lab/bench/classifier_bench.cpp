@@ -1,3 +1,5 @@
+// Classifier benchmark: accuracy on clouds, effect on planes, and speed.
+
 #include "core/lab/bench/classifier_bench.hpp"
 
 #include <array>

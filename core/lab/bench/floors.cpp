@@ -1,3 +1,5 @@
+// Lower bounds of stage times, from memory traffic and arithmetic at this machine's peak rates.
+
 #include "core/lab/bench/floors.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Machine facts, clocks, interleaved timing and medians for benchmarks.
+
 #include "core/lab/bench/measuring.hpp"
 
 #include <time.h>

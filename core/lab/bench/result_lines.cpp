@@ -1,3 +1,5 @@
+// Writes the results of an experiment as JSON lines.
+
 #include "core/lab/bench/result_lines.hpp"
 
 #include <nlohmann/json.hpp>

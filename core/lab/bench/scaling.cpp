@@ -1,3 +1,5 @@
+// Measures how times grow with points, planes, voxels, image size and threads.
+
 #include "core/lab/bench/scaling.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Stairs benchmark: detected flights and steps against synthetic truth.
+
 #include "core/lab/bench/stairs_bench.hpp"
 
 #include <algorithm>

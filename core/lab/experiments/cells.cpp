@@ -1,3 +1,5 @@
+// Cells of the paper's experiments: names, options, and the plan of all cells.
+
 #include "core/lab/experiments/cells.hpp"
 
 #include <fmt/format.h>

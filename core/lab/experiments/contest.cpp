@@ -1,3 +1,5 @@
+// Runs all methods on one frame, including an oracle that knows the true planes.
+
 #include "core/lab/experiments/contest.hpp"
 
 #include <algorithm>

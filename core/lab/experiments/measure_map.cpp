@@ -1,3 +1,5 @@
+// Scores tracks and maps against a synthetic walk and against measured cuboids.
+
 #include "core/lab/experiments/measure_map.hpp"
 
 #include <fmt/format.h>

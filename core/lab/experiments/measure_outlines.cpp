@@ -1,3 +1,5 @@
+// Scores outlines, uncertainties and footholds against synthetic truth.
+
 #include "core/lab/experiments/measure_outlines.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Runs, scores and times the contestants of the paper's experiments.
+
 #include "core/lab/experiments/measure_paper.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Scores methods on real labeled frames, depth sets and neighboring frames, pixel by pixel.
+
 #include "core/lab/experiments/measure_real.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Measures the stability of planes under irrelevant changes and from frame to frame.
+
 #include "core/lab/experiments/steady.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// List of PCL and CGAL methods, and running any method by name.
+
 #include "core/lab/rivals/rivals.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Depth errors of the RealSense D435: correlated noise, quantization, holes and occlusion.
+
 #include "core/lab/synthetic/d435.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Evaluation sets: their names, and building each frame from a seed.
+
 #include "core/lab/synthetic/evaluation_sets.hpp"
 
 #include <cassert>

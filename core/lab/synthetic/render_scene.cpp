@@ -1,3 +1,5 @@
+// Renders synthetic scenes by ray casting: depth, color and exact labels.
+
 #include "core/lab/synthetic/render_scene.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Writes synthetic recordings with ground truth: the sample, and a walk over stairs.
+
 #include "core/lab/synthetic/sample.hpp"
 
 #include <fmt/format.h>

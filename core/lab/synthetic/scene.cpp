@@ -1,3 +1,5 @@
+// Building blocks of synthetic scenes: polygons, boxes, cylinders, steps and ramps.
+
 #include "core/lab/synthetic/scene.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Synthetic scenes: hand-made ones by name, and random compositions from a seed.
+
 #include "core/lab/synthetic/scenes.hpp"
 
 #include <algorithm>

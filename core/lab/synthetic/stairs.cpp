@@ -1,3 +1,5 @@
+// Point sampling of surfaces, and the random staircases of the paper's evaluation set (Sec. V).
+
 #include "core/lab/synthetic/stairs.hpp"
 
 #include <algorithm>

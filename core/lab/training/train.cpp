@@ -1,3 +1,5 @@
+// Training of the 3D-GCN: backpropagation, Adam steps, and scoring of the network.
+
 #include "core/lab/training/train.hpp"
 
 #include <algorithm>

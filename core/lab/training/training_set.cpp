@@ -1,3 +1,5 @@
+// Training sets and recipes: the paper's shapes (Sec. III), camera scans and augmentation.
+
 #include "core/lab/training/training_set.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Outcome of a tuning search as text, JSON, profile and page.
+
 #include "core/lab/tuning/tuning_answer.hpp"
 
 #include <fmt/format.h>

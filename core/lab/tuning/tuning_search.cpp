@@ -1,3 +1,5 @@
+// Tuning search: values to try for each option, from coarse steps to fine ones.
+
 #include "core/lab/tuning/tuning_search.hpp"
 
 #include <fmt/format.h>

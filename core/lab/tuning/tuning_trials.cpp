@@ -1,3 +1,5 @@
+// Scores tuning settings on labeled frames, and keeps a journal of trials for resuming.
+
 #include "core/lab/tuning/tuning_trials.hpp"
 
 #include <fmt/format.h>

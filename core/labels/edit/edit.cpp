@@ -1,3 +1,5 @@
+// Difference between two label states, applied to redo a gesture and reverted to undo it.
+
 #include "core/labels/edit/edit.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Label operations as pure functions: paint, classify, join, split, remove and set flags.
+
 #include "core/labels/edit/operations.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Selects the pixels of a drawn shape, on the image or in a view of the point cloud.
+
 #include "core/labels/edit/selection.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Reads, checks and writes the label files of a frame.
+
 #include "core/labels/model/label_files.hpp"
 
 #include <algorithm>

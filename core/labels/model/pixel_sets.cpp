@@ -1,3 +1,5 @@
+// Connected parts, distances, flood fill and holes of pixel sets.
+
 #include "core/labels/model/pixel_sets.hpp"
 
 #include <algorithm>

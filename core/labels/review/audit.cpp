@@ -1,3 +1,5 @@
+// Finds likely mistakes in the labels of a frame, and computes label statistics.
+
 #include "core/labels/review/audit.hpp"
 
 #include <fmt/format.h>

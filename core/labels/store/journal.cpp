@@ -1,3 +1,5 @@
+// Append-only journal of label edits: checksums, damage recovery and background sync.
+
 #include "core/labels/store/journal.hpp"
 
 #include <fcntl.h>

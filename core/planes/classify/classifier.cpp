@@ -1,3 +1,5 @@
+// PCA classifier: labels each point by the normal of its neighborhood.
+
 #include "core/planes/classify/classifier.hpp"
 
 #include <algorithm>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Forward pass of the 3D-GCN: neighbor graph, layers and activations. Training uses the same parts.
+
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -1,3 +1,5 @@
+// Plane numbering shared by rival methods, and the hook through which Open3D adds RANSAC.
+
 #include "core/planes/rivals/rivals.hpp"
 
 #include <algorithm>

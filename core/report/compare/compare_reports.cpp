@@ -1,3 +1,5 @@
+// Compares two reports: matches frames and planes, and describes the changes.
+
 #include "core/report/compare/compare_reports.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Verdict on a report: broken rules and differences from the baseline, as text and JSON.
+
 #include "core/report/compare/judgement.hpp"
 
 #include <fmt/format.h>

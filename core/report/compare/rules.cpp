@@ -1,3 +1,5 @@
+// Report rules: built-in ones, rules from a file, and the check of each against its limits.
+
 #include "core/report/compare/rules.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Draws each plane of a frame as SVG: outline, foot space, best place and cross-section.
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Builds the data of a report from frame results: summaries, totals, options and histograms.
+
 #include "core/report/data/report_data.hpp"
 
 #include <fmt/format.h>

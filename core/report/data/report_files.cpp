@@ -1,3 +1,5 @@
+// Writes the CSV and JUnit files of a report; reads and writes its frame records.
+
 #include "core/report/data/report_files.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Line and scatter charts as SVG, with round ticks and a shared style.
+
 #include "core/report/page/charts.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Pictures for report pages: reduced copies, plane maps and overview animations.
+
 #include "core/report/page/pictures.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Writes the map and track files of a recording, and reads a map back.
+
 #include "core/world/files/map_files.hpp"
 
 #include <fmt/format.h>

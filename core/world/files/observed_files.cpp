@@ -1,3 +1,5 @@
+// Files with the observed planes of one frame, exchanged between the shards of a map.
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Odometry from depth frames: registers frames, detects loops and optimizes the pose graph.
+
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>

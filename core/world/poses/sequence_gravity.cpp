@@ -1,3 +1,4 @@
+// Gravity over a sequence: shared by all poses, or carried over from a nearby frame.
 
 #include <fmt/format.h>
 

@@ -1,3 +1,5 @@
+// Reads trajectories (TUM, KITTI, Open3D) and matches their poses with frames.
+
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>

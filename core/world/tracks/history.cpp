@@ -1,3 +1,5 @@
+// History of tracks: a track's state in each frame, track filters and stability.
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Compares tracks with a frame: visible cells, pose alignment and expected pixels.
+
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>

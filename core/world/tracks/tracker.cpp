@@ -1,3 +1,5 @@
+// Tracker: matches observed planes with tracks, fuses and merges them, and records absences.
+
 #include "core/world/tracks/tracker.hpp"
 
 #include <algorithm>

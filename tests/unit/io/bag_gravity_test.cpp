@@ -1,3 +1,5 @@
+// Tests of gravity from the IMU samples of bag files.
+
 #include "unit/io/bag_writer.hpp"
 #include "unit/io/support.hpp"
 

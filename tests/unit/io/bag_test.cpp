@@ -1,3 +1,5 @@
+// Tests of ROS 1 bags: compression, streams, depth units, color pairing and errors.
+
 #include <thread>
 
 #include "unit/io/bag_writer.hpp"

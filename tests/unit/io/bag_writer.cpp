@@ -1,3 +1,5 @@
+// Writes ROS 1 bags and ROS messages for tests, independently of the reader.
+
 #include "unit/io/bag_writer.hpp"
 
 #include <bzlib.h>

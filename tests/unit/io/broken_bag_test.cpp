@@ -1,3 +1,5 @@
+// Tests of truncated and damaged ROS 1 bags.
+
 #include "unit/io/bag_writer.hpp"
 #include "unit/io/support.hpp"
 

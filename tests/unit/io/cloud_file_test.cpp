@@ -1,3 +1,5 @@
+// Tests of PLY and PCD files, and of recordings made of clouds.
+
 #include "core/io/cloud_files/cloud_file.hpp"
 
 #include <algorithm>

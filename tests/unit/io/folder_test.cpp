@@ -1,3 +1,5 @@
+// Tests of folder recordings: layout, intrinsics, timestamps, color pairing and sidecars.
+
 #include <fmt/format.h>
 
 #include "core/io/folder/folder_files.hpp"

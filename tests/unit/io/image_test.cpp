@@ -1,3 +1,5 @@
+// Tests of PNG, JPEG, WebP and APNG images, whole and damaged.
+
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,3 +1,5 @@
+// Tests of gravity picked by the user and stored beside the recording.
+
 #include <gtest/gtest.h>
 
 #include "core/io/readers.hpp"

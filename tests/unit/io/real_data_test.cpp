@@ -1,3 +1,5 @@
+// Tests of the readers on real recordings; skipped unless PLANESCOPE_DATA is set.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

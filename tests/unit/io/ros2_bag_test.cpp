@@ -1,3 +1,5 @@
+// Tests of ROS 2 bags, both SQLite and MCAP, whole and damaged.
+
 #include <functional>
 #include <set>
 

@@ -1,3 +1,5 @@
+// Writes ROS 2 databases and MCAP files for tests, independently of the reader.
+
 #include <lz4frame.h>
 #include <sqlite3.h>
 #include <zstd.h>

@@ -1,3 +1,5 @@
+// Tests of bags from the RealSense ROS driver: topics, extrinsics and encodings.
+
 #include "core/io/image/png.hpp"
 #include "support/jpeg_bytes.hpp"
 #include "unit/io/bag_writer.hpp"

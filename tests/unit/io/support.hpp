@@ -1,5 +1,7 @@
 #pragma once
 
+// Helpers of the reader tests: temporary files, damaged inputs and expected errors.
+
 #include <gtest/gtest.h>
 
 #include <filesystem>

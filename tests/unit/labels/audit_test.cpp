@@ -1,3 +1,5 @@
+// Tests of the label audit: findings, clutter and statistics.
+
 #include "core/labels/review/audit.hpp"
 
 #include <gtest/gtest.h>

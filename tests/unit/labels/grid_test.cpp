@@ -1,3 +1,5 @@
+// Tests of the label grid: points, normals, noise, fitted planes and fragments.
+
 #include "core/labels/model/grid.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of reading and writing label files, and of their checks.
+
 #include "core/labels/model/label_files.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of disagreements between annotators, review decisions and agreement scores.
+
 #include "core/labels/review/review.hpp"
 
 #include <gtest/gtest.h>

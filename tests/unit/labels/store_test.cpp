@@ -1,3 +1,5 @@
+// Tests of the label store: undo history, restarts, saving and work times.
+
 #include "core/labels/store/store.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of file replacement, folder exchange, hashes and file errors.
+
 #include "core/model/file_bytes.hpp"
 
 #include <fcntl.h>

@@ -1,3 +1,5 @@
+// Tests of the JSON field visitor and the JSON parser.
+
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

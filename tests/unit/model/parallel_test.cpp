@@ -1,3 +1,5 @@
+// Tests of parallel work: teams, work lists and ordered results.
+
 #include "core/model/parallel.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of text helpers: nearest names, numbers, splitting and one-line messages.
+
 #include "core/model/text.hpp"
 
 #include <gtest/gtest.h>

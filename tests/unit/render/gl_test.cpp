@@ -1,3 +1,5 @@
+// Tests of GL contexts, textures and splats.
+
 #include "render/gl.hpp"
 
 #include <cstdlib>

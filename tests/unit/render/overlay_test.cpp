@@ -1,3 +1,5 @@
+// Tests of overlays, text, scale bars, framing and camera views.
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,5 @@
+// Tests of color contrast, for normal and color-blind vision, and of color scales.
+
 #include "render/palette.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of plane colors over sequences, and of contact between planes.
+
 #include "render/plane_colors.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of drawing finished planes in the scene and on the image.
+
 #include <algorithm>
 #include <cmath>
 

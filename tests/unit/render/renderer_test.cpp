@@ -1,3 +1,5 @@
+// Tests of the renderer: pixels, partial redraws and picking.
+
 #include "render/renderer.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Tests of the draw lists of a frame's result.
+
 #include "render/scenes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the scene, image and picking of a single step.
+
 #include "render/step_scene.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Tests of values and colors at a step, and of the label scene.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

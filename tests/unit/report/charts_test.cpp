@@ -1,3 +1,5 @@
+// Tests of line charts.
+
 #include "core/report/page/charts.hpp"
 
 #include <gtest/gtest.h>

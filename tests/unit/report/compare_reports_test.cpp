@@ -1,3 +1,5 @@
+// Tests of matching and comparing the planes and frames of two reports.
+
 #include "core/report/compare/compare_reports.hpp"
 
 #include <gtest/gtest.h>

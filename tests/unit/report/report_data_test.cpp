@@ -1,3 +1,5 @@
+// Tests of plane summaries, undecided planes and value histograms in reports.
+
 #include "core/report/data/report_data.hpp"
 
 #include <gtest/gtest.h>

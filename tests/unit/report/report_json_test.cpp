@@ -1,3 +1,5 @@
+// Tests of reading report.json, recorded options and links to frames and planes.
+
 #include "core/report/data/report_json.hpp"
 
 #include <gtest/gtest.h>

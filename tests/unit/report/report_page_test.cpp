@@ -1,3 +1,5 @@
+// Tests of the report page: content, links, escaping and overviews.
+
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,3 +1,5 @@
+// Tests of the files of a report: JSON, CSV, JUnit, page and frame records.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

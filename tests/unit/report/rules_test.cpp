@@ -1,3 +1,5 @@
+// Tests of report rules, and of notes on undecided planes.
+
 #include "core/report/compare/rules.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the history of tracks, and of track filters.
+
 #include <gtest/gtest.h>
 
 #include "core/model/error.hpp"

@@ -1,3 +1,5 @@
+// Tests of trajectories, frame-pose pairing, shared gravity and the pose graph.
+
 #include "core/world/poses/poses.hpp"
 
 #include <gtest/gtest.h>

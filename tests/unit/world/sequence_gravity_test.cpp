@@ -1,3 +1,5 @@
+// Tests of gravity carried between the frames of a recording.
+
 #include <gtest/gtest.h>
 
 #include <cmath>

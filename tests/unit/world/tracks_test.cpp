@@ -1,3 +1,5 @@
+// Tests of the tracker, observations, fusion and maps.
+
 #include <gtest/gtest.h>
 
 #include <map>

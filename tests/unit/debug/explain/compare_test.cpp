@@ -1,3 +1,5 @@
+// Tests of the comparison of two runs, and of traces as text.
+
 #include "core/debug/explain/compare.hpp"
 
 #include <gtest/gtest.h>

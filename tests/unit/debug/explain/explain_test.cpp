@@ -1,3 +1,5 @@
+// Tests of explanations of decisions, and of the histograms of their values.
+
 #include "core/debug/explain/explain.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the search for option changes that recover a plane, and of sensitivity curves.
+
 #include "core/debug/explain/fix.hpp"
 
 #include <gtest/gtest.h>

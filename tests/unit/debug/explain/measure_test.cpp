@@ -1,3 +1,5 @@
+// Tests of distances and angles between picked points and planes.
+
 #include "core/debug/explain/measure.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the history of a point, from voxel to final plane.
+
 #include "core/debug/explain/provenance.hpp"
 
 #include <gtest/gtest.h>

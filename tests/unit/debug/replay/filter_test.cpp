@@ -1,3 +1,5 @@
+// Tests of the event filter: syntax, completion and matched steps.
+
 #include "core/debug/filter/filter.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of recorded runs: voxels, truth, facts about nodes, and event texts.
+
 #include "core/debug/replay/run.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of replay: the state at each step follows from the events.
+
 #include "core/debug/replay/timeline.hpp"
 
 #include <gtest/gtest.h>

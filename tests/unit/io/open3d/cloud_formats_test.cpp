@@ -1,3 +1,5 @@
+// Tests of the cloud and mesh formats that Open3D reads.
+
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "unit/io/support.hpp"
 

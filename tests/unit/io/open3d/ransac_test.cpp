@@ -1,3 +1,5 @@
+// Tests of Open3D's RANSAC as a plane-finding method.
+
 #include <gtest/gtest.h>
 #include <omp.h>
 

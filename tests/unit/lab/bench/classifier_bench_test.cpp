@@ -1,3 +1,5 @@
+// Tests of the classifier benchmark, and of the shipped network's accuracy.
+
 #include "core/lab/bench/classifier_bench.hpp"
 
 #include <gtest/gtest.h>

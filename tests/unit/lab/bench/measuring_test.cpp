@@ -1,3 +1,5 @@
+// Tests of benchmark timing: statistics, clocks, lower bounds and scaling.
+
 #include "core/lab/bench/measuring.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of scoring maps against measured cuboids.
+
 #include "core/lab/experiments/measure_map.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the paper's experiments: cells, oracle and polygon distances.
+
 #include "core/lab/experiments/measure_paper.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of repeatability between neighboring frames, and of floor pieces.
+
 #include "core/lab/experiments/measure_real.hpp"
 
 #include <gtest/gtest.h>

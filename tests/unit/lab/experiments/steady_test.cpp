@@ -1,3 +1,5 @@
+// Tests of the stability experiment: plane agreement, pixel warping and changes.
+
 #include "core/lab/experiments/steady.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the PCL and CGAL methods, and of the nanoflann PCA classifier.
+
 #include "core/lab/rivals/rivals.hpp"
 
 #include <gtest/gtest.h>

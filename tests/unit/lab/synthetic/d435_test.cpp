@@ -1,3 +1,5 @@
+// Tests of the D435 depth model: noise, quantization, holes and occlusion.
+
 #include "core/lab/synthetic/d435.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the evaluation sets: reproducible frames, and truth that agrees with geometry.
+
 #include "core/lab/synthetic/evaluation_sets.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of writing the synthetic sample recording.
+
 #include "core/lab/synthetic/sample.hpp"
 
 #include <gtest/gtest.h>

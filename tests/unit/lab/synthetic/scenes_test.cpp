@@ -1,3 +1,5 @@
+// Tests of the synthetic scenes: plane truth, labels, visibility and seeds.
+
 #include "core/lab/synthetic/scenes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of random numbers and farthest point sampling.
+
 #include "core/lab/synthetic/stairs.hpp"
 
 #include <gtest/gtest.h>

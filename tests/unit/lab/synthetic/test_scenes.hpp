@@ -1,5 +1,7 @@
 #pragma once
 
+// Simple synthetic views and pixel helpers for tests of the camera model.
+
 #include "core/lab/synthetic/d435.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
 #include "core/lab/synthetic/scene.hpp"

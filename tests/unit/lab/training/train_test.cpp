@@ -1,3 +1,5 @@
+// Tests of training: gradients, checkpoints, reproducibility and the training page.
+
 #include "core/lab/training/train.hpp"
 
 #include <gtest/gtest.h>

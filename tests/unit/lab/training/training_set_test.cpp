@@ -1,3 +1,5 @@
+// Tests of training sets, recipes, test scans and augmentation.
+
 #include "core/lab/training/training_set.hpp"
 
 #include <gtest/gtest.h>

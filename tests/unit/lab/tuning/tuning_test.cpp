@@ -1,3 +1,5 @@
+// Tests of tuning: search, journal, Pareto front and the resulting report.
+
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// Tests of the nearest-neighbor grid against brute force.
+
 #include "core/planes/classify/neighbour_grid.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the PCA classifier.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

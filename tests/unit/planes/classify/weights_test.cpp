@@ -1,3 +1,5 @@
+// Tests of network weights files: layout, compatibility and damaged files.
+
 #include "core/planes/classify/weights.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the camera model: rays, projection and distortion.
+
 #include "core/planes/cloud/camera.hpp"
 
 #include <gtest/gtest.h>

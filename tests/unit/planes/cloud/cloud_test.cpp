@@ -1,3 +1,5 @@
+// Tests of making a frame's cloud: rotation to gravity, cropping and the bounding cube.
+
 #include "core/planes/cloud/cloud.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of gravity: options, priority of sources, and estimation from the scene.
+
 #include "core/planes/cloud/gravity.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of the vectorized pixel kernels against scalar code.
+
 #include "core/planes/simd/pixel_kernels.hpp"
 
 #include <gtest/gtest.h>

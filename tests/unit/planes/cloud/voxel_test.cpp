@@ -1,3 +1,5 @@
+// Tests of voxels: cells, means, members and majority labels.
+
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,3 +1,5 @@
+// Tests of segmentation metrics, plane assignment and label accuracy.
+
 #include "core/planes/evaluate/metrics.hpp"
 
 #include <gtest/gtest.h>

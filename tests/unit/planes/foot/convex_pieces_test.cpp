@@ -1,3 +1,5 @@
+// Tests of dividing polygons into convex pieces.
+
 #include <gtest/gtest.h>
 
 #include "core/planes/outline/polygons.hpp"

@@ -1,3 +1,5 @@
+// Tests of the space in which a foot fits on a plane, and of its places.
+
 #include <gtest/gtest.h>
 
 #include "core/planes/foot/footholds.hpp"

@@ -1,3 +1,5 @@
+// Tests of steppable planes, plane uncertainty and outline validity.
+
 #include "core/planes/foot/footholds.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of plane outlines: holes, gaps, occlusion and lens distortion.
+
 #include "core/planes/outline/outline.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Tests of polygon operations: area, union, inset, triangulation and largest circle.
+
 #include "core/planes/outline/polygons.hpp"
 
 #include <gtest/gtest.h>

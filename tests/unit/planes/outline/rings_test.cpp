@@ -1,3 +1,5 @@
+// Tests of tracing regions of pixels as rings.
+
 #include "core/planes/outline/rings.hpp"
 
 #include <gtest/gtest.h>

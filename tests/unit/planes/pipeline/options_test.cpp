@@ -1,3 +1,5 @@
+// Tests of the option table, profiles and choice of classifier.
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Tests of reading and writing profile files.
+
 #include <gtest/gtest.h>
 
 #include "core/model/error.hpp"

@@ -1,3 +1,5 @@
+// Tests of running rival methods through the pipeline.
+
 #include <gtest/gtest.h>
 
 #include "core/model/error.hpp"

@@ -1,3 +1,5 @@
+// Tests of ground truth per voxel, and of scoring a frame.
+
 #include <gtest/gtest.h>
 
 #include "core/planes/pipeline/truth.hpp"

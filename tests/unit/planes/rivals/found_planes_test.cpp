@@ -1,3 +1,5 @@
+// Tests of plane numbering in rival methods, and of the missing-RANSAC error.
+
 #include <gtest/gtest.h>
 
 #include "core/planes/rivals/rivals.hpp"

@@ -1,3 +1,5 @@
+// Tests of region growing on depth images and on point clouds.
+
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -1,3 +1,5 @@
+// Tests of the paper's criteria 1, 3 and 4, and of profiles.
+
 #include "core/planes/segment/criteria.hpp"
 
 #include <gtest/gtest.h>

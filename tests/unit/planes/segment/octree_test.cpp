@@ -1,3 +1,5 @@
+// Tests of Morton codes, octree cells and neighbors.
+
 #include "core/planes/segment/octree.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Test that the method finds the same planes as the reference implementation.
+
 #include <gtest/gtest.h>
 
 #include "support/reference_segment.hpp"

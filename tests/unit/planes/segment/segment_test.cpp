@@ -1,3 +1,5 @@
+// Tests of the segmentation method on small synthetic clouds.
+
 #include "core/planes/segment/segment.hpp"
 
 #include <gtest/gtest.h>

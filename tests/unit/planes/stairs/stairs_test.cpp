@@ -1,3 +1,5 @@
+// Tests of detecting stairs, landings, kerbs, ramps and the floor.
+
 #include "core/planes/stairs/stairs.hpp"
 
 #include <gtest/gtest.h>
