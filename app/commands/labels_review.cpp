@@ -31,7 +31,7 @@ struct CheckedFrame {
   std::vector<labels::Finding> findings;
 };
 
-/// Of a recording that is there.
+/// Requires the recording itself.
 labels::LabelGrid grid_as_drawn(const LabelledRecording& source,
                                 int frame,
                                 const FrameLabels& labels) {
@@ -305,7 +305,7 @@ std::string work_text(const std::vector<labels::WorkTime>& work) {
 /// What of a recording is still to do, by frame.
 struct Left {
   std::vector<int> unlabelled, unreviewed;
-  std::vector<int> doubtful;  // with carried planes that nobody has touched
+  std::vector<int> doubtful;  // frames with untouched carried planes
 };
 
 Left what_is_left(const LabelledRecording& source, const std::vector<FrameStatistics>& frames) {

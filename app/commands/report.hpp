@@ -90,7 +90,7 @@ struct ReportSlot {
   std::size_t input = 0;
   int index = 0;                 // the recording's frame
   std::filesystem::path folder;  // below the report, "01-a.bag/frames/000012"
-  bool colors_only = false;      // of another shard; this one continues its planes' colours
+  bool colors_only = false;      // of another shard; run to continue its plane colors
   bool done = false;
   bool found = false;  // as an earlier run left it
 };
@@ -114,7 +114,7 @@ struct ReportFramesJob {
   planes::PipelineOptions options;
   const planes::Classifier* classifier = nullptr;
   FrameRunner run;
-  std::string build_key;  // of all but the input
+  std::string build_key;  // of everything except the input
   int copy_width = 1280;
   bool resume = false;
   bool pictures = true;
@@ -143,7 +143,7 @@ struct DrawingFailed : Error {
 struct PictureJob {
   std::filesystem::path dir;       // the frame's folder, with `pictures` and `report` in it
   std::filesystem::path relative;  // the same folder, as the report names it
-  int copy_width = 1280;           // of the copies in the page [px]
+  int copy_width = 1280;           // width of pictures in the page [px]
   double max_range_m = 1.5;
   planes::Method method = planes::Method::ours;  // others have no labels and no octree to draw
 };

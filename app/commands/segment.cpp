@@ -31,11 +31,11 @@ struct SegmentArgs {
   bool json = false, ros_json = false;
 };
 
-/// The one line that tells what became of a frame, and the same as JSON.
-void tell(const std::string& folder,
-          const planes::FrameResult& result,
-          std::string& line,
-          Json& json) {
+/// Summarizes a frame as one line, and as JSON.
+void summarize(const std::string& folder,
+               const planes::FrameResult& result,
+               std::string& line,
+               Json& json) {
   const planes::CloudCounts& counts = result.cloud.counts;
   const planes::Segmentation& found = result.segmentation;
   const Gravity& gravity = result.gravity;
@@ -60,7 +60,7 @@ void tell(const std::string& folder,
           {"invalid", counts.invalid}, {"gravity_source", to_string(gravity.source)}};
 }
 
-/// What is told of a frame.
+/// Summary of a frame.
 struct WrittenFrame {
   std::string line, ros, refused;
   Json json;
@@ -85,7 +85,7 @@ WrittenFrame write_frame(const OpenInput& input,
                                   args.also);
     if (args.ros_json) written.ros = report::ros_json(loaded.frame, loaded.result, found);
     written.unknown_gravity = !loaded.result.gravity.known();
-    tell((args.out / folder).string(), loaded.result, written.line, written.json);
+    summarize((args.out / folder).string(), loaded.result, written.line, written.json);
     const bool has_foot = options.foot.radius_m > 0;
     const report::Terrain terrain = report::terrain_of(found, has_foot);
     const auto steppable = std::ranges::count_if(found.footholds, &planes::Foothold::steppable);
