@@ -1,17 +1,17 @@
-"""messages.py ROOT: every message that the sources can print, as Markdown by what it is about.
+"""messages.py ROOT: print every message in the sources as Markdown, by topic.
 
-Taken from the calls that make messages, and from every other text that says what is wrong, so that none is missing:
-string literals are joined, and what is filled in when the message is printed stands as an ellipsis.
+Messages are the arguments of the calls in CALLS, and other texts that match WRONG. String literals are joined, and
+values that are filled in at run time become an ellipsis.
 """
 
 import re
 import sys
 from pathlib import Path
 
-# The calls whose text is for people.
+# Calls with a message for the user.
 CALLS = re.compile(r"\b(?:Error|DrawingFailed|FrameRefused|fail|fail_kind|notice|warn|warnings\.(?:push|emplace)_back)\(")
 
-# What a text says that goes into a message made elsewhere.
+# Texts that become part of a message elsewhere.
 WRONG = re.compile(
     r"\b(?:expected|cannot|could not|is not|are not|is no|there is no|missing|lacks?|too (?:large|small|long|many|few)|unknown|damaged"
     r"|out of range|refused)\b"
@@ -118,10 +118,10 @@ def messages(root):
 def main():
     found = messages(Path(sys.argv[1]))
     count = sum(map(len, found.values()))
-    print("## Every message\n")
+    print("## All messages\n")
     print(
-        f"{count} texts from the sources; … is filled in: a file, a number, a name, or another of these texts. What is"
-        " said of unknown commands and options is not among them. `Ctrl+F` finds words.\n"
+        f"{count} messages from the sources. An ellipsis (…) stands for a file, a number, a name or another message."
+        " Messages about unknown commands and options are omitted. Press `Ctrl+F` to search.\n"
     )
     for title, told in found.items():
         if not told:

@@ -102,7 +102,7 @@ TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
   for (const Json& line : set_results["set"]) ++frames[line["method"]];
   EXPECT_EQ(frames["ransac"], 6) << "one of three sets, clean and d435";
   const std::string tables = typeset(sets + " " + (dir / "1/repeat/real.jsonl").string());
-  for (const char* part : {"Labelled real frames, half tuning: 1 frame",
+  for (const char* part : {"Labeled real frames, half tuning: 1 frame",
                            "All depth sets, d435: 1 seed, 3 frames each", "From frame to frame: 2"})
     EXPECT_NE(tables.find(part), std::string::npos) << part << " in " << tables;
   const Json repeat = results_of(read_text(dir / "1/repeat/real.jsonl"))["repeat"].at(0);
