@@ -278,10 +278,16 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     folder.give_up();
     throw Error(totals.first_refusal);
   }
-  for (std::size_t i = 0; args.tracks && !report.partial && i < inputs.size(); ++i)
-    if (inputs[i].recording->info().width > 0)
-      follow_planes(inputs[i], args.input.pipeline, chosen.classifier.get(), stop,
-                    report.recordings[i]);
+  for (std::size_t i = 0; args.tracks && !report.partial && i < inputs.size(); ++i) {
+    report::ReportRecording& recording = report.recordings[i];
+    if (recording.info.width == 0) continue;
+    try {
+      follow_planes(inputs[i], args.input.pipeline, chosen.classifier.get(), stop, recording);
+    } catch (const Error& error) {
+      recording.info.warnings.push_back(std::string("planes are not followed: ") + error.what());
+      notice("warning: {}: {}", recording.name, recording.info.warnings.back());
+    }
+  }
   folder.commit(!report.partial, frames);
   if (args.resume) notice("{} of {} frames were finished before", resumed, frames.size());
   return finish_report(args.out, report, guard, args.guard, args.json);
