@@ -123,7 +123,7 @@ void replace(const std::filesystem::path& path,
   std::filesystem::path target = path;
   if (std::filesystem::exists(status)) target = std::filesystem::canonical(path, ignored);
   Staged staged{target};
-  staged.path += ".part";
+  staged.path += fmt::format(".{}.part", ::getpid());  // another process may write it, too
   expect(write(staged.path));
   if (std::filesystem::exists(status))
     std::filesystem::permissions(staged.path, status.permissions(), ignored);

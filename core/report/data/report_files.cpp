@@ -265,6 +265,9 @@ ReportFrame read_frame_record(const fs::path& dir) {
 }
 
 void write_report_files(const std::filesystem::path& dir, const Report& report) {
+  // A link in the folder is replaced, not followed.
+  for (const char* name : {"frames.csv", "junit.xml", "index.html", "report.json"})
+    if (fs::is_symlink(dir / name)) fs::remove(dir / name);
   write_file_text(dir / "frames.csv", frames_csv(report));
   write_file_text(dir / "junit.xml", junit_xml(report));
   write_overviews(dir, report);
