@@ -97,6 +97,10 @@ void add_inputs(CLI::App* command, InputArgs& args, const std::string& what) {
   option("--instance-field", "NAME",
          "Of clouds: the field with true plane ids, whole numbers from 1, instead of `instance`");
   option("--labels", "DIR", "Ground truth; otherwise <recording>.labels beside it");
+  command
+      ->add_flag("--warnings-as-errors", args.warnings_as_errors,
+                 wrapped("Stop with exit code 2 at the first warning about a recording"))
+      ->group("Recordings");
   const auto limit = [](int mib) { set_read_limit_bytes(std::uint64_t(mib) << 20); };
   command->add_option_function<int>("--read-limit", limit, wrapped(kReadLimitHelp))
       ->type_name("MIB")

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <ranges>
 
 #include "app/cli/progress.hpp"
 #include "core/model/error.hpp"
@@ -61,6 +62,15 @@ void make_output_dir(const fs::path& dir) {
   if (failed) throw Error("output " + dir.string() + ": " + failed.message());
 }
 
+void check_no_linked_folder(const fs::path& dir, const fs::path& relative) {
+  fs::path folder = dir;
+  for (const fs::path& part : relative) {
+    if (folder != dir && fs::is_symlink(folder))
+      throw Error(folder.string() + ": is a link; expected a folder");
+    folder /= part;
+  }
+}
+
 StagedOutput::StagedOutput(const fs::path& dir) : dir_(without_slash(dir)) {
   check_output_dir(dir);
 }
@@ -103,7 +113,9 @@ fs::path StagedOutput::staged(const fs::path& relative, bool is_folder) {
 namespace {
 
 /// Throws Error where what was staged cannot take this place, before anything is replaced.
-void check_place(const fs::path& staged, const fs::path& target) {
+void check_place(const fs::path& staged, const fs::path& dir, const fs::path& relative) {
+  check_no_linked_folder(dir, relative);
+  const fs::path target = dir / relative;
   const bool is_folder = fs::is_directory(staged);
   if (fs::exists(target) && fs::is_directory(target) != is_folder)
     throw Error(fmt::format("{}: is a {}; expected a {}", target.string(),
@@ -119,8 +131,9 @@ void check_place(const fs::path& staged, const fs::path& target) {
 
 void StagedOutput::commit() {
   try {
-    for (const fs::path& relative : added_) check_place(staging_ / relative, dir_ / relative);
-    for (const fs::path& relative : added_) {
+    for (const fs::path& relative : added_) check_place(staging_ / relative, dir_, relative);
+    // Backwards: what lies beside a file, "a.mcap.labels", comes before "a.mcap" itself.
+    for (const fs::path& relative : added_ | std::views::reverse) {
       const fs::path target = dir_ / relative;
       if (!fs::exists(staging_ / relative)) {
         fs::remove(target);

@@ -35,6 +35,11 @@ void check_output_dir(const std::filesystem::path& dir);
 /// Makes it where it is missing. Throws Error.
 void make_output_dir(const std::filesystem::path& dir);
 
+/// Throws Error if a folder between `dir` and DIR/`relative` is a link, which would lead the files
+/// elsewhere.
+void check_no_linked_folder(const std::filesystem::path& dir,
+                            const std::filesystem::path& relative);
+
 /// Files and folders that appear in `dir` only when all are complete: they are written below a
 /// hidden folder, and commit() moves them to their place, over what stood there. Without commit()
 /// nothing of them remains, nor of the folders that were made for them.

@@ -117,16 +117,17 @@ double parse_depth_unit(const std::string& text) {
   return unit;
 }
 
-/// Says where gravity that was given contradicts the first frame of those asked for.
-void check_given_gravity(const OpenInput& input, const planes::GravityOptions& options) {
-  if (options.mode != planes::GravityMode::fixed || !input.recording->info().knows_camera()) return;
+/// A warning if --gravity contradicts the first of the frames to process; empty if not.
+std::string doubt_in_given_gravity(const OpenInput& input, const planes::GravityOptions& options) {
+  if (options.mode != planes::GravityMode::fixed || !input.recording->info().knows_camera())
+    return "";
   try {
     const Frame frame = input.recording->frame(input.frames.front());
     const std::string doubt = planes::doubt_in_gravity(frame, options.direction, options);
-    if (!doubt.empty())
-      notice("warning: {}, frame {}: {}", input.path.string(), input.frames.front(), doubt);
+    if (doubt.empty()) return "";
+    return fmt::format("{}, frame {}: {}", input.path.string(), input.frames.front(), doubt);
   } catch (const Error&) {
-    // Damaged: whoever needs the frame says so.
+    return "";  // damaged: reported when the frame is used
   }
 }
 
@@ -190,9 +191,11 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
           std::make_shared<world::SequenceGravity>(input.recording, args.pipeline.gravity);
       input.recording = io::with_picked_gravity(std::move(input.recording), input.picked);
     }
-    for (const std::string& warning : input.recording->info().warnings)
-      notice("warning: {}", warning);
-    check_given_gravity(input, args.pipeline.gravity);
+    std::vector<std::string> warnings = input.recording->info().warnings;
+    if (std::string doubt = doubt_in_given_gravity(input, args.pipeline.gravity); !doubt.empty())
+      warnings.push_back(std::move(doubt));
+    if (args.warnings_as_errors && !warnings.empty()) throw Error(warnings.front());
+    for (const std::string& warning : warnings) notice("warning: {}", warning);
     inputs.push_back(std::move(input));
   }
   return inputs;

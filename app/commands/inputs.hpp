@@ -37,6 +37,7 @@ struct InputArgs {
   io::RecordingOptions recording;                  // --intrinsics, --depth-unit, --instance-field
   planes::PipelineOptions pipeline;                // --profile, --set, ...; by default on all cores
   std::optional<std::filesystem::path> label_dir;  // --labels; default <recording>.labels
+  bool warnings_as_errors = false;
 };
 
 /// What was typed after --profile, --set, --gravity, --max-range, --voxel, --classifier, --method

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <set>
+#include <utility>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
@@ -56,7 +58,7 @@ void print_facts(const fs::path& out, const report::Report& report, bool json) {
 /// Reads what the report is to be held to. Throws Error.
 report::ReportGuard open_guard(const ReportGuardArgs& args) {
   if (args.approve && args.baseline.empty())
-    throw Error("--approve: give --baseline FILE, which the report is to become");
+    throw Error("--approve: expected --baseline FILE, the file to write");
   if (args.approve) check_output_dir(fs::absolute(args.baseline).parent_path());
   if (args.approve && fs::is_directory(args.baseline))
     throw Error("--baseline " + args.baseline.string() + ": is a folder, expected a report.json");
@@ -72,6 +74,36 @@ void check_baseline_place(const ReportGuardArgs& args, const std::filesystem::pa
                 ": the report would overwrite it; keep the baseline elsewhere");
 }
 
+/// A line for each refused frame, new problems first: damaged frames, then frames that the baseline
+/// has. Frames that the baseline refuses for the same reason are only counted.
+void print_refusals(const report::Report& report) {
+  std::vector<std::string> damaged, refused;
+  int known = 0;
+  const bool several = report.recordings.size() > 1;
+  for (const report::ReportRecording& recording : report.recordings)
+    for (const report::ReportFrame& frame : recording.frames) {
+      if (frame.refused.empty()) continue;
+      if (report::is_known_refusal(report, frame)) {
+        ++known;
+        continue;
+      }
+      (frame.unreadable ? damaged : refused)
+          .push_back(fmt::format("{}{}: {}", several ? recording.name + " " : "",
+                                 report::frame_text(frame.index, frame.name), frame.refused));
+    }
+  constexpr std::size_t kMostLines = 10;
+  for (const auto& [level, lines] : {std::pair("error", &damaged), {"warning", &refused}}) {
+    for (const std::string& line : *lines | std::views::take(kMostLines))
+      notice("{}: {}", level, line);
+    if (lines->size() > kMostLines)
+      notice("{}: {} more frames are {}", level, lines->size() - kMostLines,
+             lines == &damaged ? "damaged" : "refused");
+  }
+  if (known > 0)
+    notice("{} refused as in the baseline",
+           known == 1 ? "1 frame is" : counted(known, "frame") + " are");
+}
+
 /// Judges `report`, writes its files into `out`, where its frames lie, and says how it went.
 /// Returns the exit code, as run_report(); throws Cancelled where the report is partial.
 int finish_report(const std::filesystem::path& out,
@@ -84,30 +116,31 @@ int finish_report(const std::filesystem::path& out,
   if (report.partial) throw Cancelled();
   print_facts(out, report, json);
   const report::ReportTotals totals = report::totals_of(report);
-  if (totals.frames_refused > 0)
-    notice("{}: {} frame{} refused, the first: {}", totals.unreadable ? "error" : "warning",
-           totals.frames_refused, totals.frames_refused == 1 ? " was" : "s were",
-           totals.first_refusal);
+  print_refusals(report);
   if (!report.renderer_error.empty())
     notice("rendering failed, the data files are written: {}", report.renderer_error);
   if (args.approve && totals.unreadable)
-    notice("warning: --approve: {} stays as it was", args.baseline.string());
+    notice("warning: --approve: {} is unchanged, because a frame is damaged",
+           args.baseline.string());
   else if (args.approve) {
     fs::create_directories(fs::absolute(args.baseline).parent_path());
-    guard.approve(out / "report.json");
+    guard.approve(out / "report.json", args.approve_only);
     notice("{} is the baseline now", args.baseline.string());
   }
-  if (report.judgement && report.judgement->errors() > 0 && !args.approve) return 1;
   if (totals.unreadable) return 2;
+  if (report.judgement && report.judgement->errors() > 0 && !args.approve) return 1;
   return report.renderer_error.empty() ? 0 : 3;
 }
 
 /// Writes the built-in rules to planescope.rules.json in the current folder. Throws Error where
 /// there is one.
-int run_report_init() {
+int run_report_init(const fs::path& set) {
   if (std::filesystem::exists(kRulesFile))
     throw Error(std::string(kRulesFile) + ": exists already");
-  write_file_text(kRulesFile, report::rules_json(report::built_in_rules()));
+  const auto rules = report::built_in_rules(set.empty() ? "default" : set.string());
+  if (rules.empty())
+    throw Error("report --init --rules " + set.string() + ": expected strict, default or lenient");
+  write_file_text(kRulesFile, report::rules_json(rules));
   fmt::print("{}\n", kRulesFile);
   return 0;
 }
@@ -148,6 +181,7 @@ report::Report start_report(const ReportArgs& args,
     recording.name = names[i];
     if (fs::is_regular_file(input.path)) recording.sha256 = sha256_hex_of_file(input.path);
     recording.frame_count = input.recording->frame_count();
+    recording.frames_asked = static_cast<int>(input.frames.size());
     report.recordings.push_back(std::move(recording));
   }
   return report;
@@ -192,7 +226,7 @@ void follow_planes(const OpenInput& input,
 }  // namespace
 
 int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& runner) {
-  if (args.init) return run_report_init();
+  if (args.init) return run_report_init(args.guard.rules);
   if (args.tracks && args.shard.count > 1)
     throw Error("report: --tracks needs all frames of a recording, not --shard");
   if (args.tracks && args.input.pipeline.classifier == "truth")
@@ -210,6 +244,7 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
   report::Report report = start_report(args, inputs, chosen);
   std::size_t total = 0;
   for (const OpenInput& input : inputs) total += input.frames.size();
+  if (args.guard.approve && !args.guard.approve_only) guard.check_merge(report);
   std::vector<ReportSlot> slots = report_slots(inputs, args.shard);
 
   ReportFolder folder(args.out, args.resume);
@@ -227,6 +262,7 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
   report.renderer_error = drawing.error;
   std::set<fs::path> frames;
   int resumed = 0;
+  for (report::ReportRecording& recording : report.recordings) recording.frames_asked = 0;
   for (const ReportSlot& slot : slots) {
     if (slot.colors_only) continue;
     frames.insert(slot.folder);
@@ -242,10 +278,16 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     folder.give_up();
     throw Error(totals.first_refusal);
   }
-  for (std::size_t i = 0; args.tracks && !report.partial && i < inputs.size(); ++i)
-    if (inputs[i].recording->info().width > 0)
-      follow_planes(inputs[i], args.input.pipeline, chosen.classifier.get(), stop,
-                    report.recordings[i]);
+  for (std::size_t i = 0; args.tracks && !report.partial && i < inputs.size(); ++i) {
+    report::ReportRecording& recording = report.recordings[i];
+    if (recording.info.width == 0) continue;
+    try {
+      follow_planes(inputs[i], args.input.pipeline, chosen.classifier.get(), stop, recording);
+    } catch (const Error& error) {
+      recording.info.warnings.push_back(std::string("planes are not followed: ") + error.what());
+      notice("warning: {}: {}", recording.name, recording.info.warnings.back());
+    }
+  }
   folder.commit(!report.partial, frames);
   if (args.resume) notice("{} of {} frames were finished before", resumed, frames.size());
   return finish_report(args.out, report, guard, args.guard, args.json);
@@ -354,9 +396,14 @@ int run_report_merge(const ReportMergeArgs& args, std::stop_token) {
 void add_guard(CLI::App* command, ReportGuardArgs& guard) {
   add(command, "--baseline", guard.baseline, "FILE",
       "An earlier report.json: what became of its planes; exit code 1 where it got worse");
-  add(command, "--rules", guard.rules, "FILE",
-      "planescope.rules.json: what the report is held to; with a baseline there are built-in ones");
-  command->add_flag("--approve", guard.approve, "The report becomes the baseline");
+  add(command, "--rules", guard.rules, "SET|FILE",
+      "Rules that the report must keep: strict, default or lenient, or a file in the form of "
+      "planescope.rules.json; default: default with a baseline, otherwise none");
+  command->add_flag("--approve", guard.approve,
+                    "Make the report the baseline; recordings that it does not have stay in it");
+  command->add_flag_callback(
+      "--approve-only", [&guard] { guard.approve = guard.approve_only = true; },
+      "Make the report the whole baseline");
 }
 
 void define_merge(CLI::App* report, Line& line) {
@@ -400,7 +447,7 @@ void define_report(CLI::App& app, Line& line) {
                    "Go on where a stopped run was: frames that it finished are taken as they are");
   report->add_flag(
       "--init", args->init,
-      "Write the built-in rules to planescope.rules.json, to be changed, and no report");
+      "Write the default rules, or those of --rules SET, to planescope.rules.json, and no report");
   define_merge(report, line);
   const auto run = [](const ReportArgs& all, std::stop_token stop) {
     return run_report(all, stop);
@@ -409,9 +456,10 @@ void define_report(CLI::App& app, Line& line) {
     args->command = line.frames_text;
     if (!args->init && args->out.empty()) throw Error("report needs -o DIR: Output folder");
     for (const CLI::Option* option : report->get_options())
-      if (args->init && option->count() > 0 && option->get_name() != "--init")
-        throw Error("report --init: only writes planescope.rules.json, " + option->get_name() +
-                    " says nothing of it");
+      if (args->init && option->count() > 0 && option->get_name() != "--init" &&
+          option->get_name() != "--rules")
+        throw Error("report --init: only writes planescope.rules.json, remove " +
+                    option->get_name());
   });
 }
 

@@ -160,7 +160,8 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
 struct ReportGuardArgs {
   std::filesystem::path baseline;  // an earlier report.json; empty: none
   std::filesystem::path rules;  // planescope.rules.json; empty: with a baseline, the built-in ones
-  bool approve = false;         // the report becomes the baseline
+  bool approve = false;         // the report's recordings become the baseline's
+  bool approve_only = false;    // and the baseline has no others
 };
 
 struct ReportArgs {
@@ -176,9 +177,9 @@ struct ReportArgs {
   bool tracks = false;  // planes are followed over the frames of each recording
 };
 
-/// Writes the report, or with `init` the rules. Returns the exit code: 0; 1 where a rule of level
-/// error is broken and nothing was approved; 2 where a frame could not be read, the others being in
-/// the report; 3 where rendering failed and the data files were still written. Throws Error on bad
+/// Writes the report, or with `init` the rules. Returns the exit code: 0; 2 if a frame is damaged
+/// (the others are in the report); 1 if a rule of level error is broken and nothing was approved; 3
+/// if rendering failed and the data files were still written. Throws Error on bad
 /// input, Cancelled (after a valid partial report) on stop.
 int run_report(const ReportArgs& args,
                std::stop_token stop,

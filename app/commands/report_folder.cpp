@@ -206,6 +206,7 @@ void ReportFolder::commit(bool whole, const std::set<fs::path>& frames) {
   on_disk(dir_, [&] {
     while (!finished_.empty()) {
       const fs::path frame = *finished_.begin();
+      check_no_linked_folder(dir_, frame / kParts[0]);
       fs::create_directories(dir_ / frame);
       for (const char* part : kParts) put_in_place(frame / part);
       finished_.erase(finished_.begin());

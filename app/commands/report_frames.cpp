@@ -224,6 +224,7 @@ class FrameWriter {
     frame.refused = error.what();
     frame.unreadable = dynamic_cast<const FrameRefused*>(&error) == nullptr;
     try {
+      frame.name = input.recording->frame(index).name;
       frame.sha256 = input.recording->frame_hash(index);
     } catch (const Error&) {
       frame.unreadable = true;

@@ -231,28 +231,19 @@ std::string recordings_text(bool many) {
   return many ? static_cast<char>(std::toupper(text[0])) + text.substr(1) : "One " + text;
 }
 
-std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options) {
-  std::error_code error;
-  const auto status = fs::status(path, error);
-  if (!fs::exists(status)) throw Error(path.string() + ": no such file or folder");
-  Found found{path, fs::is_directory(status), {}};
-  if (!found.is_folder) found.start = first_bytes(path);
-  for (const Format& format : formats())
-    if (format.fits(found)) return format.open(path, options);
-  if (found.is_folder)
-    throw Error(path.string() + ": a folder with no recording in it (" +
-                describe_files(files_in(path)) + "), " + expected_formats());
-  throw Error(path.string() + ": not a recording that planescope reads, " + expected_formats());
-}
-
 namespace {
 
 class ChangedRecording : public Recording {
  public:
   ChangedRecording(std::shared_ptr<const Recording> recording, std::function<void(Frame&)> change)
-      : recording_(std::move(recording)), change_(std::move(change)) {}
+      : recording_(std::move(recording)), info_(recording_->info()), change_(std::move(change)) {}
+  ChangedRecording(std::shared_ptr<const Recording> recording,
+                   const std::vector<std::string>& more_warnings)
+      : ChangedRecording(std::move(recording), [](Frame&) {}) {
+    info_.warnings.insert(info_.warnings.end(), more_warnings.begin(), more_warnings.end());
+  }
 
-  const RecordingInfo& info() const override { return recording_->info(); }
+  const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return recording_->frame_count(); }
   Frame frame(int i) const override {
     Frame frame = recording_->frame(i);
@@ -265,10 +256,42 @@ class ChangedRecording : public Recording {
 
  private:
   std::shared_ptr<const Recording> recording_;
+  RecordingInfo info_;
   std::function<void(Frame&)> change_;
 };
 
+/// Adds warnings about an implausible camera or depth unit.
+std::unique_ptr<Recording> checked(std::unique_ptr<Recording> recording) {
+  const RecordingInfo& info = recording->info();
+  std::vector<std::string> warnings = camera_warnings(info);
+  if (info.width > 0 && recording->frame_count() > 0) {
+    try {
+      for (std::string& warning : depth_warnings(info, recording->frame(0)))
+        warnings.push_back(std::move(warning));
+    } catch (const Error&) {
+      // Damaged: reported when the frame is used.
+    }
+  }
+  if (warnings.empty()) return recording;
+  return std::make_unique<ChangedRecording>(std::move(recording), warnings);
+}
+
 }  // namespace
+
+std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options) {
+  std::error_code error;
+  const auto status = fs::status(path, error);
+  if (!fs::exists(status)) throw Error(path.string() + ": no such file or folder");
+  Found found{path, fs::is_directory(status), {}};
+  if (!found.is_folder) found.start = first_bytes(path);
+  for (const Format& format : formats())
+    if (format.fits(found)) return checked(format.open(path, options));
+  if (found.is_folder)
+    throw Error(path.string() + ": a folder with no recording in it (" +
+                describe_files(files_in(path)) + "), " + expected_formats());
+  if (found.start == "version ") read_file_bytes(path, 1000);  // throws if it is a Git LFS pointer
+  throw Error(path.string() + ": not a recording that planescope reads, " + expected_formats());
+}
 
 std::shared_ptr<const Recording> with_changed_frames(std::shared_ptr<const Recording> recording,
                                                      std::function<void(Frame&)> change) {

@@ -131,4 +131,9 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
 /// all files of the formats that were added, in the same order.
 std::vector<std::filesystem::path> cloud_files_under(const std::filesystem::path& folder);
 
+/// Warnings about intrinsics that no real camera has.
+std::vector<std::string> camera_warnings(const RecordingInfo& info);
+/// A warning if most of the frame's depth is nearer than 5 cm or farther than 100 m.
+std::vector<std::string> depth_warnings(const RecordingInfo& info, const Frame& frame);
+
 }  // namespace planescope::io

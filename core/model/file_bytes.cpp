@@ -123,7 +123,7 @@ void replace(const std::filesystem::path& path,
   std::filesystem::path target = path;
   if (std::filesystem::exists(status)) target = std::filesystem::canonical(path, ignored);
   Staged staged{target};
-  staged.path += ".part";
+  staged.path += fmt::format(".{}.part", ::getpid());  // another process may write it, too
   expect(write(staged.path));
   if (std::filesystem::exists(status))
     std::filesystem::permissions(staged.path, status.permissions(), ignored);
@@ -183,6 +183,10 @@ std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
     throw Error(path.string() + ": read " + std::to_string(file.gcount()) + " bytes, expected " +
                 std::to_string(size));
   }
+  constexpr std::string_view kLfsPointer = "version https://git-lfs.github.com/spec/";
+  if (std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())
+          .starts_with(kLfsPointer))
+    throw Error(path.string() + ": a Git LFS pointer instead of the file; run git lfs pull");
   return bytes;
 }
 

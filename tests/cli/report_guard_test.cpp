@@ -44,6 +44,63 @@ TEST(ReportGuard, PassesAnUnchangedRunAndFailsAWorseOne) {
   well(report("again", {"--baseline", baseline, "--gravity", "0.1,1,0"}));
 }
 
+TEST(ReportGuard, ApprovingOneRecordingKeepsTheOthers) {
+  const auto dir = scratch();
+  for (const char* name : {"a", "b"}) write_depth_folder(dir / name, floor_and_wall(), 2);
+  const auto baseline = dir / "baseline.json";
+  const auto report = [&](std::vector<std::filesystem::path> recordings,
+                          std::vector<std::string> more) {
+    more.insert(more.end(), {"--baseline", baseline});
+    return run(report_args(recordings, dir / "out", more));
+  };
+  expect_refused(report({dir / "a"}, {}), "no such baseline; add --approve");
+  well(report({dir / "a", dir / "b"}, {"--approve"}));
+  const Json before = Json::parse(read_text(baseline));
+
+  const Ran part = well(report({dir / "b"}, {}));
+  EXPECT_TRUE(has(part.out, "warn   a: in the baseline, not in this report\n0 errors, "));
+  well(report({dir / "b"}, {"--approve"}));
+  EXPECT_EQ(Json::parse(read_text(baseline))["recordings"].size(), 2u);
+  EXPECT_EQ(Json::parse(read_text(baseline))["timings"].size(), before["timings"].size());
+  const Ran whole = well(report({dir / "a", dir / "b"}, {}));
+  EXPECT_FALSE(has(whole.out, "not in the baseline"));
+
+  expect_refused(report({dir / "b"}, {"--approve", "--voxel", "0.04"}), "option voxel_size_m");
+  expect_refused(report({dir / "b"}, {"--approve", "--frames", "0"}), "has 2 frames of b");
+  well(report({dir / "b"}, {"--approve-only"}));
+  EXPECT_EQ(Json::parse(read_text(baseline))["recordings"].size(), 1u);
+}
+
+TEST(ReportGuard, NewProblemsAreNamedAndADamagedFrameEndsWith2) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 4);
+  write_depth_folder(dir / "empty", Image16(160, 120));
+  const auto depth = dir / "rec" / "depth";
+  std::filesystem::copy_file(dir / "empty/depth/000000.png", depth / "000002.png",
+                             std::filesystem::copy_options::overwrite_existing);
+  const auto report = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--baseline", dir / "baseline.json"});
+    return run(report_args({dir / "rec"}, dir / "out", more));
+  };
+  EXPECT_TRUE(has(well(report({"--approve"})).err, "warning: frame 2: "));
+  const Ran same = well(report({}));
+  EXPECT_TRUE(has(same.err, "1 frame is refused as in the baseline"));
+  EXPECT_TRUE(has(read_text(dir / "out/junit.xml"), "errors=\"0\" skipped=\"1\""));
+
+  std::filesystem::resize_file(depth / "000001.png", 200);
+  const Ran damaged = report({});
+  EXPECT_EQ(damaged.code, 2) << damaged.err;
+  EXPECT_TRUE(has(damaged.err, "error: frame 1: "));
+  EXPECT_LT(damaged.err.find("000001.png"), damaged.err.find("as in the baseline"));
+
+  std::filesystem::remove(depth / "000001.png");
+  const Ran removed = report({});
+  EXPECT_EQ(removed.code, 1);
+  EXPECT_TRUE(
+      has(removed.out, "error  rec baseline frame 1: 1 frame of the baseline is missing"));
+  EXPECT_FALSE(has(removed.out, "other pixels"));
+}
+
 /// As if the run had found all of the baseline's planes by a small margin; of version 3, it does
 /// not tell.
 void make_undecided(const std::string& baseline, bool tells) {

@@ -185,6 +185,7 @@ PngInfo png_info(const std::filesystem::path& path) {
   std::array<unsigned char, kHeaderBytes> head{};
   std::ifstream file = open_to_read(path);
   file.read(reinterpret_cast<char*>(head.data()), head.size());
+  if (std::memcmp(head.data(), "version ", 8) == 0) read_file_bytes(path);  // Git LFS: throws
   return png_info(std::span(head).first(static_cast<std::size_t>(file.gcount())), path.string());
 }
 

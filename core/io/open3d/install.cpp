@@ -217,26 +217,37 @@ void Fusion::add(const Frame& frame, const Pose& T_world_camera) {
   volume_->Integrate(image, to_open3d(frame.intrinsics), T_world_camera.inverse().matrix());
 }
 
-bool Fusion::write_ply(const std::filesystem::path& file) const {
-  if (!volume_) return false;
-  std::filesystem::path unfinished = file;
-  unfinished += ".unfinished.ply";
-  std::error_code failed;
-  try {
-    const auto mesh = volume_->ExtractTriangleMesh();
-    if (!mesh || mesh->triangles_.empty()) return false;
-    mesh->ComputeVertexNormals();
-    if (::open3d::io::WriteTriangleMesh(unfinished.string(), *mesh))
-      std::filesystem::rename(unfinished, file, failed);
-    else
-      failed = std::make_error_code(std::errc::io_error);
-  } catch (const std::runtime_error&) {  // Open3D's
-    failed = std::make_error_code(std::errc::io_error);
+/// Binary PLY. Open3D's own writer ignores failed writes, such as those on a full disk.
+void write_mesh(std::ostream& out, const TriangleMesh& mesh) {
+  const bool has_color = mesh.HasVertexColors();
+  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices_.size() << '\n';
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"})
+    out << "property double " << name << '\n';
+  for (const char* name : {"red", "green", "blue"})
+    if (has_color) out << "property uchar " << name << '\n';
+  out << "element face " << mesh.triangles_.size()
+      << "\nproperty list uchar uint vertex_indices\nend_header\n";
+  const auto put = [&](const auto* values, std::size_t bytes) {
+    out.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(bytes));
+  };
+  for (std::size_t k = 0; k < mesh.vertices_.size(); ++k) {
+    put(mesh.vertices_[k].data(), 3 * sizeof(double));
+    put(mesh.vertex_normals_[k].data(), 3 * sizeof(double));
+    for (int c = 0; has_color && c < 3; ++c)
+      out.put(static_cast<char>(std::lround(255 * std::clamp(mesh.vertex_colors_[k][c], 0.0, 1.0))));
   }
-  if (!failed) return true;
-  std::error_code ignored;
-  std::filesystem::remove(unfinished, ignored);
-  throw Error(file.string() + ": cannot be written: " + failed.message());
+  for (const Eigen::Vector3i& triangle : mesh.triangles_) {
+    out.put(3);
+    put(triangle.data(), 3 * sizeof(int));
+  }
+}
+
+bool Fusion::write_ply(const std::filesystem::path& file) const {
+  const auto mesh = volume_ ? volume_->ExtractTriangleMesh() : nullptr;
+  if (!mesh || mesh->triangles_.empty()) return false;
+  mesh->ComputeVertexNormals();
+  write_file_stream(file, [&](std::ostream& out) { write_mesh(out, *mesh); });
+  return true;
 }
 
 }  // namespace

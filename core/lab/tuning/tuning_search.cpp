@@ -95,7 +95,10 @@ class Search {
 
   Tuned run() {
     Tuned tuned;
+    limited_ = false;  // whatever the limits, the start is scored
     tuned.base = best_ = scored({Setting{}}).front();
+    asked_ = 1;
+    limited_ = true;
     try {
       for (const double factor : kTuningFactors)
         while (step(factor)) {

@@ -186,8 +186,7 @@ std::string doubt_in_gravity(const Frame& frame,
                              const Vec3d& given,
                              const GravityOptions& options) {
   const Vec3d direction = given.normalized();
-  const auto tilt_deg = [](const Vec3d& gravity) { return in_degrees(std::acos(gravity.y())); };
-  if (frame.is_cloud() || tilt_deg(direction) > options.max_tilt_deg) return "";
+  if (frame.is_cloud()) return "";
   const auto seen = estimate_gravity(frame, options);
   if (!seen || seen->confidence < kClearConfidence) return "";
   const double off_deg =

@@ -41,9 +41,8 @@ std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions
 /// points that are kept, so that a wrong depth unit is recognized; 0: not known.
 Gravity resolve_gravity(const Frame& frame, const GravityOptions& options, double max_range_m = 0);
 
-/// Doubt in a direction that was given (sensor frame), for people: where the scene clearly tells
-/// another one, more than 20 degrees off. Empty where it does not, of clouds, and of cameras that
-/// are tilted farther than an estimate looks.
+/// A warning about a given direction (sensor frame): a confident estimate from the scene differs by
+/// more than 20 degrees. Empty if not, and for clouds.
 std::string doubt_in_gravity(const Frame& frame,
                              const Vec3d& given,
                              const GravityOptions& options = {});

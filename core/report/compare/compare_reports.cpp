@@ -8,9 +8,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <deque>
 #include <map>
 #include <numbers>
-#include <tuple>
+#include <set>
 #include <utility>
 
 #include "core/model/text.hpp"
@@ -214,18 +215,57 @@ FrameFate fate_of(const ReportFrame* before, const ReportFrame* after) {
   return after->refused.empty() ? FrameFate::compared : FrameFate::refused;
 }
 
-/// A recording's name, which of those of this name it is, and a frame's number.
-using FrameKey = std::tuple<std::string, int, int>;
+/// The baseline's recording of the same name; of several with this name the one at the same place
+/// among them. Null: none.
+const ReportRecording* partner_of(const ReportRecording& recording,
+                                  const Report& among,
+                                  const Report& in) {
+  const auto same_name = [&](const ReportRecording& other) { return other.name == recording.name; };
+  auto nth = std::count_if(among.recordings.data(), &recording, same_name);
+  for (const ReportRecording& other : in.recordings)
+    if (same_name(other) && nth-- == 0) return &other;
+  return nullptr;
+}
 
-std::vector<std::pair<FrameKey, const ReportFrame*>> frames_of(const Report& report) {
-  std::vector<std::pair<FrameKey, const ReportFrame*>> frames;
-  std::map<std::string, int> of_name;
-  for (const ReportRecording& recording : report.recordings) {
-    const int nth = of_name[recording.name]++;
-    for (const ReportFrame& frame : recording.frames)
-      frames.push_back({{recording.name, nth, frame.index}, &frame});
+/// For each frame of `now` the same frame of the baseline, or null.
+std::vector<const ReportFrame*> match_frames(const std::vector<ReportFrame>& baseline,
+                                             const std::vector<ReportFrame>& now) {
+  std::vector<const ReportFrame*> partners(now.size(), nullptr);
+  std::set<const ReportFrame*> matched;
+  // Frames whose keys are equal, in order; an empty key matches nothing.
+  const auto match_by = [&](const auto& key_of) {
+    std::map<std::string, std::deque<const ReportFrame*>> open;
+    for (const ReportFrame& frame : baseline)
+      if (const std::string key = key_of(frame); !key.empty() && !matched.contains(&frame))
+        open[key].push_back(&frame);
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      if (partners[k]) continue;
+      const auto found = open.find(key_of(now[k]));
+      if (found == open.end() || found->second.empty()) continue;
+      matched.insert(partners[k] = found->second.front());
+      found->second.pop_front();
+    }
+  };
+  match_by([](const ReportFrame& f) { return f.sha256.empty() ? "" : f.sha256 + "/" + f.name; });
+  match_by([](const ReportFrame& f) { return f.sha256; });
+  match_by([](const ReportFrame& f) { return f.name; });
+  match_by([](const ReportFrame& f) {
+    return f.timestamp_s == 0 ? std::string() : fmt::format("{}", f.timestamp_s);
+  });
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    if (partners[k]) continue;
+    const auto same = std::ranges::find(baseline, now[k].index, &ReportFrame::index);
+    if (same != baseline.end() && (same->name.empty() || now[k].name.empty()) &&
+        matched.insert(&*same).second)
+      partners[k] = &*same;
   }
-  return frames;
+  return partners;
+}
+
+/// Whether only a part of the recording was asked for, and it is no shorter than it was: frames of
+/// the baseline that are not there were then left out.
+bool is_part(const ReportRecording& baseline, const ReportRecording& now) {
+  return now.frames_asked < now.frame_count && now.frame_count >= baseline.frame_count;
 }
 
 }  // namespace
@@ -257,24 +297,42 @@ ReportComparison compare_reports(const Report& baseline,
                                  const FateLimits& limits) {
   ReportComparison comparison;
   comparison.differences = differences_of(baseline, now);
-  const auto before = frames_of(baseline), after = frames_of(now);
-  std::map<FrameKey, const ReportFrame*> left(before.begin(), before.end());
-  const auto add = [&](const FrameKey& key, const ReportFrame* old, const ReportFrame* frame) {
+  const auto add = [&](const std::string& name, const ReportFrame* old, const ReportFrame* frame) {
     FrameComparison& added = comparison.frames.emplace_back();
-    added.recording = std::get<0>(key);
-    added.index = std::get<2>(key);
+    added.recording = name;
+    added.index = (frame ? frame : old)->index;
+    added.name = (frame && !frame->name.empty()) || !old ? frame->name : old->name;
     added.baseline = old;
     added.now = frame;
     added.fate = fate_of(old, frame);
     if (added.fate == FrameFate::compared) added.planes = compare_planes(*old, *frame, limits);
   };
-  for (const auto& [key, frame] : after) {
-    const auto old = left.find(key);
-    add(key, old == left.end() ? nullptr : old->second, frame);
-    if (old != left.end()) left.erase(old);
+  std::set<const ReportFrame*> matched;
+  for (const ReportRecording& recording : now.recordings) {
+    const ReportRecording* before = partner_of(recording, now, baseline);
+    std::vector<const ReportFrame*> partners(recording.frames.size(), nullptr);
+    if (before) partners = match_frames(before->frames, recording.frames);
+    for (std::size_t k = 0; k < partners.size(); ++k)
+      add(recording.name, partners[k], &recording.frames[k]);
+    matched.insert(partners.begin(), partners.end());
   }
-  for (const auto& [key, frame] : before)
-    if (left.contains(key)) add(key, frame, nullptr);
+  for (const ReportRecording& recording : baseline.recordings) {
+    const ReportRecording* after = partner_of(recording, baseline, now);
+    std::size_t left_out = 0;
+    for (const ReportFrame& frame : recording.frames)
+      if (matched.contains(&frame))
+        continue;
+      else if (after && !is_part(recording, *after))
+        add(recording.name, &frame, nullptr);
+      else
+        ++left_out;
+    if (!after)
+      comparison.left_out.push_back(recording.name);
+    else if (left_out > 0)
+      comparison.left_out.push_back(
+          fmt::format("{}: {} of {}", recording.name, left_out,
+                      planescope::counted(recording.frames.size(), "frame")));
+  }
   return comparison;
 }
 

@@ -54,7 +54,8 @@ const char* to_string(FrameFate fate);
 struct FrameComparison {
   FrameFate fate = FrameFate::compared;
   std::string recording;
-  int index = 0;
+  int index = 0;                          // of a missing frame in the baseline
+  std::string name;                       // may be empty
   const ReportFrame* baseline = nullptr;  // of the reports that were compared; null: not there
   const ReportFrame* now = nullptr;
   std::vector<PlaneComparison> planes;  // where it was compared
@@ -66,10 +67,14 @@ struct ReportComparison {
   /// Everything else that is not the same: "option voxel_size_m: 0.02 -> 0.04", "weights: ...".
   std::vector<std::string> differences;
   std::vector<FrameComparison> frames;  // in the new report's order, then those that it lacks
+  /// Parts of the baseline that the new report was not asked for, which are not missing:
+  /// "stairs: 35 of 40 frames", "hall".
+  std::vector<std::string> left_out;
 };
 
-/// Recordings are matched by name (those of one name by order), frames by number. The result points
-/// into both reports.
+/// Matches recordings by name (those of one name by order), and their frames by pixels, by name and
+/// by time, in this order. Frame numbers decide only where names are unknown: they shift when a
+/// frame is removed. The result points into both reports.
 ReportComparison compare_reports(const Report& baseline,
                                  const Report& now,
                                  const FateLimits& limits = {});

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <ranges>
+#include <utility>
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -21,7 +23,8 @@ using Json = nlohmann::ordered_json;
 std::string where(const Breach& breach) {
   if (breach.recording.empty()) return "all frames";
   if (breach.frame < 0) return breach.recording;
-  return fmt::format("{} frame {}", breach.recording, breach.frame);
+  return fmt::format("{} {}{}", breach.recording, breach.is_missing ? "baseline " : "",
+                     frame_text(breach.frame, breach.name));
 }
 
 /// Of each recording the frames that the baseline has not.
@@ -50,6 +53,7 @@ Json breach_json(const Breach& breach) {
           {"metric", breach.rule.metric},
           {"recording", breach.recording.empty() ? Json() : Json(breach.recording)},
           {"frame", breach.frame < 0 ? Json() : Json(breach.frame)},
+          {"name", breach.name.empty() ? Json() : Json(breach.name)},
           {"value", breach.value},
           {"message", breach.text()}};
 }
@@ -62,13 +66,15 @@ int Judgement::errors() const {
 }
 
 int Judgement::warnings() const {
-  return static_cast<int>(breaches.size() + idle.size() + added.size()) - errors();
+  return static_cast<int>(breaches.size() + unguarded().size()) - errors();
 }
 
 std::vector<std::string> Judgement::unguarded() const {
   std::vector<std::string> lines;
   for (const IdleRule& rule : idle) lines.push_back(rule.text());
   lines.insert(lines.end(), added.begin(), added.end());
+  for (const std::string& part : comparison.left_out)
+    lines.push_back(part + ": in the baseline, not in this report");
   return lines;
 }
 
@@ -97,6 +103,19 @@ std::string Judgement::text() const {
                             counted(warnings(), "warning"), noted, against);
 }
 
+std::string frame_text(int index, const std::string& name) {
+  const bool is_number = name == std::to_string(index) || name == fmt::format("{:06}", index);
+  return fmt::format("frame {}{}", index, name.empty() || is_number ? "" : " (" + name + ")");
+}
+
+bool is_known_refusal(const Report& report, const ReportFrame& frame) {
+  if (!report.judgement || frame.unreadable) return false;
+  const auto same =
+      std::ranges::find(report.judgement->comparison.frames, &frame, &FrameComparison::now);
+  return same != report.judgement->comparison.frames.end() &&
+         same->fate == FrameFate::both_refused && same->baseline->refused == frame.refused;
+}
+
 Json judgement_json(const Judgement& judgement) {
   Json json = {{"baseline", judgement.baseline ? Json(judgement.baseline_file) : Json()},
                {"differences", judgement.differences()},
@@ -114,7 +133,11 @@ ReportGuard::ReportGuard(std::filesystem::path baseline,
                          const std::filesystem::path& rules,
                          bool may_be_first)
     : baseline_file_(std::move(baseline)) {
-  is_first_ = may_be_first && !std::filesystem::exists(baseline_file_);
+  const bool is_there = std::filesystem::exists(baseline_file_);
+  if (!baseline_file_.empty() && !is_there && !may_be_first)
+    throw Error(baseline_file_.string() +
+                ": no such baseline; add --approve to make this report the first one");
+  is_first_ = may_be_first && !is_there;
   if (!baseline_file_.empty() && !is_first_) baseline_ = read_report(baseline_file_);
   if (baseline_ && baseline_->partial)
     throw Error(baseline_file_.string() +
@@ -142,8 +165,55 @@ std::shared_ptr<const Judgement> ReportGuard::judge(const Report& report) {
   return judgement;
 }
 
-void ReportGuard::approve(const std::filesystem::path& report_json) const {
-  write_file_bytes(baseline_file_, read_file_bytes(report_json), Durable::yes);
+void ReportGuard::check_merge(const Report& report) const {
+  if (!baseline_) return;
+  const ReportComparison comparison = compare_reports(*baseline_, report);
+  const bool keeps_others = std::ranges::any_of(baseline_->recordings, [&](const auto& recording) {
+    return !std::ranges::count(report.recordings, recording.name, &ReportRecording::name);
+  });
+  const auto refuse = [&](const std::string& why) {
+    throw Error(fmt::format(
+        "--approve: {} {}; expected all its recordings, or --approve-only to replace it",
+        baseline_file_.string(), why));
+  };
+  if (keeps_others) read_report_head(baseline_file_);  // throws if an earlier version wrote it
+  for (const std::string& difference : comparison.differences)
+    if (keeps_others && !difference.starts_with("version"))
+      refuse("has recordings that were made differently (" + difference + ")");
+  for (const ReportRecording& recording : report.recordings) {
+    const auto before =
+        std::ranges::find(baseline_->recordings, recording.name, &ReportRecording::name);
+    if (before != baseline_->recordings.end() && recording.frames_asked < recording.frame_count &&
+        std::cmp_less(recording.frames_asked, before->frames.size()))
+      refuse(fmt::format("has {} of {}, this report {}", counted(before->frames.size(), "frame"),
+                         recording.name, recording.frames_asked));
+  }
+}
+
+void ReportGuard::approve(const std::filesystem::path& report_json, bool only) const {
+  const auto replace = [&] {
+    write_file_bytes(baseline_file_, read_file_bytes(report_json), Durable::yes);
+  };
+  if (only || is_first_) return replace();
+  Json merged = read_json<Json>(report_json), before = read_json<Json>(baseline_file_);
+  std::map<std::size_t, std::size_t> place_now;  // of recordings that stay, by their place before
+  for (std::size_t r = 0; r < before["recordings"].size(); ++r) {
+    const Json& kept = before["recordings"][r];
+    const auto is_same = [&](const Json& recording) { return recording["name"] == kept["name"]; };
+    if (std::ranges::any_of(merged["recordings"], is_same)) continue;
+    place_now[r] = merged["recordings"].size();
+    merged["recordings"].push_back(kept);
+  }
+  if (place_now.empty()) return replace();
+  for (Json timing : before["timings"])
+    if (const auto place = place_now.find(timing["recording"]); place != place_now.end()) {
+      timing["recording"] = place->second;
+      merged["timings"].push_back(timing);
+    }
+  // The figures of this report alone; nobody compares with them.
+  merged.erase("totals");
+  merged.erase("verdict");
+  write_file_text(baseline_file_, json_text(merged), Durable::yes);
 }
 
 }  // namespace planescope::report

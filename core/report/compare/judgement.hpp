@@ -28,9 +28,9 @@ struct Judgement {
   Judgement& operator=(const Judgement&) = delete;
 
   int errors() const;
-  /// Broken rules of level warn, idle rules, and what was added.
+  /// Broken rules of level warn, and unguarded().
   int warnings() const;
-  /// Idle rules and what was added, a line each.
+  /// Idle rules, what the baseline does not have, and parts of it that were left out, a line each.
   std::vector<std::string> unguarded() const;
   /// Of options, weights and the like; none without a baseline.
   std::vector<std::string> differences() const;
@@ -51,8 +51,12 @@ class ReportGuard {
   /// The judgement points to the frames of `report`, which must stay where they are while it is
   /// used.
   std::shared_ptr<const Judgement> judge(const Report& report);
-  /// The report takes the place of the baseline, whole or not at all.
-  void approve(const std::filesystem::path& report_json) const;
+  /// Throws Error if approving `report` would leave a baseline that no single run can make: other
+  /// options for some recordings, or fewer frames of one.
+  void check_merge(const Report& report) const;
+  /// The report's recordings replace those of the baseline; its other recordings stay, unless
+  /// `only`. Atomic.
+  void approve(const std::filesystem::path& report_json, bool only) const;
 
  private:
   std::filesystem::path baseline_file_;
@@ -60,6 +64,12 @@ class ReportGuard {
   std::optional<Report> baseline_;
   std::vector<Rule> rules_;
 };
+
+/// "frame 3", with its name unless that is the number: "frame 3 (1711.25)".
+std::string frame_text(int index, const std::string& name);
+
+/// Whether the baseline, too, refuses this frame of the report, for the same reason.
+bool is_known_refusal(const Report& report, const ReportFrame& frame);
 
 nlohmann::ordered_json judgement_json(const Judgement& judgement);
 

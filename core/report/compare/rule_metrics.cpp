@@ -104,6 +104,11 @@ RuleMetric planes_with(PlaneFate fate, const char* name, const char* sentence, c
           .needs_baseline = true,
           .fold = RuleFold::sum,
           .value = count(false),
+          .total = [](const FrameComparison& frame) -> double {
+            return frame.fate == FrameFate::compared
+                       ? static_cast<double>(frame.baseline->planes.size())
+                       : 0;
+          },
           .with_undecided = count(true),
           .undecided = undecided};
 }
@@ -159,7 +164,8 @@ RuleMetric frames_where(std::optional<bool> (*is_so)(const FrameComparison&),
           .meaning = says,
           .needs_baseline = true,
           .fold = RuleFold::sum,
-          .value = value};
+          .value = value,
+          .total = [](const FrameComparison&) { return 1.0; }};
 }
 
 template <FrameFate kFate>

@@ -42,6 +42,7 @@ struct Group {
   const FrameComparison* first = nullptr;  // of its frames
   std::vector<double> values;              // of its frames
   std::vector<double> with_undecided;      // likewise; empty: nothing of it is about planes
+  double total = 0;                        // that a percentage of its values refers to
 };
 
 bool is_of(const Rule& rule, const FrameComparison& frame) {
@@ -63,14 +64,34 @@ std::vector<Group> groups_of(const Rule& rule,
           groups.end(),
           {recording, rule.scope == RuleScope::frame ? frame.index : -1, &frame, {}, {}});
     group->values.push_back(*value);
+    if (metric.total) group->total += metric.total(frame);
     if (metric.with_undecided)
       group->with_undecided.push_back(metric.with_undecided(frame).value_or(*value));
   }
   return groups;
 }
 
-bool breaks(double value, const Rule& rule) {
+bool is_percentage(const Rule& rule) { return rule.at_most_percent != Rule().at_most_percent; }
+
+double percent_of(double value, const Group& group) {
+  return group.total > 0 ? 100 * value / group.total : 0;
+}
+
+bool breaks(double value, const Group& group, const Rule& rule) {
+  if (is_percentage(rule)) return percent_of(value, group) > rule.at_most_percent;
   return value < rule.at_least || value > rule.at_most;
+}
+
+Breach breach_of(const Rule& rule, const Group& group, double value, std::string why) {
+  const bool of_frame = rule.scope == RuleScope::frame;
+  return {rule,
+          group.recording,
+          group.frame,
+          value,
+          std::move(why),
+          of_frame ? group.first->name : "",
+          of_frame && group.first->fate == FrameFate::missing,
+          percent_of(value, group)};
 }
 
 /// Where undecided planes make the difference, a rule is not broken.
@@ -80,11 +101,12 @@ void add_breaches(const Rule& rule,
   const RuleMetric& metric = find_metric(rule.metric);
   for (const Group& group : groups_of(rule, metric, comparison)) {
     const double value = folded(group.values, metric.fold);
-    if (!breaks(value, rule)) continue;
-    if (metric.with_undecided && !breaks(folded(group.with_undecided, metric.fold), rule)) continue;
-    breaches.push_back({rule, group.recording, group.frame, value, ""});
-    if (rule.scope == RuleScope::frame && metric.why)
-      breaches.back().why = metric.why(*group.first);
+    if (!breaks(value, group, rule)) continue;
+    if (metric.with_undecided && !breaks(folded(group.with_undecided, metric.fold), group, rule))
+      continue;
+    const bool has_details = rule.scope == RuleScope::frame && metric.why;
+    breaches.push_back(
+        breach_of(rule, group, value, has_details ? metric.why(*group.first) : std::string()));
   }
 }
 
@@ -94,12 +116,13 @@ void add_notes(const Rule& rule, const ReportComparison& comparison, std::vector
   for (const Group& group : groups_of(rule, metric, comparison)) {
     const double decided = folded(group.values, metric.fold);
     const double all = folded(group.with_undecided, metric.fold);
-    if (decided == all || (!breaks(decided, rule) && !breaks(all, rule))) continue;
+    const bool all_break = breaks(all, group, rule);
+    if (decided == all || (!breaks(decided, group, rule) && !all_break)) continue;
     const std::string planes = rule.scope == RuleScope::frame
                                    ? ": " + metric.undecided(*group.first)
                                    : " planes make the difference";
-    notes.push_back({rule, group.recording, group.frame, breaks(all, rule) ? all : decided,
-                     "noted only; undecided" + planes});
+    notes.push_back(
+        breach_of(rule, group, all_break ? all : decided, "noted only; undecided" + planes));
   }
 }
 
@@ -112,13 +135,15 @@ void visit_fields(auto& fields, Same<Rule> auto& rule) {
   fields.with_default("frame", rule.frame, -1);
   fields.with_default("at_least", rule.at_least, Rule().at_least);
   fields.with_default("at_most", rule.at_most, Rule().at_most);
+  fields.with_default("at_most_percent", rule.at_most_percent, Rule().at_most_percent);
   fields("level", rule.level, kOptional);
 }
 
 namespace {
 
 Rule rule_of(const JsonPlace& place) {
-  place.has_only({"metric", "scope", "recording", "frame", "at_least", "at_most", "level"});
+  place.has_only(
+      {"metric", "scope", "recording", "frame", "at_least", "at_most", "at_most_percent", "level"});
   Rule rule;
   read_fields(place, rule);
   if (!std::ranges::count(rule_metrics(), rule.metric, &RuleMetric::name)) {
@@ -126,8 +151,14 @@ Rule rule_of(const JsonPlace& place) {
     for (const RuleMetric& metric : rule_metrics()) names.push_back(metric.name);
     place.at("metric").fail_kind(fmt::format("one of {}", fmt::join(names, ", ")));
   }
-  if (!place.has("at_least") && !place.has("at_most"))
-    place.fail_kind("a rule with \"at_least\" or \"at_most\"");
+  if (!place.has("at_least") && !place.has("at_most") && !place.has("at_most_percent"))
+    place.fail_kind("a rule with \"at_least\", \"at_most\" or \"at_most_percent\"");
+  if (place.has("at_most_percent")) {
+    if (place.has("at_least") || place.has("at_most"))
+      place.at("at_most_percent").fail_kind("no other limit beside it");
+    if (!find_metric(rule.metric).total)
+      place.at("at_most_percent").fail_kind("at_most: " + rule.metric + " is not a count");
+  }
   if (rule.at_least > rule.at_most)
     place.fail_kind(fmt::format("at_least {} not above at_most {}, which no value can be within",
                                 rule.at_least, rule.at_most));
@@ -142,8 +173,12 @@ Rule rule_of(const JsonPlace& place) {
 /// How far the value is past its limit, as a share of the limit.
 double excess_of(const Breach& breach) {
   const bool low = breach.value < breach.rule.at_least;
-  const double limit = low ? breach.rule.at_least : breach.rule.at_most;
-  const double excess = std::abs(breach.value - limit) / std::max(1.0, std::abs(limit));
+  const bool percent = is_percentage(breach.rule);
+  const double value = percent ? breach.percent : breach.value;
+  const double limit = percent ? breach.rule.at_most_percent
+                       : low   ? breach.rule.at_least
+                               : breach.rule.at_most;
+  const double excess = std::abs(value - limit) / std::max(1.0, std::abs(limit));
   return std::isfinite(excess) ? excess : 0;
 }
 
@@ -186,24 +221,44 @@ std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool 
 
 }  // namespace
 
-std::vector<Rule> built_in_rules() {
+std::vector<Rule> built_in_rules(std::string_view set) {
   using enum RuleLevel;
-  return {{.metric = "frames_missing", .at_most = 0},
-          {.metric = "frames_refused", .at_most = 0},
-          {.metric = "labels_missing", .at_most = 0},
-          {.metric = "planes_lost", .at_most = 0},
-          {.metric = "planes_gained", .at_most = 0},
-          {.metric = "planes_merged", .at_most = 0},
-          {.metric = "planes_split", .at_most = 0},
-          {.metric = "offset_mm", .at_most = 5},
-          {.metric = "angle_deg", .at_most = 1},
-          {.metric = "planes_resized", .at_most = 0, .level = warn},
-          {.metric = "inputs_changed", .at_most = 0, .level = warn},
-          {.metric = "mean_iou_change", .at_least = -1},
-          {.metric = "time_growth", .scope = RuleScope::all, .at_most = 2, .level = warn}};
+  if (set != "strict" && set != "default" && set != "lenient") return {};
+  std::vector<Rule> rules = {
+      {.metric = "frames_missing", .at_most = 0},
+      {.metric = "frames_refused", .at_most = 0},
+      {.metric = "labels_missing", .at_most = 0},
+      {.metric = "planes_lost", .at_most = 0},
+      {.metric = "planes_gained", .at_most = 0},
+      {.metric = "planes_merged", .at_most = 0},
+      {.metric = "planes_split", .at_most = 0},
+      {.metric = "offset_mm", .at_most = 5},
+      {.metric = "angle_deg", .at_most = 1},
+      {.metric = "planes_resized", .at_most = 0, .level = warn},
+      {.metric = "inputs_changed", .at_most = 0, .level = warn},
+      {.metric = "mean_iou_change", .at_least = -1},
+      {.metric = "time_growth", .scope = RuleScope::all, .at_most = 2, .level = warn}};
+  if (set == "default") return rules;
+  const bool strict = set == "strict";
+  for (Rule& rule : rules) {
+    const bool is_movement = rule.metric == "offset_mm" || rule.metric == "angle_deg";
+    if (is_movement) rule.at_most *= strict ? 0.5 : 2;
+    if (rule.metric == "mean_iou_change") rule.at_least *= strict ? 0.5 : 2;
+    if (strict && find_metric(rule.metric).need != RuleNeed::timing) rule.level = error;
+    if (!strict && rule.metric.starts_with("planes_") && rule.level == error) {
+      rule.scope = RuleScope::recording;
+      rule.at_most = Rule().at_most;
+      rule.at_most_percent = 2;
+    }
+  }
+  return rules;
 }
 
 std::vector<Rule> read_rules(const std::filesystem::path& file) {
+  if (std::vector<Rule> ready = built_in_rules(file.string()); !ready.empty()) return ready;
+  if (!std::filesystem::exists(file))
+    throw Error(file.string() +
+                ": no such file, expected strict, default, lenient or a rules file");
   return read_place(
       file, read_json<nlohmann::ordered_json>(file, kMostBytes), [](const JsonPlace& place) {
         place.schema({kSchema});
@@ -245,20 +300,25 @@ std::string with_unit(const std::string& number, const RuleMetric& metric) {
 std::string Breach::text() const {
   const RuleMetric& metric = find_metric(rule.metric);
   const bool low = value < rule.at_least;
-  const double limit = low ? rule.at_least : rule.at_most;
+  const bool as_percent = is_percentage(rule);
+  const double limit = as_percent ? rule.at_most_percent : low ? rule.at_least : rule.at_most;
   int digits = 3;
   std::string is, may_be;
-  do {  // until the two can be told apart
-    is = digits_of(value, digits);
+  do {  // until the two differ
+    is = digits_of(as_percent ? percent : value, digits);
     may_be = digits_of(limit, digits);
   } while (is == may_be && ++digits < 17);
+  const std::string share = as_percent ? fmt::format(" ({} %)", is) : "";
+  if (as_percent) is = digits_of(value, 3);
   const bool is_one = is == "1";
   std::string text = fmt::format(
-      fmt::runtime(metric.sentence), fmt::arg("n", with_unit(is, metric)),
+      fmt::runtime(metric.sentence), fmt::arg("n", with_unit(is, metric) + share),
       fmt::arg("are", is_one ? "is" : "are"), fmt::arg("have", is_one ? "has" : "have"));
   text += fmt::format("; the rule {} ", metric.name);
   if (low)
     text += "asks for at least " + with_unit(may_be, metric);
+  else if (as_percent)
+    text += fmt::format("allows at most {} %", may_be);
   else
     text += limit == 0 ? "allows none" : "allows at most " + with_unit(may_be, metric);
   return why.empty() ? text : text + ": " + why;

@@ -38,6 +38,8 @@ struct Rule {
   int frame = -1;
   double at_least = -std::numeric_limits<double>::infinity();
   double at_most = std::numeric_limits<double>::infinity();
+  /// Instead of `at_most`, for counts: percent of the baseline's planes, or of its frames.
+  double at_most_percent = std::numeric_limits<double>::infinity();
   RuleLevel level = RuleLevel::error;
   bool operator==(const Rule&) const = default;
 };
@@ -86,6 +88,8 @@ struct RuleMetric {
   RuleNeed need = RuleNeed::nothing;
   FrameValue value;  // nullopt where the frame has none
   FrameWords why = nullptr;
+  /// Of a count: the planes or frames that its percentage refers to. Null: it is not a count.
+  double (*total)(const FrameComparison&) = nullptr;
   // Changes of undecided planes are not in `value`. The value with them; empty: there is no such
   // difference. And which undecided planes changed: "plane 3 (margin 0.02)".
   FrameValue with_undecided = {};
@@ -96,10 +100,14 @@ const std::vector<RuleMetric>& rule_metrics();
 /// `name` must be one of them.
 const RuleMetric& find_metric(std::string_view name);
 
-/// Planes lost, gained, merged, split, or moved by 5 mm or 1 degree; a fall in IoU; refused frames.
-std::vector<Rule> built_in_rules();
+/// The ready rule sets: `strict`, `default` and `lenient`. The default fails on planes that are
+/// lost, gained, merged, split, or moved by 5 mm or 1 degree, on a fall in IoU, and on refused
+/// frames. `lenient` allows 2 % of a recording's planes and twice the movement; `strict` allows
+/// half the movement and turns warnings into errors. Empty: no such set.
+std::vector<Rule> built_in_rules(std::string_view set = "default");
 
-/// Throws Error naming the file, the rule and what is wrong with it.
+/// The rules of a ready set or of a file. Throws Error naming the file, the rule and what is wrong
+/// with it.
 std::vector<Rule> read_rules(const std::filesystem::path& file);
 /// The file that read_rules() reads, schema "planescope.rules/1".
 std::string rules_json(const std::vector<Rule>& rules);
@@ -110,7 +118,10 @@ struct Breach {
   std::string recording;  // empty: of all
   int frame = -1;         // -1: of the whole recording, or of all
   double value = 0;
-  std::string why;  // what more there is to tell of the frame; may be empty
+  std::string why;          // details of the frame; may be empty
+  std::string name;         // of the frame; may be empty
+  bool is_missing = false;  // the frame is in the baseline only, where it has this number
+  double percent = 0;       // for a rule with at_most_percent
   /// "2 planes of the baseline are gone; the rule planes_lost allows none", ": " and why.
   std::string text() const;
 };

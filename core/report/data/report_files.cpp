@@ -80,7 +80,7 @@ std::string xml_text(const std::string& text) {
 
 struct JunitSuite {
   std::string name, cases, notes;
-  int tests = 0, failures = 0, errors = 0;
+  int tests = 0, failures = 0, errors = 0, skipped = 0;
   double seconds = 0;
 
   void add(const std::string& test, double time, const std::string& outcome) {
@@ -95,10 +95,11 @@ struct JunitSuite {
     // on.
     return fmt::format(
         " <testsuite id=\"{}\" name=\"{}\" package=\"planescope\" hostname=\"localhost\" "
-        "timestamp=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{:.6f}\">\n"
+        "timestamp=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" "
+        "time=\"{:.6f}\">\n"
         "  <properties/>\n{}  <system-out{}\n  <system-err/>\n </testsuite>\n",
-        id, xml_text(name), created_utc.substr(0, 19), tests, failures, errors, seconds, cases,
-        notes.empty() ? "/>" : ">" + notes + "</system-out>");
+        id, xml_text(name), created_utc.substr(0, 19), tests, failures, errors, skipped, seconds,
+        cases, notes.empty() ? "/>" : ">" + notes + "</system-out>");
   }
 };
 
@@ -129,15 +130,16 @@ std::string notes_of(const Report& report, const std::string& recording) {
   return text;
 }
 
-/// Errors of one frame, or with frame -1 of the whole recording.
-using Broken = std::map<std::pair<std::string, int>, std::vector<const Breach*>>;
+/// Errors of one frame, or with frame -1 of the whole recording: recording, whether the frame is
+/// missing, number.
+using Broken = std::map<std::tuple<std::string, bool, int>, std::vector<const Breach*>>;
 
 Broken broken_by_frame(const Report& report) {
   Broken broken;
   if (report.judgement)
     for (const Breach& breach : report.judgement->breaches)
       if (breach.rule.level == RuleLevel::error)
-        broken[{breach.recording, breach.frame}].push_back(&breach);
+        broken[{breach.recording, breach.is_missing, breach.frame}].push_back(&breach);
   return broken;
 }
 
@@ -145,14 +147,17 @@ void add_frame(JunitSuite& suite,
                const ReportFrame& frame,
                const std::string& anchor,
                Broken& broken) {
-  const auto found = broken.find({suite.name, frame.index});
+  const auto found = broken.find({suite.name, false, frame.index});
   std::string outcome;
-  if (!frame.refused.empty()) {
+  if (frame.unreadable) {
     ++suite.errors;
-    outcome = fmt::format("   <error message=\"{}\" type=\"refused\"/>\n", xml_text(frame.refused));
+    outcome = fmt::format("   <error message=\"{}\" type=\"damaged\"/>\n", xml_text(frame.refused));
   } else if (found != broken.end()) {
     ++suite.failures;
     outcome = failure(found->second, &frame, anchor);
+  } else if (!frame.refused.empty()) {
+    ++suite.skipped;
+    outcome = fmt::format("   <skipped message=\"{}\"/>\n", xml_text(frame.refused));
   }
   suite.add(fmt::format("frame {}", frame.index), planes::total_ms(frame.timings) / 1000, outcome);
   if (found != broken.end()) broken.erase(found);
@@ -161,13 +166,15 @@ void add_frame(JunitSuite& suite,
 /// What belongs to no frame of this report: rules over many frames, frames that are missing.
 void add_rest(JunitSuite& suite, Broken& broken, bool of_any) {
   for (auto at = broken.begin(); at != broken.end();) {
-    if (at->first.first != suite.name && !of_any) {
+    const auto& [recording, is_missing, frame] = at->first;
+    if (recording != suite.name && !of_any) {
       ++at;
       continue;
     }
     ++suite.failures;
-    suite.add(at->first.second < 0 ? "all frames" : fmt::format("frame {}", at->first.second), 0,
-              failure(at->second, nullptr, {}));
+    suite.add(
+        frame < 0 ? "all frames" : fmt::format("{}frame {}", is_missing ? "baseline " : "", frame),
+        0, failure(at->second, nullptr, {}));
     at = broken.erase(at);
   }
 }
@@ -258,6 +265,9 @@ ReportFrame read_frame_record(const fs::path& dir) {
 }
 
 void write_report_files(const std::filesystem::path& dir, const Report& report) {
+  // A link in the folder is replaced, not followed.
+  for (const char* name : {"frames.csv", "junit.xml", "index.html", "report.json"})
+    if (fs::is_symlink(dir / name)) fs::remove(dir / name);
   write_file_text(dir / "frames.csv", frames_csv(report));
   write_file_text(dir / "junit.xml", junit_xml(report));
   write_overviews(dir, report);

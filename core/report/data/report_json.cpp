@@ -98,7 +98,7 @@ void recording_fields(Fields& fields, auto& recording) {
   fields("format", info.format);
   fields("device", info.device, kOrNull);
   fields("sha256", recording.sha256, kOrNull);
-  fields("frame_count", recording.frame_count);
+  fields("frame_count", recording.frame_count, kCompared);
   fields("frames_asked", recording.frames_asked);
   fields.maybe_object("depth", info.width > 0, kCompared,
                       [&](auto& depth) { depth_fields(depth, info); });

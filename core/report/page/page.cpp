@@ -66,11 +66,13 @@ double doubt(const PageFrame& frame) {
 }
 
 void add_breaches(const Judgement& judgement, PagePlan& plan, std::vector<std::size_t>& order) {
-  std::map<std::pair<std::string, int>, std::vector<std::size_t>> by_name;
-  for (std::size_t k = 0; k < plan.frames.size(); ++k)
-    by_name[{plan.frames[k].comparison->recording, plan.frames[k].comparison->index}].push_back(k);
+  std::map<std::tuple<std::string, bool, int>, std::vector<std::size_t>> by_name;
+  for (std::size_t k = 0; k < plan.frames.size(); ++k) {
+    const FrameComparison& frame = *plan.frames[k].comparison;
+    by_name[{frame.recording, frame.fate == FrameFate::missing, frame.index}].push_back(k);
+  }
   for (const Breach& breach : judgement.breaches) {
-    const auto found = by_name.find({breach.recording, breach.frame});
+    const auto found = by_name.find({breach.recording, breach.is_missing, breach.frame});
     if (breach.frame < 0 || found == by_name.end()) {
       plan.general.push_back(&breach);
       continue;
@@ -81,7 +83,7 @@ void add_breaches(const Judgement& judgement, PagePlan& plan, std::vector<std::s
     }
   }
   for (const Breach& note : judgement.notes) {
-    const auto found = by_name.find({note.recording, note.frame});
+    const auto found = by_name.find({note.recording, note.is_missing, note.frame});
     if (note.frame < 0 || found == by_name.end())
       plan.general_notes.push_back(&note);
     else

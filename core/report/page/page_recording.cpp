@@ -169,7 +169,7 @@ PageJson row_data(const PageSource& page, const PageFrame& frame) {
       {"index", now ? now->index : frame.comparison->index},
       {"place", &frame - page.plan.frames.data()},
       {"rank", frame.rank},
-      {"name", now ? now->name : ""},
+      {"name", frame.comparison ? frame.comparison->name : now->name},
       {"recording", !several ? ""
                     : now    ? page.recording_of(frame).name
                              : frame.comparison->recording},

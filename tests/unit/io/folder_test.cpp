@@ -66,6 +66,37 @@ TEST(Folder, FramesAreInTheOrderOfTheirNumbersWithTheirColour) {
   EXPECT_EQ(recording->info().depth_unit_source, "assumed (RealSense default)");
 }
 
+TEST(Folder, ImplausibleCamerasAndDepthUnitsAreWarnedOf) {
+  const fs::path folder = sample_folder();
+  const auto warnings = [&](const std::string& text, double depth_unit_m = 0.001) {
+    write_text(folder / "camera.txt", text);
+    RecordingOptions options;
+    options.depth_unit_m = depth_unit_m;
+    return open_recording(folder, options)->info().warnings;
+  };
+  const auto expect = [&](const std::vector<std::string>& found, const char* part) {
+    ASSERT_EQ(found.size(), 1u) << part;
+    EXPECT_NE(found[0].find(part), std::string::npos) << found[0];
+  };
+  EXPECT_TRUE(warnings("10 10 6 4").empty());
+  expect(warnings("10 10 16 4"), "the principal point 16,4 is outside the 12x8 image");
+  expect(warnings("1000 1000 6 4"), "a field of view of 0.688 x 0.458 degrees");
+  expect(warnings("10 13 6 4"), "fx 10 and fy 13 differ by 30 %");
+  expect(warnings("10 10 6 4", 1e-6), "100 % of the depth of frame 0 is nearer than 5 cm");
+  expect(warnings("10 10 6 4", 0.5), "100 % of the depth of frame 0 is farther than 100 m");
+  write_text(folder / "planescope.json",
+             R"({"intrinsics": {"width": 12, "height": 8, "fx": 10, "fy": 10, "cx": 6, "cy": 4,
+                 "distortion": [1e300, 0, 0, 0, 0]}})");
+  expect(warnings("10 10 6 4"), "distortion moves the image corner");
+}
+
+TEST(Folder, AGitLfsPointerIsNamed) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "depth" / "1.png",
+             "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 12345\n");
+  expect_refused([&] { open_known(folder); }, "a Git LFS pointer instead of the file");
+}
+
 TEST(Folder, EveryWayToWriteIntrinsicsIsUnderstood) {
   const std::pair<const char*, const char*> files[] = {
       {"intrinsic.json", R"({"intrinsic_matrix": [[10, 0, 6], [0, 11, 4], [0, 0, 1]]})"},

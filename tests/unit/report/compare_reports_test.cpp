@@ -202,6 +202,44 @@ TEST(CompareReports, RecordingsOfOneNameGoByTheirOrder) {
   }
 }
 
+TEST(CompareReports, ARemovedFrameIsMissingAndTheOthersKeepTheirPartners) {
+  const auto frames = [](std::vector<int> which) {
+    std::vector<ReportFrame> result;
+    for (const int k : which) {
+      result.push_back(frame_with_floor(k, 0));
+      result.back().name = "00000" + std::to_string(k);
+      result.back().index = static_cast<int>(result.size()) - 1;
+    }
+    return result;
+  };
+  const Report baseline = report_of({{"walk", frames({0, 1, 2, 3, 4})}});
+  Report now = report_of({{"walk", frames({0, 1, 3, 4})}});
+  now.recordings[0].frame_count = now.recordings[0].frames_asked = 4;
+  const ReportComparison found = compare_reports(baseline, now);
+  ASSERT_EQ(found.frames.size(), 5u);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(found.frames[k].fate, FrameFate::compared) << k;
+  EXPECT_EQ(found.frames[4].fate, FrameFate::missing);
+  EXPECT_EQ(found.frames[4].name, "000002");
+  EXPECT_EQ(found.frames[4].index, 2);
+
+  for (ReportFrame& frame : now.recordings[0].frames) frame.sha256 += " other pixels";
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_EQ(compare_reports(baseline, now).frames[k].fate, FrameFate::other_input) << "by name";
+  for (ReportFrame& frame : now.recordings[0].frames) frame.name.clear();
+  EXPECT_EQ(compare_reports(baseline, now).frames[4].index, 4) << "without names by number";
+}
+
+TEST(CompareReports, WhatWasNotAskedForIsLeftOutAndNotMissing) {
+  const Report baseline = report_of(
+      {{"a", {frame_with_floor(0, 0), frame_with_floor(1, 0)}}, {"b", {frame_with_floor(2, 0)}}});
+  Report now = report_of({{"a", {frame_with_floor(0, 0)}}});
+  now.recordings[0].frame_count = 2;
+  now.recordings[0].frames_asked = 1;
+  const ReportComparison part = compare_reports(baseline, now);
+  EXPECT_EQ(part.frames.size(), 1u);
+  EXPECT_EQ(part.left_out, (std::vector<std::string>{"a: 1 of 2 frames", "b"}));
+}
+
 TEST(CompareReports, AnotherInputIsNotComparedAndARefusalIsTold) {
   ReportFrame other = frame_with_floor(0, 0), refused = frame_with_floor(1, 0);
   other.sha256 = "another";

@@ -105,6 +105,33 @@ TEST(Rules, AFrameThatIsMissingOrRefusedIsAnError) {
   EXPECT_EQ(found[1].rule.metric, "frames_refused");
 }
 
+TEST(Rules, AShareOfTheBaselinesPlanesMayBeLostOverARecording) {
+  Report now = baseline();
+  now.recordings[0].frames[1] = frame_with(1, {0});  // one of the four planes of "a" is lost
+  Rule share;
+  share.metric = "planes_lost";
+  share.scope = RuleScope::recording;
+  share.at_most_percent = 25;
+  EXPECT_TRUE(broken(now, {share}).empty());
+  share.at_most_percent = 2;
+  const auto found = broken(now, {share});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].text(),
+            "1 plane (25 %) of the baseline is gone; the rule planes_lost allows at most 2 %");
+}
+
+TEST(Rules, ReadySetsDifferInTheirLimitsAndSurviveTheFile) {
+  EXPECT_EQ(read_rules("default"), built_in_rules());
+  EXPECT_TRUE(built_in_rules("loose").empty());
+  Report moved = baseline();
+  moved.recordings[0].frames[1] = frame_with(1, {0, 0.206});
+  EXPECT_EQ(broken(moved, read_rules("strict")).size(), 1u);
+  EXPECT_TRUE(broken(moved, read_rules("lenient")).empty());
+  const auto file = temp_dir() / "lenient.json";
+  std::ofstream(file) << rules_json(built_in_rules("lenient"));
+  EXPECT_EQ(read_rules(file), built_in_rules("lenient"));
+}
+
 // What undecided planes change is noted, and what decided ones change breaks rules.
 
 /// Plane 2 of frame 1 of "a" is undecided.
@@ -422,7 +449,7 @@ TEST(Rules, AMistakeInTheFileIsNamed) {
   };
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes_lsot", "at_most": 0})"), "planes_lost"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "atmost": 0})"), "has \"atmost\""));
-  EXPECT_TRUE(has(refusal_of(R"({"metric": "planes"})"), "\"at_least\" or \"at_most\""));
+  EXPECT_TRUE(has(refusal_of(R"({"metric": "planes"})"), "\"at_least\", \"at_most\" or \"at_most_percent\""));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})"),
                   "rules[0].level is \"fatal\", expected one of off, warn, error"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_least": 5, "at_most": 4})"),

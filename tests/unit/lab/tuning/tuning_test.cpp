@@ -107,6 +107,18 @@ TEST(TuningSearch, WhoeverEvaluatesMayEndItAndKeepsWhatWasFound) {
   EXPECT_GT(mean_score(tuned.best), mean_score(tuned.base));
 }
 
+TEST(TuningSearch, WithoutTimeForATrialTheAnswerIsTheStart) {
+  Known known;
+  TuningSearch search = known.search();
+  search.evaluate = [evaluate = search.evaluate](std::span<const Setting> settings, bool may_end) {
+    if (may_end) throw TuningSpent();
+    return evaluate(settings, may_end);
+  };
+  const Tuned tuned = search_options(search);
+  EXPECT_FALSE(tuned.complete);
+  EXPECT_TRUE(tuned.changes.empty());
+}
+
 TEST(TuningSearch, AGainOfOneFrameIsNone) {
   const Trial before{{}, {50, 60, 70, 80}};
   EXPECT_FALSE(gain_of({{}, {70, 60, 70, 80}}, before).counts());
