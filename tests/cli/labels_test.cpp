@@ -14,6 +14,7 @@
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/store/store.hpp"
+#include "support/label_drafts.hpp"
 #include "support/small_clouds.hpp"
 
 using namespace planescope;

@@ -1,4 +1,4 @@
-// Difference between two label states, applied to redo a gesture and reverted to undo it.
+// Edits of labels: made from a draft or two label states, applied to redo and reverted to undo.
 
 #include "core/labels/edit/edit.hpp"
 
@@ -19,26 +19,28 @@ void set_notes(FrameLabels& labels, const LabelNotes& notes) {
   labels.review = notes.review;
 }
 
-std::vector<LabelRun> changed_runs(const FrameLabels& before, const FrameLabels& after) {
-  std::vector<LabelRun> runs;
-  const auto pixels = static_cast<std::uint32_t>(before.plane.data.size());
-  for (std::uint32_t i = 0; i < pixels; ++i) {
-    LabelRun run = {
-        i, 1, before.plane.data[i], after.plane.data[i], before.hv.data[i], after.hv.data[i]};
-    if (run.plane_before == run.plane_after && run.hv_before == run.hv_after) continue;
-    if (!runs.empty() && runs.back().first + runs.back().count == i) {
-      run.first = runs.back().first;
-      run.count = runs.back().count;
-      if (run == runs.back()) {
-        ++runs.back().count;
-        continue;
-      }
-      run.first = i;
-      run.count = 1;
+/// Pixels come in ascending order.
+void add_if_changed(std::vector<LabelRun>& runs,
+                    std::uint32_t pixel,
+                    const FrameLabels& before,
+                    const FrameLabels& after) {
+  LabelRun run = {pixel,
+                  1,
+                  before.plane.data[pixel],
+                  after.plane.data[pixel],
+                  before.hv.data[pixel],
+                  after.hv.data[pixel]};
+  if (run.plane_before == run.plane_after && run.hv_before == run.hv_after) return;
+  if (!runs.empty() && runs.back().first + runs.back().count == pixel) {
+    LabelRun longer = run;
+    longer.first = runs.back().first;
+    longer.count = runs.back().count;
+    if (longer == runs.back()) {
+      ++runs.back().count;
+      return;
     }
-    runs.push_back(run);
   }
-  return runs;
+  runs.push_back(run);
 }
 
 std::vector<LabelPlane> by_id(std::vector<LabelPlane> planes) {
@@ -61,6 +63,17 @@ std::vector<LabelPlaneChange> changed_planes(const FrameLabels& before, const Fr
     if (change.before != change.after) changes.push_back(std::move(change));
   }
   return changes;
+}
+
+LabelEdit edit_of(int frame,
+                  std::string title,
+                  std::vector<LabelRun> runs,
+                  const FrameLabels& before,
+                  const FrameLabels& after) {
+  LabelEdit edit{frame, std::move(title), std::move(runs), changed_planes(before, after), {}};
+  const LabelNotes old_notes = notes_of(before), new_notes = notes_of(after);
+  if (old_notes != new_notes) edit.notes = NotesChange{old_notes, new_notes};
+  return edit;
 }
 
 void set_plane(FrameLabels& labels, int id, const std::optional<LabelPlane>& plane) {
@@ -102,9 +115,8 @@ void put(FrameLabels& labels, const LabelEdit& edit, Direction direction) {
     std::fill_n(plane, run.count, forwards ? run.plane_after : run.plane_before);
     std::fill_n(hv, run.count, forwards ? run.hv_after : run.hv_before);
   }
-  for (const LabelPlaneChange& change : edit.planes) {
+  for (const LabelPlaneChange& change : edit.planes)
     set_plane(labels, change.id, forwards ? change.after : change.before);
-  }
   if (edit.notes) set_notes(labels, forwards ? edit.notes->after : edit.notes->before);
 }
 
@@ -116,6 +128,28 @@ std::size_t LabelEdit::changed_pixels() const {
   return count;
 }
 
+void LabelDraft::set(std::uint32_t pixel, int plane, std::uint8_t hv) {
+  std::uint16_t& plane_now = labels.plane.data[pixel];
+  std::uint8_t& hv_now = labels.hv.data[pixel];
+  if (plane_now == plane && hv_now == hv) return;
+  for (const int id : {int{plane_now}, plane})
+    if (plane_now != plane && id > 0 && id < kPlaneIgnore &&
+        std::ranges::find(unfitted, id) == unfitted.end())
+      unfitted.push_back(id);
+  plane_now = static_cast<std::uint16_t>(plane);
+  hv_now = hv;
+  changed_.push_back(pixel);
+}
+
+LabelEdit LabelDraft::edit(int frame, std::string title) const {
+  std::vector<std::uint32_t> pixels = changed_;
+  if (!std::ranges::is_sorted(pixels)) std::ranges::sort(pixels);
+  pixels.erase(std::ranges::unique(pixels).begin(), pixels.end());
+  std::vector<LabelRun> runs;
+  for (const std::uint32_t pixel : pixels) add_if_changed(runs, pixel, before_, labels);
+  return edit_of(frame, std::move(title), std::move(runs), before_, labels);
+}
+
 LabelEdit make_edit(int frame,
                     std::string title,
                     const FrameLabels& before,
@@ -123,14 +157,10 @@ LabelEdit make_edit(int frame,
   assert(before.depth_sha256 == after.depth_sha256);
   assert(before.plane.width == after.plane.width && before.plane.height == after.plane.height);
   assert(before.hv.width == after.hv.width && before.hv.height == after.hv.height);
-  LabelEdit edit;
-  edit.frame = frame;
-  edit.title = std::move(title);
-  edit.runs = changed_runs(before, after);
-  edit.planes = changed_planes(before, after);
-  const LabelNotes old_notes = notes_of(before), new_notes = notes_of(after);
-  if (old_notes != new_notes) edit.notes = NotesChange{old_notes, new_notes};
-  return edit;
+  std::vector<LabelRun> runs;
+  const auto pixels = static_cast<std::uint32_t>(before.plane.data.size());
+  for (std::uint32_t i = 0; i < pixels; ++i) add_if_changed(runs, i, before, after);
+  return edit_of(frame, std::move(title), std::move(runs), before, after);
 }
 
 bool can_apply(const FrameLabels& labels, const LabelEdit& edit) {
