@@ -219,12 +219,12 @@ void add_label_mode_actions(std::vector<Action>& all) {
   mode.add("label.undo", "Undo")
       .key("Ctrl+Z")
       .words("undo revert back")
-      .when([](const State& s) { return store_of(s) && store_of(s)->undo_frame(); })
+      .when([](const State& s) { return store_of(s) && store_of(s)->undo_count() > 0; })
       .run([](State& s) { travel(s, true); });
   mode.add("label.redo", "Redo")
       .key("Ctrl+Shift+Z Ctrl+Y")
       .words("redo again")
-      .when([](const State& s) { return store_of(s) && store_of(s)->redo_frame(); })
+      .when([](const State& s) { return store_of(s) && store_of(s)->redo_count() > 0; })
       .run([](State& s) { travel(s, false); });
   mode.add("label.save", "Save the labels").key("Ctrl+S").when(has_store).run(save);
   mode.add("label.annotator", "Annotator")

@@ -38,7 +38,7 @@ void show_finish(State& state,
     what += (what.empty() ? "" : ", ") + counted(finish.takes.size(), sample) + " less";
   say_hint(state, fmt::format("{}: {}; Enter accepts, Esc cancels", title, what),
            [](const State& s) { return !s.view.label.finish; });
-  labels::LabelDraft draft(*state.labels());
+  labels::LabelDraft draft = draft_of(state);
   const labels::LabelGrid& grid = state.label_frame()->grid;
   labels::finish_plane(draft, grid, plane, finish);
   labels::fit_planes(draft, grid);
@@ -63,8 +63,6 @@ void drop_specks(State& state, const std::optional<double>& typed_cm2) {
 
 // ---- The active plane --------------------------------------------------------------------------
 
-std::string name_of(int plane) { return fmt::format("P{}", plane); }
-
 /// Sets the class of the active plane, or of what is painted next if there is none.
 void set_class(State& state, const std::optional<int>& chosen, Label label) {
   const char* name = to_string(label);
@@ -77,10 +75,10 @@ void set_class(State& state, const std::optional<int>& chosen, Label label) {
                                             : "strokes mark planes");
   }
   const int plane = active_plane(state, chosen);
-  labels::LabelDraft draft(*work.labels);
+  labels::LabelDraft draft = draft_of(state);
   labels::set_class(draft, plane, label);
-  commit_and_say(state, fmt::format("Make {} {}", name_of(plane), name), draft,
-                 fmt::format("{} is {} already", name_of(plane), name));
+  commit_and_say(state, fmt::format("Make P{} {}", plane, name), draft,
+                 fmt::format("P{} is {} already", plane, name));
 }
 
 void join(State& state, const std::optional<int>& chosen) {
@@ -92,47 +90,45 @@ void join(State& state, const std::optional<int>& chosen) {
   else if (state.view.label.hover >= 0)
     from = work.labels->plane.data[static_cast<std::size_t>(state.view.label.hover)];
   if (!labels::find_plane(*work.labels, from))
-    throw Error(fmt::format("no plane under the mouse to join into {}", name_of(into)));
-  if (from == into) throw Error(fmt::format("{} itself is under the mouse", name_of(into)));
-  labels::LabelDraft draft(*work.labels);
+    throw Error(fmt::format("no plane under the mouse to join into P{}", into));
+  if (from == into) throw Error(fmt::format("P{} itself is under the mouse", into));
+  labels::LabelDraft draft = draft_of(state);
   labels::join_planes(draft, into, from);
-  commit_and_say(state, fmt::format("Join {} into {}", name_of(from), name_of(into)), draft, "");
+  commit_and_say(state, fmt::format("Join P{} into P{}", from, into), draft);
 }
 
 void split_parts(State& state, const std::optional<int>& chosen) {
   const LabelWork work = label_work(state);
   const int plane = active_plane(state, chosen);
-  labels::LabelDraft draft(*work.labels);
+  labels::LabelDraft draft = draft_of(state);
   labels::split_by_parts(draft, work.frame.grid, plane, labels::AuditOptions{}.min_area_m2);
   const std::size_t parts = 1 + draft.labels.planes.size() - work.labels->planes.size();
-  commit_and_say(state, fmt::format("Split {} into its {} parts", name_of(plane), parts), draft,
-                 fmt::format("{} has one part; Shift+S cuts it along a line", name_of(plane)));
+  commit_and_say(state, fmt::format("Split P{} into its {} parts", plane, parts), draft,
+                 fmt::format("P{} has one part; Shift+S cuts it along a line", plane));
 }
 
 void toggle(State& state, const std::optional<int>& chosen, labels::PlaneFlag flag) {
-  const LabelWork work = label_work(state);
   const int id = active_plane(state, chosen);
-  const LabelPlane& plane = *labels::find_plane(*work.labels, id);
+  labels::LabelDraft draft = draft_of(state);
+  const LabelPlane& plane = *labels::find_plane(draft.labels, id);
   const bool on = flag == labels::PlaneFlag::locked ? !plane.locked : !plane.hidden;
   const char* verb =
       flag == labels::PlaneFlag::locked ? (on ? "Lock" : "Unlock") : (on ? "Hide" : "Show");
-  labels::LabelDraft draft(*work.labels);
   labels::set_flag(draft, id, flag, on);
-  commit_and_say(state, fmt::format("{} {}", verb, name_of(id)), draft, "");
+  commit_and_say(state, fmt::format("{} P{}", verb, id), draft);
 }
 
 void show_all(State& state) {
-  labels::LabelDraft draft(*label_work(state).labels);
+  labels::LabelDraft draft = draft_of(state);
   for (LabelPlane& plane : draft.labels.planes) plane.hidden = false;
   commit_and_say(state, "Show all planes", draft, "no plane is hidden");
 }
 
 void remove_plane(State& state, const std::optional<int>& chosen) {
-  const LabelWork work = label_work(state);
   const int plane = active_plane(state, chosen);
-  labels::LabelDraft draft(*work.labels);
+  labels::LabelDraft draft = draft_of(state);
   labels::remove_plane(draft, plane);
-  commit_and_say(state, fmt::format("Remove {}", name_of(plane)), draft, "");
+  commit_and_say(state, fmt::format("Remove P{}", plane), draft);
   if (state.view.label.plane == plane) state.view.label.plane = 0;
 }
 
@@ -173,7 +169,7 @@ void take(State& state) {
                                     : planes::to_string(run->options.method);
   const std::string title = fmt::format("Start from the algorithm ({})", name);
   const std::string beyond = beyond_text(*run, work.frame.grid);
-  labels::LabelDraft draft(*work.labels);
+  labels::LabelDraft draft = draft_of(state);
   labels::take_segmentation(draft, work.frame.grid, found.plane, found.label);
   commit_and_say(state, title, draft, "the labels already equal the algorithm's result" + beyond);
   if (!beyond.empty() && state.labels() != work.labels) say(state, title + beyond);

@@ -143,7 +143,7 @@ void decide(State& state, ReviewDecision decision) {
     throw Error("the labels there have changed; the list is being updated");
 
   labels::LabelStore& store = *state.document.current()->labels;
-  labels::LabelDraft draft(*work.labels);
+  labels::LabelDraft draft = draft_of(state);
   labels::decide(draft, work.frame.grid, item, *queue->other_labels, decision, store.annotator(),
                  now_s());
   commit_and_say(state, title_of(item, decision), draft, "already decided that way");
@@ -176,7 +176,7 @@ void decide_slivers(State& state, ReviewDecision decision) {
   const std::shared_ptr<const ReviewQueue> queue = state.results.label.review;
   if (!queue || slivers_of(*queue).count == 0) throw Error("the review has no slivers to decide");
   labels::LabelStore& store = *state.document.current()->labels;
-  labels::LabelDraft draft(*work.labels);
+  labels::LabelDraft draft = draft_of(state);
   auto next = std::make_shared<ReviewQueue>(*queue);
   int decided = 0, left = 0;
   for (labels::Disagreement& item : next->items) {
@@ -293,7 +293,7 @@ SliverAction read_sliver_action(const State&, const std::string&, const std::str
 
 void finish_review(State& state) {
   const LabelWork work = label_work(state);
-  labels::LabelDraft draft(*work.labels);
+  labels::LabelDraft draft = draft_of(state);
   const bool reviewed = work.labels->review_state == "reviewed";
   const ReviewQueue* queue = state.results.label.review.get();
   if (!reviewed && (!queue || queue->labels != work.labels))
@@ -302,7 +302,7 @@ void finish_review(State& state) {
     throw Error(fmt::format("{} of {} regions are undecided", queue->undecided(),
                             queue->undecided() + work.labels->review.size()));
   draft.labels.review_state = reviewed ? "unreviewed" : "reviewed";
-  commit_and_say(state, reviewed ? "Not reviewed" : "Reviewed", draft, "");
+  commit_and_say(state, reviewed ? "Not reviewed" : "Reviewed", draft);
 }
 
 void compare_with(State& state, const std::string& folder) {

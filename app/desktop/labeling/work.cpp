@@ -74,6 +74,10 @@ LabelWork label_work(const State& state) {
   return {*state.label_frame(), state.labels()};
 }
 
+labels::LabelDraft draft_of(const State& state) {
+  return labels::LabelDraft(*label_work(state).labels);
+}
+
 Takes<int> plane_number(std::string shown, int low) {
   return {std::move(shown),
           [low](const State&, const std::string& action, const std::string& typed) {

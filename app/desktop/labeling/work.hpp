@@ -22,6 +22,8 @@ bool can_label(const State& state);
 const char* sample_name(const LabelFrame& frame);
 /// Throws Error where it is not.
 LabelWork label_work(const State& state);
+/// Of the frame's labels, for one gesture.
+labels::LabelDraft draft_of(const State& state);
 
 /// The number of a label's plane. Text: "3" or "P3".
 Takes<int> plane_number(std::string shown, int low);
@@ -32,7 +34,7 @@ int active_plane(const State& state, const std::optional<int>& chosen = {});
 void commit_and_say(State& state,
                     const std::string& title,
                     labels::LabelDraft& draft,
-                    const std::string& unchanged);
+                    const std::string& unchanged = "");
 
 /// What is known of a frame's labels: what is at hand, or what the label folder had.
 FrameMark frame_mark(const State& state, int frame);

@@ -58,6 +58,8 @@ class LabelDraft {
  public:
   /// `before` must outlive the draft.
   explicit LabelDraft(const FrameLabels& before) : labels(before), before_(before) {}
+  /// Of labels that no tool made: their images are compared. Both of the same frame (asserted).
+  LabelDraft(const FrameLabels& before, FrameLabels after);
   void set(std::uint32_t pixel, int plane, std::uint8_t hv);
   LabelEdit edit(int frame, std::string title) const;
 
@@ -69,17 +71,16 @@ class LabelDraft {
   std::vector<std::uint32_t> changed_;  // in the order of their changes
 };
 
-/// For labels that no tool made: from a file, or carried from another frame. Both of the same frame
-/// and size (asserted).
+/// For labels that no tool made: from a file, or carried from another frame.
 LabelEdit make_edit(int frame,
                     std::string title,
                     const FrameLabels& before,
                     const FrameLabels& after);
-/// The labels are those before the edit, or those after it (asserted).
+/// Undoes it when applied.
+LabelEdit reversed(LabelEdit edit);
+/// The labels are those before the edit (asserted).
 void apply_edit(FrameLabels& labels, const LabelEdit& edit);
-void revert_edit(FrameLabels& labels, const LabelEdit& edit);
 /// Whether they are, for edits that come from a file.
 bool can_apply(const FrameLabels& labels, const LabelEdit& edit);
-bool can_revert(const FrameLabels& labels, const LabelEdit& edit);
 
 }  // namespace planescope::labels

@@ -55,10 +55,6 @@ std::vector<int> frames_of_step(const std::vector<LabelHistory::Step>& steps) {
   return frames;
 }
 
-std::optional<int> frame_of_last(const std::vector<LabelHistory::Step>& steps) {
-  return steps.empty() ? std::nullopt : std::optional(steps.back().frame);
-}
-
 }  // namespace
 
 LabelStore::LabelStore(fs::path dir, LabelStoreOptions options)
@@ -225,12 +221,12 @@ void LabelStore::step(RecordKind direction) {
 }
 
 void LabelStore::put(FrameLabels& labels, const JournalPlace& place, RecordKind direction) const {
-  const LabelEdit edit = read_edit(journal_->read(place), labels.plane.data.size());
-  const bool undoes = direction == RecordKind::undo;
-  if (!(undoes ? can_revert(labels, edit) : can_apply(labels, edit)))
+  LabelEdit edit = read_edit(journal_->read(place), labels.plane.data.size());
+  if (direction == RecordKind::undo) edit = reversed(std::move(edit));
+  if (!can_apply(labels, edit))
     throw Error(journal_->path().string() + ": the edit at byte " + std::to_string(place.offset) +
                 " is not one of the labels that the records before it give");
-  undoes ? revert_edit(labels, edit) : apply_edit(labels, edit);
+  apply_edit(labels, edit);
 }
 
 FrameLabels LabelStore::replay(int frame) const {
@@ -270,9 +266,6 @@ std::uint64_t LabelStore::version(int frame) const {
 
 std::vector<int> LabelStore::undo_frames() const { return frames_of_step(history_.done()); }
 std::vector<int> LabelStore::redo_frames() const { return frames_of_step(history_.undone()); }
-
-std::optional<int> LabelStore::undo_frame() const { return frame_of_last(history_.done()); }
-std::optional<int> LabelStore::redo_frame() const { return frame_of_last(history_.undone()); }
 
 bool LabelStore::any_unsaved() const {
   const auto is_unsaved = [&](int frame) { return unsaved(frame); };

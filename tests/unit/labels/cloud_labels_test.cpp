@@ -319,32 +319,6 @@ TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBehindTheLastPointAreRefused) {
   expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "17x4 pixels, its frame has 1024x");
 }
 
-TEST(CloudStore, GesturesAreUndoneRedoneAndComeBackFromTheJournal) {
-  const TrueCloud cloud = stair_cloud();
-  const fs::path dir = fresh("store");
-  const FrameLabels blank = empty_labels(cloud.grid, kHash);
-  FrameLabels one, two;
-  {
-    LabelStore store(dir, {"ann", {}});
-    store.open(0, blank);
-    for (const int plane : {1, 3}) {
-      const FrameLabels& before = *store.labels(0);
-      store.commit(make_edit(
-          0, "Wand", before,
-          painted(before, cloud.grid, cloud.on(plane), {.plane = plane}, PaintMode::over)));
-      (plane == 1 ? one : two) = *store.labels(0);
-    }
-  }  // nothing was saved: the journal has it
-  LabelStore store(dir, {"ann", {}});
-  EXPECT_EQ(store.open(0, blank)->plane.data, two.plane.data);
-  EXPECT_TRUE(store.labels(0)->is_cloud());
-  store.undo();
-  EXPECT_EQ(store.labels(0)->plane.data, one.plane.data);
-  store.redo();
-  store.save_all();
-  EXPECT_EQ(read_frame_labels(dir, 0, kHash)->plane.data, two.plane.data);
-}
-
 TEST(CloudExchange, EveryPointHasItsLabelInTheOrderOfTheCloud) {
   TrueCloud cloud = stair_cloud();
   cloud.frame.cloud->points[7] = Vec3f::Constant(std::nanf(""));

@@ -247,7 +247,7 @@ TEST(LabelEdits, ApplyingGivesTheNewLabelsAndRevertingTheOldOnes) {
     const LabelEdit edit = make_edit(3, "gesture", before, after);
     apply_edit(labels, edit);
     ASSERT_NO_FATAL_FAILURE(expect_same(labels, after)) << step;
-    revert_edit(labels, edit);
+    apply_edit(labels, reversed(edit));
     ASSERT_NO_FATAL_FAILURE(expect_same(labels, before)) << step;
     apply_edit(labels, edit);
   }
