@@ -154,7 +154,10 @@ std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
       if (pixel < tints.size()) tints[pixel] = color;
   };
   mark(look.marked, marks.marked);
-  mark(look.taken, marks.takes);
+  if (look.edit)
+    for (const labels::LabelRun& run : look.edit->runs)
+      std::fill_n(tints.begin() + run.first, run.count,
+                  run.plane_after == 0 && run.hv_after == 0 ? marks.takes : marks.preview);
   const bool is_told = look.residual && look.residual->plane == 0;  // by its distances
   if (!is_told) mark(look.preview, look.preview_takes ? marks.takes : marks.preview);
   return tints;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/debug/replay/run.hpp"
+#include "core/labels/edit/edit.hpp"
 #include "core/labels/model/grid.hpp"
 #include "render/scenes.hpp"
 
@@ -175,15 +176,15 @@ struct Residual {
 
 /// What is drawn and what stands out.
 struct LabelLook {
-  std::shared_ptr<const FrameLabels> labels;  // null: none yet
-  int plane = 0;                              // the active one, brighter than others; 0: none
-  bool show_class = false;                    // colors of h and v instead of the planes' own
-  std::span<const std::uint32_t> preview;     // pixels that a gesture would change
-  bool preview_takes = false;                 // ... by taking labels off
-  std::span<const std::uint32_t> taken;       // pixels that it would take off besides
-  std::optional<Residual> residual;           // colors by distance, in place of labels
-  std::span<const std::uint8_t> doubt;        // per pixel; empty: none
-  std::span<const std::uint32_t> marked;      // pixels that a question is about
+  std::shared_ptr<const FrameLabels> labels;      // null: none yet
+  int plane = 0;                                  // the active one, brighter than others; 0: none
+  bool show_class = false;                        // colors of h and v instead of the planes' own
+  std::shared_ptr<const labels::LabelEdit> edit;  // that a gesture would make; null: none
+  std::span<const std::uint32_t> preview;         // pixels that the wand found
+  bool preview_takes = false;                     // ... to take labels off
+  std::optional<Residual> residual;               // colors by distance, in place of labels
+  std::span<const std::uint8_t> doubt;            // per pixel; empty: none
+  std::span<const std::uint32_t> marked;          // pixels that a question is about
   Theme theme = Theme::dark;
 };
 

@@ -28,16 +28,16 @@ struct LookKey {
 struct LabelLookKey {
   std::weak_ptr<const LabelFrame> frame;
   render::LabelLook look;
-  std::vector<std::uint32_t> preview, taken, marked;
+  std::vector<std::uint32_t> preview, marked;
   std::vector<std::uint8_t> doubt;
 
   bool same(const std::shared_ptr<const LabelFrame>& other_frame,
             const render::LabelLook& other) const {
     return frame.lock() == other_frame && look.labels == other.labels &&
            look.plane == other.plane && look.show_class == other.show_class &&
-           look.preview_takes == other.preview_takes && look.theme == other.theme &&
-           look.residual == other.residual && std::ranges::equal(preview, other.preview) &&
-           std::ranges::equal(taken, other.taken) && std::ranges::equal(marked, other.marked) &&
+           look.edit == other.edit && look.preview_takes == other.preview_takes &&
+           look.theme == other.theme && look.residual == other.residual &&
+           std::ranges::equal(preview, other.preview) && std::ranges::equal(marked, other.marked) &&
            std::ranges::equal(doubt, other.doubt);
   }
   void set(const std::shared_ptr<const LabelFrame>& new_frame, const render::LabelLook& new_look) {
@@ -46,8 +46,7 @@ struct LabelLookKey {
     preview.assign(new_look.preview.begin(), new_look.preview.end());
     marked.assign(new_look.marked.begin(), new_look.marked.end());
     doubt.assign(new_look.doubt.begin(), new_look.doubt.end());
-    taken.assign(new_look.taken.begin(), new_look.taken.end());
-    look.preview = look.taken = look.marked = {};
+    look.preview = look.marked = {};
     look.doubt = {};
   }
 };

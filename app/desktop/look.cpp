@@ -271,13 +271,8 @@ render::LabelLook label_look_of(const State& state) {
   look.labels = state.labels();
   look.plane = view.plane;
   look.show_class = view.show_class;
-  if (view.stroke) {
-    look.preview = view.stroke->pixels;
-    look.preview_takes = view.stroke->takes;
-  } else if (view.finish) {
-    look.preview = view.finish->finish.adds;
-    look.taken = view.finish->finish.takes;
-  } else if (view.wand.found) {
+  look.edit = view.stroke ? view.stroke : view.finish;
+  if (!look.edit && view.wand.found) {
     look.preview = view.wand.found->pixels;
     look.preview_takes = view.paints == Paints::erase;
   }

@@ -50,9 +50,10 @@ void grid(benchmark::State& state) {
 void brush(benchmark::State& state) {
   const Fixture& f = fixture();
   for (auto _ : state) {
-    const FrameLabels after =
-        labels::painted(f.truth, f.grid, f.stroke, {1}, labels::PaintMode::over);
-    benchmark::DoNotOptimize(labels::make_edit(0, "Brush P1", f.truth, after));
+    labels::LabelDraft draft(f.truth);
+    labels::paint(draft, f.grid, f.stroke, {1}, labels::PaintMode::over);
+    labels::fit_planes(draft, f.grid);
+    benchmark::DoNotOptimize(draft.edit(0, "Brush P1"));
   }
 }
 

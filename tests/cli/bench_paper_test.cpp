@@ -45,8 +45,7 @@ bool is_ours(const Json& cell, const std::string& labels) {
 
 TEST(BenchPaper, TheTablesHoldWhatMustHoldWhateverIsMeasured) {
   const fs::path out = scratch() / "out";
-  const Ran ran = bench(out, kTables);
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(bench(out, kTables));
   EXPECT_EQ(files_below(out), std::vector<std::string>{"paper.jsonl"});
 
   auto results = results_of(read_text(out / "paper.jsonl"));
@@ -88,8 +87,7 @@ TEST(BenchPaper, TheResultsAreTheSameForAnyThreadCountAndForARunThatWasCutShort)
   const fs::path dir = scratch();
   const std::vector<std::string> args = {"--only", "tables", "--sets", "kerbs,depth_slopes"};
   for (const char* threads : {"1", "2"}) {
-    const Ran ran = bench(dir / threads, and_more(args, {"--threads", threads}));
-    ASSERT_EQ(ran.code, 0) << ran.err;
+    well(bench(dir / threads, and_more(args, {"--threads", threads})));
   }
   const std::string whole = read_text(dir / "1/paper.jsonl");
   EXPECT_EQ(whole, read_text(dir / "2/paper.jsonl"));
@@ -108,11 +106,8 @@ TEST(BenchPaper, TheResultsAreTheSameForAnyThreadCountAndForARunThatWasCutShort)
   fs::create_directories(dir / "cut");
   write_text(dir / "cut/cells.jsonl", log + R"({"kind":"cell","key":{"se)");
   const Ran refused = bench(dir / "cut", args);
-  EXPECT_EQ(refused.code, 2);
-  EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
-  EXPECT_NE(refused.err.find("--resume"), std::string::npos) << refused.err;
-  const Ran resumed = bench(dir / "cut", and_more(args, {"--resume"}));
-  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  expect_refused(refused, "--resume");
+  well(bench(dir / "cut", and_more(args, {"--resume"})));
   EXPECT_EQ(whole, read_text(dir / "cut/paper.jsonl"));
   EXPECT_EQ(files_below(dir / "cut"), std::vector<std::string>{"paper.jsonl"});
 
@@ -130,9 +125,7 @@ TEST(BenchPaper, TimesRecordingsAndCountsThoseWithoutGravity) {
   planescope::Image16 nothing = floor_and_wall();
   std::fill(nothing.data.begin(), nothing.data.end(), std::uint16_t{0});
   write_depth_folder(dir / "dark", nothing);
-  const Ran ran =
-      bench(dir / "out", {(dir / "rec").string(), (dir / "dark").string(), "--sets", "kerbs"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(bench(dir / "out", {(dir / "rec").string(), (dir / "dark").string(), "--sets", "kerbs"}));
   auto results = results_of(read_text(dir / "out/paper.jsonl"));
   const auto& real = results["real"];
   ASSERT_EQ(real.size(), 2u);
@@ -187,9 +180,7 @@ TEST(BenchPaper, RefusesWhatItDoesNotKnowInOneLine) {
       {{"planescope-lab", "bench", "paper", "-o", out.string(), (out / "none").string()}, "none"}};
   for (const auto& [args, part] : bad) {
     const Ran ran = run(args);
-    EXPECT_EQ(ran.code, 2) << part;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+    expect_refused(ran, part);
     EXPECT_FALSE(fs::exists(out)) << part;
   }
 }

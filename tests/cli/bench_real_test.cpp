@@ -56,8 +56,7 @@ TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
   PLANESCOPE_NEEDS_OPEN3D();
   const fs::path dir = scratch();
   write_labelled(dir);
-  const Ran ran = run_with(frames_args(dir), {});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(run_with(frames_args(dir), {}));
   EXPECT_EQ(ran.out.find(dir.string()), std::string::npos) << "no folders of this machine";
   auto results = results_of(ran.out);
   std::map<std::string, Json> scores;
@@ -84,9 +83,7 @@ TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
   const auto measure = [&](const char* only, const char* count, const char* threads) {
     args[4] = only;
     const std::string out = (dir / threads / only).string();
-    const Ran ran =
-        run_with(args, {"--seeds", "7", "--count", count, "--threads", threads, "-o", out});
-    EXPECT_EQ(ran.code, 0) << ran.err;
+    well(run_with(args, {"--seeds", "7", "--count", count, "--threads", threads, "-o", out}));
   };
   for (const char* threads : {"1", "2"}) {
     measure("frames,sets", "1", threads);
@@ -116,8 +113,7 @@ TEST(BenchReal, MeasuresOneHalfOfTheList) {
   write_labelled(dir);
   write_text(dir / "list.txt",
              "room tuning rec 0 --gravity 0,1,0\nmissing printed nowhere 0 --gravity 0,1,0\n");
-  const Ran ran = run_with(frames_args(dir), {"--half", "tuning"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(run_with(frames_args(dir), {"--half", "tuning"}));
   auto results = results_of(ran.out);
   for (const Json& line : results["labelled"]) EXPECT_EQ(line["name"], "room");
 }
@@ -143,9 +139,7 @@ TEST(BenchReal, RefusesWhatItDoesNotKnowInOneLine) {
   for (const auto& [text, part] : lists) {
     write_text(dir / "bad.txt", text);
     const Ran ran = run_with(frames_args(dir, "bad.txt"), {"-o", (dir / "out").string()});
-    EXPECT_EQ(ran.code, 2) << text;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+    expect_refused(ran, part);
     EXPECT_FALSE(fs::exists(dir / "out")) << text;
   }
   const std::string out = (dir / "out").string(), data = (dir / "data").string();
@@ -166,9 +160,7 @@ TEST(BenchReal, RefusesWhatItDoesNotKnowInOneLine) {
       {{"-o", out, "--only", "sets", "--count", "0"}, "--count"}};
   for (const auto& [args, part] : bad) {
     const Ran ran = run_with({"planescope-lab", "bench", "real"}, args);
-    EXPECT_EQ(ran.code, 2) << part;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+    expect_refused(ran, part);
     EXPECT_FALSE(fs::exists(out)) << part;
   }
 }

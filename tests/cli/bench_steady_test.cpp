@@ -53,9 +53,8 @@ double self_pq(const Json& pair) {
 TEST(BenchSteady, AStillCameraBeforeAFloorAndAWallKeepsBoth) {
   const fs::path dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
-  const Ran ran = bench_steady(dir / "rec", {"--gravity", "0,1,0", "--max-range", "4", "--frames",
-                                             ":", "--turns", "2", "-o", (dir / "out").string()});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(bench_steady(dir / "rec", {"--gravity", "0,1,0", "--max-range", "4", "--frames", ":",
+                                  "--turns", "2", "-o", (dir / "out").string()}));
   EXPECT_EQ(files_below(dir / "out"), std::vector<std::string>{"steady.jsonl"});
   const std::string lines = read_text(dir / "out/steady.jsonl");
   EXPECT_EQ(lines.find(dir.string()), std::string::npos) << "no folders of this machine";
@@ -90,11 +89,10 @@ TEST(BenchSteady, ARealPanKeepsItsPlanes) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Ran ran =
-      bench_steady(fs::path(data) / "aims_slam_realsense_640x480",
-                   {"--only", "gravity,focal,dither", "--turns", "5", "--method", "ours",
-                    "--profile", "refined", "--intrinsics", "383.8,383.8,321.7,236.8", "--gravity",
-                    "0.168,0.925,0.341", "--max-range", "4"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+      well(bench_steady(fs::path(data) / "aims_slam_realsense_640x480",
+                        {"--only", "gravity,focal,dither", "--turns", "5", "--method", "ours",
+                         "--profile", "refined", "--intrinsics", "383.8,383.8,321.7,236.8",
+                         "--gravity", "0.168,0.925,0.341", "--max-range", "4"}));
   for (const char* change :
        {"gravity turned", "fx x (1 + 1e-7)", "fx x (1 + 1e-5)", "fx, fy x (1 + 1e-6)"}) {
     std::set<int> frames;
@@ -116,11 +114,10 @@ TEST(BenchSteady, ARealPanKeepsItsPlanes) {
 TEST(BenchSteady, DecidedPlanesStayInTheNextFrame) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
-  const Ran ran = bench_steady(
+  const Ran ran = well(bench_steady(
       fs::path(data) / "tum_fr1_rpy_kinect_640x480",
       {"--only", "next", "--method", "ours", "--profile", "refined", "--intrinsics",
-       "591.1,590.1,331,234", "--depth-unit", "0.0002", "--gravity", "none", "--max-range", "4"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+       "591.1,590.1,331,234", "--depth-unit", "0.0002", "--gravity", "none", "--max-range", "4"}));
   const std::vector<Json> pairs = pairs_of(ran.out, "next frame", "ours refined");
   EXPECT_EQ(pairs.size(), 38u);
   double pq = 0, big = 0, decided = 0;
@@ -139,10 +136,8 @@ TEST(BenchSteady, IsTheSameForAnyNumberOfThreads) {
   const fs::path dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
   for (const char* threads : {"1", "3"}) {
-    const Ran ran =
-        bench_steady(dir / "rec", {"--frames", "::2", "--gravity", "0,1,0", "--turns", "2",
-                                   "--threads", threads, "-o", (dir / threads).string()});
-    ASSERT_EQ(ran.code, 0) << ran.err;
+    well(bench_steady(dir / "rec", {"--frames", "::2", "--gravity", "0,1,0", "--turns", "2",
+                                    "--threads", threads, "-o", (dir / threads).string()}));
   }
   EXPECT_EQ(read_text(dir / "1/steady.jsonl"), read_text(dir / "3/steady.jsonl"));
 }
@@ -156,8 +151,7 @@ TEST(BenchSteady, PosesMoveTheLabelsToTheNextFrame) {
     std::vector<std::string> args = {"--only",    "next",    "--method",  "ours",
                                      "--profile", "refined", "--gravity", "0,1,0"};
     args.insert(args.end(), more.begin(), more.end());
-    const Ran ran = bench_steady(dir / "rec", args);
-    EXPECT_EQ(ran.code, 0) << ran.err;
+    const Ran ran = well(bench_steady(dir / "rec", args));
     auto results = results_of(ran.out);
     EXPECT_EQ(results["recording"].at(0)["poses"], more.empty());
     return results["pair"].at(0)["all"]["planes"].get<int>();
@@ -171,9 +165,8 @@ TEST(BenchSteady, PosesMoveTheLabelsToTheNextFrame) {
 TEST(BenchSteady, MeasuresOnlyWhatIsAskedFor) {
   const fs::path dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const Ran ran = bench_steady(
-      dir / "rec", {"--only", "focal,rounded", "--method", "region-growing", "--gravity", "none"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(bench_steady(
+      dir / "rec", {"--only", "focal,rounded", "--method", "region-growing", "--gravity", "none"}));
   for (const char* part : {"fx x (1 + 1e-7)", "fx, fy x (1 + 1e-6)", "intrinsics to 6 digits"})
     EXPECT_NE(ran.out.find(part), std::string::npos) << part;
   for (const char* part : {"ours", "gravity turned", "dither of", "next frame"})
@@ -198,9 +191,7 @@ TEST(BenchSteady, RefusesBadInputInOneLine) {
     std::vector<std::string> all = {"planescope-lab", "bench", "steady", "-o", out};
     all.insert(all.end(), args.begin(), args.end());
     const Ran ran = run(all);
-    EXPECT_EQ(ran.code, 2) << part;
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+    expect_refused(ran, part);
     EXPECT_FALSE(fs::exists(out)) << part;
   }
 }

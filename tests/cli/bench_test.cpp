@@ -38,9 +38,7 @@ TEST(BenchClassifier, MeasuresEverythingThatItIsGiven) {
   const Bench bench;
   write_depth_folder(bench.dir / "rec", floor_and_wall());
   const fs::path out = bench.dir / "out";
-  const Ran ran =
-      bench.with({(bench.dir / "rec").string(), "--gravity", "0,1,0", "-o", out.string()});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(bench.with({(bench.dir / "rec").string(), "--gravity", "0,1,0", "-o", out.string()}));
   EXPECT_EQ(files_below(out),
             (std::vector<std::string>{"classifier.jsonl", "classifier.timings.jsonl"}));
 
@@ -70,9 +68,8 @@ TEST(BenchClassifier, MeasuresEverythingThatItIsGiven) {
 TEST(BenchClassifier, WhatDoesNotDependOnTimeIsTheSameForAnyThreadCount) {
   const Bench bench;
   for (const char* threads : {"1", "3"}) {
-    const Ran ran = bench.with(
-        {"--only", "accuracy,chain", "--threads", threads, "-o", (bench.dir / threads).string()});
-    ASSERT_EQ(ran.code, 0) << ran.err;
+    well(bench.with(
+        {"--only", "accuracy,chain", "--threads", threads, "-o", (bench.dir / threads).string()}));
   }
   EXPECT_EQ(files_below(bench.dir / "1"), std::vector<std::string>{"classifier.jsonl"});
   const auto without_command = [&](const char* threads) {
@@ -86,8 +83,7 @@ TEST(BenchClassifier, PutsNetworksSideBySide) {
   const Bench bench;
   const std::string other = (bench.dir / "other.safetensors").string();
   planes::write_weights(other, lab::random_weights(planes::network_config("compact"), 2));
-  const Ran ran = bench.with({"--weights", other, "--only", "chain"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(bench.with({"--weights", other, "--only", "chain"}));
   auto results = results_of(ran.out);
   EXPECT_EQ(results["network"].size(), 2u);
   EXPECT_EQ(results["chain"].at(1)["labels"], "untrained");
@@ -101,17 +97,14 @@ TEST(BenchClassifier, ARecordingWithoutGravityIsNamedBeforeAnythingIsMeasured) {
   std::fill(nothing.data.begin(), nothing.data.end(), std::uint16_t{0});
   write_depth_folder(bench.dir / "rec", nothing);
   const Ran ran = bench.with({(bench.dir / "rec").string()});
-  EXPECT_EQ(ran.code, 2);
-  EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-  EXPECT_NE(ran.err.find("rec: "), std::string::npos) << ran.err;
+  expect_refused(ran, "rec: ");
   EXPECT_NE(ran.err.find("holds no depth"), std::string::npos) << ran.err;
   EXPECT_EQ(ran.out, "");
 }
 
 TEST(BenchStairs, CountsRightStepsAndFlightsWhereThereAreNone) {
-  const Ran ran = run(
-      {"planescope-lab", "bench", "stairs", "--classifier", "pca", "--count", "3", "--seed", "5"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Ran ran = well(run(
+      {"planescope-lab", "bench", "stairs", "--classifier", "pca", "--count", "3", "--seed", "5"}));
   auto results = results_of(ran.out);
   EXPECT_EQ(results["run"].at(0)["seed"], 5);
   EXPECT_EQ(results["frame"].size(), 9u);
@@ -129,9 +122,8 @@ TEST(BenchStairs, CountsRightStepsAndFlightsWhereThereAreNone) {
 TEST(BenchOutlines, OutlinesAreTrueFeetStandOnSurfacesAndSigmasHold) {
   std::string first;
   for (const char* threads : {"1", "2"}) {
-    const Ran ran = run({"planescope-lab", "bench", "outlines", "--seeds", "1", "--count", "6",
-                         "--threads", threads});
-    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Ran ran = well(run({"planescope-lab", "bench", "outlines", "--seeds", "1", "--count", "6",
+                              "--threads", threads}));
     if (first.empty()) first = ran.out;
     EXPECT_TRUE(ran.out == first) << "the same for any number of threads";
   }
@@ -181,8 +173,7 @@ Ran bench_speed(const fs::path& out, std::vector<std::string> more) {
 TEST(BenchSpeed, MeasuresEveryPartOfARecording) {
   const fs::path dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
-  const Ran ran = bench_speed(dir / "out", {(dir / "rec").string(), "--gravity", "0,1,0"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(bench_speed(dir / "out", {(dir / "rec").string(), "--gravity", "0,1,0"}));
   auto results = results_of(read_text(dir / "out/speed.jsonl"));
   EXPECT_EQ(results["subject"].at(0)["name"], "rec");
   EXPECT_EQ(results["subject"].at(0)["frames"], 2);
@@ -212,9 +203,8 @@ TEST(BenchSpeed, MeasuresEveryPartOfARecording) {
 TEST(BenchSpeed, CountsTheAllocationsOfAStage) {
   const fs::path dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const Ran ran =
-      bench_speed(dir / "out", {(dir / "rec").string(), "--gravity", "0,1,0", "--only", "memory"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(
+      bench_speed(dir / "out", {(dir / "rec").string(), "--gravity", "0,1,0", "--only", "memory"}));
   auto results = results_of(read_text(dir / "out/speed.jsonl"));
   EXPECT_TRUE(results["stage"].empty());
   for (const auto& row : results["stage_memory"]) {
@@ -226,8 +216,7 @@ TEST(BenchSpeed, CountsTheAllocationsOfAStage) {
 
 TEST(BenchSpeed, TakesASyntheticSetWhereNoRecordingIsGiven) {
   const fs::path out = scratch() / "out";
-  const Ran ran = bench_speed(out, {"--only", "memory"});
-  ASSERT_EQ(ran.code, 0) << ran.err;
+  well(bench_speed(out, {"--only", "memory"}));
   auto results = results_of(read_text(out / "speed.jsonl"));
   EXPECT_EQ(results["subject"].at(0)["name"], "depth_stairs, d435");
   EXPECT_EQ(results["stage_memory"].at(0)["stage"], "cloud") << "nothing is loaded";
@@ -251,8 +240,7 @@ TEST(BenchSpeed, WhatCannotBeMeasuredIsOneLine) {
   EXPECT_NE(taken.err.find("is not a folder"), std::string::npos) << taken.err;
   for (const auto& more : cases) {
     const Ran ran = bench_speed(dir / "out", more);
-    EXPECT_EQ(ran.code, 2) << more[0];
-    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    expect_refused(ran);
     EXPECT_EQ(ran.out, "");
     EXPECT_FALSE(fs::exists(dir / "out")) << more[0];
   }

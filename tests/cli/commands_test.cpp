@@ -114,17 +114,6 @@ TEST(Eval, ARivalIsScoredAsOursIs) {
   EXPECT_GT(json["mean"]["mean_iou"].get<double>(), 90);
 }
 
-TEST(Eval, LabelsOfOtherDepthAreRefused) {
-  const auto dir = scratch();
-  Image16 depth = floor_and_wall();
-  write_depth_folder(dir / "rec", depth);
-  labels::write_frame_labels(dir / "truth", 0,
-                             floor_and_wall_labels(*io::open_recording(dir / "rec")));
-  depth.data[5] = 999;
-  write_depth_folder(dir / "rec", depth);
-  expect_refused(run({"eval", dir / "rec", "--labels", dir / "truth", "--gravity", "0,1,0"}));
-}
-
 TEST(Eval, WithoutTruthItSaysWhereItLooked) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
@@ -157,16 +146,6 @@ TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
   EXPECT_EQ(json["frames"].size(), 2u);
   EXPECT_EQ(json["mean"]["r_p"], 100);
   EXPECT_EQ(json["mean"]["label_accuracy_edge"], 100);
-}
-
-TEST(SynthSet, CloudsAreWrittenThatScoreThemselves) {
-  const auto dir = scratch();
-  well(run({"planescope-lab", "synth", "set", "ramps", "-o", dir / "set", "--count", "2",
-            "--points", "2048", "--noise", "0.001"}));
-  ASSERT_EQ(files_below(dir / "set"), (std::vector<std::string>{"ramps_000.ply", "ramps_001.ply"}));
-  const Ran eval =
-      well(run({"eval", "--json", "--classifier", "truth", dir / "set/ramps_000.ply"}));
-  EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 80);
 }
 
 TEST(InstanceField, IsTheTruthThatItsNameSaysInsteadOfInstance) {

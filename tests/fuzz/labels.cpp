@@ -33,8 +33,8 @@ void read_journal(Bytes bytes) {
     }
   store.history(100);
   try {
-    while (store.undo_frame() && store.labels(*store.undo_frame())) store.undo();
-    while (store.redo_frame() && store.labels(*store.redo_frame())) store.redo();
+    while (store.undo_count() > 0 && store.labels(store.undo_frames().front())) store.undo();
+    while (store.redo_count() > 0 && store.labels(store.redo_frames().front())) store.redo();
   } catch (const Error&) {
     // Of an edit that does not fit its frame.
   }

@@ -18,6 +18,7 @@
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/model/pixel_sets.hpp"
 #include "core/labels/wand/wand.hpp"
+#include "support/label_drafts.hpp"
 
 namespace planescope::labels {
 namespace {

@@ -257,25 +257,6 @@ TEST(Bookmarks, BringBackStepSelectionAndFilter) {
   EXPECT_EQ(state.view.search.text, "merge");
 }
 
-TEST(Flashing, ShowsAAndKeepsTheNode) {
-  State state = run_state();
-  apply(state, {"step.goto", "40"});
-  apply(state, {"run.pin"});
-  planes::PipelineOptions other = state.document.options;
-  planes::set_option(other, "theta_n_out", "12");
-  auto view = std::make_shared<RunView>();
-  view->run = debug::make_run(state.results.pinned->run->subject, other);
-  const auto before = state.results.current;
-  state.results.current = view;
-  follow_run(state, *before->run);
-  const int node = state.view.selected.node;
-  apply(state, {"run.flash"});
-  EXPECT_EQ(state.run(), state.results.pinned->run.get());
-  EXPECT_EQ(state.view.selected.node, node);
-  apply(state, {"run.flash"});
-  EXPECT_EQ(state.run(), view->run.get());
-}
-
 TEST(Pinning, KeepsTheColorsThatAreShownWhenTheStripGoesOnWithOtherOptions) {
   State state = run_state();
   auto view = std::make_shared<RunView>(*state.results.current);

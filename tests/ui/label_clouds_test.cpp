@@ -103,21 +103,6 @@ TEST_F(LabelClouds, ABrushACutAndTheFinishingGesturesAreEachOneStepOfUndo) {
   EXPECT_TRUE(labels().planes.empty());
 }
 
-TEST_F(LabelClouds, StartFromTheAlgorithmAndAreReviewedAgainstIt) {
-  window.run("label.take");
-  const std::size_t planes = labels().planes.size();
-  EXPECT_GE(planes, 5u);
-  window.run("review.start");
-  EXPECT_TRUE(state().results.label.review->items.empty());
-  window.run("label.plane", "1");
-  window.run("label.remove");
-  ASSERT_FALSE(state().results.label.review->items.empty());
-  EXPECT_EQ(state().results.label.review->items[0].kind, DisagreementKind::invented);
-  window.run("review.item", "0");
-  window.run("review.take");
-  EXPECT_EQ(labels().planes.size(), planes);
-}
-
 TEST_F(LabelClouds, SayInOneLineWhatCloudsHaveNot) {
   EXPECT_EQ(window.refusal("label.wand", "3,4"), "a cloud has no image; expected space:WxH");
   EXPECT_EQ(window.refusal("label.area", "image over 1,1 5,1 5,5"),

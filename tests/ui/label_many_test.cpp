@@ -332,19 +332,6 @@ TEST_F(LabelSafety, FramesLabelledEarlierAreMarkedOnceTheModeIsEntered) {
   EXPECT_FALSE(again.shows("frame.2.labels"));
 }
 
-TEST_F(LabelSafety, DamagedFilesAreNotInTheWayOfTheJournal) {
-  window.run("label.take");
-  const std::size_t planes = labels().planes.size();
-  window.run("label.save");
-  const fs::path copy = copy_of_labels();
-  std::ofstream(copy / "000000.plane.png") << "no picture";
-  LabelWindow again(copy);
-  EXPECT_EQ(again.labels().planes.size(), planes);
-  EXPECT_NE(again.state().view.message.find("000000.plane.png"), std::string::npos);
-  again.run("label.save");
-  EXPECT_EQ(labels::read_frame_labels(copy, 0, "")->planes.size(), planes);
-}
-
 TEST_F(LabelSafety, WhatOthersChangedIsTold) {
   window.run("label.take");
   window.run("label.save");

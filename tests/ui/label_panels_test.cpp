@@ -36,39 +36,22 @@ TEST_F(LabelPlanes, LockedAndHiddenOnesStayWhenTheAlgorithmIsAskedAgain) {
   EXPECT_EQ(find(1)->label, Label::v);
 }
 
-TEST_F(LabelPlanes, TakeTheirClassFromAKeyAndGiveItBackOnUndo) {
-  const Label before = find(1)->label;
-  window.run("label.class.v", "1");
-  EXPECT_EQ(find(1)->label, Label::v);
-  EXPECT_EQ(state().view.message, "Make P1 v");
-  window.run("label.undo");
-  EXPECT_EQ(find(1)->label, before);
-}
-
 TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
   const auto labelled = [&] {
     return std::ranges::count_if(labels().plane.data, [](std::uint16_t id) { return id > 0; });
   };
   const auto before = labelled();
   const std::size_t one = pixels_of(1), two = pixels_of(2);
+  const auto under = labels::pixels_of_plane(labels(), 2)[0];
   choose(1);
-  window.run("label.join", "P2");
+  window.shell.perform({"label.hover", fmt::format("{},{}", under % 640, under / 640)}, true);
+  window.run("label.join");
   EXPECT_EQ(pixels_of(1), one + two);
   EXPECT_EQ(find(2), nullptr);
   EXPECT_EQ(store().history(1).front().title, "Join P2 into P1");
+  EXPECT_NE(window.refusal("label.join").find("under the mouse"), std::string::npos);
   window.run("label.split");
   EXPECT_EQ(labelled(), before);
-}
-
-TEST_F(LabelPlanes, JoinTheOneUnderTheMouse) {
-  const labels::PixelSet pixels = labels::pixels_of_plane(labels(), 2);
-  const auto width = static_cast<std::uint32_t>(labels().plane.width);
-  const auto pixel = std::to_string(pixels[0] % width) + "," + std::to_string(pixels[0] / width);
-  choose(1);
-  window.shell.perform({"label.hover", pixel}, true);
-  window.run("label.join");
-  EXPECT_EQ(find(2), nullptr);
-  EXPECT_NE(window.refusal("label.join").find("under the mouse"), std::string::npos);
 }
 
 TEST_F(LabelPlanes, ThatAreLockedRefuseInOneLine) {

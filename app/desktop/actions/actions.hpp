@@ -450,7 +450,9 @@ void leave_label_mode(State& state);
 void let_go(LabelView& view);
 /// An undo step: into the journal and onto the screen. Throws Error where the frame is not ready or
 /// the folder is read-only.
-labels::LabelEdit commit_labels(State& state, const std::string& title, const FrameLabels& after);
+void commit_labels(State& state, const labels::LabelEdit& edit);
+/// The same of a draft of the frame's labels, whose planes are fitted first.
+labels::LabelEdit commit_labels(State& state, const std::string& title, labels::LabelDraft& draft);
 /// Opens the label folder of the recording looked at. Throws Error where it cannot be used.
 void open_labels(State& state);
 /// Writes the label files where something is not written yet. Throws Error where that fails.

@@ -123,8 +123,10 @@ void tell_labels(State& state, const Gravity& gravity) {
   const labels::LabelStore* store = state.document.current()->labels.get();
   const std::shared_ptr<const FrameLabels> labels = state.labels();
   if (state.view.mode != Mode::labels || !labels || !store->read_only().empty()) return;
-  if (!labels->planes.empty())
-    commit_labels(state, "Gravity", labels::with_gravity(*labels, gravity));
+  if (labels->planes.empty()) return;
+  labels::LabelDraft draft(*labels);
+  labels::set_gravity(draft, gravity);
+  commit_labels(state, "Gravity", draft);
 }
 
 void keep_direction(State& state, io::PickedDirection picked, const std::string& said) {

@@ -152,14 +152,18 @@ void let_go(LabelView& view) {
   view.polygon.reset();
 }
 
-labels::LabelEdit commit_labels(State& state, const std::string& title, const FrameLabels& after) {
+void commit_labels(State& state, const labels::LabelEdit& edit) {
   labels::LabelStore* store = store_of(state);
-  const std::shared_ptr<const FrameLabels> before = state.labels();
-  if (!store || !before) throw Error("the frame is not ready yet");
+  if (!store || !state.labels()) throw Error("the frame is not ready yet");
   if (!store->read_only().empty()) throw Error(store->read_only());
   state.view.label.finish.reset();  // was of the labels before
-  labels::LabelEdit edit = labels::make_edit(state.document.frame, title, *before, after);
   store->commit(edit);
+}
+
+labels::LabelEdit commit_labels(State& state, const std::string& title, labels::LabelDraft& draft) {
+  labels::fit_planes(draft, state.label_frame()->grid);
+  labels::LabelEdit edit = draft.edit(state.document.frame, title);
+  commit_labels(state, edit);
   return edit;
 }
 
@@ -183,7 +187,10 @@ void save_labels(State& state) {
   const std::size_t shown = store->notices().size();
   try {
     store->save_all();
-    if (store->notices().size() > shown) say(state, store->notices().back(), true);
+    if (store->notices().size() > shown) {  // files from outside were taken over, perhaps
+      let_go(state.view.label);
+      say(state, store->notices().back(), true);
+    }
     problem.clear();
     state.document.labels_written = true;
   } catch (const std::exception& error) {
@@ -212,12 +219,12 @@ void add_label_mode_actions(std::vector<Action>& all) {
   mode.add("label.undo", "Undo")
       .key("Ctrl+Z")
       .words("undo revert back")
-      .when([](const State& s) { return store_of(s) && store_of(s)->undo_frame(); })
+      .when([](const State& s) { return store_of(s) && store_of(s)->undo_count() > 0; })
       .run([](State& s) { travel(s, true); });
   mode.add("label.redo", "Redo")
       .key("Ctrl+Shift+Z Ctrl+Y")
       .words("redo again")
-      .when([](const State& s) { return store_of(s) && store_of(s)->redo_frame(); })
+      .when([](const State& s) { return store_of(s) && store_of(s)->redo_count() > 0; })
       .run([](State& s) { travel(s, false); });
   mode.add("label.save", "Save the labels").key("Ctrl+S").when(has_store).run(save);
   mode.add("label.annotator", "Annotator")

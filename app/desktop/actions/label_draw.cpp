@@ -16,7 +16,12 @@ namespace planescope::desktop {
 namespace {
 
 void preview(State& state, const LabelGesture& gesture) {
-  state.view.label.stroke = preview_of(state, selected_by(state, gesture), gesture.mode);
+  const labels::SpaceSelection taken = selected_by(state, gesture);
+  labels::LabelDraft draft(*state.labels());
+  labels::paint(draft, state.label_frame()->grid, taken.pixels, paint_in_hand(state), gesture.mode);
+  LabelView& view = state.view.label;
+  view.stroke = std::make_shared<labels::LabelEdit>(draft.edit(state.document.frame, "Preview"));
+  view.hover_hidden = taken.hidden;
 }
 
 void draw(State& state, const std::string& tool, const LabelGesture& gesture) {
@@ -53,8 +58,9 @@ void cut(State& state, const LabelGesture& gesture) {
           ? labels::sides_of_line(grid.width, grid.height, from, to)
           : sides_in_space(state, gesture.width, gesture.height, from, to);
   const std::string name = name_of_paint({.plane = plane});
-  commit_and_say(state, "Cut " + name, labels::split_by_side(*state.labels(), grid, plane, sides),
-                 "all of " + name + " is on one side of the line");
+  labels::LabelDraft draft(*state.labels());
+  labels::split_by_side(draft, plane, sides);
+  commit_and_say(state, "Cut " + name, draft, "all of " + name + " is on one side of the line");
 }
 
 /// Begins another polygon where the corner is in another view than those before.
@@ -189,11 +195,9 @@ void close_polygon(State& state) {
 }
 
 void accept_finish(State& state) {
-  const FinishPreview preview = *state.view.label.finish;
-  const LabelWork work = label_work(state);
-  commit_and_say(state, preview.title,
-                 labels::finished(*work.labels, work.frame.grid, preview.plane, preview.finish),
-                 "");
+  const std::shared_ptr<const labels::LabelEdit> edit = state.view.label.finish;
+  commit_labels(state, *edit);
+  say(state, edit->title);
 }
 
 void accept(State& state) {

@@ -25,7 +25,7 @@ void show_finish(State& state,
                  int plane,
                  const std::string& title,
                  const std::string& nothing,
-                 labels::Finish finish) {
+                 const labels::Finish& finish) {
   LabelView& view = state.view.label;
   let_go(view);
   view.plane = plane;
@@ -38,7 +38,11 @@ void show_finish(State& state,
     what += (what.empty() ? "" : ", ") + counted(finish.takes.size(), sample) + " less";
   say_hint(state, fmt::format("{}: {}; Enter accepts, Esc cancels", title, what),
            [](const State& s) { return !s.view.label.finish; });
-  view.finish = FinishPreview{plane, title, std::move(finish)};
+  labels::LabelDraft draft = draft_of(state);
+  const labels::LabelGrid& grid = state.label_frame()->grid;
+  labels::finish_plane(draft, grid, plane, finish);
+  labels::fit_planes(draft, grid);
+  view.finish = std::make_shared<labels::LabelEdit>(draft.edit(state.document.frame, title));
 }
 
 using Finishing = labels::Finish (*)(const FrameLabels&,
@@ -59,8 +63,6 @@ void drop_specks(State& state, const std::optional<double>& typed_cm2) {
 
 // ---- The active plane --------------------------------------------------------------------------
 
-std::string name_of(int plane) { return fmt::format("P{}", plane); }
-
 /// Sets the class of the active plane, or of what is painted next if there is none.
 void set_class(State& state, const std::optional<int>& chosen, Label label) {
   const char* name = to_string(label);
@@ -73,9 +75,10 @@ void set_class(State& state, const std::optional<int>& chosen, Label label) {
                                             : "strokes mark planes");
   }
   const int plane = active_plane(state, chosen);
-  commit_and_say(state, fmt::format("Make {} {}", name_of(plane), name),
-                 labels::with_class(*work.labels, plane, label),
-                 fmt::format("{} is {} already", name_of(plane), name));
+  labels::LabelDraft draft = draft_of(state);
+  labels::set_class(draft, plane, label);
+  commit_and_say(state, fmt::format("Make P{} {}", plane, name), draft,
+                 fmt::format("P{} is {} already", plane, name));
 }
 
 void join(State& state, const std::optional<int>& chosen) {
@@ -87,44 +90,45 @@ void join(State& state, const std::optional<int>& chosen) {
   else if (state.view.label.hover >= 0)
     from = work.labels->plane.data[static_cast<std::size_t>(state.view.label.hover)];
   if (!labels::find_plane(*work.labels, from))
-    throw Error(fmt::format("no plane under the mouse to join into {}", name_of(into)));
-  if (from == into) throw Error(fmt::format("{} itself is under the mouse", name_of(into)));
-  commit_and_say(state, fmt::format("Join {} into {}", name_of(from), name_of(into)),
-                 labels::joined(*work.labels, work.frame.grid, into, from), "");
+    throw Error(fmt::format("no plane under the mouse to join into P{}", into));
+  if (from == into) throw Error(fmt::format("P{} itself is under the mouse", into));
+  labels::LabelDraft draft = draft_of(state);
+  labels::join_planes(draft, into, from);
+  commit_and_say(state, fmt::format("Join P{} into P{}", from, into), draft);
 }
 
 void split_parts(State& state, const std::optional<int>& chosen) {
   const LabelWork work = label_work(state);
   const int plane = active_plane(state, chosen);
-  const FrameLabels after = labels::split_by_parts(*work.labels, work.frame.grid, plane,
-                                                   labels::AuditOptions{}.min_area_m2);
-  const std::size_t parts = 1 + after.planes.size() - work.labels->planes.size();
-  commit_and_say(state, fmt::format("Split {} into its {} parts", name_of(plane), parts), after,
-                 fmt::format("{} has one part; Shift+S cuts it along a line", name_of(plane)));
+  labels::LabelDraft draft = draft_of(state);
+  labels::split_by_parts(draft, work.frame.grid, plane, labels::AuditOptions{}.min_area_m2);
+  const std::size_t parts = 1 + draft.labels.planes.size() - work.labels->planes.size();
+  commit_and_say(state, fmt::format("Split P{} into its {} parts", plane, parts), draft,
+                 fmt::format("P{} has one part; Shift+S cuts it along a line", plane));
 }
 
 void toggle(State& state, const std::optional<int>& chosen, labels::PlaneFlag flag) {
-  const LabelWork work = label_work(state);
   const int id = active_plane(state, chosen);
-  const LabelPlane& plane = *labels::find_plane(*work.labels, id);
+  labels::LabelDraft draft = draft_of(state);
+  const LabelPlane& plane = *labels::find_plane(draft.labels, id);
   const bool on = flag == labels::PlaneFlag::locked ? !plane.locked : !plane.hidden;
   const char* verb =
       flag == labels::PlaneFlag::locked ? (on ? "Lock" : "Unlock") : (on ? "Hide" : "Show");
-  commit_and_say(state, fmt::format("{} {}", verb, name_of(id)),
-                 labels::with_flag(*work.labels, id, flag, on), "");
+  labels::set_flag(draft, id, flag, on);
+  commit_and_say(state, fmt::format("{} P{}", verb, id), draft);
 }
 
 void show_all(State& state) {
-  FrameLabels after = *label_work(state).labels;
-  for (LabelPlane& plane : after.planes) plane.hidden = false;
-  commit_and_say(state, "Show all planes", after, "no plane is hidden");
+  labels::LabelDraft draft = draft_of(state);
+  for (LabelPlane& plane : draft.labels.planes) plane.hidden = false;
+  commit_and_say(state, "Show all planes", draft, "no plane is hidden");
 }
 
 void remove_plane(State& state, const std::optional<int>& chosen) {
-  const LabelWork work = label_work(state);
   const int plane = active_plane(state, chosen);
-  commit_and_say(state, fmt::format("Remove {}", name_of(plane)),
-                 labels::without_plane(*work.labels, plane), "");
+  labels::LabelDraft draft = draft_of(state);
+  labels::remove_plane(draft, plane);
+  commit_and_say(state, fmt::format("Remove P{}", plane), draft);
   if (state.view.label.plane == plane) state.view.label.plane = 0;
 }
 
@@ -165,9 +169,9 @@ void take(State& state) {
                                     : planes::to_string(run->options.method);
   const std::string title = fmt::format("Start from the algorithm ({})", name);
   const std::string beyond = beyond_text(*run, work.frame.grid);
-  commit_and_say(state, title,
-                 labels::from_segmentation(*work.labels, work.frame.grid, found.plane, found.label),
-                 "the labels already equal the algorithm's result" + beyond);
+  labels::LabelDraft draft = draft_of(state);
+  labels::take_segmentation(draft, work.frame.grid, found.plane, found.label);
+  commit_and_say(state, title, draft, "the labels already equal the algorithm's result" + beyond);
   if (!beyond.empty() && state.labels() != work.labels) say(state, title + beyond);
   state.view.label.wand = {};
 }
@@ -240,7 +244,7 @@ std::vector<int> chain_of(const OpenRecording& open, int frame, int plane) {
   return chain;
 }
 
-using ChangePlane = FrameLabels (*)(const FrameLabels&, int);
+using ChangePlane = void (*)(labels::LabelDraft&, int);
 
 /// Locked planes are left as they are, and counted. The frame looked at is the last step, so that
 /// undo begins there.
@@ -262,9 +266,10 @@ void change_chain(State& state,
       ++locked;
       continue;
     }
+    labels::LabelDraft draft(*labels);
+    change(draft, plane);
     const labels::LabelEdit edit =
-        labels::make_edit(frame, fmt::format("{} P{}{}, carried", verb, plane, what), *labels,
-                          change(*labels, plane));
+        draft.edit(frame, fmt::format("{} P{}{}, carried", verb, plane, what));
     if (edit.empty()) continue;
     open.labels->commit(edit);
     ++changed;
@@ -362,15 +367,13 @@ void add_label_plane_actions(std::vector<Action>& all) {
     planes.add(name, title).key(key).run([=](State& s) { change_chain(s, verb, what, change); });
   };
   add_chain("label.chain.h", "Horizontal, on all frames it was carried over", "Ctrl+Shift+H",
-            "Make", " h", [](const FrameLabels& labels, int id) {
-              return labels::with_class(labels, id, Label::h);
-            });
-  add_chain(
-      "label.chain.v", "Vertical, on all frames it was carried over", "Ctrl+Shift+V", "Make", " v",
-      [](const FrameLabels& labels, int id) { return labels::with_class(labels, id, Label::v); });
+            "Make", " h",
+            [](labels::LabelDraft& draft, int id) { labels::set_class(draft, id, Label::h); });
+  add_chain("label.chain.v", "Vertical, on all frames it was carried over", "Ctrl+Shift+V", "Make",
+            " v",
+            [](labels::LabelDraft& draft, int id) { labels::set_class(draft, id, Label::v); });
   add_chain("label.chain.remove", "Remove the plane from all frames it was carried over",
-            "Ctrl+Delete", "Remove", "",
-            [](const FrameLabels& labels, int id) { return labels::without_plane(labels, id); });
+            "Ctrl+Delete", "Remove", "", labels::remove_plane);
 }
 
 }  // namespace planescope::desktop

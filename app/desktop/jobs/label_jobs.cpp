@@ -142,7 +142,9 @@ void take_carried(State& state,
       carry.left > 0 && from + 2 < state.document.current()->recording->frame_count();
   carry = {};
   try {
-    commit_labels(state, fmt::format("Carry labels from frame {}", from), carried->labels);
+    commit_labels(state, labels::make_edit(state.document.frame,
+                                           fmt::format("Carry labels from frame {}", from),
+                                           *existing, carried->labels));
   } catch (const std::exception& error) {
     return say(state, message_of(error), true);
   }

@@ -84,10 +84,11 @@ std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
       const labels::SpreadFrame frame = open_frame(wanted, i);
       const world::PixelsOfTrack on =
           world::pixels_of_track(track, frame.grid, wanted.map->pose(i)->T_world_camera);
-      const FrameLabels labels =
-          labels::painted(frame.labels, frame.grid, on.sure, paint, labels::PaintMode::add);
-      labels::Proposal proposal =
-          labels::proposal_of(i, fmt::format("Propose track T{}", track.id), frame.labels, labels);
+      labels::LabelDraft draft(frame.labels);
+      labels::paint(draft, frame.grid, on.sure, paint, labels::PaintMode::add);
+      labels::fit_planes(draft, frame.grid);
+      labels::Proposal proposal = labels::proposal_of(
+          draft.edit(i, fmt::format("Propose track T{}", track.id)), frame.labels);
       proposal.doubtful = static_cast<std::size_t>(std::ranges::count_if(
           on.doubtful, [&](std::uint32_t pixel) { return frame.labels.plane.data[pixel] == 0; }));
       if (!proposal.edit.empty()) proposals.push_back(std::move(proposal));
@@ -121,6 +122,7 @@ void take_proposals(State& state,
     edits.push_back(std::move(proposal.edit));
   }
   std::ranges::stable_sort(spread.doubtful, std::greater(), &std::pair<int, double>::second);
+  let_go(state.view.label);
   open->labels->commit(edits);
   std::string text = fmt::format("proposed in {}, {} doubtful pixels stay unlabeled",
                                  counted(edits.size(), "frame"), doubtful);

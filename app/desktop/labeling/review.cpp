@@ -40,10 +40,6 @@ void undecided_first(ReviewQueue& queue) {
                                 [](const labels::Disagreement& one) { return !one.note; });
 }
 
-bool is_about(const ReviewNote& note, const labels::Disagreement& item) {
-  return note.kind == item.kind && note.pixel == item.pixel;
-}
-
 /// Whether its pixels still have the labels that the queue was made from.
 bool still_holds(const labels::Disagreement& item,
                  const FrameLabels& before,
@@ -147,15 +143,12 @@ void decide(State& state, ReviewDecision decision) {
     throw Error("the labels there have changed; the list is being updated");
 
   labels::LabelStore& store = *state.document.current()->labels;
-  const FrameLabels after =
-      labels::decided(*work.labels, work.frame.grid, item, *queue->other_labels, decision,
-                      store.annotator(), now_s());
-  const auto note = std::find_if(after.review.rbegin(), after.review.rend(),
-                                 [&](const ReviewNote& one) { return is_about(one, item); });
-  if (note == after.review.rend()) throw Error("the decision could not be stored");
-  commit_and_say(state, title_of(item, decision), after, "already decided that way");
+  labels::LabelDraft draft = draft_of(state);
+  labels::decide(draft, work.frame.grid, item, *queue->other_labels, decision, store.annotator(),
+                 now_s());
+  commit_and_say(state, title_of(item, decision), draft, "already decided that way");
   const bool was_open = !item.note;
-  auto next = with_note(*queue, index, *note);
+  auto next = with_note(*queue, index, draft.labels.review.back());
   const bool is_note = decision == ReviewDecision::keep || decision == ReviewDecision::edit;
   if (is_note && queue->labels == work.labels)  // no label differs: nothing to find anew
     next->labels = state.labels();
@@ -183,7 +176,7 @@ void decide_slivers(State& state, ReviewDecision decision) {
   const std::shared_ptr<const ReviewQueue> queue = state.results.label.review;
   if (!queue || slivers_of(*queue).count == 0) throw Error("the review has no slivers to decide");
   labels::LabelStore& store = *state.document.current()->labels;
-  FrameLabels after = *work.labels;
+  labels::LabelDraft draft = draft_of(state);
   auto next = std::make_shared<ReviewQueue>(*queue);
   int decided = 0, left = 0;
   for (labels::Disagreement& item : next->items) {
@@ -191,20 +184,20 @@ void decide_slivers(State& state, ReviewDecision decision) {
     if (!still_holds(item, *queue->labels, *work.labels))
       throw Error("the labels there have changed; the list is being updated");
     try {
-      after = labels::decided(after, work.frame.grid, item, *queue->other_labels, decision,
-                              store.annotator(), now_s());
+      labels::decide(draft, work.frame.grid, item, *queue->other_labels, decision,
+                     store.annotator(), now_s());
     } catch (const Error&) {  // its plane is locked or hidden
       ++left;
       continue;
     }
-    item.note = after.review.back();
+    item.note = draft.labels.review.back();
     ++decided;
   }
   const std::string title =
       fmt::format("Review: {} {}{}", counted(std::size_t(decided), "sliver"), past_tense(decision),
                   left > 0 ? fmt::format(", {} left", left) : "");
   if (decided == 0) throw Error("all slivers belong to planes that are locked or hidden");
-  commit_and_say(state, title, after, "already decided that way");
+  commit_and_say(state, title, draft, "already decided that way");
   if (decision == ReviewDecision::keep && queue->labels == work.labels)
     next->labels = state.labels();  // no label differs: nothing to find anew
   else
@@ -300,16 +293,16 @@ SliverAction read_sliver_action(const State&, const std::string&, const std::str
 
 void finish_review(State& state) {
   const LabelWork work = label_work(state);
-  FrameLabels after = *work.labels;
-  const bool reviewed = after.review_state == "reviewed";
+  labels::LabelDraft draft = draft_of(state);
+  const bool reviewed = work.labels->review_state == "reviewed";
   const ReviewQueue* queue = state.results.label.review.get();
   if (!reviewed && (!queue || queue->labels != work.labels))
     throw Error("differences are unknown: D opens the review");
   if (!reviewed && queue->undecided() > 0)
     throw Error(fmt::format("{} of {} regions are undecided", queue->undecided(),
-                            queue->undecided() + after.review.size()));
-  after.review_state = reviewed ? "unreviewed" : "reviewed";
-  commit_and_say(state, reviewed ? "Not reviewed" : "Reviewed", after, "");
+                            queue->undecided() + work.labels->review.size()));
+  draft.labels.review_state = reviewed ? "unreviewed" : "reviewed";
+  commit_and_say(state, reviewed ? "Not reviewed" : "Reviewed", draft);
 }
 
 void compare_with(State& state, const std::string& folder) {

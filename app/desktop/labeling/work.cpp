@@ -61,10 +61,6 @@ render::Camera camera_at(render::Camera camera,
 
 bool is_plane(const labels::Paint& paint) { return paint.plane > 0 && paint.plane != kPlaneIgnore; }
 
-bool takes_off(const labels::Paint& paint, labels::PaintMode mode) {
-  return mode == labels::PaintMode::subtract || (paint.plane == 0 && paint.label == Label::unknown);
-}
-
 }  // namespace
 
 bool can_label(const State& state) { return state.view.mode == Mode::labels && state.labels(); }
@@ -76,6 +72,10 @@ const char* sample_name(const LabelFrame& frame) {
 LabelWork label_work(const State& state) {
   if (!can_label(state)) throw Error("the frame is not ready yet");
   return {*state.label_frame(), state.labels()};
+}
+
+labels::LabelDraft draft_of(const State& state) {
+  return labels::LabelDraft(*label_work(state).labels);
 }
 
 Takes<int> plane_number(std::string shown, int low) {
@@ -95,9 +95,9 @@ int active_plane(const State& state, const std::optional<int>& chosen) {
 
 void commit_and_say(State& state,
                     const std::string& title,
-                    const FrameLabels& after,
+                    labels::LabelDraft& draft,
                     const std::string& unchanged) {
-  if (commit_labels(state, title, after).empty())
+  if (commit_labels(state, title, draft).empty())
     say_nothing_done(state, unchanged);
   else
     say(state, title);
@@ -243,30 +243,21 @@ labels::Paint paint_in_hand(const State& state) {
   return {};
 }
 
-StrokePreview preview_of(const State& state, labels::SpaceSelection taken, labels::PaintMode mode) {
-  const labels::Paint paint = paint_in_hand(state);
-  return {.pixels = labels::changed_by_painting(*state.labels(), state.label_frame()->grid,
-                                                taken.pixels, paint, mode),
-          .hidden = taken.hidden,
-          .takes = takes_off(paint, mode)};
-}
-
 void paint_pixels(State& state,
                   const std::string& tool,
                   std::span<const std::uint32_t> pixels,
                   const labels::Paint& paint,
                   labels::PaintMode mode) {
-  const FrameLabels& labels = *state.labels();
-  const labels::LabelGrid& grid = state.label_frame()->grid;
-  const LabelPlane* plane = is_plane(paint) ? labels::find_plane(labels, paint.plane) : nullptr;
+  labels::LabelDraft draft(*state.labels());
+  const LabelPlane* plane = labels::find_plane(draft.labels, paint.plane);
   if (plane && plane->locked) throw Error(fmt::format("P{} is locked", plane->id));
   if (is_plane(paint) && !plane && mode == labels::PaintMode::subtract)
     throw Error(
         fmt::format("P{} has no {}s to remove", paint.plane, sample_name(*state.label_frame())));
   const std::string title = fmt::format(
       "{} {}{}", tool, mode == labels::PaintMode::subtract ? "off " : "", name_of_paint(paint));
-  const labels::LabelEdit edit =
-      commit_labels(state, title, labels::painted(labels, grid, pixels, paint, mode));
+  labels::paint(draft, state.label_frame()->grid, pixels, paint, mode);
+  const labels::LabelEdit edit = commit_labels(state, title, draft);
   if (edit.empty()) return say_nothing_done(state, "nothing to change here");
   if (is_plane(paint)) state.view.label.plane = paint.plane;
   say(state, fmt::format("{}: {}", title,

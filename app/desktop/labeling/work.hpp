@@ -22,6 +22,8 @@ bool can_label(const State& state);
 const char* sample_name(const LabelFrame& frame);
 /// Throws Error where it is not.
 LabelWork label_work(const State& state);
+/// Of the frame's labels, for one gesture.
+labels::LabelDraft draft_of(const State& state);
 
 /// The number of a label's plane. Text: "3" or "P3".
 Takes<int> plane_number(std::string shown, int low);
@@ -31,8 +33,8 @@ int active_plane(const State& state, const std::optional<int>& chosen = {});
 /// commit_labels(), and the title in the status bar; `unchanged` where nothing differs.
 void commit_and_say(State& state,
                     const std::string& title,
-                    const FrameLabels& after,
-                    const std::string& unchanged);
+                    labels::LabelDraft& draft,
+                    const std::string& unchanged = "");
 
 /// What is known of a frame's labels: what is at hand, or what the label folder had.
 FrameMark frame_mark(const State& state, int frame);
@@ -68,8 +70,6 @@ labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid
 std::string name_of_paint(const labels::Paint& paint);
 /// What strokes leave, as it was chosen. For plane 0, the id that a new plane gets.
 labels::Paint paint_in_hand(const State& state);
-/// The pixels that a gesture would change.
-StrokePreview preview_of(const State& state, labels::SpaceSelection taken, labels::PaintMode mode);
 /// One undo step, its plane the active one from then on. Throws Error where nothing may be changed;
 /// where nothing would be, it says so.
 void paint_pixels(State& state,

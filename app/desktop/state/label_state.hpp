@@ -149,20 +149,6 @@ struct WandPreview {
   std::string why_not;
 };
 
-/// What a gesture that finishes a plane would change; Enter does it.
-struct FinishPreview {
-  int plane = 0;
-  std::string title;  // "Fill the holes of P3"
-  labels::Finish finish;
-};
-
-/// What a stroke that is being drawn would change, in both views.
-struct StrokePreview {
-  labels::PixelSet pixels;
-  std::size_t hidden = 0;  // points under it that are not visible
-  bool takes = false;      // it takes labels off
-};
-
 /// The points of a frame as a view in space shows them.
 struct SpaceSight {
   std::shared_ptr<const LabelFrame> frame;
@@ -195,9 +181,9 @@ struct LabelView {
   bool through = false;  // strokes in space take hidden points too
   labels::WandOptions wand_options;
   WandPreview wand;
-  std::shared_ptr<const WandBound> bound;  // null: the wand takes what it finds anywhere
-  std::optional<FinishPreview> finish;
-  std::optional<StrokePreview> stroke;
+  std::shared_ptr<const WandBound> bound;           // null: the wand takes what it finds anywhere
+  std::shared_ptr<const labels::LabelEdit> finish;  // shown first, committed by Enter
+  std::shared_ptr<const labels::LabelEdit> stroke;  // being drawn; planes are not fitted
   std::optional<OpenPolygon> polygon;
   std::shared_ptr<const SpaceSight> sight;  // of the latest gesture in space
   std::int64_t hover = -1;                  // pixel under the mouse in either view; -1: none

@@ -33,10 +33,9 @@ void add_label_facts(const State& state, nlohmann::ordered_json& json) {
              : 0;
   json["unsaved"] = store && store->any_unsaved();
   json["label_undo"] = store ? store->undo_count() : 0;
-  json["stroke_pixels"] = view.stroke ? view.stroke->pixels.size() : 0;
+  json["stroke_pixels"] = view.stroke ? view.stroke->changed_pixels() : 0;
   json["wand_pixels"] = view.wand.found ? view.wand.found->pixels.size() : 0;
-  json["finish_pixels"] =
-      view.finish ? view.finish->finish.adds.size() + view.finish->finish.takes.size() : 0;
+  json["finish_pixels"] = view.finish ? view.finish->changed_pixels() : 0;
   json["hovered_pixel"] = view.hover;
   json["read_only"] = store ? store->read_only() : "";
   const Learning& learning = state.results.label.learning;

@@ -1,8 +1,7 @@
 #pragma once
 
 // What one gesture changed: applied forwards to redo, backwards to undo, written to the journal.
-// Tools are pure functions FrameLabels -> FrameLabels (operations.hpp); an edit is the difference
-// between the two.
+// Tools write into a draft (operations.hpp), which keeps their edit.
 
 #include <cstdint>
 #include <optional>
@@ -53,16 +52,35 @@ struct LabelEdit {
   std::size_t changed_pixels() const;
 };
 
-/// Both of the same frame and size (asserted). Plane lists are kept in order of id.
+/// Labels while a gesture changes them. Pixels are changed by set(), which remembers them: the edit
+/// consists of those, no image is compared. Planes and notes may be changed in place.
+class LabelDraft {
+ public:
+  /// `before` must outlive the draft.
+  explicit LabelDraft(const FrameLabels& before) : labels(before), before_(before) {}
+  /// Of labels that no tool made: their images are compared. Both of the same frame (asserted).
+  LabelDraft(const FrameLabels& before, FrameLabels after);
+  void set(std::uint32_t pixel, int plane, std::uint8_t hv);
+  LabelEdit edit(int frame, std::string title) const;
+
+  FrameLabels labels;
+  std::vector<int> unfitted;  // planes that gained or lost pixels; fit_planes() clears it
+
+ private:
+  const FrameLabels& before_;
+  std::vector<std::uint32_t> changed_;  // in the order of their changes
+};
+
+/// For labels that no tool made: from a file, or carried from another frame.
 LabelEdit make_edit(int frame,
                     std::string title,
                     const FrameLabels& before,
                     const FrameLabels& after);
-/// The labels are those before the edit, or those after it (asserted).
+/// Undoes it when applied.
+LabelEdit reversed(LabelEdit edit);
+/// The labels are those before the edit (asserted).
 void apply_edit(FrameLabels& labels, const LabelEdit& edit);
-void revert_edit(FrameLabels& labels, const LabelEdit& edit);
 /// Whether they are, for edits that come from a file.
 bool can_apply(const FrameLabels& labels, const LabelEdit& edit);
-bool can_revert(const FrameLabels& labels, const LabelEdit& edit);
 
 }  // namespace planescope::labels

@@ -1,9 +1,8 @@
-// Label operations as pure functions: paint, classify, join, split, remove and set flags.
+// Operations on a draft of labels: paint, classify, join, split, remove and set flags.
 
 #include "core/labels/edit/operations.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <limits>
 #include <utility>
@@ -30,25 +29,16 @@ struct Value {
   bool operator==(const Value&) const = default;
 };
 
-/// What painting writes into a pixel.
-Value value_of(const FrameLabels& labels, const Paint& paint) {
-  if (paint.plane == kPlaneIgnore) return {kPlaneIgnore, kHvIgnore};
-  const LabelPlane* plane = find_plane(labels, paint.plane);
-  return {static_cast<std::uint16_t>(paint.plane),
-          static_cast<std::uint8_t>(plane ? plane->label : paint.label)};
-}
-
 bool is_plane(int id) { return id > 0 && id < kPlaneIgnore; }
 
-void set_class(FrameLabels& labels, LabelPlane& plane, Label label) {
+void set_class(LabelDraft& draft, LabelPlane& plane, Label label) {
   plane.label = label;
-  for (std::size_t i = 0; i < labels.plane.data.size(); ++i)
-    if (labels.plane.data[i] == plane.id) labels.hv.data[i] = static_cast<std::uint8_t>(label);
+  for (const std::uint32_t pixel : pixels_of_plane(draft.labels, plane.id))
+    draft.set(pixel, plane.id, static_cast<std::uint8_t>(label));
 }
 
-void classify_by_tilt(FrameLabels& labels, const LabelGrid& grid, LabelPlane& plane) {
-  set_class(labels, plane,
-            class_of_tilt(fit_plane(grid, pixels_of_plane(labels, plane.id)).tilt_deg));
+Label class_of_pixels(const LabelGrid& grid, std::span<const std::uint32_t> pixels) {
+  return class_of_tilt(fit_plane(grid, pixels).tilt_deg);
 }
 
 }  // namespace
@@ -88,159 +78,123 @@ LabelPlane& add_plane(FrameLabels& labels, const LabelPlane& plane) {
   return *labels.planes.insert(place, plane);
 }
 
-PixelSet changed_by_painting(const FrameLabels& labels,
-                             const LabelGrid& grid,
-                             std::span<const std::uint32_t> pixels,
-                             const Paint& paint,
-                             PaintMode mode) {
+std::size_t paint(LabelDraft& draft,
+                  const LabelGrid& grid,
+                  std::span<const std::uint32_t> pixels,
+                  const Paint& paint,
+                  PaintMode mode) {
+  FrameLabels& labels = draft.labels;
   assert(paint.plane >= 0 && paint.plane <= kPlaneIgnore);
   assert(labels.plane.pixels() == grid.pixels());
-  if (const LabelPlane* plane = find_plane(labels, paint.plane); plane && plane->locked) return {};
+  LabelPlane* plane = plane_in(labels, paint.plane);
+  if (plane && plane->locked) return 0;
   std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, 0);  // its pixels, by plane
-  for (const LabelPlane& plane : labels.planes) keeps[plane.id] = plane.locked || plane.hidden;
-  const Value value = value_of(labels, paint);
+  for (const LabelPlane& each : labels.planes) keeps[each.id] = each.locked || each.hidden;
+  Value value{static_cast<std::uint16_t>(paint.plane),
+              static_cast<std::uint8_t>(plane ? plane->label : paint.label)};
+  if (paint.plane == kPlaneIgnore) value.hv = kHvIgnore;
   PixelSet changed;
+  bool moves = false;  // between planes, rather than between classes
   for (const std::uint32_t pixel : pixels) {
     const Value was{labels.plane.data[pixel], labels.hv.data[pixel]};
     if (!grid.measured[pixel] || keeps[was.plane]) continue;
     const bool changes = mode == PaintMode::over  ? was != value
                          : mode == PaintMode::add ? was == Value{} && value != Value{}
                                                   : was == value && was != Value{};
-    if (changes) changed.push_back(pixel);
+    if (!changes) continue;
+    changed.push_back(pixel);
+    moves |= mode == PaintMode::subtract || was.plane != value.plane;
   }
-  return changed;
+  if (changed.empty()) return 0;
+  if (is_plane(paint.plane) && !plane) {
+    LabelPlane made;
+    made.id = paint.plane;
+    made.label = paint.label == Label::unknown ? class_of_pixels(grid, changed) : paint.label;
+    made.origin = paint.origin;
+    value.hv = static_cast<std::uint8_t>(made.label);
+    plane = &add_plane(labels, made);
+  }
+  if (plane && moves) plane->confidence = 1;  // somebody has looked at it
+  if (mode == PaintMode::subtract) value = {};
+  for (const std::uint32_t pixel : changed) draft.set(pixel, value.plane, value.hv);
+  return changed.size();
 }
 
-FrameLabels painted(const FrameLabels& labels,
-                    const LabelGrid& grid,
-                    std::span<const std::uint32_t> pixels,
-                    const Paint& paint,
-                    PaintMode mode) {
-  FrameLabels result = labels;
-  const PixelSet changed = changed_by_painting(labels, grid, pixels, paint, mode);
-  if (changed.empty()) return result;
-  const bool is_new = is_plane(paint.plane) && !find_plane(labels, paint.plane);
-  if (is_new) {
-    LabelPlane plane;
-    plane.id = paint.plane;
-    plane.label = paint.label;
-    plane.origin = paint.origin;
-    add_plane(result, plane);
-  }
-  const Value becomes = mode == PaintMode::subtract ? Value{} : value_of(labels, paint);
-  std::vector<std::uint8_t> touched(kPlaneIgnore + 1, 0);
-  std::vector<int> refit;
-  const auto touch = [&](int id) {
-    if (!is_plane(id) || std::exchange(touched[id], 1)) return;
-    refit.push_back(id);
-  };
-  for (const std::uint32_t pixel : changed) {
-    const int was = std::exchange(result.plane.data[pixel], becomes.plane);
-    result.hv.data[pixel] = becomes.hv;
-    if (was == becomes.plane) continue;
-    touch(was);
-    touch(becomes.plane);
-  }
-  if (refit.empty()) return result;
-  refit_planes(result, grid, refit);
-  if (LabelPlane* plane = is_plane(paint.plane) ? plane_in(result, paint.plane) : nullptr) {
-    plane->confidence = 1;  // somebody has looked at it
-    if (is_new && paint.label == Label::unknown) classify_by_tilt(result, grid, *plane);
-  }
-  return result;
+void fit_planes(LabelDraft& draft, const LabelGrid& grid) {
+  if (!draft.unfitted.empty()) refit_planes(draft.labels, grid, draft.unfitted);
+  draft.unfitted.clear();
 }
 
-FrameLabels with_gravity(const FrameLabels& labels, const Gravity& gravity) {
-  FrameLabels after = labels;
-  after.gravity = gravity;
-  for (LabelPlane& plane : after.planes)
+void set_gravity(LabelDraft& draft, const Gravity& gravity) {
+  draft.labels.gravity = gravity;
+  for (LabelPlane& plane : draft.labels.planes)
     if (plane.label == Label::unknown && !plane.locked)
-      set_class(after, plane, class_of_tilt(tilt_of(plane.normal, gravity)));
-  return after;
+      set_class(draft, plane, class_of_tilt(tilt_of(plane.normal, gravity)));
 }
 
-FrameLabels with_class(const FrameLabels& labels, int id, Label label) {
-  FrameLabels result = labels;
-  LabelPlane& plane = editable_plane(result, id);
+void set_class(LabelDraft& draft, int id, Label label) {
+  LabelPlane& plane = editable_plane(draft.labels, id);
   plane.confidence = 1;
-  set_class(result, plane, label);
-  return result;
+  set_class(draft, plane, label);
 }
 
-FrameLabels without_plane(const FrameLabels& labels, int id) {
-  FrameLabels result = labels;
-  editable_plane(result, id);
-  for (std::size_t i = 0; i < result.plane.data.size(); ++i)
-    if (result.plane.data[i] == id) result.plane.data[i] = result.hv.data[i] = 0;
-  std::erase_if(result.planes, [id](const LabelPlane& plane) { return plane.id == id; });
-  return result;
+void remove_plane(LabelDraft& draft, int id) {
+  editable_plane(draft.labels, id);
+  for (const std::uint32_t pixel : pixels_of_plane(draft.labels, id)) draft.set(pixel, 0, 0);
+  std::erase_if(draft.labels.planes, [id](const LabelPlane& plane) { return plane.id == id; });
+  std::erase(draft.unfitted, id);
 }
 
-FrameLabels joined(const FrameLabels& labels, const LabelGrid& grid, int into, int from) {
-  FrameLabels result = labels;
-  editable_plane(result, from);
-  LabelPlane& plane = editable_plane(result, into);
-  if (into == from) return result;
+void join_planes(LabelDraft& draft, int into, int from) {
+  editable_plane(draft.labels, from);
+  LabelPlane& plane = editable_plane(draft.labels, into);
+  if (into == from) return;
   plane.confidence = 1;
-  for (std::size_t i = 0; i < result.plane.data.size(); ++i)
-    if (result.plane.data[i] == from) {
-      result.plane.data[i] = static_cast<std::uint16_t>(into);
-      result.hv.data[i] = static_cast<std::uint8_t>(plane.label);
-    }
-  refit_planes(result, grid, std::array{into, from});
-  return result;
+  for (const std::uint32_t pixel : pixels_of_plane(draft.labels, from))
+    draft.set(pixel, into, static_cast<std::uint8_t>(plane.label));
+  draft.unfitted.insert(draft.unfitted.end(), {into, from});  // even without a pixel
 }
 
-FrameLabels with_flag(const FrameLabels& labels, int id, PlaneFlag flag, bool on) {
-  FrameLabels result = labels;
-  LabelPlane* plane = plane_in(result, id);
+void set_flag(LabelDraft& draft, int id, PlaneFlag flag, bool on) {
+  LabelPlane* plane = plane_in(draft.labels, id);
   if (!plane) throw Error("there is no plane P" + std::to_string(id));
   (flag == PlaneFlag::locked ? plane->locked : plane->hidden) = on;
-  return result;
 }
 
-FrameLabels from_segmentation(const FrameLabels& labels,
-                              const LabelGrid& grid,
-                              std::span<const std::int32_t> plane_of,
-                              std::span<const Label> label_of_plane) {
+void take_segmentation(LabelDraft& draft,
+                       const LabelGrid& grid,
+                       std::span<const std::int32_t> plane_of,
+                       std::span<const Label> label_of_plane) {
   assert(plane_of.size() == grid.pixels());
-  FrameLabels result = labels;
+  FrameLabels& labels = draft.labels;
   std::vector<std::uint8_t> kept(kPlaneIgnore + 1, 0);
   kept[kPlaneIgnore] = 1;
   for (const LabelPlane& plane : labels.planes) kept[plane.id] = plane.locked || plane.hidden;
-  std::erase_if(result.planes, [&](const LabelPlane& plane) { return !kept[plane.id]; });
+  std::erase_if(labels.planes, [&](const LabelPlane& plane) { return !kept[plane.id]; });
 
   // Ids as the segmentation has them, but for those that are taken.
   const std::size_t planes = label_of_plane.size();
   std::vector<int> id_of(planes + 1, 0);
-  std::vector<int> seen(planes + 1, 0);
-  for (std::size_t i = 0; i < plane_of.size(); ++i)
-    if (plane_of[i] > 0 && grid.measured[i] && !kept[labels.plane.data[i]]) seen[plane_of[i]] = 1;
+  std::vector<PixelSet> pixels(planes + 1);
+  for (std::uint32_t i = 0; i < plane_of.size(); ++i)
+    if (!kept[labels.plane.data[i]])
+      pixels[grid.measured[i] ? std::max(0, plane_of[i]) : 0].push_back(i);
   for (const bool taken : {false, true})
     for (std::size_t k = 1; k <= planes; ++k) {
-      if (!seen[k] || (k < kPlaneIgnore && !kept[k]) == taken) continue;
+      if (pixels[k].empty() || (k < kPlaneIgnore && !kept[k]) == taken) continue;
       LabelPlane plane;
-      plane.id = id_of[k] = taken ? free_plane_id(result) : static_cast<int>(k);
+      plane.id = id_of[k] = taken ? free_plane_id(labels) : static_cast<int>(k);
       plane.label = label_of_plane[k - 1];
+      if (plane.label == Label::unknown) plane.label = class_of_pixels(grid, pixels[k]);
       plane.origin = LabelOrigin::algorithm;
-      add_plane(result, plane);
+      add_plane(labels, plane);
+      draft.unfitted.push_back(plane.id);  // also where it replaces one of the same pixels
     }
-  std::vector<int> changed;
-  for (const int id : id_of)
-    if (id > 0) changed.push_back(id);
-
-  for (std::size_t i = 0; i < plane_of.size(); ++i) {
-    if (kept[labels.plane.data[i]]) continue;
-    const int k = grid.measured[i] ? std::max(0, plane_of[i]) : 0;
-    result.plane.data[i] = static_cast<std::uint16_t>(id_of[k]);
-    result.hv.data[i] = k > 0 ? static_cast<std::uint8_t>(label_of_plane[k - 1]) : 0;
+  for (std::size_t k = 0; k <= planes; ++k) {
+    const LabelPlane* plane = find_plane(labels, id_of[k]);
+    const auto hv = static_cast<std::uint8_t>(plane ? plane->label : Label::unknown);
+    for (const std::uint32_t i : pixels[k]) draft.set(i, id_of[k], hv);
   }
-  if (changed.empty()) return result;
-  refit_planes(result, grid, changed);
-  for (const int id : changed)
-    if (LabelPlane* plane = plane_in(result, id); plane->label == Label::unknown)
-      classify_by_tilt(result, grid, *plane);
-  return result;
 }
 
 // Planes cut in two or more.
@@ -248,27 +202,23 @@ FrameLabels from_segmentation(const FrameLabels& labels,
 namespace {
 
 /// Gives the pixels of each group from 1 on a plane of its own; group 0 keeps the id.
-FrameLabels with_groups(const FrameLabels& labels,
-                        const LabelGrid& grid,
-                        int id,
-                        std::span<const std::uint32_t> pixels,
-                        std::span<const int> group,
-                        int groups) {
-  FrameLabels result = labels;
-  LabelPlane& whole = editable_plane(result, id);
-  if (groups < 2) return result;
+void split(LabelDraft& draft,
+           int id,
+           std::span<const std::uint32_t> pixels,
+           std::span<const int> group,
+           int groups) {
+  LabelPlane& whole = editable_plane(draft.labels, id);
+  if (groups < 2) return;
   whole.confidence = 1;
   LabelPlane part = whole;
   std::vector<int> id_of{id};
   for (int k = 1; k < groups; ++k) {
-    part.id = free_plane_id(result);
+    part.id = free_plane_id(draft.labels);
     id_of.push_back(part.id);
-    add_plane(result, part);
+    add_plane(draft.labels, part);
   }
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    result.plane.data[pixels[i]] = static_cast<std::uint16_t>(id_of[group[i]]);
-  refit_planes(result, grid, id_of);
-  return result;
+    draft.set(pixels[i], id_of[group[i]], draft.labels.hv.data[pixels[i]]);
 }
 
 /// The large part that each small one lies nearest to, in pixels.
@@ -311,14 +261,13 @@ std::vector<int> nearest_large_part(const LabelGrid& grid,
 
 }  // namespace
 
-FrameLabels split_by_parts(
-    const FrameLabels& labels, const LabelGrid& grid, int plane, double min_area_m2, int gap_px) {
-  const LabelPlane* whole = find_plane(labels, plane);
-  const PixelSet pixels = pixels_of_plane(labels, plane);
+void split_by_parts(
+    LabelDraft& draft, const LabelGrid& grid, int plane, double min_area_m2, int gap_px) {
+  const Vec3d normal = editable_plane(draft.labels, plane).normal;
+  const PixelSet pixels = pixels_of_plane(draft.labels, plane);
   const std::vector<PixelSet> parts = connected_parts(grid, pixels, gap_px);
   std::vector<double> area(parts.size(), 0);
-  for (std::size_t k = 0; whole && k < parts.size(); ++k)
-    area[k] = grid.area_m2(parts[k], &whole->normal);
+  for (std::size_t k = 0; k < parts.size(); ++k) area[k] = grid.area_m2(parts[k], &normal);
   const auto largest = static_cast<std::size_t>(std::ranges::max_element(area) - area.begin());
   std::vector<std::uint8_t> large(parts.size(), 0);
   for (std::size_t k = 0; k < parts.size(); ++k) large[k] = k == largest || area[k] >= min_area_m2;
@@ -335,23 +284,16 @@ FrameLabels split_by_parts(
       ordered.push_back(pixel);
       group.push_back(group_of[nearest[k] < 0 ? largest : static_cast<std::size_t>(nearest[k])]);
     }
-  return with_groups(labels, grid, plane, ordered, group, groups);
+  split(draft, plane, ordered, group, groups);
 }
 
-FrameLabels split_by_side(const FrameLabels& labels,
-                          const LabelGrid& grid,
-                          int plane,
-                          std::span<const float> side) {
-  assert(side.size() == grid.pixels());
-  const PixelSet pixels = pixels_of_plane(labels, plane);
+void split_by_side(LabelDraft& draft, int plane, std::span<const float> side) {
+  assert(side.size() == draft.labels.plane.pixels());
+  const PixelSet pixels = pixels_of_plane(draft.labels, plane);
   std::vector<int> group;
-  int right = 0;
-  for (const std::uint32_t pixel : pixels) {
-    group.push_back(side[pixel] > 0 ? 1 : 0);
-    right += group.back();
-  }
-  const bool cuts = right > 0 && right < static_cast<int>(pixels.size());
-  return with_groups(labels, grid, plane, pixels, group, cuts ? 2 : 1);
+  for (const std::uint32_t pixel : pixels) group.push_back(side[pixel] > 0 ? 1 : 0);
+  const auto right = std::ranges::count(group, 1);
+  split(draft, plane, pixels, group, right > 0 && right < std::ssize(pixels) ? 2 : 1);
 }
 
 std::vector<float> sides_of_line(int width, int height, const Vec2f& from, const Vec2f& to) {

@@ -1,13 +1,12 @@
 #pragma once
 
-// What a gesture does to the labels of a frame. Pure functions: labels in, labels out, planes
-// fitted anew where their pixels changed. Locked planes lose and gain no pixel, hidden ones lose
-// none; pixels that were not measured keep no label. A carried plane that is touched is settled:
-// its confidence becomes 1.
+// Operations of the label tools, each written into a draft; fit_planes() then fits the planes whose
+// pixels changed. Locked planes lose and gain no pixel, hidden ones lose none; unmeasured pixels
+// get no label. Changing a carried plane settles it: its confidence becomes 1.
 
-#include <array>
 #include <span>
 
+#include "core/labels/edit/edit.hpp"
 #include "core/labels/model/grid.hpp"
 
 namespace planescope::labels {
@@ -26,18 +25,14 @@ enum class PaintMode : std::uint8_t {
   subtract,  // takes off the paint's own label, and nothing else
 };
 
-FrameLabels painted(const FrameLabels& labels,
-                    const LabelGrid& grid,
-                    std::span<const std::uint32_t> pixels,
-                    const Paint& paint,
-                    PaintMode mode);
-
-/// Those of the pixels that painted() changes.
-PixelSet changed_by_painting(const FrameLabels& labels,
-                             const LabelGrid& grid,
-                             std::span<const std::uint32_t> pixels,
-                             const Paint& paint,
-                             PaintMode mode);
+/// Returns the number of changed pixels.
+std::size_t paint(LabelDraft& draft,
+                  const LabelGrid& grid,
+                  std::span<const std::uint32_t> pixels,
+                  const Paint& paint,
+                  PaintMode mode);
+/// Fits the draft's planes that gained or lost pixels; those left without a pixel are removed.
+void fit_planes(LabelDraft& draft, const LabelGrid& grid);
 
 /// The smallest id that no plane has.
 int free_plane_id(const FrameLabels& labels);
@@ -48,40 +43,33 @@ PixelSet pixels_of_plane(const FrameLabels& labels, int id);
 /// Keeps the list in order of id.
 LabelPlane& add_plane(FrameLabels& labels, const LabelPlane& plane);
 
-// All throw Error where there is no such plane, or it is locked.
-FrameLabels with_class(const FrameLabels& labels, int plane, Label label);
-FrameLabels without_plane(const FrameLabels& labels, int plane);
-FrameLabels joined(const FrameLabels& labels, const LabelGrid& grid, int into, int from);
-/// Each connected part (eight neighbours, bridging gaps of up to `gap_px` pixels that were not
-/// measured) of at least `min_area_m2` becomes a plane of its own, the largest keeps the id;
-/// smaller parts go with the part nearest to them.
-FrameLabels split_by_parts(const FrameLabels& labels,
-                           const LabelGrid& grid,
-                           int plane,
-                           double min_area_m2,
-                           int gap_px = 2);
+// These throw Error, before anything changes, if the plane is missing or locked.
+void set_class(LabelDraft& draft, int plane, Label label);
+void remove_plane(LabelDraft& draft, int plane);
+void join_planes(LabelDraft& draft, int into, int from);
+/// Each connected part (eight neighbours, bridging gaps of up to `gap_px` unmeasured pixels) of at
+/// least `min_area_m2` becomes a plane of its own, the largest keeps the id; smaller parts go with
+/// the part nearest to them.
+void split_by_parts(
+    LabelDraft& draft, const LabelGrid& grid, int plane, double min_area_m2, int gap_px = 2);
 /// Pixels to the right of the line from -> to become a plane of their own. `side`: per pixel of the
 /// image, > 0 right of it; made by sides_of_line() on the image, from projected points in space.
 /// Nothing changes where all of them are on one side.
-FrameLabels split_by_side(const FrameLabels& labels,
-                          const LabelGrid& grid,
-                          int plane,
-                          std::span<const float> side);
+void split_by_side(LabelDraft& draft, int plane, std::span<const float> side);
 std::vector<float> sides_of_line(int width, int height, const Vec2f& from, const Vec2f& to);
 
-/// Gravity is known now, or better: planes without a class that are not locked take that of their
-/// tilt.
-FrameLabels with_gravity(const FrameLabels& labels, const Gravity& gravity);
+/// Planes without a class that are not locked get that of their tilt.
+void set_gravity(LabelDraft& draft, const Gravity& gravity);
 
 enum class PlaneFlag : std::uint8_t { locked, hidden };
-FrameLabels with_flag(const FrameLabels& labels, int plane, PlaneFlag flag, bool on);
+void set_flag(LabelDraft& draft, int plane, PlaneFlag flag, bool on);
 
 /// First labels from a segmentation: `plane_of` per pixel (0 none), `label_of_plane` by id - 1.
 /// Replaces everything but "do not score" and locked and hidden planes with their pixels. Planes
 /// whose ids are taken by these get new ids.
-FrameLabels from_segmentation(const FrameLabels& labels,
-                              const LabelGrid& grid,
-                              std::span<const std::int32_t> plane_of,
-                              std::span<const Label> label_of_plane);
+void take_segmentation(LabelDraft& draft,
+                       const LabelGrid& grid,
+                       std::span<const std::int32_t> plane_of,
+                       std::span<const Label> label_of_plane);
 
 }  // namespace planescope::labels

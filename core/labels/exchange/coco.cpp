@@ -1,6 +1,8 @@
 // COCO (https://cocodataset.org/#format-data). What it has no field for is in each annotation's
 // "plane", which other readers of COCO ignore.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -16,23 +18,17 @@
 #include "core/labels/exchange/formats.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/json.hpp"
+#include "core/model/json_fields.hpp"
 
 namespace planescope::labels {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What our files call the classes, and how large their images may be.
 constexpr int kMaxCocoSide = 1 << 16;  // of an image [px]
 
-struct CocoCategory {
-  int id;
-  const char* name;
-  std::uint8_t label;
-};
-constexpr CocoCategory kCocoCategories[] = {
-    {1, "h", 1}, {2, "v", 2}, {3, "unknown", 0}, {4, "ignore", kHvIgnore}};
+constexpr const char* kCategoryNames[] = {"h", "v", "unknown", "ignore"};  // ids from 1 on
+constexpr std::uint8_t kCategoryLabels[] = {1, 2, 0, kHvIgnore};
 
 // Masks: runs of 0 and 1 in turn, the pixels column by column.
 
@@ -58,22 +54,18 @@ std::vector<std::uint64_t> mask_counts(const std::vector<std::uint64_t>& sorted,
   return counts;
 }
 
-/// Throws Error naming `where` unless the counts add up to `pixels`.
+/// Throws Error naming the place unless the counts add up to `pixels`.
 std::vector<MaskRun> mask_runs(const std::vector<std::uint64_t>& counts,
                                std::uint64_t pixels,
-                               const std::string& where) {
+                               const JsonPlace& place) {
   std::vector<MaskRun> runs;
   std::uint64_t at = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (counts[i] > pixels - at)
-      throw Error(where + ": its mask runs past the " + std::to_string(pixels) +
-                  " pixels of the image");
+    if (counts[i] > pixels - at) place.fail_kind(fmt::format("runs over {} pixels", pixels));
     if (i % 2 == 1 && counts[i] > 0) runs.push_back({at, counts[i]});
     at += counts[i];
   }
-  if (at != pixels)
-    throw Error(where + ": its mask covers " + std::to_string(at) + " pixels, the image has " +
-                std::to_string(pixels));
+  if (at != pixels) place.fail_kind(fmt::format("runs over {} pixels, these cover {}", pixels, at));
   return runs;
 }
 
@@ -106,118 +98,109 @@ std::vector<MaskRun> polygon_runs(const std::vector<std::pair<double, double>>& 
   return runs;
 }
 
-/// A whole number, however it is written; nlohmann's get<int>() accepts what does not fit.
-int whole_of(const Json& json, int low, int high, const std::string& where) {
-  const double value = json.get<double>();
-  return whole_numbers<std::int32_t>(std::span(&value, 1), low, high, where)[0];
+/// A whole number, however it is written: 4.0, too.
+int whole_of(const JsonPlace& place, int low, int high) {
+  const double value = place.number();
+  if (!(value >= low && value <= high) || value != std::floor(value))
+    place.fail_kind(fmt::format("a whole number from {} to {}", low, high));
+  return static_cast<int>(value);
 }
 
-/// What is read, on the pixels of one image.
+/// Ids may be numbers or text: as they are written.
+std::string id_of(const JsonPlace& place, const char* key) { return place.at(key).json().dump(); }
+
+void plane_fields(auto& fields, Same<LabelPlane> auto& plane) {
+  fields("normal", plane.normal);
+  fields("offset_m", plane.offset_m);
+  fields("rms_m", plane.rms_m);
+}
+
+/// Reads the annotations of one image.
 class CocoReader {
  public:
-  CocoReader(const Json& json, const Json& image, const std::string& where)
-      : json_(json), image_(image), where_(where) {}
+  CocoReader(const JsonPlace& file, const JsonPlace& image, const std::string& where) {
+    width_ = whole_of(image.at("width"), 1, kMaxCocoSide);
+    height_ = whole_of(image.at("height"), 1, kMaxCocoSide);
+    check_count(pixels(), where);
+    instance_.assign(pixels(), 0);
+    label_.assign(pixels(), 0);
+    file.at("categories").each([&](const JsonPlace& category) {
+      const std::size_t known = category.at("name").choice(kCategoryNames);
+      label_of_category_[id_of(category, "id")] = kCategoryLabels[known];
+    });
+  }
 
-  /// `annotations`: places of those of the image.
-  LabelledPoints read(const std::vector<std::size_t>& annotations) {
-    read_image();
-    read_categories();
-    const Json& all = json_.at("annotations");
-    for (const std::size_t at : annotations)
-      if (all[at].contains("plane")) used_.insert(own_plane_id(all[at]));
-    for (const std::size_t at : annotations)
-      read_annotation(all[at], where_ + ": annotation " + std::to_string(at));
+  LabelledPoints read(const std::vector<JsonPlace>& annotations) {
+    for (const JsonPlace& annotation : annotations)
+      if (annotation.has("plane")) used_.insert(own_plane_id(annotation));
+    for (const JsonPlace& annotation : annotations) read_annotation(annotation);
     return points();
   }
 
  private:
-  void read_image() {
-    width_ = whole_of(image_.at("width"), 1, kMaxCocoSide, where_ + ": width");
-    height_ = whole_of(image_.at("height"), 1, kMaxCocoSide, where_ + ": height");
-    check_count(pixels(), where_);
-    instance_.assign(pixels(), 0);
-    label_.assign(pixels(), 0);
-  }
-
-  void read_categories() {
-    for (const Json& category : json_.at("categories")) {
-      const auto name = category.at("name").get<std::string>();
-      const auto known = std::find_if(std::begin(kCocoCategories), std::end(kCocoCategories),
-                                      [&](const CocoCategory& c) { return name == c.name; });
-      if (known == std::end(kCocoCategories))
-        throw Error(where_ + ": category \"" + printable(name) +
-                    "\", expected h, v, unknown or ignore");
-      label_of_category_[category.at("id").dump()] = known->label;
-    }
-  }
-
-  int own_plane_id(const Json& annotation) const {
-    return whole_of(annotation.at("plane").at("id"), 0, kPlaneIgnore, where_ + ": plane id");
+  static int own_plane_id(const JsonPlace& annotation) {
+    return whole_of(annotation.at("plane").at("id"), 0, kPlaneIgnore);
   }
 
   /// Annotations of other tools have no plane: each is one.
-  int plane_id(const Json& annotation) {
-    if (annotation.contains("plane")) return own_plane_id(annotation);
+  int plane_id(const JsonPlace& annotation) {
+    if (annotation.has("plane")) return own_plane_id(annotation);
     while (used_.contains(next_)) ++next_;
-    if (next_ >= kPlaneIgnore) throw Error(where_ + ": more than 65534 planes");
+    if (next_ >= kPlaneIgnore) throw Error("more than 65534 planes");
     used_.insert(next_);
     return next_;
   }
 
-  std::vector<MaskRun> polygons_of(const Json& segmentation, const std::string& where) const {
+  std::vector<MaskRun> runs_of(const JsonPlace& segmentation) const {
     std::vector<MaskRun> runs;
-    for (const Json& polygon : segmentation) {
-      const auto numbers = polygon.get<std::vector<double>>();
-      std::vector<std::pair<double, double>> corners;
-      for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
-        if (std::max(std::abs(numbers[i]), std::abs(numbers[i + 1])) > kMaxCocoSide)
-          throw Error(where + ": a polygon that runs far out of the image");
-        corners.emplace_back(numbers[i], numbers[i + 1]);
-      }
-      const auto more = polygon_runs(corners, width_, height_);
-      runs.insert(runs.end(), more.begin(), more.end());
+    if (segmentation.json().is_array()) {
+      segmentation.each([&](const JsonPlace& polygon) {
+        std::vector<double> numbers;
+        polygon.each([&](const JsonPlace& number) { numbers.push_back(number.number()); });
+        std::vector<std::pair<double, double>> corners;
+        for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
+          if (std::max(std::abs(numbers[i]), std::abs(numbers[i + 1])) > kMaxCocoSide)
+            polygon.fail_kind("corners near the image");
+          corners.emplace_back(numbers[i], numbers[i + 1]);
+        }
+        const auto more = polygon_runs(corners, width_, height_);
+        runs.insert(runs.end(), more.begin(), more.end());
+      });
+      return runs;
     }
-    return runs;
+    if (const JsonPlace size = segmentation.at("size"); size.json() != Json{height_, width_})
+      size.fail_kind(fmt::format("[{},{}], the size of the image", height_, width_));
+    const JsonPlace place = segmentation.at("counts");
+    if (!place.json().is_string()) {
+      std::vector<std::uint64_t> counts;
+      place.each([&](const JsonPlace& count) {
+        counts.push_back(static_cast<std::uint64_t>(whole_of(count, 0, kMaxLabelledPoints)));
+      });
+      return mask_runs(counts, pixels(), place);
+    }
+    const auto counts = counts_of_text(place.text());
+    if (!counts) place.fail_kind("a compressed mask");
+    return mask_runs(*counts, pixels(), place);
   }
 
-  std::vector<MaskRun> runs_of(const Json& segmentation, const std::string& where) const {
-    if (segmentation.is_array()) return polygons_of(segmentation, where);
-    const auto size = segmentation.at("size").get<std::array<int, 2>>();
-    if (size[0] != height_ || size[1] != width_)
-      throw Error(where + ": a mask of " + std::to_string(size[1]) + "x" + std::to_string(size[0]) +
-                  ", the image is " + std::to_string(width_) + "x" + std::to_string(height_));
-    const Json& counts = segmentation.at("counts");
-    if (counts.is_string())
-      return mask_runs(counts_of_text(counts.get<std::string>(), where), pixels(), where);
-    const auto whole = whole_numbers<std::int32_t>(counts.get<std::vector<double>>(), 0,
-                                                   kMaxLabelledPoints, where + ": counts");
-    return mask_runs({whole.begin(), whole.end()}, pixels(), where);
-  }
-
-  void read_annotation(const Json& annotation, const std::string& where) {
-    const auto label = label_of_category_.find(annotation.at("category_id").dump());
+  void read_annotation(const JsonPlace& annotation) {
+    const auto label = label_of_category_.find(id_of(annotation, "category_id"));
     if (label == label_of_category_.end())
-      throw Error(where + ": of a category that the file does not have");
+      annotation.at("category_id").fail_kind("the id of a category");
     const int id = plane_id(annotation);
-    for (const MaskRun& run : runs_of(annotation.at("segmentation"), where)) {
+    for (const MaskRun& run : runs_of(annotation.at("segmentation"))) {
       for (std::uint64_t at = run.first; at < run.first + run.count; ++at) {
         const std::size_t pixel = at % height_ * static_cast<std::size_t>(width_) + at / height_;
         instance_[pixel] = id;
         label_[pixel] = label->second;
       }
     }
-    if (annotation.contains("plane") && annotation["plane"].contains("normal"))
-      read_plane(annotation["plane"], id, label->second);
-  }
-
-  void read_plane(const Json& json, int id, std::uint8_t label) {
+    if (!annotation.has("plane") || !annotation.at("plane").has("normal")) return;
     LabelPlane plane;
     plane.id = id;
-    plane.label = label == kHvIgnore ? Label::unknown : static_cast<Label>(label);
-    const auto normal = json.at("normal").get<std::array<double, 3>>();
-    plane.normal = Vec3d(normal[0], normal[1], normal[2]);
-    plane.offset_m = json.at("offset_m").get<double>();
-    plane.rms_m = json.at("rms_m").get<double>();
+    if (label->second != kHvIgnore) plane.label = static_cast<Label>(label->second);
+    FieldReader fields(annotation.at("plane"));
+    plane_fields(fields, plane);
     planes_.push_back(plane);
   }
 
@@ -240,9 +223,6 @@ class CocoReader {
     return static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
   }
 
-  const Json& json_;
-  const Json& image_;
-  const std::string& where_;
   int width_ = 0, height_ = 0;
   std::map<std::string, std::uint8_t> label_of_category_;  // by the id as it is written
   std::set<int> used_;
@@ -256,17 +236,6 @@ struct Mask {
   std::vector<std::uint64_t> sorted;  // u * height + v
   int left = kMaxCocoSide, top = kMaxCocoSide, right = 0, bottom = 0;
 };
-
-Json plane_json(int id, const LabelledPoints& points) {
-  Json json = {{"id", id}};
-  for (const LabelPlane& plane : points.planes) {
-    if (plane.id != id) continue;
-    json["normal"] = {plane.normal.x(), plane.normal.y(), plane.normal.z()};
-    json["offset_m"] = plane.offset_m;
-    json["rms_m"] = plane.rms_m;
-  }
-  return json;
-}
 
 /// By plane, then class: one mask for each plane, unless its pixels differ in class.
 std::map<std::pair<int, int>, Mask> masks_of(const LabelledPoints& points) {
@@ -291,7 +260,7 @@ std::map<std::pair<int, int>, Mask> masks_of(const LabelledPoints& points) {
 
 // As rleFrString of pycocotools: groups of five bits, the lowest first, 48 added; from the fourth
 // on counts are differences to the one before the last.
-std::vector<std::uint64_t> counts_of_text(const std::string& text, const std::string& where) {
+std::optional<std::vector<std::uint64_t>> counts_of_text(const std::string& text) {
   std::vector<std::uint64_t> counts;
   for (std::size_t i = 0; i < text.size();) {
     std::int64_t value = 0;
@@ -299,8 +268,7 @@ std::vector<std::uint64_t> counts_of_text(const std::string& text, const std::st
     bool more = true;
     while (more) {
       const int code = i < text.size() ? text[i] - 48 : -1;
-      if (code < 0 || code > 63 || shift > 40)
-        throw Error(where + ": its compressed mask is damaged at character " + std::to_string(i));
+      if (code < 0 || code > 63 || shift > 40) return std::nullopt;
       value |= static_cast<std::int64_t>(code & 31) << shift;
       more = (code & 32) != 0;
       shift += 5;
@@ -308,9 +276,7 @@ std::vector<std::uint64_t> counts_of_text(const std::string& text, const std::st
       if (!more && (code & 16) != 0) value -= std::int64_t{1} << shift;
     }
     if (counts.size() > 2) value += static_cast<std::int64_t>(counts[counts.size() - 2]);
-    if (value < 0)
-      throw Error(where + ": its compressed mask has a run of " + std::to_string(value) +
-                  " pixels");
+    if (value < 0) return std::nullopt;
     counts.push_back(static_cast<std::uint64_t>(value));
   }
   return counts;
@@ -323,32 +289,27 @@ struct CocoFile::Parsed {
 };
 
 CocoFile::CocoFile(io::Bytes file, const std::string& where) {
-  try {
-    auto parsed = std::make_shared<Parsed>();
-    const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
-    parsed->where = where;
-    parsed->json = parse_json<Json>(text, where + ": not a COCO file");
-    std::map<std::string, std::size_t> image_of_id;  // by the id as it is written
-    for (const Json& image : parsed->json.at("images")) {
-      if (!image_of_id.emplace(image.at("id").dump(), names_.size()).second)
-        throw Error(where + ": two images with id " + printable(image.at("id").dump()));
-      names_.push_back(image.value("file_name", ""));
-    }
+  auto parsed = std::make_shared<Parsed>();
+  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  parsed->where = where;
+  parsed->json = parse_json<Json>(text, where + ": not a COCO file");
+  read_place(where, parsed->json, [&](const JsonPlace& root) {
+    std::map<std::string, std::size_t> image_of_id;
+    root.at("images").each([&](const JsonPlace& image) {
+      if (!image_of_id.emplace(id_of(image, "id"), names_.size()).second)
+        image.at("id").fail_kind("an id that no other image has");
+      names_.push_back(image.has("file_name") ? image.at("file_name").text() : "");
+    });
     parsed->annotations.resize(names_.size());
-    const Json none = Json::array();
-    const auto found = parsed->json.find("annotations");  // missing: points() says so
-    const Json& annotations = found == parsed->json.end() ? none : *found;
-    for (std::size_t i = 0; i < annotations.size(); ++i) {
-      const auto image = image_of_id.find(annotations[i].at("image_id").dump());
-      if (image == image_of_id.end())
-        throw Error(where + ": annotation " + std::to_string(i) +
-                    ": of an image that the file does not have");
-      parsed->annotations[image->second].push_back(i);
-    }
-    parsed_ = std::move(parsed);
-  } catch (const Json::exception& error) {
-    throw Error(where + ": not a COCO file (" + error.what() + ")");
-  }
+    if (!root.has("annotations")) return;  // points() says so
+    std::size_t at = 0;
+    root.at("annotations").each([&](const JsonPlace& annotation) {
+      const auto image = image_of_id.find(id_of(annotation, "image_id"));
+      if (image == image_of_id.end()) annotation.at("image_id").fail_kind("the id of an image");
+      parsed->annotations[image->second].push_back(at++);
+    });
+  });
+  parsed_ = std::move(parsed);
 }
 
 CocoFile read_coco(const std::filesystem::path& path) {
@@ -365,12 +326,15 @@ std::optional<std::size_t> CocoFile::image_of_frame(int frame) const {
 }
 
 LabelledPoints CocoFile::points(std::size_t image) const {
-  try {
-    return CocoReader(parsed_->json, parsed_->json.at("images").at(image), parsed_->where)
-        .read(parsed_->annotations[image]);
-  } catch (const Json::exception& error) {
-    throw Error(parsed_->where + ": not a COCO file (" + error.what() + ")");
-  }
+  return read_place(parsed_->where, parsed_->json, [&](const JsonPlace& file) {
+    const std::string where = fmt::format("images[{}]", image);
+    CocoReader reader(file, JsonPlace(file.at("images").json()[image], where), where);
+    std::vector<JsonPlace> annotations;
+    const Json& all = file.at("annotations").json();
+    for (const std::size_t at : parsed_->annotations[image])
+      annotations.emplace_back(all[at], fmt::format("annotations[{}]", at));
+    return reader.read(annotations);
+  });
 }
 
 LabelledPoints parse_coco(io::Bytes bytes, const std::string& where) {
@@ -396,19 +360,21 @@ void CocoWriter::add(const LabelledPoints& points, const std::string& file_name)
   const auto pixels =
       static_cast<std::uint64_t>(points.width) * static_cast<std::uint64_t>(points.height);
   for (const auto& [key, mask] : masks_of(points)) {
-    const auto category =
-        std::find_if(std::begin(kCocoCategories), std::end(kCocoCategories),
-                     [&, label = key.second](const CocoCategory& c) { return c.label == label; });
+    const auto category = std::ranges::find(kCategoryLabels, key.second);
+    const auto plane = std::ranges::find(points.planes, key.first, &LabelPlane::id);
+    Json plane_json = {{"id", key.first}};
+    FieldWriter fields(plane_json);
+    if (plane != points.planes.end()) plane_fields(fields, *plane);
     made_->annotations.push_back(
         {{"id", made_->annotations.size() + 1},
          {"image_id", image_id},
-         {"category_id", category->id},
-         {"iscrowd", category->label == kHvIgnore ? 1 : 0},  // crowds are not scored
+         {"category_id", 1 + (category - std::begin(kCategoryLabels))},
+         {"iscrowd", *category == kHvIgnore ? 1 : 0},  // crowds are not scored
          {"area", mask.sorted.size()},
          {"bbox", {mask.left, mask.top, mask.right - mask.left + 1, mask.bottom - mask.top + 1}},
          {"segmentation",
           {{"size", {points.height, points.width}}, {"counts", mask_counts(mask.sorted, pixels)}}},
-         {"plane", plane_json(key.first, points)}});
+         {"plane", std::move(plane_json)}});
   }
 }
 
@@ -417,9 +383,9 @@ FileBytes CocoWriter::bytes() const {
   json["info"] = {{"description", "Planes of depth images, by planescope"}, {"version", "1"}};
   json["images"] = made_->images;
   json["categories"] = Json::array();
-  for (const CocoCategory& category : kCocoCategories)
+  for (std::size_t k = 0; k < std::size(kCategoryNames); ++k)
     json["categories"].push_back(
-        {{"id", category.id}, {"name", category.name}, {"supercategory", "plane"}});
+        {{"id", k + 1}, {"name", kCategoryNames[k]}, {"supercategory", "plane"}});
   json["annotations"] = made_->annotations;
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   return {text.begin(), text.end()};

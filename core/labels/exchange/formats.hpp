@@ -60,8 +60,8 @@ LabelledPoints parse_npz(io::Bytes file, const std::string& where);
 
 /// Of one image; CocoFile has those of several.
 LabelledPoints parse_coco(io::Bytes file, const std::string& where);
-/// The counts of a COCO mask that pycocotools compressed into text.
-std::vector<std::uint64_t> counts_of_text(const std::string& text, const std::string& where);
+/// The counts of a COCO mask that pycocotools compressed into text; nullopt if it is damaged.
+std::optional<std::vector<std::uint64_t>> counts_of_text(const std::string& text);
 
 FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m);
 

@@ -2,9 +2,10 @@
 
 #include "core/labels/model/label_files.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -23,23 +24,19 @@ constexpr std::uintmax_t kMaxJsonBytes = 64u << 20;  // 65534 planes need about 
 
 template <typename T>
 std::string size_of(const Image<T>& image) {
-  return std::to_string(image.width) + "x" + std::to_string(image.height);
+  return fmt::format("{}x{}", image.width, image.height);
 }
 
 void check_sizes(const FrameLabels& labels, const std::string& where) {
   const Intrinsics& k = labels.intrinsics;
-  if (labels.plane.empty() || labels.plane.channels != 1 || labels.hv.channels != 1) {
+  if (labels.plane.empty() || labels.plane.channels != 1 || labels.hv.channels != 1)
     throw Error(where + ": expected a plane image and an h/v image of one channel each");
-  }
-  if (labels.hv.width != labels.plane.width || labels.hv.height != labels.plane.height) {
-    throw Error(where + ": the plane image is " + size_of(labels.plane) + ", the h/v image " +
-                size_of(labels.hv));
-  }
-  if (labels.plane.width != k.width || labels.plane.height != k.height) {
-    throw Error(where + ": the label images are " + size_of(labels.plane) +
-                ", the intrinsics are for " + std::to_string(k.width) + "x" +
-                std::to_string(k.height));
-  }
+  if (labels.hv.width != labels.plane.width || labels.hv.height != labels.plane.height)
+    throw Error(fmt::format("{}: the plane image is {}, the h/v image {}", where,
+                            size_of(labels.plane), size_of(labels.hv)));
+  if (labels.plane.width != k.width || labels.plane.height != k.height)
+    throw Error(fmt::format("{}: the label images are {}, the intrinsics are for {}x{}", where,
+                            size_of(labels.plane), k.width, k.height));
 }
 
 /// Throws Error where the labels were made for another depth image or cloud.
@@ -48,14 +45,13 @@ void check_frame(const FrameLabels& labels,
                  const std::string& where) {
   const auto points = static_cast<std::size_t>(labels.intrinsics.width);
   if (labels.is_cloud() && expected.points > 0 && points != expected.points)
-    throw Error(where + ": made for a cloud of " + std::to_string(points) +
-                " points, this recording's frame has " + std::to_string(expected.points));
+    throw Error(fmt::format("{}: made for a cloud of {} points, this recording's frame has {}",
+                            where, points, expected.points));
   if (!expected.sha256.empty() && labels.depth_sha256 != expected.sha256)
-    throw Error(where + ": made for " +
-                (labels.is_cloud() ? "a cloud of " + std::to_string(points) + " points"
-                                   : std::string("a depth image")) +
-                " with SHA-256 " + labels.depth_sha256.substr(0, 12) +
-                ", this recording's frame has " + expected.sha256.substr(0, 12));
+    throw Error(fmt::format(
+        "{}: made for {} with SHA-256 {:.12}, this recording's frame has {:.12}", where,
+        labels.is_cloud() ? fmt::format("a cloud of {} points", points) : "a depth image",
+        labels.depth_sha256, expected.sha256));
 }
 
 /// The points of a cloud as an image that any viewer opens.
@@ -72,7 +68,7 @@ template <typename T>
 Image<T> in_one_row(Image<T> image, int points, const std::string& where) {
   const auto end = image.data.begin() + points;
   if (std::any_of(end, image.data.end(), [](T value) { return value != 0; }))
-    throw Error(where + ": labels behind the last of " + std::to_string(points) + " points");
+    throw Error(fmt::format("{}: labels behind the last of {} points", where, points));
   image.data.resize(static_cast<std::size_t>(points));
   image.width = points;
   image.height = 1;
@@ -84,62 +80,48 @@ void check_numbers(const FrameLabels& labels, const std::string& where) {
   bool finite = labels.gravity.direction.allFinite() && std::isfinite(labels.gravity.confidence);
   for (const double value : {k.fx, k.fy, k.cx, k.cy}) finite = finite && std::isfinite(value);
   for (const double value : k.coefficients) finite = finite && std::isfinite(value);
-  for (const LabelPlane& plane : labels.planes) {
+  for (const LabelPlane& plane : labels.planes)
     finite = finite && plane.normal.allFinite() && std::isfinite(plane.offset_m) &&
              std::isfinite(plane.rms_m) && std::isfinite(plane.tolerance_m) &&
              std::isfinite(plane.confidence);
-  }
   if (!finite) throw Error(where + ": a number is not finite");
   for (const LabelPlane& plane : labels.planes) {
-    if (plane.confidence < 0 || plane.confidence > 1) {
-      throw Error(where + ": plane " + std::to_string(plane.id) + " has confidence " +
-                  std::to_string(plane.confidence) + ", expected 0..1");
-    }
-    if (plane.fragments < 0) {
-      throw Error(where + ": plane " + std::to_string(plane.id) + " has " +
-                  std::to_string(plane.fragments) + " fragments, expected 0 or more");
-    }
+    if (plane.confidence < 0 || plane.confidence > 1)
+      throw Error(fmt::format("{}: plane {} has confidence {:f}, expected 0..1", where, plane.id,
+                              plane.confidence));
+    if (plane.fragments < 0)
+      throw Error(fmt::format("{}: plane {} has {} fragments, expected 0 or more", where, plane.id,
+                              plane.fragments));
   }
 }
 
 void check_review(const FrameLabels& labels, const std::string& where) {
   const std::size_t pixels = labels.plane.pixels();
   for (const ReviewNote& note : labels.review) {
-    if (note.pixel >= pixels || note.pixels > pixels) {
-      throw Error(where + ": a review note about " + std::to_string(note.pixels) +
-                  " pixels at pixel " + std::to_string(note.pixel) + ", the image has " +
-                  std::to_string(pixels));
-    }
-    if (note.label_plane < 0 || note.other_plane < 0) {
-      throw Error(where + ": a review note about planes " + std::to_string(note.label_plane) +
-                  " and " + std::to_string(note.other_plane) + ", expected 0 or more");
-    }
+    if (note.pixel >= pixels || note.pixels > pixels)
+      throw Error(fmt::format("{}: a review note about {} pixels at pixel {}, the image has {}",
+                              where, note.pixels, note.pixel, pixels));
+    if (note.label_plane < 0 || note.other_plane < 0)
+      throw Error(fmt::format("{}: a review note about planes {} and {}, expected 0 or more", where,
+                              note.label_plane, note.other_plane));
   }
 }
 
 void check_ids(const FrameLabels& labels, const std::string& where) {
   std::vector<bool> listed(kPlaneIgnore + 1, false);
   listed[0] = listed[kPlaneIgnore] = true;
+  const auto fail = [&](const char* what, int value, const char* why) {
+    throw Error(fmt::format("{}: {} {}{}", where, what, value, why));
+  };
   for (const LabelPlane& plane : labels.planes) {
-    if (plane.id < 1 || plane.id >= kPlaneIgnore) {
-      throw Error(where + ": plane id " + std::to_string(plane.id) + ", expected 1..65534");
-    }
-    if (listed[plane.id]) {
-      throw Error(where + ": plane id " + std::to_string(plane.id) + " is listed twice");
-    }
+    if (plane.id < 1 || plane.id >= kPlaneIgnore) fail("plane id", plane.id, ", expected 1..65534");
+    if (listed[plane.id]) fail("plane id", plane.id, " is listed twice");
     listed[plane.id] = true;
   }
-  for (const std::uint16_t id : labels.plane.data) {
-    if (!listed[id]) {
-      throw Error(where + ": plane id " + std::to_string(id) +
-                  " is in the image but not in the list of planes");
-    }
-  }
-  for (const std::uint8_t value : labels.hv.data) {
-    if (value > 2 && value != kHvIgnore) {
-      throw Error(where + ": h/v value " + std::to_string(value) + ", expected 0, 1, 2 or 255");
-    }
-  }
+  for (const std::uint16_t id : labels.plane.data)
+    if (!listed[id]) fail("plane id", id, " is in the image but not in the list of planes");
+  for (const std::uint8_t value : labels.hv.data)
+    if (value > 2 && value != kHvIgnore) fail("h/v value", value, ", expected 0, 1, 2 or 255");
 }
 
 /// Throws Error unless the images have one channel, the same size and that of the intrinsics, the
@@ -163,20 +145,17 @@ bool is_there(const fs::path& path) {
 fs::path default_label_dir(const fs::path& recording) { return path_beside(recording, ".labels"); }
 
 std::array<fs::path, kLabelFiles> label_file_paths(const fs::path& dir, int frame_index) {
-  char stem[16];
-  std::snprintf(stem, sizeof(stem), "%06d", frame_index);
-  return {dir / (stem + std::string(".plane.png")), dir / (stem + std::string(".hv.png")),
-          dir / (stem + std::string(".json"))};
+  const std::string stem = fmt::format("{:06}", frame_index);
+  return {dir / (stem + ".plane.png"), dir / (stem + ".hv.png"), dir / (stem + ".json")};
 }
 
 LabelFileBytes encode_label_files(const fs::path& dir, int frame_index, const FrameLabels& labels) {
   check_labels(labels, label_file_paths(dir, frame_index).back().string());
   const std::string json = label_json(frame_index, labels);
-  if (labels.is_cloud())
-    return {io::encode_png(in_rows(labels.plane)),
-            io::encode_png(in_rows(labels.hv)),
-            {json.begin(), json.end()}};
-  return {io::encode_png(labels.plane), io::encode_png(labels.hv), {json.begin(), json.end()}};
+  const auto png = [&](const auto& image) {
+    return labels.is_cloud() ? io::encode_png(in_rows(image)) : io::encode_png(image);
+  };
+  return {png(labels.plane), png(labels.hv), {json.begin(), json.end()}};
 }
 
 void write_label_files(const fs::path& dir, int frame_index, const LabelFileBytes& bytes) {
@@ -209,11 +188,9 @@ std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
   // The headers first: images that would be refused for their size are not decoded.
   for (const fs::path& path : {plane_path, hv_path}) {
     const io::PngInfo info = io::png_info(path);
-    if (info.width != width || info.height != height) {
-      throw Error(path.string() + ": " + std::to_string(info.width) + "x" +
-                  std::to_string(info.height) + " pixels, its frame has " + std::to_string(width) +
-                  "x" + std::to_string(height));
-    }
+    if (info.width != width || info.height != height)
+      throw Error(fmt::format("{}: {}x{} pixels, its frame has {}x{}", path.string(), info.width,
+                              info.height, width, height));
   }
   labels.plane = io::read_png_16(plane_path);
   labels.hv = io::read_png_grey(hv_path);
@@ -231,7 +208,7 @@ std::optional<FrameLabels> read_labels_of_frame(const std::filesystem::path& dir
   const std::size_t points = frame.is_cloud() ? frame.cloud->points.size() : 0;
   auto labels = read_frame_labels(dir, frame.index, {sha256, points});
   if (!labels) return labels;
-  const std::string where = dir.string() + ": labels of frame " + std::to_string(frame.index);
+  const std::string where = fmt::format("{}: labels of frame {}", dir.string(), frame.index);
   if (labels->is_cloud() != frame.is_cloud())
     throw Error(where + (frame.is_cloud() ? " are of a depth image, the frame is a cloud"
                                           : " are of a cloud, the frame is a depth image"));
@@ -356,8 +333,7 @@ FrameLabels parse_label_json(const std::string& text, int frame_index, const std
   return read_place(where, parse_json<Json>(text, where), [&](const JsonPlace& place) {
     place.schema({kSchema});
     if (const int frame = place.at("frame").whole(0); frame != frame_index)
-      throw Error("labels of frame " + std::to_string(frame) + ", expected frame " +
-                  std::to_string(frame_index));
+      throw Error(fmt::format("labels of frame {}, expected frame {}", frame, frame_index));
     FrameLabels labels;
     FieldReader fields(place);
     label_fields(fields, labels);

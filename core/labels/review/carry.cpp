@@ -327,10 +327,10 @@ struct Source {
 
 /// The labels of planes that `labels` does not have yet.
 FrameLabels without_those_of(const FrameLabels& all, const FrameLabels& labels) {
-  FrameLabels rest = all;
+  LabelDraft rest(all);
   for (const LabelPlane& plane : labels.planes)
-    if (find_plane(rest, plane.id)) rest = without_plane(rest, plane.id);
-  return rest;
+    if (find_plane(rest.labels, plane.id)) remove_plane(rest, plane.id);
+  return rest.labels;
 }
 
 class Spreading {
@@ -373,8 +373,10 @@ class Spreading {
     const FrameLabels unseen = without_those_of(first_.at.labels, labels);
     if (&before != &first_ && !unseen.planes.empty())
       labels = carry(first_, here, unseen, labels, doubtful);
-    Proposal proposal = proposal_of(frame, fmt::format("Propose labels of frame {}", job_.from),
-                                    here.at.labels, labels);
+    Proposal proposal =
+        proposal_of(make_edit(frame, fmt::format("Propose labels of frame {}", job_.from),
+                              here.at.labels, labels),
+                    here.at.labels);
     proposal.doubtful = doubtful;
     if (!proposal.edit.empty()) proposals_.push_back(std::move(proposal));
     here.at.labels = std::move(labels);
@@ -402,12 +404,9 @@ class Spreading {
 
 }  // namespace
 
-Proposal proposal_of(int frame,
-                     std::string title,
-                     const FrameLabels& before,
-                     const FrameLabels& after) {
+Proposal proposal_of(LabelEdit edit, const FrameLabels& before) {
   Proposal proposal;
-  proposal.edit = make_edit(frame, std::move(title), before, after);
+  proposal.edit = std::move(edit);
   proposal.blank = before;
   proposal.blank.planes.clear();
   proposal.blank.review.clear();

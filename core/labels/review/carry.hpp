@@ -101,10 +101,7 @@ struct Proposal {
   std::size_t doubtful = 0;  // pixels that are left open
 };
 
-Proposal proposal_of(int frame,
-                     std::string title,
-                     const FrameLabels& before,
-                     const FrameLabels& after);
+Proposal proposal_of(LabelEdit edit, const FrameLabels& before);
 
 /// Goes on from the labelled frame to both ends, each frame from the one before it and, for planes
 /// that were out of sight there, from the labelled frame: cut to the frame's own depth, around

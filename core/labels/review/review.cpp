@@ -106,9 +106,8 @@ std::vector<PlanePair> matched_planes(const PlaneOverlap& overlap, double least_
 
 OtherLabels other_of(const FrameLabels& labels) {
   OtherLabels other;
-  for (const std::uint16_t id : labels.plane.data) {
+  for (const std::uint16_t id : labels.plane.data)
     other.plane.push_back(id == kPlaneIgnore ? -1 : id);
-  }
   for (const LabelPlane& plane : labels.planes) {
     const auto size = std::max(other.label.size(), static_cast<std::size_t>(plane.id));
     other.label.resize(size, Label::unknown);
@@ -352,55 +351,49 @@ std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
 
 namespace {
 
-FrameLabels painted_there(const FrameLabels& labels,
-                          const LabelGrid& grid,
-                          const Disagreement& about,
-                          const Paint& paint) {
-  FrameLabels result = painted(labels, grid, about.pixels, paint, PaintMode::over);
-  if (result.plane.data == labels.plane.data) {
+void paint_there(LabelDraft& draft,
+                 const LabelGrid& grid,
+                 const Disagreement& about,
+                 const Paint& what) {
+  if (paint(draft, grid, about.pixels, what, PaintMode::over) == 0)
     throw Error("the region belongs to planes that are locked or hidden");
-  }
-  return result;
+  fit_planes(draft, grid);
 }
 
 /// The region as the other has it: on the labelled plane that is the other's, or on a new one.
-FrameLabels with_other(const FrameLabels& labels,
-                       const LabelGrid& grid,
-                       const Disagreement& about,
-                       const OtherLabels& other) {
+void take_other(LabelDraft& draft,
+                const LabelGrid& grid,
+                const Disagreement& about,
+                const OtherLabels& other) {
   const int other_plane = about.other_plane;
-  const Partners partners(compared_planes(labels, grid), other);
+  const Partners partners(compared_planes(draft.labels, grid), other);
   Paint paint;
   paint.origin = LabelOrigin::algorithm;
   if (other_plane > 0) {
     paint.plane = partners.of_other[other_plane];
     paint.label = class_of(other, other_plane);
-    if (paint.plane > 0 && paint.plane == about.label_plane) {
-      return with_class(labels, paint.plane, paint.label);
-    }
-    if (paint.plane == 0) paint.plane = free_plane_id(labels);
+    if (paint.plane > 0 && paint.plane == about.label_plane)
+      return set_class(draft, paint.plane, paint.label);
+    if (paint.plane == 0) paint.plane = free_plane_id(draft.labels);
   }
-  return painted_there(labels, grid, about, paint);
+  paint_there(draft, grid, about, paint);
 }
 
 }  // namespace
 
-FrameLabels decided(const FrameLabels& labels,
-                    const LabelGrid& grid,
-                    const Disagreement& about,
-                    const OtherLabels& other,
-                    ReviewDecision decision,
-                    const std::string& reviewer,
-                    std::int64_t time_s) {
-  FrameLabels result = labels;
-  if (decision == ReviewDecision::take) result = with_other(labels, grid, about, other);
-  if (decision == ReviewDecision::ignore) {
-    result = painted_there(labels, grid, about, {.plane = kPlaneIgnore});
-  }
-  if (about.note) std::erase(result.review, *about.note);
-  result.review.push_back({about.kind, about.pixel, static_cast<std::uint32_t>(about.pixels.size()),
-                           about.label_plane, about.other_plane, decision, reviewer, time_s});
-  return result;
+void decide(LabelDraft& draft,
+            const LabelGrid& grid,
+            const Disagreement& about,
+            const OtherLabels& other,
+            ReviewDecision decision,
+            const std::string& reviewer,
+            std::int64_t time_s) {
+  if (decision == ReviewDecision::take) take_other(draft, grid, about, other);
+  if (decision == ReviewDecision::ignore) paint_there(draft, grid, about, {.plane = kPlaneIgnore});
+  std::vector<ReviewNote>& notes = draft.labels.review;
+  if (about.note) std::erase(notes, *about.note);
+  notes.push_back({about.kind, about.pixel, static_cast<std::uint32_t>(about.pixels.size()),
+                   about.label_plane, about.other_plane, decision, reviewer, time_s});
 }
 
 }  // namespace planescope::labels

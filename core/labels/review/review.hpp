@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/labels/edit/edit.hpp"
 #include "core/labels/model/grid.hpp"
 
 namespace planescope::labels {
@@ -76,14 +77,15 @@ std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
                                              const LabelGrid& grid,
                                              const ReviewOptions& options = {});
 
-/// The labels after a decision, the note of it among them: `take` gives the region what the other
-/// says, `ignore` marks it as not scored, `keep` and `edit` leave it.
-FrameLabels decided(const FrameLabels& labels,
-                    const LabelGrid& grid,
-                    const Disagreement& about,
-                    const OtherLabels& other,
-                    ReviewDecision decision,
-                    const std::string& reviewer,
-                    std::int64_t time_s);
+/// Adds the note of a decision; `take` gives the region the other's labels, `ignore` marks it as
+/// not scored, `keep` and `edit` leave it. Throws Error, before anything changes, if the region
+/// belongs to locked or hidden planes.
+void decide(LabelDraft& draft,
+            const LabelGrid& grid,
+            const Disagreement& about,
+            const OtherLabels& other,
+            ReviewDecision decision,
+            const std::string& reviewer,
+            std::int64_t time_s);
 
 }  // namespace planescope::labels

@@ -100,11 +100,10 @@ class FileWindow {
 bool has_header(const fs::path& path, std::span<const unsigned char> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text == kHeader) return true;
-  if (text.size() == kHeader.size() && text.starts_with(kAnyVersion)) {
+  if (text.size() == kHeader.size() && text.starts_with(kAnyVersion))
     throw Error(path.string() + ": journal of version " +
                 std::string(text.substr(kAnyVersion.size(), 1)) +
                 ", expected 1: made by a later version of planescope");
-  }
   return false;
 }
 
@@ -163,9 +162,8 @@ Journal::Journal(fs::path path, Access access, const Visitor& visit) : path_(std
     throw Error(path_.string() + ": cannot be opened (" + error_text(errno) + ")");
   }
   struct stat status = {};
-  if (::fstat(file_.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+  if (::fstat(file_.get(), &status) != 0 || !S_ISREG(status.st_mode))
     throw Error(path_.string() + ": no regular file, expected a journal of labels");
-  }
   size_ = static_cast<std::uint64_t>(status.st_size);
   scan(visit);
 }
@@ -199,10 +197,9 @@ fs::path Journal::set_damaged_aside() {
   read_or_throw(path_, file_, rest, end_);
   fs::path aside = unused_path(path_.string() + ".damaged-");
   write_file_bytes(aside, rest, Durable::yes);
-  if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0 || ::fsync(file_.get()) != 0) {
+  if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0 || ::fsync(file_.get()) != 0)
     throw Error(path_.string() + ": cannot be cut to its undamaged part (" + error_text(errno) +
                 ")");
-  }
   size_ = end_;
   return aside;
 }
@@ -241,19 +238,16 @@ void Journal::sync() {
   int error = background_ ? background_->take_error() : 0;
   if (!error && unsynced_ && ::fdatasync(file_.get()) != 0) error = errno;
   if (!error && created_) error = sync_folder(path_.parent_path());
-  if (error) {
-    throw Error(path_.string() + ": cannot be made durable (" + error_text(error) + ")");
-  }
+  if (error) throw Error(path_.string() + ": cannot be made durable (" + error_text(error) + ")");
   unsynced_ = created_ = false;
 }
 
 JournalBytes Journal::read(const JournalPlace& place) const {
   JournalBytes record(kHead + place.bytes);
   read_or_throw(path_, file_, record, place.offset);
-  if (content_of(record).empty()) {
+  if (content_of(record).empty())
     throw Error(path_.string() + ": the record at byte " + std::to_string(place.offset) +
                 " is damaged");
-  }
   record.erase(record.begin(), record.begin() + kHead);
   return record;
 }

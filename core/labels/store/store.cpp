@@ -32,9 +32,8 @@ bool is_gesture(RecordKind kind) {
 std::string why_not_writable(const fs::path& folder) {
   std::error_code error;
   fs::path nearest = fs::absolute(folder, error);
-  while (!fs::exists(nearest, error) && nearest.has_relative_path()) {
+  while (!fs::exists(nearest, error) && nearest.has_relative_path())
     nearest = nearest.parent_path();
-  }
   if (::access(nearest.c_str(), W_OK) == 0) return "";
   return nearest.string() + " cannot be written (" + error_text(errno) + ")";
 }
@@ -56,10 +55,6 @@ std::vector<int> frames_of_step(const std::vector<LabelHistory::Step>& steps) {
   return frames;
 }
 
-std::optional<int> frame_of_last(const std::vector<LabelHistory::Step>& steps) {
-  return steps.empty() ? std::nullopt : std::optional(steps.back().frame);
-}
-
 }  // namespace
 
 LabelStore::LabelStore(fs::path dir, LabelStoreOptions options)
@@ -68,9 +63,8 @@ LabelStore::LabelStore(fs::path dir, LabelStoreOptions options)
   if (!options_.now_ms) options_.now_ms = system_time_ms;
   std::error_code error;
   const auto status = fs::status(dir_, error);
-  if (fs::exists(status) && !fs::is_directory(status)) {
+  if (fs::exists(status) && !fs::is_directory(status))
     throw Error(dir_.string() + ": a file, expected the folder of a recording's labels");
-  }
   if (fs::exists(status)) {
     attach();
   } else if (const std::string why = why_not_writable(dir_); !why.empty()) {
@@ -117,9 +111,8 @@ void LabelStore::create_folder() {
     journal_.reset();
     throw Error(std::exchange(read_only_, ""));
   }
-  if (read_only_.empty() && !history_.frames().empty()) {
+  if (read_only_.empty() && !history_.frames().empty())
     read_only_ = "read-only: another instance made labels meanwhile; open the recording again";
-  }
   require_writable();
   sync_folder(dir_.parent_path());
 }
@@ -228,13 +221,12 @@ void LabelStore::step(RecordKind direction) {
 }
 
 void LabelStore::put(FrameLabels& labels, const JournalPlace& place, RecordKind direction) const {
-  const LabelEdit edit = read_edit(journal_->read(place), labels.plane.data.size());
-  const bool undoes = direction == RecordKind::undo;
-  if (!(undoes ? can_revert(labels, edit) : can_apply(labels, edit))) {
+  LabelEdit edit = read_edit(journal_->read(place), labels.plane.data.size());
+  if (direction == RecordKind::undo) edit = reversed(std::move(edit));
+  if (!can_apply(labels, edit))
     throw Error(journal_->path().string() + ": the edit at byte " + std::to_string(place.offset) +
                 " is not one of the labels that the records before it give");
-  }
-  undoes ? revert_edit(labels, edit) : apply_edit(labels, edit);
+  apply_edit(labels, edit);
 }
 
 FrameLabels LabelStore::replay(int frame) const {
@@ -274,9 +266,6 @@ std::uint64_t LabelStore::version(int frame) const {
 
 std::vector<int> LabelStore::undo_frames() const { return frames_of_step(history_.done()); }
 std::vector<int> LabelStore::redo_frames() const { return frames_of_step(history_.undone()); }
-
-std::optional<int> LabelStore::undo_frame() const { return frame_of_last(history_.done()); }
-std::optional<int> LabelStore::redo_frame() const { return frame_of_last(history_.undone()); }
 
 bool LabelStore::any_unsaved() const {
   const auto is_unsaved = [&](int frame) { return unsaved(frame); };

@@ -109,9 +109,7 @@ class LabelStore {
   void commit(std::span<const LabelEdit> edits);
 
   // History over all frames. The frames of the step must be open: `undo_frames` says which they
-  // are, the last that was edited first. `undo_frame`: that one.
-  std::optional<int> undo_frame() const;
-  std::optional<int> redo_frame() const;
+  // are, the last that was edited first.
   std::vector<int> undo_frames() const;
   std::vector<int> redo_frames() const;
   void undo() { step(RecordKind::undo); }

@@ -1,7 +1,10 @@
 // The label files beside a journal: read, compared with what the journal has, written.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
+#include <ranges>
 
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
@@ -15,23 +18,17 @@ namespace fs = std::filesystem;
 void require_same_depth(const FrameLabels& labels,
                         const FrameLabels& expected,
                         const std::string& where) {
-  const auto size_of = [](const FrameLabels& of) {
-    return std::to_string(of.plane.width) + "x" + std::to_string(of.plane.height);
-  };
-  if (labels.is_cloud() && expected.is_cloud() && labels.plane.width != expected.plane.width) {
-    throw Error(where + ": labels of a cloud of " + std::to_string(labels.plane.width) +
-                " points, the frame has " + std::to_string(expected.plane.width));
-  }
-  if (labels.depth_sha256 != expected.depth_sha256) {
-    const std::string what = labels.is_cloud() ? "cloud" : "depth image";
-    throw Error(where + ": labels of a " + what + " with SHA-256 " +
-                labels.depth_sha256.substr(0, 12) + ", this recording's frame has " +
-                expected.depth_sha256.substr(0, 12));
-  }
-  if (size_of(labels) != size_of(expected)) {
-    throw Error(where + ": labels of " + size_of(labels) + " pixels, the frame has " +
-                size_of(expected));
-  }
+  if (labels.is_cloud() && expected.is_cloud() && labels.plane.width != expected.plane.width)
+    throw Error(fmt::format("{}: labels of a cloud of {} points, the frame has {}", where,
+                            labels.plane.width, expected.plane.width));
+  if (labels.depth_sha256 != expected.depth_sha256)
+    throw Error(fmt::format(
+        "{}: labels of a {} with SHA-256 {:.12}, this recording's frame has {:.12}", where,
+        labels.is_cloud() ? "cloud" : "depth image", labels.depth_sha256, expected.depth_sha256));
+  const Image16 &image = labels.plane, &frame = expected.plane;
+  if (image.width != frame.width || image.height != frame.height)
+    throw Error(fmt::format("{}: labels of {}x{} pixels, the frame has {}x{}", where, image.width,
+                            image.height, frame.width, frame.height));
 }
 
 std::string name_of(int frame) { return "frame " + std::to_string(frame); }
@@ -41,9 +38,8 @@ std::string name_of(int frame) { return "frame " + std::to_string(frame); }
 LabelDigests LabelStore::digests_of_files(int frame) const {
   const auto paths = label_file_paths(dir_, frame);
   LabelDigests digests;
-  for (std::size_t i = 0; i < kLabelFiles; ++i) {
+  for (std::size_t i = 0; i < kLabelFiles; ++i)
     if (is_there(paths[i])) digests[i] = sha256_hex_of_file(paths[i]);
-  }
   return digests;
 }
 
@@ -56,10 +52,7 @@ bool LabelStore::is_ours(int frame, const LabelDigests& digests) const {
     return track && std::any_of(track->saves.begin(), track->saves.end(),
                                 [&](const auto& save) { return save.digests[i] == digests[i]; });
   };
-  for (std::size_t i = 0; i < kLabelFiles; ++i) {
-    if (!is_known(i)) return false;
-  }
-  return true;
+  return std::ranges::all_of(std::views::iota(std::size_t{0}, kLabelFiles), is_known);
 }
 
 LabelStore::OpenFrame LabelStore::first_labels(int frame, const FrameLabels& blank) const {
@@ -74,8 +67,7 @@ LabelStore::OpenFrame LabelStore::first_labels(int frame, const FrameLabels& bla
   if (labels.depth_unit_m == 0) labels.depth_unit_m = blank.depth_unit_m;  // of an older file
   labels.origin = blank.origin;
   if (!found && labels.annotator.empty()) labels.annotator = options_.annotator;
-  std::sort(labels.planes.begin(), labels.planes.end(),
-            [](const LabelPlane& a, const LabelPlane& b) { return a.id < b.id; });
+  std::ranges::sort(labels.planes, {}, &LabelPlane::id);
   open.labels = std::make_shared<const FrameLabels>(std::move(labels));
   return open;
 }
@@ -168,15 +160,12 @@ void LabelStore::set_files_aside(int frame) const {
 }
 
 void LabelStore::notice(std::string text) {
-  if (std::find(notices_.begin(), notices_.end(), text) == notices_.end()) {
-    notices_.push_back(std::move(text));
-  }
+  if (std::ranges::find(notices_, text) == notices_.end()) notices_.push_back(std::move(text));
 }
 
 bool LabelStore::unsaved(int frame) const {
-  if (const auto at = frames_.find(frame); at != frames_.end()) {
+  if (const auto at = frames_.find(frame); at != frames_.end())
     return at->second.in_files != mark(frame);
-  }
   const auto* track = history_.find(frame);
   return track && track->mark != track->written_mark;
 }

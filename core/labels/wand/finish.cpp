@@ -223,14 +223,10 @@ Finish drop_specks(const FrameLabels& labels, const LabelGrid& grid, int id, dou
   return finish;
 }
 
-FrameLabels finished(const FrameLabels& labels,
-                     const LabelGrid& grid,
-                     int plane,
-                     const Finish& finish) {
-  editable_plane(labels, plane);
-  const Paint paint{.plane = plane};
-  return painted(painted(labels, grid, finish.adds, paint, PaintMode::add), grid, finish.takes,
-                 paint, PaintMode::subtract);
+void finish_plane(LabelDraft& draft, const LabelGrid& grid, int plane, const Finish& finish) {
+  editable_plane(draft.labels, plane);
+  paint(draft, grid, finish.adds, {.plane = plane}, PaintMode::add);
+  paint(draft, grid, finish.takes, {.plane = plane}, PaintMode::subtract);
 }
 
 }  // namespace planescope::labels

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/labels/edit/edit.hpp"
 #include "core/labels/model/grid.hpp"
 
 namespace planescope::labels {
@@ -38,9 +39,8 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
                                      const WandOptions& options,
                                      std::string* why_not = nullptr);
 
-// Gestures that finish a labelled plane. Each says what it would change, so that it can be shown
-// first; finished() does it. Only unlabelled pixels are added, and none is farther off the plane
-// than the wand would take.
+// Gestures that finish a labelled plane. Each selects the pixels; finish_plane() changes them. Only
+// unlabelled pixels are added, none farther off the plane than the wand would take.
 
 /// Of one plane; both ascending, and disjoint.
 struct Finish {
@@ -68,9 +68,6 @@ Finish grow_to_border(const FrameLabels& labels,
 /// Takes off connected parts smaller than that; the largest stays in any case.
 Finish drop_specks(const FrameLabels& labels, const LabelGrid& grid, int plane, double area_m2);
 
-FrameLabels finished(const FrameLabels& labels,
-                     const LabelGrid& grid,
-                     int plane,
-                     const Finish& finish);
+void finish_plane(LabelDraft& draft, const LabelGrid& grid, int plane, const Finish& finish);
 
 }  // namespace planescope::labels

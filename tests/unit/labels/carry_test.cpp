@@ -7,6 +7,7 @@
 #include "core/labels/edit/operations.hpp"
 #include "core/model/error.hpp"
 #include "small_frames.hpp"
+#include "support/label_drafts.hpp"
 
 namespace planescope::labels {
 namespace {

@@ -17,6 +17,7 @@
 #include "core/labels/wand/wand.hpp"
 #include "core/planes/pipeline/truth.hpp"
 #include "small_frames.hpp"
+#include "support/label_drafts.hpp"
 #include "support/refusal.hpp"
 #include "support/small_clouds.hpp"
 #include "support/temp_dir.hpp"
@@ -187,7 +188,8 @@ TEST(CloudFinish, GrowsToTheBorderSmoothsAndDropsSpecks) {
   for (const std::uint32_t i : cloud.on(1))
     if ((cloud.grid.points[i] - Vec3f(0.5f, 0.5f, 0)).norm() < 0.2f) start.push_back(i);
   FrameLabels labels = one_plane(cloud, start);
-  labels = finished(labels, cloud.grid, 1, grow_to_border(labels, cloud.grid, 1, {}));
+  labels = edited(labels, cloud.grid, finish_plane, cloud.grid, 1,
+                  grow_to_border(labels, cloud.grid, 1, {}));
   EXPECT_GT(test::iou(pixels_of_plane(labels, 1), cloud.on(1)), 0.95);
 
   const std::uint32_t bite = cloud.at({0.5f, 0.3f, 0});
@@ -210,7 +212,7 @@ TEST(CloudOperations, PartsBecomePlanesAndFragmentsAreCounted) {
   std::ranges::sort(both);
   const FrameLabels labels = one_plane(cloud, both);
   EXPECT_EQ(labels.planes[0].fragments, 2);
-  const FrameLabels split = split_by_parts(labels, cloud.grid, 1, 0.01);
+  const FrameLabels split = edited(labels, cloud.grid, split_by_parts, cloud.grid, 1, 0.01, 2);
   ASSERT_EQ(split.planes.size(), 2u);
   EXPECT_EQ(pixels_of_plane(split, 1).size() + pixels_of_plane(split, 2).size(), both.size());
   EXPECT_GT(split.planes[0].normal.z(), 0.99) << "normals of a cloud are on the upper side";
@@ -256,7 +258,7 @@ TEST(CloudAudit, GoodLabelsHaveNoFindingsAndAnUnlabelledTreadIsHintedAt) {
   const TrueCloud cloud = stair_cloud();
   FrameLabels labels = truth_of(cloud);
   EXPECT_TRUE(audit_labels(labels, cloud.grid).empty());
-  labels = without_plane(labels, 3);
+  labels = edited(labels, cloud.grid, remove_plane, 3);
   const auto findings = audit_labels(labels, cloud.grid);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].kind, FindingKind::unlabelled);
@@ -315,32 +317,6 @@ TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBehindTheLastPointAreRefused) {
   expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "behind the last of");
   io::write_png(dir / "000000.plane.png", Image16(17, 4));
   expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "17x4 pixels, its frame has 1024x");
-}
-
-TEST(CloudStore, GesturesAreUndoneRedoneAndComeBackFromTheJournal) {
-  const TrueCloud cloud = stair_cloud();
-  const fs::path dir = fresh("store");
-  const FrameLabels blank = empty_labels(cloud.grid, kHash);
-  FrameLabels one, two;
-  {
-    LabelStore store(dir, {"ann", {}});
-    store.open(0, blank);
-    for (const int plane : {1, 3}) {
-      const FrameLabels& before = *store.labels(0);
-      store.commit(make_edit(
-          0, "Wand", before,
-          painted(before, cloud.grid, cloud.on(plane), {.plane = plane}, PaintMode::over)));
-      (plane == 1 ? one : two) = *store.labels(0);
-    }
-  }  // nothing was saved: the journal has it
-  LabelStore store(dir, {"ann", {}});
-  EXPECT_EQ(store.open(0, blank)->plane.data, two.plane.data);
-  EXPECT_TRUE(store.labels(0)->is_cloud());
-  store.undo();
-  EXPECT_EQ(store.labels(0)->plane.data, one.plane.data);
-  store.redo();
-  store.save_all();
-  EXPECT_EQ(read_frame_labels(dir, 0, kHash)->plane.data, two.plane.data);
 }
 
 TEST(CloudExchange, EveryPointHasItsLabelInTheOrderOfTheCloud) {

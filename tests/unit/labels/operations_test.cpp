@@ -12,6 +12,7 @@
 #include "core/model/error.hpp"
 #include "random_labels.hpp"
 #include "small_frames.hpp"
+#include "support/label_drafts.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -58,7 +59,7 @@ TEST_F(Operations, WithoutGravityAPlaneHasNoClassUntilItIsKnown) {
   EXPECT_TRUE(std::isnan(fit_plane(unknown, pixels).tilt_deg));
 
   const Gravity picked{Vec3d::UnitY(), GravitySource::picked, 1, "picked"};
-  const FrameLabels told = with_gravity(labels, picked);
+  const FrameLabels told = edited(labels, grid, set_gravity, picked);
   EXPECT_EQ(told.gravity.source, GravitySource::picked);
   EXPECT_EQ(find_plane(told, 1)->label, Label::v);
   EXPECT_EQ(told.hv.data[pixels[0]], 2);
@@ -120,19 +121,19 @@ TEST_F(Operations, IgnoredAndClassAloneAreNoPlanes) {
 
 TEST_F(Operations, LockedPlanesNeitherLoseNorGainPixels) {
   FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
-  labels = with_flag(labels, 1, PlaneFlag::locked, true);
+  labels = edited(labels, grid, set_flag, 1, PlaneFlag::locked, true);
   EXPECT_EQ(with_plane(labels, 1, rectangle(grid, 10, 0, 20, 10)).plane.data, labels.plane.data);
   EXPECT_EQ(with_plane(labels, 2, rectangle(grid, 0, 0, 10, 10)).plane.data, labels.plane.data);
   EXPECT_TRUE(with_plane(labels, 2, rectangle(grid, 0, 0, 10, 10)).planes.size() == 1);
-  EXPECT_THROW(with_class(labels, 1, Label::h), Error);
-  EXPECT_THROW(without_plane(labels, 1), Error);
-  EXPECT_THROW(split_by_parts(labels, grid, 1, 0), Error);
-  EXPECT_FALSE(with_flag(labels, 1, PlaneFlag::locked, false).planes[0].locked);
+  EXPECT_THROW(edited(labels, grid, set_class, 1, Label::h), Error);
+  EXPECT_THROW(edited(labels, grid, remove_plane, 1), Error);
+  EXPECT_THROW(edited(labels, grid, split_by_parts, grid, 1, 0, 2), Error);
+  EXPECT_FALSE(edited(labels, grid, set_flag, 1, PlaneFlag::locked, false).planes[0].locked);
 }
 
 TEST_F(Operations, HiddenPlanesLoseNoPixel) {
   FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
-  labels = with_flag(labels, 1, PlaneFlag::hidden, true);
+  labels = edited(labels, grid, set_flag, 1, PlaneFlag::hidden, true);
   labels = with_plane(labels, 2, rectangle(grid, 0, 0, 20, 10));
   EXPECT_EQ(pixels_of_plane(labels, 1).size(), 100u);
   EXPECT_EQ(pixels_of_plane(labels, 2).size(), 100u);
@@ -143,7 +144,7 @@ TEST_F(Operations, TouchingACarriedPlaneSettlesIt) {
   labels.planes[0].confidence = 0.4;
   EXPECT_EQ(with_plane(labels, 2, rectangle(grid, 20, 0, 30, 10)).planes[0].confidence, 0.4);
   EXPECT_EQ(with_plane(labels, 1, rectangle(grid, 10, 0, 12, 10)).planes[0].confidence, 1);
-  EXPECT_EQ(with_class(labels, 1, Label::h).planes[0].confidence, 1);
+  EXPECT_EQ(edited(labels, grid, set_class, 1, Label::h).planes[0].confidence, 1);
 }
 
 TEST_F(Operations, TheSmallestFreeNumberIsGivenAway) {
@@ -158,28 +159,29 @@ TEST_F(Operations, TheSmallestFreeNumberIsGivenAway) {
 
 TEST_F(Operations, ChangingAClassChangesAllItsPixels) {
   const FrameLabels labels =
-      with_class(with_plane(blank, 1, rectangle(grid, 0, 0, 5, 5)), 1, Label::h);
+      edited(with_plane(blank, 1, rectangle(grid, 0, 0, 5, 5)), grid, set_class, 1, Label::h);
   EXPECT_EQ(labels.planes[0].label, Label::h);
   EXPECT_EQ(std::ranges::count(labels.hv.data, 1), 25);
-  EXPECT_THROW(with_class(labels, 2, Label::h), Error);
+  EXPECT_THROW(edited(labels, grid, set_class, 2, Label::h), Error);
 }
 
 TEST_F(Operations, JoinedPlanesAreOne) {
   FrameLabels labels =
       painted(blank, grid, rectangle(grid, 0, 0, 5, 5), {1, Label::h}, PaintMode::over);
   labels = with_plane(labels, 2, rectangle(grid, 20, 0, 25, 5));
-  labels = joined(labels, grid, 1, 2);
+  labels = edited(labels, grid, join_planes, 1, 2);
   ASSERT_EQ(labels.planes.size(), 1u);
   EXPECT_EQ(labels.planes[0].fragments, 2);
   EXPECT_EQ(pixels_of_plane(labels, 1).size(), 50u);
   EXPECT_EQ(std::ranges::count(labels.hv.data, 1), 50);
-  EXPECT_THROW(joined(labels, grid, 1, 2), Error);
+  EXPECT_THROW(edited(labels, grid, join_planes, 1, 2), Error);
 }
 
 TEST_F(Operations, SplittingByPartsKeepsTheNumberForTheLargest) {
   PixelSet pixels = rectangle(grid, 0, 0, 5, 5);
   for (const std::uint32_t pixel : rectangle(grid, 20, 0, 30, 10)) pixels.push_back(pixel);
-  const FrameLabels labels = split_by_parts(with_plane(blank, 4, pixels), grid, 4, 0.001);
+  const FrameLabels labels =
+      edited(with_plane(blank, 4, pixels), grid, split_by_parts, grid, 4, 0.001, 2);
   ASSERT_EQ(labels.planes.size(), 2u);
   EXPECT_EQ(pixels_of_plane(labels, 4).size(), 100u);
   EXPECT_EQ(pixels_of_plane(labels, 1).size(), 25u);
@@ -190,7 +192,8 @@ TEST_F(Operations, SmallPartsGoWithTheNearestLargeOne) {
   PixelSet pixels = rectangle(grid, 0, 0, 10, 10);
   for (const std::uint32_t pixel : rectangle(grid, 28, 0, 40, 10)) pixels.push_back(pixel);
   for (const std::uint32_t pixel : rectangle(grid, 12, 4, 14, 6)) pixels.push_back(pixel);
-  const FrameLabels labels = split_by_parts(with_plane(blank, 1, pixels), grid, 1, 0.005);
+  const FrameLabels labels =
+      edited(with_plane(blank, 1, pixels), grid, split_by_parts, grid, 1, 0.005, 2);
   EXPECT_EQ(pixels_of_plane(labels, 1).size(), 120u);
   EXPECT_EQ(pixels_of_plane(labels, 2).size(), 104u);
 }
@@ -200,31 +203,31 @@ TEST_F(Operations, PartsMeetAcrossWhatWasNotMeasured) {
       test::frame_of(40, 20, [](int u, int) { return u == 10 || u == 11 ? 0.0 : 1.0; }), Gravity{});
   const FrameLabels labels =
       painted(empty_labels(gap, ""), gap, rectangle(gap, 0, 0, 20, 10), {1}, PaintMode::over);
-  EXPECT_EQ(split_by_parts(labels, gap, 1, 0, 2).planes.size(), 1u);
-  EXPECT_EQ(split_by_parts(labels, gap, 1, 0, 1).planes.size(), 2u);
+  EXPECT_EQ(edited(labels, gap, split_by_parts, gap, 1, 0, 2).planes.size(), 1u);
+  EXPECT_EQ(edited(labels, gap, split_by_parts, gap, 1, 0, 1).planes.size(), 2u);
 }
 
 TEST_F(Operations, ACutTakesWhatLiesToTheRightOfIt) {
   const FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 20, 10));
   const auto down = sides_of_line(grid.width, grid.height, {12, 0}, {12, 20});
-  const FrameLabels cut = split_by_side(labels, grid, 1, down);
+  const FrameLabels cut = edited(labels, grid, split_by_side, 1, down);
   EXPECT_EQ(pixels_of_plane(cut, 1), rectangle(grid, 12, 0, 20, 10));
   EXPECT_EQ(pixels_of_plane(cut, 2), rectangle(grid, 0, 0, 12, 10));  // right of the way down
   const auto beside = sides_of_line(grid.width, grid.height, {30, 0}, {30, 20});
-  EXPECT_EQ(split_by_side(labels, grid, 1, beside).planes.size(), 1u);
+  EXPECT_EQ(edited(labels, grid, split_by_side, 1, beside).planes.size(), 1u);
 }
 
 TEST_F(Operations, ASegmentationReplacesAllButIgnoredPixelsAndLockedAndHiddenPlanes) {
   FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
   labels = with_plane(labels, 2, rectangle(grid, 10, 0, 20, 10));
-  labels = with_flag(labels, 1, PlaneFlag::locked, true);
+  labels = edited(labels, grid, set_flag, 1, PlaneFlag::locked, true);
   const PixelSet ignored = rectangle(grid, 0, 15, 10, 20);
   labels = painted(labels, grid, ignored, {kPlaneIgnore}, PaintMode::over);
   std::vector<std::int32_t> plane_of(grid.pixels(), 0);
   for (const std::uint32_t pixel : rectangle(grid, 5, 0, 30, 10)) plane_of[pixel] = 1;
   for (const std::uint32_t pixel : rectangle(grid, 0, 10, 30, 20)) plane_of[pixel] = 2;
   const Label classes[] = {Label::h, Label::unknown};
-  labels = from_segmentation(labels, grid, plane_of, classes);
+  labels = edited(labels, grid, take_segmentation, grid, plane_of, classes);
   ASSERT_EQ(labels.planes.size(), 3u);
   EXPECT_EQ(pixels_of_plane(labels, 1), rectangle(grid, 0, 0, 10, 10));
   EXPECT_EQ(pixels_of_plane(labels, 2).size(), 300 - ignored.size());
@@ -244,7 +247,7 @@ TEST(LabelEdits, ApplyingGivesTheNewLabelsAndRevertingTheOldOnes) {
     const LabelEdit edit = make_edit(3, "gesture", before, after);
     apply_edit(labels, edit);
     ASSERT_NO_FATAL_FAILURE(expect_same(labels, after)) << step;
-    revert_edit(labels, edit);
+    apply_edit(labels, reversed(edit));
     ASSERT_NO_FATAL_FAILURE(expect_same(labels, before)) << step;
     apply_edit(labels, edit);
   }
@@ -330,7 +333,7 @@ TEST(PixelsOnImage, AreMeasuredAndNotUnderAHiddenLabel) {
   EXPECT_EQ(pixels_on_image(grid, all).size(), 199u);
   FrameLabels labels = painted(empty_labels(grid, ""), grid, test::rectangle(grid, 10, 0, 20, 10),
                                {1}, PaintMode::over);
-  labels = with_flag(labels, 1, PlaneFlag::hidden, true);
+  labels = edited(labels, grid, set_flag, 1, PlaneFlag::hidden, true);
   EXPECT_EQ(pixels_on_image(grid, all, shown_pixels(labels)).size(), 99u);
 }
 

@@ -10,6 +10,7 @@
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
 #include "small_frames.hpp"
+#include "support/label_drafts.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -60,7 +61,7 @@ struct Reviews : testing::Test {
     return all[0];
   }
   FrameLabels take(const Disagreement& about) const {
-    return decided(labels, grid, about, other, ReviewDecision::take, "bob", 77);
+    return edited(labels, grid, decide, grid, about, other, ReviewDecision::take, "bob", 77);
   }
 };
 
@@ -146,7 +147,8 @@ TEST_F(Reviews, SmallRegionsAreNoQuestionAndLargeOnesComeFirst) {
 TEST_F(Reviews, ADecidedRegionIsFoundAgainAfterItChangedALittle) {
   put_other(40, 10, 51, 21, 0);
   put_other(5, 5, 10, 10, 0);
-  labels = decided(labels, grid, found()[0], other, ReviewDecision::keep, "bob", 1763750000);
+  labels = edited(labels, grid, decide, grid, found()[0], other, ReviewDecision::keep, "bob",
+                  1763750000);
   ASSERT_EQ(labels.review.size(), 1u);
   EXPECT_EQ(labels.review[0].reviewer, "bob");
   put_other(40, 10, 42, 21, 2);
@@ -158,7 +160,8 @@ TEST_F(Reviews, ADecidedRegionIsFoundAgainAfterItChangedALittle) {
   EXPECT_EQ(all[1].note->decision, ReviewDecision::keep);
   EXPECT_EQ(all[1].note->time_s, 1763750000);
 
-  labels = decided(labels, grid, all[1], other, ReviewDecision::edit, "carol", 1763750001);
+  labels =
+      edited(labels, grid, decide, grid, all[1], other, ReviewDecision::edit, "carol", 1763750001);
   ASSERT_EQ(labels.review.size(), 1u);
   EXPECT_EQ(labels.review[0].reviewer, "carol");
   put_other(32, 0, 64, 48, 0);  // another question altogether
@@ -172,11 +175,12 @@ TEST_F(Reviews, KeepingAndEditingLeaveTheLabelsAndIgnoringTakesThemOffTheScore) 
   put_other(40, 10, 51, 21, 0);
   const auto region = found()[0];
   for (const auto decision : {ReviewDecision::keep, ReviewDecision::edit}) {
-    const auto after = decided(labels, grid, region, other, decision, "bob", 1);
+    const auto after = edited(labels, grid, decide, grid, region, other, decision, "bob", 1);
     EXPECT_EQ(after.plane.data, labels.plane.data);
     EXPECT_EQ(after.review.size(), 1u);
   }
-  const auto after = decided(labels, grid, region, other, ReviewDecision::ignore, "bob", 1);
+  const auto after =
+      edited(labels, grid, decide, grid, region, other, ReviewDecision::ignore, "bob", 1);
   EXPECT_EQ(after.plane.at(45, 15), kPlaneIgnore);
   EXPECT_EQ(after.hv.at(45, 15), kHvIgnore);
   EXPECT_EQ(after.plane.at(39, 15), 2);
@@ -186,7 +190,9 @@ TEST_F(Reviews, TakingOrIgnoringWhatIsLockedIsRefused) {
   put_other(40, 10, 51, 21, 0);
   labels.planes[1].locked = true;
   EXPECT_THROW(take(found()[0]), Error);
-  EXPECT_THROW(decided(labels, grid, found()[0], other, ReviewDecision::ignore, "bob", 0), Error);
+  EXPECT_THROW(
+      edited(labels, grid, decide, grid, found()[0], other, ReviewDecision::ignore, "bob", 0),
+      Error);
 }
 
 TEST_F(Reviews, AfterTakingEveryRegionNothingIsLeft) {

@@ -16,6 +16,7 @@
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
 #include "small_frames.hpp"
+#include "support/label_drafts.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -182,7 +183,7 @@ TEST(Wand, LeavesLabelledPixelsUnlessToldOtherwise) {
   EXPECT_EQ(grow_plane(grid, &labels, click, options)->pixels.size(), 60u * 60);
   options.take_labelled = true;
   EXPECT_EQ(grow_plane(grid, &labels, click, options)->pixels.size(), 80u * 60);
-  const FrameLabels locked = with_flag(labels, 1, PlaneFlag::locked, true);
+  const FrameLabels locked = edited(labels, grid, set_flag, 1, PlaneFlag::locked, true);
   EXPECT_EQ(grow_plane(grid, &locked, click, options)->pixels.size(), 60u * 60);
   std::string why;
   EXPECT_FALSE(grow_plane(grid, &locked, std::array{test::pixel_at(grid, 8, 30)}, options, &why));
@@ -267,7 +268,7 @@ TEST(Finish, HolesAreFilledWithWhatLiesOnThePlaneAndNothingElse) {
   const Finish finish = fill_holes(wall.labels, wall.grid, 1, {});
   EXPECT_EQ(finish.adds, hole);
   EXPECT_TRUE(finish.takes.empty());
-  const FrameLabels after = finished(wall.labels, wall.grid, 1, finish);
+  const FrameLabels after = edited(wall.labels, wall.grid, finish_plane, wall.grid, 1, finish);
   EXPECT_EQ(pixels_of_plane(after, 1).size(), pixels_of_plane(wall.labels, 1).size() + hole.size());
 }
 
@@ -299,8 +300,8 @@ TEST(Finish, APlaneGrowsToWhereAnotherSurfaceBegins) {
   const auto depth = [](int u, int) { return u < 30 ? 1.0 : 1.3; };  // the wall ends at a step
   const LabelGrid grid = make_label_grid(test::frame_of(40, 30, depth), Gravity{});
   const Wall wall = wall_with(grid, rectangle(grid, 5, 5, 20, 20));
-  const FrameLabels after =
-      finished(wall.labels, wall.grid, 1, grow_to_border(wall.labels, wall.grid, 1, {}));
+  const FrameLabels after = edited(wall.labels, wall.grid, finish_plane, wall.grid, 1,
+                                   grow_to_border(wall.labels, wall.grid, 1, {}));
   for (int u = 0; u < 40; ++u) EXPECT_EQ(after.plane.at(u, 25), u < 30 ? 1 : 0) << "column " << u;
 }
 
@@ -318,7 +319,7 @@ TEST(Finish, SpecksBelowASizeAreDroppedAndTheLargestPartIsKept) {
 TEST(Finish, ALockedPlaneIsLeftAlone) {
   const LabelGrid grid = test::wall_grid();
   const Wall wall = wall_with(grid, rectangle(grid, 5, 5, 20, 20));
-  const FrameLabels locked = with_flag(wall.labels, 1, PlaneFlag::locked, true);
+  const FrameLabels locked = edited(wall.labels, wall.grid, set_flag, 1, PlaneFlag::locked, true);
   EXPECT_THROW(grow_to_border(locked, grid, 1, {}), Error);
   EXPECT_THROW(drop_specks(locked, grid, 1, 1), Error);
 }

@@ -12,6 +12,7 @@
 #include "render/palette.hpp"
 #include "render/step_scene.hpp"
 #include "support/box_scene.hpp"
+#include "support/label_drafts.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope::render {
@@ -230,7 +231,7 @@ TEST_F(LabelScene, DrawsEveryMeasuredPointAndNamesItsPixel) {
 }
 
 TEST_F(LabelScene, LeavesHiddenPlanesOut) {
-  *labels = labels::with_flag(*labels, 2, labels::PlaneFlag::hidden, true);
+  *labels = labels::edited(*labels, grid, labels::set_flag, 2, labels::PlaneFlag::hidden, true);
   EXPECT_EQ(points().positions.size(),
             grid.measured_count - labels::pixels_of_plane(*labels, 2).size());
   EXPECT_EQ(tints(look())[at(38, 5)].a, 0);
@@ -248,7 +249,7 @@ TEST_F(LabelScene, TellsPlanesApartAndTheActiveOneFromTheOthers) {
 }
 
 TEST_F(LabelScene, ShowsClassesInTheirColours) {
-  *labels = labels::with_class(*labels, 1, Label::h);
+  *labels = labels::edited(*labels, grid, labels::set_class, 1, Label::h);
   LabelLook classes = look();
   classes.show_class = true;
   EXPECT_EQ(tints(classes)[at(5, 5)].b, label_color(Label::h).b);

@@ -178,10 +178,9 @@ void move_camera(const Ui& ui, int height) {
 /// Says at all times whether strokes go through to hidden points.
 void draw_through_badge(const Ui& ui, const DrawingSurface& surface) {
   const LabelView& view = ui.state.view.label;
-  const bool drawing = ui.memory.label_drag.on && ui.memory.label_drag.where == DrawnIn::space;
-  const std::size_t hidden = drawing && view.stroke ? view.stroke->hidden : view.hover_hidden;
   std::string text = view.through ? "through" : "visible only";
-  if (hidden > 0) text += fmt::format("   {} hidden {}", hidden, view.through ? "taken" : "left");
+  if (view.hover_hidden > 0)
+    text += fmt::format("   {} hidden {}", view.hover_hidden, view.through ? "taken" : "left");
   const ImVec2 at(surface.min.x + ui.px(8), surface.min.y + ui.px(8));
   const ImU32 plain = with_alpha(ui.colors.panel, 225);
   const float height = draw_badge(ui, at, text, view.through ? ui.colors.warning : plain,
