@@ -13,7 +13,7 @@ Example:
 from ._core import Error, __version__
 from ._frames import Frame, Gravity, Recording, RecordingInfo
 from ._map import Map, MappedFrame, MapPlane, Mapper, make_map
-from ._options import Options
+from ._options import Options, OptionsWithoutGravity
 from ._planes import (
     Certainty,
     Flight,
@@ -44,6 +44,7 @@ __all__ = [
     "Mapper",
     "OptionInfo",
     "Options",
+    "OptionsWithoutGravity",
     "Outline",
     "OutlinePart",
     "Plane",

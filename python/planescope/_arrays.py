@@ -39,7 +39,8 @@ def floats(values: Any) -> Any:
 
 
 def _doubles(values: Any) -> memoryview:
-    shape, flat = _shape_of(values), _flat(values)
+    nested = _plain(values)
+    shape, flat = _shape_of(nested), _flat(nested)
     bytes_view = memoryview(_array.array("d", flat)).cast("B")
     return bytes_view.cast("d", shape) if flat else bytes_view
 
@@ -60,24 +61,22 @@ def buffer(values: Any, what: str, expected: str) -> Any:
 
 def numbers(values: Any, what: str, expected: str, *shapes: tuple[int, ...]) -> Any:
     """Numbers as a float, or as nested lists of floats of one of these shapes."""
-    if not shapes:
-        shapes = ((),)
-    shown = repr(values)
     try:
-        if np is not None and not isinstance(values, (list, tuple, int, float)):
-            values = np.asarray(values)
-        if hasattr(values, "tolist"):
-            values = values.tolist()
-        shape = _shape_of(values)
-        numbers = _flat(values)
-        if any(isinstance(number, bool) for number in numbers):
-            raise ValueError
-        numbers = [float(number) for number in numbers]
-    except (TypeError, ValueError, NotImplementedError):
+        if np is None:
+            nested = _plain(values)
+            shape = _shape_of(nested)
+        else:
+            array = np.asarray(values)
+            if array.dtype.kind not in "fiu":
+                raise ValueError
+            shape, nested = array.shape, array.astype(float).tolist()
+    except (TypeError, ValueError):
+        shown = " ".join(repr(values).split())
+        shown = shown if len(shown) <= 80 else shown[:80] + "..."
         raise Error(f"{what}: it is {shown}, expected {expected}") from None
-    if shape not in shapes:
+    if shape not in (shapes or ((),)):
         raise Error(f"{what}: it has shape {shape}, expected {expected}")
-    return _nested(numbers, shape)
+    return nested
 
 
 def transform(values: Any, what: str) -> list[float]:
@@ -86,32 +85,30 @@ def transform(values: Any, what: str) -> list[float]:
     return [value for row in rows for value in row]
 
 
-def _is_list(values: Any) -> bool:
-    return isinstance(values, Sequence) and not isinstance(values, (str, bytes))
+def _plain(values: Any) -> Any:
+    """Numbers as a float or nested lists of floats."""
+    if hasattr(values, "tolist"):
+        values = values.tolist()
+    if isinstance(values, Sequence) and not isinstance(values, (str, bytes)):
+        return [_plain(value) for value in values]
+    if isinstance(values, (str, bytes, bool)):
+        raise ValueError("no number")
+    return float(values)
 
 
-def _shape_of(values: Any) -> tuple[int, ...]:
-    if not _is_list(values):
+def _shape_of(nested: Any) -> tuple[int, ...]:
+    if not isinstance(nested, list):
         return ()
-    shapes = {_shape_of(value) for value in values}
+    shapes = {_shape_of(value) for value in nested}
     if len(shapes) > 1:
         raise ValueError("rows of different lengths")
-    return (len(values), *(shapes.pop() if shapes else ()))
+    return (len(nested), *(shapes.pop() if shapes else ()))
 
 
-def _flat(values: Any) -> list[Any]:
-    if not _is_list(values):
-        if isinstance(values, (str, bytes)) or not hasattr(values, "__float__"):
-            raise ValueError("no number")
-        return [values]
-    return [number for value in values for number in _flat(value)]
-
-
-def _nested(numbers: list[float], shape: tuple[int, ...]) -> Any:
-    if not shape:
-        return numbers[0]
-    step = len(numbers) // shape[0] if shape[0] else 0
-    return [_nested(numbers[i * step : (i + 1) * step], shape[1:]) for i in range(shape[0])]
+def _flat(nested: Any) -> list[float]:
+    if not isinstance(nested, list):
+        return [nested]
+    return [number for value in nested for number in _flat(value)]
 
 
 def same(a: Any, b: Any) -> bool:
@@ -133,11 +130,12 @@ class Values:
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
             return NotImplemented
-        return all(same(a, b) for a, b in zip(self._values(), other._values()))
+        return all(same(a, b) for a, b in zip(_values(self), _values(other)))
 
     def __hash__(self) -> int:
-        plain = (value for value in self._values() if isinstance(value, (int, str)))
+        plain = (value for value in _values(self) if isinstance(value, (int, str)))
         return hash((type(self).__name__, *plain))
 
-    def _values(self) -> list[Any]:
-        return [getattr(self, field.name) for field in dataclasses.fields(self)]  # type: ignore
+
+def _values(of: Any) -> list[Any]:
+    return [getattr(of, field.name) for field in dataclasses.fields(of)]

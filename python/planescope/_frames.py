@@ -270,11 +270,6 @@ class Recording(Sequence):  # type: ignore[type-arg]
     """A recording of any format that planescope reads, as a sequence of frames.
 
     The files are never written to. Threads may share a recording.
-
-    Example:
-        >>> recording = ps.Recording("assets/sample")
-        >>> len(recording), recording[-1].index
-        (3, 2)
     """
 
     def __init__(
@@ -295,6 +290,11 @@ class Recording(Sequence):  # type: ignore[type-arg]
 
         Raises:
             Error: The recording is missing, damaged, or of no known format.
+
+        Example:
+            >>> recording = ps.Recording("assets/sample")
+            >>> len(recording), recording[-1].index
+            (3, 2)
         """
         self._core: Any = _core.Recording(
             os.fsencode(path),

@@ -64,9 +64,9 @@ class Map:
             pixels.
 
     Example:
-        >>> map = ps.make_map(recording, poses=poses)
-        >>> map.planes[0].label
-        'h'
+        >>> made = ps.make_map(recording, poses=poses)
+        >>> sorted(made.T_world_camera)
+        [0, 1, 2]
     """
 
     def __init__(self, core: tuple[bytes, bytes, bytes, list[int], Any, list[str], dict[int, bytes]]):
@@ -155,8 +155,8 @@ def make_map(
         Error: An argument is invalid, or no frame has a pose.
 
     Example:
-        >>> ps.make_map(recording, poses=poses)
-        <planescope.Map: 15 planes of 3 frames>
+        >>> made = ps.make_map(recording, poses=poses, window_m=6)
+        >>> floors = [plane for plane in made.planes if plane.label == "h"]
     """
     if not isinstance(recording, Recording):
         raise Error(f"recording: {type(recording).__name__}, expected a planescope.Recording")
@@ -268,9 +268,9 @@ class Mapper:
 
         Example:
             >>> mapper = ps.Mapper()
-            >>> for frame, pose in zip(recording, poses):
-            ...     added = mapper.add(frame, pose)
+            >>> for pose in poses:
+            ...     added = mapper.add(recording[0], pose)
             >>> mapper.map()
-            <planescope.Map: 12 planes of 3 frames>
+            <planescope.Map: 10 planes of 3 frames>
         """
         return Map(self._core.map())

@@ -10,11 +10,11 @@ if TYPE_CHECKING:
     from ._frames import Gravity
 
 
-class Options(TypedDict, total=False):
-    """Keywords of Segmenter, segment(), segment_cloud(), make_map() and Mapper.
+class OptionsWithoutGravity(TypedDict, total=False):
+    """Options of functions that have `gravity` as an argument of its own: segment(), segment_cloud().
 
     Example:
-        >>> options: ps.Options = {"max_range_m": 2.5, "foot_radius_m": 0.08}
+        >>> options: ps.OptionsWithoutGravity = {"max_range_m": 2.5, "foot_radius_m": 0.08}
         >>> planes, labels = ps.segment(depth, K, **options)
     """
 
@@ -28,8 +28,6 @@ class Options(TypedDict, total=False):
     voxel_size_m: float
     # Octree depth of a cube of cube_edge_m: 8 gives leaves of 1.25 cm in 3.2 m [levels]
     base_depth: int
-    # Gravity direction in the frame of the sensor or cloud; none: without horizontal and vertical
-    gravity: ArrayLike | Gravity | str
     # Largest camera tilt that the gravity estimate allows [deg]
     gravity_max_tilt_deg: float
     # Labels points horizontal or vertical: a network, PCA normals, or ground truth
@@ -146,3 +144,15 @@ class Options(TypedDict, total=False):
     stairs_kerb_depth_m: float
     # Minimum area of the floor, the lowest such level [m2]
     stairs_floor_m2: float
+
+
+class Options(OptionsWithoutGravity, total=False):
+    """Keywords of Segmenter, make_map() and Mapper.
+
+    Example:
+        >>> options: ps.Options = {"gravity": "imu", "theta_n_in": 10}
+        >>> segmenter = ps.Segmenter(**options)
+    """
+
+    # Gravity direction in the frame of the sensor or cloud; none: without horizontal and vertical
+    gravity: ArrayLike | Gravity | str

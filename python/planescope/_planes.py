@@ -51,13 +51,14 @@ class Outline(Values):
             3
         """
         if np is not None:
-            corners = np.asarray(ring, dtype=float)
+            corners: Any = np.asarray(ring, dtype=float)
             if corners.ndim == 2 and corners.shape[1] == 2:
-                return self.origin + corners[:, :1] * self.u + corners[:, 1:] * self.v
-        expected, count = "corners of shape (n, 2)", len(ring)  # type: ignore[arg-type]
-        rows = numbers(ring, "ring", expected, (count, 2))
-        axes = list(zip(self.origin, self.u, self.v))
-        return floats([[o + x * u + y * v for o, u, v in axes] for x, y in rows])  # type: ignore
+                placed: Floats = self.origin + corners[:, :1] * self.u + corners[:, 1:] * self.v
+                return placed
+        corners = numbers(ring, "ring", "corners of shape (n, 2)", (len(ring), 2))  # type: ignore
+        axes: Any = list(zip(self.origin, self.u, self.v))
+        world: Floats = floats([[o + x * u + y * v for o, u, v in axes] for x, y in corners])
+        return world
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._frames import Depth
-    from ._options import Options
+    from ._options import Options, OptionsWithoutGravity
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,8 @@ class Segmenter:
             >>> segmenter = ps.Segmenter(max_range_m=2.5, foot_radius_m=0.08)
             >>> planes, labels = segmenter(depth, K)
         """
-        self._profile, self._threads, self._options = profile, threads, dict(options)
+        self._profile, self._threads = profile, threads
+        self._options: dict[str, Any] = {**options}
         core = _core.Options(profile)
         for name, value in options.items():
             core.set(name, _text(name, value))
@@ -91,7 +92,7 @@ class Segmenter:
         color: NDArray[numpy.uint8] | None = None,
         profile: str | None = None,
         threads: int | None = None,
-        **options: Unpack[Options],
+        **options: Unpack[OptionsWithoutGravity],
     ) -> Result:
         """Find the planes of a depth image or a frame.
 
@@ -133,7 +134,7 @@ class Segmenter:
                 depth,
                 K,
                 depth_unit=depth_unit,
-                gravity=gravity,  # type: ignore[arg-type]
+                gravity=gravity,
                 distortion=distortion,
                 distortion_model=distortion_model,
                 color=color,
@@ -164,7 +165,7 @@ class Segmenter:
         gravity: ArrayLike | Gravity | str | None = None,
         profile: str | None = None,
         threads: int | None = None,
-        **options: Unpack[Options],
+        **options: Unpack[OptionsWithoutGravity],
     ) -> Result:
         """Find the planes of a point cloud.
 
@@ -187,7 +188,7 @@ class Segmenter:
         over: dict[str, Any] = dict(options)
         if gravity is not None and (isinstance(gravity, str) or "gravity" in self._options):
             over["gravity"], gravity = gravity, None
-        frame = Frame.of_points(points, gravity=gravity)  # type: ignore[arg-type]
+        frame = Frame.of_points(points, gravity=gravity)
         return self._with(profile, threads, over).segment(frame)
 
     def trace(self, frame: Frame) -> Trace:
@@ -214,10 +215,10 @@ class Segmenter:
         """The same segmenter with some settings replaced."""
         if profile is None and threads is None and not options:
             return self
-        return Segmenter(
+        return _segmenter_of(
             self._profile if profile is None else profile,
-            threads=self._threads if threads is None else threads,
-            **{**self._options, **options},  # type: ignore[typeddict-item]
+            self._threads if threads is None else threads,
+            {**self._options, **options},
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -228,8 +229,8 @@ class Segmenter:
         return f"planescope.Segmenter({self._profile!r}, threads={self._threads}{others})"
 
 
-def _segmenter_of(profile: str, threads: int, options: dict[str, Any]) -> Segmenter:
-    return Segmenter(profile, threads=threads, **options)  # type: ignore[typeddict-item]
+def _segmenter_of(profile: str, threads: int, options: Any) -> Segmenter:
+    return Segmenter(profile, threads=threads, **options)
 
 
 def _core_of(frame: Any) -> Any:
@@ -258,7 +259,7 @@ def segment(
     color: NDArray[numpy.uint8] | None = None,
     profile: str = "refined",
     threads: int = 1,
-    **options: Unpack[Options],
+    **options: Unpack[OptionsWithoutGravity],
 ) -> Result:
     """Find the planes of one depth image or frame. For many, keep a Segmenter.
 
@@ -303,7 +304,7 @@ def segment_cloud(
     gravity: ArrayLike | Gravity | str | None = None,
     profile: str = "refined",
     threads: int = 1,
-    **options: Unpack[Options],
+    **options: Unpack[OptionsWithoutGravity],
 ) -> Result:
     """Find the planes of one point cloud.
 

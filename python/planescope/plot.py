@@ -81,7 +81,7 @@ def overlay(result: Result, ax: Axes | None = None, *, alpha: float = 0.5) -> Ax
         axes.text(column, row, str(plane.id), color="white", ha="center", va="center")
     axes.imshow(colors)
     axes.set_axis_off()
-    return axes  # type: ignore[no-any-return]
+    return axes
 
 
 def scene(result: Result, ax: Axes | None = None, *, points: int = 20000) -> Axes:
@@ -110,8 +110,8 @@ def scene(result: Result, ax: Axes | None = None, *, points: int = 20000) -> Axe
     measured = np.flatnonzero(np.isfinite(xyz[:, 0]))
     drawn = measured[:: max(1, -(-len(measured) // max(1, points)))]
     palette = np.array([(0.8, 0.8, 0.8), *(color_of(plane.id) for plane in result.planes)])
-    axes.scatter(*xyz[drawn].T, c=palette[labels[drawn]], s=1)
+    axes.scatter(*xyz[drawn].T, c=palette[labels[drawn]], s=2, linewidths=0, depthshade=False)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     spans = np.ptp(xyz[drawn], axis=0) if len(drawn) else np.ones(3)
     axes.set_box_aspect(np.maximum(spans, 1e-3))
-    return axes  # type: ignore[no-any-return]
+    return axes

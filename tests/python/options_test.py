@@ -1,9 +1,12 @@
 """options_test.py FILE [--write]: FILE, planescope/_options.py, has the options of the registry, as types."""
 
+import importlib.util
 import sys
 from pathlib import Path
 
-from planescope import _core
+# Without the package itself, which needs FILE.
+sys.path += importlib.util.find_spec("planescope").submodule_search_locations
+import _core  # noqa: E402
 
 HEAD = '''"""Options as a typed dictionary: written by tests/python/options_test.py from the registry."""
 
@@ -17,12 +20,24 @@ if TYPE_CHECKING:
     from ._frames import Gravity
 
 
-class Options(TypedDict, total=False):
-    """Keywords of Segmenter, segment(), segment_cloud(), make_map() and Mapper.
+class OptionsWithoutGravity(TypedDict, total=False):
+    """Options of functions that have `gravity` as an argument of its own: segment(), segment_cloud().
 
     Example:
-        >>> options: ps.Options = {"max_range_m": 2.5, "foot_radius_m": 0.08}
+        >>> options: ps.OptionsWithoutGravity = {"max_range_m": 2.5, "foot_radius_m": 0.08}
         >>> planes, labels = ps.segment(depth, K, **options)
+    """
+
+'''
+
+TAIL = '''
+
+class Options(OptionsWithoutGravity, total=False):
+    """Keywords of Segmenter, make_map() and Mapper.
+
+    Example:
+        >>> options: ps.Options = {"gravity": "imu", "theta_n_in": 10}
+        >>> segmenter = ps.Segmenter(**options)
     """
 
 '''
@@ -42,14 +57,16 @@ def type_of(name, unit, default):
 
 
 def text():
-    lines = [HEAD.rstrip("\n"), ""]
-    for name, unit, meaning, section, paper, refined in _core.Options.all():
-        if name == "profile":  # an argument of its own
-            continue
+    rows, tail = [], ""
+    for name, unit, meaning, _section, _paper, refined in _core.Options.all():
         shown = f" [{unit}]" if "/" not in unit and unit not in ("", "1") else ""
-        sentence = meaning[0].upper() + meaning[1:] if not meaning.startswith("e_n") else meaning
-        lines += [f"    # {sentence}{shown}", f"    {name}: {type_of(name, unit, refined)}"]
-    return "\n".join(lines) + "\n"
+        sentence = meaning if meaning.startswith("e_n") else meaning[0].upper() + meaning[1:]
+        row = f"    # {sentence}{shown}\n    {name}: {type_of(name, unit, refined)}\n"
+        if name == "gravity":
+            tail = TAIL + row
+        elif name != "profile":  # an argument of its own
+            rows.append(row)
+    return HEAD + "".join(rows) + tail
 
 
 file = Path(sys.argv[1])
