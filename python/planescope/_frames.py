@@ -15,8 +15,10 @@ if TYPE_CHECKING:
     import numpy
     from numpy.typing import ArrayLike, NDArray
 
-    Depth = NDArray[numpy.uint16] | NDArray[numpy.float32] | NDArray[numpy.float64]
+    Depth = NDArray[numpy.uint16] | NDArray[numpy.floating[Any]] | memoryview
 
+# Properties that are None for some frames are declared as `X | Any`, so that code which knows its frames
+# needs no checks.
 _K = "a 3x3 matrix or fx, fy, cx, cy"
 
 
@@ -166,9 +168,9 @@ class Frame:
         return bool(self._core.is_cloud)
 
     @property
-    def depth(self) -> NDArray[numpy.uint16] | None:
+    def depth(self) -> NDArray[numpy.uint16] | Any:
         """Counts (height, width); None for a cloud."""
-        return view(self._core.depth)  # type: ignore[no-any-return]
+        return view(self._core.depth)
 
     @property
     def depth_unit(self) -> float:
@@ -176,9 +178,9 @@ class Frame:
         return float(self._core.depth_unit)
 
     @property
-    def K(self) -> NDArray[numpy.float64] | None:
+    def K(self) -> NDArray[numpy.float64] | Any:
         """(3, 3) of the depth image; None for a cloud."""
-        return view(self._core.K)  # type: ignore[no-any-return]
+        return view(self._core.K)
 
     @property
     def distortion(self) -> NDArray[numpy.float64] | None:
@@ -191,14 +193,14 @@ class Frame:
         return str(self._core.distortion_model)
 
     @property
-    def color(self) -> NDArray[numpy.uint8] | None:
+    def color(self) -> NDArray[numpy.uint8] | Any:
         """RGB (height, width, 3), or None."""
-        return view(self._core.color)  # type: ignore[no-any-return]
+        return view(self._core.color)
 
     @property
-    def color_K(self) -> NDArray[numpy.float64] | None:
+    def color_K(self) -> NDArray[numpy.float64] | Any:
         """(3, 3) of a color image that is not aligned; None: unknown."""
-        return view(self._core.color_K)  # type: ignore[no-any-return]
+        return view(self._core.color_K)
 
     @property
     def color_is_aligned(self) -> bool:
@@ -260,7 +262,7 @@ class RecordingInfo(Values):
     device: str
     width: int  # of depth images; 0: clouds
     height: int
-    K: NDArray[numpy.float64] | None  # (3, 3)
+    K: NDArray[numpy.float64] | Any  # (3, 3); None for clouds and unknown cameras
     depth_unit: float  # meters per count
     has_color: bool
     warnings: list[str]  # one line each
