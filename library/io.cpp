@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <mutex>
 #include <numbers>
 
 #include "core/io/recording.hpp"
@@ -29,10 +30,9 @@ void expect_frame(const io::Recording& recording, int i) {
 
 world::CameraPose camera_pose(int frame, double timestamp_s, const Transform& T_world_camera) {
   const std::string what = fmt::format("pose of frame {}", frame);
-  world::CameraPose pose{.frame = frame,
-                         .timestamp_s = timestamp_s,
-                         .T_world_camera = detail::pose(T_world_camera, what.c_str())};
-  return pose;
+  return {.frame = frame,
+          .timestamp_s = timestamp_s,
+          .T_world_camera = detail::pose(T_world_camera, what.c_str())};
 }
 
 void expect_near(const world::Trajectory& trajectory) {
@@ -155,16 +155,18 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
   });
 }
 
-// Frames as they arrive.
+// ---- Frames as they arrive ----
 
 struct Mapper::State {
-  State(const Segmenter& by, double window_m) : segmenter(by), map(), tracks{.window_m = window_m} {
-    map.tracker = world::Tracker(tracks);
+  State(const Segmenter& by, double window_m) : segmenter(by) {
+    map.tracker = world::Tracker(world::TrackOptions{.window_m = window_m});
     map.poses.source = "the caller";
   }
+  int size() const { return static_cast<int>(map.poses.poses.size()); }
+
+  mutable std::mutex mutex;
   Segmenter segmenter;
   world::WorldMap map;
-  world::TrackOptions tracks;
 };
 
 Mapper::Mapper(const Segmenter& segmenter, double window_m) {
@@ -174,15 +176,19 @@ Mapper::Mapper(const Segmenter& segmenter, double window_m) {
   });
 }
 
-int Mapper::size() const { return static_cast<int>(state_->map.poses.poses.size()); }
+int Mapper::size() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->size();
+}
 
 MappedFrame Mapper::add(const Frame& given, const Transform& T_world_camera) {
   return detail::guarded([&] {
+    const std::lock_guard lock(state_->mutex);
     world::WorldMap& map = state_->map;
     const detail::SegmenterData& by = detail::Access::segmenter(state_->segmenter);
     ::planescope::Frame frame = detail::Access::frame(given);
     if (frame.is_cloud()) throw Error("frame: it is a point cloud, expected a depth image");
-    const int number = size();
+    const int number = state_->size();
     world::CameraPose pose = camera_pose(number, frame.timestamp_s, T_world_camera);
     world::settle(pose);
     if (number == 0) {
@@ -200,8 +206,8 @@ MappedFrame Mapper::add(const Frame& given, const Transform& T_world_camera) {
     std::vector<const world::Track*> known;
     if (planes::finds_on_pixels(options))
       known = world::sure_tracks(map.tracker, map.tracker.segment_of(pose.segment));
-    const std::vector<planes::KnownPlane> expected =
-        world::expected_planes(known, frame, pose.T_world_camera, state_->tracks, options.threads);
+    const std::vector<planes::KnownPlane> expected = world::expected_planes(
+        known, frame, pose.T_world_camera, map.tracker.options(), options.threads);
     planes::FrameResult found =
         planes::run_frame(frame, options, by.chosen.classifier.get(), nullptr, nullptr, expected);
     world::ObservedFrame seen =
@@ -222,7 +228,8 @@ MappedFrame Mapper::add(const Frame& given, const Transform& T_world_camera) {
 
 Map Mapper::map() const {
   return detail::guarded([&] {
-    if (size() == 0) throw Error("map: it has no frames, expected some from add()");
+    const std::lock_guard lock(state_->mutex);
+    if (state_->size() == 0) throw Error("map: it has no frames, expected some from add()");
     world::WorldMap map = state_->map;
     map.stability = world::stability_of(map.tracker, map.poses.poses);
     return map_of(map, "Mapper");

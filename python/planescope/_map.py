@@ -200,7 +200,7 @@ class MappedFrame(Values):
 class Mapper:
     """A map of frames as they arrive.
 
-    Earlier frames help to find the planes of later ones. Not for several threads at once.
+    Earlier frames help to find the planes of later ones. Threads take turns.
     """
 
     def __init__(

@@ -8,7 +8,6 @@ import json
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
-from . import _core
 from ._arrays import np, same, view
 from ._core import Error
 from ._frames import Frame, Gravity

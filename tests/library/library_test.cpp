@@ -148,8 +148,8 @@ TEST(Library, AMapperFollowsPlanesFromFrameToFrame) {
     const ps::MappedFrame added = mapper.add(step.image, pose);
     EXPECT_FALSE(added.set_aside);
     ASSERT_EQ(added.tracks.size(), added.result.planes().size());
-    if (i > 0) EXPECT_EQ(added.tracks, tracks);
-    tracks = added.tracks;
+    if (i == 0) tracks = added.tracks;
+    EXPECT_EQ(added.tracks, tracks);
   }
   EXPECT_EQ(mapper.size(), 4);
   const ps::Map map = mapper.map();

@@ -111,7 +111,7 @@ struct MappedFrame {
 };
 
 /// A map of frames as they arrive, each with the pose of its camera in a world whose z points up.
-/// Earlier frames help to find the planes of later ones. One thread at a time.
+/// Earlier frames help to find the planes of later ones. Copies share the map; threads take turns.
 class PLANESCOPE_API Mapper {
  public:
   /// `window_m`: edge of the cube about the camera that the map is held in; 0: no limit.
