@@ -128,9 +128,13 @@ double store_meters(const float* meters, std::size_t stride, Image16& depth) {
         if (const double z = meters[y * stride + x]; std::isfinite(z) && z > 0) visit(x, y, z);
   };
   double farthest = 0;
+  bool is_measured = false;
   for_each([&](int, int, double z) {
+    is_measured = true;
     if (z <= kMost * kCoarsest_m * (1 + kRounding)) farthest = std::max(farthest, z);
   });
+  if (is_measured && farthest == 0)
+    throw Error("depth image: every pixel is beyond 65.5 m, expected meters");
   double unit_m = farthest > 0 ? std::min(farthest / kMost, kCoarsest_m) : kCoarsest_m;
   for (const double whole : {kCoarsest_m, 0.0002, 0.0001}) {
     bool is_exact = farthest <= whole * kMost * (1 + kRounding);

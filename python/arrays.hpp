@@ -89,21 +89,25 @@ inline Array transform_of(const ps::Transform& t) {
 
 /// An array of the caller's, in any layout.
 struct Input {
-  py::object owner;
+  py::object given, memory;  // kept: `info` points there
   py::buffer_info info;
   char kind = 0;  // u, i, f; 0: no numbers
   bool swapped = false;
   const char* what;
 
-  Input(const py::object& given, const char* name) : owner(given), what(name) {
+  Input(const py::object& array, const char* name) : given(array), memory(array), what(name) {
     std::string format;
-    if (PyObject_CheckBuffer(given.ptr())) {
-      info = py::reinterpret_borrow<py::buffer>(given).request();
-      format = info.format;
-    } else if (py::hasattr(given, "__array_interface__")) {
-      format = read_interface();
-    } else {
-      fail("an array");
+    try {
+      if (PyObject_CheckBuffer(given.ptr())) {
+        info = py::reinterpret_borrow<py::buffer>(given).request();
+        format = info.format;
+      } else {
+        format = read_interface(given.attr("__array_interface__").cast<py::dict>());
+      }
+    } catch (const ps::Error&) {
+      throw;
+    } catch (const std::exception&) {  // of Python and of pybind11
+      fail("an array of numbers");
     }
     const std::size_t prefix =
         !format.empty() && std::string_view("@=<>!|").find(format[0]) != std::string_view::npos;
@@ -133,7 +137,7 @@ struct Input {
   [[noreturn]] void fail(const std::string& expected) const {
     const std::string found =
         info.ptr == nullptr && info.ndim == 0
-            ? "a " + py::str(py::type::of(owner).attr("__name__")).cast<std::string>()
+            ? "a " + py::str(py::type::of(given).attr("__name__")).cast<std::string>()
             : text();
     throw ps::Error(std::string(what) + ": it is " + found + ", expected " + expected);
   }
@@ -188,15 +192,14 @@ struct Input {
   }
 
   /// Sets `info`; returns the format.
-  std::string read_interface() {
-    const auto interface = owner.attr("__array_interface__").cast<py::dict>();
+  std::string read_interface(const py::dict& interface) {
     const auto get = [&](const char* key) -> py::object {
       return interface.contains(key) ? py::object(interface[key]) : py::none();
     };
     const auto type = get("typestr").cast<std::string>();
-    if (type.size() < 3) fail("an array of numbers");
-    const auto shape = get("shape").cast<Shape>();
     const py::ssize_t size = std::stoi(type.substr(2));
+    const auto shape = get("shape").cast<Shape>();
+    if (std::ranges::any_of(shape, [](py::ssize_t n) { return n < 0; })) fail("a valid shape");
     Shape strides(shape.size());
     py::ssize_t stride = size;
     for (std::size_t k = shape.size(); k-- > 0; stride *= shape[k]) strides[k] = stride;
@@ -205,9 +208,13 @@ struct Input {
     if (const py::object given = get("data"); py::isinstance<py::tuple>(given)) {
       data = reinterpret_cast<void*>(given.cast<py::tuple>()[0].cast<std::uintptr_t>());
     } else {
-      owner = given.is_none() ? owner : given;  // the memory itself
-      py::buffer_info bytes = py::reinterpret_borrow<py::buffer>(owner).request();
-      if (bytes.size * bytes.itemsize < stride) fail("as much memory as its shape needs");
+      if (!given.is_none()) memory = given;
+      const py::buffer_info bytes = py::reinterpret_borrow<py::buffer>(memory).request();
+      py::ssize_t first = 0, last = size;
+      for (std::size_t k = 0; k < shape.size() && k < strides.size(); ++k)
+        (strides[k] < 0 ? first : last) += strides[k] * (shape[k] - 1);
+      if (stride != 0 && (first < 0 || last > bytes.size * bytes.itemsize))
+        fail("as much memory as its shape needs");
       data = bytes.ptr;
     }
     const std::string codes = type[1] == 'u'   ? "?BH?I???Q"

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ._core import Error
+from ._core import Array, Error
 
 np: Any
 try:
@@ -21,12 +21,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[numpy.float64]
-    Ints = NDArray[numpy.int32]
 
 
 def view(core: Any) -> Any:
     """A _core.Array, without copying it; anything else as it is."""
-    if not hasattr(core, "__class__") or core.__class__.__name__ != "Array":
+    if not isinstance(core, Array):
         return core
     return memoryview(core) if np is None else np.asarray(core)
 

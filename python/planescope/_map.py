@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import operator
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,13 +19,11 @@ from ._results import Result
 from ._segment import Segmenter
 
 if TYPE_CHECKING:
-    import numpy
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
     from typing_extensions import Unpack
 
+    from ._arrays import Floats
     from ._options import Options
-
-    Floats = NDArray[numpy.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,9 +159,14 @@ def make_map(
     """
     if not isinstance(recording, Recording):
         raise Error(f"recording: {type(recording).__name__}, expected a planescope.Recording")
-    if frames is not None and (len(frames) == 0 or any(frame != int(frame) for frame in frames)):
-        raise Error(f"frames: {frames!r}, expected whole numbers, at least one")
-    chosen = range(len(recording)) if frames is None else [int(frame) for frame in frames]
+    chosen: Sequence[int] = range(len(recording))
+    if frames is not None:
+        try:
+            chosen = [operator.index(frame) for frame in frames]
+        except TypeError:
+            chosen = []
+        if not chosen:
+            raise Error(f"frames: {frames!r}, expected whole numbers, at least one")
     file, by_frame = b"", {}
     if isinstance(poses, (str, os.PathLike)):
         file = os.fsencode(poses)

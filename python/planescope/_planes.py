@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 from ._arrays import Values, floats, np, numbers, view
 
 if TYPE_CHECKING:
-    import numpy
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Floats = NDArray[numpy.float64]
+    from ._arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,17 +179,13 @@ class Ramp(Values):
     upper: list[int]
 
 
-# Field types whose JSON lists are arrays of floats.
-_FLOATS = "Floats"
-
-
 def of_json(kind: type, values: dict[str, Any], **others: Any) -> Any:
-    """A dataclass of its JSON object, whose other keys are ignored."""
+    """A dataclass of its JSON object: lists of fields of type Floats become arrays, other keys are ignored."""
     made = dict(others)
     for name, declared in kind.__annotations__.items():
         if name not in made:
             value = values[name]
-            made[name] = floats(value) if declared == _FLOATS and value is not None else value
+            made[name] = floats(value) if declared == "Floats" else value
     return kind(**made)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 import functools
 import json
+import operator
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
@@ -142,7 +143,7 @@ class Result(_Pair):
             3
         """
         if self._core is not None:
-            vertices, triangles = self._core.mesh(id)
+            vertices, triangles = self._core.mesh(operator.index(id))
             return view(vertices), view(triangles)
         meshes: list[Any] = self._parts["meshes"]
         if not 1 <= id <= len(meshes):
@@ -348,7 +349,7 @@ class Trace:
             >>> trace.describe(602)
             'node 279 (800 points) creates P49'
         """
-        return str(self._core.describe(step))
+        return str(self._core.describe(operator.index(step)))
 
     @overload
     def plane_of(self, step: int) -> NDArray[numpy.int32]: ...
@@ -373,7 +374,7 @@ class Trace:
             >>> trace.plane_of(len(trace), (400, 320)) >= 0
             True
         """
-        shape = self._frame.shape
+        shape, step = self._frame.shape, operator.index(step)
         if at is None:
             return view(self._core.plane_of(step, list(shape)))
         place = (at,) if not isinstance(at, (tuple, list)) else tuple(at)
@@ -405,7 +406,7 @@ class Trace:
             >>> trace.id_of(trace.plane_of(len(trace), (400, 320)))
             1
         """
-        return int(self._core.id_of(plane))
+        return int(self._core.id_of(operator.index(plane)))
 
     @functools.cached_property
     def result(self) -> Result:

@@ -8,6 +8,7 @@ import json
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 from pathlib import Path
 
@@ -43,6 +44,24 @@ class BadInput(unittest.TestCase):
             self.assertTrue(str(caught.exception).startswith("depth: it is "), caught.exception)
             if not isinstance(wrong, (str, type(None))):
                 self.assertEqual(str(caught.exception), f"depth: it is {found}, {expected}")
+        for interface in (
+            {},
+            5,
+            {"typestr": "<", "shape": (2, 2), "data": b"12345678"},
+            {"typestr": "<u2", "shape": (20, 20), "data": b"12345678"},
+            {"typestr": "<u2", "shape": (2, 2), "strides": (1000, 2), "data": b"12345678"},
+            {"typestr": "<u2", "shape": (2, 2), "strides": (-4, 2), "data": b"12345678"},
+            {"typestr": "<u2", "shape": (-2, 2), "data": b"12345678"},
+            {"typestr": "<u2", "shape": (2, 2), "strides": (2,), "data": b"12345678"},
+        ):
+            with self.assertRaisesRegex(ps.Error, "^depth: it is a .*, expected"):
+                ps.Frame(types.SimpleNamespace(__array_interface__=interface), K)
+        with self.assertRaisesRegex(ps.Error, "^depth: it is a ndarray, expected an array of numbers"):
+            ps.Frame(np.zeros((2, 2), "M8[s]"), K)
+        self.expect(
+            "depth image: every pixel is beyond 65.5 m, expected meters",
+            lambda: ps.segment(100.0 * np.maximum(depth, 1000), K),
+        )
         self.expect(
             "depth_unit: depth is in meters, expected no unit",
             lambda: ps.segment(depth / 1000, K, depth_unit=0.001),
