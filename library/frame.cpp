@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/io/recording.hpp"
+#include "core/planes/cloud/camera.hpp"
 #include "library/data.hpp"
 
 namespace planescope::v0 {
@@ -16,17 +17,6 @@ namespace {
 // What a depth image, or a cloud, may have at most: what core's indices hold, and no typing error.
 constexpr int kMaxSide = 16384;
 constexpr std::size_t kMaxPoints = std::size_t{1} << 25;
-
-Pose pose(const Transform& t, const char* what) {
-  Pose pose = Pose::Identity();
-  for (int r = 0; r < 4; ++r)
-    for (int c = 0; c < 4; ++c) pose.matrix()(r, c) = t[static_cast<std::size_t>(r) * 4 + c];
-  const Mat3d r = pose.linear();
-  if (!pose.matrix().allFinite() || (r * r.transpose() - Mat3d::Identity()).norm() > 1e-3 ||
-      r.determinant() < 0)
-    throw Error(fmt::format("{}: it is no rigid transform", what));
-  return pose;
-}
 
 Intrinsics intrinsics(const Camera& camera, const char* what) {
   if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide)
@@ -68,6 +58,17 @@ static_assert(static_cast<int>(Distortion::inverse_brown_conrady) ==
               static_cast<int>(::planescope::Distortion::inverse_brown_conrady));
 
 }  // namespace
+
+Pose pose(const Transform& t, const char* what) {
+  Pose pose = Pose::Identity();
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c) pose.matrix()(r, c) = t[static_cast<std::size_t>(r) * 4 + c];
+  const Mat3d r = pose.linear();
+  if (!pose.matrix().allFinite() || (r * r.transpose() - Mat3d::Identity()).norm() > 1e-3 ||
+      r.determinant() < 0)
+    throw Error(fmt::format("{}: it is no rigid transform", what));
+  return pose;
+}
 
 Transform transform(const Pose& pose) {
   Transform t{};
@@ -114,15 +115,142 @@ using detail::Access;
 Error::~Error() = default;
 
 namespace {
+
 constexpr const char* kGivenName = "0";  // what messages call a frame that is of no recording
+
+/// Stores depth in meters as counts and returns their unit (DepthImage).
+double store_meters(const float* meters, std::size_t stride, Image16& depth) {
+  constexpr double kMost = planes::kFarOutlier - 1, kCoarsest_m = 0.001;
+  constexpr double kRounding = 2.5e-7;  // of a float that was a whole number of units
+  const auto for_each = [&](const auto& visit) {
+    for (int y = 0; y < depth.height; ++y)
+      for (int x = 0; x < depth.width; ++x)
+        if (const double z = meters[y * stride + x]; std::isfinite(z) && z > 0) visit(x, y, z);
+  };
+  double farthest = 0;
+  bool is_measured = false;
+  for_each([&](int, int, double z) {
+    is_measured = true;
+    if (z <= kMost * kCoarsest_m * (1 + kRounding)) farthest = std::max(farthest, z);
+  });
+  if (is_measured && farthest == 0)
+    throw Error("depth image: every pixel is beyond 65.5 m, expected meters");
+  double unit_m = farthest > 0 ? std::min(farthest / kMost, kCoarsest_m) : kCoarsest_m;
+  for (const double whole : {kCoarsest_m, 0.0002, 0.0001}) {
+    bool is_exact = farthest <= whole * kMost * (1 + kRounding);
+    if (is_exact)
+      for_each([&](int, int, double z) {
+        const double units = std::round(z / whole);
+        is_exact = is_exact && (z > farthest || std::abs(units * whole - z) <= kRounding * z);
+      });
+    if (!is_exact) continue;
+    unit_m = whole;
+    break;
+  }
+  for_each([&](int x, int y, double z) {
+    depth.at(x, y) =
+        z > farthest ? planes::kFarOutlier
+                     : static_cast<std::uint16_t>(std::clamp(std::round(z / unit_m), 1.0, kMost));
+  });
+  return unit_m;
 }
+
+constexpr std::string_view kMagic = "planescope frame 1\n";
+
+class Writer {
+ public:
+  explicit Writer(std::string& bytes) : bytes_(bytes) {}
+  void raw(const void* data, std::size_t size) {
+    bytes_.append(static_cast<const char*>(data), size);
+  }
+  template <typename List>
+  void list(const List& list) {
+    const std::uint64_t size = list.size();
+    raw(&size, sizeof(size));
+    raw(list.data(), size * sizeof(*list.data()));
+  }
+  template <typename T, typename Visit>
+  void optional(const std::optional<T>& value, const Visit& visit) {
+    bytes_ += value ? '\1' : '\0';
+    if (value) visit(*value);
+  }
+
+ private:
+  std::string& bytes_;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+  void raw(void* data, std::size_t size) {
+    expect(size <= bytes_.size());
+    std::copy_n(bytes_.data(), size, static_cast<char*>(data));
+    bytes_.remove_prefix(size);
+  }
+  template <typename List>
+  void list(List& list) {
+    std::uint64_t size = 0;
+    raw(&size, sizeof(size));
+    expect(size <= bytes_.size() / sizeof(*list.data()));
+    list.resize(size);
+    raw(list.data(), size * sizeof(*list.data()));
+  }
+  template <typename T, typename Visit>
+  void optional(std::optional<T>& value, const Visit& visit) {
+    char has = 0;
+    raw(&has, 1);
+    if (has != 0) visit(value.emplace());
+  }
+  void end() const { expect(bytes_.empty()); }
+  static void expect(bool holds) {
+    if (!holds) throw Error("frame: damaged bytes; expected those of Frame::bytes()");
+  }
+
+ private:
+  std::string_view bytes_;
+};
+
+/// Every field of a frame that a caller or a recording can give it.
+template <typename Archive, typename AFrame>
+void visit_frame(Archive& archive, AFrame& frame) {
+  const auto number = [&](auto& value) { archive.raw(&value, sizeof(value)); };
+  const auto image = [&](auto& of) {
+    number(of.width), number(of.height), number(of.channels);
+    archive.list(of.data);
+  };
+  const auto vector = [&](auto& v) { archive.raw(v.data(), sizeof(double) * v.size()); };
+  const auto camera = [&](auto& k) {
+    number(k.width), number(k.height), number(k.fx), number(k.fy), number(k.cx), number(k.cy);
+    number(k.distortion), number(k.coefficients);
+  };
+  number(frame.index), number(frame.timestamp_s), number(frame.depth_unit_m);
+  number(frame.color_aligned);
+  archive.list(frame.name);
+  image(frame.depth), image(frame.color);
+  camera(frame.intrinsics), camera(frame.color_intrinsics);
+  vector(frame.T_color_depth.matrix());
+  archive.optional(frame.T_world_camera, [&](auto& pose) { vector(pose.matrix()); });
+  archive.optional(frame.gravity, [&](auto& gravity) {
+    vector(gravity.direction);
+    number(gravity.source), number(gravity.confidence);
+    archive.list(gravity.note);
+  });
+  archive.optional(frame.cloud, [&](auto& cloud) {
+    vector(cloud.origin);
+    archive.list(cloud.points), archive.list(cloud.rgb);
+    archive.list(cloud.label), archive.list(cloud.instance);
+  });
+}
+
+}  // namespace
 
 Frame::Frame(const DepthImage& image) {
   detail::guarded([&] {
     ::planescope::Frame frame;
     frame.name = kGivenName;
     frame.intrinsics = detail::intrinsics(image.camera, "depth image");
-    if (image.counts == nullptr) throw Error("depth image: it has no pixels");
+    if (image.counts == nullptr && image.meters == nullptr)
+      throw Error("depth image: it has no pixels");
     if (!(image.unit_m > 0 && image.unit_m <= 1))
       throw Error(
           fmt::format("depth image: {} m per count, expected above 0 and at most 1", image.unit_m));
@@ -131,9 +259,11 @@ Frame::Frame(const DepthImage& image) {
     if (stride < width)
       throw Error(fmt::format("depth image: rows of {} pixels stand {} apart", width, stride));
     frame.depth = Image16(image.camera.width, image.camera.height);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(image.camera.height); ++y)
-      std::copy_n(image.counts + y * stride, width, frame.depth.data.data() + y * width);
     frame.depth_unit_m = image.unit_m;
+    if (image.counts == nullptr)
+      frame.depth_unit_m = store_meters(image.meters, stride, frame.depth);
+    for (int y = 0; y < image.camera.height && image.counts != nullptr; ++y)
+      std::copy_n(image.counts + y * stride, width, &frame.depth.at(0, y));
     frame.gravity = detail::given_gravity(image.gravity);
     if (const ColorImage& color = image.color; color.rgb != nullptr) {
       frame.color_aligned = color.aligned;
@@ -233,6 +363,30 @@ std::optional<Gravity> Frame::gravity() const {
   if (!frame.gravity) return std::nullopt;
   return Gravity{detail::vec3(frame.gravity->direction), to_string(frame.gravity->source),
                  frame.gravity->confidence};
+}
+
+std::string Frame::bytes() const {
+  std::string bytes(kMagic);
+  Writer writer(bytes);
+  visit_frame(writer, Access::frame(*this));
+  return bytes;
+}
+
+Frame Frame::from_bytes(const std::string& bytes) {
+  return detail::guarded([&] {
+    Reader::expect(bytes.starts_with(kMagic));
+    Reader reader(std::string_view(bytes).substr(kMagic.size()));
+    ::planescope::Frame frame;
+    visit_frame(reader, frame);
+    reader.end();
+    const auto fits = [](const auto& image) {
+      return image.width >= 0 && image.height >= 0 && image.width <= detail::kMaxSide &&
+             image.height <= detail::kMaxSide &&
+             image.data.size() == image.pixels() * static_cast<std::size_t>(image.channels);
+    };
+    Reader::expect(fits(frame.depth) && fits(frame.color));
+    return Access::frame(std::move(frame));
+  });
 }
 
 }  // namespace planescope::v0

@@ -5,9 +5,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <mutex>
+#include <numbers>
 
 #include "core/io/recording.hpp"
+#include "core/planes/cloud/gravity.hpp"
 #include "core/world/files/map_files.hpp"
 #include "library/data.hpp"
 
@@ -22,6 +26,58 @@ void expect_frame(const io::Recording& recording, int i) {
   if (i < 0 || i >= recording.frame_count())
     throw Error(fmt::format("{}: frame {}, it has {} of them, from 0",
                             recording.info().path.string(), i, recording.frame_count()));
+}
+
+world::CameraPose camera_pose(int frame, double timestamp_s, const Transform& T_world_camera) {
+  const std::string what = fmt::format("pose of frame {}", frame);
+  return {.frame = frame,
+          .timestamp_s = timestamp_s,
+          .T_world_camera = detail::pose(T_world_camera, what.c_str())};
+}
+
+void expect_near(const world::Trajectory& trajectory) {
+  const world::CameraPose& last = trajectory.poses.back();
+  const std::string far =
+      world::too_far(last.T_world_camera, trajectory.poses.front().T_world_camera);
+  if (!far.empty()) throw Error(fmt::format("pose of frame {}: it is {}", last.frame, far));
+}
+
+world::Trajectory trajectory_of(const std::map<int, Transform>& T_world_camera,
+                                const io::Recording& recording) {
+  world::Trajectory trajectory{"the caller", {}};
+  for (const auto& [frame, T] : T_world_camera) {
+    expect_frame(recording, frame);
+    trajectory.poses.push_back(camera_pose(frame, recording.timestamp_s(frame), T));
+    expect_near(trajectory);
+  }
+  return trajectory;
+}
+
+/// A world whose z is not up would make walls of floors.
+void expect_upright(const ::planescope::Frame& frame,
+                    const world::CameraPose& pose,
+                    const planes::PipelineOptions& options) {
+  if (options.gravity.mode == planes::GravityMode::none) return;
+  const Vec3d down = pose.T_world_camera.linear().transpose() * Vec3d(0, 0, -1);
+  std::string doubt = planes::doubt_in_gravity(frame, down, options.gravity);
+  if (frame.gravity && frame.gravity->known()) {
+    constexpr double kMostDeg = 20;
+    const double off = std::acos(std::clamp(down.dot(frame.gravity->direction), -1.0, 1.0)) * 180 /
+                       std::numbers::pi;
+    doubt = off > kMostDeg ? fmt::format("the frame's gravity is {:.0f} deg off", off) : "";
+  }
+  if (!doubt.empty())
+    throw Error(fmt::format("pose of frame 0: expected a world whose z points up: {}", doubt));
+}
+
+Map map_of(const world::WorldMap& made, const std::string& name) {
+  const world::MapTexts texts = world::map_texts(made, name);
+  Map map{texts.map_json, texts.tracks_json, texts.poses_tum, {}, {}, made.told, {}};
+  for (const world::CameraPose& pose : made.poses.poses) {
+    map.pose_frames.push_back(pose.frame);
+    map.T_world_camera.push_back(detail::transform(pose.T_world_camera));
+  }
+  return map;
 }
 
 }  // namespace
@@ -82,21 +138,101 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
     job.classifier = by.chosen.classifier.get();
     job.tracks.window_m = options.window_m;
     job.threads = by.options.threads;
+    if (!options.poses.empty() && !options.T_world_camera.empty())
+      throw Error("map: poses are given as a file and as transforms, expected one of them");
     if (!options.poses.empty()) job.trajectory = world::read_trajectory(options.poses);
+    if (!options.T_world_camera.empty())
+      job.trajectory = trajectory_of(options.T_world_camera, from);
     std::map<int, std::string> planes_png;
     job.on_planes = [&](int frame, std::span<const unsigned char> png) {
       planes_png[frame].assign(png.begin(), png.end());
     };
     const world::WorldMap made = world::map_recording(job);
     const std::string name = from.info().path.filename().string();
-    const world::MapTexts texts = world::map_texts(made, name);
-    Map map{texts.map_json, texts.tracks_json, texts.poses_tum, {}, {}, made.told, {}};
-    for (const world::CameraPose& pose : made.poses.poses) {
-      map.pose_frames.push_back(pose.frame);
-      map.T_world_camera.push_back(detail::transform(pose.T_world_camera));
-    }
+    Map map = map_of(made, name);
     map.planes_png = std::move(planes_png);
     return map;
+  });
+}
+
+// ---- Frames as they arrive ----
+
+struct Mapper::State {
+  State(const Segmenter& by, double window_m) : segmenter(by) {
+    map.tracker = world::Tracker(world::TrackOptions{.window_m = window_m});
+    map.poses.source = "the caller";
+  }
+  int size() const { return static_cast<int>(map.poses.poses.size()); }
+
+  mutable std::mutex mutex;
+  Segmenter segmenter;
+  world::WorldMap map;
+};
+
+Mapper::Mapper(const Segmenter& segmenter, double window_m) {
+  detail::guarded([&] {
+    if (!(window_m >= 0)) throw Error("map: window_m is less than 0");
+    state_ = std::make_shared<State>(segmenter, window_m);
+  });
+}
+
+int Mapper::size() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->size();
+}
+
+MappedFrame Mapper::add(const Frame& given, const Transform& T_world_camera) {
+  return detail::guarded([&] {
+    const std::lock_guard lock(state_->mutex);
+    world::WorldMap& map = state_->map;
+    const detail::SegmenterData& by = detail::Access::segmenter(state_->segmenter);
+    ::planescope::Frame frame = detail::Access::frame(given);
+    if (frame.is_cloud()) throw Error("frame: it is a point cloud, expected a depth image");
+    const int number = state_->size();
+    world::CameraPose pose = camera_pose(number, frame.timestamp_s, T_world_camera);
+    world::settle(pose);
+    if (number == 0) {
+      expect_upright(frame, pose, by.options);
+      map.gravity = {{.known = true, .samples = 1, .source = GravitySource::option}};
+      io::RecordingInfo info;
+      info.intrinsics = frame.intrinsics;
+      info.depth_unit_m = frame.depth_unit_m;
+      map.planes_from = world::planes_from(by.options, info);
+    }
+    world::Trajectory near{map.poses.source, {number == 0 ? pose : map.poses.poses[0], pose}};
+    expect_near(near);
+    frame.index = number;
+    const planes::PipelineOptions options = world::turn_to_map(frame, by.options, pose, map);
+    std::vector<const world::Track*> known;
+    if (planes::finds_on_pixels(options))
+      known = world::sure_tracks(map.tracker, map.tracker.segment_of(pose.segment));
+    const std::vector<planes::KnownPlane> expected = world::expected_planes(
+        known, frame, pose.T_world_camera, map.tracker.options(), options.threads);
+    planes::FrameResult found =
+        planes::run_frame(frame, options, by.chosen.classifier.get(), nullptr, nullptr, expected);
+    world::ObservedFrame seen =
+        world::observe(frame, found, options, pose.T_world_camera, pose.segment);
+    const world::FrameOfTracks& matched = map.tracker.add(seen);
+    std::vector<int> tracks;
+    for (int i = 0; i < matched.listed; ++i)
+      tracks.push_back(world::final_track(map.tracker.tracks(), matched.track_of[i]));
+    pose.T_world_camera = matched.T_world_camera;
+    pose.quaternion = {};
+    world::settle(pose);
+    map.poses.poses.push_back(pose);
+    return MappedFrame{
+        detail::make_result(detail::Access::frame(std::move(frame)), options, std::move(found)),
+        std::move(tracks), detail::transform(pose.T_world_camera), matched.set_aside};
+  });
+}
+
+Map Mapper::map() const {
+  return detail::guarded([&] {
+    const std::lock_guard lock(state_->mutex);
+    if (state_->size() == 0) throw Error("map: it has no frames, expected some from add()");
+    world::WorldMap map = state_->map;
+    map.stability = world::stability_of(map.tracker, map.poses.poses);
+    return map_of(map, "Mapper");
   });
 }
 

@@ -86,16 +86,6 @@ void spread_out(ResultData& data, std::size_t size) {
   }
 }
 
-Result make_result(const Frame& frame,
-                   const planes::PipelineOptions& options,
-                   planes::FrameResult&& found) {
-  auto data = std::make_shared<ResultData>(frame, options, std::move(found));
-  const ::planescope::Gravity& gravity = data->result.gravity;
-  data->gravity = {vec3(gravity.direction), to_string(gravity.source), gravity.confidence};
-  spread_out(*data, frame.size());
-  return Access::result(std::move(data));
-}
-
 Outline::Ring ring(const planes::PolygonRing& from) {
   Outline::Ring result;
   for (const Vec2d& p : from) result.push_back({p.x(), p.y()});
@@ -144,6 +134,16 @@ Plane make_plane(const planes::FramePlanes& found, std::size_t i) {
 
 }  // namespace
 
+Result detail::make_result(const Frame& frame,
+                           const planes::PipelineOptions& options,
+                           planes::FrameResult&& found) {
+  auto data = std::make_shared<ResultData>(frame, options, std::move(found));
+  const ::planescope::Gravity& gravity = data->result.gravity;
+  data->gravity = {vec3(gravity.direction), to_string(gravity.source), gravity.confidence};
+  spread_out(*data, frame.size());
+  return Access::result(std::move(data));
+}
+
 Segmenter::Segmenter(const Options& options, int threads) {
   guarded([&] {
     if (threads < 1) throw Error(fmt::format("threads: {}, expected 1 or more", threads));
@@ -157,7 +157,7 @@ Segmenter::Segmenter(const Options& options, int threads) {
 
 Result Segmenter::segment(const Frame& frame) const {
   return guarded([&] {
-    return make_result(
+    return detail::make_result(
         frame, data_->options,
         planes::run_frame(Access::frame(frame), data_->options, data_->chosen.classifier.get()));
   });
@@ -178,8 +178,8 @@ Trace Segmenter::trace(const Frame& frame) const {
 Result Trace::result() const {
   return guarded([&] {
     const debug::Run& run = *data_->run;
-    return make_result(data_->frame, run.options,
-                       {run.subject->prepared, run.segmentation, run.plane_of});
+    return detail::make_result(data_->frame, run.options,
+                               {run.subject->prepared, run.segmentation, run.plane_of});
   });
 }
 

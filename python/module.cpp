@@ -1,90 +1,48 @@
-// planescope._core: the library over numpy arrays. planescope/__init__.py makes dataclasses of what
-// it returns.
-
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
+// planescope._core: the library for Python. planescope/*.py makes dataclasses and numpy arrays of
+// what it returns.
 
 #include <planescope/core.hpp>
 #include <planescope/io.hpp>
 
-namespace py = pybind11;
-namespace ps = planescope;
+#include "arrays.hpp"
+
+using namespace planescope_python;
 
 namespace {
 
-using Vectors = py::array_t<double>;
 using Gil = py::call_guard<py::gil_scoped_release>;
 
-// Arrays.
-
-/// An array over memory that `owner` keeps; not to be written to.
-template <typename T>
-py::array view_of(const T* data, const std::vector<py::ssize_t>& shape, const py::handle& owner) {
-  py::array array(py::dtype::of<T>(), shape, data, owner);
-  array.attr("flags").attr("writeable") = false;
-  return array;
-}
-
-/// An array that takes over a vector.
-template <typename T>
-py::array array_of(std::vector<T>&& values) {
-  auto* kept = new std::vector<T>(std::move(values));
-  const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<T>*>(p); });
-  return py::array(py::dtype::of<T>(), {static_cast<py::ssize_t>(kept->size())}, kept->data(),
-                   owner);
-}
-
-template <std::size_t N>
-Vectors rows_of(const std::vector<std::array<double, N>>& rows) {
-  Vectors array({static_cast<py::ssize_t>(rows.size()), static_cast<py::ssize_t>(N)});
-  if (!rows.empty()) std::copy_n(rows[0].data(), rows.size() * N, array.mutable_data());
-  return array;
-}
-
-Vectors vector_of(const ps::Vec3& p) { return Vectors(3, p.data()); }
-Vectors transform_of(const ps::Transform& t) { return Vectors({4, 4}, t.data()); }
-
-// One value per pixel, or point, of a frame: [height, width] or [points].
-std::vector<py::ssize_t> shape_of(const ps::Frame& frame) {
-  if (frame.is_cloud()) return {static_cast<py::ssize_t>(frame.size())};
-  const ps::Camera camera = frame.depth().camera;
-  return {camera.height, camera.width};
-}
-
-std::string text_of(const py::handle& array) {
-  return py::str(array.attr("dtype")).cast<std::string>() + " of shape " +
-         py::str(array.attr("shape")).cast<std::string>();
-}
-
-// Frames.
+// ---- Frames ----
 
 std::optional<ps::Vec3> gravity_of(const py::object& gravity) {
   if (gravity.is_none()) return std::nullopt;
   return gravity.cast<ps::Vec3>();
 }
 
-ps::Frame depth_frame(const py::array& depth,
+ps::Frame depth_frame(const py::object& depth,
                       const std::array<double, 4>& intrinsics,
                       const std::optional<std::array<double, 5>>& distortion,
                       const std::string& distortion_model,
-                      double depth_unit,
+                      std::optional<double> depth_unit,
                       const py::object& gravity,
                       const py::object& color) {
-  if (!py::isinstance<py::array_t<std::uint16_t>>(depth) || depth.ndim() != 2)
-    throw ps::Error("depth: it is " + text_of(depth) +
-                    ", expected uint16 counts of shape (height, width)");
-  // Rows may stand apart, as those of a part of an image do; pixels may not.
-  py::array rows = depth;
-  const auto size = static_cast<py::ssize_t>(sizeof(std::uint16_t));
-  if (rows.strides(1) != size || rows.strides(0) < rows.shape(1) * size ||
-      rows.strides(0) % size != 0)
-    rows = py::array_t<std::uint16_t, py::array::c_style | py::array::forcecast>(depth);
+  const Input given(depth, "depth");
+  const bool is_counts = given.is('u', 2);
+  if ((!is_counts && !given.is('f', 4) && !given.is('f', 8)) || given.info.ndim != 2)
+    given.fail("uint16 counts or float meters of shape (height, width)");
+  if (!is_counts && depth_unit) throw ps::Error("depth_unit: depth is in meters, expected no unit");
   ps::DepthImage image;
-  image.counts = static_cast<const std::uint16_t*>(rows.data());
-  image.row_stride = static_cast<std::size_t>(rows.strides(0) / size);
-  image.camera.width = static_cast<int>(rows.shape(1));
-  image.camera.height = static_cast<int>(rows.shape(0));
+  std::vector<std::uint16_t> counts;
+  std::vector<float> meters;
+  if (is_counts) {
+    image.counts = given.rows<std::uint16_t>(image.row_stride);
+    if (image.counts == nullptr) image.counts = (counts = given.values<std::uint16_t>()).data();
+  } else {
+    if (given.is('f', 4)) image.meters = given.rows<float>(image.row_stride);
+    if (image.meters == nullptr) image.meters = (meters = given.values<float>()).data();
+  }
+  image.camera.width = static_cast<int>(given.info.shape[1]);
+  image.camera.height = static_cast<int>(given.info.shape[0]);
   std::tie(image.camera.fx, image.camera.fy, image.camera.cx, image.camera.cy) =
       std::tuple_cat(intrinsics);
   if (distortion) {
@@ -96,52 +54,60 @@ ps::Frame depth_frame(const py::array& depth,
                                   : ps::Distortion::inverse_brown_conrady;
     image.camera.coefficients = *distortion;
   }
-  image.unit_m = depth_unit;
+  image.unit_m = depth_unit.value_or(0.001);
   image.gravity = gravity_of(gravity);
-  py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast> rgb;
+  std::vector<std::uint8_t> rgb;
   if (!color.is_none()) {
-    const py::array given = py::array::ensure(color);
-    if (!given || !py::isinstance<py::array_t<std::uint8_t>>(given) || given.ndim() != 3 ||
-        given.shape(0) != rows.shape(0) || given.shape(1) != rows.shape(1) || given.shape(2) != 3)
-      throw ps::Error("color: it is " + (given ? text_of(given) : std::string("no array")) +
-                      ", expected uint8 RGB on the pixels of depth");
-    rgb = given;
+    const Input of(color, "color");
+    if (!of.is('u', 1) || of.info.ndim != 3 || of.info.shape[0] != given.info.shape[0] ||
+        of.info.shape[1] != given.info.shape[1] || of.info.shape[2] != 3)
+      of.fail("uint8 RGB on the pixels of depth");
+    rgb = of.values<std::uint8_t>();
     image.color.rgb = rgb.data();
     image.color.aligned = true;
   }
   return image;
 }
 
-ps::Frame cloud_frame(const py::array& points, const py::object& gravity) {
-  if (points.ndim() != 2 || points.shape(1) != 3 ||
-      std::string("fiu").find(points.dtype().kind()) == std::string::npos)
-    throw ps::Error("points: they are " + text_of(points) +
-                    ", expected metres of shape (points, 3)");
-  const py::array_t<double, py::array::c_style | py::array::forcecast> xyz(points);
+/// Points (n, 3), or organized as (height, width, 3): the frame has them as n.
+ps::Frame cloud_frame(const py::object& points, const py::object& gravity) {
+  const Input given(points, "points");
+  if ((given.info.ndim != 2 && given.info.ndim != 3) || given.info.shape.back() != 3 ||
+      given.kind == 0)
+    given.fail("meters of shape (points, 3) or (height, width, 3)");
+  const std::vector<double> xyz = given.values<double>();
   ps::PointCloud cloud;
   cloud.xyz = xyz.data();
-  cloud.size = static_cast<std::size_t>(xyz.shape(0));
+  cloud.size = xyz.size() / 3;
   cloud.gravity = gravity_of(gravity);
   const py::gil_scoped_release released;
   return cloud;
 }
 
-py::object depth_of(const py::object& self) {
-  const auto& frame = self.cast<const ps::Frame&>();
-  if (frame.is_cloud()) return py::none();
-  return view_of(frame.depth().counts, shape_of(frame), self);
+template <typename T>
+py::object or_none(bool holds, const T& make) {
+  return holds ? py::cast(make()) : py::none();
 }
 
-py::object color_of(const py::object& self) {
-  const ps::ColorImage color = self.cast<const ps::Frame&>().depth().color;
-  if (color.rgb == nullptr) return py::none();
-  return view_of(color.rgb, {color.camera.height, color.camera.width, 3}, self);
+py::object depth_of(const ps::Frame& frame) {
+  const ps::Camera camera = frame.depth().camera;
+  return or_none(!frame.is_cloud(), [&] {
+    return view_of(frame.depth().counts, {camera.height, camera.width}, frame);
+  });
+}
+
+py::object color_of(const ps::Frame& frame) {
+  const ps::ColorImage color = frame.depth().color;
+  return or_none(color.rgb != nullptr, [&] {
+    return view_of(color.rgb, {color.camera.height, color.camera.width, 3}, frame);
+  });
 }
 
 py::object intrinsics_of(const ps::Camera& camera) {
-  if (camera.fx == 0) return py::none();
-  const std::array<double, 9> k = {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
-  return Vectors({3, 3}, k.data());
+  return or_none(camera.fx != 0, [&] {
+    return array_of<double>(
+        std::vector<double>{camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1}, {3, 3});
+  });
 }
 
 py::object gravity_tuple(const std::optional<ps::Gravity>& gravity) {
@@ -149,7 +115,7 @@ py::object gravity_tuple(const std::optional<ps::Gravity>& gravity) {
   return py::make_tuple(vector_of(gravity->direction), gravity->source, gravity->confidence);
 }
 
-// Planes.
+// ---- Planes ----
 
 const char* name_of(ps::Label label) {
   return label == ps::Label::h ? "h" : label == ps::Label::v ? "v" : "unknown";
@@ -216,22 +182,17 @@ py::tuple mesh_of(const ps::Result& result, int id) {
     const py::gil_scoped_release released;
     mesh = result.mesh(id);
   }
-  py::array_t<int> triangles({static_cast<py::ssize_t>(mesh.triangles.size()), py::ssize_t{3}});
-  if (!mesh.triangles.empty())
-    std::copy_n(mesh.triangles[0].data(), mesh.triangles.size() * 3, triangles.mutable_data());
-  return py::make_tuple(rows_of(mesh.vertices), triangles);
+  return py::make_tuple(rows_of(mesh.vertices), array_of<int>(std::move(mesh.triangles)));
 }
 
-py::array points_of(const ps::Result& result) {
-  std::vector<py::ssize_t> shape = shape_of(result.frame());
-  shape.push_back(3);
-  auto* kept = new std::vector<ps::Vec3>();
+Array points_of(const ps::Result& result, Shape shape) {
+  std::vector<ps::Vec3> points;
   {
     const py::gil_scoped_release released;
-    *kept = result.points();
+    points = result.points();
   }
-  const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<ps::Vec3>*>(p); });
-  return py::array(py::dtype::of<double>(), shape, kept->data(), owner);
+  shape.push_back(3);
+  return array_of<double>(std::move(points), std::move(shape));
 }
 
 py::dict counts_of(const ps::Result& result) {
@@ -258,8 +219,21 @@ py::dict timings_of(const ps::Result& result) {
   return dict;
 }
 
+py::tuple map_of(const ps::Map& made) {
+  std::vector<ps::Transform> poses = made.T_world_camera;
+  const auto count = static_cast<py::ssize_t>(poses.size());
+  py::dict planes;
+  for (const auto& [frame, png] : made.planes_png) planes[py::int_(frame)] = py::bytes(png);
+  return py::make_tuple(py::bytes(made.map_json), py::bytes(made.tracks_json),
+                        py::bytes(made.poses_tum), made.pose_frames,
+                        array_of<double>(std::move(poses), {count, 4, 4}), made.told, planes);
+}
+
 // A node as a record.
 struct NodeRecord {
+  static constexpr const char* kFormat =
+      "T{i:parent:i:depth:i:case:I:voxels:I:voxels_h:4x(8,3)d:corners:i:queued:i:visited:i:decided:"
+      "4x}";
   std::int32_t parent, depth, node_case;
   std::uint32_t voxels, voxels_h;
   std::array<std::array<double, 3>, 8> corners;
@@ -278,13 +252,7 @@ std::vector<NodeRecord> records_of(const std::vector<ps::Node>& nodes) {
 }  // namespace
 
 PYBIND11_MODULE(_core, m) {
-  PYBIND11_NUMPY_DTYPE_EX(ps::Event, type, "type", node_case, "case", stage, "stage", label,
-                          "label", node, "node", plane, "plane", other, "other", point, "point",
-                          value, "value");
-  PYBIND11_NUMPY_DTYPE_EX(NodeRecord, parent, "parent", depth, "depth", node_case, "case", voxels,
-                          "voxels", voxels_h, "voxels_h", corners, "corners", queued, "queued",
-                          visited, "visited", decided, "decided");
-  // A message may name a file whose name is no UTF-8.
+  // A message may contain a file name that is not valid UTF-8.
   static py::exception<ps::Error> error_type(m, "Error", PyExc_ValueError);
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
@@ -296,10 +264,16 @@ PYBIND11_MODULE(_core, m) {
   });
   m.attr("__version__") = PLANESCOPE_VERSION;
 
+  py::class_<Array>(m, "Array", py::buffer_protocol()).def_buffer([](const Array& array) {
+    return array.buffer();
+  });
+
   py::class_<ps::Frame>(m, "Frame")
       .def(py::init(&depth_frame), py::arg("depth"), py::arg("intrinsics"), py::arg("distortion"),
            py::arg("distortion_model"), py::arg("depth_unit"), py::arg("gravity"), py::arg("color"))
-      .def_static("of_points", &cloud_frame, py::arg("points"), py::arg("gravity") = py::none())
+      .def_static("of_points", &cloud_frame, py::arg("points"), py::arg("gravity"))
+      .def("to_bytes", [](const ps::Frame& frame) { return py::bytes(frame.bytes()); })
+      .def_static("of_bytes", &ps::Frame::from_bytes)
       .def_property_readonly("index", &ps::Frame::index)
       .def_property_readonly("name", [](const ps::Frame& frame) { return py::bytes(frame.name()); })
       .def_property_readonly("size", &ps::Frame::size)
@@ -310,10 +284,12 @@ PYBIND11_MODULE(_core, m) {
             return names[static_cast<int>(frame.depth().camera.distortion)];
           })
       .def_property_readonly("distortion",
-                             [](const ps::Frame& frame) -> py::object {
+                             [](const ps::Frame& frame) {
                                const ps::Camera camera = frame.depth().camera;
-                               if (camera.distortion == ps::Distortion::none) return py::none();
-                               return Vectors(5, camera.coefficients.data());
+                               const auto& k = camera.coefficients;
+                               return or_none(camera.distortion != ps::Distortion::none, [&] {
+                                 return array_of<double>(std::vector(k.begin(), k.end()));
+                               });
                              })
       .def_property_readonly("timestamp_s", &ps::Frame::timestamp_s)
       .def_property_readonly("is_cloud", &ps::Frame::is_cloud)
@@ -379,20 +355,16 @@ PYBIND11_MODULE(_core, m) {
   py::class_<ps::Result>(m, "Result")
       .def_property_readonly("frame", &ps::Result::frame)
       .def("planes", &planes_of)
-      .def_property_readonly("labels",
-                             [](const py::object& self) {
-                               const auto& result = self.cast<const ps::Result&>();
-                               return view_of(result.plane_of().data(), shape_of(result.frame()),
-                                              self);
-                             })
-      .def_property_readonly("inclination",
-                             [](const py::object& self) {
-                               const auto& result = self.cast<const ps::Result&>();
-                               return view_of(
-                                   reinterpret_cast<const std::uint8_t*>(result.label_of().data()),
-                                   shape_of(result.frame()), self);
-                             })
-      .def_property_readonly("points", &points_of)
+      .def("labels",
+           [](const ps::Result& result, const Shape& shape) {
+             return view_of(result.plane_of().data(), shape, result);
+           })
+      .def("inclination",
+           [](const ps::Result& result, const Shape& shape) {
+             const ps::Label* labels = result.label_of().data();
+             return view_of(reinterpret_cast<const std::uint8_t*>(labels), shape, result);
+           })
+      .def("points", &points_of)
       .def("mesh", &mesh_of)
       .def_property_readonly(
           "gravity", [](const ps::Result& result) { return gravity_tuple(result.gravity()); })
@@ -406,24 +378,25 @@ PYBIND11_MODULE(_core, m) {
 
   py::class_<ps::Trace>(m, "Trace")
       .def("steps", &ps::Trace::steps)
+      .def_property_readonly("events",
+                             [](const ps::Trace& trace) {
+                               const ps::View<ps::Event> events = trace.events();
+                               return view_of(events.data(),
+                                              {static_cast<py::ssize_t>(events.size())}, trace);
+                             })
       .def_property_readonly(
-          "events",
-          [](const py::object& self) {
-            const ps::View<ps::Event> events = self.cast<const ps::Trace&>().events();
-            return view_of(events.data(), {static_cast<py::ssize_t>(events.size())}, self);
-          })
-      .def_property_readonly(
-          "nodes", [](const ps::Trace& trace) { return array_of(records_of(trace.nodes())); })
+          "nodes",
+          [](const ps::Trace& trace) { return array_of<NodeRecord>(records_of(trace.nodes())); })
       .def_static("stages", &ps::Trace::stages)
       .def("describe", &ps::Trace::describe)
       .def("plane_of",
-           [](const ps::Trace& trace, int step) {
+           [](const ps::Trace& trace, int step, Shape shape) {
              std::vector<std::int32_t> planes;
              {
                const py::gil_scoped_release released;
                planes = trace.plane_of(step);
              }
-             return array_of(std::move(planes));
+             return array_of<std::int32_t>(std::move(planes), std::move(shape));
            })
       .def("plane_at",
            [](const ps::Trace& trace, int step, std::size_t i) { return trace.plane_of(step, i); })
@@ -438,21 +411,34 @@ PYBIND11_MODULE(_core, m) {
   m.def(
       "make_map",
       [](const ps::Recording& recording, const ps::Segmenter& segmenter, const std::string& poses,
-         double window_m, const std::vector<int>& frames) {
-        const auto made = [&] {
+         double window_m, const std::vector<int>& frames,
+         const std::map<int, ps::Transform>& T_world_camera) {
+        const ps::Map made = [&] {
           const py::gil_scoped_release others_run;
-          return ps::make_map(recording, segmenter, {poses, window_m, frames});
+          return ps::make_map(recording, segmenter, {poses, window_m, frames, T_world_camera});
         }();
-        Vectors poses_of(
-            {static_cast<py::ssize_t>(made.T_world_camera.size()), py::ssize_t{4}, py::ssize_t{4}});
-        for (std::size_t i = 0; i < made.T_world_camera.size(); ++i)
-          std::copy_n(made.T_world_camera[i].data(), 16, poses_of.mutable_data() + 16 * i);
-        py::dict planes;
-        for (const auto& [frame, png] : made.planes_png) planes[py::int_(frame)] = py::bytes(png);
-        return py::make_tuple(py::bytes(made.map_json), py::bytes(made.tracks_json),
-                              py::bytes(made.poses_tum), made.pose_frames, poses_of, made.told,
-                              planes);
+        return map_of(made);
       },
       py::arg("recording"), py::arg("segmenter"), py::arg("poses"), py::arg("window_m"),
-      py::arg("frames"));
+      py::arg("frames"), py::arg("T_world_camera"));
+
+  py::class_<ps::Mapper>(m, "Mapper")
+      .def(py::init<const ps::Segmenter&, double>())
+      .def("add",
+           [](ps::Mapper& mapper, const ps::Frame& frame, const ps::Transform& T_world_camera) {
+             const ps::MappedFrame added = [&] {
+               const py::gil_scoped_release released;
+               return mapper.add(frame, T_world_camera);
+             }();
+             return py::make_tuple(added.result, added.tracks, transform_of(added.T_world_camera),
+                                   added.set_aside);
+           })
+      .def("size", &ps::Mapper::size)
+      .def("map", [](const ps::Mapper& mapper) {
+        const ps::Map made = [&] {
+          const py::gil_scoped_release released;
+          return mapper.map();
+        }();
+        return map_of(made);
+      });
 }

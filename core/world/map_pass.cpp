@@ -133,13 +133,6 @@ planes::FrameThreads threads_of(const MapJob& job, int frames) {
   return planes::threads_for_frames(options, frames);
 }
 
-std::vector<const Track*> sure_tracks(const Tracker& tracker, int segment) {
-  std::vector<const Track*> sure;
-  for (const Track& track : tracker.tracks())
-    if (track.segment == segment && track.is_sure(tracker.options())) sure.push_back(&track);
-  return sure;
-}
-
 /// Starts each frame of a job, finds its planes, observes them and adds them to the tracker.
 class Passage {
  public:
@@ -308,6 +301,13 @@ class Passage {
 };
 
 }  // namespace
+
+std::vector<const Track*> sure_tracks(const Tracker& tracker, int segment) {
+  std::vector<const Track*> sure;
+  for (const Track& track : tracker.tracks())
+    if (track.segment == segment && track.is_sure(tracker.options())) sure.push_back(&track);
+  return sure;
+}
 
 std::vector<const CameraPose*> poses_by_frame(const MapJob& job, const UprightPoses& upright) {
   std::vector<const CameraPose*> poses;

@@ -124,6 +124,9 @@ inline void report_progress(const MapJob& job, const char* what, int done, int a
 /// The pose of each frame of the job; null if it has none.
 std::vector<const CameraPose*> poses_by_frame(const MapJob& job, const UprightPoses& upright);
 
+/// The tracks of a segment that a map holds: candidates for its next frame.
+std::vector<const Track*> sure_tracks(const Tracker& tracker, int segment);
+
 /// Candidates for each frame: none, the tracks so far, or all tracks of an earlier pass.
 enum class Offer { nothing, so_far, all };
 

@@ -103,6 +103,60 @@ TEST(Library, APartOfAnImageIsSegmentedWhereItLies) {
   EXPECT_EQ(result.planes().size(), 3U);
 }
 
+TEST(Library, DepthInMetersIsStoredWithoutLossThatMatters) {
+  Step step;
+  std::vector<float> meters;
+  for (const std::uint16_t count : step.counts) meters.push_back(0.001f * count);
+  meters[0] = std::nanf("");
+  ps::DepthImage image = step.image;
+  image.counts = nullptr;
+  image.meters = meters.data();
+  EXPECT_EQ(ps::Frame(image).bytes(), ps::Frame(step.image).bytes());
+  for (float& z : meters) z *= 1.00037f;  // no whole number of units any more
+  meters[1] = 100;                        // farther than counts go
+  const ps::Frame frame(image);
+  const ps::DepthImage stored = frame.depth();
+  EXPECT_EQ(stored.counts[1], 65535);
+  for (std::size_t i = 2; i < meters.size(); ++i)
+    ASSERT_NEAR(stored.counts[i] * stored.unit_m, meters[i], 4e-5) << i;
+}
+
+TEST(Library, AFrameIsTheSameAfterItsBytes) {
+  const ps::Recording recording(PLANESCOPE_SAMPLE);
+  const ps::Frame frame = recording[1];
+  const std::string bytes = frame.bytes();
+  const ps::Frame again = ps::Frame::from_bytes(bytes);
+  EXPECT_EQ(again.bytes(), bytes);
+  EXPECT_EQ(ps::segment(again).json(), ps::segment(frame).json());
+  const std::string damaged = "frame: damaged bytes; expected those of Frame::bytes()";
+  for (const std::string& wrong :
+       {std::string(), bytes.substr(1), bytes.substr(0, bytes.size() - 1), bytes + "x"})
+    EXPECT_EQ(error_of([&] { ps::Frame::from_bytes(wrong); }), damaged);
+}
+
+TEST(Library, AMapperFollowsPlanesFromFrameToFrame) {
+  const Step step;
+  // The camera looks along x.
+  ps::Transform pose = {0, 0, 1, 0, -1, 0, 0, 0, 0, -1, 0, 0.3, 0, 0, 0, 1};
+  ps::Mapper mapper(ps::Segmenter(), 6);
+  EXPECT_EQ(error_of([&] { mapper.map(); }), "map: it has no frames, expected some from add()");
+  EXPECT_EQ(
+      error_of([&] { mapper.add(step.image, ps::kIdentity); }),
+      "pose of frame 0: expected a world whose z points up: the frame's gravity is 90 deg off");
+  std::vector<int> tracks;
+  for (int i = 0; i < 4; ++i) {
+    const ps::MappedFrame added = mapper.add(step.image, pose);
+    EXPECT_FALSE(added.set_aside);
+    ASSERT_EQ(added.tracks.size(), added.result.planes().size());
+    if (i == 0) tracks = added.tracks;
+    EXPECT_EQ(added.tracks, tracks);
+  }
+  EXPECT_EQ(mapper.size(), 4);
+  const ps::Map map = mapper.map();
+  EXPECT_EQ(map.pose_frames, (std::vector{0, 1, 2, 3}));
+  EXPECT_NE(map.map_json.find("\"seen\": 4"), std::string::npos) << map.map_json;
+}
+
 TEST(Library, SaysWhatIsWrongInOneLine) {
   const Step step;
   const auto with = [&](const std::function<void(ps::DepthImage&)>& change) {

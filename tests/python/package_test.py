@@ -2,6 +2,8 @@
 
 import json
 import os
+import pickle
+import re
 import subprocess
 import sys
 import tempfile
@@ -14,11 +16,14 @@ import numpy as np
 
 import planescope as ps
 
+sys.path.insert(0, "python/examples")
+import live_loop  # noqa: E402
+
 SAMPLE = "assets/sample"
 
 
 def step_image():
-    """A level camera 30 cm above a floor, with a step of 15 cm 1 m ahead."""
+    """A level camera 30 cm above a floor; a step of 15 cm, 1 m ahead."""
     down = np.repeat((np.arange(240)[:, None] - 119.5) / 300, 424, axis=1)
     with np.errstate(divide="ignore"):
         z = np.where(down > 0.3, 0.3 / down, np.where(down > 0.15, 1.0, 0.15 / down))
@@ -28,7 +33,17 @@ def step_image():
 K = np.array([[300, 0, 211.5], [0, 300, 119.5], [0, 0, 1]])
 
 
-@unittest.skipUnless("PLANESCOPE_PROGRAM" in os.environ, "there is no program")
+class Interface:
+    """An array as libraries without numpy have it: __array_interface__ alone."""
+
+    def __init__(self, array, as_bytes=False):
+        self.kept = array
+        self.__array_interface__ = dict(array.__array_interface__)
+        if as_bytes:
+            self.__array_interface__["data"] = array.tobytes()
+
+
+@unittest.skipUnless("PLANESCOPE_PROGRAM" in os.environ, "PLANESCOPE_PROGRAM is not set")
 class Maps(unittest.TestCase):
     """A walk of 40 small frames."""
 
@@ -67,8 +82,60 @@ class Maps(unittest.TestCase):
         self.assertEqual(made.planes_png, stored)
         again = ps.make_map(ps.Recording(self.walk), poses=out / "poses.tum", frames=[1, 3])
         self.assertEqual(sorted(again.track_of_plane), [1, 3])
+        self.assertEqual(pickle.loads(pickle.dumps(again)), again)
 
-    def test_what_cannot_be_mapped_is_told(self):
+    def test_take_poses_as_arrays(self):
+        recording = ps.Recording(self.walk)
+        made = ps.make_map(recording, frames=range(12))
+        poses = np.stack([made.T_world_camera[frame] for frame in range(12)])
+        of_array = ps.make_map(recording, poses=poses, frames=range(12))
+        self.assertEqual(sorted(of_array.T_world_camera), list(range(12)))
+        self.assertGreater(len(of_array.planes), 3)
+        self.assertEqual(of_array, ps.make_map(recording, poses=made.T_world_camera, frames=range(12)))
+        for wrong, why in (
+            (poses[:3], re.escape("poses: it has shape (3, 4, 4), expected (12, 4, 4)")),
+            (2 * poses, "pose of frame 0: it is no rigid transform"),
+            ({50: poses[0]}, "frame 50, it has 40"),
+            ({}, "there are none"),
+        ):
+            with self.assertRaisesRegex(ps.Error, why):
+                ps.make_map(recording, poses=wrong, frames=range(12))
+
+    def test_grow_frame_by_frame(self):
+        mapper, again = ps.Mapper(), ps.Mapper(threads=2)
+        with self.assertRaisesRegex(ps.Error, "no frames"):
+            mapper.map()
+        for depth, pose in live_loop.camera(8):
+            added = mapper.add(ps.Frame(depth, live_loop.K), pose)
+            again.add(ps.Frame(depth, live_loop.K), pose)
+            self.assertFalse(added.set_aside)
+            self.assertEqual(len(added.tracks), len(added.result.planes))
+            np.testing.assert_allclose(added.T_world_camera, pose, atol=0.01)
+        grown = mapper.map()
+        self.assertEqual(len(mapper), 8)
+        self.assertEqual(grown.track_of_plane[7], added.tracks)
+        self.assertEqual(pickle.loads(pickle.dumps(added)), added)
+        # A floor, a step of 15 cm, and its riser at x = 1 m.
+        levels = sorted(plane.offset_m for plane in grown.planes if plane.label == "h")
+        np.testing.assert_allclose(levels, [0, 0.15], atol=0.005)
+        (riser,) = (plane for plane in grown.planes if plane.label == "v")
+        np.testing.assert_allclose(riser.normal, [-1, 0, 0], atol=0.05)
+        self.assertAlmostEqual(riser.centroid[0], 1, places=2)
+        self.assertEqual(again.map(), grown)
+
+    def test_need_a_world_whose_z_points_up(self):
+        frame = ps.Recording(self.walk)[0]
+        for pose, why in (
+            (np.eye(4), "expected a world whose z points up"),
+            (np.diag([2, 2, 2, 1]), "pose of frame 0: it is no rigid transform"),
+            (np.eye(3), re.escape("pose: it has shape (3, 3), expected a 4x4 matrix")),
+        ):
+            with self.assertRaisesRegex(ps.Error, why):
+                ps.Mapper().add(frame, pose)
+        with self.assertRaisesRegex(ps.Error, "point cloud"):
+            ps.Mapper().add(ps.Frame.of_points(np.ones((9, 3))), np.eye(4))
+
+    def test_refuse_invalid_input(self):
         for wrong, why in (
             (dict(frames=[3, 1]), "do not ascend"),
             (dict(frames=[40]), "it has 40 of them"),
@@ -95,27 +162,79 @@ class Segments(unittest.TestCase):
         self.assertEqual(floor.id, labels[239, 200])
         np.testing.assert_allclose(floor.normal, [0, 0, 1], atol=0.01)
 
-    def test_a_part_of_an_image_without_copying_it_first(self):
+    def test_depth_in_any_layout_and_byte_order(self):
         depth = step_image()
-        part_K = K - [[0, 0, 212], [0, 0, 100], [0, 0, 0]]
-        result = ps.segment(depth[100:, 212:], part_K, gravity=(0, 1, 0))
-        np.testing.assert_array_equal(result.frame.depth, depth[100:, 212:])
-        every_second = ps.segment(depth[:, ::-1], K, gravity=(0, 1, 0))  # pixels that run backwards
-        np.testing.assert_array_equal(every_second.frame.depth, depth[:, ::-1])
-        self.assertEqual(len(every_second.planes), 3)
+        expected = ps.Frame(depth, K)
+        for array in (
+            depth.astype(">u2"),
+            np.asfortranarray(depth),
+            depth[::-1, ::-1].copy()[::-1, ::-1],
+            np.pad(depth, 3)[3:-3, 3:-3],
+            np.repeat(depth, 2, axis=1)[:, ::2],
+            memoryview(depth),
+            Interface(depth),
+            Interface(depth.astype(">u2"), as_bytes=True),
+            Interface(depth[:, ::-1].copy()[:, ::-1]),
+        ):
+            self.assertEqual(ps.Frame(array, K), expected)
+
+    def test_depth_in_meters(self):
+        depth = step_image()
+        expected = ps.segment(depth, K, gravity=(0, 1, 0))
+        meters = depth / 1000
+        meters[0, :3] = np.nan, -1, np.inf  # not measured
+        for array in (meters, meters.astype(">f4"), meters.astype("f4")[:, ::-1].copy()[:, ::-1]):
+            result = ps.segment(array, K, gravity=(0, 1, 0))
+            self.assertEqual(result, expected)  # multiples of 1 mm are the same image, to the bit
+        random = np.random.default_rng(1).uniform(0.3, 6.5, depth.shape).astype("f4")
+        frame = ps.Frame(random, K)
+        self.assertLess(frame.depth_unit, 1e-4)
+        np.testing.assert_allclose(frame.depth * frame.depth_unit, random, atol=5e-5)
+        random[0, 0] = 1000  # a stray does not spoil the others
+        frame = ps.Frame(random, K)
+        self.assertEqual(frame.depth[0, 0], 65535)
+        np.testing.assert_allclose((frame.depth * frame.depth_unit)[1:], random[1:], atol=5e-5)
+
+    def test_a_segmenter_called_like_the_function(self):
+        depth = step_image()
+        segmenter = ps.Segmenter(max_range_m=2)
+        self.assertEqual(segmenter(depth, K, gravity=(0, 1, 0)), ps.segment(depth, K, gravity=(0, 1, 0), max_range_m=2))
+        frame = ps.Frame(depth, K, gravity=(0, 1, 0))
+        self.assertEqual(segmenter(frame, gravity="none").planes[0].label, "unknown")
+        self.assertEqual(segmenter(frame, profile="paper"), ps.segment(frame, profile="paper", max_range_m=2))
+        self.assertEqual(segmenter(frame, max_range_m=1.2), ps.segment(frame, max_range_m=1.2))
+        # A call comes before the options.
+        fixed = ps.Segmenter(gravity="none")
+        self.assertEqual(fixed(depth, K, gravity=(0, 1, 0)).gravity.source, "option")
+        self.assertEqual(fixed(depth, K).gravity.source, "none")
+        self.assertEqual(pickle.loads(pickle.dumps(segmenter))(frame), segmenter(frame))
+
+    def test_an_organized_cloud(self):
+        points = ps.segment(step_image(), K, gravity=(0, 1, 0)).points
+        flat = ps.segment_cloud(points.reshape(-1, 3))
+        for organized in (points, np.moveaxis(np.moveaxis(points, 2, 0).copy(), 0, 2), points.astype(">f8")):
+            result = ps.Segmenter().segment_cloud(organized)
+            self.assertEqual(result.labels.shape, (240, 424))
+            self.assertEqual(result.points.shape, (240, 424, 3))
+            self.assertEqual(result.frame.points.shape, (240, 424, 3))
+            np.testing.assert_array_equal(result.labels.ravel(), flat.labels)
+            self.assertEqual(result.json(), flat.json())
+        trace = ps.Segmenter("paper").trace(result.frame)
+        self.assertEqual(trace.plane_of(len(trace)).shape, (240, 424))
 
     def test_a_cloud_of_any_kind_of_numbers(self):
         x, y = np.meshgrid(np.arange(100) / 100, np.arange(100) / 100)
         points = np.stack([x.ravel(), y.ravel(), np.full(x.size, 0.5)], axis=1)
-        for kind in (np.float64, np.float32):
+        for kind in (np.float64, np.float32, ">f4"):
             planes, labels = ps.segment_cloud(points.astype(kind))
             self.assertEqual(len(planes), 1)
             self.assertTrue((labels == 1).all())
         lying = ps.segment_cloud(points[:, [2, 0, 1]], gravity=(1, 0, 0))
         self.assertAlmostEqual(lying.planes[0].tilt_deg, 0, places=3)
         self.assertEqual(ps.segment_cloud(points, gravity="none").planes[0].label, "unknown")
+        self.assertEqual(ps.segment_cloud(points.tolist()), ps.segment_cloud(points))
 
-    @unittest.skipUnless("PLANESCOPE_PROGRAM" in os.environ, "there is no program")
+    @unittest.skipUnless("PLANESCOPE_PROGRAM" in os.environ, "PLANESCOPE_PROGRAM is not set")
     def test_as_the_program_does(self):
         frame = ps.Recording(SAMPLE)[1]
         with tempfile.TemporaryDirectory() as folder:
@@ -139,7 +258,6 @@ class Segments(unittest.TestCase):
         frame = ps.Recording(SAMPLE)[0]
         self.assertEqual(ps.segment(frame).json(), ps.segment(frame, threads=3).json())
 
-
     def test_a_lens_with_distortion(self):
         coefficients = (0.05, -0.1, 0.001, 0.002, 0.03)
         frame = ps.Frame(step_image(), K, gravity=(0, 1, 0), distortion=coefficients)
@@ -151,7 +269,7 @@ class Segments(unittest.TestCase):
         self.assertNotEqual(ps.segment(frame).json(), ps.segment(ps.Frame(step_image(), K, gravity=(0, 1, 0))).json())
         self.assertIsNone(ps.Recording(SAMPLE)[0].distortion)
 
-    def test_gravity_that_is_given_goes_before_what_a_frame_knows(self):
+    def test_a_given_gravity_overrides_the_frames(self):
         frame = ps.Frame(step_image(), K, gravity=(1, 0, 0))
         np.testing.assert_allclose(ps.segment(frame, gravity=(0, 1, 0)).gravity.direction, (0, 1, 0))
 
@@ -194,6 +312,82 @@ class Results(unittest.TestCase):
         # The same memory each time.
         self.assertTrue(np.shares_memory(self.result.labels, self.result.labels))
 
+    def test_compare_and_pickle(self):
+        again = self.segmenter.segment(self.frame)
+        self.assertEqual(again, self.result)
+        self.assertEqual(hash(again), hash(self.result))
+        self.assertEqual(again.planes, self.result.planes)
+        self.assertNotEqual(self.result, ps.segment(self.frame, max_range_m=1.2))
+        self.assertNotEqual(self.result.planes[0], self.result.planes[1])
+        self.assertNotEqual(self.frame, ps.Recording(SAMPLE)[1])
+        for thing in (self.frame, self.result.planes, self.result, self.result.gravity):
+            self.assertEqual(pickle.loads(pickle.dumps(thing)), thing)
+        cloud = ps.segment_cloud(self.result.points[::4, ::4])
+        for result in (self.result, cloud):
+            back = pickle.loads(pickle.dumps(result))
+            self.assertEqual(ps.segment(back.frame), ps.segment(result.frame))
+            np.testing.assert_array_equal(back.points, result.points)
+            np.testing.assert_array_equal(back.mesh(1)[1], result.mesh(1)[1])
+            for name in ("flights", "kerbs", "ramps", "floor", "counts", "timings", "gravity"):
+                self.assertEqual(getattr(back, name), getattr(result, name), name)
+            for format in ("geojson", "obj", "ply", "planar-terrain", "csv", "svg"):
+                self.assertEqual(back.text(format), result.text(format))
+            for call in (lambda r: r.mesh(99), lambda r: r.text("pdf")):
+                messages = []
+                for r in (result, back):
+                    with self.assertRaises(ps.Error) as caught:
+                        call(r)
+                    messages.append(str(caught.exception))
+                self.assertEqual(*messages)
+        with self.assertRaisesRegex(ps.Error, "damaged bytes"):
+            ps._frames._frame_of_bytes(self.frame._core.to_bytes()[:-1], None)
+
+    def test_have_the_facts_of_planes_json(self):
+        footed = ps.segment(self.frame, foot_radius_m=0.08)
+        told = json.loads(footed.json())
+        for plane, facts in zip(footed.planes, told["planes"]):
+            self.assertEqual(plane.surface.slope_deg, facts["surface"]["slope_deg"])
+            np.testing.assert_array_equal(plane.certainty.covariance, facts["certainty"]["covariance"])
+            self.assertEqual(plane.foothold.steppable, plane.steppable)
+            self.assertEqual(plane.foothold.why_not, plane.why_not)
+            self.assertEqual(len(plane.foothold.pieces), len(facts["foot"]["pieces"]))
+        self.assertIsNone(self.result.planes[0].foothold)
+        (flight,) = footed.flights
+        self.assertEqual(len(flight.steps), 4)
+        self.assertAlmostEqual(flight.rise_m, 0.15, places=2)
+        self.assertEqual(flight.steps[1].riser, told["flights"][0]["steps"][1]["riser"])
+        self.assertEqual(flight.steps[0].nosing.shape, (2, 3))
+        with self.assertRaises(AttributeError):
+            flight.rise_m = 1
+        lines = footed.table().splitlines()
+        self.assertEqual(len(lines), 1 + len(footed.planes))
+        self.assertEqual(lines[1].split()[:3], ["1", "h", "0.7"])
+
+    def test_are_drawn(self):
+        from matplotlib import pyplot
+
+        from planescope import plot
+
+        cloud = ps.segment_cloud(self.result.points[::8, ::8])
+        gray = ps.segment(step_image(), K, gravity=(0, 1, 0))
+        for axes in (plot.overlay(self.result, alpha=1), plot.overlay(gray, alpha=1), plot.scene(cloud)):
+            axes.figure.canvas.draw()
+            pixels = np.asarray(axes.figure.canvas.buffer_rgba())[..., :3]
+            of_floor = np.abs(pixels - 255 * np.array(plot.color_of(1))).max(axis=2) < 3
+            self.assertGreater(of_floor.sum(), 100)
+        with self.assertRaisesRegex(ps.Error, "expected a depth image"):
+            plot.overlay(cloud)
+        pyplot.close("all")
+
+    def test_convert_to_open3d(self):
+        try:
+            import open3d  # noqa: F401
+        except ImportError:
+            self.skipTest("python3-open3d is not installed")
+        clouds = self.result.to_open3d()
+        self.assertEqual([len(cloud.points) for cloud in clouds], [plane.points for plane in self.result.planes])
+        np.testing.assert_allclose(np.asarray(clouds[0].normals)[0], self.result.planes[0].normal)
+
     def test_come_about_step_by_step(self):
         trace = self.segmenter.trace(self.frame)
         self.assertEqual(trace.result.json(), self.result.json())
@@ -211,8 +405,7 @@ class Results(unittest.TestCase):
         self.assertEqual(ids, {plane.id for plane in self.result.planes})
         self.assertIn("node 0", trace.describe(1))
 
-    def test_leave_other_threads_running_meanwhile(self):
-        # Two segmentations hold the interpreter's lock for none of their time but little.
+    def test_release_the_interpreter_meanwhile(self):
         ticks, stop = [], threading.Event()
 
         def tick():
@@ -231,7 +424,7 @@ class Results(unittest.TestCase):
             stop.set()
             beside.join()
         during = sum(begin < t < end for t in ticks)
-        # With the lock held it would be one at most between any two calls.
+        # With the lock held, at most one tick would fit between two calls.
         self.assertGreater(during, 10)
 
 
@@ -264,53 +457,6 @@ class Recordings(unittest.TestCase):
         self.assertTrue(frames)
         for frame in frames:
             np.testing.assert_array_equal(frame.depth, frames[0].depth)
-
-
-class BadInput(unittest.TestCase):
-    def expect(self, message, call):
-        with self.assertRaises(ps.Error) as caught:
-            call()
-        self.assertEqual(str(caught.exception), message)
-        self.assertIsInstance(caught.exception, ValueError)
-
-    def test_is_named_in_one_line(self):
-        depth = step_image()
-        self.expect(
-            "depth: it is float64 of shape (240, 424), expected uint16 counts of shape (height, width)",
-            lambda: ps.segment(depth / 1000, K),
-        )
-        self.expect(
-            "depth: it is uint16 of shape (424,), expected uint16 counts of shape (height, width)",
-            lambda: ps.segment(depth[0], K),
-        )
-        self.expect("K: it is not given, expected a 3x3 matrix or fx, fy, cx, cy", lambda: ps.segment(depth))
-        self.expect(
-            "K: it has shape (2, 2), expected a 3x3 matrix or fx, fy, cx, cy",
-            lambda: ps.segment(depth, K[:2, :2]),
-        )
-        self.expect(
-            "K: it is [[300.0, 0.0, 0.0], [0.0, 300.0, 0.0], [211.5, 119.5, 1.0]], "
-            "expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]",
-            lambda: ps.segment(depth, K.T),
-        )
-        self.expect("frame: it is a ndarray, expected a planescope.Frame", lambda: ps.Segmenter().segment(depth))
-        self.expect(
-            "segment: a Frame has its own K, depth_unit, distortion and color",
-            lambda: ps.segment(ps.Frame(depth, K), depth_unit=0.5),
-        )
-        self.expect("gravity: it has shape (2,), expected x, y, z", lambda: ps.segment(depth, K, gravity=(0, 1)))
-        self.expect(
-            "color: it is float64 of shape (240, 424, 3), expected uint8 RGB on the pixels of depth",
-            lambda: ps.segment(depth, K, color=np.zeros((240, 424, 3))),
-        )
-        self.expect(
-            "points: they are float64 of shape (4, 4), expected metres of shape (points, 3)",
-            lambda: ps.segment_cloud(np.eye(4)),
-        )
-        self.expect("point cloud: it has no points", lambda: ps.segment_cloud(np.zeros((0, 3))))
-        self.expect("/nowhere: no such file or folder", lambda: ps.Recording("/nowhere"))
-        with self.assertRaisesRegex(ps.Error, "theta_n_out"):
-            ps.segment(depth, K, theta_n_ou=3)
 
 
 if __name__ == "__main__":

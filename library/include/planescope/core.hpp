@@ -91,11 +91,15 @@ struct ColorImage {
   Transform T_color_depth = kIdentity;
 };
 
+/// Pixels as counts or in meters. Meters are stored as counts: of 1, 0.2 or 0.1 mm where these give
+/// every pixel, otherwise of farthest / 65534, so that a pixel moves by at most half of that
+/// (0.05 mm in 6.5 m). Beyond 65.534 m they are invalid.
 struct DepthImage {
   const std::uint16_t* counts = nullptr;  // [height * width] of the camera; 0: not measured
+  const float* meters = nullptr;          // instead of counts; 0, negative, NaN: not measured
   Camera camera;
-  double unit_m = 0.001;        // metres per count
-  std::size_t row_stride = 0;   // from one row to the next, in counts; 0: the width
+  double unit_m = 0.001;        // meters per count
+  std::size_t row_stride = 0;   // from one row to the next, in pixels; 0: the width
   std::optional<Vec3> gravity;  // where things fall, in the sensor's frame, of any length;
                                 // nothing: it is estimated from the image
   ColorImage color;
@@ -137,6 +141,10 @@ class PLANESCOPE_API Frame {
   /// Of a cloud, in its order. Of a depth image: none.
   std::vector<Vec3> points() const;
   std::optional<Gravity> gravity() const;  // as its recording tells
+  /// All of the frame, for another process that runs this version of the library.
+  std::string bytes() const;
+  /// The frame of these bytes(). Throws Error if they are damaged or of another version.
+  static Frame from_bytes(const std::string& bytes);
 
  private:
   friend struct detail::Access;

@@ -83,6 +83,7 @@ struct MapOptions {
                             // says, else from its images
   double window_m = 0;      // edge of the cube about the camera that the map is held in; 0: none
   std::vector<int> frames;  // ascending; empty: all
+  std::map<int, Transform> T_world_camera;  // by frame, instead of a file of poses
 };
 
 /// Planes of the world, and which plane of which frame is which. World: z up [m].
@@ -100,6 +101,33 @@ struct Map {
 PLANESCOPE_API Map make_map(const Recording& recording,
                             const Segmenter& segmenter = Segmenter(),
                             const MapOptions& options = MapOptions());
+
+/// One frame of a Mapper.
+struct MappedFrame {
+  Result result;
+  std::vector<int> tracks;   // by plane id - 1; 0: none
+  Transform T_world_camera;  // aligned with the map so far
+  bool set_aside = false;    // depth and pose do not fit the map; the map ignores the frame
+};
+
+/// A map of frames as they arrive, each with the pose of its camera in a world whose z points up.
+/// Earlier frames help to find the planes of later ones. Copies share the map; threads take turns.
+class PLANESCOPE_API Mapper {
+ public:
+  /// `window_m`: edge of the cube about the camera that the map is held in; 0: no limit.
+  explicit Mapper(const Segmenter& segmenter = Segmenter(), double window_m = 0);
+  /// Throws Error if the frame is a cloud, the pose is not rigid, or the first frame clearly shows
+  /// that gravity does not point along -z.
+  MappedFrame add(const Frame& frame, const Transform& T_world_camera);
+  int size() const;  // frames
+  /// The map of all frames so far, numbered in the order of add(). Error: there are none.
+  /// Its planes_png is empty.
+  Map map() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
 
 }  // namespace v0
 }  // namespace planescope

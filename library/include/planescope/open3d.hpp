@@ -41,7 +41,7 @@ inline Frame from_open3d(const open3d::geometry::PointCloud& cloud,
   return points;
 }
 
-/// Depth of one channel: 16-bit counts of `unit_m`, or floats [m], which are rounded to it.
+/// Depth of one channel: 16-bit counts of `unit_m`, or floats [m].
 inline Frame from_open3d(const open3d::geometry::Image& depth,
                          const open3d::camera::PinholeCameraIntrinsic& camera,
                          double unit_m = 0.001,
@@ -66,17 +66,10 @@ inline Frame from_open3d(const open3d::geometry::Image& depth,
   image.camera.cy = centre.second;
   image.unit_m = unit_m;
   image.gravity = gravity;
-  std::vector<std::uint16_t> counts;
-  if (depth.bytes_per_channel_ == 2) {
+  if (depth.bytes_per_channel_ == 2)
     image.counts = reinterpret_cast<const std::uint16_t*>(depth.data_.data());
-  } else {
-    const auto* metres = reinterpret_cast<const float*>(depth.data_.data());
-    for (std::size_t i = 0; i < depth.data_.size() / sizeof(float); ++i) {
-      const double count = std::round(static_cast<double>(metres[i]) / unit_m);
-      counts.push_back(count > 0 && count < 65535 ? static_cast<std::uint16_t>(count) : 0);
-    }
-    image.counts = counts.data();
-  }
+  else
+    image.meters = reinterpret_cast<const float*>(depth.data_.data());
   return image;
 }
 
