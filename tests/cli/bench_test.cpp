@@ -104,7 +104,7 @@ TEST(BenchClassifier, ARecordingWithoutGravityIsNamedBeforeAnythingIsMeasured) {
   EXPECT_EQ(ran.code, 2);
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
   EXPECT_NE(ran.err.find("rec: "), std::string::npos) << ran.err;
-  EXPECT_NE(ran.err.find("holds no depth"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("contains no depth"), std::string::npos) << ran.err;
   EXPECT_EQ(ran.out, "");
 }
 

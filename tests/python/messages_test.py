@@ -12,7 +12,7 @@ sections = {part.split("\n")[0]: part for part in listed.split("\n### ")[1:]}
 for section, message in [
     ("Recordings and clouds", "…: the recording does not say its camera intrinsics; …"),
     ("Recordings and clouds", "cannot be unpacked into the folder for temporary files"),
-    ("Gravity and cameras", "gravity cannot be told from the scene"),
+    ("Gravity and cameras", "gravity cannot be estimated from the scene"),
     ("The library, and Python", "depth image: it has no pixels"),
     ("The library, and Python", "K: it has shape …, expected a 3x3 matrix or fx, fy, cx, cy"),
     ("The command line", "segment needs -o DIR: Output folder"),

@@ -52,7 +52,7 @@ bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options) {
 }
 
 double area_per_point(const PlaneFit& fit) {
-  // A rectangle's variances are its squared sides over 12.
+  // The variances of a rectangle are its squared sides over 12.
   return 12 * std::sqrt(fit.eigenvalues[1] * fit.eigenvalues[2]) / (fit.count * fit.count);
 }
 
