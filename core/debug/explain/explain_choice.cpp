@@ -1,5 +1,6 @@
-// Which plane a candidate joined, and why none of the others: Sun et al. 2023, Sec. IV-C, or the
-// objective. Which plane a leftover point went to: its last paragraph.
+// Explains which plane a candidate joined and why it did not join the others (Sun et al. 2023,
+// Sec. IV-C, or the objective), and which plane a leftover point was assigned to (last paragraph
+// of Sec. IV-C).
 
 #include <fmt/format.h>
 
@@ -21,7 +22,7 @@ PartnerReport report_of(const planes::Pair& pair, const planes::SegmentOptions& 
           .cost = pair.terms.offset_m};
 }
 
-/// Repeats a choice: the planes that it asks about, and the partner that it takes.
+/// Repeats a choice, recording the compared planes and the chosen partner.
 template <typename Choose>
 std::vector<PartnerReport> partners_asked(const planes::SegmentOptions& options, Choose choose) {
   std::vector<PartnerReport> partners;
@@ -33,7 +34,7 @@ std::vector<PartnerReport> partners_asked(const planes::SegmentOptions& options,
   return partners;
 }
 
-/// The planes behind the one that was taken first: the choice never came to them.
+/// Appends the planes after the accepted one, which the choice did not evaluate.
 void append_never_asked(const planes::SegmentState& state,
                         const planes::Candidate& candidate,
                         std::vector<PartnerReport>& partners) {
@@ -57,7 +58,7 @@ std::vector<PartnerReport> partners_in_list(const planes::SegmentState& state,
   return partners;
 }
 
-/// The chosen one, coplanar ones by cost, the nearest misses, what was never asked.
+/// Sorts: the chosen one, coplanar ones by cost, the nearest misses, then those not evaluated.
 void sort_for_reading(std::vector<PartnerReport>& partners) {
   const auto key = [](const PartnerReport& p) {
     return std::tuple(!p.chosen, p.never_asked, !p.coplanar,
@@ -112,7 +113,7 @@ MergeReport explain_founded(const Run& run, std::int32_t step) {
           .outcome = "created " + plane_name(run, event.plane)};
 }
 
-/// Two regions that touch, or that something hides from each other.
+/// Two regions that touch, or that are separated by an occlusion.
 MergeReport explain_join(const Run& run, std::int32_t step) {
   const planes::TraceEvent& event = *run.event_at(step);
   const planes::PlaneChange& plane = *run.timeline.plane_at(event.plane, step - 1);
@@ -135,7 +136,7 @@ MergeReport explain_join(const Run& run, std::int32_t step) {
   return report;
 }
 
-/// The planes that stand, with how far they are from the point.
+/// The planes alive at this step, with their distances from the point.
 std::vector<LeftoverPlane> planes_beside(const planes::SegmentState& state,
                                          std::uint32_t i,
                                          double limit_m,
@@ -151,10 +152,10 @@ std::vector<LeftoverPlane> planes_beside(const planes::SegmentState& state,
 std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::uint32_t i) {
   StateWalk walk(run);
   const planes::SegmentState& state = walk.advance_to(step - 1);
-  if (run.segment_options.by_objective()) {  // the plane in reach that explains it best
+  if (run.segment_options.by_objective()) {  // the plane in reach that explains the point best
     const double limit_m = state.noise.tau(0);
     std::vector<LeftoverPlane> rows =
-        planes_beside(state, i, limit_m, "another explains it better");
+        planes_beside(state, i, limit_m, "another plane explains it better");
     for (LeftoverPlane& row : rows) {
       row.considered = true;
       row.chosen = row.plane == run.event_at(step)->plane;
@@ -164,7 +165,7 @@ std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::ui
     return rows;
   }
   std::vector<LeftoverPlane> rows =
-      planes_beside(state, i, state.options.leftover_distance_m, "an earlier plane took it");
+      planes_beside(state, i, state.options.leftover_distance_m, "an earlier plane claimed it");
   const planes::PointVisitor visitor = [&](const planes::PointTerms& terms) {
     const auto row = std::ranges::find(rows, terms.plane, &LeftoverPlane::plane);
     row->considered = true;

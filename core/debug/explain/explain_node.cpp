@@ -1,4 +1,4 @@
-// Why a node got its case: Sun et al. 2023, Sec. IV-B, recomputed.
+// Explains the case of a node by recomputing Sun et al. 2023, Sec. IV-B.
 
 #include <fmt/format.h>
 
@@ -31,15 +31,15 @@ Check enough_points(const std::string& criterion,
       purity.n_in, options.theta_n_in);
 }
 
-/// Not a comparison: what the inliers' PCA gives to Criterion 3.
+/// Not a comparison: shows the input of Criterion 3.
 Check pca(const PlaneFit& fit) {
-  Check check{"PCA", "Eq. (4)", "λ₀", "least eigenvalue of the inliers' scatter", "m²"};
+  Check check{"PCA", "Eq. (4)", "λ₀", "smallest eigenvalue of the inliers' scatter", "m²"};
   check.value = fit.eigenvalues[0];
   check.verdict = Verdict::pass;
   return check;
 }
 
-/// Appends a criterion's checks; asking stops with the first criterion that fails.
+/// Appends the checks of a criterion; stops after the first criterion that fails.
 class Questions {
  public:
   explicit Questions(std::vector<Check>& into) : into_(into) {}
@@ -54,7 +54,7 @@ class Questions {
   bool asking_ = true;
 };
 
-/// The objective asks Criteria 2 and 3 of an impure node again, of each label for itself.
+/// The objective evaluates Criteria 2 and 3 of an impure node again, for each label separately.
 void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks) {
   const planes::SegmentOptions& options = run.segment_options;
   const NodeFacts& facts = run.facts[node];
@@ -72,7 +72,7 @@ void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks)
   questions.ask({check});
 }
 
-/// Criteria 1-3 on a depth image, in the order asked.
+/// Criteria 1-3 on a depth image, in evaluation order.
 std::vector<Check> image_checks(const Run& run, std::int32_t index) {
   const planes::ObjectiveOptions& options = run.segment_options.objective;
   const planes::ImageTerms& terms = run.trace.image_terms[index];
@@ -83,18 +83,18 @@ std::vector<Check> image_checks(const Run& run, std::int32_t index) {
     return at_most(std::move(check), value, threshold);
   };
   std::vector<Check> checks;
-  checks.push_back(at_least({"Criterion 2", "Eq. (3)", "filled",
-                             "share of the cell's pixels that the node has", "", "filled"},
-                            terms.filled, options.filled));
+  checks.push_back(at_least(
+      {"Criterion 2", "Eq. (3)", "filled", "share of the cell's pixels in the node", "", "filled"},
+      terms.filled, options.filled));
   if (node.decided == planes::Case::II) checks.back().verdict = Verdict::fail;  // or too few
   if (node.depth < run.octree().cube.max_depth)
     checks.push_back(answer({"Criterion 1", "Eq. (2)", "cost",
-                             "of one plane for two halves of the cell, or of a cell within it; "
-                             "infinite where one of these is not flat",
+                             "of one plane for both halves of the cell, or of a cell within it; "
+                             "infinite if one of these is not flat",
                              "", "two_planes"},
                             terms.two_planes, options.two_planes * options.merge_cost));
   checks.push_back(answer({"Criterion 3", "Eq. (5)", "variance",
-                           "about the cell's plane, relative to what noise explains", "", "flat"},
+                           "about the cell's plane, relative to the expected noise", "", "flat"},
                           terms.variance, options.flat));
   return checks;
 }
@@ -120,7 +120,7 @@ std::string stopped_at(const NodeReport& report) {
   return "All passed: plane candidate";
 }
 
-/// "h founded P9", for each candidate of the node.
+/// "h created P9", for each candidate of the node.
 std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
   std::string text;
   for (const std::int32_t step : steps) {
@@ -211,11 +211,11 @@ std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
       at_least({name, source, "|n₁·n₂|", "cosine between the normals", "", option}, terms.normals,
                options.theta_coplane),
       at_most({name, source, "|n₁·Δμ|/‖Δμ‖",
-               "sine of the direction between the centroids, out of the plane", "", option},
+               "sine of the angle between plane and line of centroids", "", option},
               terms.n1_dmu, most)};
   if (options.criterion4_n2)
     checks.push_back(
-        at_most({name, source, "|n₂·Δμ|/‖Δμ‖", "the same out of the candidate", "", option},
+        at_most({name, source, "|n₂·Δμ|/‖Δμ‖", "the same for the candidate", "", option},
                 terms.n2_dmu, most));
   if (options.merge_offset_m > 0)
     checks.push_back(
@@ -225,9 +225,9 @@ std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
   return checks;
 }
 
-std::string distance_text(double metres) {
-  return metres < 0.01 ? fmt::format("{:.1f} mm", 1000 * metres)
-                       : fmt::format("{:.1f} cm", 100 * metres);
+std::string distance_text(double meters) {
+  return meters < 0.01 ? fmt::format("{:.1f} mm", 1000 * meters)
+                       : fmt::format("{:.1f} cm", 100 * meters);
 }
 
 NodeReport explain_node(const Run& run, std::int32_t node) {

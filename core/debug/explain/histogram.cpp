@@ -1,4 +1,4 @@
-// Histograms of what each criterion measured, split by whether the decision was right.
+// Histograms of the values tested by each criterion, split by whether the decision was right.
 
 #include "core/debug/explain/histogram.hpp"
 
@@ -13,11 +13,12 @@ namespace planescope::debug {
 namespace {
 
 constexpr double kVaries = std::numeric_limits<double>::quiet_NaN();
-constexpr double kRoom = 4;  // axes end at this many thresholds: that is where decisions are near
+constexpr double kRoom = 4;  // axes end at this multiple of the threshold: decisions beyond it are
+                             // not close
 constexpr int kBins = 24;
 constexpr int kDecades = 8;
 
-using Judgement = std::uint32_t HistogramBin::*;  // against ground truth: where it counts
+using Judgement = std::uint32_t HistogramBin::*;  // counter for the evaluation against ground truth
 
 struct Sample {
   double value = 0;
@@ -25,7 +26,7 @@ struct Sample {
 };
 using Samples = std::vector<Sample>;
 
-/// Of the event that led to the step.
+/// Evaluation of the event that led to the step.
 Judgement judgement_at(const Run& run, std::int32_t step) {
   if (run.wrong.empty() || step == planes::kNever) return &HistogramBin::unknown;
   return run.wrong[static_cast<std::size_t>(step - 1)] ? &HistogramBin::wrong
@@ -40,7 +41,7 @@ double round_up(double value) {
   return 10 * power;
 }
 
-/// Bins between the edges; the first and the last one take what lies outside.
+/// Fills bins between the edges; the first and last bins include values outside.
 std::vector<HistogramBin> fill(const std::vector<double>& edges, const Samples& samples) {
   std::vector<HistogramBin> bins;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) bins.push_back({edges[i], edges[i + 1]});
@@ -52,8 +53,8 @@ std::vector<HistogramBin> fill(const std::vector<double>& edges, const Samples& 
   return bins;
 }
 
-/// Bins of a round width, about 24, from 0 on where the values come near it; what is beyond `most`
-/// is in the last one.
+/// About 24 bins of a round width, starting at 0 if the values come near it. The last bin includes
+/// values beyond `most`.
 std::vector<HistogramBin> linear_bins(const Samples& samples, double most, bool whole = false) {
   if (samples.empty()) return {};
   const auto [low, high] = std::ranges::minmax(samples, {}, &Sample::value);
@@ -69,7 +70,7 @@ std::vector<HistogramBin> linear_bins(const Samples& samples, double most, bool 
   return fill(edges, samples);
 }
 
-/// Edges 1, 2, 5, 10 ... over the upper eight decades; what is below is in the first one.
+/// Edges 1, 2, 5, 10 ... over the upper eight decades. The first bin includes smaller values.
 std::vector<HistogramBin> logarithmic_bins(const Samples& samples) {
   double smallest = 0, largest = 0;
   for (const Sample& sample : samples) {
@@ -87,7 +88,7 @@ std::vector<HistogramBin> logarithmic_bins(const Samples& samples) {
   return fill(edges, samples);
 }
 
-/// The terms of nodes, each over the nodes where its criterion was asked.
+/// Terms of nodes, each over the nodes whose criterion was evaluated.
 void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
   const planes::SegmentOptions& options = run.segment_options;
   Samples n_out, r_out, n_in, e_n;
@@ -121,7 +122,7 @@ void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
          "m²", "theta_e_n_m2", options.theta_e_n_m2, true, logarithmic_bins(e_n)});
 }
 
-/// Criteria 1-3 of the nodes of a depth image, each where it was asked, and what joins cost.
+/// Criteria 1-3 for the nodes of a depth image, where evaluated, and costs of joins.
 void append_image_terms(const Run& run, std::vector<Histogram>& histograms) {
   const planes::ObjectiveOptions& options = run.segment_options.objective;
   Samples filled, two_planes, variance, cost, worth;
@@ -150,8 +151,8 @@ void append_image_terms(const Run& run, std::vector<Histogram>& histograms) {
   append("worth of dropped planes", "px", "worth_px", options.worth_px, worth, options.worth_px);
 }
 
-/// The terms to show for a candidate: with the plane it joined or, where it founded one, with the
-/// plane that it came nearest to joining.
+/// Terms of a candidate with the plane it joined or, if it created one, the plane it came closest
+/// to joining.
 std::optional<planes::Coplanarity> terms_of(const planes::SegmentState& state,
                                             const planes::TraceEvent& event,
                                             const planes::Candidate& candidate) {
@@ -165,7 +166,7 @@ std::optional<planes::Coplanarity> terms_of(const planes::SegmentState& state,
   return nearest ? std::optional(nearest->terms) : std::nullopt;
 }
 
-/// The terms of merges, and how far from planes the leftovers were.
+/// Terms of merges, and distances of leftovers from planes.
 void append_merges(const Run& run, std::vector<Histogram>& histograms) {
   const planes::SegmentOptions& options = run.segment_options;
   Samples offset, normals, n1_dmu, n2_dmu, distance;

@@ -1,4 +1,4 @@
-// Decisions against ground truth.
+// Checks decisions against ground truth.
 
 #include <algorithm>
 #include <utility>
@@ -8,7 +8,7 @@
 namespace planescope::debug {
 namespace {
 
-/// How many points of each true plane a plane of the trace has.
+/// Points of each true plane in a plane of the trace.
 class TruthTally {
  public:
   void add(std::int32_t truth, int points = 1) {
@@ -21,7 +21,7 @@ class TruthTally {
   void add(const TruthTally& other) {
     for (const auto& [truth, points] : other.counts_) add(truth, points);
   }
-  /// The true plane of most points, of equals the first to have them; 0 where there is none.
+  /// The true plane with most points, the first to reach that number on ties; 0 if none.
   std::int32_t majority() const { return majority_; }
 
  private:
@@ -36,7 +36,7 @@ class TruthTally {
   std::int32_t majority_ = 0;
 };
 
-/// Judges each event by the planes as it found them.
+/// Checks each event against the planes at that time.
 class TruthChecker {
  public:
   explicit TruthChecker(const Run& run)
@@ -51,7 +51,7 @@ class TruthChecker {
       case planes::EventType::decide:
         return is_wrong_case(event);
       case planes::EventType::found:
-        // By the objective, cells found regions that join later.
+        // With the objective, cells create regions that join later.
         return event.node >= 0 && !run_.segment_options.by_objective() &&
                stands_already(truth_of_candidate(event), step - 1);
       case planes::EventType::merge:
@@ -71,7 +71,7 @@ class TruthChecker {
   void take_changes_until(std::int32_t step) {
     const std::vector<planes::Trace::Point>& changes = run_.trace.points;
     while (taken_ < changes.size() && changes[taken_].change.step <= step) {
-      // All that one event gives to a plane comes at once.
+      // All points that one event gives to a plane are added together.
       const planes::PointChange first = changes[taken_].change;
       TruthTally given;
       take_joins_until(first.step - 1);
@@ -89,7 +89,7 @@ class TruthChecker {
     }
     take_joins_until(step);
   }
-  /// Planes of an image join with their points: no change of these says so.
+  /// Planes of an image join along with their points, without point changes.
   void take_joins_until(std::int32_t step) {
     const std::vector<planes::Trace::Plane>& changes = run_.trace.planes;
     for (; joined_ < changes.size() && changes[joined_].change.step <= step; ++joined_)
@@ -111,7 +111,7 @@ class TruthChecker {
     }
   }
 
-  /// On an image: two true planes are joined, or a true plane is not listed.
+  /// On depth images: two true planes are joined, or a true plane is dropped.
   bool is_wrong_change(const planes::TraceEvent& event, std::int32_t step) const {
     if (event.stage == planes::Stage::join || event.stage == planes::Stage::hidden)
       return differ(tallies_[event.plane].majority(), event.other);
@@ -137,7 +137,7 @@ class TruthChecker {
   bool stands_already(std::int32_t truth, std::int32_t step) const {
     for (std::int32_t k = 0; truth > 0 && k < run_.timeline.plane_count(); ++k) {
       const planes::PlaneChange* plane = run_.timeline.plane_at(k, step);
-      if (!plane) break;  // the others are founded later
+      if (!plane) break;  // the remaining planes are created later
       if (tallies_[k].majority() == truth && plane->alive) return true;
     }
     return false;
@@ -148,7 +148,7 @@ class TruthChecker {
   }
 
   const Run& run_;
-  std::size_t taken_ = 0, joined_ = 0;  // of the trace's changes of points, of planes
+  std::size_t taken_ = 0, joined_ = 0;  // number of applied changes of points, of planes
   std::vector<std::int32_t> plane_of_;  // per Morton-ordered point
   std::vector<TruthTally> tallies_;     // per plane of the trace
 };
