@@ -237,7 +237,7 @@ TEST(Scenes, GravityArrowPointsDownAndSaysWhereItIsAGuessOrUnknown) {
   const DrawList list = scene_leftovers(result, {});
   EXPECT_TRUE(list.arrows.empty());
   ASSERT_FALSE(list.labels.empty());
-  EXPECT_EQ(list.labels.back().text, "gravity not known");
+  EXPECT_EQ(list.labels.back().text, "gravity unknown");
 }
 
 TEST(Scenes, EmptyFramesGiveEmptyPictures) {
