@@ -1,4 +1,4 @@
-// Writes the map and track files of a recording, and reads a map back.
+// Writes the map and track files of a recording, and reads maps.
 
 #include "core/world/files/map_files.hpp"
 
@@ -20,13 +20,13 @@
 
 namespace planescope::world {
 
-// ---- Written ----
+// ---- Writing ----
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// To a hundredth of a millimetre, which is below what any of it is known to; never minus zero.
+/// Rounds to a hundredth of a millimeter, below the accuracy of all values; never minus zero.
 double rounded(double value) { return std::round(value * 1e5) / 1e5 + 0.0; }
 
 Json number(double value) { return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr); }
@@ -106,7 +106,7 @@ Json gap_json(const Gap& gap) {
   return json;
 }
 
-/// Frames in which the track was seen, as first and last of each unbroken row of frames.
+/// Frames in which the track was seen, as the first and last frame of each uninterrupted run.
 Json seen_json(const Track& track, const Tracker& tracker) {
   Json runs = Json::array();
   const auto& frames = tracker.frames();
@@ -262,18 +262,18 @@ std::string stability_text(const Stability& s) {
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
   if (std::isfinite(s.kept_share))
-    add(fmt::format("{:.1f} % of pixels on planes go on in the next frame", 100 * s.kept_share));
+    add(fmt::format("{:.1f} % of pixels on planes continue in the next frame", 100 * s.kept_share));
   if (std::isfinite(s.breaks))
     add(fmt::format("{:.1f} breaks and {:.1f} swaps per 100 frames", s.breaks, s.swaps));
   if (s.still_pairs > 0)
-    add(fmt::format("standing still, normals jitter by {:.2f} deg and offsets by {:.1f} mm",
+    add(fmt::format("while still, normals jitter by {:.2f} deg and offsets by {:.1f} mm",
                     s.normal_jitter_deg, 1000 * s.offset_jitter_m));
   if (s.returns > 0)
-    add(fmt::format("{} came back {:.1f} mm off", counted(s.returns, "plane"), 1000 * s.drift_m));
+    add(fmt::format("{} returned {:.1f} mm off", counted(s.returns, "plane"), 1000 * s.drift_m));
   return text;
 }
 
-// ---- Read again ----
+// ---- Reading ----
 
 namespace {
 
@@ -281,17 +281,17 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
 
-/// A file of a map. Its Errors name it.
+/// Reads a file of a map. Errors name the file.
 void read(const fs::path& file,
           const char* schema,
           const std::function<void(const JsonPlace&)>& take) {
   if (!fs::exists(file))
-    throw Error(file.string() + ": is missing, expected a folder that planescope map wrote");
+    throw Error(file.string() + ": missing; expected a folder written by planescope map");
   read_place(file, read_json<Json>(file, kMostBytes), [&](const JsonPlace& place) {
     try {
       place.schema({schema});
     } catch (const Error& error) {
-      throw Error(error.what() + std::string(": make the map again"));
+      throw Error(error.what() + std::string(": rebuild the map"));
     }
     take(place);
   });
@@ -303,12 +303,12 @@ void take_map(const JsonPlace& place,
               KnownMap& map) {
   const std::string name = recording.path.filename().string(), found = place.at("recording").text();
   if (found != name)
-    throw Error(fmt::format("is of the recording {}, expected {}", shown(found), shown(name)));
+    throw Error(fmt::format("belongs to recording {}, expected {}", shown(found), shown(name)));
   PlanesFrom from;
   for (const auto& item : place.at("pipeline").json().items())
     from[item.key()] = place.at("pipeline").at(item.key().c_str()).text();
   if (const std::string other = difference(from, planes_from(options, recording)); !other.empty())
-    throw Error("its planes were found with other options: " + other);
+    throw Error("made with different options: " + other);
   FieldReader fields(place);
   fields.list("gravity", map.gravity, kPlain, [](auto& of, SharedGravity& shared) {
     of("source", shared.source);
@@ -343,8 +343,8 @@ std::shared_ptr<const GivenPlanes> given_planes(const KnownMap& map, int frame) 
   const fs::path file = planes_file(map.dir, frame);
   const std::vector<unsigned char> bytes = read_file_bytes(file);
   if (sha256_hex(std::as_bytes(std::span(bytes))) != at->second.sha256)
-    throw Error(fmt::format("{}: is not what {} was written with", file.string(),
-                            (map.dir / "tracks.json").string()));
+    throw Error(
+        fmt::format("{}: does not match {}", file.string(), (map.dir / "tracks.json").string()));
   return std::make_shared<const GivenPlanes>(GivenPlanes{io::decode_png_16(bytes, file.string()),
                                                          static_cast<int>(at->second.tracks.size()),
                                                          at->second.margins});
@@ -369,8 +369,7 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
   });
   for (const auto& [name, hash] : hashes)
     if (const fs::path file = dir / name; sha256_hex_of_file(file) != hash)
-      throw Error(fmt::format("{}: is not what {} was written with", file.string(),
-                              (dir / "map.json").string()));
+      throw Error(fmt::format("{}: does not match {}", file.string(), (dir / "map.json").string()));
   read(dir / "tracks.json", "planescope.tracks/4", [&](const JsonPlace& place) {
     place.at("frames").each([&](const JsonPlace& frame) {
       FieldReader fields(frame);
@@ -380,7 +379,7 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
   map->poses = read_trajectory(dir / "poses.tum");
   for (const CameraPose& pose : map->poses.poses) {
     if (pose.frame < 0 || pose.segment < 0 || pose.segment >= std::ssize(map->gravity))
-      throw Error((dir / "poses.tum").string() + ": does not go with map.json");
+      throw Error((dir / "poses.tum").string() + ": does not match map.json");
   }
   return map;
 }
@@ -392,7 +391,7 @@ std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recordin
       turn_to_map(frame, {}, *pose, *map);
     if (const auto at = map->planes_of.find(frame.index);
         at != map->planes_of.end() && at->second.gravity)
-      frame.gravity->direction = *at->second.gravity;  // the frame was aligned after that
+      frame.gravity->direction = *at->second.gravity;  // the frame was aligned afterwards
     frame.given = given_planes(*map, frame.index);
   });
 }

@@ -1,4 +1,4 @@
-// Tracker: matches observed planes with tracks, fuses and merges them, and records absences.
+// Matches observed planes with tracks, fuses and merges tracks, and records absences.
 
 #include "core/world/tracks/tracker.hpp"
 
@@ -13,8 +13,8 @@
 namespace planescope::world {
 namespace {
 
-constexpr int kEnoughToCompare = 200;  // cells, before a frame is judged by them
-constexpr double kHidden = 0.5;        // share of the cells in view that hides the rest
+constexpr int kEnoughToCompare = 200;  // smallest number of cells for evaluating a frame
+constexpr double kHidden = 0.5;        // share of the visible cells that hides the rest
 
 std::vector<planes::PolygonRing> rings_on_grid(const planes::Outline& outline, const Track& track) {
   std::vector<planes::PolygonRing> rings;
@@ -45,7 +45,7 @@ double free_tilt_deg(double width_m, const TrackOptions& options) {
   return std::min(kMost_deg, tilt * 180 / std::numbers::pi);
 }
 
-/// How far two planes may differ and be the same; `width_m`: of the narrower one.
+/// Largest angle between two planes that may be the same; `width_m`: of the narrower one.
 double most_angle_deg(const TrackOptions& options,
                       double sigma_deg,
                       double other_sigma_deg,
@@ -63,7 +63,7 @@ double sigma_m_at(const ObservedPlane& plane, const Vec3d& p) {
                    squared(c.sigma_tilt_rad[1] * c.axes[1].dot(d)));
 }
 
-/// Why the track is absent, if no plane lies at its place.
+/// Reason for the absence of a track, if there is no plane at its position.
 Absence absence_of(const Sight& sight, int least_cells) {
   const int least = std::min(least_cells, sight.cells);
   if (sight.in_view < least)
@@ -81,7 +81,7 @@ int final_track(const std::deque<Track>& tracks, int id) {
   return id;
 }
 
-/// A track, and what a frame shows of it.
+/// A track with its visibility in a frame.
 struct Tracker::Judged {
   Track* track;
   Sight sight;
@@ -169,7 +169,7 @@ const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
   for (Judged& j : judged)
     if (!j.seen) note_absence(frame, j, told);
   merge_covered(frame.frame);
-  // Only what grew in this frame has come to touch anything.
+  // Only tracks that grew in this frame can touch others for the first time.
   merge_equal(frame.frame, [&](const Track& track) {
     return track.sightings.back().frame == frame.frame && !track.sightings.back().minor;
   });
@@ -180,7 +180,7 @@ const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
 }
 
 void Tracker::judge_agreement(std::span<const Judged> judged, FrameOfTracks& told) const {
-  // What a known plane hides is no contradiction.
+  // Occlusion by known planes is not a contradiction.
   std::vector<int> there_on(told.track_of.size() + 1, 0), hidden_by(there_on.size(), 0);
   int there = 0, through = 0;
   for (const Judged& j : judged) {
@@ -288,7 +288,7 @@ void Tracker::assign(const ObservedFrame& frame,
       give(t, static_cast<std::size_t>(plane_of[t]));
     }
   if (minor) return;
-  // What is left over goes to the track it fits best, as one more part of it.
+  // Remaining planes join the track they fit best, as additional parts.
   for (std::size_t p = 0; p < columns; ++p) {
     if (told.track_of[planes[p].id - 1] != 0) continue;
     std::optional<std::size_t> best;
@@ -323,7 +323,7 @@ void Tracker::take(const Judged& judged, const ObservedFrame& frame, const Obser
   }
   if (!sighting.part) ++track.frames_seen;
   track.sightings.push_back(sighting);
-  if (plane.minor) return;  // it is there: more is not believed
+  if (plane.minor) return;  // only confirms the track's presence
   track.fuse(plane, frame.camera());
   if (plane.label != Label::unknown) track.label = label_of_normal(track.fit.normal);
   track.cells.fill(rings_on_grid(plane.outline, track),
@@ -373,7 +373,7 @@ void Tracker::note_absence(const ObservedFrame& frame, Judged& judged, const Fra
     }
   }
   if (is_miss(gap.why)) ++track.frames_missed;
-  // Frames in a row: the one before is the last that was told of.
+  // The previous frame is the last one recorded.
   const int before = frames_.empty() ? -1 : frames_.back().frame;
   if (!track.gaps.empty() && track.gaps.back().last == before && track.gaps.back().why == gap.why) {
     track.gaps.back().last = frame.frame;
@@ -400,12 +400,14 @@ bool Tracker::merge_equal(int frame, const std::function<bool(const Track&)>& ha
     for (Track* large : tracks) {
       if (small == large || small->state != TrackState::alive || large->state != TrackState::alive)
         continue;
-      if (small->known > 0 && large->known > 0) continue;  // the earlier pass knows them better
+      if (small->known > 0 && large->known > 0)
+        continue;  // the earlier pass distinguished them
+                   // with more data
       const double angle = planes::plane_angle_deg(small->fit.normal, large->fit.normal);
       if (angle > most_angle_deg(options_, small->sigma_tilt_deg(), large->sigma_tilt_deg(),
                                  std::min(small->width_m(), large->width_m())))
         continue;
-      // Where the narrower one is known best: elsewhere its tilt leaves it free.
+      // Compare where the narrower one is most accurate: elsewhere its tilt dominates.
       const bool is_narrower = small->width_m() < large->width_m();
       const Vec3d where = (is_narrower ? small : large)->centroid();
       const double most = most_offset_m(options_, small->sigma_m(small->on_grid(where)),
