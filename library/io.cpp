@@ -90,7 +90,7 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
     const world::WorldMap made = world::map_recording(job);
     const std::string name = from.info().path.filename().string();
     const world::MapTexts texts = world::map_texts(made, name);
-    Map map{texts.map_json, texts.tracks_json, texts.poses_tum, {}, {}, made.told, {}};
+    Map map{texts.map_json, texts.tracks_json, texts.poses_tum, {}, {}, made.warnings, {}};
     for (const world::CameraPose& pose : made.poses.poses) {
       map.pose_frames.push_back(pose.frame);
       map.T_world_camera.push_back(detail::transform(pose.T_world_camera));

@@ -119,8 +119,8 @@ struct DrawLabel {   // text at a world position, drawn on top of everything exc
 };
 
 struct LegendEntry {
-  enum class Mark : std::uint8_t { dot, box, hatched_box, line, arrow };
-  Mark mark = Mark::dot;
+  enum class Symbol : std::uint8_t { dot, box, hatched_box, line, arrow };
+  Symbol symbol = Symbol::dot;
   Rgba color;
   std::string text;
   bool operator==(const LegendEntry&) const = default;
@@ -146,8 +146,10 @@ struct DrawList {
   bool show_scale_bar = true;       // a round length at the camera's target distance
   bool operator==(const DrawList&) const = default;
 
-  void explain(Rgba color, std::string text, LegendEntry::Mark mark = LegendEntry::Mark::dot) {
-    legend.push_back({mark, color, std::move(text)});
+  void explain(Rgba color,
+               std::string text,
+               LegendEntry::Symbol symbol = LegendEntry::Symbol::dot) {
+    legend.push_back({symbol, color, std::move(text)});
   }
   /// Offset toward the eye of polygons, arrows and lifted lines, so that they cover the splats of
   /// their own points, which protrude by half their size and noise.
@@ -201,7 +203,7 @@ std::optional<ScreenPoint> project(const View& view, const Vec3f& world);
 
 /// A few points that represent the extent of all points in any view: for each of many directions, a
 /// point that exceeds all but `outliers` of the points. At most 96; empty for no points.
-std::vector<Vec3f> reach_of(std::span<const Vec3f> points, double outliers);
+std::vector<Vec3f> extent_of(std::span<const Vec3f> points, double outliers);
 
 /// The points without separate pieces that contain less than 2 % of them. Pieces are connected
 /// groups of cells on a grid of `cell_m`.
@@ -219,12 +221,12 @@ struct Lens {
 
 /// A camera in which the points fill the view, up to a margin. With `lens.orthographic`, still a
 /// perspective camera, at a distance where an orthographic view of the height at its target fits.
-Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens);
+Camera camera_fitting(std::span<const Vec3f> extent, const Lens& lens);
 
 /// A frame's default view, without aspect ratio.
 struct Home {
   Vec3d forward = Vec3d::UnitX();  // unit
-  std::vector<Vec3f> reach;        // extent of the bulk of its points
+  std::vector<Vec3f> extent;       // extent of the bulk of its points
 };
 Home home_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation);
 

@@ -429,7 +429,7 @@ void paint_step(Image8& image, const debug::Run& run, const StepLook& look, doub
   if (image.empty()) return;
   const StepState state = step_state(run, look);
   const std::vector<Rgba> colors = voxel_colors(state);
-  const Rgba selected = mark_colors(look.theme).selected;
+  const Rgba selected = highlight_colors(look.theme).selected;
   // The camera's picture is not blended with itself.
   const int share = look.color_by == ColorBy::camera
                         ? 0

@@ -14,18 +14,18 @@
 namespace planescope::render {
 namespace {
 
-constexpr std::uint8_t kMuted = 165, kBright = 225, kMark = 205;  // alpha values of 255
+constexpr std::uint8_t kMuted = 165, kBright = 225, kHighlight = 205;  // alpha values of 255
 constexpr Rgba kIgnored{24, 26, 30, 200};
 
-struct Marks {
+struct Highlights {
   Rgba preview, takes, doubt, marked;
 };
-Marks marks_of(Theme theme) {
+Highlights highlights_of(Theme theme) {
   const bool dark = theme == Theme::dark;
-  return {.preview = {255, 236, 64, kMark},
-          .takes = {240, 60, 50, kMark},
+  return {.preview = {255, 236, 64, kHighlight},
+          .takes = {240, 60, 50, kHighlight},
           .doubt = dark ? Rgba{255, 150, 40, 190} : Rgba{235, 120, 0, 190},
-          .marked = dark ? Rgba{255, 64, 160, kMark} : Rgba{225, 0, 122, kMark}};
+          .marked = dark ? Rgba{255, 64, 160, kHighlight} : Rgba{225, 0, 122, kHighlight}};
 }
 
 void blend(std::uint8_t* pixel, Rgba tint) {
@@ -146,17 +146,18 @@ std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
     }
   }
   if (look.residual) tint_residuals(grid, look, opacity, tints);
-  const Marks marks = marks_of(look.theme);
+  const Highlights highlights = highlights_of(look.theme);
   for (std::size_t i = 0; i < look.doubt.size() && i < tints.size(); ++i)
-    if (look.doubt[i]) tints[i] = marks.doubt;
-  const auto mark = [&](std::span<const std::uint32_t> pixels, Rgba color) {
+    if (look.doubt[i]) tints[i] = highlights.doubt;
+  const auto highlight = [&](std::span<const std::uint32_t> pixels, Rgba color) {
     for (const std::uint32_t pixel : pixels)
       if (pixel < tints.size()) tints[pixel] = color;
   };
-  mark(look.marked, marks.marked);
-  mark(look.taken, marks.takes);
-  const bool is_told = look.residual && look.residual->plane == 0;  // shown by its distances
-  if (!is_told) mark(look.preview, look.preview_takes ? marks.takes : marks.preview);
+  highlight(look.marked, highlights.marked);
+  highlight(look.taken, highlights.takes);
+  const bool shown_by_distance = look.residual && look.residual->plane == 0;
+  if (!shown_by_distance)
+    highlight(look.preview, look.preview_takes ? highlights.takes : highlights.preview);
   return tints;
 }
 

@@ -19,7 +19,7 @@ PLANESCOPE_ASSET_DECLARE(DejaVuSans_ttf);
 
 namespace planescope::render {
 
-// ---- Marks ----
+// ---- Shapes ----
 
 void blend_pixel(Image8& image, int x, int y, Rgba color, double coverage) {
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
@@ -271,24 +271,24 @@ void add_heading(const Pen& pen, const DrawList& list) {
 }
 
 // Symbol of a legend entry, centered at (x, y).
-void add_mark(const Pen& pen, const LegendEntry& entry, double x, double y) {
-  using Mark = LegendEntry::Mark;
-  if (entry.mark == Mark::line || entry.mark == Mark::arrow) {
+void add_symbol(const Pen& pen, const LegendEntry& entry, double x, double y) {
+  using Symbol = LegendEntry::Symbol;
+  if (entry.symbol == Symbol::line || entry.symbol == Symbol::arrow) {
     const Vec3f middle = on_screen(x, y), half(pen.px(8), 0, 0);
     pen.add_stroke(middle - half, middle + half, entry.color, 2.4,
-                   entry.mark == Mark::arrow ? 1.0f : 0.0f);
+                   entry.symbol == Symbol::arrow ? 1.0f : 0.0f);
     return;
   }
   const double r = pen.px(6);
   const Vec3f low = on_screen(x - r, y - r), high = on_screen(x + r, y + r);
   OverlayShape shape{low.x(), low.y(), high.x(), high.y(), entry.color};
-  shape.radius = entry.mark == Mark::dot ? static_cast<float>(r) : pen.px(2);
-  if (entry.mark != Mark::dot) {
+  shape.radius = entry.symbol == Symbol::dot ? static_cast<float>(r) : pen.px(2);
+  if (entry.symbol != Symbol::dot) {
     shape.border = entry.color;
     shape.border_px = pen.px(1.4);
   }
-  if (entry.mark == Mark::hatched_box) shape.hatch_period_px = pen.px(5);
-  if (entry.mark == Mark::box) shape.fill.a = static_cast<std::uint8_t>(entry.color.a * 0.45);
+  if (entry.symbol == Symbol::hatched_box) shape.hatch_period_px = pen.px(5);
+  if (entry.symbol == Symbol::box) shape.fill.a = static_cast<std::uint8_t>(entry.color.a * 0.45);
   pen.overlay.shapes.push_back(shape);
 }
 
@@ -312,7 +312,7 @@ void add_legend(const Pen& pen, const std::vector<LegendEntry>& legend, double t
     const double room = pen.width - x - mark_room - margin - inset;
     for (std::size_t i = first; i < std::min(first + rows, legend.size()); ++i) {
       const double middle = y0 + pen.px(8) + (static_cast<double>(i - first) + 0.5) * row;
-      add_mark(pen, legend[i], x + pen.px(8), middle);
+      add_symbol(pen, legend[i], x + pen.px(8), middle);
       widest =
           std::max(widest, pen.add_line(x + mark_room, middle + cap_height(size_px) / 2, size_px,
                                         legend[i].text, pen.theme.ink, std::max(room, 0.0)));

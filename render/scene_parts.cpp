@@ -212,11 +212,11 @@ std::string percent(std::size_t part, std::size_t whole) {
 
 void add_case_legend(std::span<const std::size_t> count, bool on_image, DrawList& list) {
   const auto entry = [&](planes::Case c, const std::string& meaning) {
-    using Mark = LegendEntry::Mark;
+    using Symbol = LegendEntry::Symbol;
     list.explain(case_color(c),
                  fmt::format("{}  {}  {}", planes::to_string(c), meaning,
                              count[static_cast<std::size_t>(c)]),
-                 c == planes::Case::II ? Mark::hatched_box : Mark::box);
+                 c == planes::Case::II ? Symbol::hatched_box : Symbol::box);
   };
   entry(planes::Case::I, on_image ? "two planes" : "impure");
   entry(planes::Case::II, on_image ? "not filled" : "too few points");
@@ -228,17 +228,18 @@ void add_plane_legend(const planes::FrameResult& result,
                       std::span<const int> color_of_plane,
                       DrawList& list) {
   constexpr std::size_t kMost = 8;
-  using Mark = LegendEntry::Mark;
+  using Symbol = LegendEntry::Symbol;
   std::vector<const planes::PlaneRegion*> order;  // most points first
   for (const planes::PlaneRegion& plane : result.segmentation.planes) order.push_back(&plane);
   std::ranges::stable_sort(order, std::greater(), &planes::PlaneRegion::points);
   for (const planes::PlaneRegion* plane : order | std::views::take(kMost)) {
     const char* label = plane->label == Label::h ? "h  " : plane->label == Label::v ? "v  " : "";
     list.explain(color_of(plane->id, color_of_plane),
-                 fmt::format("{}  {}{} voxels", plane->id, label, plane->points), Mark::box);
+                 fmt::format("{}  {}{} voxels", plane->id, label, plane->points), Symbol::box);
   }
   if (order.size() > kMost)
-    list.explain(kSceneFaded, std::to_string(order.size() - kMost) + " smaller planes", Mark::box);
+    list.explain(kSceneFaded, std::to_string(order.size() - kMost) + " smaller planes",
+                 Symbol::box);
 }
 
 // ---- Finished planes, foot space, stairs ----

@@ -19,7 +19,7 @@ namespace planescope::render {
 
 namespace {
 
-using Mark = LegendEntry::Mark;
+using Symbol = LegendEntry::Symbol;
 constexpr float kUnsure = 0.5F;              // margins below this count as unsure
 constexpr Rgba kLeftOver{213, 60, 20, 255};  // for pictures about unassigned points
 
@@ -194,7 +194,7 @@ DrawList scene_cases(const planes::FrameResult& result) {
   if (hatched > 0)
     list.explain(case_color(planes::Case::III),
                  "I or III at the deepest level: unassigned  " + std::to_string(hatched),
-                 Mark::hatched_box);
+                 Symbol::hatched_box);
   if (label_fits > 0)
     list.explain(kSceneText, "or I*: fitted label by label  " + std::to_string(label_fits));
   fitted.colors.assign(fitted.positions.size(), kSceneText);
@@ -315,9 +315,10 @@ constexpr std::size_t kVerdicts = 6;
 constexpr std::array<const char*, kVerdicts> kNames = {"not scored", "right",       "missed",
                                                        "invented",   "wrong plane", "wrong class"};
 
-std::array<std::size_t, kVerdicts> counts_of(const planes::JudgedFrame& judged) {
+std::array<std::size_t, kVerdicts> counts_of(const planes::EvaluatedFrame& evaluated) {
   std::array<std::size_t, kVerdicts> counts{};
-  for (const planes::Verdict verdict : judged.verdict) ++counts[static_cast<std::size_t>(verdict)];
+  for (const planes::Verdict verdict : evaluated.verdict)
+    ++counts[static_cast<std::size_t>(verdict)];
   return counts;
 }
 
@@ -333,18 +334,18 @@ struct PointColors {
   std::vector<Rgba> of[3];
 };
 PointColors point_colors(const planes::FrameResult& result,
-                         const planes::JudgedFrame& judged,
+                         const planes::EvaluatedFrame& evaluated,
                          std::span<const int> color_of_plane) {
   constexpr Rgba kNone{0, 0, 0, 0};
   const std::vector<int> true_colors =
-      true_plane_colors(plane_image(result.cloud, judged.true_plane, judged.found_of.size()),
-                        judged.found_of, color_of_plane);
+      true_plane_colors(plane_image(result.cloud, evaluated.true_plane, evaluated.found_of.size()),
+                        evaluated.found_of, color_of_plane);
   PointColors colors;
-  for (std::size_t i = 0; i < judged.verdict.size(); ++i) {
-    const std::int32_t truth = judged.true_plane[i], found = result.plane_of[i];
+  for (std::size_t i = 0; i < evaluated.verdict.size(); ++i) {
+    const std::int32_t truth = evaluated.true_plane[i], found = result.plane_of[i];
     colors.of[0].push_back(truth > 0 ? color_of(truth, true_colors) : kNone);
     colors.of[1].push_back(found > 0 ? color_of(found, color_of_plane) : kNone);
-    const planes::Verdict verdict = judged.verdict[i];
+    const planes::Verdict verdict = evaluated.verdict[i];
     colors.of[2].push_back(verdict == planes::Verdict::right ? kNone : error_color(verdict));
   }
   return colors;
@@ -358,12 +359,12 @@ Image8 titled(const Image8& image, const std::string& title) {
   return result;
 }
 
-Image8 with_legend(const Image8& image, const planes::JudgedFrame& judged) {
+Image8 with_legend(const Image8& image, const planes::EvaluatedFrame& evaluated) {
   Image8 result(image.width, image.height + kLegendRoom, 3, 255);
   std::copy(image.data.begin(), image.data.end(), result.data.begin());
   const int y = image.height + 12;
   double x = 4;
-  const auto counts = counts_of(judged);
+  const auto counts = counts_of(evaluated);
   for (std::size_t k = 2; k < kVerdicts; ++k) {
     fill_rect(result, static_cast<int>(x), y, 26, 26, error_color(static_cast<planes::Verdict>(k)));
     x += 36;
@@ -375,9 +376,9 @@ Image8 with_legend(const Image8& image, const planes::JudgedFrame& judged) {
 
 }  // namespace
 
-std::string errors_text(const planes::JudgedFrame& judged) {
-  const auto counts = counts_of(judged);
-  const std::size_t scored = judged.verdict.size() - counts[0];
+std::string errors_text(const planes::EvaluatedFrame& evaluated) {
+  const auto counts = counts_of(evaluated);
+  const std::size_t scored = evaluated.verdict.size() - counts[0];
   std::string text;
   for (std::size_t k = 2; k < kVerdicts; ++k)
     if (counts[k] > 0)
@@ -388,9 +389,9 @@ std::string errors_text(const planes::JudgedFrame& judged) {
 
 Image8 image_truth(const Frame& frame,
                    const planes::FrameResult& result,
-                   const planes::JudgedFrame& judged,
+                   const planes::EvaluatedFrame& evaluated,
                    std::span<const int> color_of_plane) {
-  const PointColors colors = point_colors(result, judged, color_of_plane);
+  const PointColors colors = point_colors(result, evaluated, color_of_plane);
   const Image8 relief = shaded_depth(frame);
   const int factor = enlargement(relief.width);
   std::vector<Image8> panels;
@@ -405,19 +406,19 @@ Image8 image_truth(const Frame& frame,
     }
     panels.push_back(titled(enlarge(panel, factor), kTitles[k]));
   }
-  return with_legend(side_by_side(panels), judged);
+  return with_legend(side_by_side(panels), evaluated);
 }
 
 std::array<DrawList, 3> scenes_truth(const planes::FrameResult& result,
-                                     const planes::JudgedFrame& judged,
+                                     const planes::EvaluatedFrame& evaluated,
                                      std::span<const int> color_of_plane) {
-  const PointColors colors = point_colors(result, judged, color_of_plane);
+  const PointColors colors = point_colors(result, evaluated, color_of_plane);
   std::array<DrawList, 3> scenes;
   for (int k = 0; k < 3; ++k)
     scenes[k] = cloud_scene(result.cloud, kTitles[k], [&](std::size_t i) {
       return colors.of[k][i].a > 0 ? colors.of[k][i] : kSceneFaded;
     });
-  const auto counts = counts_of(judged);
+  const auto counts = counts_of(evaluated);
   for (std::size_t v = 2; v < kVerdicts; ++v)
     scenes[2].explain(error_color(static_cast<planes::Verdict>(v)),
                       fmt::format("{}  {}", kNames[v], counts[v]));

@@ -57,17 +57,17 @@ Image8 image_depth(const Frame& frame, double max_range_m);
 
 /// Summary of errors as a share of the scored points: "missed 3.1 %, wrong plane 0.4 %", or
 /// "no errors".
-std::string errors_text(const planes::JudgedFrame& judged);
+std::string errors_text(const planes::EvaluatedFrame& evaluated);
 
 /// Labels, result and errors over the relief of a depth frame, with titles and a legend of errors.
 Image8 image_truth(const Frame& frame,
                    const planes::FrameResult& result,
-                   const planes::JudgedFrame& judged,
+                   const planes::EvaluatedFrame& evaluated,
                    std::span<const int> color_of_plane);
 
 /// The same three pictures for a cloud, to be drawn separately and joined.
 std::array<DrawList, 3> scenes_truth(const planes::FrameResult& result,
-                                     const planes::JudgedFrame& judged,
+                                     const planes::EvaluatedFrame& evaluated,
                                      std::span<const int> color_of_plane);
 
 /// Joins images of equal height in a row, with narrow white gaps.

@@ -144,7 +144,8 @@ std::vector<std::vector<std::uint32_t>> by_bands(const std::vector<Splat>& splat
   return bands;
 }
 
-void put(const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, SplatLayer& layer) {
+void add_pixel(
+    const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, SplatLayer& layer) {
   if (pixel[0] == kNothing) return;
   constexpr float kShare = 1.0f / kSamples;
   const std::size_t at = static_cast<std::size_t>(y) * layer.width + x;
@@ -254,7 +255,7 @@ SplatLayer splat(const std::vector<DrawPoints>& clouds, const View& view) {
       for (int y = low; y < high; ++y) draw_row(splats[i], i, y, view.near_m, distances, row(y));
     }
     for (int y = begin; y < end; ++y)
-      for (int x = 0; x < view.width; ++x) put(row(y)[x], splats, x, y, layer);
+      for (int x = 0; x < view.width; ++x) add_pixel(row(y)[x], splats, x, y, layer);
   }
   layer.light = lights(layer, view);
   return layer;

@@ -318,7 +318,7 @@ StepState step_state(const debug::Run& run, const StepLook& look) {
   return state;
 }
 
-ColorBy told_by(const debug::Run& run, ColorBy asked) {
+ColorBy effective_color_by(const debug::Run& run, ColorBy asked) {
   // Without labels all points have margin 0.
   const bool labelled = run.subject->prepared.gravity.known() && !run.is_on_image();
   if (asked == ColorBy::margins && !labelled) return ColorBy::labels;
@@ -332,7 +332,7 @@ bool is_settled_leaf(const debug::Run& run, std::int32_t node, std::int32_t step
   return run.timeline.decided_at()[i] <= step && run.octree().nodes[i].first_child < 0;
 }
 
-MarkColors mark_colors(Theme theme) {
+HighlightColors highlight_colors(Theme theme) {
   const bool dark = theme == Theme::dark;
   return {.selected = dark ? Rgba{255, 64, 160, 255} : Rgba{225, 0, 122, 255},
           .current = dark ? Rgba{255, 255, 255, 255} : Rgba{0, 0, 0, 255},
@@ -366,33 +366,33 @@ std::vector<Rgba> voxel_colors(const StepState& state) {
   constexpr double kHighlight = 0.55;  // share of the highlight; the color below remains visible
   const debug::Run& run = state.run;
   const StepLook& look = state.look;
-  const MarkColors marks = mark_colors(look.theme);
-  const ColorBy by = told_by(run, look.color_by);
+  const HighlightColors highlights = highlight_colors(look.theme);
+  const ColorBy by = effective_color_by(run, look.color_by);
   std::vector<Rgba> colors;
   if (by == ColorBy::camera) {
     colors = camera_colors(*run.subject);
   } else if (is_along_scale(by)) {
-    colors = scaled_colors(state, marks.waiting);
+    colors = scaled_colors(state, highlights.waiting);
   } else {
     for (std::size_t v = 0; v < state.plane_of.size(); ++v)
-      colors.push_back(color_at_step(state, by, v, marks.waiting));
+      colors.push_back(color_at_step(state, by, v, highlights.waiting));
     add_stripes(state, by, colors);
   }
   for (const std::uint32_t voxel : look.marked)
-    if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], marks.marked, kHighlight);
+    if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], highlights.marked, kHighlight);
   // The node of the step: lighter on dark themes, darker on light ones.
   constexpr double kLit = 0.3;
   if (state.node >= 0 && state.node < std::ssize(run.octree().nodes)) {
     const planes::OctreeNode& node = run.octree().nodes[state.node];
     if (node.size() != colors.size())
       for (const std::uint32_t voxel : members(run.octree(), node))
-        colors[voxel] = mix(colors[voxel], marks.current, kLit);
+        colors[voxel] = mix(colors[voxel], highlights.current, kLit);
   }
   const auto replace = [&](std::int32_t voxel, Rgba mark) {
     if (voxel >= 0 && voxel < std::ssize(colors)) colors[voxel] = mark;
   };
-  replace(state.voxel, marks.current);
-  replace(look.voxel, marks.selected);
+  replace(state.voxel, highlights.current);
+  replace(look.voxel, highlights.selected);
   return colors;
 }
 

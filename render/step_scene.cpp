@@ -123,19 +123,19 @@ struct Boxes {
 void add_node_boxes(const StepState& state, DrawList& list) {
   const Boxes boxes{state, list};
   const StepLook& look = state.look;
-  const MarkColors marks = mark_colors(look.theme);
+  const HighlightColors highlights = highlight_colors(look.theme);
   const bool alone = look.isolated && (state.node >= 0 || look.node >= 0);
   if (look.show_settled && !alone) boxes.add_settled();
   if (look.show_queue && !alone) boxes.add_waiting();
   const bool selected = look.node >= 0 && state.run.timeline.queued_at()[look.node] <= look.step;
   if (state.node >= 0 && !look.show_queue) boxes.add_children(state.node);
   if (state.node >= 0 && state.node != look.node) {
-    boxes.add_parents(state.node, marks.current);
-    boxes.add_frame(state.node, marks.current, 3, kCurrentLabel);
+    boxes.add_parents(state.node, highlights.current);
+    boxes.add_frame(state.node, highlights.current, 3, kCurrentLabel);
   }
   if (selected) {
-    boxes.add_parents(look.node, marks.selected);
-    boxes.add_frame(look.node, marks.selected, look.node == state.node ? 5.0F : 3.0F,
+    boxes.add_parents(look.node, highlights.selected);
+    boxes.add_frame(look.node, highlights.selected, look.node == state.node ? 5.0F : 3.0F,
                     kSelectedLabel);
   }
 }
@@ -185,7 +185,7 @@ void add_planes(const StepState& state, DrawList& list) {
   const double size_m = run.subject->prepared.voxels.size_m;
   const auto voxel_m = static_cast<float>(size_m > 0 ? size_m : 0.02);  // approximate for pixels
   const Rgba ink = theme_colors(look.theme).ink;
-  const Rgba selected_color = mark_colors(look.theme).selected;
+  const Rgba selected_color = highlight_colors(look.theme).selected;
   const auto members = points_by_plane(state);
   const PlaneScene* shapes = finished(run, look);
   const bool any_stands_out = look.plane >= 0 || state.plane >= 0 || state.other >= 0;
@@ -238,7 +238,7 @@ void add_planes(const StepState& state, DrawList& list) {
 
 // ---- Legend ----
 
-using Mark = LegendEntry::Mark;
+using Symbol = LegendEntry::Symbol;
 
 /// Legend entries for a step.
 struct Legend {
@@ -246,12 +246,15 @@ struct Legend {
   DrawList& list;
   const debug::Run& run = state.run;
   const StepLook& look = state.look;
-  Rgba waiting = mark_colors(look.theme).waiting;
+  Rgba waiting = highlight_colors(look.theme).waiting;
 
-  void add(Rgba color, const std::string& text, Mark mark = Mark::dot) const {
+  void add(Rgba color, const std::string& text, Symbol mark = Symbol::dot) const {
     list.explain(color, text, mark);
   }
-  void add(Rgba color, const std::string& text, std::ptrdiff_t count, Mark mark = Mark::dot) const {
+  void add(Rgba color,
+           const std::string& text,
+           std::ptrdiff_t count,
+           Symbol mark = Symbol::dot) const {
     add(color, text + "  " + std::to_string(count), mark);
   }
 
@@ -270,7 +273,7 @@ struct Legend {
     add_case_legend(count, run.is_on_image(), list);
     if (hatched > 0)
       add(case_color(planes::Case::III), "at the deepest level: unassigned", hatched,
-          Mark::hatched_box);
+          Symbol::hatched_box);
     if (queued > 0) add(waiting, "queued", queued);
   }
 
@@ -294,12 +297,12 @@ struct Legend {
     const std::vector<bool>& steppable = look.planes->steppable;
     const auto yes = std::ranges::count(steppable, true);
     add(verdict_color(true), "steppable", yes);
-    add(verdict_color(false), "not steppable", std::ssize(steppable) - yes, Mark::hatched_box);
+    add(verdict_color(false), "not steppable", std::ssize(steppable) - yes, Symbol::hatched_box);
     add(leftover_color(), "unassigned");
   }
 
   void add_colors() const {
-    switch (told_by(run, look.color_by)) {
+    switch (effective_color_by(run, look.color_by)) {
       case ColorBy::cases:
         return add_cases();
       case ColorBy::planes:
@@ -334,12 +337,12 @@ struct Legend {
       add(waiting,
           run.subject->prepared.gravity.known() ? "no stairs, kerb or ramp"
                                                 : "stairs need gravity, which is unknown",
-          Mark::line);
+          Symbol::line);
     if (look.show_foot && look.color_by != ColorBy::steppable)
       if (const std::string why = no_verdicts(); !why.empty())
-        add(waiting, "foot space: " + why, Mark::line);
+        add(waiting, "foot space: " + why, Symbol::line);
     if (!look.marked.empty())
-      add(mark_colors(look.theme).marked, "marked", std::ssize(look.marked));
+      add(highlight_colors(look.theme).marked, "marked", std::ssize(look.marked));
   }
 };
 
@@ -380,7 +383,7 @@ Picked picked(std::uint32_t id) {
 
 DrawList scene_step(const debug::Run& run, const StepLook& look) {
   const StepState state = step_state(run, look);
-  const MarkColors marks = mark_colors(look.theme);
+  const HighlightColors highlights = highlight_colors(look.theme);
   DrawList list;
   list.pick_points_first = true;
   DrawPoints points = voxel_points(run.subject->prepared.voxels);
@@ -406,8 +409,9 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
     if (look.show_stairs && !alone) add_stairs(*planes, look.theme, list);
   }
   if (look.map && !alone) list.lines.insert(list.lines.end(), look.map->begin(), look.map->end());
-  if (state.voxel != look.voxel) add_voxel(run, state.voxel, marks.current, kCurrentLabel, list);
-  add_voxel(run, look.voxel, marks.selected, kSelectedLabel, list);
+  if (state.voxel != look.voxel)
+    add_voxel(run, state.voxel, highlights.current, kCurrentLabel, list);
+  add_voxel(run, look.voxel, highlights.selected, kSelectedLabel, list);
   Legend{state, list}.add_all();
   return list;
 }

@@ -114,13 +114,13 @@ struct StepState {
 StepState step_state(const debug::Run& run, const StepLook& look);
 
 /// Colors of highlights, not of data.
-struct MarkColors {
+struct HighlightColors {
   Rgba selected;
   Rgba current;  // objects of the step's event
   Rgba marked;
   Rgba waiting;  // voxels not settled yet
 };
-MarkColors mark_colors(Theme theme);
+HighlightColors highlight_colors(Theme theme);
 
 /// Per voxel: 1 if it belongs to the node or planes that are selected or of the step's event. Empty
 /// if there are none, or if it would be all voxels; then nothing is faded.
@@ -131,7 +131,7 @@ std::vector<Rgba> voxel_colors(const StepState& state);
 
 /// The quantity that is actually shown: only our method has cases and margins; for others, planes
 /// and labels replace them.
-ColorBy told_by(const debug::Run& run, ColorBy asked);
+ColorBy effective_color_by(const debug::Run& run, ColorBy asked);
 
 /// Whether the node is settled and was not divided, so that its points are final.
 bool is_settled_leaf(const debug::Run& run, std::int32_t node, std::int32_t step);

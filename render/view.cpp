@@ -156,23 +156,23 @@ AxisFit fit_axis(std::span<const Vec3f> points,
 
 }  // namespace
 
-std::vector<Vec3f> reach_of(std::span<const Vec3f> points, double outliers) {
+std::vector<Vec3f> extent_of(std::span<const Vec3f> points, double outliers) {
   constexpr int kDirections = 96;
   constexpr std::size_t kEnough = 8000;  // number of points to sample
   std::vector<Vec3f> some;
   const std::size_t stride = std::max<std::size_t>(1, points.size() / kEnough);
   for (std::size_t i = 0; i < points.size(); i += stride) some.push_back(points[i]);
-  std::vector<Vec3f> reach;
-  if (some.empty()) return reach;
+  std::vector<Vec3f> extent;
+  if (some.empty()) return extent;
   const auto left_out = static_cast<std::size_t>(outliers * static_cast<double>(some.size()));
   const auto last = static_cast<std::ptrdiff_t>(some.size() - 1 - left_out);
   for (int i = 0; i < kDirections; ++i) {
     const Vec3f along = direction(i, kDirections).cast<float>();
     std::nth_element(some.begin(), some.begin() + last, some.end(),
                      [&](const Vec3f& a, const Vec3f& b) { return a.dot(along) < b.dot(along); });
-    reach.push_back(some[last]);
+    extent.push_back(some[last]);
   }
-  return reach;
+  return extent;
 }
 
 std::vector<Vec3f> bulk_of(std::span<const Vec3f> points, double cell_m) {
@@ -206,7 +206,7 @@ std::vector<Vec3f> bulk_of(std::span<const Vec3f> points, double cell_m) {
   return bulk;
 }
 
-Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens) {
+Camera camera_fitting(std::span<const Vec3f> extent, const Lens& lens) {
   Camera camera;
   camera.fov_y_deg = lens.fov_y_deg;
   camera.up = lens.up;
@@ -216,9 +216,9 @@ Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens) {
   const double slope = std::tan(lens.fov_y_deg * kDegree / 2);
   constexpr double kNearest_m = 0.05;
   double across = 0, height = 0, target = 0, distance = 2;
-  if (!reach.empty()) {
-    const Extent x = span_along(reach, right), y = span_along(reach, upwards);
-    const Extent z = span_along(reach, lens.forward);
+  if (!extent.empty()) {
+    const Extent x = span_along(extent, right), y = span_along(extent, upwards);
+    const Extent z = span_along(extent, lens.forward);
     target = z.middle();
     if (lens.orthographic) {
       across = x.middle();
@@ -226,7 +226,7 @@ Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens) {
       distance = std::max(x.length() / lens.aspect, y.length()) / (2 * kMargin * slope);
     } else {
       const auto fit = [&](const Vec3d& axis, double fill) {
-        return fit_axis(reach, axis, lens.forward, fill, fill, 0);
+        return fit_axis(extent, axis, lens.forward, fill, fill, 0);
       };
       const AxisFit wide = fit(right, kMargin * slope * lens.aspect);
       const AxisFit high = fit(upwards, kMargin * slope);
@@ -268,7 +268,7 @@ double facing(const planes::Segmentation& segmentation, const Vec3d& forward) {
 
 /// Viewing direction of the sensor: the mean direction to the points; its length is near 1 if all
 /// are on one side.
-Vec3d sight_of(const planes::PreparedFrame& prepared) {
+Vec3d sensor_direction(const planes::PreparedFrame& prepared) {
   const Vec3f sensor = prepared.sensor().cast<float>();
   Vec3d sum = Vec3d::Zero();
   for (const Vec3f& point : prepared.voxels.points)
@@ -286,10 +286,11 @@ Placed view_of(const planes::PreparedFrame& prepared, const planes::Segmentation
     const double pitch_deg = std::asin(std::clamp(-forward.z(), -1.0, 1.0)) / kDegree;
     left = {std::clamp(pitch_deg + 10, 24.0, 60.0), 18};
     right = {left.elevation_deg, -left.yaw_deg};
-  } else if (const Vec3d sight = sight_of(prepared); sight.norm() > 0.7) {
+  } else if (const Vec3d to_points = sensor_direction(prepared); to_points.norm() > 0.7) {
     // Apparently a scan from one position: view from that side, not from behind.
-    const double pitch_deg = std::asin(std::clamp(-sight.normalized().z(), -1.0, 1.0)) / kDegree;
-    const double yaw_deg = std::atan2(sight.y(), sight.x()) / kDegree;
+    const double pitch_deg =
+        std::asin(std::clamp(-to_points.normalized().z(), -1.0, 1.0)) / kDegree;
+    const double yaw_deg = std::atan2(to_points.y(), to_points.x()) / kDegree;
     left = {std::clamp(pitch_deg + 10, -60.0, 60.0), yaw_deg + 18};
     right = {left.elevation_deg, yaw_deg - 18};
   }
@@ -341,13 +342,13 @@ Camera frame_camera(const planes::FrameResult& result, double aspect) {
 }
 
 Home home_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {
-  const std::vector<Vec3f> all = reach_of(prepared.voxels.points, kOutliers);
+  const std::vector<Vec3f> all = extent_of(prepared.voxels.points, kOutliers);
   float size_m = 0;
   for (const Vec3f& a : all) size_m = std::max(size_m, (a - all[0]).norm());
   constexpr double kCells = 40;  // pieces more than one or two cells apart are separate
   const double cell_m = std::max({size_m / kCells, 2 * prepared.voxels.size_m, 0.01});
   return {direction_of(view_of(prepared, segmentation)),
-          reach_of(bulk_of(prepared.voxels.points, cell_m), kOutliers)};
+          extent_of(bulk_of(prepared.voxels.points, cell_m), kOutliers)};
 }
 
 }  // namespace planescope::render

@@ -291,7 +291,7 @@ void FolderLock::release() {
   file_ = {};
 }
 
-FolderLock FolderLock::take(const fs::path& dir, const std::string& user) {
+FolderLock FolderLock::acquire(const fs::path& dir, const std::string& user) {
   FolderLock lock;
   const fs::path path = dir / "lock";
   FileDescriptor file = open_file(path, O_RDWR | O_CREAT);
@@ -306,7 +306,7 @@ FolderLock FolderLock::take(const fs::path& dir, const std::string& user) {
                         : path.string() + " cannot be locked (" + error_text(errno) + ")";
     return lock;
   }
-  if (!is_named(file, path)) return take(dir, user);
+  if (!is_named(file, path)) return acquire(dir, user);
   const std::string text =
       user + "\n" + std::to_string(::getpid()) + "\n" + host_name() + "\n" + local_time() + "\n";
   // On a full disk the lock is still held, only without a description.

@@ -106,7 +106,7 @@ class FolderLock {
   FolderLock& operator=(FolderLock&& other) noexcept;
 
   /// Creates DIR/lock if needed, but not DIR.
-  static FolderLock take(const std::filesystem::path& dir, const std::string& user);
+  static FolderLock acquire(const std::filesystem::path& dir, const std::string& user);
 
   bool is_held() const { return file_.is_open(); }
   bool is_held_by_other() const { return by_other_; }

@@ -120,7 +120,7 @@ ObservedFrame observe_given(const MapJob& job,
       throw Error(fmt::format("frame {} was observed at {}x{}, expected {}x{}", work.frame.index,
                               seen.plane_of.width, seen.plane_of.height, depth.width,
                               depth.height));
-    take_frame(seen, work.frame, work.options, work.pose->T_world_camera, work.pose->segment);
+    set_frame_fields(seen, work.frame, work.options, work.pose->T_world_camera, work.pose->segment);
     return seen;
   } catch (const Error& error) {
     throw PartError(error.what());

@@ -40,10 +40,10 @@ Trajectory own_trajectory(const MapJob& job) {
 }
 
 /// One pose each for frames of this job, in order.
-Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
+Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& warnings) {
   if (job.trajectory) {
     const PairedPoses paired = pair_poses(*job.trajectory, *job.recording, job.frames);
-    if (!paired.notice.empty()) told.push_back(paired.notice);
+    if (!paired.notice.empty()) warnings.push_back(paired.notice);
     Trajectory given{job.trajectory->source, {}};
     for (const std::optional<CameraPose>& pose : paired.poses)
       if (pose) given.poses.push_back(*pose);
@@ -64,8 +64,8 @@ Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
   Trajectory found = estimate_trajectory(odometry);
   const int segments = found.poses.empty() ? 0 : found.poses.back().segment + 1;
   if (segments > 1)
-    told.push_back(fmt::format("odometry lost tracking: {}, each with its own world frame",
-                               counted(segments, "segment")));
+    warnings.push_back(fmt::format("odometry lost tracking: {}, each with its own world frame",
+                                   counted(segments, "segment")));
   return found;
 }
 
@@ -107,16 +107,16 @@ std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory&
   return turn_upright(trajectory, samples, segments);
 }
 
-void tell_of_aside(const Tracker& tracker,
+void warn_of_aside(const Tracker& tracker,
                    const std::string& poses,
-                   std::vector<std::string>& told) {
+                   std::vector<std::string>& warnings) {
   int aside = 0, first = -1;
   for (const FrameOfTracks& frame : tracker.frames())
     if (frame.set_aside) {
       if (aside++ == 0) first = frame.frame;
     }
   if (aside > 0)
-    told.push_back(fmt::format(
+    warnings.push_back(fmt::format(
         "{} set aside, beginning with frame {}: depth and pose do not fit the map so far; "
         "check the poses of {}",
         counted(aside, "frame"), first, poses));
@@ -130,9 +130,9 @@ void tell_of_aside(const Tracker& tracker,
     alone += std::exchange(before, 0);
   }
   if (!begin.empty())
-    told.push_back(fmt::format("the map restarts at {} {}, after {}",
-                               begin.size() == 1 ? "frame" : "frames", fmt::join(begin, ", "),
-                               counted(alone, "frame")));
+    warnings.push_back(fmt::format("the map restarts at {} {}, after {}",
+                                   begin.size() == 1 ? "frame" : "frames", fmt::join(begin, ", "),
+                                   counted(alone, "frame")));
 }
 
 }  // namespace
@@ -164,12 +164,12 @@ UprightPoses upright_poses(const MapJob& job) {
   if (job.recording->info().width == 0)
     throw Error(path + ": contains point clouds; expected depth images");
   UprightPoses upright;
-  upright.poses = trajectory_of(job, upright.told);
+  upright.poses = trajectory_of(job, upright.warnings);
   std::vector<CameraPose>& poses = upright.poses.poses;
   if (poses.empty()) throw Error(path + ": no frame has a pose");
   const auto back = std::ranges::is_sorted_until(poses, {}, &CameraPose::timestamp_s);
   if (back != poses.end())
-    upright.told.push_back(fmt::format(
+    upright.warnings.push_back(fmt::format(
         "timestamps decrease at frame {}; frames are processed in index order", back->frame));
   upright.gravity = turn_upright_by_frames(job, upright.poses);
   for (CameraPose& pose : poses) settle(pose);
@@ -211,7 +211,7 @@ std::string difference(const PlanesFrom& found, const PlanesFrom& expected) {
 namespace {
 
 /// Replaces the poses by the tracker's aligned poses.
-void take_aligned(const Tracker& tracker, std::vector<CameraPose>& poses) {
+void apply_aligned_poses(const Tracker& tracker, std::vector<CameraPose>& poses) {
   auto pose = poses.begin();
   for (const FrameOfTracks& frame : tracker.frames()) {
     if (!frame.has_pose) continue;
@@ -232,7 +232,7 @@ WorldMap map_recording(const MapJob& job) {
   const bool in_one_pass = job.at_own_rate || job.tracks.window_m > 0;
   Pass pass = pass_through(job, map, helps && in_one_pass ? Offer::so_far : Offer::nothing, nullptr,
                            "map", !helps || in_one_pass);
-  take_aligned(pass.tracker, map.poses.poses);
+  apply_aligned_poses(pass.tracker, map.poses.poses);
   if (helps && !in_one_pass) {
     Tracker earlier = std::move(pass.tracker);
     earlier.consolidate();
@@ -242,14 +242,14 @@ WorldMap map_recording(const MapJob& job) {
   map.stored = std::move(pass.stored);
   map.pace = pass.pace;
   map.refused = static_cast<int>(pass.refused.size());
-  std::ranges::move(pass.refused, std::back_inserter(map.told));
+  std::ranges::move(pass.refused, std::back_inserter(map.warnings));
   if (pass.without_pose > 0)
-    map.told.push_back(fmt::format("{} of {} have no pose and are skipped", pass.without_pose,
-                                   counted(job.frames.size(), "frame")));
-  tell_of_aside(map.tracker, map.poses.source, map.told);
+    map.warnings.push_back(fmt::format("{} of {} have no pose and are skipped", pass.without_pose,
+                                       counted(job.frames.size(), "frame")));
+  warn_of_aside(map.tracker, map.poses.source, map.warnings);
   map.stability = stability_of(map.tracker, map.poses.poses);
   if (map.stability.kept_share < kLeastKept)
-    map.told.push_back(
+    map.warnings.push_back(
         fmt::format("only {:.0f} % of plane pixels are tracked into the next frame: frames may be "
                     "too far apart, or {} may not contain T_world_camera in meters",
                     100 * map.stability.kept_share, map.poses.source));
@@ -272,8 +272,8 @@ ObservedPart observe_recording(
     if (all[i] && is_mine(i)) mine.push_back(all[i]);
   std::vector<std::string> refused =
       observe_each(job, upright, mine, [&](const ObservedFrame& seen) { take(seen, upright); });
-  ObservedPart part{static_cast<int>(refused.size()), upright.told};
-  std::ranges::move(refused, std::back_inserter(part.told));
+  ObservedPart part{static_cast<int>(refused.size()), upright.warnings};
+  std::ranges::move(refused, std::back_inserter(part.warnings));
   return part;
 }
 

@@ -24,7 +24,7 @@ namespace planescope::world {
 struct UprightPoses {
   Trajectory poses;                    // for frames with a pose
   std::vector<SharedGravity> gravity;  // by segment of the poses
-  std::vector<std::string> told;       // warnings, one line each
+  std::vector<std::string> warnings;   // warnings, one line each
 };
 
 struct MapJob {
@@ -99,8 +99,8 @@ planes::PipelineOptions turn_to_map(Frame& frame,
 WorldMap map_recording(const MapJob& job);
 
 struct ObservedPart {
-  int refused = 0;                // frames that were unreadable or failed, each reported
-  std::vector<std::string> told;  // one line each
+  int refused = 0;                    // frames that were unreadable or failed, each reported
+  std::vector<std::string> warnings;  // one line each
 };
 
 /// Observes the subset of frames whose position in MapJob::frames satisfies `is_mine`, and passes

@@ -265,7 +265,7 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
   };
   // A map without planes is none, and replaces none.
   const std::string empty = told(millimetres, 2, {});
-  EXPECT_TRUE(has(empty, "may not hold T_world_camera in meters"));
+  EXPECT_TRUE(has(empty, "may not contain T_world_camera in meters"));
   EXPECT_TRUE(has(empty, "not written: no plane was seen in 3 or more of 12 frames"));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
   // So is one that few frames fit: T_camera_world, a common mistake.

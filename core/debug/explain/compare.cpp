@@ -268,13 +268,13 @@ class Parting {
   std::int32_t step_of(std::uint32_t voxel_of_b) const {
     const auto in_b = static_cast<std::int32_t>(voxel_of_b), in_a = to_a_.voxel(in_b);
     if (in_a < 0) return 0;
-    const std::set<std::int32_t> life_a = steps_of_point(a_, in_a),
-                                 life_b = steps_of_point(b_, in_b);
+    const std::set<std::int32_t> history_a = steps_of_point(a_, in_a),
+                                 history_b = steps_of_point(b_, in_b);
     const auto alike = [this](std::int32_t step_a, std::int32_t step_b) {
       return are_alike(*a_.event_at(step_a), *b_.event_at(step_b));
     };
-    const auto at_b = std::ranges::mismatch(life_a, life_b, alike).in2;
-    return at_b == life_b.end() ? 0 : *at_b;
+    const auto at_b = std::ranges::mismatch(history_a, history_b, alike).in2;
+    return at_b == history_b.end() ? 0 : *at_b;
   }
 
  private:

@@ -13,7 +13,7 @@
 
 namespace planescope::debug {
 
-enum class Verdict : std::uint8_t { pass, fail, not_asked };
+enum class Verdict : std::uint8_t { pass, fail, not_evaluated };
 
 /// One comparison. margin > 0: passes, with that share of the threshold to spare.
 struct Check {
@@ -27,13 +27,13 @@ struct Check {
   double value = 0;
   std::string op = {};  // "≤", "≥"
   double threshold = 0;
-  Verdict verdict = Verdict::not_asked;
+  Verdict verdict = Verdict::not_evaluated;
   double margin = 0;
 };
 
 struct NodeReport {
   std::int32_t node = -1;
-  std::vector<Check> checks;  // in evaluation order; not_asked if never computed
+  std::vector<Check> checks;  // in evaluation order; not_evaluated if never computed
   std::string stopped;        // "stopped at Criterion 1: no PCA was made" / "all passed"
   std::string outcome;        // "case III: divided into 5", "case IV: candidate merged into P3"
   std::vector<std::int32_t> outcome_steps;  // steps of the resulting found / merge / wait events
@@ -46,8 +46,8 @@ struct PartnerReport {
   std::vector<Check> checks;
   bool coplanar = false;
   bool chosen = false;
-  bool never_asked = false;  // an earlier partner was accepted (merge_partner first)
-  double cost = 0;           // used to choose the best partner
+  bool not_evaluated = false;  // an earlier partner was accepted (merge_partner first)
+  double cost = 0;             // used to choose the best partner
 };
 struct MergeReport {
   std::int32_t step = 0;
@@ -86,7 +86,7 @@ LeftoverReport explain_leftover(const Run& run, std::int32_t step);
 Check at_most(Check check, double value, double threshold);
 Check at_least(Check check, double value, double threshold);
 /// Marks a check as never computed: no value, no margin.
-Check not_asked(Check check);
+Check not_evaluated(Check check);
 bool all_pass(const std::vector<Check>& checks);
 /// Smallest margin of the checks: negative if one fails.
 double least_margin(const std::vector<Check>& checks);

@@ -24,7 +24,7 @@ PartnerReport report_of(const planes::Pair& pair, const planes::SegmentOptions& 
 
 /// Repeats a choice, recording the compared planes and the chosen partner.
 template <typename Choose>
-std::vector<PartnerReport> partners_asked(const planes::SegmentOptions& options, Choose choose) {
+std::vector<PartnerReport> compared_partners(const planes::SegmentOptions& options, Choose choose) {
   std::vector<PartnerReport> partners;
   const planes::PairVisitor visitor = [&](const planes::Pair& pair) {
     partners.push_back(report_of(pair, options));
@@ -35,33 +35,33 @@ std::vector<PartnerReport> partners_asked(const planes::SegmentOptions& options,
 }
 
 /// Appends the planes after the accepted one, which the choice did not evaluate.
-void append_never_asked(const planes::SegmentState& state,
-                        const planes::Candidate& candidate,
-                        std::vector<PartnerReport>& partners) {
+void append_not_evaluated(const planes::SegmentState& state,
+                          const planes::Candidate& candidate,
+                          std::vector<PartnerReport>& partners) {
   const std::int32_t asked = partners.empty() ? -1 : partners.back().plane;
   for (auto k = asked + 1; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
     if (!state.planes[k].alive) continue;
     const planes::Coplanarity terms = planes::coplanarity(state.planes[k].fit, candidate.fit);
     partners.push_back(report_of({k, terms, false}, state.options));
-    partners.back().never_asked = true;
+    partners.back().not_evaluated = true;
     partners.back().coplanar = false;
-    for (Check& check : partners.back().checks) check = not_asked(check);
+    for (Check& check : partners.back().checks) check = not_evaluated(check);
   }
 }
 
 std::vector<PartnerReport> partners_in_list(const planes::SegmentState& state,
                                             const planes::Candidate& candidate) {
-  auto partners = partners_asked(state.options, [&](const planes::PairVisitor* visitor) {
+  auto partners = compared_partners(state.options, [&](const planes::PairVisitor* visitor) {
     return planes::choose_partner(state, candidate, visitor);
   });
-  append_never_asked(state, candidate, partners);
+  append_not_evaluated(state, candidate, partners);
   return partners;
 }
 
 /// Sorts: the chosen one, coplanar ones by cost, the nearest misses, then those not evaluated.
 void sort_for_reading(std::vector<PartnerReport>& partners) {
   const auto key = [](const PartnerReport& p) {
-    return std::tuple(!p.chosen, p.never_asked, !p.coplanar,
+    return std::tuple(!p.chosen, p.not_evaluated, !p.coplanar,
                       p.coplanar ? p.cost : -least_margin(p.checks));
   };
   std::ranges::stable_sort(partners, {}, key);

@@ -40,28 +40,29 @@ Check pca(const PlaneFit& fit) {
 }
 
 /// Appends the checks of a criterion; stops after the first criterion that fails.
-class Questions {
+class CheckList {
  public:
-  explicit Questions(std::vector<Check>& into) : into_(into) {}
-  bool ask(const std::vector<Check>& criterion) {
-    for (const Check& check : criterion) into_.push_back(asking_ ? check : not_asked(check));
-    asking_ = asking_ && all_pass(criterion);
-    return asking_;
+  explicit CheckList(std::vector<Check>& into) : into_(into) {}
+  bool add(const std::vector<Check>& criterion) {
+    for (const Check& check : criterion)
+      into_.push_back(evaluating_ ? check : not_evaluated(check));
+    evaluating_ = evaluating_ && all_pass(criterion);
+    return evaluating_;
   }
 
  private:
   std::vector<Check>& into_;
-  bool asking_ = true;
+  bool evaluating_ = true;
 };
 
 /// The objective evaluates Criteria 2 and 3 of an impure node again, for each label separately.
-void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks) {
+void check_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks) {
   const planes::SegmentOptions& options = run.segment_options;
   const NodeFacts& facts = run.facts[node];
   const planes::Purity& purity = facts.purity;
-  Questions questions(checks);
-  questions.ask({enough_points(kByLabel, purity, options)});
-  questions.ask({planarity_check(kByLabel, options, facts.e_n, facts.theta_e_n)});
+  CheckList list(checks);
+  list.add({enough_points(kByLabel, purity, options)});
+  list.add({planarity_check(kByLabel, options, facts.e_n, facts.theta_e_n)});
   if (!planes::has_enough_inliers(purity.n_out, options)) return;  // too few to matter: left over
   const Label other = purity.inlier == Label::h ? Label::v : Label::h;
   const planes::Candidate outliers =
@@ -69,7 +70,7 @@ void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks)
   const planes::Planarity planar = planes::planarity(outliers.fit, run.segmentation.noise, options);
   Check check = planarity_check(kByLabel, options, planar.value, planar.threshold);
   check.quantity += " of the outliers";
-  questions.ask({check});
+  list.add({check});
 }
 
 /// Criteria 1-3 on a depth image, in evaluation order.
@@ -78,7 +79,7 @@ std::vector<Check> image_checks(const Run& run, std::int32_t index) {
   const planes::ImageTerms& terms = run.trace.image_terms[index];
   const planes::OctreeNode& node = run.octree().nodes[index];
   const auto answer = [](Check check, double value, double threshold) {
-    if (value < 0) return not_asked(std::move(check));
+    if (value < 0) return not_evaluated(std::move(check));
     if (value >= planes::kNotFlat) value = std::numeric_limits<double>::infinity();
     return at_most(std::move(check), value, threshold);
   };
@@ -168,9 +169,9 @@ Check at_least(Check check, double value, double threshold) {
   return answered(std::move(check), value, "≥", threshold, value - threshold);
 }
 
-Check not_asked(Check check) {
+Check not_evaluated(Check check) {
   check.value = std::numeric_limits<double>::quiet_NaN();
-  check.verdict = Verdict::not_asked;
+  check.verdict = Verdict::not_evaluated;
   check.margin = 0;
   return check;
 }
@@ -183,7 +184,7 @@ bool all_pass(const std::vector<Check>& checks) {
 double least_margin(const std::vector<Check>& checks) {
   double least = std::numeric_limits<double>::infinity();
   for (const Check& check : checks)
-    if (check.verdict != Verdict::not_asked) least = std::min(least, check.margin);
+    if (check.verdict != Verdict::not_evaluated) least = std::min(least, check.margin);
   return least;
 }
 
@@ -241,19 +242,18 @@ NodeReport explain_node(const Run& run, std::int32_t node) {
     append_outcome(run, report);
     return report;
   }
-  Questions questions(report.checks);
-  const bool pure =
-      questions.ask({at_most({"Criterion 1", "Eq. (2)", "N_out", "points of the minority label",
-                              "points", "theta_n_out"},
-                             facts.purity.n_out, options.theta_n_out),
-                     at_most({"Criterion 1", "Eq. (2)", "r_out", "their share of the node's points",
-                              "", "theta_r_out"},
-                             facts.purity.r_out(), options.theta_r_out)});
-  questions.ask({enough_points("Criterion 2", facts.purity, options)});
-  questions.ask({pca(facts.fit)});
-  questions.ask({planarity_check("Criterion 3", options, facts.e_n, facts.theta_e_n)});
+  CheckList list(report.checks);
+  const bool pure = list.add({at_most({"Criterion 1", "Eq. (2)", "N_out",
+                                       "points of the minority label", "points", "theta_n_out"},
+                                      facts.purity.n_out, options.theta_n_out),
+                              at_most({"Criterion 1", "Eq. (2)", "r_out",
+                                       "their share of the node's points", "", "theta_r_out"},
+                                      facts.purity.r_out(), options.theta_r_out)});
+  list.add({enough_points("Criterion 2", facts.purity, options)});
+  list.add({pca(facts.fit)});
+  list.add({planarity_check("Criterion 3", options, facts.e_n, facts.theta_e_n)});
   report.stopped = stopped_at(report);
-  if (!pure && options.by_objective()) ask_by_label(run, node, report.checks);
+  if (!pure && options.by_objective()) check_by_label(run, node, report.checks);
   append_outcome(run, report);
   return report;
 }

@@ -18,16 +18,16 @@ constexpr double kRoom = 4;  // axes end at this multiple of the threshold: deci
 constexpr int kBins = 24;
 constexpr int kDecades = 8;
 
-using Judgement = std::uint32_t HistogramBin::*;  // counter for the evaluation against ground truth
+using Outcome = std::uint32_t HistogramBin::*;  // counter for the evaluation against ground truth
 
 struct Sample {
   double value = 0;
-  Judgement judgement = &HistogramBin::unknown;
+  Outcome outcome = &HistogramBin::unknown;
 };
 using Samples = std::vector<Sample>;
 
 /// Evaluation of the event that led to the step.
-Judgement judgement_at(const Run& run, std::int32_t step) {
+Outcome outcome_at(const Run& run, std::int32_t step) {
   if (run.wrong.empty() || step == planes::kNever) return &HistogramBin::unknown;
   return run.wrong[static_cast<std::size_t>(step - 1)] ? &HistogramBin::wrong
                                                        : &HistogramBin::right;
@@ -47,7 +47,7 @@ std::vector<HistogramBin> fill(const std::vector<double>& edges, const Samples& 
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) bins.push_back({edges[i], edges[i + 1]});
   for (const Sample& sample : samples) {
     const auto above = std::upper_bound(edges.begin() + 1, edges.end() - 1, sample.value);
-    ++(bins[static_cast<std::size_t>(above - edges.begin() - 1)].*sample.judgement);
+    ++(bins[static_cast<std::size_t>(above - edges.begin() - 1)].*sample.outcome);
     bins.back().high = std::max(bins.back().high, sample.value);
   }
   return bins;
@@ -94,13 +94,12 @@ void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
   Samples n_out, r_out, n_in, e_n;
   for (std::size_t i = 0; i < run.facts.size(); ++i) {
     const NodeFacts& facts = run.facts[i];
-    const Judgement judgement = judgement_at(run, run.timeline.decided_at()[i]);
-    n_out.push_back({static_cast<double>(facts.purity.n_out), judgement});
-    r_out.push_back({facts.purity.r_out(), judgement});
+    const Outcome outcome = outcome_at(run, run.timeline.decided_at()[i]);
+    n_out.push_back({static_cast<double>(facts.purity.n_out), outcome});
+    r_out.push_back({facts.purity.r_out(), outcome});
     if (!planes::is_pure(facts.purity, options)) continue;
-    n_in.push_back({static_cast<double>(facts.purity.n_in), judgement});
-    if (planes::has_enough_inliers(facts.purity.n_in, options))
-      e_n.push_back({facts.e_n, judgement});
+    n_in.push_back({static_cast<double>(facts.purity.n_in), outcome});
+    if (planes::has_enough_inliers(facts.purity.n_in, options)) e_n.push_back({facts.e_n, outcome});
   }
   const auto append_count = [&](const char* quantity, const char* title, const char* option,
                                 double threshold, const Samples& samples) {
@@ -128,16 +127,16 @@ void append_image_terms(const Run& run, std::vector<Histogram>& histograms) {
   Samples filled, two_planes, variance, cost, worth;
   for (std::size_t i = 0; i < run.trace.image_terms.size(); ++i) {
     const planes::ImageTerms& terms = run.trace.image_terms[i];
-    const Judgement judgement = judgement_at(run, run.timeline.decided_at()[i]);
-    filled.push_back({terms.filled, judgement});
+    const Outcome outcome = outcome_at(run, run.timeline.decided_at()[i]);
+    filled.push_back({terms.filled, outcome});
     if (terms.two_planes >= 0 && terms.two_planes < planes::kNotFlat)
-      two_planes.push_back({terms.two_planes, judgement});
-    if (terms.variance >= 0) variance.push_back({terms.variance, judgement});
+      two_planes.push_back({terms.two_planes, outcome});
+    if (terms.variance >= 0) variance.push_back({terms.variance, outcome});
   }
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
-    if (event.stage == planes::Stage::join) cost.push_back({event.value, judgement_at(run, step)});
-    if (event.stage == planes::Stage::list) worth.push_back({event.value, judgement_at(run, step)});
+    if (event.stage == planes::Stage::join) cost.push_back({event.value, outcome_at(run, step)});
+    if (event.stage == planes::Stage::list) worth.push_back({event.value, outcome_at(run, step)});
   }
   const auto append = [&](const char* title, const char* unit, const char* option, double threshold,
                           const Samples& samples, double most) {
@@ -173,10 +172,10 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
   StateWalk walk(run);
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
-    const Judgement judgement = judgement_at(run, step);
+    const Outcome outcome = outcome_at(run, step);
     if ((event.type == planes::EventType::assign || event.type == planes::EventType::drop) &&
         event.value >= 0)
-      distance.push_back({event.value, judgement});
+      distance.push_back({event.value, outcome});
     if (event.node < 0 ||
         (event.type != planes::EventType::found && event.type != planes::EventType::merge))
       continue;
@@ -185,10 +184,10 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
         planes::fit_label(state.octree, event.node, event.label, options.use_labels);
     const std::optional<planes::Coplanarity> terms = terms_of(state, event, candidate);
     if (!terms) continue;
-    offset.push_back({terms->offset_m, judgement});
-    normals.push_back({terms->normals, judgement});
-    n1_dmu.push_back({terms->n1_dmu, judgement});
-    n2_dmu.push_back({terms->n2_dmu, judgement});
+    offset.push_back({terms->offset_m, outcome});
+    normals.push_back({terms->normals, outcome});
+    n1_dmu.push_back({terms->n1_dmu, outcome});
+    n2_dmu.push_back({terms->n2_dmu, outcome});
   }
 
   const auto append = [&](Histogram histogram, const Samples& samples, double most) {

@@ -58,7 +58,7 @@ std::string describe_label(const Run& run, std::uint32_t voxel) {
   return text;
 }
 
-std::string station_of(const planes::TraceEvent& event) {
+std::string stage_of(const planes::TraceEvent& event) {
   switch (event.type) {
     case planes::EventType::found:
     case planes::EventType::merge:
@@ -326,30 +326,30 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
 
 }  // namespace
 
-std::vector<LifeEvent> life_of(const Run& run, std::size_t source) {
-  std::vector<LifeEvent> life;
+std::vector<HistoryEvent> history_of(const Run& run, std::size_t source) {
+  std::vector<HistoryEvent> history;
   if (source < run.subject->point_of_source.size())
-    life.push_back({"pixel", describe_source(run.subject->frame, source)});
+    history.push_back({"pixel", describe_source(run.subject->frame, source)});
   if (const std::optional<Absence> absence = absence_of(run, source)) {
-    life.push_back({"result", absence->text, -1, -1, -1, true});
-    return life;
+    history.push_back({"result", absence->text, -1, -1, -1, true});
+    return history;
   }
   const std::uint32_t voxel = run.subject->voxel_of_source(source);
   const auto point = static_cast<std::int32_t>(voxel);
-  life.push_back({"voxel", describe_voxel(*run.subject, voxel)});
-  life.push_back({"label", describe_label(run, voxel)});
+  history.push_back({"voxel", describe_voxel(*run.subject, voxel)});
+  history.push_back({"label", describe_label(run, voxel)});
   const std::int32_t decisive = why_not(run, source).step;
   std::set<std::int32_t> steps = steps_of_point(run, point);
   if (decisive > 0) steps.insert(decisive);  // include the merge of another node
   for (const std::int32_t step : steps) {
     const planes::TraceEvent& event = *run.event_at(step);
-    life.push_back({station_of(event), describe_event(run, step) + after(run, step, point), step,
-                    event.node, event.plane, step == decisive});
+    history.push_back({stage_of(event), describe_event(run, step) + after(run, step, point), step,
+                       event.node, event.plane, step == decisive});
   }
   const std::int32_t id = run.segmentation.plane_of[voxel];
-  life.push_back({"result", describe_result(run, point), -1, -1,
-                  id > 0 ? run.segmentation.planes[id - 1].founded : -1});
-  return life;
+  history.push_back({"result", describe_result(run, point), -1, -1,
+                     id > 0 ? run.segmentation.planes[id - 1].founded : -1});
+  return history;
 }
 
 std::string point_name(const Run& run, std::int32_t voxel) {

@@ -13,7 +13,7 @@
 namespace planescope::debug {
 
 /// One entry of a point's history. `step` -1: before the segmentation.
-struct LifeEvent {
+struct HistoryEvent {
   std::string stage;  // "pixel", "voxel", "label", "node", "merge", "leftover", "join",
                       // "result"; on a depth image also "join", "grow", "hidden", "list"
   std::string text;   // "case III at depth 5: e_n 0.0071 m² > 0.005"
@@ -25,7 +25,7 @@ struct LifeEvent {
 
 /// History of a source: pixel v * width + u, or index in the cloud's file. For unmeasured and
 /// cropped points, a short history with the reason.
-std::vector<LifeEvent> life_of(const Run& run, std::size_t source);
+std::vector<HistoryEvent> history_of(const Run& run, std::size_t source);
 /// "pixel 320,240", "point 17" or, if a voxel contains several points, "voxel 17".
 std::string point_name(const Run& run, std::int32_t voxel);
 /// The source of the voxel nearest to its mean.

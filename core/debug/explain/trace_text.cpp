@@ -111,7 +111,7 @@ void write_merge(const Run& run, const MergeReport& report, TraceLines& lines) {
   for (const PartnerReport& partner : report.partners) {
     lines.add("  {}:{}{}{} cost {}", plane_name(run, partner.plane),
               partner.coplanar ? " coplanar" : "", partner.chosen ? " chosen" : "",
-              partner.never_asked ? " not evaluated" : "", exact(partner.cost));
+              partner.not_evaluated ? " not evaluated" : "", exact(partner.cost));
     for (const Check& check : partner.checks) write_check(check, lines);
   }
 }
@@ -145,9 +145,9 @@ void for_events_of(const Run& run,
   }
 }
 
-void write_life(const Run& run, std::size_t source, TraceLines& lines) {
+void write_history(const Run& run, std::size_t source, TraceLines& lines) {
   lines.add("source {}", source);
-  for (const LifeEvent& event : life_of(run, source))
+  for (const HistoryEvent& event : history_of(run, source))
     lines.add("  {} at step {}, node {}, plane {}{}: {}", event.stage, event.step, event.node,
               plane_name(run, event.plane), event.decisive ? ", decisive" : "", event.text);
   const WhyNot why = why_not(run, source);
@@ -270,7 +270,7 @@ void write_leftovers(const Run& run, TraceLines& lines) {
                 });
 }
 
-void write_lives(const Run& run, TraceLines& lines) {
+void write_histories(const Run& run, TraceLines& lines) {
   const Subject& subject = *run.subject;
   const auto sources = first_numbers<std::size_t>(subject.point_of_source.size());
   Region in_planes, in_none;
@@ -281,10 +281,10 @@ void write_lives(const Run& run, TraceLines& lines) {
               sampled(strided(sources, kMostPlaces), sources.size()),
               sampled(strided(in_planes, kMostPlaces), in_planes.size()),
               sampled(strided(in_none, kMostPlaces), in_none.size()));
-  for (const std::size_t source : strided(sources, kMostPlaces)) write_life(run, source, lines);
+  for (const std::size_t source : strided(sources, kMostPlaces)) write_history(run, source, lines);
   for (const Region& voxels : {in_planes, in_none})
     for (const std::uint32_t voxel : strided(voxels, kMostPlaces))
-      write_life(run, source_of_voxel(subject, voxel), lines);
+      write_history(run, source_of_voxel(subject, voxel), lines);
 }
 
 /// Every plane of the result and of the truth, and the unassigned points; compared with `pinned` if
@@ -481,7 +481,7 @@ std::string trace_text(const Run& run, const Run* pinned) {
   write_nodes(run, lines);
   write_merges(run, lines);
   write_leftovers(run, lines);
-  write_lives(run, lines);
+  write_histories(run, lines);
   write_regions(run, pinned, lines);
   write_comparison_with_truth(run, lines);
   if (pinned) write_comparison(run, *pinned, lines);

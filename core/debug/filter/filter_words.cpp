@@ -81,7 +81,9 @@ const NodeFacts* fitted(View e) {
 }
 
 /// The facts if ground truth is known.
-const NodeFacts* judged(View e) { return e.run.subject->voxel_truth.known() ? e.facts() : nullptr; }
+const NodeFacts* truth_facts(View e) {
+  return e.run.subject->voxel_truth.known() ? e.facts() : nullptr;
+}
 
 template <planes::EventType type>
 double is_kind(View e) {
@@ -148,7 +150,7 @@ double value_of_event(View e) {
 double true_plane(View e) {
   const VoxelTruth& truth = e.run.subject->voxel_truth;
   if (truth.known() && e.event.point >= 0) return truth.plane[e.event.point];
-  return judged(e) ? judged(e)->truth_plane : kAbsent;
+  return truth_facts(e) ? truth_facts(e)->truth_plane : kAbsent;
 }
 
 std::vector<FilterSymbol> fields_of_events() {
@@ -213,18 +215,19 @@ std::vector<FilterSymbol> fields_of_events() {
 
       {"truth.mixed", "the node contains points of two true planes", boolean,
        [](View e) -> double {
-         return judged(e) && is_mixed_in_truth(*judged(e), e.run.segment_options);
+         return truth_facts(e) && is_mixed_in_truth(*truth_facts(e), e.run.segment_options);
        }},
       {"truth.wrong", "the decision disagrees with ground truth", boolean,
        [](View e) -> double { return !e.run.wrong.empty() && e.run.wrong[e.step - 1] != 0; }},
       {"truth.plane", "true plane of the point, or of most of the node's points; 0 if none", number,
        true_plane},
       {"truth.planes", "number of true planes with points in the node", number,
-       [](View e) { return judged(e) ? judged(e)->truth_planes : kAbsent; }},
+       [](View e) { return truth_facts(e) ? truth_facts(e)->truth_planes : kAbsent; }},
       {"truth.purity", "share of the node's points that belong to truth.plane", number,
        [](View e) {
-         return judged(e) ? static_cast<double>(judged(e)->truth_points) / e.node()->size()
-                          : kAbsent;
+         return truth_facts(e)
+                    ? static_cast<double>(truth_facts(e)->truth_points) / e.node()->size()
+                    : kAbsent;
        }},
 
       {"theta_mse", "Criterion 3's threshold at the node, in the unit of mse", number,

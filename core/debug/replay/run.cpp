@@ -80,7 +80,7 @@ std::string change(const Run& run, const planes::TraceEvent& event, std::int32_t
   if (event.stage == planes::Stage::grow && !run.timeline.plane_at(event.plane, step)->alive)
     return fmt::format("{}: {} ends: {}", stage, plane_name(run, event.plane),
                        filled_in(info.why_dropped, run, event));
-  return fmt::format("{}: {}", stage, filled_in(info.says, run, event));
+  return fmt::format("{}: {}", stage, filled_in(info.event_text, run, event));
 }
 
 /// Counts the true planes of nodes, one node at a time.

@@ -101,7 +101,7 @@ std::int32_t node_at_step(const Run& run, std::int32_t step);
 std::string plane_name(const Run& run, std::int32_t plane);
 /// Decision on a node: "case III, variance 3.4 > 2 × the expected".
 std::string decision_text(const Run& run, std::int32_t node);
-/// Fills in the placeholders of StageInfo::says or why_dropped for an event.
+/// Fills in the placeholders of StageInfo::event_text or why_dropped for an event.
 std::string filled_in(const char* text, const Run& run, const planes::TraceEvent& event);
 /// One line for users: "node 41 (depth 5): case III, e_n 0.0071 > 0.005 m²".
 std::string describe_event(const Run& run, std::int32_t step);

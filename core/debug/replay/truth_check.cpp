@@ -46,7 +46,7 @@ class TruthChecker {
 
   bool is_wrong(std::int32_t step) {
     const planes::TraceEvent& event = *run_.event_at(step);
-    take_changes_until(step - 1);
+    apply_changes_until(step - 1);
     switch (event.type) {
       case planes::EventType::decide:
         return is_wrong_case(event);
@@ -68,17 +68,17 @@ class TruthChecker {
   }
 
  private:
-  void take_changes_until(std::int32_t step) {
+  void apply_changes_until(std::int32_t step) {
     const std::vector<planes::Trace::Point>& changes = run_.trace.points;
-    while (taken_ < changes.size() && changes[taken_].change.step <= step) {
+    while (applied_ < changes.size() && changes[applied_].change.step <= step) {
       // All points that one event gives to a plane are added together.
-      const planes::PointChange first = changes[taken_].change;
+      const planes::PointChange first = changes[applied_].change;
       TruthTally given;
-      take_joins_until(first.step - 1);
-      for (; taken_ < changes.size() && changes[taken_].change.step == first.step &&
-             changes[taken_].change.plane == first.plane;
-           ++taken_) {
-        const std::uint32_t i = changes[taken_].point;
+      apply_joins_until(first.step - 1);
+      for (; applied_ < changes.size() && changes[applied_].change.step == first.step &&
+             changes[applied_].change.plane == first.plane;
+           ++applied_) {
+        const std::uint32_t i = changes[applied_].point;
         const std::int32_t truth = truth_of(static_cast<std::int32_t>(run_.octree().order[i]));
         if (truth > 0 && plane_of_[i] >= 0)
           tallies_[run_.timeline.joined_plane(plane_of_[i], first.step - 1)].add(truth, -1);
@@ -87,10 +87,10 @@ class TruthChecker {
       }
       if (first.plane >= 0) tallies_[first.plane].add(given);
     }
-    take_joins_until(step);
+    apply_joins_until(step);
   }
   /// Planes of an image join along with their points, without point changes.
-  void take_joins_until(std::int32_t step) {
+  void apply_joins_until(std::int32_t step) {
     const std::vector<planes::Trace::Plane>& changes = run_.trace.planes;
     for (; joined_ < changes.size() && changes[joined_].change.step <= step; ++joined_)
       if (const planes::PlaneChange& change = changes[joined_].change;
@@ -148,9 +148,9 @@ class TruthChecker {
   }
 
   const Run& run_;
-  std::size_t taken_ = 0, joined_ = 0;  // number of applied changes of points, of planes
-  std::vector<std::int32_t> plane_of_;  // per Morton-ordered point
-  std::vector<TruthTally> tallies_;     // per plane of the trace
+  std::size_t applied_ = 0, joined_ = 0;  // number of applied changes of points, of planes
+  std::vector<std::int32_t> plane_of_;    // per Morton-ordered point
+  std::vector<TruthTally> tallies_;       // per plane of the trace
 };
 
 }  // namespace

@@ -69,7 +69,7 @@ std::optional<Vec3d> clear_normal(const Mat3d& scatter) {
   return normal.normalized();
 }
 
-Verdict judge_normal(const Vec3d& normal, double max_angle_deg) {
+Verdict classify_normal(const Vec3d& normal, double max_angle_deg) {
   const double angle_deg = degrees(std::acos(std::min(1.0, std::abs(normal.z()))));
   if (angle_deg <= max_angle_deg)
     return {Label::h, static_cast<float>((max_angle_deg - angle_deg) / max_angle_deg)};
@@ -77,9 +77,9 @@ Verdict judge_normal(const Vec3d& normal, double max_angle_deg) {
 }
 
 /// `moments`: of the neighbors, relative to the point.
-Verdict judge(const Moments& moments, double max_angle_deg) {
+Verdict classify_moments(const Moments& moments, double max_angle_deg) {
   const Mat3d scatter = moments.scatter();
-  if (const auto normal = clear_normal(scatter)) return judge_normal(*normal, max_angle_deg);
+  if (const auto normal = clear_normal(scatter)) return classify_normal(*normal, max_angle_deg);
   // Fewer than three points, or points that coincide or are collinear, have no normal: return the
   // best guess with margin 0.
   constexpr double kFlat = 1e-9;  // fraction of the largest eigenvalue; below float precision of
@@ -90,7 +90,7 @@ Verdict judge(const Moments& moments, double max_angle_deg) {
     const Vec3d line = eigen.vectors.col(2);
     return {std::abs(line.z()) > std::numbers::sqrt2 / 2 ? Label::v : Label::h, 0};
   }
-  return judge_normal(eigen.vectors.col(0).normalized(), max_angle_deg);
+  return classify_normal(eigen.vectors.col(0).normalized(), max_angle_deg);
 }
 
 class PcaClassifier final : public Classifier {
@@ -127,7 +127,7 @@ class PcaClassifier final : public Classifier {
         Moments moments;
         for (std::size_t j = 0; j < k && row[j] != kNoNeighbour; ++j)
           moments.add((points[row[j]] - points[i]).cast<double>());
-        const Verdict verdict = judge(moments, options_.max_angle_deg);
+        const Verdict verdict = classify_moments(moments, options_.max_angle_deg);
         result.labels[grid.order()[i]] = verdict.label;
         result.margins[grid.order()[i]] = verdict.margin;
       }

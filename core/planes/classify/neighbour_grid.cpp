@@ -134,9 +134,9 @@ CellTable::CellTable(std::span<const std::uint64_t> codes, int level) : level_(l
 
   struct Open {
     Siblings siblings;
-    std::uint32_t known = 0;  // number of entries of siblings.begin that are set
-    void know(std::uint32_t up_to, std::size_t point) {
-      while (known <= up_to) siblings.begin[known++] = static_cast<std::uint32_t>(point);
+    std::uint32_t count = 0;  // number of entries of siblings.begin that are set
+    void set_until(std::uint32_t up_to, std::size_t point) {
+      while (count <= up_to) siblings.begin[count++] = static_cast<std::uint32_t>(point);
     }
   };
   std::array<Open, kZBits> open;  // by level of the siblings
@@ -145,13 +145,13 @@ CellTable::CellTable(std::span<const std::uint64_t> codes, int level) : level_(l
     const int begun = end ? kZBits : highest_begun(codes, i);
     for (int l = level; l < kZBits && l <= begun; ++l) {
       if (i > 0 && begun > l) {  // the parent ends here
-        open[l].know(8, i);
+        open[l].set_until(8, i);
         insert(make_key(codes[i - 1] >> 3 * (l + 1), l), open[l].siblings);
         open[l] = {};
       }
       if (end) continue;
       const auto child = static_cast<std::uint32_t>(codes[i] >> 3 * l & 7);
-      open[l].know(child, i);
+      open[l].set_until(child, i);
       open[l].siblings.occupied = static_cast<std::uint8_t>(open[l].siblings.occupied | 1 << child);
     }
   }

@@ -47,11 +47,11 @@ std::size_t count_within(const FloatGroup* squared, std::size_t groups, float li
 }
 
 /// Writes the index of each distance <= limit; may write up to kGroup entries past the last.
-void take_within(const FloatGroup* squared,
-                 const IndexGroup* index,
-                 std::size_t groups,
-                 float limit,
-                 std::uint32_t* row) {
+void write_within(const FloatGroup* squared,
+                  const IndexGroup* index,
+                  std::size_t groups,
+                  float limit,
+                  std::uint32_t* row) {
   for (std::size_t g = 0; g < groups; ++g)
     for (std::size_t lane = 0; lane < kGroup; ++lane) {
       *row = index[g].lane[lane];  // no branch: half of the branches would be mispredicted
@@ -60,12 +60,12 @@ void take_within(const FloatGroup* squared,
 }
 
 /// Writes the index of each distance < tie, and of the first `ties` equal to it.
-void take_with_ties(const FloatGroup* squared,
-                    const IndexGroup* index,
-                    std::size_t groups,
-                    float tie,
-                    std::size_t ties,
-                    std::uint32_t* row) {
+void write_with_ties(const FloatGroup* squared,
+                     const IndexGroup* index,
+                     std::size_t groups,
+                     float tie,
+                     std::size_t ties,
+                     std::uint32_t* row) {
   for (std::size_t g = 0; g < groups; ++g)
     for (std::size_t i = 0; i < kGroup; ++i) {
       const bool tied = squared[g].lane[i] == tie && ties > 0;
@@ -111,9 +111,9 @@ bool nearest_candidates(const Candidates& c,
     }
   }
   if (in_high == k)
-    take_within(squared, c.index, c.groups, to_float(high), row);
+    write_within(squared, c.index, c.groups, to_float(high), row);
   else
-    take_with_ties(squared, c.index, c.groups, to_float(high), k - in_low, row);
+    write_with_ties(squared, c.index, c.groups, to_float(high), k - in_low, row);
   return true;
 }
 

@@ -309,7 +309,7 @@ void expect_metadata(const TensorFile& file,
 }
 
 /// Moves the values of `spec` out of the file.
-std::vector<float> take(TensorFile& file, const TensorSpec& spec, const std::string& what) {
+std::vector<float> extract(TensorFile& file, const TensorSpec& spec, const std::string& what) {
   const auto found = std::find_if(file.tensors.begin(), file.tensors.end(),
                                   [&](const Tensor& tensor) { return tensor.name == spec.name; });
   if (found == file.tensors.end())
@@ -351,7 +351,7 @@ NetworkWeights read_weights(std::span<const unsigned char> bytes, const fs::path
     weights.training = training->second;
   }
   for (const TensorSpec& spec : tensor_specs(weights.config))
-    weights.tensors.push_back(take(file, spec, path.string()));
+    weights.tensors.push_back(extract(file, spec, path.string()));
   if (!file.tensors.empty())
     throw Error(fmt::format("{}: tensor {} is not part of its configuration", path.string(),
                             shown(file.tensors[0].name)));

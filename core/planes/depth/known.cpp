@@ -77,7 +77,7 @@ bool are_alike(const DepthSegmentation& s, const KnownPlane& known, const KnownP
     off2 += std::pow(here - other.plane.at(s.u(pixel), s.v(pixel)), 2) / n;
     rho += here / n;
   }
-  return off2 <= std::pow(s.reach_of(known, rho), 2);
+  return off2 <= std::pow(s.tolerance_of(known, rho), 2);
 }
 
 /// The known plane that best explains a pixel.

@@ -154,14 +154,14 @@ struct DepthSegmentation {
     return image.rho[pixel] - plane.at(u(pixel), v(pixel));
   }
   /// Tolerance for a known plane at this rho [1/m].
-  double reach_of(const KnownPlane& expected, double rho) const {
+  double tolerance_of(const KnownPlane& expected, double rho) const {
     return expected.slack_m * rho * rho + options.reach_sigma * std::hypot(noise.white, noise.bow);
   }
   /// Whether a region's plane matches the expected position of a known plane.
   bool lies_on(const DepthRegion& region, const KnownPlane& expected) const {
     const PixelMoments& m = region.moments;
     const double off2 = (m.sse_about(expected.plane) - region.plane.sse) / m.n;
-    const double most = reach_of(expected, m.r / m.n);
+    const double most = tolerance_of(expected, m.r / m.n);
     return off2 <= most * most;
   }
   /// Infinite for two known planes, because joining them saves nothing, and for a region that is

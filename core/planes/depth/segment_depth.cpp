@@ -135,7 +135,7 @@ Listing list_planes(DepthSegmentation& s) {
 }
 
 /// Restores the regions of previously found planes.
-Listing take_given(DepthSegmentation& s, const GivenPlanes& given) {
+Listing restore_given(DepthSegmentation& s, const GivenPlanes& given) {
   s.regions.resize(given.margins.size());
   for (std::uint32_t pixel = 0; pixel < s.region_of.size(); ++pixel) {
     const int id = given.plane_of.data[pixel];
@@ -225,7 +225,7 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
   const auto built = Clock::now();
   Listing listing;
   if (input.given) {
-    listing = take_given(s, *input.given);
+    listing = restore_given(s, *input.given);
   } else if (s.noise.white > 0) {
     divide_image(s, result.octree);
     find_neighbors(s, 1, 0, std::numeric_limits<double>::infinity());

@@ -49,8 +49,8 @@ std::vector<Surface> surfaces_of(const Frame& frame,
                                  const std::vector<Places>& places);
 
 struct FootSpace {
-  Polygons area;  // valid positions of the foot's center, in the outline's plane coordinates;
-                  // valid polygons
+  Polygons area;  // allowed positions of the foot's center, as valid polygons in the
+                  // outline's plane coordinates
   double area_m2 = 0;
   std::vector<PolygonRing> pieces;  // convex_pieces() of the area
 };

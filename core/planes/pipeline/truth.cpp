@@ -110,7 +110,7 @@ VoxelCloud scored_voxels(const FrameResult& result) {
 }
 
 /// Planes with fewer voxels become unscored points.
-void leave_out_small(DenseTruth& dense, const VoxelCloud& cloud, int least_voxels) {
+void ignore_small(DenseTruth& dense, const VoxelCloud& cloud, int least_voxels) {
   std::vector<int> voxels(dense.normals.size() + 1, 0);
   for (const std::int32_t plane : vote_instances(cloud, dense.on_points.instance))
     if (plane > 0) ++voxels[plane];
@@ -179,7 +179,7 @@ Metrics score_frame(const FrameResult& result,
                     const LeastTruePlane& least) {
   const Cloud& cloud = result.cloud;
   DenseTruth dense = dense_truth(cloud, truth);
-  if (least.voxels > 0) leave_out_small(dense, scored_voxels(result), least.voxels);
+  if (least.voxels > 0) ignore_small(dense, scored_voxels(result), least.voxels);
   Scored scored;
   scored.min_truth_points = least.points;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -225,27 +225,27 @@ Metrics score_labels(const Frame& frame,
   return scored.metrics();
 }
 
-JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth) {
-  JudgedFrame judged;
+EvaluatedFrame evaluate_frame(const FrameResult& result, const SourceTruth& truth) {
+  EvaluatedFrame evaluated;
   const DenseTruth dense = dense_truth(result.cloud, truth);
-  judged.true_plane = dense.on_points.instance;
-  std::vector<std::int32_t> scored = judged.true_plane;
+  evaluated.true_plane = dense.on_points.instance;
+  std::vector<std::int32_t> scored = evaluated.true_plane;
   for (std::size_t i = 0; i < scored.size(); ++i)
     if (result.voxels.voxel_of[i] == kNoVoxel) scored[i] = -1;
-  judged.found_of = found_of_truth(count_truth_overlap(scored, result.plane_of));
-  judged.found_of.resize(dense.normals.size(), 0);  // cropped planes have no partner
+  evaluated.found_of = found_of_truth(count_truth_overlap(scored, result.plane_of));
+  evaluated.found_of.resize(dense.normals.size(), 0);  // cropped planes have no partner
   for (std::size_t i = 0; i < scored.size(); ++i) {
     const std::int32_t found = result.plane_of[i];
-    Verdict verdict = verdict_of(scored[i], found, judged.found_of);
+    Verdict verdict = verdict_of(scored[i], found, evaluated.found_of);
     if (verdict == Verdict::right && found > 0) {
       const auto label = static_cast<Label>(dense.on_points.label[i]);
       const Label taken_for = result.segmentation.planes[static_cast<std::size_t>(found) - 1].label;
       if (label != Label::unknown && taken_for != Label::unknown && label != taken_for)
         verdict = Verdict::wrong_class;
     }
-    judged.verdict.push_back(verdict);
+    evaluated.verdict.push_back(verdict);
   }
-  return judged;
+  return evaluated;
 }
 
 }  // namespace planescope::planes

@@ -72,11 +72,11 @@ enum class Verdict : std::uint8_t {
   wrong_class,  // in the right plane, which has the wrong label (h or v)
 };
 
-struct JudgedFrame {
+struct EvaluatedFrame {
   std::vector<std::int32_t> true_plane;  // per cloud point, 1, 2, ...; 0 none, -1 unknown
   std::vector<Verdict> verdict;          // per cloud point
   std::vector<int> found_of;             // by true_plane - 1: the matched found plane, or 0
 };
-JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth);
+EvaluatedFrame evaluate_frame(const FrameResult& result, const SourceTruth& truth);
 
 }  // namespace planescope::planes

@@ -49,13 +49,13 @@ bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options);
 double area_per_point(const PlaneFit& fit);
 
 /// Terms of a pair relative to their limits; values up to 1 pass.
-struct PairStrain {
+struct PairRatios {
   double angle = 0;     // between the normals
   double distance = 0;  // sine of the angle between the plane and the direction to the
                         // other centroid
   double worst = 0;     // maximum of all terms
 };
-PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options);
+PairRatios ratios_of(const Coplanarity& terms, const SegmentOptions& options);
 
 /// A plane candidate: the inliers of a node or, with the objective, the points of one label in an
 /// impure node.

@@ -138,7 +138,7 @@ struct SegmentOptions {
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = SegmentOptions;
-    rows.group.images = false;  // the objective asks Criteria 1 and 2 of clouds
+    rows.group.images = false;  // the objective uses Criteria 1 and 2 for clouds
     rows.number("theta_n_out", "Most outliers", "points", "Criterion 1: most outliers of a node",
                 &O::theta_n_out)
         .symbol = "θ_Nout";

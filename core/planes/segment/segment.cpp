@@ -66,17 +66,18 @@ constexpr std::array kNames{"criteria", "merge",  "assign", "join",
 constexpr std::size_t kOfPaper = 3;
 constexpr std::array<StageInfo, kNames.size() - kOfPaper> kInfos{{
     {.title = "merge neighbors",
-     .says = "{plane} merged into {other}: misfit {value:.3g}, less than the cost of a plane"},
+     .event_text =
+         "{plane} merged into {other}: misfit {value:.3g}, less than the cost of a plane"},
     {.title = "grow over pixels",
-     .says = "{plane} changes by {value:+.0f} px at its border",
+     .event_text = "{plane} changes by {value:+.0f} px at its border",
      .why_dropped = "{value:.0f} px, too few to grow",
      .on_pixels = true},
     {.title = "merge hidden parts",
-     .says = "{plane} merged into {other} behind an occluder: misfit {value:.3g}",
+     .event_text = "{plane} merged into {other} behind an occluder: misfit {value:.3g}",
      .on_pixels = true},
     {.title = "split planes", .why_parted = "the parts do not touch"},
     {.title = "drop small planes",
-     .says = "{plane} dropped: worth {value:.0f}, less than its cost",
+     .event_text = "{plane} dropped: worth {value:.0f}, less than its cost",
      .why_dropped = "worth {value:.0f}, less than its cost"},
 }};
 

@@ -110,7 +110,7 @@ void traverse(SegmentState& state);
 
 /// Creates a plane from the candidate and its points. `stage`: the stage that decided it.
 void found(SegmentState& state, const Candidate& candidate, Stage stage);
-/// Sec. IV-C, Criterion 4: merges the candidate into the best matching plane, or creates one.
+/// Sec. IV-C, Criterion 4: merges the candidate into the plane of choose_partner(), or creates one.
 void conquer(SegmentState& state, const Candidate& candidate);
 
 /// Sec. IV-C, last paragraph: assigns the leftovers to planes.

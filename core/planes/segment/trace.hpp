@@ -28,7 +28,7 @@ struct StageInfo {
   const char* title;  // "merge neighbors"
   /// Text of its `refine` event; {plane}, {other}, {point} and the event's {value} (or {mm}, the
   /// value as a length) are replaced (fmt).
-  const char* says = "{plane} changes";
+  const char* event_text = "{plane} changes";
   /// Reason for dropping a plane, if it needs one; same placeholders.
   const char* why_dropped = "";
   /// Relation between a part that becomes a new plane and the rest of the old plane.
@@ -93,7 +93,7 @@ struct PlaneChange : GrowingPlane {
 };
 
 /// Values relative to their limits (up to 1 passes), for histograms.
-struct Strains {
+struct LimitRatios {
   std::vector<float> planarity;  // Criterion 3, every evaluation
   /// Criterion 4: for a candidate and the plane it joined or, if it created one, the plane it came
   /// closest to joining.
@@ -127,7 +127,7 @@ struct Trace {
   };
   std::vector<Plane> planes;
 
-  Strains strains;
+  LimitRatios limit_ratios;
 
   std::int32_t steps() const { return static_cast<std::int32_t>(events.size()); }
 };

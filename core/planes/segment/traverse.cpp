@@ -17,7 +17,8 @@ namespace {
 bool planar(const SegmentState& state, const Candidate& candidate) {
   const Planarity asked = planarity(candidate.fit, state.noise, state.options);
   if (state.trace)
-    state.trace->strains.planarity.push_back(static_cast<float>(asked.value / asked.threshold));
+    state.trace->limit_ratios.planarity.push_back(
+        static_cast<float>(asked.value / asked.threshold));
   return asked.passes;
 }
 
@@ -123,14 +124,14 @@ void claim_points(SegmentState& state, const Candidate& candidate, std::int32_t 
 }
 
 /// Traces the chosen pair or, if none was chosen, the pair closest to passing.
-void trace_strain(const SegmentState& state, const std::vector<Pair>& pairs, std::int32_t chosen) {
+void trace_ratios(const SegmentState& state, const std::vector<Pair>& pairs, std::int32_t chosen) {
   const auto joined = std::ranges::find(pairs, chosen, &Pair::plane);
   const Pair* shown = joined != pairs.end() ? &*joined : nearest_pair(pairs, state.options);
   if (!shown) return;
-  const PairStrain strain = strain_of(shown->terms, state.options);
-  if (std::isinf(strain.worst)) return;
-  state.trace->strains.angle.push_back(static_cast<float>(strain.angle));
-  state.trace->strains.distance.push_back(static_cast<float>(strain.distance));
+  const PairRatios ratios = ratios_of(shown->terms, state.options);
+  if (std::isinf(ratios.worst)) return;
+  state.trace->limit_ratios.angle.push_back(static_cast<float>(ratios.angle));
+  state.trace->limit_ratios.distance.push_back(static_cast<float>(ratios.distance));
 }
 
 }  // namespace
@@ -139,7 +140,7 @@ const Pair* nearest_pair(std::span<const Pair> pairs, const SegmentOptions& opti
   const Pair* nearest = nullptr;
   double least = INFINITY;
   for (const Pair& pair : pairs)
-    if (const double worst = strain_of(pair.terms, options).worst; worst < least) {
+    if (const double worst = ratios_of(pair.terms, options).worst; worst < least) {
       nearest = &pair;
       least = worst;
     }
@@ -192,7 +193,7 @@ void conquer(SegmentState& state, const Candidate& candidate) {
   std::vector<Pair> pairs;
   const PairVisitor remember = [&](const Pair& pair) { pairs.push_back(pair); };
   const std::int32_t partner = choose_partner(state, candidate, state.trace ? &remember : nullptr);
-  if (state.trace) trace_strain(state, pairs, partner);
+  if (state.trace) trace_ratios(state, pairs, partner);
   if (partner >= 0)
     merge(state, candidate, partner);
   else

@@ -176,16 +176,17 @@ Flight flight_of(const Found& found, const Scene& scene) {
   std::vector<double> widths;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const SingleStep& step = steps[i];
-    Flight::Step told{levels[step.upper].ids(), 0, step.rise_m, 0, nosing_of(step, found.approach)};
+    Flight::Step seen_step{levels[step.upper].ids(), 0, step.rise_m, 0,
+                           nosing_of(step, found.approach)};
     if (step.one_unseen) {
-      Flight::Step unseen = told;
+      Flight::Step unseen = seen_step;
       unseen.tread.clear();
       const Vec3d down = on_level(-going_between(steps[i - 1], step) * along, -step.rise_m);
-      unseen.nosing = {told.nosing.right + down, told.nosing.left + down};
+      unseen.nosing = {seen_step.nosing.right + down, seen_step.nosing.left + down};
       flight.steps.push_back(unseen);
     }
     widths.push_back(step.width_m());
-    flight.steps.push_back(std::move(told));
+    flight.steps.push_back(std::move(seen_step));
   }
   double goings = 0, rises = 0;
   for (std::size_t i = 0; i < flight.steps.size(); ++i) {

@@ -154,44 +154,44 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
   json["recording"] = recording;
   json["frames"] = Json::array();
   for (const FrameOfTracks& frame : tracker.frames()) {
-    Json told = {
+    Json entry = {
         {"frame", frame.frame}, {"timestamp_s", frame.timestamp_s}, {"segment", frame.segment}};
-    if (!frame.has_pose) told["without_pose"] = true;
-    if (frame.set_aside) told["set_aside"] = true;
-    told["agreement"] = rounded(frame.agreement);
-    if (const auto& down = frame.gravity) told["gravity"] = {down->x(), down->y(), down->z()};
+    if (!frame.has_pose) entry["without_pose"] = true;
+    if (frame.set_aside) entry["set_aside"] = true;
+    entry["agreement"] = rounded(frame.agreement);
+    if (const auto& down = frame.gravity) entry["gravity"] = {down->x(), down->y(), down->z()};
     std::vector<int> ids;
     for (const int id : frame.track_of) ids.push_back(final_track(tracker.tracks(), id));
-    told["track_of_plane"] = std::vector(ids.begin(), ids.begin() + frame.listed);
+    entry["track_of_plane"] = std::vector(ids.begin(), ids.begin() + frame.listed);
     if (frame.listed < std::ssize(ids))
-      told["track_of_minor"] = std::vector(ids.begin() + frame.listed, ids.end());
+      entry["track_of_minor"] = std::vector(ids.begin() + frame.listed, ids.end());
     if (const auto stored = map.stored.find(frame.frame); stored != map.stored.end()) {
-      told["planes_sha256"] = stored->second.sha256;
-      told["margins"] = Json::array();
+      entry["planes_sha256"] = stored->second.sha256;
+      entry["margins"] = Json::array();
       for (const double margin : stored->second.margins)
-        told["margins"].push_back(std::isfinite(margin) ? Json(margin) : Json());
+        entry["margins"].push_back(std::isfinite(margin) ? Json(margin) : Json());
     }
-    json["frames"].push_back(std::move(told));
+    json["frames"].push_back(std::move(entry));
   }
   json["tracks"] = Json::array();
   for (const Track& track : tracker.tracks()) {
-    Json told = {{"id", track.id},
-                 {"label", to_string(track.label)},
-                 {"segment", track.segment},
-                 {"state", to_string(track.state)},
-                 {"born", track.born}};
-    if (track.ended >= 0) told["ended"] = track.ended;
-    if (track.merged_into > 0) told["merged_into"] = track.merged_into;
+    Json entry = {{"id", track.id},
+                  {"label", to_string(track.label)},
+                  {"segment", track.segment},
+                  {"state", to_string(track.state)},
+                  {"born", track.born}};
+    if (track.ended >= 0) entry["ended"] = track.ended;
+    if (track.merged_into > 0) entry["merged_into"] = track.merged_into;
     if (track.state != TrackState::merged) {
-      told["in_map"] = track.is_sure(tracker.options());
-      told["frames_seen"] = track.frames_seen;
-      told["frames_missed"] = track.frames_missed;
-      told["frames_undecided"] = track.frames_undecided();
-      told["seen"] = seen_json(track, tracker);
-      told["gaps"] = Json::array();
-      for (const Gap& gap : track.gaps) told["gaps"].push_back(gap_json(gap));
+      entry["in_map"] = track.is_sure(tracker.options());
+      entry["frames_seen"] = track.frames_seen;
+      entry["frames_missed"] = track.frames_missed;
+      entry["frames_undecided"] = track.frames_undecided();
+      entry["seen"] = seen_json(track, tracker);
+      entry["gaps"] = Json::array();
+      for (const Gap& gap : track.gaps) entry["gaps"].push_back(gap_json(gap));
     }
-    json["tracks"].push_back(std::move(told));
+    json["tracks"].push_back(std::move(entry));
   }
   return json_text(json);
 }
@@ -224,7 +224,7 @@ std::string map_json(const WorldMap& map, const std::string& recording, const Ma
                      {"least_area_m2", o.least_area_m2},
                      {"window_m", o.window_m}};
   json["stability"] = stability_json(map.stability);
-  json["told"] = map.told;
+  json["told"] = map.warnings;
   json["planes"] = Json::array();
   for (const Track* track : planes_of_map(map.tracker))
     json["planes"].push_back(plane_json(*track));
@@ -319,7 +319,7 @@ void take_map(const JsonPlace& place,
   });
 }
 
-void take_frame(FieldReader& fields, KnownMap& map) {
+void read_frame_fields(FieldReader& fields, KnownMap& map) {
   int frame = 0;
   fields("frame", frame);
   KnownMap::FramePlanes& planes = map.planes_of[frame];
@@ -373,7 +373,7 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
   read(dir / "tracks.json", "planescope.tracks/4", [&](const JsonPlace& place) {
     place.at("frames").each([&](const JsonPlace& frame) {
       FieldReader fields(frame);
-      take_frame(fields, *map);
+      read_frame_fields(fields, *map);
     });
   });
   map->poses = read_trajectory(dir / "poses.tum");

@@ -96,11 +96,11 @@ Moments scaled(const Moments& m, double weight) {
           m.xz * weight,    m.yy * weight,  m.yz * weight, m.zz * weight};
 }
 
-void take_frame(ObservedFrame& seen,
-                const Frame& frame,
-                const planes::PipelineOptions& options,
-                const Pose& T_world_camera,
-                int segment) {
+void set_frame_fields(ObservedFrame& seen,
+                      const Frame& frame,
+                      const planes::PipelineOptions& options,
+                      const Pose& T_world_camera,
+                      int segment) {
   seen.frame = frame.index;
   seen.timestamp_s = frame.timestamp_s;
   seen.segment = segment;
@@ -118,7 +118,7 @@ ObservedFrame observe(const Frame& frame,
                       const Pose& T_world_camera,
                       int segment) {
   ObservedFrame seen;
-  take_frame(seen, frame, options, T_world_camera, segment);
+  set_frame_fields(seen, frame, options, T_world_camera, segment);
   seen.noise = result.segmentation.noise;
   seen.covered = result.segmentation.covered;
   const auto listed = static_cast<int>(result.segmentation.planes.size());
@@ -212,7 +212,7 @@ const Cell* CellMap::find(int x, int y) const {
   return &tiles_[at->second].cells[(y - tile_y * kSide) * kSide + (x - tile_x * kSide)];
 }
 
-std::vector<CellMap::Tile> CellMap::take_out(const std::function<bool(const Tile&)>& leaves) {
+std::vector<CellMap::Tile> CellMap::extract_tiles(const std::function<bool(const Tile&)>& leaves) {
   std::vector<Tile> left, stay;
   for (Tile& tile : tiles_) (leaves(tile) ? left : stay).push_back(tile);
   if (left.empty()) return left;

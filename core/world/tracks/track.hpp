@@ -71,11 +71,11 @@ ObservedFrame observe(const Frame& frame,
                       int segment);
 
 /// Sets the fields that are derived from the frame, its pose and the options.
-void take_frame(ObservedFrame& seen,
-                const Frame& frame,
-                const planes::PipelineOptions& options,
-                const Pose& T_world_camera,
-                int segment);
+void set_frame_fields(ObservedFrame& seen,
+                      const Frame& frame,
+                      const planes::PipelineOptions& options,
+                      const Pose& T_world_camera,
+                      int segment);
 
 /// Moments of points with this fit, relative to `origin`; `axes`: unit, in the plane, longer
 /// extent first.
@@ -134,7 +134,7 @@ class CellMap {
   const std::vector<Tile>& tiles() const { return tiles_; }
 
   /// Removes and returns the tiles for which `leaves` holds, in order.
-  std::vector<Tile> take_out(const std::function<bool(const Tile&)>& leaves);
+  std::vector<Tile> extract_tiles(const std::function<bool(const Tile&)>& leaves);
   static constexpr double kTileRadius = 0.7072 * kSide;  // [cells], around a tile's middle
   Vec2d middle(const Tile& tile) const {
     return cell_m_ * kSide * Vec2d(tile.x + 0.5, tile.y + 0.5);
@@ -196,20 +196,19 @@ void CellMap::fill(std::span<const planes::PolygonRing> rings, const Visit& visi
 
 struct TrackOptions {
   double cell_m = 0.02;  // of the grids on planes
-  // Two planes match if the gap between them is at most this plus `sigmas` times both
-  // uncertainties:
+  // Two planes match if the gap between them is at most max_offset_m plus `sigmas` times both
+  // uncertainties.
   double max_offset_m = 0.015;
   double sigmas = 3;
-  double least_overlap = 0.1;  // share of the smaller plane; planes that only touch also match if
-                               // the gap is at most
-  double join_gap_m = 0.06;
+  double least_overlap = 0.1;  // share of the smaller plane
+  double join_gap_m = 0.06;    // without overlap: largest gap between the outlines
   int least_cells = 25;  // smallest number of visible cells for which a track counts as missed
   // Tracks in the map:
   int confirm_frames = 3;
   double confirm_share = 0.25;  // of the frames in which it was visible
   double least_area_m2 = 0.01;
-  // A frame is set aside if its depth agrees less with the known planes. A new segment begins after
-  // this many consecutive frames, or as many as the segment has others:
+  // A frame is set aside if its depth agrees less than this with the known planes. A new segment
+  // begins after `most_aside` such frames in a row, or after as many as the segment has others.
   double least_agreement = 0.35;
   int most_aside = 10;
   // The map keeps a cube around the camera with this edge, and forgets the rest; 0: everything.
@@ -277,8 +276,8 @@ struct Track {
   int known = 0;               // the same track in an earlier pass; 0: none
   std::map<int, int> covered;  // number of frames in which a larger track's plane represented it,
                                // by that track's id
-  int born = 0;    // frame
-  int ended = -1;  // frame; -1: not ended
+  int born = 0;                // frame
+  int ended = -1;              // frame; -1: not ended
   int merged_into = 0;
 
   // Frame of the grid, fixed at creation: anchor + x u + y v.

@@ -21,7 +21,7 @@ namespace planescope::world {
 
 /// The cells of a track in a frame, classified by the frame's measurements. Each cell in view is
 /// counted in exactly one of `hidden`, `unmeasured`, `through` and `there`.
-struct Sight {
+struct Visibility {
   int cells = 0;         // of the track
   int in_view = 0;       // inside image and range
   int beyond_range = 0;  // inside the image
@@ -52,13 +52,13 @@ struct Sight {
 
 /// Checks every present cell. The result is valid until the track gets more cells. `there`:
 /// receives one pixel v * width + u for each cell that is there; may be null.
-Sight sight_of(Track& track,
-               const ObservedFrame& frame,
-               const TrackOptions& options,
-               std::vector<std::uint32_t>* there = nullptr);
+Visibility visibility_of(Track& track,
+                         const ObservedFrame& frame,
+                         const TrackOptions& options,
+                         std::vector<std::uint32_t>* there = nullptr);
 
 /// Updates the cells' history; cells that were seen through too often are gone.
-void remember(const Sight& sight);
+void update_cells(const Visibility& visibility);
 
 // ---- Alignment ----
 // Aligns a frame with the tracks before matching. Poses are off by a centimeter and half a degree,
@@ -140,7 +140,9 @@ class Tracker {
   void consolidate();
 
   /// Sets a function to call for each piece that leaves the window.
-  void on_left(std::function<void(const LeftPiece&)> take) { take_left_ = std::move(take); }
+  void on_left(std::function<void(const LeftPiece&)> callback) {
+    left_callback_ = std::move(callback);
+  }
 
   const TrackOptions& options() const { return options_; }
   const std::deque<Track>& tracks() const { return tracks_; }  // by id - 1
@@ -149,36 +151,42 @@ class Tracker {
   const std::vector<FrameOfTracks>& frames() const { return frames_; }
 
  private:
-  struct Judged;
+  struct Candidate;
   std::vector<Track*> alive();
   /// Uses the measurements in the frame at the track's cells or, if there are too few, the
   /// whole track.
   Apart apart_from(const ObservedFrame& frame,
-                   const Judged& judged,
+                   const Candidate& candidate,
                    const ObservedPlane& plane) const;
   TermResult compare(const ObservedFrame& frame,
-                     const Judged& judged,
+                     const Candidate& candidate,
                      const ObservedPlane& plane) const;
   /// Computes how well the frame's depth fits the tracks.
-  void judge_agreement(std::span<const Judged> judged, FrameOfTracks& told) const;
+  void evaluate_agreement(std::span<const Candidate> candidates, FrameOfTracks& result) const;
   /// Assigns planes to the tracks from which they were expected.
-  void take_expected(const ObservedFrame& frame, std::vector<Judged>& judged, FrameOfTracks& told);
+  void match_expected(const ObservedFrame& frame,
+                      std::vector<Candidate>& candidates,
+                      FrameOfTracks& result);
   /// Assigns the remaining planes (all minor, or none) to tracks. Minor planes create no tracks,
   /// and are not matched by touching alone.
   void assign(const ObservedFrame& frame,
               std::span<const ObservedPlane> planes,
-              std::vector<Judged>& judged,
-              FrameOfTracks& told);
-  void take(const Judged& judged, const ObservedFrame& frame, const ObservedPlane& plane);
-  void found(const ObservedFrame& frame, const ObservedPlane& plane, FrameOfTracks& told);
+              std::vector<Candidate>& candidates,
+              FrameOfTracks& result);
+  void add_sighting(const Candidate& candidate,
+                    const ObservedFrame& frame,
+                    const ObservedPlane& plane);
+  void create_track(const ObservedFrame& frame, const ObservedPlane& plane, FrameOfTracks& result);
   bool touch(const Track& track, const ObservedPlane& plane) const;
-  void note_absence(const ObservedFrame& frame, Judged& judged, const FrameOfTracks& told);
+  void record_absence(const ObservedFrame& frame,
+                      Candidate& candidate,
+                      const FrameOfTracks& result);
   /// Merges equal tracks; one track of each pair must have grown. Returns whether any were merged.
   bool merge_equal(int frame, const std::function<bool(const Track&)>& has_grown);
   /// Merges tracks into larger ones that represent them in most frames.
   void merge_covered(int frame);
   void merge(Track& from, Track& into, int frame);
-  void end_those_gone(int frame);
+  void end_gone_tracks(int frame);
   void leave_window(const ObservedFrame& frame);
 
   TrackOptions options_;
@@ -189,7 +197,7 @@ class Tracker {
   int begun_ = 0;    // number of segments that began because frames did not fit
   int taken_ = 0;    // number of frames of this segment
   int aside_ = 0;    // consecutive frames
-  std::function<void(const LeftPiece&)> take_left_;
+  std::function<void(const LeftPiece&)> left_callback_;
 };
 
 /// The track into which a merged track has been merged; otherwise `id`.

@@ -236,7 +236,7 @@ TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
             "frame 1 has a different time in poses.tum: poses are paired by time, not by number");
   // Without times nothing tells which frames are missing.
   const std::string why = why_unpaired(numbered, TimesAlone({0, 0, 0}), {0, 1, 2});
-  EXPECT_NE(why.find("has a pose of frame 3; recording has 3 frames, without times"),
+  EXPECT_NE(why.find("contains a pose of frame 3, but recording has 3 frames and no times"),
             std::string::npos)
       << why;
   numbered.poses.pop_back();

@@ -26,7 +26,7 @@ constexpr double kEdgeOn = 0.15;  // cosine: nearly edge-on, depth distinguishes
 
 }  // namespace
 
-int Sight::most_on() const {
+int Visibility::most_on() const {
   int best = 0;
   for (std::size_t id = 1; id < on.size(); ++id)
     if (on[id].cells > 0 && (best == 0 || on[id].cells > on[best].cells))
@@ -34,19 +34,19 @@ int Sight::most_on() const {
   return best;
 }
 
-Sight sight_of(Track& track,
-               const ObservedFrame& frame,
-               const TrackOptions& options,
-               std::vector<std::uint32_t>* there) {
-  Sight sight;
-  sight.on.resize(frame.planes.size() + 1);
+Visibility visibility_of(Track& track,
+                         const ObservedFrame& frame,
+                         const TrackOptions& options,
+                         std::vector<std::uint32_t>* there) {
+  Visibility visibility;
+  visibility.on.resize(frame.planes.size() + 1);
   const Pose T_camera_world = frame.T_world_camera.inverse();
   const Intrinsics& k = frame.intrinsics;
   for (CellMap::Tile& tile : track.cells.tiles())
     for (int i = 0; i < CellMap::kSide * CellMap::kSide; ++i) {
       Cell& cell = tile.cells[i];
       if (!cell.present()) continue;
-      ++sight.cells;
+      ++visibility.cells;
       const Vec3d place = track.on_plane(track.cells.middle(tile, i));
       const Vec3d p = T_camera_world * place;
       if (!(p.z() > kAhead_m)) continue;
@@ -54,15 +54,15 @@ Sight sight_of(Track& track,
       const double u = std::round(at.x()), v = std::round(at.y());
       if (!(u >= 0 && v >= 0 && u < k.width && v < k.height)) continue;
       if (frame.max_range_m > 0 && p.z() > frame.max_range_m) {
-        ++sight.beyond_range;
+        ++visibility.beyond_range;
         continue;
       }
       if (std::abs(track.distance_m(frame.camera())) < kEdgeOn * p.norm()) continue;
-      ++sight.in_view;
+      ++visibility.in_view;
       const int x = static_cast<int>(u), y = static_cast<int>(v);
       const std::uint16_t counts = frame.depth.at(x, y);
       if (counts == planes::kNoDepth || counts == planes::kFarOutlier) {
-        ++sight.unmeasured;
+        ++visibility.unmeasured;
         continue;
       }
       const double z = counts * frame.depth_unit_m;
@@ -75,27 +75,27 @@ Sight sight_of(Track& track,
       const bool is_through =
           !on_plane && behind > std::max(kThroughLeast_m, kThroughSigmas * sigma);
       if (!on_plane && !is_through) {
-        ++sight.hidden;
-        ++sight.on[frame.plane_of.at(x, y)].hides;
+        ++visibility.hidden;
+        ++visibility.on[frame.plane_of.at(x, y)].hides;
         continue;
       }
-      sight.looks.push_back({&cell, is_through});
+      visibility.looks.push_back({&cell, is_through});
       if (is_through) {
-        ++sight.through;
+        ++visibility.through;
         continue;
       }
-      ++sight.there;
-      sight.places.add(place - frame.camera());
+      ++visibility.there;
+      visibility.places.add(place - frame.camera());
       if (there) there->push_back(static_cast<std::uint32_t>(y * k.width + x));
-      Sight::On& on = sight.on[frame.plane_of.at(x, y)];
+      Visibility::On& on = visibility.on[frame.plane_of.at(x, y)];
       ++on.cells;
       on.sum += place;
     }
-  return sight;
+  return visibility;
 }
 
-void remember(const Sight& sight) {
-  for (const Sight::Look& look : sight.looks) look.cell->look(look.through);
+void update_cells(const Visibility& visibility) {
+  for (const Visibility::Look& look : visibility.looks) look.cell->look(look.through);
 }
 
 // ---- Alignment ----
