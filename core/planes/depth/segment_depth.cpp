@@ -241,7 +241,7 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
     listing = list_planes(s);
   }
   conclude(s, input, listing, result);
-  // An error of rho is an error of z times z squared.
+  // sigma_z = sigma_rho z^2.
   result.noise.estimated = result.noise.by_range = s.noise.white > 0;
   result.noise.growth_per_m = s.noise.wide;
   result.noise.reach_sigma = options.objective.reach_sigma;
