@@ -72,7 +72,7 @@ void expect_upright(const ::planescope::Frame& frame,
 
 Map map_of(const world::WorldMap& made, const std::string& name) {
   const world::MapTexts texts = world::map_texts(made, name);
-  Map map{texts.map_json, texts.tracks_json, texts.poses_tum, {}, {}, made.told, {}};
+  Map map{texts.map_json, texts.tracks_json, texts.poses_tum, {}, {}, made.warnings, {}};
   for (const world::CameraPose& pose : made.poses.poses) {
     map.pose_frames.push_back(pose.frame);
     map.T_world_camera.push_back(detail::transform(pose.T_world_camera));

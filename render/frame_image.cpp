@@ -1,4 +1,5 @@
-// Pictures on the pixels of a depth frame: planes over the image, depth with its scale, one step.
+// Pictures on the pixels of a depth frame: planes over the image, depth with its scale, and
+// single steps.
 
 #include <fmt/format.h>
 
@@ -60,7 +61,7 @@ Image8 shaded_depth(const Frame& frame) {
 
 namespace {
 
-/// Distorts normalized coordinates as OpenCV does (Brown-Conrady).
+/// Distorts normalized coordinates like OpenCV (Brown-Conrady).
 Vec2d distorted(const Intrinsics& camera, const Vec2d& p) {
   if (camera.distortion != Distortion::brown_conrady) return p;
   const auto& [k1, k2, p1, p2, k3] = camera.coefficients;
@@ -86,7 +87,7 @@ RegionImage regions_on_color(const Frame& frame, const planes::FrameResult& resu
                        std::numeric_limits<float>::infinity());
   const Pose T_depth_world = result.cloud.T_world_sensor.inverse();
   const Pose T_color_world = frame.T_color_depth * T_depth_world;
-  // Color pixels per depth pixel, each way.
+  // Color pixels per depth pixel along each axis.
   const double grow = std::max(1.0, camera.fx / std::max(1.0, frame.intrinsics.fx));
   for (std::size_t i = 0; i < result.plane_of.size(); ++i) {
     const Vec3d p = T_color_world * (result.cloud.origin + result.cloud.points[i].cast<double>());
@@ -116,7 +117,7 @@ RegionImage smooth_regions(const RegionImage& regions) {
   RegionImage smooth = regions;
   for (int y = kReach; y < regions.height - kReach; ++y) {
     for (int x = kReach; x < regions.width - kReach; ++x) {
-      // Boyer-Moore majority vote: the only id that can hold more than half of the window.
+      // Boyer-Moore majority vote: finds the only id that can cover more than half of the window.
       std::int32_t winner = 0;
       int lead = 0;
       const auto window = [&](auto&& each) {
@@ -136,7 +137,7 @@ RegionImage smooth_regions(const RegionImage& regions) {
 }
 
 std::vector<InteriorPoint> interior_points(const RegionImage& regions, std::size_t plane_count) {
-  // Chamfer distance to the nearest pixel of another id, with the picture's edge as another id.
+  // Chamfer distance to the nearest pixel with another id; the picture's edge counts as another id.
   const int width = regions.width, height = regions.height;
   Image<float> distance(width, height, 1, 1e9F);
   const auto relax = [&](int x, int y, int dx, int dy, float step) {
@@ -175,10 +176,10 @@ std::vector<InteriorPoint> interior_points(const RegionImage& regions, std::size
 
 namespace {
 
-constexpr double kTint = 0.40;  // share of the plane's color over the image
+constexpr double kTint = 0.40;  // opacity of the plane's color over the image
 constexpr Rgba kOutlineShade{20, 22, 26, 255};
 
-/// The image under the planes, and the planes on its pixels.
+/// The image below the planes, and plane ids on its pixels.
 struct Ground {
   Image8 image;
   RegionImage regions;
@@ -196,7 +197,7 @@ void draw_outlines(Image8& image,
                    int factor,
                    int width_px,
                    std::span<const int> color_of_plane) {
-  // Whether another region is within `reach` of a place in the regions, each pixel `scale` wide.
+  // Whether another region is within `reach` of a position in the regions, enlarged by `scale`.
   const auto is_edge = [&](int x, int y, std::int32_t id, int scale, int reach) {
     const auto is_other = [&](int column, int row) {
       return regions.at(std::clamp(column, 0, scale * regions.width - 1) / scale,
@@ -225,7 +226,7 @@ void draw_ids(Image8& image,
               int factor,
               std::size_t plane_count,
               std::span<const int> color_of_plane) {
-  constexpr double kLeastDepth = 9;  // of a region that has room for its id [px of the picture]
+  constexpr double kLeastDepth = 9;  // smallest region with room for its id [px of the picture]
   const std::vector<InteriorPoint> points = interior_points(regions, plane_count);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const double depth = points[k].depth_px * factor;
@@ -275,7 +276,8 @@ constexpr int kBarRoom = 120;  // [px] right of the image
 constexpr int kNoteRoom = 44;  // [px] below the image
 constexpr int kHatchSpacing = 12;
 
-/// Spans all but the outermost half percent of the depths within range, rounded outward to 10 cm.
+/// Contains all but the outermost half percent of the depths within range, rounded outward to
+/// 10 cm.
 ColorScale ramp_of(const Frame& frame, double max_range_m) {
   ColorScale ramp{.what = "depth", .range = {0, max_range_m}, .map = ColorScale::Map::falling};
   std::vector<double> depths;
@@ -290,7 +292,7 @@ ColorScale ramp_of(const Frame& frame, double max_range_m) {
   return ramp;
 }
 
-/// Of each count that a depth image can hold; those not measured are hatched.
+/// Color for each possible depth count; unmeasured ones are hatched.
 std::vector<Rgba> colors_of_counts(const Frame& frame, const ColorScale& ramp, double max_range_m) {
   std::vector<Rgba> colors;
   for (int count = 0; count < 65536; ++count) {
@@ -308,7 +310,7 @@ void draw_bar(Image8& image, int left, int top, int height, const ColorScale& ra
   const double span_m = high_m - low_m;
   for (int y = 0; y < height; ++y)  // near at the top
     fill_rect(image, left, top + y, kWidth, 1, ramp.color(low_m + span_m * (y + 0.5) / height));
-  const double step = round_step(span_m / 8);  // between 4 and 8 marks
+  const double step = round_step(span_m / 8);  // 4 to 8 ticks
   const auto first = static_cast<int>(std::ceil(low_m / step - 1e-6));
   const auto last = static_cast<int>(std::floor(high_m / step + 1e-6));
   for (int k = first; k <= last; ++k) {
@@ -363,9 +365,9 @@ Image8 image_depth(const Frame& frame, double max_range_m) {
 // ---- One step over the camera's image ----
 namespace {
 
-constexpr std::int32_t kUnmeasured = -3;  // beside StepState::kOpen, kLeftover
+constexpr std::int32_t kUnmeasured = -3;  // in addition to StepState::kOpen and kLeftover
 
-/// Blends in integers: a step's picture has hundreds of thousands of pixels.
+/// Integer blending for speed: a step's picture has hundreds of thousands of pixels.
 void blend(std::uint8_t* pixel, Rgba color, int share_256) {
   const auto mixed = [share_256](int below, int above) {
     return static_cast<std::uint8_t>(below + (above - below) * share_256 / 256);
@@ -375,7 +377,7 @@ void blend(std::uint8_t* pixel, Rgba color, int share_256) {
   pixel[2] = mixed(pixel[2], color.b);
 }
 
-/// Of the pixels of a row: voxel, and the plane that it is in.
+/// For each pixel of a row: its voxel, and the plane of the voxel.
 using Row = std::vector<std::pair<std::uint32_t, std::int32_t>>;
 Row row_of(const StepState& state, int y, int width) {
   Row row(width);
@@ -386,16 +388,17 @@ Row row_of(const StepState& state, int y, int width) {
   return row;
 }
 
-/// The plane whose contour runs between two pixels, -1 if none does. Holes in the measurement are
-/// no edges of a plane.
+/// The plane whose contour passes between two pixels; -1 if none. Unmeasured holes are not edges of
+/// a plane.
 std::int32_t contour_between(std::int32_t a, std::int32_t b) {
   if (a == b || a == kUnmeasured || b == kUnmeasured) return -1;
   return std::max(a, b);
 }
 
-/// Marks the nearer pixel where depth jumps by more than a tenth, the edges that color shows too.
+/// Marks the nearer pixel where depth jumps by more than a tenth; the same edges are visible in
+/// color images.
 void paint_depth_edges(const Image16& depth, Image8& image) {
-  constexpr double kJump = 0.1;  // of the smaller depth
+  constexpr double kJump = 0.1;  // share of the smaller depth
   const auto jumps = [&](int x, int y, int to_x, int to_y) {
     const int here = depth.at(x, y), there = depth.at(to_x, to_y);
     return here > 0 && there > here * (1 + kJump);
@@ -426,12 +429,12 @@ void paint_step(Image8& image, const debug::Run& run, const StepLook& look, doub
   if (image.empty()) return;
   const StepState state = step_state(run, look);
   const std::vector<Rgba> colors = voxel_colors(state);
-  const Rgba selected = mark_colors(look.theme).selected;
-  // The camera's own picture is not painted over with itself.
+  const Rgba selected = highlight_colors(look.theme).selected;
+  // The camera's picture is not blended with itself.
   const int share = look.color_by == ColorBy::camera
                         ? 0
                         : static_cast<int>(std::lround(256 * std::clamp(opacity, 0.0, 1.0)));
-  // What is pointed at is seen however faint the rest is, which recedes.
+  // Highlighted voxels stay visible at any opacity; the others are faded.
   constexpr int kLeastShare = 140;
   std::vector<std::uint8_t> pointed = concerned_voxels(state);
   const int rest = pointed.empty() ? share : share / 2;

@@ -23,14 +23,14 @@ namespace planescope::render {
 
 namespace {
 
-/// What the driver says about a shader or a program, in one line.
+/// Returns the driver's log for a shader or program, in one line.
 template <typename Get, typename Log>
 std::string info_log(GLuint id, Get get, Log log) {
   GLint length = 0;
   get(id, GL_INFO_LOG_LENGTH, &length);
   std::string text(static_cast<std::size_t>(length), ' ');
   log(id, length, nullptr, text.data());
-  text = text.c_str();  // up to its end
+  text = text.c_str();  // trim at the terminating zero
   std::ranges::replace_if(
       text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
   return text;
@@ -59,7 +59,7 @@ GlProgram make_program(const char* name, std::string_view vertex, std::string_vi
        {std::pair(GL_VERTEX_SHADER, vertex), std::pair(GL_FRAGMENT_SHADER, fragment)}) {
     const GLuint shader = compile(kind, name, source);
     glAttachShader(program, shader);
-    glDeleteShader(shader);  // lives on with the program
+    glDeleteShader(shader);  // deleted with the program
   }
   glLinkProgram(program);
   GLint linked = 0;
@@ -96,8 +96,8 @@ std::string gl_description() {
   glGetIntegerv(GL_MAJOR_VERSION, &major);
   glGetIntegerv(GL_MINOR_VERSION, &minor);
   if (major < 3 || (major == 3 && minor < 3)) {
-    throw Error(fmt::format("OpenGL of {} is version '{}', expected 3.3 core", text(GL_RENDERER),
-                            text(GL_VERSION)));
+    throw Error(fmt::format("OpenGL version '{}' ({}), expected 3.3 core", text(GL_VERSION),
+                            text(GL_RENDERER)));
   }
   // "4.5 (Core Profile) Mesa 22.3.6" -> "Mesa 22.3.6"
   std::string version = text(GL_VERSION);
@@ -143,14 +143,14 @@ GlFramebuffer framebuffer_of(const Color& color, const Depth& depth) {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status == GL_FRAMEBUFFER_COMPLETE) return result;
   throw Error(
-      fmt::format("OpenGL cannot draw a picture of this size (framebuffer status {:#x})", status));
+      fmt::format("OpenGL does not support this picture size (framebuffer status {:#x})", status));
 }
 
 void check_size(int width, int height) {
   GLint largest = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   if (width >= 1 && height >= 1 && width <= largest && height <= largest) return;
-  throw Error(fmt::format("a picture of {} x {} pixels was asked for, expected 1 to {} each way",
+  throw Error(fmt::format("picture size {} x {} is out of range (1 to {} px in each direction)",
                           width, height, largest));
 }
 
@@ -159,7 +159,7 @@ void check_size(int width, int height) {
 void SceneTarget::resize(int new_width, int new_height) {
   if (new_width == width && new_height == height) return;
   check_size(new_width, new_height);
-  width = 0;  // until everything is made
+  width = 0;  // until all buffers exist
   color = storage(samples, GL_RGBA8, new_width, new_height);
   depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
   box_depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
@@ -167,7 +167,7 @@ void SceneTarget::resize(int new_width, int new_height) {
   boxes = framebuffer_of(color, box_depth);
   flat_depth = texture(GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, new_width, new_height);
   flat_color = texture(GL_RGBA8, GL_RGBA, new_width, new_height);
-  // Blending leaves meaningless values in the alpha channel.
+  // The alpha channel has no meaningful values after blending.
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_A, GL_ONE);
   glBindTexture(GL_TEXTURE_2D, 0);
   resolved = framebuffer_of(flat_color, flat_depth);
@@ -232,7 +232,7 @@ std::string egl_error() {
 
 class EglContext : public GlContext {
  public:
-  /// Current. Throws Error that says which call failed.
+  /// Made current. Throws Error naming the failed call.
   EglContext(EGLDisplay display, const char* way) : EglContext(display) {
     way_ = way;
     const auto expect = [](bool succeeded, const char* call) {
@@ -255,7 +255,7 @@ class EglContext : public GlContext {
     context_ = eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes);
     expect(context_ != EGL_NO_CONTEXT, "eglCreateContext (OpenGL 3.3 core)");
     if (!bind()) {
-      // No EGL_KHR_surfaceless_context: a small surface that nobody draws into.
+      // Without EGL_KHR_surfaceless_context: create a small surface that is never drawn to.
       const EGLint surface_attributes[] = {EGL_WIDTH, 16, EGL_HEIGHT, 16, EGL_NONE};
       surface_ = eglCreatePbufferSurface(display, config, surface_attributes);
       expect(surface_ != EGL_NO_SURFACE, "eglCreatePbufferSurface");
@@ -263,14 +263,14 @@ class EglContext : public GlContext {
     }
     description_ = fmt::format("{}, {}", gl_description(), way);
   }
-  ~EglContext() override {  // also of one that could not be set up
+  ~EglContext() override {  // also after incomplete construction
     if (context_ == EGL_NO_CONTEXT) return;
     if (eglGetCurrentContext() == context_)
       eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
     eglDestroyContext(display_, context_);
-    // The display stays initialized: it is one object per process, whoever asks for it, so that
-    // others may still be drawing with it, and Mesa leaks a little when it is unloaded.
+    // Keep the display initialized: it is shared by the whole process and may still be in use, and
+    // unloading Mesa leaks a little memory.
   }
   void make_current() override {
     if (!bind())
@@ -295,10 +295,10 @@ bool has_client_extension(const char* name) {
 
 }  // namespace
 
-/// Without a display server: the device platform (a GPU's render node or Mesa's software device),
-/// then Mesa's surfaceless platform, then the default display.
+/// Without a display server: tries the device platform (a GPU's render node or Mesa's software
+/// device), then Mesa's surfaceless platform, then the default display.
 std::unique_ptr<GlContext> make_egl_context() {
-  std::vector<std::string> attempts;  // what each answered
+  std::vector<std::string> attempts;  // result of each
   std::unique_ptr<GlContext> context;
   const auto is_open = [&](EGLDisplay display, const char* way, const std::string& name) {
     try {
@@ -340,7 +340,7 @@ std::unique_ptr<GlContext> make_egl_context() {
 
   throw Error(
       fmt::format("no OpenGL 3.3 core context through EGL: {} (Debian: libegl1, libopengl0 "
-                  "and libgl1-mesa-dri give a software one)",
+                  "and libgl1-mesa-dri provide a software renderer)",
                   fmt::join(attempts, "; ")));
 }
 
@@ -352,7 +352,7 @@ std::string glfw_answer() {
   return text != nullptr ? text : "no reason given";
 }
 
-/// One at a time: with it ends all of GLFW.
+/// Only one at a time, because destroying it terminates GLFW.
 class GlfwContext : public GlContext {
  public:
   GlfwContext(int width, int height, const std::string& title, bool visible) {
@@ -363,10 +363,10 @@ class GlfwContext : public GlContext {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_VISIBLE, visible);
     glfwWindowHint(GLFW_RESIZABLE, GLFW_TRUE);
-    // What desktops know its windows by: planescope.desktop has the same name.
+    // Window class for desktop environments; matches planescope.desktop.
     glfwWindowHintString(GLFW_X11_CLASS_NAME, "planescope");
     glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "planescope");
-    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);  // the same apparent size at any density
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);  // same apparent size at any pixel density
     window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
       const std::string answer = glfw_answer();
@@ -374,10 +374,10 @@ class GlfwContext : public GlContext {
       throw Error("cannot open a window with OpenGL 3.3 core: " + answer);
     }
     glfwMakeContextCurrent(window_);
-    glfwSwapInterval(1);  // never faster than the screen
+    glfwSwapInterval(1);  // at most the screen's refresh rate
     description_ = gl_description() + ", GLFW window";
   }
-  ~GlfwContext() override { glfwTerminate(); }  // the window with it
+  ~GlfwContext() override { glfwTerminate(); }  // also destroys the window
   void make_current() override { glfwMakeContextCurrent(window_); }
   std::string description() const override { return description_; }
   GLFWwindow* window() override { return window_; }

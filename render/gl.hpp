@@ -1,12 +1,12 @@
 #pragma once
 
-// What pictures are drawn with in OpenGL: owned objects, programs, buffers, framebuffers, images as
-// textures, and the passes. A pass owns its programs and buffers and draws one kind of thing into
-// the bound framebuffer; depth test, blending and masks are the renderer's to set.
+// OpenGL building blocks: owned objects, programs, buffers, framebuffers, image textures and
+// passes. A pass owns its programs and buffers, and draws one kind of object into the bound
+// framebuffer; depth test, blending and masks are set by the renderer.
 
 #define GL_GLEXT_PROTOTYPES
 
-/// The bytes of a file that planescope_embed() compiled in, by its symbol.
+/// Contents of a file embedded by planescope_embed(), by symbol.
 #define PLANESCOPE_ASSET_DECLARE(name)                      \
   extern "C" const unsigned char planescope_asset_##name[]; \
   extern "C" const unsigned char planescope_asset_##name##_end[]
@@ -33,7 +33,7 @@
 
 namespace planescope::render {
 
-/// Owns one GL object; moves only.
+/// Owns one GL object; move-only.
 template <auto Delete, auto Generate = nullptr>
 class GlHandle {
  public:
@@ -56,7 +56,7 @@ class GlHandle {
     Generate(1, &id);
     return GlHandle(id);
   }
-  operator GLuint() const { return id_; }  // NOLINT: as GL takes its names
+  operator GLuint() const { return id_; }  // NOLINT: convenient for GL calls
 
  private:
   GLuint id_ = 0;
@@ -68,7 +68,7 @@ using GlRenderbuffer = GlHandle<glDeleteRenderbuffers, glGenRenderbuffers>;
 using GlFramebuffer = GlHandle<glDeleteFramebuffers, glGenFramebuffers>;
 using GlProgram = GlHandle<glDeleteProgram>;
 
-/// Throws Error with the driver's log where a shader does not compile or link.
+/// Throws Error with the driver's log if a shader does not compile or link.
 GlProgram make_program(const char* name, std::string_view vertex, std::string_view fragment);
 
 template <typename Value>
@@ -83,13 +83,13 @@ void set_uniform(GLuint program, const char* name, const Value& value) {
     glUniform4f(at, value.r / 255.0f, value.g / 255.0f, value.b / 255.0f, value.a / 255.0f);
 }
 
-/// Throws Error naming `where` if GL has recorded an error since the last call.
+/// Throws Error naming `where` if GL recorded an error since the last call.
 void check_gl(const char* where);
 
-/// Renderer and driver of the current context. Throws Error unless it is OpenGL 3.3 or later.
+/// Renderer and driver of the current context. Throws Error for versions below OpenGL 3.3.
 std::string gl_description();
 
-/// Framebuffers of one picture, kept while its size stays the same.
+/// Framebuffers of a picture, reused while its size is unchanged.
 struct SceneTarget {
   explicit SceneTarget(int samples_per_pixel) : samples(samples_per_pixel) {}
 
@@ -97,8 +97,8 @@ struct SceneTarget {
   int width = 0, height = 0;
   GlRenderbuffer color, depth, box_depth;
   GlFramebuffer scene;     // color + depth
-  GlFramebuffer boxes;     // color + box_depth: boxes hide boxes, but nothing else
-  GlTexture flat_color;    // the picture, opaque when sampled
+  GlFramebuffer boxes;     // color + box_depth: boxes occlude only boxes
+  GlTexture flat_color;    // the picture; opaque when sampled
   GlTexture flat_depth;    // of the points
   GlFramebuffer resolved;  // flat_color + flat_depth
 
@@ -113,14 +113,14 @@ struct IdTarget {
   void resize(int new_width, int new_height);
 };
 
-/// An image as a GL texture, row 0 at the top (texture coordinate v = 0). Shown larger than it is,
-/// its pixels stay square. Needs the context that was current when it was made.
+/// An image as a GL texture, row 0 at the top (texture coordinate v = 0). Magnified pixels stay
+/// square. Requires the context that was current at construction.
 class ImageTexture {
  public:
   ImageTexture() = default;  // id() 0
   explicit ImageTexture(const Image8& image) { upload(image); }
 
-  /// Replaces what it shows; quicker where the size stays. RGB or RGBA, not empty.
+  /// Replaces the image; faster if the size is unchanged. RGB or RGBA, not empty.
   void upload(const Image8& image);
 
   std::uint32_t id() const { return texture_; }
@@ -134,14 +134,14 @@ class ImageTexture {
 
 // ---- Passes ----
 
-/// Color: into the picture. Id: into an attachment of 32-bit integers.
+/// Color: draw the picture. Id: draw ids into a 32-bit integer attachment.
 enum class Output { color, id };
 
-/// What all passes have: a program for each output and a buffer of vertices or instances.
+/// Common parts of all passes: a program per output and a buffer of vertices or instances.
 class Pass {
  protected:
   Pass(const char* name, std::string_view vertex, std::string_view fragment, std::string_view id);
-  /// The program in use, with what the view tells it.
+  /// Activates the program and sets its view uniforms.
   const GlProgram& use(const View& view, Output output) const;
   template <typename Values>
   void draw_strips(const Values& instances) const;
@@ -164,7 +164,7 @@ class PointPass : Pass {
 class BoxPass : Pass {
  public:
   BoxPass();
-  /// `hatch_period_px`: distance of the hatching's stripes along a row of the picture.
+  /// `hatch_period_px`: horizontal period of the hatching.
   void draw(const std::vector<DrawBox>& boxes,
             const View& view,
             float face_alpha,
@@ -176,11 +176,11 @@ class SegmentPass : Pass {
  public:
   SegmentPass();
   void draw(const std::vector<Segment>& segments, const View& view, Rgba halo, Output output);
-  /// In pixels from the top left corner of the picture.
+  /// Coordinates in pixels from the top left corner of the picture.
   void draw_flat(const std::vector<Segment>& segments, int width, int height);
 };
 
-/// Fills of polygons, in the order given.
+/// Filled polygons, in the given order.
 class PolygonPass : Pass {
  public:
   PolygonPass();
@@ -191,7 +191,7 @@ class PolygonPass : Pass {
 };
 
 void append_edges(const DrawBox& box, const View& view, std::vector<Segment>& segments);
-/// Of a convex polygon; of others nothing.
+/// For convex polygons; does nothing for others.
 void append_outline(const DrawPolygon& polygon, float bias_m, std::vector<Segment>& segments);
 
 /// Shapes of the overlay, in pixels from the top left corner of the picture.
@@ -201,7 +201,7 @@ class ShapePass : Pass {
   void draw(const std::vector<OverlayShape>& shapes, const View& view);
 };
 
-/// Text of the overlay, from an atlas that gathers the glyphs as they are met.
+/// Text of the overlay, from a glyph atlas that is filled on demand.
 class TextPass : Pass {
  public:
   TextPass();
@@ -240,37 +240,38 @@ class TextPass : Pass {
 };
 
 // ---- Points on the CPU ----
-// With a software GL they are most of a picture's cost, and pictures of one frame show the same
-// points in other colors. Same shapes and shading as points.vert, points.frag and shade.frag draw
-// in a window, at the same four samples a pixel.
+// With a software GL, points take most of the time of a picture, and pictures of a frame often show
+// the same points in other colors. Shapes and shading match points.vert, points.frag and
+// shade.frag, as used in windows, with the same four samples per pixel.
 
-/// Which points are seen where, whatever their colors. Rows from the bottom, as GL counts them.
+/// Visible points per pixel, independent of color. Rows from the bottom, as in GL.
 struct SplatLayer {
   struct Part {
-    std::uint32_t point = 0;  // counted through all clouds
-    float share = 0;          // of the pixel, less at the splat's darker rim
+    std::uint32_t point = 0;  // index over all clouds
+    float share = 0;          // share of the pixel, reduced at the splat's darker rim
   };
   int width = 0, height = 0;
-  std::vector<float> distances;      // along the view at a pixel's first sample [m]; or infinite
-  std::vector<float> light;          // by how much a pixel's neighbors darken it, 1: not at all
-  std::vector<std::uint8_t> counts;  // parts of each pixel, 0 to 4
-  std::vector<float> bare;           // share of a pixel with parts that no point covers
+  std::vector<float> distances;      // along the view at a pixel's first sample [m]; infinite
+                                     // if empty
+  std::vector<float> light;          // shading factor from a pixel's neighbors; 1: unshaded
+  std::vector<std::uint8_t> counts;  // number of parts per pixel, 0 to 4
+  std::vector<float> bare;           // uncovered share of a pixel with parts
   std::vector<Part> parts;           // of all pixels
 };
-/// How far beside a pixel lies what darkens it, here and in shade.frag [px].
+/// Radius of the neighborhood that shades a pixel, here and in shade.frag [px].
 float shade_radius_px(const View& view);
 
 SplatLayer splat(const std::vector<DrawPoints>& clouds, const View& view);
 
-/// Their picture on the theme's background: RGBA, opaque, row 0 at the bottom.
+/// Colors a layer on the theme's background: RGBA, opaque, row 0 at the bottom.
 Image8 paint(const SplatLayer& layer,
              const std::vector<DrawPoints>& clouds,
              const ThemeColors& theme);
 
-/// Of each pixel as GL has it: from 0 at the near plane to 2^32 - 1 at the far one.
+/// GL depth of each pixel: 0 at the near plane to 2^32 - 1 at the far plane.
 std::vector<std::uint32_t> depths(const SplatLayer& layer, const View& view);
 
-/// Where these are equal, so are the layers.
+/// If true, the layers are equal.
 bool same_shapes(const std::vector<DrawPoints>& a, const std::vector<DrawPoints>& b);
 
 }  // namespace planescope::render

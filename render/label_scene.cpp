@@ -1,4 +1,4 @@
-// What the labels of a frame look like (step_scene.hpp).
+// Draws the labels of a frame (step_scene.hpp).
 
 #include <algorithm>
 #include <cassert>
@@ -14,18 +14,18 @@
 namespace planescope::render {
 namespace {
 
-constexpr std::uint8_t kMuted = 165, kBright = 225, kMark = 205;  // shares of 255
+constexpr std::uint8_t kMuted = 165, kBright = 225, kHighlight = 205;  // alpha values of 255
 constexpr Rgba kIgnored{24, 26, 30, 200};
 
-struct Marks {
+struct Highlights {
   Rgba preview, takes, doubt, marked;
 };
-Marks marks_of(Theme theme) {
+Highlights highlights_of(Theme theme) {
   const bool dark = theme == Theme::dark;
-  return {.preview = {255, 236, 64, kMark},
-          .takes = {240, 60, 50, kMark},
+  return {.preview = {255, 236, 64, kHighlight},
+          .takes = {240, 60, 50, kHighlight},
           .doubt = dark ? Rgba{255, 150, 40, 190} : Rgba{235, 120, 0, 190},
-          .marked = dark ? Rgba{255, 64, 160, kMark} : Rgba{225, 0, 122, kMark}};
+          .marked = dark ? Rgba{255, 64, 160, kHighlight} : Rgba{225, 0, 122, kHighlight}};
 }
 
 void blend(std::uint8_t* pixel, Rgba tint) {
@@ -34,11 +34,11 @@ void blend(std::uint8_t* pixel, Rgba tint) {
     pixel[c] = static_cast<std::uint8_t>(pixel[c] + (above[c] - pixel[c]) * tint.a / 255);
 }
 
-/// Light from the camera's upper left, so that surfaces can be told apart.
+/// Lit from the camera's upper left, to distinguish surfaces.
 std::uint8_t shade_of(const labels::LabelGrid& grid, std::size_t pixel) {
   const Vec3f& normal = grid.normals[pixel];
   if (normal.isZero()) return 150;
-  if (grid.is_cloud()) {  // from above, a little aside
+  if (grid.is_cloud()) {  // from above, slightly to the side
     const Vec3f down = grid.gravity.direction.cast<float>(), aside = down.unitOrthogonal();
     const Vec3f from = (-down + 0.35f * aside + 0.25f * down.cross(aside)).normalized();
     return static_cast<std::uint8_t>(70 + 165 * std::abs(normal.dot(from)));
@@ -47,8 +47,8 @@ std::uint8_t shade_of(const labels::LabelGrid& grid, std::size_t pixel) {
   return static_cast<std::uint8_t>(70 + 165 * std::abs(normal.dot(light)));
 }
 
-/// Neighbours along a row or a column: the plane whose outline runs between them, 0 if none does.
-/// Holes in the measurement are no edges of a plane.
+/// For adjacent pixels: the plane whose outline passes between them, 0 if none. Unmeasured holes
+/// are not edges of a plane.
 int outline_between(const FrameLabels& labels,
                     const labels::LabelGrid& grid,
                     std::size_t pixel,
@@ -77,8 +77,8 @@ void paint_outlines(Image8& image, const labels::LabelGrid& grid, const LabelLoo
     }
 }
 
-/// The plane's own pixels have a color however far off they are: those are to be trimmed. Others
-/// keep their ground where they lie farther off than the scale goes.
+/// The plane's own pixels are colored at any distance, because they may need trimming. Other pixels
+/// beyond the scale's range show the image.
 void tint_residuals(const labels::LabelGrid& grid,
                     const LabelLook& look,
                     double opacity,
@@ -146,20 +146,22 @@ std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
     }
   }
   if (look.residual) tint_residuals(grid, look, opacity, tints);
-  const Marks marks = marks_of(look.theme);
+  const Highlights highlights = highlights_of(look.theme);
   for (std::size_t i = 0; i < look.doubt.size() && i < tints.size(); ++i)
-    if (look.doubt[i]) tints[i] = marks.doubt;
-  const auto mark = [&](std::span<const std::uint32_t> pixels, Rgba color) {
+    if (look.doubt[i]) tints[i] = highlights.doubt;
+  const auto highlight = [&](std::span<const std::uint32_t> pixels, Rgba color) {
     for (const std::uint32_t pixel : pixels)
       if (pixel < tints.size()) tints[pixel] = color;
   };
-  mark(look.marked, marks.marked);
+  highlight(look.marked, highlights.marked);
   if (look.edit)
     for (const labels::LabelRun& run : look.edit->runs)
       std::fill_n(tints.begin() + run.first, run.count,
-                  run.plane_after == 0 && run.hv_after == 0 ? marks.takes : marks.preview);
-  const bool is_told = look.residual && look.residual->plane == 0;  // by its distances
-  if (!is_told) mark(look.preview, look.preview_takes ? marks.takes : marks.preview);
+                  run.plane_after == 0 && run.hv_after == 0 ? highlights.takes
+                                                            : highlights.preview);
+  const bool shown_by_distance = look.residual && look.residual->plane == 0;
+  if (!shown_by_distance)
+    highlight(look.preview, look.preview_takes ? highlights.takes : highlights.preview);
   return tints;
 }
 
@@ -189,7 +191,7 @@ DrawPoints label_points(const labels::LabelGrid& grid,
     points.positions.push_back(world[i]);
     points.ids.push_back(static_cast<std::uint32_t>(i + 1));
   }
-  const labels::SpaceView drawn = labels::view_of_points(grid);  // strokes take points as drawn
+  const labels::SpaceView drawn = labels::view_of_points(grid);  // strokes select points as drawn
   points.size_m = drawn.point_size_m;
   points.min_px = drawn.min_px;
   points.max_px = drawn.max_px;
@@ -212,7 +214,7 @@ void color_label_points(DrawPoints& points,
 }
 
 std::vector<LabelPlace> label_places(const FrameLabels& labels, const labels::LabelGrid& grid) {
-  std::vector<InteriorPoint> inside;  // in images, by id - 1
+  std::vector<InteriorPoint> inside;  // for images, by id - 1
   if (!grid.is_cloud()) {
     RegionImage regions(labels.plane.width, labels.plane.height);
     std::ranges::copy(labels.plane.data, regions.data.begin());

@@ -1,4 +1,4 @@
-// Text and shapes painted on the CPU, and the layout of overlays over a picture.
+// Draws text and shapes on the CPU, and lays out overlays over a picture.
 
 #include "render/paint.hpp"
 
@@ -19,7 +19,7 @@ PLANESCOPE_ASSET_DECLARE(DejaVuSans_ttf);
 
 namespace planescope::render {
 
-// ---- Marks ----
+// ---- Shapes ----
 
 void blend_pixel(Image8& image, int x, int y, Rgba color, double coverage) {
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
@@ -83,7 +83,7 @@ const stbtt_fontinfo& font() {
   static const stbtt_fontinfo info = [] {
     stbtt_fontinfo made = {};
     if (!stbtt_InitFont(&made, planescope_asset_DejaVuSans_ttf, 0))
-      throw Error("the font compiled in, DejaVuSans.ttf, is not a TrueType font");
+      throw Error("built-in font DejaVuSans.ttf: not a TrueType font");
     return made;
   }();
   return info;
@@ -205,19 +205,19 @@ std::vector<char32_t> decode_utf8(const std::string& utf8) {
   return text;
 }
 
-// ---- What lies over a picture ----
+// ---- Overlay of a picture ----
 
 namespace {
 
-/// A place on screen.
+/// A screen position.
 Vec3f on_screen(double x, double y) { return {static_cast<float>(x), static_cast<float>(y), 0}; }
 
-/// Lays things out with lengths that grow with the picture.
+/// Layout with lengths that scale with the picture.
 struct Pen {
   Overlay& overlay;
   const ThemeColors& theme;
-  double scale;          // of all lengths below
-  double width, height;  // of the picture [px]
+  double scale;          // applied to all lengths below
+  double width, height;  // picture size [px]
 
   float px(double length) const { return static_cast<float>(length * scale); }
   OverlayShape panel(double x0, double y0, double x1, double y1) const {
@@ -225,7 +225,7 @@ struct Pen {
     const Vec3f high = on_screen(std::round(x1), std::round(y1));
     return {low.x(), low.y(), high.x(), high.y(), theme.panel, theme.panel_border, px(7), 1};
   }
-  /// One line, shortened where it is wider than there is room. Returns its width.
+  /// Adds one line, truncated if wider than the available width. Returns its width.
   double add_line(double x,
                   double baseline,
                   double size_px,
@@ -237,7 +237,7 @@ struct Pen {
     overlay.texts.push_back({std::round(x), baseline, size_px, line, color});
     return text_width(line, size_px);
   }
-  /// A word in the picture, with a halo.
+  /// Adds a word with a halo.
   void add_word(double x,
                 double baseline,
                 double size_px,
@@ -270,29 +270,29 @@ void add_heading(const Pen& pen, const DrawList& list) {
       pen.panel(margin, margin, margin + 2 * inset + widest, y + pen.px(11)));
 }
 
-// The mark of a legend entry, about (x, y) as its middle.
-void add_mark(const Pen& pen, const LegendEntry& entry, double x, double y) {
-  using Mark = LegendEntry::Mark;
-  if (entry.mark == Mark::line || entry.mark == Mark::arrow) {
+// Symbol of a legend entry, centered at (x, y).
+void add_symbol(const Pen& pen, const LegendEntry& entry, double x, double y) {
+  using Symbol = LegendEntry::Symbol;
+  if (entry.symbol == Symbol::line || entry.symbol == Symbol::arrow) {
     const Vec3f middle = on_screen(x, y), half(pen.px(8), 0, 0);
     pen.add_stroke(middle - half, middle + half, entry.color, 2.4,
-                   entry.mark == Mark::arrow ? 1.0f : 0.0f);
+                   entry.symbol == Symbol::arrow ? 1.0f : 0.0f);
     return;
   }
   const double r = pen.px(6);
   const Vec3f low = on_screen(x - r, y - r), high = on_screen(x + r, y + r);
   OverlayShape shape{low.x(), low.y(), high.x(), high.y(), entry.color};
-  shape.radius = entry.mark == Mark::dot ? static_cast<float>(r) : pen.px(2);
-  if (entry.mark != Mark::dot) {
+  shape.radius = entry.symbol == Symbol::dot ? static_cast<float>(r) : pen.px(2);
+  if (entry.symbol != Symbol::dot) {
     shape.border = entry.color;
     shape.border_px = pen.px(1.4);
   }
-  if (entry.mark == Mark::hatched_box) shape.hatch_period_px = pen.px(5);
-  if (entry.mark == Mark::box) shape.fill.a = static_cast<std::uint8_t>(entry.color.a * 0.45);
+  if (entry.symbol == Symbol::hatched_box) shape.hatch_period_px = pen.px(5);
+  if (entry.symbol == Symbol::box) shape.fill.a = static_cast<std::uint8_t>(entry.color.a * 0.45);
   pen.overlay.shapes.push_back(shape);
 }
 
-// `top`: where the legend may begin; it fills columns upwards from the lower left corner.
+// `top`: upper limit of the legend, which fills columns upward from the lower left corner.
 void add_legend(const Pen& pen, const std::vector<LegendEntry>& legend, double top) {
   if (legend.empty()) return;
   const double margin = pen.px(14), inset = pen.px(11), row = pen.px(21);
@@ -305,14 +305,14 @@ void add_legend(const Pen& pen, const std::vector<LegendEntry>& legend, double t
   const std::size_t rows = (legend.size() + columns - 1) / columns;
   const double y0 = pen.height - margin - 2 * pen.px(8) - static_cast<double>(rows) * row;
   double x = margin + inset;
-  const std::size_t panel = pen.overlay.shapes.size();  // below the marks
+  const std::size_t panel = pen.overlay.shapes.size();  // drawn below the symbols
   pen.overlay.shapes.emplace_back();
   for (std::size_t first = 0; first < legend.size(); first += rows) {
     double widest = 0;
     const double room = pen.width - x - mark_room - margin - inset;
     for (std::size_t i = first; i < std::min(first + rows, legend.size()); ++i) {
       const double middle = y0 + pen.px(8) + (static_cast<double>(i - first) + 0.5) * row;
-      add_mark(pen, legend[i], x + pen.px(8), middle);
+      add_symbol(pen, legend[i], x + pen.px(8), middle);
       widest =
           std::max(widest, pen.add_line(x + mark_room, middle + cap_height(size_px) / 2, size_px,
                                         legend[i].text, pen.theme.ink, std::max(room, 0.0)));
@@ -322,7 +322,7 @@ void add_legend(const Pen& pen, const std::vector<LegendEntry>& legend, double t
   pen.overlay.shapes[panel] = pen.panel(margin, y0, x - gap + inset, pen.height - margin);
 }
 
-// The three world axes as seen by the camera, the farthest first.
+// The three world axes as seen by the camera, farthest first.
 void add_axes(const Pen& pen, const View& view, double middle_x, double middle_y) {
   struct Axis {
     Vec3f in_eye;
@@ -340,7 +340,7 @@ void add_axes(const Pen& pen, const View& view, double middle_x, double middle_y
     const Vec3f along(axis.in_eye.x(), -axis.in_eye.y(), 0);
     const Vec3f tip = from + along * pen.px(30);
     pen.add_stroke(from, tip, axis.color, 2.2, 1);
-    // The letter stands off the tip; for an axis along the view, beside the middle.
+    // Place the letter beyond the tip or, for an axis along the view, beside the center.
     const float norm = along.norm();
     const Vec3f away = norm > 0.15f ? Vec3f(along / norm) : Vec3f(0.7071f, -0.7071f, 0);
     const Vec3f at = tip + away * pen.px(9);
@@ -348,7 +348,7 @@ void add_axes(const Pen& pen, const View& view, double middle_x, double middle_y
   }
 }
 
-// A bar that ends at `right`, its length above it.
+// A scale bar that ends at `right`, with its length above.
 void add_scale_bar(const Pen& pen, const View& view, double right, double bottom) {
   const double max_px = std::min<double>(pen.px(150), 0.22 * pen.width);
   if (!(view.px_per_m_at_target > 0) || !std::isfinite(view.px_per_m_at_target)) return;
@@ -364,7 +364,7 @@ void add_scale_bar(const Pen& pen, const View& view, double right, double bottom
                length_text(length_m), pen.theme.ink, 1.8);
 }
 
-/// What a text covers.
+/// Bounds of a text.
 struct Box {
   double x0, y0, x1, y1;
   bool overlaps(const Box& other) const {
@@ -376,7 +376,7 @@ Box box_of(const OverlayText& text) {
           text.baseline + 0.1 * text.size_px};
 }
 
-// Whether a label would stand on a panel, the axes or the scale bar.
+// Whether a label overlaps a panel, the axes or the scale bar.
 bool is_covered(const Box& label, const Overlay& by) {
   const auto is_on = [&](const Box& box) { return label.overlaps(box); };
   return std::ranges::any_of(by.shapes, is_on,
@@ -407,8 +407,8 @@ struct PlacedLabel {
   }
 };
 
-// Where nothing else lies over the picture yet; of labels that overlap, that of the lowest rank,
-// of equal ones the nearest.
+// Adds labels where the picture is free. If labels overlap, keeps the one with the lowest rank,
+// or the nearest if equal.
 void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View& view) {
   std::vector<PlacedLabel> placed;
   const double scale = std::max(1.0, pen.scale);
@@ -420,7 +420,9 @@ void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View
     const double wanted = at->px.x() - width / 2;
     if (wanted > pen.width || wanted + width < 0) continue;
     const double margin = pen.px(3);
-    const double x = std::max(std::min(wanted, pen.width - width - margin), margin);  // all of it
+    const double x = std::max(std::min(wanted, pen.width - width - margin), margin);  // fully
+                                                                                      // inside the
+                                                                                      // picture
     if (at->px.y() < -size_px || at->px.y() > pen.height + size_px) continue;
     const OverlayText text = {.x = x,
                               .baseline = at->px.y() + cap_height(size_px) / 2,
@@ -465,14 +467,14 @@ Overlay layout_overlay(const DrawList& list,
     right = pen.width - pen.px(20) - 2 * reach;
   }
   if (list.show_scale_bar) add_scale_bar(pen, view, right, pen.height - pen.px(24));
-  add_labels(pen, list.labels, view);  // last: they keep clear of all the rest
+  add_labels(pen, list.labels, view);  // last, so that labels avoid everything else
   return overlay;
 }
 
 double overlay_scale(const View& view) {
   const double width = view.width / view.screen_scale, height = view.height / view.screen_scale;
   const double large = std::min(height / 720.0, width / 900.0);
-  const double small = std::min({height / 500.0, width / 640.0, 1.0});  // a panel of a window
+  const double small = std::min({height / 500.0, width / 640.0, 1.0});  // panel of a window
   return view.screen_scale * std::clamp(std::max(large, small), 0.7, 2.5);
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// Marks and text: painted into an RGB image on the CPU, or laid out over a picture without GL
-// (title, legend, axes, scale bar, labels). One typeface for pictures, reports and window: DejaVu
-// Sans, compiled in.
+// Shapes and text, either drawn into an RGB image on the CPU or laid out over a picture without GL
+// (title, legend, axes, scale bar, labels). Pictures, reports and windows share one built-in
+// typeface: DejaVu Sans.
 
 #include <cstdint>
 #include <string>
@@ -14,66 +14,65 @@
 
 namespace planescope::render {
 
-/// Color over the pixel, with `color.a` and `coverage` (0..1) as weights. Outside: nothing.
+/// Blends the color over a pixel, weighted by `color.a` and `coverage` (0..1). Ignores pixels
+/// outside the image.
 void blend_pixel(Image8& image, int x, int y, Rgba color, double coverage = 1);
 void fill_rect(Image8& image, int x, int y, int width, int height, Rgba color);
 void fill_disc(Image8& image, double cx, double cy, double radius, Rgba color);  // antialiased
 /// Whether pixel (x, y) is on a diagonal hatching line.
 bool on_hatch(int x, int y, int spacing_px);
-/// Each pixel `factor` times in both directions.
+/// Repeats each pixel `factor` times in both directions.
 Image8 enlarge(const Image8& image, int factor);
-/// The factor that brings small sensor images to a size at which text and lines are crisp.
+/// Factor that enlarges small sensor images until text and lines are crisp.
 int enlargement(int width);
 
 /// (x, y): left end of the baseline [px]. Returns the advance [px].
 double draw_text(
     Image8& image, double x, double y, const std::string& utf8, double size_px, Rgba color);
 double text_width(const std::string& utf8, double size_px);
-double cap_height(double size_px);  // of a capital letter [px]
+double cap_height(double size_px);  // height of a capital letter [px]
 
-/// Coverage of one glyph, row 0 at the top. The pen stands at column -left, its baseline at row
-/// -top.
+/// Coverage of one glyph, row 0 at the top. The pen is at column -left, the baseline at row -top.
 struct GlyphBitmap {
   int width = 0, height = 0;  // [px]
   int left = 0, top = 0;
   std::vector<std::uint8_t> coverage;
 };
-/// Where a glyph is drawn: a whole pixel and a phase, quarters of a pixel to its right, so that
-/// text is spaced evenly.
+/// Pen position of a glyph: a whole pixel plus a phase in quarters of a pixel, for even spacing.
 struct GlyphPen {
   int column = 0, phase = 0;
 };
 GlyphPen pen_at(double x);
-/// `phase`: quarters of a pixel to the right.
+/// `phase`: offset to the right in quarters of a pixel.
 GlyphBitmap glyph_bitmap(char32_t codepoint, double size_px, int phase);
-/// The glyph grown by `radius_px` on all sides, with a soft end: a halo under it.
+/// The glyph expanded by `radius_px` on all sides with a soft edge: its halo.
 GlyphBitmap grown(const GlyphBitmap& glyph, double radius_px);
 bool has_glyph(char32_t codepoint);
 
 struct PlacedGlyph {
   char32_t codepoint = 0;
-  double x = 0;  // of its pen, from the start of the text [px]
+  double x = 0;  // pen position from the start of the text [px]
 };
 struct TextLayout {
   std::vector<PlacedGlyph> glyphs;
-  double width = 0;  // advance of the whole [px]
+  double width = 0;  // total advance [px]
 };
 TextLayout layout_text(const std::string& utf8, double size_px);
-/// Code points of a text; bytes that are not UTF-8 become U+FFFD.
+/// Decodes UTF-8 into code points; invalid bytes become U+FFFD.
 std::vector<char32_t> decode_utf8(const std::string& utf8);
 
-/// The TrueType file compiled in.
+/// Contents of the built-in TrueType file.
 std::string_view font_file();
 
-// ---- What lies over a picture, in pixels ----
+// ---- Overlay of a picture, in pixels ----
 
 /// A line or arrow of constant width on screen.
 struct Segment {
   Vec3f a, b;
   Rgba color;
   float width_px = 1;
-  float arrow = 0;   // 1: with a head at b
-  float bias_m = 0;  // drawn this much nearer to the eye
+  float arrow = 0;   // 1: arrowhead at b
+  float bias_m = 0;  // drawn this much closer to the eye
   std::uint32_t id = 0;
 };
 
@@ -102,18 +101,18 @@ struct Overlay {  // drawn in this order
   std::vector<OverlayText> texts;
 };
 
-/// `panels`: title and legend; `scene`: all else.
+/// `panels`: title and legend; `scene`: everything else.
 enum class OverlayPart : std::uint8_t { all, scene, panels };
 Overlay layout_overlay(const DrawList& list,
                        const View& view,
                        const ThemeColors& theme,
                        OverlayPart part = OverlayPart::all);
 
-/// Scale of text and line widths, which grow with the picture: 1 for one of 500 to 720 rows on an
-/// ordinary screen, so that text stays legible in a panel of a window.
+/// Scale of text and line widths: 1 for pictures with 500 to 720 rows on a standard-density screen,
+/// larger for larger pictures, so that text stays legible in a panel of a window.
 double overlay_scale(const View& view);
 
-/// The longest length of the series 1, 2, 5, 10, ... that takes at most `max_px`.
+/// The longest length of the series 1, 2, 5, 10, ... that is at most `max_px` wide.
 double round_length_m(double px_per_m, double max_px);
 std::string length_text(double length_m);  // "5 mm", "20 cm", "1 m", "2 km"
 

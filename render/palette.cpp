@@ -1,4 +1,4 @@
-// Palettes of planes, cases, labels and themes, and the ticks of color scales.
+// Color palettes for planes, cases, labels and themes, and ticks of color scales.
 
 #include "render/palette.hpp"
 
@@ -18,26 +18,27 @@ constexpr Rgba rgb(std::uint32_t hex) {
           static_cast<std::uint8_t>(hex & 0xFF)};
 }
 
-// Found by search over a grid of OKLCh: the smallest distance between any two, and to
-// leftover_color(), is as large as possible for normal, protanopic, deuteranopic and tritanopic
-// eyes (Machado et al. 2009), where distances for normal eyes count 1/1.3. In OKLab times 100, it
-// is 12.5 for normal eyes and 9.1 for others; to leftover_color() 12.0 and 10.0. Ordered so that
-// each is far from those before it; orange and amber, which are like marks of the label mode, come
-// last.
+// Found by grid search in OKLCh. Maximizes the smallest distance between any two colors and to
+// leftover_color() for normal, protanopic, deuteranopic and tritanopic vision (Machado et al.
+// 2009); distances for normal vision are weighted by 1/1.3. In units of OKLab times 100, the
+// smallest distance is 12.5 for normal vision and 9.1 for the others; to leftover_color() it is
+// 12.0 and 10.0. Ordered so that each color is far from the preceding ones. Orange and amber come
+// last, because they resemble highlights of the label mode.
 constexpr std::array<std::uint32_t, kPlaneColors> kPlaneHues = {
     0x3E7CBD, 0xB0000F, 0x80DEF5, 0xB76A32, 0xBD9EDE, 0x65BC82, 0xBED995,
     0x2C6149, 0x8D2198, 0x8A6283, 0x6B44DE, 0xD06AFA, 0xF58324, 0xFDB803};
 
-// Viridis (Smith & van der Walt 2015) at every eighth.
+// Viridis (Smith & van der Walt 2015) in steps of one eighth.
 constexpr std::array<std::uint32_t, 9> kViridis = {0x440154, 0x472D7B, 0x3B528B, 0x2C728E, 0x21918C,
                                                    0x28AE80, 0x5EC962, 0xADDC30, 0xFDE725};
 
-// By case and by label; first what has none.
+// By case and by label; the first entry is for none.
 constexpr std::array<std::uint32_t, 5> kCaseHues = {0x8A8F98, 0xE69F00, 0xA83C6C, 0x3E62B7,
                                                     0x18CC90};
 constexpr std::array<std::uint32_t, 3> kLabelHues = {0x9A9DA3, 0x0072B2, 0xE69F00};
 
-constexpr double kLeastRange_m = 0.001;  // of a scale: no sensor resolves less
+constexpr double kLeastRange_m = 0.001;  // smallest range of a scale; below the resolution
+                                         // of sensors
 
 void drop_unknown(std::vector<float>& values) {
   std::erase_if(values, [](float value) { return !std::isfinite(value); });
@@ -144,7 +145,7 @@ ScaleTicks ticks_of(const ColorScale& scale) {
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
   const bool signs = scale.map == ColorScale::Map::diverging;
   for (double k = std::ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; ++k) {
-    const double value = k == 0 ? 0 : k * step;  // no -0
+    const double value = k == 0 ? 0 : k * step;  // avoid -0
     result.ticks.push_back({value * unit_m, signs && value != 0
                                                 ? fmt::format("{:+.{}f}", value, decimals)
                                                 : fmt::format("{:.{}f}", value, decimals)});

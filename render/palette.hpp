@@ -1,6 +1,6 @@
 #pragma once
 
-// The colors of data and of everything else, and scales of colors over a quantity in meters.
+// Colors of data and themes, and color scales for quantities in meters.
 
 #include <algorithm>
 #include <string>
@@ -15,27 +15,27 @@ namespace planescope::render {
 Rgba with_alpha(Rgba color, std::uint8_t alpha);
 Rgba mix(Rgba a, Rgba b, double share_b);  // opaque
 
-/// Colors that stay apart under the common color-vision deficiencies (Okabe & Ito 2008), the same
-/// in every picture, report and window.
+/// Colors that are distinguishable with the common color-vision deficiencies (Okabe & Ito 2008),
+/// the same in all pictures, reports and windows.
 Rgba case_color(planes::Case c);
 Rgba label_color(Label label);  // h, v, unknown
-/// From blue at -1, behind a plane, over near white on it to red at +1, before it.
+/// Blue at -1 (behind a plane), near white on it, red at +1 (in front).
 Rgba residual_color(double share);
-/// How sure a label is: from a dark grey that h and v share at margin 0 to the label's own color
-/// at 1, lighter and more saturated all the way.
+/// Classifier margin of a label: from a common dark gray for h and v at margin 0 to the label's own
+/// color at 1, with increasing lightness and saturation.
 Rgba margin_color(Label label, double margin);
 Rgba leftover_color();
-/// Whether a plane carries a foot.
+/// Color for planes that are steppable or not.
 Rgba verdict_color(bool steppable);
-/// Colors of planes: few, so that any two differ clearly, also for color-blind readers, and so does
-/// each from leftover_color(). plane_colors.hpp says which plane gets which.
+/// A small palette for planes. All pairs of colors, including leftover_color(), differ clearly,
+/// also for color-blind readers. plane_colors.hpp assigns them to planes.
 inline constexpr int kPlaneColors = 14;
-/// By color id, from 1 on; they repeat after kPlaneColors.
+/// By color id, from 1; the palette repeats after kPlaneColors.
 Rgba plane_color(int color_id);
-/// A perceptually even ramp from dark at 0 to bright at 1, ordered for every eye.
+/// A perceptually uniform ramp from dark at 0 to bright at 1, ordered for all types of vision.
 Rgba ramp_color(double share);
 
-/// The colors of everything that is not data.
+/// Colors other than data.
 struct ThemeColors {
   Rgba background_top, background_bottom;
   Rgba ink;                  // titles and text
@@ -50,24 +50,25 @@ struct ValueRange {
   double low_m = 0, high_m = 1;
   bool operator==(const ValueRange&) const = default;
 };
-/// Whether a scale can have it: finite ends in order, at least 0.1 mm apart.
+/// Whether a scale can have this range: finite limits in order, at least 0.1 mm apart.
 bool is_range(const ValueRange& range);
 
 struct ColorScale {
-  /// rising: the more, the brighter; falling: the nearer; diverging: two hues about 0.
+  /// rising: larger is brighter; falling: smaller is brighter; diverging: two hues around 0.
   enum class Map : std::uint8_t { rising, falling, diverging };
   std::string what;  // "depth"
-  ValueRange range;  // values beyond it have the colors of its ends
+  ValueRange range;  // values outside get the color of the nearest limit
   Map map = Map::rising;
-  std::string at_low = {}, at_high = {};  // words for the ends: "behind", "before"
+  std::string at_low = {}, at_high = {};  // names of the ends: "behind", "in front"
 
   Rgba color(double value_m) const;
   bool operator==(const ColorScale&) const = default;
 };
 
-/// The least of 1, 2 and 5 times a power of ten that is not below `least`.
+/// The smallest of 1, 2 and 5 times a power of ten that is at least `least`.
 double round_step(double least);
-/// The value below which a share of them lies. Reorders them; not empty.
+/// The value below which the given share of values is. Reorders the values, which must not
+/// be empty.
 template <typename T>
 T quantile(std::vector<T>& values, double share) {
   const auto at =
@@ -76,10 +77,10 @@ T quantile(std::vector<T>& values, double share) {
   return *at;
 }
 
-/// Round values in the range, ascending, all in one unit: meters, centimeters or millimeters.
+/// Round values in the range, ascending, in one common unit: meters, centimeters or millimeters.
 struct ScaleTick {
   double value_m = 0;
-  std::string text;  // "0.8"; with a sign where the scale has two sides
+  std::string text;  // "0.8"; with a sign if the scale has two sides
 };
 struct ScaleTicks {
   std::string unit;  // "m", "cm", "mm"
@@ -87,10 +88,10 @@ struct ScaleTicks {
 };
 ScaleTicks ticks_of(const ColorScale& scale);
 
-/// The range of all but the outermost 2 % of the values at either end, widened to round ends. Skips
-/// values that are not finite; {0, 1} without others.
+/// Range of all but the outermost 2 % of the values at either end, widened to round limits. Ignores
+/// non-finite values; {0, 1} if there are no others.
 ValueRange robust_range(std::vector<float> values_m);
-/// From 0 to the size that 95 % of the values stay below.
+/// From 0 to the 95th percentile of the sizes.
 ValueRange range_from_zero(std::vector<float> sizes_m);
 
 }  // namespace planescope::render

@@ -1,4 +1,4 @@
-// The passes of a picture (gl.hpp).
+// Implements the passes (gl.hpp).
 
 #include <algorithm>
 #include <cassert>
@@ -27,14 +27,15 @@ PLANESCOPE_ASSET_DECLARE(shapes_vert);
 namespace planescope::render {
 namespace {
 
-/// Describes one attribute of the bound array buffer. `stride` 0: values side by side.
+/// Describes one attribute of the bound array buffer. `stride` 0: tightly packed values.
 void set_attribute(GLuint location,
                    GLint components,
-                   GLenum type,  // GL_UNSIGNED_BYTE: as 0..1; GL_UNSIGNED_INT: stays integer
+                   GLenum type,  // GL_UNSIGNED_BYTE: normalized to 0..1; GL_UNSIGNED_INT:
+                                 // stays integer
                    std::size_t stride = 0,
                    std::size_t offset = 0,
                    bool per_instance = false) {
-  // A place in the bound buffer, which OpenGL takes as a pointer.
+  // An offset into the bound buffer; OpenGL takes it as a pointer.
   const void* at = reinterpret_cast<const void*>(offset);  // NOLINT(performance-no-int-to-ptr)
   const auto step = static_cast<GLsizei>(stride);
   glEnableVertexAttribArray(location);
@@ -45,7 +46,7 @@ void set_attribute(GLuint location,
   glVertexAttribDivisor(location, per_instance ? 1 : 0);
 }
 
-/// Fills an array buffer, and leaves it bound.
+/// Fills an array buffer and leaves it bound.
 template <typename Value>
 void upload(const GlBuffer& buffer, const std::vector<Value>& values) {
   glBindBuffer(GL_ARRAY_BUFFER, buffer);
@@ -68,7 +69,7 @@ Pass::Pass(const char* name,
 const GlProgram& Pass::use(const View& view, Output output) const {
   const GlProgram& program = output == Output::color ? color_ : id_;
   glUseProgram(program);
-  set_uniform(program, "view", view.view);  // GL ignores those that a program does not have
+  set_uniform(program, "view", view.view);  // GL ignores uniforms that a program lacks
   set_uniform(program, "proj", view.proj);
   set_uniform(program, "viewport", view.size_px());
   set_uniform(program, "orthographic", view.orthographic);
@@ -114,7 +115,7 @@ void PointPass::draw(const std::vector<DrawPoints>& clouds, const View& view, Ou
     if (output == Output::id && !cloud.ids.empty()) {
       upload(ids_, cloud.ids);
       glEnableVertexAttribArray(2);
-    } else {  // not pickable, but hides what lies behind
+    } else {  // not pickable, but occludes what is behind
       glDisableVertexAttribArray(2);
       glVertexAttribI1ui(2, 0);
     }
@@ -205,7 +206,7 @@ void SegmentPass::draw_flat(const std::vector<Segment>& segments, int width, int
   flat.width = width;
   flat.height = height;
   flat.orthographic = true;
-  flat.near_m = -1e9f;  // nothing is clipped
+  flat.near_m = -1e9f;  // disable clipping
   flat.view.setIdentity();
   flat.proj.setIdentity();
   flat.proj(0, 0) = 2.0f / static_cast<float>(width);
@@ -216,11 +217,11 @@ void SegmentPass::draw_flat(const std::vector<Segment>& segments, int width, int
 }
 
 void append_edges(const DrawBox& box, const View& view, std::vector<Segment>& segments) {
-  float edge_m = 0;  // the longest
+  float edge_m = 0;  // longest edge
   each_edge(box, [&](const Vec3f& from, const Vec3f& to) {
     edge_m = std::max(edge_m, (to - from).norm());
   });
-  // Small boxes on screen get finer edges, so that their colour is still seen between them.
+  // Small boxes on screen get thinner edges, so that their color remains visible.
   float width_px = 1.4f;
   if (const auto middle = project(view, middle_of(box))) {
     const double scale = view.orthographic ? view.px_per_m : view.px_per_m / middle->depth_m;
@@ -274,7 +275,7 @@ void PolygonPass::draw(const std::vector<const DrawPolygon*>& polygons,
     for (const std::uint32_t k : polygon->triangles)
       vertices.push_back({corners[k], polygon->fill, polygon->id});
     if (!polygon->triangles.empty()) continue;
-    for (std::size_t i = 2; i < corners.size(); ++i)  // a fan, as it is convex
+    for (std::size_t i = 2; i < corners.size(); ++i)  // convex: draw as a fan
       for (const std::size_t k : {std::size_t{0}, i - 1, i})
         vertices.push_back({corners[k], polygon->fill, polygon->id});
   }
@@ -318,8 +319,7 @@ TextPass::TextPass()
 }
 
 void TextPass::draw(const std::vector<OverlayText>& texts, const View& view) {
-  // Where the atlas is full, start over with an empty one; where that is not enough for these
-  // texts alone, with a larger one.
+  // If the atlas is full, start over with an empty one; if the texts still do not fit, enlarge it.
   std::vector<Instance> instances;
   for (int attempt = 0;; ++attempt) {
     instances.clear();
@@ -340,7 +340,7 @@ void TextPass::draw(const std::vector<OverlayText>& texts, const View& view) {
   draw_strips(instances);
 }
 
-// False where the atlas is full.
+// Returns false if the atlas is full.
 bool TextPass::append(const OverlayText& text, std::vector<Instance>& instances) {
   constexpr double kMaxSize_px = 256;
   const auto sixteenths = [](double value) { return static_cast<int>(std::lround(value * 16)); };
@@ -388,8 +388,7 @@ const TextPass::Entry* TextPass::entry(const Key& key) {
 void TextPass::clear_atlas(int height) {
   GLint largest = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  if (height > largest)
-    throw Error("the picture has more different glyphs than a texture can hold");
+  if (height > largest) throw Error("too many different glyphs in the picture for one texture");
   atlas_height_ = height;
   atlas_.assign(static_cast<std::size_t>(kAtlasWidth) * height, 0);
   entries_.clear();

@@ -18,33 +18,35 @@
 
 namespace planescope::render {
 
-// ---- Which planes of two frames are the same surface ----
+// ---- Matching planes of two frames ----
 
 namespace {
 
-constexpr double kMaxCells = 4800;    // per image: 8 x 8 pixels of VGA each
+constexpr double kMaxCells = 4800;    // per image: 8 x 8 pixels each for VGA
 constexpr int kTouchingShare = 80;    // planes touch within 1/80 of the image's width
-constexpr double kCloudCell_m = 0.1;  // edge
+constexpr double kCloudCell_m = 0.1;  // cell edge
 constexpr double kFarFromSensor_m =
-    100;  // farther clouds (map coordinates) are taken about their middle
+    100;  // farther clouds (map coordinates) are shifted to their center
 constexpr double kDeg = std::numbers::pi / 180;
 
-// Planes that overlap: how much neighboring frames of a hand-held camera may differ while its
-// motion is unknown.
+// Overlapping planes: allowed differences between neighboring frames of a hand-held camera while
+// its motion is unknown.
 constexpr double kOverlapAngle_deg = 15, kOverlapOffset_m = 0.12;
-constexpr double kSlack = 2;  // 1 + kSlack times as much where they cover the same cells
-// Planes compared after the motion: its error, and the noise of both fits.
+constexpr double kSlack = 2;  // limits increase by a factor of 1 + kSlack if they cover the
+                              // same cells
+// Planes compared after motion compensation: its error plus the noise of both fits.
 constexpr double kMovedAngle_deg = 6, kMovedOffset_m = 0.05, kMovedOffsetShare = 0.02;
-constexpr double kRadii = 2, kRoom_m = 0.1;  // how far apart centroids may be in the plane
-constexpr double kPieceShare = 0.5;          // of a piece's cells, on the plane it was part of
-// Motion: standard deviations of a plane's normal and offset, and the prior for directions that no
-// plane determines.
+constexpr double kRadii = 2, kRoom_m = 0.1;  // allowed distance of centroids in the plane
+constexpr double kPieceShare = 0.5;          // smallest share of a piece's cells on the plane it
+                                             // was part of
+// Motion: standard deviations of a plane's normal and offset, and the prior for directions not
+// determined by any plane.
 constexpr double kNormalSigma_deg = 1, kOffsetSigma_m = 0.01;
 constexpr double kTurnSigma_deg = 5, kShiftSigma_m = 0.05;
 
 using Cells = std::vector<PlaneImage::Cell>;
 
-/// Ids per pixel, 0 none.
+/// Plane id per pixel; 0: none.
 std::vector<std::int32_t> pixel_ids(const planes::Cloud& cloud,
                                     std::span<const std::int32_t> plane_of) {
   std::vector<std::int32_t> ids(static_cast<std::size_t>(cloud.width) * cloud.height, 0);
@@ -92,7 +94,7 @@ std::set<std::pair<int, int>> touching_in_image(const std::vector<std::int32_t>&
   return pairs;
 }
 
-// Cells of space are numbered with 10 bits an axis: beyond 100 m they begin anew.
+// Cells of space use 10 bits per axis, and wrap around beyond 100 m.
 std::uint32_t space_cell(const Eigen::Vector3i& c) {
   const auto low = [](int i) { return static_cast<std::uint32_t>(i) & 0x3FF; };
   return low(c.z()) << 20 | low(c.y()) << 10 | low(c.x());
@@ -118,7 +120,7 @@ Cells space_cells(const planes::Cloud& cloud,
   return cells;
 }
 
-/// Calls visit(a, b) with the planes of cells that both have, in the order of cells.
+/// Calls visit(a, b) with the planes of each common cell, in cell order.
 template <typename Visit>
 void for_shared_cells(const Cells& a, const Cells& b, const Visit& visit) {
   auto from = b.begin();
@@ -130,7 +132,7 @@ void for_shared_cells(const Cells& a, const Cells& b, const Visit& visit) {
 
 std::set<std::pair<int, int>> touching_in_space(const Cells& cells) {
   std::set<std::pair<int, int>> pairs;
-  for (int shift = 0; shift < 14; ++shift) {  // itself and half of its 26 neighbors
+  for (int shift = 0; shift < 14; ++shift) {  // the cell itself and half of its 26 neighbors
     const Eigen::Vector3i by(shift % 3 - 1, shift / 3 % 3 - 1, shift / 9 - 1);
     Cells moved = cells;
     for (PlaneImage::Cell& cell : moved) cell.at = space_cell(of_space_cell(cell.at) + by);
@@ -140,13 +142,13 @@ std::set<std::pair<int, int>> touching_in_space(const Cells& cells) {
   return pairs;
 }
 
-/// Distance of each plane's centroid from the other plane, the greater one.
+/// The larger of the distances between each plane's centroid and the other plane.
 double gap_m(const PlaneInView& a, const PlaneInView& b) {
   const Vec3d apart = b.centroid - a.centroid;
   return std::max(std::abs(a.normal.dot(apart)), std::abs(b.normal.dot(apart)));
 }
 
-/// By plane id - 1.
+/// Number of cells by plane id - 1.
 std::vector<double> cells_of(const PlaneImage& image) {
   std::vector<double> count(image.planes.size(), 0);
   for (const PlaneImage::Cell& cell : image.cells) ++count[cell.plane - 1];
@@ -169,8 +171,8 @@ double offset_apart_m(const PlaneInView& a, const PlaneInView& b) {
   return std::abs(a.offset_m - std::copysign(b.offset_m, b.offset_m * a.normal.dot(b.normal)));
 }
 
-/// Small motion about the sensor that takes matched planes of `before` to those of `now`, least
-/// squares with a prior: a normal moves by w x n, an offset by n . t.
+/// Small motion of the sensor that maps matched planes of `before` to those of `now`: least squares
+/// with a prior. A normal changes by w x n, an offset by n . t.
 Pose motion_of(const PlaneImage& before, const PlaneImage& now, const std::vector<int>& before_of) {
   Mat3d turn = Mat3d::Identity() / std::pow(kTurnSigma_deg * kDeg, 2);
   Mat3d shift = Mat3d::Identity() / std::pow(kShiftSigma_m, 2);
@@ -179,13 +181,13 @@ Pose motion_of(const PlaneImage& before, const PlaneImage& now, const std::vecto
     if (before_of[i] == 0) continue;
     const PlaneInView& a = before.planes[static_cast<std::size_t>(before_of[i]) - 1];
     const PlaneInView& b = now.planes[i];
-    // Clutter that is fitted differently in each frame says nothing about the motion.
+    // Ignore clutter that is fitted differently in each frame.
     if (planes::plane_angle_deg(a.normal, b.normal) > kOverlapAngle_deg ||
         offset_apart_m(a, b) > kOverlapOffset_m)
       continue;
     const double side = a.normal.dot(b.normal) < 0 ? -1 : 1;
     const Vec3d normal = side * b.normal;
-    // Larger planes are more precise, but none may decide alone.
+    // Larger planes are more precise, but no single plane should dominate.
     const double weight = std::sqrt(static_cast<double>(std::min(a.size, b.size)) / 1000.0);
     const double w_n = weight / std::pow(kNormalSigma_deg * kDeg, 2);
     const double w_d = weight / std::pow(kOffsetSigma_m, 2);
@@ -202,7 +204,7 @@ Pose motion_of(const PlaneImage& before, const PlaneImage& now, const std::vecto
   return motion;
 }
 
-/// The same surface in another frame.
+/// Transforms a plane to another frame.
 PlaneInView moved(PlaneInView plane, const Pose& T) {
   plane.normal = T.linear() * plane.normal;
   plane.centroid = T * plane.centroid;
@@ -264,7 +266,7 @@ PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now) {
         match.before_of[static_cast<std::size_t>(column_of[b])] = static_cast<int>(b) + 1;
   };
 
-  // First planes that overlap: as many cells as possible keep their plane.
+  // First match overlapping planes, so that as many cells as possible keep their plane.
   std::vector<double> value(rows * columns, 0);
   for (std::size_t b = 0; b < rows; ++b)
     for (std::size_t n = 0; n < columns; ++n) {
@@ -282,7 +284,7 @@ PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now) {
   assign(value);
   match.T_now_before = motion_of(before, now, match.before_of);
 
-  // Then the rest, moved with the camera.
+  // Then match the rest after compensating the camera's motion.
   std::vector<std::uint8_t> taken(rows, 0);
   for (const int b : match.before_of)
     if (b > 0) taken[b - 1] = 1;
@@ -326,7 +328,7 @@ std::vector<std::vector<int>> neighbors_of(const PlaneImage& planes) {
   return neighbors;
 }
 
-/// For a plane that has none: see settle_colors(). Of equal ones the first of the palette.
+/// Color for a plane without one, see settle_colors(). Ties go to the first in the palette.
 int new_color(const PlaneImage& planes,
               const std::vector<int>& colors,
               const std::vector<int>& neighbors,
@@ -376,7 +378,7 @@ std::vector<int> settle_colors(const PlaneImage& planes,
     int& color = colors[i];
     if (color > 0) continue;
     const int found = new_color(planes, colors, neighbors[i], is_reserved);
-    // Smaller neighbors give it up, and get another color in their turn.
+    // Smaller neighbors with that color lose it, and get another one later.
     for (const int other : neighbors[i])
       if (int& theirs = colors[other];
           theirs == found && std::tuple(size_of(i), other) > std::tuple(size_of(other), i))

@@ -1,8 +1,8 @@
 #pragma once
 
-// Which plane gets which color: a surface keeps its color from frame to frame, and planes that
-// touch have different ones. Works in the sensor's own frame: no gravity, no poses. The colors
-// themselves are in palette.hpp.
+// Assigns palette colors to planes: surfaces keep their color from frame to frame, and touching
+// planes have different colors. Works in the sensor frame, without gravity and poses. The palette
+// is in palette.hpp.
 
 #include <cstdint>
 #include <span>
@@ -14,18 +14,18 @@
 
 namespace planescope::render {
 
-/// A plane in the sensor's frame [m].
+/// A plane in the sensor frame [m].
 struct PlaneInView {
-  Vec3d normal = Vec3d::UnitZ();  // unit; either side
+  Vec3d normal = Vec3d::UnitZ();  // unit, either sign
   double offset_m = 0;            // normal . x = offset
   Vec3d centroid = Vec3d::Zero();
-  double radius_m = 0;   // of its points about the centroid, root mean square
-  std::size_t size = 0;  // points
+  double radius_m = 0;   // RMS distance of its points from the centroid
+  std::size_t size = 0;  // number of points
 };
 
-/// Where a frame's planes are, small enough to keep for every frame.
+/// Positions of a frame's planes, in a compact form that is kept for every frame.
 struct PlaneImage {
-  /// A cell that a plane covers: of a coarse grid on the depth image, or of clouds in space.
+  /// A cell covered by a plane: of a coarse grid on the depth image or, for clouds, in space.
   struct Cell {
     std::uint32_t at = 0;
     int plane = 0;  // id, from 1
@@ -33,53 +33,52 @@ struct PlaneImage {
   };
   std::vector<Cell> cells;                    // ascending
   std::vector<PlaneInView> planes;            // by id - 1
-  std::vector<std::pair<int, int>> touching;  // ids, the smaller first; ascending
+  std::vector<std::pair<int, int>> touching;  // ids, smaller first; ascending
 };
 
-/// `plane_of`: per point of the cloud, ids up to `count`; those below 1 are no plane. Planes touch
-/// where their pixels are at most 1/80 of the image's width apart in a row or a column, which
-/// bridges the edges that depth cameras leave unmeasured; in clouds, where they are in neighboring
-/// cells of 10 cm.
+/// `plane_of`: per point of the cloud, ids up to `count`; below 1 means no plane. Planes touch if
+/// their pixels are within 1/80 of the image's width along a row or column (to bridge unmeasured
+/// edges of depth cameras) or, in clouds, if they are in neighboring cells of 10 cm.
 PlaneImage plane_image(const planes::Cloud& cloud,
                        std::span<const std::int32_t> plane_of,
                        std::size_t count);
 PlaneImage plane_image(const planes::FrameResult& result);
 PlaneImage plane_image(const debug::Run& run);
 
-/// Which planes of one frame are surfaces of another, and how the sensor moved.
+/// Corresponding planes of two frames, and the sensor's motion between them.
 struct PlaneMatch {
   std::vector<int> before_of;  // by id - 1 of `now`: id in `before`, 0 none; one to one
-  // The same for planes that came off one that another plane of `now` was matched with: on the same
-  // surface, and part of it in the image of `before`.
+  // Same, for planes split from a plane of `before` that is matched with another plane of `now`: on
+  // the same surface, and part of it in the image of `before`.
   std::vector<int> piece_of;
-  Pose T_now_before = Pose::Identity();  // zero in directions that the planes do not determine
+  Pose T_now_before = Pose::Identity();  // identity in directions not determined by the planes
 };
 
-/// First pairs planes that overlap in the image and have about the same normal and offset, with the
-/// greatest overlap in total; then those that the motion of the first pairs moves onto each other.
-/// `before` may contain remembered planes, without cells.
+/// First matches planes that overlap in the image and have similar normals and offsets, maximizing
+/// the total overlap; then planes that coincide after the motion of the first matches. `before` may
+/// contain remembered planes, without cells.
 PlaneMatch match_planes(const PlaneImage& before, const PlaneImage& now);
 
-/// A plane that is lost for up to this many frames gets its color back.
+/// A plane lost for at most this many frames gets its color back.
 inline constexpr int kRememberedFrames = 10;
 
-/// The planes of a frame with their colors: what the next frame's colors follow from.
+/// Planes of a frame with their colors; input for the next frame's colors.
 struct ColoredPlanes {
-  PlaneImage image;         // after the frame's own planes the remembered ones, without cells
+  PlaneImage image;         // the frame's own planes, then remembered ones without cells
   std::vector<int> colors;  // color ids by plane id - 1, 1 to kPlaneColors
-  std::vector<int> unseen;  // frames since each was seen; 0: in this one
+  std::vector<int> unseen;  // frames since each was seen; 0: in this frame
 
-  std::vector<int> own_colors() const;  // without the remembered planes
+  std::vector<int> own_colors() const;  // without remembered planes
 };
 
-/// Planes of `now` that match one of `before` keep its color as far as settle_colors() allows.
-/// `before`: the frame before, skipping those that failed; null: none.
+/// Planes of `now` that match a plane of `before` keep its color if settle_colors() allows it.
+/// `before`: the previous successful frame; null: none.
 ColoredPlanes color_planes(PlaneImage now, const ColoredPlanes* before = nullptr);
 
-/// Color ids by plane id - 1. `wanted`: the same, 0 none. Planes that touch get different colors,
-/// and the larger one keeps what it wants. The rest get a color that no other plane has and that is
-/// not `reserved`; if there is none, one that no plane has that they touch; if there is none, the
-/// one that fewest points of touching planes have.
+/// Returns color ids by plane id - 1. `wanted`: preferred ids, 0 none. Touching planes get
+/// different colors, and the larger plane keeps its preference. Other planes get a color that is
+/// unused and not in `reserved`; else one not used by any touching plane; else the one used by the
+/// fewest points of touching planes.
 std::vector<int> settle_colors(const PlaneImage& planes,
                                std::vector<int> wanted,
                                const std::vector<int>& reserved = {});
@@ -87,15 +86,15 @@ std::vector<int> settle_colors(const PlaneImage& planes,
 /// Color ids of a single frame's planes, by plane id - 1.
 std::vector<int> first_colors(const planes::FrameResult& result);
 
-/// Color ids of true planes, by id - 1: those of the found planes that they were matched with
-/// (`found_of`, 0 none); of the rest, other ones than those of planes that they touch. `colors`:
-/// of found planes, by id - 1.
+/// Color ids of true planes, by id - 1: the color of the matched found plane (`found_of`, 0 none);
+/// for unmatched planes, a color that differs from touching planes. `colors`: colors of found
+/// planes, by id - 1.
 std::vector<int> true_plane_colors(const PlaneImage& truth,
                                    std::span<const int> found_of,
                                    std::span<const int> colors);
 
-/// Color ids of the planes of a run's trace. Planes that do not last until the end have colors that
-/// no lasting plane has, as long as there are such. `colors`: of the run's planes, by id - 1.
+/// Color ids of the planes of a run's trace. Planes that do not last until the end get colors not
+/// used by lasting planes, if available. `colors`: colors of the run's planes, by id - 1.
 std::vector<int> trace_colors(const debug::Run& run, std::span<const int> colors);
 
 }  // namespace planescope::render

@@ -1,4 +1,4 @@
-// Draws draw lists with OpenGL, and finds the parts of a picture that changed.
+// Renders draw lists with OpenGL, and finds the parts of a picture that changed.
 
 #include "render/renderer.hpp"
 
@@ -16,7 +16,7 @@ PLANESCOPE_ASSET_DECLARE(shade_frag);
 namespace planescope::render {
 namespace {
 
-// Restores what the caller had bound, so that a window can go on drawing around us.
+// Restores the caller's bindings, so that a window can continue drawing.
 class RestoredBindings {
  public:
   RestoredBindings() {
@@ -45,7 +45,7 @@ class RestoredBindings {
   GLint draw_ = 0, read_ = 0, viewport_[4] = {};
 };
 
-/// What is drawn, and where: a part of a target, in which GL counts rows from the bottom.
+/// A drawing task: content and target rectangle, whose rows GL counts from the bottom.
 struct Picture {
   const DrawList& list;
   const View& view;
@@ -54,8 +54,8 @@ struct Picture {
   Part part;
 
   int bottom() const { return view.height - part.y1; }
-  /// The scissor test, which keeps to the part elsewhere, is off for it: a whole rectangle is
-  /// copied bit by bit, but one that is cut off may be drawn, with depths that come out rounded.
+  /// Disables the scissor test, which otherwise restricts drawing to the part: whole rectangles are
+  /// copied bit by bit, but clipped ones may be drawn, with rounded depths.
   void copy(GLuint from, GLuint to, GLbitfield what) const {
     const int top = view.height - part.y0;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, from);
@@ -77,7 +77,7 @@ void flip_rows(Image<T>& image) {
   }
 }
 
-// The farthest first: they are seen through.
+// Farthest first, because they are translucent.
 std::vector<const DrawPolygon*> back_to_front(const DrawList& list, const View& view) {
   std::vector<std::pair<float, const DrawPolygon*>> items;
   for (const DrawPolygon& polygon : list.polygons) {
@@ -94,15 +94,15 @@ std::vector<const DrawPolygon*> back_to_front(const DrawList& list, const View& 
 
 bool is_solid(const DrawBox& box) { return box.style != BoxStyle::outline; }
 
-/// A picture that is kept, and what it shows.
+/// A retained picture and a description of its content.
 struct Sheet {
   explicit Sheet(int samples) : target(samples) {}
 
   SceneTarget target;
-  std::uint64_t seen_from = 0;  // of the view and the theme
-  Tiles tiles;                  // none: unknown
+  std::uint64_t seen_from = 0;  // hash of the view and the theme
+  Tiles tiles;                  // empty: unknown
 
-  /// Where it has to be drawn again to show the list.
+  /// Parts that must be redrawn to show the list.
   std::vector<Part> turn_to(const DrawList& list,
                             const Overlay& overlay,
                             const View& view,
@@ -114,8 +114,8 @@ struct Sheet {
     if (std::exchange(seen_from, from) != from) return {{0, 0, view.width, view.height}};
     const float radius_px = shade_radius_px(view);
     tiles = scene_tiles(list, overlay, view, radius_px);
-    constexpr std::size_t kMostParts = 4;  // each goes through all passes
-    // Points are darkened by what is beside them, which must not be about to change.
+    constexpr std::size_t kMostParts = 4;  // each part runs all passes
+    // Shading depends on neighboring points, so parts must be far enough apart.
     return apart(at_most(tiles.changes_since(before), kMostParts),
                  static_cast<int>(std::ceil(radius_px)) + 1);
   }
@@ -127,7 +127,7 @@ struct Renderer::State {
   Sheet fine = Sheet(4);
   Sheet quick = Sheet(0);
   std::vector<Part> changes;
-  SceneTarget picture = SceneTarget(0);  // lines and outlines have soft edges of their own
+  SceneTarget picture = SceneTarget(0);  // lines and outlines are already antialiased
   IdTarget id_target;
   GlProgram background = make_program(
       "background", PLANESCOPE_ASSET(fullscreen_vert), PLANESCOPE_ASSET(background_frag));
@@ -140,7 +140,7 @@ struct Renderer::State {
   PolygonPass polygons;
   ShapePass shapes;
   TextPass texts;
-  // The points drawn last: pictures of one frame often differ in their colors alone.
+  // The last drawn points: pictures of one frame often differ only in colors.
   SplatLayer layer;
   std::vector<DrawPoints> layer_points;
   View layer_view;
@@ -154,7 +154,7 @@ struct Renderer::State {
   void draw_overlay(const Overlay& overlay, const View& view);
 };
 
-// On the theme's background, by GL, darkened by what is beside them.
+// Draws points with GL on the theme's background, shaded by their neighbors.
 void Renderer::State::draw_points(const Picture& p) {
   glBindFramebuffer(GL_FRAMEBUFFER, p.target.scene);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -169,7 +169,7 @@ void Renderer::State::draw_points(const Picture& p) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 
   glEnable(GL_DEPTH_TEST);
-  glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);  // soft edges whatever the order
+  glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);  // order-independent soft edges
   points.draw(p.list.points, p.view, Output::color);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 
@@ -191,7 +191,7 @@ void Renderer::State::draw_points(const Picture& p) {
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 
-// The same on the CPU.
+// Draws points on the CPU.
 void Renderer::State::show_points(const Picture& p) {
   const View& view = p.view;
   const bool is_there = layer.width == view.width && layer.height == view.height &&
@@ -213,7 +213,7 @@ void Renderer::State::show_points(const Picture& p) {
   p.copy(p.target.resolved, p.target.scene, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
-// What is seen through hides nothing.
+// Translucent objects do not write depth.
 void Renderer::State::draw_over_points(const Picture& p) {
   glBindFramebuffer(GL_FRAMEBUFFER, p.target.scene);
   glEnable(GL_DEPTH_TEST);
@@ -227,8 +227,8 @@ void Renderer::State::draw_over_points(const Picture& p) {
   glDisable(GL_DEPTH_TEST);
 }
 
-// Solid boxes hide one another, so that many of them stay readable, but not the points in them: of
-// each pixel only the nearest face tints what lies behind. Outlines alone hide nothing.
+// Solid boxes occlude each other to stay readable, but not the points in them: only the nearest
+// face tints what is behind it. Boxes without faces occlude nothing.
 void Renderer::State::draw_boxes(const Picture& p) {
   std::vector<Segment> solid_edges, open_edges;
   for (const DrawBox& box : p.list.boxes)
@@ -376,14 +376,14 @@ Image<std::uint32_t> Renderer::render_ids(const DrawList& list,
   const auto draw_points = [&] { state_->points.draw(list.points, view, Output::id); };
   if (!list.pick_points_first) draw_points();
   state_->boxes.draw(list.boxes, view, 0, 1, Output::id);
-  // From here on what is nearest counts: faces of boxes only tint what is seen through them.
+  // From here on the nearest object wins: faces of boxes only tint the objects behind them.
   if (list.pick_points_first) {
     glClearBufferfv(GL_DEPTH, 0, &farthest);
     draw_points();
   }
   const float bias_m = (list.pick_points_first ? -1.0F : 1.0F) * list.lift_m();
   state_->polygons.draw(back_to_front(list, view), view, bias_m, Output::id);
-  std::vector<Segment> edges;  // of open boxes, wide enough to hit
+  std::vector<Segment> edges;  // for open boxes, wide enough to hit
   for (const DrawBox& box : list.boxes)
     if (!is_solid(box) && box.id != 0) append_edges(box, view, edges);
   for (Segment& edge : edges) edge.width_px = 5;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A GL context, what draws draw lists into it, and which parts of a picture change.
+// GL contexts, the renderer of draw lists, and detection of changed picture parts.
 
 #include <array>
 #include <cstdint>
@@ -19,30 +19,31 @@ namespace planescope::render {
 
 struct Overlay;
 
-/// A current GL 3.3 core context. EGL needs no display server (device platform, then surfaceless,
-/// then default); GLFW needs one and also owns a window. Throws Error with what each attempt said.
+/// A current GL 3.3 core context. EGL works without a display server (device platform, then
+/// surfaceless, then default); GLFW requires one and also owns a window. Throws Error with the
+/// result of each attempt.
 class GlContext {
  public:
   virtual ~GlContext() = default;
   virtual void make_current() = 0;
   /// "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6, EGL device"
   virtual std::string description() const = 0;
-  virtual GLFWwindow* window() { return nullptr; }  // of a GLFW context
+  virtual GLFWwindow* window() { return nullptr; }  // for GLFW contexts
 };
 std::unique_ptr<GlContext> make_egl_context();
-/// A resizable window, drawn in step with the screen. Size for a screen of ordinary density: it
-/// grows with the monitor's scale.
+/// A resizable window with vertical sync. The size is for a standard-density screen and is scaled
+/// by the monitor's factor.
 std::unique_ptr<GlContext> make_glfw_context(int width,
                                              int height,
                                              const std::string& title,
                                              bool visible = true);
 
-// ---- Which parts of a picture change ----
-// From hashes of what is drawn into its tiles: a step of the window changes few of them. Scenes
-// drawn as a whole: a step takes 1.24 times as long (llvmpipe, two cores, 1440 x 900,
+// ---- Changed parts of a picture ----
+// Compares hashes of everything drawn into each tile, because a step in the window changes few
+// tiles. Redrawing whole scenes takes 1.24 times as long per step (llvmpipe, two cores, 1440 x 900,
 // `planescope-lab bench desktop`).
 
-/// Pixels from the top left; the second corner is outside.
+/// Pixel rectangle from the top left; the second corner is exclusive.
 struct Part {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
@@ -51,14 +52,14 @@ struct Part {
   bool operator==(const Part&) const = default;
 };
 
-/// A coordinate in pixels, limited far beyond any picture; 0 of NaN.
+/// A pixel coordinate clamped far outside any picture; 0 for NaN.
 int whole_px(double place);
 Part common(const Part& a, const Part& b);
-/// The smallest that holds both.
+/// The smallest part that contains both.
 Part around(const Part& a, const Part& b);
-/// At most that many parts that hold all of them; they may overlap.
+/// At most `count` parts that cover all of them; they may overlap.
 std::vector<Part> at_most(std::vector<Part> parts, std::size_t count);
-/// Parts that hold all of them, with more than that many pixels between any two.
+/// Parts that cover all of them, more than `reach_px` pixels apart from each other.
 std::vector<Part> apart(std::vector<Part> parts, int reach_px);
 
 class Tiles {
@@ -66,10 +67,10 @@ class Tiles {
   Tiles() = default;
   Tiles(int width, int height);
 
-  /// Something of that hash is drawn next, and touches no pixel outside.
+  /// Adds an object with this hash that draws only inside `touched`. The order matters.
   void add(const Part& touched, std::uint64_t hash);
-  /// Where the picture may differ from the one before: parts that do not overlap. All of it where
-  /// that was of another size.
+  /// Parts of the picture that may differ from the previous one, without overlap. The whole picture
+  /// if the size changed.
   std::vector<Part> changes_since(const Tiles& before) const;
 
  private:
@@ -77,7 +78,7 @@ class Tiles {
   std::vector<std::uint64_t> hashes_;  // row by row
 };
 
-/// Of values without padding, in words of 32 bits.
+/// Hash of values without padding, in 32-bit words.
 template <typename... Values>
 std::uint64_t hashed(std::uint64_t hash, const Values&... values) {
   const auto add = [&](const auto& value) {
@@ -93,8 +94,7 @@ std::uint64_t hashed(std::uint64_t hash, const Values&... values) {
   return hash;
 }
 
-/// What a list draws where, seen from one place. Pictures from another place or in another theme
-/// are not compared.
+/// Tiles of a draw list for one view. Pictures with different views or themes are not compared.
 Tiles scene_tiles(const DrawList& list,
                   const Overlay& overlay,
                   const View& view,
@@ -102,12 +102,12 @@ Tiles scene_tiles(const DrawList& list,
 
 // ---- The renderer ----
 
-/// `quick` takes half the time on a CPU and leaves points and fills without antialiasing: for a
-/// view that moves.
+/// `quick` takes half the time on a CPU but draws points and fills without antialiasing; for
+/// moving views.
 enum class Effort : std::uint8_t { fine, quick };
 
-/// Draws a DrawList with GL 3.3 core into a framebuffer of its own. Needs a current context, and
-/// the same one until it is destroyed.
+/// Renders a DrawList with GL 3.3 core into its own framebuffer. Requires a current context, which
+/// must remain the same until destruction.
 class Renderer {
  public:
   Renderer();
@@ -115,10 +115,10 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// RGB picture, row 0 at the top, antialiased: points, drawn on the CPU (splats.hpp), with 4
-  /// samples, all else by soft edges. Same input, same renderer: same pixels. Quicker where only
-  /// colors of points differ from the picture before.
-  /// `bare`: becomes the picture without title and legend.
+  /// Renders an antialiased RGB picture, row 0 at the top. Points are drawn on the CPU (splats.cpp)
+  /// with 4 samples; everything else has soft edges. Same input, same renderer: same pixels. Faster
+  /// if only the colors of points changed since the last picture. `bare`: receives the picture
+  /// without title and legend.
   Image8 render(const DrawList& list,
                 const Camera& camera,
                 int width,
@@ -126,9 +126,9 @@ class Renderer {
                 Theme theme,
                 Image8* bare = nullptr);
 
-  /// The same left on the GPU, drawn there alone with 4 samples, for a window: a GL texture of
-  /// exactly width x height, opaque, row 0 at the bottom (draw it upside down). The renderer's own,
-  /// valid until it draws again.
+  /// Renders on the GPU, with 4 samples, for display in a window. Returns a GL texture of exactly
+  /// width x height, opaque, row 0 at the bottom (draw it upside down). It is owned by the renderer
+  /// and valid until the next call.
   std::uint32_t draw(const DrawList& list,
                      const Camera& camera,
                      int width,
@@ -137,10 +137,10 @@ class Renderer {
                      Effort effort = Effort::fine,
                      double screen_scale = 1);
 
-  /// Where draw() has drawn last: nothing is drawn where the picture is the same as before.
+  /// Parts redrawn by the last draw(); empty if the picture was unchanged.
   std::span<const Part> changes() const;
 
-  /// Id under each pixel (0 none), for picking: no antialiasing, visible surface only.
+  /// Id at each pixel (0 none), for picking: no antialiasing, visible surfaces only.
   Image<std::uint32_t> render_ids(const DrawList& list,
                                   const Camera& camera,
                                   int width,
@@ -151,7 +151,7 @@ class Renderer {
   std::unique_ptr<State> state_;
 };
 
-/// The bound framebuffer's lower left part as an RGB picture, row 0 at the top.
+/// Reads the lower left part of the bound framebuffer as an RGB picture, row 0 at the top.
 Image8 read_picture(int width, int height);
 
 }  // namespace planescope::render

@@ -1,4 +1,4 @@
-// What the scenes of a frame share: points, boxes, names, legends, and planes as they are drawn.
+// Common parts of a frame's scenes: points, boxes, names, legends, and planes.
 
 #include <fmt/format.h>
 
@@ -23,9 +23,9 @@ double cross(const Vec2d& from, const Vec2d& to, const Vec2d& p) {
   return (to.x() - from.x()) * (p.y() - from.y()) - (to.y() - from.y()) * (p.x() - from.x());
 }
 
-/// Takes out what is no corner of the convex hull for certain: what is inside the octagon of the
-/// farthest points in eight directions (Akl & Toussaint 1978). Of a plane of 100,000 pixels few
-/// stay.
+/// Removes points inside the octagon of the farthest points in eight directions, which cannot
+/// be corners of the convex hull (Akl & Toussaint 1978). Few points of a plane with 100,000
+/// pixels remain.
 void drop_inner_points(std::vector<Vec2d>& points) {
   if (points.size() < 64) return;
   std::array<Vec2d, 8> farthest;
@@ -58,7 +58,7 @@ Rgba color_of(int plane_id, std::span<const int> color_of_plane) {
 RobustBounds robust_bounds(std::span<const Vec3f> points) {
   RobustBounds bounds;
   if (points.empty()) return bounds;
-  constexpr std::size_t kEnough = 20000;  // points to go by
+  constexpr std::size_t kEnough = 20000;  // number of points to sample
   const std::size_t stride = 1 + (points.size() - 1) / kEnough;
   std::vector<float> values;
   for (int axis = 0; axis < 3; ++axis) {
@@ -80,10 +80,10 @@ std::int32_t plane_label_rank(std::size_t voxels, std::size_t all) {
 }
 
 Vec3f place_on_plane(const Vec3d& centroid, std::span<const Vec3f> own, float voxel_m) {
-  constexpr int kThere = 5;             // voxels about the centroid
-  constexpr float kThereVoxels = 2.5F;  // within so many edges
+  constexpr int kThere = 5;             // voxels near the centroid
+  constexpr float kThereVoxels = 2.5F;  // within this many voxel edges
   constexpr float kCellVoxels = 6;
-  constexpr std::size_t kEnough = 4000;  // points to find the place by
+  constexpr std::size_t kEnough = 4000;  // number of points to sample
   const Vec3f middle = centroid.cast<float>();
   const float reach = kThereVoxels * voxel_m;
   const auto is_near = [&](const Vec3f& p) { return (p - middle).squaredNorm() < reach * reach; };
@@ -141,7 +141,7 @@ void add_gravity(const planes::FrameResult& result, DrawList& list) {
                      0.62 * half_height * right.cross(forward);
   const Vec3d to = from - 0.25 * half_height * Vec3d::UnitZ();
   if (!result.gravity.known()) {
-    list.labels.push_back({from.cast<float>(), "gravity not known", kGravity, 15});
+    list.labels.push_back({from.cast<float>(), "gravity unknown", kGravity, 15});
     return;
   }
   list.arrows.push_back({from.cast<float>(), to.cast<float>(), kGravity, 4});
@@ -156,7 +156,7 @@ void add_gravity(const planes::FrameResult& result, DrawList& list) {
 DrawPoints voxel_points(const planes::VoxelCloud& voxels) {
   DrawPoints points;
   points.positions = voxels.points;
-  // A little wider than the voxels they stand for, so that surfaces close.
+  // Slightly wider than the voxels, so that surfaces have no gaps.
   points.size_m = voxels.size_m > 0 ? static_cast<float>(1.4 * voxels.size_m) : 0.01F;
   points.max_px = 40;
   return points;
@@ -177,7 +177,7 @@ DrawBox points_box(const planes::Octree& octree,
     const Vec3d p = octree.points[i].cast<double>();
     own.add(image ? image->from_local(p) : p);
   }
-  // Half a voxel or pixel around each point: neighboring tiles meet. Along 1 / z it is thin.
+  // Half a voxel or pixel around each point, so that neighboring tiles meet. Thin along 1 / z.
   const Vec3d margin =
       image ? Vec3d(0.5, 0.5, 0.1 / image->px_per_inverse_m) : Vec3d::Constant(voxel_size_m / 2);
   const Bounds cell = planes::cell_bounds(octree, node);
@@ -212,11 +212,11 @@ std::string percent(std::size_t part, std::size_t whole) {
 
 void add_case_legend(std::span<const std::size_t> count, bool on_image, DrawList& list) {
   const auto entry = [&](planes::Case c, const std::string& meaning) {
-    using Mark = LegendEntry::Mark;
+    using Symbol = LegendEntry::Symbol;
     list.explain(case_color(c),
                  fmt::format("{}  {}  {}", planes::to_string(c), meaning,
                              count[static_cast<std::size_t>(c)]),
-                 c == planes::Case::II ? Mark::hatched_box : Mark::box);
+                 c == planes::Case::II ? Symbol::hatched_box : Symbol::box);
   };
   entry(planes::Case::I, on_image ? "two planes" : "impure");
   entry(planes::Case::II, on_image ? "not filled" : "too few points");
@@ -228,32 +228,33 @@ void add_plane_legend(const planes::FrameResult& result,
                       std::span<const int> color_of_plane,
                       DrawList& list) {
   constexpr std::size_t kMost = 8;
-  using Mark = LegendEntry::Mark;
-  std::vector<const planes::PlaneRegion*> order;  // those with most points first
+  using Symbol = LegendEntry::Symbol;
+  std::vector<const planes::PlaneRegion*> order;  // most points first
   for (const planes::PlaneRegion& plane : result.segmentation.planes) order.push_back(&plane);
   std::ranges::stable_sort(order, std::greater(), &planes::PlaneRegion::points);
   for (const planes::PlaneRegion* plane : order | std::views::take(kMost)) {
     const char* label = plane->label == Label::h ? "h  " : plane->label == Label::v ? "v  " : "";
     list.explain(color_of(plane->id, color_of_plane),
-                 fmt::format("{}  {}{} voxels", plane->id, label, plane->points), Mark::box);
+                 fmt::format("{}  {}{} voxels", plane->id, label, plane->points), Symbol::box);
   }
   if (order.size() > kMost)
-    list.explain(kSceneFaded, std::to_string(order.size() - kMost) + " smaller planes", Mark::box);
+    list.explain(kSceneFaded, std::to_string(order.size() - kMost) + " smaller planes",
+                 Symbol::box);
 }
 
-// ---- Finished planes, room for a foot, stairs ----
+// ---- Finished planes, foot space, stairs ----
 namespace {
 
 // ---- Rings as lines ----
 
-/// From the plane of an outline to the scene.
+/// Transforms plane coordinates of an outline to the scene.
 struct OntoScene {
   const planes::Outline& outline;
   const Vec3d& origin;
   Vec3f operator()(const Vec2d& p) const { return (outline.world(p) - origin).cast<float>(); }
 };
 
-/// Of an area or a part of an outline: its outer ring, and those of its holes.
+/// Outer ring and hole rings of an area or of a part of an outline.
 void add_rings(const auto& area, const OntoScene& onto, std::vector<Vec3f>& lines) {
   const auto add = [&](const planes::PolygonRing& ring) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -265,7 +266,7 @@ void add_rings(const auto& area, const OntoScene& onto, std::vector<Vec3f>& line
   std::ranges::for_each(area.holes, add);
 }
 
-/// Dashes as long as the gaps between them, an even number all around.
+/// Dashes as long as their gaps, with a whole number of periods per ring.
 void add_dashes(const planes::PolygonRing& ring, const OntoScene& onto, std::vector<Vec3f>& lines) {
   double around_m = 0;
   const auto edge = [&](std::size_t i) { return Vec2d(ring[(i + 1) % ring.size()] - ring[i]); };
@@ -275,7 +276,7 @@ void add_dashes(const planes::PolygonRing& ring, const OntoScene& onto, std::vec
   double at_m = 0;  // along the ring
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const double length_m = edge(i).norm();
-    // Its share of each dash k, from 2 k dash_m on.
+    // The edge's share of each dash k, which begins at 2 k dash_m.
     for (auto k = static_cast<int>(at_m / (2 * dash_m)); 2 * k * dash_m < at_m + length_m; ++k) {
       const double from = std::max(2 * k * dash_m, at_m) - at_m;
       const double to = std::min((2 * k + 1) * dash_m, at_m + length_m) - at_m;
@@ -369,7 +370,7 @@ void fill_shape(const planes::Outline& outline, const Vec3d& origin, PlaneShape&
   try {
     mesh = planes::mesh_of(outline);
   } catch (const Error&) {
-    return;  // its lines tell as much; one fill is not worth all that is drawn with it
+    return;  // draw the lines only, instead of failing the whole scene
   }
   for (const Vec3d& corner : mesh.vertices)
     shape.corners.push_back((corner - origin).cast<float>());
@@ -424,7 +425,7 @@ void add_shape(const PlaneShape& shape, const ShapeLook& look, DrawList& list) {
 
 void add_foot_space(const PlaneScene& scene, Theme theme, DrawList& list) {
   for (std::size_t k = 0; k < scene.foot.size(); ++k) {
-    // Apart from the verdict's own color, which the points may have.
+    // Distinct from the verdict's color, which the points may have.
     const ThemeColors& colors = theme_colors(theme);
     const Rgba color =
         scene.steppable[k] ? mix(verdict_color(true), colors.ink, 0.4) : colors.muted;

@@ -15,15 +15,15 @@
 
 namespace planescope::render {
 
-// ---- Points: by h / v, by margin, left over, by height ----
+// ---- Points: by label, by margin, unassigned, by height ----
 
 namespace {
 
-using Mark = LegendEntry::Mark;
-constexpr float kUnsure = 0.5F;              // margins below this are reported as unsure
-constexpr Rgba kLeftOver{213, 60, 20, 255};  // where left over is what the picture is about
+using Symbol = LegendEntry::Symbol;
+constexpr float kUnsure = 0.5F;              // margins below this count as unsure
+constexpr Rgba kLeftOver{213, 60, 20, 255};  // for pictures about unassigned points
 
-/// The voxels, each in color(index).
+/// The voxels, colored by color(index).
 template <typename Color>
 DrawList voxel_scene(const planes::FrameResult& result,
                      const std::string& title,
@@ -35,7 +35,7 @@ DrawList voxel_scene(const planes::FrameResult& result,
   return list;
 }
 
-/// The points inside range and cube as dots, each in color(index in the cloud).
+/// The points inside range and cube as dots, colored by color(index in the cloud).
 template <typename Color>
 DrawList cloud_scene(const planes::Cloud& cloud, const std::string& title, const Color& color) {
   DrawList list;
@@ -62,7 +62,7 @@ DrawList scene_labels(const planes::FrameResult& result) {
   DrawList list = voxel_scene(result, "Pointwise classification",
                               [&](std::size_t i) { return label_color(labels[i]); });
   add_gravity(result, list);
-  list.subtitle = std::to_string(labels.size()) + " voxels by the tilt of the surface around them";
+  list.subtitle = std::to_string(labels.size()) + " voxels, by tilt of the surrounding surface";
   for (const auto& [label, name] :
        {std::pair(Label::h, "horizontal, up to 45\u00b0"), std::pair(Label::v, "vertical"),
         std::pair(Label::unknown, "unknown")}) {
@@ -78,7 +78,7 @@ DrawList scene_margins(const planes::FrameResult& result) {
   const planes::Classification& classified = result.classification;
   const std::size_t n = classified.labels.size();
   std::size_t unsure = 0, unknown = 0;
-  DrawList list = voxel_scene(result, "Sureness of the classification", [&](std::size_t i) {
+  DrawList list = voxel_scene(result, "Confidence of the classification", [&](std::size_t i) {
     const bool is_known = classified.labels[i] != Label::unknown;
     unknown += !is_known;
     unsure += is_known && classified.margins[i] < kUnsure;
@@ -98,7 +98,7 @@ DrawList scene_margins(const planes::FrameResult& result) {
 
 DrawList scene_leftovers(const planes::FrameResult& result, std::span<const int> color_of_plane) {
   std::size_t left = 0;
-  DrawList list = voxel_scene(result, "Points left over", [&](std::size_t i) {
+  DrawList list = voxel_scene(result, "Unassigned points", [&](std::size_t i) {
     const std::int32_t id = result.segmentation.plane_of[i];
     left += id <= 0;
     return id > 0 ? mix(color_of(id, color_of_plane), kSceneFaded, 0.75) : kLeftOver;
@@ -128,7 +128,7 @@ DrawList scene_heights(const planes::FrameResult& result) {
   return list;
 }
 
-// ---- Octree nodes by case: the panels a-d of the paper's figure, on real data ----
+// ---- Octree nodes by case: panels a-d of the paper's figure, for real data ----
 
 namespace {
 
@@ -137,7 +137,7 @@ struct Numeral {
   Vec3f at;
 };
 
-/// Numerals on the largest settled nodes, so that cases need not be told by color alone.
+/// Numerals on the largest settled nodes, so that cases are distinguishable without color.
 void add_numerals(std::vector<Numeral> numerals, DrawList& list) {
   std::ranges::stable_sort(numerals, [](const Numeral& a, const Numeral& b) {
     return a.node->depth != b.node->depth ? a.node->depth < b.node->depth
@@ -156,7 +156,7 @@ DrawList scene_cases(const planes::FrameResult& result) {
   std::size_t count[5] = {}, hatched = 0, label_fits = 0;
   DrawPoints points = voxel_points(result.voxels);
   points.colors.assign(points.positions.size(), case_color(planes::Case::none));
-  DrawPoints fitted;  // marks of nodes that were fitted label by label
+  DrawPoints fitted;  // markers of nodes that were fitted label by label
   fitted.size_m = 0;
   fitted.min_px = 6;
   const double least_edge_m = least_numeral_edge_m(result.voxels.points);
@@ -169,7 +169,7 @@ DrawList scene_cases(const planes::FrameResult& result) {
         is_divided ? cell_box(octree, node) : points_box(octree, node, result.voxels.size_m);
     box.color = case_color(node.decided);
     if (is_divided) {
-      box.color.a = 40;  // the finer nodes inside are what matters
+      box.color.a = 40;  // the finer nodes inside matter more
     } else {
       for (const std::uint32_t voxel : members(octree, node)) points.colors[voxel] = box.color;
       if (node.at_max_depth) {
@@ -179,7 +179,7 @@ DrawList scene_cases(const planes::FrameResult& result) {
       label_fits += node.by_label;
       if (numeral_edge_m(octree, node, box) >= least_edge_m)
         numerals.push_back({&node, middle_of(box)});
-      else if (node.by_label)  // larger ones get a numeral with a star
+      else if (node.by_label)  // larger nodes get a numeral with a star
         fitted.positions.push_back(middle_of(box));
     }
     list.boxes.push_back(box);
@@ -193,8 +193,8 @@ DrawList scene_cases(const planes::FrameResult& result) {
   add_case_legend(count, result.segmentation.octree.image.has_value(), list);
   if (hatched > 0)
     list.explain(case_color(planes::Case::III),
-                 "I or III at full depth: unassigned  " + std::to_string(hatched),
-                 Mark::hatched_box);
+                 "I or III at the deepest level: unassigned  " + std::to_string(hatched),
+                 Symbol::hatched_box);
   if (label_fits > 0)
     list.explain(kSceneText, "or I*: fitted label by label  " + std::to_string(label_fits));
   fitted.colors.assign(fitted.positions.size(), kSceneText);
@@ -207,14 +207,14 @@ DrawList scene_cases(const planes::FrameResult& result) {
 
 namespace {
 
-/// Some files carry a color field that was never filled: one value for all points.
+/// Some files contain an unused color field, with the same value for all points.
 bool has_colors(std::span<const std::uint8_t> rgb) {
   for (std::size_t i = 3; i < rgb.size(); ++i)
     if (rgb[i] != rgb[i % 3]) return true;
   return false;
 }
 
-/// By id - 1.
+/// Voxels of each plane, by id - 1.
 std::vector<std::vector<Vec3f>> voxels_by_plane(const planes::FrameResult& result) {
   std::vector<std::vector<Vec3f>> members(result.segmentation.planes.size());
   for (std::size_t i = 0; i < result.voxels.points.size(); ++i)
@@ -273,8 +273,8 @@ DrawList scene_planes(const Frame& frame,
   add_gravity(result, list);
   const std::size_t planes = result.segmentation.planes.size();
   list.subtitle =
-      fmt::format("{} {} {} of {} voxels", planes, planes == 1 ? "plane holds" : "planes hold",
-                  percent(in_planes, n), n);
+      fmt::format("{} {} {} of {} voxels", planes,
+                  planes == 1 ? "plane contains" : "planes contain", percent(in_planes, n), n);
   return list;
 }
 
@@ -315,36 +315,37 @@ constexpr std::size_t kVerdicts = 6;
 constexpr std::array<const char*, kVerdicts> kNames = {"not scored", "right",       "missed",
                                                        "invented",   "wrong plane", "wrong class"};
 
-std::array<std::size_t, kVerdicts> counts_of(const planes::JudgedFrame& judged) {
+std::array<std::size_t, kVerdicts> counts_of(const planes::EvaluatedFrame& evaluated) {
   std::array<std::size_t, kVerdicts> counts{};
-  for (const planes::Verdict verdict : judged.verdict) ++counts[static_cast<std::size_t>(verdict)];
+  for (const planes::Verdict verdict : evaluated.verdict)
+    ++counts[static_cast<std::size_t>(verdict)];
   return counts;
 }
 
-/// Color of a kind of error; faded for points that are right or were not scored.
+/// Color of a kind of error; faded for correct and unscored points.
 Rgba error_color(planes::Verdict verdict) {
   static constexpr std::array<Rgba, kVerdicts> kErrorColors = {
       kSceneFaded, kSceneFaded, {0, 114, 178}, {230, 159, 0}, {204, 60, 130}, {0, 158, 115}};
   return kErrorColors[static_cast<std::size_t>(verdict)];
 }
 
-/// What each of the three pictures shows of a point; alpha 0: nothing.
+/// Color of a point in each of the three pictures; alpha 0: not shown.
 struct PointColors {
   std::vector<Rgba> of[3];
 };
 PointColors point_colors(const planes::FrameResult& result,
-                         const planes::JudgedFrame& judged,
+                         const planes::EvaluatedFrame& evaluated,
                          std::span<const int> color_of_plane) {
   constexpr Rgba kNone{0, 0, 0, 0};
   const std::vector<int> true_colors =
-      true_plane_colors(plane_image(result.cloud, judged.true_plane, judged.found_of.size()),
-                        judged.found_of, color_of_plane);
+      true_plane_colors(plane_image(result.cloud, evaluated.true_plane, evaluated.found_of.size()),
+                        evaluated.found_of, color_of_plane);
   PointColors colors;
-  for (std::size_t i = 0; i < judged.verdict.size(); ++i) {
-    const std::int32_t truth = judged.true_plane[i], found = result.plane_of[i];
+  for (std::size_t i = 0; i < evaluated.verdict.size(); ++i) {
+    const std::int32_t truth = evaluated.true_plane[i], found = result.plane_of[i];
     colors.of[0].push_back(truth > 0 ? color_of(truth, true_colors) : kNone);
     colors.of[1].push_back(found > 0 ? color_of(found, color_of_plane) : kNone);
-    const planes::Verdict verdict = judged.verdict[i];
+    const planes::Verdict verdict = evaluated.verdict[i];
     colors.of[2].push_back(verdict == planes::Verdict::right ? kNone : error_color(verdict));
   }
   return colors;
@@ -358,12 +359,12 @@ Image8 titled(const Image8& image, const std::string& title) {
   return result;
 }
 
-Image8 with_legend(const Image8& image, const planes::JudgedFrame& judged) {
+Image8 with_legend(const Image8& image, const planes::EvaluatedFrame& evaluated) {
   Image8 result(image.width, image.height + kLegendRoom, 3, 255);
   std::copy(image.data.begin(), image.data.end(), result.data.begin());
   const int y = image.height + 12;
   double x = 4;
-  const auto counts = counts_of(judged);
+  const auto counts = counts_of(evaluated);
   for (std::size_t k = 2; k < kVerdicts; ++k) {
     fill_rect(result, static_cast<int>(x), y, 26, 26, error_color(static_cast<planes::Verdict>(k)));
     x += 36;
@@ -375,22 +376,22 @@ Image8 with_legend(const Image8& image, const planes::JudgedFrame& judged) {
 
 }  // namespace
 
-std::string errors_text(const planes::JudgedFrame& judged) {
-  const auto counts = counts_of(judged);
-  const std::size_t scored = judged.verdict.size() - counts[0];
+std::string errors_text(const planes::EvaluatedFrame& evaluated) {
+  const auto counts = counts_of(evaluated);
+  const std::size_t scored = evaluated.verdict.size() - counts[0];
   std::string text;
   for (std::size_t k = 2; k < kVerdicts; ++k)
     if (counts[k] > 0)
       text +=
           fmt::format("{}{} {}", text.empty() ? "" : ", ", kNames[k], percent(counts[k], scored));
-  return text.empty() ? "all right" : text;
+  return text.empty() ? "no errors" : text;
 }
 
 Image8 image_truth(const Frame& frame,
                    const planes::FrameResult& result,
-                   const planes::JudgedFrame& judged,
+                   const planes::EvaluatedFrame& evaluated,
                    std::span<const int> color_of_plane) {
-  const PointColors colors = point_colors(result, judged, color_of_plane);
+  const PointColors colors = point_colors(result, evaluated, color_of_plane);
   const Image8 relief = shaded_depth(frame);
   const int factor = enlargement(relief.width);
   std::vector<Image8> panels;
@@ -405,19 +406,19 @@ Image8 image_truth(const Frame& frame,
     }
     panels.push_back(titled(enlarge(panel, factor), kTitles[k]));
   }
-  return with_legend(side_by_side(panels), judged);
+  return with_legend(side_by_side(panels), evaluated);
 }
 
 std::array<DrawList, 3> scenes_truth(const planes::FrameResult& result,
-                                     const planes::JudgedFrame& judged,
+                                     const planes::EvaluatedFrame& evaluated,
                                      std::span<const int> color_of_plane) {
-  const PointColors colors = point_colors(result, judged, color_of_plane);
+  const PointColors colors = point_colors(result, evaluated, color_of_plane);
   std::array<DrawList, 3> scenes;
   for (int k = 0; k < 3; ++k)
     scenes[k] = cloud_scene(result.cloud, kTitles[k], [&](std::size_t i) {
       return colors.of[k][i].a > 0 ? colors.of[k][i] : kSceneFaded;
     });
-  const auto counts = counts_of(judged);
+  const auto counts = counts_of(evaluated);
   for (std::size_t v = 2; v < kVerdicts; ++v)
     scenes[2].explain(error_color(static_cast<planes::Verdict>(v)),
                       fmt::format("{}  {}", kNames[v], counts[v]));

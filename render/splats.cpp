@@ -1,4 +1,4 @@
-// Points on the CPU (passes.hpp).
+// Draws points on the CPU (gl.hpp).
 
 #include <algorithm>
 #include <array>
@@ -16,18 +16,18 @@ namespace planescope::render {
 namespace {
 
 constexpr int kSamples = 4;
-constexpr int kBandRows = 32;  // drawn together, so that their samples stay in the cache
+constexpr int kBandRows = 32;  // rows per band, so that their samples stay in the cache
 constexpr float kNowhere = std::numeric_limits<float>::infinity();
-// Where Mesa's software renderer, by which pictures were drawn before, puts a point's middle when
-// it takes four samples a pixel: new pictures stay comparable with older ones.
+// Offset of a point's center in Mesa's software renderer with four samples per pixel, which drew
+// earlier pictures: new pictures remain comparable.
 constexpr float kOffset_px = -0.5f;
 
 struct Splat {
   float x = 0, y = 0;  // [px] from the lower left corner
   float radius_px = 0, radius_m = 0;
-  float distance_m = 0;  // of its middle along the view
-  float rim = 0;         // how dark its rim is: only splats large enough show one
-  float alpha = 1;       // of its color
+  float distance_m = 0;  // of its center along the view
+  float rim = 0;         // darkness of the rim; 0 for small splats
+  float alpha = 1;       // alpha of its color
   std::uint32_t point = 0;
 };
 
@@ -36,7 +36,7 @@ float smoothstep(float low, float high, float x) {
   return t * t * (3 - 2 * t);
 }
 
-/// points.vert, without those whose middle is out of the picture.
+/// Equivalent of points.vert, without points whose center is outside the picture.
 std::vector<Splat> splats_of(const std::vector<DrawPoints>& clouds, const View& view) {
   std::vector<Splat> splats;
   std::uint32_t point = 0;
@@ -46,7 +46,7 @@ std::vector<Splat> splats_of(const std::vector<DrawPoints>& clouds, const View& 
     for (std::size_t i = 0; i < cloud.positions.size(); ++i, ++point) {
       const Eigen::Vector4f eye = view.view * cloud.positions[i].homogeneous();
       const Eigen::Vector4f clip = view.proj * eye;
-      if (!(clip.head<3>().cwiseAbs().maxCoeff() <= clip.w())) continue;  // also where it is NaN
+      if (!(clip.head<3>().cwiseAbs().maxCoeff() <= clip.w())) continue;  // also skips NaN
       const float scale =
           view.orthographic ? view.px_per_m : view.px_per_m / std::max(-eye.z(), 1e-6f);
       Splat splat;
@@ -64,9 +64,9 @@ std::vector<Splat> splats_of(const std::vector<DrawPoints>& clouds, const View& 
   return splats;
 }
 
-/// What a sample shows, so that the least is seen: the distance from the eye, which as the bits of
-/// a positive float is in order, then the splat drawn last. Thus the order of drawing does not
-/// matter.
+/// Value of a sample, ordered so that the smallest is visible: the distance from the eye (the bits
+/// of positive floats are ordered), then the splat drawn last. This makes the result independent of
+/// the drawing order.
 using Key = std::uint64_t;
 constexpr Key kNothing = std::numeric_limits<Key>::max();
 Key make_key(float distance_m, std::uint32_t index) {
@@ -75,19 +75,19 @@ Key make_key(float distance_m, std::uint32_t index) {
 float distance_of(Key key) { return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)); }
 std::uint32_t index_of(Key key) { return ~static_cast<std::uint32_t>(key); }
 
-/// A splat that covers a sample covers those before it: the first shows the nearest, the last the
-/// farthest.
+/// A splat that covers a sample also covers the samples before it: the first sample contains the
+/// nearest splat, the last the farthest.
 using Pixel = std::array<Key, kSamples>;
 
-/// Rows of the picture that a splat reaches into, from `begin` to before `end`.
+/// Rows of the picture covered by a splat, from `begin` to before `end`.
 std::pair<int, int> rows_of(const Splat& splat, int begin, int end) {
   const float reach = splat.radius_px + 0.5f;
   return {std::max(begin, static_cast<int>(splat.y - reach)),
           std::min(end, static_cast<int>(splat.y + reach) + 1)};
 }
 
-/// points.frag, along a row: how far the splat's surface is at each pixel. A pixel's soft edge is a
-/// number of its samples.
+/// Equivalent of points.frag for one row: the distance of the splat's surface at each pixel. Soft
+/// edges are expressed as the number of covered samples.
 void draw_row(const Splat& splat,
               std::uint32_t index,
               int y,
@@ -121,7 +121,7 @@ void draw_row(const Splat& splat,
   }
 }
 
-/// 1, less at the rim.
+/// 1 inside, less at the rim.
 float shade_at(const Splat& splat, int x, int y) {
   if (splat.rim == 0) return 1;
   const float dx = static_cast<float>(x) + 0.5f - splat.x;
@@ -130,7 +130,8 @@ float shade_at(const Splat& splat, int x, int y) {
   return 1 - splat.rim * smoothstep(0.55f, 1.0f, r);
 }
 
-/// Splats by the bands of rows that they reach into, the nearest first: they hide the others.
+/// Splats grouped by the bands of rows that they cover, nearest first because they occlude
+/// the others.
 std::vector<std::vector<std::uint32_t>> by_bands(const std::vector<Splat>& splats, int height) {
   std::vector<std::uint32_t> order(splats.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -143,7 +144,8 @@ std::vector<std::vector<std::uint32_t>> by_bands(const std::vector<Splat>& splat
   return bands;
 }
 
-void put(const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, SplatLayer& layer) {
+void add_pixel(
+    const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, SplatLayer& layer) {
   if (pixel[0] == kNothing) return;
   constexpr float kShare = 1.0f / kSamples;
   const std::size_t at = static_cast<std::size_t>(y) * layer.width + x;
@@ -170,7 +172,7 @@ void put(const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, Spl
   }
 }
 
-/// shade.frag: eye-dome lighting.
+/// Equivalent of shade.frag: eye-dome lighting.
 std::vector<float> lights(const SplatLayer& layer, const View& view) {
   const float radius_px = shade_radius_px(view);
   const int straight = static_cast<int>(std::lround(radius_px));
@@ -178,7 +180,7 @@ std::vector<float> lights(const SplatLayer& layer, const View& view) {
   const int ring[8][2] = {{straight, 0},       {slanted, slanted}, {0, straight},
                           {-slanted, slanted}, {-straight, 0},     {-slanted, -slanted},
                           {0, -straight},      {slanted, -slanted}};
-  // With a margin that repeats the outermost pixels; what is not there is far away.
+  // With a margin that repeats the outermost pixels; empty pixels are infinitely far.
   const int width = layer.width, height = layer.height;
   const std::size_t stride = static_cast<std::size_t>(width) + 2 * straight;
   std::vector<float> logs(stride * (height + 2 * straight));
@@ -253,7 +255,7 @@ SplatLayer splat(const std::vector<DrawPoints>& clouds, const View& view) {
       for (int y = low; y < high; ++y) draw_row(splats[i], i, y, view.near_m, distances, row(y));
     }
     for (int y = begin; y < end; ++y)
-      for (int x = 0; x < view.width; ++x) put(row(y)[x], splats, x, y, layer);
+      for (int x = 0; x < view.width; ++x) add_pixel(row(y)[x], splats, x, y, layer);
   }
   layer.light = lights(layer, view);
   return layer;

@@ -11,13 +11,13 @@
 
 namespace planescope::render {
 
-// ---- What is measured of the voxels ----
+// ---- Measured quantities of voxels ----
 
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// What a quantity is asked of: the run as it stands at a step.
+/// Computes a quantity for the state of a run at a step.
 struct Measures {
   const debug::Run& run;
   ColorBy by;
@@ -69,7 +69,7 @@ struct Measures {
   }
 };
 
-/// Enough of the points to know their range by, as the run leaves them.
+/// Range of a quantity over a sample of the final points.
 ValueRange range_of(const debug::Run& run, ColorBy by) {
   constexpr std::size_t kEnough = 4096;
   const Measures measures{run, by, run.steps()};
@@ -77,7 +77,7 @@ ValueRange range_of(const debug::Run& run, ColorBy by) {
   std::vector<float> values;
   for (std::size_t v = 0; v < n; v += std::max<std::size_t>(1, n / kEnough)) {
     const std::int32_t own = run.timeline.point_at(static_cast<int>(v), run.steps()).plane;
-    // Of what is in no plane the RMS says how little it is one: it may be anything.
+    // For unassigned points the RMS is arbitrary.
     if (by == ColorBy::rms && own < 0) continue;
     values.push_back(measures.of(v, own));
   }
@@ -125,7 +125,7 @@ std::string why_no_values(const debug::Run& run, const StepLook& look) {
   if (look.color_by == ColorBy::rms)
     for (std::size_t node = 0; node < run.octree().nodes.size(); ++node)
       if (std::isfinite(measures.rms_m(-1, static_cast<std::int32_t>(node)))) return "";
-  return look.step == run.steps() ? "no planes found" : "there is not a plane at this step yet";
+  return look.step == run.steps() ? "no planes found" : "no planes at this step yet";
 }
 
 std::vector<float> voxel_values(const StepState& state) {
@@ -142,7 +142,7 @@ ColorScale color_scale(const debug::Run& run, const StepLook& look) {
   if (look.color_by != ColorBy::distance) return scale;
   scale.map = ColorScale::Map::diverging;
   scale.at_low = "behind";
-  scale.at_high = "before";
+  scale.at_high = "in front";
   return scale;
 }
 
@@ -158,7 +158,8 @@ std::string value_text(const debug::Run& run, const StepLook& look, std::int32_t
     case ColorBy::rms:
       return fmt::format("RMS {:.1f} mm", 1000 * value);
     default:
-      return fmt::format("{:.1f} mm {} {}", 1000 * std::abs(value), value < 0 ? "behind" : "before",
+      return fmt::format("{:.1f} mm {} {}", 1000 * std::abs(value),
+                         value < 0 ? "behind" : "in front of",
                          debug::plane_name(run, look.plane >= 0 ? look.plane : own));
   }
 }
@@ -167,8 +168,8 @@ std::string value_text(const debug::Run& run, const StepLook& look, std::int32_t
 
 namespace {
 
-/// Colors of the values; `unknown` for those of which nothing is known, and for points that lie
-/// farther off the selected plane than the scale goes and are not its own.
+/// Colors of the values; `unknown` for missing values, and for points beyond the scale's range that
+/// are not on the selected plane.
 std::vector<Rgba> scaled_colors(const StepState& state, Rgba unknown) {
   const StepLook& look = state.look;
   const ColorScale scale = color_scale(state.run, look);
@@ -185,7 +186,7 @@ std::vector<Rgba> scaled_colors(const StepState& state, Rgba unknown) {
   return colors;
 }
 
-/// Mean color of the image or cloud at each voxel; grey where there is none.
+/// Mean color of the image or cloud at each voxel; gray if there is none.
 std::vector<Rgba> camera_colors(const debug::Subject& subject) {
   const Frame& frame = subject.frame;
   const planes::Cloud& cloud = subject.prepared.cloud;
@@ -213,7 +214,7 @@ std::vector<Rgba> camera_colors(const debug::Subject& subject) {
   return colors;
 }
 
-/// Of a plane of the trace; nothing where that is not known at the step.
+/// Whether a plane of the trace is steppable; nullopt if unknown at this step.
 std::optional<bool> verdict_of(const StepState& state, std::int32_t plane) {
   const debug::Run& run = state.run;
   const StepLook& look = state.look;
@@ -221,7 +222,7 @@ std::optional<bool> verdict_of(const StepState& state, std::int32_t plane) {
   return look.planes->verdict(run.timeline.result_of_plane(plane));
 }
 
-/// Of a voxel; `waiting` where nothing is known of it.
+/// Color of a voxel; `waiting` if its value is unknown.
 Rgba color_at_step(const StepState& state, ColorBy by, std::size_t voxel, Rgba waiting) {
   const debug::Run& run = state.run;
   const planes::Classification& classified = run.subject->prepared.classification;
@@ -230,7 +231,8 @@ Rgba color_at_step(const StepState& state, ColorBy by, std::size_t voxel, Rgba w
     case ColorBy::cases:
       return state.case_of[voxel] == planes::Case::none ? waiting
                                                         : case_color(state.case_of[voxel]);
-    case ColorBy::labels:  // the classifier's or, of methods that have none, that of the plane
+    case ColorBy::labels:  // the classifier's labels or, for methods without them, the
+                           // planes' labels
       if (run.is_ours() && !run.is_on_image()) return label_color(classified.labels[voxel]);
       return label_color(plane >= 0 ? run.timeline.label_of_plane(plane) : Label::unknown);
     case ColorBy::margins:
@@ -253,11 +255,11 @@ Rgba color_at_step(const StepState& state, ColorBy by, std::size_t voxel, Rgba w
   }
 }
 
-/// Stripes tell dead ends of the octree, and planes that are not steppable, besides their hue:
-/// diagonals of the image or, of voxels in a grid, of space.
+/// Stripes distinguish dead ends of the octree and planes that are not steppable, in addition to
+/// hue: diagonals in the image or, for voxels on a grid, in space.
 void add_stripes(const StepState& state, ColorBy by, std::vector<Rgba>& colors) {
   if (by != ColorBy::cases && by != ColorBy::steppable) return;
-  constexpr int kPeriod = 8, kWidth = 3;  // pixels; voxels have half of it
+  constexpr int kPeriod = 8, kWidth = 3;  // pixels; half as many voxels
   constexpr double kShade = 0.5;
   const Rgba ground = theme_colors(state.look.theme).background_bottom;
   const planes::PreparedFrame& prepared = state.run.subject->prepared;
@@ -316,8 +318,8 @@ StepState step_state(const debug::Run& run, const StepLook& look) {
   return state;
 }
 
-ColorBy told_by(const debug::Run& run, ColorBy asked) {
-  // Without labels there is no margin either: all points are of neither class.
+ColorBy effective_color_by(const debug::Run& run, ColorBy asked) {
+  // Without labels all points have margin 0.
   const bool labelled = run.subject->prepared.gravity.known() && !run.is_on_image();
   if (asked == ColorBy::margins && !labelled) return ColorBy::labels;
   if (run.is_ours()) return asked;
@@ -330,7 +332,7 @@ bool is_settled_leaf(const debug::Run& run, std::int32_t node, std::int32_t step
   return run.timeline.decided_at()[i] <= step && run.octree().nodes[i].first_child < 0;
 }
 
-MarkColors mark_colors(Theme theme) {
+HighlightColors highlight_colors(Theme theme) {
   const bool dark = theme == Theme::dark;
   return {.selected = dark ? Rgba{255, 64, 160, 255} : Rgba{225, 0, 122, 255},
           .current = dark ? Rgba{255, 255, 255, 255} : Rgba{0, 0, 0, 255},
@@ -352,7 +354,7 @@ std::vector<std::uint8_t> concerned_voxels(const StepState& state) {
   for (const std::int32_t plane : {look.plane, state.plane, state.other})
     for (std::size_t v = 0; plane >= 0 && v < concerned.size(); ++v)
       if (state.plane_of[v] == plane) concerned[v] = 1;
-  // A plane that has no points of its own any more: where it began.
+  // The plane has no points left: use the node where it began.
   if (look.show_current && std::ranges::count(concerned, 1) == 0)
     add_node(debug::node_at_step(run, look.step));
   const auto count = std::ranges::count(concerned, 1);
@@ -361,36 +363,36 @@ std::vector<std::uint8_t> concerned_voxels(const StepState& state) {
 }
 
 std::vector<Rgba> voxel_colors(const StepState& state) {
-  constexpr double kHighlight = 0.55;  // share of the mark; the color below still shows
+  constexpr double kHighlight = 0.55;  // share of the highlight; the color below remains visible
   const debug::Run& run = state.run;
   const StepLook& look = state.look;
-  const MarkColors marks = mark_colors(look.theme);
-  const ColorBy by = told_by(run, look.color_by);
+  const HighlightColors highlights = highlight_colors(look.theme);
+  const ColorBy by = effective_color_by(run, look.color_by);
   std::vector<Rgba> colors;
   if (by == ColorBy::camera) {
     colors = camera_colors(*run.subject);
   } else if (is_along_scale(by)) {
-    colors = scaled_colors(state, marks.waiting);
+    colors = scaled_colors(state, highlights.waiting);
   } else {
     for (std::size_t v = 0; v < state.plane_of.size(); ++v)
-      colors.push_back(color_at_step(state, by, v, marks.waiting));
+      colors.push_back(color_at_step(state, by, v, highlights.waiting));
     add_stripes(state, by, colors);
   }
   for (const std::uint32_t voxel : look.marked)
-    if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], marks.marked, kHighlight);
-  // The node that the step is about, whatever its colors: lighter on dark, darker on light.
+    if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], highlights.marked, kHighlight);
+  // The node of the step: lighter on dark themes, darker on light ones.
   constexpr double kLit = 0.3;
   if (state.node >= 0 && state.node < std::ssize(run.octree().nodes)) {
     const planes::OctreeNode& node = run.octree().nodes[state.node];
     if (node.size() != colors.size())
       for (const std::uint32_t voxel : members(run.octree(), node))
-        colors[voxel] = mix(colors[voxel], marks.current, kLit);
+        colors[voxel] = mix(colors[voxel], highlights.current, kLit);
   }
   const auto replace = [&](std::int32_t voxel, Rgba mark) {
     if (voxel >= 0 && voxel < std::ssize(colors)) colors[voxel] = mark;
   };
-  replace(state.voxel, marks.current);
-  replace(look.voxel, marks.selected);
+  replace(state.voxel, highlights.current);
+  replace(look.voxel, highlights.selected);
   return colors;
 }
 

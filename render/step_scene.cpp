@@ -12,7 +12,7 @@
 namespace planescope::render {
 namespace {
 
-// An id for picking: its kind, and below it the index.
+// Pick id: the kind in the upper bits, the index below.
 constexpr int kKindShift = 30;
 constexpr std::uint32_t kIndexMask = (1u << kKindShift) - 1;
 
@@ -20,10 +20,10 @@ std::uint32_t pick_id(Picked::Kind kind, std::int32_t index) {
   return static_cast<std::uint32_t>(kind) << kKindShift | static_cast<std::uint32_t>(index);
 }
 
-// ---- The octree's nodes as they stand at the step ----
+// ---- Octree nodes at the step ----
 
-// A traversal to the leaves makes thousands of nodes. Children come after their parents, so the
-// first of a kind are the largest; the small ones show by their voxels' color.
+// A traversal to the leaves creates thousands of nodes. Children follow their parents, so the first
+// nodes of a kind are the largest; small ones are visible by their voxels' color.
 constexpr std::size_t kMostSettled = 250;
 constexpr std::size_t kMostWaiting = 120;
 
@@ -36,7 +36,7 @@ struct Boxes {
   const StepLook& look = state.look;
 
   const planes::OctreeNode& node(std::int32_t i) const { return run.octree().nodes[i]; }
-  /// The part of its cell that holds its points.
+  /// The bounding box of its points.
   DrawBox tile(std::int32_t i, Rgba color) const {
     DrawBox box = points_box(run.octree(), node(i), run.subject->prepared.voxels.size_m);
     box.id = pick_id(Picked::Kind::node, i);
@@ -50,7 +50,7 @@ struct Boxes {
 
   void add_settled() const {
     const bool by_case = look.color_by == ColorBy::cases;
-    // So that cases need not be told by color alone.
+    // Makes cases distinguishable without color.
     const bool numerals = by_case && look.show_numerals;
     const double least_edge_m =
         numerals ? least_numeral_edge_m(run.subject->prepared.voxels.points) : 0;
@@ -60,7 +60,7 @@ struct Boxes {
       ++settled;
       DrawBox box = tile(i, case_color(node(i).decided));
       if (!by_case)
-        box.color.a = 110;  // outlines alone: a tint would spoil the colors that were asked for
+        box.color.a = 110;  // outlines only: a tint would change the requested colors
       else
         box.style = node(i).at_max_depth ? BoxStyle::hatched : BoxStyle::tinted;
       list.boxes.push_back(box);
@@ -73,7 +73,7 @@ struct Boxes {
     }
   }
 
-  /// The head of the queue.
+  /// Adds the nodes at the head of the queue.
   void add_waiting() const {
     std::size_t count = 0;
     for (std::int32_t i = 0; i < node_count() && count < kMostWaiting; ++i) {
@@ -83,7 +83,7 @@ struct Boxes {
     }
   }
 
-  /// The nearest cells that the node lies in, so that its place in the tree is seen.
+  /// Adds the smallest cells that contain the node, to show its position in the tree.
   void add_parents(std::int32_t of, Rgba color) const {
     color.a = 45;
     std::int32_t i = node(of).parent;
@@ -94,7 +94,7 @@ struct Boxes {
     }
   }
 
-  /// What the node was divided into at this step.
+  /// Adds the children into which the node is divided at this step.
   void add_children(std::int32_t of) const {
     const std::int32_t first = node(of).first_child;
     for (std::int32_t i = first; first >= 0 && i < node_count() && node(i).parent == of; ++i)
@@ -112,8 +112,8 @@ struct Boxes {
       edges.colors.push_back(color);
     });
     list.lines.push_back(std::move(edges));
-    list.boxes.push_back(box);  // to be picked by
-    // Below: above it stands the name of its voxel.
+    list.boxes.push_back(box);  // for picking
+    // Below, because the name of its voxel is above.
     Vec3f foot = middle_of(box);
     for (const Vec3f& corner : box.corners) foot.z() = std::min(foot.z(), corner.z());
     list.labels.push_back({foot, "node " + std::to_string(i), color, 15, rank});
@@ -123,26 +123,26 @@ struct Boxes {
 void add_node_boxes(const StepState& state, DrawList& list) {
   const Boxes boxes{state, list};
   const StepLook& look = state.look;
-  const MarkColors marks = mark_colors(look.theme);
+  const HighlightColors highlights = highlight_colors(look.theme);
   const bool alone = look.isolated && (state.node >= 0 || look.node >= 0);
   if (look.show_settled && !alone) boxes.add_settled();
   if (look.show_queue && !alone) boxes.add_waiting();
   const bool selected = look.node >= 0 && state.run.timeline.queued_at()[look.node] <= look.step;
   if (state.node >= 0 && !look.show_queue) boxes.add_children(state.node);
   if (state.node >= 0 && state.node != look.node) {
-    boxes.add_parents(state.node, marks.current);
-    boxes.add_frame(state.node, marks.current, 3, kCurrentLabel);
+    boxes.add_parents(state.node, highlights.current);
+    boxes.add_frame(state.node, highlights.current, 3, kCurrentLabel);
   }
   if (selected) {
-    boxes.add_parents(look.node, marks.selected);
-    boxes.add_frame(look.node, marks.selected, look.node == state.node ? 5.0F : 3.0F,
+    boxes.add_parents(look.node, highlights.selected);
+    boxes.add_frame(look.node, highlights.selected, look.node == state.node ? 5.0F : 3.0F,
                     kSelectedLabel);
   }
 }
 
-// ---- The planes of the trace as they stand at the step ----
+// ---- Planes of the trace at the step ----
 
-/// Which voxels each plane holds at this moment.
+/// Voxels of each plane at this step.
 std::vector<std::vector<Vec3f>> points_by_plane(const StepState& state) {
   const std::vector<Vec3f>& points = state.run.subject->prepared.voxels.points;
   std::vector<std::vector<Vec3f>> own(state.run.timeline.plane_count());
@@ -151,12 +151,13 @@ std::vector<std::vector<Vec3f>> points_by_plane(const StepState& state) {
   return own;
 }
 
-/// What is known of the finished planes, at the step where they are; null at all others.
+/// Analysis of the finished planes if this is the last step; null at other steps.
 const PlaneScene* finished(const debug::Run& run, const StepLook& look) {
   return look.step == run.steps() ? look.planes.get() : nullptr;
 }
 
-/// The outline, or the convex hull of the voxels where there is none; false where it has no area.
+/// Adds the outline or, without one, the convex hull of the voxels; returns false if it has
+/// no area.
 bool add_plane(const PlaneShape* shape,
                const PlaneFit& fit,
                std::span<const Vec3f> voxels,
@@ -171,7 +172,7 @@ bool add_plane(const PlaneShape* shape,
   if (hull.corners.size() < 3) return false;
   hull.fill = with_alpha(look.fill, look.fill.a / 2);
   hull.outline = with_alpha(look.line, look.line.a / 2);
-  hull.outline_px = 0.6f * look.width_px;  // not picked: much of it is air
+  hull.outline_px = 0.6f * look.width_px;  // not pickable: much of it is empty
   list.polygons.push_back(std::move(hull));
   return true;
 }
@@ -182,9 +183,9 @@ void add_planes(const StepState& state, DrawList& list) {
   const std::vector<Vec3f>& points = run.subject->prepared.voxels.points;
   const float most_arrow_m = normal_arrow_m(points);
   const double size_m = run.subject->prepared.voxels.size_m;
-  const auto voxel_m = static_cast<float>(size_m > 0 ? size_m : 0.02);  // pixels: near enough
+  const auto voxel_m = static_cast<float>(size_m > 0 ? size_m : 0.02);  // approximate for pixels
   const Rgba ink = theme_colors(look.theme).ink;
-  const Rgba selected_color = mark_colors(look.theme).selected;
+  const Rgba selected_color = highlight_colors(look.theme).selected;
   const auto members = points_by_plane(state);
   const PlaneScene* shapes = finished(run, look);
   const bool any_stands_out = look.plane >= 0 || state.plane >= 0 || state.other >= 0;
@@ -208,8 +209,8 @@ void add_planes(const StepState& state, DrawList& list) {
                    list))
       continue;
 
-    // While planes grow, the large ones; in the end those of the result, but for names that would
-    // stand among what is told about stairs.
+    // While planes grow, name the large ones; at the end name those of the result, unless names
+    // would clutter the stairs.
     const bool among_stairs = shapes && look.show_stairs && shapes->has_stairs();
     const bool named =
         shapes ? run.timeline.result_of_plane(plane) > 0 : is_named(own.size(), points.size());
@@ -219,7 +220,7 @@ void add_planes(const StepState& state, DrawList& list) {
     const float arrow_m =
         std::clamp(0.5F * static_cast<float>(std::sqrt(voxel_m2 * static_cast<double>(own.size()))),
                    most_arrow_m / 3, most_arrow_m);
-    // Towards the viewer: up, or to the sensor's side.
+    // Toward the viewer: up, or to the sensor's side.
     const Vec3f normal = planes::outward_normal(change->fit, run.timeline.label_of_plane(plane),
                                                 run.subject->prepared.sensor())
                              .cast<float>();
@@ -235,22 +236,25 @@ void add_planes(const StepState& state, DrawList& list) {
   }
 }
 
-// ---- What the colors mean ----
+// ---- Legend ----
 
-using Mark = LegendEntry::Mark;
+using Symbol = LegendEntry::Symbol;
 
-/// Lines of the legend at a step.
+/// Legend entries for a step.
 struct Legend {
   const StepState& state;
   DrawList& list;
   const debug::Run& run = state.run;
   const StepLook& look = state.look;
-  Rgba waiting = mark_colors(look.theme).waiting;
+  Rgba waiting = highlight_colors(look.theme).waiting;
 
-  void add(Rgba color, const std::string& text, Mark mark = Mark::dot) const {
+  void add(Rgba color, const std::string& text, Symbol mark = Symbol::dot) const {
     list.explain(color, text, mark);
   }
-  void add(Rgba color, const std::string& text, std::ptrdiff_t count, Mark mark = Mark::dot) const {
+  void add(Rgba color,
+           const std::string& text,
+           std::ptrdiff_t count,
+           Symbol mark = Symbol::dot) const {
     add(color, text + "  " + std::to_string(count), mark);
   }
 
@@ -268,7 +272,8 @@ struct Legend {
     }
     add_case_legend(count, run.is_on_image(), list);
     if (hatched > 0)
-      add(case_color(planes::Case::III), "at full depth: unassigned", hatched, Mark::hatched_box);
+      add(case_color(planes::Case::III), "at the deepest level: unassigned", hatched,
+          Symbol::hatched_box);
     if (queued > 0) add(waiting, "queued", queued);
   }
 
@@ -279,7 +284,7 @@ struct Legend {
     if (open > 0) add(waiting, "not visited yet", open);
   }
 
-  /// Why nothing is told about a foot; empty where it is.
+  /// Reason why foot verdicts are missing; empty if available.
   std::string no_verdicts() const {
     if (look.step != run.steps()) return "available at the last step";
     if (!look.planes || !look.planes->complete) return "computing …";
@@ -292,12 +297,12 @@ struct Legend {
     const std::vector<bool>& steppable = look.planes->steppable;
     const auto yes = std::ranges::count(steppable, true);
     add(verdict_color(true), "steppable", yes);
-    add(verdict_color(false), "not steppable", std::ssize(steppable) - yes, Mark::hatched_box);
+    add(verdict_color(false), "not steppable", std::ssize(steppable) - yes, Symbol::hatched_box);
     add(leftover_color(), "unassigned");
   }
 
   void add_colors() const {
-    switch (told_by(run, look.color_by)) {
+    switch (effective_color_by(run, look.color_by)) {
       case ColorBy::cases:
         return add_cases();
       case ColorBy::planes:
@@ -320,7 +325,7 @@ struct Legend {
         return add(waiting, "not scored");
       case ColorBy::steppable:
         return add_verdicts();
-      default:  // the camera's need no words; those along a scale have a bar of their own
+      default:  // the camera needs no legend; scales have their own bar
         return;
     }
   }
@@ -332,18 +337,18 @@ struct Legend {
       add(waiting,
           run.subject->prepared.gravity.known() ? "no stairs, kerb or ramp"
                                                 : "stairs need gravity, which is unknown",
-          Mark::line);
+          Symbol::line);
     if (look.show_foot && look.color_by != ColorBy::steppable)
       if (const std::string why = no_verdicts(); !why.empty())
-        add(waiting, "foot space: " + why, Mark::line);
+        add(waiting, "foot space: " + why, Symbol::line);
     if (!look.marked.empty())
-      add(mark_colors(look.theme).marked, "marked", std::ssize(look.marked));
+      add(highlight_colors(look.theme).marked, "marked", std::ssize(look.marked));
   }
 };
 
-// ---- The whole scene ----
+// ---- Whole scene ----
 
-/// One voxel made large, so that it is found among its neighbors.
+/// Adds an enlarged voxel, to make it visible among its neighbors.
 void add_voxel(
     const debug::Run& run, std::int32_t voxel, Rgba color, LabelRank rank, DrawList& list) {
   if (voxel < 0) return;
@@ -378,12 +383,12 @@ Picked picked(std::uint32_t id) {
 
 DrawList scene_step(const debug::Run& run, const StepLook& look) {
   const StepState state = step_state(run, look);
-  const MarkColors marks = mark_colors(look.theme);
+  const HighlightColors highlights = highlight_colors(look.theme);
   DrawList list;
   list.pick_points_first = true;
   DrawPoints points = voxel_points(run.subject->prepared.voxels);
   points.colors = voxel_colors(state);
-  // Lightness tells what is concerned; the hue is the colors' own.
+  // Lightness highlights the voxels of the step; hue shows the colors.
   constexpr double kReceded = 0.45;
   const std::vector<std::uint8_t> concerned = concerned_voxels(state);
   for (std::size_t v = 0; v < concerned.size(); ++v)
@@ -395,7 +400,7 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   const bool alone = look.isolated && !concerned.empty();
   if (alone) keep_only(concerned, points);
   points.size_m *= static_cast<float>(look.point_size);
-  points.max_px = 120;  // surfaces stay closed when seen from nearby
+  points.max_px = 120;  // keeps surfaces closed at close range
   if (look.show_points) list.points.push_back(std::move(points));
   add_node_boxes(state, list);
   if (look.show_planes) add_planes(state, list);
@@ -404,8 +409,9 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
     if (look.show_stairs && !alone) add_stairs(*planes, look.theme, list);
   }
   if (look.map && !alone) list.lines.insert(list.lines.end(), look.map->begin(), look.map->end());
-  if (state.voxel != look.voxel) add_voxel(run, state.voxel, marks.current, kCurrentLabel, list);
-  add_voxel(run, look.voxel, marks.selected, kSelectedLabel, list);
+  if (state.voxel != look.voxel)
+    add_voxel(run, state.voxel, highlights.current, kCurrentLabel, list);
+  add_voxel(run, look.voxel, highlights.selected, kSelectedLabel, list);
   Legend{state, list}.add_all();
   return list;
 }

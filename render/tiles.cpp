@@ -1,4 +1,4 @@
-// Which parts of a picture change (renderer.hpp).
+// Finds the changed parts of a picture (renderer.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace planescope::render {
 namespace {
 
-constexpr int kTile_px = 32;  // a few letters: what changes is seldom smaller
+constexpr int kTile_px = 32;  // a few letters: changes are seldom smaller
 
 int tiles_along(int length_px) { return (length_px + kTile_px - 1) / kTile_px; }
 
@@ -87,7 +87,7 @@ std::vector<Part> Tiles::changes_since(const Tiles& before) const {
     const std::size_t i = static_cast<std::size_t>(y) * columns + x;
     return hashes_[i] != before.hashes_[i];
   };
-  // Tiles side by side make one part, and so do rows of them that are alike.
+  // Merge adjacent tiles of a row, and equal rows.
   std::vector<Part> parts;
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
@@ -108,24 +108,24 @@ std::vector<Part> Tiles::changes_since(const Tiles& before) const {
   return parts;
 }
 
-// ---- Of a scene ----
+// ---- Scenes ----
 
 namespace {
 
-/// Of what is `reach_px` about a place on screen.
+/// The part within `reach_px` of a screen position.
 Part about(double x, double y, double reach_px) {
   return {whole_px(std::floor(x - reach_px)), whole_px(std::floor(y - reach_px)),
           whole_px(std::ceil(x + reach_px)), whole_px(std::ceil(y + reach_px))};
 }
 
-/// Of what is drawn between these points, and `reach_px` beyond. What comes before the near plane
-/// may be anywhere.
+/// The part that contains everything drawn between these points, plus `reach_px`. Objects that
+/// cross the near plane may be anywhere.
 Part about(const View& view, std::span<const Vec3f> points, double reach_px) {
   const Part all{0, 0, view.width, view.height};
   Part part;
   for (const Vec3f& point : points) {
     const auto at = project(view, point);
-    // Far beside the picture, integers would end.
+    // Far outside the picture, integers would overflow.
     if (!at || !(at->px.cwiseAbs().maxCoeff() < 1e6)) return all;
     const Part here = about(at->px.x(), at->px.y(), reach_px);
     part = &point == points.data() ? here : around(part, here);
@@ -141,9 +141,9 @@ void add_points(const DrawPoints& cloud, const View& view, float shade_radius_px
   const double most = std::max<double>(cloud.max_px, least);
   for (std::size_t i = 0; i < cloud.positions.size(); ++i) {
     const auto at = project(view, cloud.positions[i]);
-    if (!at || !(at->px.cwiseAbs().maxCoeff() < 1e6)) continue;  // not seen
+    if (!at || !(at->px.cwiseAbs().maxCoeff() < 1e6)) continue;  // not visible
     const double scale = view.orthographic ? view.px_per_m : view.px_per_m / at->depth_m;
-    // A point shades its neighbors.
+    // Points shade their neighbors.
     const double reach_px =
         std::clamp<double>(cloud.size_m * scale, least, most) / 2 + shade_radius_px + 3;
     tiles.add(about(at->px.x(), at->px.y(), reach_px),

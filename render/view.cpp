@@ -1,4 +1,4 @@
-// Cameras: one made ready for a picture, and where it stands so that its subject fills the view.
+// Camera projection, and placement of cameras so that their subject fills the view.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -16,9 +16,9 @@ namespace planescope::render {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kOutliers = 0.005;  // share of points that may stick out on each side
+constexpr double kOutliers = 0.005;  // share of points that may be outside on each side
 
-// Rows: right, up and back in the world. Where `up` says nothing (along the view), any will do.
+// Rows: right, up and back in world coordinates. If `up` is along the view, any directions will do.
 Mat3d eye_axes(const Camera& camera) {
   Vec3d back = camera.eye - camera.target;
   if (back.norm() < 1e-12) back = Vec3d::UnitZ();
@@ -81,7 +81,7 @@ View make_view(const Camera& camera, int width, int height, double screen_scale)
 std::optional<ScreenPoint> project(const View& view, const Vec3f& world) {
   const Eigen::Vector4f eye = view.view * world.homogeneous();
   const double depth_m = -eye.z();
-  if (!(depth_m > view.near_m)) return std::nullopt;  // also where a coordinate is NaN
+  if (!(depth_m > view.near_m)) return std::nullopt;  // also if a coordinate is NaN
   const Eigen::Vector4f clip = view.proj * eye;
   ScreenPoint point;
   point.px.x() = (clip.x() / clip.w() * 0.5 + 0.5) * view.width;
@@ -94,9 +94,9 @@ std::optional<ScreenPoint> project(const View& view, const Vec3f& world) {
 
 namespace {
 
-constexpr double kMargin = 0.92;  // share of the half view that may be filled, on each side
+constexpr double kMargin = 0.92;  // share of the half view to fill on each side
 
-/// Evenly all around (Fibonacci's lattice on the sphere).
+/// Evenly distributed directions (Fibonacci lattice on the sphere).
 Vec3d direction(int i, int count) {
   const double z = 1 - (2.0 * i + 1) / count;
   const double turn = std::numbers::pi * (1 + std::sqrt(5.0)) * i;
@@ -104,7 +104,7 @@ Vec3d direction(int i, int count) {
   return {across * std::cos(turn), across * std::sin(turn), z};
 }
 
-/// From the lowest to the highest of the points along `axis`.
+/// Smallest and largest coordinate of the points along `axis`.
 struct Extent {
   double low = 0, high = 0;
   double middle() const { return (low + high) / 2; }
@@ -116,7 +116,7 @@ Extent span_along(std::span<const Vec3f> points, const Vec3d& axis) {
   return {along(*low), along(*high)};
 }
 
-/// The value that all but a share of `values` stay below.
+/// The value that all but a share `outliers` of `values` stay below.
 double robust_max(std::vector<double>& values, double outliers) {
   const auto n = static_cast<std::ptrdiff_t>(values.size());
   const auto k = n - 1 - static_cast<std::ptrdiff_t>(outliers * static_cast<double>(n));
@@ -125,15 +125,15 @@ double robust_max(std::vector<double>& values, double outliers) {
 }
 
 /// One axis of a frustum around points given as (offset across, depth along the view). For an eye
-/// at (across, along), every point has -low (depth - along) <= offset - across <= high (...).
+/// at (across, along), every point satisfies -low (depth - along) <= offset - across <= high (...).
 struct AxisFit {
-  double largest = 0;   // of offset - high * depth
-  double smallest = 0;  // of offset + low * depth
+  double largest = 0;   // maximum of offset - high * depth
+  double smallest = 0;  // minimum of offset + low * depth
   double low = 0, high = 0;
 
-  /// The last place along the view from which all points are in.
+  /// The closest position along the view from which all points are visible.
   double along() const { return (smallest - largest) / (low + high); }
-  /// From there or from farther back: across, so that as much room is left on both sides.
+  /// The position across the view, at or behind that position, that leaves equal margins.
   double across(double along) const {
     return ((largest + high * along) + (smallest - low * along)) / 2;
   }
@@ -156,23 +156,23 @@ AxisFit fit_axis(std::span<const Vec3f> points,
 
 }  // namespace
 
-std::vector<Vec3f> reach_of(std::span<const Vec3f> points, double outliers) {
+std::vector<Vec3f> extent_of(std::span<const Vec3f> points, double outliers) {
   constexpr int kDirections = 96;
-  constexpr std::size_t kEnough = 8000;  // points to go by
+  constexpr std::size_t kEnough = 8000;  // number of points to sample
   std::vector<Vec3f> some;
   const std::size_t stride = std::max<std::size_t>(1, points.size() / kEnough);
   for (std::size_t i = 0; i < points.size(); i += stride) some.push_back(points[i]);
-  std::vector<Vec3f> reach;
-  if (some.empty()) return reach;
+  std::vector<Vec3f> extent;
+  if (some.empty()) return extent;
   const auto left_out = static_cast<std::size_t>(outliers * static_cast<double>(some.size()));
   const auto last = static_cast<std::ptrdiff_t>(some.size() - 1 - left_out);
   for (int i = 0; i < kDirections; ++i) {
     const Vec3f along = direction(i, kDirections).cast<float>();
     std::nth_element(some.begin(), some.begin() + last, some.end(),
                      [&](const Vec3f& a, const Vec3f& b) { return a.dot(along) < b.dot(along); });
-    reach.push_back(some[last]);
+    extent.push_back(some[last]);
   }
-  return reach;
+  return extent;
 }
 
 std::vector<Vec3f> bulk_of(std::span<const Vec3f> points, double cell_m) {
@@ -206,7 +206,7 @@ std::vector<Vec3f> bulk_of(std::span<const Vec3f> points, double cell_m) {
   return bulk;
 }
 
-Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens) {
+Camera camera_fitting(std::span<const Vec3f> extent, const Lens& lens) {
   Camera camera;
   camera.fov_y_deg = lens.fov_y_deg;
   camera.up = lens.up;
@@ -216,9 +216,9 @@ Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens) {
   const double slope = std::tan(lens.fov_y_deg * kDegree / 2);
   constexpr double kNearest_m = 0.05;
   double across = 0, height = 0, target = 0, distance = 2;
-  if (!reach.empty()) {
-    const Extent x = span_along(reach, right), y = span_along(reach, upwards);
-    const Extent z = span_along(reach, lens.forward);
+  if (!extent.empty()) {
+    const Extent x = span_along(extent, right), y = span_along(extent, upwards);
+    const Extent z = span_along(extent, lens.forward);
     target = z.middle();
     if (lens.orthographic) {
       across = x.middle();
@@ -226,7 +226,7 @@ Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens) {
       distance = std::max(x.length() / lens.aspect, y.length()) / (2 * kMargin * slope);
     } else {
       const auto fit = [&](const Vec3d& axis, double fill) {
-        return fit_axis(reach, axis, lens.forward, fill, fill, 0);
+        return fit_axis(extent, axis, lens.forward, fill, fill, 0);
       };
       const AxisFit wide = fit(right, kMargin * slope * lens.aspect);
       const AxisFit high = fit(upwards, kMargin * slope);
@@ -243,13 +243,13 @@ Camera camera_holding(std::span<const Vec3f> reach, const Lens& lens) {
   return camera;
 }
 
-// ---- The view of a frame ----
+// ---- Default view of a frame ----
 
 namespace {
 
 struct Placed {
-  double elevation_deg = 0;  // of the eye above the horizon, seen from the target
-  double yaw_deg = 0;        // of the line of sight, from world x towards y
+  double elevation_deg = 0;  // elevation of the eye above the horizon, from the target
+  double yaw_deg = 0;        // yaw of the line of sight, from world x toward y
 };
 
 Vec3d direction_of(const Placed& view) {
@@ -258,7 +258,7 @@ Vec3d direction_of(const Placed& view) {
           -std::sin(elevation)};
 }
 
-/// How much of the planes' surface faces a viewer.
+/// Visible area of the planes from a direction.
 double facing(const planes::Segmentation& segmentation, const Vec3d& forward) {
   double sum = 0;
   for (const planes::PlaneRegion& plane : segmentation.planes)
@@ -266,8 +266,9 @@ double facing(const planes::Segmentation& segmentation, const Vec3d& forward) {
   return sum;
 }
 
-/// From where the points were seen: the mean direction to them, as far as all lie to one side.
-Vec3d sight_of(const planes::PreparedFrame& prepared) {
+/// Viewing direction of the sensor: the mean direction to the points; its length is near 1 if all
+/// are on one side.
+Vec3d sensor_direction(const planes::PreparedFrame& prepared) {
   const Vec3f sensor = prepared.sensor().cast<float>();
   Vec3d sum = Vec3d::Zero();
   for (const Vec3f& point : prepared.voxels.points)
@@ -276,24 +277,25 @@ Vec3d sight_of(const planes::PreparedFrame& prepared) {
 }
 
 Placed view_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {
-  // Only depth cameras look along their z axis; a cloud's pose turns gravity to -z, nothing more.
+  // Only depth cameras look along their z axis; a cloud's pose only rotates gravity to -z.
   const Vec3d forward = prepared.cloud.T_world_sensor.linear() * Vec3d::UnitZ();
   const bool depth_camera = forward.x() > 0.05 || forward.z() < -0.9;
   Placed left{35, 35}, right{35, -35};
   if (depth_camera) {
-    // A little above the sensor's own line of sight: far from it, the sensor's shadows open.
+    // Slightly above the sensor's line of sight: far from it, the sensor's shadows become visible.
     const double pitch_deg = std::asin(std::clamp(-forward.z(), -1.0, 1.0)) / kDegree;
     left = {std::clamp(pitch_deg + 10, 24.0, 60.0), 18};
     right = {left.elevation_deg, -left.yaw_deg};
-  } else if (const Vec3d sight = sight_of(prepared); sight.norm() > 0.7) {
-    // A scan from one place, as it seems: from that side, or it is seen from behind.
-    const double pitch_deg = std::asin(std::clamp(-sight.normalized().z(), -1.0, 1.0)) / kDegree;
-    const double yaw_deg = std::atan2(sight.y(), sight.x()) / kDegree;
+  } else if (const Vec3d to_points = sensor_direction(prepared); to_points.norm() > 0.7) {
+    // Apparently a scan from one position: view from that side, not from behind.
+    const double pitch_deg =
+        std::asin(std::clamp(-to_points.normalized().z(), -1.0, 1.0)) / kDegree;
+    const double yaw_deg = std::atan2(to_points.y(), to_points.x()) / kDegree;
     left = {std::clamp(pitch_deg + 10, -60.0, 60.0), yaw_deg + 18};
     right = {left.elevation_deg, yaw_deg - 18};
   }
-  // To the side from which more is seen; and, as the zero of a cloud often lies on the ground,
-  // never from so low that what lies level is an edge.
+  // From the side that shows more surface and, because the origin of a cloud is often on the
+  // ground, never so low that level surfaces appear as edges.
   const bool from_right =
       facing(segmentation, direction_of(right)) > facing(segmentation, direction_of(left));
   Placed placed = from_right ? right : left;
@@ -316,7 +318,7 @@ Camera frame_camera(const planes::PreparedFrame& prepared,
     camera.eye = -2 * forward;
     return camera;
   }
-  // The title stands above, the legend at the left.
+  // The title is at the top, the legend on the left.
   constexpr double kLeft = 0.80, kRight = 0.93, kTop = 0.84, kBottom = 0.92;
   const double slope = std::tan(camera.fov_y_deg * kDegree / 2);
   const AxisFit fit_x =
@@ -340,13 +342,13 @@ Camera frame_camera(const planes::FrameResult& result, double aspect) {
 }
 
 Home home_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {
-  const std::vector<Vec3f> all = reach_of(prepared.voxels.points, kOutliers);
+  const std::vector<Vec3f> all = extent_of(prepared.voxels.points, kOutliers);
   float size_m = 0;
   for (const Vec3f& a : all) size_m = std::max(size_m, (a - all[0]).norm());
-  constexpr double kCells = 40;  // what is apart by more than one or two of them stands apart
+  constexpr double kCells = 40;  // pieces more than one or two cells apart are separate
   const double cell_m = std::max({size_m / kCells, 2 * prepared.voxels.size_m, 0.01});
   return {direction_of(view_of(prepared, segmentation)),
-          reach_of(bulk_of(prepared.voxels.points, cell_m), kOutliers)};
+          extent_of(bulk_of(prepared.voxels.points, cell_m), kOutliers)};
 }
 
 }  // namespace planescope::render

@@ -29,7 +29,7 @@ void remove_abandoned(const fs::path& dir) {
   for (const auto& entry : fs::directory_iterator(dir))
     if (entry.path().filename().string().starts_with(kStaging)) stagings.push_back(entry.path());
   for (const fs::path& staging : stagings)
-    if (FolderLock::take(staging, "planescope").is_held()) fs::remove_all(staging);
+    if (FolderLock::acquire(staging, "planescope").is_held()) fs::remove_all(staging);
 }
 
 }  // namespace
@@ -100,7 +100,7 @@ fs::path StagedOutput::staged(const fs::path& relative, bool is_folder) {
       remove_abandoned(dir_);
       staging_ = dir_ / (kStaging + std::to_string(getpid()));
       fs::create_directory(staging_);
-      lock_ = FolderLock::take(staging_, "planescope");
+      lock_ = FolderLock::acquire(staging_, "planescope");
     }
     fs::create_directories(is_folder ? staging_ / relative : (staging_ / relative).parent_path());
   } catch (const fs::filesystem_error& error) {

@@ -73,7 +73,7 @@ struct LoadedFrame {
   Frame frame;
   planes::FrameResult result;
   std::optional<planes::SourceTruth> truth;
-  planes::Strains strains;  // of runs for a report
+  planes::LimitRatios limit_ratios;  // of runs for a report
 };
 
 /// False where frame `index` surely has no truth: no label file, and no cloud with fields.

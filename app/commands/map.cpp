@@ -140,7 +140,7 @@ int write_shard(const MapArgs& args, const world::MapJob& job) {
         write_file_bytes(observed_file(args.out, frame.frame), world::observed_bytes(frame, from));
         ++written;
       });
-  for (const std::string& line : part.told) notice("{}", line);
+  for (const std::string& line : part.warnings) notice("{}", line);
   fmt::print("{}: {} of shard {}/{}\n", args.out.string(), counted(written, "frame"),
              args.shard->index, args.shard->count);
   return part.refused > 0 ? 2 : 0;
@@ -222,7 +222,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   const auto aside = std::ranges::count(frames, true, &world::FrameOfTracks::set_aside);
   if (planes == 0 || kMostAside * aside > std::ssize(frames)) {
     job.progress = {};
-    for (const std::string& line : map.told) notice("{}", line);
+    for (const std::string& line : map.warnings) notice("{}", line);
     if (planes > 0)
       throw Error(fmt::format(
           "{}: not written: {} of {} do not fit the others; expected poses of this recording, "
@@ -237,7 +237,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   replace_earlier_map(args.out, output);
   output.commit();
   job.progress = {};
-  for (const std::string& line : map.told) notice("{}", line);
+  for (const std::string& line : map.warnings) notice("{}", line);
   const auto taken = std::ranges::count_if(map.tracker.frames(), &world::FrameOfTracks::is_in_map);
   const std::string of = taken == std::ssize(input.frames) ? "" : fmt::format("{} of ", taken);
   fmt::print("{}: {} from {}{}, poses of {}\n", args.out.string(), counted(planes, "plane"), of,

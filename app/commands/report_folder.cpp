@@ -74,7 +74,7 @@ ReportFolder::ReportFolder(const fs::path& dir, bool resume) : dir_(without_slas
     std::ranges::reverse(made_dirs_);
     fs::create_directories(work_);
   });
-  lock_ = FolderLock::take(work_, "planescope report");
+  lock_ = FolderLock::acquire(work_, "planescope report");
   if (!lock_.is_held()) {
     made_dirs_.clear();
     throw Error("output " + dir_.string() + ": another report is being written there, " +

@@ -187,7 +187,7 @@ class FrameWriter {
         loaded.frame, loaded.result,
         planes::analyze_planes(loaded.frame, loaded.result, job_.options), job_.options);
     frame.histograms =
-        report::decision_histograms(loaded.result.segmentation, loaded.strains,
+        report::decision_histograms(loaded.result.segmentation, loaded.limit_ratios,
                                     planes::segment_options(loaded.result, job_.options));
     if (loaded.truth) frame.metrics = planes::score_frame(loaded.result, *loaded.truth);
     frame.sha256 = input.recording->frame_hash(index);
@@ -347,7 +347,7 @@ LoadedFrame run_report_frame(const OpenInput& input,
                              const planes::Classifier* classifier) {
   planes::Trace trace;
   LoadedFrame loaded = run_input_frame(input, index, options, classifier, true, &trace);
-  loaded.strains = std::move(trace.strains);
+  loaded.limit_ratios = std::move(trace.limit_ratios);
   return loaded;
 }
 

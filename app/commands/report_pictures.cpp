@@ -60,17 +60,18 @@ Image8 render(render::Renderer& renderer,
 
 /// Ground truth against the result: on the depth image, or of a cloud in space.
 std::optional<Image8> draw_truth(const LoadedFrame& loaded,
-                                 const planes::JudgedFrame& judged,
+                                 const planes::EvaluatedFrame& evaluated,
                                  const std::vector<int>& color_of_plane,
                                  render::Renderer* renderer) {
   if (!loaded.frame.is_cloud())
-    return render::image_truth(loaded.frame, loaded.result, judged, color_of_plane);
+    return render::image_truth(loaded.frame, loaded.result, evaluated, color_of_plane);
   if (!renderer) return std::nullopt;
   constexpr int kPanelWidth = 800, kPanelHeight = 720;
   const render::Camera camera =
       render::frame_camera(loaded.result, static_cast<double>(kPanelWidth) / kPanelHeight);
   std::vector<Image8> panels;
-  for (const render::DrawList& list : render::scenes_truth(loaded.result, judged, color_of_plane))
+  for (const render::DrawList& list :
+       render::scenes_truth(loaded.result, evaluated, color_of_plane))
     panels.push_back(render(*renderer, list, camera, kPanelWidth, kPanelHeight));
   return render::side_by_side(panels);
 }
@@ -79,7 +80,7 @@ std::vector<report::LegendMark> marks_of(const std::vector<render::LegendEntry>&
   const char* const shapes[] = {"dot", "box", "hatched_box", "line", "arrow"};  // by Mark
   std::vector<report::LegendMark> marks;
   for (const render::LegendEntry& entry : legend)
-    marks.push_back({shapes[static_cast<int>(entry.mark)], css_color(entry.color), entry.text});
+    marks.push_back({shapes[static_cast<int>(entry.symbol)], css_color(entry.color), entry.text});
   return marks;
 }
 
@@ -133,12 +134,12 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
          fmt::format("{} points coloured by their height.", result.cloud.counts.kept));
   }
   if (loaded.truth) {
-    const planes::JudgedFrame judged = planes::judge_frame(result, *loaded.truth);
-    if (const auto image = draw_truth(loaded, judged, color_of_plane, renderer))
+    const planes::EvaluatedFrame evaluated = planes::evaluate_frame(result, *loaded.truth);
+    if (const auto image = draw_truth(loaded, evaluated, color_of_plane, renderer))
       keep_image(*image, "truth", "Labels, found, and errors",
                  fmt::format("Side by side the labelled planes, the planes found in "
                              "the same colours, and the points where they differ: {}.",
-                             render::errors_text(judged)));
+                             render::errors_text(evaluated)));
   }
   if (!renderer) return pictures;
 

@@ -160,7 +160,7 @@ class TuneRun {
     TuneFrames frames = read_tune_frames(args_);
     planes::ChosenClassifier chosen = choose_classifier(args_.input.pipeline);
     make_output_dir(args_.out);
-    const FolderLock lock = FolderLock::take(args_.out, "planescope tune");
+    const FolderLock lock = FolderLock::acquire(args_.out, "planescope tune");
     if (!lock.is_held()) throw Error(args_.out.string() + ": is " + lock.why_not());
     lab::TuningJournal journal(args_.out, purpose_of(frames.tuning, searched_, chosen));
     if (!journal.trials().empty() && !args_.json)

@@ -72,7 +72,7 @@ render::Camera whole_camera(const State& state, double aspect) {
     case Facing::front:
       lens.forward = ahead;
   }
-  return render::camera_holding(home.reach, lens);
+  return render::camera_fitting(home.extent, lens);
 }
 
 /// Of B with A; null while it is not known.
@@ -143,7 +143,7 @@ render::Camera camera_on(const State& state, std::span<const Vec3f> points) {
   lens.forward = (now.target - now.eye).normalized();
   lens.up = now.up;
   lens.room = kRoom;
-  return render::camera_holding(render::reach_of(points, 0), lens);
+  return render::camera_fitting(render::extent_of(points, 0), lens);
 }
 
 render::Camera orbited(const render::Camera& camera, double right_deg, double up_deg) {

@@ -61,7 +61,7 @@ struct PointStory {
   std::shared_ptr<const io::Recording> recording;
   std::shared_ptr<const RunView> of;
   std::int64_t source = -1;
-  std::vector<debug::LifeEvent> life;
+  std::vector<debug::HistoryEvent> life;
   debug::WhyNot why;
 };
 

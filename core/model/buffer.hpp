@@ -9,14 +9,14 @@
 
 namespace planescope {
 
-/// Floats on a cache line's boundary; not initialised unless asked for. Move-only.
+/// Floats aligned to cache lines; uninitialized unless a value is given. Move-only.
 class Buffer {
  public:
   Buffer() = default;
   explicit Buffer(std::size_t size) { resize(size); }
   Buffer(std::size_t size, float value) : Buffer(size) { fill(value); }
 
-  /// Values are lost, memory is kept where it suffices.
+  /// Discards the values; reuses the memory if it is large enough.
   void resize(std::size_t size) {
     if (size > capacity_) {
       values_.reset(static_cast<float*>(::operator new(size * sizeof(float), kAlignment)));

@@ -1,6 +1,6 @@
 #pragma once
 
-// Groups of equal things: sets that are joined, and runs of one value.
+// Disjoint sets, and runs of equal values.
 
 #include <algorithm>
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace planescope {
 
-/// Disjoint sets of 0 .. n - 1 (union-find with path halving); the smallest member stands for its
-/// set.
+/// Disjoint sets of 0 .. n - 1 (union-find with path halving). The root of a set is its
+/// smallest member.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) {
@@ -32,7 +32,7 @@ class DisjointSets {
   std::vector<std::uint32_t> parent_;
 };
 
-/// Which region a joined one has become: here the caller chooses which one stands for both.
+/// Tracks which region each merged region belongs to; the caller chooses the root of a merge.
 class Roots {
  public:
   explicit Roots(std::size_t count) : into_(count) { std::iota(into_.begin(), into_.end(), 0); }
@@ -41,7 +41,7 @@ class Roots {
     return k;
   }
   void join_into(std::int32_t from, std::int32_t into) { into_[from] = into; }
-  /// Replaces every region by its root; negative ones stay.
+  /// Replaces every region by its root; negative values are unchanged.
   void apply_to(std::vector<std::int32_t>& regions) {
     for (std::int32_t k = 0; k < static_cast<std::int32_t>(into_.size()); ++k) into_[k] = root(k);
     for (std::int32_t& region : regions)
@@ -54,12 +54,11 @@ class Roots {
 
 }  // namespace planescope
 
-// Where equal neighbours end: in the label images of planes, nearly all of them are equal.
+// Ends of runs of equal values, optimized for the long runs in label images.
 
 namespace planescope {
 
-/// The first index behind `begin` at which there is another value than there; values.size() where
-/// there is none.
+/// The first index after `begin` with a different value; values.size() if there is none.
 inline std::size_t end_of_run(std::span<const std::int32_t> values, std::size_t begin) {
   constexpr std::size_t kAtOnce = 8;
   const std::int32_t value = values[begin];

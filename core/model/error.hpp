@@ -1,6 +1,6 @@
 #pragma once
 
-// The one exception type for errors of the outside world: files, options, devices.
+// The exception type for external errors: files, options, devices.
 
 #include <exception>
 #include <new>
@@ -11,20 +11,21 @@
 
 namespace planescope {
 
-/// An error outside of the program: in a file, weights, GL, an option. The message is one line that
-/// names the file or option, what was found and what was expected. `main` catches it once, prints
-/// it and exits with 2. Programmer mistakes are asserts, normal absences std::optional.
+/// An error outside the program: in a file, weights, GL, an option. The message is one line naming
+/// the file or option, what was found and what was expected. `main` catches it once, prints it and
+/// exits with 2. Programmer mistakes are asserts; normal absences are std::optional.
 struct Error : std::runtime_error {
-  /// What names in files may hold besides text cannot make more than one line of it.
+  /// Control characters are replaced, so that file contents cannot break the message into
+  /// several lines.
   explicit Error(const std::string& message) : std::runtime_error(one_line(message)) {}
 };
 
-/// Long work was stopped on request (exit code 130).
+/// Long work was canceled by the user (exit code 130).
 struct Cancelled : std::runtime_error {
   Cancelled() : std::runtime_error("cancelled") {}
 };
 
-/// What a person is told of it: std::bad_alloc would tell the name of a class.
+/// User-visible message; std::bad_alloc::what() is only the name of a class.
 inline std::string message_of(const std::exception& error) {
   return dynamic_cast<const std::bad_alloc*>(&error) ? "out of memory" : error.what();
 }

@@ -1,4 +1,4 @@
-// Reading, hashing and atomically replacing files.
+// Reads, hashes, locks and atomically replaces files.
 
 #include "core/model/file_bytes.hpp"
 
@@ -65,7 +65,7 @@ int sync_folder(const fs::path& folder) {
   const FileDescriptor file =
       open_file(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY);
   if (!file.is_open()) return errno;
-  // Some file systems cannot sync a folder and say so: there is nothing more to be done there.
+  // Some file systems cannot sync a folder, and report EINVAL.
   return ::fsync(file.get()) == 0 || errno == EINVAL ? 0 : errno;
 }
 
@@ -90,7 +90,7 @@ std::string error_text(int error) { return std::generic_category().message(error
 
 namespace {
 
-/// 0, or the errno of the call that failed.
+/// Returns 0, or the errno of the call that failed.
 int write_all(const FileDescriptor& file, std::span<const unsigned char> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
@@ -100,7 +100,7 @@ int write_all(const FileDescriptor& file, std::span<const unsigned char> bytes) 
   return 0;
 }
 
-/// What was written and has not taken its name.
+/// A temporary file that is deleted unless renamed to its final name.
 struct Staged {
   std::filesystem::path path;
   ~Staged() {
@@ -109,7 +109,7 @@ struct Staged {
   }
 };
 
-/// `write`: writes it all to the place that it is given; 0 or an errno.
+/// `write`: writes the complete content to the given path; returns 0 or an errno.
 void replace(const std::filesystem::path& path,
              Durable durable,
              const std::function<int(const std::filesystem::path&)>& write) {
@@ -143,7 +143,8 @@ void exchange_folder(const fs::path& folder, const fs::path& place) {
     return expect(std::rename(folder.c_str(), place.c_str()));
   if (::renameat2(AT_FDCWD, folder.c_str(), AT_FDCWD, place.c_str(), RENAME_EXCHANGE) == 0) return;
   if (errno != EINVAL && errno != ENOSYS) expect(-1);
-  // A file system that cannot exchange: for a moment nothing is there, and what was lies beside it.
+  // For file systems without exchange: nothing exists for a moment, and the old folder has a
+  // temporary name.
   const fs::path aside = unused_path(place.string() + ".before-");
   expect(std::rename(place.c_str(), aside.c_str()));
   if (std::rename(folder.c_str(), place.c_str()) != 0) {
@@ -256,7 +257,7 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
-/// "held by ann, process 4711 on lab3 since 14:02", from what its holder wrote.
+/// Parses the lock file's text: "held by ann, process 4711 on lab3 since 14:02".
 std::string holder_of(const fs::path& path) {
   std::ifstream file(path);
   std::string user, process, host, since;
@@ -269,7 +270,7 @@ std::string holder_of(const fs::path& path) {
   return "held by " + user + ", process " + process + " on " + host + " since " + since;
 }
 
-/// Whether the open file is still the one of that name: its last holder may just have removed it.
+/// Whether the open file still has this name: its last holder may just have removed it.
 bool is_named(const FileDescriptor& file, const fs::path& path) {
   struct stat opened = {}, named = {};
   return ::fstat(file.get(), &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
@@ -289,12 +290,12 @@ FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
 }
 
 void FolderLock::release() {
-  // Removed while it is still held: whoever opened it meanwhile sees that its name is gone.
+  // Removed while still locked, so that anyone who opened it in the meantime notices.
   if (file_.is_open()) ::unlink(path_.c_str());
   file_ = {};
 }
 
-FolderLock FolderLock::take(const fs::path& dir, const std::string& user) {
+FolderLock FolderLock::acquire(const fs::path& dir, const std::string& user) {
   FolderLock lock;
   const fs::path path = dir / "lock";
   FileDescriptor file = open_file(path, O_RDWR | O_CREAT);
@@ -309,10 +310,10 @@ FolderLock FolderLock::take(const fs::path& dir, const std::string& user) {
                         : path.string() + " cannot be locked (" + error_text(errno) + ")";
     return lock;
   }
-  if (!is_named(file, path)) return take(dir, user);
+  if (!is_named(file, path)) return acquire(dir, user);
   const std::string text =
       user + "\n" + std::to_string(::getpid()) + "\n" + host_name() + "\n" + local_time() + "\n";
-  // On a full disk the lock holds all the same, only without a name.
+  // On a full disk the lock is still held, only without a description.
   if (::ftruncate(file.get(), 0) == 0) {
     write_fully(file, {reinterpret_cast<const unsigned char*>(text.data()), text.size()}, 0);
   }
@@ -361,7 +362,7 @@ std::string sha256_hex_of_file(const std::filesystem::path& path) {
   std::vector<char> block(1 << 16);
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)
     digest.update(block.data(), static_cast<std::size_t>(file.gcount()));
-  if (file.bad()) throw Error(path.string() + ": cannot be read to its end");
+  if (file.bad()) throw Error(path.string() + ": cannot be read completely");
   return digest.hex();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Files: read and written whole, opened, locked, hashed, and how much of one may be unpacked.
+// Reads, writes, locks and hashes whole files, and limits the memory for unpacking them.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,37 +15,37 @@
 
 namespace planescope {
 
-/// The whole of a file. Throws Error naming the path when it is missing, no regular file, cannot
-/// be read or is larger than `max_bytes` (a guard for files that are read whole).
+/// Reads a whole file. Throws Error naming the path if it is missing, not a regular file,
+/// unreadable, or larger than `max_bytes`.
 std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
                                            std::uintmax_t max_bytes = std::uintmax_t{1} << 30);
 
-/// For files that are read piece by piece. Throws Error naming the path when it is missing, no
-/// regular file (a pipe would be waited for), or cannot be read.
+/// Opens a file for reading in pieces. Throws Error naming the path if it is missing, not a regular
+/// file (a pipe would block), or unreadable.
 std::ifstream open_to_read(const std::filesystem::path& path);
 
-enum class Durable : bool { no, yes };  // `yes`: survives a loss of power as well; slower
+enum class Durable : bool { no, yes };  // `yes`: also survives a loss of power; slower
 
-/// Replaces a file: the new content is written to a file beside it, which then takes its name. At
-/// any moment, and whatever goes wrong, either the old file or the new one is there, whole. A link
-/// stays a link; a pipe or a device is written to directly. Throws Error naming the path; the old
-/// file then stays.
+/// Replaces a file atomically: writes the new content to a temporary file in the same folder,
+/// then renames it. At any time, either the old or the new file exists, complete. Links remain
+/// links; pipes and devices are written directly. Throws Error naming the path, and then the old
+/// file is unchanged.
 void write_file_bytes(const std::filesystem::path& path,
                       std::span<const unsigned char> bytes,
                       Durable durable = Durable::no);
 void write_file_text(const std::filesystem::path& path,
                      std::string_view text,
                      Durable durable = Durable::no);
-/// For content too large to be held in memory; `write` may throw.
+/// For content too large for memory; `write` may throw.
 void write_file_stream(const std::filesystem::path& path,
                        const std::function<void(std::ostream&)>& write);
 
-/// Puts a folder in the place of another, which is left where the first one was: at any moment one
-/// of the two is there, whole. Where nothing is in its place, it is moved there. Both are on one
-/// file system. Throws Error naming the place; what was there then stays.
+/// Exchanges two folders atomically: at any time, `place` contains one of them, complete. If
+/// nothing is at `place`, moves the folder there. Both must be on the same file system. Throws
+/// Error naming the place, which is then unchanged.
 void exchange_folder(const std::filesystem::path& folder, const std::filesystem::path& place);
 
-/// A POSIX file descriptor that is closed with its owner.
+/// A POSIX file descriptor, closed on destruction.
 class FileDescriptor {
  public:
   FileDescriptor() = default;
@@ -65,40 +65,39 @@ class FileDescriptor {
   int descriptor_ = -1;
 };
 
-/// As open(2), never inherited by other programs; not open, errno set, where that fails.
+/// Like open(2), but not inherited by other programs. On failure, not open and errno is set.
 FileDescriptor open_file(const std::filesystem::path& path, int flags);
 
-/// All bytes from `offset` on, however many calls that takes. 0, or the errno of the call that
-/// failed.
+/// Writes all bytes at `offset`, repeating the call as needed. Returns 0, or the errno of the call
+/// that failed.
 int write_fully(const FileDescriptor& file, std::span<const unsigned char> bytes, off_t offset);
 
-/// Up to all bytes from `offset` on: fewer where the file ends before, or where reading fails.
+/// Reads bytes at `offset`: fewer if the file ends or reading fails. Returns their number.
 std::size_t read_fully(const FileDescriptor& file, std::span<unsigned char> bytes, off_t offset);
 
-/// Makes names that were made, replaced or removed in the folder survive a loss of power. 0, or
-/// errno.
+/// Makes created, replaced and removed names in the folder survive a loss of power. Returns 0 or
+/// an errno.
 int sync_folder(const std::filesystem::path& folder);
 
-/// A name beside a file or folder: "a/rec/" and ".labels" make "a/rec.labels".
+/// A path next to a file or folder: "a/rec/" and ".labels" make "a/rec.labels".
 std::filesystem::path path_beside(const std::filesystem::path& path, std::string_view suffix);
 
 /// The first of PREFIX1, PREFIX2, ... that does not exist.
 std::filesystem::path unused_path(const std::filesystem::path& prefix);
 
-/// What an errno says: "No space left on device".
+/// Text for an errno: "No space left on device".
 std::string error_text(int error);
 
-/// What one image, chunk or table of a file may take in memory, unpacked: a small file may promise
+/// Memory limit for one unpacked image, chunk or table of a file, because a small file may declare
 /// any size. For the whole process; 512 MiB unless set.
 std::uint64_t read_limit_bytes();
 void set_read_limit_bytes(std::uint64_t bytes);
 
-/// Throws Error "WHAT would take ... MiB in memory, expected at most ..." where it is more.
+/// Throws Error "WHAT would take ... MiB in memory, expected at most ..." if above the limit.
 void expect_within_read_limit(double bytes, const std::string& what);
 
-/// Held by the one instance that may write into a folder, in DIR/lock. The lock ends with the
-/// process, however that ends; the file's text is for people only. Releasing the lock removes the
-/// file.
+/// Lock of the single instance that may write to a folder, in DIR/lock. The lock ends with the
+/// process in all cases; the file's text is only for users. Releasing the lock removes the file.
 class FolderLock {
  public:
   FolderLock() = default;
@@ -106,12 +105,12 @@ class FolderLock {
   FolderLock(FolderLock&& other) noexcept = default;
   FolderLock& operator=(FolderLock&& other) noexcept;
 
-  /// Makes DIR/lock where needed, not DIR.
-  static FolderLock take(const std::filesystem::path& dir, const std::string& user);
+  /// Creates DIR/lock if needed, but not DIR.
+  static FolderLock acquire(const std::filesystem::path& dir, const std::string& user);
 
   bool is_held() const { return file_.is_open(); }
   bool is_held_by_other() const { return by_other_; }
-  /// Why it is not held: "held by ann, process 4711 on lab3 since 14:02".
+  /// Reason why it is not held: "held by ann, process 4711 on lab3 since 14:02".
   const std::string& why_not() const { return why_not_; }
 
  private:

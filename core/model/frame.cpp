@@ -1,4 +1,4 @@
-// The origin about which coordinates of a cloud are stored as floats.
+// The origin to which float coordinates of a cloud are relative.
 
 #include "core/model/frame.hpp"
 

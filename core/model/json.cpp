@@ -1,4 +1,4 @@
-// JSON with limits on depth and size, and errors that name the place in the document.
+// JSON with limits on depth and size, and errors naming the position in the document.
 
 #include "core/model/json.hpp"
 
@@ -19,7 +19,7 @@
 namespace planescope {
 
 double rounded(double value) {
-  return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no minus zero
+  return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0 avoids minus zero
 }
 
 nlohmann::ordered_json vector_json(const Vec3d& v) {
@@ -33,7 +33,7 @@ void check_depth(int depth, const std::string& what) {
 
 template <typename Json>
 Json parse_json(std::string_view text, const std::string& what) {
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::vector<std::set<std::string>> keys;  // keys of the open objects
   const auto check = [&](int depth, typename Json::parse_event_t event, const Json& value) {
     using Event = typename Json::parse_event_t;
     check_depth(depth, what);
@@ -75,7 +75,7 @@ std::int64_t whole_number(const Json& json,
     fits = std::in_range<std::int64_t>(json.template get<std::uint64_t>());
   const auto value = fits ? json.template get<std::int64_t>() : std::int64_t{0};
   if (!fits || value < low || value > high)
-    throw Error(what + " is " + (json.is_number() ? json.dump() : "no number") +
+    throw Error(what + " is " + (json.is_number() ? json.dump() : "not a number") +
                 ", expected a whole number from " + std::to_string(low) + " to " +
                 std::to_string(high));
   return value;
@@ -107,7 +107,7 @@ std::string json_text(const nlohmann::ordered_json& json, int indent) {
   return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-// ---- Places ------------------------------------------------------------------------------------
+// ---- Places ----
 
 JsonPlace::JsonPlace(const nlohmann::ordered_json& json, std::string where)
     : json_(&json), where_(std::move(where)) {}
@@ -169,7 +169,7 @@ double JsonPlace::number() const {
 }
 
 int JsonPlace::whole(int low, int high) const {
-  // As a double: a number of any size can be compared with the limits.
+  // Compares as double, because the number may have any size.
   if (!json_->is_number_integer() || number() < low || number() > high)
     fail_kind(fmt::format("a whole number from {} to {}", low, high));
   return json_->get<int>();
@@ -179,7 +179,7 @@ std::uint64_t JsonPlace::count(std::uint64_t high) const {
   if (!json_->is_number_unsigned() || json_->get<std::uint64_t>() > high)
     fail_kind(high < std::numeric_limits<std::uint64_t>::max()
                   ? fmt::format("a whole number from 0 to {}", high)
-                  : "a whole number from 0 on");
+                  : "a whole number of at least 0");
   return json_->get<std::uint64_t>();
 }
 
@@ -218,7 +218,7 @@ void JsonPlace::fail(const std::string& what) const {
   throw Error((where_.empty() ? "the file" : where_) + " " + what);
 }
 
-// ---- Fields ------------------------------------------------------------------------------------
+// ---- Fields ----
 
 void FieldWriter::set(Json& json, std::nullptr_t) { json = nullptr; }
 void FieldWriter::set(Json& json, const std::string& value) { json = value; }

@@ -1,19 +1,19 @@
 #pragma once
 
-// The one way structs become JSON and back. A struct names its fields once, in the order of the
-// file, in a function of its own namespace (argument-dependent lookup does not look into anonymous
-// ones, unless the struct is in it, too):
+// Converts structs to JSON and back. A struct lists its fields once, in file order, in a function
+// in its own namespace (argument-dependent lookup does not search anonymous namespaces, unless the
+// struct is also in one):
 //
 //   template <typename Fields>
 //   void visit_fields(Fields& fields, Same<Rule> auto& rule) {
-//     fields("metric", rule.metric);                        // text, numbers, structs, lists ...
-//     fields("frame", rule.frame, kOptional);               // missing: the member keeps its value
-//     fields.with_default("note", rule.note, "");           // and left out where it has that value
-//     fields("level", rule.level);                          // an enum, if it has names_of(Level)
+//     fields("metric", rule.metric);                   // text, numbers, structs, lists ...
+//     fields("frame", rule.frame, kOptional);          // if missing, the member keeps its value
+//     fields.with_default("note", rule.note, "");      // not written if it has that value
+//     fields("level", rule.level);                     // an enum with names_of(Level)
 //   }
 //
-// json_of(rule) writes it, read_fields(place, rule) reads it. Where the two differ, the function
-// asks `if constexpr (Fields::kReads)`.
+// json_of(rule) writes it, read_fields(place, rule) reads it. If reading and writing differ, use
+// `if constexpr (Fields::kReads)`.
 
 #include <algorithm>
 #include <cmath>
@@ -32,22 +32,22 @@
 
 namespace planescope {
 
-/// `const Struct` where it is written, `Struct` where it is read.
+/// `const Struct` for writing, `Struct` for reading.
 template <typename Type, typename Struct>
 concept Same = std::same_as<std::remove_const_t<Type>, Struct>;
 
-/// How a field appears in the file; flags.
+/// Format of a field in the file; flags.
 enum FieldKind : unsigned {
   kPlain = 0,
-  kCompared = 1,  // read also by Extent::compared
-  kOptional = 2,  // may be missing or null: the value then stays as it is
+  kCompared = 1,  // also read with Extent::compared
+  kOptional = 2,  // may be missing or null: keeps its value
   kRounded = 4,   // written to a nanometer
-  kOrNull = 8,    // empty text, and NaN, are null
-  kSigned = 16,   // an int that may be below 0
+  kOrNull = 8,    // empty text and NaN are null
+  kSigned = 16,   // an int that may be negative
 };
 
-/// How much of a file is read: all of it, as this version writes it; or what is kCompared alone, of
-/// a file of any version.
+/// Part of a file to read: everything, as written by this version; or only kCompared fields, from a
+/// file of any version.
 enum class Extent : std::uint8_t { whole, compared };
 
 class FieldWriter {
@@ -72,7 +72,7 @@ class FieldWriter {
       if (std::isnan(value) && std::isnan(usual)) return;
     if (value != usual) (*this)(name, value, kind);
   }
-  /// Numbers, and enums by their numbers.
+  /// Numbers, or enums by number.
   template <typename Value>
   void clamped(const char* name, Value value, double /*low*/, double /*high*/, unsigned = kPlain) {
     if constexpr (std::is_enum_v<Value>)
@@ -80,7 +80,7 @@ class FieldWriter {
     else
       (*this)(name, value);
   }
-  /// The first `used` of them.
+  /// The first `used` values.
   void numbers(const char* name, const auto& values, std::size_t used, const char* /*most*/) {
     Json& list = set_list(member(json_, name));
     for (std::size_t i = 0; i < used; ++i) write(append(list), values[i], kPlain);
@@ -89,14 +89,14 @@ class FieldWriter {
     FieldWriter fields(set_object(member(json_, name)));
     visit(fields);
   }
-  /// Null where it is not there.
+  /// Null if missing.
   void maybe_object(const char* name, bool is_there, unsigned kind, auto&& visit) {
     if (is_there)
       object(name, kind, visit);
     else
       null(name);
   }
-  /// Members of this object that are there together, or not at all; `name`: one of them.
+  /// Members of this object that exist together or not at all; `name`: one of them.
   void maybe_fields(const char* /*name*/, const auto& value, unsigned /*kind*/, auto&& visit) {
     if (value) visit(*this, *value);
   }
@@ -108,7 +108,7 @@ class FieldWriter {
     }
   }
   void null(const char* name) { set(member(json_, name), nullptr); }
-  /// For what only the writer knows how to write.
+  /// For values with custom formats.
   Json& json() { return json_; }
 
  private:
@@ -157,7 +157,7 @@ class FieldWriter {
   Json& json_;
 };
 
-/// Its Errors name the place.
+/// Errors name the position.
 class FieldReader {
  public:
   static constexpr bool kReads = true;
@@ -198,8 +198,8 @@ class FieldReader {
       number = place_.at(name).whole(std::numeric_limits<int>::min());
     value = static_cast<Value>(std::clamp(number, low, high));
   }
-  /// Fills the values from the front. More numbers than there are values is an Error: `most` is
-  /// what was expected.
+  /// Fills the values from the front. Throws Error if there are more numbers than values; `most`
+  /// describes the expected number.
   template <typename Values>
   void numbers(const char* name, Values& values, std::size_t /*used*/, const char* most) {
     if (!is_read(name, kPlain)) return;
@@ -283,7 +283,7 @@ class FieldReader {
   Extent extent_;
 };
 
-/// Of a struct that names its fields.
+/// For structs with visit_fields().
 template <typename Json = nlohmann::ordered_json>
 Json json_of(const auto& value) {
   Json json = Json::object();
@@ -291,7 +291,7 @@ Json json_of(const auto& value) {
   visit_fields(fields, value);
   return json;
 }
-/// Throws Error that names the place.
+/// Throws Error naming the position.
 void read_fields(const JsonPlace& place, auto& value) {
   FieldReader fields(place);
   visit_fields(fields, value);

@@ -23,7 +23,7 @@ std::array<std::uint32_t, 3> morton_cell(std::uint64_t code) {
           static_cast<std::uint32_t>(gather(code >> 2))};
 }
 
-// By radix, least significant digit first.
+// Radix sort, least significant digit first.
 void sort_codes(std::vector<std::uint64_t>& codes, std::vector<std::uint32_t>& order, int bits) {
   constexpr int kDigitBits = 11;
   constexpr std::uint64_t kMask = (1 << kDigitBits) - 1;

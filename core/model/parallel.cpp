@@ -1,4 +1,4 @@
-// A thread pool for loops and for teams that meet at barriers, and the SIMD level of the processor.
+// Parallel loops, teams of threads with barriers, and the SIMD level of the processor.
 
 #include "core/model/parallel.hpp"
 
@@ -19,7 +19,7 @@
 namespace planescope {
 namespace {
 
-/// run(1), run(2), ... on `count` threads of their own, or on as many as the system has to give.
+/// Calls run(1), run(2), ... on `count` new threads, or on as many as the system provides.
 template <typename Run>
 std::vector<std::jthread> start_threads(std::size_t count, const Run& run) {
   std::vector<std::jthread> threads;
@@ -94,7 +94,7 @@ void work_through(int count,
 
 namespace {
 
-/// What work_in_order() has made and not yet taken.
+/// Results of work_in_order() that have been made but not taken.
 class Line {
  public:
   Line(int count, int ahead, const std::function<void(int)>& make)
@@ -170,8 +170,8 @@ void work_in_order(int count,
 }
 
 void run_team(int threads, const std::function<void(TeamMember&)>& body) {
-  // Members wait until it is known how many there are: a system that has no more threads to give
-  // makes the team smaller.
+  // Members wait until the team size is known: it is smaller if the system cannot provide
+  // enough threads.
   std::latch complete(1);
   const int wanted = std::max(1, threads);
   std::barrier<> barrier(wanted);
@@ -184,7 +184,7 @@ void run_team(int threads, const std::function<void(TeamMember&)>& body) {
       body(member);
     } catch (...) {
       errors[rank] = std::current_exception();
-      barrier.arrive_and_drop();  // the others go on without this one
+      barrier.arrive_and_drop();  // the others continue without this member
     }
   };
   {

@@ -1,4 +1,4 @@
-// Plane fits from moments: 3x3 eigenvalues by Jacobi rotations, hulls and areas.
+// Fits planes to moments: 3x3 eigenvalues by Jacobi rotations, convex hulls and polygon areas.
 
 #include "core/model/plane.hpp"
 
@@ -43,7 +43,7 @@ Eigen3 eigen_symmetric(const Mat3d& matrix) {
       }
     }
   }
-  std::array<int, 3> order{0, 1, 2};  // by value, of equals the first stays first
+  std::array<int, 3> order{0, 1, 2};  // by value; equal values keep their order
   for (const int k : {0, 1, 0})
     if (a(order[k + 1], order[k + 1]) < a(order[k], order[k])) std::swap(order[k], order[k + 1]);
   Eigen3 result;
@@ -80,7 +80,7 @@ double cross(const Vec2d& o, const Vec2d& a, const Vec2d& b) {
 }  // namespace
 
 PlaneBasis plane_basis(const Vec3d& normal) {
-  // The world axis farthest from the normal, so that the basis does not turn with small changes.
+  // The world axis farthest from the normal, so that the basis is stable under small changes.
   const Vec3d axis = std::abs(normal.z()) < 0.9 ? Vec3d::UnitZ() : Vec3d::UnitX();
   PlaneBasis basis;
   basis.u = axis.cross(normal).normalized();

@@ -12,11 +12,11 @@
 
 namespace planescope {
 
-// Sun et al. 2023, Sec. IV-D "Plane Merging": N, sum of points and X X^T, which add when two sets
-// of points are joined, so that a merge never touches the points again.
+// Sun et al. 2023, Sec. IV-D "Plane Merging": N, the sum of points and X X^T are additive, so
+// merging two sets needs no access to the points.
 
-/// Zeroth, first and second moments of a set of points about a fixed origin (the frame's own:
-/// metres; keep it within a few metres of the points, or the scatter cancels).
+/// Zeroth, first and second moments of a set of points relative to a fixed origin, in meters. Keep
+/// the origin within a few meters of the points to avoid cancellation in the scatter.
 struct Moments {
   double count = 0;
   Vec3d sum = Vec3d::Zero();      // [m]
@@ -33,7 +33,7 @@ struct Moments {
     yz += p.y() * p.z();
     zz += p.z() * p.z();
   }
-  /// Eq. (8)-(10): X1 X1^T <- X1 X1^T + X2 X2^T, mu and N likewise.
+  /// Eqs. (8)-(10): X1 X1^T <- X1 X1^T + X2 X2^T, and likewise mu and N.
   Moments& operator+=(const Moments& other) {
     count += other.count;
     sum += other.sum;
@@ -78,48 +78,50 @@ struct PlaneFit {
 PlaneFit fit_plane(const Moments& moments);
 
 /// Eigenvalues (ascending) and eigenvectors (columns, same order) of a symmetric 3x3 matrix by
-/// cyclic Jacobi rotations: accurate for the tiny eigenvalues of nearly exact planes.
+/// cyclic Jacobi rotations, which are accurate for the tiny eigenvalues of nearly exact planes.
 struct Eigen3 {
   Vec3d values;
   Mat3d vectors;
 };
 Eigen3 eigen_symmetric(const Mat3d& a);
 
-/// Two unit vectors u, v with u x v = normal, chosen from the normal alone.
+/// Two unit vectors u, v with u x v = normal, determined by the normal alone.
 struct PlaneBasis {
   Vec3d u;
   Vec3d v;
 };
 PlaneBasis plane_basis(const Vec3d& normal);
 
-/// Convex hull, counter-clockwise, without collinear points. Fewer than 3 distinct points: those.
+/// Convex hull, counter-clockwise, without collinear points. Returns the distinct points if there
+/// are fewer than 3.
 std::vector<Vec2d> convex_hull(std::vector<Vec2d> points);
 
-/// Area of a simple polygon [m^2], positive when counter-clockwise.
+/// Area of a simple polygon [m^2], positive if counter-clockwise.
 double polygon_area(std::span<const Vec2d> polygon);
 
 }  // namespace planescope
 
-// Planes seen along rays. On a plane n . X = d the inverse distance along a ray is linear in the
-// ray, w = (n / d) . ray, and what stereo errs by is the same for w at any distance: least squares
-// here weight near and far correctly (in metres the noise grows with the distance squared).
+// Planes along rays. On a plane n . X = d the inverse distance along a ray is linear in the ray, w
+// = (n / d) . ray, and stereo errors of w are independent of distance. Least squares in w therefore
+// weights near and far points correctly (in meters the noise grows with the distance squared).
 
 namespace planescope {
 
 struct InversePlane {
   Vec3d w_of_ray = Vec3d::Zero();  // n / d [1/m]
-  double rms = 0;                  // of w [1/m]: a metre off at a distance r is 1 / r^2
-  /// Towards the sensor: w > 0, so n . ray < 0.
+  double rms = 0;                  // of w [1/m]: an error of 1 m at a distance r is 1 / r^2
+  /// Toward the sensor: w > 0, so n . ray < 0.
   Vec3d normal() const { return -w_of_ray.normalized(); }
 };
 
 /// Sums for the least-squares fit; additive.
 struct InverseSums {
-  static constexpr int kSums = 10;  // of the products of x, y, z and w with those from them on
+  static constexpr int kSums = 10;  // sums of products: x, y, z and w, each with itself and the
+                                    // ones after it
   int count = 0;
 
   InverseSums() = default;
-  /// `sums` of `count` rays, w w last.
+  /// `sums` over `rays` rays; the last is w w.
   InverseSums(int rays, const double (&sums)[kSums]) : count(rays) {
     std::copy_n(sums, kSums, sums_);
   }
@@ -141,7 +143,7 @@ struct InverseSums {
     count -= other.count;
     return *this;
   }
-  /// += more - less, in one go.
+  /// += more - less, in one pass.
   void add_difference(const InverseSums& more, const InverseSums& less) {
     for (int i = 0; i < kSums; ++i) sums_[i] += more.sums_[i] - less.sums_[i];
     count += more.count - less.count;

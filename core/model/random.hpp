@@ -8,8 +8,8 @@
 
 namespace planescope {
 
-/// SplitMix64: a small generator whose numbers are the same with every compiler and library, which
-/// the standard's distributions do not promise.
+/// SplitMix64: a small generator with the same numbers for every compiler and library, which the
+/// standard distributions do not guarantee.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -22,7 +22,7 @@ class Random {
   }
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }  // [0, 1)
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  int integer(int low, int high) {  // low..high, both included
+  int integer(int low, int high) {  // low..high, inclusive
     return low + static_cast<int>(uniform() * (high - low + 1));
   }
   double normal() {  // Box-Muller, one of the pair

@@ -50,7 +50,7 @@ std::string nearest_name(std::string_view given, const std::vector<std::string>&
   for (const std::string& candidate : candidates) {
     const std::size_t longer = std::max(given.size(), candidate.size());
     const std::size_t least = longer - std::min(given.size(), candidate.size());
-    if (least * 3 > longer) continue;  // and a long text is not compared letter by letter
+    if (least * 3 > longer) continue;  // and avoids comparing long texts letter by letter
     const std::size_t distance = edit_distance(given, candidate);
     if (distance * 3 <= longer && distance < best_distance) {
       best = candidate;
@@ -121,12 +121,12 @@ std::string one_line(std::string text) {
   return text;
 }
 
-std::string length_text(double metres) {
-  const double size = std::abs(metres);
-  if (size < 0.001) return fmt::format("{:.2f} mm", 1000 * metres);
-  if (size < 0.01) return fmt::format("{:.3g} mm", 1000 * metres);
-  if (size < 1) return fmt::format("{:.3g} cm", 100 * metres);
-  return size < 100 ? fmt::format("{:.3g} m", metres) : fmt::format("{:.0f} m", metres);
+std::string length_text(double meters) {
+  const double size = std::abs(meters);
+  if (size < 0.001) return fmt::format("{:.2f} mm", 1000 * meters);
+  if (size < 0.01) return fmt::format("{:.3g} mm", 1000 * meters);
+  if (size < 1) return fmt::format("{:.3g} cm", 100 * meters);
+  return size < 100 ? fmt::format("{:.3g} m", meters) : fmt::format("{:.0f} m", meters);
 }
 
 std::string area_text(double m2) {
@@ -142,7 +142,7 @@ std::string counted(std::size_t count, std::string_view noun) {
 
 namespace {
 
-constexpr std::string_view kBlank = "\t\r\v\f";  // beside spaces
+constexpr std::string_view kBlank = "\t\r\v\f";  // in addition to spaces
 
 }  // namespace
 

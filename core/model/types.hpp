@@ -54,7 +54,7 @@ struct Image {
   }
 };
 
-using Image8 = Image<std::uint8_t>;    // 1 grey, 3 RGB or 4 RGBA channels
+using Image8 = Image<std::uint8_t>;    // 1 gray, 3 RGB or 4 RGBA channels
 using Image16 = Image<std::uint16_t>;  // 1 channel: depth counts, plane ids
 
 }  // namespace planescope

@@ -20,14 +20,14 @@
 namespace planescope::world {
 namespace {
 
-/// Frames that arrive at their timestamps, or at 30 Hz if these do not increase.
+/// Frame arrival at the recording's timestamps, or at 30 Hz if these do not increase.
 class Arrivals {
  public:
   Arrivals(const MapJob& job, const std::vector<const CameraPose*>& pose_of) : job_(job) {
     constexpr double kRate_hz = 30;
     for (std::size_t i = 0; i < pose_of.size(); ++i)
       due_.push_back(pose_of[i] ? pose_of[i]->timestamp_s : time_of(*job.recording, job.frames[i]));
-    // A damaged frame comes with the one before it.
+    // A damaged frame arrives with the previous one.
     const auto known = [](double time) { return !std::isnan(time); };
     const auto first_known = std::ranges::find_if(due_, known);
     const double first = first_known == due_.end() ? 0 : *first_known;
@@ -66,12 +66,12 @@ class Arrivals {
   double now_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
   const MapJob& job_;
-  std::vector<double> due_;  // [s] after the first
+  std::vector<double> due_;  // [s] after the first frame
   std::vector<double> behind_;
   Clock::time_point start_ = Clock::now();
 };
 
-/// A shard's file is missing or invalid: ends the run. Other errors skip one frame.
+/// A shard's file is missing or invalid: ends the run. Other errors skip only one frame.
 struct PartError : Error {
   using Error::Error;
 };
@@ -109,7 +109,7 @@ ObservedFrame observation_of(FrameAtWork& work) {
                  work.pose->segment);
 }
 
-/// With the planes that a shard found.
+/// Uses the planes found by a shard.
 ObservedFrame observe_given(const MapJob& job,
                             const UprightPoses& upright,
                             const FrameAtWork& work) {
@@ -120,7 +120,7 @@ ObservedFrame observe_given(const MapJob& job,
       throw Error(fmt::format("frame {} was observed at {}x{}, expected {}x{}", work.frame.index,
                               seen.plane_of.width, seen.plane_of.height, depth.width,
                               depth.height));
-    take_frame(seen, work.frame, work.options, work.pose->T_world_camera, work.pose->segment);
+    set_frame_fields(seen, work.frame, work.options, work.pose->T_world_camera, work.pose->segment);
     return seen;
   } catch (const Error& error) {
     throw PartError(error.what());
@@ -133,7 +133,7 @@ planes::FrameThreads threads_of(const MapJob& job, int frames) {
   return planes::threads_for_frames(options, frames);
 }
 
-/// Starts each frame of a job, finds its planes, observes them and adds them to the tracker.
+/// Starts each frame of a job, finds and observes its planes, and adds them to the tracker.
 class Passage {
  public:
   Passage(const MapJob& job,
@@ -177,9 +177,9 @@ class Passage {
     std::string refused;
   };
 
-  /// While the planes of a frame are found, the one before is taken and the next one started, so a
-  /// frame's candidates are the tracks as of two frames before it. If the next frame has not
-  /// arrived yet, a frame is taken at once.
+  /// While the planes of a frame are found, the previous frame is added and the next one is
+  /// started, so a frame's candidates are the tracks as of two frames earlier. If the next frame
+  /// has not arrived yet, a frame is added immediately.
   void run_one_by_one() {
     std::optional<Arrivals> arrivals;
     if (job_.at_own_rate) arrivals.emplace(job_, pose_of_);
@@ -213,7 +213,7 @@ class Passage {
     if (arrivals) pass_.pace = arrivals->pace();
   }
 
-  /// A frame that fails is skipped, and reported when its turn comes.
+  /// Failed frames are skipped, and reported in order.
   void attempt(int i, const std::function<void(AtWork&)>& step) {
     AtWork& at = *at_work_[i];
     if (job_.stop.stop_requested() || !at.refused.empty()) return;
@@ -230,7 +230,7 @@ class Passage {
     at_work_[i] = std::make_unique<AtWork>();
     attempt(i, [&](AtWork& at) {
       if (!pose_of_[i]) {
-        // Throws if the frame is unreadable: that explains the missing pose.
+        // Throws if the frame is unreadable, which explains the missing pose.
         if (upright_.poses.estimated) job_.recording->frame(job_.frames[i]);
         return;
       }
@@ -279,7 +279,7 @@ class Passage {
     at_work_[i].reset();
     report_progress(job_, what_, i + 1, count_);
   }
-  /// On another thread if the job has more than one and the system can start it.
+  /// Runs on another thread if the job has more than one and the system can start it.
   std::launch policy() const {
     return job_.threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
   }
@@ -296,7 +296,7 @@ class Passage {
   const bool one_by_one_;
   const planes::FrameThreads threads_;
   const std::vector<const CameraPose*> pose_of_;
-  std::vector<std::unique_ptr<AtWork>> at_work_;  // by position in the job; null: not now
+  std::vector<std::unique_ptr<AtWork>> at_work_;  // by position in the job; null: not in progress
   Pass pass_;
 };
 

@@ -19,10 +19,11 @@
 namespace planescope::world {
 namespace {
 
-constexpr int kGravityFrames = 60;  // looked at in each segment
-constexpr double kLeastKept = 0.2;  // share of pixels on planes that go on in the next frame
+constexpr int kGravityFrames = 60;  // number of frames sampled per segment
+constexpr double kLeastKept = 0.2;  // smallest share of pixels on planes that continue in the
+                                    // next frame
 
-/// The poses that the frames carry; empty where none does.
+/// Poses recorded with the frames; empty if there are none.
 Trajectory own_trajectory(const MapJob& job) {
   Trajectory own{"the recording", {}};
   for (const int index : job.frames) {
@@ -38,11 +39,11 @@ Trajectory own_trajectory(const MapJob& job) {
   return own;
 }
 
-/// One pose each for frames of this job, in their order.
-Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
+/// One pose each for frames of this job, in order.
+Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& warnings) {
   if (job.trajectory) {
     const PairedPoses paired = pair_poses(*job.trajectory, *job.recording, job.frames);
-    if (!paired.notice.empty()) told.push_back(paired.notice);
+    if (!paired.notice.empty()) warnings.push_back(paired.notice);
     Trajectory given{job.trajectory->source, {}};
     for (const std::optional<CameraPose>& pose : paired.poses)
       if (pose) given.poses.push_back(*pose);
@@ -50,9 +51,10 @@ Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
   }
   if (Trajectory own = own_trajectory(job); !own.poses.empty()) return own;
   if (job.at_own_rate)
-    throw Error(job.recording->info().path.string() +
-                ": has no poses, expected them where frames are taken at their own rate: odometry "
-                "does not keep up");
+    throw Error(
+        job.recording->info().path.string() +
+        ": has no poses; they are required at the recording's own rate, because odometry is "
+        "too slow");
   OdometryJob odometry;
   odometry.recording = job.recording;
   odometry.frames = job.frames;
@@ -62,12 +64,12 @@ Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
   Trajectory found = estimate_trajectory(odometry);
   const int segments = found.poses.empty() ? 0 : found.poses.back().segment + 1;
   if (segments > 1)
-    told.push_back(fmt::format("odometry lost its way: {}, each with a world of its own",
-                               counted(segments, "segment")));
+    warnings.push_back(fmt::format("odometry lost tracking: {}, each with its own world frame",
+                                   counted(segments, "segment")));
   return found;
 }
 
-/// Up to kGravityFrames poses of each segment, spread over it.
+/// Up to kGravityFrames poses of each segment, evenly distributed.
 std::vector<const CameraPose*> spread_over_segments(const std::vector<CameraPose>& poses) {
   std::vector<const CameraPose*> chosen;
   for (std::size_t first = 0, end = 0; first < poses.size(); first = end) {
@@ -78,7 +80,7 @@ std::vector<const CameraPose*> spread_over_segments(const std::vector<CameraPose
   return chosen;
 }
 
-/// Turns each segment upright by the gravity of some of its frames.
+/// Rotates each segment upright by the gravity of a sample of its frames.
 std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory& trajectory) {
   const std::vector<const CameraPose*> looked = spread_over_segments(trajectory.poses);
   std::vector<GravitySample> samples(looked.size());
@@ -91,11 +93,11 @@ std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory&
       [&](int i) {
         if (job.stop.stop_requested()) return;
         samples[i].T_world_camera = looked[i]->T_world_camera;
-        samples[i].gravity = planes::unknown_gravity({}, "cannot be read");
+        samples[i].gravity = planes::unknown_gravity({}, "unreadable frame");
         try {
           const Frame frame = job.recording->frame(looked[i]->frame);
           samples[i].gravity = planes::resolve_gravity(frame, options);
-        } catch (const Error&) {  // reported when the frame's turn comes
+        } catch (const Error&) {  // reported when the frame is processed
         }
       },
       [&](int done, int all) {
@@ -105,18 +107,18 @@ std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory&
   return turn_upright(trajectory, samples, segments);
 }
 
-void tell_of_aside(const Tracker& tracker,
+void warn_of_aside(const Tracker& tracker,
                    const std::string& poses,
-                   std::vector<std::string>& told) {
+                   std::vector<std::string>& warnings) {
   int aside = 0, first = -1;
   for (const FrameOfTracks& frame : tracker.frames())
     if (frame.set_aside) {
       if (aside++ == 0) first = frame.frame;
     }
   if (aside > 0)
-    told.push_back(fmt::format(
-        "{} set aside, the first is frame {}: depth and pose do not fit the map so far; "
-        "are the poses of {} right?",
+    warnings.push_back(fmt::format(
+        "{} set aside, beginning with frame {}: depth and pose do not fit the map so far; "
+        "check the poses of {}",
         counted(aside, "frame"), first, poses));
   const auto& frames = tracker.frames();
   std::vector<std::string> begin;  // frames
@@ -128,9 +130,9 @@ void tell_of_aside(const Tracker& tracker,
     alone += std::exchange(before, 0);
   }
   if (!begin.empty())
-    told.push_back(fmt::format("the map begins anew at {} {}, with {} before",
-                               begin.size() == 1 ? "frame" : "frames", fmt::join(begin, ", "),
-                               counted(alone, "frame")));
+    warnings.push_back(fmt::format("the map restarts at {} {}, after {}",
+                                   begin.size() == 1 ? "frame" : "frames", fmt::join(begin, ", "),
+                                   counted(alone, "frame")));
 }
 
 }  // namespace
@@ -146,7 +148,7 @@ planes::PipelineOptions turn_to_map(Frame& frame,
                                     planes::PipelineOptions options,
                                     const CameraPose& pose,
                                     const UprightPoses& upright) {
-  frame.timestamp_s = pose.timestamp_s;  // its own, or where it has none the pose's
+  frame.timestamp_s = pose.timestamp_s;  // the frame's own time or, if missing, the pose's
   const SharedGravity& gravity = upright.gravity[static_cast<std::size_t>(pose.segment)];
   if (options.gravity.mode != planes::GravityMode::none)
     frame.gravity = gravity.known
@@ -162,12 +164,12 @@ UprightPoses upright_poses(const MapJob& job) {
   if (job.recording->info().width == 0)
     throw Error(path + ": contains point clouds; expected depth images");
   UprightPoses upright;
-  upright.poses = trajectory_of(job, upright.told);
+  upright.poses = trajectory_of(job, upright.warnings);
   std::vector<CameraPose>& poses = upright.poses.poses;
   if (poses.empty()) throw Error(path + ": no frame has a pose");
   const auto back = std::ranges::is_sorted_until(poses, {}, &CameraPose::timestamp_s);
   if (back != poses.end())
-    upright.told.push_back(fmt::format(
+    upright.warnings.push_back(fmt::format(
         "timestamps decrease at frame {}; frames are processed in index order", back->frame));
   upright.gravity = turn_upright_by_frames(job, upright.poses);
   for (CameraPose& pose : poses) settle(pose);
@@ -195,7 +197,7 @@ std::string difference(const PlanesFrom& found, const PlanesFrom& expected) {
   };
   PlanesFrom all = found;
   all.insert(expected.begin(), expected.end());
-  // What other options follow from comes first.
+  // First the options that imply others.
   for (const char* first : {"camera", "method", "profile"})
     if (shown(found, first) != shown(expected, first))
       return fmt::format("{} is {}, expected {}", first, shown(found, first),
@@ -208,8 +210,8 @@ std::string difference(const PlanesFrom& found, const PlanesFrom& expected) {
 
 namespace {
 
-/// The poses become those at which the tracker has the frames.
-void take_aligned(const Tracker& tracker, std::vector<CameraPose>& poses) {
+/// Replaces the poses by the tracker's aligned poses.
+void apply_aligned_poses(const Tracker& tracker, std::vector<CameraPose>& poses) {
   auto pose = poses.begin();
   for (const FrameOfTracks& frame : tracker.frames()) {
     if (!frame.has_pose) continue;
@@ -230,7 +232,7 @@ WorldMap map_recording(const MapJob& job) {
   const bool in_one_pass = job.at_own_rate || job.tracks.window_m > 0;
   Pass pass = pass_through(job, map, helps && in_one_pass ? Offer::so_far : Offer::nothing, nullptr,
                            "map", !helps || in_one_pass);
-  take_aligned(pass.tracker, map.poses.poses);
+  apply_aligned_poses(pass.tracker, map.poses.poses);
   if (helps && !in_one_pass) {
     Tracker earlier = std::move(pass.tracker);
     earlier.consolidate();
@@ -240,16 +242,16 @@ WorldMap map_recording(const MapJob& job) {
   map.stored = std::move(pass.stored);
   map.pace = pass.pace;
   map.refused = static_cast<int>(pass.refused.size());
-  std::ranges::move(pass.refused, std::back_inserter(map.told));
+  std::ranges::move(pass.refused, std::back_inserter(map.warnings));
   if (pass.without_pose > 0)
-    map.told.push_back(fmt::format("{} of {} have no pose and are left out", pass.without_pose,
-                                   counted(job.frames.size(), "frame")));
-  tell_of_aside(map.tracker, map.poses.source, map.told);
+    map.warnings.push_back(fmt::format("{} of {} have no pose and are skipped", pass.without_pose,
+                                       counted(job.frames.size(), "frame")));
+  warn_of_aside(map.tracker, map.poses.source, map.warnings);
   map.stability = stability_of(map.tracker, map.poses.poses);
   if (map.stability.kept_share < kLeastKept)
-    map.told.push_back(
+    map.warnings.push_back(
         fmt::format("only {:.0f} % of plane pixels are tracked into the next frame: frames may be "
-                    "too far apart, or {} may not hold T_world_camera in meters",
+                    "too far apart, or {} may not contain T_world_camera in meters",
                     100 * map.stability.kept_share, map.poses.source));
   return map;
 }
@@ -261,7 +263,8 @@ ObservedPart observe_recording(
   if (!job.trajectory && own_trajectory(job).poses.empty())
     throw Error(
         job.recording->info().path.string() +
-        ": has no poses, expected them for a part of the frames: odometry goes through all");
+        ": has no poses; they are required for a subset of the frames, because odometry needs "
+        "all of them");
   const UprightPoses upright = upright_poses(job);
   std::vector<const CameraPose*> mine;
   const std::vector<const CameraPose*> all = poses_by_frame(job, upright);
@@ -269,8 +272,8 @@ ObservedPart observe_recording(
     if (all[i] && is_mine(i)) mine.push_back(all[i]);
   std::vector<std::string> refused =
       observe_each(job, upright, mine, [&](const ObservedFrame& seen) { take(seen, upright); });
-  ObservedPart part{static_cast<int>(refused.size()), upright.told};
-  std::ranges::move(refused, std::back_inserter(part.told));
+  ObservedPart part{static_cast<int>(refused.size()), upright.warnings};
+  std::ranges::move(refused, std::back_inserter(part.warnings));
   return part;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// A recording becomes a map: poses, one direction of gravity, tracks.
+// Builds the map of a recording: poses, a shared direction of gravity, and tracks.
 
 #include <functional>
 #include <map>
@@ -20,92 +20,92 @@
 
 namespace planescope::world {
 
-/// Camera poses in worlds whose z points up.
+/// Camera poses in upright worlds (z up).
 struct UprightPoses {
-  Trajectory poses;                    // of the frames that have one
+  Trajectory poses;                    // for frames with a pose
   std::vector<SharedGravity> gravity;  // by segment of the poses
-  std::vector<std::string> told;       // warnings, one line each
+  std::vector<std::string> warnings;   // warnings, one line each
 };
 
 struct MapJob {
   const io::Recording* recording = nullptr;
   std::vector<int> frames;
   planes::PipelineOptions pipeline;
-  const planes::Classifier* classifier = nullptr;  // none where points are not labelled
+  const planes::Classifier* classifier = nullptr;  // null if points are not labeled
   TrackOptions tracks;
-  std::optional<Trajectory> trajectory;  // else the recording's own, else odometry
+  std::optional<Trajectory> trajectory;  // default: the recording's own poses, else odometry
   int threads = 1;
   std::function<void(const char* what, int done, int all)> progress = {};
-  /// After each frame, in their order.
+  /// Called after each frame, in order.
   std::function<void(const ObservedFrame&, const FrameOfTracks&)> on_frame = {};
-  /// The planes of each frame, in their order, as a PNG of 16 bits: per pixel the plane's id, 0
-  /// none. Not called if frames get no candidates: then segmenting them again gives the same
-  /// planes.
+  /// Receives the planes of each frame, in order, as a 16-bit PNG with the plane id per pixel,
+  /// 0 none. Not called if frames get no candidates, because segmenting them again gives the
+  /// same planes.
   std::function<void(int frame, std::span<const unsigned char> png)> on_planes = {};
-  /// What leaves the window (TrackOptions::window_m).
+  /// Receives pieces that leave the window (TrackOptions::window_m).
   std::function<void(const LeftPiece&)> on_left = {};
   /// Segment each frame independently. Otherwise planes of other frames are candidates: all of
   /// them, in a second pass, or earlier ones only with at_own_rate or a window.
   bool alone = false;
   /// Simulate a live camera: frames arrive at their timestamps, or at 30 Hz if these do not
-  /// increase. Frames that arrive while another is processed are dropped. Needs poses.
+  /// increase. Frames that arrive while another is processed are dropped. Requires poses.
   bool at_own_rate = false;
-  /// Frames that were observed elsewhere (observed_files.hpp): their planes are taken from there.
+  /// Provides the planes of frames observed elsewhere (observed_files.cpp).
   std::function<ObservedFrame(int frame, const UprightPoses& upright)> observed = {};
   std::stop_token stop = {};
 };
 
-/// How a job at the recording's own rate kept up.
+/// Statistics of a job at the recording's own rate.
 struct Pace {
   int frames = 0, taken = 0;
   double rate_hz = 0;                             // of the recording
   double behind_s_median = 0, behind_s_most = 0;  // latency from arrival to map
 };
 
-/// The planes of a frame, as the map has them.
+/// Planes of a frame as stored in the map.
 struct StoredPlanes {
-  std::string sha256;           // of the PNG that MapJob::on_planes took
+  std::string sha256;           // of the PNG passed to MapJob::on_planes
   std::vector<double> margins;  // by id - 1
 };
 
-/// What the planes of a frame follow from: options, and the camera under "camera". Of classifier
-/// weights only the name.
+/// Everything that determines the planes of a frame: options, and the camera under "camera".
+/// Classifier weights are identified by name only.
 using PlanesFrom = std::map<std::string, std::string>;
 PlanesFrom planes_from(const planes::PipelineOptions& options, const io::RecordingInfo& recording);
-/// Empty, or the first difference: "min_pixels is 400, expected 200".
+/// The first difference, "min_pixels is 400, expected 200"; empty if equal.
 std::string difference(const PlanesFrom& found, const PlanesFrom& expected);
 
-struct WorldMap : UprightPoses {  // with the poses at which the map has the frames
+struct WorldMap : UprightPoses {  // includes the aligned poses of the frames
   PlanesFrom planes_from;
   Tracker tracker;
   std::map<int, StoredPlanes> stored;  // by frame
   Stability stability;
-  int refused = 0;           // frames that could not be read or worked on, told each
-  std::optional<Pace> pace;  // where it was made at the recording's own rate
+  int refused = 0;           // frames that were unreadable or failed, each reported
+  std::optional<Pace> pace;  // if made at the recording's own rate
 };
 
 /// Options for a frame after turn_to_map().
 planes::PipelineOptions options_of_map(planes::PipelineOptions options);
 
-/// Gives the frame its pose's time and, if asked for, the map's gravity.
+/// Sets the frame's time to its pose's time and, if requested, its gravity to the map's.
 /// Returns options_of_map().
 planes::PipelineOptions turn_to_map(Frame& frame,
                                     planes::PipelineOptions options,
                                     const CameraPose& pose,
                                     const UprightPoses& upright);
 
-/// Throws Error where the recording is of clouds, or no frame has a pose; Cancelled when stopped.
-/// Given the poses, the result is bit-identical for any number of threads, except with at_own_rate.
+/// Throws Error for recordings of clouds or without poses; Cancelled when stopped. Given the poses,
+/// the result is bit-identical for any number of threads, except with at_own_rate.
 WorldMap map_recording(const MapJob& job);
 
 struct ObservedPart {
-  int refused = 0;                // frames that could not be read or worked on, told each
-  std::vector<std::string> told;  // one line each
+  int refused = 0;                    // frames that were unreadable or failed, each reported
+  std::vector<std::string> warnings;  // one line each
 };
 
-/// A part of it: observes the frames of the job for whose position in MapJob::frames `is_mine`
-/// holds, and hands them over in their order. Needs poses: odometry would go through all frames.
-/// Throws as map_recording() does.
+/// Observes the subset of frames whose position in MapJob::frames satisfies `is_mine`, and passes
+/// them to `take` in order. Requires poses, because odometry would process all frames. Throws
+/// like map_recording().
 ObservedPart observe_recording(
     const MapJob& job,
     const std::function<bool(std::size_t position)>& is_mine,
@@ -139,7 +139,7 @@ struct Pass {
   std::optional<Pace> pace;
 };
 
-/// `earlier`: the pass whose tracks are offered (Offer::all). `what`: for MapJob::progress. Only
+/// `earlier`: the pass whose tracks are candidates (Offer::all). `what`: for MapJob::progress. Only
 /// the last pass calls on_frame, on_planes and on_left.
 Pass pass_through(const MapJob& job,
                   const UprightPoses& upright,
@@ -148,8 +148,8 @@ Pass pass_through(const MapJob& job,
                   const char* what,
                   bool is_last);
 
-/// Observes the frames at these poses without candidates. Calls `take` in this order, and not for
-/// frames that failed; returns these, a line each.
+/// Observes the frames at these poses without candidates, and calls `take` in order, skipping
+/// failed frames. Returns one line per failed frame.
 std::vector<std::string> observe_each(const MapJob& job,
                                       const UprightPoses& upright,
                                       const std::vector<const CameraPose*>& poses,

@@ -98,7 +98,7 @@ TEST(BenchClassifier, ARecordingWithoutGravityIsNamedBeforeAnythingIsMeasured) {
   write_depth_folder(bench.dir / "rec", nothing);
   const Ran ran = bench.with({(bench.dir / "rec").string()});
   expect_refused(ran, "rec: ");
-  EXPECT_NE(ran.err.find("holds no depth"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("contains no depth"), std::string::npos) << ran.err;
   EXPECT_EQ(ran.out, "");
 }
 

@@ -87,7 +87,7 @@ TEST(Classifier, WeightsThatAreMissingCutOrLieAreRefused) {
   commands.expect_refused(file.string(), file.string() + ": tensor");
   bytes[5] = 1;  // a header of a terabyte
   write_file_bytes(file, bytes);
-  commands.expect_refused(file.string(), file.string() + ": a header of");
+  commands.expect_refused(file.string(), file.string() + ": header of");
   // Nothing takes the place of those that are shipped.
   fs::create_directories(commands.dir / "empty");
   const Environment assets("PLANESCOPE_ASSETS", commands.dir / "empty");

@@ -145,8 +145,9 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
   for (const std::vector<std::string>& other :
        {std::vector<std::string>{"--max-range", "2"}, {"--depth-unit", "0.0005"}})
     refusals += refusal(other).err;
-  for (const char* what : {"other options: max_range_m is 1.5, expected 2",
-                           "other options: camera is 320x240", "unit 0.001 m, expected 320x240"})
+  for (const char* what :
+       {"different options: max_range_m is 1.5, expected 2", "different options: camera is 320x240",
+        "unit 0.001 m, expected 320x240"})
     EXPECT_TRUE(has(refusals, what)) << what << " in " << refusals;
   expect_refused(refusal({"--window", "3"}), "--join cannot be combined with");
   const fs::path part = fs::path(parts) / "observed" / "000007.cbor";
@@ -221,15 +222,16 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
     for (std::size_t i = 0; i < ids.data.size(); ++i)
       EXPECT_EQ(of_pixel.data[i], ids.data[i] > 0 ? of_planes[ids.data[i] - 1] : 0);
   }
-  expect_refused(segment({"--max-range", "2"}), "other options: max_range_m is 1.5, expected 2");
+  expect_refused(segment({"--max-range", "2"}),
+                 "different options: max_range_m is 1.5, expected 2");
   const fs::path other = dir / "other";
   fs::copy(walk, other, fs::copy_options::recursive);
   const Ran refused = run({"segment", other, "-o", dir / "x", "--map", known});
-  EXPECT_TRUE(has(refused.err, "is of the recording \"walk\", expected \"other\""));
+  EXPECT_TRUE(has(refused.err, "belongs to recording \"walk\", expected \"other\""));
   expect_refused(segment({"--frames", "11"}), "is not in the map ");
   const fs::path stored = dir / "out" / "planes";
   fs::copy_file(stored / "000008.png", stored / "000009.png", fs::copy_options::overwrite_existing);
-  expect_refused(segment({"--frames", "9"}), "000009.png: is not what ");
+  expect_refused(segment({"--frames", "9"}), "000009.png: does not match ");
   fs::remove(stored / "000009.png");
   expect_refused(segment({"--frames", "9"}), "000009.png: ");
   // Another map in the same folder keeps nothing of this one.
@@ -238,7 +240,7 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
   EXPECT_FALSE(fs::exists(stored / "000008.png"));
   fs::copy_file(dir / "out" / "poses.tum", dir / "out" / "tracks.json",
                 fs::copy_options::overwrite_existing);
-  expect_refused(segment({}), "tracks.json: is not what ");
+  expect_refused(segment({}), "tracks.json: does not match ");
   write_file_text(dir / "out" / "tracks.json", "{\"schema\": \"planescope.tracks/1\"}");
   expect_refused(segment({}), "tracks.json: ");
   fs::remove(dir / "out" / "map.json");
@@ -263,7 +265,7 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
   };
   // A map without planes is none, and replaces none.
   const std::string empty = told(millimetres, 2, {});
-  EXPECT_TRUE(has(empty, "may not hold T_world_camera in meters"));
+  EXPECT_TRUE(has(empty, "may not contain T_world_camera in meters"));
   EXPECT_TRUE(has(empty, "not written: no plane was seen in 3 or more of 12 frames"));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
   // So is one that few frames fit: T_camera_world, a common mistake.
@@ -298,7 +300,7 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   const std::string file = (dir / "given.tum").string();
   write_file_text(file, poses);
   const Ran ran = well(map({"--poses", file, "--frames", "::2", "--max-range", "4"}));
-  const std::string notice = "frames have no times: pose i of " + file + " is taken for frame i";
+  const std::string notice = "frames have no times: pose i of " + file + " is used for frame i";
   EXPECT_TRUE(has(ran.err, notice));
   EXPECT_TRUE(has(ran.out, "from 6 frames"));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");

@@ -145,7 +145,7 @@ TEST(Report, AFrameWithoutDepthIsToldAndTheOthersGoOn) {
   EXPECT_EQ(frames[0]["status"], "done");
   EXPECT_EQ(frames[0]["gravity"]["source"], "estimate");
   EXPECT_EQ(frames[1]["status"], "refused");
-  EXPECT_TRUE(has(frames[1]["message"].get<std::string>(), "holds no depth"));
+  EXPECT_TRUE(has(frames[1]["message"].get<std::string>(), "contains no depth"));
   EXPECT_EQ(frames[2]["status"], "done");
 }
 

@@ -199,7 +199,7 @@ TEST(Segment, AFrameWithoutDepthIsRefusedAndTheOthersAreDone) {
   const Json json = Json::parse(ran.out);
   EXPECT_EQ(json["frames"].size(), 1u);
   ASSERT_EQ(json["refused"].size(), 1u);
-  EXPECT_TRUE(has(json["refused"][0].get<std::string>(), "holds no depth"));
+  EXPECT_TRUE(has(json["refused"][0].get<std::string>(), "contains no depth"));
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
   EXPECT_EQ(files_below(dir / "out").size(), 4u);
 

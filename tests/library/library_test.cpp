@@ -208,7 +208,7 @@ TEST(Library, SaysWhatIsWrongInOneLine) {
   empty.counts = nothing.data();
   empty.gravity.reset();
   const std::string where = error_of([&] { ps::segment(empty); });
-  EXPECT_NE(where.find("holds no depth: all pixels are 0"), std::string::npos) << where;
+  EXPECT_NE(where.find("contains no depth: all pixels are 0"), std::string::npos) << where;
   EXPECT_EQ(where.find("--"), std::string::npos) << where;
 }
 

@@ -332,7 +332,7 @@ struct AnalysisPanels : Panels {
 TEST_F(AnalysisPanels, ALineOfALifeLeadsToItsStepAndTheLifeStays) {
   play(R"({"do": "select.pixel", "with": "320,300"}, "point.life")");
   const std::size_t source = 300 * 640 + 320;
-  const std::vector<debug::LifeEvent> life = debug::life_of(*state().run(), source);
+  const std::vector<debug::HistoryEvent> life = debug::history_of(*state().run(), source);
   ASSERT_EQ(life[3].stage, "node");
   play(R"({"click": "point.life.3"})");
   EXPECT_EQ(state().view.step, life[3].step);

@@ -280,7 +280,7 @@ void RecordingJobs::pursue_map(State& state) {
           const std::size_t planes = world::planes_of_map(made->tracker()).size();
           std::string text = fmt::format("{} tracked over {}", counted(planes, "plane"),
                                          counted(made->tracker().frames().size(), "frame"));
-          for (const std::string& line : made->map.told) text += "; " + line;
+          for (const std::string& line : made->map.warnings) text += "; " + line;
           say(s, text);
         });
       },

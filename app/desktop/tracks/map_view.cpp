@@ -35,7 +35,7 @@ std::vector<std::uint32_t> voxels_of(const MapView& view,
   frame.noise = run.segmentation.noise;
   frame.plane_of = Image16(frame.depth.width, frame.depth.height);
   std::vector<std::uint32_t> pixels, voxels;
-  world::sight_of(track, frame, view.tracker().options(), &pixels);
+  world::visibility_of(track, frame, view.tracker().options(), &pixels);
   for (const std::uint32_t pixel : pixels)
     if (const std::uint32_t voxel = subject.voxel_of_source(pixel); voxel != planes::kNoVoxel)
       voxels.push_back(voxel);

@@ -1,5 +1,5 @@
-// Two runs of one frame, or a run and the ground truth: which planes, nodes and points differ, and
-// the first event in which they do.
+// Compares two runs of a frame, or a run and ground truth: planes, nodes and points that differ,
+// and the first differing event.
 
 #include "core/debug/explain/compare.hpp"
 
@@ -22,7 +22,7 @@ namespace {
 std::vector<std::int32_t> voxels_by_source(const Subject& from, const Subject& to) {
   std::vector<std::int32_t> voxels(from.voxel_count(), -1);
   const std::vector<std::uint32_t>& voxel_of = from.prepared.voxels.voxel_of;
-  for (std::size_t i = voxel_of.size(); i-- > 0;) {  // the first one stays
+  for (std::size_t i = voxel_of.size(); i-- > 0;) {  // the first source wins
     if (voxel_of[i] == planes::kNoVoxel) continue;
     const std::uint32_t other = to.voxel_of_source(from.prepared.cloud.source[i]);
     if (other != planes::kNoVoxel) voxels[voxel_of[i]] = static_cast<std::int32_t>(other);
@@ -30,14 +30,14 @@ std::vector<std::int32_t> voxels_by_source(const Subject& from, const Subject& t
   return voxels;
 }
 
-/// The step of the last event of `to` that answers to `event`, 0 where there is none.
+/// The step of the last event of `to` that corresponds to `event`; 0 if none.
 std::int32_t step_of(const Correspondence& same, const planes::TraceEvent& event, const Run& to) {
   for (std::int32_t step = to.steps(); step > 0; --step)
     if (same.same_event(event, *to.event_at(step))) return step;
   return 0;
 }
 
-/// When the other run settled the node or, where it has none, the nearest above it.
+/// The step at which the other run settled the node or its nearest ancestor that exists there.
 std::int32_t step_of_node(const Correspondence& same,
                           std::int32_t node,
                           const Run& from,
@@ -49,7 +49,7 @@ std::int32_t step_of_node(const Correspondence& same,
   return 0;
 }
 
-/// Those that correspond, then those without a counterpart.
+/// Matched planes first, then planes without a counterpart.
 std::vector<PlanePair> match_planes(const planes::TruthOverlap& overlap) {
   std::vector<PlanePair> pairs = planes::pairs_by_overlap(overlap);
   std::vector<std::uint8_t> matched_a(overlap.truth + 1, 0), matched_b(overlap.found + 1, 0);
@@ -61,7 +61,7 @@ std::vector<PlanePair> match_planes(const planes::TruthOverlap& overlap) {
   return pairs;
 }
 
-using Planes = std::vector<std::int32_t>;  // of each voxel or source; 0 none, -1 not compared
+using Planes = std::vector<std::int32_t>;  // per voxel or source; 0 none, -1 not compared
 
 Planes by_source(const Subject& subject, const Planes& by_voxel) {
   Planes planes;
@@ -72,7 +72,7 @@ Planes by_source(const Subject& subject, const Planes& by_voxel) {
   return planes;
 }
 
-/// The sources whose plane of b is not the one that answers to their plane of a.
+/// Finds the sources whose plane in b is not the counterpart of their plane in a.
 void compare_sources(const Planes& a, const Planes& b, int count_a, Comparison& result) {
   Planes counterpart(count_a + 1, -1);
   counterpart[0] = 0;
@@ -91,15 +91,16 @@ void find_divergence(const Run& a, const Run& b, const Correspondence& same, Com
                             [&](const auto& x, const auto& y) { return same.same_event(x, y); });
   const auto step = static_cast<std::int32_t>(parting.in1 - a.trace.events.begin()) + 1;
   if (step > a.steps() && step > b.steps()) {
-    result.divergence = "the same to the last event";
+    result.divergence = "identical in all events";
     return;
   }
-  const auto says = [step](const Run& run) {
+  const auto event_text = [step](const Run& run) {
     return step <= run.steps() ? describe_event(run, step) : std::string("the end");
   };
   if (step <= a.steps()) result.diverging_step_a = step;
   if (step <= b.steps()) result.diverging_step_b = step;
-  result.divergence = fmt::format("step {}: A has {}; B has {}", step, says(a), says(b));
+  result.divergence =
+      fmt::format("step {}: A has {}; B has {}", step, event_text(a), event_text(b));
 }
 
 void compare_nodes(const Run& a, const Run& b, const Correspondence& to_b, Comparison& result) {
@@ -183,7 +184,7 @@ Comparison compare_runs(const Run& a, const Run& b) {
     compare_nodes(a, b, same, result);
   } else {
     result.divergence =
-        fmt::format("A is {}, B is {}: their planes are compared, there are no steps to compare",
+        fmt::format("A uses {}, B uses {}: comparing planes only, because not both have steps",
                     planes::to_string(a.options.method), planes::to_string(b.options.method));
   }
 
@@ -217,8 +218,8 @@ Comparison compare_with_truth(const Run& run) {
 
 namespace {
 
-/// Decisions by how many points they are about. A plane is seldom lost in one step: of the kind of
-/// decision that is about the most points, the one that is about the most.
+/// Counts points per decision. A plane is seldom lost in a single step, so the winner is the
+/// decision with most points among the kind of decision with most points.
 class Ballot {
  public:
   explicit Ballot(const Run& run) : run_(run) {}
@@ -231,7 +232,7 @@ class Ballot {
     Step& votes = kind.steps[step];
     if (votes.points++ == 0) votes.voxel = static_cast<std::int32_t>(voxel);
   }
-  /// The earliest of those with the most points.
+  /// The earliest decision on ties.
   RegionDecision winner() const {
     if (kinds_.empty()) return {};
     const auto points = [](const auto& entry) { return entry.second.points; };
@@ -257,23 +258,23 @@ const planes::TraceEvent& founding_of(const Run& run, std::int32_t plane) {
   return *run.event_at(run.timeline.changes_of_plane(plane).front().step);
 }
 
-/// Where two runs decide otherwise: planes are the same where they were founded alike.
+/// Finds the first difference between two runs. Planes are the same if they were created by the
+/// same event.
 class Parting {
  public:
   Parting(const Run& a, const Run& b) : a_(a), b_(b), to_b_(a, b), to_a_(b, a) {}
 
-  /// The first step of b that the voxel's life in a does not have in its place; 0 where there is
-  /// none.
+  /// First step of b in the voxel's history that differs from its history in a; 0 if none.
   std::int32_t step_of(std::uint32_t voxel_of_b) const {
     const auto in_b = static_cast<std::int32_t>(voxel_of_b), in_a = to_a_.voxel(in_b);
     if (in_a < 0) return 0;
-    const std::set<std::int32_t> life_a = steps_of_point(a_, in_a),
-                                 life_b = steps_of_point(b_, in_b);
+    const std::set<std::int32_t> history_a = steps_of_point(a_, in_a),
+                                 history_b = steps_of_point(b_, in_b);
     const auto alike = [this](std::int32_t step_a, std::int32_t step_b) {
       return are_alike(*a_.event_at(step_a), *b_.event_at(step_b));
     };
-    const auto at_b = std::ranges::mismatch(life_a, life_b, alike).in2;
-    return at_b == life_b.end() ? 0 : *at_b;
+    const auto at_b = std::ranges::mismatch(history_a, history_b, alike).in2;
+    return at_b == history_b.end() ? 0 : *at_b;
   }
 
  private:
@@ -286,7 +287,7 @@ class Parting {
   }
   bool same_plane(std::int32_t plane_a, std::int32_t plane_b) const {
     const planes::TraceEvent& a = founding_of(a_, plane_a);
-    // Of a part that split off, its number must do: nothing else tells the parts apart.
+    // For parts split from a plane, compare indices: nothing else distinguishes them.
     return to_b_.same_event(a, founding_of(b_, plane_b)) && (a.node >= 0 || plane_a == plane_b);
   }
 

@@ -1,8 +1,7 @@
 #pragma once
 
-// Two runs side by side: where they diverge, and what follows from it. Of the same frame; voxels,
-// options, classifier and profile may differ. Nodes are the same where their cells are, points
-// where their pixels are.
+// Compares two runs of the same frame: where they diverge, and the resulting differences. Voxels,
+// options, classifier and profile may differ. Nodes match by cell, points by pixel.
 
 #include <cstdint>
 #include <span>
@@ -15,23 +14,23 @@
 namespace planescope::debug {
 
 struct NodeChange {
-  std::int32_t a = -1, b = -1;  // node in each run; -1 where it does not exist there
+  std::int32_t a = -1, b = -1;  // node in each run; -1 if it does not exist there
   planes::Case case_a = planes::Case::none, case_b = planes::Case::none;
 };
 
-using planes::PlanePair;  // 0: no counterpart; over voxels or, where they differ, over sources
+using planes::PlanePair;  // 0: no counterpart; over voxels or, if they differ, over sources
 
 struct Comparison {
   std::int32_t diverging_step_a = planes::kNever,
                diverging_step_b = planes::kNever;  // first differing event
   std::string divergence;                          // one sentence
-  std::vector<NodeChange> nodes;                   // settled otherwise, larger nodes first
-  std::vector<PlanePair> planes;               // matched best first, then lost (b 0), gained (a 0)
-  std::vector<std::uint32_t> changed_sources;  // points whose plane is not the matched one
+  std::vector<NodeChange> nodes;                   // settled differently, larger nodes first
+  std::vector<PlanePair> planes;               // best matches first, then lost (b 0), gained (a 0)
+  std::vector<std::uint32_t> changed_sources;  // points not on the matched plane
   std::size_t compared_sources = 0;
 };
 Comparison compare_runs(const Run& a, const Run& b);
-/// Against ground truth: planes only. `a` of the pairs is the truth plane.
+/// Compares planes with ground truth; `a` of each pair is the true plane.
 Comparison compare_with_truth(const Run& run);
 
 /// Maps nodes, voxels and events of one run to those of another.
@@ -40,50 +39,50 @@ class Correspondence {
   Correspondence(const Run& from, const Run& to);
 
   bool same_voxels() const { return same_voxels_; }
-  /// -1 where the cell is not a node of the other run, or the octrees' cubes differ.
+  /// -1 if the cell is not a node of the other run, or if the octrees' cubes differ.
   std::int32_t node(std::int32_t node) const;
-  /// Of the voxel's first pixel; -1 where the other run cropped that.
+  /// Maps the voxel's first pixel; -1 if the other run cropped it.
   std::int32_t voxel(std::int32_t voxel) const { return same_voxels_ ? voxel : voxels_[voxel]; }
-  /// Whether both are the same decision, apart from planes' numbers and measured values.
+  /// Whether both are the same decision, ignoring plane indices and measured values.
   bool same_event(const planes::TraceEvent& from, const planes::TraceEvent& to) const;
 
  private:
   const Run& from_;
   const Run& to_;
   bool same_voxels_ = false;
-  std::vector<std::int32_t> voxels_;  // empty where they are the same
+  std::vector<std::int32_t> voxels_;  // empty if same_voxels_
 };
 
-/// The node of `other` with the same cell, -1 where it has none.
+/// The node of `other` with the same cell; -1 if none.
 std::int32_t same_node(const Run& run, std::int32_t node, const Run& other);
-/// The last step of `other` at which its state corresponds to `step` of `run`: the event on the
-/// same node or point; otherwise the same fraction of all steps.
+/// The last step of `other` that corresponds to `step` of `run`: the event on the same node or
+/// point, otherwise the same fraction of all steps.
 std::int32_t same_step(const Run& run, std::int32_t step, const Run& other);
 
-// The one decision that explains what became of most points of a region. Decisions are of one kind
-// where their event, case and stage are.
+// The decision that explains the outcome for most points of a region. Decisions with the same event
+// type, case and stage are of the same kind.
 
 struct RegionDecision {
-  std::int32_t step = 0;    // the one about the most points; 0: there is none
+  std::int32_t step = 0;    // the decision that affects most points; 0: none
   std::int32_t voxel = -1;  // one of these points
-  std::size_t points = 0;   // of the region, that this or another decision of its kind is about
-  std::size_t alike = 0;    // how many of its kind there are, itself included
+  std::size_t points = 0;   // points of the region affected by decisions of this kind
+  std::size_t alike = 0;    // number of decisions of this kind, including this one
 };
 
-/// Where `run` first decided otherwise on each point of the region than `a` did; `step` 0 where
-/// both decide alike, or leave no trace.
+/// The first decision of `run` on each point of the region that differs from `a`; `step` 0 if there
+/// are no differences or no traces.
 RegionDecision first_difference(const Run& run,
                                 const Run& a,
                                 std::span<const std::uint32_t> voxels);
 
-/// The decision that left most of the region's points over, of those that no plane has.
+/// The decision that left most of the region's unassigned points over.
 RegionDecision loss_of_region(const Run& run, std::span<const std::uint32_t> voxels);
 
-/// The merge that brought most of the region's points to where they end; without one, what brought
-/// them there point by point.
+/// The merge that moved most of the region's points to their final plane or, without one, the
+/// decision that assigned them individually.
 RegionDecision joining_of_region(const Run& run, std::span<const std::uint32_t> voxels);
 
-/// The plane of the result that most of the region is in, 0 where most of it is in none.
+/// The plane of the result that contains most of the region; 0 if most of it is unassigned.
 std::int32_t plane_of_region(const Run& run, std::span<const std::uint32_t> voxels);
 
 }  // namespace planescope::debug

@@ -1,5 +1,6 @@
-// Which plane a candidate joined, and why none of the others: Sun et al. 2023, Sec. IV-C, or the
-// objective. Which plane a leftover point went to: its last paragraph.
+// Explains which plane a candidate joined and why it did not join the others (Sun et al. 2023,
+// Sec. IV-C, or the objective), and which plane a leftover point was assigned to (last paragraph
+// of Sec. IV-C).
 
 #include <fmt/format.h>
 
@@ -21,9 +22,9 @@ PartnerReport report_of(const planes::Pair& pair, const planes::SegmentOptions& 
           .cost = pair.terms.offset_m};
 }
 
-/// Repeats a choice: the planes that it asks about, and the partner that it takes.
+/// Repeats a choice, recording the compared planes and the chosen partner.
 template <typename Choose>
-std::vector<PartnerReport> partners_asked(const planes::SegmentOptions& options, Choose choose) {
+std::vector<PartnerReport> compared_partners(const planes::SegmentOptions& options, Choose choose) {
   std::vector<PartnerReport> partners;
   const planes::PairVisitor visitor = [&](const planes::Pair& pair) {
     partners.push_back(report_of(pair, options));
@@ -33,34 +34,34 @@ std::vector<PartnerReport> partners_asked(const planes::SegmentOptions& options,
   return partners;
 }
 
-/// The planes behind the one that was taken first: the choice never came to them.
-void append_never_asked(const planes::SegmentState& state,
-                        const planes::Candidate& candidate,
-                        std::vector<PartnerReport>& partners) {
+/// Appends the planes after the accepted one, which the choice did not evaluate.
+void append_not_evaluated(const planes::SegmentState& state,
+                          const planes::Candidate& candidate,
+                          std::vector<PartnerReport>& partners) {
   const std::int32_t asked = partners.empty() ? -1 : partners.back().plane;
   for (auto k = asked + 1; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
     if (!state.planes[k].alive) continue;
     const planes::Coplanarity terms = planes::coplanarity(state.planes[k].fit, candidate.fit);
     partners.push_back(report_of({k, terms, false}, state.options));
-    partners.back().never_asked = true;
+    partners.back().not_evaluated = true;
     partners.back().coplanar = false;
-    for (Check& check : partners.back().checks) check = not_asked(check);
+    for (Check& check : partners.back().checks) check = not_evaluated(check);
   }
 }
 
 std::vector<PartnerReport> partners_in_list(const planes::SegmentState& state,
                                             const planes::Candidate& candidate) {
-  auto partners = partners_asked(state.options, [&](const planes::PairVisitor* visitor) {
+  auto partners = compared_partners(state.options, [&](const planes::PairVisitor* visitor) {
     return planes::choose_partner(state, candidate, visitor);
   });
-  append_never_asked(state, candidate, partners);
+  append_not_evaluated(state, candidate, partners);
   return partners;
 }
 
-/// The chosen one, coplanar ones by cost, the nearest misses, what was never asked.
+/// Sorts: the chosen one, coplanar ones by cost, the nearest misses, then those not evaluated.
 void sort_for_reading(std::vector<PartnerReport>& partners) {
   const auto key = [](const PartnerReport& p) {
-    return std::tuple(!p.chosen, p.never_asked, !p.coplanar,
+    return std::tuple(!p.chosen, p.not_evaluated, !p.coplanar,
                       p.coplanar ? p.cost : -least_margin(p.checks));
   };
   std::ranges::stable_sort(partners, {}, key);
@@ -112,7 +113,7 @@ MergeReport explain_founded(const Run& run, std::int32_t step) {
           .outcome = "created " + plane_name(run, event.plane)};
 }
 
-/// Two regions that touch, or that something hides from each other.
+/// Two regions that touch, or that are separated by an occlusion.
 MergeReport explain_join(const Run& run, std::int32_t step) {
   const planes::TraceEvent& event = *run.event_at(step);
   const planes::PlaneChange& plane = *run.timeline.plane_at(event.plane, step - 1);
@@ -135,7 +136,7 @@ MergeReport explain_join(const Run& run, std::int32_t step) {
   return report;
 }
 
-/// The planes that stand, with how far they are from the point.
+/// The planes alive at this step, with their distances from the point.
 std::vector<LeftoverPlane> planes_beside(const planes::SegmentState& state,
                                          std::uint32_t i,
                                          double limit_m,
@@ -151,10 +152,10 @@ std::vector<LeftoverPlane> planes_beside(const planes::SegmentState& state,
 std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::uint32_t i) {
   StateWalk walk(run);
   const planes::SegmentState& state = walk.advance_to(step - 1);
-  if (run.segment_options.by_objective()) {  // the plane in reach that explains it best
+  if (run.segment_options.by_objective()) {  // the plane in reach that explains the point best
     const double limit_m = state.noise.tau(0);
     std::vector<LeftoverPlane> rows =
-        planes_beside(state, i, limit_m, "another explains it better");
+        planes_beside(state, i, limit_m, "another plane explains it better");
     for (LeftoverPlane& row : rows) {
       row.considered = true;
       row.chosen = row.plane == run.event_at(step)->plane;
@@ -164,7 +165,7 @@ std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::ui
     return rows;
   }
   std::vector<LeftoverPlane> rows =
-      planes_beside(state, i, state.options.leftover_distance_m, "an earlier plane took it");
+      planes_beside(state, i, state.options.leftover_distance_m, "an earlier plane claimed it");
   const planes::PointVisitor visitor = [&](const planes::PointTerms& terms) {
     const auto row = std::ranges::find(rows, terms.plane, &LeftoverPlane::plane);
     row->considered = true;

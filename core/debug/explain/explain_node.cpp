@@ -1,4 +1,4 @@
-// Why a node got its case: Sun et al. 2023, Sec. IV-B, recomputed.
+// Explains the case of a node by recomputing Sun et al. 2023, Sec. IV-B.
 
 #include <fmt/format.h>
 
@@ -31,37 +31,38 @@ Check enough_points(const std::string& criterion,
       purity.n_in, options.theta_n_in);
 }
 
-/// Not a comparison: what the inliers' PCA gives to Criterion 3.
+/// Not a comparison: shows the input of Criterion 3.
 Check pca(const PlaneFit& fit) {
-  Check check{"PCA", "Eq. (4)", "λ₀", "least eigenvalue of the inliers' scatter", "m²"};
+  Check check{"PCA", "Eq. (4)", "λ₀", "smallest eigenvalue of the inliers' scatter", "m²"};
   check.value = fit.eigenvalues[0];
   check.verdict = Verdict::pass;
   return check;
 }
 
-/// Appends a criterion's checks; asking stops with the first criterion that fails.
-class Questions {
+/// Appends the checks of a criterion; stops after the first criterion that fails.
+class CheckList {
  public:
-  explicit Questions(std::vector<Check>& into) : into_(into) {}
-  bool ask(const std::vector<Check>& criterion) {
-    for (const Check& check : criterion) into_.push_back(asking_ ? check : not_asked(check));
-    asking_ = asking_ && all_pass(criterion);
-    return asking_;
+  explicit CheckList(std::vector<Check>& into) : into_(into) {}
+  bool add(const std::vector<Check>& criterion) {
+    for (const Check& check : criterion)
+      into_.push_back(evaluating_ ? check : not_evaluated(check));
+    evaluating_ = evaluating_ && all_pass(criterion);
+    return evaluating_;
   }
 
  private:
   std::vector<Check>& into_;
-  bool asking_ = true;
+  bool evaluating_ = true;
 };
 
-/// The objective asks Criteria 2 and 3 of an impure node again, of each label for itself.
-void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks) {
+/// The objective evaluates Criteria 2 and 3 of an impure node again, for each label separately.
+void check_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks) {
   const planes::SegmentOptions& options = run.segment_options;
   const NodeFacts& facts = run.facts[node];
   const planes::Purity& purity = facts.purity;
-  Questions questions(checks);
-  questions.ask({enough_points(kByLabel, purity, options)});
-  questions.ask({planarity_check(kByLabel, options, facts.e_n, facts.theta_e_n)});
+  CheckList list(checks);
+  list.add({enough_points(kByLabel, purity, options)});
+  list.add({planarity_check(kByLabel, options, facts.e_n, facts.theta_e_n)});
   if (!planes::has_enough_inliers(purity.n_out, options)) return;  // too few to matter: left over
   const Label other = purity.inlier == Label::h ? Label::v : Label::h;
   const planes::Candidate outliers =
@@ -69,32 +70,32 @@ void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks)
   const planes::Planarity planar = planes::planarity(outliers.fit, run.segmentation.noise, options);
   Check check = planarity_check(kByLabel, options, planar.value, planar.threshold);
   check.quantity += " of the outliers";
-  questions.ask({check});
+  list.add({check});
 }
 
-/// Criteria 1-3 on a depth image, in the order asked.
+/// Criteria 1-3 on a depth image, in evaluation order.
 std::vector<Check> image_checks(const Run& run, std::int32_t index) {
   const planes::ObjectiveOptions& options = run.segment_options.objective;
   const planes::ImageTerms& terms = run.trace.image_terms[index];
   const planes::OctreeNode& node = run.octree().nodes[index];
   const auto answer = [](Check check, double value, double threshold) {
-    if (value < 0) return not_asked(std::move(check));
+    if (value < 0) return not_evaluated(std::move(check));
     if (value >= planes::kNotFlat) value = std::numeric_limits<double>::infinity();
     return at_most(std::move(check), value, threshold);
   };
   std::vector<Check> checks;
-  checks.push_back(at_least({"Criterion 2", "Eq. (3)", "filled",
-                             "share of the cell's pixels that the node has", "", "filled"},
-                            terms.filled, options.filled));
+  checks.push_back(at_least(
+      {"Criterion 2", "Eq. (3)", "filled", "share of the cell's pixels in the node", "", "filled"},
+      terms.filled, options.filled));
   if (node.decided == planes::Case::II) checks.back().verdict = Verdict::fail;  // or too few
   if (node.depth < run.octree().cube.max_depth)
     checks.push_back(answer({"Criterion 1", "Eq. (2)", "cost",
-                             "of one plane for two halves of the cell, or of a cell within it; "
-                             "infinite where one of these is not flat",
+                             "of one plane for both halves of the cell, or of a cell within it; "
+                             "infinite if one of these is not flat",
                              "", "two_planes"},
                             terms.two_planes, options.two_planes * options.merge_cost));
   checks.push_back(answer({"Criterion 3", "Eq. (5)", "variance",
-                           "about the cell's plane, relative to what noise explains", "", "flat"},
+                           "about the cell's plane, relative to the expected noise", "", "flat"},
                           terms.variance, options.flat));
   return checks;
 }
@@ -120,7 +121,7 @@ std::string stopped_at(const NodeReport& report) {
   return "All passed: plane candidate";
 }
 
-/// "h founded P9", for each candidate of the node.
+/// "h created P9", for each candidate of the node.
 std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
   std::string text;
   for (const std::int32_t step : steps) {
@@ -168,9 +169,9 @@ Check at_least(Check check, double value, double threshold) {
   return answered(std::move(check), value, "≥", threshold, value - threshold);
 }
 
-Check not_asked(Check check) {
+Check not_evaluated(Check check) {
   check.value = std::numeric_limits<double>::quiet_NaN();
-  check.verdict = Verdict::not_asked;
+  check.verdict = Verdict::not_evaluated;
   check.margin = 0;
   return check;
 }
@@ -183,7 +184,7 @@ bool all_pass(const std::vector<Check>& checks) {
 double least_margin(const std::vector<Check>& checks) {
   double least = std::numeric_limits<double>::infinity();
   for (const Check& check : checks)
-    if (check.verdict != Verdict::not_asked) least = std::min(least, check.margin);
+    if (check.verdict != Verdict::not_evaluated) least = std::min(least, check.margin);
   return least;
 }
 
@@ -211,11 +212,11 @@ std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
       at_least({name, source, "|n₁·n₂|", "cosine between the normals", "", option}, terms.normals,
                options.theta_coplane),
       at_most({name, source, "|n₁·Δμ|/‖Δμ‖",
-               "sine of the direction between the centroids, out of the plane", "", option},
+               "sine of the angle between plane and line of centroids", "", option},
               terms.n1_dmu, most)};
   if (options.criterion4_n2)
     checks.push_back(
-        at_most({name, source, "|n₂·Δμ|/‖Δμ‖", "the same out of the candidate", "", option},
+        at_most({name, source, "|n₂·Δμ|/‖Δμ‖", "the same for the candidate", "", option},
                 terms.n2_dmu, most));
   if (options.merge_offset_m > 0)
     checks.push_back(
@@ -225,9 +226,9 @@ std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
   return checks;
 }
 
-std::string distance_text(double metres) {
-  return metres < 0.01 ? fmt::format("{:.1f} mm", 1000 * metres)
-                       : fmt::format("{:.1f} cm", 100 * metres);
+std::string distance_text(double meters) {
+  return meters < 0.01 ? fmt::format("{:.1f} mm", 1000 * meters)
+                       : fmt::format("{:.1f} cm", 100 * meters);
 }
 
 NodeReport explain_node(const Run& run, std::int32_t node) {
@@ -241,19 +242,18 @@ NodeReport explain_node(const Run& run, std::int32_t node) {
     append_outcome(run, report);
     return report;
   }
-  Questions questions(report.checks);
-  const bool pure =
-      questions.ask({at_most({"Criterion 1", "Eq. (2)", "N_out", "points of the minority label",
-                              "points", "theta_n_out"},
-                             facts.purity.n_out, options.theta_n_out),
-                     at_most({"Criterion 1", "Eq. (2)", "r_out", "their share of the node's points",
-                              "", "theta_r_out"},
-                             facts.purity.r_out(), options.theta_r_out)});
-  questions.ask({enough_points("Criterion 2", facts.purity, options)});
-  questions.ask({pca(facts.fit)});
-  questions.ask({planarity_check("Criterion 3", options, facts.e_n, facts.theta_e_n)});
+  CheckList list(report.checks);
+  const bool pure = list.add({at_most({"Criterion 1", "Eq. (2)", "N_out",
+                                       "points of the minority label", "points", "theta_n_out"},
+                                      facts.purity.n_out, options.theta_n_out),
+                              at_most({"Criterion 1", "Eq. (2)", "r_out",
+                                       "their share of the node's points", "", "theta_r_out"},
+                                      facts.purity.r_out(), options.theta_r_out)});
+  list.add({enough_points("Criterion 2", facts.purity, options)});
+  list.add({pca(facts.fit)});
+  list.add({planarity_check("Criterion 3", options, facts.e_n, facts.theta_e_n)});
   report.stopped = stopped_at(report);
-  if (!pure && options.by_objective()) ask_by_label(run, node, report.checks);
+  if (!pure && options.by_objective()) check_by_label(run, node, report.checks);
   append_outcome(run, report);
   return report;
 }

@@ -1,4 +1,4 @@
-// Searches option changes that give a surface the result a user wants, cheapest first.
+// Searches for option changes that give a surface the requested result, cheapest first.
 
 #include "core/debug/explain/fix.hpp"
 
@@ -22,12 +22,13 @@
 namespace planescope::debug {
 namespace {
 
-// Share of a target that is to be as wished, or the lesser one where no change grants that.
+// Share of a target that must be as requested; the second value applies if no change reaches
+// the first.
 constexpr std::array kEnough{0.5, 0.1};
-constexpr double kMostBeyond = 0.5;    // of a plane, beyond the surface that it is wanted for ...
-constexpr double kOfItsOwn = 0.25;     // ... and where it should be a plane of its own
-constexpr std::size_t kExplained = 3;  // fixes that tell their step
-constexpr std::size_t kVotes = 64;     // voxels that are asked for it
+constexpr double kMostBeyond = 0.5;    // share of a plane outside the requested surface ...
+constexpr double kOfItsOwn = 0.25;     // ... and if it should be a separate plane
+constexpr std::size_t kExplained = 3;  // number of fixes for which the decisive step is computed
+constexpr std::size_t kVotes = 64;     // number of voxels sampled for it
 
 std::size_t in_common(const std::vector<std::uint32_t>& voxels,
                       const std::vector<std::int32_t>& plane_of,
@@ -36,12 +37,12 @@ std::size_t in_common(const std::vector<std::uint32_t>& voxels,
       std::ranges::count_if(voxels, [&](std::uint32_t voxel) { return plane_of[voxel] == plane; }));
 }
 
-/// How far a result grants a wish.
+/// How well a result satisfies a request.
 struct Granted {
   bool enough = false;
   double share = 0;
-  std::int32_t plane = 0;  // that has the target
-  std::size_t voxels = 0;  // of the target that are as wished
+  std::int32_t plane = 0;  // the plane that contains the target
+  std::size_t voxels = 0;  // voxels of the target that are as requested
 };
 
 Granted granted(const std::vector<std::int32_t>& plane_of,
@@ -87,12 +88,12 @@ Granted granted(const std::vector<std::int32_t>& plane_of,
   return result;
 }
 
-/// Voxels outside of the target that are in another plane than before.
+/// Number of voxels outside the target that changed planes.
 std::int32_t moved_elsewhere(const std::vector<std::int32_t>& before,
                              const std::vector<std::int32_t>& after,
                              const std::vector<std::uint32_t>& target) {
   const planes::TruthOverlap overlap = planes::count_truth_overlap(before, after);
-  std::vector<std::int32_t> after_of(overlap.truth + 1, -1);  // -1: gone
+  std::vector<std::int32_t> after_of(overlap.truth + 1, -1);  // -1: no counterpart
   after_of[0] = 0;
   for (const planes::PlanePair& pair : planes::pairs_by_overlap(overlap)) after_of[pair.a] = pair.b;
   const auto stays = [&](std::size_t i) { return after_of[before[i]] == after[i]; };
@@ -110,7 +111,7 @@ bool is_better(const Fix& a, const Fix& b) {
   return a.restores != b.restores ? a.restores : cost_of(a) < cost_of(b);
 }
 
-/// What the profile sets an option to.
+/// The profile's value of an option.
 std::string value_of_profile(const planes::OptionInfo& info,
                              const planes::PipelineOptions& options) {
   planes::PipelineOptions profile = options;
@@ -118,7 +119,7 @@ std::string value_of_profile(const planes::OptionInfo& info,
   return info.get(profile);
 }
 
-/// Tries values of one option, all others as they are.
+/// Searches the values of one option, with all others unchanged.
 class Search {
  public:
   Search(const Run& run,
@@ -133,11 +134,11 @@ class Search {
         stop_(std::move(stop)),
         has_(granted(run.segmentation.plane_of, target)) {}
 
-  /// The profile's value, where the option has another one.
+  /// The profile's value, if the option currently has another.
   std::optional<Fix> restored() {
     const std::string value = value_of_profile(info_, run_.options);
     if (value == info_.get(run_.options)) return {};
-    // A plane that goes far beyond the surface will do, as it is what the profile finds.
+    // Accept a plane that extends far beyond the surface, because the profile produces it.
     const bool is_back = grants(value) || (target_.wish == Wish::plane && target_.voxel >= 0 &&
                                            planes_[target_.voxel] > 0);
     if (!is_back || stop_.stop_requested()) return {};
@@ -149,7 +150,7 @@ class Search {
     return fix;
   }
 
-  /// The option's change of the least cost.
+  /// The cheapest change of the option.
   std::optional<Fix> best() {
     std::optional<Fix> best;
     const auto offer = [&](std::optional<Fix> fix) {
@@ -164,7 +165,7 @@ class Search {
       offer(by_limit());
     } else {
       for (const int side : {1, -1}) offer(by_number(side));
-      if (info_.name == "merge_offset_m" && !best) offer(by_value("0"));  // asks nothing
+      if (info_.name == "merge_offset_m" && !best) offer(by_value("0"));  // 0 disables the test
     }
     return best;
   }
@@ -172,16 +173,16 @@ class Search {
  private:
   bool grants(const std::string& value) {
     planes::PipelineOptions options = run_.options;
-    options.threads = 1;  // options are tried side by side
+    options.threads = 1;  // options are tried in parallel
     info_.set(options, value);
     const Subject& subject = *run_.subject;
     if (planes::is_found_on_pixels(subject.frame, options) != subject.prepared.of_pixels)
-      return false;  // a profile that finds planes in another way changes no decision of this one
+      return false;  // a profile that switches between pixels and voxels is not comparable
     planes_ = planes_with(run_, options);
     return granted(planes_, target_, enough_).enough;
   }
 
-  /// Each value of a number is tried once.
+  /// Tries each value of a number once.
   bool grants_with(const std::string& value) {
     const auto [tried, is_new] = tried_.try_emplace(value);
     if (is_new) tried->second = grants(value);
@@ -207,8 +208,8 @@ class Search {
     return fix;
   }
 
-  /// The smallest change to one side: outwards in steps, then bisected. A change that recovers the
-  /// surface is at least the first step: what less of it does is chance.
+  /// The smallest change in one direction: outward in steps, then bisected. Changes smaller than
+  /// the first step are not considered, because their effect is random.
   std::optional<Fix> by_number(int side) {
     static constexpr std::array kSteps{0.048, 0.14, 0.35, 0.69, 1.0987, 1.6, 2.3, 3.2, 4.61};
     const double start = scale_position(info_, planes::number_of(info_, run_.options));
@@ -229,8 +230,8 @@ class Search {
     return {};
   }
 
-  /// With few digits, away from the current value, where that adds little to the change
-  /// and grants it too.
+  /// Rounds to few digits, away from the current value, if that adds little to the change and also
+  /// satisfies the request.
   std::string rounded(const std::string& value, double start, int side) {
     const double number = std::stod(value);
     if (!(number > 0)) return value;
@@ -245,7 +246,7 @@ class Search {
     return value;
   }
 
-  /// To 2 % of the change; without a start, to 1 % of the value.
+  /// Bisects to 2 % of the change; without a start, to 1 % of the value.
   double bisect(double fails, double grants, std::optional<double> start) {
     while (std::abs(grants - fails) > (start ? 0.02 * std::abs(grants - *start) : 0.01) &&
            !stop_.stop_requested()) {
@@ -259,13 +260,13 @@ class Search {
     if (stop_.stop_requested() || value == info_.get(run_.options) || !grants(value)) return {};
     planes::PipelineOptions changed = run_.options;
     info_.set(changed, value);
-    double changes = 0;  // a profile sets many
+    double changes = 0;  // a profile changes many options
     for (const planes::OptionInfo& info : planes::option_table())
       changes += info.name != "profile" && info.get(changed) != info.get(run_.options);
     return tried(value, std::max(1.0, changes));
   }
 
-  /// For a limit that is not in force yet: the loosest that recovers, to 1 %.
+  /// For a limit that is currently disabled: the loosest value that recovers the surface, to 1 %.
   std::optional<Fix> by_limit() {
     double looser = 0.3;
     for (const double limit :
@@ -285,12 +286,12 @@ class Search {
   const planes::OptionInfo& info_;
   const double enough_;
   std::stop_token stop_;
-  const Granted has_;  // without a change
+  const Granted has_;  // result without a change
   std::map<std::string, bool> tried_{{info_.get(run_.options), false}};
-  std::vector<std::int32_t> planes_;  // of the last trial
+  std::vector<std::int32_t> planes_;  // from the last trial
 };
 
-/// Options in the order in which they are tried: those whose terms decided on the target first.
+/// Options in the order in which they are tried: options that decided on the target first.
 std::vector<const planes::OptionInfo*> options_to_try(const Run& run, const FixTarget& target) {
   std::vector<const planes::OptionInfo*> options;
   for (const planes::OptionInfo& info : planes::option_table())
@@ -305,7 +306,7 @@ std::vector<const planes::OptionInfo*> options_to_try(const Run& run, const FixT
   return options;
 }
 
-/// The step of the run that most of the target's fate first differs in.
+/// The step of the run at which the history of most of the target first differs.
 std::int32_t step_decided_by(const Run& run, const FixTarget& target, const Fix& fix) {
   planes::PipelineOptions options = run.options;
   planes::set_option(options, fix.option, fix.after);
@@ -374,7 +375,7 @@ std::vector<Fix> find_fixes(const Run& run,
   const auto voxels = static_cast<std::int64_t>(run.subject->voxel_count());
   if (target.voxel >= voxels || target.with >= voxels) return fixes;
   if (target.voxels.empty() || is_granted(run, target)) return fixes;
-  if (target.wish == Wish::plane) {  // a plane may also take what no plane has
+  if (target.wish == Wish::plane) {  // a plane may also take unassigned voxels
     std::vector<std::uint8_t> takes(run.subject->voxel_count(), 0);
     for (const std::uint32_t voxel : target.voxels) takes[voxel] = 1;
     for (const std::uint32_t voxel : target.surface) takes[voxel] = 1;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What would fix this? Changes of one option that make a surface of this frame what it should be,
-// each tried before it is reported.
+// Suggests fixes: changes of a single option that give a surface of this frame the requested
+// result. Each change is verified before it is reported.
 
 #include <cstdint>
 #include <functional>
@@ -15,12 +15,12 @@
 
 namespace planescope::debug {
 
-/// What is wanted of a surface.
+/// Requested result for a surface.
 enum class Wish : std::uint8_t {
   true_plane,  // one plane, IoU >= kDetectedIou
   plane,       // in a plane that takes little beyond the surface from others
-  own_plane,   // in a plane of its own
-  joined,      // in one plane, all of it
+  own_plane,   // in a separate plane
+  joined,      // entirely in one plane
   no_plane,
 };
 
@@ -28,47 +28,48 @@ struct FixTarget {
   std::vector<std::uint32_t> voxels;  // ascending
   std::string name;                   // "truth plane 4", "marked region"
   Wish wish = Wish::true_plane;
-  std::int64_t voxel = -1;  // of these the one that was clicked; -1: none
-  std::int64_t with = -1;   // another, to be in one plane with it (joined) or not (own_plane)
-  /// The surface that the voxels are part of, ascending: `plane` may take all of it.
+  std::int64_t voxel = -1;  // the clicked voxel of these; -1: none
+  std::int64_t with = -1;   // another voxel, in the same plane (joined) or in a different
+                            // one (own_plane)
+  /// The surface that contains the voxels, ascending: `plane` may take all of it.
   std::vector<std::uint32_t> surface = {};
-  bool far = false;  // numbers change by up to a hundredfold, not threefold, and profiles are tried
+  bool far = false;  // vary numbers by up to a factor of 100, not 3, and also try profiles
 };
 FixTarget target_of_truth(const Run& run, std::int32_t truth_plane);
-/// Of a click. `surface`: voxels of the surface there, ascending; where that is unknown, what
-/// shares the voxel's fate. `plane` wants what of it is in no plane, `own_plane` what is in the
-/// voxel's; `no_plane` the voxel's plane whatever the surface; `joined` all of it.
+/// Target of a click. `surface`: ascending voxels of the clicked surface; if empty, the voxels with
+/// the same outcome as the clicked one. The target is its unassigned part (`plane`), its part in
+/// the voxel's plane (`own_plane`), all of it (`joined`), or the voxel's whole plane (`no_plane`).
 FixTarget target_of_click(const Run& run,
                           std::uint32_t voxel,
                           Wish wish,
                           std::vector<std::uint32_t> surface = {});
-/// Is it so in the run already?
+/// Whether the run already satisfies the request.
 bool is_granted(const Run& run, const FixTarget& target);
 
-/// A change of one option that grants a wish.
+/// A change of one option that satisfies a request.
 struct Fix {
   std::string option;
-  std::string before, after;   // as --set takes them
-  double change = 0;           // |log ratio| of numbers, of the odds of shares; per switch 1
-  bool restores = false;       // takes the option back to the profile's value
-  double share = 0;            // of the target as wished; of a true plane its IoU
-  std::int32_t gained = 0;     // voxels of the target that are as wished by it alone
-  std::int32_t elsewhere = 0;  // other voxels that it moves to another plane, to or from none
+  std::string before, after;   // as passed to --set
+  double change = 0;           // |log ratio| of numbers or of the odds of shares; 1 per switch
+  bool restores = false;       // resets the option to the profile's value
+  double share = 0;            // of the target as requested; for a true plane, its IoU
+  std::int32_t gained = 0;     // number of target voxels that become as requested
+  std::int32_t elsewhere = 0;  // number of other voxels whose plane changes
   int planes_before = 0, planes_after = 0;
-  /// The step of the run that it decides otherwise, the first about most of the target: the cause.
-  /// 0: none. Of the first fixes only.
+  /// The cause: the first step of the run whose decision changes for most of the target. 0: none.
+  /// Only set for the first fixes.
   std::int32_t step = 0;
-  QuickScore score = {};  // of this frame with it; empty without truth
+  QuickScore score = {};  // score of this frame with the fix; empty without truth
 };
 
-/// The fixes so far, the best first.
+/// Reports the fixes found so far, best first.
 using FixProgress = std::function<void(int done, int total, const std::vector<Fix>& found)>;
 
-/// Of each option the change that grants the wish at the least cost; empty where none does. First
-/// those that restore the profile's value, then by cost: how much the change moves elsewhere for
-/// what it gains, and how large it is (Fix::change). Numbers are searched outwards from where they
-/// are, bisected to 2 % of the change and rounded to few digits; switches are flipped. Options that
-/// decided on the target are tried first.
+/// For each option, the cheapest change that satisfies the request; empty if there is none. Fixes
+/// that restore the profile's value come first. The others are sorted by cost: voxels changed
+/// elsewhere relative to voxels gained, and size of the change (Fix::change). Numbers are searched
+/// outward from their current value, bisected to 2 % of the change, and rounded to few digits;
+/// switches are flipped. Options that decided on the target are tried first.
 std::vector<Fix> find_fixes(const Run& run,
                             const FixTarget& target,
                             std::stop_token stop,

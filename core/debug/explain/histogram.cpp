@@ -1,4 +1,4 @@
-// Histograms of what each criterion measured, split by whether the decision was right.
+// Histograms of the values tested by each criterion, split by whether the decision was right.
 
 #include "core/debug/explain/histogram.hpp"
 
@@ -13,20 +13,21 @@ namespace planescope::debug {
 namespace {
 
 constexpr double kVaries = std::numeric_limits<double>::quiet_NaN();
-constexpr double kRoom = 4;  // axes end at this many thresholds: that is where decisions are near
+constexpr double kRoom = 4;  // axes end at this multiple of the threshold: decisions beyond it are
+                             // not close
 constexpr int kBins = 24;
 constexpr int kDecades = 8;
 
-using Judgement = std::uint32_t HistogramBin::*;  // against ground truth: where it counts
+using Outcome = std::uint32_t HistogramBin::*;  // counter for the evaluation against ground truth
 
 struct Sample {
   double value = 0;
-  Judgement judgement = &HistogramBin::unknown;
+  Outcome outcome = &HistogramBin::unknown;
 };
 using Samples = std::vector<Sample>;
 
-/// Of the event that led to the step.
-Judgement judgement_at(const Run& run, std::int32_t step) {
+/// Evaluation of the event that led to the step.
+Outcome outcome_at(const Run& run, std::int32_t step) {
   if (run.wrong.empty() || step == planes::kNever) return &HistogramBin::unknown;
   return run.wrong[static_cast<std::size_t>(step - 1)] ? &HistogramBin::wrong
                                                        : &HistogramBin::right;
@@ -40,20 +41,20 @@ double round_up(double value) {
   return 10 * power;
 }
 
-/// Bins between the edges; the first and the last one take what lies outside.
+/// Fills bins between the edges; the first and last bins include values outside.
 std::vector<HistogramBin> fill(const std::vector<double>& edges, const Samples& samples) {
   std::vector<HistogramBin> bins;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) bins.push_back({edges[i], edges[i + 1]});
   for (const Sample& sample : samples) {
     const auto above = std::upper_bound(edges.begin() + 1, edges.end() - 1, sample.value);
-    ++(bins[static_cast<std::size_t>(above - edges.begin() - 1)].*sample.judgement);
+    ++(bins[static_cast<std::size_t>(above - edges.begin() - 1)].*sample.outcome);
     bins.back().high = std::max(bins.back().high, sample.value);
   }
   return bins;
 }
 
-/// Bins of a round width, about 24, from 0 on where the values come near it; what is beyond `most`
-/// is in the last one.
+/// About 24 bins of a round width, starting at 0 if the values come near it. The last bin includes
+/// values beyond `most`.
 std::vector<HistogramBin> linear_bins(const Samples& samples, double most, bool whole = false) {
   if (samples.empty()) return {};
   const auto [low, high] = std::ranges::minmax(samples, {}, &Sample::value);
@@ -69,7 +70,7 @@ std::vector<HistogramBin> linear_bins(const Samples& samples, double most, bool 
   return fill(edges, samples);
 }
 
-/// Edges 1, 2, 5, 10 ... over the upper eight decades; what is below is in the first one.
+/// Edges 1, 2, 5, 10 ... over the upper eight decades. The first bin includes smaller values.
 std::vector<HistogramBin> logarithmic_bins(const Samples& samples) {
   double smallest = 0, largest = 0;
   for (const Sample& sample : samples) {
@@ -87,19 +88,18 @@ std::vector<HistogramBin> logarithmic_bins(const Samples& samples) {
   return fill(edges, samples);
 }
 
-/// The terms of nodes, each over the nodes where its criterion was asked.
+/// Terms of nodes, each over the nodes whose criterion was evaluated.
 void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
   const planes::SegmentOptions& options = run.segment_options;
   Samples n_out, r_out, n_in, e_n;
   for (std::size_t i = 0; i < run.facts.size(); ++i) {
     const NodeFacts& facts = run.facts[i];
-    const Judgement judgement = judgement_at(run, run.timeline.decided_at()[i]);
-    n_out.push_back({static_cast<double>(facts.purity.n_out), judgement});
-    r_out.push_back({facts.purity.r_out(), judgement});
+    const Outcome outcome = outcome_at(run, run.timeline.decided_at()[i]);
+    n_out.push_back({static_cast<double>(facts.purity.n_out), outcome});
+    r_out.push_back({facts.purity.r_out(), outcome});
     if (!planes::is_pure(facts.purity, options)) continue;
-    n_in.push_back({static_cast<double>(facts.purity.n_in), judgement});
-    if (planes::has_enough_inliers(facts.purity.n_in, options))
-      e_n.push_back({facts.e_n, judgement});
+    n_in.push_back({static_cast<double>(facts.purity.n_in), outcome});
+    if (planes::has_enough_inliers(facts.purity.n_in, options)) e_n.push_back({facts.e_n, outcome});
   }
   const auto append_count = [&](const char* quantity, const char* title, const char* option,
                                 double threshold, const Samples& samples) {
@@ -121,22 +121,22 @@ void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
          "m²", "theta_e_n_m2", options.theta_e_n_m2, true, logarithmic_bins(e_n)});
 }
 
-/// Criteria 1-3 of the nodes of a depth image, each where it was asked, and what joins cost.
+/// Criteria 1-3 for the nodes of a depth image, where evaluated, and costs of joins.
 void append_image_terms(const Run& run, std::vector<Histogram>& histograms) {
   const planes::ObjectiveOptions& options = run.segment_options.objective;
   Samples filled, two_planes, variance, cost, worth;
   for (std::size_t i = 0; i < run.trace.image_terms.size(); ++i) {
     const planes::ImageTerms& terms = run.trace.image_terms[i];
-    const Judgement judgement = judgement_at(run, run.timeline.decided_at()[i]);
-    filled.push_back({terms.filled, judgement});
+    const Outcome outcome = outcome_at(run, run.timeline.decided_at()[i]);
+    filled.push_back({terms.filled, outcome});
     if (terms.two_planes >= 0 && terms.two_planes < planes::kNotFlat)
-      two_planes.push_back({terms.two_planes, judgement});
-    if (terms.variance >= 0) variance.push_back({terms.variance, judgement});
+      two_planes.push_back({terms.two_planes, outcome});
+    if (terms.variance >= 0) variance.push_back({terms.variance, outcome});
   }
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
-    if (event.stage == planes::Stage::join) cost.push_back({event.value, judgement_at(run, step)});
-    if (event.stage == planes::Stage::list) worth.push_back({event.value, judgement_at(run, step)});
+    if (event.stage == planes::Stage::join) cost.push_back({event.value, outcome_at(run, step)});
+    if (event.stage == planes::Stage::list) worth.push_back({event.value, outcome_at(run, step)});
   }
   const auto append = [&](const char* title, const char* unit, const char* option, double threshold,
                           const Samples& samples, double most) {
@@ -150,8 +150,8 @@ void append_image_terms(const Run& run, std::vector<Histogram>& histograms) {
   append("worth of dropped planes", "px", "worth_px", options.worth_px, worth, options.worth_px);
 }
 
-/// The terms to show for a candidate: with the plane it joined or, where it founded one, with the
-/// plane that it came nearest to joining.
+/// Terms of a candidate with the plane it joined or, if it created one, the plane it came closest
+/// to joining.
 std::optional<planes::Coplanarity> terms_of(const planes::SegmentState& state,
                                             const planes::TraceEvent& event,
                                             const planes::Candidate& candidate) {
@@ -165,17 +165,17 @@ std::optional<planes::Coplanarity> terms_of(const planes::SegmentState& state,
   return nearest ? std::optional(nearest->terms) : std::nullopt;
 }
 
-/// The terms of merges, and how far from planes the leftovers were.
+/// Terms of merges, and distances of leftovers from planes.
 void append_merges(const Run& run, std::vector<Histogram>& histograms) {
   const planes::SegmentOptions& options = run.segment_options;
   Samples offset, normals, n1_dmu, n2_dmu, distance;
   StateWalk walk(run);
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
-    const Judgement judgement = judgement_at(run, step);
+    const Outcome outcome = outcome_at(run, step);
     if ((event.type == planes::EventType::assign || event.type == planes::EventType::drop) &&
         event.value >= 0)
-      distance.push_back({event.value, judgement});
+      distance.push_back({event.value, outcome});
     if (event.node < 0 ||
         (event.type != planes::EventType::found && event.type != planes::EventType::merge))
       continue;
@@ -184,10 +184,10 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
         planes::fit_label(state.octree, event.node, event.label, options.use_labels);
     const std::optional<planes::Coplanarity> terms = terms_of(state, event, candidate);
     if (!terms) continue;
-    offset.push_back({terms->offset_m, judgement});
-    normals.push_back({terms->normals, judgement});
-    n1_dmu.push_back({terms->n1_dmu, judgement});
-    n2_dmu.push_back({terms->n2_dmu, judgement});
+    offset.push_back({terms->offset_m, outcome});
+    normals.push_back({terms->normals, outcome});
+    n1_dmu.push_back({terms->n1_dmu, outcome});
+    n2_dmu.push_back({terms->n2_dmu, outcome});
   }
 
   const auto append = [&](Histogram histogram, const Samples& samples, double most) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// How the quantities of the criteria spread over all nodes, with the threshold in force.
+// Distributions of the criteria's values over all nodes, with their thresholds.
 
 #include <cstdint>
 #include <string>
@@ -17,18 +17,18 @@ struct HistogramBin {
 };
 
 struct Histogram {
-  std::string quantity;  // "n_out", as the filter language calls it; empty where it does not
+  std::string quantity;  // name in the filter language, "n_out"; empty if none
   std::string title;     // "N_out"
   std::string unit;
-  std::string option;    // whose value is the threshold; empty: none to drag
-  double threshold = 0;  // NaN where there is none or it varies from place to place
+  std::string option;    // option that sets the threshold; empty: none to drag
+  double threshold = 0;  // NaN if there is none or it varies between nodes
   bool logarithmic = false;
   std::vector<HistogramBin> bins = {};
 };
 
-/// N_out, r_out, N_in, e_n over the nodes where the criterion was asked, and the terms of merges;
-/// of a depth image its own Criteria 1-3, the costs of joins and the worth of planes that are not
-/// listed.
+/// N_out, r_out, N_in and e_n over the nodes where the criterion was evaluated, and the terms
+/// of merges. For depth images: their own Criteria 1-3, the costs of joins and the worth of
+/// dropped planes.
 std::vector<Histogram> histograms_of(const Run& run);
 
 }  // namespace planescope::debug

@@ -23,17 +23,18 @@ double distance_m(const MeasureEnd& plane, const Vec3d& point) {
   return plane.normal->dot(point - plane.point);
 }
 
-/// Planes at a larger angle have no one distance: it is that of the place that was clicked.
+/// At larger angles the distance between planes is undefined: use the distance of the
+/// clicked point.
 constexpr double kParallelDeg = 15;
 
-/// "12 cm above P3", "P5 12 cm in front of P3", "a place on P5 12 cm above P3".
+/// "12 cm above P3", "P5 12 cm in front of P3", "a point on P5 12 cm above P3".
 std::string text_from_plane(const MeasureEnd& plane, const MeasureEnd& other, double off_m) {
   const char* side = plane.is_level ? off_m < 0 ? "below" : "above"
                      : off_m < 0    ? "behind"
                                     : "in front of";
   std::string what = other.name.empty() ? "" : other.name + " ";
   if (other.normal && planes::plane_angle_deg(*plane.normal, *other.normal) > kParallelDeg)
-    what = "a place on " + what;
+    what = "a point on " + what;
   return fmt::format("{}{} {} {}", what, distance_text(std::abs(off_m)), side, plane.name);
 }
 
@@ -50,7 +51,7 @@ Vec3f in_scene(const Subject& subject, const Vec3d& at) {
 
 MeasureEnd measured_point(const Subject& subject, std::size_t source) {
   const std::uint32_t point = subject.point_of_source[source];
-  if (point == planes::kNoVoxel) throw Error("no measurement there");
+  if (point == planes::kNoVoxel) throw Error("no measurement at this point");
   return {.point = in_sensor(subject, subject.prepared.cloud.points[point].cast<double>())};
 }
 
@@ -63,7 +64,7 @@ MeasureEnd measured_plane(const Run& run,
                           std::int32_t step,
                           const MeasureEnd* near) {
   const planes::PlaneChange* now = plane >= 0 ? run.timeline.plane_at(plane, step) : nullptr;
-  if (!now || !now->alive) throw Error("no plane there");
+  if (!now || !now->alive) throw Error("no plane at this point");
   const Subject& subject = *run.subject;
   const Vec3d normal = planes::outward_normal(now->fit, now->label, subject.prepared.sensor());
   MeasureEnd end{.point = in_sensor(subject, now->fit.centroid),

@@ -1,6 +1,6 @@
 #pragma once
 
-// How far apart two places of a frame are: points, or planes.
+// Measures distances between points and planes of a frame.
 
 #include <cstdint>
 #include <optional>
@@ -10,41 +10,42 @@
 
 namespace planescope::debug {
 
-/// A point, or a plane through it, in the sensor's axes [m], which no option turns.
+/// A point, or a plane through it, in the sensor frame [m], which no option rotates.
 struct MeasureEnd {
   Vec3d point = Vec3d::Zero();
-  std::optional<Vec3d> normal = {};  // unit, of a plane
-  bool is_level = false;             // of a plane of label h
-  std::string name = {};             // "P3", of a plane
+  std::optional<Vec3d> normal = {};  // unit normal, for planes
+  bool is_level = false;             // plane with label h
+  std::string name = {};             // "P3", for planes
 };
 
-/// A measured pixel v * width + u, or point of a file. Throws Error, a phrase, where there is none.
+/// Measured pixel v * width + u, or point of a file. Throws Error with a phrase if there is none.
 MeasureEnd measured_point(const Subject& subject, std::size_t source);
 /// The mean of a voxel's points.
 MeasureEnd measured_voxel(const Subject& subject, std::uint32_t voxel);
-/// A plane of the trace as it is at a step, at the foot of `near`, or else at its centroid. Throws
-/// Error, a phrase, where there is none.
+/// A plane of the trace as of a step, at the projection of `near` or, without it, at its centroid.
+/// Throws Error with a phrase if there is none.
 MeasureEnd measured_plane(const Run& run,
                           std::int32_t plane,
                           std::int32_t step,
                           const MeasureEnd* near = nullptr);
 
 struct Measurement {
-  // The line between two points; from a plane, at right angles to it. In the sensor's axes.
+  // Line between two points, or perpendicular to a plane. Sensor frame.
   Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();
-  Vec3d corner = Vec3d::Zero();    // as high as `from`, below or above `to`; where gravity is known
-  double distance_m = 0;           // to - from; negative: behind the plane
-  std::optional<double> height_m;  // up from `from`; where gravity is known
+  Vec3d corner = Vec3d::Zero();     // at the height of `from`, directly below or above `to`; if
+                                    // gravity is known
+  double distance_m = 0;            // to - from; negative: behind the plane
+  std::optional<double> height_m;   // height of `to` above `from`; if gravity is known
   std::optional<double> angle_deg;  // between two planes
   std::string text;                 // "41.2 cm apart: 16.8 cm up, 37.6 cm across"
-  std::string label;                // the same in few letters: "41.2 cm"
+  std::string label;                // short form: "41.2 cm"
 };
-/// Of two planes: where the second end is.
+/// Measures between two ends; for two planes, at the position of the second end.
 Measurement measure(const Subject& subject, const MeasureEnd& first, const MeasureEnd& second);
 
 std::string height_text(double height_m);  // "16.8 cm up"
 
-/// Of the sensor's axes in the scene's, which are about Cloud::origin.
+/// Converts from the sensor frame to the scene's frame, which is relative to Cloud::origin.
 Vec3f in_scene(const Subject& subject, const Vec3d& at);
 
 }  // namespace planescope::debug

@@ -1,5 +1,4 @@
-// A point's life, station by station; why it is in no plane, or in the wrong one: the one decision
-// that made it so.
+// History of a point, and the decision that left it unassigned or put it into a wrong plane.
 
 #include "core/debug/explain/provenance.hpp"
 
@@ -52,14 +51,14 @@ std::string describe_label(const Run& run, std::uint32_t voxel) {
                   labels.margins[voxel]);
   if (!truth.label.empty() && truth.label[voxel] > 0) {
     const bool right = truth.label[voxel] == static_cast<std::uint8_t>(labels.labels[voxel]);
-    text += right ? ", rightly"
-                  : fmt::format(", but truth says {}", truth.label[voxel] == 2 ? "v" : "h");
+    text += right ? ", correct"
+                  : fmt::format(", but ground truth is {}", truth.label[voxel] == 2 ? "v" : "h");
   }
   if (!run.segment_options.use_labels) text += " (labels unused)";
   return text;
 }
 
-std::string station_of(const planes::TraceEvent& event) {
+std::string stage_of(const planes::TraceEvent& event) {
   switch (event.type) {
     case planes::EventType::found:
     case planes::EventType::merge:
@@ -74,7 +73,7 @@ std::string station_of(const planes::TraceEvent& event) {
   }
 }
 
-/// Where an event left the point over, what it was there.
+/// Describes the point's role in an event that left it over; otherwise empty.
 std::string after(const Run& run, std::int32_t step, std::int32_t voxel) {
   const planes::PointChange now = run.timeline.point_at(voxel, step);
   const planes::TraceEvent& event = *run.event_at(step);
@@ -93,29 +92,30 @@ std::string describe_result(const Run& run, std::int32_t voxel) {
     const Vec3d p = run.subject->prepared.voxels.points[voxel].cast<double>();
     const double distance = run.segmentation.planes[id - 1].fit.distance_m(p);
     text =
-        fmt::format("in {}, {} off it", describe_plane(run, id), distance_text(std::abs(distance)));
+        fmt::format("in {}, {} away", describe_plane(run, id), distance_text(std::abs(distance)));
   }
   if (!truth.known() || truth.plane[voxel] < 0) return text;
   const std::int32_t own = truth.plane[voxel];
-  if (own == (id > 0 ? truth_of_plane(run, id) : 0)) return text + ", rightly";
+  if (own == (id > 0 ? truth_of_plane(run, id) : 0)) return text + ", correctly";
   return text + (own > 0 ? fmt::format(", but it belongs to true plane {}", own)
-                         : std::string(", but it belongs to none"));
+                         : std::string(", but it belongs to no true plane"));
 }
 
-/// Why a point was left over, and what would have kept it.
+/// Why a point was left over, and a change that would prevent it.
 struct Cause {
   std::string text;
   Remedy remedy = {};
-  bool outlier = false;  // left over to be assigned later: that this failed is what lost it
+  bool outlier = false;  // was left over as an outlier and is lost because its later
+                         // assignment failed
 };
 
-/// Three digits, not below the value.
+/// Rounded up to three digits.
 std::string rounded_up(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
   return fmt::format("{:.6g}", std::ceil(value / unit) * unit);
 }
 
-/// Three digits, not above the value.
+/// Rounded down to three digits.
 std::string rounded_down(double value) {
   if (!(value > 0)) return "0";
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
@@ -126,7 +126,7 @@ Cause too_few(const Run& run, std::int32_t node) {
   const std::uint32_t n_in = run.facts[node].purity.n_in;
   Cause cause{fmt::format("node {} has {} inliers, fewer than {} (case II)", node, n_in,
                           run.segment_options.theta_n_in)};
-  if (n_in >= 3)  // what the option allows
+  if (n_in >= 3)  // smallest value of the option
     cause.remedy = {fmt::format("theta_n_in <= {} would fit a plane in node {}", n_in, node),
                     "theta_n_in", std::to_string(n_in)};
   return cause;
@@ -156,7 +156,7 @@ Cause outlier(const Run& run, std::int32_t node, std::int32_t voxel) {
           true};
 }
 
-/// Of a node of an image's octree that was not divided.
+/// For a node of an image's octree that was not divided.
 Cause left_on_image(const Run& run, std::int32_t node) {
   const NodeFacts& facts = run.facts[node];
   Cause cause{
@@ -206,7 +206,7 @@ Cause cause_of(const Run& run, const planes::TraceEvent& event, std::int32_t vox
 
 WhyNot lost(const Run& run, std::int32_t voxel) {
   if (!run.is_ours())
-    return {fmt::format("Lost: method {} has no plane for it and records no reason",
+    return {fmt::format("Lost: method {} found no plane for it, and records no reasons",
                         planes::to_string(run.options.method))};
   const Loss loss = loss_of(run, voxel);
   if (loss.left == 0) return {"Lost: its plane has no points left"};
@@ -217,8 +217,7 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   if (loss.dropped == 0) return why;
   const LeftoverReport leftover = explain_leftover(run, loss.dropped);
   if (!cause.outlier) {
-    why.answer += fmt::format("; as an unassigned point it ended {} (step {})", leftover.outcome,
-                              loss.dropped);
+    why.answer += fmt::format("; afterwards {} (step {})", leftover.outcome, loss.dropped);
     return why;
   }
   why.step = loss.dropped;
@@ -233,8 +232,8 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   return why;
 }
 
-/// The merge from which on what became this plane of the result holds nodes of both true
-/// planes; 0 if there is none.
+/// The merge that first combined nodes of both true planes in this plane of the result; 0 if there
+/// is none.
 std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, std::int32_t most) {
   const auto ends_in = [&](std::int32_t plane) {
     for (std::int32_t into = plane; into >= 0;
@@ -247,7 +246,7 @@ std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, s
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
     if (event.type == planes::EventType::found && event.node < 0 && ends_in(event.other) == id)
-      has_own = has_most = false, fused = 0;  // parted since
+      has_own = has_most = false, fused = 0;  // split since
     const bool joins =
         event.type == planes::EventType::found || event.type == planes::EventType::merge;
     if (!joins || event.node < 0 || ends_in(event.plane) != id) continue;
@@ -260,10 +259,10 @@ std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, s
   return fused;
 }
 
-/// By the objective: the join of a region of one true plane with one of the other by which the
-/// voxel came to be in the same plane as both; 0 if there is none.
+/// With the objective: the join of regions of the two true planes that put the voxel into the same
+/// plane as both; 0 if there is none.
 std::int32_t step_of_join(const Run& run, std::int32_t voxel, std::int32_t own, std::int32_t most) {
-  // Per plane, points of `own` less those of `most`, by the nodes that founded it.
+  // Per plane, points of `own` minus points of `most`, from the nodes that created it.
   std::vector<double> surplus(static_cast<std::size_t>(run.timeline.plane_count()));
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
@@ -281,7 +280,7 @@ std::int32_t step_of_join(const Run& run, std::int32_t voxel, std::int32_t own, 
   return 0;
 }
 
-/// The option below which a join would not have happened.
+/// The option value at which a join would not have happened.
 Remedy kept_apart(const Run& run, const planes::TraceEvent& event) {
   const bool hidden = event.stage == planes::Stage::hidden;
   const double scale = hidden ? run.segment_options.objective.merge_cost : 1;
@@ -308,7 +307,7 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   }
   why.answer += own > 0 ? fmt::format(", but it belongs to true plane {}", own)
                         : std::string(", but it belongs to no plane");
-  why.answer += fmt::format(", and most of that plane to {}", most);
+  why.answer += fmt::format("; most of that plane belongs to {}", most);
   const bool by_objective = run.segment_options.by_objective();
   const std::int32_t merge =
       by_objective ? step_of_join(run, voxel, own, most) : step_of_fusion(run, id, own, most);
@@ -327,30 +326,30 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
 
 }  // namespace
 
-std::vector<LifeEvent> life_of(const Run& run, std::size_t source) {
-  std::vector<LifeEvent> life;
+std::vector<HistoryEvent> history_of(const Run& run, std::size_t source) {
+  std::vector<HistoryEvent> history;
   if (source < run.subject->point_of_source.size())
-    life.push_back({"pixel", describe_source(run.subject->frame, source)});
+    history.push_back({"pixel", describe_source(run.subject->frame, source)});
   if (const std::optional<Absence> absence = absence_of(run, source)) {
-    life.push_back({"result", absence->text, -1, -1, -1, true});
-    return life;
+    history.push_back({"result", absence->text, -1, -1, -1, true});
+    return history;
   }
   const std::uint32_t voxel = run.subject->voxel_of_source(source);
   const auto point = static_cast<std::int32_t>(voxel);
-  life.push_back({"voxel", describe_voxel(*run.subject, voxel)});
-  life.push_back({"label", describe_label(run, voxel)});
+  history.push_back({"voxel", describe_voxel(*run.subject, voxel)});
+  history.push_back({"label", describe_label(run, voxel)});
   const std::int32_t decisive = why_not(run, source).step;
   std::set<std::int32_t> steps = steps_of_point(run, point);
-  if (decisive > 0) steps.insert(decisive);  // also where it was another node's merge
+  if (decisive > 0) steps.insert(decisive);  // include the merge of another node
   for (const std::int32_t step : steps) {
     const planes::TraceEvent& event = *run.event_at(step);
-    life.push_back({station_of(event), describe_event(run, step) + after(run, step, point), step,
-                    event.node, event.plane, step == decisive});
+    history.push_back({stage_of(event), describe_event(run, step) + after(run, step, point), step,
+                       event.node, event.plane, step == decisive});
   }
   const std::int32_t id = run.segmentation.plane_of[voxel];
-  life.push_back({"result", describe_result(run, point), -1, -1,
-                  id > 0 ? run.segmentation.planes[id - 1].founded : -1});
-  return life;
+  history.push_back({"result", describe_result(run, point), -1, -1,
+                     id > 0 ? run.segmentation.planes[id - 1].founded : -1});
+  return history;
 }
 
 std::string point_name(const Run& run, std::int32_t voxel) {

@@ -1,5 +1,5 @@
-// A run against the ground truth, the reasons of its unassigned points, and the effect of other
-// options on it.
+// Scores a run against ground truth, groups its unassigned points by reason, and evaluates the
+// effect of other options.
 
 #include "core/debug/explain/score.hpp"
 
@@ -32,7 +32,8 @@ TruthMatch match_of(const planes::TruthOverlap& overlap, int t) {
 }
 
 TruthVerdict verdict_of(const TruthMatch& match, const planes::TruthOverlap& overlap) {
-  constexpr double kPart = 0.1;  // of a true plane, for a found one to be a part of it
+  constexpr double kPart = 0.1;  // smallest share of a true plane that makes a found plane a part
+                                 // of it
   if (match.iou >= kDetectedIou) return TruthVerdict::detected;
   if (match.found == 0) return TruthVerdict::missed;
   for (int t = 1; t <= overlap.truth; ++t)
@@ -89,17 +90,17 @@ std::int32_t most_common_plane(std::span<const std::int32_t> planes) {
       ->first;
 }
 
-// ---- By itself ----
+// ---- Without ground truth ----
 
 namespace {
 
-/// `points`: that the same step left over.
+/// `points`: number of points left over by the same step.
 std::string reason_of(const Run& run,
                       const planes::TraceEvent& left,
                       std::size_t points,
                       bool was_assigned) {
   if (left.type != planes::EventType::decide) {
-    if (left.stage == planes::Stage::grow) return "regions of too few points";
+    if (left.stage == planes::Stage::grow) return "regions with too few points";
     if (left.stage == planes::Stage::list) {
       if (!run.is_on_image()) return "dropped planes: below the minimum worth";
       const double least = run.segment_options.objective.worth_px;
@@ -115,7 +116,7 @@ std::string reason_of(const Run& run,
   return std::string("case ") + planes::to_string(node.decided);
 }
 
-/// The steps at which each voxel was left over for the last time, 0: never.
+/// The step at which each voxel was left over for the last time; 0: never.
 std::vector<std::int32_t> steps_left(const Run& run) {
   std::vector<std::int32_t> steps(run.subject->voxel_count(), 0);
   for (std::size_t voxel = 0; voxel < steps.size(); ++voxel)
@@ -124,7 +125,7 @@ std::vector<std::int32_t> steps_left(const Run& run) {
   return steps;
 }
 
-/// Of the largest group with one step the voxel in its middle.
+/// The middle voxel of the largest group with the same step.
 std::int64_t middle_of(const std::vector<std::uint32_t>& voxels,
                        const std::vector<std::int32_t>& step_of) {
   std::map<std::int32_t, std::vector<std::uint32_t>> by_step;
@@ -144,7 +145,7 @@ FrameSummary summary_of(const Run& run) {
   summary.planes = static_cast<int>(run.segmentation.planes.size());
   for (const planes::PlaneRegion& plane : run.segmentation.planes)
     summary.undecided += plane.undecided;
-  std::vector<std::uint8_t> was_assigned(subject.voxel_count(), 0);  // to no plane
+  std::vector<std::uint8_t> was_assigned(subject.voxel_count(), 0);  // assignment failed
   for (const planes::TraceEvent& event : run.trace.events)
     if (event.type == planes::EventType::drop && event.point >= 0) was_assigned[event.point] = 1;
 
@@ -170,7 +171,7 @@ FrameSummary summary_of(const Run& run) {
       summary.on_undecided += run.segmentation.planes[plane - 1].undecided;
       continue;
     }
-    // The reason of a decision is told once, not for each of its points.
+    // Format the reason once per decision, not once per point.
     Lost*& lost = lost_by[2 * static_cast<std::size_t>(left[voxel]) + was_assigned[voxel]];
     if (!lost)
       lost =
@@ -199,7 +200,7 @@ namespace {
 
 bool is_share(const planes::OptionInfo& info) { return info.range.min == 0 && info.range.max == 1; }
 
-/// From a tenth to tenfold; the current value in the middle.
+/// From a tenth to ten times the current value, which is in the middle.
 std::vector<std::string> values_around(const planes::OptionInfo& info,
                                        const planes::PipelineOptions& options) {
   constexpr int kSide = 12;
@@ -227,7 +228,7 @@ double scale_position(const planes::OptionInfo& info, double value) {
 
 std::string scale_value(const planes::OptionInfo& info, double position) {
   const double e = std::exp(position);
-  // Six digits are more than any search resolves, and can be read.
+  // Six digits exceed the resolution of every search, and are readable.
   return planes::number_text(info,
                              std::stod(fmt::format("{:.6g}", is_share(info) ? e / (1 + e) : e)));
 }

@@ -1,4 +1,4 @@
-// A run as text: its events and changes, and what core/debug/explain answers about it.
+// Writes a run as text: its events and changes, and the explanations of core/debug/explain.
 
 #include "core/debug/explain/trace_text.hpp"
 
@@ -19,11 +19,11 @@
 
 namespace planescope::debug {
 
-// ---- What core/debug/explain answers ----
+// ---- Explanations ----
 
 namespace {
 
-/// Text that is written line by line.
+/// Text assembled line by line.
 struct TraceLines {
   std::string text;
 
@@ -39,7 +39,7 @@ struct TraceLines {
   }
 };
 
-/// All digits of a double. "nan" has no sign.
+/// Prints all digits of a double. "nan" without a sign.
 std::string exact(double value) {
   return std::isnan(value) ? "nan" : fmt::format("{:.17g}", value);
 }
@@ -53,7 +53,7 @@ std::string exact(const PlaneFit& fit) {
                      exact(fit.centroid), exact(fit.normal), exact(fit.eigenvalues));
 }
 
-/// Ascending numbers, "3-7 9 12-15"; "none".
+/// Formats ascending numbers as "3-7 9 12-15", or "none".
 std::string ranges_of(std::span<const std::int32_t> numbers) {
   std::string text;
   for (std::size_t begin = 0, end = 0; begin < numbers.size(); begin = end) {
@@ -65,7 +65,7 @@ std::string ranges_of(std::span<const std::int32_t> numbers) {
   return text.empty() ? "none" : text;
 }
 
-/// At most `most` of `all`, at even distances.
+/// At most `most` elements of `all`, evenly spaced.
 template <typename T>
 std::vector<T> strided(const std::vector<T>& all, std::size_t most) {
   if (all.size() <= most) return all;
@@ -75,8 +75,8 @@ std::vector<T> strided(const std::vector<T>& all, std::size_t most) {
 }
 
 constexpr std::size_t kMostOfAKind = 400;  // nodes, events of a type, points of a region
-constexpr std::size_t kMostPlaces = 50;    // of each kind whose life is told
-constexpr std::size_t kMostSteps = 40;     // that are looked up in another run
+constexpr std::size_t kMostPlaces = 50;    // of each kind, for histories
+constexpr std::size_t kMostSteps = 40;     // looked up in the other run
 
 template <typename T>
 std::vector<T> first_numbers(std::size_t count) {
@@ -92,7 +92,7 @@ std::string sampled(const std::vector<T>& some, std::size_t all) {
 }
 
 void write_check(const Check& check, TraceLines& lines) {
-  static constexpr const char* kVerdicts[] = {"pass", "fail", "not asked"};
+  static constexpr const char* kVerdicts[] = {"pass", "fail", "not evaluated"};
   lines.add("    {} [{}] {} ({}): {} {} {} {}; option {}; {}, margin {}", check.criterion,
             check.equation, check.quantity, check.meaning, exact(check.value), check.op,
             exact(check.threshold), check.unit, check.option.empty() ? "-" : check.option,
@@ -111,7 +111,7 @@ void write_merge(const Run& run, const MergeReport& report, TraceLines& lines) {
   for (const PartnerReport& partner : report.partners) {
     lines.add("  {}:{}{}{} cost {}", plane_name(run, partner.plane),
               partner.coplanar ? " coplanar" : "", partner.chosen ? " chosen" : "",
-              partner.never_asked ? " never asked" : "", exact(partner.cost));
+              partner.not_evaluated ? " not evaluated" : "", exact(partner.cost));
     for (const Check& check : partner.checks) write_check(check, lines);
   }
 }
@@ -131,7 +131,7 @@ std::vector<std::int32_t> steps_of_type(const Run& run, planes::EventType type) 
   return steps;
 }
 
-/// Calls `write` with some steps of each type.
+/// Calls `write` for some steps of each type.
 template <typename Write>
 void for_events_of(const Run& run,
                    std::initializer_list<std::pair<planes::EventType, const char*>> types,
@@ -145,9 +145,9 @@ void for_events_of(const Run& run,
   }
 }
 
-void write_life(const Run& run, std::size_t source, TraceLines& lines) {
+void write_history(const Run& run, std::size_t source, TraceLines& lines) {
   lines.add("source {}", source);
-  for (const LifeEvent& event : life_of(run, source))
+  for (const HistoryEvent& event : history_of(run, source))
     lines.add("  {} at step {}, node {}, plane {}{}: {}", event.stage, event.step, event.node,
               plane_name(run, event.plane), event.decisive ? ", decisive" : "", event.text);
   const WhyNot why = why_not(run, source);
@@ -159,7 +159,7 @@ void write_life(const Run& run, std::size_t source, TraceLines& lines) {
 
 using Region = std::vector<std::uint32_t>;  // voxels
 
-/// [plane], 0: in none.
+/// Index: plane; 0: unassigned.
 std::vector<Region> regions_of(std::span<const std::int32_t> plane_of) {
   std::vector<Region> regions(1);
   for (std::size_t voxel = 0; voxel < plane_of.size(); ++voxel) {
@@ -186,7 +186,7 @@ void write_region(const Run& run,
             plane_of_region(run, region), decision_text(loss_of_region(run, region)),
             decision_text(joining_of_region(run, region)));
   if (pinned)
-    lines.add("  other than in A: {}", decision_text(first_difference(run, *pinned, region)));
+    lines.add("  differs from A: {}", decision_text(first_difference(run, *pinned, region)));
 }
 
 void write_result_of(const Comparison& comparison, TraceLines& lines) {
@@ -222,7 +222,7 @@ void write_histograms(const Run& run, TraceLines& lines) {
   }
 }
 
-/// Nothing without ground truth.
+/// Writes nothing without ground truth.
 void write_score(const Run& run, TraceLines& lines) {
   const VoxelTruth& truth = run.subject->voxel_truth;
   if (!truth.known()) return;
@@ -240,12 +240,12 @@ void write_score(const Run& run, TraceLines& lines) {
 void write_nodes(const Run& run, TraceLines& lines) {
   const std::size_t count = run.octree().nodes.size();
   const auto some = strided(first_numbers<std::int32_t>(count), kMostOfAKind);
-  lines.title("Why nodes were decided so: {}", sampled(some, count));
+  lines.title("Node decisions: {}", sampled(some, count));
   for (const std::int32_t node : some) write_node(explain_node(run, node), lines);
 }
 
 void write_merges(const Run& run, TraceLines& lines) {
-  lines.title("Why candidates created planes or were merged");
+  lines.title("Candidates that created planes or were merged");
   for_events_of(run,
                 {{planes::EventType::found, "found"},
                  {planes::EventType::merge, "merge"},
@@ -258,7 +258,7 @@ void write_merges(const Run& run, TraceLines& lines) {
 }
 
 void write_leftovers(const Run& run, TraceLines& lines) {
-  lines.title("Why leftover points went where they did");
+  lines.title("Assignment of leftover points");
   for_events_of(run,
                 {{planes::EventType::assign, "assign"},
                  {planes::EventType::drop, "drop"},
@@ -270,7 +270,7 @@ void write_leftovers(const Run& run, TraceLines& lines) {
                 });
 }
 
-void write_lives(const Run& run, TraceLines& lines) {
+void write_histories(const Run& run, TraceLines& lines) {
   const Subject& subject = *run.subject;
   const auto sources = first_numbers<std::size_t>(subject.point_of_source.size());
   Region in_planes, in_none;
@@ -281,13 +281,14 @@ void write_lives(const Run& run, TraceLines& lines) {
               sampled(strided(sources, kMostPlaces), sources.size()),
               sampled(strided(in_planes, kMostPlaces), in_planes.size()),
               sampled(strided(in_none, kMostPlaces), in_none.size()));
-  for (const std::size_t source : strided(sources, kMostPlaces)) write_life(run, source, lines);
+  for (const std::size_t source : strided(sources, kMostPlaces)) write_history(run, source, lines);
   for (const Region& voxels : {in_planes, in_none})
     for (const std::uint32_t voxel : strided(voxels, kMostPlaces))
-      write_life(run, source_of_voxel(subject, voxel), lines);
+      write_history(run, source_of_voxel(subject, voxel), lines);
 }
 
-/// Each plane of the result and of the truth, and what is in no plane; beside `pinned` if not null.
+/// Every plane of the result and of the truth, and the unassigned points; compared with `pinned` if
+/// not null.
 void write_regions(const Run& run, const Run* pinned, TraceLines& lines) {
   lines.title("Regions");
   const std::vector<Region> found = regions_of(run.segmentation.plane_of);
@@ -301,7 +302,7 @@ void write_regions(const Run& run, const Run* pinned, TraceLines& lines) {
 
 void write_comparison(const Run& run, const Run& pinned, TraceLines& lines) {
   const Comparison comparison = compare_runs(pinned, run);
-  lines.title("A, the pinned run, beside B, this one");
+  lines.title("Comparison of A (the pinned run) with B (this run)");
   lines.add("first different events: step {} of A, step {} of B: {}", comparison.diverging_step_a,
             comparison.diverging_step_b, comparison.divergence);
   for (const NodeChange& node : comparison.nodes)
@@ -314,13 +315,13 @@ void write_comparison(const Run& run, const Run& pinned, TraceLines& lines) {
 
 void write_comparison_with_truth(const Run& run, TraceLines& lines) {
   if (!run.subject->voxel_truth.known()) return;
-  lines.title("Ground truth beside the result");
+  lines.title("Ground truth and result");
   write_result_of(compare_with_truth(run), lines);
 }
 
 // ---- Events and changes ----
 
-/// Together they use every name of docs/filter.md.
+/// Together they use every name in docs/filter.md.
 constexpr const char* kTraceFilters[] = {
     "visit && depth>=2 && size>=20",
     "decide && case==I && N_out>theta_n_out && r_out>theta_r_out",
@@ -403,7 +404,7 @@ void write_changes_of_planes(const Run& run, TraceLines& lines) {
 }
 
 void write_changes_of_points(const Run& run, TraceLines& lines) {
-  lines.title("Changes of points (STEP:PLANE, * unassigned) and the nodes that held them");
+  lines.title("Changes of points (STEP:PLANE, * unassigned) and the nodes that contained them");
   const auto count = static_cast<std::int32_t>(run.subject->voxel_count());
   for (std::int32_t point = 0; point < count; ++point) {
     std::string changes, path;
@@ -425,7 +426,7 @@ void write_changes_of_nodes(const Run& run, TraceLines& lines) {
               step_or_never(run.timeline.decided_at()[node]));
 }
 
-/// The whole state, counted, at steps from the first to the last.
+/// Summary of the state at evenly spaced steps, from the first to the last.
 void write_states(const Run& run, TraceLines& lines) {
   constexpr int kStates = 20;
   lines.title("States");
@@ -455,7 +456,7 @@ void write_matches(const Run& run, TraceLines& lines) {
   for (const char* text : kTraceFilters) {
     FilterProblem problem;
     if (!Filter::parse(text, problem)) {
-      lines.add("{}: refused: {}", text, problem.message);
+      lines.add("{}: invalid: {}", text, problem.message);
       continue;
     }
     const std::vector<std::int32_t> steps = matches_of(run, text);
@@ -480,7 +481,7 @@ std::string trace_text(const Run& run, const Run* pinned) {
   write_nodes(run, lines);
   write_merges(run, lines);
   write_leftovers(run, lines);
-  write_lives(run, lines);
+  write_histories(run, lines);
   write_regions(run, pinned, lines);
   write_comparison_with_truth(run, lines);
   if (pinned) write_comparison(run, *pinned, lines);

@@ -1,7 +1,7 @@
 #pragma once
 
-// All that is known of a run, as plain text: to look things up in, and to compare line by line what
-// two versions, or two settings, make of one frame.
+// Writes a run as plain text, for reference and for line-by-line comparison of versions or settings
+// on one frame.
 
 #include <string>
 
@@ -9,10 +9,10 @@
 
 namespace planescope::debug {
 
-/// Every event in words and numbers; the changes of every plane, point and node; which events a
-/// fixed list of filters finds; and what core/debug/explain answers about nodes, merges, leftover
-/// points and places, of each kind evenly strided where there are many. With `pinned`, a run of the
-/// same frame: where the two part. Numbers of planes and nodes have all their digits.
+/// Contains every event, in words and numbers; the changes of every plane, point and node; the
+/// matches of a fixed list of filters; and the explanations of nodes, merges, leftover points and
+/// positions (evenly sampled if there are many). With `pinned`, a run of the same frame, also the
+/// differences between both. Plane and node values are printed with all digits.
 std::string trace_text(const Run& run, const Run* pinned = nullptr);
 
 }  // namespace planescope::debug

@@ -1,5 +1,5 @@
-// Recursive descent, one function per line of the grammar in docs/filter.md. Each gives the type of
-// what it read, and the formula that computes it.
+// Recursive descent parser with one function per grammar rule of docs/filter.md. Each returns the
+// type of the parsed term and a formula that evaluates it.
 
 #include "core/debug/filter/filter.hpp"
 
@@ -15,24 +15,24 @@
 
 namespace planescope::debug {
 
-/// True is 1, false 0.
+/// True is 1, false is 0.
 using FilterFormula = std::function<double(const EventView&)>;
 
 struct ParsedFilter {
   FilterFormula formula;
-  std::vector<const planes::OptionInfo*> options;  // EventView::options are their numbers
-  std::vector<double> points;                      // EventView::points are their tracks
+  std::vector<const planes::OptionInfo*> options;  // their values are EventView::options
+  std::vector<double> points;                      // their tracks are EventView::points
 };
 
 namespace {
 
-/// Deeper than anyone writes, and not too deep for the stack.
+/// Deeper than any practical filter, but safe for the stack.
 constexpr int kMaxNesting = 64;
 
 struct Operator {
   std::string_view sign;
   double (*apply)(double, double);
-  double settled = kAbsent;  // a left side that is the result, whatever stands on the right
+  double settled = kAbsent;  // short circuit: a left side with this value is the result
 };
 using Operators = std::span<const Operator>;
 
@@ -42,7 +42,7 @@ constexpr Operator kSums[] = {{"+", [](double a, double b) { return a + b; }},
                               {"-", [](double a, double b) { return a - b; }}};
 constexpr Operator kProducts[] = {{"*", [](double a, double b) { return a * b; }},
                                   {"/", [](double a, double b) { return a / b; }}};
-/// All are false for what the event does not have, != too.
+/// All comparisons, including !=, are false if the event lacks the value.
 constexpr Operator kComparisons[] = {
     {"==", [](double a, double b) -> double { return a == b; }},
     {"!=", [](double a, double b) -> double { return a < b || a > b; }},
@@ -57,11 +57,11 @@ const Operator* find_operator(Operators operators, std::string_view sign) {
   return nullptr;
 }
 
-/// What has been read.
+/// A parsed part of the text.
 struct Term : FilterPlace {
   FilterType type = FilterType::number;
   FilterFormula formula;
-  std::optional<double> constant = {};  // a number or the name of a value, on its own
+  std::optional<double> constant = {};  // a number or a named value
 };
 
 bool is_identity(const Term& term) {
@@ -111,7 +111,7 @@ class Parser {
   Term sum() { return joined(kSums, FilterType::number, &Parser::product); }
   Term product() { return joined(kProducts, FilterType::number, &Parser::factor); }
 
-  /// Parts of the same type with operators between them, or one part of any type.
+  /// Parts of the same type joined by operators, or a single part of any type.
   Term joined(Operators operators, FilterType type, Term (Parser::*part)()) {
     Term first = (this->*part)();
     std::size_t end = first.end;
@@ -135,7 +135,7 @@ class Parser {
             }};
   }
 
-  /// The part, one level deeper.
+  /// Parses the part one nesting level deeper.
   Term deeper(Term (Parser::*part)()) {
     if (++depth_ > kMaxNesting) fail_filter(tokens_[at_], "nested too deeply");
     Term inner = (this->*part)();
@@ -160,7 +160,7 @@ class Parser {
     const Operator* op = next_of(kComparisons);
     if (!op) return left;
     const FilterToken sign = tokens_[at_++];
-    // `merge` is a stage beside `stage==`, and a kind of event elsewhere.
+    // `merge` is a stage after `stage==`, and an event type elsewhere.
     const bool is_stage = left.type == FilterType::stage && at_ < tokens_.size() &&
                           tokens_[at_].kind == FilterToken::name;
     Term right = is_stage ? named(tokens_[at_++], FilterType::stage) : sum();
@@ -168,14 +168,13 @@ class Parser {
                             : is_identity(right) ? identified(right, sign, left)
                                                  : compared(left, sign, *op, right);
     if (next_of(kComparisons))
-      fail_filter(tokens_[at_], "comparisons do not chain: join two of them with '&&'");
+      fail_filter(tokens_[at_], "comparisons cannot be chained: combine them with '&&'");
     return {{left.begin, right.end}, FilterType::boolean, std::move(formula)};
   }
 
   Term factor() {
     if (at_ == tokens_.size())
-      fail_filter(tokens_.back(),
-                  fmt::format("a value is missing after '{}'", tokens_.back().text));
+      fail_filter(tokens_.back(), fmt::format("expected a value after '{}'", tokens_.back().text));
     return deeper(&Parser::value);
   }
   Term value() {
@@ -190,16 +189,16 @@ class Parser {
               [of = std::move(inner.formula)](const EventView& e) { return -of(e); }};
     }
     if (token.text != "(")
-      fail_filter(token, fmt::format("a value is expected before '{}'", token.text));
+      fail_filter(token, fmt::format("expected a value before '{}'", token.text));
     Term inner = any();
-    if (at_ == tokens_.size()) fail_filter(token, "this '(' is never closed");
+    if (at_ == tokens_.size()) fail_filter(token, "missing ')' for this '('");
     if (!next_is(")")) fail_behind(inner);
     inner.begin = token.begin;
     inner.end = tokens_[at_++].end;
     return inner;
   }
 
-  /// Of a value and a field with the same name the field, unless the value's type is wanted.
+  /// If a value and a field share the name, prefers the field unless `wanted` is the value's type.
   Term named(const FilterToken& token, std::optional<FilterType> wanted = {}) {
     if (const FilterSymbol* symbol = find_filter_symbol(token.text, wanted)) {
       if (symbol->value) return constant(token, symbol->type, *symbol->value);
@@ -212,8 +211,8 @@ class Parser {
       return constant(token, FilterType::plane_name, *plane);
     const std::string near = meant_by(token.text);
     fail_filter(token, near.empty()
-                           ? fmt::format("there is no '{}'", token.text)
-                           : fmt::format("there is no '{}', did you mean '{}'?", token.text, near));
+                           ? fmt::format("'{}' is unknown", token.text)
+                           : fmt::format("'{}' is unknown, did you mean '{}'?", token.text, near));
   }
 
   FilterFormula compared(Term& left, const FilterToken& sign, const Operator& op, Term& right) {
@@ -221,7 +220,7 @@ class Parser {
       fail_filter(right, fmt::format("'{}' is {} and cannot be compared with {}", text_of(left),
                                      to_string(left.type), to_string(right.type)));
     if (left.type == FilterType::boolean)
-      fail_filter(sign, fmt::format("'{}' is true or false by itself: leave out '{}', or write '!' "
+      fail_filter(sign, fmt::format("'{}' is true or false already: remove '{}', or write '!' "
                                     "before it",
                                     text_of(left), sign.text));
     if (left.type != FilterType::number) need_equality(left, sign);
@@ -229,14 +228,14 @@ class Parser {
                const EventView& e) { return apply(left(e), right(e)); };
   }
 
-  /// plane==7, point!=12: among all that the event concerns.
+  /// plane==7, point!=12: compares with all planes or points of the event.
   FilterFormula identified(Term& field, const FilterToken& sign, const Term& other) {
     need_equality(field, sign);
     const bool is_plane = field.type == FilterType::plane;
     const bool fits =
         other.type == FilterType::number || (is_plane && other.type == FilterType::plane_name);
     if (!fits || !other.constant)
-      fail_filter(other, fmt::format("'{}' is compared with {}, nothing else", text_of(field),
+      fail_filter(other, fmt::format("'{}' can only be compared with {}", text_of(field),
                                      is_plane ? "P7 or 7" : "a number"));
     FilterFormula concerned =
         is_plane ? concerns_plane(*other.constant) : concerns_point(*other.constant);
@@ -267,8 +266,8 @@ class Parser {
   void need(const Term& term, FilterType type) const {
     if (term.type == type) return;
     fail_filter(term, fmt::format("'{}' is {}{}", text_of(term), to_string(term.type),
-                                  type == FilterType::number ? ", a number is expected"
-                                                             : ": compare it with something"));
+                                  type == FilterType::number ? ", expected a number"
+                                                             : ": compare it with a value"));
   }
   void need_equality(const Term& term, const FilterToken& sign) const {
     if (sign.text != "==" && sign.text != "!=")
@@ -276,12 +275,12 @@ class Parser {
                                     to_string(term.type)));
   }
 
-  /// Something stands behind what is whole already.
+  /// Reports unexpected text after a complete term.
   [[noreturn]] void fail_behind(const Term& whole) const {
     const FilterToken& token = tokens_[at_];
-    if (token.text == ")") fail_filter(token, "this ')' was never opened");
+    if (token.text == ")") fail_filter(token, "missing '(' for this ')'");
     fail_filter(token,
-                fmt::format("'&&', '||' or a comparison is missing after '{}'", text_of(whole)));
+                fmt::format("expected '&&', '||' or a comparison after '{}'", text_of(whole)));
   }
 
   std::string_view text_of(const FilterPlace& place) const {
@@ -301,7 +300,7 @@ class Parser {
   ParsedFilter filter_;
 };
 
-/// Empty where the run has no such point.
+/// Empty if the run does not contain the point.
 PointTrack track_of(double number, const Run& run) {
   PointTrack track;
   const auto count = static_cast<double>(run.segmentation.plane_of.size());
@@ -313,7 +312,7 @@ PointTrack track_of(double number, const Run& run) {
   return track;
 }
 
-/// docs/filter.md has the grammar. Throws a FilterProblem.
+/// Grammar: docs/filter.md. Throws a FilterProblem.
 ParsedFilter parse_filter(std::string_view text) {
   std::optional<FilterProblem> problem;
   std::vector<FilterToken> tokens = filter_tokens(text, problem);

@@ -1,7 +1,7 @@
 #pragma once
 
-// The filter language over events: `case==III && depth>=5 && mse>0.8*theta_mse`, `plane==7`,
-// `point==1234`, `merge && offset>0.02`, `truth.mixed`. docs/filter.md is its grammar.
+// Filter language for events: `case==III && depth>=5 && mse>0.8*theta_mse`, `plane==7`,
+// `point==1234`, `merge && offset>0.02`, `truth.mixed`. Grammar: docs/filter.md.
 
 #include <cstddef>
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace planescope::debug {
 
-/// What is wrong with a filter's text, and where: bytes [begin, end).
+/// Error in the text of a filter, and its position: bytes [begin, end).
 struct FilterProblem {
   std::size_t begin = 0, end = 0;
   std::string message;
@@ -23,11 +23,11 @@ struct ParsedFilter;
 
 class Filter {
  public:
-  /// An empty text matches every event. On a problem the result is empty and `problem` set.
+  /// Empty text matches every event. On error, returns nullopt and sets `problem`.
   static std::optional<Filter> parse(const std::string& text, FilterProblem& problem);
 
   const std::string& text() const { return text_; }
-  /// Does the event that led to `step` (1 <= step <= steps()) match?
+  /// Whether the event that led to `step` (1 <= step <= steps()) matches.
   bool matches(const Run& run, std::int32_t step) const;
   /// All steps that match, ascending.
   std::vector<std::int32_t> matching(const Run& run) const;
@@ -37,7 +37,7 @@ class Filter {
   std::shared_ptr<const ParsedFilter> parsed_;
 };
 
-/// What can stand at `cursor`, best first: replaces bytes [begin, end) of the text.
+/// A completion at the cursor: replaces bytes [begin, end) of the text. Best first.
 struct Completion {
   std::size_t begin = 0, end = 0;
   std::string insert;
@@ -45,7 +45,7 @@ struct Completion {
 };
 std::vector<Completion> complete_filter(const std::string& text, std::size_t cursor);
 
-/// Every name the language knows, for docs and completion.
+/// Every name in the language, for docs and completion.
 struct FilterName {
   std::string name;
   std::string meaning;

@@ -1,5 +1,5 @@
-// The words of a filter: tokens, names, and what can stand at a place, judged by the words before
-// it.
+// Vocabulary of the filter language: tokens, names, and completions in the context of the
+// preceding words.
 
 #include "core/debug/filter/filter_words.hpp"
 
@@ -14,13 +14,13 @@
 namespace planescope::debug {
 namespace {
 
-/// Longer signs stand before those that they begin with.
+/// Longer signs precede their prefixes.
 constexpr std::string_view kSigns[] = {"||", "&&", "==", "!=", "<=", ">=", "!", "<",
                                        ">",  "+",  "-",  "*",  "/",  "(",  ")"};
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Letters, and what UTF-8 writes the paper's symbols with.
+/// Letters, and the UTF-8 bytes of the paper's symbols.
 bool starts_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
          static_cast<unsigned char>(c) >= 0x80;
@@ -31,7 +31,7 @@ std::size_t name_length(std::string_view text) {
   return std::find_if_not(text.begin(), text.end(), continues_name) - text.begin();
 }
 
-/// The token that begins at `at`, which is not a space.
+/// The token that begins at `at`, which must not be a space.
 FilterToken token_at(std::string_view text, std::size_t at) {
   const std::string_view rest = text.substr(at);
   const auto token = [&](FilterToken::Kind kind, std::size_t length, double value = 0) {
@@ -44,12 +44,11 @@ FilterToken token_at(std::string_view text, std::size_t at) {
     double value = 0;
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
     const FilterToken number = token(FilterToken::number, end - rest.data(), value);
-    if (error == std::errc::result_out_of_range) fail_filter(number, "a number out of range");
+    if (error == std::errc::result_out_of_range) fail_filter(number, "number out of range");
     const std::size_t unit = name_length(rest.substr(number.text.size()));
     if (unit == 0) return number;
     const FilterToken whole = token(FilterToken::number, number.text.size() + unit);
-    fail_filter(whole,
-                fmt::format("'{}' is no number: write it without a unit, in m or deg", whole.text));
+    fail_filter(whole, fmt::format("'{}' is not a number: omit the unit (m or deg)", whole.text));
   }
 
   for (const std::string_view sign : kSigns)
@@ -59,7 +58,7 @@ FilterToken token_at(std::string_view text, std::size_t at) {
     fail_filter(wrong, fmt::format("did you mean '{0}{0}'?", c));
   const bool printable = c > ' ' && c < 0x7f;
   fail_filter(wrong,
-              printable ? fmt::format("'{}' has no meaning here", c) : "a control character");
+              printable ? fmt::format("unexpected '{}'", c) : "unexpected control character");
 }
 
 using View = const EventView&;
@@ -68,10 +67,10 @@ using Facts = const NodeFacts&;
 
 bool is_decide(View e) { return e.event.type == planes::EventType::decide; }
 
-/// The facts where points have labels and a metric noise; null on a depth image.
+/// The facts for nodes with labeled points and metric noise; null on depth images.
 const NodeFacts* facts_in_space(View e) { return e.run.is_on_image() ? nullptr : e.facts(); }
 
-/// The facts where the fit came to be: asked for by Criterion 3, or the candidate's own.
+/// The facts if the fit was computed, by Criterion 3 or for the candidate itself.
 const NodeFacts* fitted(View e) {
   const NodeFacts* known = e.facts();
   if (!known) return nullptr;
@@ -81,15 +80,17 @@ const NodeFacts* fitted(View e) {
   return asked ? known : nullptr;
 }
 
-/// The facts where ground truth is known.
-const NodeFacts* judged(View e) { return e.run.subject->voxel_truth.known() ? e.facts() : nullptr; }
+/// The facts if ground truth is known.
+const NodeFacts* truth_facts(View e) {
+  return e.run.subject->voxel_truth.known() ? e.facts() : nullptr;
+}
 
 template <planes::EventType type>
 double is_kind(View e) {
   return e.event.type == type;
 }
 
-/// A getter that takes the node, or what is known of it, instead of the event.
+/// A getter applied to the node, or to its facts, instead of the event.
 template <auto get>
 double of_node(View e) {
   return e.node() ? static_cast<double>(get(*e.node())) : kAbsent;
@@ -116,7 +117,7 @@ double coordinate(View e) {
   return e.event.point >= 0 ? origin + position_of(e)[axis] : kAbsent;
 }
 
-/// Absent where gravity is not known: h and v then mean nothing.
+/// Absent if gravity is unknown, because h and v are then meaningless.
 double value_of(Label label) {
   return label == Label::unknown ? kAbsent : static_cast<double>(label);
 }
@@ -140,7 +141,7 @@ double result_of(View e) {
   return timeline.result_of_plane(plane);
 }
 
-/// The value that decided a node of a depth image, in the unit of the stage, or a change of planes.
+/// The value that decided a node of a depth image, in the unit of the stage, or changed a plane.
 double value_of_event(View e) {
   const bool decided = is_decide(e) && e.run.is_on_image();
   return decided || e.event.type == planes::EventType::refine ? e.event.value : kAbsent;
@@ -149,7 +150,7 @@ double value_of_event(View e) {
 double true_plane(View e) {
   const VoxelTruth& truth = e.run.subject->voxel_truth;
   if (truth.known() && e.event.point >= 0) return truth.plane[e.event.point];
-  return judged(e) ? judged(e)->truth_plane : kAbsent;
+  return truth_facts(e) ? truth_facts(e)->truth_plane : kAbsent;
 }
 
 std::vector<FilterSymbol> fields_of_events() {
@@ -163,31 +164,31 @@ std::vector<FilterSymbol> fields_of_events() {
        [](View e) -> double {
          return e.event.type == planes::EventType::merge || is_join(e.event);
        }},
-      {"assign", "a leftover point is given to a plane", boolean, is_kind<assign>},
-      {"drop", "an unassigned point gets no plane", boolean, is_kind<drop>},
+      {"assign", "a leftover point is assigned to a plane", boolean, is_kind<assign>},
+      {"drop", "a leftover point stays unassigned", boolean, is_kind<drop>},
       {"refine", "the objective joins, changes or drops a plane", boolean, is_kind<refine>},
       {"step", "number of the event, from 1", number,
        [](View e) { return static_cast<double>(e.step); }},
-      {"stage", "what decided: criteria, merge, assign, or a stage of the objective", stage,
+      {"stage", "deciding stage: criteria, merge, assign, or a stage of the objective", stage,
        [](View e) { return static_cast<double>(e.event.stage); }},
       {"label", "h or v: of the candidate, node, point or plane", label, label_of},
-      {"plane", "planes that the event concerns, as P7 or 7", plane,
+      {"plane", "planes of the event, as P7 or 7", plane,
        [](View e) -> double { return e.event.plane >= 0; }},
-      {"point", "points that the event names, moves or has in its node", point,
+      {"point", "points that the event names, moves or contains in its node", point,
        [](View e) -> double { return e.event.point >= 0 || e.event.node >= 0; }},
-      {"result", "id in the result of what its plane became, 0 none", number, result_of},
+      {"result", "id of its plane in the result; 0 if none", number, result_of},
       {"offset", "merge: distance of the candidate from the plane [m]", number,
        [](View e) { return e.event.type == merge ? e.event.value : kAbsent; }},
       {"distance", "assign, drop: distance of the point from the plane [m]", number,
        [](View e) { return e.event.point >= 0 && e.event.value >= 0 ? e.event.value : kAbsent; }},
-      {"value", "depth images: value that decided; refine: cost, or change or worth in px", number,
+      {"value", "depth images: decisive value; refine: cost, or change or worth in px", number,
        value_of_event},
 
       {"case", "decide: case of the node, I II III IV", node_case,
        [](View e) { return is_decide(e) ? e.event.node_case : kAbsent; }},
       {"node", "number of the node", number,
        [](View e) { return e.node() ? e.event.node : kAbsent; }},
-      {"parent", "number of its parent, -1 of the root", number,
+      {"parent", "number of its parent; -1 for the root", number,
        of_node<[](Node n) { return n.parent; }>},
       {"depth", "depth of the node, 0 the root", number, of_node<[](Node n) { return n.depth; }>},
       {"size", "points in the node", number, of_node<[](Node n) { return n.size(); }>},
@@ -198,34 +199,35 @@ std::vector<FilterSymbol> fields_of_events() {
       {"r_out", "share of outliers", number, of_facts<[](Facts f) { return f.purity.r_out(); }>},
       {"n_h", "points labeled h", number, of_facts<[](Facts f) { return count_of(f, Label::h); }>},
       {"n_v", "points labeled v", number, of_facts<[](Facts f) { return count_of(f, Label::v); }>},
-      {"mse", "decide: e_n as Criterion 3 judged it [m², or m by RMS]", number,
+      {"mse", "decide: e_n as evaluated by Criterion 3 [m², or m by RMS]", number,
        [](View e) {
          return is_decide(e) && fitted(e) && facts_in_space(e) ? fitted(e)->e_n : kAbsent;
        }},
       {"rms", "RMS of the node's fit [m]", number,
        [](View e) { return fitted(e) ? fitted(e)->fit.rms_m() : kAbsent; }},
-      {"x", "world x of the node's centre or the point [m]", number, coordinate<0>},
-      {"y", "world y of the node's centre or the point [m]", number, coordinate<1>},
-      {"z", "world z of the node's centre or the point [m]", number, coordinate<2>},
+      {"x", "world x of the node's center or the point [m]", number, coordinate<0>},
+      {"y", "world y of the node's center or the point [m]", number, coordinate<1>},
+      {"z", "world z of the node's center or the point [m]", number, coordinate<2>},
       {"at_max_depth", "the node is I or III at the deepest level", boolean,
        [](View e) -> double { return e.facts() && e.node()->at_max_depth; }},
       {"divided", "the node was divided", boolean,
        [](View e) -> double { return e.facts() && e.node()->first_child >= 0; }},
 
-      {"truth.mixed", "the node holds points of two true planes", boolean,
+      {"truth.mixed", "the node contains points of two true planes", boolean,
        [](View e) -> double {
-         return judged(e) && is_mixed_in_truth(*judged(e), e.run.segment_options);
+         return truth_facts(e) && is_mixed_in_truth(*truth_facts(e), e.run.segment_options);
        }},
       {"truth.wrong", "the decision disagrees with ground truth", boolean,
        [](View e) -> double { return !e.run.wrong.empty() && e.run.wrong[e.step - 1] != 0; }},
-      {"truth.plane", "true plane of the point, or of most of the node's points; 0 none", number,
+      {"truth.plane", "true plane of the point, or of most of the node's points; 0 if none", number,
        true_plane},
-      {"truth.planes", "how many true planes the node holds points of", number,
-       [](View e) { return judged(e) ? judged(e)->truth_planes : kAbsent; }},
+      {"truth.planes", "number of true planes with points in the node", number,
+       [](View e) { return truth_facts(e) ? truth_facts(e)->truth_planes : kAbsent; }},
       {"truth.purity", "share of the node's points that belong to truth.plane", number,
        [](View e) {
-         return judged(e) ? static_cast<double>(judged(e)->truth_points) / e.node()->size()
-                          : kAbsent;
+         return truth_facts(e)
+                    ? static_cast<double>(truth_facts(e)->truth_points) / e.node()->size()
+                    : kAbsent;
        }},
 
       {"theta_mse", "Criterion 3's threshold at the node, in the unit of mse", number,
@@ -257,7 +259,7 @@ void append_values(std::vector<FilterSymbol>& all) {
   }
 }
 
-/// Other names, the paper's among them; those of options stand in their table.
+/// Other names, including the paper's; those of options are in their table.
 constexpr std::pair<std::string_view, std::string_view> kAliases[] = {{"N_in", "n_in"},
                                                                       {"N_out", "n_out"},
                                                                       {"e_n", "mse"},
@@ -267,13 +269,13 @@ constexpr std::pair<std::string_view, std::string_view> kAliases[] = {{"N_in", "
 using Tokens = std::vector<FilterToken>;
 using Choices = std::vector<FilterName>;
 
-/// The type of the field that the word names, if it does.
+/// The type of the field with this name; nullopt if there is none.
 std::optional<FilterType> field_type(const FilterToken& token) {
   const FilterSymbol* symbol = find_filter_symbol(token.text);
   return symbol && !symbol->value ? std::optional(symbol->type) : std::nullopt;
 }
 
-/// The type that the value behind these words should have, boolean where it starts a condition.
+/// Expected type of the value after these words; boolean where a condition starts.
 FilterType wanted_type(const Tokens& before) {
   if (before.empty()) return FilterType::boolean;
   const std::string_view sign = before.back().text;
@@ -282,14 +284,14 @@ FilterType wanted_type(const Tokens& before) {
   return field_type(before[before.size() - 2]).value_or(FilterType::number);
 }
 
-/// Fields where a condition starts or a number is wanted, values where another type is.
+/// Fields if a condition or a number is expected, otherwise values of the type.
 Choices values_of(FilterType type) {
   const bool of_fields = type == FilterType::boolean || type == FilterType::number;
   Choices likely, others;
   for (const FilterSymbol& symbol : filter_symbols()) {
     if (symbol.value.has_value() == of_fields) continue;
     if (symbol.type != type && type != FilterType::boolean) continue;
-    // A number is most likely compared with a threshold.
+    // Numbers are mostly compared with thresholds.
     const bool is_likely =
         type != FilterType::number || symbol.option || symbol.name.starts_with("theta");
     (is_likely ? likely : others).push_back({symbol.name, symbol.meaning});
@@ -309,7 +311,7 @@ Choices signs_after(const Tokens& before) {
   return signs;
 }
 
-/// Where the letters, of either case, begin in the name; its size where they do not stand there.
+/// Case-insensitive position of the letters in the name; its size if not found.
 std::size_t find_letters(std::string_view name, std::string_view letters) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
   const auto same = [&](char a, char b) { return lower(a) == lower(b); };
@@ -359,7 +361,7 @@ const FilterSymbol* find_filter_symbol(std::string_view name, std::optional<Filt
 }
 
 const char* to_string(FilterType type) {
-  // In the order of the types.
+  // In the order of the enum.
   constexpr const char* kTexts[] = {"a number",
                                     "true or false",
                                     "a case (I, II, III or IV)",
@@ -376,7 +378,7 @@ std::vector<Completion> complete_filter(const std::string& text, std::size_t cur
   const std::size_t at = std::min(cursor, text.size());
   std::optional<FilterProblem> ignored;
   Tokens before = filter_tokens(whole.substr(0, at), ignored);
-  FilterPlace word{at, at};  // that the cursor is in or behind
+  FilterPlace word{at, at};  // the word at or before the cursor
   if (!before.empty() && before.back().kind == FilterToken::number && before.back().end == cursor)
     return {};
   if (!before.empty() && before.back().kind == FilterToken::name && before.back().end == at) {

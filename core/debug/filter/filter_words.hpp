@@ -1,7 +1,7 @@
 #pragma once
 
-// The words of the filter language: how a text is split into them, which names there are, and what
-// these mean for an event. Internal to core/debug/filter.
+// Vocabulary of the filter language: tokenizing, names, and their values for an event. Internal
+// to core/debug/filter.
 
 #include <cstdint>
 #include <limits>
@@ -17,13 +17,13 @@
 
 namespace planescope::debug {
 
-/// Where to find a point that a filter names.
+/// Nodes and steps of a point named in a filter.
 struct PointTrack {
-  std::vector<std::int32_t> nodes;  // that ever held it, ascending
-  std::vector<std::int32_t> steps;  // that changed its plane, ascending
+  std::vector<std::int32_t> nodes;  // nodes that ever contained it, ascending
+  std::vector<std::int32_t> steps;  // steps that changed its plane, ascending
 };
 
-/// An event, with what a filter needs to know of its run, looked up once per run.
+/// An event with the filter's values that are constant for its run.
 struct EventView {
   const Run& run;
   std::int32_t step;
@@ -34,7 +34,7 @@ struct EventView {
   const planes::OctreeNode* node() const {
     return event.node >= 0 ? &run.octree().nodes[event.node] : nullptr;
   }
-  /// What the criteria see of the node; null when it is visited: nothing has been computed yet.
+  /// Facts of the event's node; null for visits, when nothing has been computed yet.
   const NodeFacts* facts() const {
     return event.node >= 0 && event.type != planes::EventType::visit ? &run.facts[event.node]
                                                                      : nullptr;
@@ -47,29 +47,29 @@ enum class FilterType : std::uint8_t {
   node_case,
   label,
   stage,
-  plane,       // the planes that an event concerns
-  point,       // the points that it concerns
+  plane,       // planes of an event
+  point,       // points of an event
   plane_name,  // P7
 };
 /// "a number", "a case (I, II, III or IV)".
 const char* to_string(FilterType type);
 
-/// The value of a field that the event does not have: NaN.
+/// Value of a field that the event lacks: NaN.
 inline constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
 
-/// A name: of a field of events, of an option of the run, or of a value (III, h, join).
+/// A name: a field of events, an option of the run, or a value (III, h, join).
 struct FilterSymbol {
   std::string name;
   std::string meaning;
   FilterType type = FilterType::number;
-  /// Booleans are 0 or 1, names the number of what they name. `plane`, `point`: is there any?
+  /// Booleans are 0 or 1; named values are numbers. `plane`, `point`: whether there are any.
   double (*field)(const EventView&) = nullptr;
   const planes::OptionInfo* option = nullptr;
   std::optional<double> value = {};
 };
 const std::vector<FilterSymbol>& filter_symbols();
 
-/// Null: unknown. Two may share a name: then the one of the type that is wanted, or the field.
+/// Null if unknown. If two symbols share a name, returns the one of the wanted type, or the field.
 const FilterSymbol* find_filter_symbol(std::string_view name,
                                        std::optional<FilterType> wanted = {});
 
@@ -81,10 +81,10 @@ struct FilterPlace {
 
 struct FilterToken : FilterPlace {
   enum Kind { name, number, sign } kind = sign;
-  std::string_view text;  // of the text given
-  double value = 0;       // of a number
+  std::string_view text;  // view into the parsed text
+  double value = 0;       // if a number
 };
-/// The tokens up to the first error, which `problem` then describes.
+/// The tokens up to the first error, which is stored in `problem`.
 std::vector<FilterToken> filter_tokens(std::string_view text,
                                        std::optional<FilterProblem>& problem);
 bool is_comparison(std::string_view sign);

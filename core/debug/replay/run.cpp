@@ -1,4 +1,4 @@
-// Runs one frame with a trace and computes what the debugger reads of it.
+// Runs one frame with a trace, and computes the debugger's data.
 
 #include "core/debug/replay/run.hpp"
 
@@ -21,7 +21,7 @@ std::string decision_on_image(const Run& run, std::int32_t node) {
     case planes::Case::none:
       break;
     case planes::Case::I:
-      if (facts.e_n >= planes::kNotFlat) return "case I, a part of it is not flat";
+      if (facts.e_n >= planes::kNotFlat) return "case I, part of it is not flat";
       return fmt::format("case I, two planes cost {:.3g} > {:.3g}", facts.e_n, facts.theta_e_n);
     case planes::Case::II:
       if (facts.e_n >= facts.theta_e_n)
@@ -64,10 +64,10 @@ std::string decision_in_space(const Run& run, std::int32_t node) {
   return "undecided";
 }
 
-/// Who the event is about: "node 41 (h, 35 points)".
+/// The candidate of the event: "node 41 (h, 35 points)".
 std::string candidate(const Run& run, const planes::TraceEvent& event) {
   const planes::OctreeNode& node = run.octree().nodes[event.node];
-  if (event.label == Label::unknown || run.is_on_image())  // all of the node's points
+  if (event.label == Label::unknown || run.is_on_image())  // all points of the node
     return fmt::format("node {} ({})", event.node, counted(node.size(), "point"));
   const std::uint32_t h = run.segment_options.use_labels ? node.count_h : node.size();
   return fmt::format("node {} ({}, {})", event.node, to_string(event.label, "?"),
@@ -80,10 +80,10 @@ std::string change(const Run& run, const planes::TraceEvent& event, std::int32_t
   if (event.stage == planes::Stage::grow && !run.timeline.plane_at(event.plane, step)->alive)
     return fmt::format("{}: {} ends: {}", stage, plane_name(run, event.plane),
                        filled_in(info.why_dropped, run, event));
-  return fmt::format("{}: {}", stage, filled_in(info.says, run, event));
+  return fmt::format("{}: {}", stage, filled_in(info.event_text, run, event));
 }
 
-/// Counts the true planes of one node after the other.
+/// Counts the true planes of nodes, one node at a time.
 class TruthCounter {
  public:
   TruthCounter(const planes::Octree& octree, const VoxelTruth& truth)
@@ -111,7 +111,7 @@ class TruthCounter {
  private:
   const planes::Octree& octree_;
   const VoxelTruth& truth_;
-  std::vector<std::uint32_t> points_;  // per true plane, all 0 between two nodes
+  std::vector<std::uint32_t> points_;  // per true plane; all 0 between nodes
   std::vector<std::int32_t> seen_;
 };
 
@@ -129,7 +129,7 @@ VoxelTruth truth_by_voxel(const planes::PreparedFrame& prepared, const planes::S
   return result;
 }
 
-/// The threshold of the criterion that decides a case.
+/// Threshold of the criterion that decides a case.
 double threshold_of(planes::Case decided, const planes::ObjectiveOptions& options) {
   switch (decided) {
     case planes::Case::I:
@@ -148,7 +148,7 @@ std::vector<NodeFacts> facts_on_image(const Run& run) {
   std::vector<NodeFacts> result(octree.nodes.size());
   for (const planes::TraceEvent& event : run.trace.events)
     if (event.type == planes::EventType::decide) result[event.node].e_n = event.value;
-  // Children stand behind their parents, and have all of its points.
+  // Children follow their parents, and together contain all of their points.
   std::vector<Moments> moments(octree.nodes.size());
   for (std::size_t n = octree.nodes.size(); n-- > 0;) {
     const planes::OctreeNode& node = octree.nodes[n];
@@ -166,7 +166,7 @@ std::vector<NodeFacts> facts_on_image(const Run& run) {
   return result;
 }
 
-/// Run::facts, where the segmentation is there.
+/// Computes Run::facts; requires the segmentation.
 std::vector<NodeFacts> facts_of(const Run& run) {
   if (run.is_on_image()) return facts_on_image(run);
   const planes::Octree& octree = run.octree();
@@ -248,7 +248,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
                          event->value * kMm);
     case planes::EventType::drop:
       if (event->value < 0)
-        return fmt::format("point {} unassigned: no plane is near", event->point);
+        return fmt::format("point {} unassigned: no plane nearby", event->point);
       return fmt::format("point {} unassigned: the nearest plane is {:.1f} mm away", event->point,
                          event->value * kMm);
     case planes::EventType::refine:

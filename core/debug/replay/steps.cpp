@@ -12,7 +12,8 @@ namespace {
 using planes::EventType;
 using planes::Stage;
 
-/// The last step of the traversal, with what its last node led to; 0 if no node was dequeued.
+/// The last step of the traversal, including the effects of its last node; 0 if no node
+/// was dequeued.
 std::int32_t end_of_traversal(const Run& run) {
   std::int32_t last = run.steps();
   const auto is_of_node = [&](std::int32_t step) {
@@ -33,7 +34,7 @@ const char* title_of(const planes::TraceEvent& event) {
   return event.stage == Stage::assign ? "leftovers" : "merging";
 }
 
-/// Steps at which a plane is founded, joined or dropped, or takes in a candidate; ascending.
+/// Steps that create, join or drop a plane, or merge a candidate into one; ascending.
 std::vector<std::int32_t> plane_steps(const Run& run) {
   std::vector<std::int32_t> steps;
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
@@ -87,7 +88,7 @@ std::int32_t step_from(const Run& run, StepUnit unit, std::int32_t step, std::in
   const std::vector<std::int32_t> stops =
       unit == StepUnit::node ? node_steps(run) : plane_steps(run);
   if (count == 0) return step;
-  // The index of the stop, if it is one of those that there are.
+  // Index of the stop, if it exists.
   const std::int64_t index =
       count > 0 ? std::ranges::upper_bound(stops, step) - stops.begin() + (count - 1)
                 : std::ranges::lower_bound(stops, step) - stops.begin() + count;

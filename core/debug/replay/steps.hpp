@@ -1,7 +1,6 @@
 #pragma once
 
-// How a trace is divided: its phases, and the steps at which nodes are decided or planes come and
-// go.
+// Divides a trace into phases, and finds the steps at which nodes are decided and planes change.
 
 #include <cstdint>
 #include <vector>
@@ -11,7 +10,7 @@
 
 namespace planescope::debug {
 
-/// Steps from the first to the last, both included.
+/// Steps from first to last, inclusive.
 struct StepRange {
   std::int32_t first = 0, last = 0;
 
@@ -20,39 +19,40 @@ struct StepRange {
   bool operator==(const StepRange&) const = default;
 };
 
-/// Steps in a row that one stage decided.
+/// Consecutive steps decided by one stage.
 struct Phase {
   StepRange steps;
   const char* title = "";  // "traversal", "merge neighbors", "leftovers"
 };
 
-/// All steps from 1 on, in order. What the traversal leads to at once, as merges, is part of it.
+/// All steps from 1 on, in order. Immediate effects of the traversal, such as merges, are part
+/// of it.
 std::vector<Phase> phases_of(const Run& run);
 
-/// From the beginning to the end of the traversal; all steps if there is none.
+/// From the first to the last step of the traversal; all steps if there is none.
 StepRange traversal_of(const Run& run);
 
-/// How far one step goes: to the next event, to the next node that is decided, or to the next event
-/// that founds, joins, splits or drops a plane.
+/// Size of one step: to the next event, to the next decision on a node, or to the next event that
+/// creates, joins, splits or drops a plane.
 enum class StepUnit : std::uint8_t { event, node, plane };
 
-/// The step `count` units after `step`, or before it where `count` is negative. The beginning and
-/// the end of the trace are stops of every unit.
+/// The step `count` units after `step` (before it if `count` is negative). The first and last steps
+/// are stops of every unit.
 std::int32_t step_from(const Run& run, StepUnit unit, std::int32_t step, std::int32_t count);
 
-/// Walks forward through the changes of a trace: planes, and the points in them. The octree has
-/// all nodes from the start. The state holds neither counts nor the order of the leftovers.
+/// Replays the changes of planes and their points in a trace, forward only. The octree contains all
+/// nodes from the start. The state has no counts, and leftovers are unordered.
 class StateWalk {
  public:
   explicit StateWalk(const Run& run);
-  /// To the state at `step`, not before where it is.
+  /// Advances to the state at `step`, which must not precede the current one.
   const planes::SegmentState& advance_to(std::int32_t step);
   const planes::SegmentState& state() const { return state_; }
 
  private:
   const Run& run_;
   planes::SegmentState state_;
-  std::size_t points_ = 0, planes_ = 0;  // changes that are made
+  std::size_t points_ = 0, planes_ = 0;  // number of applied changes
 };
 
 }  // namespace planescope::debug

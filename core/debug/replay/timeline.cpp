@@ -1,4 +1,4 @@
-// State of nodes, points and planes at any step, from the changes in a trace.
+// State of nodes, points and planes at any step, computed from the changes in a trace.
 
 #include "core/debug/replay/timeline.hpp"
 
@@ -18,7 +18,7 @@ std::span<const Change> row(const std::vector<Change>& changes,
   return {changes.data() + first[index], changes.data() + first[index + 1]};
 }
 
-/// The last change up to `step`, null before the first.
+/// The last change up to `step`; null before the first.
 template <typename Change>
 const Change* last_until(std::span<const Change> changes, std::int32_t step) {
   const auto after =
@@ -27,7 +27,7 @@ const Change* last_until(std::span<const Change> changes, std::int32_t step) {
   return after == changes.begin() ? nullptr : &*(after - 1);
 }
 
-/// Sorts records by the row that `row_of` names, each in its order.
+/// Groups records by `row_of`, preserving their order within a row.
 template <typename Record, typename RowOf, typename Change>
 void to_rows(const std::vector<Record>& records,
              RowOf row_of,

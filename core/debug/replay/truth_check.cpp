@@ -1,4 +1,4 @@
-// Decisions against ground truth.
+// Checks decisions against ground truth.
 
 #include <algorithm>
 #include <utility>
@@ -8,7 +8,7 @@
 namespace planescope::debug {
 namespace {
 
-/// How many points of each true plane a plane of the trace has.
+/// Points of each true plane in a plane of the trace.
 class TruthTally {
  public:
   void add(std::int32_t truth, int points = 1) {
@@ -21,7 +21,7 @@ class TruthTally {
   void add(const TruthTally& other) {
     for (const auto& [truth, points] : other.counts_) add(truth, points);
   }
-  /// The true plane of most points, of equals the first to have them; 0 where there is none.
+  /// The true plane with most points, the first to reach that number on ties; 0 if none.
   std::int32_t majority() const { return majority_; }
 
  private:
@@ -36,7 +36,7 @@ class TruthTally {
   std::int32_t majority_ = 0;
 };
 
-/// Judges each event by the planes as it found them.
+/// Checks each event against the planes at that time.
 class TruthChecker {
  public:
   explicit TruthChecker(const Run& run)
@@ -46,12 +46,12 @@ class TruthChecker {
 
   bool is_wrong(std::int32_t step) {
     const planes::TraceEvent& event = *run_.event_at(step);
-    take_changes_until(step - 1);
+    apply_changes_until(step - 1);
     switch (event.type) {
       case planes::EventType::decide:
         return is_wrong_case(event);
       case planes::EventType::found:
-        // By the objective, cells found regions that join later.
+        // With the objective, cells create regions that join later.
         return event.node >= 0 && !run_.segment_options.by_objective() &&
                stands_already(truth_of_candidate(event), step - 1);
       case planes::EventType::merge:
@@ -68,17 +68,17 @@ class TruthChecker {
   }
 
  private:
-  void take_changes_until(std::int32_t step) {
+  void apply_changes_until(std::int32_t step) {
     const std::vector<planes::Trace::Point>& changes = run_.trace.points;
-    while (taken_ < changes.size() && changes[taken_].change.step <= step) {
-      // All that one event gives to a plane comes at once.
-      const planes::PointChange first = changes[taken_].change;
+    while (applied_ < changes.size() && changes[applied_].change.step <= step) {
+      // All points that one event gives to a plane are added together.
+      const planes::PointChange first = changes[applied_].change;
       TruthTally given;
-      take_joins_until(first.step - 1);
-      for (; taken_ < changes.size() && changes[taken_].change.step == first.step &&
-             changes[taken_].change.plane == first.plane;
-           ++taken_) {
-        const std::uint32_t i = changes[taken_].point;
+      apply_joins_until(first.step - 1);
+      for (; applied_ < changes.size() && changes[applied_].change.step == first.step &&
+             changes[applied_].change.plane == first.plane;
+           ++applied_) {
+        const std::uint32_t i = changes[applied_].point;
         const std::int32_t truth = truth_of(static_cast<std::int32_t>(run_.octree().order[i]));
         if (truth > 0 && plane_of_[i] >= 0)
           tallies_[run_.timeline.joined_plane(plane_of_[i], first.step - 1)].add(truth, -1);
@@ -87,10 +87,10 @@ class TruthChecker {
       }
       if (first.plane >= 0) tallies_[first.plane].add(given);
     }
-    take_joins_until(step);
+    apply_joins_until(step);
   }
-  /// Planes of an image join with their points: no change of these says so.
-  void take_joins_until(std::int32_t step) {
+  /// Planes of an image join along with their points, without point changes.
+  void apply_joins_until(std::int32_t step) {
     const std::vector<planes::Trace::Plane>& changes = run_.trace.planes;
     for (; joined_ < changes.size() && changes[joined_].change.step <= step; ++joined_)
       if (const planes::PlaneChange& change = changes[joined_].change;
@@ -111,7 +111,7 @@ class TruthChecker {
     }
   }
 
-  /// On an image: two true planes are joined, or a true plane is not listed.
+  /// On depth images: two true planes are joined, or a true plane is dropped.
   bool is_wrong_change(const planes::TraceEvent& event, std::int32_t step) const {
     if (event.stage == planes::Stage::join || event.stage == planes::Stage::hidden)
       return differ(tallies_[event.plane].majority(), event.other);
@@ -137,7 +137,7 @@ class TruthChecker {
   bool stands_already(std::int32_t truth, std::int32_t step) const {
     for (std::int32_t k = 0; truth > 0 && k < run_.timeline.plane_count(); ++k) {
       const planes::PlaneChange* plane = run_.timeline.plane_at(k, step);
-      if (!plane) break;  // the others are founded later
+      if (!plane) break;  // the remaining planes are created later
       if (tallies_[k].majority() == truth && plane->alive) return true;
     }
     return false;
@@ -148,9 +148,9 @@ class TruthChecker {
   }
 
   const Run& run_;
-  std::size_t taken_ = 0, joined_ = 0;  // of the trace's changes of points, of planes
-  std::vector<std::int32_t> plane_of_;  // per Morton-ordered point
-  std::vector<TruthTally> tallies_;     // per plane of the trace
+  std::size_t applied_ = 0, joined_ = 0;  // number of applied changes of points, of planes
+  std::vector<std::int32_t> plane_of_;    // per Morton-ordered point
+  std::vector<TruthTally> tallies_;       // per plane of the trace
 };
 
 }  // namespace

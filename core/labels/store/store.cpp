@@ -74,7 +74,7 @@ LabelStore::LabelStore(fs::path dir, LabelStoreOptions options)
 
 void LabelStore::attach() {
   const fs::path path = dir_ / "journal";
-  lock_ = FolderLock::take(dir_, options_.annotator);
+  lock_ = FolderLock::acquire(dir_, options_.annotator);
   if (!lock_.is_held()) {
     read_only_ = "read-only: " + lock_.why_not();
   } else if (::access(path.c_str(), W_OK) != 0 && errno != ENOENT) {

@@ -27,8 +27,8 @@ Classification classify_about_origin(const Classifier& classifier,
   return classifier.classify(local, threads);
 }
 
-// Sun et al. 2023, Eq. (1): the angle between the local surface normal and gravity, the normal here
-// by PCA of the nearest neighbours.
+// Sun et al. 2023, Eq. (1): the angle between the local surface normal and gravity. The normal is
+// estimated by PCA of the nearest neighbors.
 
 namespace {
 
@@ -39,14 +39,14 @@ struct Verdict {
   float margin = 0;
 };
 
-/// The eigenvector of the smallest eigenvalue, unit, where that is well apart from the others: far
-/// quicker there than Jacobi rotations, to nearly all digits of a double.
+/// Unit eigenvector of the smallest eigenvalue, if that eigenvalue is well separated. Much faster
+/// than Jacobi rotations, and accurate to nearly full double precision.
 std::optional<Vec3d> clear_normal(const Mat3d& scatter) {
   const double trace = scatter.trace();
   if (!(trace > 0)) return std::nullopt;
   Mat3d a = scatter / trace;
-  // Newton's method from 0 towards the smallest root of l^3 - l^2 + minors l - det, which it does
-  // not pass.
+  // Newton's method from 0 toward the smallest root of l^3 - l^2 + minors l - det; it never
+  // overshoots.
   const Vec3d minors = a.row(1).cross(a.row(2));
   const double det = a.row(0).dot(minors);
   const double sum_of_minors = minors.x() + (a(0, 0) * a(2, 2) - a(0, 2) * a(0, 2)) +
@@ -61,7 +61,7 @@ std::optional<Vec3d> clear_normal(const Mat3d& scatter) {
   }
   if (std::abs(step) > 1e-14) return std::nullopt;
   a.diagonal().array() -= root;
-  Vec3d normal = Vec3d::Zero();  // orthogonal to all rows, of which two are independent
+  Vec3d normal = Vec3d::Zero();  // orthogonal to all rows; two rows are independent
   for (int row = 0; row < 3; ++row) {
     const Vec3d candidate = a.row(row).cross(a.row((row + 1) % 3));
     if (candidate.squaredNorm() > normal.squaredNorm()) normal = candidate;
@@ -69,26 +69,28 @@ std::optional<Vec3d> clear_normal(const Mat3d& scatter) {
   return normal.normalized();
 }
 
-Verdict judge_normal(const Vec3d& normal, double max_angle_deg) {
+Verdict classify_normal(const Vec3d& normal, double max_angle_deg) {
   const double angle_deg = degrees(std::acos(std::min(1.0, std::abs(normal.z()))));
   if (angle_deg <= max_angle_deg)
     return {Label::h, static_cast<float>((max_angle_deg - angle_deg) / max_angle_deg)};
   return {Label::v, static_cast<float>((angle_deg - max_angle_deg) / (90 - max_angle_deg))};
 }
 
-/// `moments`: of the neighbours, about the point itself.
-Verdict judge(const Moments& moments, double max_angle_deg) {
+/// `moments`: of the neighbors, relative to the point.
+Verdict classify_moments(const Moments& moments, double max_angle_deg) {
   const Mat3d scatter = moments.scatter();
-  if (const auto normal = clear_normal(scatter)) return judge_normal(*normal, max_angle_deg);
-  // Fewer than three points, or all in one place or line, have no normal: a best guess, unsure.
-  constexpr double kFlat = 1e-9;  // of the largest eigenvalue: beyond what float coordinates carry
+  if (const auto normal = clear_normal(scatter)) return classify_normal(*normal, max_angle_deg);
+  // Fewer than three points, or points that coincide or are collinear, have no normal: return the
+  // best guess with margin 0.
+  constexpr double kFlat = 1e-9;  // fraction of the largest eigenvalue; below float precision of
+                                  // the coordinates
   const Eigen3 eigen = eigen_symmetric(scatter);
   if (moments.count < 3 || eigen.values[2] <= 0) return {Label::h, 0};
   if (eigen.values[1] <= kFlat * eigen.values[2]) {
     const Vec3d line = eigen.vectors.col(2);
     return {std::abs(line.z()) > std::numbers::sqrt2 / 2 ? Label::v : Label::h, 0};
   }
-  return judge_normal(eigen.vectors.col(0).normalized(), max_angle_deg);
+  return classify_normal(eigen.vectors.col(0).normalized(), max_angle_deg);
 }
 
 class PcaClassifier final : public Classifier {
@@ -125,7 +127,7 @@ class PcaClassifier final : public Classifier {
         Moments moments;
         for (std::size_t j = 0; j < k && row[j] != kNoNeighbour; ++j)
           moments.add((points[row[j]] - points[i]).cast<double>());
-        const Verdict verdict = judge(moments, options_.max_angle_deg);
+        const Verdict verdict = classify_moments(moments, options_.max_angle_deg);
         result.labels[grid.order()[i]] = verdict.label;
         result.margins[grid.order()[i]] = verdict.margin;
       }

@@ -14,29 +14,29 @@
 
 namespace planescope::planes {
 
-/// One value per point. The margin says how sure: 0 on the boundary, 1 certain.
+/// One value per point. Margin: 0 on the decision boundary, 1 certain.
 struct Classification {
   std::vector<Label> labels;
   std::vector<float> margins;
 };
 
-/// Labels a batch of points. Re-entrant, the same answer for any thread count and, up to the order
-/// of the output, for any order of the points.
+/// Labels a batch of points. Re-entrant. The result is the same for any thread count and, up to the
+/// order of the output, for any order of the points.
 class Classifier {
  public:
   virtual ~Classifier() = default;
-  virtual std::string name() const = 0;  // as --classifier calls it
-  /// `points`: one cloud, world frame (z up), metres, about a local origin.
+  virtual std::string name() const = 0;  // as passed to --classifier
+  /// `points`: one cloud in the world frame (z up), in meters, relative to a local origin.
   virtual Classification classify(std::span<const Vec3f> points, int threads) const = 0;
 };
 
-/// The same for a cloud wherever it stands: its coordinates are taken from its lower corner on.
+/// Classifies a cloud at any position: subtracts its lower corner before calling `classifier`.
 Classification classify_about_origin(const Classifier& classifier,
                                      std::span<const Vec3d> points,
                                      int threads);
 
 struct PcaClassifierOptions {
-  int neighbours = 16;        // points in each local fit, itself included
+  int neighbours = 16;        // points in each local fit, including the point itself
   double max_angle_deg = 45;  // Eq. (1): h up to pi/4 from gravity
   template <typename Rows>
   static void describe(Rows& rows) {
@@ -51,8 +51,8 @@ struct PcaClassifierOptions {
 };
 std::unique_ptr<Classifier> make_pca_classifier(const PcaClassifierOptions& options = {});
 
-/// What `classify(points)` says of the finite points, as if there were no others; these are
-/// `unknown`, with margin 0.
+/// Applies `classify` to the finite points only. Non-finite points get label `unknown` and margin
+/// 0.
 template <typename Classify>
 Classification classify_finite(std::span<const Vec3f> points, const Classify& classify) {
   const auto finite = [](const Vec3f& p) { return p.allFinite(); };
@@ -71,14 +71,13 @@ Classification classify_finite(std::span<const Vec3f> points, const Classify& cl
   return result;
 }
 
-/// Points and their true labels: what a classifier learns from and is judged by.
+/// Points with true labels, for training and evaluating classifiers.
 struct LabelledCloud {
-  std::string kind;           // where it came from: "stairs", "scan", ...
-  std::vector<Vec3f> points;  // z up, metres, about a local origin
+  std::string kind;           // source: "stairs", "scan", ...
+  std::vector<Vec3f> points;  // z up, meters, relative to a local origin
   std::vector<Label> labels;
-  std::vector<std::uint8_t> near_edge = {};  // 1: within 2 cm of the other label's surface, or a
-                                             // measured pixel of it;
-                                             // empty where the surfaces are not known
+  std::vector<std::uint8_t> near_edge = {};  // 1: within 2 cm of a surface or measured pixel with
+                                             // the other label; empty if the surfaces are unknown
 };
 
 }  // namespace planescope::planes

@@ -18,8 +18,8 @@ class Gcn {
   explicit Gcn(const NetworkWeights& weights, Simd simd = best_simd());
   ~Gcn();
 
-  /// Logits [n x 2], h then v, for finite points in any order. The same bits for any thread count
-  /// and instruction set; a permuted cloud gives permuted rows.
+  /// Returns logits [n x 2], h then v, for finite points in any order. Bit-identical for any thread
+  /// count and instruction set; permuting the points permutes the rows.
   std::vector<float> forward(std::span<const Vec3f> points, int threads) const;
 
  private:
@@ -27,8 +27,8 @@ class Gcn {
   std::unique_ptr<const Layers> layers_;
 };
 
-/// Labels by the larger logit; margin |p(h) - p(v)|. Points that are not finite are `unknown` and
-/// do not count. `name`: as --classifier called it.
+/// Labels each point by its larger logit, with margin |p(h) - p(v)|. Non-finite points are
+/// `unknown` and ignored. `name`: as passed to --classifier.
 std::unique_ptr<Classifier> make_gcn_classifier(const NetworkWeights& weights,
                                                 const std::string& name = "gcn",
                                                 Simd simd = best_simd());

@@ -1,6 +1,6 @@
-// 3D-GCN (Lin et al., CVPR 2020): surface convolution, graph convolutions, pooling, and a head on
-// the features of all levels. Products with the head's first matrix are taken at the level of the
-// features, before these are spread to all points: the same sums, of which there are fewer.
+// 3D-GCN (Lin et al., CVPR 2020): surface convolution, graph convolutions, pooling, and a head over
+// the features of all levels. The head's first matrix multiplies each level's features before they
+// are spread to all points: the same sums with fewer products.
 
 #include "core/planes/classify/gcn_forward.hpp"
 
@@ -17,7 +17,7 @@ namespace planescope::planes::gcn {
 
 namespace {
 
-constexpr std::size_t kTile = 64;  // points that go through two steps while they are in cache
+constexpr std::size_t kTile = 64;  // points processed by two consecutive steps while in cache
 
 void allocate(const Graph& graph, const Layers& layers, bool keep_winners, Activations& a) {
   a.levels.resize(graph.levels.size());
@@ -49,7 +49,7 @@ struct Pass {
   const Kernels& kernels;
   Activations& a;
 
-  /// A convolution's input: pooled features, or what the convolution before left in the level.
+  /// Input of a convolution: pooled features, or the output of the previous convolution.
   std::pair<const float*, std::size_t> input(std::size_t c) const {
     const ConvolutionLayer& layer = layers.convolutions[c];
     const Activations::Level& level = a.levels[layer.level];
@@ -97,8 +97,8 @@ struct Pass {
                      .winners = kept.winners.empty() ? nullptr : kept.winners.data()});
   }
 
-  /// The maximum of the last features over each kept point's neighbours; a point that has none
-  /// keeps its own.
+  /// Max-pools the last features over the neighbors of each kept point. A point without neighbors
+  /// keeps its own features.
   void pool(std::size_t l, std::size_t begin, std::size_t end) const {
     const GraphLevel& from = graph.levels[l - 1];
     Activations::Level& to = a.levels[l];
@@ -126,7 +126,7 @@ struct Pass {
     }
   }
 
-  /// The features of a level times their rows of the head's first matrix.
+  /// Multiplies a level's features by their rows of the head's first matrix.
   void fuse(std::size_t l, std::size_t begin, std::size_t end) const {
     const HeadLayer& first = layers.head[0];
     int row = 0;
@@ -143,7 +143,8 @@ struct Pass {
                      .y_stride = static_cast<std::size_t>(first.out)});
   }
 
-  /// The maximum over all points of the last features, times its rows of the head's first matrix.
+  /// Max-pools the last features over all points and multiplies by their rows of the head's first
+  /// matrix.
   std::vector<float> fuse_global() const {
     const HeadLayer& first = layers.head[0];
     std::vector<float> fused(first.out, 0.0f);
@@ -169,7 +170,7 @@ struct Pass {
     return fused;
   }
 
-  /// From the sums at each level to the logits of each point.
+  /// Computes each point's logits from the sums of all levels.
   void conclude(const std::vector<float>& global, std::size_t begin, std::size_t end) const {
     const std::size_t width = static_cast<std::size_t>(layers.head[0].out);
     for (std::size_t i = begin; i < end; ++i) {
@@ -250,8 +251,8 @@ struct Gcn::Layers {
   gcn::Layers layers;
   Simd simd;
 
-  // Buffers of earlier calls, one for each that ran at the same time: a cloud's features take
-  // megabytes, which would otherwise be mapped and cleared anew every time.
+  // Reusable buffers, one per concurrent call: features take megabytes, which would otherwise be
+  // mapped and zeroed on every call.
   struct Workspace {
     gcn::Graph graph;
     gcn::Activations activations;
@@ -306,7 +307,7 @@ class GcnClassifier final : public Classifier {
       const std::vector<float> logits = network_.forward(finite, threads);
       Classification result;
       for (std::size_t i = 0; i < finite.size(); ++i) {
-        const double lead = double{logits[2 * i]} - logits[2 * i + 1];  // of h over v
+        const double lead = double{logits[2 * i]} - logits[2 * i + 1];  // h minus v
         result.labels.push_back(lead >= 0 ? Label::h : Label::v);
         result.margins.push_back(static_cast<float>(std::tanh(std::abs(lead) / 2)));
       }

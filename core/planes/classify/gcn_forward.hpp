@@ -14,44 +14,46 @@
 
 namespace planescope::planes::gcn {
 
-// What a 3D-GCN sees of a cloud: which points are whose neighbours, at every level, and in which
-// direction. Nothing here depends on weights.
+// Input graph of a 3D-GCN: neighbors and neighbor directions at every level. Independent of
+// the weights.
 
 struct GraphLevel {
   std::size_t n = 0;
-  int neighbours = 0;               // k, fewer where there are not so many other points
+  int neighbours = 0;               // k; fewer if the level has too few other points
   std::vector<std::uint32_t> rows;  // [n x k] the nearest other points
-  Buffer directions;                // [n x 3 x k] unit vectors to them; zero to an equal point
-  // The pooling that leads to the next level, which keeps points 0, rate, 2 rate, ...
+  Buffer directions;                // [n x 3 x k] unit vectors to the neighbors; zero for
+                                    // coincident points
+  // Pooling to the next level, which keeps points 0, rate, 2 rate, ...
   int pool_neighbours = 0;
   std::vector<std::uint32_t> pool_rows;  // [n of the next level x pool_neighbours]
-  std::vector<std::uint32_t> nearest;  // not at level 0: of each point of level 0 the nearest here
+  std::vector<std::uint32_t> nearest;  // per level-0 point: its nearest point of this level; empty
+                                       // at level 0
 };
 
-/// Points are in the order of a NeighbourGrid, so that neither neighbours nor pooling know in which
-/// order the cloud came.
+/// Points are in the order of a NeighbourGrid, so neighbors and pooling do not depend on the order
+/// of the input.
 struct Graph {
-  std::vector<std::uint32_t> order;  // order[i]: where point i of level 0 was in the input
+  std::vector<std::uint32_t> order;  // order[i]: input index of level-0 point i
   std::vector<GraphLevel> levels;
 };
 
-/// `points` must be finite, and at least one. `graph` may hold an older one, whose memory is used.
+/// Builds the graph of one or more finite points. Reuses the memory already in `graph`.
 void make_graph(std::span<const Vec3f> points,
                 const NetworkConfig& config,
                 int threads,
                 Simd simd,
                 Graph& graph);
 
-// A network's weights as the kernels want them: channels padded with zeros to whole registers,
-// kernel directions of unit length, matrices [in x out].
+// Network weights in the kernels' layout: channels zero-padded to whole registers, kernel
+// directions of unit length, matrices [in x out].
 
 struct ConvolutionLayer {
   int level = 0;
   int in = 0, out = 0;  // padded; in = 0: the surface convolution
-  int column = 0;       // where its output begins among the features of its level
+  int column = 0;       // first column of its output among the level's features
   bool relu = true;
   Buffer directions;  // [3 x supports x out]
-  Buffer weights;     // [in x (supports + 1) out], the centre's columns first
+  Buffer weights;     // [in x (supports + 1) out], center columns first
   Buffer bias;        // [(supports + 1) out]
 };
 
@@ -61,44 +63,46 @@ struct HeadLayer {
   Buffer bias;          // [out]
 };
 
-/// Also the shape of gradients.
+/// Also used for gradients.
 struct Layers {
   NetworkConfig config;
-  std::vector<int> widths;  // features of each level, all its convolutions side by side
+  std::vector<int> widths;  // features per level: all its convolutions side by side
   std::vector<ConvolutionLayer> convolutions;
-  std::vector<HeadLayer> head;  // the first one's rows: level by level, then the global feature
+  std::vector<HeadLayer> head;  // rows of the first layer: level by level, then the global feature
 };
 
-/// All zero.
+/// Allocates layers with all values zero.
 Layers make_layers(const NetworkConfig& config);
 Layers make_layers(const NetworkWeights& weights);
 
-/// Gradients of the tensors, by tensor_specs(), from those of the layers.
+/// Converts gradients of the layers to gradients of the tensors, in the order of tensor_specs().
 std::vector<std::vector<float>> tensor_gradients(const NetworkWeights& weights,
                                                  const Layers& gradients);
 
-/// Everything that a forward pass computes, which the backward pass reads. Rows are points in the
-/// graph's order, columns padded channels. `winners`: which of its candidates gave a maximum.
+/// All values of a forward pass, as needed by the backward pass. Rows are points in graph order,
+/// columns padded channels. `winners`: index of the candidate that attained each maximum.
 struct Activations {
   struct Convolution {
-    Buffer products;                     // [n x (supports + 1) out]: centre, then supports
+    Buffer products;                     // [n x (supports + 1) out]: center, then supports
     std::vector<std::uint16_t> winners;  // [n x supports x out]
   };
   struct Level {
-    Buffer pooled;                       // [n x channels], what comes from the level before
+    Buffer pooled;                       // [n x channels], pooled from the previous level
     std::vector<std::uint16_t> winners;  // [n x channels]
     Buffer features;                     // [n x width]
-    Buffer fused;                        // [n x head[0].out], the features' part in the head
+    Buffer fused;                        // [n x head[0].out], the features' contribution to
+                                         // the head
   };
   std::vector<Convolution> convolutions;
   std::vector<Level> levels;
-  std::vector<float> global;                  // [channels], where the network has it
+  std::vector<float> global;                  // [channels], if the network has a global feature
   std::vector<std::uint32_t> global_winners;  // [channels], points of the last level
-  std::vector<Buffer> head;                   // [n x out] of each layer; the last one's are logits
+  std::vector<Buffer> head;                   // [n x out] of each layer; the last one contains
+                                              // the logits
 };
 
-/// The network on a graph. With `keep_winners` what the backward pass needs is kept. `activations`
-/// may hold those of another graph, whose memory is used.
+/// Runs the network on a graph. `keep_winners` also stores the values for the backward pass. Reuses
+/// the memory already in `activations`.
 void forward(const Graph& graph,
              const Layers& layers,
              const Kernels& kernels,

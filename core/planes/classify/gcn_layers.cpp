@@ -1,4 +1,4 @@
-// What a 3D-GCN runs on: its weights padded to registers, and the graph of a cloud.
+// Weights of a 3D-GCN padded to registers, and the neighbor graph of a cloud.
 
 #include <algorithm>
 #include <cassert>
@@ -18,8 +18,8 @@ namespace {
 
 int padded(int channels) { return (channels + kLanes - 1) / kLanes * kLanes; }
 
-/// Calls visit(value, entry) for every entry of a [rows x (blocks x columns)] tensor and its place
-/// in a matrix whose blocks are padded.
+/// Calls visit(value, entry) for every entry of a [rows x (blocks x columns)] tensor and the
+/// corresponding entry of a matrix with padded blocks.
 template <typename Tensor, typename Matrix, typename Visit>
 void visit_blocks(Tensor& tensor, Matrix& matrix, int rows, int blocks, int columns, Visit visit) {
   const int wide = padded(columns);
@@ -29,7 +29,7 @@ void visit_blocks(Tensor& tensor, Matrix& matrix, int rows, int blocks, int colu
         visit(tensor[(a * blocks + b) * columns + c], matrix[(a * blocks + b) * wide + c]);
 }
 
-/// Rows of the head's first matrix that belong to the concatenated features, in their order.
+/// Rows of the head's first matrix for the concatenated features, in order.
 std::vector<int> fused_rows(const NetworkConfig& config) {
   std::vector<int> rows;
   int row = 0;
@@ -43,8 +43,8 @@ std::vector<int> fused_rows(const NetworkConfig& config) {
   return rows;
 }
 
-/// Calls visit(value, entry) for every weight and bias and its place in the layers, and
-/// visit_directions(tensor, layer) for every tensor of directions.
+/// Calls visit(value, entry) for every weight and bias and the corresponding entry of the layers,
+/// and visit_directions(tensor, layer) for every tensor of directions.
 template <typename Tensors, typename LayersT, typename Visit, typename VisitDirections>
 void visit_parameters(Tensors& tensors,
                       LayersT& layers,
@@ -152,7 +152,7 @@ std::vector<std::vector<float>> tensor_gradients(const NetworkWeights& weights,
         const int supports = weights.config.supports, columns = supports * out;
         for (int s = 0; s < supports; ++s)
           for (int c = 0; c < out; ++c) {
-            // Of u = d / |d|: the part of the gradient across u, over |d|.
+            // u = d / |d|: the gradient's component perpendicular to u, divided by |d|.
             double d[3], g[3], length = 0, along = 0;
             for (int axis = 0; axis < 3; ++axis) {
               d[axis] = raw[axis * columns + s * out + c];
@@ -174,15 +174,15 @@ std::vector<std::vector<float>> tensor_gradients(const NetworkWeights& weights,
 
 namespace {
 
-constexpr std::size_t kTiledPoints = 1024;  // points whose neighbours are looked for at once
+constexpr std::size_t kTiledPoints = 1024;  // points whose neighbors are searched in one batch
 
 float squared_distance(const Vec3f& a, const Vec3f& b) {
   const float x = a.x() - b.x(), y = a.y() - b.y(), z = a.z() - b.z();
   return x * x + y * y + z * z;
 }
 
-/// The row of a point without the point itself. Where more points are equal to it than fit, so that
-/// it is missing from its own row, any one of them is dropped instead.
+/// Removes the point itself from its row. If more coincident points exist than fit, the row may
+/// lack the point itself; any one entry is dropped instead.
 void drop_self(std::span<const std::uint32_t> found,
                std::uint32_t self,
                std::span<std::uint32_t> row) {
@@ -193,7 +193,7 @@ void drop_self(std::span<const std::uint32_t> found,
   }
 }
 
-/// The nearest `count` of a row, the first ones where several are as near.
+/// Writes the `count` nearest points of a row; ties go to the earlier one.
 void choose_nearest(std::span<const Vec3f> points,
                     std::size_t i,
                     std::span<const std::uint32_t> row,
@@ -209,8 +209,9 @@ void choose_nearest(std::span<const Vec3f> points,
   }
 }
 
-/// For points begin..end of level 0 the nearest of `pool`; `in_pool`: of each point of level 0 its
-/// index there, or none. Where one of the pool is among a point's neighbours, so is the nearest.
+/// Finds the nearest point of `pool` for points begin..end of level 0. `in_pool`: per level-0
+/// point, its index in the pool or none. If any pool point is among a point's neighbors, so is the
+/// nearest one.
 void find_nearest(const NeighbourGrid& grid,
                   const GraphLevel& level,
                   const NeighbourGrid& pool,
@@ -246,7 +247,7 @@ void make_graph(std::span<const Vec3f> points,
   grids.emplace_back(points, config.neighbours + 1);
   while (grids.size() < config.levels.size()) grids.push_back(grids.back().every(config.pool_rate));
 
-  // Of each point of level 0 its index in each level, or none.
+  // Per level-0 point: its index in each level, or none.
   std::vector<std::vector<std::uint32_t>> in_level(grids.size());
   std::size_t rate = 1;
   for (std::vector<std::uint32_t>& in : in_level) {

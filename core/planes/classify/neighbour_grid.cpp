@@ -23,7 +23,7 @@ namespace {
 
 /// Points per occupied cell, by level.
 std::array<double, kZBits + 1> occupancy(std::span<const std::uint64_t> codes) {
-  std::array<std::size_t, kZBits + 1> parted{};  // neighbours in order that part below this level
+  std::array<std::size_t, kZBits + 1> parted{};  // consecutive pairs that separate below this level
   for (std::size_t i = 1; i < codes.size(); ++i)
     if (const std::uint64_t differs = codes[i] ^ codes[i - 1])
       ++parted[(63 - std::countl_zero(differs)) / 3 + 1];
@@ -82,8 +82,8 @@ ZOrder z_order(std::span<const Vec3f> points, double per_cell) {
   frame.cells_per_m = ((1 << kZBits) - 1) / (edge_m > 0 ? edge_m : 1.0);
   ZOrder z = order_in(frame, points);
 
-  // Levels differ by a factor of two in edge; the last bit is in the size of the cells. Between two
-  // levels the count grows with the square of the edge, for points lie on surfaces.
+  // Edges of successive levels differ by a factor of two; the cell size supplies the rest. Between
+  // levels, the count grows with the square of the edge because the points sample surfaces.
   const auto points_per_cell = occupancy(z.codes);
   int above = 0;
   while (above < kZBits && points_per_cell[above] <= per_cell) ++above;
@@ -98,12 +98,12 @@ ZOrder z_order(std::span<const Vec3f> points, double per_cell) {
 
 namespace {
 
-/// Unique among all levels: the code behind a leading one.
+/// Key that is unique across levels: the code behind a leading one.
 std::uint64_t make_key(std::uint64_t parent, int level) {
   return parent | std::uint64_t{1} << 3 * (kZBits - 1 - level);
 }
 
-/// The highest level at which a cell begins with point i; -1 for none.
+/// Highest level at which a cell begins with point i; -1 if none.
 int highest_begun(std::span<const std::uint64_t> codes, std::size_t i) {
   if (i == 0) return kZBits;
   const std::uint64_t differs = codes[i] ^ codes[i - 1];
@@ -134,9 +134,9 @@ CellTable::CellTable(std::span<const std::uint64_t> codes, int level) : level_(l
 
   struct Open {
     Siblings siblings;
-    std::uint32_t known = 0;  // how many of siblings.begin
-    void know(std::uint32_t up_to, std::size_t point) {
-      while (known <= up_to) siblings.begin[known++] = static_cast<std::uint32_t>(point);
+    std::uint32_t count = 0;  // number of entries of siblings.begin that are set
+    void set_until(std::uint32_t up_to, std::size_t point) {
+      while (count <= up_to) siblings.begin[count++] = static_cast<std::uint32_t>(point);
     }
   };
   std::array<Open, kZBits> open;  // by level of the siblings
@@ -144,14 +144,14 @@ CellTable::CellTable(std::span<const std::uint64_t> codes, int level) : level_(l
     const bool end = i == codes.size();
     const int begun = end ? kZBits : highest_begun(codes, i);
     for (int l = level; l < kZBits && l <= begun; ++l) {
-      if (i > 0 && begun > l) {  // their parent ends here
-        open[l].know(8, i);
+      if (i > 0 && begun > l) {  // the parent ends here
+        open[l].set_until(8, i);
         insert(make_key(codes[i - 1] >> 3 * (l + 1), l), open[l].siblings);
         open[l] = {};
       }
       if (end) continue;
       const auto child = static_cast<std::uint32_t>(codes[i] >> 3 * l & 7);
-      open[l].know(child, i);
+      open[l].set_until(child, i);
       open[l].siblings.occupied = static_cast<std::uint8_t>(open[l].siblings.occupied | 1 << child);
     }
   }
@@ -183,31 +183,31 @@ namespace {
 
 constexpr std::int32_t kCells = 1 << kZBits;
 
-/// A query in units of level-0 cells, moved into the frame's cube if it lies outside.
+/// A query in units of level-0 cells, clamped to the frame's cube.
 struct Place {
   Vec3d at;
   ZCell cell;          // at level 0
-  double gap_squared;  // by how much it was moved
+  double gap_squared;  // squared clamping distance
 
   Place(const ZFrame& frame, const Vec3f& p);
   ZCell cell_at(int level) const { return {cell[0] >> level, cell[1] >> level, cell[2] >> level}; }
-  /// The squared distance within which no point lies outside the 3x3x3 cells around, as the limit
-  /// of float distances: those of farther points surely round to more. `cell_m2`: edge squared.
+  /// Squared distance within which no point is outside the surrounding 3x3x3 cells, as a limit on
+  /// float distances: those of farther points always round to more. `cell_m2`: squared edge.
   float limit(int level, double cell_m2) const;
 };
 
-/// The candidates around the cells that the last queries of one thread lay in, at every level:
-/// queries come along the curve, so that most find theirs here.
+/// The candidates around the most recent query cells of one thread, at every level. Queries follow
+/// the curve, so most of them reuse the cached cells.
 class Surroundings {
  public:
-  /// `k`: equal points beyond so many may be left out. The index must outlive this.
+  /// `k`: coincident points beyond this many may be dropped. The index must outlive this object.
   Surroundings(const CellIndex& index, std::size_t k) : index_(index), k_(k) {}
 
-  /// The level to begin at: below the usual one where points crowd.
+  /// Level at which to begin: below the usual one where points are dense.
   int first_level(const Place& place);
-  /// The points of the 3x3x3 cells around the place's, until the next call.
+  /// Points of the 3x3x3 cells around the query, valid until the next call.
   Candidates around(const Place& place, int level);
-  /// Room for a float for each of them.
+  /// Scratch space: one float per candidate.
   FloatGroup* scratch() { return scratch_.data(); }
 
  private:
@@ -251,9 +251,9 @@ float Place::limit(int level, double cell_m2) const {
     const double into_cell = at[axis] - static_cast<double>(cell[axis] >> level << level);
     reach = std::min({reach, edge + into_cell, 2 * edge - into_cell});
   }
-  // Points lie in the cube, so that the angle at the place moved to is obtuse.
+  // The points are inside the cube, so the angle at the clamped position is obtuse.
   const double squared_m2 = (reach * reach + gap_squared) * cell_m2 * (1 - 2e-5);
-  constexpr double kUnderflow = 1e-30;  // squares below have fewer digits
+  constexpr double kUnderflow = 1e-30;  // squares below this lose precision
   constexpr double kLargest = std::numeric_limits<float>::max();
   return squared_m2 > kUnderflow ? static_cast<float>(std::min(squared_m2, kLargest)) : -1.f;
 }
@@ -285,17 +285,18 @@ Surroundings::Block& Surroundings::find(const Place& place, int level) {
   return block;
 }
 
-/// The 3x3x3 cells lie in 2x2x2 cells of the level above.
+/// The 3x3x3 cells are contained in 2x2x2 cells of the next level.
 void Surroundings::find_ranges(Block& block, int level) const {
-  constexpr std::array<std::uint8_t, 3> kLower{0x55, 0x33, 0x0f};  // of eight siblings, by axis
+  constexpr std::array<std::uint8_t, 3> kLower{0x55, 0x33, 0x0f};  // per axis: the lower half of
+                                                                   // eight siblings
   struct Part {
     Siblings siblings;
     unsigned wanted;
   };
   std::array<Part, 8> parts;
   std::size_t count = 0;
-  std::array<std::array<std::uint64_t, 2>, 3> code;  // by axis, of the lower and the upper parent
-  std::array<std::array<unsigned, 2>, 3> wanted;     // siblings in it
+  std::array<std::array<std::uint64_t, 2>, 3> code;  // by axis: lower and upper parent
+  std::array<std::array<unsigned, 2>, 3> wanted;     // siblings needed from it
   for (int axis = 0; axis < 3; ++axis) {
     const std::int32_t c = block.center[axis], parents = kCells >> (level + 1);
     const bool odd = (c & 1) != 0;
@@ -339,7 +340,8 @@ void Surroundings::gather(Block& block) {
   block.gathered = true;
   if (block.size > index_.crowd) leave_out_equals(block);
   block.groups = (block.size + kGroup - 1) / kGroup;
-  if (block.x.size() < block.groups + 1) {  // a group more, for copies go by groups
+  if (block.x.size() < block.groups + 1) {  // one extra group, because copies are made in
+                                            // whole groups
     for (auto* lanes : {&block.x, &block.y, &block.z}) lanes->resize(block.groups + 1);
     block.index.resize(block.groups + 1);
   }
@@ -360,7 +362,7 @@ void Surroundings::gather(Block& block) {
   std::fill(x + block.size, x + block.groups * kGroup, std::numeric_limits<float>::quiet_NaN());
 }
 
-/// Of equal points, which lie in a run, only the first k can be anybody's neighbours.
+/// Coincident points are consecutive; only the first k of them can be neighbors.
 void Surroundings::leave_out_equals(Block& block) const {
   const std::vector<Range> ranges = std::move(block.ranges);
   block.ranges.clear();
@@ -370,7 +372,7 @@ void Surroundings::leave_out_equals(Block& block) const {
       if (i < k_ || index_.points[i] != index_.points[i - k_]) add(block, {i, i + 1});
 }
 
-/// On a surface the k nearest fill a disc; such a share of them in a cell lets 3x3 cells hold it.
+/// On a surface, the k nearest neighbors fill a disc; at this density the disc fits into 3x3 cells.
 double points_per_cell(int k) { return std::max(1.0, k / 3.5); }
 
 double cell_m2(const ZFrame& frame) { return 1 / frame.cells_per_m / frame.cells_per_m; }

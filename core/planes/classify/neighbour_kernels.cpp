@@ -1,13 +1,13 @@
-// Selection by threshold: instead of sorting the candidates by distance, find a distance that so
-// many of them do not exceed. Versions for AVX2 and AVX-512 made the PCA classifier 1.14 to 1.19
-// times as fast (TUM fr1/rpy, 2 cm voxels, one core of an AMD EPYC): not worth their code.
+// Selection by threshold: instead of sorting the candidates by distance, find a distance that
+// exactly k of them do not exceed. Versions for AVX2 and AVX-512 made the PCA classifier 1.14 to
+// 1.19 times as fast (TUM fr1/rpy, 2 cm voxels, one core of an AMD EPYC): not worth their code.
 
 #include "core/planes/classify/neighbour_kernels.hpp"
 
 namespace planescope::planes {
 namespace {
 
-// Floats that are not negative are ordered like their bits.
+// Non-negative floats sort like their bit patterns.
 std::int32_t to_bits(float v) {
   std::int32_t bits;
   __builtin_memcpy(&bits, &v, sizeof bits);
@@ -19,8 +19,8 @@ float to_float(std::int32_t bits) {
   return v;
 }
 
-// As wide as the registers that every processor has; not left to the compiler, which would rather
-// shuffle whole groups.
+// Register width of the baseline processor. Explicit, because the compiler would shuffle whole
+// groups instead.
 constexpr std::size_t kLanes = 4;
 using Floats [[gnu::vector_size(4 * kLanes), gnu::may_alias]] = float;
 using Ints [[gnu::vector_size(4 * kLanes)]] = std::int32_t;
@@ -36,7 +36,7 @@ Floats squared_distances(const Candidates& c, std::size_t g, std::size_t from, c
   return dx * dx + dy * dy + dz * dz;
 }
 
-/// How many are <= limit.
+/// Counts the distances <= limit.
 std::size_t count_within(const FloatGroup* squared, std::size_t groups, float limit) {
   std::int32_t counts[4] = {};
   for (std::size_t g = 0; g < groups; ++g)
@@ -46,26 +46,26 @@ std::size_t count_within(const FloatGroup* squared, std::size_t groups, float li
   return static_cast<std::size_t>(count);
 }
 
-/// The index of each that is <= limit; may write up to kGroup beyond the last.
-void take_within(const FloatGroup* squared,
-                 const IndexGroup* index,
-                 std::size_t groups,
-                 float limit,
-                 std::uint32_t* row) {
+/// Writes the index of each distance <= limit; may write up to kGroup entries past the last.
+void write_within(const FloatGroup* squared,
+                  const IndexGroup* index,
+                  std::size_t groups,
+                  float limit,
+                  std::uint32_t* row) {
   for (std::size_t g = 0; g < groups; ++g)
     for (std::size_t lane = 0; lane < kGroup; ++lane) {
-      *row = index[g].lane[lane];  // no branch: half of them would be mispredicted
+      *row = index[g].lane[lane];  // no branch: half of the branches would be mispredicted
       row += squared[g].lane[lane] <= limit;
     }
 }
 
-/// The index of each that is < tie, and of the first `ties` that are equal to it.
-void take_with_ties(const FloatGroup* squared,
-                    const IndexGroup* index,
-                    std::size_t groups,
-                    float tie,
-                    std::size_t ties,
-                    std::uint32_t* row) {
+/// Writes the index of each distance < tie, and of the first `ties` equal to it.
+void write_with_ties(const FloatGroup* squared,
+                     const IndexGroup* index,
+                     std::size_t groups,
+                     float tie,
+                     std::size_t ties,
+                     std::uint32_t* row) {
   for (std::size_t g = 0; g < groups; ++g)
     for (std::size_t i = 0; i < kGroup; ++i) {
       const bool tied = squared[g].lane[i] == tie && ties > 0;
@@ -90,9 +90,9 @@ bool nearest_candidates(const Candidates& c,
   std::size_t in_low = 0, in_high = count_within(squared, c.groups, within);
   if (in_high < k) return false;
   for (int step = 0; in_high > k && high - low > 1; ++step) {
-    // The count grows about linearly with the square of the distance, for points lie on surfaces:
-    // a few guesses hit a distance between those of the k-th and the next. Where these are equal or
-    // the guesses poor, bisection of the bits ends the search.
+    // The count grows roughly linearly with the squared distance because the points sample
+    // surfaces: a few guesses usually find a distance between the k-th and the next. If these are
+    // equal or the guesses are poor, bisection of the bit patterns ends the search.
     std::int32_t guess = low + (high - low) / 2;
     if (step < 8) {
       const float from = low < 0 ? 0 : to_float(low), to = to_float(high);
@@ -111,15 +111,15 @@ bool nearest_candidates(const Candidates& c,
     }
   }
   if (in_high == k)
-    take_within(squared, c.index, c.groups, to_float(high), row);
+    write_within(squared, c.index, c.groups, to_float(high), row);
   else
-    take_with_ties(squared, c.index, c.groups, to_float(high), k - in_low, row);
+    write_with_ties(squared, c.index, c.groups, to_float(high), k - in_low, row);
   return true;
 }
 
 float nearest_candidate(const Candidates& c, const float* p, std::uint32_t* found) {
-  Floats least = Floats{} + __builtin_inff();  // of each lane, and where; there from the start in
-  Ints where = {};                             // case all distances overflow
+  Floats least = Floats{} + __builtin_inff();  // minimum per lane and its position, valid even
+  Ints where = {};                             // if all distances overflow
   for (std::size_t g = 0; g < c.groups; ++g)
     for (std::size_t i = 0; i < kGroup; i += kLanes) {
       const Floats squared = squared_distances(c, g, i, p);
@@ -128,7 +128,7 @@ float nearest_candidate(const Candidates& c, const float* p, std::uint32_t* foun
       least = less ? squared : least;
       where = less ? at : where;
     }
-  std::uint64_t best = ~std::uint64_t{0};  // the distance, then the first place
+  std::uint64_t best = ~std::uint64_t{0};  // distance, then position
   for (std::uint32_t i = 0; i < kLanes; ++i) {
     const std::uint64_t lane = static_cast<std::uint64_t>(to_bits(least[i])) << 32 |
                                (static_cast<std::uint32_t>(where[i]) + i);

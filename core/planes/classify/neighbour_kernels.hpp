@@ -16,7 +16,7 @@ struct alignas(64) IndexGroup {
   std::uint32_t lane[kGroup];
 };
 
-/// Points ascending by grid index, in groups; unused lanes, at the end, have x = NaN.
+/// Points in ascending grid order, in groups. Unused lanes at the end have x = NaN.
 struct Candidates {
   const FloatGroup* x;
   const FloatGroup* y;
@@ -25,15 +25,15 @@ struct Candidates {
   std::size_t groups;
 };
 
-/// The k candidates nearest to p: their indices into row (with room for k + kGroup), ascending.
-/// False if fewer than k have a squared distance <= `within`. `scratch`: one for each group.
+/// Writes the indices of the k candidates nearest to p to `row` (room for k + kGroup), ascending.
+/// Returns false if fewer than k have a squared distance <= `within`. `scratch`: one per group.
 bool nearest_candidates(const Candidates& candidates,
                         const float* p,
                         std::size_t k,
                         float within,
                         FloatGroup* scratch,
                         std::uint32_t* row);
-/// The squared distance of the nearest of one or more candidates, and its index.
+/// Returns the squared distance to the nearest of one or more candidates, and writes its index.
 float nearest_candidate(const Candidates& candidates, const float* p, std::uint32_t* found);
 
 }  // namespace planescope::planes

@@ -31,13 +31,13 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-static_assert(std::endian::native == std::endian::little, "tensors are copied as they are");
+static_assert(std::endian::native == std::endian::little, "tensors are copied byte by byte");
 
 constexpr std::size_t kLengthBytes = 8;
 constexpr std::uint64_t kMaxHeaderBytes = 16 << 20;
 constexpr const char* kMetadata = "__metadata__";
 
-/// A tensor as the header tells it, its place checked against nothing yet.
+/// A tensor as described by the header; its byte range is not yet checked.
 struct Entry {
   std::string name;
   std::vector<std::size_t> shape;
@@ -54,13 +54,13 @@ Entry entry_of(const std::string& name, const JsonPlace& place) {
   std::vector<std::uint64_t> range;
   offsets.each([&](const JsonPlace& at) { range.push_back(at.count()); });
   if (range.size() != 2 || range[0] > range[1])
-    offsets.fail_kind("its first byte and the one after its last");
+    offsets.fail_kind("its first byte and the byte after its last");
   entry.begin = range[0];
   entry.end = range[1];
   return entry;
 }
 
-/// Bytes of a tensor of this shape; nullopt beyond `limit`, however far.
+/// Bytes of a tensor of this shape; nullopt if more than `limit`.
 std::optional<std::uint64_t> bytes_of(const std::vector<std::size_t>& shape, std::uint64_t limit) {
   std::uint64_t bytes = sizeof(float);
   if (std::find(shape.begin(), shape.end(), 0) != shape.end()) return 0;
@@ -71,7 +71,7 @@ std::optional<std::uint64_t> bytes_of(const std::vector<std::size_t>& shape, std
   return bytes;
 }
 
-/// In the order of their data, which they must fill without gap or overlap.
+/// Sorts the entries by position and checks that they fill the data without gap or overlap.
 void check_layout(std::vector<Entry>& entries, std::uint64_t data_bytes, const fs::path& path) {
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
     return std::tie(a.begin, a.end, a.name) < std::tie(b.begin, b.end, b.name);
@@ -80,19 +80,19 @@ void check_layout(std::vector<Entry>& entries, std::uint64_t data_bytes, const f
   for (const Entry& entry : entries) {
     const std::string what = path.string() + ": tensor " + shown(entry.name);
     if (entry.end > data_bytes)
-      throw Error(fmt::format("{} ends at byte {} of the data, which has {}: the file is cut", what,
-                              entry.end, data_bytes));
+      throw Error(fmt::format("{} ends at byte {} of {}: the file is truncated", what, entry.end,
+                              data_bytes));
     if (entry.begin != filled)
       throw Error(
           fmt::format("{} begins at byte {} of the data, expected {}", what, entry.begin, filled));
     if (bytes_of(entry.shape, data_bytes) != entry.end - entry.begin)
-      throw Error(fmt::format("{} has {} bytes, which is not its shape [{}] in F32", what,
+      throw Error(fmt::format("{} has {} bytes, which does not match shape [{}] in F32", what,
                               entry.end - entry.begin, fmt::join(entry.shape, ", ")));
     filled = entry.end;
   }
   if (filled != data_bytes)
-    throw Error(fmt::format("{}: {} bytes of data, its tensors have {}", path.string(), data_bytes,
-                            filled));
+    throw Error(fmt::format("{}: {} bytes of data, but its tensors use {}", path.string(),
+                            data_bytes, filled));
 }
 
 std::string_view header_of(std::span<const unsigned char> bytes, const fs::path& path) {
@@ -104,7 +104,7 @@ std::string_view header_of(std::span<const unsigned char> bytes, const fs::path&
   const std::uint64_t most = std::min<std::uint64_t>(bytes.size() - kLengthBytes, kMaxHeaderBytes);
   if (length > most)
     throw Error(
-        fmt::format("{}: a header of {} bytes, expected at most {}: cut, or no safetensors "
+        fmt::format("{}: header of {} bytes, expected at most {}: truncated, or not a safetensors "
                     "file",
                     path.string(), length, most));
   return {reinterpret_cast<const char*>(bytes.data()) + kLengthBytes, length};
@@ -124,7 +124,7 @@ TensorFile read_safetensors(std::span<const unsigned char> bytes, const fs::path
   std::vector<Entry> entries;
   const std::string what = path.string() + ": header";
   const auto json = parse_json<Json>(header, what);
-  if (!json.is_object()) throw Error(what + " is no JSON object");
+  if (!json.is_object()) throw Error(what + " is not a JSON object");
   read_place(path, json, [&](const JsonPlace&) {
     for (const auto& [name, value] : json.items()) {
       const JsonPlace place(value, name == kMetadata ? name : "tensor " + shown(name));
@@ -249,8 +249,8 @@ std::size_t parameter_count(const NetworkConfig& config) {
   return count;
 }
 
-// Network weights as a safetensors file. What the tensors alone do not tell stands in its metadata:
-// "format", "version", "config" and "training", the last two JSON objects as text.
+// Network weights as a safetensors file. The metadata holds the information missing from the
+// tensors: "format", "version", "config" and "training", the last two as JSON text.
 
 template <typename Fields>
 void visit_fields(Fields& fields, Same<NetworkConfig> auto& config) {
@@ -269,7 +269,7 @@ namespace {
 constexpr const char* kFormat = "planescope-classifier";
 constexpr const char* kVersion = "1";
 
-/// Convolutions of a level, or hidden layers of the head.
+/// Checks the convolutions of a level, or the hidden layers of the head.
 void check_layers(const std::vector<int>& channels, std::size_t least, const JsonPlace& place) {
   if (channels.size() < least || channels.size() > 8)
     place.fail_kind(fmt::format("{} to 8 layers", least));
@@ -289,12 +289,12 @@ NetworkConfig config_of(const JsonPlace& place) {
   return config;
 }
 
-/// A metadata text that must be there.
+/// Returns a required metadata text.
 const std::string& metadata(const TensorFile& file, const char* key, const fs::path& path) {
   const auto found = file.metadata.find(key);
   if (found == file.metadata.end())
     throw Error(
-        fmt::format("{}: its metadata has no '{}', expected that of a {} file: "
+        fmt::format("{}: metadata has no '{}', expected the metadata of a {} file: "
                     "docs/classifier.md shows how to write one",
                     path.string(), key, kFormat));
   return found->second;
@@ -308,16 +308,17 @@ void expect_metadata(const TensorFile& file,
     throw Error(fmt::format("{}: {} {}, expected \"{}\"", path.string(), key, shown(found), value));
 }
 
-/// The values of `spec`, moved out of the file.
-std::vector<float> take(TensorFile& file, const TensorSpec& spec, const std::string& what) {
+/// Moves the values of `spec` out of the file.
+std::vector<float> extract(TensorFile& file, const TensorSpec& spec, const std::string& what) {
   const auto found = std::find_if(file.tensors.begin(), file.tensors.end(),
                                   [&](const Tensor& tensor) { return tensor.name == spec.name; });
   if (found == file.tensors.end())
-    throw Error(fmt::format("{}: no tensor {}, which its configuration asks for", what, spec.name));
+    throw Error(fmt::format("{}: tensor {} is missing, but its configuration requires it", what,
+                            spec.name));
   if (!std::equal(
           spec.shape.begin(), spec.shape.end(), found->shape.begin(), found->shape.end(),
           [](int expected, std::size_t is) { return static_cast<std::size_t>(expected) == is; }))
-    throw Error(fmt::format("{}: tensor {} is [{}], its configuration asks for [{}]", what,
+    throw Error(fmt::format("{}: tensor {} is [{}], its configuration requires [{}]", what,
                             spec.name, fmt::join(found->shape, ", "), fmt::join(spec.shape, ", ")));
   for (std::size_t i = 0; i < found->values.size(); ++i)
     if (!std::isfinite(found->values[i]))
@@ -346,13 +347,13 @@ NetworkWeights read_weights(std::span<const unsigned char> bytes, const fs::path
   if (const auto training = file.metadata.find("training"); training != file.metadata.end()) {
     const std::string record = path.string() + ": training record";
     if (!parse_json<Json>(training->second, record).is_object())
-      throw Error(record + " is no JSON object");
+      throw Error(record + " is not a JSON object");
     weights.training = training->second;
   }
   for (const TensorSpec& spec : tensor_specs(weights.config))
-    weights.tensors.push_back(take(file, spec, path.string()));
+    weights.tensors.push_back(extract(file, spec, path.string()));
   if (!file.tensors.empty())
-    throw Error(fmt::format("{}: its configuration has no tensor {}", path.string(),
+    throw Error(fmt::format("{}: tensor {} is not part of its configuration", path.string(),
                             shown(file.tensors[0].name)));
   return weights;
 }

@@ -1,5 +1,5 @@
-// Lens distortion as OpenCV (Brown-Conrady: undistorted -> distorted) and librealsense (inverse
-// Brown-Conrady: the same polynomial, distorted -> undistorted) define it.
+// Lens distortion as defined by OpenCV (Brown-Conrady: undistorted -> distorted) and librealsense
+// (inverse Brown-Conrady: the same polynomial, distorted -> undistorted).
 
 #include "core/planes/cloud/camera.hpp"
 
@@ -24,7 +24,7 @@ Polynomial brown_conrady(const std::array<double, 5>& c, const Vec2d& p) {
   const double x = p.x(), y = p.y();
   const double r2 = x * x + y * y;
   const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const double slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));  // d radial / d r2, twice
+  const double slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));  // twice d radial / d r2
   Polynomial result;
   result.value = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
                   y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
@@ -36,14 +36,14 @@ Polynomial brown_conrady(const std::array<double, 5>& c, const Vec2d& p) {
 
 /// Solves brown_conrady(c, p) = target by Newton's method from the undistorted guess.
 Vec2d invert(const std::array<double, 5>& c, const Vec2d& target) {
-  constexpr double kTolerance = 1e-12;  // of the ray; a pixel is about 1e-3
+  constexpr double kTolerance = 1e-12;  // in ray units; a pixel is about 1e-3
   Vec2d p = target;
   for (int i = 0; i < 30; ++i) {
     const Polynomial f = brown_conrady(c, p);
     const Vec2d error = f.value - target;
     if (error.squaredNorm() < kTolerance * kTolerance) return p;
     const double determinant = f.jacobian.determinant();
-    // Past the fold of the polynomial two rays would share a pixel: there is no right answer.
+    // Past the fold of the polynomial, two rays would share a pixel: no unique solution.
     if (!(determinant > 1e-3)) break;
     Eigen::Matrix2d adjugate;
     adjugate << f.jacobian(1, 1), -f.jacobian(0, 1), -f.jacobian(1, 0), f.jacobian(0, 0);

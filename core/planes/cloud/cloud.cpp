@@ -12,7 +12,7 @@
 #include "core/planes/cloud/camera.hpp"
 #include "core/planes/simd/pixel_kernels.hpp"
 
-#pragma GCC diagnostic ignored "-Wunknown-pragmas"  // clang does not know ivdep
+#pragma GCC diagnostic ignored "-Wunknown-pragmas"  // clang does not support ivdep
 
 namespace planescope::planes {
 namespace {
@@ -30,8 +30,8 @@ void check(const CloudOptions& options) {
     throw Error("base_depth is " + std::to_string(options.base_depth) + ", expected 1 to 21");
 }
 
-/// The smallest cube_edge * 2^k that holds `extent_m`, or the largest whose leaves keep their size
-/// and whose voxels can be numbered.
+/// The smallest cube_edge * 2^k that contains `extent_m`; at most the largest cube whose leaves
+/// keep their size and whose voxel keys fit into 64 bits.
 Cube make_cube(const Vec3d& center, double extent_m, const CloudOptions& options) {
   const double most_m = options.voxel_size_m * (1 << (kDeepestOctree - 1));
   Cube cube;
@@ -46,13 +46,13 @@ Cube make_cube(const Vec3d& center, double extent_m, const CloudOptions& options
   return cube;
 }
 
-/// Half-open, so that every kept point has a cell.
+/// Half-open, so every kept point has a cell.
 bool inside(const Cube& cube, const Vec3f& point) {
   const Vec3d offset = point.cast<double>() - cube.min_corner;
   return offset.minCoeff() >= 0 && offset.maxCoeff() < cube.edge_m;
 }
 
-/// Marks the points that stay and counts all of them.
+/// Marks the points to keep and counts all of them.
 void crop(Cloud& cloud, const std::vector<std::uint8_t>& within_range) {
   cloud.kept.resize(cloud.points.size());
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -67,20 +67,20 @@ void crop(Cloud& cloud, const std::vector<std::uint8_t>& within_range) {
   }
 }
 
-/// Where points go on in a cloud with room for every pixel.
+/// Output position in a cloud with room for every pixel.
 struct CloudEnd {
   float* point = nullptr;  // x, y, z
   std::uint32_t* source = nullptr;
   std::uint8_t* kept = nullptr;
 };
 
-/// `row` went through the kernel; `pixel`: the number of its first.
+/// `row` has been processed by the kernel; `pixel`: index of its first pixel.
 CloudEnd append_points(const ProjectArgs& row, std::size_t pixel, CloudEnd to) {
   constexpr std::size_t kAtOnce = 16;
   const float *const x = row.x, *const y = row.y, *const z = row.z;
   const std::uint8_t* const fate = row.fate;
   const auto append_some = [&](std::size_t first, std::size_t last) {
-    for (std::size_t u = first; u < last; ++u) {  // without a branch: holes come as they like
+    for (std::size_t u = first; u < last; ++u) {  // no branch: holes are unpredictable
       to.point[0] = x[u], to.point[1] = y[u], to.point[2] = z[u];
       *to.source = static_cast<std::uint32_t>(pixel + u);
       *to.kept = fate[u] == PixelFate::kept;
@@ -112,13 +112,13 @@ CloudEnd append_points(const ProjectArgs& row, std::size_t pixel, CloudEnd to) {
   return to;
 }
 
-/// The least float from `least_m` on.
+/// The smallest float not below `least_m`.
 float float_from(double least_m) {
   const auto rounded = static_cast<float>(least_m);
   return rounded < least_m ? std::nextafter(rounded, std::numeric_limits<float>::max()) : rounded;
 }
 
-/// The least float that is `edge_m` or more beyond a corner.
+/// The smallest float at least `edge_m` beyond a corner.
 float float_beyond(double corner_m, double edge_m) {
   constexpr float kMost = std::numeric_limits<float>::max();
   auto end = static_cast<float>(corner_m + edge_m);
@@ -127,7 +127,7 @@ float float_beyond(double corner_m, double edge_m) {
   return end;
 }
 
-/// The most counts that are within range.
+/// The largest depth count within range.
 int counts_within(double max_range_m, double unit_m) {
   constexpr int kMost = std::numeric_limits<std::uint16_t>::max();
   int counts = static_cast<int>(std::min<double>(kMost, max_range_m / unit_m));
@@ -136,7 +136,7 @@ int counts_within(double max_range_m, double unit_m) {
   return counts;
 }
 
-/// Row by row: back-projects the pixels, turns and crops them, and appends the points.
+/// Row by row: back-projects the pixels, rotates and crops them, and appends the points.
 void add_pixels(const Frame& frame, double max_range_m, Cloud& cloud) {
   const auto width = static_cast<std::size_t>(cloud.width);
   std::vector<float> x(width), y(width), z(width);
@@ -191,7 +191,7 @@ Cloud cloud_of_depth(const Frame& frame, const Gravity& gravity, const CloudOpti
   cloud.width = depth.width;
   cloud.height = depth.height;
   cloud.focal_px = std::sqrt(std::abs(k.fx * k.fy));
-  // A depth image holds nothing beyond 65534 counts, however large the range asked for.
+  // Depth images contain nothing beyond 65534 counts, however large the requested range.
   const double farthest_m = std::min(options.max_range_m, 65534 * frame.depth_unit_m);
   cloud.cube = make_cube(Vec3d::Zero(), 2 * farthest_m, options);
   cloud.counts.pixels = depth.pixels();
@@ -208,7 +208,7 @@ Cloud cloud_of_points(const Frame& frame, const Gravity& gravity, const CloudOpt
       options.range_for_clouds ? options.max_range_m : std::numeric_limits<double>::infinity();
   cloud.counts.pixels = set.points.size();
   std::vector<std::uint8_t> within_range;
-  std::vector<Vec3d> within;   // world, the points within range
+  std::vector<Vec3d> within;   // world frame, points within range
   Eigen::AlignedBox3d bounds;  // of these
   for (std::size_t i = 0; i < set.points.size(); ++i) {
     const Vec3f& p = set.points[i];
@@ -223,24 +223,24 @@ Cloud cloud_of_points(const Frame& frame, const Gravity& gravity, const CloudOpt
       if (within_range.back()) bounds.extend(within.emplace_back(R * q));
     }
   }
-  // Whole metres, so that a small cloud near zero keeps the exact numbers of its file.
+  // Whole meters, so that a small cloud near zero keeps the exact coordinates of its file.
   cloud.origin = bulk_origin(within);
   cloud.points.reserve(cloud.source.size());
   for (const std::uint32_t i : cloud.source) {
     const Vec3d world = R * (set.origin + set.points[i].cast<double>());
     cloud.points.push_back((world - cloud.origin).cast<float>());
   }
-  // A little more than the bounds: rounding to float must not push the last point out.
+  // Slightly larger than the bounds, so that rounding to float does not exclude the last point.
   const double extent_m = bounds.isEmpty() ? 0 : bounds.sizes().maxCoeff() * (1 + 1e-5) + 1e-5;
   const Vec3d center = bounds.isEmpty() ? Vec3d::Zero() : Vec3d(bounds.center() - cloud.origin);
   cloud.cube = make_cube(center, extent_m, options);
-  // Too far apart for any cube: that of the bulk.
+  // No cube can contain all points: use the cube around the bulk of them.
   if (cloud.cube.edge_m < extent_m) cloud.cube = make_cube(Vec3d::Zero(), extent_m, options);
   crop(cloud, within_range);
   if (cloud.counts.outside_cube > cloud.counts.kept)
     throw Error(fmt::format(
-        "frame {}: {} of {} points lie outside a cube of {:.1f} m about their middle, the "
-        "largest there is: expected coordinates in metres",
+        "frame {}: {} of {} points lie outside the largest supported cube, {:.1f} m around their "
+        "center: expected coordinates in meters",
         frame.name, cloud.counts.outside_cube, within.size(), cloud.cube.edge_m));
   return cloud;
 }
@@ -257,7 +257,7 @@ Pose world_from_gravity(const Vec3d& gravity_sensor, bool depth_camera) {
   const Vec3d up = -gravity_sensor.normalized();
   const auto horizontal = [&](const Vec3d& axis) { return Vec3d(axis - axis.dot(up) * up); };
   Vec3d forward = horizontal(depth_camera ? Vec3d::UnitZ() : Vec3d::UnitX());
-  // Looking straight up or down, "forward" is where the top of the image (for clouds: y) points.
+  // For a vertical view direction, "forward" is the top of the image (for clouds: y).
   if (forward.norm() < 1e-6)
     forward = horizontal(depth_camera ? Vec3d(-Vec3d::UnitY()) : Vec3d(Vec3d::UnitY()));
   forward.normalize();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Back-projection of a frame into a gravity-aligned cloud, and voxels of it.
+// Back-projects a frame into a gravity-aligned cloud, and divides the cloud into voxels.
 
 #include <cstdint>
 #include <limits>
@@ -13,11 +13,12 @@
 namespace planescope::planes {
 
 struct CloudOptions {
-  double max_range_m = 1.5;       // depth frames: limit on depth z; clouds: on distance from origin
-  bool range_for_clouds = false;  // clouds are cropped by range only when the user asks for it
-  double cube_edge_m = 3.2;    // least edge of the cube; grows by powers of two to hold max range
-  double voxel_size_m = 0.02;  // 0 = every point is its own voxel
-  int base_depth = 8;          // octree depth of a 3.2 m cube: leaf 1.25 cm
+  double max_range_m = 1.5;       // depth frames: limit on depth z; clouds: limit on distance from
+                                  // the origin
+  bool range_for_clouds = false;  // whether to crop clouds by range as well
+  double cube_edge_m = 3.2;       // smallest edge of the cube; doubled until it contains the range
+  double voxel_size_m = 0.02;     // 0: every point is its own voxel
+  int base_depth = 8;             // octree depth of a 3.2 m cube: leaf 1.25 cm
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = CloudOptions;
@@ -39,14 +40,14 @@ struct CloudOptions {
   }
 };
 
-/// Where points went on the way; shown in every output, never silently dropped.
+/// Number of points kept and dropped, by reason; shown in every output.
 struct CloudCounts {
-  std::uint64_t pixels = 0;          // of the depth image, or points in the file
+  std::uint64_t pixels = 0;          // of the depth image, or points of the file
   std::uint64_t no_measurement = 0;  // zero depth, (0,0,0)
   std::uint64_t invalid = 0;         // 65535, NaN, inf
   std::uint64_t beyond_range = 0;
   std::uint64_t outside_cube = 0;
-  std::uint64_t kept = 0;  // N_m of the paper
+  std::uint64_t kept = 0;  // N_m in the paper
 };
 
 /// The cube that the octree divides, in the cloud's local coordinates.
@@ -59,14 +60,14 @@ struct Cube {
 inline constexpr std::uint32_t kNoVoxel = std::numeric_limits<std::uint32_t>::max();
 
 /// All valid measurements of a frame in raster (or file) order, gravity-aligned: world frame, z up,
-/// metres, about `origin`. Depth frames: origin 0, the sensor. A point's world position is
-/// origin + points[i].
+/// meters, relative to `origin`. The world position of a point is origin + points[i]. For depth
+/// frames the origin is 0, the sensor.
 struct Cloud {
   Pose T_world_sensor = Pose::Identity();
   Vec3d origin = Vec3d::Zero();
-  std::vector<Vec3f> points;          // valid measurements, cropped ones included
+  std::vector<Vec3f> points;          // valid measurements, including cropped ones
   std::vector<std::uint32_t> source;  // pixel index v * width + u, or index in the file
-  int width = 0, height = 0;          // of the depth image; 0: a cloud
+  int width = 0, height = 0;          // of the depth image; 0 for clouds
   double focal_px = 0;                // of the depth image
   std::vector<std::uint8_t> kept;     // 1: inside range and cube
   Cube cube;
@@ -74,12 +75,12 @@ struct Cloud {
 };
 
 /// One point per occupied voxel (the mean of its points), in order of first appearance in the
-/// cloud's own order: the same for any thread count.
+/// cloud: the same for any thread count.
 struct VoxelCloud {
-  std::vector<Vec3f> points;            // about the cloud's origin [m]
-  std::vector<std::uint32_t> voxel_of;  // per cloud point: its voxel, kNoVoxel where cropped
+  std::vector<Vec3f> points;            // relative to the cloud's origin [m]
+  std::vector<std::uint32_t> voxel_of;  // per cloud point: its voxel; kNoVoxel if cropped
   std::vector<std::uint32_t> count;     // cloud points per voxel
-  double size_m = 0;                    // edge of a voxel; 0 = every point is its own
+  double size_m = 0;                    // voxel edge; 0: every point is its own voxel
 };
 
 /// Back-projects, crops and aligns a frame. Sec. V: depth beyond 1.5 m is discarded.
@@ -88,23 +89,22 @@ Cloud make_cloud(const Frame& frame, const Gravity& gravity, const CloudOptions&
 /// Voxel grid anchored at the cube's corner. Sec. II-B: N_d points.
 VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m);
 
-/// Members of each voxel as CSR: members[first[v] .. first[v+1]) are cloud point indices,
-/// ascending.
+/// Points of each voxel as CSR: members[first[v] .. first[v+1]) are ascending cloud point indices.
 struct VoxelMembers {
   std::vector<std::uint32_t> first;
   std::vector<std::uint32_t> members;
 };
 VoxelMembers voxel_members(const VoxelCloud& voxels);
 
-/// Majority vote of per-cloud-point values (0 = unknown, does not vote) for each voxel.
-/// Ties go to the smaller value.
+/// Majority vote of per-point values for each voxel (0 = unknown, does not vote). Ties go to the
+/// smaller value.
 std::vector<std::uint8_t> vote_labels(const VoxelCloud& voxels,
                                       std::span<const std::uint8_t> labels);
 std::vector<std::int32_t> vote_instances(const VoxelCloud& voxels,
                                          std::span<const std::int32_t> ids);
 
-/// The rotation that takes a gravity direction in the sensor's frame to world -z, sensor forward
-/// (z for depth, x for clouds) kept in the world's x-z half plane where that is defined.
+/// Rotation from the sensor frame to the world frame: maps gravity to -z and keeps the sensor's
+/// forward axis (z for depth, x for clouds) in the world's x-z half plane where that is defined.
 Pose world_from_gravity(const Vec3d& gravity_sensor, bool depth_camera);
 
 }  // namespace planescope::planes

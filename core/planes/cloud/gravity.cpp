@@ -1,4 +1,4 @@
-// Gravity from options, the recording, picked surfaces, or a vote of the planes in the scene.
+// Gravity from options, the recording, picked surfaces, or a vote of the scene's planes.
 
 #include "core/planes/cloud/gravity.hpp"
 
@@ -56,11 +56,13 @@ Gravity unknown_gravity(const Frame& frame, const std::string& why) {
 
 namespace {
 
-constexpr double kFacing_deg = 15;    // between a plane that faces the camera and the optical axis
-constexpr double kFacingShare = 0.5;  // of the measured pixels that such a plane covers
-constexpr double kContraryShare = 0.1;  // of those that a plane of another direction covers at most
+constexpr double kFacing_deg = 15;    // largest angle between the normal of a facing plane and the
+                                      // optical axis
+constexpr double kFacingShare = 0.5;  // smallest share of the measured pixels covered by such
+                                      // a plane
+constexpr double kContraryShare = 0.1;  // largest share covered by planes of other directions
 
-/// One plane that the camera looks at straight covers most of the image.
+/// Whether a plane facing the camera covers most of the image.
 bool one_plane_faces_camera(const Frame& frame, std::size_t measured) {
   double facing = 0, contrary = 0;
   for (const ImagePlane& plane : find_image_planes(frame)) {
@@ -73,10 +75,10 @@ bool one_plane_faces_camera(const Frame& frame, std::size_t measured) {
 
 struct WhyUnknown {
   std::string why;
-  bool gravity_helps = true;  // to be given, or to be left open
+  bool gravity_helps = true;  // whether specifying gravity, or --gravity none, would help
 };
 
-/// Why a depth image says nothing about gravity.
+/// Explains why a depth image does not determine gravity.
 WhyUnknown why_unknown(const Frame& frame, double max_range_m) {
   std::size_t measured = 0;
   std::uint16_t nearest = 65535, farthest = 0;
@@ -87,11 +89,11 @@ WhyUnknown why_unknown(const Frame& frame, double max_range_m) {
     farthest = std::max(farthest, count);
   }
   if (measured == 0)
-    return {fmt::format("holds no depth: all pixels are 0{}",
+    return {fmt::format("contains no depth: all pixels are 0{}",
                         std::ranges::count(frame.depth.data, 65535) > 0 ? " or 65535" : ""),
             false};
   if (max_range_m > 0 && nearest * frame.depth_unit_m > max_range_m)
-    return {fmt::format("all depths lie between {:.4g} and {:.4g} m, beyond --max-range {:.6g} m: "
+    return {fmt::format("all depths are between {:.4g} and {:.4g} m, beyond --max-range {:.6g} m: "
                         "is --depth-unit {:.6g} right?",
                         nearest * frame.depth_unit_m, farthest * frame.depth_unit_m, max_range_m,
                         frame.depth_unit_m),
@@ -100,10 +102,10 @@ WhyUnknown why_unknown(const Frame& frame, double max_range_m) {
     return {
         "one plane faces the camera: a wall straight ahead (--gravity 0,1,0), or a floor under a "
         "camera that looks down (--gravity 0,0,1)"};
-  return {"gravity cannot be told from the scene"};
+  return {"gravity cannot be estimated from the scene"};
 }
 
-/// nullopt, with the reason, where nothing tells.
+/// Returns nullopt and the reason if no source determines gravity.
 std::optional<Gravity> found_gravity(const Frame& frame,
                                      const GravityOptions& options,
                                      double max_range_m,
@@ -132,10 +134,10 @@ std::optional<Gravity> found_gravity(const Frame& frame,
 
 Gravity resolve_gravity(const Frame& frame, const GravityOptions& options, double max_range_m) {
   if (options.mode == GravityMode::none)
-    return unknown_gravity(frame, "left open by --gravity none");
+    return unknown_gravity(frame, "unknown because of --gravity none");
   if (options.mode == GravityMode::fixed) {
     Gravity gravity;
-    // Scaled first: the squares of a tiny direction must not vanish.
+    // Scale first, so that squares of tiny components do not underflow.
     const Vec3d scaled = options.direction / options.direction.cwiseAbs().maxCoeff();
     if (!scaled.allFinite()) throw Error("gravity is not a direction: expected X,Y,Z not all zero");
     gravity.direction = scaled.normalized();
@@ -149,22 +151,23 @@ Gravity resolve_gravity(const Frame& frame, const GravityOptions& options, doubl
   std::string text = "frame " + frame.name + ": " + why_not.why;
   if (why_not.gravity_helps)
     text += std::string("; ") + kHowToGiveGravity +
-            "; --gravity none finds planes without telling h from v";
+            "; --gravity none finds planes without distinguishing h from v";
   throw Error(text);
 }
 
 namespace {
 
-// A wall that is less upright than this by what is known was meant for a floor, or what is known is
-// too wrong to go by.
+// A wall less upright than this (by the gravity known so far) was probably picked instead of a
+// floor, or the known gravity is too inaccurate.
 constexpr double kLeastUpright_deg = 30;
-// Normals nearer to parallel than this magnify an error of theirs more than threefold.
+// Normals closer to parallel than this amplify their errors more than threefold.
 constexpr double kLeastCorner_deg = 20;
 
 double in_degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 constexpr double kDoubt_deg = 20;
-constexpr double kClearConfidence = 0.3;  // of an estimate that may cast doubt on what was given
+constexpr double kClearConfidence = 0.3;  // smallest confidence of an estimate that may contradict
+                                          // the given direction
 
 std::string whole_degrees(double angle_deg) {
   return std::to_string(static_cast<int>(std::lround(angle_deg))) + "\u00b0";
@@ -173,8 +176,8 @@ std::string whole_degrees(double angle_deg) {
 std::optional<Vec3d> of_one_wall(const Vec3d& normal, const Vec3d& before, std::string& why_not) {
   const double upright_deg = in_degrees(std::acos(std::min(1.0, std::abs(normal.dot(before)))));
   if (upright_deg < kLeastUpright_deg) {
-    why_not = "that surface lies level rather than upright, " + whole_degrees(upright_deg) +
-              " from it: is it a floor?";
+    why_not = "that surface is only " + whole_degrees(upright_deg) +
+              " from level, expected a wall: is it a floor?";
     return std::nullopt;
   }
   return Vec3d(before - before.dot(normal) * normal).normalized();
@@ -194,7 +197,8 @@ std::string doubt_in_gravity(const Frame& frame,
   if (off_deg <= kDoubt_deg) return "";
   const Vec3d& d = seen->direction;
   return fmt::format(
-      "gravity {:.3f},{:.3f},{:.3f} contradicts the scene by {}, which says {:.3f},{:.3f},{:.3f} "
+      "gravity {:.3f},{:.3f},{:.3f} contradicts the scene by {}: the scene suggests "
+      "{:.3f},{:.3f},{:.3f} "
       "({}, confidence {:.2f})",
       direction.x(), direction.y(), direction.z(), whole_degrees(off_deg), d.x(), d.y(), d.z(),
       seen->note, seen->confidence);
@@ -210,7 +214,7 @@ std::optional<Vec3d> gravity_of_walls(std::span<const Vec3d> normals,
   if (normals.size() == 1) {
     direction = of_one_wall(normals[0], before.normalized(), why);
   } else if (!normals.empty()) {
-    double corner_deg = 0;  // the largest angle between two of them
+    double corner_deg = 0;  // the largest angle between two normals
     Mat3d squares = Mat3d::Zero();
     for (const Vec3d& a : normals) {
       squares += a * a.transpose();
@@ -218,8 +222,8 @@ std::optional<Vec3d> gravity_of_walls(std::span<const Vec3d> normals,
         corner_deg = std::max(corner_deg, in_degrees(std::acos(std::min(1.0, std::abs(a.dot(b))))));
     }
     if (corner_deg < kLeastCorner_deg) {
-      why = "the walls are parallel to " + whole_degrees(corner_deg) +
-            ": click one that stands across";
+      why = "the walls are parallel to within " + whole_degrees(corner_deg) +
+            ": click a wall at an angle to them";
     } else {
       const Vec3d across = eigen_symmetric(squares).vectors.col(0);
       direction = across.dot(before) < 0 ? Vec3d(-across) : across;
@@ -229,28 +233,29 @@ std::optional<Vec3d> gravity_of_walls(std::span<const Vec3d> normals,
   return direction;
 }
 
-// Estimates which way is down from the scene: floors and treads are perpendicular to gravity, walls
-// and risers parallel to it. Every direction that one plane (as a floor) or two planes (as walls)
-// propose is scored against all planes of the image, under a prior on how people and robots hold
-// cameras.
+// Estimates the direction of gravity from the scene: floors and treads are perpendicular to it,
+// walls and risers parallel. Each direction proposed by one plane (as a floor) or two planes
+// (as walls) is scored against all planes of the image, with a prior on how people and robots
+// hold cameras.
 
 namespace {
 
-constexpr double kMostArea_m2 = 0.6;     // a plane larger than this counts no more
-constexpr double kAngleSigma_deg = 3;    // how far from right angles real corners are measured
+constexpr double kMostArea_m2 = 0.6;     // planes larger than this gain no more weight
+constexpr double kAngleSigma_deg = 3;    // deviation of measured real corners from right angles
 constexpr double kWallShare = 0.5;       // a wall fixes one angle of gravity, a floor both
-constexpr double kWallPull = 0.25;       // walls of real rooms lean more than their floors do
-constexpr double kUndersideShare = 0.3;  // of a floor's weight: ceilings are seldom in view
+constexpr double kWallPull = 0.25;       // walls of real rooms lean more than floors
+constexpr double kUndersideShare = 0.3;  // share of a floor's weight: ceilings are seldom visible
 constexpr double kRollSigma_deg = 25;    // prior: cameras are seldom rolled,
-constexpr double kPitchFrom_deg = -10;   // look ahead or down,
+constexpr double kPitchFrom_deg = -10;   // look ahead or down
 constexpr double kPitchTo_deg = 50;
-constexpr double kPitchSigma_deg = 15;  // and beyond that less and less often
-constexpr double kSameAnswer_deg = 10;  // candidates closer than this are one
-constexpr double kLeastPixels = 0.02;   // of the image must lie on the planes that agree
+constexpr double kPitchSigma_deg = 15;  // and become unlikely beyond that range
+constexpr double kSameAnswer_deg = 10;  // candidates closer than this are one candidate
+constexpr double kLeastPixels = 0.02;   // smallest share of the image on planes that agree
 constexpr double kLeastConfidence = 0.03;
-constexpr double kNoFloor = 0.15;  // confidence left to a scene of walls alone
-constexpr double kFirm = 0.15;  // support of gravity's least supported angle that halves confidence
-constexpr double kOnePlaneConfidence = 0.4;  // where nothing but the prior tells floor from wall
+constexpr double kNoFloor = 0.15;  // confidence factor of a scene with walls only
+constexpr double kFirm = 0.15;  // support of the least supported angle at which confidence halves
+constexpr double kOnePlaneConfidence = 0.4;  // largest confidence if only the prior distinguishes
+                                             // floor from wall
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
@@ -259,16 +264,17 @@ double bell(double x, double sigma) { return std::exp(-x * x / (2 * sigma * sigm
 struct Voter {
   Vec3d normal;
   double weight = 0;
-  double nearness = 1;  // 1 for the plane nearest to the camera's foot, less for those beyond
+  double nearness = 1;  // 1 for the plane nearest to the camera's base, less for those beyond
   double sigma_deg = 0;
   double image_share = 0;
 };
 
-/// Whether the plane faces up for any camera that does not look straight down at it.
+/// Whether the plane faces up for every camera that does not look straight down at it.
 bool may_be_ground(const ImagePlane& plane) { return plane.normal.y() < -0.17; }
 
 std::vector<Voter> make_voters(const std::vector<ImagePlane>& planes, std::size_t pixels) {
-  // A camera's carrier mostly stands on level ground: of a floor and a ramp, the nearer is level.
+  // Cameras are mostly carried on level ground: between a floor and a ramp, the nearer one
+  // is level.
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const ImagePlane& plane : planes)
     if (may_be_ground(plane)) nearest_m = std::min(nearest_m, plane.nearest_m);
@@ -277,7 +283,7 @@ std::vector<Voter> make_voters(const std::vector<ImagePlane>& planes, std::size_
     Voter voter;
     voter.normal = plane.normal;
     voter.sigma_deg = std::hypot(kAngleSigma_deg, plane.angle_sigma_deg);
-    // The square root: ten small planes say more than one large one, but not ten times more.
+    // Square root: ten small planes count more than one large one, but not ten times as much.
     voter.weight = std::sqrt(std::min(plane.area_m2, kMostArea_m2)) *
                    std::pow(kAngleSigma_deg / voter.sigma_deg, 2);
     if (may_be_ground(plane)) voter.nearness = std::pow(nearest_m / plane.nearest_m, 2);
@@ -287,8 +293,7 @@ std::vector<Voter> make_voters(const std::vector<ImagePlane>& planes, std::size_
   return voters;
 }
 
-/// How well a plane fits gravity as something level and as something upright, each 0..1, and how
-/// much it counts if level.
+/// How well a plane fits gravity as level and as upright, each 0..1, and its weight if level.
 struct Fit {
   double level = 0;
   double wall = 0;
@@ -309,7 +314,7 @@ Fit fit(const Voter& voter, const Vec3d& gravity) {
   return result;
 }
 
-/// Sensor frame: y down, z forward.
+/// Prior over gravity directions in the sensor frame (y down, z forward).
 double prior(const Vec3d& gravity) {
   const double roll_deg = degrees(std::asin(std::clamp(gravity.x(), -1.0, 1.0)));
   const double pitch_deg = degrees(std::asin(std::clamp(gravity.z(), -1.0, 1.0)));  // down
@@ -335,7 +340,7 @@ double support(const std::vector<Voter>& voters, const Vec3d& gravity) {
   return sum;
 }
 
-/// Weighted least squares: floors ask for |n x g| = 0, walls for n . g = 0.
+/// Weighted least squares: |n x g| = 0 for floors, n . g = 0 for walls.
 Vec3d refine(const std::vector<Voter>& voters, Vec3d gravity) {
   for (int round = 0; round < 5; ++round) {
     Mat3d squares = Mat3d::Zero();
@@ -352,7 +357,7 @@ Vec3d refine(const std::vector<Voter>& voters, Vec3d gravity) {
   return gravity;
 }
 
-/// Support of the angle about which the planes say least: small where all walls are parallel.
+/// Support of the least constrained angle of gravity: small if all walls are parallel.
 double firmness(const std::vector<Voter>& voters, const Vec3d& gravity) {
   const PlaneBasis basis = plane_basis(gravity);
   Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
@@ -366,7 +371,7 @@ double firmness(const std::vector<Voter>& voters, const Vec3d& gravity) {
   return half_trace - std::sqrt(std::max(0.0, half_trace * half_trace - sum.determinant()));
 }
 
-/// The planes that agree with a direction.
+/// Counts of the planes that agree with a direction.
 struct Tally {
   int floors = 0, walls = 0;
   double image_share = 0;
@@ -412,7 +417,8 @@ std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions
   });
   if (found == candidates.end()) return std::nullopt;
   const Candidate& best = *found;
-  double runner_up = 0;  // also beyond the limit: its support counts against the answer
+  double runner_up = 0;  // including candidates beyond the tilt limit: their support lowers
+                         // the confidence
   for (const Candidate& other : candidates)
     if (other.gravity.dot(best.gravity) < std::cos(radians(kSameAnswer_deg)))
       runner_up = std::max(runner_up, other.score);

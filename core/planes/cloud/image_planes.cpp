@@ -17,20 +17,20 @@ namespace planescope::planes {
 namespace {
 
 constexpr int kPatchesAcross = 40;       // patches of 16 pixels in a 640-pixel image
-constexpr double kMinFill = 0.6;         // of a patch's pixels must be measured
+constexpr double kMinFill = 0.6;         // smallest share of measured pixels in a patch
 constexpr double kLeastNoise = 0.003;    // of inverse depth [1/m]: 3 mm at 1 m, 27 mm at 3 m
-constexpr double kMostNoise = 0.012;     // a patch rougher than this is no plane [1/m]
-constexpr double kNoiseLength_px = 5;    // over which stereo noise is correlated
-constexpr double kSystematic_deg = 0.5;  // what calibration leaves of any normal's error
+constexpr double kMostNoise = 0.012;     // patches rougher than this are not planar [1/m]
+constexpr double kNoiseLength_px = 5;    // correlation length of stereo noise
+constexpr double kSystematic_deg = 0.5;  // calibration error left in any normal
 constexpr double kMinCosine =
-    0.77;  // of the angle (40 deg) between a patch and its plane: bare walls look wavy
-constexpr double kBias = 0.003;  // relative error of a range that no averaging removes
-constexpr int kMinPatches = 6;   // of a plane
+    0.77;  // cosine of the angle (40 deg) between a patch and its plane: bare walls look wavy
+constexpr double kBias = 0.003;  // relative range error that averaging does not remove
+constexpr int kMinPatches = 6;   // per plane
 constexpr int kMaxPlanes = 16;
 constexpr double kMaxDepth_m = 10;
-constexpr double kFullWeightDepth_m = 2;  // beyond, a patch's area counts no more than here
+constexpr double kFullWeightDepth_m = 2;  // patches farther away gain no more area weight
 
-/// Of inverse depth: rays have z = 1.
+/// Sums over inverse depth; rays have z = 1.
 struct Sums : InverseSums {
   using InverseSums::InverseSums;
   Vec3d mean_ray() const { return rr().col(2) / count; }
@@ -41,7 +41,7 @@ struct Patch {
   Sums sums;
   InversePlane plane;
   bool planar = false;
-  // Of those that are planar.
+  // Planar patches only.
   Vec3d normal = Vec3d::Zero(), mean_ray = Vec3d::Zero();
   double mean_w = 0;
 };
@@ -49,11 +49,11 @@ struct Patch {
 struct Patches {
   int across = 0, down = 0;
   std::vector<Patch> all;
-  double noise = kLeastNoise;  // of inverse depth, typical of this image [1/m]
+  double noise = kLeastNoise;  // typical inverse-depth noise of this image [1/m]
 };
 
-/// Of a row of pixels, what the patches that it crosses have beside one another: their first
-/// pixels, then their second ones, and so on.
+/// Interleaves a row of pixels by patch for SIMD: the first pixel of every patch, then the second,
+/// and so on.
 class PatchRow {
  public:
   PatchRow(std::size_t patches, std::size_t size)
@@ -74,9 +74,9 @@ class PatchRow {
         has_ray_[at] = std::isfinite(x_[at]) && std::isfinite(y_[at]) ? 0xffff : 0;
       }
   }
-  /// After set_rays() of a row whose x are the same.
+  /// Call after set_rays() of a row with the same x values.
   void set_y(double y) { std::ranges::fill(y_, y); }
-  /// A pixel without a ray has none.
+  /// Pixels without a ray get no depth.
   void set_depth(const std::uint16_t* depth) {
     for (std::size_t u = 0; u < size_; ++u)
       for (std::size_t p = 0; p < patches_; ++p) {
@@ -98,7 +98,7 @@ class PatchRow {
 
  private:
   std::size_t size_, patches_, padded_;
-  std::vector<std::uint16_t> depth_, has_ray_;  // 0xffff: it has
+  std::vector<std::uint16_t> depth_, has_ray_;  // 0xffff: has a ray
   std::vector<double> x_, y_;
 };
 
@@ -123,7 +123,7 @@ std::vector<Sums> sums_of_patches(const Frame& frame, int across, int down, int 
     for (int p = 0; p < across; ++p) {
       double of_patch[kInverseSums];
       for (std::size_t s = 0; s < kInverseSums; ++s) of_patch[s] = sums[s * row.padded() + p];
-      const int count = static_cast<int>(of_patch[5]);  // z z, and z is 1
+      const int count = static_cast<int>(of_patch[5]);  // sum of z z; z is 1
       all.emplace_back(count, of_patch);
     }
   }
@@ -146,7 +146,7 @@ Patches make_patches(const Frame& frame) {
     roughness.push_back(patch.plane.rms);
   }
   if (!roughness.empty()) {
-    // Edges roughen about half of the patches; the smoothest third shows the sensor's noise.
+    // Edges roughen about half of the patches; the smoothest third reflects the sensor's noise.
     auto third = roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / 3);
     std::nth_element(roughness.begin(), third, roughness.end());
     patches.noise = std::clamp(1.5 * *third, kLeastNoise, kMostNoise);
@@ -161,7 +161,7 @@ Patches make_patches(const Frame& frame) {
   return patches;
 }
 
-/// Area that patches would cover if they lay on a plane: rays dx dy cut out z^3 / distance.
+/// Area of patches if they were on a plane: rays dx dy cut out z^3 / distance.
 class AreaOnPlane {
  public:
   AreaOnPlane(const InversePlane& plane, double pixel_area, double max_depth_m)
@@ -195,7 +195,7 @@ class PlaneSearch {
           guesses_.push_back({.x = x, .y = y, .reach = reach});
   }
 
-  /// The plane of the largest area among the patches that are still free; takes them.
+  /// Finds the plane with the largest area among the free patches, and claims its patches.
   std::optional<ImagePlane> next() {
     double best_area = 0;
     InversePlane best;
@@ -225,16 +225,15 @@ class PlaneSearch {
   }
 
  private:
-  /// A plane that may be there: that of the free patches around one.
+  /// A candidate plane: fitted to the free patches around one patch.
   struct Guess {
     int x = 0, y = 0, reach = 0;
-    bool changed = true;  // patches around it were taken since it was fitted
+    bool changed = true;  // surrounding patches were claimed since the last fit
     std::optional<InversePlane> plane = {};
-    double most_area = 0;  // when it was last measured: taking patches only makes it smaller
+    double most_area = 0;  // as last measured: claiming patches only lowers it
   };
 
-  /// The patches that are free, in their order, as the kernel wants them; behind them some that lie
-  /// on no plane.
+  /// The free patches in order, in the kernel's layout, padded with patches that are on no plane.
   struct FreePatches {
     std::vector<int> patch;
     std::vector<double> ray[3], w, most, normal[3];
@@ -263,7 +262,7 @@ class PlaneSearch {
     }
   }
 
-  /// Calls visit(i) for the free patches on a plane, in their order.
+  /// Calls visit(i) for the free patches on a plane, in order.
   template <typename Visit>
   void visit_free_on(const InversePlane& plane, const Visit& visit) const {
     const Vec3d normal = plane.normal();
@@ -305,7 +304,7 @@ class PlaneSearch {
                       });
   }
 
-  /// A first guess at a plane: the patches around (x, y) that continue the one at (x, y).
+  /// Initial plane estimate: the patches around (x, y) that continue the patch at (x, y).
   std::optional<InversePlane> fit_block(int x, int y, int reach) const {
     const int center = y * patches_.across + x;
     if (!free_[center]) return std::nullopt;
@@ -318,7 +317,7 @@ class PlaneSearch {
         if (!free_[i]) continue;
         const Patch& patch = patches_.all[i];
         const double error = hint.w_of_ray.dot(patch.mean_ray) - patch.mean_w;
-        // The hint is rough, the more so far away.
+        // The estimate is rough, increasingly with distance.
         if (patch.normal.dot(normal) >= kMinCosine &&
             std::abs(error) <= 2 * reach * (tolerance_ + kBias * patch.mean_w))
           sums += patch.sums;
@@ -328,8 +327,8 @@ class PlaneSearch {
     return result;
   }
 
-  /// Free patches on the plane that have neighbours on it: a plane that merely cuts through clutter
-  /// picks up isolated ones.
+  /// Free patches on the plane that have neighbors on it. Isolated patches are ignored: a plane
+  /// through clutter collects them by chance.
   std::vector<int> members_of(const InversePlane& plane) const {
     std::vector<std::uint8_t> on(free_.size(), 0);
     visit_free_on(plane, [&](int i) { on[i] = 1; });
@@ -366,7 +365,7 @@ class PlaneSearch {
       nearest_w = std::max(nearest_w, patches_.all[i].mean_w);
     }
     plane.nearest_m = 1 / nearest_w;
-    // Covariance of (a, b, c), less the part along itself, which is distance and not direction.
+    // Covariance of (a, b, c) without the component along itself, which is distance, not direction.
     const double sigma = std::max(patches_.noise, plane_fit.rms) * kNoiseLength_px;
     const Mat3d covariance = sums.rr().ldlt().solve(Mat3d::Identity()) * (sigma * sigma);
     const Mat3d across = Mat3d::Identity() - plane.normal * plane.normal.transpose();
@@ -381,7 +380,7 @@ class PlaneSearch {
   double tolerance_;  // of inverse depth [1/m]
   const PixelKernels& kernels_ = pixel_kernels(best_simd());
   std::vector<std::uint8_t> free_;
-  mutable FreePatches list_;  // `on` is written anew each time
+  mutable FreePatches list_;  // `on` is overwritten on each use
   std::vector<Guess> guesses_;
 };
 

@@ -8,14 +8,14 @@
 
 namespace planescope::planes {
 
-/// Numbers 64-bit keys 0, 1, 2, ... in the order in which they first come. A flat hash (open
-/// addressing, linear probing) whose slots hold only numbers: small enough to stay in the cache,
-/// and touching few new pages.
+/// Assigns 0, 1, 2, ... to 64-bit keys in order of first appearance. A flat hash (open
+/// addressing, linear probing) whose slots contain only the numbers: small enough for the cache,
+/// with few page faults.
 class KeyNumbers {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;
 
-  /// `expected`: keys that it has room for before it grows.
+  /// `expected`: number of keys that fit without growing.
   explicit KeyNumbers(std::size_t expected)
       : shift_(64 - std::countr_zero(std::bit_ceil(2 * expected + 2))),
         slots_(std::size_t{1} << (64 - shift_), kNone) {
@@ -35,13 +35,13 @@ class KeyNumbers {
     keys_.push_back(key);
     return number;
   }
-  /// kNone where it never came.
+  /// kNone if the key was never added.
   std::uint32_t find(std::uint64_t key) const {
     std::size_t i = home(key);
     while (slots_[i] != kNone && keys_[slots_[i]] != key) i = (i + 1) & (slots_.size() - 1);
     return slots_[i];
   }
-  /// Prefetches what looking the key up will read.
+  /// Prefetches the memory that a lookup of the key reads.
   void fetch(std::uint64_t key) const { __builtin_prefetch(&slots_[home(key)]); }
   const std::vector<std::uint64_t>& keys() const { return keys_; }  // by number
 
@@ -49,7 +49,7 @@ class KeyNumbers {
   std::size_t home(std::uint64_t key) const {
     return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ull) >> shift_);  // Fibonacci hashing
   }
-  void reserve() { keys_.reserve(slots_.size() / 2); }  // until half of the slots are taken
+  void reserve() { keys_.reserve(slots_.size() / 2); }  // until half of the slots are used
   void grow() {
     --shift_;
     slots_.assign(slots_.size() * 2, kNone);

@@ -1,7 +1,6 @@
-// Sun et al. 2023, Sec. II-B: voxel downsampling, as a flat open-addressing hash. Neighbouring
-// pixels mostly fall into the same voxel, so runs of points are looked up rather than single ones.
-// Where a run ends no branch predictor can foresee: everything per point and per run is
-// branch-free.
+// Sun et al. 2023, Sec. II-B: voxel downsampling with a flat open-addressing hash. Neighboring
+// pixels mostly share a voxel, so runs of points are looked up instead of single points. Run ends
+// are unpredictable, so all work per point and per run is branch-free.
 
 #include <algorithm>
 #include <bit>
@@ -19,21 +18,22 @@ namespace planescope::planes {
 namespace {
 
 constexpr int kBitsPerAxis = 21;
-constexpr std::size_t kBlock = 128;  // points worked on at a time, all scratch within the L1 cache
+constexpr std::size_t kBlock = 128;  // points per batch; all scratch fits into the L1 cache
 
-// Four lanes in one register (GCC and Clang, any processor): x, y, z and a spare one.
+// Four lanes in one register (GCC and Clang, any processor): x, y, z and a spare lane.
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Uint4 = std::uint32_t __attribute__((vector_size(16)));
 using Ulong2 = std::uint64_t __attribute__((vector_size(16)));
 
-/// Where a point lies in the grid: fixed-point numbers, cell << fraction_bits | place in the cell.
+/// Grid position as fixed-point numbers: cell << fraction_bits | offset in the cell.
 struct Grid {
   Vec3f corner = Vec3f::Zero();
   double voxel_size_m = 0;
   int fraction_bits = 0;
 
-  /// The point at `p` and the float behind it (which must be finite); the spare lane becomes 0.
+  /// Reads the point at `p` and the following float (which must be finite); the spare lane
+  /// becomes 0.
   Uint4 fixed(const float* p) const {
     const auto scale = static_cast<float>((1 << fraction_bits) / voxel_size_m);
     Float4 point;
@@ -50,7 +50,7 @@ struct Grid {
 Grid make_grid(const Cube& cube, double voxel_size_m) {
   Grid grid;
   grid.voxel_size_m = voxel_size_m;
-  // Rounded down: no point of the cube may come out below the corner.
+  // Rounded down, so that no point of the cube falls below the corner.
   for (int axis = 0; axis < 3; ++axis) {
     const double corner = cube.min_corner[axis];
     const auto rounded = static_cast<float>(corner);
@@ -58,13 +58,13 @@ Grid make_grid(const Cube& cube, double voxel_size_m) {
         rounded <= corner ? rounded : std::nextafter(rounded, -std::numeric_limits<float>::max());
   }
   const auto cells = static_cast<std::uint32_t>(cube.edge_m / voxel_size_m) + 1;
-  // A block's sum of fractions must stay below 2^32, and a cell and its fraction below 2^31.
+  // A block's sum of fractions must stay below 2^32, and a cell with its fraction below 2^31.
   grid.fraction_bits = std::min(24, 31 - static_cast<int>(std::bit_width(cells)));
   return grid;
 }
 
-/// A voxel in the making: sums of its points' fractions of a cell. Integers, so that the mean does
-/// not depend on the order of the points.
+/// Accumulates the fractional offsets of a voxel's points. Integer sums, so that the mean does not
+/// depend on the order of the points.
 struct Voxel {
   std::uint64_t x = 0, y = 0, z = 0;
   std::uint32_t count = 0;
@@ -93,31 +93,32 @@ class VoxelTable {
   const std::vector<Voxel>& voxels() const { return voxels_; }
 
  private:
-  static constexpr std::size_t kExpected = (1 << 15) - 1;  // more than most frames have
+  static constexpr std::size_t kExpected = (1 << 15) - 1;  // more than in most frames
   KeyNumbers numbers_{kExpected};
   std::vector<Voxel> voxels_;
 };
 
-/// Up to kBlock points and where their runs begin.
+/// Up to kBlock points and the starts of their runs.
 struct Block {
-  float points[3 * kBlock + 1] = {};         // one more: the last point is read as four floats
-  Uint4 before[kBlock + 1] = {};             // of each run: sums of fractions and number of points
-  std::uint32_t voxel_of[kBlock + 16] = {};  // a run is written sixteen voxels at a time
-  std::uint64_t keys[kBlock] = {};           // of each run
+  float points[3 * kBlock + 1] = {};         // one extra: the last point is read as four floats
+  Uint4 before[kBlock + 1] = {};             // per run: sums of fractions and number of points
+                                             // before it
+  std::uint32_t voxel_of[kBlock + 16] = {};  // runs are written sixteen entries at a time
+  std::uint64_t keys[kBlock] = {};           // per run
   std::uint32_t voxels[kBlock] = {};
   std::size_t runs = 0;
 };
 
 /// Prefetches memory that will be read soon. The hardware prefetcher stops at page boundaries, and
-/// a frame is megabytes: without this, half of the time is spent waiting.
+/// a frame takes megabytes: without this, half of the time is spent waiting.
 void fetch(const Vec3f* begin, const Vec3f* end) {
   constexpr std::size_t kLine = 64 / sizeof(float);
   if (begin >= end) return;
   for (const float* p = begin->data(); p < end[-1].data(); p += kLine) __builtin_prefetch(p);
 }
 
-/// Fills `block` from consecutive points; a point belongs to the run of the one before it if they
-/// lie in the same voxel.
+/// Fills `block` with consecutive points. A point extends the current run if it is in the same
+/// voxel as the previous point.
 void find_runs(const Grid& grid, const Vec3f* points, std::size_t count, Block& block) {
   std::memcpy(block.points, points->data(), count * sizeof(Vec3f));
   const Uint4 fraction = Uint4{} + ((1u << grid.fraction_bits) - 1);
@@ -127,7 +128,7 @@ void find_runs(const Grid& grid, const Vec3f* points, std::size_t count, Block& 
   for (std::size_t i = 0; i < count; ++i) {
     const Uint4 fixed = grid.fixed(block.points + 3 * i);
     const auto cell = (Ulong2)(fixed >> grid.fraction_bits);
-    block.before[runs] = sum;  // stays only if a run begins here
+    block.before[runs] = sum;  // overwritten unless a run begins here
     sum += (fixed & fraction) + Uint4{0, 0, 0, 1};
     const Ulong2 change = cell ^ last;
     runs += (change[0] | change[1]) != 0;
@@ -137,8 +138,8 @@ void find_runs(const Grid& grid, const Vec3f* points, std::size_t count, Block& 
   block.runs = runs;
 }
 
-/// Adds the block's runs to their voxels, and notes the voxel of each point. One small loop per
-/// task, so that the processor works on many runs at a time.
+/// Adds the block's runs to their voxels, and records the voxel of each point. One small loop per
+/// task, so that the processor overlaps many runs.
 void add_runs(const Grid& grid, Block& block, VoxelTable& table) {
   for (std::size_t run = 0; run < block.runs; ++run) {
     const float* first_point = block.points + 3 * block.before[run][3];
@@ -151,14 +152,14 @@ void add_runs(const Grid& grid, Block& block, VoxelTable& table) {
     table[block.voxels[run]] += block.before[run + 1] - block.before[run];
   constexpr std::size_t kAtOnce = 16;
   for (std::size_t run = 0; run < block.runs; ++run) {
-    // What is written past the end belongs to the runs that follow, which write over it.
+    // Entries written past the end are overwritten by the following runs.
     const std::uint32_t end = block.before[run + 1][3];
     for (std::uint32_t i = block.before[run][3]; i < end; i += kAtOnce)
       std::fill_n(block.voxel_of + i, kAtOnce, block.voxels[run]);
   }
 }
 
-/// Means of the voxels, and their counts.
+/// Computes the voxels' means and counts.
 void finish(const Grid& grid, const VoxelTable& table, VoxelCloud& result) {
   constexpr std::uint64_t kMask = (1u << kBitsPerAxis) - 1;
   const double fraction_m = grid.voxel_size_m / (1 << grid.fraction_bits);
@@ -180,7 +181,7 @@ void finish(const Grid& grid, const VoxelTable& table, VoxelCloud& result) {
   }
 }
 
-/// Index of the first byte of this value in [begin, end), or end.
+/// Index of the first byte with this value in [begin, end), or end.
 std::size_t find_byte(const std::vector<std::uint8_t>& bytes,
                       std::uint8_t value,
                       std::size_t begin,
@@ -209,7 +210,7 @@ VoxelCloud every_point_its_own(const Cloud& cloud) {
 VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m) {
   if (!(voxel_size_m >= 0) || !std::isfinite(voxel_size_m))
     throw Error("voxel_size_m is " + std::to_string(voxel_size_m) +
-                ", expected 0 (no voxel grid) or a size in metres");
+                ", expected 0 (no voxel grid) or a size in meters");
   if (voxel_size_m == 0) return every_point_its_own(cloud);
   if (cloud.cube.edge_m / voxel_size_m >= (1 << kBitsPerAxis) - 1)
     throw Error("voxel_size_m is " + std::to_string(voxel_size_m) + ", too small for a cube of " +
@@ -224,7 +225,7 @@ VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m) {
   const Vec3f* points = cloud.points.data();
   const std::size_t count = cloud.points.size();
   result.voxel_of.reserve(count);
-  // Cropped points come in stretches: take the kept ones stretch by stretch, block by block.
+  // Cropped points are clustered: process the kept ones range by range, block by block.
   for (std::size_t next = 0; next < count;) {
     const std::size_t begin = find_byte(cloud.kept, 1, next, count);
     const std::size_t end = find_byte(cloud.kept, 0, begin, std::min(begin + kBlock, count));
@@ -239,7 +240,7 @@ VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m) {
   return result;
 }
 
-// Which points a voxel holds, and what they say about it.
+// Points of each voxel, and votes of their values.
 
 VoxelMembers voxel_members(const VoxelCloud& voxels) {
   VoxelMembers result;
@@ -269,7 +270,7 @@ std::vector<T> majority(const VoxelCloud& voxels, std::span<const T> values) {
     std::ptrdiff_t best = 0;
     for (auto run = votes.begin(); run != votes.end();) {
       const auto end = std::upper_bound(run, votes.end(), *run);
-      if (end - run > best) {  // ascending values: the first of equals is the smaller
+      if (end - run > best) {  // ascending values: ties go to the smaller
         best = end - run;
         result[v] = *run;
       }

@@ -1,4 +1,4 @@
-// The cells of a depth image, and the noise measured in them.
+// Builds the cells of a depth image and measures its noise.
 
 #include <algorithm>
 #include <array>
@@ -19,7 +19,7 @@ constexpr int kBlockPixels = kLeafPx * kLeafPx;
 /// The pixels of one square that share a bin of rho.
 struct Leaf {
   std::uint32_t bin = 0;
-  std::uint16_t mask = 0;  // of the square's pixels, row by row
+  std::uint16_t mask = 0;  // pixels of the square, row by row
 };
 
 struct RawLeaf {
@@ -29,7 +29,7 @@ struct RawLeaf {
 };
 
 PixelMoments moments_of(const DepthImage& image, int x0, int y0, std::uint16_t mask) {
-  // About the square's corner first, where all coordinates are small whole numbers.
+  // First relative to the square's corner, where all coordinates are small integers.
   PixelMoments m;
   double du = 0, dv = 0, duu = 0, duv = 0, dvv = 0, dur = 0, dvr = 0;
   for (int k = 0; k < kBlockPixels; ++k) {
@@ -50,7 +50,7 @@ PixelMoments moments_of(const DepthImage& image, int x0, int y0, std::uint16_t m
   return m;
 }
 
-/// Of a square whose pixels are all measured, and within the image.
+/// Moments of a fully measured square inside the image.
 PixelMoments moments_of_full(const DepthImage& image, int x0, int y0) {
   double column[kLeafPx] = {}, row[kLeafPx] = {}, rr = 0;
   for (int y = 0; y < kLeafPx; ++y) {
@@ -77,7 +77,7 @@ PixelMoments moments_of_full(const DepthImage& image, int x0, int y0) {
   return m;
 }
 
-/// Collects the leaves of all squares, in raster order of these.
+/// Collects the leaves of all squares, in raster order of the squares.
 class LeafMaker {
  public:
   LeafMaker(const DepthImage& image, DepthCells& cells) : image_(image), cells_(cells) {
@@ -137,7 +137,7 @@ class LeafMaker {
 DepthCells make_depth_cells(const DepthImage& image) {
   DepthCells cells;
   LeafMaker made(image, cells);
-  int depth = 0;  // of the leaves below the root
+  int depth = 0;  // depth of the leaves below the root
   const auto most = static_cast<std::uint32_t>(
       std::max({(image.width - 1) / kLeafPx, (image.height - 1) / kLeafPx, 1}));
   while (depth < kMostLevels && std::max(most, made.greatest_bin) >> depth != 0) ++depth;
@@ -183,18 +183,18 @@ namespace {
 
 constexpr int kSmall = 2, kWide = 8, kHuge = 32;  // sides of squares, in blocks of 4 px
 constexpr int kWideStride = 2, kHugeStride = 4;   // blocks between squares: they overlap
-constexpr double kOfHuge = 0.64;  // the bow is at most this share of what huge squares show
-// RMS of calm squares: of those on one plane. Their mean between two quantiles moves less from
-// frame to frame than any one of them.
+constexpr double kOfHuge = 0.64;  // upper bound on the bow, as a share of the bow in huge squares
+// Calm squares are those on one plane: the lower quantiles of RMS. The mean between two quantiles
+// varies less from frame to frame than a single quantile.
 constexpr double kCalmFrom = 0.15, kCalmTo = 0.35;
-// Least share of measured pixels in a square; the second is tried if too few squares reach the
-// first.
+// Smallest share of measured pixels in a square. If too few squares reach the first value, the
+// second is tried.
 constexpr double kFull[] = {0.95, 0.5};
 constexpr std::size_t kLeast = 6;        // squares
 constexpr double kLeastRms = 1e-5;       // [1/m]
-constexpr double kBowLength = 1.0 / 32;  // of the image's width
+constexpr double kBowLength = 1.0 / 32;  // share of the image's width
 
-/// Squares of `side` parts at every `stride`; `columns` parts to a row.
+/// Squares of `side` parts at every `stride`, with `columns` parts per row.
 struct Squares {
   std::vector<PixelMoments> moments;
   int columns = 0;
@@ -213,7 +213,7 @@ Squares squares_of(const std::vector<PixelMoments>& parts, int columns, int side
   return squares;
 }
 
-/// RMS of calm squares about their planes [1/m], -1 where there are too few. `pixels`: of a square.
+/// RMS of calm squares about their planes [1/m]; -1 if there are too few. `pixels`: per square.
 double calm_rms(const Squares& squares, double pixels) {
   std::vector<double> rms;
   for (const double full : kFull) {
@@ -232,7 +232,7 @@ double calm_rms(const Squares& squares, double pixels) {
   return std::max(kLeastRms, std::accumulate(from, to, 0.0) / static_cast<double>(to - from));
 }
 
-/// Standard deviation that rounding to a depth unit makes, at the median of rho [1/m].
+/// Standard deviation caused by rounding to a depth unit, at the median of rho [1/m].
 double quantization(const std::vector<PixelMoments>& blocks, double unit_m) {
   std::vector<double> rho;
   for (const PixelMoments& block : blocks)
@@ -253,7 +253,7 @@ DepthNoise measure_depth_noise(const std::vector<PixelMoments>& blocks,
   DepthNoise noise;
   noise.lateral_px = options.lateral_px;
   noise.length_px = kBowLength * width_px;
-  // Wide squares are put together of small ones.
+  // Wide squares are assembled from small ones.
   const Squares parts = squares_of(blocks, columns, kSmall, kSmall);
   double small = calm_rms(squares_of(blocks, columns, kSmall, 1), 64);
   if (small < 0) return noise;
@@ -265,12 +265,12 @@ DepthNoise measure_depth_noise(const std::vector<PixelMoments>& blocks,
   const double wide = rms_of(kWide, kWideStride), huge = rms_of(kHuge, kHugeStride);
   noise.white = small;
   noise.wide = std::max(small, wide);
-  // It is never nothing: the squares measure it to a fifth of the white noise.
+  // Never zero: squares can only resolve it to a fifth of the white noise.
   const auto bow_of = [&](double rms) {
     return std::sqrt(std::max(0.04 * small * small, rms * rms - small * small));
   };
-  // Without wide squares, assume a typical bow. Huge squares that lie on one plane show whether the
-  // bow keeps growing beyond the wide ones; few frames have any.
+  // Without wide squares, assume a typical bow. Huge squares on a single plane (available in
+  // few frames) show whether the bow keeps growing beyond the wide squares.
   noise.bow = wide < 0 ? 2 * small : bow_of(wide);
   if (huge >= 0) noise.bow = std::min(noise.bow, kOfHuge * bow_of(huge));
   noise.bow *= options.bow;

@@ -1,6 +1,6 @@
-// Sun et al. 2023, Sec. IV-B and IV-C, on (u, v, rho) instead of space: the first regions are the
-// nodes of case IV. No labels of points take part: Criterion 1 asks for a second plane instead of a
-// second label.
+// Sun et al. 2023, Sec. IV-B and IV-C, applied to (u, v, rho) instead of 3D space: the first
+// regions are the nodes of case IV. Point labels are not used: Criterion 1 tests for a second plane
+// instead of a second label.
 
 #include <algorithm>
 
@@ -9,12 +9,12 @@
 namespace planescope::planes {
 namespace {
 
-constexpr double kLeastPixels = 5;     // of a node that anything is asked of
-constexpr double kLeastHalf = 8;       // px: of halves that may be two planes
-constexpr double kDevelops = 1.0 / 6;  // of the squared side of a cell: the mean squared distance
-                                       // of two of its pixels along one axis
+constexpr double kLeastPixels = 5;     // smallest node to which the criteria apply
+constexpr double kLeastHalf = 8;       // px: smallest halves that may be two planes
+constexpr double kDevelops = 1.0 / 6;  // mean squared distance of two pixels of a cell along one
+                                       // axis, as a share of its squared side
 
-/// A node's case, and the value that decided it: of the first criterion that failed, or of
+/// Case of a node and the value that decided it: the value of the first failed criterion, or of
 /// Criterion 3.
 struct Decision {
   Case decided = Case::none;
@@ -31,7 +31,7 @@ class Division {
     if (roots.empty()) return;
     find_parts();
     append(roots[0], 0, -1, 0);
-    // The array of nodes is the queue Q_N.
+    // The array of nodes serves as the queue Q_N.
     for (std::int32_t node = 0; node < static_cast<std::int32_t>(octree_.nodes.size()); ++node)
       visit(node);
   }
@@ -87,9 +87,9 @@ class Division {
     }
   }
 
-  /// Per cell, what it costs to see it and every cell within it as one plane each, whichever is
-  /// dearest; infinite where a cell within it is not flat. So a small thing on a large plane keeps
-  /// the cell around it from being one region.
+  /// For each cell: the highest cost of treating the cell, or any cell within it, as one plane;
+  /// infinite if a cell within it is not flat. This prevents a small object on a large plane from
+  /// being absorbed by the cell around it.
   void find_parts() {
     parts_.resize(s_.cells.levels.size());
     for (int level = 1; level <= s_.cells.depth(); ++level) {
@@ -120,7 +120,7 @@ class Division {
     return is_filled(cell, level) && flatness(cell, level, cell.moments.fit()) > s_.options.flat;
   }
 
-  /// Variance of a cell about its plane, relative to what noise and bow explain.
+  /// Variance of a cell about its plane, relative to the variance explained by noise and bow.
   double flatness(const DepthCell& cell, int level, const InversePlane& plane) const {
     const double side = DepthCells::side_px(level), n = cell.moments.n;
     const double expected =
@@ -142,7 +142,7 @@ class Division {
     return {flat <= s_.options.flat ? Case::IV : Case::III, flat, terms};
   }
 
-  /// What it would cost to join the two halves of a cell: along u, v or rho, whichever is dearest.
+  /// Cost of joining the two halves of a cell: the highest over u, v and rho.
   double two_planes(const DepthCell& cell, int level) const {
     const std::vector<DepthCell>& below = s_.cells.levels[level - 1];
     double dearest = 0;

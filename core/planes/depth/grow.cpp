@@ -1,4 +1,4 @@
-// Moves pixels at borders, and lets regions grow over free ones.
+// Moves pixels at borders between regions, and grows regions over free pixels.
 
 #include <cmath>
 
@@ -7,16 +7,18 @@
 namespace planescope::planes {
 namespace {
 
-constexpr int kMostTries = 7;           // how often a pixel may be asked for by another region
-constexpr double kClearlyBetter = 0.8;  // of the misfit: a taken pixel changes hands below this
-constexpr int kPatch = 2;               // px around a pixel that testify for it
-constexpr double kSameSurface = 4;      // sigma: a larger step of rho ends the surface
-constexpr double kLeastRegion = 32;     // of a region
+constexpr int kMostTries = 7;           // how often other regions may claim a pixel
+constexpr double kClearlyBetter = 0.8;  // share of the misfit below which an assigned pixel
+                                        // changes regions
+constexpr int kPatch = 2;               // px: radius of the patch around a pixel that is evaluated
+                                        // with it
+constexpr double kSameSurface = 4;      // sigma: a larger step of rho separates surfaces
+constexpr double kLeastRegion = 32;     // px: smallest region that grows
 
-/// The pixels around one that lie on its surface, by their sums.
+/// Sums over the pixels around one pixel that are on the same surface.
 struct Patch {
   double n = 0, u = 0, v = 0, rho = 0;
-  double misfit(const InversePlane& p) const {  // mean residual, in which noise averages away
+  double misfit(const InversePlane& p) const {  // mean residual, so that noise averages out
     return std::abs(rho - p.a * u - p.b * v - p.c * n) / n;
   }
 };
@@ -32,7 +34,7 @@ class Growth {
     }
   }
 
-  /// Breadth first from the borders, so that no region runs ahead.
+  /// Breadth first from the borders, so that all regions advance evenly.
   void run() {
     const int width = s_.image.width, height = s_.image.height;
     const std::vector<std::int32_t>& region = s_.region_of;
@@ -91,7 +93,7 @@ class Growth {
   DepthSegmentation& s_;
   std::vector<std::uint8_t> tries_;
   std::vector<double> reach_;  // per region [1/m]
-  std::vector<float> same_;    // likewise
+  std::vector<float> same_;    // per region
 };
 
 }  // namespace

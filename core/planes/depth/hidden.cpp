@@ -1,4 +1,4 @@
-// Joins parts of one plane that something nearer hides from each other.
+// Joins parts of one plane that are separated by a closer object.
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,11 @@ namespace planescope::planes {
 namespace {
 
 constexpr double kLeastPart = 500;          // px
-constexpr double kWidestGap = 200.0 / 640;  // of the image's width
-constexpr double kWidestHole = 40.0 / 640;  // likewise, where nothing was measured between them
+constexpr double kWidestGap = 200.0 / 640;  // share of the image's width
+constexpr double kWidestHole = 40.0 / 640;  // same, if the gap between them is unmeasured
 constexpr int kLinesFrom = 64,
-              kLinesTo = 256;     // pixels of either rim that lines are tried from, to
-constexpr double kInFront = 0.9;  // least share of what was measured between them
+              kLinesTo = 256;     // number of sampled pixels on either rim
+constexpr double kInFront = 0.9;  // smallest share of the pixels between them that must be in front
 
 struct Pair {
   double cost = 0;
@@ -66,7 +66,7 @@ class HiddenParts {
     for (const std::uint32_t pixel : borders) rim_[s_.region_of[pixel]].push_back(pixel);
   }
 
-  /// The shortest lines from one rim to the other.
+  /// Finds the shortest lines from one rim to the other.
   std::vector<Line> shortest_lines(const Pair& pair) const {
     const std::vector<std::uint32_t>&from = rim_[pair.a], &to = rim_[pair.b];
     const std::size_t step_from = std::max<std::size_t>(1, from.size() / kLinesFrom);

@@ -1,8 +1,8 @@
 #pragma once
 
-// Planes in inverse depth. With rho = 1 / z [1/m] a plane is affine in pixel coordinates, and the
-// noise of stereo and structured-light cameras is the same at every distance. Ten sums describe a
-// set of pixels; they add, so that the fit of a union never touches a pixel again.
+// Planes in inverse depth. With rho = 1 / z [1/m], a plane is affine in pixel coordinates, and the
+// noise of stereo and structured-light cameras is independent of distance. Ten sums describe a set
+// of pixels. Sums are additive, so fitting a union needs no access to the pixels.
 
 #include <algorithm>
 #include <cstdint>
@@ -10,27 +10,27 @@
 
 namespace planescope::planes {
 
-/// rho of every pixel in raster order [1/m]; 0 where nothing was measured, or it is out of range.
+/// rho of every pixel in raster order [1/m]; 0 if unmeasured or out of range.
 struct DepthImage {
   int width = 0, height = 0;
-  double unit_m = 0;       // of one depth count; 0: depth is not quantized
+  double unit_m = 0;       // size of one depth count; 0: depth is not quantized
   std::vector<float> rho;  // [1/m]
 
   std::size_t pixels() const { return rho.size(); }
-  double u(int x) const { return x - 0.5 * (width - 1); }  // [px] about the center of the image
+  double u(int x) const { return x - 0.5 * (width - 1); }  // [px] relative to the image center
   double v(int y) const { return y - 0.5 * (height - 1); }
 };
 
-/// rho = a u + b v + c, with u and v about the center of the image.
+/// rho = a u + b v + c, with u and v relative to the image center.
 struct InversePlane {
   double a = 0, b = 0;  // [1/m per px]
   double c = 0;         // [1/m]
-  double sse = 0;       // of the pixels it was fitted to: sum of squared residuals [1/m^2]
+  double sse = 0;       // sum of squared residuals of the fitted pixels [1/m^2]
 
   double at(double u, double v) const { return a * u + b * v + c; }
 };
 
-/// Sums over pixels.
+/// Sums over a set of pixels; they define its least-squares plane.
 struct PixelMoments {
   double n = 0, u = 0, v = 0, r = 0;
   double uu = 0, uv = 0, vv = 0, ur = 0, vr = 0, rr = 0;
@@ -59,7 +59,7 @@ struct PixelMoments {
                              p.b * p.b * vv + p.c * p.c * n +
                              2 * (p.a * p.b * uv + p.a * p.c * u + p.b * p.c * v));
   }
-  /// Least squares in rho; level where the pixels lie on a line.
+  /// Least squares in rho; slopes are zero if the pixels are collinear.
   InversePlane fit() const {
     const double mu = u / n, mv = v / n, mr = r / n;
     const double A = uu - u * mu, B = uv - u * mv, C = vv - v * mv;
@@ -71,15 +71,15 @@ struct PixelMoments {
   }
 };
 
-/// A plane as it is expected in a depth image.
+/// A plane from another frame, at its expected position in this depth image.
 struct KnownPlane {
-  int id = 0;  // PlaneRegion::known of the plane it becomes
+  int id = 0;  // PlaneRegion::known of the resulting plane
   InversePlane plane;
-  std::vector<std::uint32_t> pixels;  // that should show it
-  double slack_m = 0;                 // along z: the expectation may be off by this much
+  std::vector<std::uint32_t> pixels;  // pixels where it is expected
+  double slack_m = 0;                 // tolerance of the expected position along z
 };
 
-/// A known plane that a larger one explains as well in this image. Ids.
+/// A known plane explained equally well by a larger known plane; both as ids.
 struct KnownCover {
   int covered = 0, by = 0;
 };

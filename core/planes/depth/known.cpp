@@ -1,4 +1,4 @@
-// Founds regions on planes that are known from other frames, where the depth supports them.
+// Creates regions for planes known from other frames, where the depth supports them.
 
 #include <algorithm>
 #include <cmath>
@@ -12,18 +12,18 @@ namespace planescope::planes {
 namespace {
 
 constexpr double kLeastSupport = 100;  // px
-// Least share of a region's expected pixels that a known plane explains; else it takes none.
+// Smallest share of a region's expected pixels that a known plane must explain to claim any.
 constexpr double kMostOfPart = 0.7;
-constexpr double kVisible = 0.5;  // least share of the visible pixels on the plane
+constexpr double kVisible = 0.5;  // smallest share of the visible pixels on the plane
 
-/// What a frame shows of a known plane.
+/// Pixels that support a known plane in this frame.
 struct Support {
   PixelMoments moments;
   std::vector<std::uint32_t> pixels;
 };
 
-/// Finds the pixels that a known plane explains: of each region, most of the expected pixels or
-/// none, so that a plane that merely crosses a surface takes no strip of it.
+/// Finds the pixels explained by a known plane. It claims either most or none of the expected
+/// pixels of a region, so a plane that merely intersects a surface does not claim a strip of it.
 class Supports {
  public:
   explicit Supports(const DepthSegmentation& s) : s_(s), parts_(s.regions.size() + 1) {}
@@ -65,10 +65,10 @@ class Supports {
     double expected = 0, near = 0;
   };
   const DepthSegmentation& s_;
-  std::vector<Part> parts_;  // by region + 1; 0: pixels of none
+  std::vector<Part> parts_;  // by region + 1; 0: pixels without region
 };
 
-/// Whether two known planes cannot be told apart where the first one is expected.
+/// Whether two known planes are indistinguishable where the first one is expected.
 bool are_alike(const DepthSegmentation& s, const KnownPlane& known, const KnownPlane& other) {
   double off2 = 0, rho = 0;
   const auto n = static_cast<double>(known.pixels.size());
@@ -77,16 +77,16 @@ bool are_alike(const DepthSegmentation& s, const KnownPlane& known, const KnownP
     off2 += std::pow(here - other.plane.at(s.u(pixel), s.v(pixel)), 2) / n;
     rho += here / n;
   }
-  return off2 <= std::pow(s.reach_of(known, rho), 2);
+  return off2 <= std::pow(s.tolerance_of(known, rho), 2);
 }
 
 /// The known plane that best explains a pixel.
 struct Claim {
   float misfit = std::numeric_limits<float>::infinity();
-  std::int32_t known = 0;  // index + 1, 0 none
+  std::int32_t known = 0;  // index + 1; 0: none
 };
 
-/// Per pixel. What a larger plane explains as well is not apart from it: it goes to `covered`.
+/// One claim per pixel. Known planes explained equally well by a larger one are added to `covered`.
 std::vector<Claim> best_known(const DepthSegmentation& s, std::vector<KnownCover>& covered) {
   const std::span<const KnownPlane> known = s.known;
   std::vector<Support> supports;

@@ -11,7 +11,7 @@
 namespace planescope::planes {
 namespace {
 
-constexpr double kDear = 0.5;  // of merge_cost: cheaper joins leave no doubt
+constexpr double kDear = 0.5;  // share of merge_cost; cheaper joins are unambiguous
 
 using Neighbors = std::vector<DepthNeighbor>;
 
@@ -30,13 +30,13 @@ void set(Neighbors& near, DepthNeighbor neighbor) {
     near.insert(at, neighbor);
 }
 
-/// Lower cost first; ties by region.
+/// Orders by cost, then by region.
 bool cheaper(const DepthNeighbor& a, const DepthNeighbor& b) {
   return a.cost != b.cost ? a.cost < b.cost : a.region < b.region;
 }
 
-/// The best join of each region with one of a greater number; a winner tree over the regions holds
-/// the best of all. Ties go to the regions founded first, which is by place in the image.
+/// The best join of each region with a region of higher index, in a winner tree over all regions.
+/// Ties go to the region created first, and thus to image order.
 class BestJoins {
  public:
   explicit BestJoins(std::size_t regions)
@@ -57,7 +57,7 @@ class BestJoins {
       winner_[node] = better;
     }
   }
-  /// The region with the best join; of(it).cost is infinite where there is none left.
+  /// The region with the best join; of(it).cost is infinite if no join remains.
   std::int32_t best() const { return winner_[1]; }
 
  private:
@@ -67,7 +67,7 @@ class BestJoins {
 
   std::size_t leaves_;
   std::vector<DepthNeighbor> best_;   // per region
-  std::vector<std::int32_t> winner_;  // per inner node, 1 the root
+  std::vector<std::int32_t> winner_;  // per inner node; 1 is the root
 };
 
 class Merger {
@@ -137,7 +137,8 @@ class Merger {
   Neighbors both_;
 };
 
-/// Border lengths of pairs of regions: open addressing, as the same pairs come again and again.
+/// Border lengths of pairs of regions. Open addressing with a cached slot, because the same pair
+/// occurs many times in a row.
 class BorderTable {
  public:
   explicit BorderTable(std::size_t regions) {
@@ -149,7 +150,7 @@ class BorderTable {
     if (a > b) std::swap(a, b);
     const std::uint64_t key =
         (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)) + 1;
-    if (slots_[last_].key == key) {  // along a border
+    if (slots_[last_].key == key) {  // same border as before
       ++slots_[last_].count;
       return;
     }
@@ -206,7 +207,7 @@ void find_neighbors(DepthSegmentation& s, int least, int gap, double step) {
       const std::size_t row = static_cast<std::size_t>(y) * width;
       const std::size_t below = row + static_cast<std::size_t>(d) * width;
       const bool has_below = y + d < height;
-      // Most of an image lies inside of regions: whole runs are passed over at once.
+      // Most pixels are inside a region: skip whole runs at once.
       constexpr int kRun = 16;
       int x = 0;
       for (; has_below && x + kRun + d <= width; x += kRun) {

@@ -1,4 +1,4 @@
-// Planes of a depth image in inverse depth, by one objective: the stages in their order.
+// Segments a depth image into planes by one objective in inverse depth: the sequence of stages.
 
 #include "core/planes/depth/segment_depth.hpp"
 
@@ -13,23 +13,25 @@ namespace planescope::planes {
 namespace {
 
 constexpr int kRounds = 3;           // of growing and joining
-constexpr double kCrumb = 100;       // px: smaller regions leave their pixels to those that grow
-constexpr int kLeastBorder = 8;      // px: of regions that join after growing
-constexpr double kStep = 3;          // sigma: a larger step of rho across it is no common border
-constexpr double kWorthWidth = 640;  // px: of the image that worth_px counts in
+constexpr double kCrumb = 100;       // px: smaller regions are dropped before growing
+constexpr int kLeastBorder = 8;      // px: shortest border of regions joined after growing
+constexpr double kStep = 3;          // sigma: regions separated by a larger step of rho do not
+                                     // share a border
+constexpr double kWorthWidth = 640;  // px: image width for which worth_px is defined
 constexpr double kPrecision = 0.75;  // exponent of a plane's precision in its worth
-constexpr double kSideways = 0.25;  // share of the sideways error's variance that excuses a plane's
-constexpr double kWorthCounts = 2;  // weight of a plane's worth in its margin
+constexpr double kSideways = 0.25;   // share of the lateral error's variance excused in a
+                                     // plane's roughness
+constexpr double kWorthCounts = 2;   // weight of a plane's worth in its margin
 constexpr double kLargePart =
-    0.2;  // least share of a region: a smaller part does not affect its margin
-constexpr double kMinor = 0.5;  // share of the least worth, for a plane to be listed as minor
+    0.2;  // smallest share of a region; smaller parts do not affect its margin
+constexpr double kMinor = 0.5;  // share of the smallest worth at which a plane is listed as minor
 
 using Clock = std::chrono::steady_clock;
 double elapsed_ms(Clock::time_point since) {
   return std::chrono::duration<double, std::milli>(Clock::now() - since).count();
 }
 
-/// Fills in what replay and pictures need of the octree; its nodes come from the traversal.
+/// Fills in the octree data used by replay and pictures; the traversal adds the nodes.
 void prepare_octree(Octree& octree, const DepthInput& input, const DepthSegmentation& s) {
   octree.image = input.space;
   octree.cube.max_depth = s.cells.depth();
@@ -58,7 +60,7 @@ void trace_octree(Octree& octree, const DepthInput& input, DepthSegmentation& s,
   if (!pixels.empty()) trace->queued_at.push_back(0);
 }
 
-/// Small regions end; their pixels are free for others to grow over.
+/// Drops small regions, which frees their pixels for others to grow over.
 void drop_crumbs(DepthSegmentation& s) {
   bool any = false;
   for (std::size_t k = 0; k < s.regions.size(); ++k)
@@ -70,7 +72,7 @@ void drop_crumbs(DepthSegmentation& s) {
   if (any) free_pixels_of_ended(s);
 }
 
-/// The plane that its pixels fit in inverse depth, in space. Eigenvalues are about that plane.
+/// The 3D plane fitted in inverse depth. Eigenvalues are relative to that plane.
 PlaneFit fit_in_space(const Moments& moments, const InversePlane& plane, const DepthInput& input) {
   PlaneFit fit = fit_plane(moments);
   // rho = a (u - u0) + b (v - v0) + c with u = fx x / z + cx: 1 = a fx x + b fy y + c' z.
@@ -91,8 +93,8 @@ PlaneFit fit_in_space(const Moments& moments, const InversePlane& plane, const D
   return fit;
 }
 
-/// How far the objective is from losing a region: from not listing it, from joining it with a
-/// neighbor at least as large as it, and from not having joined its parts. The least of these.
+/// Distance of the objective from losing a region: the minimum over not listing it, joining it with
+/// a neighbor at least as large, and not having joined its parts.
 double margin_of(const DepthSegmentation& s, std::int32_t k) {
   const DepthRegion& region = s.regions[k];
   double margin = kWorthCounts * (worth_px(s, region) / s.options.worth_px - 1);
@@ -109,7 +111,7 @@ struct Listing {
   std::vector<std::int32_t> planes, minor;  // regions, largest first
 };
 
-/// A plane is listed when it is worth its cost.
+/// Lists a plane if it is worth its cost.
 Listing list_planes(DepthSegmentation& s) {
   Listing listing;
   for (DepthRegion& region : s.regions)
@@ -132,8 +134,8 @@ Listing list_planes(DepthSegmentation& s) {
   return listing;
 }
 
-/// Regions of planes that were found before.
-Listing take_given(DepthSegmentation& s, const GivenPlanes& given) {
+/// Restores the regions of previously found planes.
+Listing restore_given(DepthSegmentation& s, const GivenPlanes& given) {
   s.regions.resize(given.margins.size());
   for (std::uint32_t pixel = 0; pixel < s.region_of.size(); ++pixel) {
     const int id = given.plane_of.data[pixel];
@@ -153,7 +155,7 @@ void conclude(DepthSegmentation& s,
               const DepthInput& input,
               const Listing& listing,
               Segmentation& result) {
-  std::vector<std::int32_t> slot(s.regions.size(), -1);  // of planes, then of minor ones
+  std::vector<std::int32_t> slot(s.regions.size(), -1);  // first planes, then minor planes
   for (const std::int32_t region : listing.planes)
     slot[region] = static_cast<std::int32_t>(result.planes.size()), result.planes.emplace_back();
   const auto planes = static_cast<std::int32_t>(result.planes.size());
@@ -199,7 +201,7 @@ void conclude(DepthSegmentation& s,
 
 double worth_px(const DepthSegmentation& s, const DepthRegion& region) {
   const double n = region.moments.n, scale = kWorthWidth / s.image.width;
-  // A grazing plane is rough along the ray by its sideways error, which says little against it.
+  // The lateral error makes a grazing plane rough along the ray; that is weak evidence against it.
   const DepthNoise& noise = s.noise;
   const double across = 1 + kSideways * noise.sideways2(region.plane) /
                                 (noise.white * noise.white + noise.bow * noise.bow);
@@ -223,7 +225,7 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
   const auto built = Clock::now();
   Listing listing;
   if (input.given) {
-    listing = take_given(s, *input.given);
+    listing = restore_given(s, *input.given);
   } else if (s.noise.white > 0) {
     divide_image(s, result.octree);
     find_neighbors(s, 1, 0, std::numeric_limits<double>::infinity());
@@ -239,7 +241,7 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
     listing = list_planes(s);
   }
   conclude(s, input, listing, result);
-  // An error of rho is one of z by z squared.
+  // sigma_z = sigma_rho z^2.
   result.noise.estimated = result.noise.by_range = s.noise.white > 0;
   result.noise.growth_per_m = s.noise.wide;
   result.noise.reach_sigma = options.objective.reach_sigma;
@@ -248,7 +250,7 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
   return result;
 }
 
-// What the segmentation of a depth image writes into its trace.
+// Writes the trace of a depth image's segmentation.
 
 namespace {
 
@@ -296,7 +298,7 @@ void log_join(
   grown.moments += gone.moments;
   refit(grown);
   gone.alive = false;
-  gone.into = into;  // its points follow: Timeline looks there
+  gone.into = into;  // its points follow: Timeline uses this link
   write_plane(traced, from);
   write_plane(traced, into);
 }
@@ -304,7 +306,7 @@ void log_join(
 void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before) {
   DepthTrace& traced = s.traced;
   if (!traced.trace) return;
-  // An event for each region that takes pixels or loses some, in order.
+  // One event for each region that gains or loses pixels, in order.
   std::vector<std::vector<std::uint32_t>> taken(s.regions.size()), freed(s.regions.size());
   std::vector<std::uint32_t> lost(s.regions.size(), 0);
   std::vector<Moments> moments(s.regions.size());

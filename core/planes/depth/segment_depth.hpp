@@ -1,9 +1,9 @@
 #pragma once
 
-// `refined` on a depth image: planes by one objective, in inverse depth. Misfit over the measured
-// noise, a cost for each plane and one for each unexplained pixel decide what happens to pixels and
-// planes. Nothing depends on gravity, focal length or lengths in meters; gravity only names planes
-// h or v.
+// `refined` on a depth image: finds planes in inverse depth by one objective. Pixels and planes are
+// assigned by weighing the misfit relative to the measured noise, a cost per plane, and a cost per
+// unexplained pixel. Nothing depends on gravity, focal length or metric lengths; gravity only
+// labels planes h or v.
 
 #include <cstdint>
 #include <span>
@@ -18,16 +18,16 @@ namespace planescope::planes {
 
 struct DepthInput {
   DepthImage image;
-  std::span<const Vec3f> points;           // of its measured pixels, in raster order; local [m]
-  std::vector<std::uint32_t> pixel;        // of each point
-  ImageSpace space;                        // relates pixels to points
-  Vec3d sensor = Vec3d::Zero();            // local
-  bool gravity_known = false;              // planes are named h or v
-  std::span<const KnownPlane> known = {};  // candidates; they cost nothing
-  const GivenPlanes* given = nullptr;      // taken as they are, where there are any
+  std::span<const Vec3f> points;           // measured pixels in raster order; local frame [m]
+  std::vector<std::uint32_t> pixel;        // per point
+  ImageSpace space;                        // maps pixels to points
+  Vec3d sensor = Vec3d::Zero();            // local frame
+  bool gravity_known = false;              // whether to label planes h or v
+  std::span<const KnownPlane> known = {};  // candidate planes from other frames, free of plane cost
+  const GivenPlanes* given = nullptr;      // planes to use unchanged, if any
 };
 
-/// Segmentation::plane_of is per point; the octree divides (u, v, rho).
+/// Segments one depth image. Segmentation::plane_of is per point; the octree divides (u, v, rho).
 Segmentation segment_depth(const DepthInput& input,
                            const SegmentOptions& options,
                            Trace* trace = nullptr);

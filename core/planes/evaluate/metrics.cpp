@@ -1,4 +1,4 @@
-// Matching of found and true planes, and the metrics computed from it.
+// Matches found planes to true planes, and computes the metrics.
 
 #include "core/planes/evaluate/metrics.hpp"
 
@@ -17,7 +17,7 @@ namespace planescope::planes {
 // ---- Matching ----
 
 std::vector<int> best_assignment(const std::vector<double>& value, int rows, int columns) {
-  // Square problem of costs, padded with zeros; rows and columns counted from 1, as is usual.
+  // Square cost matrix, padded with zeros; 1-based rows and columns, as is usual for this method.
   const int n = std::max(rows, columns);
   const auto cost = [&](int row, int column) {
     return row <= rows && column <= columns
@@ -215,8 +215,8 @@ std::vector<Vec3d> truth_normals(const MetricsInput& input, int planes) {
   return normals;
 }
 
-/// Sec. V: mean angle between each found plane's normal and that of the true plane which most of
-/// its points belong to.
+/// Sec. V: mean angle between the normal of each found plane and the normal of the true plane that
+/// contains most of its points.
 double mean_normal_error(const MetricsInput& input, const TruthOverlap& o) {
   const std::vector<Vec3d> normals = truth_normals(input, o.truth);
   double sum = 0;
@@ -232,7 +232,7 @@ double mean_normal_error(const MetricsInput& input, const TruthOverlap& o) {
   return count > 0 ? sum / count : 0;
 }
 
-/// Of the found planes that match no true one: pieces of true planes, and ghosts.
+/// Classifies the unmatched found planes as pieces of true planes or ghosts.
 void sort_unmatched(const TruthOverlap& o, const std::vector<bool>& is_matched, Metrics& m) {
   for (int f = 1; f <= o.found; ++f) {
     if (o.found_size[f] == 0 || is_matched[f]) continue;
@@ -316,7 +316,7 @@ void score_labels(const MetricsInput& input, Metrics& m) {
   if (input.truth_labels.empty() || input.found_labels.empty()) return;
   const bool any =
       std::ranges::any_of(input.truth_labels, [](Label label) { return label != Label::unknown; });
-  LabelAccuracy accuracy;  // which points lie near another label takes longer than all else
+  LabelAccuracy accuracy;  // near_other_label() takes longer than the rest of the evaluation
   if (any)
     accuracy = label_accuracy(
         input.truth_labels, input.found_labels,
@@ -329,7 +329,7 @@ void score_labels(const MetricsInput& input, Metrics& m) {
   m.label_accuracy_edge = accuracy.edge_percent();
 }
 
-/// Truth without the planes that are too small to be scored.
+/// Truth without planes too small to be scored.
 std::vector<std::int32_t> scored_truth(const MetricsInput& input) {
   std::vector<std::int32_t> truth(input.truth.begin(), input.truth.end());
   std::vector<int> size(1, 0);
@@ -342,11 +342,11 @@ std::vector<std::int32_t> scored_truth(const MetricsInput& input) {
   return truth;
 }
 
-/// Found planes without those that lie mostly on what is not scored: they are neither right nor
-/// wrong (as with the void of panoptic quality).
+/// Found planes without those mostly on unscored points, which are neither right nor wrong (like
+/// void in panoptic quality).
 std::vector<std::int32_t> scored_planes(const MetricsInput& input) {
   std::vector<std::int32_t> found(input.found.begin(), input.found.end());
-  std::vector<std::array<int, 2>> size(1);  // on what is scored, and elsewhere
+  std::vector<std::array<int, 2>> size(1);  // points on scored truth, and elsewhere
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (found[i] >= static_cast<std::int32_t>(size.size()))
       size.resize(static_cast<std::size_t>(found[i]) + 1);
@@ -396,7 +396,7 @@ double plane_recall(const Metrics& m) {
 Metrics mean_of(std::span<const Metrics> metrics) {
   Metrics mean;
   if (metrics.empty()) return mean;
-  double labelled = 0;  // frames
+  double labelled = 0;  // number of frames with labels
   for (const Metrics& m : metrics) {
     mean.planes_truth += m.planes_truth;
     mean.planes_found += m.planes_found;

@@ -1,4 +1,4 @@
-// Certainty, surface and free space of each plane for a robot's foot.
+// Uncertainty, surface properties and free space of each plane for a robot's foot.
 
 #include "core/planes/foot/footholds.hpp"
 
@@ -19,16 +19,16 @@ namespace planescope::planes {
 
 namespace {
 
-// sigma_offset^2 = sigma^2 (kAlike / n + kOffsetBias^2), and of the tilts likewise, each over its
-// lever. n voxels are worth n / kAlike independent ones, as stereo errs alike over more than a
-// voxel. What all of a plane's voxels have in common does not average away: points that are another
-// surface's tilt it, and a floor between two layers of voxels is drawn to the middle of these.
+// sigma_offset^2 = sigma^2 (kAlike / n + kOffsetBias^2); for the tilts the same, divided by the
+// squared lever arm. n voxels are worth n / kAlike independent ones, because stereo errors are
+// correlated over more than a voxel. Errors common to all voxels do not average out: points of
+// another surface tilt the plane, and a floor between two layers of voxels shifts to their middle.
 // Measured on synthetic frames with the errors of the D435 (docs/footholds.md).
 constexpr double kAlike = 1.44;
 constexpr double kTiltBias = 0.07;
 constexpr double kOffsetBias = 0.18;
 
-/// Of a plane's voxels, on it.
+/// Sums over a plane's voxels, in plane coordinates.
 struct Extent {
   double count = 0;
   Vec2d sum = Vec2d::Zero();
@@ -89,7 +89,7 @@ std::vector<Certainty> certainties_of(const FrameResult& result) {
     };
     certainty.sigma_offset_m = sigma_m(kOffsetBias);
 
-    // Mean squares along the two axes, of the voxels about their mean.
+    // Mean squares along the two axes, relative to the mean of the voxels.
     const double size = std::max(1.0, extent.count);
     const Vec2d mean = extent.sum / size;
     const double xx = extent.xx / size - mean.x() * mean.x();
@@ -110,7 +110,7 @@ std::vector<Certainty> certainties_of(const FrameResult& result) {
 
 namespace {
 
-/// The plane of each pixel, 0 none.
+/// Plane of each pixel; 0: none.
 std::vector<std::int32_t> planes_by_pixel(const Frame& frame, const FrameResult& result) {
   std::vector<std::int32_t> plane_of(frame.depth.data.size(), 0);
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)
@@ -118,7 +118,7 @@ std::vector<std::int32_t> planes_by_pixel(const Frame& frame, const FrameResult&
   return plane_of;
 }
 
-/// The share of pixels within the outline that are the plane's; nothing where there are none.
+/// Share of the pixels within the outline that belong to the plane; nullopt if there are none.
 std::optional<double> support_by_pixels(const std::vector<PixelRun>& within,
                                         const std::vector<std::int32_t>& plane_of,
                                         int width,
@@ -145,7 +145,7 @@ std::vector<Surface> surfaces_of(const Frame& frame,
                                  const FrameResult& result,
                                  const std::vector<Outline>& outlines,
                                  const std::vector<Places>& places) {
-  constexpr double kCircle_m = 0.005;  // how near to the best place is near enough
+  constexpr double kCircle_m = 0.005;  // tolerance of the search for the best position
   constexpr double kMostSteps = 0.95;
   std::vector<std::int32_t> plane_of;
   if (!frame.is_cloud()) plane_of = planes_by_pixel(frame, result);
@@ -172,14 +172,15 @@ std::vector<Surface> surfaces_of(const Frame& frame,
   return surfaces;
 }
 
-// ---- Where the center of a foot may go ----
+// ---- Free space for the center of a foot ----
 
 namespace {
 
-/// Few corners make few pieces: the area is inset by this more, and simplified by as much.
+/// Few corners make few convex pieces: inset the area by this much more, and simplify it by
+/// as much.
 constexpr double kCorners_m = 0.005;
 
-/// With the unknown holes that are too large to be stepped over.
+/// Includes unknown holes that are too large to step over.
 Polygons ground_of(const Outline& outline, double least_hole_m2) {
   Polygons ground;
   for (const Outline::Part& part : outline.parts) {
@@ -218,20 +219,20 @@ std::string reasons_against(Label label,
   if (label == Label::v)
     reasons.emplace_back("upright, v");
   else if (std::isnan(surface.slope_deg))
-    reasons.emplace_back("gravity is not known, and so no slope");
+    reasons.emplace_back("slope unknown: gravity is not known");
   else if (surface.slope_deg > limits.max_slope_deg)
     reasons.push_back(
         fmt::format("slope {:.1f} deg, limit {}", surface.slope_deg, limits.max_slope_deg));
   if (space.area.empty())
     reasons.emplace_back("no room for the foot");
   else if (space.area_m2 < limits.min_area_m2)
-    reasons.push_back(fmt::format("room of {:.0f} cm2 for the foot's centre, limit {:g}",
+    reasons.push_back(fmt::format("room of {:.0f} cm2 for the foot's center, limit {:g}",
                                   space.area_m2 * 1e4, limits.min_area_m2 * 1e4));
   if (surface.rough_rms_m > limits.max_rough_m)
     reasons.push_back(fmt::format("{:.3g} mm rough, limit {:g}", surface.rough_rms_m * 1e3,
                                   limits.max_rough_m * 1e3));
   if (surface.support < limits.min_support)
-    reasons.push_back(fmt::format("{:.0f} % of it was measured, limit {:g}", surface.support * 100,
+    reasons.push_back(fmt::format("{:.0f} % of it measured, limit {:g}", surface.support * 100,
                                   limits.min_support * 100));
   return fmt::format("{}", fmt::join(reasons, "; "));
 }

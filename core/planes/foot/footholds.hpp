@@ -1,7 +1,7 @@
 #pragma once
 
-// Planes to set a foot on: how well a plane is known, what it is like to stand on, and where the
-// center of a foot may go.
+// Footholds: how accurately each plane is known, its surface properties, and where the center of a
+// foot can be placed.
 
 #include <optional>
 #include <string>
@@ -14,60 +14,63 @@
 
 namespace planescope::planes {
 
-/// A true plane is taken to be normal + a axes[0] + b axes[1], and d along the normal from the
-/// centroid: these three are independent of each other.
+/// Uncertainty of a plane. The true plane is modeled as normal + a axes[0] + b axes[1], offset by d
+/// along the normal at the centroid. The errors a, b and d are independent.
 struct Certainty {
-  double sigma_m = 0;                    // of the measurements about the plane
-  Vec3d eigenvalues_m2 = Vec3d::Zero();  // of the scatter, ascending; the first is the paper's e_n
-  Vec3d axes[2] = {Vec3d::UnitX(), Vec3d::UnitY()};  // unit, in the plane: the longer extent first
+  double sigma_m = 0;                    // standard deviation of the measurements about the plane
+  Vec3d eigenvalues_m2 = Vec3d::Zero();  // of the scatter, ascending; the first is e_n in the paper
+  Vec3d axes[2] = {Vec3d::UnitX(), Vec3d::UnitY()};  // unit, in the plane, longer extent first
   double sigma_tilt_rad[2] = {0, 0};                 // of a and b
   double sigma_offset_m = 0;                         // of d
 
-  /// Of (a, b, offset), where the plane is normal . x = offset and its centroid is `centroid`.
+  /// Covariance of (a, b, offset), where the plane is normal . x = offset and its centroid
+  /// is `centroid`.
   Mat3d covariance(const Vec3d& centroid) const;
 };
 
-/// One for each plane, by id - 1.
+/// One per plane, by id - 1.
 std::vector<Certainty> certainties_of(const FrameResult& result);
 
 struct Surface {
-  double slope_deg = 0;     // against the horizontal; NaN: gravity is not known
-  double rough_rms_m = 0;   // of how high its places are above the mean of those within 5 cm
-  double rough_step_m = 0;  // 95th percentile of the steps between neighbouring places
-  double support = 0;       // pixels on it, of those within its outline that see nothing else; of
-                            // clouds, and where rays graze it, places; 0..1
-  Vec3d best_place = Vec3d::Zero();  // farthest from the outline's borders and holes; world [m]
-  double clearance_m = 0;            // how far
+  double slope_deg = 0;     // angle from the horizontal; NaN if gravity is unknown
+  double rough_rms_m = 0;   // RMS height of grid cells above the mean of the cells within 5 cm
+  double rough_step_m = 0;  // 95th percentile of the steps between neighboring cells
+  double support = 0;       // 0..1: share of the pixels within its outline that belong to it,
+                            // ignoring pixels that see something else; for clouds and at grazing
+                            // angles, share of grid cells
+  Vec3d best_place = Vec3d::Zero();  // farthest from borders and holes of the outline; world [m]
+  double clearance_m = 0;            // distance of best_place from them
 };
 
-/// One for each plane, by id - 1; `outlines` and `places` likewise.
+/// One per plane, by id - 1; `outlines` and `places` likewise.
 std::vector<Surface> surfaces_of(const Frame& frame,
                                  const FrameResult& result,
                                  const std::vector<Outline>& outlines,
                                  const std::vector<Places>& places);
 
 struct FootSpace {
-  Polygons area;  // of the foot's centre, on the plane as the outline has it; valid
+  Polygons area;  // allowed positions of the foot's center, as valid polygons in the
+                  // outline's plane coordinates
   double area_m2 = 0;
-  std::vector<PolygonRing> pieces;  // convex_pieces() of it
+  std::vector<PolygonRing> pieces;  // convex_pieces() of the area
 };
 
-/// The outline without what is not flat, inset by the foot's radius and margin. Holes where
-/// something else was seen are kept off however small: what was seen there is an obstacle. Of those
-/// where nothing was, small ones are stepped over.
+/// Free space for the foot's center: the outline without uneven areas, inset by the foot's radius
+/// and margin. Holes where something else was seen are obstacles of any size. Unmeasured holes are
+/// ignored if small enough to step over.
 FootSpace foot_space(const Outline& outline, const Places& places, const FootOptions& options);
 
 struct Foothold {
   Surface surface;
   Certainty certainty;
-  std::vector<Vec2d> cut;  // measured places along the first of its axes, through the centroid:
-                           // how far from it, how high above the plane [m], in that order
-  std::optional<FootSpace> space;  // where a foot is given, as are the following
+  std::vector<Vec2d> cut;  // measured profile along the first axis through the centroid: pairs of
+                           // distance along the axis and height above the plane [m], sorted
+  std::optional<FootSpace> space;  // this and the following only if foot options are set
   bool steppable = false;
   std::string why_not;  // "17 mm rough, limit 10; slope 31.0 deg, limit 25.0"; empty: steppable
 };
 
-/// One for each plane, by id - 1; `outlines` likewise.
+/// One per plane, by id - 1; `outlines` likewise.
 std::vector<Foothold> footholds_of(const Frame& frame,
                                    const FrameResult& result,
                                    const std::vector<Outline>& outlines,

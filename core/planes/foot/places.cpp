@@ -1,4 +1,4 @@
-// Height map of a plane's measurements above it.
+// Height map of the measurements on a plane.
 
 #include "core/planes/foot/places.hpp"
 
@@ -11,7 +11,7 @@
 namespace planescope::planes {
 
 Places::Places(std::span<const Measured> measured, double cell_m) : cell_m_(cell_m) {
-  constexpr double kMostCells = 1024;  // along an axis: a bound on memory
+  constexpr double kMostCells = 1024;  // per axis; limits memory
   constexpr double kFoot_m = 0.05;
   Eigen::AlignedBox2d box;
   for (const Measured& m : measured) box.extend(m.at);
@@ -40,7 +40,7 @@ double Places::mean_about(int x, int y) const {
   for (int v = std::max(0, y - about_); v <= std::min(rows_ - 1, y + about_); ++v)
     for (int u = std::max(0, x - about_); u <= std::min(columns_ - 1, x + about_); ++u) {
       const Cell& near = cells_[index(u, v)];
-      sum += near.height_m;  // 0 where nothing is
+      sum += near.height_m;  // 0 if the cell is empty
       count += near.weight > 0;
     }
   return sum / count;
@@ -76,7 +76,7 @@ double Places::step_m(double share) const {
 }
 
 Polygons Places::near_off(double limit_m, double reach_m) const {
-  // Of squares, whose corners are to be within reach as well.
+  // Cells are squares, and their corners must be within reach as well.
   const double reach = reach_m / cell_m_ + std::numbers::sqrt2;
   const int margin = static_cast<int>(std::ceil(reach));
   const int width = columns_ + 2 * margin, height = rows_ + 2 * margin;
@@ -101,7 +101,7 @@ Polygons Places::near_off(double limit_m, double reach_m) const {
     PolygonRing on_plane;
     for (const Corner& corner : ring.corners)
       on_plane.push_back(low_ + cell_m_ * (corner.place() - Vec2d::Constant(margin)));
-    std::ranges::reverse(on_plane);  // the rows of an image go down
+    std::ranges::reverse(on_plane);  // image rows point down
     if (ring.hole) {
       polygons[of_part[ring.part]].holes.push_back(std::move(on_plane));
     } else {

@@ -1,4 +1,4 @@
-// Outlines from region borders in the image, or from occupied cells where rays graze the plane.
+// Outlines from region borders in the image, or from occupied grid cells at grazing angles.
 
 #include "core/planes/outline/outline.hpp"
 
@@ -19,18 +19,18 @@
 namespace planescope::planes {
 namespace {
 
-/// Regions of pixels or cells, and what lies between them.
+/// Image of region labels, for pixels or grid cells.
 struct LabelImage {
   int width = 0, height = 0;
-  std::vector<std::int32_t> labels;  // plane id, 0 none
+  std::vector<std::int32_t> labels;  // plane id; 0: none
 
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
 };
 
-/// Does a pixel without the plane's label show that something else is there?
+/// Whether a pixel without the plane's label shows something else there.
 using IsForeign = std::function<bool(std::size_t pixel, std::int32_t plane)>;
 
-/// A ring on its plane; empty where that cannot be.
+/// Projects a ring onto its plane; empty if that is impossible.
 using OntoPlane = std::function<PolygonRing(const Ring&)>;
 
 class Hole {
@@ -55,7 +55,7 @@ class Hole {
       }
   }
   bool was_seen() const { return was_seen_; }
-  /// Of other planes, where it was not seen: what they have they keep.
+  /// Whether an unseen hole contains other planes, which keep their pixels.
   bool has_others() const { return has_others_; }
   void fill(std::int32_t plane, LabelImage& image) const {
     for (const PixelRun& run : runs_)
@@ -67,8 +67,8 @@ class Hole {
   bool was_seen_ = false, has_others_ = false;
 };
 
-/// Holes that are small and where nothing else was seen go to the plane about them. The rings of
-/// what that makes of the image.
+/// Assigns small holes in which nothing else was seen to the surrounding plane, and returns the
+/// rings of the resulting image.
 std::vector<Ring> close_gaps(LabelImage& image,
                              const IsForeign& is_foreign,
                              const OntoPlane& onto_plane,
@@ -95,8 +95,8 @@ struct Before {
 };
 using Corners = std::set<Vec2d, Before>;
 
-/// With fewer corners. Simplifying may take a hole out of its polygon, or let two polygons overlap:
-/// then it is done with more care, and what has come to overlap becomes one.
+/// Simplifies polygons. If a hole leaves its polygon or two polygons overlap as a result,
+/// simplifies more carefully and unites overlapping polygons.
 Polygons simplified_soundly(const Polygons& exact, double tolerance_m) {
   Polygons simple = simplified(exact, tolerance_m);
   if (is_valid(simple)) return simple;
@@ -110,7 +110,7 @@ Polygons simplified_soundly(const Polygons& exact, double tolerance_m) {
   return all;
 }
 
-/// `rings`: of one plane; `on_plane`: what they are there.
+/// `rings`: of one plane; `on_plane`: the same rings projected onto it.
 void add_parts(std::span<const Ring> rings,
                std::span<PolygonRing> on_plane,
                const LabelImage& image,
@@ -118,8 +118,8 @@ void add_parts(std::span<const Ring> rings,
                const OutlineOptions& options,
                Outline& outline) {
   const double least_hole_m2 = options.tolerance_m * options.tolerance_m;
-  std::map<std::int32_t, Polygon> parts;  // by number: the outer ring comes first
-  Corners unknown;                        // of the holes where nothing was seen
+  std::map<std::int32_t, Polygon> parts;  // by part number; the outer ring comes first
+  Corners unknown;                        // corners of unmeasured holes
   for (std::size_t r = 0; r < rings.size(); ++r) {
     const double area_m2 = std::abs(polygon_area(on_plane[r]));
     if (area_m2 < (rings[r].hole ? least_hole_m2 : options.least_m2)) continue;
@@ -139,7 +139,7 @@ void add_parts(std::span<const Ring> rings,
     Outline::Part& part = outline.parts.emplace_back();
     part.outer = std::move(polygon.outer);
     for (PolygonRing& hole : polygon.holes) {
-      // Simplifying leaves corners out and makes none.
+      // Simplifying removes corners but never adds any.
       const bool is_unknown =
           std::ranges::any_of(hole, [&](const Vec2d& p) { return unknown.contains(p); });
       (is_unknown ? part.unknown : part.holes).push_back(std::move(hole));
@@ -149,13 +149,13 @@ void add_parts(std::span<const Ring> rings,
 
 // ---- Pixels of a depth image ----
 
-/// Nearest and farthest of a plane's pixels [m].
+/// Smallest and largest depth of a plane's pixels [m].
 struct Depths {
   double least = std::numeric_limits<double>::infinity();
   double greatest = 0;
 };
 
-/// A ring's corners; where the lens bends lines, places between them as well.
+/// Corners of a ring, with intermediate points if lens distortion bends straight lines.
 std::vector<Vec2d> places(const Ring& ring, bool bent) {
   constexpr double kStep_px = 8;
   std::vector<Vec2d> all;
@@ -169,8 +169,8 @@ std::vector<Vec2d> places(const Ring& ring, bool bent) {
   return all;
 }
 
-/// Along its pixels' rays on the outline's plane. Empty where these do not meet the plane about
-/// where the pixels are.
+/// Projects a ring along its pixels' rays onto the outline's plane. Empty if the rays do not meet
+/// the plane near the pixels.
 PolygonRing on_plane_along_rays(const Ring& ring,
                                 const Intrinsics& camera,
                                 const Pose& T_world_sensor,
@@ -194,10 +194,10 @@ PolygonRing on_plane_along_rays(const Ring& ring,
 
 // ---- Cells of a grid on the plane ----
 
-/// A grid about points on a plane, with a margin where none are.
+/// A grid around points on a plane, with an empty margin.
 class CellImage {
  public:
-  /// `box`: that the points are in.
+  /// `box`: bounds of the points.
   CellImage(std::span<const Vec2d> points,
             const Eigen::AlignedBox2d& box,
             double cell_m,
@@ -230,7 +230,7 @@ class CellImage {
   }
 
  private:
-  void spread(std::int32_t value) {  // to the eight cells around
+  void spread(std::int32_t value) {  // to the eight surrounding cells
     const std::vector<std::int32_t> before = image_.labels;
     for (int y = 1; y + 1 < image_.height; ++y)
       for (int x = 1; x + 1 < image_.width; ++x) {
@@ -246,19 +246,20 @@ class CellImage {
   int marked_ = 0;
 };
 
-/// `points`: the plane's, on it.
+/// `points`: the plane's points, in plane coordinates.
 void add_cells(std::span<const Vec2d> points,
                double cell_m,
                const OutlineOptions& options,
                Outline& outline) {
-  constexpr double kMostCells = 1024;  // along an axis: a bound on memory
-  constexpr double kFull = 4;          // points in a cell that few others like it are empty
+  constexpr double kMostCells = 1024;  // per axis; limits memory
+  constexpr double kFull = 4;          // mean points per cell at which few cells of a surface
+                                       // stay empty
   constexpr int kMostRadius = 4;
   if (points.empty()) return;
   Eigen::AlignedBox2d box;
   for (const Vec2d& p : points) box.extend(p);
   cell_m = std::max(cell_m, box.sizes().maxCoeff() / kMostCells);
-  // What is seldom hit is no gap: half of the cells in which there are enough points.
+  // Sparsely sampled surfaces are not gaps: close until half of the cells contain enough points.
   int radius = 0;
   while (radius < kMostRadius &&
          static_cast<double>(points.size()) <
@@ -275,7 +276,7 @@ void add_cells(std::span<const Vec2d> points,
   add_parts(rings, on_plane, image, none, options, outline);
 }
 
-/// By id - 1, the points of these planes on them.
+/// Points of these planes in plane coordinates, by id - 1.
 std::vector<std::vector<Vec2d>> points_on(const std::vector<Outline>& outlines,
                                           const FrameResult& result,
                                           const std::set<std::int32_t>& ids) {
@@ -301,7 +302,7 @@ std::vector<Outline> empty_outlines(const FrameResult& result) {
   return outlines;
 }
 
-/// Fills in what can be had from pixels.
+/// Fills in the outlines available from pixels.
 class OfPixels {
  public:
   OfPixels(const Frame& frame, const FrameResult& result, const OutlineOptions& options)
@@ -324,7 +325,7 @@ class OfPixels {
     }
   }
 
-  /// Planes that rays graze stay as they are.
+  /// Leaves planes at grazing angles unchanged.
   void add_to(std::vector<Outline>& outlines) {
     const IsForeign is_foreign = [&](std::size_t pixel, std::int32_t id) {
       const std::vector<std::uint32_t>& pixels = result_.cloud.source;  // ascending
@@ -361,7 +362,7 @@ class OfPixels {
   const FrameResult& result_;
   const OutlineOptions& options_;
   LabelImage image_;
-  std::vector<Depths> depths_;  // per plane id
+  std::vector<Depths> depths_;  // by plane id
   std::set<std::int32_t> grazed_;
 };
 
@@ -420,7 +421,7 @@ std::vector<Outline> minor_outlines_of(const FrameResult& result,
                                        double cell_m,
                                        const OutlineOptions& options) {
   const Segmentation& segmentation = result.segmentation;
-  std::vector<std::uint32_t> minor_of(result.voxels.points.size(), 0);  // from 1
+  std::vector<std::uint32_t> minor_of(result.voxels.points.size(), 0);  // 1-based
   std::vector<Outline> outlines;
   for (std::size_t k = 0; k < segmentation.minor.size(); ++k) {
     const PlaneFit& fit = segmentation.minor[k].fit;

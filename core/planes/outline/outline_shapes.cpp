@@ -1,4 +1,4 @@
-// Outlines as triangles, and as the pixels that they cover.
+// Converts outlines to triangles, and to the pixels that they cover.
 
 #include <algorithm>
 #include <cmath>
@@ -28,14 +28,14 @@ Mesh mesh_of(const Outline& outline) {
 
 namespace {
 
-/// Of a row of pixel centres with an edge.
+/// Crossing of an edge with a row of pixel centers.
 struct EdgeCrossing {
   int y = 0;
   double x = 0;
   auto operator<=>(const EdgeCrossing&) const = default;
 };
 
-/// The whole numbers in [low, high), of 0 to count - 1; the second is past the last.
+/// Integers in [low, high), clamped to 0 .. count - 1; the second is past the end.
 std::pair<int, int> between(double low, double high, int count) {
   const auto clamped = [&](double at) {
     return static_cast<int>(std::clamp(std::ceil(at), 0.0, static_cast<double>(count)));
@@ -43,7 +43,7 @@ std::pair<int, int> between(double low, double high, int count) {
   return {clamped(low), clamped(high)};
 }
 
-/// False: a corner is not ahead of the camera.
+/// Returns false if a corner is not in front of the camera.
 bool add_crossings(const Outline& outline,
                    const PolygonRing& ring,
                    const Intrinsics& camera,

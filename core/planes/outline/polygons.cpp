@@ -1,4 +1,4 @@
-// Polygon operations by GEOS, and a convex decomposition.
+// Polygon operations using GEOS, and a convex decomposition.
 
 #include "core/planes/outline/polygons.hpp"
 
@@ -22,7 +22,7 @@
 namespace planescope::planes {
 namespace {
 
-/// One for each call: a handle is not for two threads.
+/// One per call: a GEOS handle must not be shared between threads.
 class Geos {
  public:
   Geos() : handle_(GEOS_init_r()) {
@@ -40,7 +40,7 @@ class Geos {
   };
   using Geometry = std::unique_ptr<GEOSGeometry, Free>;
 
-  /// Throws Error where GEOS made nothing.
+  /// Throws Error if GEOS returns nothing.
   template <typename Make, typename... Args>
   Geometry make(const Make& function, Args... args) const {
     GEOSGeometry* made = function(handle_, args...);
@@ -64,7 +64,7 @@ class Geos {
                 static_cast<unsigned>(given.size()));
   }
 
-  /// Of whatever has an area.
+  /// Collects all polygons of a geometry; parts without area are dropped.
   Polygons polygons_of(const GEOSGeometry* geometry) const {
     Polygons all;
     add_polygons(geometry, all);
@@ -72,12 +72,12 @@ class Geos {
   }
 
   bool is_valid(const GEOSGeometry* geometry) const {
-    const char valid = GEOSisValid_r(handle_, geometry);  // 2: it could not be told
+    const char valid = GEOSisValid_r(handle_, geometry);  // 2: GEOS failed
     if (valid == 2) fail();
     return valid == 1;
   }
 
-  /// The corners of a line.
+  /// Corners of a line.
   std::vector<Vec2d> points_of(const GEOSGeometry* line) const {
     const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(handle_, line);
     unsigned count = 0;
@@ -90,13 +90,14 @@ class Geos {
   }
 
  private:
-  /// GEOS tells whatever it caught by its text alone; memory that ran out is told as everywhere.
+  /// GEOS reports exceptions by their text only; rethrow out-of-memory as bad_alloc.
   [[noreturn]] void fail() const {
     if (message_ == std::bad_alloc().what()) throw std::bad_alloc();
     throw Error("polygons: " + message_);
   }
 
-  /// To a function that frees them even where it makes nothing: the last step before it is called.
+  /// Passes ownership to a GEOS function that frees its arguments even on failure; must be the last
+  /// step before the call.
   static std::vector<GEOSGeometry*> handed_over(std::vector<Geometry>& parts) {
     std::vector<GEOSGeometry*> given(parts.size());
     std::ranges::transform(parts, given.begin(), &Geometry::release);
@@ -131,7 +132,7 @@ class Geos {
 
   PolygonRing ring_of(const GEOSGeometry* line, bool counter_clockwise) const {
     PolygonRing ring = points_of(line);
-    if (!ring.empty()) ring.pop_back();  // the first again
+    if (!ring.empty()) ring.pop_back();  // repeats the first point
     if ((polygon_area(ring) > 0) != counter_clockwise) std::ranges::reverse(ring);
     return ring;
   }
@@ -144,8 +145,7 @@ template <typename Operation>
 Polygons combined(const Polygons& a, const Polygons& b, const Operation& operation) {
   const Geos geos;
   const Geos::Geometry first = geos.of(a), second = geos.of(b);
-  // On a grid of a nanometre: of borders that nearly coincide, GEOS 3.11 may come out wrong
-  // without.
+  // Snap to a grid of 1 nm: without it, GEOS 3.11 can fail on borders that nearly coincide.
   constexpr double kGrid_m = 1e-9;
   return geos.polygons_of(geos.make(operation, first.get(), second.get(), kGrid_m).get());
 }
@@ -160,9 +160,9 @@ std::vector<Triangle> triangles_of(const Polygons& polygons) {
   return triangles;
 }
 
-/// GEOS 3.11 cuts holes open towards corners of the other rings, and finds no triangle where a cut
-/// runs through a third corner: so it may where many lie in rows, as those of a grid's cells do.
-/// Turned, they do not.
+/// GEOS 3.11 opens holes by cuts toward corners of other rings, and finds no triangulation if a cut
+/// passes through a third corner. Many aligned corners (such as those of grid cells) cause this;
+/// rotating them avoids it.
 std::vector<Triangle> triangles_when_turned(const Polygons& polygons) {
   const Eigen::Rotation2Dd turn(0.7);
   std::map<std::pair<double, double>, Vec2d> corner_at;
@@ -221,9 +221,9 @@ Polygons without(const Polygons& a, const Polygons& b) {
 }
 
 Polygons inset(const Polygons& polygons, double distance_m) {
-  // Mitred: one corner where an obstacle has one, a little farther from it than asked for. Round
-  // ones would be chains of short edges, each a reflex corner that convex pieces end at.
-  constexpr int kQuadrantSegments = 8;  // of what the limit cuts
+  // Mitered: each corner of an obstacle becomes one corner, slightly farther away than requested.
+  // Round corners would be chains of short edges, each a reflex corner that ends a convex piece.
+  constexpr int kQuadrantSegments = 8;  // for corners beyond the miter limit
   constexpr double kMitreLimit = 1.5;   // [distance]
   const Geos geos;
   const Geos::Geometry given = geos.of(polygons);
@@ -270,11 +270,11 @@ bool is_valid(const Polygons& polygons) {
 
 namespace {
 
-constexpr double kTouch_m = 1e-7;  // nearer than this is the same place
+constexpr double kTouch_m = 1e-7;  // points closer than this coincide
 
 double cross(const Vec2d& a, const Vec2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// What is on its left.
+/// The left side of a line.
 struct HalfPlane {
   Vec2d from, along;
   double inside(const Vec2d& p) const { return cross(along, p - from); }
@@ -299,17 +299,17 @@ struct Piece {
   bool gone = false;
 };
 
-/// A way to make one convex piece of two.
+/// Two pieces merged into one convex piece.
 struct Join {
   int a = 0, b = 0;
   PolygonRing ring;
   double area_m2 = 0, loss_m2 = 0, shared_m = 0;
 };
 
-/// Where edge a of one piece and edge b of another run along each other.
+/// The overlap of edge a of one piece and edge b of another.
 struct Shared {
   std::size_t a = 0, b = 0;
-  Vec2d begin, end;  // as the first piece goes
+  Vec2d begin, end;  // in the direction of the first piece
   double length_m = 0;
 };
 
@@ -334,8 +334,8 @@ std::optional<Shared> shared_edge(const PolygonRing& a, const PolygonRing& b) {
   return longest;
 }
 
-/// The lines along which the corner at `at` may be made convex, where the boundary of two joined
-/// pieces goes over from edge `i` of `from` to the end of edge `j` of `to`. None: it is convex.
+/// Lines that can cut the corner at `at` to make it convex, where the boundary of two joined pieces
+/// passes from edge `i` of `from` to the end of edge `j` of `to`. Empty if it is already convex.
 std::vector<HalfPlane> cuts_at(
     const Vec2d& at, const PolygonRing& from, std::size_t i, const PolygonRing& to, std::size_t j) {
   const auto corner = [](const PolygonRing& ring, std::size_t k) { return ring[k % ring.size()]; };
@@ -348,7 +348,7 @@ std::vector<HalfPlane> cuts_at(
   return {{at, in}, {at, out}};
 }
 
-/// The largest convex piece that is in both and keeps to lines through their common corners.
+/// The largest convex piece of both that is bounded by lines through their common corners.
 std::optional<Join> join_of(const std::vector<Piece>& pieces, int a, int b) {
   const PolygonRing &first = pieces[a].ring, &second = pieces[b].ring;
   const std::optional<Shared> shared = shared_edge(first, second);
@@ -405,7 +405,7 @@ class Joining {
         if (a < b) consider(a, b);
   }
 
-  /// Fewer pieces, as long as that costs no more than `budget_m2` in all.
+  /// Joins pieces while the total area lost is at most `budget_m2`.
   std::vector<PolygonRing> spend(double budget_m2) {
     while (true) {
       const auto join = std::ranges::min_element(joins_, [](const Join& a, const Join& b) {

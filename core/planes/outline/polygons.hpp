@@ -1,8 +1,8 @@
 #pragma once
 
-// Polygons with holes on a plane, by GEOS. Rings are not closed by a repeated point; outer rings
-// are counter-clockwise, holes clockwise. Valid are those whose rings do not cross themselves or
-// each other; united() and common() want such, and give such.
+// Polygons with holes in a plane, using GEOS. Rings do not repeat their first point; outer rings
+// are counter-clockwise, holes clockwise. Polygons are valid if their rings cross neither
+// themselves nor each other; united() and common() require and return valid polygons.
 
 #include <array>
 #include <span>
@@ -18,31 +18,32 @@ struct Polygon {
   PolygonRing outer;
   std::vector<PolygonRing> holes;
 };
-using Polygons = std::vector<Polygon>;  // that do not overlap
+using Polygons = std::vector<Polygon>;  // non-overlapping
 
-/// Without the holes [m^2]; rings turn as said above.
+/// Area without the holes [m^2], for rings in the orientation above.
 double area(const Polygon& polygon);
 double area(std::span<const Polygon> polygons);
 
-/// With fewer corners, and no point of a ring farther than this from it [m]. Of valid polygons the
-/// result mostly is valid, but not always.
+/// Removes corners, moving no point of a ring by more than the tolerance [m]. The result of valid
+/// polygons is usually, but not always, valid.
 Polygons simplified(const Polygons& polygons, double tolerance_m);
-/// Valid polygons of about the same area, where rings cross.
+/// Valid polygons of about the same area, for rings that cross.
 Polygons repaired(const Polygon& polygon);
-// Corners to a nanometre:
+// Accurate to a nanometer:
 Polygons united(const Polygons& a, const Polygons& b);
 Polygons common(const Polygons& a, const Polygons& b);
 Polygons without(const Polygons& a, const Polygons& b);
 
-/// What of valid polygons is farther than this from everything outside of them and from their
-/// holes: valid, and mostly of as many corners.
+/// The area inside valid polygons at least `distance_m` from their borders and holes. Valid,
+/// usually with the same number of corners.
 Polygons inset(const Polygons& polygons, double distance_m);
 
-/// Of valid polygons; counter-clockwise, with the polygons' corners and no others.
+/// For valid polygons; counter-clockwise, using only the polygons' corners.
 using Triangle = std::array<Vec2d, 3>;
 std::vector<Triangle> triangulated(const Polygons& polygons);
 
-/// The largest circle in them, its centre found to the tolerance. Radius 0: they have no area.
+/// Largest inscribed circle, its center accurate to the tolerance. Radius 0 if the polygons have
+/// no area.
 struct Circle {
   Vec2d centre = Vec2d::Zero();
   double radius_m = 0;
@@ -50,13 +51,13 @@ struct Circle {
 Circle largest_circle(const Polygons& polygons, double tolerance_m);
 
 bool is_valid(const Polygons& polygons);
-/// By the rule of even and odd.
+/// Even-odd rule.
 bool is_in(const PolygonRing& ring, const Vec2d& p);
 
-/// Of valid polygons: convex, counter-clockwise, inside, apart from each other but for their edges,
-/// the largest first; together they have `least_share` of the area, in few pieces. From a
-/// constrained Delaunay triangulation: neighbours are joined, where need be with what stands in the
-/// way of a convex piece cut off, and slivers are dropped, whatever costs the least area first.
+/// Decomposes valid polygons into few convex, counter-clockwise pieces that do not overlap, largest
+/// first, and cover `least_share` of the area. Starts from a constrained Delaunay triangulation.
+/// Then it joins neighboring pieces, cutting off the parts that would make them non-convex, and
+/// drops slivers; steps that lose the least area come first.
 std::vector<PolygonRing> convex_pieces(const Polygons& polygons, double least_share = 0.95);
 
 }  // namespace planescope::planes

@@ -9,7 +9,7 @@
 namespace planescope::planes {
 namespace {
 
-/// The runs of a label in each row, and the connected region of each.
+/// Runs of each label per row, with the connected region of each run.
 class Regions {
  public:
   struct Run {
@@ -37,7 +37,7 @@ class Regions {
           if (runs_[a].label == runs_[r].label) sets.join(a, r);
       }
     }
-    // Numbered in the order in which a raster scan meets them.
+    // Numbered in raster order of their first pixel.
     std::vector<std::int32_t> part_of(runs_.size(), -1);
     std::int32_t parts = 0;
     for (std::uint32_t r = 0; r < runs_.size(); ++r) {
@@ -53,13 +53,13 @@ class Regions {
 
  private:
   std::vector<Run> runs_;
-  std::vector<std::uint32_t> first_;  // per row, of its runs
+  std::vector<std::uint32_t> first_;  // index of each row's first run
 };
 
-/// In the order of turns to the left.
+/// Ordered by left turns.
 enum Heading { kDown, kRight, kUp, kLeft };
 
-/// Twice the area, positive where the inside is on the left.
+/// Twice the signed area; positive if the interior is on the left.
 std::int64_t twice_area(const std::vector<Corner>& corners) {
   std::int64_t sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -78,11 +78,12 @@ std::vector<Ring> trace_rings(std::span<const std::int32_t> labels, int width, i
                : labels[static_cast<std::size_t>(y) * width + x];
   };
   const Regions regions(labels, width, height);
-  std::vector<std::uint8_t> gone_down(labels.size(), 0);  // the left edge of a pixel
+  std::vector<std::uint8_t> gone_down(labels.size(), 0);  // per pixel: its left edge has
+                                                          // been visited
   std::vector<Ring> rings;
 
   const auto follow = [&](Ring& ring, const Corner& start) {
-    // What is ahead of a corner: on the left, and on the right.
+    // Pixels ahead of a corner, on the left and on the right.
     constexpr Corner kAheadLeft[] = {{0, 0}, {0, -1}, {-1, -1}, {-1, 0}};
     constexpr Corner kAheadRight[] = {{-1, 0}, {0, 0}, {0, -1}, {-1, -1}};
     constexpr Corner kStep[] = {{0, 1}, {1, 0}, {0, -1}, {-1, 0}};

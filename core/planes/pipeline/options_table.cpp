@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 // ---- Rows ----
 
-/// Throws Error where the value is not in the range.
+/// Throws Error if the value is out of range.
 void check_range(double value, const OptionRange& range, const std::string& name) {
   const bool low = range.min_excluded ? value <= range.min : value < range.min;
   if (!low && value <= range.max) return;
@@ -34,24 +34,24 @@ void check_range(double value, const OptionRange& range, const std::string& name
       std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
 }
 
-/// What the rows of a section have in common.
+/// Common properties of a section's rows.
 struct RowGroup {
   std::string section;
-  std::optional<bool> objective = {}, images = {};  // as OptionInfo has them
+  std::optional<bool> objective = {}, images = {};  // see OptionInfo
   std::optional<Method> method = {};
 };
 
-/// Takes the rows that a stage's options describe; `stage` finds these in PipelineOptions, const or
-/// not. Each returns its row.
+/// Collects the rows described by a stage's options. `stage` returns these options from
+/// PipelineOptions, const or not. Each function returns its row.
 template <typename Stage>
 class OptionRows {
  public:
   OptionRows(std::vector<OptionInfo>& table, RowGroup of, Stage stage)
       : group(std::move(of)), table_(table), stage_(stage) {}
 
-  RowGroup group;  // of the rows that follow
+  RowGroup group;  // applies to the following rows
 
-  /// A whole number where the member is an int.
+  /// Kind `whole` if the member is an int.
   template <typename Options, typename T>
   OptionInfo& number(const std::string& name,
                      const char* title,
@@ -309,7 +309,8 @@ namespace {
 
 constexpr const char* kSchema = "planescope.profile/1";
 
-/// As OptionInfo::set takes it. Throws Error where the value is of another type than the option.
+/// Converts to the text that OptionInfo::set expects. Throws Error if the type does not match
+/// the option.
 std::string value_text(const OptionInfo& info, const JsonPlace& place) {
   if (info.kind == OptionKind::on_off) return place.boolean() ? "on" : "off";
   if (!info.is_number()) return place.text();
@@ -333,7 +334,8 @@ ProfileFile profile_of(const JsonPlace& place) {
   const JsonPlace named = place.at("options");
   if (!named.json().is_object()) named.fail_kind("an object");
   for (const auto& [name, value] : named.json().items()) {
-    if (name == "profile") throw Error("option profile: the profile to begin with is its base");
+    if (name == "profile")
+      throw Error("option profile: not allowed in a profile file; expected \"base\" instead");
     const OptionInfo& info = find_option(name);
     profile.options.emplace_back(name, value_text(info, JsonPlace(value, "option " + name)));
     info.set(options, profile.options.back().second);
@@ -372,7 +374,7 @@ const OptionInfo& find_option(const std::string& name) {
                               removed.by.empty() ? "" : "; see ", removed.by));
   const std::string near = nearest_name(name, names);
   throw Error("option '" + name + "' is unknown" +
-              (near.empty() ? std::string(", `planescope options` lists what there is")
+              (near.empty() ? std::string(", `planescope options` lists all options")
                             : ", did you mean '" + near + "'?"));
 }
 
@@ -391,7 +393,7 @@ std::string number_text(const OptionInfo& info, double value) {
   assert(info.is_number());
   const OptionRange& range = info.range;
   value = std::clamp(value, range.min, range.max);
-  if (info.kind == OptionKind::whole)  // whole numbers are int
+  if (info.kind == OptionKind::whole)  // whole numbers are stored as int
     return fmt::format("{}", std::lround(std::min(value, 2147483647.0)));
   if (range.min_excluded && value <= range.min)
     value = std::nextafter(range.min, std::numeric_limits<double>::infinity());

@@ -1,4 +1,4 @@
-// Methods and classifiers by name, and a frame from its cloud to its planes.
+// Looks up methods and classifiers by name, and runs one frame from cloud to planes.
 
 #include "core/planes/pipeline/pipeline.hpp"
 
@@ -30,8 +30,7 @@ constexpr std::array kMethods = {NamedMethod{Method::ours, "ours"},
                                  NamedMethod{Method::ransac, "ransac"},
                                  NamedMethod{Method::region_growing, "region-growing"}};
 
-/// The CMake option without which this program was built, and so without the method; null where it
-/// has it.
+/// CMake option that would add the method to this program; null if the method is available.
 const char* missing_option(Method method) {
   if (method == Method::ransac) return has_ransac() ? nullptr : "PLANESCOPE_OPEN3D";
   return nullptr;
@@ -56,12 +55,12 @@ Method parse_method(const std::string& text) {
   for (const auto& [method, name] : kMethods) {
     const char* missing = missing_option(method);
     if (text == name && missing)
-      throw Error("method '" + text + "' is in builds with -D" + missing +
-                  "=ON alone, see docs/method.md");
+      throw Error("method '" + text + "' is not part of this build: configure it with -D" +
+                  missing + "=ON, see docs/method.md");
     if (text == name) return method;
     if (!missing) known += (known.empty() ? "" : ", ") + std::string(name);
   }
-  throw Error("method '" + text + "' does not exist, expected one of " + known);
+  throw Error("method '" + text + "' is unknown, expected one of  " + known);
 }
 
 // ---- Classifiers ----
@@ -107,7 +106,9 @@ std::vector<PlaneRegion> regions_of(const std::vector<PlaneFit>& planes,
     PlaneRegion region;
     region.founded = static_cast<std::int32_t>(regions.size());
     region.id = region.founded + 1;
-    if (prepared.gravity.known()) region.label = label_of_normal(fit.normal);  // of a whole plane
+    if (prepared.gravity.known())
+      region.label = label_of_normal(fit.normal);  // majority label of
+                                                   // the plane
     region.fit = fit;
     region.fit.normal = outward_normal(fit, region.label, prepared.sensor());
     regions.push_back(region);
@@ -115,7 +116,7 @@ std::vector<PlaneRegion> regions_of(const std::vector<PlaneFit>& planes,
   return regions;
 }
 
-/// Of points that have no plane of their own: their voxel's.
+/// Points without a plane of their own get the plane of their voxel.
 void set_planes_of_points(const PreparedFrame& prepared, FoundRegions& found) {
   found.plane_of.assign(prepared.cloud.points.size(), 0);
   for (std::size_t i = 0; i < found.plane_of.size(); ++i)
@@ -123,7 +124,7 @@ void set_planes_of_points(const PreparedFrame& prepared, FoundRegions& found) {
       found.plane_of[i] = found.segmentation.plane_of[voxel];
 }
 
-/// The label of each voxel's plane, unknown where it has none: what stands in for a classification.
+/// Label of each voxel's plane, unknown if none; used in place of a classification.
 std::vector<Label> labels_of_planes(const Segmentation& segmentation) {
   std::vector<Label> labels;
   labels.reserve(segmentation.plane_of.size());
@@ -153,10 +154,10 @@ Classification classify(const VoxelCloud& voxels,
                         int threads) {
   if (classifier) return classifier->classify(voxels.points, threads);
   if (!truth || std::ranges::all_of(truth->label, [](std::uint8_t label) { return label == 0; }))
-    throw Error("classifier 'truth' needs ground truth labels, but this frame has none");
+    throw Error("classifier 'truth' requires ground truth labels, but this frame has none");
   Classification known;
   for (const std::uint8_t label : vote_labels(voxels, truth->label))
-    // A voxel without truth still needs a class: h, as most of a frame is ground.
+    // Voxels without truth still need a class. Use h, because most of a frame is ground.
     known.labels.push_back(label == 2 ? Label::v : Label::h);
   known.margins.assign(known.labels.size(), 1.0f);
   return known;
@@ -210,18 +211,18 @@ SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOpti
 
 namespace {
 
-/// Throws Error where they are not of this depth image.
+/// Throws Error if the planes do not match this depth image.
 void check_given(const GivenPlanes& given, const DepthInput& input) {
   if (given.plane_of.width != input.image.width || given.plane_of.height != input.image.height)
-    throw Error(fmt::format("its stored planes are {}x{}, expected {}x{}", given.plane_of.width,
+    throw Error(fmt::format("stored planes are {}x{}, expected {}x{}", given.plane_of.width,
                             given.plane_of.height, input.image.width, input.image.height));
   for (std::size_t i = 0; i < given.plane_of.data.size(); ++i) {
     if (given.plane_of.data[i] > given.margins.size())
-      throw Error(fmt::format("a pixel is of stored plane {}, expected at most {}",
+      throw Error(fmt::format("stored planes contain plane {}, expected at most {}",
                               given.plane_of.data[i], given.margins.size()));
     if (given.plane_of.data[i] > 0 && !(input.image.rho[i] > 0))
       throw Error(
-          "its stored planes do not lie on its depth: were frames added or removed since the map "
+          "stored planes do not match the depth: were frames added or removed since the map "
           "was made?");
   }
 }
@@ -278,7 +279,7 @@ FoundRegions regions_of_rival(const PreparedFrame& prepared, FoundPlanes planes,
   FoundRegions found;
   Segmentation& segmentation = found.segmentation;
   segmentation.plane_of = std::move(planes.plane_of);
-  if (on_pixels) {  // a voxel gets the plane of most of its points
+  if (on_pixels) {  // each voxel gets the plane of most of its points
     found.plane_of = std::move(segmentation.plane_of);
     segmentation.plane_of = vote_instances(prepared.voxels, found.plane_of);
   }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Recording -> Frame -> Cloud -> voxel grid -> labels -> Octree -> traverse -> merge -> assign,
-// every intermediate kept, so that the desktop and the report can show any stage.
+// Recording -> Frame -> Cloud -> voxel grid -> labels -> Octree -> traverse -> merge -> assign. All
+// intermediate results are kept, so the desktop and the report can show any stage.
 
 #include <algorithm>
 #include <cstdint>
@@ -28,59 +28,59 @@ namespace planescope::planes {
 
 enum class Method : std::uint8_t {
   ours,
-  ransac,  // the paper's rivals; this one only in programs that have Open3D (has_ransac())
+  ransac,  // from the paper; only in programs built with Open3D (has_ransac())
   region_growing,
 };
-/// As --method has it: "region-growing".
+/// Name as passed to --method: "region-growing".
 const char* to_string(Method method);
-Method parse_method(const std::string& text);  // throws Error naming those that this build has
-const std::vector<Method>& built_methods();    // ours first; the same for the whole process
+Method parse_method(const std::string& text);  // throws Error listing the methods of this build
+const std::vector<Method>& built_methods();    // ours first; constant for the process
 
-/// Options of all methods but ours, which has SegmentOptions.
+/// Options of all methods except ours, which uses SegmentOptions.
 struct RivalOptions {
   RansacOptions ransac;
   RegionGrowingOptions region_growing;
 };
 
-/// Everything a user can set about the processing of one frame.
+/// All user options for processing one frame.
 struct PipelineOptions {
   CloudOptions cloud;
   GravityOptions gravity;
   PcaClassifierOptions pca;
   Method method = Method::ours;
-  SegmentOptions segment = profile_options(Profile::refined);  // of ours
-  RivalOptions rivals;                                         // of all others
-  FootOptions foot;                                            // of what is told about planes
-  StairsOptions stairs;                                        // likewise
+  SegmentOptions segment = profile_options(Profile::refined);  // for our method
+  RivalOptions rivals;                                         // for other methods
+  FootOptions foot;                                            // footholds
+  StairsOptions stairs;                                        // stairs
   std::string classifier = "gcn";  // gcn | pca | truth | path of a weights file
   int threads = 1;
 };
 
-/// Milliseconds, named as in the paper's table IV.
+/// Milliseconds, named as in Table IV of the paper.
 struct FrameTimings {
   double load_ms = 0;
   double cloud_ms = 0;  // back-projection, crop, alignment
   double t_d_ms = 0;    // voxel grid
   double t_c_ms = 0;    // classification
   double t_b_ms = 0;    // octree
-  double t_s_ms = 0;    // all that follows
+  double t_s_ms = 0;    // everything after the octree
 };
 
-/// Truth of a frame on its cloud's points, from label files or from a cloud's own fields.
+/// Ground truth on the points of a frame's cloud, from label files or from the cloud's own fields.
 struct FrameTruth {
   std::vector<std::uint8_t> label;     // per cloud point: 0 unknown, 1 h, 2 v
   std::vector<std::int32_t> instance;  // per cloud point: plane id, 0 none, -1 not scored
 };
 
-/// A frame up to what the segmentation takes: voxels and their labels.
+/// A frame prepared for segmentation: voxels and their labels.
 struct PreparedFrame {
   Gravity gravity;
   Cloud cloud;
   VoxelCloud voxels;              // N_d = voxels.points.size()
-  Classification classification;  // per voxel; of rivals, and where gravity is not known: unknown,
-                                  // with margins of 0
-  bool from_cloud = false;        // the frame is a cloud: nobody knows where its sensor stood
-  bool of_pixels = false;         // is_found_on_pixels() of the options: voxels are pixels
+  Classification classification;  // per voxel; unknown with margin 0 for rivals and if gravity
+                                  // is unknown
+  bool from_cloud = false;        // the frame is a cloud, with unknown sensor position
+  bool of_pixels = false;         // is_found_on_pixels(): each voxel is a pixel
   FrameTimings timings;
 
   Vec3d sensor() const { return cloud.T_world_sensor.translation() - cloud.origin; }
@@ -91,46 +91,47 @@ struct FrameResult : PreparedFrame {
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
 };
 
-/// `classifier`: of these options (make_classifier()), null to take the labels of `truth`. Rivals,
-/// and frames whose gravity is `none`, need neither. Throws Error where gravity cannot be found, or
-/// both are null.
+/// `classifier`: from make_classifier() with these options; null to use the labels of `truth`.
+/// Neither is needed for rivals and for frames whose gravity is `none`. Throws Error if gravity
+/// cannot be resolved, or if both are null but one is needed.
 PreparedFrame prepare_frame(const Frame& frame,
                             const PipelineOptions& options,
                             const Classifier* classifier,
                             const FrameTruth* truth = nullptr);
 
-/// Whether the planes of depth images are found on their pixels.
+/// Whether planes of depth images are found on their pixels.
 bool finds_on_pixels(const PipelineOptions& options);
-/// Whether the planes of this frame are found on its pixels, by segment_depth(). Its voxels are its
-/// pixels then.
+/// Whether planes of this frame are found on its pixels, by segment_depth(). Each voxel is then
+/// one pixel.
 bool is_found_on_pixels(const Frame& frame, const PipelineOptions& options);
 
-/// The segment options as they hold for this frame: labels are used only where gravity is known.
+/// Effective segment options for this frame: labels are used only if gravity is known.
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options);
 
-/// Finds the planes of a prepared frame with the method of the options. Of a rival, the
-/// segmentation has planes and points alone: no octree, no counts but `unassigned`, an empty trace;
-/// a plane is h where its normal is within 45 degrees of gravity. Where gravity is not known,
-/// planes are neither h nor v, and their normals point to the sensor's side.
+/// Result of find_regions(). For rivals, the segmentation contains only planes and points: no
+/// octree, no counts except `unassigned`, and an empty trace; a plane is h if its normal is within
+/// 45 degrees of gravity. If gravity is unknown, planes are neither h nor v, and normals point
+/// toward the sensor.
 struct FoundRegions {
   Segmentation segmentation;           // per voxel
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
 };
-/// `known`: candidates where planes are found on pixels, without a trace.
-/// The options find planes where those of prepare_frame() do, on pixels or not.
+/// Finds the planes of a prepared frame with the method in `options`, which must agree with the
+/// options of prepare_frame() on pixels or voxels. `known`: candidate planes, used only if planes
+/// are found on pixels and without a trace.
 FoundRegions find_regions(const Frame& frame,
                           const PreparedFrame& prepared,
                           const PipelineOptions& options,
                           Trace* trace = nullptr,
                           std::span<const KnownPlane> known = {});
 
-/// The measurements of a depth image, as methods for pixels take them.
+/// Measurements of a depth image, as input of methods that work on pixels.
 PixelPoints pixel_points(const Frame& frame, const PreparedFrame& prepared);
-/// find_regions() of a rival that found these planes, in points of pixel_points() or in voxels.
+/// Result of find_regions() for planes found by a rival, per pixel_points() point or per voxel.
 FoundRegions regions_of_rival(const PreparedFrame& prepared, FoundPlanes planes, bool on_pixels);
 
-/// Runs one frame: prepare_frame() and find_regions(). `trace` may be null. Of a rival, the labels
-/// are those of the voxels' planes, unknown elsewhere.
+/// Runs one frame: prepare_frame() and find_regions(). `trace` may be null. For rivals,
+/// `classification` contains the labels of the voxels' planes, unknown elsewhere.
 FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,
@@ -140,20 +141,20 @@ FrameResult run_frame(const Frame& frame,
 
 // Sums of a frame's timings [ms].
 
-/// From voxel grid to planes, as the paper's table IV adds it up: t_d + t_c + t_b + t_s.
+/// From voxel grid to planes, summed as in Table IV of the paper: t_d + t_c + t_b + t_s.
 inline double paper_ms(const FrameTimings& t) { return t.t_d_ms + t.t_c_ms + t.t_b_ms + t.t_s_ms; }
 
-/// With reading and back-projection.
+/// Includes reading and back-projection.
 inline double total_ms(const FrameTimings& t) {
   return t.load_ms + t.cloud_ms + t.t_d_ms + t.t_c_ms + t.t_b_ms + t.t_s_ms;
 }
 
-/// Cloud points begin <= i < end, all of one plane.
+/// Cloud points begin <= i < end, all on one plane.
 struct PointRun {
   std::size_t begin = 0, end = 0;
 };
 
-/// By id - 1, the points of each plane in the cloud's order.
+/// Points of each plane in cloud order, by id - 1.
 inline std::vector<std::vector<PointRun>> runs_of_planes(const FrameResult& result) {
   std::vector<std::vector<PointRun>> runs(result.segmentation.planes.size());
   for (std::size_t begin = 0, end = 0; begin < result.plane_of.size(); begin = end) {
@@ -164,10 +165,10 @@ inline std::vector<std::vector<PointRun>> runs_of_planes(const FrameResult& resu
   return runs;
 }
 
-/// Frames side by side and, if there are fewer frames than threads, several threads for each.
+/// Number of frames to process in parallel and, if fewer than threads, threads per frame.
 struct FrameThreads {
   int at_once = 1;
-  PipelineOptions pipeline;  // of one frame
+  PipelineOptions pipeline;  // for one frame
 };
 
 inline FrameThreads threads_for_frames(const PipelineOptions& options, int frames) {
@@ -178,25 +179,24 @@ inline FrameThreads threads_for_frames(const PipelineOptions& options, int frame
 
 // ---- Classifiers ----
 
-/// Which weights a classifier has, and how they were trained.
+/// Identifies the weights of a classifier and their training.
 struct WeightsRecord {
-  std::string file;      // its name without folders
+  std::string file;      // file name without folders
   std::string sha256;    // of the file
   std::string network;   // "compact, 27714 parameters"
-  std::string training;  // a JSON object: how the weights were trained
+  std::string training;  // JSON object: training record
 };
 
 struct ChosenClassifier {
-  std::shared_ptr<const Classifier> classifier;  // null: truth
-  std::optional<WeightsRecord> weights;          // where it is a network
+  std::shared_ptr<const Classifier> classifier;  // null: use truth labels
+  std::optional<WeightsRecord> weights;          // if it is a network
 };
 
-/// Whether `name` is a weights file rather than the name of a classifier: something with a '.' or
-/// '/' in it, or a file that is there.
+/// Whether `name` is a weights file rather than a classifier: contains '.' or '/', or exists.
 bool names_weights_file(const std::string& name);
 
-/// gcn | pca | truth | FILE. `shipped_weights`: those of gcn. Throws Error where weights cannot be
-/// read; there is no fallback.
+/// gcn | pca | truth | FILE. `shipped_weights`: weights of gcn. Throws Error if the weights cannot
+/// be read; there is no fallback.
 ChosenClassifier make_classifier(const PipelineOptions& options,
                                  const std::filesystem::path& shipped_weights);
 

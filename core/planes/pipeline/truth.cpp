@@ -1,4 +1,4 @@
-// Ground truth gathered onto a frame's points, and results scored against it.
+// Maps ground truth to a frame's points, and scores results against it.
 
 #include "core/planes/pipeline/truth.hpp"
 
@@ -39,7 +39,7 @@ std::optional<SourceTruth> truth_of_cloud(const PointSet& set) {
   for (std::uint8_t& label : truth.values.label)
     if (label > 2) label = 0;
   truth.values.instance = set.instance;
-  truth.values.instance.resize(n, -1);  // h and v alone say nothing about planes
+  truth.values.instance.resize(n, -1);  // h and v labels carry no information about planes
   return truth;
 }
 
@@ -63,8 +63,7 @@ LabelledCloud labelled_frame(const Frame& frame,
                              const SourceTruth& truth) {
   const Gravity gravity = resolve_gravity(frame, options.gravity, options.cloud.max_range_m);
   if (!gravity.known())
-    throw Error("frame " + frame.name +
-                ": h and v are told by gravity, which --gravity none leaves open");
+    throw Error("frame " + frame.name + ": h and v labels require gravity, but --gravity is none");
   const Cloud cloud = make_cloud(frame, gravity, options.cloud);
   const VoxelCloud voxels = voxelize(cloud, options.cloud.voxel_size_m);
   const FrameTruth on_points = truth_on_points(truth.values, cloud.source);
@@ -80,7 +79,7 @@ LabelledCloud labelled_frame(const Frame& frame,
 
 namespace {
 
-/// Truth on the points, its planes numbered from 1 on without gaps: ids of labels may be any.
+/// Truth on the points, with plane ids renumbered 1, 2, ... because label ids are arbitrary.
 struct DenseTruth {
   FrameTruth on_points;
   std::vector<Vec3d> normals;  // by dense id - 1, sensor frame; zero where unknown
@@ -105,13 +104,13 @@ DenseTruth dense_truth(const Cloud& cloud, const SourceTruth& truth) {
   return dense;
 }
 
-/// The voxels of the result; of the default size where the planes were found on pixels.
+/// Voxels of the result, or of the default size if planes were found on pixels.
 VoxelCloud scored_voxels(const FrameResult& result) {
   return result.of_pixels ? voxelize(result.cloud, CloudOptions().voxel_size_m) : result.voxels;
 }
 
-/// Planes of fewer voxels become points that are not scored.
-void leave_out_small(DenseTruth& dense, const VoxelCloud& cloud, int least_voxels) {
+/// Planes with fewer voxels become unscored points.
+void ignore_small(DenseTruth& dense, const VoxelCloud& cloud, int least_voxels) {
   std::vector<int> voxels(dense.normals.size() + 1, 0);
   for (const std::int32_t plane : vote_instances(cloud, dense.on_points.instance))
     if (plane > 0) ++voxels[plane];
@@ -119,7 +118,7 @@ void leave_out_small(DenseTruth& dense, const VoxelCloud& cloud, int least_voxel
     if (plane > 0 && voxels[plane] < least_voxels) plane = -1;
 }
 
-/// What both sides say about the points that are scored, and the planes' normals in the world.
+/// Truth and result on the scored points, and plane normals in the world frame.
 struct Scored {
   std::vector<Vec3f> points;
   std::vector<std::int32_t> true_planes, found_planes;
@@ -158,8 +157,7 @@ void add_normals(Scored& scored, const FrameResult& result, const DenseTruth& tr
   scored.true_normals = turned(truth.normals, result.cloud.T_world_sensor);
 }
 
-/// Where no point has a label, without gravity or by refined on pixels, label accuracy is not
-/// measured.
+/// Omits label accuracy if points have no labels: without gravity, or for `refined` on pixels.
 Metrics without_open_labels(Metrics metrics, const FrameResult& result) {
   if (!result.gravity.known() || result.of_pixels)
     metrics.label_accuracy_edge = metrics.label_accuracy_inner = std::nan("");
@@ -181,7 +179,7 @@ Metrics score_frame(const FrameResult& result,
                     const LeastTruePlane& least) {
   const Cloud& cloud = result.cloud;
   DenseTruth dense = dense_truth(cloud, truth);
-  if (least.voxels > 0) leave_out_small(dense, scored_voxels(result), least.voxels);
+  if (least.voxels > 0) ignore_small(dense, scored_voxels(result), least.voxels);
   Scored scored;
   scored.min_truth_points = least.points;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -227,27 +225,27 @@ Metrics score_labels(const Frame& frame,
   return scored.metrics();
 }
 
-JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth) {
-  JudgedFrame judged;
+EvaluatedFrame evaluate_frame(const FrameResult& result, const SourceTruth& truth) {
+  EvaluatedFrame evaluated;
   const DenseTruth dense = dense_truth(result.cloud, truth);
-  judged.true_plane = dense.on_points.instance;
-  std::vector<std::int32_t> scored = judged.true_plane;
+  evaluated.true_plane = dense.on_points.instance;
+  std::vector<std::int32_t> scored = evaluated.true_plane;
   for (std::size_t i = 0; i < scored.size(); ++i)
     if (result.voxels.voxel_of[i] == kNoVoxel) scored[i] = -1;
-  judged.found_of = found_of_truth(count_truth_overlap(scored, result.plane_of));
-  judged.found_of.resize(dense.normals.size(), 0);  // planes that were cropped have no partner
+  evaluated.found_of = found_of_truth(count_truth_overlap(scored, result.plane_of));
+  evaluated.found_of.resize(dense.normals.size(), 0);  // cropped planes have no partner
   for (std::size_t i = 0; i < scored.size(); ++i) {
     const std::int32_t found = result.plane_of[i];
-    Verdict verdict = verdict_of(scored[i], found, judged.found_of);
+    Verdict verdict = verdict_of(scored[i], found, evaluated.found_of);
     if (verdict == Verdict::right && found > 0) {
       const auto label = static_cast<Label>(dense.on_points.label[i]);
       const Label taken_for = result.segmentation.planes[static_cast<std::size_t>(found) - 1].label;
       if (label != Label::unknown && taken_for != Label::unknown && label != taken_for)
         verdict = Verdict::wrong_class;
     }
-    judged.verdict.push_back(verdict);
+    evaluated.verdict.push_back(verdict);
   }
-  return judged;
+  return evaluated;
 }
 
 }  // namespace planescope::planes

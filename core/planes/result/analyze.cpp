@@ -1,5 +1,5 @@
-// What the points of a plane cover of it. The hull is that of few points: those inside one of the
-// extremes of each column of cells are left out before anything is sorted.
+// Area, RMS and hull of the points on each plane. The hull is computed from few points: points
+// inside the hull of each column's extremes are discarded before sorting.
 
 #include "core/planes/result/analyze.hpp"
 
@@ -16,18 +16,18 @@
 namespace planescope::planes {
 namespace {
 
-/// A plane's points on it, a block at a time. Where they lie is computed anew for each visit: that
-/// is quicker than to keep it, as a block stays in the cache.
+/// A plane's points in plane coordinates, one block at a time. Recomputed on each visit, which is
+/// faster than storing them because a block stays in the cache.
 class FlatPoints {
  public:
   static constexpr std::size_t kMost = 512;
   struct Block {
     std::size_t count = 0;
-    double u[kMost], v[kMost];  // on the plane [m]
-    double n[kMost];            // distances from it, signed [m]
+    double u[kMost], v[kMost];  // in plane coordinates [m]
+    double n[kMost];            // signed distances from the plane [m]
   };
 
-  /// `points` and `runs` must outlive it. The axes are u, v and n of `basis` and `normal`.
+  /// `points` and `runs` must outlive this object. The axes are u, v and n of `basis` and `normal`.
   FlatPoints(const std::vector<Vec3f>& points,
              std::span<const PointRun> runs,
              const PlaneBasis& basis,
@@ -44,7 +44,7 @@ class FlatPoints {
 
   std::size_t size() const { return size_; }
 
-  /// In the order of the points.
+  /// Visits the blocks in the order of the points.
   template <typename Visit>
   void visit(const Visit& visit) const {
     Vec3f members[kMost];
@@ -78,9 +78,9 @@ class FlatPoints {
 };
 
 struct Cover {
-  double squares_m2 = 0;    // sum of the squared distances from the plane
-  std::size_t cells = 0;    // of a grid that hold a point
-  std::vector<Vec2d> hull;  // as convex_hull() of all points, bit for bit
+  double squares_m2 = 0;    // sum of squared distances from the plane
+  std::size_t cells = 0;    // occupied cells of a grid
+  std::vector<Vec2d> hull;  // same as convex_hull() of all points, bit for bit
 };
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -92,7 +92,7 @@ struct Range {
   void add(double x) { least = std::min(least, x), greatest = std::max(greatest, x); }
 };
 
-/// What is known after a first look at all points.
+/// Bounds from a first pass over all points.
 struct Bounds2 {
   Range u, v;
   double squares_m2 = 0;
@@ -110,7 +110,7 @@ Bounds2 bounds_of(const FlatPoints& points) {
   return bounds;
 }
 
-/// Few points in a wide grid.
+/// For few points in a wide grid.
 void cover_sparse(const FlatPoints& points, double cell_m, Cover& cover) {
   std::vector<std::array<double, 2>> cells;
   std::vector<Vec2d> all;
@@ -126,14 +126,14 @@ void cover_sparse(const FlatPoints& points, double cell_m, Cover& cover) {
   cover.hull = convex_hull(std::move(all));
 }
 
-/// Along an axis of the grid.
+/// One axis of the grid.
 struct Axis {
   int first = 0;  // cell
   int cells = 0;
   double cell_m = 0;
 
   double begin_of(int cell) const { return (cell + first) * cell_m; }
-  /// The cell, from 0, in which `place` is, or the first one.
+  /// Index of the cell that contains `place`, at least 0.
   int at(double place) const {
     return std::max(0, static_cast<int>(cell_at(place, cell_m)) - first);
   }
@@ -144,7 +144,7 @@ struct Axis {
   }
 };
 
-/// Without cells where a point would be too far from 0 for an int.
+/// Has no cells if coordinates would overflow an int.
 Axis axis_of(const Range& range, double cell_m) {
   constexpr double kFarthest = 1 << 30;
   const double first = cell_at(range.least, cell_m), last = cell_at(range.greatest, cell_m);
@@ -152,7 +152,7 @@ Axis axis_of(const Range& range, double cell_m) {
   return {static_cast<int>(first), static_cast<int>(last - first) + 1, cell_m};
 }
 
-/// Of each column, what is inside the hull of some of the points: least < v < greatest.
+/// For each column, the range inside the hull of some of the points: least < v < greatest.
 std::vector<Range> inside_of(const std::vector<Vec2d>& hull, const Axis& columns) {
   std::vector<double> lower(columns.cells + 1, kInfinity), upper(columns.cells + 1, -kInfinity);
   for (std::size_t i = 0; i < hull.size(); ++i) {
@@ -167,7 +167,7 @@ std::vector<Range> inside_of(const std::vector<Vec2d>& hull, const Axis& columns
       (a.x() < b.x() ? lower : upper)[c] = y;
     }
   }
-  // Beyond any rounding, and what is left out changes nothing when corners are chosen.
+  // Larger than any rounding error; points within the margin are kept.
   const double margin_m = columns.cell_m / 8;
   std::vector<Range> inside(columns.cells);
   for (int c = 0; c < columns.cells; ++c)
@@ -176,7 +176,7 @@ std::vector<Range> inside_of(const std::vector<Vec2d>& hull, const Axis& columns
   return inside;
 }
 
-/// Of a column: its points with the least and the greatest v.
+/// Points of a column with the smallest and the largest v.
 struct Extremes {
   Vec2d lowest{0, kInfinity}, highest{0, -kInfinity};
 
@@ -186,7 +186,7 @@ struct Extremes {
   }
 };
 
-/// Fills in how many cells are occupied. By column.
+/// Counts the occupied cells, and returns the extremes of each column.
 std::vector<Extremes> look_at_cells(const FlatPoints& points,
                                     const Axis& columns,
                                     const Axis& rows,

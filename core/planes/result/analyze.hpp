@@ -1,7 +1,7 @@
 #pragma once
 
-// The complete result of a frame, as planes.json contains it: its planes with what they cover,
-// where a foot may go on them, and the stairs that they make.
+// Complete result of a frame, as written to planes.json: planes with outlines and footholds, and
+// the stairs they form.
 
 #include <cstdint>
 #include <limits>
@@ -17,27 +17,27 @@
 
 namespace planescope::planes {
 
-/// The figures of a plane. World frame: z up, meters.
+/// Measurements of a plane. World frame: z up, meters.
 struct PlaneSummary {
   int id = 0;  // from 1
   Label label = Label::unknown;
   Vec3d normal = Vec3d::UnitZ();  // unit
   Vec3d centroid = Vec3d::Zero();
-  double offset_m = 0;  // normal . x = offset
-  double tilt_deg = 0;  // against the horizontal: 0 a floor, 90 a wall; NaN: gravity is unknown
-  std::uint64_t points = 0;  // input points
+  double offset_m = 0;       // normal . x = offset
+  double tilt_deg = 0;       // from horizontal: 0 floor, 90 wall; NaN: gravity is unknown
+  std::uint64_t points = 0;  // number of input points
   std::uint64_t voxels = 0;
-  double rms_m = 0;  // distance of its input points from the plane, root mean square
-  // Area covered by points: occupied cells of a grid in the plane, as wide as a voxel (2 cm where
-  // there is no voxel grid). Unlike the hull's area it does not count holes and bays.
+  double rms_m = 0;  // root mean square distance of its input points from the plane
+  // Area covered by points: occupied cells of a grid in the plane, one voxel wide (2 cm without
+  // voxels). Unlike the hull's area, it excludes holes and concavities.
   double area_m2 = 0;
-  double margin = std::numeric_limits<double>::infinity();  // of PlaneRegion, as is `undecided`
+  double margin = std::numeric_limits<double>::infinity();  // from PlaneRegion, like `undecided`
   bool undecided = false;
-  std::vector<Vec3d> hull;  // convex hull of its points on the plane, counter-clockwise seen from
-                            // where the normal points
+  std::vector<Vec3d> hull;  // convex hull of its points in the plane, counter-clockwise seen from
+                            // the side of the normal
 };
 
-/// Of the grid in a plane that tells what it covers [m].
+/// Cell size of grids on planes [m].
 inline double cell_size_m(double voxel_size_m) { return voxel_size_m > 0 ? voxel_size_m : 0.02; }
 
 /// One entry per plane, by id - 1.
@@ -49,10 +49,10 @@ struct FramePlanes {
   std::vector<Outline> outlines;
   std::vector<Foothold> footholds;
   Stairs stairs;
-  std::optional<std::vector<int>> tracks;  // of a map
+  std::optional<std::vector<int>> tracks;  // map tracks, if a map is used
 };
 
-/// The geometry of the planes that run_frame() found.
+/// Computes the geometry of the planes found by run_frame().
 FramePlanes analyze_planes(const Frame& frame,
                            const FrameResult& result,
                            const PipelineOptions& options);
@@ -61,15 +61,15 @@ struct AnalyzedFrame : FrameResult {
   FramePlanes found;
 };
 
-/// run_frame() and analyze_planes(): everything about a frame in one call. Throws as run_frame().
+/// run_frame() followed by analyze_planes(). Throws like run_frame().
 AnalyzedFrame analyze(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,
                       const FrameTruth* truth = nullptr);
 
-// Files. Nothing but timings.json depends on time or on the number of threads.
+// Files. Only timings.json depends on time and on the number of threads.
 
-/// schema "planescope.planes/4".
+/// Schema "planescope.planes/4".
 std::string planes_json(const Frame& frame,
                         const FrameResult& result,
                         const FramePlanes& found,
@@ -77,10 +77,9 @@ std::string planes_json(const Frame& frame,
 /// Milliseconds by stage and their sum.
 std::string timings_json(const FrameTimings& timings);
 
-// What planes.json, timings.json and report.json have in common.
+// Fields shared by planes.json, timings.json and report.json.
 
-/// The noise that was measured, and how far off a plane points may lie, one meter from the sensor
-/// [m].
+/// Measured noise sigma and largest point-to-plane distance tau, at 1 m from the sensor [m].
 struct NoiseFigures {
   bool estimated = false, by_range = false;
   double sigma_m = 0, tau_m = 0;
@@ -95,7 +94,7 @@ void visit_fields(auto& fields, Same<NoiseFigures> auto& noise) {
   fields("tau_at_1m_m", noise.tau_m, kRounded);
 }
 
-/// The stages' times.
+/// Times of the stages.
 void visit_fields(auto& fields, Same<FrameTimings> auto& timings) {
   fields("load_ms", timings.load_ms);
   fields("cloud_ms", timings.cloud_ms);
@@ -107,7 +106,9 @@ void visit_fields(auto& fields, Same<FrameTimings> auto& timings) {
 
 template <typename Fields>
 void gravity_fields(Fields& fields, Same<Gravity> auto& gravity) {
-  if constexpr (Fields::kReads) fields("source", gravity.source);  // is there a direction?
+  if constexpr (Fields::kReads)
+    fields("source", gravity.source);  // a reader needs it to know
+                                       // whether a direction follows
   if (gravity.known())
     fields("direction", gravity.direction, kRounded);
   else if constexpr (!Fields::kReads)
@@ -117,7 +118,7 @@ void gravity_fields(Fields& fields, Same<Gravity> auto& gravity) {
   fields("note", gravity.note);
 }
 
-/// Of the points that are left out.
+/// Counts of dropped points.
 void dropped_fields(auto& fields, Same<CloudCounts> auto& counts) {
   fields("pixels", counts.pixels);
   fields("no_measurement", counts.no_measurement);
@@ -126,7 +127,7 @@ void dropped_fields(auto& fields, Same<CloudCounts> auto& counts) {
   fields("outside_cube", counts.outside_cube);
 }
 
-/// Of a Surface, or of what a report keeps of it: without its best place.
+/// Fields of a Surface, or of a report's copy without best_place.
 void surface_fields(auto& fields, auto& surface) {
   fields("slope_deg", surface.slope_deg, kRounded | kOrNull);
   fields("rough_rms_m", surface.rough_rms_m, kRounded);
@@ -137,7 +138,7 @@ void surface_fields(auto& fields, auto& surface) {
   fields("clearance_m", surface.clearance_m, kRounded);
 }
 
-/// Of a SlopingPlane, or of what a report keeps of it.
+/// Fields of a SlopingPlane, or of a report's copy.
 void ramp_fields(auto& fields, auto& ramp) {
   fields.whole("plane", ramp.plane, kCompared, 1);
   fields("slope_deg", ramp.slope_deg, kCompared | kRounded);

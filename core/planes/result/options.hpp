@@ -1,19 +1,20 @@
 #pragma once
 
-// Options of what is found on planes: footholds and steppable planes, and stairs. A wheel is a foot
-// as long as its contact with the ground, a gripper one as wide as its pads.
+// Options for analyzing planes: footholds, steppable planes and stairs. A wheel is a foot as long
+// as its contact with the ground; a gripper is a foot as wide as its pads.
 
 namespace planescope::planes {
 
 struct FootOptions {
-  double radius_m = 0;         // the foot, or the circle around it: any yaw is allowed; 0: no foot
+  double radius_m = 0;         // radius of the foot or its bounding circle, so that any yaw is
+                               // allowed; 0: no foot
   double margin_m = 0.01;      // extra distance from the outline, which is accurate to 1 cm
   double unknown_share = 0.1;  // of the foot's circle: smaller unmeasured holes are ignored
   double max_off_m = 0.01;     // largest distance of a foothold's surface from the plane
   // Limits of a steppable plane.
   double max_slope_deg = 25;
-  double min_area_m2 = 0.0025;  // for the center of the foot
-  double max_rough_m = 0.010;   // RMS of its height
+  double min_area_m2 = 0.0025;  // area for the center of the foot
+  double max_rough_m = 0.010;   // RMS height
   double min_support = 0.6;     // share of the outline's pixels that were measured
 
   template <typename Rows>
@@ -42,20 +43,21 @@ struct FootOptions {
   }
 };
 
-/// What counts as a step, and what as steps of one flight.
+/// Limits for steps and for flights of steps.
 struct StairsOptions {
   double rise_min_m = 0.03, rise_max_m = 0.30;    // of a step
   double going_min_m = 0.15, going_max_m = 0.50;  // from nosing to nosing
-  double width_min_m = 0.2;                       // of a nosing, as far as it is seen
-  double rise_spread_m = 0.03;   // a step's rise differs from the next one's by at most this
-  double going_spread_m = 0.06;  // likewise its going
+  double width_min_m = 0.2;                       // visible width of a nosing
+  double rise_spread_m = 0.03;   // largest difference between the rises of successive steps
+  double going_spread_m = 0.06;  // same for goings
   double turn_deg = 12;          // nosings of one flight are parallel within this
-  double gap_m = 0.08;           // between a level and the nosing behind it, beyond what is hidden
-  double level_deg = 5;          // what is tilted more is a ramp, if it is also steeper than a step
-  double landing_goings = 1.5;   // a last level deeper than so many goings is a landing
-  double kerb_width_m = 0.6;     // a single step is a kerb from this width on
-  double kerb_depth_m = 0.4;     // ... between levels that reach as far before and behind it
-  double floor_m2 = 0.1;         // the floor has at least this
+  double gap_m = 0.08;           // between a level and the nosing behind it, excluding the
+                                 // hidden part
+  double level_deg = 5;          // a plane tilted more and higher than a step is a ramp
+  double landing_goings = 1.5;   // a last level deeper than this many goings is a landing
+  double kerb_width_m = 0.6;     // a single step at least this wide is a kerb
+  double kerb_depth_m = 0.4;     // ... if both levels are at least this deep
+  double floor_m2 = 0.1;         // smallest area of the floor
 
   template <typename Rows>
   static void describe(Rows& rows) {

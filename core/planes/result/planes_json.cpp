@@ -1,4 +1,4 @@
-// planes.json and timings.json.
+// Writes planes.json and timings.json.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What `visit(fields)` names.
+/// Collects the fields that `visit(fields)` visits.
 template <typename Visit>
 Json object_of(const Visit& visit) {
   Json json = Json::object();
@@ -51,7 +51,7 @@ Json options_json(const PipelineOptions& options) {
   return json;
 }
 
-/// What our own steps count.
+/// Counts specific to our method.
 void add_steps(const SegmentCounts& segment, Json& json) {
   json["nodes_visited"] = segment.nodes_visited;
   for (const Case c : {Case::I, Case::II, Case::III, Case::IV})
@@ -107,7 +107,7 @@ Json certainty_json(const Certainty& certainty, const Vec3d& centroid) {
   const Mat3d covariance = certainty.covariance(centroid);
   json["covariance"] = Json::array();
   for (int row = 0; row < 3; ++row) {
-    // Not rounded to a nanometre: variances of good planes are smaller.
+    // Not rounded to a nanometer: variances of good planes are smaller.
     json["covariance"].push_back({covariance(row, 0), covariance(row, 1), covariance(row, 2)});
   }
   return json;
@@ -130,7 +130,7 @@ Json foot_json(const Foothold& foothold, const Outline& outline) {
 
 Json id_or_null(int id) { return id > 0 ? Json(id) : Json(); }
 
-/// Planes by their ids, and a minor one by its place in its list.
+/// Lists planes by id, and a minor plane by its index in its list.
 void add_planes(const std::string& name, const LevelPlanes& planes, Json& json) {
   Json listed = Json::array(), minor;
   for (const int id : planes)
@@ -224,7 +224,7 @@ void add_stairs(const Stairs& stairs, Json& json) {
 
 // ---- Text ----
 
-// One line per field, but vectors, hull corners and matrix rows on one line each.
+// One line per field; vectors, hull corners and matrix rows take one line each.
 void print(std::string& out, const Json& json, const std::string& indent) {
   const bool has_parts = json.is_structured() && !json.empty();
   const bool is_row =

@@ -1,5 +1,5 @@
-// Proenca & Gao 2018, Sec. III: seeds from a histogram of normals, growth and merging, of cells
-// that are patches of a depth image or voxels.
+// Proenca & Gao 2018, Sec. III: seeds from a histogram of normals, growing and merging of cells.
+// Cells are patches of a depth image, or voxels.
 
 #include <algorithm>
 #include <array>
@@ -20,41 +20,42 @@ namespace {
 
 constexpr std::uint32_t kNoCell = 0xffffffff;
 
-/// A part of the cloud.
+/// A patch or voxel with its plane.
 struct PlanarCell {
   Moments moments;
   PlaneFit fit;
-  double max_e_n_m2 = 0;  // smallest eigenvalue of the scatter up to which it counts as planar
-  bool planar = false;    // may be grown over
+  double max_e_n_m2 = 0;  // largest smallest eigenvalue of the scatter that counts as planar
+  bool planar = false;    // regions may grow over it
 };
 
 struct CellGraph {
   std::vector<PlanarCell> cells;
-  std::vector<std::vector<std::uint32_t>> beside;  // of each cell those that it grows to
-  std::vector<std::vector<std::uint32_t>> around;  // those whose planes its points may belong to
-  std::vector<std::uint32_t> cell_of;              // per point: kNoCell takes no part
+  std::vector<std::vector<std::uint32_t>> beside;  // per cell: cells to which it can grow
+  std::vector<std::vector<std::uint32_t>> around;  // per cell: cells whose planes its points
+                                                   // may join
+  std::vector<std::uint32_t> cell_of;              // per point; kNoCell: ignored
 };
 
-constexpr int kBins = 20;                                   // of the histogram, along either angle
-constexpr int kMinCells = 4;                                // of a region
-const double kCosGrowth = std::cos(std::numbers::pi / 12);  // between neighbouring cells' normals
+constexpr int kBins = 20;                                   // bins of the histogram per angle
+constexpr int kMinCells = 4;                                // per region
+const double kCosGrowth = std::cos(std::numbers::pi / 12);  // between normals of neighboring cells
 const double kSinGrowth = std::sin(std::numbers::pi / 12);
 
-/// Bin of a plane's direction, which is the same for either sign of the normal.
+/// Histogram bin of a plane's direction; independent of the normal's sign.
 int bin_of(Vec3d normal) {
   if (normal.z() < 0) normal = -normal;
   const double polar = std::acos(std::min(normal.z(), 1.0)) / (std::numbers::pi / 2);
   const int row = std::min(static_cast<int>(polar * kBins), kBins - 1);
-  if (row == 0) return 0;  // about the pole the other angle means nothing
+  if (row == 0) return 0;  // at the pole the azimuth is undefined
   double turn = std::atan2(normal.y(), normal.x()) / (2 * std::numbers::pi);
   if (turn < 0) turn += 1;
-  if (row == kBins - 1 && turn >= 0.5) turn -= 0.5;  // on the horizon both signs are as good
+  if (row == kBins - 1 && turn >= 0.5) turn -= 0.5;  // on the horizon both signs are equivalent
   return row * kBins + std::min(static_cast<int>(turn * kBins), kBins - 1);
 }
 
 double mse(const PlaneFit& fit) { return fit.count > 0 ? fit.eigenvalues[0] / fit.count : 0; }
 
-/// How far a cell reaches, from its scatter: the diagonal of the square of the same spread.
+/// Size of a cell from its scatter: the diagonal of a square with the same variance.
 double diameter_m(const PlaneFit& fit) {
   return std::sqrt(12 * (fit.eigenvalues[1] + fit.eigenvalues[2]) / fit.count);
 }
@@ -118,7 +119,7 @@ class Growth {
   std::vector<std::uint32_t> bins_[kBins * kBins];
 };
 
-/// What the cells of a region add up to.
+/// Sum over the cells of a region.
 struct Region {
   Moments moments;
   double max_e_n_m2 = 0;
@@ -138,8 +139,7 @@ std::vector<Region> sum_up(const CellGraph& graph, std::span<const std::int32_t>
   return regions;
 }
 
-/// Merges neighbouring regions whose normals are close enough and whose cells together still lie in
-/// one plane.
+/// Merges neighboring regions if their normals are close and the union is still planar.
 void merge(const CellGraph& graph,
            const RegionGrowingOptions& options,
            std::vector<std::int32_t>& region) {
@@ -168,7 +168,7 @@ void merge(const CellGraph& graph,
   for (std::int32_t& r : region) r = root(r);
 }
 
-/// For each cell the regions in and around it; none for cells in the interior of their region.
+/// Per cell, the regions in and around it; empty for cells in the interior of a region.
 std::vector<std::vector<std::int32_t>> choices_along_borders(const CellGraph& graph,
                                                              std::span<const std::int32_t> region) {
   std::vector<std::vector<std::int32_t>> choices(graph.cells.size());
@@ -184,13 +184,13 @@ std::vector<std::vector<std::int32_t>> choices_along_borders(const CellGraph& gr
   return choices;
 }
 
-/// max_e_n_m2 of `count` points.
+/// max_e_n_m2 for a cell of `count` points.
 double max_e_n_m2(double count, const RegionGrowingOptions& options) {
-  constexpr double kFullPatch = 20 * 20;  // points of the paper's patch
+  constexpr double kFullPatch = 20 * 20;  // points per patch in the paper
   return options.region_threshold_m2 * count / kFullPatch;
 }
 
-/// Region from 1 of each cell, 0 none: grown from seeds, neighbouring ones merged.
+/// Region of each cell, from 1; 0: none. Grows regions from seeds and merges neighbors.
 std::vector<std::int32_t> grow_and_merge(const CellGraph& graph,
                                          const RegionGrowingOptions& options) {
   std::vector<std::int32_t> region = Growth(graph).grow();
@@ -198,8 +198,8 @@ std::vector<std::int32_t> grow_and_merge(const CellGraph& graph,
   return region;
 }
 
-/// The planes of the regions. Cells in the interior of a region give it all their points; points of
-/// other cells go, where `options` say so, to the nearest of the planes around them.
+/// Planes of the regions. Interior cells of a region give it all of their points. Points of other
+/// cells join the nearest surrounding plane if `options` say so.
 FoundPlanes planes_of_regions(std::span<const Vec3f> points,
                               const CellGraph& graph,
                               std::span<const std::int32_t> region,
@@ -211,7 +211,7 @@ FoundPlanes planes_of_regions(std::span<const Vec3f> points,
   if (!options.refine_boundaries) return found_planes(points, group, 3);
   struct Sheet {
     PlaneFit plane;
-    double half_m = 0;  // thick to either side
+    double half_m = 0;  // half of the thickness
   };
   std::vector<Sheet> sheets;
   for (const Region& r : sum_up(graph, region)) {
@@ -236,11 +236,11 @@ FoundPlanes planes_of_regions(std::span<const Vec3f> points,
 
 // Sun et al. 2023, Sec. V-C 2: "we use depth image patches of size 20 x 20 pixels".
 
-/// From one measurement to the next along the middle of a patch depth changes by less than this
-/// part of itself, or the patch shows an edge with something behind it.
+/// If depth changes by more than this fraction between successive measurements along the middle of
+/// a patch, the patch contains a depth edge.
 constexpr double kMaxStep = 0.04;
 
-/// The patches of an image, in raster order; those at its right and lower border may be smaller.
+/// Patches of an image in raster order; patches at the right and bottom borders may be smaller.
 struct Patches {
   int edge_px, columns, rows;
 
@@ -255,10 +255,10 @@ struct Patches {
   }
 };
 
-/// Patches whose middle row or column steps from one surface to another.
+/// Whether the middle row or column of each patch crosses a depth edge.
 std::vector<bool> with_steps(const PixelPoints& input, const Patches& patches) {
   struct Last {
-    double row_m = 0, column_m = 0;  // depth of the last measurement along either; 0: none
+    double row_m = 0, column_m = 0;  // last measured depth along each; 0: none
   };
   const int middle = patches.edge_px / 2;
   std::vector<Last> last(static_cast<std::size_t>(patches.columns) * patches.rows);
@@ -301,7 +301,7 @@ CellGraph patches_of(const PixelPoints& input, const RegionGrowingOptions& optio
       PlanarCell& cell = graph.cells[c];
       cell.fit = fit_plane(cell.moments);
       if (cell.fit.count > 0) {
-        // Proenca & Gao bound the mean square by the sensor's noise, which grows with depth^2.
+        // Proenca & Gao limit the mean square to the sensor's noise, which grows with depth^2.
         const double depth = input.view.cast<double>().dot(cell.fit.centroid - sensor);
         cell.max_e_n_m2 = max_e_n_m2(cell.fit.count, options) * std::max(1.0, std::pow(depth, 4));
       }
@@ -332,8 +332,8 @@ FoundPlanes grow_regions(const PixelPoints& input, const RegionGrowingOptions& o
 
 namespace {
 
-// A cell has a plane of its own if it holds this many points, spread (RMS) over this share of its
-// edge in both directions: a row of points along its border has none.
+// A cell has its own plane if it contains this many points, spread (RMS) over this share of its
+// edge in both directions. This excludes a row of points along its border.
 constexpr int kLeastPoints = 3;
 constexpr double kLeastSpread = 0.1;
 

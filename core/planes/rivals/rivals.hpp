@@ -1,6 +1,6 @@
 #pragma once
 
-// The methods that ours is compared with; core/lab/rivals has more.
+// Methods for comparison with ours; more are in core/lab/rivals.
 
 #include <cstdint>
 #include <span>
@@ -11,28 +11,28 @@
 
 namespace planescope::planes {
 
-/// What a rival finds: planes alone. It knows neither h and v nor an octree.
+/// Result of a rival method: planes without labels and octree.
 struct FoundPlanes {
   std::vector<std::int32_t> plane_of;  // per point: plane id from 1, 0 none
-  std::vector<PlaneFit> planes;        // by id - 1, largest first; fitted to the points they have
+  std::vector<PlaneFit> planes;        // by id - 1, largest first; fitted to their points
 };
 
-/// From points grouped under any ids > 0 (others: none): the groups that have `min_points` or more
-/// become planes, of equally large ones the lower id first.
+/// Converts groups of points (ids > 0; other ids are ignored) with at least `min_points` to planes,
+/// largest first, ties by id.
 FoundPlanes found_planes(std::span<const Vec3f> points,
                          std::span<const std::int32_t> group,
                          int min_points = 1);
 
-/// Throws the Error of a rival that this program was built without; `option` is CMake's.
+/// Throws Error for a rival that is not part of this build; `option` is the CMake option.
 [[noreturn]] void refuse_absent_rival(const char* name, const char* option);
 
-// The paper's first rival (Sec. V-C 1): the plane with most points is taken away, again and again.
+// First rival in the paper (Sec. V-C 1): RANSAC that repeatedly extracts the plane with
+// most points.
 
 struct RansacOptions {
-  double theta_pf_m =
-      0.01;               // a point within this distance is on the plane; the paper's other: 0.02
-  int iterations = 1000;  // at most, for each plane
-  int min_points = 50;    // a plane has at least so many
+  double theta_pf_m = 0.01;  // largest distance of an inlier; the paper also uses 0.02
+  int iterations = 1000;     // maximum per plane
+  int min_points = 50;       // smallest plane
   int seed = 1;
   template <typename Rows>
   static void describe(Rows& rows) {
@@ -47,29 +47,29 @@ struct RansacOptions {
   }
 };
 
-/// Ends with the first plane that has too few points. Runs in Open3D: only programs that call
-/// open3d::install() have it, others get an Error.
+/// Stops at the first plane with too few points. Implemented with Open3D: throws Error unless the
+/// program called open3d::install().
 FoundPlanes find_planes_ransac(std::span<const Vec3f> points, const RansacOptions& options);
 
 using RansacFunction = FoundPlanes(std::span<const Vec3f>, const RansacOptions&);
-void set_ransac(RansacFunction* function);  // before any method or option is asked for
+void set_ransac(RansacFunction* function);  // call before using any method or option
 bool has_ransac();
 
-// The paper's second rival (Sec. V-C 2): cells are fitted, those that are planar grow together.
-// Proenca & Gao, "Fast Cylinder and Plane Extraction from Depth Cameras for Visual Odometry"
-// (IROS 2018), CAPE below.
+// Second rival in the paper (Sec. V-C 2): fits cells, and grows regions over the planar ones.
+// Proenca & Gao, "Fast Cylinder and Plane Extraction from Depth Cameras for Visual Odometry" (IROS
+// 2018), called CAPE below.
 
-/// How the paper's two thresholds are read. 0.01 m^2 bounds e_n, the scatter's smallest eigenvalue,
-/// of a full patch of 400 pixels, other cells in proportion to their points: planar cells are 5 mm
-/// thick (RMS), in depth images beyond 1 m 5 mm times depth squared, as stereo noise grows. (As the
-/// mean square itself, 10 cm, all would be planar.) 0.86 is the cosine between regions that may
-/// merge, and do where the same bound holds for their union.
+/// Our reading of the paper's two thresholds. 0.01 m^2 limits e_n, the smallest eigenvalue of the
+/// scatter, of a full patch of 400 pixels, and other cells in proportion to their points. Planar
+/// cells are thus 5 mm thick (RMS); in depth images beyond 1 m, 5 mm times depth squared, like
+/// stereo noise. (As a limit on the mean square, 10 cm, all cells would be planar.) 0.86 is the
+/// smallest cosine between merged regions, which must also satisfy the first limit together.
 struct RegionGrowingOptions {
   int patch_px = 20;                  // edge of a cell of depth images
   double voxel_size_m = 0.05;         // edge of a cell of unordered clouds
   double region_threshold_m2 = 0.01;  // "threshold for planar region identification"
   double merge_threshold = 0.86;      // "threshold for plane merging"
-  bool refine_boundaries = true;      // points along a region's border are looked at singly
+  bool refine_boundaries = true;      // assign points along region borders individually
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = RegionGrowingOptions;
@@ -88,21 +88,21 @@ struct RegionGrowingOptions {
   }
 };
 
-/// Measurements on the pixels of a depth image, in raster order.
+/// Measurements on pixels of a depth image, in raster order.
 struct PixelPoints {
   std::span<const Vec3f> points;         // [m], any frame
   std::span<const std::uint32_t> pixel;  // v * width + u of each point, ascending
-  std::span<const std::uint8_t> kept;    // 0: cropped, takes no part
-  Vec3f sensor = Vec3f::Zero();          // where the camera stands, in the points' frame
-  Vec3f view = Vec3f::UnitZ();           // its optical axis, in the points' frame
+  std::span<const std::uint8_t> kept;    // 0: cropped, ignored
+  Vec3f sensor = Vec3f::Zero();          // camera position, in the points' frame
+  Vec3f view = Vec3f::UnitZ();           // optical axis, in the points' frame
   int width = 0, height = 0;
 };
 
-/// On depth images: planar 20 x 20 px cells, seeds from a histogram of their normals, growth over
-/// the grid of cells, merging, and the pixels along the borders. plane_of is per point of `input`.
+/// Depth images: planar 20 x 20 px cells, seeds from a histogram of normals, growing over the grid
+/// of cells, merging, and refinement of border pixels. plane_of is per point of `input`.
 FoundPlanes grow_regions(const PixelPoints& input, const RegionGrowingOptions& options);
 
-/// On unordered clouds: the same over the 26-neighbourhood of voxels.
+/// Unordered clouds: the same over the 26-neighborhood of voxels.
 FoundPlanes grow_regions(std::span<const Vec3f> points, const RegionGrowingOptions& options);
 
 }  // namespace planescope::planes

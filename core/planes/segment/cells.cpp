@@ -29,8 +29,8 @@ std::vector<std::uint32_t> cell_starts(const Octree& octree, int levels) {
 
 namespace {
 
-/// Cells by their place: in an array over the box around them where that is not much larger than
-/// they are many, in a hash elsewhere.
+/// Maps cells to indices: with an array over their bounding box if it is not much larger than their
+/// number, otherwise with a hash.
 class CellIndex {
  public:
   using Place = std::array<std::int32_t, 3>;
@@ -45,7 +45,7 @@ class CellIndex {
         high[axis] = std::max(high[axis], cell[axis]);
       }
     double volume = 1;
-    for (int axis = 0; axis < 3; ++axis) {  // with a margin, where nothing is
+    for (int axis = 0; axis < 3; ++axis) {  // with an empty margin
       --low_[axis];
       size_[axis] = cells.empty() ? 0 : high[axis] - low_[axis] + 2;
       volume *= size_[axis];
@@ -59,13 +59,13 @@ class CellIndex {
         dense_[at(cells[c])] = c;
     }
   }
-  /// Of a cell, or of one beside it; KeyNumbers::kNone where it is empty.
+  /// Index of a cell in or next to the bounding box; KeyNumbers::kNone if empty.
   std::uint32_t find(const Place& cell) const {
     return dense_.empty() ? hashed_.find(at(cell)) : dense_[at(cell)];
   }
 
  private:
-  /// In an array over the box: three edges of 21 bits and a little fit.
+  /// Index into an array over the box; three edges of 21 bits plus the margin fit.
   std::uint64_t at(const Place& cell) const {
     return (static_cast<std::uint64_t>(cell[2] - low_[2]) * size_[1] + (cell[1] - low_[1])) *
                size_[0] +
@@ -110,7 +110,7 @@ CellGrid make_cell_grid(const Octree& octree, int levels) {
 CellPlanes planes_near_cells(const CellGrid& grid,
                              std::span<const std::int32_t> plane_of,
                              std::size_t plane_count) {
-  // Planes with points in each cell itself, then the union over its neighbours.
+  // First the planes with points in each cell, then the union over its neighbors.
   std::vector<std::uint32_t> seen(plane_count, 0);
   std::uint32_t stamp = 0;
   const auto collect = [&](std::vector<std::int32_t>& into, std::int32_t plane) {
@@ -119,12 +119,12 @@ CellPlanes planes_near_cells(const CellGrid& grid,
     into.push_back(plane);
   };
   constexpr std::int32_t kNone = -1, kSeveral = -2;
-  std::vector<std::int32_t> only;  // per cell, its plane where it has one
+  std::vector<std::int32_t> only;  // per cell: its only plane
   std::vector<std::uint32_t> own_first{0};
   std::vector<std::int32_t> own;
   for (std::size_t c = 0; c < grid.size(); ++c) {
     ++stamp;
-    std::int32_t last = -1;  // mostly that of the point before
+    std::int32_t last = -1;  // mostly equal to the previous point's plane
     for (std::uint32_t i = grid.starts[c]; i < grid.starts[c + 1]; ++i)
       if (plane_of[i] != last) collect(own, last = plane_of[i]);
     const std::size_t count = own.size() - own_first.back();
@@ -135,7 +135,7 @@ CellPlanes planes_near_cells(const CellGrid& grid,
   result.first.push_back(0);
   for (std::size_t c = 0; c < grid.size(); ++c) {
     ++stamp;
-    std::int32_t last = kNone;  // most neighbors have the plane of the one before, or none
+    std::int32_t last = kNone;  // most neighbors have the previous plane, or none
     for (std::uint32_t k = grid.neighbour_first[c]; k < grid.neighbour_first[c + 1]; ++k) {
       const std::uint32_t n = grid.neighbours[k];
       if (only[n] == last || only[n] == kNone) continue;
@@ -161,7 +161,7 @@ int levels_of_gap(const Cube& cube, double gap_m) {
 
 namespace {
 
-/// Of the largest cells whose diagonal is no longer than the gap; below 0 where leaves are not.
+/// Level of the largest cells whose diagonal is at most the gap; negative if leaves are larger.
 int levels_of_clumps(const Octree& octree, int levels, double gap_m) {
   while (levels >= 0 && std::sqrt(3.0) * cell_edge_m(octree, levels) > gap_m) --levels;
   return levels;
@@ -216,7 +216,7 @@ void PartFinder::gather(std::span<const std::uint32_t> points) {
 void PartFinder::link_within(std::span<const std::uint32_t> points,
                              Cell& cell,
                              DisjointSets& sets) const {
-  std::uint32_t apart = 0;  // sets among the clumps so far
+  std::uint32_t apart = 0;  // number of separate sets so far
   for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
     ++apart;
     for (std::uint32_t j = i; j-- > cell.begin && apart > 1;)
@@ -236,7 +236,7 @@ void PartFinder::link(std::span<const std::uint32_t> points,
       if (join(points, i, j, sets) && both_whole) return;
 }
 
-/// Joins two clumps that touch; false where they do not, or were joined before.
+/// Joins two clumps that touch; returns false if they do not, or were already joined.
 bool PartFinder::join(std::span<const std::uint32_t> points,
                       std::uint32_t i,
                       std::uint32_t j,

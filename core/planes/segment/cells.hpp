@@ -1,7 +1,7 @@
 #pragma once
 
-// Cells some levels above the octree's leaves: what "near" means in a cloud. Points are
-// in Morton order, so a cell is a range of them.
+// Cells some levels above the octree's leaves, for neighborhood queries in a cloud. Points are in
+// Morton order, so each cell is a range of points.
 
 #include <cstdint>
 #include <span>
@@ -12,16 +12,15 @@
 
 namespace planescope::planes {
 
-/// Edge of the cells `levels` above the leaves, at most the cube's [m].
+/// Edge of the cells `levels` above the leaves, limited to the cube's edge [m].
 double cell_edge_m(const Octree& octree, int levels);
 
-/// First point of each non-empty cell `levels` above the leaves, and the number of points at the
-/// end.
+/// First point of each non-empty cell `levels` above the leaves, followed by the number of points.
 std::vector<std::uint32_t> cell_starts(const Octree& octree, int levels);
 
-/// The non-empty cells and which of them touch (3 x 3 x 3, itself included).
+/// Non-empty cells and their neighbors (3 x 3 x 3, including the cell itself).
 struct CellGrid {
-  std::vector<std::uint32_t> starts;           // per cell and one more: ranges of points
+  std::vector<std::uint32_t> starts;           // ranges of points; size() + 1 entries
   std::vector<std::uint32_t> cell_of;          // per point
   std::vector<std::uint32_t> neighbour_first;  // CSR
   std::vector<std::uint32_t> neighbours;
@@ -29,7 +28,7 @@ struct CellGrid {
 };
 CellGrid make_cell_grid(const Octree& octree, int levels);
 
-/// For each cell, the planes with points in its 3 x 3 x 3 neighbourhood, ascending.
+/// For each cell, the planes with points in its 3 x 3 x 3 neighborhood, ascending.
 struct CellPlanes {
   std::vector<std::uint32_t> first;  // CSR
   std::vector<std::int32_t> planes;
@@ -37,36 +36,36 @@ struct CellPlanes {
     return {planes.data() + first[cell], planes.data() + first[cell + 1]};
   }
 };
-/// `plane_of`: per point in Morton order, -1 none. Planes are numbered 0 .. plane_count - 1.
+/// `plane_of`: per point in Morton order, -1 none. Plane indices are 0 .. plane_count - 1.
 CellPlanes planes_near_cells(const CellGrid& grid,
                              std::span<const std::int32_t> plane_of,
                              std::size_t plane_count);
 
-// The parts of a plane that do not touch each other.
+// Connected parts of a plane.
 
 using Part = std::vector<std::uint32_t>;  // points, ascending Morton positions
 
-/// How many levels above the leaves cells are no smaller than the gap, so that points that touch
-/// are in touching cells.
+/// Number of levels above the leaves at which cells are at least as large as the gap, so that
+/// touching points are in neighboring cells.
 int levels_of_gap(const Cube& cube, double gap_m);
 
-/// Finds the parts of one plane after the other.
+/// Finds the parts of planes, one plane at a time.
 class PartFinder {
  public:
-  /// `grid`: of cells levels_of_gap() above the leaves.
+  /// `grid`: cells levels_of_gap() above the leaves.
   PartFinder(const Octree& octree, const CellGrid& grid, int levels, double gap_m);
 
-  /// Points linked by steps of at most gap_m make a part; parts in the order of their first points.
+  /// Groups points connected by steps of at most gap_m. Parts are ordered by their first point.
   std::vector<Part> parts_of(std::span<const std::uint32_t> points);
 
  private:
-  /// Points are in Morton order, so that those of a cell, and of a clump in it, are neighbors.
+  /// Points are in Morton order, so the points of a cell, and of a clump in it, are contiguous.
   struct Clump {
-    std::uint32_t begin = 0, end = 0;  // so near each other that they touch
+    std::uint32_t begin = 0, end = 0;  // points close enough to touch
   };
   struct Cell {
     std::uint32_t number = 0, begin = 0, end = 0;  // clumps
-    bool whole = false;                            // linked among themselves
+    bool whole = false;                            // all clumps are connected
   };
 
   void gather(std::span<const std::uint32_t> points);
@@ -85,10 +84,10 @@ class PartFinder {
   const Octree& octree_;
   const CellGrid& grid_;
   const double gap_m_;
-  const int clump_levels_;  // points in one cell of these touch
+  const int clump_levels_;  // points in one cell at this level touch
   std::vector<Clump> clumps_;
-  std::vector<Cell> cells_;            // of the plane
-  std::vector<std::int32_t> cell_of_;  // per cell of the grid, -1 where the plane has none so far
+  std::vector<Cell> cells_;            // of the current plane
+  std::vector<std::int32_t> cell_of_;  // per cell of the grid; -1 if the plane has none there yet
 };
 
 }  // namespace planescope::planes

@@ -1,4 +1,4 @@
-// Merging, growing and listing regions of a cloud, each step judged by the change of the objective.
+// Merges, grows and lists regions of a cloud, each step evaluated by its change of the objective.
 
 #include "core/planes/segment/cloud_regions.hpp"
 
@@ -13,26 +13,27 @@
 namespace planescope::planes {
 namespace {
 
-constexpr int kRounds = 4;           // of moving points, fitting and merging, at most
-constexpr double kNoisePoints = 50;  // the measured noise counts as that of so many points
-constexpr double kLeastGap_m = 0.05, kGapSpacings = 2;  // nearer points touch
+constexpr int kRounds = 4;           // largest number of rounds of moving points, fitting
+                                     // and merging
+constexpr double kNoisePoints = 50;  // weight of the measured noise, in points
+constexpr double kLeastGap_m = 0.05, kGapSpacings = 2;  // closer points touch
 
-/// The variance around a plane of `count` points with this sum of squares: that of the cloud, or
-/// its own where that is larger. A ray's error leaves a surface that it meets head-on the farther.
+/// Variance about a plane of `count` points with this sum of squares: the cloud's, or the plane's
+/// own if larger. Ray errors displace points farther from surfaces seen head-on.
 double variance_around(double cloud_m2, double squares_m2, double count) {
   return std::max(cloud_m2, (kNoisePoints * cloud_m2 + squares_m2) / (kNoisePoints + count));
 }
 
 // ---- Merging ----
 
-/// Merges touching regions, the lowest cost first.
+/// Merges touching regions in order of cost.
 class Merger {
  public:
   Merger(SegmentState& state, const CloudScales& scales, const ObjectiveOptions& options)
       : state_(state), scales_(scales), options_(options), roots_(state.planes.size()) {}
 
-  /// How many it merged. `near`: planes near the cells of `grid`. `any_label`: regions of different
-  /// labels, too.
+  /// Returns the number of merges. `near`: planes near the cells of `grid`. `any_label`: also merge
+  /// regions with different labels.
   int merge_all(const CellGrid& grid, const CellPlanes& near, bool any_label) {
     any_label_ = any_label;
     size_.resize(state_.planes.size());
@@ -57,16 +58,17 @@ class Merger {
  private:
   struct Offer {
     double cost = 0;
-    double points = 0;  // of both, when it was made
+    double points = 0;  // of both regions when the offer was made
     std::int32_t a = -1, b = -1;
-    bool operator<(const Offer& other) const {  // the greatest comes first
+    bool operator<(const Offer& other) const {  // largest offer first
       return cost != other.cost ? cost > other.cost : std::pair(a, b) > std::pair(other.a, other.b);
     }
   };
 
-  /// What the objective gains from a second plane: the squares that it saves, over what noise and
-  /// bow explain of them. No plane is credited with fewer squares than noise alone makes: cells cut
-  /// a noisy surface into layers flatter than it. No value where that is not below the limit.
+  /// Gain of the objective from a second plane: the squares it saves, divided by the squares
+  /// explained by noise and bow. Each plane's squares are limited from below by the noise,
+  /// because cell boundaries cut a noisy surface into layers flatter than it. nullopt if not
+  /// below the limit.
   std::optional<double> cost(const GrowingPlane& p, const GrowingPlane& q) const {
     Moments both = p.moments;
     both += q.moments;
@@ -120,7 +122,7 @@ class Merger {
   std::vector<std::pair<std::int32_t, std::int32_t>> touching_pairs(const CellGrid& grid,
                                                                     const CellPlanes& near) const {
     std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
-    std::vector<std::vector<std::int32_t>> partners(state_.planes.size());  // of the lower number
+    std::vector<std::vector<std::int32_t>> partners(state_.planes.size());  // by lower index
     for (std::uint32_t cell = 0; cell < grid.size(); ++cell) {
       const auto planes = near.near(cell);
       if (planes.size() < 2) continue;
@@ -146,14 +148,14 @@ class Merger {
   const ObjectiveOptions& options_;
   bool any_label_ = false;
   Roots roots_;
-  std::vector<double> size_;                        // points, per plane
-  std::vector<std::vector<std::uint32_t>> points_;  // likewise, from the first merge on
+  std::vector<double> size_;                        // points per plane
+  std::vector<std::vector<std::uint32_t>> points_;  // per plane, from the first merge on
   std::priority_queue<Offer> offers_;
 };
 
 // ---- Points ----
 
-/// Gives each point to the plane that explains it best.
+/// Assigns each point to the plane that explains it best.
 class PointMover {
  public:
   PointMover(SegmentState& state,
@@ -166,7 +168,7 @@ class PointMover {
         variance_m2_(scales.variance_m2()),
         label_m_(options.label_sigma * scales.measured_m) {}
 
-  /// How many points that were in no plane it gave to one.
+  /// Returns the number of points newly assigned to a plane.
   int move_all(const CellPlanes& near) {
     worth_.assign(state_.planes.size(), 0);
     second_.assign(state_.plane_of.size(), {});
@@ -178,9 +180,9 @@ class PointMover {
     return added;
   }
 
-  /// By how much the objective would rise without the plane, its own cost apart.
+  /// Increase of the objective without the plane, excluding the plane's own cost.
   double worth(std::int32_t plane) const { return worth_[plane]; }
-  /// Likewise, if the point's plane were another than that of these points alone.
+  /// Same, for a plane consisting of only these points.
   double worth(std::span<const std::uint32_t> points) const {
     double sum = 0;
     for (const std::uint32_t i : points) sum += second_[i].loss;
@@ -188,11 +190,11 @@ class PointMover {
   }
   /// Per plane, whether it gained or lost points.
   std::span<const std::uint8_t> changed() const { return changed_; }
-  /// The plane that explains the point second best; -1 none.
+  /// The plane that explains the point second best; -1 if none.
   std::int32_t second_plane(std::uint32_t i) const { return second_[i].plane; }
 
  private:
-  /// -1: none.
+  /// Returns -1 if none.
   std::int32_t nearest_of(const Vec3d& p, std::span<const std::int32_t> planes) const {
     std::int32_t nearest = -1;
     double least = INFINITY;
@@ -206,7 +208,7 @@ class PointMover {
     return nearest;
   }
 
-  /// Whether it gave the point to a plane and the point was in none.
+  /// Returns whether it assigned a previously unassigned point.
   bool move(std::uint32_t i, std::span<const std::int32_t> near) {
     const double unexplained = options_.point_reach_sigma * options_.point_reach_sigma;
     double least = unexplained, next = unexplained;
@@ -256,16 +258,16 @@ class PointMover {
   const CellGrid& grid_;
   const double variance_m2_, label_m_;
   std::vector<double> worth_;          // per plane
-  std::vector<std::uint8_t> changed_;  // likewise
+  std::vector<std::uint8_t> changed_;  // per plane
   struct Second {
     std::int32_t plane = -1;
-    double loss = 0;  // squared sigma
+    double loss = 0;  // in squared sigma
   };
   std::vector<Second> second_;  // per point
 };
 
-/// Fits planes that changed to their points; those without points end. The label follows the
-/// normal: a level layer of a low riser then pays for points of the other label, and is dropped.
+/// Refits changed planes to their points, and ends planes without points. The label follows the
+/// normal: a level layer of a low riser then pays for points with the other label, and is dropped.
 void fit_planes(SegmentState& state, std::span<const std::uint8_t> changed) {
   std::vector<Moments> moments(state.planes.size());
   for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
@@ -283,9 +285,9 @@ void fit_planes(SegmentState& state, std::span<const std::uint8_t> changed) {
   }
 }
 
-/// Drops planes that cost more than they are worth, and those no wider than the noise; those worth
-/// least first. A plane stays while a neighbor of it has just been dropped: it may be worth more
-/// now.
+/// Drops planes whose cost exceeds their worth, and planes no wider than the noise, in order of
+/// increasing worth. A plane is kept while one of its neighbors has just been dropped, since its
+/// worth may have increased.
 int drop_worthless(SegmentState& state,
                    const PointMover& mover,
                    const CloudScales& scales,
@@ -325,8 +327,8 @@ int drop_worthless(SegmentState& state,
 
 // ---- Parts ----
 
-/// Parts of a plane that do not touch become planes of their own where they are worth it. Points of
-/// others go to the planes that explain them second best.
+/// Splits a plane into its disconnected parts if they are worth their cost. Points of other parts
+/// go to their second-best planes.
 void split_planes(SegmentState& state,
                   const PointMover& mover,
                   const ObjectiveOptions& options,
@@ -396,7 +398,7 @@ void find_cloud_regions(SegmentState& state,
     if (round >= kRounds) break;
     int redrawn = drop_worthless(state, mover, scales, options, grid);
     redrawn += Merger(state, scales, options).merge_all(grid, around, true);
-    if (redrawn == 0 && added == 0) break;  // narrow tips grow by a cell a round
+    if (redrawn == 0 && added == 0) break;  // narrow tips grow by one cell per round
   }
   split_planes(state, mover, options, grid, levels, gap_m);
 }

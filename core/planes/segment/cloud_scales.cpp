@@ -11,11 +11,12 @@
 namespace planescope::planes {
 namespace {
 
-constexpr double kCalmCells = 0.5;  // quantile of the cells' RMS that is the noise
+constexpr double kCalmCells = 0.5;  // quantile of the cells' RMS used as noise
 constexpr int kPatchLevels = 3;     // the scales are measured in cells this far above the leaves
-constexpr int kLeastPoints = 8;     // a patch with fewer is ignored
-constexpr double kLeastBow = 0.4;   // least bow, as a share of the white noise
-constexpr double kCalm = 4;         // a patch with more variance, over that of noise, holds an edge
+constexpr int kLeastPoints = 8;     // patches with fewer points are ignored
+constexpr double kLeastBow = 0.4;   // smallest bow, as a share of the white noise
+constexpr double kCalm = 4;         // patches with more variance relative to the noise contain
+                                    // an edge
 
 double quantile(std::vector<double>& values, double share) {
   const auto nth =
@@ -35,7 +36,7 @@ struct Patches {
   std::vector<double> variances, areas;       // per patch with enough points; area per point [m^2]
 };
 
-/// Points of one label each, in cells some levels above the leaves.
+/// Points of one label per patch, in cells some levels above the leaves.
 Patches make_patches(const SegmentState& state, int levels) {
   const Octree& octree = state.octree;
   Patches made{make_cell_grid(octree, levels), {}, {}, {}};
@@ -61,7 +62,7 @@ Patches make_patches(const SegmentState& state, int levels) {
 
 CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& options) {
   Patches made = make_patches(state, kPatchLevels);
-  // A sparse cloud has too few points in small cells.
+  // Sparse clouds have too few points in small cells.
   for (int levels = kPatchLevels + 1;
        made.variances.empty() && levels <= state.octree.cube.max_depth; ++levels)
     made = make_patches(state, levels);
@@ -88,7 +89,7 @@ CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& op
         Moments both = p.moments;
         both += q.moments;
         const double misfit_m2 = Cubic(both).least_root();
-        if (misfit_m2 > kCalm * kCalm * measured2 * (both.count - 3)) continue;  // an edge, no bow
+        if (misfit_m2 > kCalm * kCalm * measured2 * (both.count - 3)) continue;  // an edge, not bow
         const double weight = p.moments.count * q.moments.count / both.count;
         offsets.push_back((misfit_m2 - p.misfit_m2 - q.misfit_m2 - 3 * measured2) / weight);
       }

@@ -52,22 +52,22 @@ bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options) {
 }
 
 double area_per_point(const PlaneFit& fit) {
-  // A rectangle's variances are its squared sides over 12.
+  // The variances of a rectangle are its squared sides over 12.
   return 12 * std::sqrt(fit.eigenvalues[1] * fit.eigenvalues[2]) / (fit.count * fit.count);
 }
 
-PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options) {
+PairRatios ratios_of(const Coplanarity& terms, const SegmentOptions& options) {
   const double most = std::max(1e-9, 1 - options.theta_coplane);
-  PairStrain strain;
-  strain.angle = std::acos(std::min(1.0, terms.normals)) /
+  PairRatios ratios;
+  ratios.angle = std::acos(std::min(1.0, terms.normals)) /
                  std::max(1e-9, std::acos(std::min(1.0, options.theta_coplane)));
-  strain.distance = terms.n1_dmu / most;
-  strain.worst =
+  ratios.distance = terms.n1_dmu / most;
+  ratios.worst =
       std::max(options.theta_coplane / std::max(1e-9, terms.normals), terms.n1_dmu / most);
-  if (options.criterion4_n2) strain.worst = std::max(strain.worst, terms.n2_dmu / most);
+  if (options.criterion4_n2) ratios.worst = std::max(ratios.worst, terms.n2_dmu / most);
   if (options.merge_offset_m > 0)
-    strain.worst = std::max(strain.worst, terms.offset_m / options.merge_offset_m);
-  return strain;
+    ratios.worst = std::max(ratios.worst, terms.offset_m / options.merge_offset_m);
+  return ratios;
 }
 
 // Sun et al. 2023, Sec. IV-B: PCA of a node's inliers and Criterion 3.

@@ -1,7 +1,7 @@
 #pragma once
 
-// Sun et al. 2023, Sec. IV-B and IV-C: Criteria 1-4 as pure functions. The traversal and whoever
-// explains it call the same ones.
+// Sun et al. 2023, Sec. IV-B and IV-C: Criteria 1-4 as pure functions, shared by the traversal and
+// by explanations.
 
 #include <cstdint>
 
@@ -12,8 +12,8 @@
 
 namespace planescope::planes {
 
-/// The counts by which a node's purity is judged. The majority label is the inliers'; a tie goes to
-/// h. Where labels are not used, all points carry `one_label`.
+/// Counts that determine a node's purity. Inliers have the majority label; ties go to h. If labels
+/// are not used, all points have `one_label`.
 struct Purity {
   Label inlier = Label::h;
   std::uint32_t n_in = 0;
@@ -29,34 +29,36 @@ bool is_pure(const Purity& purity, const SegmentOptions& options);
 /// Criterion 2 (minimum inlier points), Eq. (3).
 bool has_enough_inliers(std::uint32_t n_in, const SegmentOptions& options);
 
-/// e_n of Criterion 3 in the normalisation asked for.
+/// e_n of Criterion 3 with the requested normalization.
 double normal_error(const PlaneFit& fit, MseNormalization normalization);
-/// Criterion 3 (plane candidate), Eq. (5) with <=, which the prose needs: e_n <= theta_e_n.
+/// Criterion 3 (plane candidate), Eq. (5) with <= as in the text: e_n <= theta_e_n.
 bool is_planar(const PlaneFit& fit, double theta_e_n, MseNormalization normalization);
 
-/// Criterion 4 (coplanarity), Eq. (6): its three terms, and the offset that `paper-closest` adds.
+/// Criterion 4 (coplanarity), Eq. (6): its three terms, and the offset term added by
+/// `paper-closest`.
 struct Coplanarity {
   double normals = 0;  // |n1 . n2|
-  double n1_dmu = 0;   // |n1 . (mu1 - mu2)| / |mu1 - mu2|, 0 for coincident centroids
+  double n1_dmu = 0;   // |n1 . (mu1 - mu2)| / |mu1 - mu2|, 0 if the centroids coincide
   double n2_dmu = 0;
   double offset_m = 0;  // |n1 . (mu1 - mu2)|
 };
 Coplanarity coplanarity(const PlaneFit& plane, const PlaneFit& candidate);
 bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options);
 
-/// Area of the rectangle with the fit's second moments, per point [m^2]: how thinly points are
-/// spread.
+/// Area per point of a rectangle with the fit's second moments [m^2]; measures the point density.
 double area_per_point(const PlaneFit& fit);
 
-/// How far a pair is from passing for one plane: each value over its limit, 1 passes.
-struct PairStrain {
+/// Terms of a pair relative to their limits; values up to 1 pass.
+struct PairRatios {
   double angle = 0;     // between the normals
-  double distance = 0;  // sine between the plane and the direction to the other centroid
-  double worst = 0;     // of all terms
+  double distance = 0;  // sine of the angle between the plane and the direction to the
+                        // other centroid
+  double worst = 0;     // maximum of all terms
 };
-PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options);
+PairRatios ratios_of(const Coplanarity& terms, const SegmentOptions& options);
 
-/// A plane candidate: a node's inliers or, by the objective, one label's points of an impure node.
+/// A plane candidate: the inliers of a node or, with the objective, the points of one label in an
+/// impure node.
 struct Candidate {
   std::int32_t node = -1;
   Label label = Label::h;
@@ -64,12 +66,11 @@ struct Candidate {
   PlaneFit fit;
 };
 
-/// PCA of the points of one label in a node, of all where labels are not used. Sums run over the
-/// node's own range of points.
+/// PCA of the points of one label in a node; of all points if labels are not used. Sums run over
+/// the node's own range of points.
 Candidate fit_label(const Octree& octree, std::int32_t node, Label label, bool use_labels);
 
-/// Criterion 3 with the threshold in force: of e_n or, by the objective, of the RMS [m], within the
-/// noise.
+/// Criterion 3 with the effective threshold: on e_n or, with the objective, on the RMS [m].
 struct Planarity {
   double value = 0;
   double threshold = 0;

@@ -1,4 +1,4 @@
-// Builds the linear octree and divides its nodes.
+// Builds the linear octree, and divides its nodes.
 
 #include "core/planes/segment/octree.hpp"
 
@@ -43,7 +43,7 @@ Bounds cell_bounds(const Octree& octree, const OctreeNode& node) {
 std::array<Vec3f, 8> corners_of(const Octree& octree, const Bounds& bounds) {
   std::array<Vec3f, 8> corners;
   for (unsigned i = 0; i < corners.size(); ++i) {
-    const bool third = ((i & 4) != 0) != octree.image.has_value();  // far away: small 1 / z
+    const bool third = ((i & 4) != 0) != octree.image.has_value();  // far away means small 1 / z
     const Vec3d at((i & 1) != 0 ? bounds.max.x() : bounds.min.x(),
                    (i & 2) != 0 ? bounds.max.y() : bounds.min.y(),
                    third ? bounds.max.z() : bounds.min.z());

@@ -1,8 +1,8 @@
 #pragma once
 
-// All numbers that steer the segmentation: Sun et al. 2023, Sec. V "Implementation Details", and
-// those of planescope's own objective, misfit over the measured noise. None of the latter depends
-// on the camera or is a length: what differs between sensors is measured in the frame.
+// All parameters of the segmentation: Sun et al. 2023, Sec. V "Implementation Details", and
+// planescope's own objective. None of the latter depends on the camera or is a length;
+// sensor-dependent quantities are measured in each frame.
 
 #include <cstdint>
 #include <string>
@@ -11,49 +11,50 @@
 
 namespace planescope::planes {
 
-/// How noisy the points are, as `refined` measured it, for what judges distances to planes
-/// afterwards: the standard deviation of the measurements across a surface, the same everywhere or
-/// growing with the square of the distance to the sensor, as stereo depth does.
+/// Noise of the points as measured by `refined`, for evaluating point-to-plane distances after the
+/// segmentation: the standard deviation across a surface, either constant or, for stereo depth,
+/// growing with the squared distance to the sensor.
 struct NoiseModel {
-  bool estimated = false;   // false: the profiles of the paper do not measure it
+  bool estimated = false;   // false: the paper's profiles do not measure it
   bool by_range = false;    // sigma(r) = growth r^2
   double constant_m = 0;    // [m]
   double growth_per_m = 0;  // [m per m^2]
-  double reach_sigma = 3;   // a point this far off a plane may be on it
+  double reach_sigma = 3;   // points within this many sigma may be on the plane
 
-  double sigma(double range) const {  // [m]; 0 where not estimated
+  double sigma(double range) const {  // [m]; 0 if not estimated
     if (!estimated) return 0;
     return by_range ? growth_per_m * range * range : constant_m;
   }
-  /// How far off a plane its points may lie [m].
+  /// Largest distance of a plane's points from it [m].
   double tau(double range) const {
     constexpr double kUnmeasured_m = 0.01;
     return estimated ? reach_sigma * sigma(range) : kUnmeasured_m;
   }
 };
 
-/// The one objective by which `refined` finds planes: misfit over the measured noise, a cost for
-/// each plane, and one for each unexplained pixel or point.
+/// The objective of `refined`: misfit relative to the measured noise, a cost per plane, and a cost
+/// per unexplained pixel or point.
 struct ObjectiveOptions {
-  // Of depth images (core/planes/depth) and of clouds (cloud_regions.hpp).
+  // Depth images (core/planes/depth) and clouds (cloud_regions.hpp).
   double flat = 3;         // Criterion 3: largest variance of a cell, relative to the expected
-  double bow = 2.5;        // the low-frequency error, in units of what it is measured by
-  double merge_cost = 10;  // of a plane: regions join where their misfit costs less
+  double bow = 2.5;        // low-frequency error, relative to the measured one
+  double merge_cost = 10;  // cost of a plane: regions join if their misfit costs less
 
-  // Of depth images.
-  double two_planes = 0.3;    // Criterion 1: halves of a cell part above this share of merge_cost
-  double filled = 0.4;        // Criterion 2: least share of a cell's pixels that it holds
-  double lateral_px = 2;      // sideways error of a pixel
+  // Depth images.
+  double two_planes = 0.3;    // Criterion 1: halves of a cell are separate planes above this share
+                              // of merge_cost
+  double filled = 0.4;        // Criterion 2: smallest share of a cell's pixels in the cell
+  double lateral_px = 2;      // lateral error of a pixel
   double reach_sigma = 3;     // cost of an unexplained pixel, as a residual
-  double hidden_share = 0.5;  // parts that something hides join below this share of merge_cost
-  double worth_px = 1000;     // least worth of a listed plane
-  double undecided = 0.5;     // planes of a smaller margin are undecided
+  double hidden_share = 0.5;  // parts separated by an occlusion join below this share of merge_cost
+  double worth_px = 1000;     // smallest worth of a listed plane
+  double undecided = 0.5;     // planes with a smaller margin are undecided
 
-  // Of clouds; sigma is the noise measured in the cloud.
-  double resolution = 0.05;        // sigma is at least this, in spacings of points
+  // Clouds; sigma is the noise measured in the cloud.
+  double resolution = 0.05;        // lower limit of sigma, in point spacings
   double point_reach_sigma = 4.5;  // cost of an unexplained point, as a distance
-  double label_sigma = 2;          // a plane of the other label seems this much farther off
-  double plane_cost = 180;         // squared sigma: what a plane costs
+  double label_sigma = 2;          // extra distance of a plane with the other label
+  double plane_cost = 180;         // cost of a plane, in squared sigma
 
   template <typename Rows>
   static void describe(Rows& rows) {
@@ -109,35 +110,35 @@ const char* to_string(Profile profile);
 Profile parse_profile(const std::string& text);  // throws Error
 
 enum class MseNormalization : std::uint8_t { scatter, mean };  // e_n as printed, or divided by N
-enum class CubeAnchor : std::uint8_t { center, min_corner };   // where the octree's cube stands
+enum class CubeAnchor : std::uint8_t { center, min_corner };   // position of the octree's cube
 enum class MergePartner : std::uint8_t { first, best };
 
 struct SegmentOptions {
   Profile profile = Profile::refined;
 
-  // Criteria 1-4. The objective asks Criteria 1 and 2 of clouds.
+  // Criteria 1-4. With the objective, clouds use Criteria 1 and 2 only.
   int theta_n_out = 5;          // Criterion 1: at most this many outliers
   double theta_r_out = 0.05;    // Criterion 1: at most this share of outliers
   int theta_n_in = 5;           // Criterion 2: at least this many inliers
   double theta_e_n_m2 = 0.005;  // Criterion 3: at most this e_n [m^2]
   MseNormalization mse_normalization = MseNormalization::scatter;
   double theta_coplane = 0.85;  // Criterion 4
-  bool criterion4_n2 = true;    // Criterion 4: its third line, with the candidate's own normal
-  double merge_offset_m = 0;    // Criterion 4: also |n . dmu| <= this [m]; 0 = not asked
+  bool criterion4_n2 = true;    // Criterion 4: third line, with the candidate's own normal
+  double merge_offset_m = 0;    // Criterion 4: also |n . dmu| <= this [m]; 0: disabled
   double leftover_distance_m = 0.005;
   MergePartner merge_partner = MergePartner::first;
-  bool use_labels = true;      // false: all points carry one label ("without PC") ...
-  Label one_label = Label::h;  // ... this one; unknown where nobody knows gravity
+  bool use_labels = true;      // false: all points have one label ("without PC") ...
+  Label one_label = Label::h;  // ... this one; unknown if gravity is unknown
   CubeAnchor cube_anchor = CubeAnchor::center;
 
   ObjectiveOptions objective;  // of `refined`
 
-  /// Whether planes are found by the objective; otherwise as the paper says.
+  /// Whether planes are found by the objective, not by the paper's method.
   bool by_objective() const { return profile == Profile::refined; }
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = SegmentOptions;
-    rows.group.images = false;  // the objective asks Criteria 1 and 2 of clouds
+    rows.group.images = false;  // the objective uses Criteria 1 and 2 for clouds
     rows.number("theta_n_out", "Most outliers", "points", "Criterion 1: most outliers of a node",
                 &O::theta_n_out)
         .symbol = "θ_Nout";

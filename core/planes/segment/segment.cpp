@@ -1,4 +1,4 @@
-// Sun et al. 2023, Sec. IV: the method in one function, and the state that it changes.
+// Sun et al. 2023, Sec. IV: the method as one function, and the state that it changes.
 
 #include "core/planes/segment/segment.hpp"
 
@@ -42,9 +42,9 @@ SegmentOptions profile_options(Profile profile) {
   o.profile = profile;
   switch (profile) {
     case Profile::paper:
-      break;  // the struct's own defaults are the text as written
+      break;  // the struct's defaults follow the text of the paper
     case Profile::paper_closest:
-      // The reading that comes closest to the paper's printed noise table.
+      // The interpretation that comes closest to the noise table in the paper.
       o.cube_anchor = CubeAnchor::min_corner;
       o.criterion4_n2 = false;
       o.merge_offset_m = 0.02;
@@ -66,17 +66,18 @@ constexpr std::array kNames{"criteria", "merge",  "assign", "join",
 constexpr std::size_t kOfPaper = 3;
 constexpr std::array<StageInfo, kNames.size() - kOfPaper> kInfos{{
     {.title = "merge neighbors",
-     .says = "{plane} merged into {other}: misfit {value:.3g}, less than the cost of a plane"},
+     .event_text =
+         "{plane} merged into {other}: misfit {value:.3g}, less than the cost of a plane"},
     {.title = "grow over pixels",
-     .says = "{plane} changes by {value:+.0f} px at its border",
+     .event_text = "{plane} changes by {value:+.0f} px at its border",
      .why_dropped = "{value:.0f} px, too few to grow",
      .on_pixels = true},
     {.title = "merge hidden parts",
-     .says = "{plane} merged into {other} behind an occluder: misfit {value:.3g}",
+     .event_text = "{plane} merged into {other} behind an occluder: misfit {value:.3g}",
      .on_pixels = true},
     {.title = "split planes", .why_parted = "the parts do not touch"},
     {.title = "drop small planes",
-     .says = "{plane} dropped: worth {value:.0f}, less than its cost",
+     .event_text = "{plane} dropped: worth {value:.0f}, less than its cost",
      .why_dropped = "worth {value:.0f}, less than its cost"},
 }};
 
@@ -102,7 +103,7 @@ const std::vector<Stage>& stages() {
 
 namespace {
 
-/// The cube as the options want it: where it is, or with its lower corner at the points' own.
+/// The cube positioned according to `anchor`: unchanged, or starting at the points' lower corner.
 Cube placed(const Cube& cube, std::span<const Vec3f> points, CubeAnchor anchor) {
   Cube result = cube;
   if (anchor == CubeAnchor::min_corner && !points.empty()) {
@@ -142,7 +143,7 @@ void visit_node(SegmentState& state, std::int32_t node) {
   log(state, {.type = EventType::visit, .node = node});
   ++state.counts.nodes_visited;
   assert(!state.trace || state.trace->visited_at.size() == static_cast<std::size_t>(node));
-  if (state.trace)  // nodes are visited, and then settled, in their order
+  if (state.trace)  // nodes are visited and settled in order
     state.trace->visited_at.push_back(state.trace->steps());
 }
 
@@ -240,7 +241,7 @@ double elapsed_ms(Clock::time_point since) {
   return std::chrono::duration<double, std::milli>(Clock::now() - since).count();
 }
 
-/// Numbers the planes that are left by size and hands them over with their points.
+/// Numbers the remaining planes by size, and returns them with their points.
 void conclude(SegmentState& state, Segmentation& result) {
   std::vector<std::uint32_t> points(state.planes.size(), 0);
   for (const std::int32_t plane : state.plane_of)
@@ -297,7 +298,7 @@ Segmentation segment(std::span<const Vec3f> points,
     traverse(state);
     find_cloud_regions(state, scales, options.objective);
   } else {
-    traverse(state);  // Sec. IV-C, merging (IV-D) as it goes
+    traverse(state);  // Sec. IV-C, with merging (IV-D)
     assign_leftovers(state);
   }
   conclude(state, result);

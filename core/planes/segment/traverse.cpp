@@ -1,5 +1,5 @@
-// Sun et al. 2023, Sec. IV: the traversal, Criterion 4 with the incremental merge, and the points
-// that are left over.
+// Sun et al. 2023, Sec. IV: the traversal, Criterion 4 with incremental merging, and
+// leftover points.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,8 @@ namespace {
 bool planar(const SegmentState& state, const Candidate& candidate) {
   const Planarity asked = planarity(candidate.fit, state.noise, state.options);
   if (state.trace)
-    state.trace->strains.planarity.push_back(static_cast<float>(asked.value / asked.threshold));
+    state.trace->limit_ratios.planarity.push_back(
+        static_cast<float>(asked.value / asked.threshold));
   return asked.passes;
 }
 
@@ -57,8 +58,8 @@ Candidate candidate_of(const SegmentState& state, std::int32_t node, Label label
   return fit_label(state.octree, node, label, state.options.use_labels);
 }
 
-/// By the objective, an impure node whose labels are each planar (or too few to matter) is accepted
-/// label by label instead of being divided down to where the labels part.
+/// With the objective, an impure node whose labels are each planar (or too few to matter) is
+/// accepted label by label, instead of being divided until the labels separate.
 bool accept_by_label(SegmentState& state, std::int32_t index, const Purity& purity) {
   if (!has_enough_inliers(purity.n_in, state.options)) return false;
   Candidate inliers = candidate_of(state, index, purity.inlier);
@@ -107,7 +108,7 @@ void visit(SegmentState& state, std::int32_t index) {
 }  // namespace
 
 void traverse(SegmentState& state) {
-  // The node array grows as nodes are divided: it is the queue Q_N.
+  // The node array grows as nodes are divided: it serves as the queue Q_N.
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(state.octree.nodes.size()); ++i)
     visit(state, i);
 }
@@ -122,15 +123,15 @@ void claim_points(SegmentState& state, const Candidate& candidate, std::int32_t 
     if (state.has_label(i, candidate.label)) give_point(state, i, plane);
 }
 
-/// Of the pair that was chosen or, where none was, of the one that came nearest.
-void trace_strain(const SegmentState& state, const std::vector<Pair>& pairs, std::int32_t chosen) {
+/// Traces the chosen pair or, if none was chosen, the pair closest to passing.
+void trace_ratios(const SegmentState& state, const std::vector<Pair>& pairs, std::int32_t chosen) {
   const auto joined = std::ranges::find(pairs, chosen, &Pair::plane);
   const Pair* shown = joined != pairs.end() ? &*joined : nearest_pair(pairs, state.options);
   if (!shown) return;
-  const PairStrain strain = strain_of(shown->terms, state.options);
-  if (std::isinf(strain.worst)) return;
-  state.trace->strains.angle.push_back(static_cast<float>(strain.angle));
-  state.trace->strains.distance.push_back(static_cast<float>(strain.distance));
+  const PairRatios ratios = ratios_of(shown->terms, state.options);
+  if (std::isinf(ratios.worst)) return;
+  state.trace->limit_ratios.angle.push_back(static_cast<float>(ratios.angle));
+  state.trace->limit_ratios.distance.push_back(static_cast<float>(ratios.distance));
 }
 
 }  // namespace
@@ -139,7 +140,7 @@ const Pair* nearest_pair(std::span<const Pair> pairs, const SegmentOptions& opti
   const Pair* nearest = nullptr;
   double least = INFINITY;
   for (const Pair& pair : pairs)
-    if (const double worst = strain_of(pair.terms, options).worst; worst < least) {
+    if (const double worst = ratios_of(pair.terms, options).worst; worst < least) {
       nearest = &pair;
       least = worst;
     }
@@ -192,14 +193,14 @@ void conquer(SegmentState& state, const Candidate& candidate) {
   std::vector<Pair> pairs;
   const PairVisitor remember = [&](const Pair& pair) { pairs.push_back(pair); };
   const std::int32_t partner = choose_partner(state, candidate, state.trace ? &remember : nullptr);
-  if (state.trace) trace_strain(state, pairs, partner);
+  if (state.trace) trace_ratios(state, pairs, partner);
   if (partner >= 0)
     merge(state, candidate, partner);
   else
     found(state, candidate, Stage::merge);
 }
 
-// ---- Sec. IV-C, last paragraph: points left over by the traversal go to planes ----
+// ---- Sec. IV-C, last paragraph: assigning leftover points to planes ----
 
 PlaneChoice choose_plane(const SegmentState& state, std::uint32_t i, const PointVisitor* visitor) {
   PlaneChoice choice;
@@ -225,7 +226,7 @@ void assign_leftovers(SegmentState& state) {
                 .plane = choice.plane,
                 .point = state.input_index(i),
                 .value = static_cast<float>(choice.distance_m)});
-    if (!found) continue;  // it stays left over
+    if (!found) continue;  // it remains a leftover
     ++state.counts.assigned;
     give_point(state, i, choice.plane);
   }

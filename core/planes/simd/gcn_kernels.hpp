@@ -1,8 +1,8 @@
 #pragma once
 
-// The inner loops of a 3D-GCN, once per instruction set. Lanes run over channels, and every sum
-// runs over its terms in the order of their index: the same bits from each set. Raw pointers only,
-// so that nothing compiled for one set can end up in code for all.
+// Inner loops of a 3D-GCN, compiled once per instruction set. Lanes run over channels and sums run
+// in index order, so every instruction set returns identical bits. Only raw pointers, so that no
+// inline function compiled for one instruction set is linked into code for all.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace planescope::planes::gcn {
 
-/// Channel counts are padded with zeros to multiples of this.
+/// Channel counts are zero-padded to multiples of this.
 inline constexpr int kLanes = 16;
 
-/// Unit vectors from each point to its neighbours, zero to an equal point.
+/// Unit vectors from each point to its neighbors; zero for coincident points.
 struct DirectionArgs {
   std::size_t begin = 0, end = 0;
   int neighbours = 0;
@@ -23,14 +23,14 @@ struct DirectionArgs {
   float* directions = nullptr;          // [n x 3 x k]
 };
 
-/// Graph convolution (Lin et al. 2020, Sec. 3.2-3.3), without its products with the weights:
-/// out[i][c] = centre[i][c] + sum over s of max over j of relu(directions[i][j] . kernels[s][c])
+/// Graph convolution (Lin et al. 2020, Sec. 3.2-3.3), excluding the product with the weights:
+/// out[i][c] = center[i][c] + sum over s of max over j of relu(directions[i][j] . kernels[s][c])
 ///             * features[rows[i][j]][s][c].
-/// Without `features` the surface convolution: that factor is 1, and there is no centre.
+/// Surface convolution if `features` is null: without that factor and without the center term.
 struct SupportArgs {
   std::size_t begin = 0, end = 0;       // points i
-  int neighbours = 0;                   // k; with 0 the maximum is 0
-  const float* directions = nullptr;    // [n x 3 x k] unit vectors to the neighbours, or zero
+  int neighbours = 0;                   // k; the maximum over no neighbors is 0
+  const float* directions = nullptr;    // [n x 3 x k] unit vectors to the neighbors, or zero
   const std::uint32_t* rows = nullptr;  // [n x k]
   int supports = 1, channels = 0;
   const float* kernels = nullptr;   // [3 x supports x channels] unit columns
@@ -40,20 +40,20 @@ struct SupportArgs {
   float* out = nullptr;  // [n x out_stride]
   std::size_t out_stride = 0;
   bool relu = true;
-  std::uint16_t* winners = nullptr;  // [n x supports x channels] j of each maximum, where wanted
+  std::uint16_t* winners = nullptr;  // [n x supports x channels] j of each maximum; may be null
 };
 
 /// y[i] = bias + x[i] * w for rows begin..end.
 struct ProductArgs {
   std::size_t begin = 0, end = 0;
-  const float* x = nullptr;  // [n x x_stride], of which `inner` columns count
+  const float* x = nullptr;  // [n x x_stride]; only the first `inner` columns are used
   std::size_t x_stride = 0;
   int inner = 0, outer = 0;
   const float* w = nullptr;     // [inner x outer]
-  const float* bias = nullptr;  // [outer], or none
+  const float* bias = nullptr;  // [outer]; may be null
   float* y = nullptr;           // [n x y_stride]
   std::size_t y_stride = 0;
-  bool accumulate = false;  // y takes the place of the bias
+  bool accumulate = false;  // start from y instead of the bias
   bool relu = false;
 };
 

@@ -1,4 +1,4 @@
-// The kernels compiled for AVX2.
+// Kernels compiled for AVX2.
 
 #define PLANESCOPE_LANES 8
 #define PLANESCOPE_TILE 4

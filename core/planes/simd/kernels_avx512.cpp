@@ -1,4 +1,4 @@
-// The kernels compiled for AVX-512.
+// Kernels compiled for AVX-512.
 
 #define PLANESCOPE_LANES 16
 #define PLANESCOPE_TILE 8

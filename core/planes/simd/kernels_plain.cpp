@@ -1,4 +1,4 @@
-// The kernels for any processor, and the choice among the three sets.
+// Kernels for the baseline processor, and the choice between the three sets.
 
 #define PLANESCOPE_LANES 4
 #define PLANESCOPE_TILE 4

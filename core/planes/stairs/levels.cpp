@@ -1,4 +1,4 @@
-// Levels (planes to stand on, joined where they touch), parallel cuts through them, and ramps.
+// Levels (walkable planes, joined where they touch), parallel cuts through them, and ramps.
 
 #include "core/planes/stairs/levels.hpp"
 
@@ -32,7 +32,7 @@ LevelPiece piece_of(const PlaneRegion& plane, int id, const Outline& outline) {
   return piece;
 }
 
-/// By how much its height changes over it [m].
+/// Height difference across the plane [m].
 double climb_m(const LevelPiece& piece) {
   const Vec2d slope = -piece.normal.head<2>() / piece.normal.z();
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -44,7 +44,7 @@ double climb_m(const LevelPiece& piece) {
   return std::max(0.0, high - low);
 }
 
-/// Small planes are known less well: one over which no step could hide is level even so.
+/// Small planes are less accurate: treat a plane as level if no step fits within its height change.
 bool is_level(const LevelPiece& piece, const StairsOptions& options) {
   constexpr double kMostDeg = 20;
   const double tilt_deg = piece.tilt_deg();
@@ -57,7 +57,7 @@ struct Nearest {
   Vec2d at = Vec2d::Zero();
 };
 
-/// From corners of `a` to the borders of `b`.
+/// Updates the shortest distance from corners of `a` to borders of `b`.
 void approach(const LevelPiece& a, const LevelPiece& b, Nearest& nearest) {
   for (const PolygonRing& of_a : a.rings)
     for (const Vec2d& p : of_a)
@@ -73,7 +73,7 @@ void approach(const LevelPiece& a, const LevelPiece& b, Nearest& nearest) {
         }
 }
 
-/// Pieces of one level: close by, and there of one height.
+/// Whether two pieces belong to one level: adjacent, with equal height there.
 bool is_one_level(const LevelPiece& a, const LevelPiece& b, const StairsOptions& options) {
   const double same_m = 0.6 * options.rise_min_m;
   if (std::abs(a.centroid.z() - b.centroid.z()) > 4 * same_m) return false;
@@ -123,10 +123,10 @@ void close_gaps_along(std::vector<Interval>& cut, double close_m) {
   cut.resize(closed);
 }
 
-/// Where an edge crosses a cut.
+/// Intersection of an edge with a cut.
 struct Crossing {
   int cut = 0;
-  double at_m = 0;  // along
+  double at_m = 0;  // position along the heading
 };
 
 }  // namespace
@@ -184,7 +184,7 @@ Cuts cuts_of(std::span<const PolygonRing> rings, const Heading& heading, double 
       const Vec2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
       const double ta = across.dot(a), tb = across.dot(b);
       const double sa = heading.along.dot(a), sb = heading.along.dot(b);
-      // One more on either side, for rounding.
+      // One extra on either side, to allow for rounding.
       const int first = static_cast<int>(std::floor(std::min(ta, tb) / kCutM)) - 1;
       const int last = static_cast<int>(std::floor(std::max(ta, tb) / kCutM)) + 1;
       for (int k = std::max(first, cuts.first); k <= std::min(last, cuts.end() - 1); ++k) {
@@ -265,7 +265,7 @@ std::vector<Heading> headings_of(std::span<const Level> levels, const CoveringPl
 
 namespace {
 
-/// The level of a height that begins or ends where the ramp does.
+/// Level at a given height that begins or ends at the end of the ramp.
 LevelPlanes level_at_end(const Cuts& ramp,
                          const Heading& uphill,
                          double z,

@@ -1,4 +1,4 @@
-// Finds flights, kerbs and ramps among the levels of a frame.
+// Finds flights, kerbs and ramps between the levels of a frame.
 
 #include "core/planes/stairs/stairs.hpp"
 
@@ -21,7 +21,7 @@ double angle_deg(const Vec2d& a, const Vec2d& b) {
   return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * kDegrees;
 }
 
-/// Everything that one frame's search looks at.
+/// Input of the search in one frame.
 struct Scene {
   const CoveringPlanes& all;
   std::optional<Vec3d> sensor;
@@ -29,7 +29,7 @@ struct Scene {
   LevelPlanesOf found;
 };
 
-/// All steps that lead up in a direction, and what nearly was one.
+/// All steps up in one direction, and the near misses.
 struct StepsAlong {
   Approach approach;
   std::vector<SingleStep> steps;
@@ -57,7 +57,7 @@ StepsAlong steps_along(const Heading& heading, const Scene& scene) {
 
 Vec3d on_level(const Vec2d& xy, double z) { return {xy.x(), xy.y(), z}; }
 
-/// The plane that stands below a nosing, 0 none: the largest.
+/// Id of the largest plane below a nosing, 0 if none.
 int riser_below(const NosingLine& nosing, double rise_m, const Vec2d& uphill, const Scene& scene) {
   constexpr double kNearM = 0.06, kMostTurnDeg = 15;
   const Vec2d middle = (nosing.right + nosing.left).head<2>() / 2;
@@ -97,7 +97,7 @@ struct Found {
   StepRow row;
 };
 
-/// The heading in which the nosings lie straight across.
+/// The heading perpendicular to the nosings.
 Heading straightened(const Found& found) {
   double slope = 0, width = 0;
   for (const SingleStep& step : found.row.steps) {
@@ -140,7 +140,7 @@ SeenFrom seen_from(const Found& found) {
   return heading.along.dot(sensor->head<2>()) < middle ? SeenFrom::below : SeenFrom::above;
 }
 
-/// How far along the heading a riser stands, at a place across it.
+/// Position of a riser along the heading, at a position across it.
 double along_riser(int riser, const Heading& heading, double across, const Scene& scene) {
   const std::size_t i = static_cast<std::size_t>(riser) - 1;
   const Vec2d normal = scene.all.planes[i].fit.normal.head<2>();
@@ -149,7 +149,7 @@ double along_riser(int riser, const Heading& heading, double across, const Scene
                                          normal.dot(heading.across()) / normal.dot(heading.along);
 }
 
-/// From one step to the next: between their risers where both were seen, else between nosings.
+/// Distance to the next step: between risers if both were seen, else between nosings.
 double going_m(const Flight::Step& last,
                const Flight::Step& next,
                const Heading& heading,
@@ -176,16 +176,17 @@ Flight flight_of(const Found& found, const Scene& scene) {
   std::vector<double> widths;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const SingleStep& step = steps[i];
-    Flight::Step told{levels[step.upper].ids(), 0, step.rise_m, 0, nosing_of(step, found.approach)};
+    Flight::Step seen_step{levels[step.upper].ids(), 0, step.rise_m, 0,
+                           nosing_of(step, found.approach)};
     if (step.one_unseen) {
-      Flight::Step unseen = told;
+      Flight::Step unseen = seen_step;
       unseen.tread.clear();
       const Vec3d down = on_level(-going_between(steps[i - 1], step) * along, -step.rise_m);
-      unseen.nosing = {told.nosing.right + down, told.nosing.left + down};
+      unseen.nosing = {seen_step.nosing.right + down, seen_step.nosing.left + down};
       flight.steps.push_back(unseen);
     }
     widths.push_back(step.width_m());
-    flight.steps.push_back(std::move(told));
+    flight.steps.push_back(std::move(seen_step));
   }
   double goings = 0, rises = 0;
   for (std::size_t i = 0; i < flight.steps.size(); ++i) {
@@ -211,13 +212,13 @@ bool is_minor(const SingleStep& step, const Scene& scene) {
   return scene.found.levels[step.lower].minor || scene.found.levels[step.upper].minor;
 }
 
-/// A step that no flight has.
+/// A step that is not part of a flight.
 struct Single {
   SingleStep step;
   const StepsAlong* along = nullptr;
 };
 
-/// What keeps a single step from being a kerb.
+/// Reason why a single step is not a kerb; nullopt if it is one.
 std::optional<StepDecision> no_kerb(const SingleStep& step, const Scene& scene) {
   const auto no = [&](NoStep why, double value, double limit) {
     return StepDecision{scene.found.levels[step.lower].pieces[0].id,
@@ -245,7 +246,7 @@ std::vector<Single> kerbs_among(const std::vector<StepsAlong>& directions,
         continue;
       singles.push_back({step, &along});
     }
-  // Of one nosing, found in several headings, the one that lies straight across counts.
+  // If several headings find the same nosing, keep the one most perpendicular to it.
   std::ranges::stable_sort(singles, {}, [](const Single& s) {
     return std::tuple(s.step.upper, s.step.lower, std::abs(s.step.slope));
   });
@@ -275,9 +276,9 @@ Kerb kerb_of(const Single& single, const Scene& scene) {
   return kerb;
 }
 
-// ---- What is told of the rest ----
+// ---- Floor and near misses ----
 
-/// The lowest level of floor_m2, else the largest; null where there is none.
+/// The lowest level of at least floor_m2, else the largest level; null if there are none.
 const Level* floor_of(std::span<const Level> levels, const StairsOptions& options) {
   const Level* floor = nullptr;
   for (const Level& level : levels) {
@@ -288,7 +289,7 @@ const Level* floor_of(std::span<const Level> levels, const StairsOptions& option
   return floor;
 }
 
-/// Of each level that no step leads up to, what came nearest to one.
+/// For each level without a step up to it, the nearest miss.
 std::vector<StepDecision> decisions_of(const std::vector<StepsAlong>& directions,
                                        const std::set<int>& reached,
                                        const Scene& scene) {

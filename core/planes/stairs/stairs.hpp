@@ -1,8 +1,8 @@
 #pragma once
 
-// What stands above the floor: flights of stairs, kerbs and ramps, from the planes of a frame and
-// what they cover. Seen from above: a step is where a level ends and a higher one begins behind its
-// nosing, the line along which the higher one ends. World frame: z up, metres.
+// Flights of stairs, kerbs and ramps, detected from the planes of a frame and their outlines, seen
+// from above. A step is found where one level ends and a higher level begins behind its nosing, the
+// front edge of the higher level. World frame: z up, meters.
 
 #include <optional>
 #include <span>
@@ -15,20 +15,20 @@
 
 namespace planescope::planes {
 
-/// From right to left for who goes up [m].
+/// From right to left, facing uphill [m].
 struct NosingLine {
   Vec3d right = Vec3d::Zero(), left = Vec3d::Zero();
   double width_m() const { return (left - right).norm(); }
 };
 
-/// Ids of planes: pieces of one level, the largest first; none where it was not seen. Of a minor
-/// plane -1 - its index.
+/// Plane ids: pieces of one level, largest first; empty if it was not seen. A minor plane is -1 -
+/// its index.
 using LevelPlanes = std::vector<int>;
 
-/// Planes and what they cover.
+/// Planes with their outlines.
 struct CoveringPlanes {
   std::span<const PlaneRegion> planes;
-  std::span<const Outline> outlines;  // of each
+  std::span<const Outline> outlines;  // one per plane
 };
 
 enum class SeenFrom : std::uint8_t { unknown, below, above };  // clouds: unknown
@@ -36,17 +36,18 @@ enum class SeenFrom : std::uint8_t { unknown, below, above };  // clouds: unknow
 struct Flight {
   struct Step {
     LevelPlanes tread;   // behind the nosing
-    int riser = 0;       // id of a plane, 0 none seen
+    int riser = 0;       // plane id, 0 if not seen
     double rise_m = 0;   // from the level below
-    double going_m = 0;  // from the nosing below to this one; of the first step 0: there is none
+    double going_m = 0;  // from the previous nosing to this one; 0 for the first step
     NosingLine nosing;
   };
-  LevelPlanes foot;                             // before the first riser
-  std::vector<Step> steps;                      // from the lowest
-  double rise_m = 0, going_m = 0, width_m = 0;  // means over steps; width: the median
-  Vec3d uphill = Vec3d::UnitX();                // unit, level
-  SeenFrom seen = SeenFrom::unknown;            // from below: it leads up
-  bool landing = false;                         // the last tread is one
+  LevelPlanes foot;                             // level in front of the first riser
+  std::vector<Step> steps;                      // lowest first
+  double rise_m = 0, going_m = 0, width_m = 0;  // rise and going: means over the steps;
+                                                // width: median
+  Vec3d uphill = Vec3d::UnitX();                // unit, horizontal
+  SeenFrom seen = SeenFrom::unknown;            // below: it leads up from the sensor
+  bool landing = false;                         // whether the last tread is a landing
 };
 
 struct Kerb {
@@ -60,26 +61,26 @@ struct Kerb {
 struct SlopingPlane {
   int plane = 0;
   double slope_deg = 0;
-  double rise_m = 0, run_m = 0, width_m = 0;  // as far as it is seen
+  double rise_m = 0, run_m = 0, width_m = 0;  // visible extent
   Vec3d uphill = Vec3d::UnitX();
-  LevelPlanes lower, upper;  // what it leads from and to; one may be unseen
+  LevelPlanes lower, upper;  // levels at its ends; one may be unseen
 };
 
-/// Why there is no step between two levels, or none that a flight goes on by.
+/// Reason why two levels do not form a step, or why a step does not continue a flight.
 enum class NoStep : std::uint8_t {
-  rise,          // is too low or too high
-  apart,         // the upper one does not begin where the lower one ends
-  narrow,        // too little of the nosing is seen
-  crooked,       // the upper one's border is no straight line
-  rise_uneven,   // the step is not like the one below it
+  rise,          // too low or too high
+  apart,         // the upper level does not begin where the lower level ends
+  narrow,        // too little of the nosing is visible
+  crooked,       // the border of the upper level is not straight
+  rise_uneven,   // differs from the step below
   going,         // too short or too long
-  going_uneven,  // likewise
-  alone,         // one step is no flight, and it is too narrow for a kerb
-  shallow,       // likewise, and a level is not deep enough for a kerb
+  going_uneven,  // differs from the step below
+  alone,         // a single step is not a flight, and it is too narrow for a kerb
+  shallow,       // same, with levels too shallow for a kerb
 };
 
 struct StepDecision {
-  int lower = 0, upper = 0;  // planes
+  int lower = 0, upper = 0;  // plane ids
   NoStep why = NoStep::rise;
   double value = 0, limit = 0;  // [m]; crooked: share of the border
 };
@@ -88,18 +89,18 @@ std::string to_text(const StepDecision& decision);
 const char* to_string(NoStep why);
 
 struct Stairs {
-  int floor = 0;                 // plane, 0 none: the lowest level of floor_m2, else the largest
-  std::vector<double> height_m;  // above the floor, by plane id - 1; NaN where it is not level
-  std::vector<Flight> flights;   // those of most steps first
-  std::vector<Kerb> kerbs;       // by their upper plane
+  int floor = 0;                 // plane id, 0 if none: the lowest level of floor_m2, else
+                                 // the largest
+  std::vector<double> height_m;  // above the floor, by plane id - 1; NaN if not level
+  std::vector<Flight> flights;   // most steps first
+  std::vector<Kerb> kerbs;       // sorted by upper plane
   std::vector<SlopingPlane> ramps;
-  std::vector<StepDecision> decisions;  // of each level that no step leads up to, the nearest miss
+  std::vector<StepDecision> decisions;  // the nearest miss of each level without a step up to it
 };
 
-/// `sensor`: where it stood, in the world; nothing: nobody knows, and gaps are not explained by
-/// what an upper level hides. `minor`: planes too small to be listed; they may be the foot and the
-/// last tread of a flight, and no more. Where gravity is not known no plane is level, and nothing
-/// is found.
+/// `sensor`: world position of the sensor; nullopt if unknown, and then gaps are not explained by
+/// occlusion. `minor`: planes too small to be listed, which can only be the foot or the last tread
+/// of a flight. Returns nothing if gravity is unknown, because no plane is level then.
 Stairs find_stairs(const CoveringPlanes& found,
                    const CoveringPlanes& minor,
                    const std::optional<Vec3d>& sensor,

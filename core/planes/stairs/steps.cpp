@@ -1,4 +1,4 @@
-// Single steps and rows of them, and why two levels make none.
+// Single steps, rows of steps, and the reasons why two levels do not form a step.
 
 #include "core/planes/stairs/steps.hpp"
 
@@ -12,11 +12,13 @@
 namespace planescope::planes {
 namespace {
 
-constexpr double kStraightM = 0.03;     // a border is on a line within this
-constexpr double kStraightShare = 0.6;  // ... this much of it
-constexpr double kReachM = 0.3;         // heights are taken so far before and behind a nosing
-constexpr double kGoesOn = 0.5;         // least share of a step's width that the next one has
-constexpr int kStages = 4;              // of Miss, before a step is there
+constexpr double kStraightM = 0.03;     // a border within this distance is on the line
+constexpr double kStraightShare = 0.6;  // ... for at least this share of its width
+constexpr double kReachM = 0.3;         // distance before and behind a nosing over which heights
+                                        // are averaged
+constexpr double kGoesOn = 0.5;         // smallest share of a step's width that the next step
+                                        // must cover
+constexpr int kStages = 4;              // values of Miss::stage before a step is found
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + std::ssize(values) / 2;
@@ -24,11 +26,11 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Where a cut meets both levels.
+/// Gap between two levels along one cut.
 struct Meeting {
   double across = 0;
   double front = 0;  // where the upper level begins
-  double gap = 0;    // to where the lower one ended
+  double gap = 0;    // distance from the end of the lower level
   double upper_depth = 0, lower_depth = 0;
 };
 
@@ -52,7 +54,7 @@ std::vector<Meeting> meetings_of(const Cuts& lower, const Cuts& upper) {
   return meetings;
 }
 
-/// How much of the lower level the upper one hides from the sensor, behind its nosing [m].
+/// Depth of the lower level hidden from the sensor by the upper one, behind its nosing [m].
 double hidden_m(const Approach& approach, double front, double lower_z, double upper_z) {
   if (!approach.sensor) return 0;
   const double s = approach.heading.along.dot(approach.sensor->head<2>());
@@ -64,7 +66,7 @@ struct Line {
   double at = 0, slope = 0;
 };
 
-/// Theil and Sen: the median of slopes, then of offsets; then least squares of what lies on it.
+/// Theil-Sen: median of slopes, then of offsets; then least squares of the points on the line.
 Line line_through(const std::vector<Meeting>& meetings) {
   constexpr std::size_t kMost = 40;
   const std::size_t stride = (meetings.size() + kMost - 1) / kMost;
@@ -90,8 +92,8 @@ Line line_through(const std::vector<Meeting>& meetings) {
   return line;
 }
 
-/// Mean height of a level beside a nosing, behind it or before it: of its piece that has most
-/// there.
+/// Mean height of a level beside a nosing, behind or before it: of the piece with the largest
+/// part there.
 double height_beside(const Approach& approach, int level, const SingleStep& step, bool behind) {
   const std::vector<LevelPiece>& pieces = approach.levels[level].pieces;
   double height = approach.levels[level].z_m, longest = 0;
@@ -119,7 +121,7 @@ StepDecision no_step(
   return {levels[lower].pieces[0].id, levels[upper].pieces[0].id, why, value, limit};
 }
 
-/// Rises that are told from one another only by noise and what heights are known by.
+/// The limit that `value` violates.
 double beyond(double value, double least, double most) { return value < least ? least : most; }
 
 }  // namespace
@@ -244,10 +246,10 @@ std::optional<StepDecision> misfit(const SingleStep& last,
 StepRow longest_row(std::span<const SingleStep> steps,
                     std::span<const Level> levels,
                     const StairsOptions& options) {
-  // Levels are in order of height, so that a step comes after all that lead up to it.
+  // Levels are sorted by height, so a step comes after all steps that lead up to it.
   std::vector<SingleStep> ordered(steps.begin(), steps.end());
   std::ranges::stable_sort(ordered, {}, &SingleStep::upper);
-  std::vector<StepRow> ending(ordered.size());  // the best row that ends with this step
+  std::vector<StepRow> ending(ordered.size());  // the best row ending with this step
   StepRow best;
   for (std::size_t i = 0; i < ordered.size(); ++i) {
     const bool one_unseen = ordered[i].one_unseen;
@@ -276,13 +278,13 @@ StepRow longest_row(std::span<const SingleStep> steps,
   return best;
 }
 
-// ---- In words ----
+// ---- Text ----
 
 namespace {
 
 std::string cm(double m) { return fmt::format("{:.0f} cm", 100 * m); }
 
-std::string told(const StepDecision& d) {
+std::string reason_of(const StepDecision& d) {
   switch (d.why) {
     case NoStep::rise:
       return fmt::format("no step: rise {}, limit {}", cm(d.value), cm(d.limit));
@@ -291,22 +293,23 @@ std::string told(const StepDecision& d) {
     case NoStep::narrow:
       return fmt::format("no step: {} wide, limit {}", cm(d.value), cm(d.limit));
     case NoStep::crooked:
-      return fmt::format("no step: {:.0f} % of the border is straight, limit {:.0f} %",
+      return fmt::format("no step: only {:.0f} % of the border is straight, limit {:.0f} %",
                          100 * d.value, 100 * d.limit);
     case NoStep::rise_uneven:
-      return fmt::format("not of the flight below: rises differ by {}, limit {}", cm(d.value),
+      return fmt::format("not part of the flight below: rises differ by {}, limit {}", cm(d.value),
                          cm(d.limit));
     case NoStep::going:
-      return fmt::format("not of the flight below: going {}, limit {}", cm(d.value), cm(d.limit));
+      return fmt::format("not part of the flight below: going {}, limit {}", cm(d.value),
+                         cm(d.limit));
     case NoStep::going_uneven:
-      return fmt::format("not of the flight below: goings differ by {}, limit {}", cm(d.value),
+      return fmt::format("not part of the flight below: goings differ by {}, limit {}", cm(d.value),
                          cm(d.limit));
     case NoStep::alone:
-      return fmt::format("a step alone: {} wide, limit for a kerb {}", cm(d.value), cm(d.limit));
+      return fmt::format("single step: {} wide, limit for a kerb {}", cm(d.value), cm(d.limit));
     case NoStep::shallow:
       break;
   }
-  return fmt::format("a step alone: {} deep, limit for a kerb {}", cm(d.value), cm(d.limit));
+  return fmt::format("single step: {} deep, limit for a kerb {}", cm(d.value), cm(d.limit));
 }
 
 }  // namespace
@@ -336,7 +339,7 @@ const char* to_string(NoStep why) {
 }
 
 std::string to_text(const StepDecision& decision) {
-  return fmt::format("P{} -> P{} {}", decision.lower, decision.upper, told(decision));
+  return fmt::format("P{} -> P{} {}", decision.lower, decision.upper, reason_of(decision));
 }
 
 }  // namespace planescope::planes

@@ -1,6 +1,6 @@
 #pragma once
 
-// Single steps, from one level to a higher one, and rows of them. Internal to core/planes/stairs.
+// Single steps from one level to a higher one, and rows of steps. Internal to core/planes/stairs.
 
 #include <optional>
 #include <span>
@@ -10,11 +10,11 @@
 
 namespace planescope::planes {
 
-/// Levels as who goes in one direction meets them.
+/// Levels along one heading, in cuts.
 struct Approach {
   Heading heading;
   std::span<const Level> levels;
-  std::vector<Cuts> cuts;  // of each level
+  std::vector<Cuts> cuts;  // per level
   std::vector<std::vector<Cuts>> of_pieces;
   std::optional<Vec3d> sensor;
 };
@@ -23,40 +23,40 @@ Approach approach_along(const Heading& heading,
                         const std::optional<Vec3d>& sensor,
                         const StairsOptions& options);
 
-/// From a level to a higher one, over a nosing that is a line: along = at + slope * across.
+/// A step between two levels, over a straight nosing: along = at + slope * across.
 struct SingleStep {
   int lower = 0, upper = 0;  // levels
-  bool one_unseen = false;   // two steps: the tread between was not seen
-  double rise_m = 0;         // of each of them
+  bool one_unseen = false;   // two steps with an unseen tread between them
+  double rise_m = 0;         // per step
   double at = 0, slope = 0;
-  double right = 0, left = 0;  // where the nosing ends, across
-  double upper_depth_m = 0;    // of the upper level behind the nosing, median
-  double lower_depth_m = 0;    // of the lower level before it
+  double right = 0, left = 0;  // ends of the nosing, across
+  double upper_depth_m = 0;    // upper level behind the nosing, median
+  double lower_depth_m = 0;    // lower level before the nosing
   double along(double across) const { return at + slope * across; }
   double width_m() const { return (left - right) * std::sqrt(1 + slope * slope); }
 };
 
-/// How far two levels are from a step: the later, the nearer.
+/// A pair of levels that is not a step. A higher stage is closer to a step.
 struct Miss {
   StepDecision decision;
   int stage = 0;
 };
 struct TriedStep {
   std::optional<SingleStep> step;
-  Miss miss;  // where there is none
+  Miss miss;  // if there is no step
 };
 TriedStep try_step(
     int lower, int upper, bool one_unseen, const Approach& approach, const StairsOptions& options);
 
-/// Steps one behind the other, from the lowest.
+/// Consecutive steps, lowest first.
 struct StepRow {
   std::vector<SingleStep> steps;
-  double uneven_m = 0;  // how much rises and goings differ from one to the next, added up
+  double uneven_m = 0;  // sum of the differences of rises and goings between successive steps
   int unseen() const;
-  int count() const;                           // with those unseen
+  int count() const;                           // including unseen steps
   bool operator<(const StepRow& other) const;  // fewer steps, more of them unseen, less even
 };
-/// Why `next` does not go on from `last`, whose going is `going_m` where that is known.
+/// Reason why `next` does not continue the row after `last`. `going_m`: going of `last`, if known.
 std::optional<StepDecision> misfit(const SingleStep& last,
                                    const SingleStep& next,
                                    std::optional<double> going_m,
@@ -64,8 +64,10 @@ std::optional<StepDecision> misfit(const SingleStep& last,
                                    const StairsOptions& options);
 double going_between(const SingleStep& last, const SingleStep& next);
 
-/// The best row of at least two steps that were seen, one of them first, where no two treads in
-/// sequence were not. Minor levels are its ends alone, and one step has none. Empty: there is none.
+/// The best row of at least two seen steps, beginning with one, without two consecutive unseen
+/// treads. Minor levels only occur at its ends, and at least one of its
+/// steps has none. Empty if there
+/// is no such row.
 StepRow longest_row(std::span<const SingleStep> steps,
                     std::span<const Level> levels,
                     const StairsOptions& options);

@@ -204,12 +204,12 @@ std::uint64_t ValueHistogram::total() const {
 }
 
 std::vector<ValueHistogram> decision_histograms(const planes::Segmentation& segmentation,
-                                                const planes::Strains& strains,
+                                                const planes::LimitRatios& limit_ratios,
                                                 const planes::SegmentOptions& options) {
   if (segmentation.octree.nodes.empty()) return {};
-  return {outliers(segmentation.octree, options), over_limits("planarity", strains.planarity),
-          over_limits("merge_angle", strains.angle),
-          over_limits("merge_distance", strains.distance)};
+  return {outliers(segmentation.octree, options), over_limits("planarity", limit_ratios.planarity),
+          over_limits("merge_angle", limit_ratios.angle),
+          over_limits("merge_distance", limit_ratios.distance)};
 }
 
 void add_to(ValueHistogram& sum, const ValueHistogram& part) {

@@ -274,10 +274,10 @@ planes::PipelineOptions options_of(const Report& report, std::vector<std::string
 /// What the command line said of the camera when the report was made: --intrinsics, --depth-unit.
 io::RecordingOptions options_of(const ReportRecording& recording);
 
-/// N_out of the nodes visited, and values over their limits (Strains). Those of the same options
-/// have the same bins. None where there is no octree.
+/// N_out of the nodes visited, and values over their limits (LimitRatios). Those of the same
+/// options have the same bins. None where there is no octree.
 std::vector<ValueHistogram> decision_histograms(const planes::Segmentation& segmentation,
-                                                const planes::Strains& strains,
+                                                const planes::LimitRatios& limit_ratios,
                                                 const planes::SegmentOptions& options);
 
 /// Adds counts; of other bins nothing.

@@ -1,4 +1,4 @@
-// Writes the map and track files of a recording, and reads a map back.
+// Writes the map and track files of a recording, and reads maps.
 
 #include "core/world/files/map_files.hpp"
 
@@ -20,13 +20,13 @@
 
 namespace planescope::world {
 
-// ---- Written ----
+// ---- Writing ----
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// To a hundredth of a millimetre, which is below what any of it is known to; never minus zero.
+/// Rounds to a hundredth of a millimeter, below the accuracy of all values; never minus zero.
 double rounded(double value) { return std::round(value * 1e5) / 1e5 + 0.0; }
 
 Json number(double value) { return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr); }
@@ -106,7 +106,7 @@ Json gap_json(const Gap& gap) {
   return json;
 }
 
-/// Frames in which the track was seen, as first and last of each unbroken row of frames.
+/// Frames in which the track was seen, as the first and last frame of each uninterrupted run.
 Json seen_json(const Track& track, const Tracker& tracker) {
   Json runs = Json::array();
   const auto& frames = tracker.frames();
@@ -154,44 +154,44 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
   json["recording"] = recording;
   json["frames"] = Json::array();
   for (const FrameOfTracks& frame : tracker.frames()) {
-    Json told = {
+    Json entry = {
         {"frame", frame.frame}, {"timestamp_s", frame.timestamp_s}, {"segment", frame.segment}};
-    if (!frame.has_pose) told["without_pose"] = true;
-    if (frame.set_aside) told["set_aside"] = true;
-    told["agreement"] = rounded(frame.agreement);
-    if (const auto& down = frame.gravity) told["gravity"] = {down->x(), down->y(), down->z()};
+    if (!frame.has_pose) entry["without_pose"] = true;
+    if (frame.set_aside) entry["set_aside"] = true;
+    entry["agreement"] = rounded(frame.agreement);
+    if (const auto& down = frame.gravity) entry["gravity"] = {down->x(), down->y(), down->z()};
     std::vector<int> ids;
     for (const int id : frame.track_of) ids.push_back(final_track(tracker.tracks(), id));
-    told["track_of_plane"] = std::vector(ids.begin(), ids.begin() + frame.listed);
+    entry["track_of_plane"] = std::vector(ids.begin(), ids.begin() + frame.listed);
     if (frame.listed < std::ssize(ids))
-      told["track_of_minor"] = std::vector(ids.begin() + frame.listed, ids.end());
+      entry["track_of_minor"] = std::vector(ids.begin() + frame.listed, ids.end());
     if (const auto stored = map.stored.find(frame.frame); stored != map.stored.end()) {
-      told["planes_sha256"] = stored->second.sha256;
-      told["margins"] = Json::array();
+      entry["planes_sha256"] = stored->second.sha256;
+      entry["margins"] = Json::array();
       for (const double margin : stored->second.margins)
-        told["margins"].push_back(std::isfinite(margin) ? Json(margin) : Json());
+        entry["margins"].push_back(std::isfinite(margin) ? Json(margin) : Json());
     }
-    json["frames"].push_back(std::move(told));
+    json["frames"].push_back(std::move(entry));
   }
   json["tracks"] = Json::array();
   for (const Track& track : tracker.tracks()) {
-    Json told = {{"id", track.id},
-                 {"label", to_string(track.label)},
-                 {"segment", track.segment},
-                 {"state", to_string(track.state)},
-                 {"born", track.born}};
-    if (track.ended >= 0) told["ended"] = track.ended;
-    if (track.merged_into > 0) told["merged_into"] = track.merged_into;
+    Json entry = {{"id", track.id},
+                  {"label", to_string(track.label)},
+                  {"segment", track.segment},
+                  {"state", to_string(track.state)},
+                  {"born", track.born}};
+    if (track.ended >= 0) entry["ended"] = track.ended;
+    if (track.merged_into > 0) entry["merged_into"] = track.merged_into;
     if (track.state != TrackState::merged) {
-      told["in_map"] = track.is_sure(tracker.options());
-      told["frames_seen"] = track.frames_seen;
-      told["frames_missed"] = track.frames_missed;
-      told["frames_undecided"] = track.frames_undecided();
-      told["seen"] = seen_json(track, tracker);
-      told["gaps"] = Json::array();
-      for (const Gap& gap : track.gaps) told["gaps"].push_back(gap_json(gap));
+      entry["in_map"] = track.is_sure(tracker.options());
+      entry["frames_seen"] = track.frames_seen;
+      entry["frames_missed"] = track.frames_missed;
+      entry["frames_undecided"] = track.frames_undecided();
+      entry["seen"] = seen_json(track, tracker);
+      entry["gaps"] = Json::array();
+      for (const Gap& gap : track.gaps) entry["gaps"].push_back(gap_json(gap));
     }
-    json["tracks"].push_back(std::move(told));
+    json["tracks"].push_back(std::move(entry));
   }
   return json_text(json);
 }
@@ -224,7 +224,7 @@ std::string map_json(const WorldMap& map, const std::string& recording, const Ma
                      {"least_area_m2", o.least_area_m2},
                      {"window_m", o.window_m}};
   json["stability"] = stability_json(map.stability);
-  json["told"] = map.told;
+  json["told"] = map.warnings;
   json["planes"] = Json::array();
   for (const Track* track : planes_of_map(map.tracker))
     json["planes"].push_back(plane_json(*track));
@@ -262,18 +262,18 @@ std::string stability_text(const Stability& s) {
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
   if (std::isfinite(s.kept_share))
-    add(fmt::format("{:.1f} % of pixels on planes go on in the next frame", 100 * s.kept_share));
+    add(fmt::format("{:.1f} % of pixels on planes continue in the next frame", 100 * s.kept_share));
   if (std::isfinite(s.breaks))
     add(fmt::format("{:.1f} breaks and {:.1f} swaps per 100 frames", s.breaks, s.swaps));
   if (s.still_pairs > 0)
-    add(fmt::format("standing still, normals jitter by {:.2f} deg and offsets by {:.1f} mm",
+    add(fmt::format("while still, normals jitter by {:.2f} deg and offsets by {:.1f} mm",
                     s.normal_jitter_deg, 1000 * s.offset_jitter_m));
   if (s.returns > 0)
-    add(fmt::format("{} came back {:.1f} mm off", counted(s.returns, "plane"), 1000 * s.drift_m));
+    add(fmt::format("{} returned {:.1f} mm off", counted(s.returns, "plane"), 1000 * s.drift_m));
   return text;
 }
 
-// ---- Read again ----
+// ---- Reading ----
 
 namespace {
 
@@ -281,17 +281,17 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
 
-/// A file of a map. Its Errors name it.
+/// Reads a file of a map. Errors name the file.
 void read(const fs::path& file,
           const char* schema,
           const std::function<void(const JsonPlace&)>& take) {
   if (!fs::exists(file))
-    throw Error(file.string() + ": is missing, expected a folder that planescope map wrote");
+    throw Error(file.string() + ": missing; expected a folder written by planescope map");
   read_place(file, read_json<Json>(file, kMostBytes), [&](const JsonPlace& place) {
     try {
       place.schema({schema});
     } catch (const Error& error) {
-      throw Error(error.what() + std::string(": make the map again"));
+      throw Error(error.what() + std::string(": rebuild the map"));
     }
     take(place);
   });
@@ -303,12 +303,12 @@ void take_map(const JsonPlace& place,
               KnownMap& map) {
   const std::string name = recording.path.filename().string(), found = place.at("recording").text();
   if (found != name)
-    throw Error(fmt::format("is of the recording {}, expected {}", shown(found), shown(name)));
+    throw Error(fmt::format("belongs to recording {}, expected {}", shown(found), shown(name)));
   PlanesFrom from;
   for (const auto& item : place.at("pipeline").json().items())
     from[item.key()] = place.at("pipeline").at(item.key().c_str()).text();
   if (const std::string other = difference(from, planes_from(options, recording)); !other.empty())
-    throw Error("its planes were found with other options: " + other);
+    throw Error("made with different options: " + other);
   FieldReader fields(place);
   fields.list("gravity", map.gravity, kPlain, [](auto& of, SharedGravity& shared) {
     of("source", shared.source);
@@ -319,7 +319,7 @@ void take_map(const JsonPlace& place,
   });
 }
 
-void take_frame(FieldReader& fields, KnownMap& map) {
+void read_frame_fields(FieldReader& fields, KnownMap& map) {
   int frame = 0;
   fields("frame", frame);
   KnownMap::FramePlanes& planes = map.planes_of[frame];
@@ -343,8 +343,8 @@ std::shared_ptr<const GivenPlanes> given_planes(const KnownMap& map, int frame) 
   const fs::path file = planes_file(map.dir, frame);
   const std::vector<unsigned char> bytes = read_file_bytes(file);
   if (sha256_hex(std::as_bytes(std::span(bytes))) != at->second.sha256)
-    throw Error(fmt::format("{}: is not what {} was written with", file.string(),
-                            (map.dir / "tracks.json").string()));
+    throw Error(
+        fmt::format("{}: does not match {}", file.string(), (map.dir / "tracks.json").string()));
   return std::make_shared<const GivenPlanes>(GivenPlanes{io::decode_png_16(bytes, file.string()),
                                                          static_cast<int>(at->second.tracks.size()),
                                                          at->second.margins});
@@ -369,18 +369,17 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
   });
   for (const auto& [name, hash] : hashes)
     if (const fs::path file = dir / name; sha256_hex_of_file(file) != hash)
-      throw Error(fmt::format("{}: is not what {} was written with", file.string(),
-                              (dir / "map.json").string()));
+      throw Error(fmt::format("{}: does not match {}", file.string(), (dir / "map.json").string()));
   read(dir / "tracks.json", "planescope.tracks/4", [&](const JsonPlace& place) {
     place.at("frames").each([&](const JsonPlace& frame) {
       FieldReader fields(frame);
-      take_frame(fields, *map);
+      read_frame_fields(fields, *map);
     });
   });
   map->poses = read_trajectory(dir / "poses.tum");
   for (const CameraPose& pose : map->poses.poses) {
     if (pose.frame < 0 || pose.segment < 0 || pose.segment >= std::ssize(map->gravity))
-      throw Error((dir / "poses.tum").string() + ": does not go with map.json");
+      throw Error((dir / "poses.tum").string() + ": does not match map.json");
   }
   return map;
 }
@@ -392,7 +391,7 @@ std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recordin
       turn_to_map(frame, {}, *pose, *map);
     if (const auto at = map->planes_of.find(frame.index);
         at != map->planes_of.end() && at->second.gravity)
-      frame.gravity->direction = *at->second.gravity;  // the frame was aligned after that
+      frame.gravity->direction = *at->second.gravity;  // the frame was aligned afterwards
     frame.given = given_planes(*map, frame.index);
   });
 }

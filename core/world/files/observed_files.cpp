@@ -18,13 +18,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "planescope.observed/5";
 
-/// Writes values into JSON, or reads them from it: one function for each type. Json's own
-/// exceptions where one is not there.
+/// Writes values to JSON or reads them from it, with one function per type. Missing values throw
+/// Json's own exceptions.
 class Exchange {
  public:
   explicit Exchange(bool reads) : reads_(reads) {}
 
-  /// Its camera, pose and depth are read elsewhere.
+  /// Camera, pose and depth are read elsewhere.
   void operator()(Json& json, ObservedFrame& frame) const {
     fields(json, "frame", frame.frame, "noise", frame.noise, "planes", frame.planes);
   }
@@ -38,7 +38,7 @@ class Exchange {
     else
       json = value;
   }
-  /// Values one after the other.
+  /// Values in sequence.
   template <typename... Values>
   void list(Json& json, Values&... values) const {
     if (!reads_) json = Json::array();
@@ -46,7 +46,7 @@ class Exchange {
     (one(reads_ ? json.at(i++) : json.emplace_back(), values), ...);
   }
   void fields(Json&) const {}
-  /// A name and a value, and so on.
+  /// Alternating names and values.
   template <typename Value, typename... Rest>
   void fields(Json& json, const char* name, Value& value, Rest&&... rest) const {
     one(reads_ ? json.at(name) : json[name], value);
@@ -104,7 +104,7 @@ class Exchange {
   bool reads_;
 };
 
-/// Value, count, value, count ...
+/// Run-length encoding: value, count, value, count ...
 Json runs_json(const Image16& image) {
   Json runs = Json::array();
   for (std::size_t i = 0; i < image.data.size();) {
@@ -116,7 +116,7 @@ Json runs_json(const Image16& image) {
   }
   return runs;
 }
-/// Throws std::out_of_range where they do not fill the image, or name a plane that is not there.
+/// Throws std::out_of_range if the runs do not fill the image or refer to a missing plane.
 Image16 image_of(const Json& json, int width, int height, std::size_t planes) {
   Image16 image(width, height);
   std::size_t at = 0;
@@ -177,7 +177,7 @@ ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom&
     if (json.at("schema") != kSchema) throw std::out_of_range("the schema");
     if (const std::string other = difference(json.at("from").get<PlanesFrom>(), expected);
         !other.empty())
-      throw Error(file.string() + ": was made with other options: " + other);
+      throw Error(file.string() + ": made with different options: " + other);
     ObservedFrame frame;
     Exchange(true)(json, frame);
     for (std::size_t i = 0; i < frame.planes.size(); ++i)
@@ -189,7 +189,7 @@ ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom&
     return frame;
   } catch (const std::exception& error) {
     if (dynamic_cast<const Error*>(&error)) throw;
-    throw Error(file.string() + ": is damaged or of another version; run its shard again");
+    throw Error(file.string() + ": damaged or from another version; rerun its shard");
   }
 }
 

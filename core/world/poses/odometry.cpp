@@ -19,10 +19,10 @@ namespace {
 using Vec6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kMostRounds = 20;
-constexpr double kSettled = 1e-9;   // of a step [rad, m]
+constexpr double kSettled = 1e-9;   // size of a step [rad, m]
 constexpr double kCauchy = 3;       // sigmas
-constexpr double kAnchored = 1e12;  // information of the pose that stays
-constexpr double kLoose = 1e-6;     // ... and of poses that nothing holds
+constexpr double kAnchored = 1e12;  // information of the fixed pose
+constexpr double kLoose = 1e-6;     // ... and of unconstrained poses
 
 Vec3d log_of(const Mat3d& rotation) {
   const Eigen::AngleAxisd turn(rotation);
@@ -54,7 +54,7 @@ namespace {
 
 constexpr double kLeastDamping = 1e-6, kMostDamping = 1e6;
 
-/// What is made small: loops that agree with nothing count little (Cauchy).
+/// Cost to minimize; inconsistent loops have little weight (Cauchy).
 double cost_of(const std::vector<PoseEdge>& edges, const std::vector<Pose>& poses) {
   double cost = 0;
   for (const PoseEdge& edge : edges) {
@@ -70,8 +70,8 @@ struct Normal {
   Eigen::VectorXd b;
 };
 
-/// Poses move by turns and shifts in their own axes. To first order the error of `to` moves with
-/// its own, and against that of `from`, seen from `to`.
+/// Poses change by rotations and translations in their own axes. To first order, the error of an
+/// edge changes with the motion of `to`, and against the motion of `from` as seen from `to`.
 Normal normal_of(const std::vector<PoseEdge>& edges, const std::vector<Pose>& poses) {
   const auto n = static_cast<Eigen::Index>(poses.size());
   Normal normal{Eigen::SparseMatrix<double>(6 * n, 6 * n), Eigen::VectorXd::Zero(6 * n)};
@@ -117,8 +117,8 @@ std::vector<Pose> moved(const std::vector<Pose>& poses, const Eigen::VectorXd& s
 
 }  // namespace
 
-// Levenberg and Marquardt's: a step is taken only where it makes the cost smaller, so that edges
-// which say little of some direction throw no pose away along it.
+// Levenberg-Marquardt: a step is accepted only if it reduces the cost, so that weakly constrained
+// directions do not diverge.
 void optimise_poses(std::vector<Pose>& poses, const std::vector<PoseEdge>& edges) {
   if (poses.size() < 2 || edges.empty()) return;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver;
@@ -146,9 +146,9 @@ void optimise_poses(std::vector<Pose>& poses, const std::vector<PoseEdge>& edges
 }
 
 // ---- Odometry ----
-// Frames are registered with key frames (projective ICP with brightness, as labels are carried), so
-// that error grows with the way and not with the number of frames; key frames that meet again close
-// loops, and a pose graph shares out what does not agree.
+// Frames are registered with key frames (projective ICP with brightness, as for carrying labels),
+// so the error grows with distance, not with the number of frames. Loops are closed when key frames
+// meet again, and a pose graph distributes the residual error.
 
 namespace {
 
@@ -156,9 +156,10 @@ using labels::LabelGrid;
 using labels::Registration;
 using Grid = std::shared_ptr<const LabelGrid>;
 
-constexpr double kLeastMeasured = 0.02;  // of a frame's pixels
-constexpr int kMostLost = 10;            // frames in a row, before a new segment begins
-constexpr double kEffective = 200;       // so many of the partners are worth one of their own
+constexpr double kLeastMeasured = 0.02;  // share of a frame's pixels
+constexpr int kMostLost = 10;            // consecutive frames before a new segment begins
+constexpr double kEffective = 200;       // number of correlated partners worth one
+                                         // independent measurement
 
 Grid grid_of(const OdometryJob& job, int index) {
   return registration_grid(*job.recording, index, true);
@@ -176,7 +177,7 @@ struct Followed {
   Pose T_key_frame = Pose::Identity();
 };
 
-/// The edge from a key frame's registration with an earlier one: see PoseEdge.
+/// The edge from registering a key frame with an earlier one; see PoseEdge.
 PoseEdge edge_of(int source, int target, const Registration& registration, bool loop) {
   PoseEdge edge;
   edge.from = source;
@@ -198,8 +199,8 @@ class Following {
     }
     if (keys_.empty()) return begin_segment(frame, grid);
     const double frames = 1 + lost_;
-    // From where the camera was: a guess that goes on as it went runs away over a floor, where
-    // depth does not hold it and brightness does so for a few pixels.
+    // Start from the last camera position. Extrapolating the motion diverges on a floor, where
+    // depth does not constrain it and brightness does so for only a few pixels.
     Registration found = labels::register_frames(*grid, *key_grid_, job_.stop, {}, T_key_last_);
     if (!is_credible_step(found, frames) && lost_ == 0) {
       const Registration going =
@@ -267,8 +268,8 @@ class Following {
     T_key_last_ = Pose::Identity();
   }
 
-  /// Of each key frame, the earlier one that is nearest by what is known so far, not counting those
-  /// just before it.
+  /// For each key frame, registers the nearest earlier one by the current estimate, excluding its
+  /// immediate predecessors.
   void close_loops() {
     std::vector<std::pair<int, int>> pairs;
     for (int i = 0; i < std::ssize(keys_); ++i) {
@@ -300,7 +301,7 @@ class Following {
     for (std::size_t p = 0; p < pairs.size(); ++p)
       if (found[p].fitness >= options_.loop_fitness)
         edges_.push_back(edge_of(pairs[p].first, pairs[p].second, found[p], true));
-    // Each segment has a graph of its own, and a first pose that stays.
+    // Each segment has its own graph and its own fixed first pose.
     for (std::size_t first = 0, end = 0; first < keys_.size(); first = end) {
       end = first;
       while (end < keys_.size() && keys_[end].segment == keys_[first].segment) ++end;
@@ -329,7 +330,7 @@ class Following {
   Grid key_grid_;
   Pose T_key_last_ = Pose::Identity();
   Pose step_ = Pose::Identity();  // of the last frame
-  int lost_ = 0;                  // frames in a row
+  int lost_ = 0;                  // consecutive lost frames
 };
 
 }  // namespace
@@ -343,7 +344,7 @@ Grid registration_grid(const io::Recording& recording, int index, bool color) {
         kLeastMeasured * static_cast<double>(grid->pixels()))
       return nullptr;
     return grid;
-  } catch (const Error&) {  // told where the frame's turn comes
+  } catch (const Error&) {  // reported when the frame is processed
     return nullptr;
   }
 }

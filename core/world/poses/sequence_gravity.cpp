@@ -1,4 +1,4 @@
-// Gravity over a sequence: shared by all poses, or carried over from a nearby frame.
+// Gravity over a sequence: shared by all poses, or carried from a nearby frame.
 
 #include <fmt/format.h>
 
@@ -20,9 +20,9 @@ namespace planescope::world {
 
 namespace {
 
-constexpr double kStray = 4;          // median angles
+constexpr double kStray = 4;          // multiples of the median angle
 constexpr double kLeastSpread = 0.1;  // [deg]
-constexpr double kUpright = 5;        // [deg]: an accelerometer leans by as much
+constexpr double kUpright = 5;        // [deg]: typical tilt error of an accelerometer
 constexpr int kRounds = 10;
 
 double angle_deg(const Vec3d& a, const Vec3d& b) {
@@ -50,7 +50,7 @@ SharedGravity shared_gravity(std::span<const GravitySample> samples) {
       votes.push_back({sample.T_world_camera.linear() * sample.gravity.direction,
                        std::max(0.05, sample.gravity.confidence), sample.gravity.source});
   if (votes.empty()) return shared;
-  // A mean that starts from the middle vote of each axis and leaves out what is far from it.
+  // A mean that starts at the median vote of each axis and excludes outliers.
   Vec3d mean;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
@@ -127,23 +127,23 @@ Gravity gravity_at(const Pose& T_world_camera, const SharedGravity& shared) {
   return gravity;
 }
 
-// ---- From a neighbor ----
+// ---- Gravity from a neighbor ----
 
 namespace {
 
 using Grid = std::shared_ptr<const labels::LabelGrid>;
 using OwnGravity = std::optional<Gravity>;
 
-constexpr double kMostTiltSigma_deg = 1;  // of a motion: depth of one wall leaves its roll open
+constexpr double kMostTiltSigma_deg = 1;  // of a motion: with a single wall, depth leaves its
+                                          // roll undetermined
 
-/// From one frame to the next, by depth alone: commands that read color and those that do not must
-/// agree.
+/// Motion to the next frame, from depth only, so that commands with and without color agree.
 struct Motion {
   bool believed = false;
   Mat3d R_next_this = Mat3d::Identity();
-  Mat3d covariance = Mat3d::Zero();  // of a turn about the axes of the next [rad^2]
+  Mat3d covariance = Mat3d::Zero();  // of a rotation about the axes of the next frame [rad^2]
 
-  /// Of a direction of gravity that is carried over it (next camera's frame).
+  /// Uncertainty of a gravity direction carried over this motion (next camera frame).
   double tilt_sigma_deg(const Vec3d& gravity) const {
     const double variance = covariance.trace() - gravity.dot(covariance * gravity);
     return std::sqrt(std::max(0.0, variance)) * 180 / std::numbers::pi;
@@ -199,13 +199,13 @@ struct SequenceGravity::Cache {
       try {
         const Frame frame = recording->frame(index);
         own.value = frame.gravity ? frame.gravity : planes::estimate_gravity(frame, options);
-      } catch (const Error&) {  // reported by whoever asks for that frame
+      } catch (const Error&) {  // reported when that frame is requested
       }
     });
     return own.value;
   }
 
-  /// `grids`: those of the motion before and, afterwards, of this one.
+  /// `grids`: of the previous motion; on return, of this one.
   const Motion& motion(int from, std::map<int, Grid>& grids) {
     Once<Motion>& motion = motions[static_cast<std::size_t>(from)];
     std::call_once(motion.flag, [&] {
@@ -218,7 +218,8 @@ struct SequenceGravity::Cache {
     return motion.value;
   }
 
-  /// Turns a direction of gravity from camera `from` to camera `to`. False where odometry ends.
+  /// Rotates a gravity direction from camera `from` to camera `to`. Returns false if odometry ends
+  /// in between.
   bool follow(int from, int to, Vec3d& direction) {
     std::map<int, Grid> grids;
     for (int at = from; at != to; at += from < to ? 1 : -1) {
@@ -232,7 +233,7 @@ struct SequenceGravity::Cache {
     return true;
   }
 
-  /// Gravity of frame `from` as frame `to` has it; nullopt where the motion is not known.
+  /// Gravity of frame `from` in frame `to`; nullopt if the motion is unknown.
   std::optional<Gravity> carried(const Gravity& gravity, int from, int to) {
     Gravity result{gravity.direction, GravitySource::carried, gravity.confidence, ""};
     const std::optional<Pose> T_world_from = recording->T_world_camera(from);
@@ -262,7 +263,7 @@ struct SequenceGravity::Cache {
     return std::nullopt;
   }
 
-  /// From the nearest frame on either side whose own gravity is sure; the earlier of two.
+  /// Carries gravity from the nearest frame with reliable gravity; the earlier one on ties.
   std::optional<Gravity> from_neighbors(int to) {
     bool before = true, after = true;  // not found on that side yet
     for (int far = 1; far <= kMostFramesCarried && (before || after); ++far)
@@ -270,7 +271,7 @@ struct SequenceGravity::Cache {
         bool& open = from < to ? before : after;
         if (!open || from < 0 || from >= count || !is_sure(own(from))) continue;
         if (auto found = carried(*own(from), from, to)) return found;
-        open = false;  // what lies beyond it would be carried over the same motion
+        open = false;  // frames beyond it would be carried over the same motion
       }
     return std::nullopt;
   }

@@ -22,20 +22,20 @@ namespace {
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 28;
 constexpr double kNoTime = std::numeric_limits<double>::quiet_NaN();
-constexpr double kUnit = 1e-3;  // how far from a rotation a matrix or quaternion may be
+constexpr double kUnit = 1e-3;  // tolerance for rotations (matrix or quaternion)
 constexpr int kMostSegments = 100'000;
 
 constexpr const char* kTumLine =
     "the eight numbers of a TUM trajectory, timestamp tx ty tz qx qy qz qw";
 constexpr const char* kKittiLine = "the twelve numbers of a KITTI pose, a matrix of 3x4";
-constexpr const char* kLogHead = "the three whole numbers that begin a pose of Open3D's .log";
-constexpr const char* kLogRow = "the four numbers of a matrix's row";
+constexpr const char* kLogHead = "the three integers at the start of a pose in Open3D's .log";
+constexpr const char* kLogRow = "the four numbers of a matrix row";
 
 bool all_have_frames(const std::vector<CameraPose>& poses) {
   return std::ranges::all_of(poses, [](const CameraPose& pose) { return pose.frame >= 0; });
 }
 
-/// The poses of a file, and where each begins in it.
+/// Poses of a file with their positions in it.
 struct PosesOfFile {
   std::vector<CameraPose> poses;
   const char* unit = "line";
@@ -47,7 +47,7 @@ struct PosesOfFile {
   }
 };
 
-/// Row-major 3x4 or 4x4. Empty: no rigid motion.
+/// Row-major 3x4 or 4x4. nullopt if it is not a rigid motion.
 std::optional<Pose> pose_of_matrix(std::span<const double> m) {
   Pose pose = Pose::Identity();
   for (int row = 0; row < 3; ++row)
@@ -60,7 +60,7 @@ std::optional<Pose> pose_of_matrix(std::span<const double> m) {
   return pose;
 }
 
-/// "frame 12 segment 0 fitness 0.93 rms_m 0.0031": of the pose that follows.
+/// "frame 12 segment 0 fitness 0.93 rms_m 0.0031": applies to the following pose.
 void read_comment(const std::string& text, CameraPose& pose) {
   const std::vector<std::string> words = words_of(text);
   for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
@@ -90,7 +90,7 @@ PosesOfFile read_tum(const std::filesystem::path& path, const std::vector<TextLi
     if (next.segment >= kMostSegments)
       fail_at(path, line,
               fmt::format("segment {}; expected less than {}", next.segment, kMostSegments));
-    // What is a unit to the last bits stays as it is: a file that was read and written is the same.
+    // Keep quaternions that are unit to the last bits, so that reading and writing preserve a file.
     if (std::abs(q.norm() - 1) > 1e-12) q.normalize();
     next.timestamp_s = n[0];
     next.quaternion = {q.x(), q.y(), q.z(), q.w()};
@@ -117,7 +117,7 @@ PosesOfFile read_kitti(const std::filesystem::path& path, const std::vector<Text
   return file;
 }
 
-/// Open3D's .log: a line of three whole numbers, then the four rows of T_world_camera.
+/// Open3D's .log: a line of three integers, then the four rows of T_world_camera.
 PosesOfFile read_log(const std::filesystem::path& path, std::vector<TextLine> lines) {
   std::erase_if(lines, [](const TextLine& line) { return line.words.empty(); });
   PosesOfFile file;
@@ -127,7 +127,7 @@ PosesOfFile read_log(const std::filesystem::path& path, std::vector<TextLine> li
         fail_at(path, lines[i], fmt::format("found {}; expected {}", number, kLogHead));
     std::vector<double> matrix;
     for (std::size_t row = 1; row <= 4; ++row) {
-      if (i + row >= lines.size()) fail_at(path, lines[i], "the pose ends before its four rows");
+      if (i + row >= lines.size()) fail_at(path, lines[i], "the pose has fewer than four rows");
       const auto numbers = numbers_in(path, lines[i + row], 4, kLogRow);
       matrix.insert(matrix.end(), numbers.begin(), numbers.end());
     }
@@ -138,7 +138,7 @@ PosesOfFile read_log(const std::filesystem::path& path, std::vector<TextLine> li
   return file;
 }
 
-/// Open3D's PinholeCameraTrajectory: `extrinsic` is T_camera_world, column by column.
+/// Open3D's PinholeCameraTrajectory: `extrinsic` is T_camera_world in column-major order.
 PosesOfFile read_open3d_json(const std::filesystem::path& path) {
   PosesOfFile file;
   file.unit = "entry";
@@ -168,7 +168,7 @@ void check_distances(const std::filesystem::path& path, const PosesOfFile& file)
           fmt::format("{}, {} {}: the pose is {}", path.string(), file.unit, file.at[i], far));
 }
 
-/// Poses of the same frame or time must be the same pose.
+/// Poses for the same frame or time must be equal.
 void check_repeats(const std::filesystem::path& path, const PosesOfFile& file) {
   const std::vector<CameraPose>& poses = file.poses;
   const bool by_frame = all_have_frames(poses);
@@ -311,15 +311,15 @@ PosesOfFrames poses_by_number(const Trajectory& trajectory, std::span<const int>
   return found;
 }
 
-/// The most by which a frame's time may differ from its pose's [s].
+/// Largest allowed difference between the times of a frame and its pose [s].
 double most_apart_s(const std::vector<CameraPose>& poses) {
   std::vector<double> times;
   for (const CameraPose& pose : poses) times.push_back(pose.timestamp_s);
   return std::max(1e-4, usual_gap_s(std::move(times)) / 2);
 }
 
-/// The first frame whose own time is not that of the pose with its number: frames were added or
-/// removed since.
+/// The first frame whose time differs from that of the pose with its index, because frames were
+/// added or removed.
 std::optional<int> frame_at_another_time(const Trajectory& trajectory,
                                          const io::Recording& recording) {
   const double most_s = most_apart_s(trajectory.poses);
@@ -332,7 +332,7 @@ std::optional<int> frame_at_another_time(const Trajectory& trajectory,
   return std::nullopt;
 }
 
-/// Of each frame the nearest pose, no farther than half the usual distance between poses.
+/// The nearest pose of each frame, within half the usual distance between poses.
 PosesOfFrames poses_by_time(const Trajectory& trajectory,
                             const io::Recording& recording,
                             std::span<const int> frames) {
@@ -385,7 +385,7 @@ PairedPoses pair_poses(const Trajectory& trajectory,
   const auto last = std::ranges::max_element(poses, {}, &CameraPose::frame)->frame;
   if (are_numbered && !(poses_have_times && have_times) && last >= recording.frame_count())
     throw Error(fmt::format(
-        "{}: has a pose of frame {}; {} has {}, without times that tell which of them are missing",
+        "{}: contains a pose of frame {}, but {} has {} and no times to identify missing ones",
         trajectory.source, last, recording.info().path.string(), counted(recorded, "frame")));
   if (are_numbered && !moved) {
     paired.poses = poses_by_number(trajectory, frames);
@@ -393,7 +393,7 @@ PairedPoses pair_poses(const Trajectory& trajectory,
     paired.poses = poses_by_time(trajectory, recording, frames);
     if (moved)
       paired.notice = fmt::format(
-          "frame {} is at another time than in {}: poses are paired by time, not by number", *moved,
+          "frame {} has a different time in {}: poses are paired by time, not by number", *moved,
           trajectory.source);
   } else {
     const bool of_all = poses.size() == recorded;
@@ -406,7 +406,7 @@ PairedPoses pair_poses(const Trajectory& trajectory,
       paired.poses.emplace_back(poses[of_all ? static_cast<std::size_t>(frames[i]) : i]);
     if (poses_have_times)
       paired.notice =
-          fmt::format("frames have no times: pose i of {} is taken for frame i", trajectory.source);
+          fmt::format("frames have no times: pose i of {} is used for frame i", trajectory.source);
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!paired.poses[i]) continue;

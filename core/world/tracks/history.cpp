@@ -1,4 +1,4 @@
-// History of tracks: a track's state in each frame, track filters and stability.
+// History of tracks: state of a track in each frame, track filters and stability.
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ namespace {
 std::string term_text(const Tracker& tracker, const TermResult& term) {
   if (term.failed == Term::taken) {
     const int id = final_track(tracker.tracks(), static_cast<int>(term.value));
-    return id > 0 ? fmt::format("which is T{}", id) : "which fits as well";
+    return id > 0 ? fmt::format("matched with T{}", id) : "which also matches";
   }
   return fmt::format("{} {:.4g} > {:.4g}", to_string(term.failed), term.value, term.threshold);
 }
@@ -29,10 +29,10 @@ std::string term_text(const Tracker& tracker, const TermResult& term) {
 std::string absent_text(const Tracker& tracker, const Gap& gap, int frame) {
   std::string text = to_string(gap.why);
   if (gap.why == Absence::not_matched && frame == gap.first)
-    text += fmt::format(", its place is on P{}, {}", gap.plane, term_text(tracker, gap.term));
+    text += fmt::format(", its region is on P{}, {}", gap.plane, term_text(tracker, gap.term));
   if (gap.why == Absence::not_matched && frame != gap.first)
-    text += fmt::format(", as since frame {}", gap.first);
-  if (gap.why == Absence::not_detected) text += ", most of its place is on no plane";
+    text += fmt::format(", since frame {}", gap.first);
+  if (gap.why == Absence::not_detected) text += ", most of its region is on no plane";
   return text;
 }
 
@@ -98,7 +98,7 @@ const Word* find_word(const Word (&words)[kCount], std::string_view name) {
 }
 
 [[noreturn]] void fail(std::string_view what, const char* expected) {
-  throw Error(fmt::format("filter of tracks: '{}', expected {}", what, expected));
+  throw Error(fmt::format("track filter: '{}', expected {}", what, expected));
 }
 
 double number_of(std::string_view text) {
@@ -141,12 +141,12 @@ std::string moment_text(const Tracker& tracker, const Track& track, int frame) {
   }
   const Sighting& seen = *moment.sighting;
   if (seen.minor)
-    return fmt::format("T{} is a minor plane of frame {}, {:.0f} px, too poor to be listed",
+    return fmt::format("T{} is a minor plane of frame {}, {:.0f} px, below the listing threshold",
                        track.id, frame, seen.pixels);
   const std::string name = fmt::format("T{} is P{} of frame {}, {:.0f} px{}", track.id, seen.plane,
                                        frame, seen.pixels, seen.undecided ? ", undecided" : "");
   if (seen.founding) return name + ": seen for the first time";
-  return fmt::format("{}, {:.2f}\u00b0 and {:.1f} mm from what was known", name, seen.angle_deg,
+  return fmt::format("{}, {:.2f}\u00b0 and {:.1f} mm from the track", name, seen.angle_deg,
                      1000 * seen.offset_m);
 }
 
@@ -203,14 +203,14 @@ bool TrackFilter::matches(const Tracker& tracker, const Track& track) const {
 
 namespace {
 
-constexpr double kStill_m = 0.006, kStill_deg = 0.7;  // from frame to frame
+constexpr double kStill_m = 0.006, kStill_deg = 0.7;  // between frames
 
 bool is_still(const Pose& a, const Pose& b) {
   const Pose motion = a.inverse() * b;
   return motion.translation().norm() < kStill_m && turn_deg(motion) < kStill_deg;
 }
 
-/// The frames that count, and where each stands among them.
+/// The frames to evaluate, and their order.
 struct Frames {
   std::vector<FrameStability> all;
   std::unordered_map<int, std::size_t> order;
@@ -242,7 +242,7 @@ struct Frames {
   }
 };
 
-/// How two sightings in a row differ.
+/// Differences between two successive sightings.
 void add_still(const Sighting& before, const Sighting& now, FrameStability& of) {
   const Vec3d n0 = before.normal.cast<double>(), n1 = now.normal.cast<double>();
   const Vec3d middle = (before.centroid + now.centroid).cast<double>() / 2;
@@ -270,7 +270,7 @@ void add_sightings(const Track& track, Frames& frames) {
   }
 }
 
-/// Whether its plane was decided when it was last seen before the frame.
+/// Whether the plane was decided at its last sighting before the frame.
 bool was_decided(const Track& track, int frame) {
   const auto after = std::ranges::lower_bound(track.sightings, frame, {}, &Sighting::frame);
   return after == track.sightings.begin() || !std::prev(after)->undecided;
@@ -299,8 +299,8 @@ Frames measured(const Tracker& tracker, std::span<const CameraPose> poses) {
   return frames;
 }
 
-/// The median by pixels: of means, specks would have all the say. Both frames err: each one's share
-/// of the difference.
+/// Pixel-weighted median, because specks would dominate a mean. Each of the two frames contributes
+/// its share of the difference.
 double jitter(std::vector<StillPlane> planes, double StillPlane::*value) {
   if (planes.empty()) return Stability::kNone;
   std::ranges::sort(planes, {}, value);

@@ -1,4 +1,4 @@
-// Observing a frame, and what a track keeps of that.
+// Observes a frame's planes, and accumulates them in tracks.
 
 #include "core/world/tracks/track.hpp"
 
@@ -18,7 +18,7 @@ namespace planescope::world {
 namespace {
 
 constexpr int kLeastPixels = 100;        // for a fit along the rays
-constexpr double kLeastIncidence = 0.1;  // cosine: beyond it, a ray hardly meets the plane
+constexpr double kLeastIncidence = 0.1;  // cosine: below it, a ray is almost parallel to the plane
 
 Mat3d second_moments(const Moments& m) {
   Mat3d s;
@@ -26,9 +26,8 @@ Mat3d second_moments(const Moments& m) {
   return s;
 }
 
-/// Turns the plane to the fit along the rays, about the point at its middle. A fit to points in
-/// space takes some of what stereo errs by for extent, and leans: a riser 15 cm high by a degree at
-/// 1.5 m.
+/// Rotates the plane to the fit along the rays, about its center. A fit to 3D points mistakes part
+/// of the stereo error for extent and tilts: a riser 15 cm high by one degree at 1.5 m.
 void fit_along_rays(ObservedPlane& plane, const InverseSums& rays, const Pose& T_world_camera) {
   if (rays.count < kLeastPixels) return;
   const Vec3d g = T_world_camera.linear() * rays.fit().w_of_ray, normal = g.normalized();
@@ -40,7 +39,7 @@ void fit_along_rays(ObservedPlane& plane, const InverseSums& rays, const Pose& T
     axis = (axis - axis.dot(plane.normal) * plane.normal).normalized();
 }
 
-/// The result in which minor planes are planes like the others, after them: of what no other took.
+/// Appends the minor planes to the regular ones; they get the points not assigned to others.
 void list_minor(planes::FrameResult& result) {
   planes::Segmentation& all = result.segmentation;
   for (std::size_t k = 0; k < all.minor.size(); ++k) {
@@ -88,7 +87,7 @@ Apart apart(const Moments& a, const Moments& b) {
   const Moments& points = is_first ? a : b;
   const double middle = wide.distance_m(narrow.centroid);
   const double across = wide.normal.dot(points.scatter() * wide.normal) - narrow.eigenvalues[0];
-  // Of points spread evenly, the rim is sqrt(3) times as far as their RMS.
+  // For evenly distributed points, the rim is at sqrt(3) times their RMS distance.
   return {middle, std::abs(middle) + std::sqrt(3 * std::max(0.0, across) / points.count)};
 }
 
@@ -97,11 +96,11 @@ Moments scaled(const Moments& m, double weight) {
           m.xz * weight,    m.yy * weight,  m.yz * weight, m.zz * weight};
 }
 
-void take_frame(ObservedFrame& seen,
-                const Frame& frame,
-                const planes::PipelineOptions& options,
-                const Pose& T_world_camera,
-                int segment) {
+void set_frame_fields(ObservedFrame& seen,
+                      const Frame& frame,
+                      const planes::PipelineOptions& options,
+                      const Pose& T_world_camera,
+                      int segment) {
   seen.frame = frame.index;
   seen.timestamp_s = frame.timestamp_s;
   seen.segment = segment;
@@ -119,7 +118,7 @@ ObservedFrame observe(const Frame& frame,
                       const Pose& T_world_camera,
                       int segment) {
   ObservedFrame seen;
-  take_frame(seen, frame, options, T_world_camera, segment);
+  set_frame_fields(seen, frame, options, T_world_camera, segment);
   seen.noise = result.segmentation.noise;
   seen.covered = result.segmentation.covered;
   const auto listed = static_cast<int>(result.segmentation.planes.size());
@@ -128,7 +127,8 @@ ObservedFrame observe(const Frame& frame,
   std::ranges::move(planes::minor_outlines_of(result, cell_m), std::back_inserter(outlines));
   list_minor(result);
 
-  // A frame's own world is upright about the camera: a turn about z and a shift lead to ours.
+  // A frame's own world is upright and relative to the camera: it maps to ours by a rotation about
+  // z and a translation.
   const Pose T_world_local = T_world_camera * result.cloud.T_world_sensor.inverse();
   const std::vector<planes::Certainty> certainties = planes::certainties_of(result);
   for (const planes::PlaneRegion& region : result.segmentation.planes) {
@@ -212,7 +212,7 @@ const Cell* CellMap::find(int x, int y) const {
   return &tiles_[at->second].cells[(y - tile_y * kSide) * kSide + (x - tile_x * kSide)];
 }
 
-std::vector<CellMap::Tile> CellMap::take_out(const std::function<bool(const Tile&)>& leaves) {
+std::vector<CellMap::Tile> CellMap::extract_tiles(const std::function<bool(const Tile&)>& leaves) {
   std::vector<Tile> left, stay;
   for (Tile& tile : tiles_) (leaves(tile) ? left : stay).push_back(tile);
   if (left.empty()) return left;
@@ -257,11 +257,12 @@ std::vector<Vec2d> CellMap::gone_places() const {
 
 namespace {
 
-// A measurement with it weighs 1: so much that a plane of few, noisy ones still counts as three.
+// A measurement with this sigma weighs 1, so that even a plane with few noisy points has at
+// least three.
 constexpr double kUnitSigma_m = 0.1;
-constexpr double kLeastSigma_m = 1e-4;  // exact depth is rounded to counts all the same
+constexpr double kLeastSigma_m = 1e-4;  // exact depth is still rounded to counts
 constexpr double kLeastTilt_rad = 1e-5;
-// What all observations of a plane have in common does not average away: the camera's calibration.
+// Errors common to all observations of a plane do not average out: the camera's calibration.
 constexpr double kCommonOffset_m = 1e-3;
 constexpr double kCommonTilt_rad = 1e-3;
 
@@ -335,7 +336,7 @@ void Track::fuse(const ObservedPlane& plane, const Vec3d& camera) {
   moments += scaled(shifted(plane.moments, camera - anchor), squared(kUnitSigma_m / sigma));
   refit();
 
-  // The observation tells the height at its centroid and the slopes along its axes.
+  // An observation provides the height at its centroid and the slopes along its axes.
   const Vec2d at = on_grid(plane.centroid);
   const auto add = [&](const Vec3d& row, double sigma_of_row) {
     information += row * row.transpose() / squared(sigma_of_row);
@@ -366,7 +367,7 @@ void Track::absorb(const Track& from) {
       from.basis.v.dot(basis.v), 0, at.x(), at.y(), 1;
   information += j.transpose() * from.information * j;
 
-  // A frame in which both were seen counts once.
+  // Frames in which both were seen count once.
   std::vector<Sighting> both;
   std::ranges::merge(
       sightings, from.sightings, std::back_inserter(both), {},

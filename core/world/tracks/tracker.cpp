@@ -1,4 +1,4 @@
-// Tracker: matches observed planes with tracks, fuses and merges them, and records absences.
+// Matches observed planes with tracks, fuses and merges tracks, and records absences.
 
 #include "core/world/tracks/tracker.hpp"
 
@@ -13,8 +13,8 @@
 namespace planescope::world {
 namespace {
 
-constexpr int kEnoughToCompare = 200;  // cells, before a frame is judged by them
-constexpr double kHidden = 0.5;        // share of the cells in view that hides the rest
+constexpr int kEnoughToCompare = 200;  // smallest number of cells for evaluating a frame
+constexpr double kHidden = 0.5;        // share of the visible cells that hides the rest
 
 std::vector<planes::PolygonRing> rings_on_grid(const planes::Outline& outline, const Track& track) {
   std::vector<planes::PolygonRing> rings;
@@ -45,7 +45,7 @@ double free_tilt_deg(double width_m, const TrackOptions& options) {
   return std::min(kMost_deg, tilt * 180 / std::numbers::pi);
 }
 
-/// How far two planes may differ and be the same; `width_m`: of the narrower one.
+/// Largest angle between two planes that may be the same; `width_m`: of the narrower one.
 double most_angle_deg(const TrackOptions& options,
                       double sigma_deg,
                       double other_sigma_deg,
@@ -63,14 +63,15 @@ double sigma_m_at(const ObservedPlane& plane, const Vec3d& p) {
                    squared(c.sigma_tilt_rad[1] * c.axes[1].dot(d)));
 }
 
-/// Why the track is absent, if no plane lies at its place.
-Absence absence_of(const Sight& sight, int least_cells) {
-  const int least = std::min(least_cells, sight.cells);
-  if (sight.in_view < least)
-    return sight.beyond_range > sight.in_view ? Absence::beyond_range : Absence::out_of_view;
-  if (sight.visible() < std::max(least, static_cast<int>((1 - kHidden) * sight.in_view)))
-    return sight.unmeasured > sight.hidden ? Absence::not_measured : Absence::occluded;
-  if (2 * sight.through > sight.visible()) return Absence::seen_through;
+/// Reason for the absence of a track, if there is no plane at its position.
+Absence absence_of(const Visibility& visibility, int least_cells) {
+  const int least = std::min(least_cells, visibility.cells);
+  if (visibility.in_view < least)
+    return visibility.beyond_range > visibility.in_view ? Absence::beyond_range
+                                                        : Absence::out_of_view;
+  if (visibility.visible() < std::max(least, static_cast<int>((1 - kHidden) * visibility.in_view)))
+    return visibility.unmeasured > visibility.hidden ? Absence::not_measured : Absence::occluded;
+  if (2 * visibility.through > visibility.visible()) return Absence::seen_through;
   return Absence::not_detected;
 }
 
@@ -81,10 +82,10 @@ int final_track(const std::deque<Track>& tracks, int id) {
   return id;
 }
 
-/// A track, and what a frame shows of it.
-struct Tracker::Judged {
+/// A track with its visibility in a frame.
+struct Tracker::Candidate {
   Track* track;
-  Sight sight;
+  Visibility visibility;
   bool seen = false;
 };
 
@@ -96,24 +97,25 @@ std::vector<Track*> Tracker::alive() {
 }
 
 Apart Tracker::apart_from(const ObservedFrame& frame,
-                          const Judged& judged,
+                          const Candidate& candidate,
                           const ObservedPlane& plane) const {
-  if (judged.sight.there >= options_.least_cells) return apart(judged.sight.places, plane.moments);
-  return apart(shifted(judged.track->moments, judged.track->anchor - frame.camera()),
+  if (candidate.visibility.there >= options_.least_cells)
+    return apart(candidate.visibility.places, plane.moments);
+  return apart(shifted(candidate.track->moments, candidate.track->anchor - frame.camera()),
                plane.moments);
 }
 
 TermResult Tracker::compare(const ObservedFrame& frame,
-                            const Judged& judged,
+                            const Candidate& candidate,
                             const ObservedPlane& plane) const {
-  const Track& track = *judged.track;
+  const Track& track = *candidate.track;
   const double angle = planes::plane_angle_deg(track.fit.normal, plane.normal);
   const double most_angle = most_angle_deg(options_, sigma_tilt_deg(plane), track.sigma_tilt_deg(),
                                            std::min(track.width_m(), width_m(plane)));
   if (angle > most_angle) return {Term::angle_deg, angle, most_angle};
-  const Sight::On& on = judged.sight.on[plane.id];
+  const Visibility::On& on = candidate.visibility.on[plane.id];
   const Vec3d where = on.cells > 0 ? Vec3d(on.sum / on.cells) : plane.centroid;
-  const double gap = apart_from(frame, judged, plane).rim_m;
+  const double gap = apart_from(frame, candidate, plane).rim_m;
   const double most =
       most_offset_m(options_, sigma_m_at(plane, where), track.sigma_m(track.on_grid(where)));
   if (gap > most) return {Term::gap_m, gap, most};
@@ -121,111 +123,114 @@ TermResult Tracker::compare(const ObservedFrame& frame,
 }
 
 const FrameOfTracks& Tracker::skip(int frame, double timestamp_s) {
-  FrameOfTracks& told = frames_.emplace_back();
-  told.frame = frame;
-  told.timestamp_s = timestamp_s;
-  told.segment = segment_;
-  told.has_pose = false;
-  return told;
+  FrameOfTracks& result = frames_.emplace_back();
+  result.frame = frame;
+  result.timestamp_s = timestamp_s;
+  result.segment = segment_;
+  result.has_pose = false;
+  return result;
 }
 
 const FrameOfTracks& Tracker::add(ObservedFrame& frame) {
   if (const int segment = segment_of(frame.segment); std::exchange(segment_, segment) != segment)
     taken_ = 0;
   if (own_of_known_.empty()) move_to(frame, aligned_pose(frame, alive()));
-  FrameOfTracks told;
-  told.T_world_camera = frame.T_world_camera;
-  told.gravity = frame.gravity;
-  told.frame = frame.frame;
-  told.timestamp_s = frame.timestamp_s;
-  told.track_of.assign(frame.planes.size(), 0);
+  FrameOfTracks result;
+  result.T_world_camera = frame.T_world_camera;
+  result.gravity = frame.gravity;
+  result.frame = frame.frame;
+  result.timestamp_s = frame.timestamp_s;
+  result.track_of.assign(frame.planes.size(), 0);
   const auto minor = std::ranges::find(frame.planes, true, &ObservedPlane::minor);
-  told.listed = static_cast<int>(minor - frame.planes.begin());
+  result.listed = static_cast<int>(minor - frame.planes.begin());
 
-  std::vector<Judged> judged;
-  for (Track* track : alive()) judged.push_back({track, sight_of(*track, frame, options_)});
-  judge_agreement(judged, told);
-  told.set_aside =
-      told.compared_cells >= kEnoughToCompare && told.agreement < options_.least_agreement;
-  if (told.set_aside && ++aside_ > std::min(options_.most_aside, taken_)) {
+  std::vector<Candidate> candidates;
+  for (Track* track : alive())
+    candidates.push_back({track, visibility_of(*track, frame, options_)});
+  evaluate_agreement(candidates, result);
+  result.set_aside =
+      result.compared_cells >= kEnoughToCompare && result.agreement < options_.least_agreement;
+  if (result.set_aside && ++aside_ > std::min(options_.most_aside, taken_)) {
     ++begun_, ++segment_;
     taken_ = 0;
-    told.set_aside = false;
-    judged.clear();
+    result.set_aside = false;
+    candidates.clear();
   }
-  told.segment = segment_;
-  if (told.set_aside) {
-    for (Judged& j : judged) note_absence(frame, j, told);
-    return frames_.emplace_back(std::move(told));
+  result.segment = segment_;
+  if (result.set_aside) {
+    for (Candidate& c : candidates) record_absence(frame, c, result);
+    return frames_.emplace_back(std::move(result));
   }
   aside_ = 0;
   ++taken_;
-  for (const Judged& j : judged) remember(j.sight);
+  for (const Candidate& c : candidates) update_cells(c.visibility);
 
-  take_expected(frame, judged, told);
+  match_expected(frame, candidates, result);
   const std::span<const ObservedPlane> planes = frame.planes;
-  assign(frame, planes.first(told.listed), judged, told);
-  assign(frame, planes.subspan(told.listed), judged, told);
-  for (Judged& j : judged)
-    if (!j.seen) note_absence(frame, j, told);
+  assign(frame, planes.first(result.listed), candidates, result);
+  assign(frame, planes.subspan(result.listed), candidates, result);
+  for (Candidate& c : candidates)
+    if (!c.seen) record_absence(frame, c, result);
   merge_covered(frame.frame);
-  // Only what grew in this frame has come to touch anything.
+  // Only tracks that grew in this frame can touch others for the first time.
   merge_equal(frame.frame, [&](const Track& track) {
     return track.sightings.back().frame == frame.frame && !track.sightings.back().minor;
   });
-  for (int& id : told.track_of) id = final_track(tracks_, id);
-  end_those_gone(frame.frame);
+  for (int& id : result.track_of) id = final_track(tracks_, id);
+  end_gone_tracks(frame.frame);
   leave_window(frame);
-  return frames_.emplace_back(std::move(told));
+  return frames_.emplace_back(std::move(result));
 }
 
-void Tracker::judge_agreement(std::span<const Judged> judged, FrameOfTracks& told) const {
-  // What a known plane hides is no contradiction.
-  std::vector<int> there_on(told.track_of.size() + 1, 0), hidden_by(there_on.size(), 0);
+void Tracker::evaluate_agreement(std::span<const Candidate> candidates,
+                                 FrameOfTracks& result) const {
+  // Occlusion by known planes is not a contradiction.
+  std::vector<int> there_on(result.track_of.size() + 1, 0), hidden_by(there_on.size(), 0);
   int there = 0, through = 0;
-  for (const Judged& j : judged) {
-    there += j.sight.there;
-    through += j.sight.through;
+  for (const Candidate& c : candidates) {
+    there += c.visibility.there;
+    through += c.visibility.through;
     for (std::size_t id = 0; id < there_on.size(); ++id) {
-      there_on[id] += j.sight.on[id].cells;
-      hidden_by[id] += j.sight.on[id].hides;
+      there_on[id] += c.visibility.on[id].cells;
+      hidden_by[id] += c.visibility.on[id].hides;
     }
   }
   int hidden = hidden_by[0];
   for (std::size_t id = 1; id < there_on.size(); ++id)
     if (there_on[id] < options_.least_cells) hidden += hidden_by[id];
-  told.compared_cells = there + through + hidden;
-  if (told.compared_cells > 0) told.agreement = static_cast<double>(there) / told.compared_cells;
+  result.compared_cells = there + through + hidden;
+  if (result.compared_cells > 0)
+    result.agreement = static_cast<double>(there) / result.compared_cells;
 }
 
-void Tracker::take_expected(const ObservedFrame& frame,
-                            std::vector<Judged>& judged,
-                            FrameOfTracks& told) {
-  const auto judged_of = [&](int known) -> Judged* {
+void Tracker::match_expected(const ObservedFrame& frame,
+                             std::vector<Candidate>& candidates,
+                             FrameOfTracks& result) {
+  const auto candidate_of = [&](int known) -> Candidate* {
     const int own = own_of_known_.empty() ? known : own_of_known_[known - 1];
     const int id = final_track(tracks_, own);
     const auto at =
-        std::ranges::find_if(judged, [&](const Judged& j) { return j.track->id == id; });
-    return at == judged.end() ? nullptr : &*at;
+        std::ranges::find_if(candidates, [&](const Candidate& c) { return c.track->id == id; });
+    return at == candidates.end() ? nullptr : &*at;
   };
   for (const ObservedPlane& plane : frame.planes) {
     if (plane.known == 0) continue;
     if (!own_of_known_.empty() && own_of_known_[plane.known - 1] == 0) {
-      found(frame, plane, told);
-      own_of_known_[plane.known - 1] = told.track_of[plane.id - 1];
+      create_track(frame, plane, result);
+      own_of_known_[plane.known - 1] = result.track_of[plane.id - 1];
       tracks_.back().known = plane.known;
-    } else if (Judged* const j = judged_of(plane.known)) {
-      j->seen = true;
-      told.track_of[plane.id - 1] = j->track->id;
-      take(*j, frame, plane);
+    } else if (Candidate* const c = candidate_of(plane.known)) {
+      c->seen = true;
+      result.track_of[plane.id - 1] = c->track->id;
+      add_sighting(*c, frame, plane);
     }
   }
   for (const planes::KnownCover& cover : frame.covered) {
-    Judged *const j = judged_of(cover.covered), *const by = judged_of(cover.by);
-    if (!j || !by || j->seen || !by->seen) continue;
-    j->seen = true;
-    ++j->track->covered[by->track->id];
-    told.covered.push_back(j->track->id);
+    Candidate *const c = candidate_of(cover.covered), *const by = candidate_of(cover.by);
+    if (!c || !by || c->seen || !by->seen) continue;
+    c->seen = true;
+    ++c->track->covered[by->track->id];
+    result.covered.push_back(c->track->id);
   }
 }
 
@@ -246,39 +251,39 @@ void Tracker::merge_covered(int frame) {
 
 void Tracker::assign(const ObservedFrame& frame,
                      std::span<const ObservedPlane> planes,
-                     std::vector<Judged>& judged,
-                     FrameOfTracks& told) {
+                     std::vector<Candidate>& candidates,
+                     FrameOfTracks& result) {
   if (planes.empty()) return;
   const bool minor = planes.front().minor;
-  std::vector<Judged*> open;  // tracks
-  for (Judged& j : judged)
-    if (!j.seen) open.push_back(&j);
+  std::vector<Candidate*> open;  // tracks
+  for (Candidate& c : candidates)
+    if (!c.seen) open.push_back(&c);
   const std::size_t columns = planes.size();
   std::vector<double> values(open.size() * columns, 0);
   for (std::size_t t = 0; t < open.size(); ++t)
     for (std::size_t p = 0; p < columns; ++p) {
       const ObservedPlane& plane = planes[p];
-      if (told.track_of[plane.id - 1] != 0) continue;
-      const Judged& j = *open[t];
-      const Sight::On& on = j.sight.on[plane.id];
+      if (result.track_of[plane.id - 1] != 0) continue;
+      const Candidate& c = *open[t];
+      const Visibility::On& on = c.visibility.on[plane.id];
       double& value = values[t * columns + p];
       if (on.cells > 0) {
         const double covered = std::max(1.0, plane.outline.area_m2 / squared(options_.cell_m));
         const double overlap =
-            on.cells / std::max(1.0, std::min<double>(j.sight.visible(), covered));
+            on.cells / std::max(1.0, std::min<double>(c.visibility.visible(), covered));
         if (overlap < options_.least_overlap) continue;
-        if (compare(frame, j, plane).failed != Term::none) continue;
-        value = on.cells / std::max(1.0, j.sight.visible() + covered - on.cells);
+        if (compare(frame, c, plane).failed != Term::none) continue;
+        value = on.cells / std::max(1.0, c.visibility.visible() + covered - on.cells);
       } else if (!minor) {
-        if (compare(frame, j, plane).failed != Term::none) continue;
-        if (!touch(*j.track, plane)) continue;
+        if (compare(frame, c, plane).failed != Term::none) continue;
+        if (!touch(*c.track, plane)) continue;
         value = 1e-6;  // any overlap wins
       }
     }
 
   const auto give = [&](std::size_t t, std::size_t p) {
-    told.track_of[planes[p].id - 1] = open[t]->track->id;
-    take(*open[t], frame, planes[p]);
+    result.track_of[planes[p].id - 1] = open[t]->track->id;
+    add_sighting(*open[t], frame, planes[p]);
   };
   const std::vector<int> plane_of =
       planes::best_assignment(values, static_cast<int>(open.size()), static_cast<int>(columns));
@@ -288,9 +293,9 @@ void Tracker::assign(const ObservedFrame& frame,
       give(t, static_cast<std::size_t>(plane_of[t]));
     }
   if (minor) return;
-  // What is left over goes to the track it fits best, as one more part of it.
+  // Remaining planes join the track they fit best, as additional parts.
   for (std::size_t p = 0; p < columns; ++p) {
-    if (told.track_of[planes[p].id - 1] != 0) continue;
+    if (result.track_of[planes[p].id - 1] != 0) continue;
     std::optional<std::size_t> best;
     for (std::size_t t = 0; t < open.size(); ++t) {
       const double value = values[t * columns + p];
@@ -299,12 +304,14 @@ void Tracker::assign(const ObservedFrame& frame,
     if (best)
       give(*best, p);
     else
-      found(frame, planes[p], told);
+      create_track(frame, planes[p], result);
   }
 }
 
-void Tracker::take(const Judged& judged, const ObservedFrame& frame, const ObservedPlane& plane) {
-  Track& track = *judged.track;
+void Tracker::add_sighting(const Candidate& candidate,
+                           const ObservedFrame& frame,
+                           const ObservedPlane& plane) {
+  Track& track = *candidate.track;
   Sighting sighting;
   sighting.frame = frame.frame;
   sighting.plane = plane.id;
@@ -316,21 +323,23 @@ void Tracker::take(const Judged& judged, const ObservedFrame& frame, const Obser
   sighting.founding = track.sightings.empty();
   if (!sighting.founding) {
     sighting.part = track.sightings.back().frame == frame.frame;
-    if (judged.sight.on[plane.id].cells >= options_.least_cells)
-      sighting.offset_m = static_cast<float>(apart_from(frame, judged, plane).middle_m);
+    if (candidate.visibility.on[plane.id].cells >= options_.least_cells)
+      sighting.offset_m = static_cast<float>(apart_from(frame, candidate, plane).middle_m);
     sighting.angle_deg =
         static_cast<float>(planes::plane_angle_deg(plane.normal, track.fit.normal));
   }
   if (!sighting.part) ++track.frames_seen;
   track.sightings.push_back(sighting);
-  if (plane.minor) return;  // it is there: more is not believed
+  if (plane.minor) return;  // only confirms the track's presence
   track.fuse(plane, frame.camera());
   if (plane.label != Label::unknown) track.label = label_of_normal(track.fit.normal);
   track.cells.fill(rings_on_grid(plane.outline, track),
                    [&](int x, int y) { track.cells.at(x, y).see(); });
 }
 
-void Tracker::found(const ObservedFrame& frame, const ObservedPlane& plane, FrameOfTracks& told) {
+void Tracker::create_track(const ObservedFrame& frame,
+                           const ObservedPlane& plane,
+                           FrameOfTracks& result) {
   Track& track = tracks_.emplace_back(options_.cell_m);
   track.id = static_cast<int>(tracks_.size());
   track.segment = segment_;
@@ -338,8 +347,8 @@ void Tracker::found(const ObservedFrame& frame, const ObservedPlane& plane, Fram
   track.born = frame.frame;
   track.anchor = plane.centroid;
   track.basis = plane_basis(plane.normal);
-  take({&track, {}}, frame, plane);
-  told.track_of[plane.id - 1] = track.id;
+  add_sighting({&track, {}}, frame, plane);
+  result.track_of[plane.id - 1] = track.id;
 }
 
 bool Tracker::touch(const Track& track, const ObservedPlane& plane) const {
@@ -354,26 +363,28 @@ bool Tracker::touch(const Track& track, const ObservedPlane& plane) const {
   return near;
 }
 
-void Tracker::note_absence(const ObservedFrame& frame, Judged& judged, const FrameOfTracks& told) {
-  Track& track = *judged.track;
+void Tracker::record_absence(const ObservedFrame& frame,
+                             Candidate& candidate,
+                             const FrameOfTracks& result) {
+  Track& track = *candidate.track;
   Gap gap;
   gap.first = gap.last = frame.frame;
-  gap.why = absence_of(judged.sight, options_.least_cells);
-  if (told.set_aside) gap.why = Absence::set_aside;
+  gap.why = absence_of(candidate.visibility, options_.least_cells);
+  if (result.set_aside) gap.why = Absence::set_aside;
   if (gap.why == Absence::not_detected) {
-    const int id = judged.sight.most_on();
+    const int id = candidate.visibility.most_on();
     if (id > 0 && !frame.planes[id - 1].minor &&
-        2 * judged.sight.on[id].cells > judged.sight.there) {
+        2 * candidate.visibility.on[id].cells > candidate.visibility.there) {
       gap.why = Absence::not_matched;
       gap.plane = id;
-      gap.term = compare(frame, judged, frame.planes[id - 1]);
+      gap.term = compare(frame, candidate, frame.planes[id - 1]);
       if (gap.term.failed == Term::none) {
-        gap.term = {Term::taken, static_cast<double>(told.track_of[id - 1]), 0};
+        gap.term = {Term::taken, static_cast<double>(result.track_of[id - 1]), 0};
       }
     }
   }
   if (is_miss(gap.why)) ++track.frames_missed;
-  // Frames in a row: the one before is the last that was told of.
+  // The previous frame is the last one recorded.
   const int before = frames_.empty() ? -1 : frames_.back().frame;
   if (!track.gaps.empty() && track.gaps.back().last == before && track.gaps.back().why == gap.why) {
     track.gaps.back().last = frame.frame;
@@ -400,12 +411,14 @@ bool Tracker::merge_equal(int frame, const std::function<bool(const Track&)>& ha
     for (Track* large : tracks) {
       if (small == large || small->state != TrackState::alive || large->state != TrackState::alive)
         continue;
-      if (small->known > 0 && large->known > 0) continue;  // the earlier pass knows them better
+      if (small->known > 0 && large->known > 0)
+        continue;  // the earlier pass distinguished them
+                   // with more data
       const double angle = planes::plane_angle_deg(small->fit.normal, large->fit.normal);
       if (angle > most_angle_deg(options_, small->sigma_tilt_deg(), large->sigma_tilt_deg(),
                                  std::min(small->width_m(), large->width_m())))
         continue;
-      // Where the narrower one is known best: elsewhere its tilt leaves it free.
+      // Compare where the narrower one is most accurate: elsewhere its tilt dominates.
       const bool is_narrower = small->width_m() < large->width_m();
       const Vec3d where = (is_narrower ? small : large)->centroid();
       const double most = most_offset_m(options_, small->sigma_m(small->on_grid(where)),
@@ -448,21 +461,22 @@ void Tracker::leave_window(const ObservedFrame& frame) {
   if (!(options_.window_m > 0)) return;
   const double reach = options_.window_m / 2 + CellMap::kTileRadius * options_.cell_m;
   for (Track* track : alive()) {
-    const std::vector<CellMap::Tile> left = track->cells.take_out([&](const CellMap::Tile& tile) {
-      const Vec3d away = track->on_plane(track->cells.middle(tile)) - frame.camera();
-      return away.cwiseAbs().maxCoeff() > reach;
-    });
+    const std::vector<CellMap::Tile> left =
+        track->cells.extract_tiles([&](const CellMap::Tile& tile) {
+          const Vec3d away = track->on_plane(track->cells.middle(tile)) - frame.camera();
+          return away.cwiseAbs().maxCoeff() > reach;
+        });
     if (left.empty()) continue;
     for (const CellMap::Tile& tile : left)
       for (const Cell& cell : tile.cells) track->left_m2 += cell.sure() * squared(options_.cell_m);
-    if (take_left_) take_left_({track->id, frame.frame, outline_of(*track, left)});
+    if (left_callback_) left_callback_({track->id, frame.frame, outline_of(*track, left)});
     if (track->cells.present() > 0) continue;
     track->state = TrackState::left;
     track->ended = frame.frame;
   }
 }
 
-void Tracker::end_those_gone(int frame) {
+void Tracker::end_gone_tracks(int frame) {
   for (Track* track : alive())
     if (track->cells.present() == 0) {
       track->state = TrackState::gone;

@@ -1,8 +1,8 @@
 #pragma once
 
-// Matches the planes of frames to tracks and fuses them: what a frame shows at the tracks' places,
-// its pose aligned with them, where they are expected in it, which of its pixels measure them. And
-// the history of tracks: what one was in a frame, which ones a filter selects, how steady they are.
+// Matches the planes of frames with tracks and fuses them: visibility of tracks in a frame,
+// alignment of its pose, expected planes, and labels from the map. Also the history of tracks:
+// their state in each frame, track filters and stability.
 
 #include <deque>
 #include <functional>
@@ -19,21 +19,21 @@
 
 namespace planescope::world {
 
-/// A track's cells in a frame, by what the frame measures there. A cell in view is in one of the
-/// four that follow.
-struct Sight {
+/// The cells of a track in a frame, classified by the frame's measurements. Each cell in view is
+/// counted in exactly one of `hidden`, `unmeasured`, `through` and `there`.
+struct Visibility {
   int cells = 0;         // of the track
-  int in_view = 0;       // within the image and the range
-  int beyond_range = 0;  // within the image
-  int hidden = 0;        // something stands before it
+  int in_view = 0;       // inside image and range
+  int beyond_range = 0;  // inside the image
+  int hidden = 0;        // occluded by something else
   int unmeasured = 0;
-  int through = 0;  // something is measured behind it
+  int through = 0;  // something behind it is measured
   int there = 0;    // the measurement is on the plane
 
   struct On {
     int cells = 0;
-    int hides = 0;              // cells that the plane stands before
-    Vec3d sum = Vec3d::Zero();  // of their places in the world
+    int hides = 0;              // cells hidden by the plane
+    Vec3d sum = Vec3d::Zero();  // of their world positions
   };
   struct Look {
     Cell* cell = nullptr;
@@ -41,40 +41,41 @@ struct Sight {
   };
   std::vector<Look> looks;  // at cells in view that are measured and not hidden
 
-  Moments places;  // of the cells that are there, about the camera
+  Moments places;  // of the cells that are there, relative to the camera
 
-  std::vector<On> on;  // by plane id of the frame, 0 none: what is measured at the cells
+  std::vector<On> on;  // by plane id of the frame, 0 none: measurements at the cells
 
   int visible() const { return through + there; }
-  /// The plane on which most of it lies; 0: none.
+  /// The plane that contains most of its cells; 0: none.
   int most_on() const;
 };
 
-/// Looks at every present cell. Valid until the track gets cells. `there`: takes the pixels
-/// v * width + u that measure it, one for each cell; may be null.
-Sight sight_of(Track& track,
-               const ObservedFrame& frame,
-               const TrackOptions& options,
-               std::vector<std::uint32_t>* there = nullptr);
+/// Checks every present cell. The result is valid until the track gets more cells. `there`:
+/// receives one pixel v * width + u for each cell that is there; may be null.
+Visibility visibility_of(Track& track,
+                         const ObservedFrame& frame,
+                         const TrackOptions& options,
+                         std::vector<std::uint32_t>* there = nullptr);
 
-/// The cells remember it; those that were seen through too often are gone.
-void remember(const Sight& sight);
+/// Updates the cells' history; cells that were seen through too often are gone.
+void update_cells(const Visibility& visibility);
 
 // ---- Alignment ----
-// Aligns a frame with the tracks before matching. Poses err by a centimeter and half a degree, more
-// in fast turns; uncorrected, planes match the wrong track.
+// Aligns a frame with the tracks before matching. Poses are off by a centimeter and half a degree,
+// more in fast rotations; uncorrected, planes match the wrong track.
 
-/// T_world_camera of the frame, moved so that its depth fits the tracks (point to plane, the given
-/// pose with its uncertainty as a prior). As given where the depth fits within its noise.
+/// T_world_camera of the frame, corrected so that its depth fits the tracks (point to plane,
+/// with the given pose and its uncertainty as a prior). Unchanged if the depth already fits
+/// within its noise.
 Pose aligned_pose(const ObservedFrame& frame, std::span<Track* const> tracks);
 
-/// The same observation at another pose.
+/// Moves the observation to another pose.
 void move_to(ObservedFrame& frame, const Pose& T_world_camera);
 
 // ---- Expected planes ----
 
-/// The tracks as candidates for the planes of a frame at this pose; `KnownPlane::id` is the
-/// track's. Of each, the measured pixels whose rays hit cells that are sure or gone.
+/// The tracks as candidate planes for a frame at this pose, with the measured pixels whose rays hit
+/// cells that are sure or gone. `KnownPlane::id` is the track's id.
 std::vector<planes::KnownPlane> expected_planes(std::span<const Track* const> tracks,
                                                 const Frame& frame,
                                                 const Pose& T_world_camera,
@@ -85,113 +86,121 @@ std::vector<planes::KnownPlane> expected_planes(std::span<const Track* const> tr
 
 struct PixelsOfTrack {
   labels::PixelSet sure;
-  labels::PixelSet doubtful;  // at its place, and farther off than noise alone puts them, or at
+  labels::PixelSet doubtful;  // in its region, but farther away than noise explains, or at
                               // another angle
 };
 
-/// Of a depth image at this pose in the track's world.
+/// Pixels of a track in a depth image at this pose in the track's world.
 PixelsOfTrack pixels_of_track(const Track& track,
                               const labels::LabelGrid& grid,
                               const Pose& T_world_camera);
 
 // ---- Matching ----
 
-/// What became of a frame.
+/// Result of matching one frame.
 struct FrameOfTracks {
   int frame = 0;
   double timestamp_s = 0;
   int segment = 0;
-  Pose T_world_camera = Pose::Identity();  // as aligned
-  std::optional<Vec3d> gravity;            // as ObservedFrame has it
+  Pose T_world_camera = Pose::Identity();  // after alignment
+  std::optional<Vec3d> gravity;            // from ObservedFrame
   bool has_pose = true;
-  bool set_aside = false;  // its depth does not fit what is known
-  double agreement = 1;    // share of what was in sight that was where it should be
+  bool set_aside = false;  // its depth does not fit the known planes
+  double agreement = 1;    // share of the visible cells whose measurement is on the plane
   int compared_cells = 0;
   std::vector<int> track_of;  // by plane id - 1; 0: none
-  std::vector<int> covered;   // tracks that planes of larger ones stand for
-  int listed = 0;             // planes; minor ones follow them
+  std::vector<int> covered;   // tracks represented by planes of larger tracks
+  int listed = 0;             // number of listed planes; minor ones follow them
 
   bool is_in_map() const { return has_pose && !set_aside; }
 };
 
-/// A piece of a track that is beyond the window now.
+/// A piece of a track that has left the window.
 struct LeftPiece {
   int track = 0, frame = 0;
-  planes::Outline outline;  // of what was sure, in the world
+  planes::Outline outline;  // of its sure cells, in the world frame
 };
 
-/// Tracks of one camera's frames, taken in one after the other. Deterministic.
+/// Tracks over the frames of one camera, added in sequence. Deterministic.
 class Tracker {
  public:
-  /// `known`: the frames' planes were expected of so many tracks of another tracker, of an earlier
-  /// pass over the recording; 0: of this one's.
+  /// `known`: number of tracks of an earlier pass from which the frames' planes were expected; 0:
+  /// they were expected from this tracker's own tracks.
   explicit Tracker(TrackOptions options = {}, std::size_t known = 0)
       : options_(options), own_of_known_(known, 0) {}
 
-  /// Aligns the frame with the tracks, unless its planes were expected of an earlier pass. Frames
-  /// of a segment come together, in the order of time.
+  /// Aligns the frame with the tracks, unless its planes were expected from an earlier pass, and
+  /// adds its planes. Frames of a segment must be contiguous and in order of time.
   const FrameOfTracks& add(ObservedFrame& frame);
   const FrameOfTracks& add(ObservedFrame&& frame) { return add(frame); }
-  /// A frame without a pose, or one that failed.
+  /// Records a frame without a pose, or one that failed.
   const FrameOfTracks& skip(int frame, double timestamp_s);
 
-  /// Merges all tracks that turned out to be one, now that all frames are in.
+  /// Merges all equal tracks after the last frame.
   void consolidate();
 
-  /// Called once for each piece that leaves the window.
-  void on_left(std::function<void(const LeftPiece&)> take) { take_left_ = std::move(take); }
+  /// Sets a function to call for each piece that leaves the window.
+  void on_left(std::function<void(const LeftPiece&)> callback) {
+    left_callback_ = std::move(callback);
+  }
 
   const TrackOptions& options() const { return options_; }
   const std::deque<Track>& tracks() const { return tracks_; }  // by id - 1
-  /// The map's segment for a segment of the poses.
+  /// Converts a segment of the poses to a segment of the map.
   int segment_of(int pose_segment) const { return pose_segment + begun_; }
   const std::vector<FrameOfTracks>& frames() const { return frames_; }
 
  private:
-  struct Judged;
+  struct Candidate;
   std::vector<Track*> alive();
-  /// Of the plane and what the frame shows of the track, or all that is known of it.
+  /// Uses the measurements in the frame at the track's cells or, if there are too few, the
+  /// whole track.
   Apart apart_from(const ObservedFrame& frame,
-                   const Judged& judged,
+                   const Candidate& candidate,
                    const ObservedPlane& plane) const;
   TermResult compare(const ObservedFrame& frame,
-                     const Judged& judged,
+                     const Candidate& candidate,
                      const ObservedPlane& plane) const;
-  /// How well the frame's depth fits the tracks.
-  void judge_agreement(std::span<const Judged> judged, FrameOfTracks& told) const;
-  /// Gives planes that were expected of a track to it.
-  void take_expected(const ObservedFrame& frame, std::vector<Judged>& judged, FrameOfTracks& told);
-  /// Gives other planes, all minor or none, to tracks. Minor ones found none, and nothing joins by
-  /// them.
+  /// Computes how well the frame's depth fits the tracks.
+  void evaluate_agreement(std::span<const Candidate> candidates, FrameOfTracks& result) const;
+  /// Assigns planes to the tracks from which they were expected.
+  void match_expected(const ObservedFrame& frame,
+                      std::vector<Candidate>& candidates,
+                      FrameOfTracks& result);
+  /// Assigns the remaining planes (all minor, or none) to tracks. Minor planes create no tracks,
+  /// and are not matched by touching alone.
   void assign(const ObservedFrame& frame,
               std::span<const ObservedPlane> planes,
-              std::vector<Judged>& judged,
-              FrameOfTracks& told);
-  void take(const Judged& judged, const ObservedFrame& frame, const ObservedPlane& plane);
-  void found(const ObservedFrame& frame, const ObservedPlane& plane, FrameOfTracks& told);
+              std::vector<Candidate>& candidates,
+              FrameOfTracks& result);
+  void add_sighting(const Candidate& candidate,
+                    const ObservedFrame& frame,
+                    const ObservedPlane& plane);
+  void create_track(const ObservedFrame& frame, const ObservedPlane& plane, FrameOfTracks& result);
   bool touch(const Track& track, const ObservedPlane& plane) const;
-  void note_absence(const ObservedFrame& frame, Judged& judged, const FrameOfTracks& told);
-  /// Merges tracks that turned out to be one, the first of each pair one that has grown. Whether
-  /// there were any.
+  void record_absence(const ObservedFrame& frame,
+                      Candidate& candidate,
+                      const FrameOfTracks& result);
+  /// Merges equal tracks; one track of each pair must have grown. Returns whether any were merged.
   bool merge_equal(int frame, const std::function<bool(const Track&)>& has_grown);
-  /// Merges tracks into larger ones that explain them more often than not.
+  /// Merges tracks into larger ones that represent them in most frames.
   void merge_covered(int frame);
   void merge(Track& from, Track& into, int frame);
-  void end_those_gone(int frame);
+  void end_gone_tracks(int frame);
   void leave_window(const ObservedFrame& frame);
 
   TrackOptions options_;
   std::vector<int> own_of_known_;  // by id - 1; 0: not seen yet
   std::deque<Track> tracks_;
   std::vector<FrameOfTracks> frames_;
-  int segment_ = 0;  // of the last frame, with those that were begun here
-  int begun_ = 0;    // segments that began because frames did not fit
-  int taken_ = 0;    // frames of this segment
-  int aside_ = 0;    // frames in a row
-  std::function<void(const LeftPiece&)> take_left_;
+  int segment_ = 0;  // of the last frame, including segments that began here
+  int begun_ = 0;    // number of segments that began because frames did not fit
+  int taken_ = 0;    // number of frames of this segment
+  int aside_ = 0;    // consecutive frames
+  std::function<void(const LeftPiece&)> left_callback_;
 };
 
-/// The track that a merged one has become.
+/// The track into which a merged track has been merged; otherwise `id`.
 int final_track(const std::deque<Track>& tracks, int id);
 
 // ---- History ----
@@ -202,26 +211,26 @@ struct Moment {
     seen,
     absent,
     ended,
-    unknown  // a frame without a pose, or one that nobody asked about
+    unknown  // a frame that has no pose or is not part of the map
   };
   Kind kind = Kind::unknown;
-  const Sighting* sighting = nullptr;  // where it is seen
-  const Gap* gap = nullptr;            // where it is absent
+  const Sighting* sighting = nullptr;  // if seen
+  const Gap* gap = nullptr;            // if absent
 
-  /// No plane of the frame is listed for it, though it is in sight.
+  /// Whether the track is visible in the frame, but has no listed plane.
   bool is_unlisted() const { return gap ? world::is_miss(gap->why) : sighting && sighting->minor; }
 };
 Moment moment_of(const Track& track, int frame);
 
-/// "T12 is not in frame 37: not matched, its place is on P4, angle_deg 7.2 > 5.1". One line.
+/// One line: "T12 is not in frame 37: not matched, its region is on P4, angle_deg 7.2 > 5.1".
 std::string moment_text(const Tracker& tracker, const Track& track, int frame);
 
-/// "length<5", "gap", "merged", "track==12 && frame==37": conditions joined by &&, each a flag, a
-/// flag with ! before it, or a number compared with a value. docs/map.md lists the words.
+/// Track filter such as "length<5", "gap", "merged", "track==12 && frame==37": conditions joined by
+/// &&, each a flag, a flag preceded by !, or a comparison of a number. docs/map.md lists the words.
 class TrackFilter {
  public:
   TrackFilter() = default;
-  /// Throws Error that names the word it stumbles over.
+  /// Throws Error naming the invalid word.
   explicit TrackFilter(const std::string& text);
   bool matches(const Tracker& tracker, const Track& track) const;
 
@@ -230,24 +239,24 @@ class TrackFilter {
   std::vector<Condition> conditions_;
 };
 
-// ---- How steady the planes of a recording are over time ----
+// ---- Stability of a recording's planes over time ----
 
-/// A plane that is seen in two frames in a row while the camera stands still: how it differs.
+/// Difference of a plane between two successive frames while the camera is still.
 struct StillPlane {
   double pixels = 0, angle_deg = 0, offset_m = 0;
 };
 
-/// Of one frame that has a pose and was not set aside. Breaks and swaps begin in it; still planes
-/// are seen in it and in the frame before.
+/// Stability of a frame that has a pose and is not set aside. Breaks and swaps are counted in the
+/// frame where they begin; still planes are seen in this and the previous frame.
 struct FrameStability {
   int frame = 0;
-  double pixels = 0, kept = 0;  // on planes; of these, of tracks that are in the next frame too
+  double pixels = 0, kept = 0;  // on planes; on planes whose track continues in the next frame
   bool is_last = false;         // there is no next frame
   int breaks = 0, swaps = 0;
   std::vector<StillPlane> still;
 
-  double kept_share() const;         // NaN where nothing could be kept
-  double normal_jitter_deg() const;  // NaN where there is no still plane
+  double kept_share() const;         // NaN if there are no pixels on planes
+  double normal_jitter_deg() const;  // NaN if there are no still planes
   double offset_jitter_m() const;
 };
 std::vector<FrameStability> stability_by_frame(const Tracker& tracker,
@@ -257,15 +266,15 @@ struct Stability {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   int frames = 0;             // with a pose, not set aside
-  double kept_share = kNone;  // of the pixels on planes: their track is in the next frame too
-  // Of tracks that the map holds, a frame in which one is in sight but missing, and was there
-  // before, per 100 frames; of these, swaps: its place was taken for another track's.
+  double kept_share = kNone;  // share of pixels on planes whose track continues in the next frame
+  // Breaks: frames in which a track of the map is visible and was seen before, but is missing, per
+  // 100 frames. Swaps: breaks in which another track took its region.
   double breaks = kNone, swaps = kNone;
-  // Over still stretches, of a track's planes from frame to frame, each frame's share: the median
-  // by pixels.
+  // Change of a track's planes between successive frames while the camera is still, per frame:
+  // pixel-weighted median.
   int still_pairs = 0;
   double normal_jitter_deg = kNone, offset_jitter_m = kNone;
-  // Tracks that come back after kAway frames out of sight: how far from where they were (RMS).
+  // Tracks that return after kAway frames out of view: distance from their previous position (RMS).
   static constexpr int kAway = 10;
   int returns = 0;
   double drift_m = kNone;

@@ -148,7 +148,7 @@ TEST(Overlay, NoTwoLabelsStandOnEachOther) {
 TEST(Overlay, ALabelKeepsClearOfWhatLiesOverThePicture) {
   DrawList list;
   list.title = "Planes";
-  list.legend = {{LegendEntry::Mark::dot, {0, 0, 0}, "plane 1"}};
+  list.legend = {{LegendEntry::Symbol::dot, {0, 0, 0}, "plane 1"}};
   const View view = view_of(900, 720);
   const Overlay bare = layout_overlay(list, view, theme_colors(Theme::light));
   const Eigen::Matrix4f to_world = (view.proj * view.view).inverse();
@@ -299,12 +299,12 @@ Vec2d reach_in_view(const std::vector<Vec3f>& points, const Camera& camera, doub
 
 TEST(Framing, FillsViewsOfEveryShapeAndCutsNothingOff) {
   const std::vector<Vec3f> points = points_in_box({1, -2, 0}, {4, 2, 1.5}, 5000);
-  const std::vector<Vec3f> reach = reach_of(points, 0);
+  const std::vector<Vec3f> reach = extent_of(points, 0);
   for (const double aspect : {0.4, 1.0, 4.0 / 3, 2.6})
     for (const Vec3d& forward : {Vec3d(1, 0, 0), Vec3d(0.8, 0.2, -0.5), Vec3d(0, 0, -1)}) {
       Lens lens{.forward = forward.normalized(), .aspect = aspect};
       if (forward.x() == 0) lens.up = Vec3d::UnitX();
-      const Vec2d most = reach_in_view(points, camera_holding(reach, lens), aspect);
+      const Vec2d most = reach_in_view(points, camera_fitting(reach, lens), aspect);
       EXPECT_LT(most.maxCoeff(), 1) << aspect << " " << forward.transpose();
       EXPECT_GT(most.maxCoeff(), 0.85) << aspect << " " << forward.transpose();
     }
@@ -313,7 +313,7 @@ TEST(Framing, FillsViewsOfEveryShapeAndCutsNothingOff) {
 TEST(Framing, AnOrthographicViewIsFilledToo) {
   const std::vector<Vec3f> points = points_in_box({1, -2, 0}, {9, 2, 1.5}, 5000);
   for (const double aspect : {0.5, 2.0}) {
-    Camera camera = camera_holding(reach_of(points, 0), {.aspect = aspect, .orthographic = true});
+    Camera camera = camera_fitting(extent_of(points, 0), {.aspect = aspect, .orthographic = true});
     camera.orthographic = true;
     camera.ortho_height_m =
         2 * (camera.eye - camera.target).norm() * std::tan(camera.fov_y_deg * M_PI / 360);
@@ -336,11 +336,11 @@ TEST(Framing, WhatIsFewAndFarApartIsAside) {
 }
 
 TEST(Framing, OfNothingIsFinite) {
-  EXPECT_TRUE(reach_of({}, 0.01).empty());
+  EXPECT_TRUE(extent_of({}, 0.01).empty());
   EXPECT_TRUE(bulk_of({}, 0.1).empty());
-  EXPECT_TRUE(camera_holding({}, {}).eye.allFinite());
+  EXPECT_TRUE(camera_fitting({}, {}).eye.allFinite());
   const std::vector<Vec3f> one = {Vec3f(1, 2, 3)};
-  EXPECT_GT((camera_holding(one, {}).eye - camera_holding(one, {}).target).norm(), 0.01);
+  EXPECT_GT((camera_fitting(one, {}).eye - camera_fitting(one, {}).target).norm(), 0.01);
 }
 
 TEST(View, TargetIsInTheMiddleAndUpIsUp) {

@@ -145,8 +145,8 @@ TEST(Palette, AnyTwoPlanesAreApartForAllEyes) {
     EXPECT_GT(contrast(color, kLightBackground), 1.4) << a;
     EXPECT_GT(contrast(color, kDarkBackground), 2.3) << a;
     for (const Theme theme : {Theme::light, Theme::dark}) {
-      EXPECT_GT(distance(color, mark_colors(theme).selected, Eye::normal), kLeastApart) << a;
-      EXPECT_GT(distance(color, mark_colors(theme).marked, Eye::normal), kLeastApart) << a;
+      EXPECT_GT(distance(color, highlight_colors(theme).selected, Eye::normal), kLeastApart) << a;
+      EXPECT_GT(distance(color, highlight_colors(theme).marked, Eye::normal), kLeastApart) << a;
     }
   }
   EXPECT_EQ(plane_color(1), plane_color(kPlaneColors + 1));

@@ -253,7 +253,7 @@ TEST_F(RendererTest, LabelStaysOnTopOfPoints) {
 TEST_F(RendererTest, SamePictureTwiceHasTheSamePixels) {
   DrawList list;
   list.title = "Planes";
-  list.legend = {{LegendEntry::Mark::hatched_box, kRed, "hatched"}};
+  list.legend = {{LegendEntry::Symbol::hatched_box, kRed, "hatched"}};
   list.points = {one_point({0.1f, 0, 0}, kRed)};
   list.boxes = {box(Vec3f::Zero(), 0.4f, kBlue, BoxStyle::hatched)};
   list.labels = {{Vec3f::Zero(), "label", kRed, 14}};
@@ -311,7 +311,7 @@ DrawList row_of_things(int change) {
     list.boxes.push_back(box(at, 0.12f, color, BoxStyle::tinted));
     list.labels.push_back({at + Vec3f(0, 0, 0.2f), change == i ? "b" : "a", color});
   }
-  list.legend.push_back({LegendEntry::Mark::dot, kRed, "number " + std::to_string(change)});
+  list.legend.push_back({LegendEntry::Symbol::dot, kRed, "number " + std::to_string(change)});
   return list;
 }
 

@@ -130,8 +130,8 @@ TEST(SceneCases, NodesAtFullDepthAreHatchedAndDividedOnesFaint) {
   }
   const DrawList list = scene_cases(result);
   EXPECT_GE(boxes_of(list, planes::Case::III, BoxStyle::hatched), 1u);
-  const auto hatched = LegendEntry::Mark::hatched_box;
-  EXPECT_GT(std::ranges::count(list.legend, hatched, &LegendEntry::mark), 0);
+  const auto hatched = LegendEntry::Symbol::hatched_box;
+  EXPECT_GT(std::ranges::count(list.legend, hatched, &LegendEntry::symbol), 0);
   EXPECT_LT(list.boxes[0].color.a, 100);  // the root
   EXPECT_EQ(list.boxes[0].style, BoxStyle::outline);
 }
@@ -237,7 +237,7 @@ TEST(Scenes, GravityArrowPointsDownAndSaysWhereItIsAGuessOrUnknown) {
   const DrawList list = scene_leftovers(result, {});
   EXPECT_TRUE(list.arrows.empty());
   ASSERT_FALSE(list.labels.empty());
-  EXPECT_EQ(list.labels.back().text, "gravity not known");
+  EXPECT_EQ(list.labels.back().text, "gravity unknown");
 }
 
 TEST(Scenes, EmptyFramesGiveEmptyPictures) {

@@ -91,7 +91,7 @@ TEST(StepValues, HeightIsUnknownWhereGravityIs) {
   EXPECT_NE(why_no_values(*run, look).find("gravity"), std::string::npos);
   for (const float value : values_of(*run, look)) ASSERT_TRUE(std::isnan(value));
   const StepState state = step_state(*run, look);
-  const Rgba waiting = mark_colors(look.theme).waiting;
+  const Rgba waiting = highlight_colors(look.theme).waiting;
   for (const Rgba color : voxel_colors(state)) ASSERT_EQ(color, waiting);
 }
 
@@ -156,7 +156,7 @@ TEST(StepValues, DistanceIsSignedAndToTheSelectedPlane) {
   // Too far off to be told apart, and not its own: no colour of the map.
   const std::vector<Rgba> colors = voxel_colors(state);
   const auto top = static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
-  EXPECT_EQ(colors[top], mark_colors(look.theme).waiting);
+  EXPECT_EQ(colors[top], highlight_colors(look.theme).waiting);
 }
 
 TEST(StepValues, TheRangeIsTheSameAtEveryStepAndPassesOutliersOver) {

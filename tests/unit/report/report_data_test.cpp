@@ -216,7 +216,7 @@ struct Decided {
     segmentation = planes::segment(points, labels, cube, Vec3d(1, 1, 1), options, &trace);
   }
   std::vector<ValueHistogram> histograms() const {
-    return decision_histograms(segmentation, trace.strains, options);
+    return decision_histograms(segmentation, trace.limit_ratios, options);
   }
 };
 

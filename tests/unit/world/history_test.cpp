@@ -41,11 +41,10 @@ TEST(History, TellsWhatATrackWasInAFrame) {
   EXPECT_EQ(moment_text(tracker, track, 30),
             "T12 is P4 of frame 30, 2310 px: seen for the first time");
   EXPECT_EQ(moment_text(tracker, track, 31),
-            "T12 is P4 of frame 31, 2310 px, 0.30° and 1.2 mm from what was known");
+            "T12 is P4 of frame 31, 2310 px, 0.30° and 1.2 mm from the track");
   EXPECT_EQ(moment_text(tracker, track, 33),
-            "T12 is not in frame 33: not matched, its place is on P7, angle_deg 7.25 > 5.1");
-  EXPECT_EQ(moment_text(tracker, track, 34),
-            "T12 is not in frame 34: not matched, as since frame 33");
+            "T12 is not in frame 33: not matched, its region is on P7, angle_deg 7.25 > 5.1");
+  EXPECT_EQ(moment_text(tracker, track, 34), "T12 is not in frame 34: not matched, since frame 33");
   EXPECT_EQ(moment_text(tracker, track, 39), "T12 is not in frame 39: out of view");
   EXPECT_TRUE(moment_of(track, 34).is_unlisted());
   EXPECT_FALSE(moment_of(track, 39).is_unlisted());
@@ -56,14 +55,14 @@ TEST(History, TellsThatThePlaneWasUndecided) {
   Track track = made_track();
   track.sightings[1].undecided = true;
   EXPECT_EQ(moment_text(Tracker(), track, 31),
-            "T12 is P4 of frame 31, 2310 px, undecided, 0.30° and 1.2 mm from what was known");
+            "T12 is P4 of frame 31, 2310 px, undecided, 0.30° and 1.2 mm from the track");
 }
 
 TEST(History, WhereOnlyAMinorPlaneStandsForATrackNoneIsListed) {
   Track track = made_track();
   track.sightings[1].minor = true;
   EXPECT_EQ(moment_text(Tracker(), track, 31),
-            "T12 is a minor plane of frame 31, 2310 px, too poor to be listed");
+            "T12 is a minor plane of frame 31, 2310 px, below the listing threshold");
   EXPECT_TRUE(moment_of(track, 31).is_unlisted());
 }
 

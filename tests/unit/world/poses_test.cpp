@@ -160,7 +160,7 @@ TEST(Trajectory, ThatIsDamagedIsRefusedWithItsLine) {
   expect("d.tum", "# nothing\n", ": has no pose");
   expect("e.txt", "1 0 0 5 0 1 0 6 0 0 2 7\n", ", line 1: the matrix is not a rotation");
   expect("e.txt", kitti + "1 0 0 NaN 0 1 0 0 0 0 1 0\n", ", line 2: 'NaN' is not a number");
-  expect("f.log", "0 0 1\n1 0 0 5\n", ", line 1: the pose ends before its four rows");
+  expect("f.log", "0 0 1\n1 0 0 5\n", ", line 1: the pose has fewer than four rows");
   expect("f.log", "0 0 1\n1 0 0 5\n0 1 0 inf\n0 0 1 0\n0 0 0 1\n", ", line 3: 'inf' is not a");
   expect("f.log", "0 0 1\n1 0 0 5\n0 1 0 6\n0 0 1 0\n0 0 0 2\n", ", line 1: the matrix is not");
   expect("g.txt", "hello\n", ", line 1: 1 word; expected TUM");
@@ -232,12 +232,11 @@ TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
   EXPECT_EQ(paired(numbered, TimesAlone({0, 0, 0, 0}), {1, 2}), (std::vector{1, 2}));
   const TimesAlone removed({5, 7, 8});
   EXPECT_EQ(paired(numbered, removed, {0, 1, 2}), (std::vector{0, 2, 3}));
-  EXPECT_EQ(
-      pair_poses(numbered, removed, std::vector{0}).notice,
-      "frame 1 is at another time than in poses.tum: poses are paired by time, not by number");
+  EXPECT_EQ(pair_poses(numbered, removed, std::vector{0}).notice,
+            "frame 1 has a different time in poses.tum: poses are paired by time, not by number");
   // Without times nothing tells which frames are missing.
   const std::string why = why_unpaired(numbered, TimesAlone({0, 0, 0}), {0, 1, 2});
-  EXPECT_NE(why.find("has a pose of frame 3; recording has 3 frames, without times"),
+  EXPECT_NE(why.find("contains a pose of frame 3, but recording has 3 frames and no times"),
             std::string::npos)
       << why;
   numbered.poses.pop_back();
@@ -261,7 +260,7 @@ TEST(PairPoses, FramesWithoutTimesTakeAsManyPosesInTheirOrderWhicheverAreAskedFo
   EXPECT_EQ(paired(three, recording, {2}), (std::vector{2}));
   const PairedPoses found = pair_poses(three, recording, std::vector{1});
   EXPECT_EQ(found.poses[0]->timestamp_s, 1305.2);
-  EXPECT_EQ(found.notice, "frames have no times: pose i of poses.tum is taken for frame i");
+  EXPECT_EQ(found.notice, "frames have no times: pose i of poses.tum is used for frame i");
   EXPECT_EQ(why_unpaired(at_times({5, 6}), recording, {0, 1}),
             "poses.tum: 2 poses; expected 3, one for each frame of recording, whose frames have no "
             "times");

@@ -258,7 +258,7 @@ const PointStory* story(const Ui& ui) {
   if (source < 0) return nullptr;
   if (point.of != view || point.source != source) {
     const auto index = static_cast<std::size_t>(source);
-    point = {recording, view, source, debug::life_of(*view->run, index),
+    point = {recording, view, source, debug::history_of(*view->run, index),
              debug::why_not(*view->run, index)};
   }
   return &point;
@@ -289,7 +289,7 @@ void draw_why(const Ui& ui, const PointStory& point) {
 /// The stage with its step: beside it, or below where the panel is narrow.
 bool steps_beside(const Ui& ui) { return ImGui::GetWindowWidth() > ui.px(340); }
 
-float stage_width(const Ui& ui, const debug::LifeEvent& event) {
+float stage_width(const Ui& ui, const debug::HistoryEvent& event) {
   const float stage = ImGui::CalcTextSize(event.stage.c_str()).x;
   if (event.step <= 0) return stage;
   const float step = ImGui::CalcTextSize(std::to_string(event.step).c_str()).x;
@@ -297,7 +297,7 @@ float stage_width(const Ui& ui, const debug::LifeEvent& event) {
 }
 
 /// One line of the life; a click leads to its step.
-void draw_station(const Ui& ui, const debug::LifeEvent& event, std::size_t index) {
+void draw_station(const Ui& ui, const debug::HistoryEvent& event, std::size_t index) {
   const std::int32_t now = ui.state.view.step;
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -345,7 +345,7 @@ void draw_point(const Ui& ui) {
   if (!ImGui::BeginTable("life", 2, ImGuiTableFlags_PadOuterX)) return;
   ImGui::PushFont(ui.small);
   float widest = 0;
-  for (const debug::LifeEvent& event : point->life)
+  for (const debug::HistoryEvent& event : point->life)
     widest = std::max(widest, stage_width(ui, event));
   ImGui::PopFont();
   ImGui::TableSetupColumn("stage", ImGuiTableColumnFlags_WidthFixed, widest + ui.px(4));

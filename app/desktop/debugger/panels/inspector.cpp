@@ -24,7 +24,7 @@ void draw_margin(const Ui& ui, const debug::Check& check) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float middle = at.x + width / 2;
   draw->AddLine(ImVec2(middle, at.y), ImVec2(middle, at.y + height), ui.colors.grid);
-  if (check.verdict != debug::Verdict::not_asked && std::isfinite(check.margin)) {
+  if (check.verdict != debug::Verdict::not_evaluated && std::isfinite(check.margin)) {
     const float reach = static_cast<float>(std::clamp(check.margin, -1.0, 1.0)) * width / 2;
     const float x0 = std::min(middle, middle + reach), x1 = std::max(middle, middle + reach);
     draw->AddRectFilled(ImVec2(x0, at.y + height * 0.25f),
@@ -49,7 +49,7 @@ Comparison comparison_of(const debug::Check& check) {
   std::string unit = check.unit == "points" || check.unit.empty() ? "" : " " + check.unit;
   if (millimetres) unit = " mm";
   if (check.unit == "deg") unit = "°";
-  const bool valued = check.verdict != debug::Verdict::not_asked || std::isfinite(check.value);
+  const bool valued = check.verdict != debug::Verdict::not_evaluated || std::isfinite(check.value);
   const std::string value = valued ? "= " + text(check.value) : "";
   if (check.op.empty()) return {check.quantity, valued ? value + unit : ""};
   return {check.quantity, fmt::format("{}{}{} {}{}", value, valued ? " " : "", check.op,
@@ -72,7 +72,7 @@ const char* word_of(debug::Verdict verdict) {
 void draw_tooltip(const debug::Check& check) {
   std::string text =
       fmt::format("{}, {}\n{}: {}", check.criterion, check.equation, check.quantity, check.meaning);
-  if (check.verdict == debug::Verdict::not_asked && !check.op.empty())
+  if (check.verdict == debug::Verdict::not_evaluated && !check.op.empty())
     text += "\nNot evaluated: an earlier criterion decided";
   if (!check.option.empty()) text += "\nThreshold: option " + check.option + "; click to show it";
   tooltip_at_mouse(text);
@@ -138,7 +138,7 @@ void draw_checks(const Ui& ui, const std::string& name, const std::vector<debug:
   if (wide) ImGui::TableSetupColumn("margin", ImGuiTableColumnFlags_WidthFixed, ui.px(40));
   for (std::size_t i = 0; i < checks.size(); ++i) {
     const debug::Check& check = checks[i];
-    const bool asked = check.verdict != debug::Verdict::not_asked;
+    const bool asked = check.verdict != debug::Verdict::not_evaluated;
     const ImU32 color = asked ? ui.colors.text : ui.colors.muted;
     ImGui::PushStyleColor(ImGuiCol_Text, color);
     ImGui::TableNextRow();
@@ -238,7 +238,7 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
   paragraph(ui.colors.muted, report.stopped);
   if (std::any_of(report.checks.begin(), report.checks.end(), [](const debug::Check& c) {
         return (c.criterion == "PCA" || c.option == "flat") &&
-               c.verdict != debug::Verdict::not_asked;
+               c.verdict != debug::Verdict::not_evaluated;
       }))
     draw_fit(ui, facts.fit);
   math_paragraph(ui, ui.colors.text, report.outcome);
@@ -249,10 +249,10 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
 }
 
 void draw_partner(const Ui& ui, const debug::PartnerReport& partner, const std::string& name) {
-  const std::string state = partner.chosen        ? "joined"
-                            : partner.never_asked ? "not evaluated: a partner was found"
-                            : partner.coplanar    ? "coplanar, but not the best"
-                                                  : "not coplanar";
+  const std::string state = partner.chosen          ? "joined"
+                            : partner.not_evaluated ? "not evaluated: a partner was found"
+                            : partner.coplanar      ? "coplanar, but not the best"
+                                                    : "not coplanar";
   ImGui::PushStyleColor(ImGuiCol_Text, partner.chosen ? ui.colors.good : ui.colors.text);
   const bool open = ImGui::TreeNodeEx(
       name.c_str(), partner.chosen ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None,

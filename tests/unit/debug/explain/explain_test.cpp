@@ -57,11 +57,13 @@ TEST_P(Explained, NodesFailWhereTheirCaseSaysSo) {
     const auto decided = static_cast<planes::Case>(event.node_case);
     ASSERT_EQ(all(report.checks, "Criterion 1", Verdict::pass), decided != planes::Case::I);
     ASSERT_EQ(all(report.checks, "Criterion 2", Verdict::pass), decided > planes::Case::II);
-    ASSERT_EQ(all(report.checks, "Criterion 2", Verdict::not_asked), decided == planes::Case::I);
+    ASSERT_EQ(all(report.checks, "Criterion 2", Verdict::not_evaluated),
+              decided == planes::Case::I);
     ASSERT_EQ(all(report.checks, "Criterion 3", Verdict::pass), decided == planes::Case::IV);
-    ASSERT_EQ(all(report.checks, "Criterion 3", Verdict::not_asked), decided < planes::Case::III);
+    ASSERT_EQ(all(report.checks, "Criterion 3", Verdict::not_evaluated),
+              decided < planes::Case::III);
     for (const Check& check : report.checks) {
-      ASSERT_EQ(check.verdict == Verdict::not_asked, std::isnan(check.value)) << check.quantity;
+      ASSERT_EQ(check.verdict == Verdict::not_evaluated, std::isnan(check.value)) << check.quantity;
       ASSERT_EQ(check.margin < 0, check.verdict == Verdict::fail) << check.quantity;
     }
     ASSERT_NE(report.outcome.find(planes::to_string(decided)), std::string::npos) << report.outcome;
@@ -88,7 +90,7 @@ TEST_P(Explained, TheChosenPartnerIsTheOneOfTheRun) {
         std::int32_t chosen = -1;
         for (const PartnerReport& partner : report.partners) {
           if (partner.chosen) chosen = partner.plane;
-          if (partner.never_asked) continue;
+          if (partner.not_evaluated) continue;
           // What is coplanar passes every check that is shown, and nothing else does.
           ASSERT_EQ(partner.coplanar,
                     std::all_of(partner.checks.begin(), partner.checks.end(),

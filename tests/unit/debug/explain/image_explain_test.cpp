@@ -82,7 +82,7 @@ TEST(ImageExplain, APixelThatWasFusedNamesTheJoinAndTheCostThatKeepsItApart) {
 TEST(ImageExplain, EveryPixelHasALifeAndWhatIsInNoPlaneACause) {
   const auto& run = *test::box_run();
   for (std::size_t source = 0; source < run.subject->point_of_source.size(); source += 1501) {
-    EXPECT_GE(life_of(run, source).size(), 4u);
+    EXPECT_GE(history_of(run, source).size(), 4u);
     const auto voxel = run.subject->voxel_of_source(source);
     if (voxel == planes::kNoVoxel || run.segmentation.plane_of[voxel] > 0) continue;
     const WhyNot why = why_not(run, source);

@@ -80,7 +80,7 @@ TEST_F(Measure, PlanesAtAnAngleAreAsFarApartAsThePlaceThatWasClicked) {
   const MeasureEnd floor = plane(Vec3d(0, 1, 1), -Vec3d::UnitY(), true, "P3");
   const MeasureEnd wall = plane(Vec3d(0, 0.6, 2), -Vec3d::UnitZ(), false, "P1");
   EXPECT_EQ(measure(subject, floor, wall).text,
-            "a place on P1 40.0 cm above P3: 40.0 cm up, 0.0 mm across, at an angle of 90.0°");
+            "a point on P1 40.0 cm above P3: 40.0 cm up, 0.0 mm across, at an angle of 90.0°");
 }
 
 TEST_F(Measure, WithoutGravityTellsNoHeight) {

@@ -28,13 +28,13 @@ void on_every_point(Check check) {
 
 TEST(Provenance, ALifeIsInOrderAndEndsWithTheResult) {
   on_every_point([](const planescope::debug::Run& run, std::size_t i) {
-    const std::vector<LifeEvent> life = life_of(run, i);
+    const std::vector<HistoryEvent> life = history_of(run, i);
     ASSERT_GE(life.size(), 5u);
     EXPECT_EQ(life.front().stage, "pixel");
     EXPECT_EQ(life.back().stage, "result");
     EXPECT_EQ(life.back().text.rfind("unassigned", 0) == 0, run.segmentation.plane_of[i] == 0);
     std::int32_t step = 0;
-    for (const LifeEvent& event : life) {
+    for (const HistoryEvent& event : life) {
       EXPECT_FALSE(event.text.empty());
       if (event.step < 0) continue;
       EXPECT_GT(event.step, step);
@@ -47,9 +47,9 @@ TEST(Provenance, OneDecisionIsToBlameAndStandsInTheLife) {
   on_every_point([](const planescope::debug::Run& run, std::size_t i) {
     const WhyNot why = why_not(run, i);
     ASSERT_GT(why.step, 0) << why.answer;
-    const std::vector<LifeEvent> life = life_of(run, i);
+    const std::vector<HistoryEvent> life = history_of(run, i);
     EXPECT_EQ(std::count_if(life.begin(), life.end(),
-                            [](const LifeEvent& event) { return event.decisive; }),
+                            [](const HistoryEvent& event) { return event.decisive; }),
               1)
         << why.answer;
     EXPECT_EQ(why.answer.rfind("Lost", 0) == 0, run.segmentation.plane_of[i] == 0) << why.answer;
@@ -69,7 +69,7 @@ TEST(Provenance, WhatWasCroppedOrNeverMeasuredSaysSo) {
   EXPECT_NE(why_not(*run, 4).answer.find("cropped"), std::string::npos);
   EXPECT_NE(why_not(*run, 1u << 30).answer.find("no such point"), std::string::npos);
   EXPECT_EQ(why_not(*run, 3).step, -1);
-  EXPECT_LE(life_of(*run, 3).size(), 2u);
+  EXPECT_LE(history_of(*run, 3).size(), 2u);
 }
 
 TEST(Provenance, ARemedyKeepsWhatItPromises) {

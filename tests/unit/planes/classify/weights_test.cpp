@@ -297,7 +297,8 @@ TEST(DamagedWeights, WithTensorsThatAreNotWhereTheyShouldBeAreRefused) {
   EXPECT_TRUE(has(offsets(24, 0), "data_offsets"));      // backwards
   EXPECT_TRUE(has(offsets(0.5, 24), "data_offsets"));    // no count
   EXPECT_TRUE(has(offsets(huge, huge + 3), "begins at byte"));
-  EXPECT_TRUE(has(error_after([](Parts& parts) { parts.data.pop_back(); }), "the file is cut"));
+  EXPECT_TRUE(
+      has(error_after([](Parts& parts) { parts.data.pop_back(); }), "the file is truncated"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.data.push_back(0); }), "bytes of data"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["conv_0.directions"] = 1; }),
                   "\"conv_0.directions\" is 1, expected an object"));
@@ -307,12 +308,12 @@ TEST(DamagedWeights, WithShapesThatDoNotFitAreRefused) {
   const auto shape = [](const Json& extents) {
     return error_after([&](Parts& parts) { parts.header["conv_0.directions"]["shape"] = extents; });
   };
-  EXPECT_TRUE(has(shape({3, 3}), "not its shape"));
-  EXPECT_TRUE(has(shape({2, 3}), "asks for [3, 2]"));
-  EXPECT_TRUE(has(shape({6}), "asks for [3, 2]"));
+  EXPECT_TRUE(has(shape({3, 3}), "does not match shape"));
+  EXPECT_TRUE(has(shape({2, 3}), "requires [3, 2]"));
+  EXPECT_TRUE(has(shape({6}), "requires [3, 2]"));
   // 2^64 + 24 bytes, and nothing at all of very many.
-  EXPECT_TRUE(has(shape({std::uint64_t{1} << 61, 2, 6}), "not its shape"));
-  EXPECT_TRUE(has(shape({0, std::uint64_t{0} - 1}), "not its shape"));
+  EXPECT_TRUE(has(shape({std::uint64_t{1} << 61, 2, 6}), "does not match shape"));
+  EXPECT_TRUE(has(shape({0, std::uint64_t{0} - 1}), "does not match shape"));
   EXPECT_TRUE(has(shape({-3, -2}), "shape[0] is -3, expected a whole number"));
   EXPECT_TRUE(has(shape("3x2"), "shape is \"3x2\", expected a list"));
 }
@@ -325,7 +326,7 @@ TEST(DamagedWeights, OfOtherTypesOrTensorsAreRefused) {
                     parts.header.erase("conv_1.bias");
                     parts.header["conv_9.bias"] = moved;
                   }),
-                  "no tensor conv_1.bias"));
+                  "tensor conv_1.bias is missing"));
   EXPECT_TRUE(has(error_after([](Parts& parts) {
                     parts.header["extra\n"] = {
                         {"dtype", "F32"},
@@ -333,7 +334,7 @@ TEST(DamagedWeights, OfOtherTypesOrTensorsAreRefused) {
                         {"data_offsets", {parts.data.size(), parts.data.size() + 4}}};
                     parts.data.resize(parts.data.size() + 4);
                   }),
-                  R"(has no tensor "extra\n")"));
+                  R"(tensor "extra\n" is not part of its configuration)"));
 }
 
 TEST(DamagedWeights, ThatAreNotFiniteAreRefused) {
@@ -357,7 +358,7 @@ TEST(DamagedWeights, WithoutOurMetadataSayWhatToAdd) {
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"] = "all"; }),
                   R"(__metadata__ is "all", expected an object)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["training"] = "3"; }),
-                  "training record is no JSON object"));
+                  "training record is not a JSON object"));
 }
 
 TEST(DamagedWeights, WithAnAbsurdConfigurationAreRefused) {

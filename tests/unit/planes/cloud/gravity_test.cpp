@@ -105,14 +105,14 @@ std::string why_refused(const Frame& frame, double max_range_m = 0) {
 }
 
 TEST(Gravity, ADepthImageWithoutDepthIsRefusedAsSuch) {
-  EXPECT_EQ(why_refused(empty_depth()), "frame empty: holds no depth: all pixels are 0");
+  EXPECT_EQ(why_refused(empty_depth()), "frame empty: contains no depth: all pixels are 0");
 }
 
 TEST(Gravity, AWrongDepthUnitIsSuspectedWhereAllIsOutOfRange) {
   Frame frame = measured_once();
   frame.depth_unit_m = 1;
   EXPECT_EQ(why_refused(frame, 4),
-            "frame empty: all depths lie between 900 and 900 m, beyond --max-range 4 m: is "
+            "frame empty: all depths are between 900 and 900 m, beyond --max-range 4 m: is "
             "--depth-unit 1 right?");
   frame.depth_unit_m = 0.001;
   EXPECT_EQ(why_refused(frame, 4).find("--depth-unit"), std::string::npos);

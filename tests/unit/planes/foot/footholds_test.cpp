@@ -76,7 +76,7 @@ TEST(Footholds, SayInWordsWhyAPlaneIsNotSteppable) {
   EXPECT_NE(why_not({.radius_m = 0.1, .max_slope_deg = 0}).find("slope 0."), std::string::npos);
   EXPECT_NE(why_not({.radius_m = 0.1, .max_rough_m = 1e-4}).find("mm rough, limit 0.1"),
             std::string::npos);
-  EXPECT_NE(why_not({.radius_m = 0.1, .min_area_m2 = 50}).find("cm2 for the foot's centre"),
+  EXPECT_NE(why_not({.radius_m = 0.1, .min_area_m2 = 50}).find("cm2 for the foot's center"),
             std::string::npos);
   EXPECT_EQ(why_not({.radius_m = 5}), "no room for the foot");
 
@@ -86,8 +86,7 @@ TEST(Footholds, SayInWordsWhyAPlaneIsNotSteppable) {
       if (u % 4 < 2 && v % 4 < 2) torn.depth.at(u, v) = 0;
   const Foothold floor = floor_of(found_in(torn, {.radius_m = 0.1, .min_support = 0.9}));
   EXPECT_NEAR(floor.surface.support, 0.75, 0.03);
-  EXPECT_NE(floor.why_not.find("% of it was measured, limit 90"), std::string::npos)
-      << floor.why_not;
+  EXPECT_NE(floor.why_not.find("% of it measured, limit 90"), std::string::npos) << floor.why_not;
 }
 
 TEST(Footholds, AWallAndAPlaneWithoutGravityAreNotSteppable) {

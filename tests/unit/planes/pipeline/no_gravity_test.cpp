@@ -85,8 +85,8 @@ TEST(NoGravity, LabelsAreNotScoredAndPlanesAre) {
   const Metrics metrics = score_frame(result, truth);
   EXPECT_GT(metrics.mean_iou, 95);
   EXPECT_TRUE(std::isnan(metrics.label_accuracy_edge));
-  const JudgedFrame judged = judge_frame(result, truth);
-  EXPECT_EQ(std::ranges::count(judged.verdict, Verdict::wrong_class), 0);
+  const EvaluatedFrame evaluated = evaluate_frame(result, truth);
+  EXPECT_EQ(std::ranges::count(evaluated.verdict, Verdict::wrong_class), 0);
 
   Metrics labelled;
   labelled.label_accuracy_edge = labelled.label_accuracy_inner = 80;

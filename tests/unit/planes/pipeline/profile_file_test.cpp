@@ -117,7 +117,7 @@ TEST(ProfileFile, WhatIsWrongIsToldInOneLine) {
   EXPECT_EQ(refusal_of(with_options(R"("merge_partner": "worst")")),
             "option merge_partner: 'worst' is unknown, expected first or best");
   EXPECT_EQ(refusal_of(with_options(R"("profile": "paper")")),
-            "option profile: the profile to begin with is its base");
+            "option profile: not allowed in a profile file; expected \"base\" instead");
   EXPECT_NE(refusal_of("{\"schema\": ").find("not valid JSON"), std::string::npos);
 }
 

@@ -149,15 +149,16 @@ TEST(Score, EveryPointIsJudgedByThePlaneThatStandsForItsOwn) {
   s.truth.values.label[3] = 2;
   s.truth.values.instance[4] = -1;
   s.result.voxels.voxel_of[5] = kNoVoxel;
-  const JudgedFrame judged = judge_frame(s.result, s.truth);
+  const EvaluatedFrame evaluated = evaluate_frame(s.result, s.truth);
   const std::vector<Verdict> expected = {Verdict::missed,   Verdict::wrong_plane,
                                          Verdict::invented, Verdict::wrong_class,
                                          Verdict::unscored, Verdict::unscored};
-  EXPECT_EQ(std::vector<Verdict>(judged.verdict.begin(), judged.verdict.begin() + 6), expected);
-  for (std::size_t i = 6; i < 12; ++i) EXPECT_EQ(judged.verdict[i], Verdict::right);
-  EXPECT_EQ(judged.found_of, (std::vector<int>{1, 2}));
-  EXPECT_EQ(judged.true_plane[1], 1);
-  EXPECT_EQ(judged.true_plane[11], 2);
+  EXPECT_EQ(std::vector<Verdict>(evaluated.verdict.begin(), evaluated.verdict.begin() + 6),
+            expected);
+  for (std::size_t i = 6; i < 12; ++i) EXPECT_EQ(evaluated.verdict[i], Verdict::right);
+  EXPECT_EQ(evaluated.found_of, (std::vector<int>{1, 2}));
+  EXPECT_EQ(evaluated.true_plane[1], 1);
+  EXPECT_EQ(evaluated.true_plane[11], 2);
 }
 
 }  // namespace

@@ -198,7 +198,7 @@ TEST(Stairs, ABoxIsNoKerb) {
   ideal.level(0, 0.4, -0.2, 0.2, 0.15);
   const Stairs stairs = ideal.find();
   EXPECT_TRUE(stairs.kerbs.empty());
-  EXPECT_EQ(told(stairs), "P1 -> P2 a step alone: 40 cm wide, limit for a kerb 60 cm\n");
+  EXPECT_EQ(told(stairs), "P1 -> P2 single step: 40 cm wide, limit for a kerb 60 cm\n");
 }
 
 TEST(Stairs, ARampLeadsFromLevelToLevel) {
@@ -247,7 +247,7 @@ TEST(Stairs, UnevenStepsAreNoFlightAndItIsSaidWhy) {
   const Stairs stairs = ideal.find();
   EXPECT_TRUE(stairs.flights.empty());
   EXPECT_NE(
-      told(stairs).find("P2 -> P3 not of the flight below: rises differ by 15 cm, limit 3 cm"),
+      told(stairs).find("P2 -> P3 not part of the flight below: rises differ by 15 cm, limit 3 cm"),
       std::string::npos)
       << told(stairs);
 }

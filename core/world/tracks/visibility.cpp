@@ -18,14 +18,15 @@ namespace planescope::world {
 
 namespace {
 
-constexpr double kThroughLeast_m = 0.03;  // nearer behind it is the plane itself, measured badly
+constexpr double kThroughLeast_m = 0.03;  // closer behind the plane, it is an inaccurate
+                                          // measurement of the plane itself
 constexpr double kThroughSigmas = 5;
 constexpr double kAhead_m = 0.05;
-constexpr double kEdgeOn = 0.15;  // cosine: nearly edge-on, depth tells planes apart badly
+constexpr double kEdgeOn = 0.15;  // cosine: nearly edge-on, depth distinguishes planes poorly
 
 }  // namespace
 
-int Sight::most_on() const {
+int Visibility::most_on() const {
   int best = 0;
   for (std::size_t id = 1; id < on.size(); ++id)
     if (on[id].cells > 0 && (best == 0 || on[id].cells > on[best].cells))
@@ -33,19 +34,19 @@ int Sight::most_on() const {
   return best;
 }
 
-Sight sight_of(Track& track,
-               const ObservedFrame& frame,
-               const TrackOptions& options,
-               std::vector<std::uint32_t>* there) {
-  Sight sight;
-  sight.on.resize(frame.planes.size() + 1);
+Visibility visibility_of(Track& track,
+                         const ObservedFrame& frame,
+                         const TrackOptions& options,
+                         std::vector<std::uint32_t>* there) {
+  Visibility visibility;
+  visibility.on.resize(frame.planes.size() + 1);
   const Pose T_camera_world = frame.T_world_camera.inverse();
   const Intrinsics& k = frame.intrinsics;
   for (CellMap::Tile& tile : track.cells.tiles())
     for (int i = 0; i < CellMap::kSide * CellMap::kSide; ++i) {
       Cell& cell = tile.cells[i];
       if (!cell.present()) continue;
-      ++sight.cells;
+      ++visibility.cells;
       const Vec3d place = track.on_plane(track.cells.middle(tile, i));
       const Vec3d p = T_camera_world * place;
       if (!(p.z() > kAhead_m)) continue;
@@ -53,15 +54,15 @@ Sight sight_of(Track& track,
       const double u = std::round(at.x()), v = std::round(at.y());
       if (!(u >= 0 && v >= 0 && u < k.width && v < k.height)) continue;
       if (frame.max_range_m > 0 && p.z() > frame.max_range_m) {
-        ++sight.beyond_range;
+        ++visibility.beyond_range;
         continue;
       }
       if (std::abs(track.distance_m(frame.camera())) < kEdgeOn * p.norm()) continue;
-      ++sight.in_view;
+      ++visibility.in_view;
       const int x = static_cast<int>(u), y = static_cast<int>(v);
       const std::uint16_t counts = frame.depth.at(x, y);
       if (counts == planes::kNoDepth || counts == planes::kFarOutlier) {
-        ++sight.unmeasured;
+        ++visibility.unmeasured;
         continue;
       }
       const double z = counts * frame.depth_unit_m;
@@ -74,37 +75,38 @@ Sight sight_of(Track& track,
       const bool is_through =
           !on_plane && behind > std::max(kThroughLeast_m, kThroughSigmas * sigma);
       if (!on_plane && !is_through) {
-        ++sight.hidden;
-        ++sight.on[frame.plane_of.at(x, y)].hides;
+        ++visibility.hidden;
+        ++visibility.on[frame.plane_of.at(x, y)].hides;
         continue;
       }
-      sight.looks.push_back({&cell, is_through});
+      visibility.looks.push_back({&cell, is_through});
       if (is_through) {
-        ++sight.through;
+        ++visibility.through;
         continue;
       }
-      ++sight.there;
-      sight.places.add(place - frame.camera());
+      ++visibility.there;
+      visibility.places.add(place - frame.camera());
       if (there) there->push_back(static_cast<std::uint32_t>(y * k.width + x));
-      Sight::On& on = sight.on[frame.plane_of.at(x, y)];
+      Visibility::On& on = visibility.on[frame.plane_of.at(x, y)];
       ++on.cells;
       on.sum += place;
     }
-  return sight;
+  return visibility;
 }
 
-void remember(const Sight& sight) {
-  for (const Sight::Look& look : sight.looks) look.cell->look(look.through);
+void update_cells(const Visibility& visibility) {
+  for (const Visibility::Look& look : visibility.looks) look.cell->look(look.through);
 }
 
 // ---- Alignment ----
 
 namespace {
 
-// How far a given pose errs.
+// Uncertainty of a given pose.
 constexpr double kPoseSigma_m = 0.01, kPoseSigma_rad = 0.005;
-constexpr double kReach_m[] = {0.06, 0.04, 0.03};  // inlier distance in each iteration
-constexpr double kIndependent = 3;  // n cells weigh this times sqrt(n): neighbors err alike
+constexpr double kReach_m[] = {0.06, 0.04, 0.03};  // inlier distance per iteration
+constexpr double kIndependent = 3;  // n cells weigh this times sqrt(n), because errors of neighbors
+                                    // are correlated
 constexpr double kAlignSigma_m = 0.003;
 const double kAlike =
     std::cos(8 * std::numbers::pi / 180);  // cosine of the largest angle between normals
@@ -112,11 +114,11 @@ const double kAlike =
 using Mat6d = Eigen::Matrix<double, 6, 6>;
 using Vec6d = Eigen::Matrix<double, 6, 1>;
 
-/// Normal equations of a small motion (rotation, translation) of the camera about its center.
+/// Normal equations for a small motion (rotation, translation) of the camera about its center.
 struct Equations {
   Mat6d A = Mat6d::Zero();
   Vec6d b = Vec6d::Zero();
-  double misfit = 0, count = 0;  // squared, in sigmas; of so many cells
+  double misfit = 0, count = 0;  // sum of squares in sigmas, and number of cells
 };
 
 void add_track(const Track& track,
@@ -172,7 +174,7 @@ Pose aligned_pose(const ObservedFrame& frame, std::span<Track* const> tracks) {
     Equations all;
     for (const Track* track : tracks) add_track(*track, frame, pose, reach_m, all);
     if (all.A.isZero(0)) return given;
-    // The prior pulls towards the given pose.
+    // The prior pulls toward the given pose.
     const Eigen::AngleAxisd turned(pose.linear() * given.linear().transpose());
     Vec6d moved;
     moved << turned.angle() * turned.axis(), pose.translation() - given.translation();
@@ -209,9 +211,9 @@ namespace {
 
 constexpr double kNearest_m = 0.05;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMargin_px = 2;  // as far as lenses bend an edge of a tile
+constexpr double kMargin_px = 2;  // allowance for lens distortion of tile edges
 
-/// Where a tile is in the image: from x to x of each row that it reaches.
+/// Image area of a tile: the range of x in each of its rows.
 struct Rows {
   int top = 0, bottom = -1;            // inclusive
   std::vector<std::pair<int, int>> x;  // by row - top, inclusive
@@ -268,8 +270,8 @@ class Footprint {
   }
 
  private:
-  /// The polygon that is seen of a tile [px]; empty: it is behind the camera. Corners that the lens
-  /// model cannot place are NaN.
+  /// Visible polygon of a tile [px]; empty if behind the camera. Corners for which the lens model
+  /// has no solution are NaN.
   std::vector<Vec2d> corners_of(const Track& track, const CellMap::Tile& tile) const {
     const double side = CellMap::kSide * track.cells.cell_m();
     Vec3d square[4];
@@ -294,7 +296,7 @@ class Footprint {
     return corners;
   }
 
-  /// Sets rows_: all pixels of a polygon and a few more; the whole image if a corner is NaN.
+  /// Sets rows_ to all pixels of a polygon plus a margin; the whole image if a corner is NaN.
   void find_rows(const std::vector<Vec2d>& corners) {
     rows_ = {};
     if (corners.empty()) return;
@@ -309,7 +311,7 @@ class Footprint {
     rows_.top = static_cast<int>(std::clamp(std::floor(low - kMargin_px), 0.0, height));
     rows_.bottom = static_cast<int>(std::clamp(std::ceil(high + kMargin_px), -1.0, height - 1));
     for (int y = rows_.top; y <= rows_.bottom; ++y) {
-      // What is in the row of the edges, or that near to it.
+      // Parts of edges in or near the row.
       const double above = y - kMargin_px, below = y + kMargin_px;
       double left = width, right = -1;
       for (std::size_t c = 0; c < corners.size(); ++c) {
@@ -361,11 +363,13 @@ std::vector<planes::KnownPlane> expected_planes(std::span<const Track* const> tr
 
 namespace {
 
-// Across the plane, beside so many sigmas of the pixel's noise.
+// Distance from the plane, in addition to kSigmas of the pixel's noise.
 constexpr double kSure_m = 0.003, kDoubtful_m = 0.015, kSigmas = 3;
-constexpr double kSureCosine = 0.7;  // of a pixel's normal, smoothed over edges, with the plane's
+constexpr double kSureCosine = 0.7;  // between a pixel's normal, which is smoothed over edges, and
+                                     // the plane's normal
 
-/// A cell is the track's where its middle is: the plane goes on for up to half a cell.
+/// Whether the track covers a position. Cells count by their middle, so the plane extends for up to
+/// half a cell.
 bool is_covered(const Track& track, const Vec2d& place) {
   const double half_m = track.cells.cell_m() / 2;
   for (const double x : {place.x() - half_m, place.x() + half_m})
@@ -382,7 +386,8 @@ PixelsOfTrack pixels_of_track(const Track& track,
                               const labels::LabelGrid& grid,
                               const Pose& T_world_camera) {
   PixelsOfTrack found;
-  const Vec3d normal = T_world_camera.linear().transpose() * track.fit.normal;  // seen from it
+  const Vec3d normal = T_world_camera.linear().transpose() * track.fit.normal;  // in the
+                                                                                // camera frame
   for (std::uint32_t i = 0; i < grid.pixels(); ++i) {
     if (!grid.measured[i]) continue;
     const Vec3d seen = grid.points[i].cast<double>();
