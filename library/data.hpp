@@ -81,6 +81,8 @@ inline Vec3 vec3(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
 inline Vec3d vec3(const Vec3& p) { return {p[0], p[1], p[2]}; }
 PLANESCOPE_API Transform transform(const Pose& pose);
 PLANESCOPE_API Camera camera(const Intrinsics& intrinsics);
+/// Throws Error unless a Frame can be made of the image. Reads no pixels.
+Intrinsics checked(const DepthImage& image);
 
 /// What errors say of options that the command line has is of no use to a program's author.
 [[noreturn]] PLANESCOPE_API void throw_for_programs(const std::string& message);
