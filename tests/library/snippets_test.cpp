@@ -55,7 +55,7 @@ TEST(Snippets, OpenCvImagesGoInAndLabelsComeOut) {
   EXPECT_EQ(labels.at<int>(60, 10), 1);
   EXPECT_EQ(labels.at<int>(60, 150), 0);
 #else
-  GTEST_SKIP() << "OpenCV is not installed (libopencv-core-dev)";
+  GTEST_SKIP() << "OpenCV is not installed (libopencv-dev)";
 #endif
 }
 
