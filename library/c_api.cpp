@@ -57,8 +57,8 @@ std::vector<std::uint16_t> counts_of(const planescope_depth& depth, double unit_
 
 v0::Frame frame_of(const planescope_depth& depth) {
   if ((depth.counts == nullptr) == (depth.meters == nullptr))
-    throw v0::Error(fmt::format("depth image: {} counts and meters; expected one of them",
-                                depth.counts ? "both" : "neither"));
+    throw v0::Error(fmt::format("depth image: {} meters; expected one of them",
+                                depth.counts ? "both counts and" : "neither counts nor"));
   const planescope_camera& camera = depth.camera;
   v0::DepthImage image;
   image.camera.width = camera.width;

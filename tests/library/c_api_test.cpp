@@ -119,7 +119,7 @@ static_assert(sizeof(planescope::Trace) == 16 && sizeof(planescope::Segmenter) =
 static_assert(sizeof(planescope::Options) == 8);
 static_assert(sizeof(planescope::OptionInfo) == 192);
 static_assert(sizeof(planescope::Outline) == 104);
-static_assert(sizeof(planescope::Plane) == 312);
+static_assert(sizeof(planescope::Plane) == 296);
 static_assert(sizeof(planescope::Mesh) == 48);
 static_assert(sizeof(planescope::Counts) == 56 && sizeof(planescope::Timings) == 40);
 static_assert(sizeof(planescope::Event) == 24 && sizeof(planescope::Node) == 232);

@@ -49,8 +49,8 @@ TEST(Snippets, OpenCvImagesGoInAndLabelsComeOut) {
   const cv::Matx33d K(120, 0, 79.5, 0, 120, 59.5, 0, 0, 1);
   cv::Mat depth(kHeight, kWidth + 7, CV_16U, cv::Scalar(0));  // wider than the image that is used
   depth.colRange(0, kWidth / 2).setTo(1000);
-  const planescope::Result result =
-      planescope::segment(frame_of(depth.colRange(0, kWidth), K, 0.001));
+  const planescope::Result result = planescope::segment(
+      frame_of(depth.colRange(0, kWidth), K, 0.001), planescope::Options().set("gravity", "0,1,0"));
   const cv::Mat labels = labels_of(result, depth.colRange(0, kWidth).size());
   EXPECT_EQ(labels.at<int>(60, 10), 1);
   EXPECT_EQ(labels.at<int>(60, 150), 0);
