@@ -17,6 +17,12 @@ namespace planescope::app {
 namespace {
 
 constexpr std::size_t kHelpWidth = 80;
+constexpr std::pair<int, const char*> kExitCodes[] = {
+    {0, "success"},
+    {1, "a comparison failed"},
+    {2, "bad input or usage"},
+    {3, "no display or rendering failed (data files are still written)"},
+    {130, "canceled"}};
 
 std::string replaced(const std::string& text, std::string_view what, std::string_view by) {
   std::string result;
@@ -99,13 +105,11 @@ class HelpFormat : public CLI::Formatter {
   std::string make_footer(const CLI::App* app) const override {
     const std::string more =
         fmt::format("Run `{} help COMMAND` for the options of a command.\n", app->get_name());
+    std::vector<std::string> codes;
+    for (const auto& [code, meaning] : kExitCodes)
+      codes.push_back(fmt::format("{} {}", code, meaning));
     return (app->get_parent() ? "" : more) +
-           wrapped(
-               "Exit codes: 0 success, 1 a comparison failed, 2 bad input or usage, 3 no display "
-               "or "
-               "rendering failed (data files are still written), 130 cancelled.",
-               0) +
-           "\n";
+           wrapped(fmt::format("Exit codes: {}.", fmt::join(codes, ", ")), 0) + "\n";
   }
 
  private:
@@ -232,12 +236,9 @@ std::string man_page(const CLI::App& app) {
       text += " " + roff(positional.type.empty() ? "INPUT..." : positional.type);
     text += "\n" + roff(command.help) + "\n" + roff_options(command.options);
   }
-  text +=
-      ".SH EXIT STATUS\n.TP\n.B 0\nsuccess\n.TP\n.B 1\na comparison failed\n.TP\n.B 2\nbad input "
-      "or "
-      "usage\n.TP\n.B 3\nno display or rendering failed; data files are still written\n.TP\n.B "
-      "130\n"
-      "cancelled\n";
+  text += ".SH EXIT STATUS\n";
+  for (const auto& [code, meaning] : kExitCodes)
+    text += fmt::format(".TP\n.B {}\n{}\n", code, meaning);
   return text;
 }
 

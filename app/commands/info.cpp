@@ -344,7 +344,9 @@ void print_option(const planes::OptionInfo& info, const planes::PipelineOptions&
   if (info.method) line("method", planes::to_string(*info.method));
   if (info.objective) line("profile", *info.objective ? "refined" : "paper, paper-closest");
   if (!info.symbol.empty()) line("paper", info.symbol);
-  line("JSON key", fmt::format("options.{}, in planes.json and profile files", info.name));
+  line("JSON key",
+       fmt::format("options.{} in planes.json{}", info.name,
+                   info.name == "profile" ? "; base in profile files" : " and profile files"));
   line("example", fmt::format("--set {}={}", info.name, info.get(options)));
 }
 
