@@ -88,6 +88,20 @@ Camera camera(const Intrinsics& intrinsics) {
           intrinsics.coefficients};
 }
 
+/// Throws Error if the image cannot be read as described.
+static Intrinsics checked(const DepthImage& image) {
+  const Intrinsics result = intrinsics(image.camera, "depth image");
+  if (image.counts == nullptr && image.meters == nullptr)
+    throw Error("depth image: it has no pixels");
+  if (!(image.unit_m > 0 && image.unit_m <= 1))
+    throw Error(
+        fmt::format("depth image: {} m per count, expected above 0 and at most 1", image.unit_m));
+  if (image.row_stride != 0 && image.row_stride < static_cast<std::size_t>(result.width))
+    throw Error(fmt::format("depth image: rows of {} pixels stand {} apart", result.width,
+                            image.row_stride));
+  return result;
+}
+
 v0::Frame Access::frame(::planescope::Frame&& frame) {
   v0::Frame result;
   result.data_ = std::make_shared<const ::planescope::Frame>(std::move(frame));
@@ -248,16 +262,9 @@ Frame::Frame(const DepthImage& image) {
   detail::guarded([&] {
     ::planescope::Frame frame;
     frame.name = kGivenName;
-    frame.intrinsics = detail::intrinsics(image.camera, "depth image");
-    if (image.counts == nullptr && image.meters == nullptr)
-      throw Error("depth image: it has no pixels");
-    if (!(image.unit_m > 0 && image.unit_m <= 1))
-      throw Error(
-          fmt::format("depth image: {} m per count, expected above 0 and at most 1", image.unit_m));
+    frame.intrinsics = detail::checked(image);
     const auto width = static_cast<std::size_t>(image.camera.width);
     const std::size_t stride = image.row_stride == 0 ? width : image.row_stride;
-    if (stride < width)
-      throw Error(fmt::format("depth image: rows of {} pixels stand {} apart", width, stride));
     frame.depth = Image16(image.camera.width, image.camera.height);
     frame.depth_unit_m = image.unit_m;
     if (image.counts == nullptr)

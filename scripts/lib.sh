@@ -1,5 +1,8 @@
 # shellcheck shell=bash
-# Shared by the scripts beside it: `. "$(dirname "$0")/lib.sh"`. Moves to the repository's root.
+# Shared by the scripts beside it: `. "$(dirname "$0")/lib.sh"`. Prints the opening comment of a script that is called
+# with --help, and exits; otherwise moves to the root of the repository.
+
+case ${1:-} in -h | --help) sed -n '2,/^[^#]/{/^# shellcheck/d;/^#/s/^# \{0,1\}//p}' "$0"; exit ;; esac
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root" || exit

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <sstream>
 
+#include "core/io/recording.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
@@ -36,33 +36,16 @@ std::string refusal(std::string& text, const char* kind, Value least, Value most
 }
 
 constexpr const char* kReadLimitHelp =
-    "What one image, chunk or table of a file may take in memory, default 512; more is refused";
+    "Memory limit for one image, chunk or table of a file (default 512); larger ones are refused";
 
 }  // namespace
-
-std::string wrapped(const std::string& text) {
-  constexpr std::size_t kWidth = 62;
-  std::string out;
-  std::size_t column = 0;
-  std::istringstream words(text);
-  for (std::string word; words >> word; column += word.size() + 1) {
-    if (column > 0 && column + word.size() > kWidth) {
-      out += '\n';
-      column = 0;
-    } else if (column > 0) {
-      out += ' ';
-    }
-    out += word;
-  }
-  return out;
-}
 
 CLI::Option* add_read(CLI::App* command,
                       const std::string& names,
                       const std::function<void(const std::string&)>& read,
                       const std::string& type,
                       const std::string& help) {
-  return command->add_option_function<std::string>(names, read, wrapped(help))->type_name(type);
+  return command->add_option_function<std::string>(names, read, help)->type_name(type);
 }
 
 CLI::Validator whole(int least, int most) {
@@ -82,6 +65,10 @@ CLI::Validator some_of(const std::vector<std::string>& known, const std::string&
           ""};
 }
 
+void add_recordings(CLI::App* command, InputArgs& args, bool many, bool clouds) {
+  add_inputs(command, args, io::recordings_text(many, clouds) + "; default: the sample recording");
+}
+
 void add_inputs(CLI::App* command, InputArgs& args, const std::string& what) {
   command->add_option("INPUT", args.inputs, what)->type_name("");
   const auto option = [&](const char* name, const char* type, const char* help) {
@@ -90,19 +77,20 @@ void add_inputs(CLI::App* command, InputArgs& args, const std::string& what) {
     };
     add_read(command, name, read, type, help)->group("Recordings");
   };
-  option("--frames", "A:B:STEP", "Which frames, as Python slices a list: 0:100:10, -5:, or 7");
+  option("--frames", "A:B:STEP",
+         "Frames to process (Python slice): 0:100:10, -5:, or 7 for one frame");
   option("--intrinsics", "FX,FY,CX,CY",
-         "Of the depth image, in pixels; wins over what the files say");
-  option("--depth-unit", "METRES", "Metres per depth count; wins over what the files say");
+         "Intrinsics of the depth camera in pixels; override the recording's");
+  option("--depth-unit", "METERS", "Meters per depth count; overrides the recording's");
   option("--instance-field", "NAME",
-         "Of clouds: the field with true plane ids, whole numbers from 1, instead of `instance`");
-  option("--labels", "DIR", "Ground truth; otherwise <recording>.labels beside it");
+         "Cloud field that contains true plane ids, whole numbers from 1 (default instance)");
+  option("--labels", "DIR", "Ground truth (default RECORDING.labels, beside the recording)");
   command
       ->add_flag("--warnings-as-errors", args.warnings_as_errors,
-                 wrapped("Stop with exit code 2 at the first warning about a recording"))
+                 "Stop with exit code 2 at a warning about a recording")
       ->group("Recordings");
   const auto limit = [](int mib) { set_read_limit_bytes(std::uint64_t(mib) << 20); };
-  command->add_option_function<int>("--read-limit", limit, wrapped(kReadLimitHelp))
+  command->add_option_function<int>("--read-limit", limit, kReadLimitHelp)
       ->type_name("MIB")
       ->transform(whole(1))
       ->group("Recordings");
@@ -121,8 +109,8 @@ CLI::Option* add_of_method(CLI::App* command,
 
 void add_clouds(CLI::App* command, planes::PipelineOptions& options) {
   add_of_method(command, options, "--profile", "paper|paper-closest|refined|FILE",
-                "Where the options' values come from; default refined. FILE: see File formats in "
-                "the documents");
+                "Profile that options take their values from: a built-in one (default refined) "
+                "or a file (docs/formats.md)");
   command
       ->add_option_function<std::vector<std::string>>(
           "--set",
@@ -130,46 +118,46 @@ void add_clouds(CLI::App* command, planes::PipelineOptions& options) {
             for (const std::string& assignment : assignments)
               set_pipeline_option(options, "--set", assignment);
           },
-          wrapped("Any option by its name, after the profile; `planescope options` lists them. May "
-                  "be given many times"))
+          "Set an option by its name, after the profile; repeatable. `planescope options` lists "
+          "all")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
       ->group("Method");
   add_of_method(
       command, options, "--gravity", "auto|X,Y,Z|imu|estimate|none",
-      "Direction in which things fall, in the sensor's own frame (x right, y down, z "
-      "forward; clouds: the file's axes). auto, the default, takes the first that exists: "
-      "the recording's own, its IMU, a floor that was picked in the window, an estimate "
-      "from the scene, that of the frames around it. none finds planes of any direction without "
-      "telling h from v");
+      "Gravity direction in the sensor's frame (x right, y down, z forward; clouds: the file's "
+      "axes). auto (default) uses the first available: the recording's own, its IMU, a floor "
+      "picked in the window, an estimate from the scene, gravity of neighboring frames. none finds "
+      "planes without distinguishing horizontal (h) from vertical (v)");
   add_of_method(command, options, "--max-range", "M",
-                "Crop what is farther: depth z of depth frames (default 1.5), distance from the "
-                "origin of clouds (default none)");
-  add_of_method(command, options, "--voxel", "M", "Edge of the voxel grid, default 0.02; 0 = none");
+                "Maximum range in meters: depth z of depth images (default 1.5), distance from the "
+                "origin of clouds (default unlimited)");
+  add_of_method(command, options, "--voxel", "M",
+                "Voxel edge in meters (default 0.02); 0 makes every point a voxel");
   add_threads(command, options.threads)->group("Method");
 }
 
 void add_method(CLI::App* command, planes::PipelineOptions& options) {
   add_clouds(command, options);
   add_of_method(command, options, "--classifier", "gcn|pca|truth|FILE",
-                "What labels points h or v: the network that comes with planescope (default), PCA "
-                "normals, ground truth, or a network of your own (.safetensors)");
+                "Classifier that labels points h or v: the built-in network (gcn, default), PCA "
+                "normals, ground truth, or the .safetensors of another network");
   std::string methods;
   for (const planes::Method method : planes::built_methods())
     methods += method == planes::Method::ours ? "ours (default)"
                                               : std::string(", ") + planes::to_string(method);
-  add_of_method(command, options, "--method", "NAME", "What finds the planes: " + methods);
+  add_of_method(command, options, "--method", "NAME", "Method that finds planes: " + methods);
 }
 
 void add_foot(CLI::App* command, planes::PipelineOptions& options) {
   add_of_method(command, options, "--foot", "RADIUS|LENGTHxWIDTH",
-                "Of a foot, wheel or gripper, in metres: tells where its centre may go, whichever "
-                "way it is turned, and which planes are steppable");
+                "Size of a foot, wheel or gripper in meters: report footholds, valid for any "
+                "heading, and which planes are steppable");
 }
 
 CLI::Option* add_threads(CLI::App* command, int& threads) {
   return add(command, "--threads", threads, "N",
-             "Default: all cores. The results are the same for any number")
+             "Number of threads (default all cores); results do not depend on it")
       ->transform(whole(1, 1024));
 }
 
@@ -178,7 +166,7 @@ void add_json(CLI::App* command, bool& json) {
 }
 
 CLI::Option* add_out(CLI::App* command, std::filesystem::path& out) {
-  return add(command, "-o,--out", out, "DIR", "Output folder; made where it is missing");
+  return add(command, "-o,--out", out, "DIR", "Output folder; created if missing");
 }
 
 void add_size(CLI::App* command,

@@ -44,9 +44,6 @@ void runs(CLI::App* command,
   });
 }
 
-/// CLI11 does not wrap descriptions: breaks the lines, so that they fit beside the names.
-std::string wrapped(const std::string& text);
-
 /// An option with a value; the values of a list are one word, separated by commas, and what follows
 /// is no more of them.
 template <typename Value>
@@ -55,7 +52,7 @@ CLI::Option* add(CLI::App* command,
                  Value& value,
                  const std::string& type,
                  const std::string& help) {
-  CLI::Option* option = command->add_option(names, value, wrapped(help))->type_name(type);
+  CLI::Option* option = command->add_option(names, value, help)->type_name(type);
   if constexpr (CLI::detail::is_mutable_container<Value>::value &&
                 !std::is_same_v<Value, std::string>)
     option->delimiter(',')->expected(1)->allow_extra_args(false)->multi_option_policy(
@@ -77,6 +74,8 @@ CLI::Validator some_of(const std::vector<std::string>& known, const std::string&
 
 // Which recordings, and how their frames become planes.
 void add_inputs(CLI::App* command, InputArgs& args, const std::string& what);
+/// Inputs of every format, or the sample recording: one, or `many`.
+void add_recordings(CLI::App* command, InputArgs& args, bool many, bool clouds = true);
 /// One of the options that set_pipeline_option() knows by its name.
 CLI::Option* add_of_method(CLI::App* command,
                            planes::PipelineOptions& options,

@@ -1,4 +1,5 @@
-// Man page and shell completions for bash, zsh and fish, generated from the CLI11 app.
+// Help texts, the man page and shell completions for bash, zsh and fish, generated from the CLI11
+// app.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,12 +8,29 @@
 #include <cctype>
 
 #include "app/cli/program.hpp"
+#include "core/model/error.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/data/report_data.hpp"
 
 namespace planescope::app {
 namespace {
+
+constexpr std::size_t kHelpWidth = 80;
+constexpr std::pair<int, const char*> kExitCodes[] = {
+    {0, "success"},
+    {1, "a comparison failed"},
+    {2, "bad input or usage"},
+    {3, "no display or rendering failed (data files are still written)"},
+    {130, "canceled"}};
+
+std::string replaced(const std::string& text, std::string_view what, std::string_view by) {
+  std::string result;
+  std::size_t from = 0;
+  for (std::size_t at; (at = text.find(what, from)) != std::string::npos; from = at + what.size())
+    result.append(text, from, at - from).append(by);
+  return result.append(text, from);
+}
 
 std::vector<const CLI::App*> subcommands(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
@@ -27,10 +45,81 @@ struct OptionText {
   bool is_file = false, is_folder = false;
 };
 
-std::string on_one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
+/// Its lines as sentences.
+std::string on_one_line(const std::string& text) {
+  return fmt::format("{}", fmt::join(split(text, '\n'), text.ends_with('.') ? ". " : "; "));
 }
+
+/// Breaks lines before column 80, where each begins at column `indent`.
+std::string wrapped(const std::string& text, std::size_t indent) {
+  std::string out;
+  for (const std::string& line : split(text, '\n')) {
+    std::size_t column = indent;
+    if (!out.empty()) out += '\n' + std::string(indent, ' ');
+    for (const std::string& word : split(line, ' ')) {
+      if (column > indent && column + 1 + word.size() > kHelpWidth) {
+        out += '\n' + std::string(indent, ' ');
+        column = indent;
+      } else if (column > indent) {
+        out += ' ';
+        ++column;
+      }
+      out += word;
+      column += word.size();
+    }
+  }
+  return out;
+}
+
+class HelpFormat : public CLI::Formatter {
+ public:
+  HelpFormat() {
+    label("SUBCOMMAND", "COMMAND");
+    label("REQUIRED", "(required)");
+  }
+
+  std::string make_help(const CLI::App* app,
+                        std::string name,
+                        CLI::AppFormatMode mode) const override {
+    const std::string text = CLI::Formatter::make_help(app, name, mode);
+    return replaced(text, "\n\n\n", "\n\n");
+  }
+
+  std::string make_description(const CLI::App* app) const override {
+    const std::string& text = app->get_description();
+    const std::size_t end = text.find('\n');
+    if (end == std::string::npos) return wrapped(text, 0) + "\n\n";
+    return wrapped(text.substr(0, end) + "." + text.substr(end), 0) + "\n\n";
+  }
+
+  std::string make_option(const CLI::Option* option, bool is_positional) const override {
+    return row(make_option_name(option, is_positional) + make_option_opts(option),
+               option->get_description());
+  }
+
+  std::string make_subcommand(const CLI::App* command) const override {
+    const std::string& text = command->get_description();
+    return row(command->get_name(), text.substr(0, text.find('\n')));
+  }
+
+  std::string make_footer(const CLI::App* app) const override {
+    const std::string more =
+        fmt::format("Run `{} help COMMAND` for the options of a command.\n", app->get_name());
+    std::vector<std::string> codes;
+    for (const auto& [code, meaning] : kExitCodes)
+      codes.push_back(fmt::format("{} {}", code, meaning));
+    return (app->get_parent() ? "" : more) +
+           wrapped(fmt::format("Exit codes: {}.", fmt::join(codes, ", ")), 0) + "\n";
+  }
+
+ private:
+  static std::string row(const std::string& name, const std::string& text) {
+    constexpr std::size_t kIndent = 26;
+    const std::string gap = name.size() + 3 > kIndent ? '\n' + std::string(kIndent, ' ')
+                                                      : std::string(kIndent - 2 - name.size(), ' ');
+    return "  " + name + gap + wrapped(text, kIndent) + '\n';
+  }
+};
 
 /// What of a type such as "gcn|pca|truth|FILE" is meant literally.
 std::vector<std::string> choices_of(const std::string& type) {
@@ -85,15 +174,13 @@ void add_commands(const CLI::App& app, const std::string& path, std::vector<Comm
 std::vector<CommandText> commands_of(const CLI::App& app) {
   std::vector<CommandText> texts;
   add_commands(app, "", texts);
+  for (CommandText& text : texts) {  // the words that may follow
+    if (text.path == "help") text.commands = texts[0].commands;
+    if (text.path == "options")
+      for (const planes::OptionInfo& info : planes::option_table())
+        text.commands.emplace_back(info.name, info.meaning);
+  }
   return texts;
-}
-
-std::string replaced(const std::string& text, std::string_view what, std::string_view by) {
-  std::string result;
-  std::size_t from = 0;
-  for (std::size_t at; (at = text.find(what, from)) != std::string::npos; from = at + what.size())
-    result.append(text, from, at - from).append(by);
-  return result.append(text, from);
 }
 
 /// Up to the end of its first sentence, for a list.
@@ -149,10 +236,9 @@ std::string man_page(const CLI::App& app) {
       text += " " + roff(positional.type.empty() ? "INPUT..." : positional.type);
     text += "\n" + roff(command.help) + "\n" + roff_options(command.options);
   }
-  text +=
-      ".SH EXIT STATUS\n.TP\n.B 0\nfine\n.TP\n.B 1\na comparison failed\n.TP\n.B 2\nbad input or "
-      "usage\n.TP\n.B 3\nno display or rendering failed; data files are written\n.TP\n.B 130\n"
-      "cancelled\n";
+  text += ".SH EXIT STATUS\n";
+  for (const auto& [code, meaning] : kExitCodes)
+    text += fmt::format(".TP\n.B {}\n{}\n", code, meaning);
   return text;
 }
 
@@ -326,6 +412,7 @@ std::string fish_completions(const CLI::App& app) {
 }
 
 struct PrintArgs {
+  std::vector<std::string> words;  // behind `help`
   std::string shell, text;
 };
 
@@ -336,22 +423,47 @@ int print(const PrintArgs& args, std::stop_token) {
 
 }  // namespace
 
+std::shared_ptr<CLI::FormatterBase> help_format() { return std::make_shared<HelpFormat>(); }
+
+void define_help(CLI::App& app, Line& line) {
+  CLI::App* help = app.add_subcommand("help", "Print the help of a command");
+  const auto args = std::make_shared<PrintArgs>();
+  help->add_option("COMMAND", args->words, "Command, such as " + subcommands(app)[0]->get_name())
+      ->type_name("");
+  runs(help, line, args, print, [args, &app] {
+    const CLI::App* at = &app;
+    std::string path = app.get_name();
+    for (const std::string& word : args->words) {
+      std::vector<std::string> names;
+      for (const CLI::App* command : subcommands(*at)) names.push_back(command->get_name());
+      const auto found = std::ranges::find(names, word);
+      if (found == names.end())
+        throw Error(fmt::format(
+            "help: unknown command '{} {}'; expected {}", path, word,
+            names.empty() ? "no more words" : fmt::format("one of {}", fmt::join(names, ", "))));
+      at = subcommands(*at)[static_cast<std::size_t>(found - names.begin())];
+      path += " " + word;
+    }
+    args->text = app.get_formatter()->make_help(at, path, CLI::AppFormatMode::Normal);
+  });
+}
+
 void define_man(CLI::App& app, Line& line) {
-  CLI::App* man = app.add_subcommand(
-      "man", "Print the manual, for a pager: " + app.get_name() + " man | man -l -");
+  CLI::App* man =
+      app.add_subcommand("man", "Print the manual: " + app.get_name() + " man | man -l -");
   const auto args = std::make_shared<PrintArgs>();
   runs(man, line, args, print, [args, &app] { args->text = man_page(app); });
 }
 
 void define_completions(CLI::App& app, Line& line) {
   CLI::App* completions =
-      app.add_subcommand("completions", "Print what a shell completes: eval \"$(" + app.get_name() +
-                                            " completions bash)\"");
+      app.add_subcommand("completions", "Print completions for a shell\nBash: eval \"$(" +
+                                            app.get_name() + " completions bash)\".");
   const auto args = std::make_shared<PrintArgs>();
   completions->add_option("SHELL", args->shell, "bash, zsh or fish")
       ->type_name("")
       ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+      ->check(CLI::IsMember(std::vector<std::string>{"bash", "zsh", "fish"}).description(""));
   runs(completions, line, args, print, [args, &app] {
     args->text = args->shell == "bash"  ? bash_completions(app)
                  : args->shell == "zsh" ? zsh_completions(app)

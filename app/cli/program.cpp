@@ -246,12 +246,10 @@ std::string version_text(const Program& program) {
 Job parse(const Program& program, int argc, char** argv) {
   CLI::App app(program.about, program.name);
   app.set_version_flag("--version", version_text(program));
-  app.get_formatter()->column_width(34);
-  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
-  app.footer(fmt::format(
-      "{} COMMAND --help tells more. Exit codes: 0 fine, 1 a comparison failed, 2 bad input or\n"
-      "usage, 3 no display or rendering failed (the data files are written), 130 cancelled.\n",
-      program.name));
+  app.formatter(help_format());
+  app.get_help_ptr()->description("Print this help and exit");
+  app.get_version_ptr()->description("Print version and commit and exit");
+  app.require_subcommand(0, 1);  // `help info` is one command, and so is `info info`
   Line line{command_text(program, argc, argv), frames_command_text(program, argc, argv), {}};
   for (const auto define : program.commands) define(app, line);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))

@@ -22,8 +22,12 @@ struct Program {
 /// stop, the second ends the program.
 int run_program(const Program& program, int argc, char** argv);
 
-/// Adds `man`, which prints the manual of the whole program as roff, and `completions`, which
-/// prints what bash, zsh or fish complete.
+/// Prints help texts no wider than 80 columns.
+std::shared_ptr<CLI::FormatterBase> help_format();
+
+/// Adds `help`, which prints the help of a command, `man`, which prints the manual of the whole
+/// program as roff, and `completions`, which prints what bash, zsh or fish complete.
+void define_help(CLI::App& app, Line& line);
 void define_man(CLI::App& app, Line& line);
 void define_completions(CLI::App& app, Line& line);
 

@@ -240,18 +240,17 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
 
 void define_convert(CLI::App& app, Line& line) {
   CLI::App* command = app.add_subcommand(
-      "convert", "A recording in another form: frames, colour, gravity and labels come along");
+      "convert", "Convert a recording to another format\nColor, gravity and labels are kept.");
   const auto args = std::make_shared<RecastArgs>();
-  add_inputs(command, args->input, io::recordings_text(false));
+  add_recordings(command, args->input, false);
   add(command, "-o,--out", args->out, "OUT",
-      "A new folder, a .mcap file, or of one frame a .ply or .pcd file")
+      "New folder, .mcap file, or .ply or .pcd file of a single frame")
       ->required();
   add_read(
       command, "--to", [args](const std::string& name) { args->form = form_called(name); },
       "folder|tum|mcap|ply|pcd",
-      "folder: numbered PNGs, as Open3D's recorder has them (the default); tum: PNGs named by "
-      "time; mcap: a ROS 2 recording; ply, pcd: a cloud for each frame, of depth in the sensor's "
-      "frame");
+      "Format: folder, numbered PNGs as written by Open3D's recorder (default); tum, PNGs named by "
+      "time; mcap, a ROS 2 recording; ply or pcd, one cloud per frame, in the sensor's frame");
   runs(command, line, args, run_convert);
 }
 

@@ -223,15 +223,15 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
 }  // namespace
 
 void define_eval(CLI::App& app, Line& line) {
-  CLI::App* eval =
-      app.add_subcommand("eval", "Metrics against ground truth: label files, or a cloud's fields");
+  CLI::App* eval = app.add_subcommand(
+      "eval", "Measure planes against ground truth: label files or cloud fields");
   const auto args = std::make_shared<EvalArgs>();
-  add_inputs(eval, args->input, io::recordings_text(true));
+  add_recordings(eval, args->input, true);
   add_json(eval, args->json);
   add_method(eval, args->input.pipeline);
   add(eval, "--prediction", args->prediction, "DIR",
-      "Score what lies there instead: planescope segment's output, label files, or labels in\n"
-      "another tool's format (Labels in the documents)");
+      "Score the planes in DIR instead: output of planescope segment, label files, or labels in "
+      "another tool's format (docs/labels.md)");
   runs(eval, line, args, run_eval);
 }
 

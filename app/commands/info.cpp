@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/commands/commands.hpp"
@@ -288,9 +289,9 @@ int run_info(const InfoArgs& args, std::stop_token) {
 
 void define_info(CLI::App& app, Line& line) {
   CLI::App* info = app.add_subcommand(
-      "info", "What is in a recording: sizes, unit, intrinsics, gravity, time and gaps");
+      "info", "Show what a recording contains: sizes, unit, intrinsics, gravity, time, gaps");
   const auto args = std::make_shared<InfoArgs>();
-  add_inputs(info, args->input, io::recordings_text(true));
+  add_recordings(info, args->input, true);
   add_json(info, args->json);
   add_method(info, args->input.pipeline);
   runs(info, line, args, run_info);
@@ -299,21 +300,54 @@ void define_info(CLI::App& app, Line& line) {
 namespace {
 
 struct OptionsArgs {
+  std::string name;                  // of the option to explain; empty: all
   planes::PipelineOptions pipeline;  // the values to show
   bool json = false;
 };
 
-void print_json(const planes::PipelineOptions& options) {
-  nlohmann::ordered_json json;
-  json["schema"] = "planescope.options/1";
-  json["options"] = nlohmann::ordered_json::array();
-  for (const planes::OptionInfo& info : planes::option_table())
-    json["options"].push_back({{"name", info.name},
-                               {"value", info.get(options)},
-                               {"unit", info.unit},
-                               {"section", info.section},
-                               {"meaning", info.meaning}});
-  fmt::print("{}", json_text(json, 2));
+constexpr planes::Profile kProfiles[] = {planes::Profile::refined, planes::Profile::paper,
+                                         planes::Profile::paper_closest};
+
+Json to_json(const planes::OptionInfo& info, const planes::PipelineOptions& options) {
+  Json json = {{"name", info.name},       {"value", info.get(options)}, {"unit", info.unit},
+               {"section", info.section}, {"meaning", info.meaning},    {"min", nullptr},
+               {"max", nullptr},          {"choices", info.choices}};
+  if (info.is_number()) json["min"] = info.range.min;
+  if (info.is_number() && !std::isinf(info.range.max)) json["max"] = info.range.max;
+  for (const planes::Profile profile : kProfiles)
+    json["defaults"][planes::to_string(profile)] = planes::default_value(info, profile);
+  return json;
+}
+
+std::string range_text(const planes::OptionInfo& info) {
+  if (info.kind == planes::OptionKind::on_off) return "on or off";
+  if (!info.is_number()) return fmt::format("{}", fmt::join(split(info.unit, '/'), ", "));
+  const planes::OptionRange& range = info.range;
+  const std::string least =
+      fmt::format("{} {}", range.min_excluded ? "above" : "at least", range.min);
+  return (info.kind == planes::OptionKind::whole ? "whole number, " : "") + least +
+         (std::isinf(range.max) ? "" : fmt::format(", at most {}", range.max));
+}
+
+/// Everything about one option.
+void print_option(const planes::OptionInfo& info, const planes::PipelineOptions& options) {
+  const bool has_unit = info.is_number() && info.unit != "1";
+  fmt::print("{}: {}\n", info.name, info.meaning);
+  line("value", info.get(options) + (has_unit ? " " + info.unit : ""));
+  std::string defaults;
+  for (const planes::Profile profile : kProfiles)
+    defaults += fmt::format("{}{} ({})", defaults.empty() ? "" : ", ",
+                            planes::default_value(info, profile), planes::to_string(profile));
+  line("default", defaults);
+  line("range", range_text(info));
+  line("stage", info.section);
+  if (info.method) line("method", planes::to_string(*info.method));
+  if (info.objective) line("profile", *info.objective ? "refined" : "paper, paper-closest");
+  if (!info.symbol.empty()) line("paper", info.symbol);
+  line("JSON key",
+       fmt::format("options.{} in planes.json{}", info.name,
+                   info.name == "profile" ? "; base in profile files" : " and profile files"));
+  line("example", fmt::format("--set {}={}", info.name, info.get(options)));
 }
 
 void print_table(const planes::PipelineOptions& options) {
@@ -333,12 +367,20 @@ void print_table(const planes::PipelineOptions& options) {
   }
 }
 
-/// Prints every option that --set takes, with its unit, value and meaning. Returns the exit code.
+/// Prints one option, or all that --set takes. Returns the exit code.
 int run_options(const OptionsArgs& args, std::stop_token) {
-  if (args.json)
-    print_json(args.pipeline);
-  else
+  if (!args.json && args.name.empty()) {
     print_table(args.pipeline);
+  } else if (!args.json) {
+    print_option(planes::find_option(args.name), args.pipeline);
+  } else {
+    Json json = {{"schema", "planescope.options/1"}, {"options", Json::array()}};
+    if (!args.name.empty()) planes::find_option(args.name);  // an unknown one throws
+    for (const planes::OptionInfo& info : planes::option_table())
+      if (args.name.empty() || info.name == args.name)
+        json["options"].push_back(to_json(info, args.pipeline));
+    fmt::print("{}", json_text(json, 2));
+  }
   return 0;
 }
 
@@ -346,8 +388,9 @@ int run_options(const OptionsArgs& args, std::stop_token) {
 
 void define_options(CLI::App& app, Line& line) {
   CLI::App* options = app.add_subcommand(
-      "options", "List every option that --set takes, with value, unit and meaning");
+      "options", "List the options of the method with their values, or explain one of them");
   const auto args = std::make_shared<OptionsArgs>();
+  add(options, "NAME", args->name, "", "Option to explain (default: list all)");
   add_json(options, args->json);
   add_method(options, args->pipeline);
   runs(options, line, args, run_options);

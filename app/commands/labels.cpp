@@ -114,18 +114,18 @@ void add_label_inputs(CLI::App* command, LabelsArgs& args, const std::string& wh
   for (const char* name : {"--frames", "--labels"})
     command->remove_option(command->get_option(name));
   add(command, "--recording", args.recording, "RECORDING",
-      "What the labels were drawn on; otherwise the one that DIR.labels is named after");
+      "Recording that the labels belong to (default: the one that DIR.labels is named after)");
   add_json(command, args.json);
 }
 
 void add_label_dir(CLI::App* command, LabelsArgs& args) {
   add(command, "--labels", args.input.label_dir, "DIR",
-      "Of a recording; otherwise <recording>.labels");
+      "Labels of the recording (default RECORDING.labels)");
 }
 
 void define_labels(CLI::App& app, Line& line) {
   CLI::App* labels = app.add_subcommand(
-      "labels", "Check, compare, export and import ground truth (Labels in the documents)");
+      "labels", "Check, compare, export and import ground truth (docs/labels.md)");
   for (const auto define : {define_labels_check, define_labels_stats, define_labels_compare,
                             define_labels_export, define_labels_import, define_labels_convert})
     define(labels, line);

@@ -279,12 +279,13 @@ int run_labels_convert(const ConvertArgs& args, const std::stop_token&) {
 
 void define_labels_export(CLI::App* labels, Line& line) {
   CLI::App* command = labels->add_subcommand(
-      "export", "Write labels in another tool's format: a file per frame, for coco one for all");
+      "export",
+      "Write labels in another tool's format\nWrites one file per frame; for coco, one file.");
   const auto args = std::make_shared<LabelsArgs>();
-  add_inputs(command, args->input, "A recording with labels");
-  add(command, "--format", args->format, format_names(false), "What to write")->required();
+  add_inputs(command, args->input, "Recording with labels");
+  add(command, "--format", args->format, format_names(false), "Format to write")->required();
   add_of_method(command, args->input.pipeline, "--voxel", "M",
-                "Edge of a voxel of format voxels, default 0.02");
+                "Voxel edge for format voxels in meters (default 0.02)");
   add_out(command, args->out)->required();
   runs(command, line, args, run_labels_export);
 }
@@ -292,18 +293,18 @@ void define_labels_export(CLI::App* labels, Line& line) {
 void define_labels_import(CLI::App* labels, Line& line) {
   CLI::App* command = labels->add_subcommand(
       "import",
-      "Take labels from another tool's files. What was there can be brought back by undo");
+      "Import labels from another tool's files\nUndo restores the labels that were there.");
   const auto args = std::make_shared<LabelsArgs>();
-  add_inputs(command, args->input, "The recording that the labels are of");
+  add_inputs(command, args->input, "Recording that the labels belong to");
   command->get_option("--labels")
-      ->description(wrapped("Where the labels go; otherwise <recording>.labels beside it"));
+      ->description("Folder to import to (default RECORDING.labels, beside the recording)");
   add(command, "--format", args->format, format_names(true),
-      "What the files are; otherwise as --from FILE is named");
+      "Format of the files (default: by the extension of --from FILE)");
   add(command, "--from", args->from, "FILE|DIR",
-      "One file, for the frame of --frames; or a folder with files as export names them")
+      "File for the frame of --frames, or a folder of files with the names that export gives")
       ->required();
   add_of_method(command, args->input.pipeline, "--gravity", "auto|X,Y,Z|imu|estimate|none",
-                "Direction in which things fall, in the sensor's own frame; default auto");
+                "Gravity direction in the sensor's frame (default auto)");
   runs(command, line, args, run_labels_import);
 }
 
@@ -313,10 +314,11 @@ void define_labels_convert(CLI::App* labels, Line& line) {
     endings.emplace_back(labels::extension_of(format));
   CLI::App* command = labels->add_subcommand(
       "convert",
-      fmt::format("From one format to another, as the names end: {}", fmt::join(endings, ", ")));
+      fmt::format("Convert a label file to another format\nThe extension selects the format: {}.",
+                  fmt::join(endings, ", ")));
   const auto args = std::make_shared<ConvertArgs>();
-  add(command, "IN", args->in, "", "A file with labels")->required();
-  add(command, "-o,--out", args->out, "FILE", "What to write")->required();
+  add(command, "IN", args->in, "", "Label file to read")->required();
+  add(command, "-o,--out", args->out, "FILE", "Label file to write")->required();
   runs(command, line, args, run_labels_convert);
 }
 

@@ -144,13 +144,14 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
 }  // namespace
 
 void define_labels_check(CLI::App* labels, Line& line) {
-  CLI::App* check = labels->add_subcommand("check",
-                                           "What is damaged or looks wrong, a line each. Exit code "
-                                           "0 nothing but hints,\n1 findings, 2 damaged files");
+  CLI::App* check =
+      labels->add_subcommand("check",
+                             "Report damaged and suspicious labels, one per line\n"
+                             "Exit code 0: hints at most, 1: findings, 2: damaged files.");
   const auto args = std::make_shared<LabelsArgs>();
-  add_label_inputs(check, *args, "A folder of labels, or a recording");
+  add_label_inputs(check, *args, "Folder of labels, or recording");
   add_label_dir(check, *args);
-  check->add_flag("--strict", args->strict, "Exit code 1 for hints, too");
+  check->add_flag("--strict", args->strict, "Exit with 1 for hints, too");
   runs(check, line, args, run_labels_check);
 }
 
@@ -258,9 +259,9 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
 
 void define_labels_compare(CLI::App* labels, Line& line) {
   CLI::App* compare =
-      labels->add_subcommand("compare", "How far two sets of labels of the same frames agree");
+      labels->add_subcommand("compare", "Measure how well two sets of labels agree");
   const auto args = std::make_shared<LabelsArgs>();
-  add_label_inputs(compare, *args, "Two folders of labels, DIR_A and DIR_B");
+  add_label_inputs(compare, *args, "Two folders of labels of the same frames");
   runs(compare, line, args, run_labels_compare);
 }
 
@@ -424,10 +425,10 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
 }  // namespace
 
 void define_labels_stats(CLI::App* labels, Line& line) {
-  CLI::App* stats =
-      labels->add_subcommand("stats", "Planes, labelled area, and who worked how long, by frame");
+  CLI::App* stats = labels->add_subcommand(
+      "stats", "Show planes, labeled area and annotation time for each frame");
   const auto args = std::make_shared<LabelsArgs>();
-  add_label_inputs(stats, *args, "A folder of labels, or a recording");
+  add_label_inputs(stats, *args, "Folder of labels, or recording");
   add_label_dir(stats, *args);
   runs(stats, line, args, run_labels_stats);
 }

@@ -256,29 +256,29 @@ int run_map(const MapArgs& args, std::stop_token stop) {
 void define_map(CLI::App& app, Line& line) {
   CLI::App* map = app.add_subcommand(
       "map",
-      "One map of the planes of a recording, and which plane of which frame is which:\n"
-      "map.json, tracks.json, poses.tum, map.png. World frame: z up, metres.");
+      "Track planes over all frames and build one map of them\n"
+      "Writes map.json, tracks.json, poses.tum and map.png in the world frame: z up, meters.");
   const auto args = std::make_shared<MapArgs>();
-  add_inputs(map, args->input, "One bag, folder or .raw file, of depth images");
+  add_recordings(map, args->input, false, false);
   add_out(map, args->out)->required();
   add(map, "--poses", args->poses, "FILE",
-      "Camera poses: TUM, KITTI, or Open3D's .log or .json. Default: the recording's, else "
-      "odometry");
+      "Camera poses: TUM, KITTI, or Open3D's .log or .json (default: the recording's, else "
+      "odometry)");
   add(map, "--window", args->tracks.window_m, "M",
-      "Keep only a cube with this edge around the camera, and write what leaves it to left.jsonl. "
-      "Default 0: no limit")
+      "Keep only a cube with this edge in meters around the camera, and write planes that leave it "
+      "to left.jsonl (default 0: unlimited)")
       ->check(number(0));
   add(map, "--mesh", args->mesh_voxel_m, "M",
-      "Also mesh.ply, the frames' depth fused by Open3D (TSDF) in voxels of M metres; of cameras "
-      "without lens distortion")
+      "Also write mesh.ply: depth of all frames, fused by Open3D (TSDF) in voxels of M meters; "
+      "needs a camera without lens distortion")
       ->check(number(0.001, 1));
   map->add_flag("--follow", args->follow,
-                "Frames come at the recording's own rate; writes pace.json. Needs poses");
+                "Process frames at the recording's rate and write pace.json; needs poses");
   add_read(
       map, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); }, "I/N",
-      "Only find the planes of the I-th of N parts of the frames, into -o DIR, the same for all; "
-      "--join makes the map of them. Needs poses");
-  add(map, "--join", args->join, "DIR", "Take the planes from where --shard wrote them");
+      "Only find the planes of the I-th of N parts of the frames; use the same -o DIR for all "
+      "parts, then --join. Needs poses");
+  add(map, "--join", args->join, "DIR", "Build the map from the planes that --shard wrote to DIR");
   add_method(map, args->input.pipeline);
   runs(map, line, args, run_map, [args] {
     const bool in_one_pass = args->follow || args->tracks.window_m > 0;

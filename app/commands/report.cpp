@@ -395,22 +395,23 @@ int run_report_merge(const ReportMergeArgs& args, std::stop_token) {
 
 void add_guard(CLI::App* command, ReportGuardArgs& guard) {
   add(command, "--baseline", guard.baseline, "FILE",
-      "An earlier report.json: what became of its planes; exit code 1 where it got worse");
+      "Earlier report.json to compare with; exit code 1 if planes got worse");
   add(command, "--rules", guard.rules, "SET|FILE",
-      "Rules that the report must keep: strict, default or lenient, or a file in the form of "
-      "planescope.rules.json; default: default with a baseline, otherwise none");
+      "Pass criteria: strict, default, lenient, or a planescope.rules.json (default with a "
+      "baseline: default)");
   command->add_flag("--approve", guard.approve,
-                    "Make the report the baseline; recordings that it does not have stay in it");
+                    "Make this report the baseline; the baseline keeps its other recordings");
   command->add_flag_callback(
       "--approve-only", [&guard] { guard.approve = guard.approve_only = true; },
-      "Make the report the whole baseline");
+      "Make this report the whole baseline");
 }
 
 void define_merge(CLI::App* report, Line& line) {
   CLI::App* merge = report->add_subcommand(
-      "merge", "Join the shards of a report to what the report without --shard would have been");
+      "merge",
+      "Join the shards of a report\nThe result equals the report of a run without --shard.");
   const auto args = std::make_shared<ReportMergeArgs>();
-  merge->add_option("SHARD", args->shards, "Their folders, all of them")->type_name("");
+  merge->add_option("SHARD", args->shards, "Folders of all shards")->type_name("");
   add_out(merge, args->out);
   add_json(merge, args->json);
   add_guard(merge, args->guard);
@@ -427,9 +428,9 @@ void define_merge(CLI::App* report, Line& line) {
 
 void define_report(CLI::App& app, Line& line) {
   CLI::App* report = app.add_subcommand(
-      "report", "Write a report that opens in a browser: index.html, report.json, pictures");
+      "report", "Write a report for the browser: index.html, report.json, pictures");
   const auto args = std::make_shared<ReportArgs>();
-  add_inputs(report, args->input, io::recordings_text(true));
+  add_recordings(report, args->input, true);
   add_out(report, args->out);
   add_json(report, args->json);
   add_method(report, args->input.pipeline);
@@ -437,17 +438,16 @@ void define_report(CLI::App& app, Line& line) {
   add_guard(report, args->guard);
   add_read(
       report, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); },
-      "I/N", "Only the I-th of N parts of the frames, to be joined by planescope report merge");
+      "I/N", "Process the I-th of N parts of the frames; planescope report merge joins them");
   report->add_flag("--tracks", args->tracks,
-                   "Also follow planes over the frames: which are lost, how they jitter");
+                   "Also track planes over the frames: lost planes, jitter");
   report->add_flag_callback(
       "--no-pictures", [args] { args->pictures = false; },
-      "Figures alone: some ten times quicker, for a check before each commit");
-  report->add_flag("--resume", args->resume,
-                   "Go on where a stopped run was: frames that it finished are taken as they are");
-  report->add_flag(
-      "--init", args->init,
-      "Write the default rules, or those of --rules SET, to planescope.rules.json, and no report");
+      "Skip pictures; about ten times faster, for checks before each commit");
+  report->add_flag("--resume", args->resume, "Resume an interrupted run; finished frames are kept");
+  report->add_flag("--init", args->init,
+                   "Write the default rules, or those of --rules SET, to planescope.rules.json for "
+                   "editing, and no report");
   define_merge(report, line);
   const auto run = [](const ReportArgs& all, std::stop_token stop) {
     return run_report(all, stop);

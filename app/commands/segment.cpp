@@ -175,28 +175,29 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
 }  // namespace
 
 void define_segment(CLI::App& app, Line& line) {
-  CLI::App* segment = app.add_subcommand(
-      "segment",
-      "Find the planes of each frame: planes.json, planes.png, cloud.ply, timings.json.\n"
-      "Planes and cloud.ply are in the world frame: z up, metres.");
+  CLI::App* segment = app.add_subcommand("segment",
+                                         "Find the planes of each frame\n"
+                                         "Writes planes.json, planes.png, cloud.ply and "
+                                         "timings.json for each frame. Planes and clouds "
+                                         "are in the world frame: z up, meters.");
   const auto args = std::make_shared<SegmentArgs>();
-  add_inputs(segment, args->input, io::recordings_text(false));
+  add_recordings(segment, args->input, false);
   add_out(segment, args->out);
   std::vector<std::string> formats;
   std::string holds;
   for (const report::PlaneFormat& format : report::plane_formats()) {
     formats.emplace_back(format.name);
-    holds += fmt::format("; {}: {}, {}", format.name, format.file, format.holds);
+    holds += fmt::format("\n{}: {}, {}", format.name, format.file, format.holds);
   }
-  add(segment, "--also", args->also, "FORMAT,...", "Also write" + holds.substr(1))
+  add(segment, "--also", args->also, "FORMAT,...", "Other formats to write" + holds)
       ->check(some_of(formats, "a format"));
   add(segment, "--map", args->map, "DIR",
-      "Where planescope map wrote the map of the same frames with the same options: planes are "
-      "those of the map, and planes.json and tracks.png tell their tracks");
+      "Output of planescope map for the same frames and options: take the planes of the map, and "
+      "add their tracks to planes.json and tracks.png");
   add_json(segment, args->json);
   segment->add_flag("--ros-json", args->ros_json,
-                    wrapped("Print each frame's planes as a line of JSON, which has the fields of "
-                            "planescope_msgs/PlaneArray; nothing is written without -o"));
+                    "Print a line of JSON for each frame, with the fields of "
+                    "planescope_msgs/PlaneArray; files are written only with -o");
   add_method(segment, args->input.pipeline);
   add_foot(segment, args->input.pipeline);
   runs(segment, line, args, run_segment, [args] {

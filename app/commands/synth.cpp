@@ -42,29 +42,29 @@ int run_synth_sequence(const SynthSequenceArgs& args, std::stop_token stop) {
 }
 
 void define_sequence(CLI::App* synth, Line& line) {
-  CLI::App* sequence = synth->add_subcommand(
-      "sequence",
-      "A walk past boxes, up a stair and down again, with exact poses, and its ground truth in "
-      "DIR.labels");
+  CLI::App* sequence =
+      synth->add_subcommand("sequence",
+                            "Write a walk past boxes, up and down a stair\n"
+                            "With exact camera poses; the exact ground truth goes to DIR.labels.");
   const auto args = std::make_shared<SynthSequenceArgs>();
   lab::SequenceOptions& options = args->sequence;
   add_out(sequence, args->out)->required();
-  add(sequence, "--frames", options.frames, "N", "Of the whole walk, default 300")
+  add(sequence, "--frames", options.frames, "N", "Number of frames (default 300)")
       ->transform(whole(2, 100000));
-  add(sequence, "--rate", options.rate_hz, "HZ", "Frames a second, default 15")
+  add(sequence, "--rate", options.rate_hz, "HZ", "Frames per second (default 15)")
       ->check(number(0.01, 1000));
-  add_size(sequence, options.width, options.height, "Of the pictures in pixels, default 640x480",
-           16, 16);
-  add(sequence, "--seed", options.seed, "N", "Another seed makes other noise, default 1")
-      ->transform(whole(0));
+  add_size(sequence, options.width, options.height, "Image size in pixels (default 640x480)", 16,
+           16);
+  add(sequence, "--seed", options.seed, "N", "Random seed (default 1)")->transform(whole(0));
   sequence->add_flag_callback(
       "--exact", [&options] { options.noise = false; }, "Depth without noise and holes");
   sequence->add_flag_callback(
-      "--depth-only", [&options] { options.color = false; }, "No colour");
+      "--depth-only", [&options] { options.color = false; }, "Omit color images");
   sequence->add_flag_callback(
-      "--no-imu", [&options] { options.imu = false; }, "No gravity in the recording");
-  sequence->add_flag("--covered", options.covered, "Ten frames in the middle measure nothing");
-  sequence->add_flag("--moved", options.moved, "A box is taken away on the way");
+      "--no-imu", [&options] { options.imu = false; }, "Omit gravity");
+  sequence->add_flag("--covered", options.covered,
+                     "Leave ten frames in the middle without measurements");
+  sequence->add_flag("--moved", options.moved, "Remove a box during the walk");
   add_threads(sequence, args->threads);
   runs(sequence, line, args, run_synth_sequence);
 }
@@ -74,21 +74,22 @@ void define_sequence(CLI::App* synth, Line& line) {
 void define_synth(CLI::App& app, Line& line) {
   CLI::App* synth = app.add_subcommand("synth", "Write synthetic recordings with ground truth");
   CLI::App* sample = synth->add_subcommand(
-      "sample", "A recording as a depth camera makes it, and its exact ground truth in DIR.labels");
+      "sample",
+      "Write frames with the errors of a depth camera\nThe exact ground truth goes to DIR.labels.");
   const auto args = std::make_shared<SynthSampleArgs>();
   lab::SampleOptions& options = args->sample;
   add_out(sample, args->out)->required();
   add(sample, "--scenes", options.scenes, "NAME,...",
-      fmt::format("One frame each, of {}; default stairs,kerb,boxes",
+      fmt::format("Scenes, one frame each: {} (default stairs,kerb,boxes)",
                   fmt::join(lab::scene_names(), ", ")));
-  add_size(sample, options.width, options.height, "Of the pictures in pixels, default 640x480");
-  add(sample, "--seed", options.seed, "N", "Another seed makes other scenes and noise, default 1")
+  add_size(sample, options.width, options.height, "Image size in pixels (default 640x480)");
+  add(sample, "--seed", options.seed, "N", "Random seed of scenes and noise (default 1)")
       ->transform(whole(0));
   sample->add_flag_callback(
       "--exact", [&options] { options.noise = false; }, "Depth without noise and holes");
   sample->add_flag_callback(
-      "--depth-only", [&options] { options.color = false; }, "No colour");
-  sample->add_flag("--with-gravity", options.gravity, "State the true gravity in the recording");
+      "--depth-only", [&options] { options.color = false; }, "Omit color images");
+  sample->add_flag("--with-gravity", options.gravity, "Store the true gravity in the recording");
   runs(sample, line, args, run_synth_sample);
   define_sequence(synth, line);
 }

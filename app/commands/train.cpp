@@ -250,29 +250,32 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
   CLI::App* command = app.add_subcommand("train", help);
   const auto args = std::make_shared<TrainArgs>();
   lab::TrainOptions& train = args->recipe.train;
-  add_inputs(command, args->input, "Labelled bags, folders or clouds to learn from as well");
-  add(command, "-o,--out", args->out, "FILE.safetensors", "The weights")->required();
+  add_inputs(command, args->input,
+             "Labeled recordings to train on, of any format that planescope info reads");
+  add(command, "-o,--out", args->out, "FILE.safetensors", "Weights to write")->required();
   add_read(
       command, "--recipe", [args](const std::string& name) { set_recipe(*args, name); }, "NAME",
-      fmt::format("{}, or recordings: those that are given alone; default {}",
+      fmt::format("Training data: {}, or recordings, only the given ones (default {})",
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
   add_read(
       command, "--from", [args](const std::string& file) { begin_with(*args, file); }, "FILE",
-      "Weights to begin with, to teach them more");
+      "Weights to start from, for fine-tuning");
   add_read(
       command, "--network",
       [&train](const std::string& name) { train.network = planes::network_config(name); },
-      "compact|small|official", "Default compact");
+      "compact|small|official", "Network architecture (default compact)");
   add(command, "--baseline", args->baseline, "FILE",
-      "Weights to compare with in the end; exit code 1 where they are better by 0.3 points");
-  add(command, "--steps", train.steps, "N", "Default: as the recipe has it")->transform(whole(1));
+      "Weights to compare with at the end; exit code 1 if they are better by 0.3 points");
+  add(command, "--steps", train.steps, "N", "Training steps (default: those of the recipe)")
+      ->transform(whole(1));
   add(command, "--epoch", train.epoch_steps, "N",
-      "Steps between validations and checkpoints, default 2500")
+      "Steps between validations and checkpoints (default 2500)")
       ->transform(whole(1));
   add_recipe_limits(command, args->recipe, &args->validation_clouds);
   command->add_flag("--balance-classes", train.balance_classes,
-                    "h and v weigh the same in each cloud");
-  command->add_flag("--resume", args->resume, "Go on from FILE's checkpoint, to the same bytes");
+                    "Give h and v equal weight in each cloud");
+  command->add_flag("--resume", args->resume,
+                    "Resume from the checkpoint of FILE; the result is the same to the byte");
   add_clouds(command, args->input.pipeline);
   runs(command, line, args, run_train, [args, needs_recording, &line] {
     args->command = line.text;
@@ -325,32 +328,29 @@ void add_recipe_limits(CLI::App* command, lab::TrainingRecipe& recipe, int* also
   const auto limit = [&recipe, also](int most) { limit_clouds(recipe, most, also); };
   command
       ->add_option_function<int>("--count", limit,
-                                 wrapped("At most so many clouds of each kind; default all"))
+                                 "Maximum number of clouds of each kind (default all)")
       ->type_name("N")
       ->transform(whole(1));
   const auto seed = [&recipe](int value) {
     recipe.set.seed = recipe.train.seed = static_cast<std::uint64_t>(value);
   };
-  command
-      ->add_option_function<int>("--seed", seed,
-                                 wrapped("Another seed makes other clouds and weights, default 1"))
+  command->add_option_function<int>("--seed", seed, "Random seed of clouds and weights (default 1)")
       ->type_name("N")
       ->transform(whole(0));
 }
 
 void define_train(CLI::App& app, Line& line) {
   define(app, line,
-         "Train the classifier on labelled recordings, beside the synthetic clouds of its recipe.\n"
-         "Beside FILE: its curves as .html, and while it is not done a .checkpoint.",
+         "Train the classifier on labeled recordings and synthetic clouds\n"
+         "Writes curves as .html beside FILE, and a .checkpoint until training is done.",
          /*needs_recording=*/true);
 }
 
 void define_recipe_train(CLI::App& app, Line& line) {
-  define(
-      app, line,
-      "Train the classifier: on synthetic clouds, and on the labelled recordings that are given.\n"
-      "Beside FILE: its curves as .html, and while it is not done a .checkpoint.",
-      /*needs_recording=*/false);
+  define(app, line,
+         "Train the classifier on synthetic clouds and labeled recordings\n"
+         "Writes curves as .html beside FILE, and a .checkpoint until training is done.",
+         /*needs_recording=*/false);
 }
 
 }  // namespace planescope::app

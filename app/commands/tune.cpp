@@ -258,23 +258,25 @@ int run_tune(const TuneArgs& args, std::stop_token stop) {
 void define_tune(CLI::App& app, Line& line) {
   CLI::App* tune = app.add_subcommand(
       "tune",
-      "Search options for labelled frames: on one half of them, scored once on the other.\n"
-      "Writes profile.json for --profile, and index.html; a rerun goes on where it was stopped.");
+      "Search for better options on labeled frames\n"
+      "Searches on one half of the frames and scores the result once on the other half. Writes "
+      "profile.json, for --profile, and index.html. Run it again to resume an interrupted search.");
   const auto args = std::make_shared<TuneArgs>();
-  add_inputs(tune, args->input, io::recordings_text(true));
+  add_recordings(tune, args->input, true);
   add_out(tune, args->out)->required();
   add_json(tune, args->json);
   add(tune, "--list", args->list, "FILE",
-      "In place of recordings: lines of HALF RECORDING OPTIONS, with options of that recording; "
-      "HALF is tuning, held-out, or - for every --hold-out-th frame; paths are from its folder on");
+      "File that lists the recordings, a line of HALF RECORDING OPTIONS each. HALF is tuning, "
+      "held-out, or - to hold out frames as --hold-out says. Paths are relative to the file");
   add(tune, "--hold-out", args->hold_out, "N",
-      "Every so many-th labelled frame is held out, default 2: it is never searched on")
+      "Hold out every N-th labeled frame from the search (default 2)")
       ->transform(whole(2));
-  add(tune, "--trials", args->trials, "N", "At most so many, default 1000")->transform(whole(1));
-  add(tune, "--time", args->time_s, "SECONDS", "Stop the search after so long; default: no limit")
+  add(tune, "--trials", args->trials, "N", "Maximum number of trials (default 1000)")
+      ->transform(whole(1));
+  add(tune, "--time", args->time_s, "SECONDS", "Time limit of the search (default: none)")
       ->check(number(0));
   add(tune, "--only", args->options, "NAME,...",
-      "Options to search; default: all of the method, Tuning in the documents");
+      "Options to search (default: all of the method, docs/tuning.md)");
   add_method(tune, args->input.pipeline);
   runs(tune, line, args, run_tune);
 }

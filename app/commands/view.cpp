@@ -174,11 +174,12 @@ State view_state(const ViewArgs& args) { return first_state(args, {}); }
 void define_view(CLI::App& app, Line& line) {
   CLI::App* view = app.add_subcommand(
       "view",
-      "Step through the octree traversal of a recording and find out why: the debugger's window.\n"
-      "Without a display, --screenshot draws the same window into a picture.");
+      "Open the debugger, and with Ctrl+L the label editor\n"
+      "Step through the octree traversal and find out why a plane was found, merged or lost. "
+      "Without a display, --screenshot renders the same window to a picture.");
   const auto args = std::make_shared<ViewArgs>();
-  add_inputs(view, args->input, io::recordings_text(true));
-  view->get_option("--frames")->description("The frame to begin with; all are in the strip");
+  add_recordings(view, args->input, true);
+  view->get_option("--frames")->description("Frame to open first; the strip shows all frames");
   view->get_option("--frames")->type_name("N");
   add_method(view, args->input.pipeline);
   add_foot(view, args->input.pipeline);
@@ -187,26 +188,28 @@ void define_view(CLI::App& app, Line& line) {
     return add(view, name, value, type, help)->group(window);
   };
   option("--open", args->open, "FILE[#PLACE]",
-         "A session that was saved, at one of its bookmarks; or a report.json, at f12/p3: at the "
-         "decision that made plane 3 of frame 12, f12/was3: that lost the baseline's plane 3. r2/ "
-         "before it: of the report's second recording");
+         "Open a saved session at one of its bookmarks, or a report.json at a decision: f12/p3 "
+         "made plane 3 of frame 12, f12/was3 lost plane 3 of the baseline. Begin with r2/ for the "
+         "report's second recording");
   option("--baseline", args->baseline, "FILE",
-         "Of the report that is opened, whose options become run A; default: the one it names");
+         "Baseline of the opened report, whose options become run A (default: the one that the "
+         "report names)");
   option("--compare", args->compare, "NAME|FILE",
-         "A profile that becomes run B beside what is typed, which is A");
+         "Profile to compare with: run B, beside the current options as run A");
   option("--script", args->script, "FILE.json",
-         "Actions and input to run first (see docs/desktop.md)");
-  option("--screenshot", args->screenshot, "FILE.png", "Draw the window into a picture, and end");
-  option("--state", args->state, "FILE.json", "Write what the window shows as plain facts");
-  add_size(view, args->width, args->height, "Of the picture in pixels, default 1440x900", 640, 400);
+         "Script of actions and input to run first (docs/desktop.md)");
+  option("--screenshot", args->screenshot, "FILE.png", "Render the window to a picture and exit");
+  option("--state", args->state, "FILE.json", "Write the state of the window as JSON");
+  add_size(view, args->width, args->height, "Picture size in pixels (default 1440x900)", 640, 400);
   view->get_option("--size")->group(window);
-  option("--scale", args->scale, "FACTOR", "Of text and lines in the picture, default 1")
+  option("--scale", args->scale, "FACTOR", "Scale of text and lines in the picture (default 1)")
       ->check(number(0.5, 4));
-  view->add_flag("--offscreen", args->offscreen, "No window, even where there is a display")
+  view->add_flag("--offscreen", args->offscreen, "Open no window, even if there is a display")
       ->group(window);
-  view->add_flag("--fresh", args->fresh, "Ignore what the window remembers, and remember nothing")
+  view->add_flag("--fresh", args->fresh, "Ignore saved window settings and save none")
       ->group(window);
-  view->add_flag("--actions", args->list_actions, "List every action with its key")->group(window);
+  view->add_flag("--actions", args->list_actions, "List all actions with their keys")
+      ->group(window);
   runs(view, line, args, run_view, [view, args] {
     // A session or a report by its name alone, as a file manager gives it.
     std::vector<fs::path>& inputs = args->input.inputs;

@@ -173,27 +173,25 @@ void finish(BenchClassifierArgs& args) {
 void define_bench_classifier(CLI::App* bench, Line& line) {
   CLI::App* classifier = bench->add_subcommand(
       "classifier",
-      "Labels, planes and speed of networks against PCA normals, on synthetic clouds that no\n"
-      "training has seen; and how long frames of the given recordings take.");
+      "Compare networks with PCA normals: labels, planes, speed\n"
+      "Measures on synthetic clouds that training never uses, and times frames of the given "
+      "recordings.");
   const auto args = std::make_shared<BenchClassifierArgs>();
-  add_inputs(classifier, args->input, io::recordings_text(true) + " whose frames are timed");
+  add_inputs(classifier, args->input, io::recordings_text(true) + ", whose frames are timed");
   classifier->remove_option(classifier->get_option("--labels"));
   add_out(classifier, args->out);
   classifier
       ->add_option("--weights", args->weights,
-                   wrapped("Networks to measure, side by side: gcn, the one that comes with "
-                           "planescope (default), or "
-                           "files. May be given many times"))
+                   "Network to measure: gcn, the built-in one (default), or a file; repeatable")
       ->type_name("gcn|FILE")
       ->allow_extra_args(false);
   add_parts(classifier, args->parts, kClassifierParts,
-            fmt::format("Of {}; default: all, frames where recordings are given",
+            fmt::format("Parts to measure: {} (default: all, frames only with recordings)",
                         fmt::join(kClassifierParts, ", ")));
-  add(classifier, "--seed", args->seed, "N", "Another seed makes other clouds")
-      ->transform(whole(0));
-  add(classifier, "--count", args->count, "N", "Clouds of each kind, default 100")
+  add(classifier, "--seed", args->seed, "N", "Random seed of the clouds")->transform(whole(0));
+  add(classifier, "--count", args->count, "N", "Clouds of each kind (default 100)")
       ->transform(whole(1));
-  add(classifier, "--rounds", args->rounds, "N", "How often speed is measured, default 20")
+  add(classifier, "--rounds", args->rounds, "N", "Repetitions of each timing (default 20)")
       ->transform(whole(1));
   add_clouds(classifier, args->input.pipeline);
   runs(classifier, line, args, run_bench_classifier, [args, &line] {

@@ -119,14 +119,15 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
 void define_bench_desktop(CLI::App* bench, Line& line) {
   CLI::App* command = bench->add_subcommand(
       "desktop",
-      "How long the debugger's window takes to show a step and a slider's tick, drawn without a\n"
-      "display, against an empty window in the same run.");
+      "Time the debugger's window\n"
+      "Draws a step and a slider's tick without a display, and an empty window in the same run.");
   const auto args = std::make_shared<BenchDesktopArgs>();
   ViewArgs& view = args->view;
-  add_inputs(command, view.input, io::recordings_text(false));
+  add_recordings(command, view.input, false);
   add_out(command, args->out);
-  add(command, "--steps", args->steps, "N", "Steps of the scrub, default 500")->transform(whole(1));
-  add_size(command, view.width, view.height, "Of the window in pixels, default 1440x900", 640, 400);
+  add(command, "--steps", args->steps, "N", "Steps to scrub through (default 500)")
+      ->transform(whole(1));
+  add_size(command, view.width, view.height, "Window size in pixels (default 1440x900)", 640, 400);
   add_method(command, view.input.pipeline);
   command->remove_option(command->get_option("--method"));
   runs(command, line, args, run_bench_desktop, [args, &line] {

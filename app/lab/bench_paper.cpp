@@ -398,34 +398,35 @@ void finish(BenchPaperArgs& args, const CLI::App& typed) {
 }  // namespace
 
 void define_bench_paper(CLI::App* bench, Line& line) {
-  CLI::App* paper = bench->add_subcommand(
-      "paper",
-      "Every experiment of the paper, and measures on which methods really differ. Writes\n"
-      "paper.jsonl and paper.timings.jsonl.");
+  CLI::App* paper =
+      bench->add_subcommand("paper",
+                            "Run every experiment of the paper, with stricter measures\n"
+                            "Writes paper.jsonl and paper.timings.jsonl.");
   const auto args = std::make_shared<BenchPaperArgs>();
   add_inputs(paper, args->input,
-             "Recordings for table IV; without, those of assets/paper_recordings.txt that are\n"
-             "below $PLANESCOPE_DATA");
+             "Recordings for table IV (default: those of assets/paper_recordings.txt that "
+             "$PLANESCOPE_DATA contains)");
   paper->remove_option(paper->get_option("--labels"));
   add_of_method(paper, args->input.pipeline, "--gravity", "auto|X,Y,Z|imu|estimate",
-                "Of the recordings that are given")
+                "Gravity direction of the given recordings")
       ->group("Recordings");
   add_out(paper, args->out)->required();
-  paper->add_flag("--quick", args->quick, "Fewer frames and conditions: under two minutes");
-  paper->add_flag("--resume", args->resume, "Go on with the run that was cut short in DIR");
+  paper->add_flag("--quick", args->quick,
+                  "Use fewer frames and conditions; takes under two minutes");
+  paper->add_flag("--resume", args->resume, "Resume the interrupted run in DIR");
   add_parts(paper, args->parts, kPaperParts,
-            fmt::format("Of {}; default: all", fmt::join(kPaperParts, ", ")));
-  add(paper, "--seed", args->seed, "N", "Of the sets that the tables are printed for, default 1")
+            fmt::format("Parts to measure: {} (default: all)", fmt::join(kPaperParts, ", ")));
+  add(paper, "--seed", args->seed, "N", "Random seed of the printed sets (default 1)")
       ->transform(whole(1));
   add(paper, "--tuning-seed", args->tuning_seed, "N",
-      "Of the sets that options were tuned on, shown beside the claims; default 1001")
+      "Random seed of the sets that options were tuned on (default 1001)")
       ->transform(whole(1));
   add(paper, "--sets", args->sets, "NAME,...",
-      "Measure these alone, of stairs, kerbs, depth_boxes, ...");
-  add(paper, "--count", args->count, "N", "At most so many frames of each set; default all")
+      "Sets to measure: stairs, kerbs, depth_boxes, ... (default: all)");
+  add(paper, "--count", args->count, "N", "Maximum number of frames of each set (default all)")
       ->transform(whole(1));
   add(paper, "--weights", args->weights, "gcn|FILE",
-      "The network: gcn, the one that comes with planescope (default), or a file");
+      "Network: gcn, the built-in one (default), or a file");
   add_threads(paper, args->threads);
   runs(paper, line, args, run_bench_paper, [args, paper] { finish(*args, *paper); });
 }

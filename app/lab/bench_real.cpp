@@ -217,25 +217,27 @@ void finish(BenchRealArgs& args, const CLI::App& typed) {
 void define_bench_real(CLI::App* bench, Line& line) {
   CLI::App* real = bench->add_subcommand(
       "real",
-      "Every method by pixel: on labelled frames of real recordings, on depth sets of many seeds,\n"
-      "and from frame to frame of a recording. With -o: real.jsonl.");
+      "Score every method by pixel\n"
+      "Measures on labeled frames of real recordings, on depth sets of many seeds, and from frame "
+      "to frame of a recording. -o writes real.jsonl.");
   const auto args = std::make_shared<BenchRealArgs>();
   add(real, "--frames-list", args->frames_list, "FILE",
-      "Lines of NAME HALF RECORDING FRAME OPTIONS: the labelled frames, with --intrinsics, "
-      "--depth-unit, --gravity and --max-range as they need them");
-  add(real, "--data", args->data, "DIR", "Folder of the recordings; default $PLANESCOPE_DATA");
+      "File that lists the labeled frames, a line of NAME HALF RECORDING FRAME OPTIONS each; "
+      "OPTIONS are --intrinsics, --depth-unit, --gravity and --max-range");
+  add(real, "--data", args->data, "DIR", "Folder of the recordings (default $PLANESCOPE_DATA)");
   add(real, "--labels", args->labels, "DIR",
-      "Where the folder NAME holds the labels of each frame that is listed");
+      "Folder with a folder NAME of labels for each listed frame");
   add_out(real, args->out);
   add_parts(real, args->parts, kRealParts,
-            fmt::format("Of {}; default: all", fmt::join(kRealParts, ", ")));
+            fmt::format("Parts to measure: {} (default: all)", fmt::join(kRealParts, ", ")));
   add_read(
       real, "--half", [args](const std::string& text) { args->half = parse_half(text); },
-      "tuning|printed", "Listed frames of this half alone; default: both");
-  add(real, "--seeds", args->seeds, "N,...", "Of the depth sets, default 1,2,3,4,5,6,1001,2001")
+      "tuning|printed", "Half of the listed frames to measure (default: both)");
+  add(real, "--seeds", args->seeds, "N,...",
+      "Random seeds of the depth sets (default 1,2,3,4,5,6,1001,2001)")
       ->transform(whole(1));
   add(real, "--count", args->count, "N",
-      "At most so many frames of each set, and of the recording that is followed; default all")
+      "Maximum number of frames of each set and of the tracked recording (default all)")
       ->transform(whole(1));
   add_threads(real, args->threads);
   runs(real, line, args, run_bench_real, [args, real] { finish(*args, *real); });

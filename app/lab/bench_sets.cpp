@@ -73,18 +73,19 @@ int run_bench_outlines(const BenchOutlinesArgs& args, std::stop_token stop) {
 void define_bench_outlines(CLI::App* bench, Line& line) {
   CLI::App* outlines = bench->add_subcommand(
       "outlines",
-      "Outlines, certainty and places for a foot against the truth of synthetic depth frames with\n"
-      "the errors of the D435. With -o: outlines.jsonl.");
+      "Score outlines, certainty and footholds\n"
+      "Measures against the truth of synthetic depth frames with the errors of the D435. -o writes "
+      "outlines.jsonl.");
   const auto args = std::make_shared<BenchOutlinesArgs>();
   args->pipeline.foot.radius_m = 0.08;
   args->pipeline.threads = all_cores();
   add_out(outlines, args->out);
-  add(outlines, "--seeds", args->seeds, "N,...", "Of the depth sets, default 1 to 14")
+  add(outlines, "--seeds", args->seeds, "N,...", "Random seeds of the depth sets (default 1 to 14)")
       ->transform(whole(1));
-  add(outlines, "--count", args->count, "N", "At most so many frames of each set; default all")
+  add(outlines, "--count", args->count, "N", "Maximum number of frames of each set (default all)")
       ->transform(whole(1));
   add_of_method(outlines, args->pipeline, "--foot", "RADIUS|LENGTHxWIDTH",
-                "As `planescope segment` takes it; default 0.08");
+                "Size of the foot in meters (default 0.08)");
   add_method(outlines, args->pipeline);
   runs(outlines, line, args, run_bench_outlines, [args, outlines] {
     args->same_command =
@@ -149,23 +150,25 @@ int run_bench_map(const BenchMapArgs& args, std::stop_token stop) {
 void define_bench_map(CLI::App* bench, Line& line) {
   CLI::App* map = bench->add_subcommand(
       "map",
-      "Tracks and the map of a synthetic walk, with true poses and with odometry's; or maps of\n"
-      "real recordings against measured cuboids. With -o: map.jsonl.");
+      "Score tracks and maps\n"
+      "Measures the map of a synthetic walk, with true poses and with odometry; or maps of real "
+      "recordings against measured cuboids. -o writes map.jsonl.");
   const auto args = std::make_shared<BenchMapArgs>();
   args->bench.pipeline.threads = all_cores();
-  map->add_option("MAP", args->maps, "Folders that planescope map wrote; needs --cuboids");
+  map->add_option("MAP", args->maps, "Output folders of planescope map; need --cuboids")
+      ->type_name("");
   add(map, "--cuboids", args->cuboids, "FILE",
       "Boxes on the floor z = 0, one per line: x y z, yaw and three half sizes, in meters and "
-      "radians, in the world of the maps' poses");
+      "radians, in the world frame of the poses");
   add_out(map, args->out);
-  add(map, "--seed", args->bench.sequence.seed, "N", "The first walk's, default 1")
+  add(map, "--seed", args->bench.sequence.seed, "N", "Random seed of the first walk (default 1)")
       ->transform(whole(0));
-  add(map, "--count", args->count, "N", "Walks, default 1")->transform(whole(1));
-  add(map, "--frames", args->bench.sequence.frames, "N", "Of each walk, default 300")
+  add(map, "--count", args->count, "N", "Number of walks (default 1)")->transform(whole(1));
+  add(map, "--frames", args->bench.sequence.frames, "N", "Frames of each walk (default 300)")
       ->transform(whole(2, 2000));
   add_size(map, args->bench.sequence.width, args->bench.sequence.height,
-           "Of the pictures in pixels, default 640x480", 16, 16);
-  map->add_flag("--true-poses", args->true_poses, "Without odometry, which takes longest");
+           "Image size in pixels (default 640x480)", 16, 16);
+  map->add_flag("--true-poses", args->true_poses, "Skip odometry, the slowest part");
   add_method(map, args->bench.pipeline);
   runs(map, line, args, run_bench_map, [args, &line] {
     args->command = line.text;
@@ -219,15 +222,14 @@ void finish(BenchStairsArgs& args, const CLI::App& typed) {
 void define_bench_stairs(CLI::App* bench, Line& line) {
   CLI::App* stairs =
       bench->add_subcommand("stairs",
-                            "Steps, rise and going of synthetic stairs seen from below and from "
-                            "above, by a model of the\n"
-                            "D435, and boxes that are none. With -o: stairs.jsonl.");
+                            "Score steps, rise and going of synthetic stairs\n"
+                            "Stairs are seen from below and from above with the errors of the "
+                            "D435; boxes must not become stairs. -o writes stairs.jsonl.");
   const auto args = std::make_shared<BenchStairsArgs>();
   args->bench.pipeline.threads = all_cores();
   add_out(stairs, args->out);
-  add(stairs, "--seed", args->bench.seed, "N", "Another seed makes other frames, default 1")
-      ->transform(whole(0));
-  add(stairs, "--count", args->bench.count, "N", "Frames of each set, default 100")
+  add(stairs, "--seed", args->bench.seed, "N", "Random seed (default 1)")->transform(whole(0));
+  add(stairs, "--count", args->bench.count, "N", "Frames of each set (default 100)")
       ->transform(whole(1));
   add_method(stairs, args->bench.pipeline);
   runs(stairs, line, args, run_bench_stairs, [args, stairs] { finish(*args, *stairs); });

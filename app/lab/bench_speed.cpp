@@ -269,31 +269,31 @@ int run_bench_speed(const BenchSpeedArgs& args, std::stop_token stop) {
 void define_bench_speed(CLI::App* bench, Line& line) {
   CLI::App* speed = bench->add_subcommand(
       "speed",
-      "How fast everything is: each stage beside its floor, whole frames beside other methods,\n"
-      "how times grow, memory, and what it costs to start. With -o: speed.jsonl.");
+      "Time every stage and method\n"
+      "Measures each stage against its lower bound, whole frames against other methods, scaling, "
+      "memory and startup. -o writes speed.jsonl.");
   const auto args = std::make_shared<BenchSpeedArgs>();
   planes::PipelineOptions& pipeline = args->input.pipeline;
   add_inputs(speed, args->input,
              io::recordings_text(true) +
-                 " whose frames are timed, ten of each at most;\n"
-                 "without, depth_stairs, a synthetic set with a camera's errors");
+                 "; times ten frames of each at most (default: the synthetic set depth_stairs)");
   speed->remove_option(speed->get_option("--labels"));
   add_of_method(speed, pipeline, "--gravity", "auto|X,Y,Z|imu|estimate",
-                "Direction in which things fall, as in planescope segment");
-  add_of_method(speed, pipeline, "--max-range", "M", "Crop what is farther, default 1.5");
-  add_of_method(speed, pipeline, "--voxel", "M", "Edge of the voxel grid, default 0.02");
+                "Gravity direction in the sensor's frame (default auto)");
+  add_of_method(speed, pipeline, "--max-range", "M", "Maximum range in meters (default 1.5)");
+  add_of_method(speed, pipeline, "--voxel", "M", "Voxel edge in meters (default 0.02)");
   add_out(speed, args->out);
   add(speed, "--weights", args->weights, "gcn|FILE",
-      "The network: gcn, the one that comes with planescope (default), or a file");
+      "Network: gcn, the built-in one (default), or a file");
   add_parts(speed, args->parts, kSpeedParts,
-            fmt::format("Of {}; default: all", fmt::join(kSpeedParts, ", ")));
-  add(speed, "--rounds", args->rounds, "N", "How often each thing is measured, default 20")
+            fmt::format("Parts to measure: {} (default: all)", fmt::join(kSpeedParts, ", ")));
+  add(speed, "--rounds", args->rounds, "N", "Repetitions of each timing (default 20)")
       ->transform(whole(1));
   add(speed, "--most-points", args->most_points, "N",
-      "Of the clouds that scaling is measured on, default 1000000")
+      "Points of the largest cloud for scaling (default 1000000)")
       ->transform(whole(1000));
   add(speed, "--threads", pipeline.threads, "N",
-      "The most that scaling is measured with, default all cores; all else takes one")
+      "Maximum number of threads for scaling (default all cores); other parts use one")
       ->transform(whole(1, 1024));
   runs(speed, line, args, run_bench_speed, [args, speed, &line] {
     for (const char* name : {"--intrinsics", "--depth-unit", "--instance-field", "--read-limit",

@@ -184,19 +184,20 @@ void finish(BenchSteadyArgs& args, const CLI::App& typed) {
 void define_bench_steady(CLI::App* bench, Line& line) {
   CLI::App* steady = bench->add_subcommand(
       "steady",
-      "How many planes stay the same under changes that mean nothing, and in the next frame:\n"
-      "ours (profiles paper and refined) and every other method. Measures every 8th frame\n"
-      "unless --frames says otherwise. With -o: steady.jsonl.");
+      "Measure how stable planes are\n"
+      "Counts planes that survive meaningless changes and the step to the next frame, for profiles "
+      "paper and refined and every other method. Measures every 8th frame unless --frames is "
+      "given. -o writes steady.jsonl.");
   const auto args = std::make_shared<BenchSteadyArgs>();
   args->input.frames.step = 8;
-  add_inputs(steady, args->input, "Recordings of depth images");
+  add_inputs(steady, args->input, "Recordings of depth images; default: the sample recording");
   add_out(steady, args->out);
   add_parts(steady, args->only, part_names(),
-            fmt::format("Only these changes: {}; default all", fmt::join(part_names(), ", ")));
+            fmt::format("Changes to measure: {} (default: all)", fmt::join(part_names(), ", ")));
   add(steady, "--poses", args->poses, "FILE|none",
-      "Camera poses, as `planescope map` reads them; default: those of the recording, or poses.tum "
-      "in its folder. none: compare with the next frame pixel by pixel");
-  add(steady, "--turns", args->turns, "N", "Turns of gravity for each frame, default 20")
+      "Camera poses in a format of planescope map (default: the recording's, or poses.tum in its "
+      "folder). none: compare with the next frame pixel by pixel");
+  add(steady, "--turns", args->turns, "N", "Rotations of gravity for each frame (default 20)")
       ->transform(whole(1, 1000));
   add_method(steady, args->input.pipeline);
   runs(steady, line, args, run_bench_steady, [args, steady] { finish(*args, *steady); });

@@ -18,7 +18,7 @@ namespace planescope::app {
 namespace {
 
 void define_bench(CLI::App& app, Line& line) {
-  CLI::App* bench = app.add_subcommand("bench", "Measure what planescope can do, and how fast");
+  CLI::App* bench = app.add_subcommand("bench", "Measure accuracy and speed");
   for (const auto define : {define_bench_paper, define_bench_real, define_bench_steady,
                             define_bench_outlines, define_bench_map, define_bench_stairs,
                             define_bench_classifier, define_bench_desktop, define_bench_speed})
@@ -79,10 +79,9 @@ int main(int argc, char** argv) {
   const Program program = {
       .name = "planescope-lab",
       .about =
-          "planescope-lab measures planescope: its classifier, its planes beside other methods, "
-          "its\n"
-          "window; and makes the synthetic sets that it is measured on and trained with.",
-      .commands = {define_bench, define_synth_sets, define_recipe_train, define_man,
+          "planescope-lab measures the accuracy and speed of planescope and of other methods, and "
+          "writes the synthetic data that it is measured and trained on.",
+      .commands = {define_bench, define_synth_sets, define_recipe_train, define_help, define_man,
                    define_completions}};
   return run_program(program, argc, argv);
 }

@@ -113,23 +113,21 @@ int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
 }
 
 void add_of_clouds(CLI::App* command, SynthSetArgs& args) {
-  add(command, "--count", args.count, "N", "How many frames; default as many as are measured on")
+  add(command, "--count", args.count, "N", "Number of frames (default: as many as benchmarks use)")
       ->transform(whole(1));
   add(command, "--points", args.points, "N",
-      "Clouds: points of each, default 8192; 0 = dense sampling")
+      "Points of each cloud (default 8192); 0: dense sampling")
       ->transform(whole(0));
   add(command, "--noise", args.noise_m, "M",
-      "Clouds: standard deviation of the noise on every coordinate, added after the sampling; "
-      "default 0")
+      "Standard deviation of the noise on every coordinate of a cloud, in meters (default 0)")
       ->check(number(0));
-  add(command, "--seed", args.options.seed, "N", "Another seed makes another set, default 1")
-      ->transform(whole(0));
+  add(command, "--seed", args.options.seed, "N", "Random seed (default 1)")->transform(whole(0));
   add_threads(command, args.threads);
 }
 
 void define_stairs(CLI::App* synth, Line& line) {
   CLI::App* command = synth->add_subcommand(
-      "stairs", "The paper's evaluation set: stairs as PLY clouds with label and instance");
+      "stairs", "Write the paper's evaluation set: PLY clouds with label and instance");
   const auto args = std::make_shared<SynthSetArgs>();
   args->set = lab::find_evaluation_set("stairs");
   add_out(command, args->out)->required();
@@ -138,11 +136,11 @@ void define_stairs(CLI::App* synth, Line& line) {
 }
 
 void define_set(CLI::App* synth, Line& line) {
-  std::string names = "Which set";
+  std::string names = "Set to write:";
   for (const lab::EvaluationSet& set : lab::evaluation_sets())
-    names += "\n" + wrapped(set.name + ": " + set.meaning);
+    names += "\n" + set.name + ": " + set.meaning;
   CLI::App* command = synth->add_subcommand(
-      "set", "A set that methods are measured on: PLY clouds, or depth and its DIR.labels");
+      "set", "Write a benchmark set: PLY clouds, or depth images with labels in DIR.labels");
   const auto args = std::make_shared<SynthSetArgs>();
   command
       ->add_option_function<std::string>(
@@ -156,7 +154,7 @@ void define_set(CLI::App* synth, Line& line) {
       command, "--errors",
       [args](const std::string& text) { args->errors = lab::parse_depth_errors(text); },
       "clean|noise|d435",
-      "Depth: exact (default), independent noise on every pixel, or the whole camera model");
+      "Errors of depth: none (default), independent noise, or a model of the D435");
   runs(command, line, args, run_synth_set, [args] { set_options(*args); });
 }
 
@@ -230,17 +228,17 @@ int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop) {
 
 void define_training(CLI::App* synth, Line& line) {
   CLI::App* command = synth->add_subcommand(
-      "training", "What the classifier learns from: labelled PLY clouds, and training.json");
+      "training", "Write the training data of the classifier: PLY clouds and training.json");
   const auto args = std::make_shared<SynthTrainingArgs>();
   add_out(command, args->out)->required();
   add_read(
       command, "--recipe",
       [args](const std::string& name) { args->recipe = lab::make_recipe(name); }, "NAME",
-      fmt::format("{}; default {}: the paper's shapes and scans of scenes made of them",
+      fmt::format("Recipe: {} (default {}: the paper's shapes, and scans of scenes of them)",
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
   add_recipe_limits(command, args->recipe);
   command->add_flag("--augmented", args->augmented,
-                    "Noise, turns and holes as one step of training adds them");
+                    "Add noise, rotations and holes as a training step does");
   add_threads(command, args->threads);
   runs(command, line, args, run_synth_training);
 }

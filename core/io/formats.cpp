@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <map>
 
@@ -112,8 +111,7 @@ struct Found {
 };
 
 struct Format {
-  std::string name;      // "a .bag, .db3 or .mcap of RealSense or ROS"
-  std::string singular;  // "bag", for usage texts; empty: by its extensions
+  std::string name;  // "a .bag, .db3 or .mcap of RealSense or ROS"
   std::vector<std::string> extensions;
   bool (*sniff)(const Found&);  // a folder, or a file of another extension
   std::unique_ptr<Recording> (*open)(const fs::path&, const RecordingOptions&);
@@ -162,32 +160,31 @@ std::vector<Format> formats() {
   for (const CloudFormat& format : cloud_formats()) clouds.push_back(format.extension);
   return {
       {"a .bag, .db3 or .mcap of RealSense or ROS",
-       "bag",
        {".bag", ".db3", ".mcap"},
        sniff_bag,
        open_bag_at},
-      {"a folder with depth/ as 16-bit PNG",
-       "folder",
+      {"a folder of 16-bit depth PNGs",
        {".png"},
        [](const Found& found) {
          return found.is_folder ? is_image_folder(found.path) : found.start.starts_with("\x89PNG");
        },
        open_image_folder},
       {"a RealSense Viewer .raw with its _metadata.csv",
-       "",
        {".raw", ".csv"},
        [](const Found& found) { return found.is_folder && !viewer_raw_files(found.path).empty(); },
        open_viewer_raw},
-      {fmt::format("a {} cloud", fmt::join(clouds, " or ")), "", clouds,
+      {fmt::format("a {} or {} cloud", fmt::join(clouds.begin(), clouds.end() - 1, ", "),
+                   clouds.back()),
+       clouds,
        [](const Found& found) { return found.is_folder && !cloud_files_under(found.path).empty(); },
        open_clouds}};
 }
 
-std::string expected_formats() {
+std::string format_names(bool clouds = true) {
   std::vector<std::string> names;
-  for (const Format& format : formats()) names.push_back(format.name);
-  return fmt::format("expected {}, or {}", fmt::join(names.begin(), names.end() - 1, ", "),
-                     names.back());
+  for (const Format& format : formats())
+    if (clouds || format.open != open_clouds) names.push_back(format.name);
+  return fmt::format("{}, or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
 /// What lies in a folder, for people: "3 .txt, 1 .jpg".
@@ -214,21 +211,8 @@ std::string first_bytes(const fs::path& path) {
 
 }  // namespace
 
-std::string recordings_text(bool many) {
-  const auto is_named = [](const std::string& kind) {
-    const CloudFormat* cloud = cloud_format_of("cloud" + kind);
-    return kind != ".csv" && (!cloud || cloud->check);
-  };
-  std::vector<std::string> words;
-  for (const Format& format : formats())
-    if (format.singular.empty())
-      std::ranges::copy_if(format.extensions, std::back_inserter(words), is_named);
-    else
-      words.push_back(format.singular + (many ? "s" : ""));
-  const std::string text =
-      fmt::format("{} or {} file{}", fmt::join(words.begin(), words.end() - 1, ", "), words.back(),
-                  many ? "s" : "");
-  return many ? static_cast<char>(std::toupper(text[0])) + text.substr(1) : "One " + text;
+std::string recordings_text(bool many, bool clouds) {
+  return (many ? "Recordings, each " : "Recording: ") + format_names(clouds);
 }
 
 namespace {
@@ -288,9 +272,10 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
     if (format.fits(found)) return checked(format.open(path, options));
   if (found.is_folder)
     throw Error(path.string() + ": a folder with no recording in it (" +
-                describe_files(files_in(path)) + "), " + expected_formats());
+                describe_files(files_in(path)) + "), expected " + format_names());
   if (found.start == "version ") read_file_bytes(path, 1000);  // throws if it is a Git LFS pointer
-  throw Error(path.string() + ": not a recording that planescope reads, " + expected_formats());
+  throw Error(path.string() + ": not a recording that planescope reads, expected " +
+              format_names());
 }
 
 std::shared_ptr<const Recording> with_changed_frames(std::shared_ptr<const Recording> recording,

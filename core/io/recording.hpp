@@ -76,9 +76,9 @@ class Recording {
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingOptions& options = {});
 
-/// What open_recording() takes, for usage texts: "Bags, folders, .raw, .ply or .pcd files", or "One
-/// bag, ... file".
-std::string recordings_text(bool many);
+/// What open_recording() reads, for usage texts: "Recording: a .bag, ..., or a .ply or .pcd cloud",
+/// or "Recordings, each a .bag, ...".
+std::string recordings_text(bool many, bool clouds = true);
 
 /// The same recording; `change`, of which several may run at once, adds to each frame what is known
 /// of it elsewhere, and may throw Error.

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "cli/program.hpp"
 
@@ -27,13 +30,31 @@ const std::vector<Words> kLabCommands = {{"bench"},
                                          {"synth", "training"},
                                          {"train"}};
 
-void expect_explained(const std::string& program, Words typed, const Words& command) {
-  typed.insert(typed.end(), command.begin(), command.end());
-  typed.push_back("--help");
-  const Ran ran = run(typed);
-  EXPECT_EQ(ran.code, 0) << command[0];
-  EXPECT_TRUE(has(ran.out, "Usage: " + program + " " + command[0]));
-  EXPECT_TRUE(has(ran.out, "--help"));
+/// Checks the help of a command and of all commands below it; returns their number.
+int expect_explained(const std::string& program, const Words& command) {
+  const auto typed = [&](const Words& before, const Words& after) {
+    Words words = program == "planescope" ? Words{} : Words{program};
+    for (const Words& some : {before, command, after})
+      words.insert(words.end(), some.begin(), some.end());
+    return well(run(words)).out;
+  };
+  std::string name = program;
+  for (const std::string& word : command) name += " " + word;
+  const std::string help = typed({}, {"--help"});
+  EXPECT_TRUE(has(help, "Usage: " + name + " ")) << help;
+  EXPECT_EQ(typed({"help"}, {}), help);
+  int count = 1;
+  bool lists_commands = false;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 80U) << name << " --help: " << line;
+    if (!line.starts_with(' ')) lists_commands = line.ends_with("ommands:");
+    if (!lists_commands || !line.starts_with("  ") || line[2] == ' ') continue;
+    Words below = command;
+    below.push_back(line.substr(2, line.find(' ', 2) - 2));
+    count += expect_explained(program, below);
+  }
+  return count;
 }
 
 }  // namespace
@@ -48,10 +69,44 @@ TEST(Usage, TheHelpNamesEveryCommand) {
     EXPECT_TRUE(has(lab.out, "  " + command[0] + " ")) << command[0];
 }
 
-TEST(Usage, EveryCommandExplainsItself) {
-  for (const Words& command : kCommands) expect_explained("planescope", {}, command);
-  for (const Words& command : kLabCommands)
-    expect_explained("planescope-lab", {"planescope-lab"}, command);
+TEST(Usage, EveryCommandExplainsItselfIn80Columns) {
+  EXPECT_EQ(expect_explained("planescope", {}), 25);
+  EXPECT_EQ(expect_explained("planescope-lab", {}), 19);
+}
+
+TEST(Usage, TheHelpNamesFormatsAndSaysThatTheSampleIsTheDefault) {
+  for (const char* command :
+       {"view", "info", "segment", "report", "eval", "tune", "convert", "map"}) {
+    std::string help = well(run({command, "--help"})).out;
+    help.erase(std::unique(help.begin(), help.end(),
+                           [](char a, char b) { return std::isspace(a) && std::isspace(b); }),
+               help.end());
+    std::ranges::replace(help, '\n', ' ');
+    for (const char* format : {".bag", ".db3", ".mcap", "PNGs", ".raw"})
+      EXPECT_TRUE(has(help, format)) << command << " " << format;
+    EXPECT_EQ(has(help, ".ply, .pcd"), command != std::string("map")) << help;
+    EXPECT_TRUE(has(help, "default: the sample recording")) << help;
+  }
+}
+
+TEST(Usage, TwoDashesEndTheOptionsAndACommandsNameIsARecordingAfterACommand) {
+  expect_refused(run({"info", "--", "--json"}), "--json: no such file or folder");
+  expect_refused(run({"info", "--json", "--", "-o"}), "-o: no such file or folder");
+  expect_refused(run({"info", "report"}), "report: no such file or folder");
+}
+
+TEST(Usage, OneOptionIsExplained) {
+  const std::string text = well(run({"options", "theta_n_in", "--profile", "paper"})).out;
+  for (const char* part :
+       {"theta_n_in: Criterion 2", "whole number, at least 3", "stage       criteria",
+        "5 (refined)", "options.theta_n_in", "--set theta_n_in="})
+    EXPECT_TRUE(has(text, part)) << part << "\n" << text;
+  const auto json = nlohmann::json::parse(well(run({"options", "theta_r_out", "--json"})).out);
+  ASSERT_EQ(json["options"].size(), 1U);
+  EXPECT_EQ(json["options"][0]["min"], 0);
+  EXPECT_EQ(json["options"][0]["max"], 1);
+  EXPECT_EQ(json["options"][0]["defaults"]["paper"], "0.05");
+  EXPECT_TRUE(has(well(run({"options", "use_labels"})).out, "on or off"));
 }
 
 TEST(Usage, AListIsOneWordAndARecordingMayFollow) {
@@ -95,7 +150,11 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"report", "--baseline", "b.json", "merge", "a", "-o", "out"}, "--baseline after merge"},
       {{"options", "--gravity", "down"}, "down"},
       {{"options", "--gravity", "0,0,0"}, "0,0,0"},
-      {{"options", "extra"}, "unexpected argument 'extra'"},
+      {{"options", "extra"}, "option 'extra' is unknown"},
+      {{"options", "theta_n_ou"}, "did you mean 'theta_n_out'?"},
+      {{"options", "flat", "extra"}, "unexpected argument 'extra'"},
+      {{"help", "labels", "expo"}, "expected one of check, stats, compare"},
+      {{"help", "info", "x"}, "expected no more words"},
       {{"info", "--frames", "1:2:0"}, "step"},
       {{"info", "--frames", "a"}, "not a whole number"},
       {{"info", "--intrinsics", "1,2,3"}, "FX,FY,CX,CY"},

@@ -224,14 +224,13 @@ std::string csv_text(const planes::FramePlanes& found) {
 
 const std::vector<PlaneFormat>& plane_formats() {
   static const std::vector<PlaneFormat> formats = {
-      {"geojson", "planes.geojson", "outlines and places for a foot as GeoJSON has polygons",
-       geojson_text},
+      {"geojson", "planes.geojson", "outlines and footholds as polygons", geojson_text},
       {"obj", "planes.obj", "outlines as triangles", obj_text},
-      {"ply", "planes.ply", "the same, with plane and label of each", ply_text},
+      {"ply", "planes.ply", "outlines as triangles with plane id and label", ply_text},
       {"planar-terrain", "planar_terrain.json",
        "the fields of convex_plane_decomposition_msgs/PlanarTerrain", planar_terrain_text},
-      {"csv", "planes.csv", "a line for each plane", csv_text},
-      {"svg", "planes.svg", "a picture of each plane", planes_svg}};
+      {"csv", "planes.csv", "one line per plane", csv_text},
+      {"svg", "planes.svg", "a drawing of each plane", planes_svg}};
   return formats;
 }
 
