@@ -77,6 +77,16 @@ struct PLANESCOPE_API Access {
   static const TraceData& trace(const Trace& trace) { return *trace.data_; }
 };
 
+inline Vec3 vec3(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
+inline Vec3d vec3(const Vec3& p) { return {p[0], p[1], p[2]}; }
+PLANESCOPE_API Transform transform(const Pose& pose);
+/// Throws Error that begins with `what` if `t` is not rigid.
+PLANESCOPE_API Pose pose(const Transform& t, const char* what);
+PLANESCOPE_API Result make_result(const v0::Frame& frame,
+                                  const planes::PipelineOptions& options,
+                                  planes::FrameResult&& found);
+PLANESCOPE_API Camera camera(const Intrinsics& intrinsics);
+
 /// What errors say of options that the command line has is of no use to a program's author.
 [[noreturn]] PLANESCOPE_API void throw_for_programs(const std::string& message);
 
