@@ -94,6 +94,8 @@ void add_inputs(CLI::App* command, InputArgs& args, const std::string& what) {
   option("--intrinsics", "FX,FY,CX,CY",
          "Of the depth image, in pixels; wins over what the files say");
   option("--depth-unit", "METRES", "Metres per depth count; wins over what the files say");
+  option("--topic", "NAME",
+         "Bags: topic with the depth images or point clouds to read; `planescope info` lists them");
   option("--instance-field", "NAME",
          "Of clouds: the field with true plane ids, whole numbers from 1, instead of `instance`");
   option("--labels", "DIR", "Ground truth; otherwise <recording>.labels beside it");
