@@ -228,8 +228,8 @@ void use_depth_topic(const MessageLog& bag, const std::string& topic, BagLayout&
   layout.depth_info = info_of(bag, topic);
   layout.color_aligned = image_folder(topic).ends_with("aligned_depth_to_color");
   if (layout.color.empty() || layout.color_aligned) return;
-  auto pose = first_message(bag, camera_of(topic) + "/extrinsics/depth_to_color",
-                            ros::parse_extrinsics);
+  auto pose =
+      first_message(bag, camera_of(topic) + "/extrinsics/depth_to_color", ros::parse_extrinsics);
   if (!pose) pose = static_transform(bag, frame_id(bag, layout.color), frame_id(bag, topic));
   layout.has_extrinsics = pose.has_value();
   layout.T_color_depth = pose.value_or(Pose::Identity());
