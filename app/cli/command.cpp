@@ -82,6 +82,7 @@ void add_inputs(CLI::App* command, InputArgs& args, const std::string& what) {
   option("--intrinsics", "FX,FY,CX,CY",
          "Intrinsics of the depth camera in pixels; override the recording's");
   option("--depth-unit", "METERS", "Meters per depth count; overrides the recording's");
+  option("--topic", "NAME", "Bag topic to read: depth images or point clouds (listed by info)");
   option("--instance-field", "NAME",
          "Cloud field that contains true plane ids, whole numbers from 1 (default instance)");
   option("--labels", "DIR", "Ground truth (default RECORDING.labels, beside the recording)");

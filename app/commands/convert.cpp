@@ -68,6 +68,11 @@ Target target_of(const RecastArgs& args, const OpenInput& input) {
   if (input.recording->info().width == 0 && !is_cloud_form(target.form))
     throw Error(fmt::format("{}: its clouds have no depth images for --to {}, expected ply or pcd",
                             input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
+  if (input.recording->info().rounded && !is_cloud_form(target.form))
+    throw Error(fmt::format(
+        "{}: --to {} stores 16-bit counts, but its depth is in meters (32FC1), which would be "
+        "rounded; expected ply or pcd",
+        input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
   if (fs::exists(target.out) && !(fs::is_directory(target.out) && fs::is_empty(target.out)))
     throw Error(target.out.string() + ": is there already, expected a new name");
   return target;
@@ -110,9 +115,10 @@ void write_facts(Form form, const fs::path& dir, const std::vector<io::WrittenFr
                          frames);
 }
 
-/// What a cloud of depth means to whoever reads it.
-void warn_of_axes(const io::WrittenFrame& frame) {
-  if (!frame.facts.gravity)
+/// Where the clouds have the axes of a camera, which their files cannot say.
+void warn_of_axes(const OpenInput& input, const io::WrittenFrame& written) {
+  const Frame frame = input.recording->frame(input.frames[0]);
+  if (!written.facts.gravity && (!frame.is_cloud() || frame.cloud->optical))
     notice("gravity is not known: z of the clouds is where the camera looks, not up");
 }
 
@@ -196,7 +202,9 @@ std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
 }
 
 int run_convert(const RecastArgs& args, const std::stop_token& stop) {
-  const std::vector<OpenInput> inputs = open_inputs(args.input);
+  InputArgs input_args = args.input;
+  input_args.recording.standard_input = true;
+  const std::vector<OpenInput> inputs = open_inputs(input_args);
   if (inputs.size() != 1)
     throw Error(fmt::format("convert: {} recordings, expected one", inputs.size()));
   const OpenInput& input = inputs[0];
@@ -228,7 +236,7 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   }
   const int labelled = same_data ? copy_labels(input, labels.filename(), staged) : 0;
   staged.commit();
-  if (!same_data) warn_of_axes(frames[0]);
+  if (is_cloud_form(target.form)) warn_of_axes(input, frames[0]);
   fmt::print("{}: {} of {} frames of {}{}, read back{}\n", target.out.string(), frames.size(),
              input.frames.size(), input.path.string(),
              labelled > 0 ? fmt::format(" and the labels of {}", labelled) : "",

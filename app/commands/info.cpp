@@ -136,6 +136,7 @@ Json to_json(const Facts& f) {
   json["format"] = f.info.format;
   json["device"] = f.info.device;
   json["frames"] = f.frame_count;
+  if (!f.info.topics.empty()) json["topics"] = f.info.topics;
   if (f.info.width > 0) {
     json["depth"] = {{"width", f.info.width},
                      {"height", f.info.height},
@@ -227,6 +228,11 @@ void print_text(const Facts& f, double max_range_m) {
   line("format", f.info.format);
   if (!f.info.device.empty()) line("device", f.info.device);
   line("frames", std::to_string(f.frame_count));
+  if (!f.info.topics.empty()) {
+    std::string others =
+        fmt::format("{}", fmt::join(f.info.topics, ", ")).substr(f.info.topics[0].size());
+    line("topic", f.info.topics[0] + (others.empty() ? "" : "; others" + others.substr(1)));
+  }
   if (f.info.width > 0)
     print_depth(f, max_range_m);
   else
@@ -274,6 +280,7 @@ int run_info(const InfoArgs& args, std::stop_token) {
   json["recordings"] = Json::array();
   InputArgs input_args = args.input;
   input_args.recording.intrinsics_may_lack = true;
+  input_args.recording.standard_input = true;
   for (const OpenInput& input : open_inputs(input_args)) {
     const Facts facts = gather(input, args.input.pipeline);
     if (args.json)

@@ -58,6 +58,18 @@ std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count) {
   return frames;
 }
 
+bool is_in_slice(const FrameSlice& slice, int frame) {
+  const int first = slice.first.value_or(0);
+  return frame >= first && !is_past_slice(slice, frame) &&
+         (frame - first) % slice.step.value_or(1) == 0;
+}
+
+bool is_past_slice(const FrameSlice& slice, int frame) {
+  if (slice.first.value_or(0) < 0 || slice.last.value_or(0) < 0)
+    throw Error("--frames: counts from the end of a stream, expected numbers from 0");
+  return slice.last && frame >= *slice.last;
+}
+
 int all_cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 namespace {
@@ -143,6 +155,8 @@ void set_input_option(InputArgs& args, const std::string& name, const std::strin
     args.recording.depth_unit_m = parse_depth_unit(text);
   else if (name == "--instance-field")
     args.recording.instance_field = text;
+  else if (name == "--topic")
+    args.recording.topic = text;
   else if (name == "--labels")
     args.label_dir = text;
   else

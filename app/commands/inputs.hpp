@@ -26,6 +26,9 @@ struct FrameSlice {
 };
 FrameSlice parse_frame_slice(const std::string& text);  // throws Error
 std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count);
+/// The same of a stream, whose number of frames is not known. Throws Error on negative numbers.
+bool is_in_slice(const FrameSlice& slice, int frame);
+bool is_past_slice(const FrameSlice& slice, int frame);
 
 int all_cores();
 
@@ -34,7 +37,7 @@ struct InputArgs {
 
   std::vector<std::filesystem::path> inputs;       // empty: the sample recording that ships with us
   FrameSlice frames;                               // default: all
-  io::RecordingOptions recording;                  // --intrinsics, --depth-unit, --instance-field
+  io::RecordingOptions recording;                  // --intrinsics, --depth-unit, --topic, ...
   planes::PipelineOptions pipeline;                // --profile, --set, ...; by default on all cores
   std::optional<std::filesystem::path> label_dir;  // --labels; default <recording>.labels
   bool warnings_as_errors = false;
@@ -46,7 +49,8 @@ struct InputArgs {
 void set_pipeline_option(planes::PipelineOptions& options,
                          const std::string& name,
                          const std::string& text);
-/// Sets one of the above, or --frames, --intrinsics, --depth-unit, --instance-field, --labels.
+/// Sets one of the above, or --frames, --intrinsics, --depth-unit, --topic, --instance-field,
+/// --labels.
 void set_input_option(InputArgs& args, const std::string& name, const std::string& text);
 
 /// A recording that was opened, and what of it is asked for.

@@ -12,6 +12,7 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "core/model/error.hpp"
+#include "core/model/json.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/report_data.hpp"
@@ -107,6 +108,20 @@ WrittenFrame write_frame(const OpenInput& input,
   return written;
 }
 
+/// Whether frames come from standard input, each of which is done as it arrives. With a map, whose
+/// frames must all be there, they are read first.
+bool is_live(const SegmentArgs& args) {
+  return args.input.inputs == std::vector<std::filesystem::path>{"-"} && args.map.empty();
+}
+
+/// A frame of a stream as a line of JSON.
+std::string stream_line(int index, const Json& frame, const SegmentArgs& args) {
+  Json line = {{"schema", "planescope.segment_frame/1"}, {"frame", index}};
+  line.update(frame);
+  if (args.out.empty()) line.erase("folder");
+  return json_text(line, -1);
+}
+
 /// Writes DIR/frames/000000/{planes.json,timings.json,planes.png,cloud.ply}, with --map tracks.png,
 /// for each frame. All or nothing on an Error; the frames done so far, and Cancelled, on a stop.
 /// Returns the exit code.
@@ -117,7 +132,15 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   if (!args.out.empty()) output.emplace(args.out);
   InputArgs depth_alone = args.input;
   depth_alone.recording.color = false;
-  std::vector<OpenInput> inputs = open_inputs(depth_alone);
+  depth_alone.recording.standard_input = true;
+  std::shared_ptr<io::FrameStream> stream;  // null: a recording
+  std::vector<OpenInput> inputs;
+  if (is_live(args)) {
+    stream = io::open_stream(0, depth_alone.recording, false);
+    inputs.push_back({"-", stream, {}, args.input.label_dir.value_or("-.labels")});
+  } else {
+    inputs = open_inputs(depth_alone);
+  }
   OpenInput& input = inputs.front();
   planes::PipelineOptions pipeline = args.input.pipeline;
   std::vector<std::string> lines, refused;
@@ -142,30 +165,47 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
                {"method", planes::to_string(args.input.pipeline.method)},
                {"frames", Json::array()}};
   const planes::FrameThreads threads =
-      planes::threads_for_frames(pipeline, static_cast<int>(input.frames.size()));
-  const auto make = [&](std::size_t i) {
-    return write_frame(input, input.frames[i], threads.pipeline, chosen.classifier.get(), args,
-                       map.get(), output ? &*output : nullptr);
+      planes::threads_for_frames(pipeline, stream ? 1 : static_cast<int>(input.frames.size()));
+  const auto write = [&](int index) {
+    return write_frame(input, index, threads.pipeline, chosen.classifier.get(), args, map.get(),
+                       output ? &*output : nullptr);
   };
-  run_frames("segment", input.frames, threads.at_once, stop, make,
-             [&](std::size_t, WrittenFrame&& frame) {
-               if (!frame.refused.empty()) {
-                 refused.push_back(frame.refused);
-                 return;
-               }
-               if (args.ros_json) {  // for whoever reads along
-                 fmt::print("{}\n", frame.ros);
-                 std::fflush(stdout);
-               }
-               unknown_gravity |= frame.unknown_gravity;
-               lines.push_back(std::move(frame.line));
-               json["frames"].push_back(std::move(frame.json));
-             });
-  if (lines.empty() && !refused.empty()) throw Error(refused.front());
+  int written = 0;
+  const auto take = [&](int index, WrittenFrame&& frame) {
+    if (!frame.refused.empty()) {
+      if (stream) notice("refused: {}", frame.refused);
+      refused.push_back(frame.refused);
+      return;
+    }
+    ++written;
+    unknown_gravity |= frame.unknown_gravity;
+    if (args.ros_json || stream) {  // for whoever reads along
+      if (!args.ros_json && args.json) frame.line = stream_line(index, frame.json, args);
+      fmt::print("{}", args.ros_json ? frame.ros + "\n" : frame.line);
+      std::fflush(stdout);
+    } else {
+      lines.push_back(std::move(frame.line));
+      json["frames"].push_back(std::move(frame.json));
+    }
+  };
+  const FrameSlice& slice = args.input.frames;
+  if (stream) {
+    for (int i = 0; !is_past_slice(slice, i) && stream->wait_for_frame(stop); ++i)
+      if (is_in_slice(slice, i)) take(i, write(i));
+    if (stream->frame_count() == 0 && !stop.stop_requested())
+      throw Error("standard input: a header without frames");
+  } else {
+    run_frames(
+        "segment", input.frames, threads.at_once, stop,
+        [&](std::size_t i) { return write(input.frames[i]); },
+        [&](std::size_t i, WrittenFrame&& frame) { take(input.frames[i], std::move(frame)); });
+  }
+  if (written == 0 && !refused.empty()) throw Error(refused.front());
   if (output) output->commit();
   json["refused"] = refused;
-  for (const std::string& why : refused) notice("refused: {}", why);
-  if (args.json) fmt::print("{}", json_text(json, 2));
+  if (!stream)
+    for (const std::string& why : refused) notice("refused: {}", why);
+  if (args.json && !stream) fmt::print("{}", json_text(json, 2));
   if (!args.json && !args.ros_json) fmt::print("{}", fmt::join(lines, ""));
   if (!args.json && unknown_gravity) notice("to tell h from v, {}", planes::kHowToGiveGravity);
   if (stop.stop_requested()) throw Cancelled();
@@ -181,7 +221,9 @@ void define_segment(CLI::App& app, Line& line) {
                                          "timings.json for each frame. Planes and clouds "
                                          "are in the world frame: z up, meters.");
   const auto args = std::make_shared<SegmentArgs>();
-  add_recordings(segment, args->input, false);
+  add_inputs(segment, args->input,
+             io::recordings_text(false) +
+                 ", or - for frames on standard input; default: the sample recording");
   add_out(segment, args->out);
   std::vector<std::string> formats;
   std::string holds;
@@ -202,9 +244,10 @@ void define_segment(CLI::App& app, Line& line) {
   add_foot(segment, args->input.pipeline);
   runs(segment, line, args, run_segment, [args] {
     if (args->ros_json && args->json) throw Error("--ros-json: is instead of --json");
-    if (args->ros_json && args->out.empty() && !args->also.empty())
+    if (!args->ros_json && args->out.empty() && !is_live(*args))
+      throw Error("segment needs -o DIR: Output folder");
+    if (args->out.empty() && !args->also.empty())
       throw Error("--also: writes into the folder of -o DIR, which is not given");
-    if (!args->ros_json && args->out.empty()) throw Error("segment needs -o DIR: Output folder");
   });
 }
 

@@ -166,7 +166,10 @@ std::vector<Format> formats() {
       {"a folder of 16-bit depth PNGs",
        {".png"},
        [](const Found& found) {
-         return found.is_folder ? is_image_folder(found.path) : found.start.starts_with("\x89PNG");
+         return found.is_folder
+                    ? is_image_folder(found.path)
+                    : found.start.starts_with("\x89PNG") ||
+                          (is_depth_dump(found.path) && viewer_raw_files(found.path).empty());
        },
        open_image_folder},
       {"a RealSense Viewer .raw with its _metadata.csv",
@@ -263,6 +266,16 @@ std::unique_ptr<Recording> checked(std::unique_ptr<Recording> recording) {
 }  // namespace
 
 std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options) {
+  if (path == "-") {
+    if (!options.standard_input)
+      throw Error(
+          "-: only segment, convert and info read standard input; planescope convert - -o FOLDER "
+          "writes it into a recording");
+    std::unique_ptr<FrameStream> stream = open_stream(0, options, true);
+    while (stream->wait_for_frame({})) continue;
+    if (stream->frame_count() == 0) throw Error("standard input: a header without frames");
+    return stream;
+  }
   std::error_code error;
   const auto status = fs::status(path, error);
   if (!fs::exists(status)) throw Error(path.string() + ": no such file or folder");

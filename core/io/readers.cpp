@@ -103,10 +103,11 @@ fs::path sidecar_inside(const fs::path& recording) {
   return {};
 }
 
+}  // namespace
+
 Sidecar sidecar_of(const JsonPlace& place, const fs::path& path) {
   Sidecar sidecar;
   sidecar.path = path;
-  if (place.has("schema")) place.schema({"planescope.recording/1"});
   if (place.has("intrinsics")) {
     sidecar.intrinsics = read_intrinsics(place.at("intrinsics"));
     sidecar.intrinsics_source = path.filename().string();
@@ -132,9 +133,13 @@ Sidecar sidecar_of(const JsonPlace& place, const fs::path& path) {
   return sidecar;
 }
 
+namespace {
+
 Sidecar read_one_sidecar(const fs::path& path) {
-  return read_place(path, read_json<nlohmann::ordered_json>(path),
-                    [&](const JsonPlace& place) { return sidecar_of(place, path); });
+  return read_place(path, read_json<nlohmann::ordered_json>(path), [&](const JsonPlace& place) {
+    if (place.has("schema")) place.schema({"planescope.recording/1"});
+    return sidecar_of(place, path);
+  });
 }
 
 }  // namespace

@@ -13,6 +13,10 @@
 
 #include "core/io/recording.hpp"
 
+namespace planescope {
+class JsonPlace;
+}
+
 namespace planescope::io {
 
 /// What lies beside a recording and says what its files cannot: `planescope.json` or
@@ -41,6 +45,9 @@ struct Sidecar {
   std::vector<FrameFacts> frames;
   std::unordered_map<std::string, std::size_t> frame_of;  // by name; of equal ones the first
 };
+
+/// The facts in an object of a document; `path`: of the document. Throws Error.
+Sidecar sidecar_of(const JsonPlace& place, const std::filesystem::path& path);
 
 /// What the sidecar says of the frame with this name; null: nothing.
 const Sidecar::FrameFacts* facts_of(const Sidecar& sidecar, const std::string& name);

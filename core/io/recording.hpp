@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct RecordingOptions {
   std::optional<std::array<double, 4>> intrinsics;  // fx fy cx cy of the depth image [px]
   std::optional<double> depth_unit_m;               // metres per count
   std::string instance_field = {};  // clouds: where plane ids stand, instead of `instance`
+  std::string topic = {};           // bags: the topic to read; empty: the first with depth
+  /// "-" may be opened: standard input is read to its end and kept in memory.
+  bool standard_input = false;
   /// Folders: a damaged frame is an Error when it is read, not when the recording is opened, as
   /// long as another one is whole.
   bool damaged_frames_later = false;
@@ -39,9 +43,12 @@ struct RecordingInfo {
   int width = 0, height = 0;  // depth image; 0 for clouds
   double depth_unit_m = 0;
   std::string depth_unit_source;  // "bag topic .../Depth Units", "assumed (RealSense default)", ...
+  bool rounded = false;           // depth was recorded in meters (32FC1) and is rounded to the unit
   Intrinsics intrinsics;
   std::string intrinsics_source;  // file or topic name, "option"; empty: nobody knows them
   std::string times_source;       // where frame times come from: a file, "file names"; empty: none
+  std::string topic;              // the topic chosen by RecordingOptions::topic
+  std::vector<std::string> topics;  // bags: topics with frames, the one that is read first
   bool has_color = false;
   std::string color_note;             // "aligned", "projected by extrinsics", "none", ...
   std::vector<std::string> warnings;  // what was lost or odd, one line each, with counts
@@ -63,22 +70,37 @@ class Recording {
   /// Frame::T_world_camera of frame i; readers that know it without reading the frame say so, and
   /// others have none.
   virtual std::optional<Pose> T_world_camera(int /*i*/) const { return std::nullopt; }
-  /// SHA-256 of the raw bytes that make frame i: its depth image as little-endian counts, or the
-  /// cloud's coordinates. Ties labels to the data they were drawn on.
+  /// SHA-256 of the raw bytes that make frame i: its depth image as little-endian counts or, where
+  /// it was recorded in meters, floats; or the cloud's coordinates. Ties labels to the data they
+  /// were drawn on.
   virtual std::string frame_hash(int i) const = 0;
 };
 
-/// Opens any format that planescope reads (bag of ROS 1 or 2, folder of PNGs, Viewer .raw, clouds),
-/// found out from the content. Throws Error with one line on anything else.
-/// A sidecar adds what the files lack (gravity, intrinsics, unit): `<recording>.planescope.json`
-/// beside it, or `planescope.json` or `gravity.json` in a folder; its keys are listed at `Sidecar`
-/// in readers.hpp.
+/// Opens any format that planescope reads (bag of ROS 1 or 2, folder of PNGs, Viewer .raw, clouds,
+/// "-" for standard input), found out from the content. Throws Error with one line on anything
+/// else. A sidecar adds what the files lack (gravity, intrinsics, unit):
+/// `<recording>.planescope.json` beside it, or `planescope.json` or `gravity.json` in a folder; its
+/// keys are listed at `Sidecar` in readers.hpp.
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingOptions& options = {});
 
 /// What open_recording() reads, for usage texts: "Recording: a .bag, ..., or a .ply or .pcd cloud",
 /// or "Recordings, each a .bag, ...".
 std::string recordings_text(bool many, bool clouds = true);
+
+/// Frames that arrive on standard input: docs/formats.md, "Standard input". Its frame_count() is
+/// the number that has arrived.
+class FrameStream : public Recording {
+ public:
+  /// Waits for the next frame. False at the end of the stream, and on a stop. Throws Error naming
+  /// the frame where it is cut or invalid.
+  virtual bool wait_for_frame(const std::stop_token& stop) = 0;
+};
+/// Reads the header of a stream from a file descriptor. Keeps the last frame alone, or all. Throws
+/// Error.
+std::unique_ptr<FrameStream> open_stream(int descriptor,
+                                         const RecordingOptions& options,
+                                         bool keeps_all);
 
 /// The same recording; `change`, of which several may run at once, adds to each frame what is known
 /// of it elsewhere, and may throw Error.

@@ -96,6 +96,7 @@ struct PointSet {
   std::vector<std::uint8_t> rgb;       // 3 per point, or empty
   std::vector<std::uint8_t> label;     // 0 unknown, 1 h, 2 v per point, or empty
   std::vector<std::int32_t> instance;  // plane id per point, 0 none, or empty
+  bool optical = false;                // axes of a camera: x right, y down, z forward
 };
 
 /// The origin, in whole meters, relative to which floats represent most points best: the center of

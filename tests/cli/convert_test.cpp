@@ -143,6 +143,18 @@ TEST_F(Convert, DepthBecomesACloudOfItsMeasuredPixels) {
   EXPECT_EQ(cloud.rgb.size(), 3 * cloud.points.size());
 }
 
+TEST_F(Convert, DepthInMetersBecomesCloudsAndIsNotRoundedIntoImages) {
+  const fs::path in = fs::path(PLANESCOPE_SOURCE_DIR) / "tests/fuzz/corpus/mcap/meters";
+  expect_refused(convert({in, "-o", dir / "x"}), "its depth is in meters (32FC1)");
+  expect_refused(convert({in, "-o", dir / "x.mcap"}), "expected ply or pcd");
+  well(convert({in, "-o", dir / "x.ply"}));
+  EXPECT_EQ(io::open_recording(dir / "x.ply")->frame(0).cloud->points.size(), 24U * 16 - 2);
+  const auto json = nlohmann::json::parse(well(run({"info", "--json", in})).out)["recordings"][0];
+  EXPECT_EQ(json["depth"]["unit_m"], 0.0002);
+  EXPECT_EQ(json["topics"][0], "/camera/depth/image_rect_raw");
+  EXPECT_EQ(json["first_frame"]["counts_65535"], 1);
+}
+
 TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
   const fs::path in = dir / "a.ply", out = dir / "b.pcd";
   io::write_ply(in, floor_and_wall_cloud());

@@ -1,5 +1,7 @@
 // What core/io opens: recordings, their images, and the files beside them.
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +12,7 @@
 #include "core/io/readers.hpp"
 #include "core/io/recording.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "fuzz/fuzz.hpp"
 
 namespace planescope::fuzz {
@@ -84,6 +87,13 @@ void read_viewer_raw(Bytes bytes) {
   read_frames(*io::open_recording(file_of("viewer_raw/a_metadata.csv", bytes)));
 }
 
+void read_stream(Bytes bytes) {
+  const FileDescriptor file = open_file(file_of("stream/a", bytes), O_RDONLY);
+  const auto stream = io::open_stream(file.get(), {}, false);
+  while (stream->wait_for_frame({}))
+    require(stream->frame(stream->frame_count() - 1).depth.pixels() > 0, "a frame without pixels");
+}
+
 void read_camera_json(Bytes bytes) {
   io::camera_from_json(file_of("camera/intrinsic.json", bytes));
 }
@@ -121,6 +131,7 @@ std::vector<Target> recording_targets() {
           {"ply", read_ply},
           {"pcd", read_pcd},
           {"viewer_raw", read_viewer_raw},
+          {"stream", read_stream},
           {"camera_json", read_camera_json},
           {"camera_xml", read_camera_xml},
           {"camera_text", read_camera_text},

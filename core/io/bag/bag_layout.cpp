@@ -1,5 +1,8 @@
 // What each topic of a recording is used for, and gravity from its accelerometer.
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -8,6 +11,7 @@
 #include "core/io/bag/ros_messages.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io {
 namespace {
@@ -96,17 +100,16 @@ std::string sdk_camera_info(const MessageLog& bag, const std::string& prefix) {
   return first_topic(bag, {prefix + "/info/camera_info", prefix + "/camera_info"});
 }
 
-std::optional<BagLayout> sdk_layout(const MessageLog& bag) {
-  const auto depth = sdk_streams(bag, "Depth", "/image/data");
+std::optional<BagLayout> sdk_layout(const MessageLog& bag, const std::string& wanted) {
+  auto depth = sdk_streams(bag, "Depth", "/image/data");
+  std::erase_if(depth, [&](const std::string& stream) {
+    return !wanted.empty() && stream + "/image/data" != wanted;
+  });
   if (depth.empty()) return std::nullopt;
   const std::string& prefix = depth.front();
   const std::string device = prefix.substr(0, prefix.find('/', 1));
   const std::string sensor = prefix.substr(0, prefix.rfind('/'));
   BagLayout layout;
-  if (depth.size() > 1) {
-    layout.warnings.push_back(std::to_string(depth.size()) + " depth streams, only " + prefix +
-                              " is read");
-  }
   layout.format = "RealSense SDK " + bag.kind();
   layout.is_sdk = true;
   layout.device = sdk_device_name(bag, device);
@@ -159,6 +162,12 @@ std::vector<std::string> image_topics(const MessageLog& bag) {
 std::string image_folder(const std::string& topic) {
   const std::string image = ros::without_transport(topic);
   return image.substr(0, image.rfind('/'));
+}
+
+/// The folder above the image's, the same for all images of a camera.
+std::string camera_of(const std::string& topic) {
+  const std::string folder = image_folder(topic);
+  return folder.substr(0, folder.rfind('/'));
 }
 
 /// The first topic whose last folder is `folder`, such as "depth" in /camera/depth/image_rect_raw.
@@ -217,33 +226,44 @@ std::optional<Pose> static_transform(const MessageLog& bag,
 void use_depth_topic(const MessageLog& bag, const std::string& topic, BagLayout& layout) {
   layout.depth = topic;
   layout.depth_info = info_of(bag, topic);
-  const std::string folder = image_folder(topic);
-  layout.color_aligned = folder.ends_with("aligned_depth_to_color");
+  layout.color_aligned = image_folder(topic).ends_with("aligned_depth_to_color");
   if (layout.color.empty() || layout.color_aligned) return;
-  const std::string camera = folder.substr(0, folder.rfind('/'));
-  auto pose = first_message(bag, camera + "/extrinsics/depth_to_color", ros::parse_extrinsics);
+  auto pose =
+      first_message(bag, camera_of(topic) + "/extrinsics/depth_to_color", ros::parse_extrinsics);
   if (!pose) pose = static_transform(bag, frame_id(bag, layout.color), frame_id(bag, topic));
   layout.has_extrinsics = pose.has_value();
   layout.T_color_depth = pose.value_or(Pose::Identity());
 }
 
-std::optional<BagLayout> ros_layout(const MessageLog& bag) {
-  const auto topics = image_topics(bag);
-  const std::string native = image_topic_in(topics, "depth");
-  const std::string aligned = image_topic_in(topics, "aligned_depth_to_color");
+/// Color of the camera, else of any.
+std::string color_topic(const std::vector<std::string>& topics,
+                        const std::string& camera,
+                        bool of_any) {
+  for (const char* name : {"/color", "/rgb"})
+    for (const std::string& topic : topics)
+      if (image_folder(topic) == camera + name) return topic;
+  if (!of_any) return {};
+  const std::string color = image_topic_in(topics, "color");
+  return color.empty() ? image_topic_in(topics, "rgb") : color;
+}
+
+std::optional<BagLayout> ros_layout(const MessageLog& bag,
+                                    const std::vector<std::string>& topics,
+                                    const std::string& wanted) {
+  const std::string native = wanted.empty() ? image_topic_in(topics, "depth") : wanted;
+  const std::string aligned =
+      wanted.empty() ? image_topic_in(topics, "aligned_depth_to_color") : std::string();
   if (native.empty() && aligned.empty()) return std::nullopt;
   BagLayout layout;
   layout.format = "realsense-ros " + bag.kind();
-  layout.color = image_topic_in(topics, "color");
-  if (layout.color.empty()) layout.color = image_topic_in(topics, "rgb");
+  layout.color = color_topic(topics, camera_of(native.empty() ? aligned : native), wanted.empty());
   if (!layout.color.empty()) layout.color_info = info_of(bag, layout.color);
   // Native pixels are the truth; the aligned copy serves where colour could not be placed else.
   use_depth_topic(bag, native.empty() ? aligned : native, layout);
   if (!native.empty() && !aligned.empty() && !layout.color.empty() && !layout.has_extrinsics) {
     use_depth_topic(bag, aligned, layout);
   }
-  const std::string folder = image_folder(layout.depth);
-  const std::string camera = folder.substr(0, folder.rfind('/'));
+  const std::string camera = camera_of(layout.depth);
   layout.accel = first_topic(bag, {camera + "/accel/sample", camera + "/imu"});
   if (!layout.accel.empty()) {
     const auto pose =
@@ -253,19 +273,97 @@ std::optional<BagLayout> ros_layout(const MessageLog& bag) {
   return layout;
 }
 
+// --- Point clouds ---
+
+/// The accelerometer may be in any namespace around the clouds, but must be placed by transforms.
+BagLayout cloud_layout(const MessageLog& bag, const std::string& topic) {
+  BagLayout layout;
+  layout.format = "point clouds in a " + bag.kind();
+  layout.depth = topic;
+  layout.is_cloud = true;
+  for (std::string scope = topic; !scope.empty() && layout.accel.empty();) {
+    scope.resize(scope.rfind('/') == std::string::npos ? 0 : scope.rfind('/'));
+    const std::string accel = first_topic(bag, {scope + "/accel/sample", scope + "/imu"});
+    if (accel.empty()) continue;
+    const auto pose = static_transform(bag, frame_id(bag, topic), frame_id(bag, accel));
+    if (!pose) continue;
+    layout.accel = accel;
+    layout.R_depth_accel = pose->linear();
+  }
+  return layout;
+}
+
+/// Images of depth by the names of stream, folder or image; for each the topic that is read, out of
+/// all transports.
+std::vector<std::string> depth_topics(const std::vector<std::string>& images) {
+  std::vector<std::string> topics;
+  std::set<std::string> known;
+  for (const std::string& topic : images) {
+    const std::string name = lower_case(topic.substr(camera_of(topic).size()));
+    const bool is_depth =
+        name.find("depth") != std::string::npos || topic.find("/Depth_") != std::string::npos;
+    if (is_depth && known.insert(ros::without_transport(topic)).second) topics.push_back(topic);
+  }
+  return topics;
+}
+
+/// A few of them, with how many more there are.
+std::string listed(const std::vector<std::string>& topics) {
+  constexpr std::size_t kMost = 10;
+  const std::size_t shown = std::min(kMost, topics.size());
+  std::string text = fmt::format("{}", fmt::join(topics.begin(), topics.begin() + shown, ", "));
+  if (shown < topics.size()) text += fmt::format(" and {} more", topics.size() - shown);
+  return text;
+}
+
 }  // namespace
 
-BagLayout find_bag_layout(const MessageLog& bag) {
-  if (auto layout = sdk_layout(bag)) return *layout;
-  if (auto layout = ros_layout(bag)) return *layout;
-  std::string found;
-  for (const std::string& topic : image_topics(bag)) found += (found.empty() ? "" : ", ") + topic;
-  if (found.empty()) {
-    found = "no image topic with messages among " + std::to_string(bag.topics().size()) + " topics";
+BagLayout find_bag_layout(const MessageLog& bag, const std::string& wanted) {
+  const std::vector<std::string> images = image_topics(bag);
+  std::vector<std::string> clouds;
+  for (const auto& [topic, type] : bag.topics())
+    if (type == kPointCloudType && !bag.messages(topic).empty()) clouds.push_back(topic);
+  std::vector<std::string> topics = depth_topics(images);
+  std::set<std::string> cameras;
+  for (const std::string& topic : topics) cameras.insert(camera_of(topic));
+  topics.insert(topics.end(), clouds.begin(), clouds.end());
+
+  std::optional<BagLayout> layout;
+  if (std::ranges::count(clouds, wanted) > 0) {
+    layout = cloud_layout(bag, wanted);
+  } else if (wanted.empty()) {
+    layout = sdk_layout(bag, "");
+    if (!layout) layout = ros_layout(bag, images, "");
+    if (!layout && !clouds.empty()) layout = cloud_layout(bag, clouds.front());
+  } else {
+    const auto image = std::ranges::find_if(images, [&](const std::string& topic) {
+      return topic == wanted || ros::without_transport(topic) == wanted;
+    });
+    if (image == images.end())
+      throw Error(fmt::format("{}: --topic {}: no such topic with images or point clouds; found {}",
+                              bag.path().string(), wanted,
+                              topics.empty() ? "none with depth" : listed(topics)));
+    layout = sdk_layout(bag, *image);
+    if (!layout) layout = ros_layout(bag, images, *image);
   }
-  for (const std::string& warning : bag.warnings()) found += " (" + warning + ")";
-  throw Error(bag.path().string() + ": no depth images: found " + found +
-              "; expected /device_*/sensor_*/Depth_*/image/data or */depth/image_rect_raw");
+  if (!layout) {
+    std::string found = images.empty() ? fmt::format("no image topic with messages among {} topics",
+                                                     bag.topics().size())
+                                       : listed(images);
+    for (const std::string& warning : bag.warnings()) found += " (" + warning + ")";
+    throw Error(bag.path().string() + ": no depth images: found " + found +
+                "; expected /device_*/sensor_*/Depth_*/image/data or */depth/image_rect_raw, or "
+                "--topic with the name of another topic");
+  }
+  std::erase(topics, layout->depth);
+  topics.insert(topics.begin(), layout->depth);
+  layout->topics = std::move(topics);
+  const std::size_t sources = layout->is_cloud ? clouds.size() : cameras.size();
+  if (wanted.empty() && sources > 1)
+    layout->warnings.push_back(fmt::format(
+        "{} {}; reading {}, choose another with --topic", sources,
+        layout->is_cloud ? "topics of point clouds" : "cameras with depth", layout->depth));
+  return *layout;
 }
 
 namespace {

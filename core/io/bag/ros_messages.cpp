@@ -151,6 +151,33 @@ CameraInfo parse_camera_info(const Message& message) {
   return info;
 }
 
+PointCloud parse_point_cloud(const Message& message) {
+  constexpr std::uint32_t kMostFields = 256;
+  FieldReader reader(message);
+  PointCloud cloud;
+  cloud.header = read_header(reader);
+  cloud.height = reader.read<std::uint32_t>();
+  cloud.width = reader.read<std::uint32_t>();
+  const auto fields = reader.read<std::uint32_t>();
+  if (fields > kMostFields) throw OutOfBytes{};
+  for (std::uint32_t i = 0; i < fields; ++i) {
+    PointCloud::Field field{std::string(reader.text()), reader.read<std::uint32_t>(),
+                            reader.read<std::uint8_t>()};
+    reader.read<std::uint32_t>();  // values in the field: the first one is used
+    cloud.fields.push_back(std::move(field));
+  }
+  cloud.big_endian = reader.read<std::uint8_t>() != 0;
+  cloud.point_step = reader.read<std::uint32_t>();
+  cloud.row_step = reader.read<std::uint32_t>();
+  cloud.data = reader.bytes();
+  if (cloud.height <= 1)
+    cloud.row_step = cloud.width * cloud.point_step;  // some drivers leave it 0
+  const bool fits = cloud.point_step > 0 && cloud.row_step / cloud.point_step >= cloud.width &&
+                    (cloud.row_step == 0 || cloud.height <= cloud.data.size() / cloud.row_step);
+  if (!fits) throw OutOfBytes{};
+  return cloud;
+}
+
 Vec3d parse_imu(const Message& message) {
   FieldReader reader(message);
   read_header(reader);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/io/bag/message_log.hpp"
+#include "core/io/recording.hpp"
 #include "core/model/frame.hpp"
 #include "core/model/types.hpp"
 
@@ -24,6 +25,7 @@ struct Header {
   std::string frame_id;
 };
 Header parse_header(const Message& message);
+inline constexpr std::size_t kHeaderBytes = 4096;  // a header ends before
 
 struct Image {
   Header header;
@@ -45,6 +47,22 @@ struct CameraInfo {
   Mat3d k = Mat3d::Zero();
 };
 CameraInfo parse_camera_info(const Message& message);
+
+/// sensor_msgs/PointCloud2.
+struct PointCloud {
+  struct Field {
+    std::string name;
+    std::uint32_t offset = 0;  // in a point's bytes
+    std::uint8_t type = 0;     // as the message numbers them, from 1: INT8, UINT8, ... FLOAT64
+  };
+  Header header;
+  std::size_t width = 0, height = 0;
+  std::vector<Field> fields;
+  bool big_endian = false;
+  std::size_t point_step = 0, row_step = 0;  // bytes
+  Bytes data;
+};
+PointCloud parse_point_cloud(const Message& message);
 
 /// The acceleration that a sensor_msgs/Imu has [m/s2].
 Vec3d parse_imu(const Message& message);
@@ -109,6 +127,8 @@ struct BagLayout {
   bool is_sdk = false;  // else realsense-ros
   std::string device;
   std::string depth, depth_info;
+  bool is_cloud = false;            // `depth` is a topic of point clouds
+  std::vector<std::string> topics;  // with frames, that of `depth` first
   std::string color, color_info;
   bool color_aligned = false;
   bool has_extrinsics = false;
@@ -120,8 +140,16 @@ struct BagLayout {
   std::vector<std::string> warnings;
 };
 
-/// Throws Error that lists the image topics found when there is none with depth.
-BagLayout find_bag_layout(const MessageLog& bag);
+inline constexpr const char* kPointCloudType = "sensor_msgs/PointCloud2";
+
+/// `wanted`: the topic with the frames; empty: the first with depth images or, without any, point
+/// clouds. Throws Error that lists the topics found when there is no such topic.
+BagLayout find_bag_layout(const MessageLog& bag, const std::string& wanted);
+
+/// Frames from a topic of point clouds.
+std::unique_ptr<Recording> open_cloud_topic(std::unique_ptr<MessageLog> log,
+                                            BagLayout layout,
+                                            const RecordingOptions& options);
 
 /// Gravity from the accelerometer samples recorded nearest to `time_ns`: at rest it measures the
 /// reaction to gravity, so things fall along the negative of their mean. nullopt where there are

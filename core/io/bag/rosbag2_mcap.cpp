@@ -134,7 +134,7 @@ McapIndex read_summary(Bytes file, std::uint64_t start) {
   reader.take(start);
   std::set<std::uint64_t> positions;
   std::uint64_t index_bytes = 0, found = 0;
-  std::uint64_t declared = 0;
+  std::optional<std::uint64_t> declared;  // messages
   for (Record record; (record = read_record(reader)).op != Op::footer;) {
     add_names(record, index);
     if (record.op == Op::statistics) declared = ByteReader(record.content).read<std::uint64_t>();
@@ -145,7 +145,8 @@ McapIndex read_summary(Bytes file, std::uint64_t start) {
     if (!positions.insert(place.start).second || index_bytes > file.size()) throw OutOfBytes{};
     found += add_indexed_chunk(file, place, index);
   }
-  // Messages outside chunks, and those of chunks without an index, are found by walking alone.
+  // Messages outside chunks, and those of chunks without an index, are found by walking alone;
+  // without statistics nothing says whether there are any.
   if (declared != found) throw OutOfBytes{};
   for (const auto& [channel, messages] : index.messages)
     if (!index.channels.contains(channel)) throw OutOfBytes{};

@@ -21,21 +21,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Takes another field for `instance`; below 1 is no plane, as in labels by others.
 PointSet read_with_instances(const fs::path& path, const std::string& field) {
   CloudExtras extras{{field}, {}};
   PointSet set = read_cloud_file(path, &extras);
-  const std::vector<double>& values = extras.values[0];
-  if (values.size() != set.points.size())
-    throw Error(
-        fmt::format("{}: points have no field '{}' to take plane ids from", path.string(), field));
-  set.instance.clear();
-  for (const double value : values) {
-    if (!(value == std::floor(value) && std::abs(value) <= 1e9))
-      throw Error(fmt::format("{}: field '{}' has {}, expected plane ids: whole numbers",
-                              path.string(), field, value));
-    set.instance.push_back(std::max(0, static_cast<std::int32_t>(value)));
-  }
+  take_instances(set, extras, path.string());
   return set;
 }
 
@@ -77,14 +66,7 @@ class CloudRecording : public Recording {
   double timestamp_s(int i) const override { return time_of_frame(sidecar_, names_.at(i), 0); }
 
   std::string frame_hash(int i) const override {
-    const PointSet set = read_cloud_file(files_.at(i));
-    std::vector<std::byte> bytes(sizeof(double) * 3 + set.points.size() * sizeof(Vec3f));
-    std::memcpy(bytes.data(), set.origin.data(), sizeof(double) * 3);
-    if (!set.points.empty()) {
-      std::memcpy(bytes.data() + sizeof(double) * 3, set.points.data()->data(),
-                  set.points.size() * sizeof(Vec3f));
-    }
-    return sha256_hex(bytes);
+    return sha256_of_cloud(read_cloud_file(files_.at(i)));
   }
 
  private:
@@ -115,6 +97,30 @@ PointSet read_cloud_file(const fs::path& path, CloudExtras* extras) {
   if (extras) extras->values.assign(extras->names.size(), {});
   const CloudFormat* format = cloud_format_of(path);
   return format ? format->read(path, extras) : read_pcd(path, extras);
+}
+
+void take_instances(PointSet& set, const CloudExtras& extras, const std::string& what) {
+  const std::string& field = extras.names[0];
+  const std::vector<double>& values = extras.values[0];
+  if (values.size() != set.points.size())
+    throw Error(fmt::format("{}: points have no field '{}' to take plane ids from", what, field));
+  set.instance.clear();
+  for (const double value : values) {
+    if (!(value == std::floor(value) && std::abs(value) <= 1e9))
+      throw Error(fmt::format("{}: field '{}' has {}, expected plane ids: whole numbers", what,
+                              field, value));
+    set.instance.push_back(std::max(0, static_cast<std::int32_t>(value)));
+  }
+}
+
+std::string sha256_of_cloud(const PointSet& set) {
+  std::vector<std::byte> bytes(sizeof(double) * 3 + set.points.size() * sizeof(Vec3f));
+  std::memcpy(bytes.data(), set.origin.data(), sizeof(double) * 3);
+  if (!set.points.empty()) {
+    std::memcpy(bytes.data() + sizeof(double) * 3, set.points.data()->data(),
+                set.points.size() * sizeof(Vec3f));
+  }
+  return sha256_hex(bytes);
 }
 
 std::unique_ptr<Recording> open_clouds(const fs::path& path, const RecordingOptions& options) {

@@ -26,6 +26,13 @@ struct CloudExtras {
 /// that were added, `extras` gets nothing.
 PointSet read_cloud_file(const std::filesystem::path& path, CloudExtras* extras = nullptr);
 
+/// Plane ids from the only extra field; below 1 is no plane, as in labels by others. Throws Error
+/// that begins with `what` where the points do not have it.
+void take_instances(PointSet& set, const CloudExtras& extras, const std::string& what);
+
+/// Of the coordinates: Recording::frame_hash() of a cloud.
+std::string sha256_of_cloud(const PointSet& set);
+
 /// A format of cloud files; both functions throw Error naming the file.
 struct CloudFormat {
   std::string extension;  // lower case, with its dot

@@ -27,10 +27,14 @@ struct FolderLayout {
   bool has_color() const;
 };
 
-/// Looks for depth/ with color/ or rgb/, else for names such as 000_depth.png and 000_color.png in
-/// the folder itself, else for 16-bit grey PNGs there. No depth images: an empty layout. Throws
-/// Error where a list of images beside them is damaged.
+/// Depth are PNGs or, before them, dumps. Looks for depth/ with color/ or rgb/, else for names such
+/// as 000_depth.png and 000_color.png in the folder itself, else for 16-bit grey PNGs there. No
+/// depth images: an empty layout. Throws Error where a list of images beside them is damaged.
 FolderLayout find_folder_layout(const std::filesystem::path& folder);
+
+/// Whether its name is that of depth counts without a header, as rs-convert -r of the RealSense SDK
+/// writes them: PREFIX_Depth_TIME.raw.
+bool is_depth_dump(const std::filesystem::path& path);
 
 /// A point of time in a file name: the last number of it when it has at least ten digits before
 /// the point, the first not 0 (seconds, milli-, micro- or nanoseconds since 1970). [s]

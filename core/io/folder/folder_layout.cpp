@@ -152,6 +152,13 @@ bool named_depth(const fs::path& path) {
   return is_png(path) && lower_case(path.stem().string()).find("depth") != std::string::npos;
 }
 
+/// Dumps where there are any: the PNGs beside them are pictures of depth.
+std::vector<fs::path> depth_among(const std::vector<fs::path>& files,
+                                  bool (*png)(const fs::path&)) {
+  const std::vector<fs::path> dumps = only(files, is_depth_dump);
+  return dumps.empty() ? only(files, png) : dumps;
+}
+
 bool named_color(const fs::path& path) {
   const std::string name = lower_case(path.stem().string());
   return is_picture(path) && !named_depth(path) &&
@@ -170,6 +177,11 @@ bool is_depth_by_content(const fs::path& path) {
 }
 
 }  // namespace
+
+bool is_depth_dump(const fs::path& path) {
+  return extension(path) == ".raw" &&
+         lower_case(path.stem().string()).find("_depth_") != std::string::npos;
+}
 
 bool FolderLayout::has_color() const {
   return std::any_of(color.begin(), color.end(), [](const fs::path& p) { return !p.empty(); });
@@ -194,7 +206,7 @@ FolderLayout find_folder_layout(const fs::path& folder) {
   const std::vector<fs::path> here = files_in(folder);
   const fs::path depth_folder = subfolder(folder, {"depth"});
   if (!depth_folder.empty()) {
-    layout.depth = only(files_in(depth_folder), is_png);
+    layout.depth = depth_among(files_in(depth_folder), is_png);
     const fs::path color_folder = subfolder(folder, {"color", "rgb", "colour", "image", "images"});
     std::vector<fs::path> color;
     if (!color_folder.empty()) color = only(files_in(color_folder), is_picture);
@@ -207,7 +219,7 @@ FolderLayout find_folder_layout(const fs::path& folder) {
       return layout;
     }
   }
-  layout.depth = only(here, named_depth);
+  layout.depth = depth_among(here, named_depth);
   if (layout.depth.empty()) {
     layout.depth = only(here, is_depth_by_content);
     settle(folder, {}, layout);

@@ -19,6 +19,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Counts of 2 bytes without a header.
+Image16 read_counts(const fs::path& path, int width, int height) {
+  const MappedFile file(path);
+  Image16 depth(width, height);
+  if (file.bytes().size() != depth.pixels() * sizeof(std::uint16_t))
+    throw Error(path.string() + ": the file has changed since it was opened");
+  std::memcpy(depth.data.data(), file.bytes().data(), file.bytes().size());
+  file.expect_whole();
+  return depth;
+}
+
+/// The size that a calibration gives or, without one, the mode of a RealSense camera with as many
+/// pixels: no two have the same number. Throws Error where neither fits.
+PngInfo dump_info(const fs::path& path, const Intrinsics& known) {
+  constexpr std::pair<int, int> kModes[] = {{1280, 800}, {1280, 720}, {1024, 768}, {848, 480},
+                                            {640, 480},  {640, 400},  {640, 360},  {480, 270},
+                                            {424, 240},  {320, 240},  {256, 144},  {848, 100}};
+  std::error_code failed;
+  const std::uintmax_t bytes = fs::file_size(path, failed);
+  const auto fits = [&](int width, int height) {
+    return bytes > 0 &&
+           bytes == sizeof(std::uint16_t) * static_cast<std::uintmax_t>(width) * height;
+  };
+  if (fits(known.width, known.height)) return {known.width, known.height, 1, 16};
+  for (const auto& [width, height] : kModes)
+    if (known.width == 0 && fits(width, height)) return {width, height, 1, 16};
+  throw Error(fmt::format("{}: {} bytes, expected 2 for each pixel of {}", path.string(), bytes,
+                          known.width > 0 ? fmt::format("{}x{}", known.width, known.height)
+                                          : "a RealSense depth mode, or a calibration file with "
+                                            "width and height"));
+}
+
 Image8 read_picture(const fs::path& path) {
   return extension(path) == ".png" ? read_png_rgb(path) : read_jpeg_rgb(path);
 }
@@ -37,7 +69,7 @@ class FolderRecording : public Recording {
  private:
   void find_images(const fs::path& path);
   void tell_of_missing_depth();
-  void check_images(bool later);
+  void check_images(bool later, const Intrinsics& known);
   CameraFiles find_camera(const fs::path& path) const;
   void settle_color(const CameraFiles& camera);
   void settle_times();
@@ -62,8 +94,9 @@ FolderRecording::FolderRecording(const fs::path& path, const RecordingOptions& o
   find_images(path);
   settle_times();
   info_.warnings = layout_.warnings;
-  check_images(options.damaged_frames_later);
   const CameraFiles camera = find_camera(path);
+  check_images(options.damaged_frames_later,
+               sidecar_.intrinsics.value_or(camera.depth.intrinsics.value_or(Intrinsics())));
   settle_camera(options, sidecar_, camera.depth, info_);
   settle_color(camera);
 }
@@ -149,15 +182,19 @@ void FolderRecording::settle_times() {
 }
 
 /// Looks at the ends of every file, so that what cannot be used is known before work starts.
-void FolderRecording::check_images(bool later) {
-  const auto check_depth = [this](const fs::path& path) {
-    const PngInfo image = png_info(path);
+void FolderRecording::check_images(bool later, const Intrinsics& known) {
+  const auto check_depth = [&](const fs::path& path) {
+    const bool is_dump = is_depth_dump(path);
+    const PngInfo image = is_dump ? dump_info(path, known) : png_info(path);
     if (image.channels != 1 || image.bit_depth != 16)
       throw Error(
           fmt::format("{}: PNG of {} channel(s) with {} bits, expected depth as 1 channel "
-                      "with 16 bits (a picture of depth holds no distances)",
-                      path.string(), image.channels, image.bit_depth));
-    if (png_is_cut(path)) throw Error(path.string() + ": the PNG is truncated");
+                      "with 16 bits (a picture of depth holds no distances{})",
+                      path.string(), image.channels, image.bit_depth,
+                      lower_case(path.stem().string()).find("_depth_") == std::string::npos
+                          ? ""
+                          : "; rs-convert writes depth with -r"));
+    if (!is_dump && png_is_cut(path)) throw Error(path.string() + ": the PNG is truncated");
     if (info_.width == 0) {
       info_.width = image.width;
       info_.height = image.height;
@@ -238,7 +275,9 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
 
 Image16 FolderRecording::read_depth(int i) const {
   if (const auto found = damaged_.find(i); found != damaged_.end()) throw Error(found->second);
-  Image16 depth = read_png_16(layout_.depth.at(i));
+  const fs::path& path = layout_.depth.at(i);
+  if (is_depth_dump(path)) return read_counts(path, info_.width, info_.height);
+  Image16 depth = read_png_16(path);
   if (depth.width != info_.width || depth.height != info_.height) {
     throw Error(layout_.depth[i].string() + ": the file has changed since it was opened");
   }
@@ -382,13 +421,7 @@ class RawRecording : public Recording {
   }
 
   Image16 read_depth(int i) const {
-    const MappedFile file(files_.at(i).raw);
-    Image16 depth(info_.width, info_.height);
-    if (file.bytes().size() != depth.pixels() * sizeof(std::uint16_t))
-      throw Error(files_[i].raw.string() + ": the file has changed since it was opened");
-    std::memcpy(depth.data.data(), file.bytes().data(), file.bytes().size());
-    file.expect_whole();
-    return depth;
+    return read_counts(files_.at(i).raw, info_.width, info_.height);
   }
 
   RecordingInfo info_;

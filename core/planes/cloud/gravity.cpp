@@ -45,9 +45,19 @@ GravityOptions parse_gravity(const std::string& text) {
   return options;
 }
 
+namespace {
+
+/// The direction in which things fall before a camera that looks level, or in a cloud with z up.
+Vec3d lower_edge(const Frame& frame) {
+  const bool z_is_up = frame.is_cloud() && !frame.cloud->optical;
+  return z_is_up ? Vec3d(-Vec3d::UnitZ()) : Vec3d(Vec3d::UnitY());
+}
+
+}  // namespace
+
 Gravity unknown_gravity(const Frame& frame, const std::string& why) {
   Gravity gravity;
-  gravity.direction = frame.is_cloud() ? Vec3d(-Vec3d::UnitZ()) : Vec3d(Vec3d::UnitY());
+  gravity.direction = lower_edge(frame);
   gravity.source = GravitySource::none;
   gravity.confidence = 0;
   gravity.note = why;
@@ -118,8 +128,9 @@ std::optional<Gravity> found_gravity(const Frame& frame,
   if (options.mode == GravityMode::automatic) {
     if (frame.gravity) return frame.gravity;
     if (frame.is_cloud())
-      return Gravity{-Vec3d::UnitZ(), GravitySource::assumed, 1,
-                     "assumed: the cloud's z axis points up"};
+      return Gravity{lower_edge(frame), GravitySource::assumed, 1,
+                     frame.cloud->optical ? "assumed: the cloud's camera looks level, y is down"
+                                          : "assumed: the cloud's z axis points up"};
   }
   if (frame.is_cloud()) {
     why_not.why = "gravity is estimated from depth images only";

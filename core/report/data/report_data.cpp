@@ -190,6 +190,7 @@ io::RecordingOptions options_of(const ReportRecording& recording) {
   const io::RecordingInfo& info = recording.info;
   const Intrinsics& k = info.intrinsics;
   io::RecordingOptions options;
+  options.topic = info.topic;
   if (was_typed(info.intrinsics_source)) options.intrinsics = {k.fx, k.fy, k.cx, k.cy};
   if (was_typed(info.depth_unit_source)) options.depth_unit_m = info.depth_unit_m;
   return options;

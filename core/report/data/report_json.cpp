@@ -97,6 +97,7 @@ void recording_fields(Fields& fields, auto& recording) {
   fields("name", recording.name, kCompared);
   fields("format", info.format);
   fields("device", info.device, kOrNull);
+  fields.with_default("topic", info.topic, "", kCompared);
   fields("sha256", recording.sha256, kOrNull);
   fields("frame_count", recording.frame_count, kCompared);
   fields("frames_asked", recording.frames_asked);

@@ -201,7 +201,8 @@ TEST(Bag, OfSeveralDepthStreamsTheFirstIsReadAndTheOthersAreNamed) {
   const auto recording = open_bytes(bag.finish());
   EXPECT_EQ(recording->frame_count(), 6);
   ASSERT_EQ(recording->info().warnings.size(), 1u);
-  expect_one_line_with(recording->info().warnings[0], {"2 depth streams", kSdkDepth.c_str()});
+  expect_one_line_with(recording->info().warnings[0],
+                       {"2 cameras with depth", kSdkDepth.c_str(), "--topic"});
 }
 
 TEST(Bag, NonZeroDistortionIsKeptAndAnUnknownModelIsWarnedAbout) {

@@ -201,6 +201,7 @@ struct McapForm {
   std::size_t in_chunk = 5;  // messages in each; 0: no chunks
   bool summary = true;
   std::string encoding = "cdr";
+  bool statistics = true;  // in the summary
 };
 void write_mcap(const std::filesystem::path& path,
                 const Ros2Messages& messages,

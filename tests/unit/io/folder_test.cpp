@@ -4,6 +4,7 @@
 
 #include "core/io/folder/folder_files.hpp"
 #include "core/io/image/png.hpp"
+#include "support/jpeg_bytes.hpp"
 #include "unit/io/support.hpp"
 
 namespace planescope::io {
@@ -500,6 +501,98 @@ TEST(ViewerRaw, SizesAreCheckedAgainstTheMetadata) {
   expect_refused(folder, {"Resolution x", "wide"});
   fs::remove(folder / "a_metadata.csv");
   expect_refused(folder / "a.raw", {"a.raw", "_metadata.csv"});
+}
+
+// ---- What other tools write ----
+
+void write_dump(const fs::path& path, std::uint16_t count, std::size_t pixels) {
+  std::string bytes;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    bytes += static_cast<char>(count & 255);
+    bytes += static_cast<char>(count >> 8);
+  }
+  write_text(path, bytes);
+}
+
+TEST(RsConvert, RawDepthIsReadWithTheColorPicturesBesideIt) {
+  const fs::path folder = temp_folder();
+  for (const int i : {0, 1, 2}) {
+    const auto time_ms = [&](double offset) {
+      return fmt::format("{:.14f}", 1.6e12 + 33.3 * i + offset);
+    };
+    write_dump(folder / ("walk_Depth_" + time_ms(0) + ".raw"), static_cast<std::uint16_t>(900 + i),
+               424 * 240);
+    // -p writes pictures of depth, which are not depth.
+    write_color(folder / ("walk_Depth_" + time_ms(0) + ".png"), 99, 424, 240);
+    write_color(folder / ("walk_Color_" + time_ms(4) + ".png"), static_cast<std::uint8_t>(i), 640,
+                480);
+    write_text(folder / ("walk_Depth_metadata_" + time_ms(0) + ".txt"), "Stream: Depth\n");
+  }
+  expect_refused(folder, {"--intrinsics"});
+  const auto recording = open_recording(folder, with_intrinsics(212, 212, 211.5, 119.5));
+  EXPECT_EQ(recording->info().width, 424);
+  EXPECT_EQ(recording->info().times_source, "file names");
+  ASSERT_EQ(recording->frame_count(), 3);
+  EXPECT_EQ(recording->frame(2).depth.at(423, 239), 902);
+  EXPECT_EQ(recording->frame(2).color.at(0, 0, 0), 2);
+  EXPECT_NEAR(recording->timestamp_s(1), 1.6e9 + 0.0333, 1e-5);
+  const fs::path one = folder / fmt::format("walk_Depth_{:.14f}.raw", 1.6e12 + 33.3);
+  const auto single = open_recording(one, with_intrinsics(212, 212, 211.5, 119.5));
+  ASSERT_EQ(single->frame_count(), 1);
+  EXPECT_EQ(single->frame(0).depth.at(0, 0), 901);
+  EXPECT_EQ(single->frame(0).color.at(0, 0, 0), 1);
+}
+
+TEST(RsConvert, ASizeThatNoCameraHasComesFromTheCalibration) {
+  const fs::path folder = temp_folder();
+  write_dump(folder / "a_Depth_1600000000000.5.raw", 1001, kW * kH);
+  expect_refused(folder, kKnown, {"192 bytes", "RealSense depth mode", "calibration"});
+  write_text(folder / "intrinsics.txt", "10 11 6 4 0.0002 12 8\n");
+  EXPECT_EQ(open_recording(folder)->frame(0).depth.at(11, 7), 1001);
+  write_text(folder / "intrinsics.txt", "10 11 6 4 0.0002 12 9\n");
+  expect_refused(folder, {"a_Depth_1600000000000.5.raw: 192 bytes", "12x9"});
+}
+
+TEST(RsConvert, PicturesOfDepthAloneAreRefusedWithTheOptionThatWritesDepth) {
+  const fs::path folder = temp_folder();
+  write_color(folder / "a_Depth_1600000000000.50000000000000.png", 9);
+  expect_refused(folder, kKnown, {"picture of depth holds no distances", "-r"});
+}
+
+TEST(Open3dRecorders, FoldersOfAllOfThemAreReadWithCameraAndColor) {
+  // azure_kinect_mkv_reader, realsense_recorder, RGBDVideoReader::SaveFrames.
+  const std::tuple<const char*, const char*, const char*> recorders[] = {
+      {"{:05}", "intrinsic.json",
+       R"({"color_mode": "MJPG_720P", "depth_mode": "WFOV_2X2BINNED", "height": 8, "width": 12,
+           "intrinsic_matrix": [10.0, 0.0, 0.0, 0.0, 11.0, 0.0, 6.0, 4.0, 1.0],
+           "serial_number_": "000123", "stream_length_usec": 4000000})"},
+      {"{:06}", "camera_intrinsic.json", kOpen3dJson},
+      {"{:05}", "intrinsic.json",
+       R"({"class_name": "", "color_channels": 3, "depth_scale": 4000.0, "device_name": "D455",
+           "fps": 30.0, "height": 8, "width": 12, "serial_number": "1",
+           "intrinsic_matrix": [10.0, 0.0, 0.0, 0.0, 11.0, 0.0, 6.0, 4.0, 1.0]})"}};
+  for (const auto& [name, file, json] : recorders) {
+    SCOPED_TRACE(json);
+    const fs::path folder = temp_folder();
+    for (int i = 0; i < 11; ++i) {
+      const std::string stem = fmt::format(fmt::runtime(name), i);
+      write_depth(folder / "depth" / (stem + ".png"), static_cast<std::uint16_t>(1000 + i));
+      fs::create_directories(folder / "color");
+      write_file_bytes(folder / "color" / (stem + ".jpg"), encode_jpeg(kW, kH, true));
+    }
+    write_text(folder / file, json);
+    write_text(folder / "config.json",
+               R"({"path_dataset": "x", "path_intrinsic": "x/intrinsic.json",
+                                           "depth_scale": 1000.0, "max_depth": 3.0})");
+    const auto recording = open_recording(folder);
+    ASSERT_EQ(recording->frame_count(), 11);
+    EXPECT_EQ(recording->info().intrinsics_source, file);
+    EXPECT_EQ(recording->info().depth_unit_m,
+              std::string(json).find("4000.0,") == std::string::npos ? 0.001 : 0.00025);
+    EXPECT_EQ(recording->frame(10).depth.at(0, 0), 1010);
+    EXPECT_TRUE(recording->frame(10).color_aligned);
+    EXPECT_EQ(recording->frame(10).intrinsics.fy, 11);
+  }
 }
 
 }  // namespace

@@ -194,7 +194,8 @@ void write_mcap(const std::filesystem::path& path,
     counts.put_32(ids.size()).put_32(0);
     counts.put_32(0).put_32(chunks);
     counts.put(messages.front().time_ns).put(messages.back().time_ns).put_32(0);
-    file.raw(summary.out).raw(record(0x0b, counts));
+    file.raw(summary.out);
+    if (form.statistics) file.raw(record(0x0b, counts));
   }
   Fields footer;
   footer.put(summary_start).put(std::uint64_t{0}).put_32(0);

@@ -100,10 +100,10 @@ TEST(RosBag, WithoutExtrinsicsTheAlignedTopicIsUsedElseColourIsOnlyShown) {
   EXPECT_EQ(recording->frame(0).intrinsics.fx, 30);
 }
 
-TEST(RosBag, FloatDepthIsRefusedWithItsEncoding) {
+TEST(RosBag, DepthInAnotherEncodingIsRefusedWithThoseThatAreRead) {
   BagWriter bag;
-  add_stream(bag, "/camera/depth", "image", depth_message(1, 1000), "32FC1", "f", 20);
-  expect_one_line_with(message_of([&] { open_bag_of(bag); }), {"32FC1", "16UC1"});
+  add_stream(bag, "/camera/depth", "image", depth_message(1, 1000), "64FC1", "f", 20);
+  expect_one_line_with(message_of([&] { open_bag_of(bag); }), {"64FC1", "16UC1", "32FC1"});
 }
 
 TEST(RosBag, CompressedDepthIsReadAndTheRawTopicPreferred) {
