@@ -18,16 +18,6 @@ constexpr Rgba rgb(std::uint32_t hex) {
           static_cast<std::uint8_t>(hex & 0xFF)};
 }
 
-// Found by search over a grid of OKLCh: the smallest distance between any two, and to
-// leftover_color(), is as large as possible for normal, protanopic, deuteranopic and tritanopic
-// eyes (Machado et al. 2009), where distances for normal eyes count 1/1.3. In OKLab times 100, it
-// is 12.5 for normal eyes and 9.1 for others; to leftover_color() 12.0 and 10.0. Ordered so that
-// each is far from those before it; orange and amber, which are like marks of the label mode, come
-// last.
-constexpr std::array<std::uint32_t, kPlaneColors> kPlaneHues = {
-    0x3E7CBD, 0xB0000F, 0x80DEF5, 0xB76A32, 0xBD9EDE, 0x65BC82, 0xBED995,
-    0x2C6149, 0x8D2198, 0x8A6283, 0x6B44DE, 0xD06AFA, 0xF58324, 0xFDB803};
-
 // Viridis (Smith & van der Walt 2015) at every eighth.
 constexpr std::array<std::uint32_t, 9> kViridis = {0x440154, 0x472D7B, 0x3B528B, 0x2C728E, 0x21918C,
                                                    0x28AE80, 0x5EC962, 0xADDC30, 0xFDE725};
@@ -75,10 +65,7 @@ Rgba leftover_color() { return rgb(0x8A8F98); }
 
 Rgba verdict_color(bool steppable) { return rgb(steppable ? 0x18CC90 : 0xD55E00); }
 
-Rgba plane_color(int color_id) {
-  const int n = kPlaneColors;
-  return rgb(kPlaneHues[static_cast<std::size_t>((((color_id - 1) % n) + n) % n)]);
-}
+Rgba plane_color(int color_id) { return rgb(plane_hue(color_id)); }
 
 Rgba ramp_color(double share) {
   const double t = std::clamp(share, 0.0, 1.0) * (kViridis.size() - 1);

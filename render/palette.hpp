@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/palette.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/segment/octree.hpp"
 #include "render/draw_list.hpp"
@@ -29,7 +30,7 @@ Rgba leftover_color();
 Rgba verdict_color(bool steppable);
 /// Colors of planes: few, so that any two differ clearly, also for color-blind readers, and so does
 /// each from leftover_color(). plane_colors.hpp says which plane gets which.
-inline constexpr int kPlaneColors = 14;
+inline constexpr int kPlaneColors = static_cast<int>(kPlaneHues.size());
 /// By color id, from 1 on; they repeat after kPlaneColors.
 Rgba plane_color(int color_id);
 /// A perceptually even ramp from dark at 0 to bright at 1, ordered for every eye.

@@ -1,5 +1,7 @@
 // planescope segment: the planes of each frame as files.
 
+#include "app/commands/segment.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -23,16 +25,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct SegmentArgs {
-  InputArgs input;            // one recording
-  std::filesystem::path out;  // -o; empty: nothing is written
-  std::vector<std::string> also;
-  std::filesystem::path map;  // --map; empty: none
-  bool json = false, ros_json = false;
-};
-
 /// Summarizes a frame as one line, and as JSON.
-void summarize(const std::string& folder,
+void summarize(const std::string& where,
                const planes::FrameResult& result,
                std::string& line,
                Json& json) {
@@ -42,7 +36,7 @@ void summarize(const std::string& folder,
   const auto in_plane =
       std::ranges::count_if(result.plane_of, [](std::int32_t id) { return id > 0; });
   const auto undecided = std::ranges::count_if(found.planes, &planes::PlaneRegion::undecided);
-  line = fmt::format("{}: {}, {} of {} points in them", folder,
+  line = fmt::format("{}: {}, {} of {} points in them", where,
                      counted(found.planes.size(), "plane"), in_plane, counts.kept);
   if (undecided > 0) line += fmt::format(", {} undecided", undecided);
   if (!found.minor.empty()) line += ", " + counted(found.minor.size(), "minor plane");
@@ -54,7 +48,7 @@ void summarize(const std::string& folder,
   if (gravity.source == GravitySource::estimate || gravity.source == GravitySource::carried)
     line += fmt::format(" (confidence {:.2f})", gravity.confidence);
   if (!gravity.known()) line += ": planes are neither h nor v";
-  json = {{"folder", folder},          {"planes", found.planes.size()},
+  json = {{"folder", where},           {"planes", found.planes.size()},
           {"undecided", undecided},    {"points", result.cloud.points.size()},
           {"kept", counts.kept},       {"beyond_range", counts.beyond_range},
           {"invalid", counts.invalid}, {"gravity_source", to_string(gravity.source)}};
@@ -64,6 +58,7 @@ void summarize(const std::string& folder,
 struct WrittenFrame {
   std::string line, ros, refused;
   Json json;
+  FrameMessages messages;  // where one file takes all frames
   bool unknown_gravity = false;
 };
 
@@ -73,7 +68,8 @@ WrittenFrame write_frame(const OpenInput& input,
                          const planes::Classifier* classifier,
                          const SegmentArgs& args,
                          const world::KnownMap* map,
-                         StagedOutput* output) {
+                         StagedOutput* output,
+                         bool want_messages) {
   WrittenFrame written;
   try {
     const LoadedFrame loaded = run_input_frame(input, index, options, classifier, false);
@@ -83,9 +79,12 @@ WrittenFrame write_frame(const OpenInput& input,
     if (output)
       report::write_segment_files(output->add(folder), loaded.frame, loaded.result, found, options,
                                   args.also);
+    if (want_messages) written.messages = messages_of(loaded.frame, loaded.result, found, map);
     if (args.ros_json) written.ros = report::ros_json(loaded.frame, loaded.result, found);
     written.unknown_gravity = !loaded.result.gravity.known();
-    summarize((args.out / folder).string(), loaded.result, written.line, written.json);
+    summarize(want_messages ? fmt::format("frame {}", index) : (args.out / folder).string(),
+              loaded.result, written.line, written.json);
+    if (want_messages) written.json["folder"] = nullptr;
     const bool has_foot = options.foot.radius_m > 0;
     const report::Terrain terrain = report::terrain_of(found, has_foot);
     const auto steppable = std::ranges::count_if(found.footholds, &planes::Foothold::steppable);
@@ -107,18 +106,20 @@ WrittenFrame write_frame(const OpenInput& input,
   return written;
 }
 
-/// Writes DIR/frames/000000/{planes.json,timings.json,planes.png,cloud.ply}, with --map tracks.png,
-/// for each frame. All or nothing on an Error; the frames done so far, and Cancelled, on a stop.
-/// Returns the exit code.
-int run_segment(const SegmentArgs& args, std::stop_token stop) {
+}  // namespace
+
+int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file) {
   if (args.input.inputs.size() > 1)
     throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
   std::optional<StagedOutput> output;
-  if (!args.out.empty()) output.emplace(args.out);
-  InputArgs depth_alone = args.input;
-  depth_alone.recording.color = false;
-  std::vector<OpenInput> inputs = open_inputs(depth_alone);
+  std::optional<PlanesFile> own_file;
+  const bool in_file = file || is_planes_file(args.out);
+  if (!in_file && !args.out.empty()) output.emplace(args.out);
+  InputArgs input_args = args.input;
+  input_args.recording.color = in_file;
+  std::vector<OpenInput> inputs = open_inputs(input_args);
   OpenInput& input = inputs.front();
+  if (in_file && !file) file = &own_file.emplace(args.out, input.path);
   planes::PipelineOptions pipeline = args.input.pipeline;
   std::vector<std::string> lines, refused;
   std::shared_ptr<const world::KnownMap> map;
@@ -145,7 +146,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
       planes::threads_for_frames(pipeline, static_cast<int>(input.frames.size()));
   const auto make = [&](std::size_t i) {
     return write_frame(input, input.frames[i], threads.pipeline, chosen.classifier.get(), args,
-                       map.get(), output ? &*output : nullptr);
+                       map.get(), output ? &*output : nullptr, in_file);
   };
   run_frames("segment", input.frames, threads.at_once, stop, make,
              [&](std::size_t, WrittenFrame&& frame) {
@@ -157,28 +158,29 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
                  fmt::print("{}\n", frame.ros);
                  std::fflush(stdout);
                }
+               if (in_file) file->add(frame.messages);
                unknown_gravity |= frame.unknown_gravity;
                lines.push_back(std::move(frame.line));
                json["frames"].push_back(std::move(frame.json));
              });
   if (lines.empty() && !refused.empty()) throw Error(refused.front());
   if (output) output->commit();
+  if (in_file && !lines.empty()) file->commit();
   json["refused"] = refused;
   for (const std::string& why : refused) notice("refused: {}", why);
   if (args.json) fmt::print("{}", json_text(json, 2));
-  if (!args.json && !args.ros_json) fmt::print("{}", fmt::join(lines, ""));
+  if (!args.json && !args.ros_json && !args.quiet) fmt::print("{}", fmt::join(lines, ""));
   if (!args.json && unknown_gravity) notice("to tell h from v, {}", planes::kHowToGiveGravity);
   if (stop.stop_requested()) throw Cancelled();
   return 0;
 }
 
-}  // namespace
-
 void define_segment(CLI::App& app, Line& line) {
   CLI::App* segment = app.add_subcommand(
       "segment",
       "Find the planes of each frame: planes.json, planes.png, cloud.ply, timings.json.\n"
-      "Planes and cloud.ply are in the world frame: z up, metres.");
+      "Planes and cloud.ply are in the world frame: z up, metres.\n"
+      "-o FILE.mcap writes all frames and planes for Foxglove, RViz and ros2 bag.");
   const auto args = std::make_shared<SegmentArgs>();
   add_inputs(segment, args->input, io::recordings_text(false));
   add_out(segment, args->out);
@@ -199,7 +201,12 @@ void define_segment(CLI::App& app, Line& line) {
                             "planescope_msgs/PlaneArray; nothing is written without -o"));
   add_method(segment, args->input.pipeline);
   add_foot(segment, args->input.pipeline);
-  runs(segment, line, args, run_segment, [args] {
+  const auto run = [](const SegmentArgs& given, std::stop_token stop) {
+    return run_segment(given, std::move(stop));
+  };
+  runs(segment, line, args, run, [args] {
+    if (is_planes_file(args->out) && !args->also.empty())
+      throw Error("--also: writes into the folder of -o DIR, but -o is a .mcap file");
     if (args->ros_json && args->json) throw Error("--ros-json: is instead of --json");
     if (args->ros_json && args->out.empty() && !args->also.empty())
       throw Error("--also: writes into the folder of -o DIR, which is not given");
