@@ -55,13 +55,16 @@ std::vector<OptionInfo> Options::all() {
   for (const planes::OptionInfo& info : planes::option_table())
     infos.push_back({info.name, info.unit, info.meaning, info.section,
                      planes::default_value(info, planes::Profile::paper),
-                     planes::default_value(info, planes::Profile::refined)});
+                     planes::default_value(info, planes::Profile::refined),
+                     static_cast<OptionKind>(info.kind), info.range.min, info.range.max,
+                     info.range.min_excluded, info.choices});
   return infos;
 }
 
 namespace {
 
 static_assert(static_cast<int>(Label::v) == static_cast<int>(::planescope::Label::v));
+static_assert(static_cast<int>(OptionKind::text) == static_cast<int>(planes::OptionKind::text));
 
 planes::ChosenClassifier choose(const planes::PipelineOptions& options) {
   if (options.classifier == "truth")

@@ -18,16 +18,6 @@ constexpr Rgba rgb(std::uint32_t hex) {
           static_cast<std::uint8_t>(hex & 0xFF)};
 }
 
-// Found by grid search in OKLCh. Maximizes the smallest distance between any two colors and to
-// leftover_color() for normal, protanopic, deuteranopic and tritanopic vision (Machado et al.
-// 2009); distances for normal vision are weighted by 1/1.3. In units of OKLab times 100, the
-// smallest distance is 12.5 for normal vision and 9.1 for the others; to leftover_color() it is
-// 12.0 and 10.0. Ordered so that each color is far from the preceding ones. Orange and amber come
-// last, because they resemble highlights of the label mode.
-constexpr std::array<std::uint32_t, kPlaneColors> kPlaneHues = {
-    0x3E7CBD, 0xB0000F, 0x80DEF5, 0xB76A32, 0xBD9EDE, 0x65BC82, 0xBED995,
-    0x2C6149, 0x8D2198, 0x8A6283, 0x6B44DE, 0xD06AFA, 0xF58324, 0xFDB803};
-
 // Viridis (Smith & van der Walt 2015) in steps of one eighth.
 constexpr std::array<std::uint32_t, 9> kViridis = {0x440154, 0x472D7B, 0x3B528B, 0x2C728E, 0x21918C,
                                                    0x28AE80, 0x5EC962, 0xADDC30, 0xFDE725};
@@ -76,10 +66,7 @@ Rgba leftover_color() { return rgb(0x8A8F98); }
 
 Rgba verdict_color(bool steppable) { return rgb(steppable ? 0x18CC90 : 0xD55E00); }
 
-Rgba plane_color(int color_id) {
-  const int n = kPlaneColors;
-  return rgb(kPlaneHues[static_cast<std::size_t>((((color_id - 1) % n) + n) % n)]);
-}
+Rgba plane_color(int color_id) { return rgb(plane_hue(color_id)); }
 
 Rgba ramp_color(double share) {
   const double t = std::clamp(share, 0.0, 1.0) * (kViridis.size() - 1);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/palette.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/segment/octree.hpp"
 #include "render/draw_list.hpp"
@@ -29,7 +30,7 @@ Rgba leftover_color();
 Rgba verdict_color(bool steppable);
 /// A small palette for planes. All pairs of colors, including leftover_color(), differ clearly,
 /// also for color-blind readers. plane_colors.hpp assigns them to planes.
-inline constexpr int kPlaneColors = 14;
+inline constexpr int kPlaneColors = static_cast<int>(kPlaneHues.size());
 /// By color id, from 1; the palette repeats after kPlaneColors.
 Rgba plane_color(int color_id);
 /// A perceptually uniform ramp from dark at 0 to bright at 1, ordered for all types of vision.

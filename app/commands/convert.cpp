@@ -164,7 +164,12 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
         "convert", input.frames, threads, stop,
         [&](std::size_t i) { return input.recording->frame(input.frames[i]); },
         [&](std::size_t i, Frame&& frame) {
-          file.add(frame);
+          // Depth counts stay as they are, whatever their unit: the sidecar tells it.
+          const std::int64_t stamp_ns = io::ros_stamp(frame.timestamp_s);
+          for (const io::RosMessage& message :
+               io::ros_camera(frame, stamp_ns, io::DepthEncoding::counts))
+            file.add(message, stamp_ns, message.topic == "/tf_static");
+          file.end_chunk();
           written.push_back(io::facts_of(std::move(frame), std::to_string(i)));
         });
     if (stop.stop_requested()) throw Cancelled();

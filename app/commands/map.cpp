@@ -12,6 +12,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/map_picture.hpp"
 #include "app/commands/report.hpp"
+#include "app/commands/segment.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/open3d/install.hpp"
 #include "core/model/error.hpp"
@@ -181,14 +182,19 @@ int run_map(const MapArgs& args, std::stop_token stop) {
     throw Error(fmt::format("map: {} recordings given; expected one", args.input.inputs.size()));
   if (args.input.pipeline.classifier == "truth")
     throw Error("map: --classifier truth is not supported: it needs labeled frames");
-  check_output_dir(args.out);
+  const bool in_file = is_planes_file(args.out);
+  if (!in_file) check_output_dir(args.out);
   world::MapJob job;
   if (args.poses) job.trajectory = world::read_trajectory(*args.poses);
   InputArgs input_args = args.input;
   input_args.recording.damaged_frames_later = true;
   const std::vector<OpenInput> inputs = open_inputs(input_args);
   const OpenInput& input = inputs.front();
-  check_not_of_user(args, input.path);
+  std::optional<PlanesFile> file;
+  if (in_file)
+    file.emplace(args.out, input.path);
+  else
+    check_not_of_user(args, input.path);
   const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
   job.recording = input.recording.get();
   job.frames = input.frames;
@@ -204,7 +210,8 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   }
   if (!args.join.empty()) join_shards(args.join, job);
   expect_meshes(args, job.recording->info());
-  StagedOutput output(args.out);
+  const fs::path dir = file ? file->work_folder() : args.out;
+  StagedOutput output(dir);
   std::ofstream left;
   job.on_left = [&](const world::LeftPiece& piece) {
     if (piece.outline.parts.empty()) return;
@@ -234,9 +241,17 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   }
   write_map(output, map, input.path.filename().string());
   write_meshes(args, job, map, output);
-  replace_earlier_map(args.out, output);
+  replace_earlier_map(dir, output);
   output.commit();
   job.progress = {};
+  if (file) {
+    file->begin(messages_of(map));
+    SegmentArgs segment;
+    segment.input = input_args;
+    segment.map = dir;
+    segment.quiet = true;
+    run_segment(segment, stop, &*file);
+  }
   for (const std::string& line : map.warnings) notice("{}", line);
   const auto taken = std::ranges::count_if(map.tracker.frames(), &world::FrameOfTracks::is_in_map);
   const std::string of = taken == std::ssize(input.frames) ? "" : fmt::format("{} of ", taken);
@@ -257,7 +272,8 @@ void define_map(CLI::App& app, Line& line) {
   CLI::App* map = app.add_subcommand(
       "map",
       "Track planes over all frames and build one map of them\n"
-      "Writes map.json, tracks.json, poses.tum and map.png in the world frame: z up, meters.");
+      "Writes map.json, tracks.json, poses.tum and map.png in the world frame: z up, meters. "
+      "-o FILE.mcap writes the map and all frames for Foxglove, RViz and ros2 bag.");
   const auto args = std::make_shared<MapArgs>();
   add_recordings(map, args->input, false, false);
   add_out(map, args->out)->required();
@@ -282,6 +298,9 @@ void define_map(CLI::App& app, Line& line) {
   add_method(map, args->input.pipeline);
   runs(map, line, args, run_map, [args] {
     const bool in_one_pass = args->follow || args->tracks.window_m > 0;
+    if (is_planes_file(args->out) && (args->shard || in_one_pass || args->mesh_voxel_m > 0))
+      throw Error(
+          "map: -o FILE.mcap cannot be combined with --follow, --mesh, --shard or --window");
     if (args->shard && (in_one_pass || !args->join.empty() || args->mesh_voxel_m > 0))
       throw Error("map: --shard cannot be combined with --follow, --join, --mesh or --window");
     if (const double m = args->tracks.window_m; m > 0 && m < kLeastWindow_m)

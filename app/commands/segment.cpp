@@ -1,5 +1,7 @@
 // planescope segment: the planes of each frame as files.
 
+#include "app/commands/segment.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -24,16 +26,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct SegmentArgs {
-  InputArgs input;            // one recording
-  std::filesystem::path out;  // -o; empty: nothing is written
-  std::vector<std::string> also;
-  std::filesystem::path map;  // --map; empty: none
-  bool json = false, ros_json = false;
-};
-
 /// Summarizes a frame as one line, and as JSON.
-void summarize(const std::string& folder,
+void summarize(const std::string& where,
                const planes::FrameResult& result,
                std::string& line,
                Json& json) {
@@ -43,7 +37,7 @@ void summarize(const std::string& folder,
   const auto in_plane =
       std::ranges::count_if(result.plane_of, [](std::int32_t id) { return id > 0; });
   const auto undecided = std::ranges::count_if(found.planes, &planes::PlaneRegion::undecided);
-  line = fmt::format("{}: {}, {} of {} points in them", folder,
+  line = fmt::format("{}: {}, {} of {} points in them", where,
                      counted(found.planes.size(), "plane"), in_plane, counts.kept);
   if (undecided > 0) line += fmt::format(", {} undecided", undecided);
   if (!found.minor.empty()) line += ", " + counted(found.minor.size(), "minor plane");
@@ -55,7 +49,7 @@ void summarize(const std::string& folder,
   if (gravity.source == GravitySource::estimate || gravity.source == GravitySource::carried)
     line += fmt::format(" (confidence {:.2f})", gravity.confidence);
   if (!gravity.known()) line += ": planes are neither h nor v";
-  json = {{"folder", folder},          {"planes", found.planes.size()},
+  json = {{"folder", where},           {"planes", found.planes.size()},
           {"undecided", undecided},    {"points", result.cloud.points.size()},
           {"kept", counts.kept},       {"beyond_range", counts.beyond_range},
           {"invalid", counts.invalid}, {"gravity_source", to_string(gravity.source)}};
@@ -65,6 +59,7 @@ void summarize(const std::string& folder,
 struct WrittenFrame {
   std::string line, ros, refused;
   Json json;
+  FrameMessages messages;  // where one file takes all frames
   bool unknown_gravity = false;
 };
 
@@ -74,7 +69,8 @@ WrittenFrame write_frame(const OpenInput& input,
                          const planes::Classifier* classifier,
                          const SegmentArgs& args,
                          const world::KnownMap* map,
-                         StagedOutput* output) {
+                         StagedOutput* output,
+                         bool want_messages) {
   WrittenFrame written;
   try {
     const LoadedFrame loaded = run_input_frame(input, index, options, classifier, false);
@@ -84,9 +80,12 @@ WrittenFrame write_frame(const OpenInput& input,
     if (output)
       report::write_segment_files(output->add(folder), loaded.frame, loaded.result, found, options,
                                   args.also);
+    if (want_messages) written.messages = messages_of(loaded.frame, loaded.result, found, map);
     if (args.ros_json) written.ros = report::ros_json(loaded.frame, loaded.result, found);
     written.unknown_gravity = !loaded.result.gravity.known();
-    summarize((args.out / folder).string(), loaded.result, written.line, written.json);
+    summarize(want_messages ? fmt::format("frame {}", index) : (args.out / folder).string(),
+              loaded.result, written.line, written.json);
+    if (want_messages) written.json["folder"] = nullptr;
     const bool has_foot = options.foot.radius_m > 0;
     const report::Terrain terrain = report::terrain_of(found, has_foot);
     const auto steppable = std::ranges::count_if(found.footholds, &planes::Foothold::steppable);
@@ -122,26 +121,28 @@ std::string stream_line(int index, const Json& frame, const SegmentArgs& args) {
   return json_text(line, -1);
 }
 
-/// Writes DIR/frames/000000/{planes.json,timings.json,planes.png,cloud.ply}, with --map tracks.png,
-/// for each frame. All or nothing on an Error; the frames done so far, and Cancelled, on a stop.
-/// Returns the exit code.
-int run_segment(const SegmentArgs& args, std::stop_token stop) {
+}  // namespace
+
+int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file) {
   if (args.input.inputs.size() > 1)
     throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
   std::optional<StagedOutput> output;
-  if (!args.out.empty()) output.emplace(args.out);
-  InputArgs depth_alone = args.input;
-  depth_alone.recording.color = false;
-  depth_alone.recording.standard_input = true;
+  std::optional<PlanesFile> own_file;
+  const bool in_file = file || is_planes_file(args.out);
+  if (!in_file && !args.out.empty()) output.emplace(args.out);
+  InputArgs input_args = args.input;
+  input_args.recording.color = in_file;
+  input_args.recording.standard_input = true;
   std::shared_ptr<io::FrameStream> stream;  // null: a recording
   std::vector<OpenInput> inputs;
   if (is_live(args)) {
-    stream = io::open_stream(0, depth_alone.recording, false);
+    stream = io::open_stream(0, input_args.recording, false);
     inputs.push_back({"-", stream, {}, args.input.label_dir.value_or("-.labels")});
   } else {
-    inputs = open_inputs(depth_alone);
+    inputs = open_inputs(input_args);
   }
   OpenInput& input = inputs.front();
+  if (in_file && !file) file = &own_file.emplace(args.out, input.path);
   planes::PipelineOptions pipeline = args.input.pipeline;
   std::vector<std::string> lines, refused;
   std::shared_ptr<const world::KnownMap> map;
@@ -168,7 +169,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
       planes::threads_for_frames(pipeline, stream ? 1 : static_cast<int>(input.frames.size()));
   const auto write = [&](int index) {
     return write_frame(input, index, threads.pipeline, chosen.classifier.get(), args, map.get(),
-                       output ? &*output : nullptr);
+                       output ? &*output : nullptr, in_file);
   };
   int written = 0;
   const auto take = [&](int index, WrittenFrame&& frame) {
@@ -179,7 +180,8 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
     }
     ++written;
     unknown_gravity |= frame.unknown_gravity;
-    if (args.ros_json || stream) {  // for whoever reads along
+    if (in_file) file->add(frame.messages);
+    if (args.ros_json || (stream && !args.quiet)) {  // for whoever reads along
       if (!args.ros_json && args.json) frame.line = stream_line(index, frame.json, args);
       fmt::print("{}", args.ros_json ? frame.ros + "\n" : frame.line);
       std::fflush(stdout);
@@ -202,24 +204,25 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   }
   if (written == 0 && !refused.empty()) throw Error(refused.front());
   if (output) output->commit();
+  if (in_file && written > 0) file->commit();
   json["refused"] = refused;
   if (!stream)
     for (const std::string& why : refused) notice("refused: {}", why);
   if (args.json && !stream) fmt::print("{}", json_text(json, 2));
-  if (!args.json && !args.ros_json) fmt::print("{}", fmt::join(lines, ""));
+  if (!args.json && !args.ros_json && !args.quiet) fmt::print("{}", fmt::join(lines, ""));
   if (!args.json && unknown_gravity) notice("to tell h from v, {}", planes::kHowToGiveGravity);
   if (stop.stop_requested()) throw Cancelled();
   return 0;
 }
-
-}  // namespace
 
 void define_segment(CLI::App& app, Line& line) {
   CLI::App* segment = app.add_subcommand("segment",
                                          "Find the planes of each frame\n"
                                          "Writes planes.json, planes.png, cloud.ply and "
                                          "timings.json for each frame. Planes and clouds "
-                                         "are in the world frame: z up, meters.");
+                                         "are in the world frame: z up, meters. -o FILE.mcap "
+                                         "writes all frames and planes for Foxglove, RViz and "
+                                         "ros2 bag.");
   const auto args = std::make_shared<SegmentArgs>();
   add_inputs(segment, args->input,
              io::recordings_text(false) +
@@ -242,7 +245,12 @@ void define_segment(CLI::App& app, Line& line) {
                     "planescope_msgs/PlaneArray; files are written only with -o");
   add_method(segment, args->input.pipeline);
   add_foot(segment, args->input.pipeline);
-  runs(segment, line, args, run_segment, [args] {
+  const auto run = [](const SegmentArgs& given, std::stop_token stop) {
+    return run_segment(given, std::move(stop));
+  };
+  runs(segment, line, args, run, [args] {
+    if (is_planes_file(args->out) && !args->also.empty())
+      throw Error("--also: writes into the folder of -o DIR, but -o is a .mcap file");
     if (args->ros_json && args->json) throw Error("--ros-json: is instead of --json");
     if (!args->ros_json && args->out.empty() && !is_live(*args))
       throw Error("segment needs -o DIR: Output folder");

@@ -6,6 +6,7 @@
 #include <libdeflate.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -150,119 +151,38 @@ void write_frame_facts(const fs::path& sidecar, const std::vector<WrittenFrame>&
 
 namespace {
 
-constexpr const char* kImage = "sensor_msgs/msg/Image";
-constexpr const char* kCameraInfo = "sensor_msgs/msg/CameraInfo";
-constexpr const char* kTransforms = "tf2_msgs/msg/TFMessage";
-
-/// Without comments: what tools need to unpack a message.
-std::string definition_of(const std::string& type) {
-  const std::string rule = std::string(80, '=') + "\nMSG: ";
-  const std::string header = rule +
-                             "std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n" +
-                             rule + "builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
-  if (type == kImage)
-    return "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\n"
-           "uint8 is_bigendian\nuint32 step\nuint8[] data\n" +
-           header;
-  if (type == kCameraInfo)
-    return "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"
-           "float64[] d\nfloat64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\n"
-           "uint32 binning_y\nsensor_msgs/RegionOfInterest roi\n" +
-           rule +
-           "sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\nuint32 height\n"
-           "uint32 width\nbool do_rectify\n" +
-           header;
-  return "geometry_msgs/TransformStamped[] transforms\n" + rule +
-         "geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n"
-         "geometry_msgs/Transform transform\n" +
-         rule +
-         "geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n"
-         "geometry_msgs/Quaternion rotation\n" +
-         rule + "geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n" + rule +
-         "geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" + header;
-}
-
-/// Fields without gaps, as MCAP has them, or aligned behind four bytes, as CDR has them.
+/// Fields one behind the other, little-endian.
 class Fields {
  public:
-  static Fields cdr() {
-    Fields fields;
-    fields.bytes = std::string("\0\1\0\0", 4);
-    fields.is_cdr_ = true;
-    return fields;
-  }
   template <typename T>
   Fields& put(T value) {
-    if (is_cdr_) bytes.append((sizeof(T) - (bytes.size() - 4) % sizeof(T)) % sizeof(T), '\0');
     char raw[sizeof(T)];
     std::memcpy(raw, &value, sizeof(T));
     bytes.append(raw, sizeof(T));
     return *this;
   }
   Fields& text(const std::string& text) {
-    put(static_cast<std::uint32_t>(text.size() + (is_cdr_ ? 1 : 0)));
+    put(static_cast<std::uint32_t>(text.size()));
     bytes += text;
-    if (is_cdr_) bytes += '\0';
     return *this;
-  }
-  Fields& header(double stamp_s, const char* frame_id) {
-    const double whole = std::floor(stamp_s);
-    put(static_cast<std::int32_t>(whole));
-    put(static_cast<std::uint32_t>(1e9 * (stamp_s - whole)));
-    return text(frame_id);
   }
 
   std::string bytes;
-
- private:
-  bool is_cdr_ = false;
 };
 
 std::string record(std::uint8_t op, const std::string& content) {
   return Fields().put(op).put(std::uint64_t{content.size()}).bytes + content;
 }
 
-template <typename T>
-std::string image_message(const Image<T>& image,
-                          double stamp_s,
-                          const char* frame_id,
-                          const char* encoding) {
-  const std::size_t row = sizeof(T) * static_cast<std::size_t>(image.width) * image.channels;
-  Fields fields = Fields::cdr();
-  fields.header(stamp_s, frame_id).put(static_cast<std::uint32_t>(image.height));
-  fields.put(static_cast<std::uint32_t>(image.width)).text(encoding).put(std::uint8_t{0});
-  fields.put(static_cast<std::uint32_t>(row));
-  fields.put(static_cast<std::uint32_t>(row * static_cast<std::size_t>(image.height)));
-  fields.bytes.append(reinterpret_cast<const char*>(image.data.data()),
-                      sizeof(T) * image.data.size());
-  return fields.bytes;
-}
-
-std::string camera_message(
-    const Intrinsics& k, int width, int height, double stamp_s, const char* frame_id) {
-  Fields fields = Fields::cdr();
-  fields.header(stamp_s, frame_id).put(static_cast<std::uint32_t>(height));
-  fields.put(static_cast<std::uint32_t>(width));
-  fields.text(k.distortion == Distortion::inverse_brown_conrady ? to_string(k.distortion)
-                                                                : "plumb_bob");
-  fields.put(static_cast<std::uint32_t>(k.coefficients.size()));
-  for (const double value : k.coefficients) fields.put(value);
-  for (const double value : {k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0}) fields.put(value);
-  for (const double value : {1., 0., 0., 0., 1., 0., 0., 0., 1.}) fields.put(value);
-  for (const double value : {k.fx, 0., k.cx, 0., 0., k.fy, k.cy, 0., 0., 0., 1., 0.})
-    fields.put(value);
-  for (int i = 0; i < 6; ++i) fields.put(std::uint32_t{0});  // binning, region of interest
-  return fields.put(std::uint8_t{0}).bytes;
-}
-
-std::string transform_message(const Pose& T_parent_child, const char* parent, const char* child) {
-  Fields fields = Fields::cdr();
-  fields.put(std::uint32_t{1}).header(0, parent).text(child);
-  const Eigen::Quaterniond q(T_parent_child.linear());
-  for (int i = 0; i < 3; ++i) fields.put(T_parent_child.translation()[i]);
-  for (const double value : {q.x(), q.y(), q.z(), q.w()}) fields.put(value);
-  return fields.bytes;
-}
+/// How `ros2 bag play` publishes a topic with messages that late subscribers need, too: reliable,
+/// transient local. As rosbag2 writes it.
+constexpr const char* kLatched =
+    "- history: 3\n  depth: 0\n  reliability: 1\n  durability: 1\n"
+    "  deadline:\n    sec: 9223372036\n    nsec: 854775807\n"
+    "  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n"
+    "  liveliness: 1\n"
+    "  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n"
+    "  avoid_ros_namespace_conventions: false\n";
 
 }  // namespace
 
@@ -275,59 +195,47 @@ void McapWriter::write(const std::string& bytes) {
   position_ += bytes.size();
 }
 
-void McapWriter::message(const std::string& topic,
-                         const char* type,
-                         double stamp_s,
-                         const std::string& cdr) {
-  const auto [at, is_new] =
-      channels_.try_emplace(topic, Channel{static_cast<std::uint16_t>(channels_.size()), 0});
+void McapWriter::add(const RosMessage& message, std::int64_t stamp_ns, bool latched) {
+  const auto [at, is_new] = channels_.try_emplace(
+      message.topic, Channel{static_cast<std::uint16_t>(channels_.size()), 0});
   Channel& channel = at->second;
+  if (latched && !is_new) return;
   if (is_new) {
-    const auto schema = static_cast<std::uint16_t>(channel.id + 1);  // 0 is none
-    const std::string of_schema = record(
-        0x03, Fields().put(schema).text(type).text("ros2msg").text(definition_of(type)).bytes);
-    const std::string of_channel = record(
-        0x04,
-        Fields().put(channel.id).put(schema).text(topic).text("cdr").put(std::uint32_t{0}).bytes);
-    chunk_ += of_schema + of_channel;
-    schemas_ += of_schema;
+    const auto known = schema_ids_.try_emplace(
+        message.type, static_cast<std::uint16_t>(schema_ids_.size() + 1));  // 0 is none
+    const std::uint16_t schema = known.first->second;
+    Fields metadata;
+    if (latched) metadata.text("offered_qos_profiles").text(kLatched);
+    if (known.second) {
+      const std::string of_schema = record(0x03, Fields()
+                                                     .put(schema)
+                                                     .text(message.type)
+                                                     .text("ros2msg")
+                                                     .text(ros_definition(message.type))
+                                                     .bytes);
+      chunk_ += of_schema;
+      schemas_ += of_schema;
+    }
+    const std::string of_channel = record(0x04, Fields()
+                                                    .put(channel.id)
+                                                    .put(schema)
+                                                    .text(message.topic)
+                                                    .text("cdr")
+                                                    .text(metadata.bytes)
+                                                    .bytes);
+    chunk_ += of_channel;
     channel_records_ += of_channel;
   }
-  const auto time_ns = static_cast<std::uint64_t>(std::llround(1e9 * std::max(stamp_s, 0.0)));
+  const auto time_ns = static_cast<std::uint64_t>(stamp_ns);
   if (entries_.empty()) chunk_first_ns_ = chunk_last_ns_ = time_ns;
   if (messages_ == 0) first_ns_ = last_ns_ = time_ns;
   for (std::uint64_t* first : {&chunk_first_ns_, &first_ns_}) *first = std::min(*first, time_ns);
   for (std::uint64_t* last : {&chunk_last_ns_, &last_ns_}) *last = std::max(*last, time_ns);
   entries_[channel.id] += Fields().put(time_ns).put(std::uint64_t{chunk_.size()}).bytes;
-  chunk_ +=
-      record(0x05, Fields().put(channel.id).put(frames_).put(time_ns).put(time_ns).bytes + cdr);
+  chunk_ += record(
+      0x05, Fields().put(channel.id).put(chunks_).put(time_ns).put(time_ns).bytes + message.cdr);
   ++channel.messages;
   ++messages_;
-}
-
-void McapWriter::add(const Frame& frame) {
-  const char *depth = "camera_depth_optical_frame", *color = "camera_color_optical_frame";
-  const std::string folder =
-      frame.color_aligned ? "/camera/aligned_depth_to_color/" : "/camera/depth/";
-  const double t = frame.timestamp_s;
-  const bool has_color = frame.color.channels == 3;
-  const bool has_pose = has_color && !frame.color_aligned && frame.color_intrinsics.fx > 0;
-  if (has_pose && !channels_.contains("/tf_static"))
-    message("/tf_static", kTransforms, t,
-            transform_message(frame.T_color_depth.inverse(), depth, color));
-  message(folder + (frame.color_aligned ? "image_raw" : "image_rect_raw"), kImage, t,
-          image_message(frame.depth, t, depth, "16UC1"));
-  message(folder + "camera_info", kCameraInfo, t,
-          camera_message(frame.intrinsics, frame.depth.width, frame.depth.height, t, depth));
-  if (has_color) {
-    message("/camera/color/image_raw", kImage, t, image_message(frame.color, t, color, "rgb8"));
-    const Intrinsics& k = frame.color_aligned ? frame.intrinsics : frame.color_intrinsics;
-    if (k.fx > 0)
-      message("/camera/color/camera_info", kCameraInfo, t,
-              camera_message(k, frame.color.width, frame.color.height, t, color));
-  }
-  ++frames_;
-  end_chunk();
 }
 
 void McapWriter::end_chunk() {
@@ -373,7 +281,7 @@ void McapWriter::finish() {
   Fields counts, statistics;
   for (const auto& [topic, channel] : channels_) counts.put(channel.id).put(channel.messages);
   statistics.put(messages_)
-      .put(static_cast<std::uint16_t>(channels_.size()))
+      .put(static_cast<std::uint16_t>(schema_ids_.size()))
       .put(static_cast<std::uint32_t>(channels_.size()))
       .put(std::uint32_t{0})  // attachments
       .put(std::uint32_t{0})  // metadata

@@ -1,7 +1,7 @@
 #pragma once
 
-// Recordings of depth images, written as folders and as MCAP files that open_recording() and other
-// tools read.
+// Recordings of depth images, written as folders that open_recording() and other tools read; and
+// MCAP files.
 
 #include <filesystem>
 #include <map>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/ros_message.hpp"
 #include "core/model/frame.hpp"
 
 namespace planescope::io {
@@ -51,13 +52,14 @@ void write_recording_facts(const std::filesystem::path& sidecar,
 void write_frame_facts(const std::filesystem::path& sidecar,
                        const std::vector<WrittenFrame>& frames);
 
-/// Writes depth images and their colour as realsense-ros records them: an MCAP file of CDR
-/// messages, a zstd chunk for each frame, with an index. Depth counts stay as they are, whatever
-/// their unit: a sidecar tells it (write_recording_facts()).
+/// Writes messages of ROS 2 as an MCAP file: zstd chunks, an index, statistics, and the definition
+/// of every type. Deterministic.
 class McapWriter {
  public:
   explicit McapWriter(std::ostream& out);
-  void add(const Frame& frame);
+  /// `latched`: late subscribers get it, too; further ones on this topic are skipped.
+  void add(const RosMessage& message, std::int64_t stamp_ns, bool latched = false);
+  void end_chunk();
   void finish();
 
  private:
@@ -66,17 +68,16 @@ class McapWriter {
     std::uint64_t messages = 0;
   };
   void write(const std::string& bytes);
-  void message(const std::string& topic, const char* type, double stamp_s, const std::string& cdr);
-  void end_chunk();
 
   std::ostream& out_;
   std::uint64_t position_ = 0;
-  std::map<std::string, Channel> channels_;
+  std::map<std::string, std::uint16_t> schema_ids_;  // by type
+  std::map<std::string, Channel> channels_;          // by topic
   std::string chunk_;
   std::string schemas_, channel_records_, chunk_indexes_;  // of the summary, grouped by kind
   std::map<std::uint16_t, std::string> entries_;           // of the chunk, by channel
   std::uint64_t messages_ = 0, first_ns_ = 0, last_ns_ = 0, chunk_first_ns_ = 0, chunk_last_ns_ = 0;
-  std::uint32_t chunks_ = 0, frames_ = 0;
+  std::uint32_t chunks_ = 0;
 };
 
 }  // namespace planescope::io

@@ -97,6 +97,7 @@ Header read_header(FieldReader& reader) {
   const auto seconds = reader.read<std::uint32_t>();
   const auto nanoseconds = reader.read<std::uint32_t>();
   header.stamp_s = seconds + nanoseconds * 1e-9;
+  header.stamp_ns = std::int64_t{seconds} * 1'000'000'000 + nanoseconds;
   header.frame_id = reader.text();
   return header;
 }

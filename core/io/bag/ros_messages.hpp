@@ -22,6 +22,7 @@ inline constexpr std::uint32_t kMaxSide = 1 << 15;  // of an image [px]
 struct Header {
   std::optional<std::uint32_t> seq;  // ROS 1 alone
   double stamp_s = 0;
+  std::int64_t stamp_ns = 0;  // the same, exactly
   std::string frame_id;
 };
 Header parse_header(const Message& message);

@@ -14,6 +14,7 @@
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json_fields.hpp"
+#include "core/report/data/ros_planes.hpp"
 #include "core/report/data/segment_files.hpp"
 
 namespace planescope::report {
@@ -26,13 +27,8 @@ using planes::PolygonRing;
 
 constexpr double kDegrees = 180 / std::numbers::pi;  // per radian
 
-/// geometry_msgs/Vector3, Point and Point32; also the world's of PlanarTerrain.
-Json xyz_json(const Vec3d& p) {
-  return {{"x", rounded(p.x())}, {"y", rounded(p.y())}, {"z", rounded(p.z())}};
-}
-
 Json quaternion_json(const Eigen::Quaterniond& q) {
-  Json json = xyz_json(q.vec());
+  Json json = io::ros_point(q.vec());
   json["w"] = rounded(q.w());
   return json;
 }
@@ -148,7 +144,7 @@ Json with_holes_json(const Polygon& polygon) {
 Json pose_json(const Outline& outline) {
   Mat3d axes;
   axes << outline.basis.u, outline.basis.v, outline.basis.u.cross(outline.basis.v);
-  return {{"position", xyz_json(outline.origin)},
+  return {{"position", io::ros_point(outline.origin)},
           {"orientation", quaternion_json(Eigen::Quaterniond(axes))}};
 }
 
@@ -242,138 +238,10 @@ void write_plane_files(const std::filesystem::path& dir,
       write_file_text(dir / format.file, format.text(found));
 }
 
-// ---- Messages of packaging/ros2/planescope_msgs ----
-
-namespace {
-
-Json ros_transform(const Pose& pose) {
-  Eigen::Quaterniond q(pose.linear());
-  if (q.w() < 0) q.coeffs() *= -1;
-  return {{"translation", xyz_json(pose.translation())}, {"rotation", quaternion_json(q)}};
-}
-
-Json ros_polygon(const Outline& outline, const PolygonRing& ring) {
-  return {{"points", list_json(ring, [&](const Vec2d& p) { return xyz_json(outline.world(p)); })}};
-}
-
-Json ros_polygons(const Outline& outline, const std::vector<PolygonRing>& rings) {
-  return list_json(rings, [&](const PolygonRing& ring) { return ros_polygon(outline, ring); });
-}
-
-/// Minor planes are in no message.
-Json ros_ids(const planes::LevelPlanes& planes) {
-  Json ids = Json::array();
-  for (const int id : planes)
-    if (id > 0) ids.push_back(id);
-  return ids;
-}
-
-Json ros_plane(const planes::FramePlanes& found, std::size_t k) {
-  const planes::PlaneSummary& summary = found.summaries[k];
-  const Outline& outline = found.outlines[k];
-  const planes::Foothold& foothold = found.footholds[k];
-  const Json parts = list_json(outline.parts, [&](const Outline::Part& part) -> Json {
-    return {{"outer", ros_polygon(outline, part.outer)},
-            {"holes", ros_polygons(outline, part.holes)},
-            {"unknown", ros_polygons(outline, part.unknown)}};
-  });
-  const double height = found.stairs.height_m[k];
-  const bool has_margin = std::isfinite(summary.margin);
-  const bool has_height = !std::isnan(height);
-  Json places = Json::array();
-  if (foothold.space) places = ros_polygons(outline, foothold.space->pieces);
-  return {{"id", summary.id},
-          {"label", static_cast<int>(summary.label)},
-          {"normal", xyz_json(summary.normal)},
-          {"offset", rounded(summary.offset_m)},
-          {"centroid", xyz_json(summary.centroid)},
-          {"sigma_tilt",
-           {rounded(foothold.certainty.sigma_tilt_rad[0]),
-            rounded(foothold.certainty.sigma_tilt_rad[1])}},
-          {"sigma_offset", rounded(foothold.certainty.sigma_offset_m)},
-          {"points", summary.points},
-          {"rms", rounded(summary.rms_m)},
-          {"undecided", summary.undecided},
-          {"has_margin", has_margin},
-          {"margin", has_margin ? rounded(summary.margin) : 0.0},
-          {"outline", parts},
-          {"area", rounded(outline.area_m2)},
-          {"has_height", has_height},
-          {"height", has_height ? rounded(height) : 0.0},
-          {"steppable", foothold.steppable},
-          {"why_not", foothold.why_not},
-          {"places", places}};
-}
-
-Json ros_step(const planes::LevelPlanes& lower,
-              const planes::LevelPlanes& upper,
-              int riser,
-              double rise_m,
-              double going_m,
-              const planes::NosingLine& nosing) {
-  return {{"lower", ros_ids(lower)},
-          {"upper", ros_ids(upper)},
-          {"riser", std::max(0, riser)},
-          {"rise", rounded(rise_m)},
-          {"going", rounded(going_m)},
-          {"nosing_right", xyz_json(nosing.right)},
-          {"nosing_left", xyz_json(nosing.left)}};
-}
-
-Json ros_flight(const planes::Flight& flight) {
-  Json steps = Json::array();
-  const planes::LevelPlanes* below = &flight.foot;
-  for (const planes::Flight::Step& step : flight.steps) {
-    steps.push_back(
-        ros_step(*below, step.tread, step.riser, step.rise_m, step.going_m, step.nosing));
-    below = &step.tread;
-  }
-  return {{"steps", steps},
-          {"rise", rounded(flight.rise_m)},
-          {"going", rounded(flight.going_m)},
-          {"width", rounded(flight.width_m)},
-          {"uphill", xyz_json(flight.uphill)},
-          {"landing", flight.landing}};
-}
-
-Json ros_ramp(const planes::SlopingPlane& ramp) {
-  return {{"plane", std::max(0, ramp.plane)},
-          {"slope", rounded(ramp.slope_deg * (std::numbers::pi / 180))},
-          {"rise", rounded(ramp.rise_m)},
-          {"run", rounded(ramp.run_m)},
-          {"width", rounded(ramp.width_m)},
-          {"uphill", xyz_json(ramp.uphill)},
-          {"lower", ros_ids(ramp.lower)},
-          {"upper", ros_ids(ramp.upper)}};
-}
-
-/// builtin_interfaces/Time
-Json ros_time(double timestamp_s) {
-  const double whole = std::floor(std::max(0.0, timestamp_s));
-  const double rest = std::max(0.0, timestamp_s) - whole;
-  return {{"sec", static_cast<std::int64_t>(whole)},
-          {"nanosec", std::min<std::int64_t>(999'999'999, std::llround(rest * 1e9))}};
-}
-
-}  // namespace
-
 std::string ros_json(const Frame& frame,
                      const planes::FrameResult& result,
                      const planes::FramePlanes& found) {
-  Json planes = Json::array();
-  for (std::size_t k = 0; k < found.summaries.size(); ++k) planes.push_back(ros_plane(found, k));
-  const auto kerb_step = [](const planes::Kerb& kerb) {
-    return ros_step(kerb.lower, kerb.upper, kerb.riser, kerb.rise_m, 0, kerb.nosing);
-  };
-  return Json({{"header",
-                {{"stamp", ros_time(frame.timestamp_s)}, {"frame_id", "planescope_world"}}},
-               {"sensor", ros_transform(result.cloud.T_world_sensor)},
-               {"gravity_known", result.gravity.known()},
-               {"planes", planes},
-               {"flights", list_json(found.stairs.flights, ros_flight)},
-               {"kerbs", list_json(found.stairs.kerbs, kerb_step)},
-               {"ramps", list_json(found.stairs.ramps, ros_ramp)}})
-      .dump();
+  return plane_array(frame, result, found, {.stamp_ns = io::ros_stamp(frame.timestamp_s)}).dump();
 }
 
 // ---- What `planescope segment` writes ----

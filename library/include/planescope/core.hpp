@@ -152,9 +152,15 @@ class PLANESCOPE_API Frame {
   std::shared_ptr<const void> data_;
 };
 
+enum class OptionKind : std::uint8_t { number, whole, on_off, choice, text };
+
 struct OptionInfo {
   std::string name, unit, meaning, section;
   std::string paper, refined;  // its value in the two profiles
+  OptionKind kind = OptionKind::text;
+  double min = 0, max = std::numeric_limits<double>::infinity();  // of number and whole
+  bool min_excluded = false;
+  std::vector<std::string> choices = {};  // of choice
 };
 
 /// Everything that can be set, by the names that `planescope options` lists.
