@@ -95,7 +95,7 @@ TEST(Folder, AGitLfsPointerIsNamed) {
   const fs::path folder = sample_folder();
   write_text(folder / "depth" / "1.png",
              "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 12345\n");
-  expect_refused([&] { open_known(folder); }, "a Git LFS pointer instead of the file");
+  expect_refused(folder, {"1.png", "a Git LFS pointer instead of the file"});
 }
 
 TEST(Folder, EveryWayToWriteIntrinsicsIsUnderstood) {
