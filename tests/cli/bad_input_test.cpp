@@ -151,8 +151,7 @@ INSTANTIATE_TEST_SUITE_P(All, BadInputs, testing::ValuesIn(bad_inputs()), [](con
 });
 
 TEST(BadOutput, AFolderBelowAFileIsRefusedBeforeTheWork) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   write_text(dir / "file", "in the way");
   for (const std::string& command : kWritingCommands)
     for (const fs::path& out : {dir / "file", dir / "file/below", dir / "file/far/below"}) {
@@ -163,8 +162,7 @@ TEST(BadOutput, AFolderBelowAFileIsRefusedBeforeTheWork) {
 }
 
 TEST(BadOutput, AFailedRunLeavesAnEarlierResultAlone) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   const std::vector<std::string> args = {"segment",   dir / "rec", "-o",
                                          dir / "out", "--gravity", "0,1,0"};
   well(run(args));

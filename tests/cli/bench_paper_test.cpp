@@ -120,8 +120,7 @@ TEST(BenchPaper, TheResultsAreTheSameForAnyThreadCountAndForARunThatWasCutShort)
 }
 
 TEST(BenchPaper, TimesRecordingsAndCountsThoseWithoutGravity) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   planescope::Image16 nothing = floor_and_wall();
   std::fill(nothing.data.begin(), nothing.data.end(), std::uint16_t{0});
   write_depth_folder(dir / "dark", nothing);

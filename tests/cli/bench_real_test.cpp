@@ -17,8 +17,7 @@ namespace {
 void write_labelled(const fs::path& dir) {
   const fs::path recording = dir / "data/rec";
   write_depth_folder(recording, floor_and_wall());
-  labels::write_frame_labels(dir / "labels/room", 0,
-                             floor_and_wall_labels(*io::open_recording(recording)));
+  write_true_labels(recording, dir / "labels/room");
   write_text(dir / "list.txt", "# a comment\n\nroom tuning rec 0 --gravity 0,1,0 --max-range 4\n");
 }
 

@@ -51,8 +51,7 @@ double self_pq(const Json& pair) {
 }  // namespace
 
 TEST(BenchSteady, AStillCameraBeforeAFloorAndAWallKeepsBoth) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const auto dir = scratch_with_rec(3);
   well(bench_steady(dir / "rec", {"--gravity", "0,1,0", "--max-range", "4", "--frames", ":",
                                   "--turns", "2", "-o", (dir / "out").string()}));
   EXPECT_EQ(files_below(dir / "out"), std::vector<std::string>{"steady.jsonl"});
@@ -133,8 +132,7 @@ TEST(BenchSteady, DecidedPlanesStayInTheNextFrame) {
 }
 
 TEST(BenchSteady, IsTheSameForAnyNumberOfThreads) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const auto dir = scratch_with_rec(3);
   for (const char* threads : {"1", "3"}) {
     well(bench_steady(dir / "rec", {"--frames", "::2", "--gravity", "0,1,0", "--turns", "2",
                                     "--threads", threads, "-o", (dir / threads).string()}));
@@ -143,8 +141,7 @@ TEST(BenchSteady, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(BenchSteady, PosesMoveTheLabelsToTheNextFrame) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   const auto compared_planes = [&](const std::string& second_pose,
                                    const std::vector<std::string>& more) {
     write_text(dir / "rec/poses.tum", "5.1 0 0 0 0 0 0 1\n" + second_pose);
@@ -163,8 +160,7 @@ TEST(BenchSteady, PosesMoveTheLabelsToTheNextFrame) {
 }
 
 TEST(BenchSteady, MeasuresOnlyWhatIsAskedFor) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const Ran ran = well(bench_steady(
       dir / "rec", {"--only", "focal,rounded", "--method", "region-growing", "--gravity", "none"}));
   for (const char* part : {"fx x (1 + 1e-7)", "fx, fy x (1 + 1e-6)", "intrinsics to 6 digits"})
@@ -174,8 +170,7 @@ TEST(BenchSteady, MeasuresOnlyWhatIsAskedFor) {
 }
 
 TEST(BenchSteady, RefusesBadInputInOneLine) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   write_text(dir / "poses.tum", "1 0 0 0 0 0 0 1\n");
   const std::string rec = (dir / "rec").string(), out = (dir / "out").string();
   const std::vector<std::pair<std::vector<std::string>, std::string>> bad = {

@@ -171,8 +171,7 @@ Ran bench_speed(const fs::path& out, std::vector<std::string> more) {
 }  // namespace
 
 TEST(BenchSpeed, MeasuresEveryPartOfARecording) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   well(bench_speed(dir / "out", {(dir / "rec").string(), "--gravity", "0,1,0"}));
   auto results = results_of(read_text(dir / "out/speed.jsonl"));
   EXPECT_EQ(results["subject"].at(0)["name"], "rec");
@@ -201,8 +200,7 @@ TEST(BenchSpeed, MeasuresEveryPartOfARecording) {
 }
 
 TEST(BenchSpeed, CountsTheAllocationsOfAStage) {
-  const fs::path dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   well(
       bench_speed(dir / "out", {(dir / "rec").string(), "--gravity", "0,1,0", "--only", "memory"}));
   auto results = results_of(read_text(dir / "out/speed.jsonl"));

@@ -20,8 +20,7 @@ using namespace planescope::testing_cli;
 using Json = nlohmann::json;
 
 TEST(Info, ADepthFolderIsDescribed) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const auto dir = scratch_with_rec(3);
   const Ran ran = well(run({"info", "--json", dir / "rec", "--gravity", "0,2,0"}));
   const Json info = Json::parse(ran.out)["recordings"][0];
   EXPECT_EQ(info["frames"], 3);
@@ -41,8 +40,7 @@ TEST(Info, ADepthFolderIsDescribed) {
 }
 
 TEST(Info, WhatTheUserSaysWins) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const Ran ran = well(run({"info", "--json", dir / "rec", "--depth-unit", "0.0002", "--intrinsics",
                             "100,101,79.5,59.5"}));
   const Json info = Json::parse(ran.out)["recordings"][0];
@@ -52,8 +50,7 @@ TEST(Info, WhatTheUserSaysWins) {
 }
 
 TEST(Info, WhatIsKnownIsShownWhereIntrinsicsLack) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   for (const auto& file : std::filesystem::directory_iterator(dir / "rec"))
     if (file.is_regular_file()) std::filesystem::remove(file);  // who says what the camera is
   const Ran ran = well(run({"info", "--json", dir / "rec"}));
@@ -68,8 +65,7 @@ TEST(Info, WhatIsKnownIsShownWhereIntrinsicsLack) {
 }
 
 TEST(Info, GravityThatContradictsTheSceneIsWarnedOf) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const std::string rec = (dir / "rec").string();
   EXPECT_EQ(run({"info", rec, "--gravity", "0,1,0.1"}).err, "");
   const Ran ran = well(run({"info", rec, "--gravity", "0.6,0.8,0"}));
@@ -80,8 +76,7 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
   const auto dir = scratch();
   const Image16 depth = floor_and_wall();
   write_depth_folder(dir / "rec", depth, 2);
-  labels::write_frame_labels(dir / "rec.labels", 0,
-                             floor_and_wall_labels(*io::open_recording(dir / "rec")));
+  write_true_labels(dir / "rec", dir / "rec.labels");
   for (const char* classifier : {"gcn", "pca", "truth"}) {
     const Ran ran = well(run({"eval", "--json", dir / "rec", "--gravity", "0,1,0", "--classifier",
                               classifier, "--frames", "0"}));
@@ -101,10 +96,8 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
 
 TEST(Eval, ARivalIsScoredAsOursIs) {
   PLANESCOPE_NEEDS_OPEN3D();
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
-  labels::write_frame_labels(dir / "rec.labels", 0,
-                             floor_and_wall_labels(*io::open_recording(dir / "rec")));
+  const auto dir = scratch_with_rec();
+  write_true_labels(dir / "rec", dir / "rec.labels");
   const Ran ran =
       well(run({"eval", "--json", dir / "rec", "--gravity", "0,1,0", "--method", "ransac"}));
   const Json json = Json::parse(ran.out);
@@ -115,8 +108,7 @@ TEST(Eval, ARivalIsScoredAsOursIs) {
 }
 
 TEST(Eval, WithoutTruthItSaysWhereItLooked) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{}, {"--classifier", "truth"}}) {
     std::vector<std::string> args = {"eval", dir / "rec", "--gravity", "0,1,0"};

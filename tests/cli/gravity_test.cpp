@@ -41,8 +41,7 @@ void pick(const fs::path& recording, const Vec3d& down, bool all = true) {
 }  // namespace
 
 TEST(GravityNone, SegmentFindsThePlanesAndSaysWhatIsMissing) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const Ran ran = well(run({"segment", dir / "rec", "-o", dir / "out", "--gravity", "none"}));
   EXPECT_TRUE(has(ran.out, "gravity none: planes are neither h nor v"));
   for (const char* way : {"--gravity X,Y,Z", "planescope view"}) EXPECT_TRUE(has(ran.err, way));
@@ -94,10 +93,8 @@ TEST(GravityNone, IsARefusedFramesWayOut) {
 }
 
 TEST(GravityNone, AReportFollowsItsSchemaAndHasNoPictureOfClasses) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
-  const auto recording = io::open_recording(dir / "rec");
-  labels::write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*recording));
+  const auto dir = scratch_with_rec();
+  write_true_labels(dir / "rec", dir / "rec.labels");
   well(run(report_args({dir / "rec"}, dir / "out", {"--gravity", "none"})));
   const Json report = read_report(dir / "out");
   EXPECT_TRUE(report["record"]["classifier"].is_null());
@@ -122,10 +119,8 @@ TEST(GravityNone, AReportFollowsItsSchemaAndHasNoPictureOfClasses) {
 }
 
 TEST(GravityNone, EvalScoresPlanesAndLeavesLabelsOpen) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
-  const auto recording = io::open_recording(dir / "rec");
-  labels::write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*recording));
+  const auto dir = scratch_with_rec();
+  write_true_labels(dir / "rec", dir / "rec.labels");
   const Ran ran = well(run({"eval", dir / "rec", "--gravity", "none", "--json"}));
   const Json json = Json::parse(ran.out);
   EXPECT_GT(json["mean"]["mean_iou"].get<double>(), 90);
@@ -135,8 +130,7 @@ TEST(GravityNone, EvalScoresPlanesAndLeavesLabelsOpen) {
 }
 
 TEST(GravityNone, InfoSaysHowToGiveOne) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const Ran text = well(run({"info", dir / "rec", "--gravity", "none"}));
   EXPECT_TRUE(has(text.out, "none, "));
   EXPECT_TRUE(has(text.out, "--gravity X,Y,Z"));
@@ -147,15 +141,11 @@ TEST(GravityNone, InfoSaysHowToGiveOne) {
 }
 
 TEST(GravityNone, LabelsThatAreImportedHaveNoClassAndAreExportedSo) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
-  const auto recording = io::open_recording(dir / "rec");
-  labels::write_frame_labels(dir / "true", 0, floor_and_wall_labels(*recording));
+  const auto dir = scratch_with_rec();
+  write_true_labels(dir / "rec", dir / "true");
   const std::string rec = (dir / "rec").string();
-  ASSERT_EQ(run({"labels", "export", rec, "--labels", dir / "true", "--format", "evops", "-o",
-                 dir / "npy"})
-                .code,
-            0);
+  well(run(
+      {"labels", "export", rec, "--labels", dir / "true", "--format", "evops", "-o", dir / "npy"}));
   well(run(
       {"labels", "import", rec, "--format", "evops", "--from", dir / "npy", "--gravity", "none"}));
   const auto labels = labels::read_frame_labels(dir / "rec.labels", 0, "");
@@ -170,8 +160,7 @@ TEST(GravityNone, LabelsThatAreImportedHaveNoClassAndAreExportedSo) {
 }
 
 TEST(GravityNone, WhatIsAboutClassesIsRefusedInOneLine) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const std::string rec = (dir / "rec").string(), out = (dir / "out").string();
   for (const std::vector<std::string>& args :
        {std::vector<std::string>{"segment", rec, "-o", out, "--classifier", "pca"},
@@ -187,8 +176,7 @@ TEST(GravityNone, WhatIsAboutClassesIsRefusedInOneLine) {
 }
 
 TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   const std::string rec = (dir / "rec").string();
   pick(dir / "rec", Vec3d(0, 0.8, 0.6));
   const Ran info = run({"info", rec, "--json"});
@@ -214,8 +202,7 @@ TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
 }
 
 TEST(GravityPicked, OnOneFrameIsCarriedToTheOthersByTheMotionBetweenThem) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   pick(dir / "rec", Vec3d(0, 0.8, 0.6), false);
   well(run({"segment", dir / "rec", "-o", dir / "out"}));
   EXPECT_EQ(planes_json(dir / "out")["gravity"]["source"], "picked");
@@ -225,14 +212,13 @@ TEST(GravityPicked, OnOneFrameIsCarriedToTheOthersByTheMotionBetweenThem) {
       second["note"],
       "carried from frame 0 by odometry over 1 frame, where it was picked: a floor of 1.00 m2");
   EXPECT_NEAR(second["direction"][1].get<double>(), 0.8, 1e-3);
-  ASSERT_EQ(run({"segment", dir / "rec", "-o", dir / "alone", "--frames", "1"}).code, 0);
+  well(run({"segment", dir / "rec", "-o", dir / "alone", "--frames", "1"}));
   EXPECT_EQ(Json::parse(read_text(dir / "alone/frames/000001/planes.json"))["gravity"], second)
       << "whatever frames are asked for";
 }
 
 TEST(GravityPicked, AChangedPickIsNotTakenForTheOldOneByAReportThatIsResumed) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   pick(dir / "rec", Vec3d(0, 0.8, 0.6));
   const auto args = report_args({dir / "rec"}, dir / "out", {"--no-pictures", "--resume"});
   well(run(args));
@@ -243,8 +229,7 @@ TEST(GravityPicked, AChangedPickIsNotTakenForTheOldOneByAReportThatIsResumed) {
 }
 
 TEST(GravityPicked, AFileThatIsDamagedOrAnothersIsRefusedInOneLine) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   Image16 other = floor_and_wall();
   other.data[5] = 1111;
   write_depth_folder(dir / "other", other);
@@ -257,5 +242,5 @@ TEST(GravityPicked, AFileThatIsDamagedOrAnothersIsRefusedInOneLine) {
   expect_refused(damaged);
   EXPECT_TRUE(has(damaged.err, "gravity.json"));
   // Who says which way things fall does not need it.
-  EXPECT_EQ(run({"segment", dir / "rec", "--gravity", "0,1,0", "-o", dir / "out"}).code, 0);
+  well(run({"segment", dir / "rec", "--gravity", "0,1,0", "-o", dir / "out"}));
 }

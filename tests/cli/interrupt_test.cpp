@@ -9,8 +9,7 @@
 using namespace planescope::testing_cli;
 
 TEST(Interrupt, ALongRunEndsWithWholeFramesAndCode130) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2000);
+  const auto dir = scratch_with_rec(2000);
   // The output folder appears with the first frame.
   const Ran ran = run_and_signal({"segment", dir / "rec", "-o", dir / "out", "--gravity", "0,1,0"},
                                  SIGINT, dir / "out");

@@ -14,8 +14,7 @@ using namespace planescope::testing_cli;
 using Json = nlohmann::json;
 
 TEST(ReportGuard, PassesAnUnchangedRunAndFailsAWorseOne) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   const auto report = [&](const std::string& out, std::vector<std::string> more) {
     return run(report_args({dir / "rec"}, dir / out, more));
   };
@@ -119,8 +118,7 @@ void make_undecided(const std::string& baseline, bool tells) {
 }
 
 TEST(ReportGuard, NotesWhatUndecidedPlanesChangeAndEndsWithZero) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const std::string baseline = (dir / "baseline.json").string();
   const auto report = [&](const std::string& out, std::vector<std::string> more) {
     more.insert(more.end(), {"--baseline", baseline});
@@ -138,8 +136,7 @@ TEST(ReportGuard, NotesWhatUndecidedPlanesChangeAndEndsWithZero) {
 }
 
 TEST(ReportGuard, WarnsOfWhatNothingIsHeldTo) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   write_depth_folder(dir / "new", floor_and_wall());
   write_text(dir / "rules.json",
              R"({"schema": "planescope.rules/1", "rules": [
@@ -171,16 +168,14 @@ TEST(ReportGuard, ANameThatIsNoTextIsTheBaselinesAllTheSame) {
 }
 
 TEST(ReportGuard, AFolderForTheFirstBaselineIsMade) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const auto baseline = dir / "ci" / "planes" / "baseline.json";
   well(run(report_args({dir / "rec"}, dir / "out", {"--baseline", baseline, "--approve"})));
   EXPECT_EQ(read_text(baseline), read_text(dir / "out/report.json"));
 }
 
 TEST(ReportGuard, WhereTheBaselineCannotBeKeptIsFoundBeforeAnythingIsRun) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   write_text(dir / "file", "no folder");
   for (const auto& baseline : {dir / "file" / "baseline.json", dir / "rec"}) {
     expect_refused(
@@ -190,8 +185,7 @@ TEST(ReportGuard, WhereTheBaselineCannotBeKeptIsFoundBeforeAnythingIsRun) {
 }
 
 TEST(ReportGuard, HoldsAReportToRulesOfItsOwn) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const auto with_rule = [&](const std::string& rule) {
     std::ofstream(dir / "rules.json")
         << R"({"schema": "planescope.rules/1", "rules": [)" << rule << "]}";
@@ -204,8 +198,7 @@ TEST(ReportGuard, HoldsAReportToRulesOfItsOwn) {
 }
 
 TEST(ReportGuard, HoldsAReportToWhereAFootMayGo) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   write_text(dir / "rules.json", R"({"schema": "planescope.rules/1", "rules": [
                {"metric": "steppable_area_change", "at_least": -0.001}]})");
   const auto report = [&](const std::string& out, std::vector<std::string> more) {
@@ -230,8 +223,7 @@ TEST(ReportGuard, HoldsAReportToWhereAFootMayGo) {
 }
 
 TEST(ReportGuard, ABrokenBaselineIsFoundBeforeAnythingIsWritten) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   for (const char* text : {"", "{", "[]", R"({"schema": "planescope.report/99"})"}) {
     std::ofstream(dir / "baseline.json") << text;
     expect_refused(

@@ -47,8 +47,7 @@ void expect_same_but_for_times(const std::filesystem::path& a, const std::filesy
 }  // namespace
 
 TEST(Report, SeveralInputsGiveOnePageWithAPictureOfEveryStage) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   io::write_ply(dir / "cloud.ply", floor_and_wall_cloud());
   well(run(report_args({dir / "rec", dir / "cloud.ply"}, dir / "out", {"--max-range", "1.4"})));
   const Json report = read_report(dir / "out");
@@ -75,8 +74,7 @@ TEST(Report, SeveralInputsGiveOnePageWithAPictureOfEveryStage) {
 }
 
 TEST(Report, LabelledFramesShowWhereLabelsAndResultDiffer) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   FrameLabels labels = floor_and_wall_labels(*io::open_recording(dir / "rec"));
   for (int i = 0; i < 160 * 30; ++i) labels.plane.data[i] = labels.hv.data[i] = 0;
   labels::write_frame_labels(dir / "rec.labels", 0, labels);
@@ -106,10 +104,8 @@ TEST(Report, PixelsAndFiguresAreTheSameForAnyNumberOfThreads) {
   }
   Json first;
   for (const char* threads : {"1", "2", "8"}) {
-    ASSERT_EQ(
-        run(report_args({dir / "rec"}, dir / threads, {"--gravity", "0,1,0", "--threads", threads}))
-            .code,
-        0);
+    well(run(
+        report_args({dir / "rec"}, dir / threads, {"--gravity", "0,1,0", "--threads", threads})));
     const Json recordings = read_report(dir / threads)["recordings"];
     if (first.is_null()) first = recordings;
     EXPECT_EQ(recordings, first) << threads;  // with the hashes of all pixels
@@ -117,8 +113,7 @@ TEST(Report, PixelsAndFiguresAreTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Report, AnInterruptedRunLeavesAValidPartialReport) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 60);
+  const auto dir = scratch_with_rec(60);
   const Ran ran = run_and_signal(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0"}),
                                  SIGINT, first_record(dir / "out"));
   EXPECT_EQ(ran.code, 130);
@@ -136,8 +131,7 @@ TEST(Report, AnInterruptedRunLeavesAValidPartialReport) {
 }
 
 TEST(Report, AFrameWithoutDepthIsToldAndTheOthersGoOn) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const auto dir = scratch_with_rec(3);
   io::write_png(dir / "rec" / "depth" / "000001.png", Image16(160, 120));  // nothing was measured
   well(run(report_args({dir / "rec"}, dir / "out", {})));
   const Json frames = read_report(dir / "out")["recordings"][0]["frames"];
@@ -164,8 +158,7 @@ TEST(Report, AFrameWithNothingInItStillGivesAReport) {
 }
 
 TEST(Report, ADamagedFrameInTheMiddleIsToldAndTheOthersAreDone) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const auto dir = scratch_with_rec(3);
   std::filesystem::resize_file(dir / "rec" / "depth" / "000001.png", 200);
   expect_refused(run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0"})),
                  "000001.png");
@@ -178,8 +171,7 @@ TEST(Report, ADamagedFrameInTheMiddleIsToldAndTheOthersAreDone) {
 }
 
 TEST(Report, WithoutARendererTheDataAreWrittenAndTheExitCodeIs3) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const Environment no_driver("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent");
   const Ran ran = run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0"}));
   EXPECT_EQ(ran.code, 3);
@@ -191,20 +183,8 @@ TEST(Report, WithoutARendererTheDataAreWrittenAndTheExitCodeIs3) {
   EXPECT_EQ(report["recordings"][0]["frames"][0]["pictures"].size(), 2u) << "overlay and depth";
 }
 
-TEST(Report, LeavesOtherFilesOfAFrameAlone) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
-  const std::string out = (dir / "out").string();
-  well(run({"segment", dir / "rec", "-o", out, "--gravity", "0,1,0"}));
-  well(run(report_args({dir / "rec"}, out, {"--gravity", "0,1,0"})));
-  EXPECT_TRUE(std::filesystem::exists(dir / "out" / "frames" / "000000" / "planes.json"));
-  EXPECT_TRUE(
-      std::filesystem::exists(dir / "out" / "frames" / "000000" / "pictures" / "planes.png"));
-}
-
 TEST(Report, FramesThatAreNoLongerAskedForAreGone) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const auto dir = scratch_with_rec(3);
   const auto out = dir / "out";
   well(run(report_args({dir / "rec"}, out, {"--no-pictures"})));
   write_text(out / "frames" / "000001" / "mine.txt", "mine");
@@ -216,8 +196,7 @@ TEST(Report, FramesThatAreNoLongerAskedForAreGone) {
 }
 
 TEST(Report, ReportsThatLieInItsFolderAreLeftAlone) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   const auto out = dir / "out";
   for (const std::string name : {"old", "01-old", "s/1", "s/2"}) {
     std::vector<std::string> more{"--no-pictures"};
@@ -226,7 +205,7 @@ TEST(Report, ReportsThatLieInItsFolderAreLeftAlone) {
   }
   std::filesystem::create_directory_symlink(".", out / "02-here");
   const auto before = files_below(out);
-  ASSERT_EQ(run({"report", "merge", out / "s/1", out / "s/2", "-o", out / "s"}).code, 0);
+  well(run({"report", "merge", out / "s/1", out / "s/2", "-o", out / "s"}));
   well(run(report_args({dir / "rec"}, out, {"--no-pictures"})));
   const auto after = files_below(out);
   for (const std::string& file : before) EXPECT_EQ(std::ranges::count(after, file), 1) << file;
@@ -234,8 +213,7 @@ TEST(Report, ReportsThatLieInItsFolderAreLeftAlone) {
 }
 
 TEST(Report, WithoutPicturesSaysSoAndLeavesNoFolderForThem) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const Ran ran = well(run(report_args({dir / "rec"}, dir / "out", {"--no-pictures", "--json"})));
   EXPECT_EQ(Json::parse(ran.out)["rendered"], false);
   EXPECT_FALSE(std::filesystem::exists(dir / "out" / "frames" / "000000" / "pictures"));
@@ -245,8 +223,7 @@ TEST(Report, WithoutPicturesSaysSoAndLeavesNoFolderForThem) {
 }
 
 TEST(Report, WhatGlFailsToDrawHalfWayIsLeftOutAndTheRestIsThere) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const auto dir = scratch_with_rec(3);
   const Environment fails("LD_PRELOAD", PLANESCOPE_GL_FAILS_LATE);
   if (run({"--version"}).code != 0) GTEST_SKIP() << "nothing can be preloaded in this build";
   const Ran ran =
@@ -263,8 +240,7 @@ TEST(Report, WhatGlFailsToDrawHalfWayIsLeftOutAndTheRestIsThere) {
 }
 
 TEST(Report, ResumedAfterADamagedFrameItHasTheColorsOfARunThatFoundItWhole) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   // The wall alone comes first: in the second frame it keeps its colour.
   Image16 wall_alone = floor_and_wall();
   for (std::uint16_t& depth : wall_alone.data) depth = depth < 1200 ? 0 : depth;
@@ -281,8 +257,7 @@ TEST(Report, ResumedAfterADamagedFrameItHasTheColorsOfARunThatFoundItWhole) {
 }
 
 TEST(Report, AFullDiskIsOneLineAndWhatWasFinishedIsTakenByTheNextRun) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   const auto args = report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0", "--resume"});
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
@@ -299,8 +274,7 @@ TEST(Report, AFullDiskIsOneLineAndWhatWasFinishedIsTakenByTheNextRun) {
 }
 
 TEST(Report, GoesOnWhereAKilledRunWas) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 12);
+  const auto dir = scratch_with_rec(12);
   const auto args = [&](const char* out) {
     return report_args({dir / "rec"}, dir / out, {"--gravity", "0,1,0", "--resume"});
   };
@@ -323,8 +297,7 @@ TEST(Report, GoesOnWhereAKilledRunWas) {
 }
 
 TEST(Report, DoesNotOverwriteTheBaselineThatItIsHeldAgainst) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const auto args =
       report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0", "--no-pictures"});
   well(run(args));
@@ -337,10 +310,8 @@ TEST(Report, RecordingsOfOneNameAreToldApart) {
   const auto dir = scratch();
   write_depth_folder(dir / "a" / "depths", floor_and_wall());
   write_depth_folder(dir / "b" / "depths", floor_and_wall());
-  ASSERT_EQ(run(report_args({dir / "a/depths", dir / "b/depths/."}, dir / "out",
-                            {"--gravity", "0,1,0", "--no-pictures"}))
-                .code,
-            0);
+  well(run(report_args({dir / "a/depths", dir / "b/depths/."}, dir / "out",
+                       {"--gravity", "0,1,0", "--no-pictures"})));
   const Json recordings = read_report(dir / "out")["recordings"];
   EXPECT_EQ(recordings[0]["name"], "a-depths");
   EXPECT_EQ(recordings[1]["name"], "b-depths");
@@ -366,10 +337,8 @@ TEST(Report, ShardsJoinToTheReportThatIsNotDivided) {
   const Ran missing = run(merge);
   EXPECT_EQ(missing.code, 2);
   EXPECT_TRUE(has(missing.err, "shard 2/3 is missing"));
-  ASSERT_EQ(run(report_args(inputs, dir / "2",
-                            {"--gravity", "0,1,0", "--shard", "2/3", "--set", "theta_n_in=7"}))
-                .code,
-            0);
+  well(run(report_args(inputs, dir / "2",
+                       {"--gravity", "0,1,0", "--shard", "2/3", "--set", "theta_n_in=7"})));
   merge.push_back((dir / "2").string());
   expect_refused(run(merge), "is of another report");
 }
@@ -412,8 +381,7 @@ TEST(Report, TheRecordHoldsTheCommandAndWhatWasChanged) {
 
 TEST(Report, OfARivalShowsItsPlanesAndNoStepsThatItHasNot) {
   PLANESCOPE_NEEDS_OPEN3D();
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   well(run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0", "--method", "ransac"})));
   const Json report = read_report(dir / "out");
   EXPECT_EQ(report["record"]["method"], "ransac");

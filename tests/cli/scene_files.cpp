@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "cli/program.hpp"
 #include "core/io/image/png.hpp"
 
 namespace planescope::testing_cli {
@@ -52,6 +53,19 @@ FrameLabels floor_and_wall_labels(const io::Recording& recording, int frame) {
 
 void write_text(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
+}
+
+std::filesystem::path scratch_with_rec(int frames) {
+  const std::filesystem::path dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), frames);
+  return dir;
+}
+
+void write_true_labels(const std::filesystem::path& recording,
+                       const std::filesystem::path& to,
+                       int frame) {
+  labels::write_frame_labels(to, frame,
+                             floor_and_wall_labels(*io::open_recording(recording), frame));
 }
 
 void write_intrinsics(const fs::path& dir, int width, int height) {

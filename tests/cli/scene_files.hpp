@@ -19,6 +19,12 @@ FrameLabels floor_and_wall_labels(const io::Recording& recording, int frame = 0)
 
 /// A folder recording with depth/000000.png ... and an Open3D intrinsics file.
 void write_depth_folder(const std::filesystem::path& dir, const Image16& depth, int frames = 1);
+/// scratch() with that recording in `rec`.
+std::filesystem::path scratch_with_rec(int frames = 1);
+/// Of one of its frames, into the label folder `to`.
+void write_true_labels(const std::filesystem::path& recording,
+                       const std::filesystem::path& to,
+                       int frame = 0);
 void write_intrinsics(const std::filesystem::path& dir, int width, int height);
 
 /// The same scene as a cloud whose z axis points up, with its true label and instance.

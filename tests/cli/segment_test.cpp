@@ -38,8 +38,7 @@ Json planes_of(const std::filesystem::path& out, const std::string& frame = "000
 }  // namespace
 
 TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   well(run(segment_args(dir / "rec", dir / "out")));
   EXPECT_EQ(files_below(dir / "out"),
             (std::vector<std::string>{"frames/000000/cloud.ply", "frames/000000/planes.json",
@@ -87,15 +86,11 @@ TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
 }
 
 TEST(Segment, ResultsAreTheSameBytesForAnyNumberOfThreads) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   io::write_ply(dir / "cloud.ply", floor_and_wall_cloud());
   for (const char* threads : {"1", "2", "8"}) {
     const auto out = dir / threads;
-    ASSERT_EQ(
-        run(segment_args(dir / "rec", out / "rec", {"--gravity", "0,1,0", "--threads", threads}))
-            .code,
-        0);
+    well(run(segment_args(dir / "rec", out / "rec", {"--gravity", "0,1,0", "--threads", threads})));
     well(run(segment_args(dir / "cloud.ply", out / "cloud", {"--threads", threads})));
   }
   for (const char* file : {"rec/frames/000000/planes.json", "rec/frames/000000/cloud.ply",
@@ -151,8 +146,7 @@ TEST(Segment, ACloudKeepsEveryPointInItsPlace) {
 }
 
 TEST(Segment, WhatIsCroppedStaysInTheCloudWithoutAPlane) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const Ran ran = well(
       run(segment_args(dir / "rec", dir / "out", {"--gravity", "0,1,0", "--max-range", "1.1"})));
   EXPECT_TRUE(has(ran.out, "--max-range"));
@@ -172,8 +166,7 @@ TEST(Segment, WhatIsCroppedStaysInTheCloudWithoutAPlane) {
 }
 
 TEST(Segment, FramesAreChosenAsPythonSlicesThem) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 6);
+  const auto dir = scratch_with_rec(6);
   const std::vector<std::pair<std::string, std::vector<int>>> cases = {
       {"1:4:2", {1, 3}}, {"-2:", {4, 5}}, {"3", {3}}, {"-1", {5}}, {":1", {0}}, {"::5", {0, 5}}};
   for (const auto& [slice, expected] : cases) {
@@ -208,8 +201,7 @@ TEST(Segment, AFrameWithoutDepthIsRefusedAndTheOthersAreDone) {
 }
 
 TEST(Segment, ASecondRunReplacesAFrameAndLeavesOthersAlone) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   std::filesystem::create_directories(dir / "out");
   write_text(dir / "out/notes.txt", "mine");
   well(run(segment_args(dir / "rec", dir / "out")));
@@ -221,8 +213,7 @@ TEST(Segment, ASecondRunReplacesAFrameAndLeavesOthersAlone) {
 
 TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
   PLANESCOPE_NEEDS_OPEN3D();
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   const auto args = [&](const std::string& out, const std::vector<std::string>& more) {
     std::vector<std::string> all = {"--gravity", "0,1,0", "--method", "ransac"};
     all.insert(all.end(), more.begin(), more.end());
@@ -248,8 +239,7 @@ TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
 }
 
 TEST(Segment, TellsHowWellEachPlaneIsKnownAndWhereAFootMayGo) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   well(run(segment_args(dir / "rec", dir / "bare")));
   const Json bare = planes_of(dir / "bare");
   for (const Json& plane : bare["planes"]) {
@@ -274,8 +264,7 @@ TEST(Segment, TellsHowWellEachPlaneIsKnownAndWhereAFootMayGo) {
 }
 
 TEST(Segment, RefusesAFootThatIsNone) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   for (const char* foot : {"0", "-1", "0.1x", "0.1x0.2x0.3", "wide", "nan"}) {
     const Ran ran = run(segment_args(dir / "rec", dir / "out", {"--foot", foot}));
     EXPECT_EQ(ran.code, 2) << foot;
@@ -284,8 +273,7 @@ TEST(Segment, RefusesAFootThatIsNone) {
 }
 
 TEST(Segment, AlsoWritesItsPlanesForOtherTools) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   well(run(segment_args(dir / "rec", dir / "out",
                         {"--gravity", "0,1,0", "--foot", "0.05", "--also",
                          "geojson,obj,ply,planar-terrain,csv,svg"})));

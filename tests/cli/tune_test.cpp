@@ -29,10 +29,7 @@ std::string value_of(std::vector<std::string> typed, const std::string& name) {
 /// A recording with labels of all frames beside it.
 void write_labelled(const fs::path& dir, int frames) {
   write_depth_folder(dir, floor_and_wall(), frames);
-  const auto recording = io::open_recording(dir);
-  for (int i = 0; i < frames; ++i)
-    labels::write_frame_labels(labels::default_label_dir(dir), i,
-                               floor_and_wall_labels(*recording, i));
+  for (int i = 0; i < frames; ++i) write_true_labels(dir, labels::default_label_dir(dir), i);
 }
 
 void write_without_wall(const fs::path& dir, int frame) {
@@ -80,8 +77,7 @@ TEST(ProfileOfOnesOwn, IsTakenAndWhatIsTypedBesideItWins) {
 }
 
 TEST(ProfileOfOnesOwn, WhatItSetsIsRecordedInThePlanes) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   write_text(dir / "mine.json", R"({"schema": "planescope.profile/1",
                                     "options": {"theta_n_in": 12}})");
   const auto planes = [&](const std::string& out, const std::vector<std::string>& more) {
@@ -97,8 +93,7 @@ TEST(ProfileOfOnesOwn, WhatItSetsIsRecordedInThePlanes) {
 }
 
 TEST(ProfileOfOnesOwn, ABadOneIsRefusedInOneLineByEveryCommand) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   write_text(dir / "bad.json", R"({"schema": "planescope.profile/1",
                                    "options": {"theta_n_inn": 12}})");
   for (const std::string command : {"view", "info", "segment", "report", "eval", "train"}) {
@@ -180,8 +175,7 @@ TEST(Tune, AListNamesTheHalvesAndTheOptionsOfEachRecording) {
 }
 
 TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto dir = scratch_with_rec(2);
   const auto tried = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words = {"tune", dir / "rec", "-o", dir / "out"};
     words.insert(words.end(), more.begin(), more.end());
@@ -196,8 +190,7 @@ TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
 }
 
 TEST(ProfileOfOnesOwn, TheWindowOpensItAsBBesideWhatWasTyped) {
-  const auto dir = scratch();
-  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto dir = scratch_with_rec();
   write_text(dir / "mine.json", R"({"schema": "planescope.profile/1", "base": "paper",
                                     "options": {"theta_n_in": 12}})");
   write_text(dir / "s.json", R"({"actions": [{"expect": {"pinned": true, "profile": "paper"}},

@@ -108,16 +108,6 @@ TEST_F(ManyFrames, ThePicturesOfTheStripAreThereWithoutRunningTheMethod) {
   for (const Thumbnail& thumbnail : state().results.strip) EXPECT_GT(thumbnail.planes, 0);
 }
 
-TEST_F(ManyFrames, RegionsBelowTheSmallestSizeAreNotAskedAbout) {
-  window.run("review.smallest", "0");
-  window.run("review.start");
-  const std::size_t all = state().results.label.review->items.size();
-  window.run("review.smallest", "100");
-  const std::vector<labels::Disagreement>& items = state().results.label.review->items;
-  EXPECT_LT(items.size(), all);
-  for (const labels::Disagreement& item : items) EXPECT_GE(item.area_m2, 0.01);
-}
-
 TEST_F(ManyFrames, AStepThatDoesNothingSaysSo) {
   testing::internal::CaptureStderr();
   play_actions(window.shell, window.stage, dir,

@@ -29,13 +29,6 @@ TEST_F(LabelPlanes, StartFromTheAlgorithmInOneUndoStep) {
   EXPECT_TRUE(labels().planes.empty());
 }
 
-TEST_F(LabelPlanes, LockedAndHiddenOnesStayWhenTheAlgorithmIsAskedAgain) {
-  window.run("label.class.v", "1");
-  window.run("label.lock", "1");
-  window.run("label.take");
-  EXPECT_EQ(find(1)->label, Label::v);
-}
-
 TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
   const auto labelled = [&] {
     return std::ranges::count_if(labels().plane.data, [](std::uint16_t id) { return id > 0; });

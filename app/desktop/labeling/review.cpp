@@ -40,28 +40,6 @@ void undecided_first(ReviewQueue& queue) {
                                 [](const labels::Disagreement& one) { return !one.note; });
 }
 
-/// Whether its pixels still have the labels that the queue was made from.
-bool still_holds(const labels::Disagreement& item,
-                 const FrameLabels& before,
-                 const FrameLabels& now) {
-  return std::ranges::all_of(item.pixels, [&](std::uint32_t pixel) {
-    return before.plane.data[pixel] == now.plane.data[pixel] &&
-           before.hv.data[pixel] == now.hv.data[pixel];
-  });
-}
-
-/// The queue after a decision.
-std::shared_ptr<ReviewQueue> with_note(const ReviewQueue& queue,
-                                       std::size_t item,
-                                       const ReviewNote& note) {
-  auto after = std::make_shared<ReviewQueue>(queue);
-  after->items[item].note = note;
-  after->labels_decided =
-      note.decision == ReviewDecision::take || note.decision == ReviewDecision::ignore;
-  undecided_first(*after);
-  return after;
-}
-
 std::int64_t now_s() {
   using namespace std::chrono;
   return duration_cast<seconds>(system_clock::now().time_since_epoch()).count();
@@ -71,6 +49,39 @@ std::string title_of(const labels::Disagreement& item, ReviewDecision decision) 
   std::string title = fmt::format("Review: {} {}", to_string(item.kind), past_tense(decision));
   if (item.label_plane > 0) title += fmt::format(" (P{})", item.label_plane);
   return title;
+}
+
+/// Throws Error where the labels of an item are no longer those that the queue was made of.
+void expect_unchanged(const State& state, const labels::Disagreement& item) {
+  const FrameLabels &before = *state.results.label.review->labels, &now = *state.labels();
+  for (const std::uint32_t pixel : item.pixels)
+    if (before.plane.data[pixel] != now.plane.data[pixel] ||
+        before.hv.data[pixel] != now.hv.data[pixel])
+      throw Error("the labels there have changed; the list is being updated");
+}
+
+/// Throws Error where an item of the queue belongs to locked or hidden planes.
+void decide_on_item(const State& state,
+                    labels::LabelDraft& draft,
+                    labels::Disagreement& item,
+                    ReviewDecision decision) {
+  labels::decide(draft, state.label_frame()->grid, item, *state.results.label.review->other_labels,
+                 decision, state.document.current()->labels->annotator(), now_s());
+  item.note = draft.labels.review.back();
+}
+
+/// One undo step; `next`: the queue with its decided items.
+void commit_decisions(State& state,
+                      const std::string& title,
+                      labels::LabelDraft& draft,
+                      const std::shared_ptr<ReviewQueue>& next,
+                      ReviewDecision decision) {
+  const bool is_current = next->labels == state.labels();
+  commit_and_say(state, title, draft, "already decided that way");
+  next->labels_decided = decision == ReviewDecision::take || decision == ReviewDecision::ignore;
+  if (!next->labels_decided && is_current) next->labels = state.labels();  // no label differs
+  undecided_first(*next);
+  state.results.label.review = next;
 }
 
 /// Chooses the item to decide next, after the one at `place`.
@@ -132,29 +143,18 @@ void choose_item(State& state, int item) {
 }
 
 void decide(State& state, ReviewDecision decision) {
-  const LabelWork work = label_work(state);
+  labels::LabelDraft draft = draft_of(state);
   const std::shared_ptr<const ReviewQueue> queue = state.results.label.review;
   const int chosen = state.view.label.review_item;
   if (!queue || chosen < 0 || chosen >= static_cast<int>(queue->items.size()))
     throw Error("no region is selected: D opens the review, Down selects the next region");
-  const auto index = static_cast<std::size_t>(chosen);
-  const labels::Disagreement& item = queue->items[index];
-  if (!still_holds(item, *queue->labels, *work.labels))
-    throw Error("the labels there have changed; the list is being updated");
-
-  labels::LabelStore& store = *state.document.current()->labels;
-  labels::LabelDraft draft = draft_of(state);
-  labels::decide(draft, work.frame.grid, item, *queue->other_labels, decision, store.annotator(),
-                 now_s());
-  commit_and_say(state, title_of(item, decision), draft, "already decided that way");
-  const bool was_open = !item.note;
-  auto next = with_note(*queue, index, draft.labels.review.back());
-  const bool is_note = decision == ReviewDecision::keep || decision == ReviewDecision::edit;
-  if (is_note && queue->labels == work.labels)  // no label differs: nothing to find anew
-    next->labels = state.labels();
-  state.results.label.review = next;
+  const labels::Disagreement& item = queue->items[static_cast<std::size_t>(chosen)];
+  expect_unchanged(state, item);
+  auto next = std::make_shared<ReviewQueue>(*queue);
+  decide_on_item(state, draft, next->items[static_cast<std::size_t>(chosen)], decision);
+  commit_decisions(state, title_of(item, decision), draft, next, decision);
   if (decision == ReviewDecision::edit) return choose_item(state, place_in(*next, item));
-  if (was_open) go_on(state, chosen);
+  if (!item.note) go_on(state, chosen);
 }
 
 bool is_sliver(const labels::Disagreement& item) {
@@ -172,38 +172,26 @@ Slivers slivers_of(const ReviewQueue& queue) {
 }
 
 void decide_slivers(State& state, ReviewDecision decision) {
-  const LabelWork work = label_work(state);
   const std::shared_ptr<const ReviewQueue> queue = state.results.label.review;
   if (!queue || slivers_of(*queue).count == 0) throw Error("the review has no slivers to decide");
-  labels::LabelStore& store = *state.document.current()->labels;
   labels::LabelDraft draft = draft_of(state);
   auto next = std::make_shared<ReviewQueue>(*queue);
   int decided = 0, left = 0;
   for (labels::Disagreement& item : next->items) {
     if (!is_sliver(item)) continue;
-    if (!still_holds(item, *queue->labels, *work.labels))
-      throw Error("the labels there have changed; the list is being updated");
+    expect_unchanged(state, item);
     try {
-      labels::decide(draft, work.frame.grid, item, *queue->other_labels, decision,
-                     store.annotator(), now_s());
-    } catch (const Error&) {  // its plane is locked or hidden
+      decide_on_item(state, draft, item, decision);
+      ++decided;
+    } catch (const Error&) {  // locked or hidden
       ++left;
-      continue;
     }
-    item.note = draft.labels.review.back();
-    ++decided;
   }
   const std::string title =
       fmt::format("Review: {} {}{}", counted(std::size_t(decided), "sliver"), past_tense(decision),
                   left > 0 ? fmt::format(", {} left", left) : "");
   if (decided == 0) throw Error("all slivers belong to planes that are locked or hidden");
-  commit_and_say(state, title, draft, "already decided that way");
-  if (decision == ReviewDecision::keep && queue->labels == work.labels)
-    next->labels = state.labels();  // no label differs: nothing to find anew
-  else
-    next->labels_decided = true;
-  undecided_first(*next);
-  state.results.label.review = next;
+  commit_decisions(state, title, draft, next, decision);
   if (decision == ReviewDecision::keep || next->undecided() == 0) return go_on(state, 0);
   choose_item(state, 0);
 }

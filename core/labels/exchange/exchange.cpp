@@ -208,14 +208,6 @@ namespace {
 constexpr double kSameDistance_m = 0.001;
 constexpr double kFloatStep = 2e-7;  // of its distance: as exact as a float is far from 0
 
-std::string name_of(DepthPixel pixel) {
-  return "pixel (" + std::to_string(pixel.u) + ", " + std::to_string(pixel.v) + ")";
-}
-
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 std::vector<std::uint32_t> pixels_by_name(const LabelledPoints& points,
                                           const LabelGrid& grid,
                                           const std::string& where) {
@@ -224,10 +216,11 @@ std::vector<std::uint32_t> pixels_by_name(const LabelledPoints& points,
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const DepthPixel pixel = points.pixel[i];
     if (pixel.u >= grid.width || pixel.v >= grid.height)
-      throw Error(where + ": " + name_of(pixel) + ", the frame's depth is " +
-                  size_text(grid.width, grid.height));
+      throw Error(fmt::format("{}: pixel ({}, {}), the frame's depth is {}x{}", where, pixel.u,
+                              pixel.v, grid.width, grid.height));
     const auto index = static_cast<std::uint32_t>(pixel.v * grid.width + pixel.u);
-    if (taken[index]) throw Error(where + ": " + name_of(pixel) + " is there twice");
+    if (taken[index])
+      throw Error(fmt::format("{}: pixel ({}, {}) is there twice", where, pixel.u, pixel.v));
     taken[index] = true;
     indices[i] = index;
   }
@@ -239,12 +232,12 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabelledPoints& points,
                                                   const std::string& where) {
   const bool all = points.size() == grid.pixels();
   if (!all && points.size() != grid.measured_count && grid.is_cloud())
-    throw Error(where + ": labels of " + std::to_string(points.size()) +
-                " points, the frame's cloud has " + std::to_string(grid.pixels()));
+    throw Error(fmt::format("{}: labels of {} points, the frame's cloud has {}", where,
+                            points.size(), grid.pixels()));
   if (!all && points.size() != grid.measured_count)
-    throw Error(where + ": " + std::to_string(points.size()) + " points, expected " +
-                std::to_string(grid.measured_count) + ", one per pixel with depth, or " +
-                std::to_string(grid.pixels()) + ", one per pixel");
+    throw Error(
+        fmt::format("{}: {} points, expected {}, one per pixel with depth, or {}, one per pixel",
+                    where, points.size(), grid.measured_count, grid.pixels()));
   std::vector<std::uint32_t> indices;
   indices.reserve(points.size());
   for (std::uint32_t i = 0; i < grid.pixels(); ++i)
@@ -315,8 +308,8 @@ FrameLabels labels_of_points(const LabelledPoints& points,
   if (grid.is_cloud() && (points.width > 0 || !points.pixel.empty()))
     throw Error(where + ": labels of the pixels of a depth image, the frame is a cloud");
   if (points.width > 0 && (points.width != grid.width || points.height != grid.height))
-    throw Error(where + ": labels of a depth image of " + size_text(points.width, points.height) +
-                ", the frame's is " + size_text(grid.width, grid.height));
+    throw Error(fmt::format("{}: labels of a depth image of {}x{}, the frame's is {}x{}", where,
+                            points.width, points.height, grid.width, grid.height));
   // A format that lists labelled pixels alone may list none: that is not raster order.
   const bool by_name =
       points.pixel.size() == points.size() && (points.size() > 0 || points.width > 0);

@@ -179,11 +179,6 @@ TEST_F(LabelFiles, InconsistentLabelsAreNotWritten) {
   EXPECT_FALSE(fs::exists(dir));
 }
 
-TEST_F(LabelFiles, AFolderThatCannotBeMadeIsNamed) {
-  std::ofstream(dir) << "a file where the folder should be";
-  expect_refused([&] { write_frame_labels(dir / "sub", 0, labels); }, dir.string());
-}
-
 TEST_F(LabelFiles, TheDefaultFolderStandsBesideTheRecording) {
   EXPECT_EQ(default_label_dir("data/walk.bag"), "data/walk.bag.labels");
   EXPECT_EQ(default_label_dir("data/walk/"), "data/walk.labels");

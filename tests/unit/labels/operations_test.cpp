@@ -66,13 +66,6 @@ TEST_F(Operations, WithoutGravityAPlaneHasNoClassUntilItIsKnown) {
   EXPECT_EQ(find_plane(told, 2)->label, Label::h) << "a person's word stays";
 }
 
-TEST_F(Operations, AClassThatIsGivenWinsOverTheTilt) {
-  const FrameLabels labels =
-      painted(blank, grid, rectangle(grid, 4, 4, 14, 14), {1, Label::h}, PaintMode::over);
-  EXPECT_EQ(labels.planes[0].label, Label::h);
-  EXPECT_EQ(labels.hv.at(5, 5), 1);
-}
-
 TEST_F(Operations, PixelsThatWereNotMeasuredKeepNoLabel) {
   Frame frame = test::frame_of(20, 20, [](int, int) { return 1.0; });
   frame.depth.at(6, 6) = 0;
@@ -251,12 +244,6 @@ TEST(LabelEdits, ApplyingGivesTheNewLabelsAndRevertingTheOldOnes) {
     ASSERT_NO_FATAL_FAILURE(expect_same(labels, before)) << step;
     apply_edit(labels, edit);
   }
-}
-
-TEST(LabelEdits, NothingChangedIsAnEmptyEdit) {
-  Random random(2);
-  const FrameLabels labels = after_random_gesture(blank_labels(8, 6), random);
-  EXPECT_TRUE(make_edit(0, "nothing", labels, labels).empty());
 }
 
 TEST(LabelEdits, RunsJoinWhereTheLabelsBeforeAndAfterAreTheSame) {
