@@ -206,7 +206,7 @@ TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
   };
-  expect_refused(tried({}), "found 0 and 0");
+  expect_refused(tried({}), "found 0 labeled frames to tune on and 0 to hold out");
   expect_refused(tried({"--only", "theta_n_inn"}), "did you mean 'theta_n_in'?");
   expect_refused(tried({"--only", "max_range_m"}), "--only max_range_m: not tunable");
   expect_refused(tried({"--hold-out", "1"}), "expected at least 2");

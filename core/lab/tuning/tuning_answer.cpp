@@ -105,9 +105,8 @@ std::string tuning_text(const TuningAnswer& answer) {
   if (!tuned.changes.empty()) {
     std::size_t width = 6;
     for (const TakenBack& change : tuned.changes) width = std::max(width, change.option.size());
-    text +=
-        fmt::format("\n{:<{}}  {:>10}  {:>10}  PQ lost on the tuning half without it\n",
-                    "option", width, "start", "tuned");
+    text += fmt::format("\n{:<{}}  {:>10}  {:>10}  PQ lost on the tuning half without it\n",
+                        "option", width, "start", "tuned");
     for (const TakenBack& change : tuned.changes)
       text += fmt::format("{:<{}}  {:>10}  {:>10}  {:.2f}\n", change.option, width,
                           planes::find_option(change.option).get(answer.base),

@@ -272,8 +272,7 @@ TEST(TuningAnswer, SaysWhetherWhatWasHeldOutGains) {
   const auto said = [](const std::vector<double>& base, const std::vector<double>& tuned) {
     return verdict(answer_with(base, tuned));
   };
-  EXPECT_EQ(said({50, 60, 70}, {55, 65, 76}),
-            "The tuned options gain on the held-out frames.");
+  EXPECT_EQ(said({50, 60, 70}, {55, 65, 76}), "The tuned options gain on the held-out frames.");
   EXPECT_NE(said({50, 60, 70}, {58, 68, 69}).find("less than two standard errors"),
             std::string::npos);
   EXPECT_NE(said({50, 60, 70}, {58, 55, 70}).find("DO NOT GAIN"), std::string::npos);
@@ -284,9 +283,10 @@ TEST(TuningAnswer, SaysWhetherWhatWasHeldOutGains) {
 TEST(TuningAnswer, SaysThatTheWorstOfFewFramesIsHeldOut) {
   TuningAnswer answer = answer_with({70, 20}, {70, 21});
   answer.held[1] = "b 7";
-  EXPECT_NE(tuning_text(answer).find("The worst frame at the start, b 7 (PQ 20.00; the worst tuning "
-                                     "frame is a 0, PQ 50.00), is held out"),
-            std::string::npos);
+  EXPECT_NE(
+      tuning_text(answer).find("The worst frame at the start, b 7 (PQ 20.00; the worst tuning "
+                               "frame is a 0, PQ 50.00), is held out"),
+      std::string::npos);
   EXPECT_NE(tuning_json(answer).find("\"note\": \"The worst frame"), std::string::npos);
   EXPECT_EQ(held_out_note(answer_with({70, 48}, {70, 48})), "");
   answer.frames.assign(9, "a 0");
