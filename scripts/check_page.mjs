@@ -4,7 +4,8 @@ import {readFileSync} from "node:fs";
 import {pathToFileURL} from "node:url";
 
 const [axe_file, ...pages] = process.argv.slice(2);
-const kWidths = [1280, 360];
+const kWidths = [1280, 360];  // the narrowest phones have 360 to 375 px
+const kTable = 521;           // narrower screens show the table of frames as blocks
 const kSettle_ms = 1500;
 
 // Chromium over a pipe, as its DevTools protocol has it: messages end with a zero byte.
@@ -56,6 +57,11 @@ const check = async (page, width, scheme) => {
   const found = errors_of(events);
   const wide = await evaluate("document.documentElement.scrollWidth");
   if (wide > width) found.push(`is ${wide} px wide on a screen of ${width} px`);
+  const clipped = await evaluate(`(() => {
+    const scroll = document.querySelector("#frames-table")?.parentElement;
+    return scroll && scroll.scrollWidth > scroll.clientWidth ? scroll.scrollWidth - scroll.clientWidth : 0;
+  })()`);
+  if (width < kTable && clipped > 0) found.push(`cuts off ${clipped} px of the table of frames`);
   await evaluate("document.querySelectorAll('details').forEach((d) => (d.open = true))");
   await evaluate(readFileSync(axe_file, "utf8") + ";0");
   const violations = JSON.parse(await evaluate(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 
 #include "app/cli/output.hpp"
@@ -28,7 +29,7 @@ struct TuneArgs {
   std::filesystem::path list;        // --list; empty: the recordings of `input`
   std::filesystem::path out;         // -o
   std::vector<std::string> options;  // --only; empty: all that are tunable
-  int hold_out = 2;                  // every so many-th labelled frame is held out
+  int hold_out = 2;                  // hold out every N-th labeled frame
   int trials = 1000;
   double time_s = 0;  // 0: no limit
   bool json = false;
@@ -38,10 +39,10 @@ struct TuneFrames {
   std::vector<lab::TuningFrame> tuning, held;
 };
 
-/// Recordings with options of their own, and whether the list says that they are held out.
+/// A line of --list: a recording with its options.
 struct Listed {
   InputArgs input;
-  std::optional<bool> held;
+  std::optional<bool> held;  // empty: as --hold-out assigns its frames
 };
 
 bool parse_held(const std::string& text) {
@@ -50,7 +51,7 @@ bool parse_held(const std::string& text) {
   throw Error("HALF: '" + text + "' is unknown, expected tuning, held-out or -");
 }
 
-/// Lines of HALF RECORDING OPTIONS, beside what was typed. Paths are from the list's folder on.
+/// Lines of HALF RECORDING OPTIONS; they override the command line. Paths are relative to the list.
 std::vector<Listed> read_tune_list(const TuneArgs& args) {
   static const std::vector<std::string> options = {"--frames",   "--intrinsics",     "--depth-unit",
                                                    "--gravity",  "--instance-field", "--labels",
@@ -80,7 +81,7 @@ std::string hash_of(const planes::SourceTruth& truth) {
          sha256_hex(std::as_bytes(std::span(truth.values.label)));
 }
 
-/// Every frame of the recordings that has ground truth. Throws Error where one half has none.
+/// Every labeled frame of the recordings. Throws Error if a half is empty or both contain a frame.
 TuneFrames read_tune_frames(const TuneArgs& args) {
   std::vector<Listed> all;
   if (args.list.empty())
@@ -88,6 +89,7 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
   else
     all = read_tune_list(args);
   TuneFrames frames;
+  std::map<std::string, std::pair<std::string, bool>> halves;  // by data: name, whether held out
   int count = 0;
   for (Listed& listed : all) {
     listed.input.recording.color = false;
@@ -104,18 +106,26 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
         frame.truth = std::move(*truth);
         frame.options = listed.input.pipeline;
         const bool held = listed.held.value_or(++count % args.hold_out == 0);
+        // By their data, so that a copy or another format of a recording is found as well.
+        const auto [first, is_new] = halves.try_emplace(hash, frame.name, held);
+        if (!is_new && first->second.second != held)
+          throw Error(fmt::format(
+              "{}: same data as {} of the other half; expected different frames in both halves",
+              frame.name, first->second.first));
         (held ? frames.held : frames.tuning).push_back(std::move(frame));
       }
   }
   if (frames.tuning.empty() || frames.held.empty())
-    throw Error(fmt::format(
-        "tune needs labelled frames to search on and others to hold out, found {} and {}; "
-        "`planescope view` labels them, --labels DIR says where labels are",
-        frames.tuning.size(), frames.held.size()));
+    throw Error(
+        fmt::format("tune: found {} labeled frames to tune on and {} to hold out; expected at "
+                    "least one of each: label frames with `planescope view`, or give the folder of "
+                    "their labels with --labels DIR",
+                    frames.tuning.size(), frames.held.size()));
   return frames;
 }
 
-/// What another search must not go on with. What is held out is none of it: it is not searched on.
+/// A journal is continued only if these are the same. Held-out frames do not count: the search
+/// never sees them.
 lab::TuningPurpose purpose_of(const std::vector<lab::TuningFrame>& frames,
                               const std::vector<std::string>& searched,
                               const planes::ChosenClassifier& chosen) {
@@ -144,8 +154,8 @@ std::vector<std::string> searched_options(const TuneArgs& args) {
   for (const std::string& name : args.options)
     if (!lab::is_tunable(planes::find_option(name)))
       throw Error(fmt::format(
-          "--only {}: is not tuned, it decides what is scored or is no number, switch or choice "
-          "of the method",
+          "--only {}: not tunable; expected a number, switch or choice of the method that does not "
+          "affect which points are scored",
           name));
   return names;
 }
@@ -164,7 +174,7 @@ class TuneRun {
     if (!lock.is_held()) throw Error(args_.out.string() + ": is " + lock.why_not());
     lab::TuningJournal journal(args_.out, purpose_of(frames.tuning, searched_, chosen));
     if (!journal.trials().empty() && !args_.json)
-      notice("going on after {}", counted(journal.trials().size(), "trial"));
+      notice("resuming after {}", counted(journal.trials().size(), "trial"));
     const lab::TuningSet tuning(std::move(frames.tuning), chosen.classifier);
     const lab::TuningSet held(std::move(frames.held), chosen.classifier);
 
@@ -247,8 +257,8 @@ class TuneRun {
   std::vector<std::string> searched_;
 };
 
-/// Searches options for labelled frames, and writes what it found. A rerun goes on where a stop,
-/// --trials or --time ended it. Returns the exit code; throws Cancelled on a stop.
+/// Searches options on labeled frames and writes the result. A rerun resumes where an interrupt,
+/// --trials or --time ended the search. Returns the exit code; throws Cancelled if interrupted.
 int run_tune(const TuneArgs& args, std::stop_token stop) {
   return TuneRun(args, std::move(stop)).run();
 }

@@ -108,7 +108,7 @@ TEST(GravityNone, AReportFollowsItsSchemaAndHasNoPictureOfClasses) {
     EXPECT_NE(picture["name"], "margins");
   }
   const std::string page = read_text(dir / "out/index.html");
-  EXPECT_TRUE(has(page, "<em>not known</em>"));
+  EXPECT_TRUE(has(page, "<em>unknown</em>"));
   EXPECT_TRUE(has(page, "--gravity X,Y,Z"));
 
   // The same once more, taken up where it ended, and held against itself.

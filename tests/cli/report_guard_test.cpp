@@ -144,11 +144,10 @@ TEST(ReportGuard, WarnsOfWhatNothingIsHeldTo) {
                {"metric": "planes", "recording": "rce", "at_least": 2}]})");
   const std::string rules = (dir / "rules.json").string();
   const Ran forgotten = well(run(report_args({dir / "rec"}, dir / "out", {"--rules", rules})));
-  EXPECT_TRUE(
-      has(forgotten.out,
-          "warn   planes_lost: this rule holds nothing, it needs a baseline\n"
-          "warn   planes of rce: this rule holds nothing, there is no recording of this name\n"
-          "0 errors, 2 warnings\n"));
+  EXPECT_TRUE(has(forgotten.out,
+                  "warn   planes_lost: rule not applied: no baseline\n"
+                  "warn   planes of rce: rule not applied: no recording of this name\n"
+                  "0 errors, 2 warnings\n"));
   std::filesystem::copy(dir / "out/report.json", dir / "baseline.json");
   const Ran more = well(run(report_args({dir / "rec", dir / "new"}, dir / "more",
                                         {"--baseline", dir / "baseline.json"})));
@@ -211,14 +210,14 @@ TEST(ReportGuard, HoldsAReportToWhereAFootMayGo) {
   int steppable = 0;
   for (const Json& plane : frame["planes"]) steppable += plane["foot"]["steppable"].get<bool>();
   EXPECT_EQ(steppable, 1) << "the floor, and not the wall";
-  EXPECT_TRUE(has(read_text(dir / "first/index.html"), "What one can stand on"));
+  EXPECT_TRUE(has(read_text(dir / "first/index.html"), "Surfaces to stand on"));
   well(report("same", {"--foot", "0.05"}));
   const Ran narrow = report("narrow", {"--foot", "0.05", "--set", "foot_min_area_m2=9"});
   EXPECT_EQ(narrow.code, 1) << narrow.out;
   EXPECT_TRUE(has(narrow.out, "is no longer steppable: "));
   EXPECT_TRUE(has(read_text(dir / "narrow/index.html"), "is no longer steppable: "));
   const Ran footless = well(report("footless", {}));
-  EXPECT_TRUE(has(footless.out, "this rule holds nothing, a foot is not given to both"));
+  EXPECT_TRUE(has(footless.out, "rule not applied: the runs do not both have a foot"));
   expect_refused(report("wrong", {"--foot", "wide"}));
 }
 

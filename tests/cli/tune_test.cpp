@@ -1,5 +1,6 @@
 // Profiles of one's own, and the search for them.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -7,6 +8,7 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
+#include "core/io/image/png.hpp"
 #include "core/labels/model/label_files.hpp"
 
 namespace fs = std::filesystem;
@@ -26,9 +28,15 @@ std::string value_of(std::vector<std::string> typed, const std::string& name) {
   return "no such option";
 }
 
-/// A recording with labels of all frames beside it.
-void write_labelled(const fs::path& dir, int frames) {
+/// A recording with labels of all frames beside it. A pixel of each frame is its own: `first` sets
+/// recordings apart.
+void write_labelled(const fs::path& dir, int frames, int first = 0) {
   write_depth_folder(dir, floor_and_wall(), frames);
+  for (int i = 0; i < frames; ++i) {
+    Image16 depth = floor_and_wall();
+    depth.at(0, 0) = static_cast<std::uint16_t>(depth.at(0, 0) - first - i);
+    io::write_png(dir / "depth" / fmt::format("{:06}.png", i), depth);
+  }
   for (int i = 0; i < frames; ++i) write_true_labels(dir, labels::default_label_dir(dir), i);
 }
 
@@ -150,7 +158,7 @@ TEST(Tune, FramesThatAreHeldOutTakeNoPartInTheSearch) {
 TEST(Tune, AListNamesTheHalvesAndTheOptionsOfEachRecording) {
   const auto dir = scratch();
   write_labelled(dir / "a", 2);
-  write_labelled(dir / "b", 2);
+  write_labelled(dir / "b", 2, 10);
   write_text(dir / "list.txt",
              "# two recordings\n"
              "tuning a --gravity 0,1,0 --frames 0\n"
@@ -174,6 +182,17 @@ TEST(Tune, AListNamesTheHalvesAndTheOptionsOfEachRecording) {
   }
 }
 
+TEST(Tune, AFrameInBothHalvesIsRefusedEvenAsACopy) {
+  const auto dir = scratch();
+  write_labelled(dir / "a", 3);
+  fs::copy(dir / "a", dir / "copy", fs::copy_options::recursive);
+  fs::copy(dir / "a.labels", dir / "copy.labels", fs::copy_options::recursive);
+  write_text(dir / "list.txt", "tuning a --frames :2\nheld-out copy --frames 1:\n");
+  expect_refused(run({"tune", "--list", dir / "list.txt", "-o", dir / "out"}),
+                 "copy 1: same data as a 1 of the other half");
+  EXPECT_FALSE(fs::exists(dir / "out"));
+}
+
 TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
   const auto dir = scratch_with_rec(2);
   const auto tried = [&](const std::vector<std::string>& more) {
@@ -181,9 +200,9 @@ TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
   };
-  expect_refused(tried({}), "found 0 and 0");
+  expect_refused(tried({}), "found 0 labeled frames to tune on and 0 to hold out");
   expect_refused(tried({"--only", "theta_n_inn"}), "did you mean 'theta_n_in'?");
-  expect_refused(tried({"--only", "max_range_m"}), "--only max_range_m: is not tuned");
+  expect_refused(tried({"--only", "max_range_m"}), "--only max_range_m: not tunable");
   expect_refused(tried({"--hold-out", "1"}), "expected at least 2");
   expect_refused(tried({"--list", "x.txt"}), "leave out");
   EXPECT_FALSE(fs::exists(dir / "out"));

@@ -63,17 +63,33 @@ std::vector<PricedTrial> pareto_front(std::vector<PricedTrial> trials) {
 
 std::string verdict(const TuningAnswer& answer) {
   if (answer.tuned.best.setting.empty())
-    return "Nothing was found that gains on the tuning half: the profile is that of the start.";
+    return "No change gains on the tuning half: profile.json contains the starting options.";
   const Gain gain = gain_of(answer.held_tuned, answer.held_base);
   if (gain.counts() && gain.mean > 2 * gain.error)
-    return "The tuned options gain on the frames that were held out.";
+    return "The tuned options gain on the held-out frames.";
   if (gain.counts())
-    return "The tuned options gain on the frames that were held out, but by less than two standard "
-           "errors: more labelled frames would tell.";
+    return "The tuned options gain on the held-out frames, but by less than two standard errors: "
+           "label more frames to be sure.";
   if (gain_of(answer.held_base, answer.held_tuned).counts())
-    return "The tuned options LOSE on the frames that were held out: keep those of the start.";
-  return "The tuned options DO NOT GAIN on the frames that were held out, beyond what one frame "
-         "makes: what was found is of the tuning half alone.";
+    return "The tuned options LOSE on the held-out frames: keep the starting options.";
+  return "The tuned options DO NOT GAIN on the held-out frames, beyond the effect of a single "
+         "frame: the gain is specific to the tuning half.";
+}
+
+std::string held_out_note(const TuningAnswer& answer) {
+  constexpr std::size_t kFew = 8;        // with more, most kinds of failures are in both halves
+  constexpr double kClearlyWorse = 5.0;  // PQ [%]
+  const auto& seen = answer.tuned.base.scores;
+  const auto& unseen = answer.held_base.scores;
+  if (seen.empty() || unseen.empty() || seen.size() > kFew) return "";
+  const auto low = std::ranges::min_element(seen), worst = std::ranges::min_element(unseen);
+  if (*worst > *low - kClearlyWorse) return "";
+  return fmt::format(
+      "The worst frame at the start, {} (PQ {:.2f}; the worst tuning frame is {}, PQ {:.2f}), is "
+      "held out: the search never sees why it fails. Label more frames like it, or assign frames "
+      "to the halves with --list.",
+      answer.held[static_cast<std::size_t>(worst - unseen.begin())], *worst,
+      answer.frames[static_cast<std::size_t>(low - seen.begin())], *low);
 }
 
 std::string tuning_text(const TuningAnswer& answer) {
@@ -85,12 +101,12 @@ std::string tuning_text(const TuningAnswer& answer) {
   text += half_line("tuning", tuned.base, tuned.best);
   text += half_line("held out", answer.held_base, answer.held_tuned);
   text += fmt::format("\n{}\n", verdict(answer));
+  if (const std::string note = held_out_note(answer); !note.empty()) text += note + "\n";
   if (!tuned.changes.empty()) {
     std::size_t width = 6;
     for (const TakenBack& change : tuned.changes) width = std::max(width, change.option.size());
-    text +=
-        fmt::format("\n{:<{}}  {:>10}  {:>10}  PQ lost on the tuning half where it is taken back\n",
-                    "option", width, "start", "tuned");
+    text += fmt::format("\n{:<{}}  {:>10}  {:>10}  PQ lost on the tuning half without it\n",
+                        "option", width, "start", "tuned");
     for (const TakenBack& change : tuned.changes)
       text += fmt::format("{:<{}}  {:>10}  {:>10}  {:.2f}\n", change.option, width,
                           planes::find_option(change.option).get(answer.base),
@@ -98,9 +114,9 @@ std::string tuning_text(const TuningAnswer& answer) {
                           -gain_of(change.without, tuned.best).mean);
   }
   return text + fmt::format("\n{}; {}.\n", counted(answer.trials, "trial"),
-                            tuned.complete ? "no step from here gains more"
-                                           : "stopped before the search was through, a rerun with "
-                                             "more --trials or --time goes on");
+                            tuned.complete ? "no further step gains"
+                                           : "the search is not finished: rerun with more --trials "
+                                             "or --time to resume it");
 }
 
 std::string tuning_json(const TuningAnswer& answer) {
@@ -108,6 +124,8 @@ std::string tuning_json(const TuningAnswer& answer) {
   Json json;
   json["schema"] = "planescope.tuning/1";
   json["verdict"] = verdict(answer);
+  const std::string note = held_out_note(answer);
+  json["note"] = note.empty() ? Json() : Json(note);
   json["complete"] = tuned.complete;
   json["trials"] = answer.trials;
   json["options"] = Json::array();
@@ -142,8 +160,7 @@ using Point = std::pair<double, double>;
 
 Point point_of(const PricedTrial& trial) { return {trial.ms, trial.pq}; }
 
-/// Without the tenth of the trials that is worst, and without that which is slowest: they would
-/// take the picture for themselves.
+/// Without the worst and the slowest tenth of the trials: they would dominate the axes.
 std::vector<PricedTrial> worth_a_look(std::vector<PricedTrial> trials) {
   const std::size_t left_out = trials.size() / 10;
   std::ranges::stable_sort(trials, std::greater<>(), &PricedTrial::pq);
@@ -155,7 +172,7 @@ std::vector<PricedTrial> worth_a_look(std::vector<PricedTrial> trials) {
 
 std::string pareto_chart(const TuningAnswer& answer) {
   report::ScatterChart chart{.title = "Accuracy of the tuning half against time",
-                             .x_name = "CPU time of a frame [ms]; upwards: PQ [%]",
+                             .x_name = "CPU time per frame [ms]; vertical: PQ [%]",
                              .groups = {}};
   report::Scatter trials{"trials", {}, 6, 2}, start{"start", {}, 1, 6}, tuned{"tuned", {}, 2, 6};
   report::Scatter front{"best for its time", {}, 0, 3.5, true};
@@ -176,7 +193,7 @@ std::string setting_text(const Setting& setting) {
   std::string text;
   for (const auto& [name, value] : setting)
     text += fmt::format("{}--set {}={}", text.empty() ? "" : " ", name, value);
-  return text.empty() ? "as at the start" : text;
+  return text.empty() ? "(starting options)" : text;
 }
 
 std::string front_table(const TuningAnswer& answer) {
@@ -195,9 +212,9 @@ std::string tuning_page(const TuningAnswer& answer) {
                                  html_escape(verdict(answer)), html_escape(tuning_text(answer)));
   if (answer.priced.empty()) return report::plain_page("Tuning", page);
   page += fmt::format(
-      "<h2>Accuracy against time</h2>\n{}<p class=\"soft\">Each trial of the tuning half, but for "
-      "the tenth that is worst and the tenth that is slowest. Frames that were held out took "
-      "{:.1f} ms at the start, {:.1f} ms tuned. Those that no other trial beats in both:</p>\n{}",
+      "<h2>Accuracy against time</h2>\n{}<p class=\"soft\">Trials on the tuning half, without the "
+      "worst and the slowest tenth. Held-out frames took {:.1f} ms at the start and {:.1f} ms "
+      "tuned. Settings that no other trial beats in both accuracy and time:</p>\n{}",
       pareto_chart(answer), answer.base_ms, answer.tuned_ms, front_table(answer));
   return report::plain_page("Tuning", page);
 }

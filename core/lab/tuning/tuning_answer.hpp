@@ -1,6 +1,6 @@
 #pragma once
 
-// What a search answers: whether it gained, by which options, and what accuracy costs in time.
+// The result of a tuning search: its gain, the changed options, and accuracy against time.
 
 #include <string>
 #include <vector>
@@ -27,8 +27,11 @@ struct TuningAnswer {
   std::size_t trials = 0;                 // all that were ever made
 };
 
-/// One sentence: whether the tuned options gain on what was held out.
+/// One sentence: whether the tuned options gain on the held-out frames.
 std::string verdict(const TuningAnswer& answer);
+/// With few tuning frames: that the worst labeled frame is held out, so that the search cannot fix
+/// it. Otherwise empty.
+std::string held_out_note(const TuningAnswer& answer);
 /// For a terminal.
 std::string tuning_text(const TuningAnswer& answer);
 /// planescope.tuning/1: all but times. It ends with a line end.

@@ -122,7 +122,7 @@ void add_notes(const Rule& rule, const ReportComparison& comparison, std::vector
                                    ? ": " + metric.undecided(*group.first)
                                    : " planes make the difference";
     notes.push_back(
-        breach_of(rule, group, all_break ? all : decided, "noted only; undecided" + planes));
+        breach_of(rule, group, all_break ? all : decided, "note only; undecided" + planes));
   }
 }
 
@@ -160,8 +160,7 @@ Rule rule_of(const JsonPlace& place) {
       place.at("at_most_percent").fail_kind("at_most: " + rule.metric + " is not a count");
   }
   if (rule.at_least > rule.at_most)
-    place.fail_kind(fmt::format("at_least {} not above at_most {}, which no value can be within",
-                                rule.at_least, rule.at_most));
+    place.fail_kind(fmt::format("at_least {} not above at_most {}", rule.at_least, rule.at_most));
   if (find_metric(rule.metric).need != RuleNeed::timing) return rule;
   if (!place.has("level")) rule.level = RuleLevel::warn;
   if (rule.level == RuleLevel::error)
@@ -185,23 +184,23 @@ double excess_of(const Breach& breach) {
 /// Why no frame has a value of it; empty: there may be one another time.
 std::string why_no_value(const RuleMetric& metric, bool by_name, bool compared) {
   if (metric.needs_baseline && compared) {
-    if (metric.need == RuleNeed::tracks) return "planes are not followed in both, as by --tracks";
-    if (metric.need == RuleNeed::foot) return "a foot is not given to both, as by --foot 0.08";
+    if (metric.need == RuleNeed::tracks) return "the runs do not both follow planes (--tracks)";
+    if (metric.need == RuleNeed::foot) return "the runs do not both have a foot (--foot 0.08)";
   }
   // A rule on a change since the baseline may wait for a baseline, unless it names its frames.
   if (metric.needs_baseline && !by_name) return "";
-  if (metric.need == RuleNeed::truth) return "no such frame has labels";
-  if (metric.need == RuleNeed::foot) return "no foot is given, as by --foot 0.08";
-  if (metric.need == RuleNeed::stairs) return "no such frame has stairs";
-  if (metric.need == RuleNeed::tracks) return "planes are not followed, as by --tracks";
-  return "no such frame has a value of it";
+  if (metric.need == RuleNeed::truth) return "none of these frames has labels";
+  if (metric.need == RuleNeed::foot) return "no foot (use --foot 0.08)";
+  if (metric.need == RuleNeed::stairs) return "none of these frames has stairs";
+  if (metric.need == RuleNeed::tracks) return "planes are not followed (use --tracks)";
+  return "none of these frames has a value";
 }
 
 /// Why the rule holds nothing; empty: it holds something, or there is nothing yet that it is about.
 std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool has_baseline) {
   const RuleMetric& metric = find_metric(rule.metric);
   const bool needs_baseline = metric.needs_baseline;
-  if (needs_baseline && !has_baseline) return "it needs a baseline";
+  if (needs_baseline && !has_baseline) return "no baseline";
   bool has_recording = rule.recording.empty(), has_frame = false, has_value = false;
   bool compared = false;
   for (const FrameComparison& frame : comparison.frames) {
@@ -212,8 +211,8 @@ std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool 
     has_value |= metric.value(frame).has_value();
     compared |= frame.fate == FrameFate::compared;
   }
-  if (!has_recording) return "there is no recording of this name";
-  if (!has_frame) return "there is no such frame";
+  if (!has_recording) return "no recording of this name";
+  if (!has_frame) return "no such frame";
   if (has_value) return "";
   const bool by_name = !rule.recording.empty() || rule.frame >= 0;
   return why_no_value(metric, by_name, compared);
@@ -316,7 +315,7 @@ std::string Breach::text() const {
       fmt::arg("are", is_one ? "is" : "are"), fmt::arg("have", is_one ? "has" : "have"));
   text += fmt::format("; the rule {} ", metric.name);
   if (low)
-    text += "asks for at least " + with_unit(may_be, metric);
+    text += "requires at least " + with_unit(may_be, metric);
   else if (as_percent)
     text += fmt::format("allows at most {} %", may_be);
   else
@@ -368,7 +367,7 @@ std::string IdleRule::text() const {
   std::string text = rule.metric;
   if (!rule.recording.empty()) text.append(" of ").append(rule.recording);
   if (rule.frame >= 0) text += fmt::format(" frame {}", rule.frame);
-  return text + ": this rule holds nothing, " + why;
+  return text + ": rule not applied: " + why;
 }
 
 }  // namespace planescope::report

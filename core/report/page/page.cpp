@@ -44,9 +44,8 @@ namespace {
 
 constexpr std::size_t kMostWorst = 10;
 constexpr std::size_t kEmbeddedFirst = 12, kEmbeddedWorst = 12;
-constexpr std::size_t kFramesAllOpen = 12;  // in longer reports only some are unfolded
-constexpr std::size_t kFramesOpen = 3;
-constexpr std::size_t kFewFrames = 3;  // without rules no list of the worst for so few
+constexpr std::size_t kFramesOpen = 3;  // of longer pages
+constexpr std::size_t kFewFrames = 3;   // without rules no list of the worst for so few
 
 Standing standing_of(const PageFrame& frame, bool is_judged) {
   Standing standing = is_judged ? Standing::passed : Standing::none;
@@ -235,7 +234,7 @@ std::string gravity_text(const Gravity& gravity) {
     case GravitySource::none:
       break;
   }
-  return "<em>not known</em>";
+  return "<em>unknown</em>";
 }
 
 std::string webp_source(const std::filesystem::path& file) {

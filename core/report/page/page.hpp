@@ -18,6 +18,9 @@ namespace planescope::report::html {
 
 // Which frames the page is about, in which order it looks at them, and how much it shows of each.
 
+/// Longer pages unfold only some frames, and have a list of contents.
+inline constexpr std::size_t kFramesAllOpen = 12;
+
 /// How a frame did against the rules, best first; none: there are no rules.
 enum class Standing : std::uint8_t { none, passed, warned, failed };
 

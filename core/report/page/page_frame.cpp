@@ -102,12 +102,11 @@ PageJson fate_data(const PageFrame& frame, const PlaneComparison& plane, const C
 const char* not_compared(FrameFate fate) {
   constexpr const char* kTexts[] = {
       "",
-      "The pixels or points of this frame are not those of the baseline\u2019s: planes are not "
-      "compared.",
-      "The baseline has this frame\u2019s planes; now it was refused.",
-      "The baseline refused this frame.",
-      "The baseline refused this frame too.",
-      "The baseline does not have this frame.",
+      "The pixels or points of this frame differ from the baseline: planes are not compared.",
+      "This frame was processed in the baseline and refused now.",
+      "This frame was refused in the baseline.",
+      "This frame was refused in the baseline as well.",
+      "This frame is not in the baseline.",
       ""};  // by FrameFate
   return kTexts[static_cast<std::size_t>(fate)];
 }
@@ -228,8 +227,8 @@ void set_nodes(const Report& report, const ReportFrame& frame, PageJson& data) {
                              {"cells", cells}});
   }
   std::string text = fmt::format(
-      "{} nodes visited, {} plane candidates, {} merges. Voxels left over by the traversal: {}, of "
-      "them {} joined a plane afterwards; in no plane at the end: {}.",
+      "{} nodes visited, {} plane candidates, {} merges. Voxels left over by the traversal: {}; {} "
+      "of these joined a plane afterwards. Voxels in no plane at the end: {}.",
       grouped(counts.nodes_visited), grouped(counts.candidates), grouped(counts.merges),
       grouped(counts.leftovers), grouped(counts.assigned), grouped(counts.unassigned));
   if (frame.noise.estimated)
@@ -270,13 +269,13 @@ PageJson metrics_data(const planes::Metrics& m) {
   add("&alpha;, mean angle of the normals", fmt::format("{:.2f}\u00b0", m.alpha_deg));
   add("r<sub>p</sub>, found / true", percent(m.r_p));
   add("r<sub>m</sub>, points missed", percent(m.r_m));
-  add("points on the right plane", percent(m.point_accuracy));
+  add("points on the correct plane", percent(m.point_accuracy));
   add("mean IoU", percent(m.mean_iou));
   add("planes detected at IoU 0.8", std::to_string(m.detected_iou80));
   add("over- / under-segmented", fmt::format("{} / {}", m.over_segmented, m.under_segmented));
   add("missed / noise planes", fmt::format("{} / {}", m.missed, m.noise));
-  add("h / v right near edges", percent(m.label_accuracy_edge));
-  add("h / v right elsewhere", percent(m.label_accuracy_inner));
+  add("h / v correct near edges", percent(m.label_accuracy_edge));
+  add("h / v correct elsewhere", percent(m.label_accuracy_inner));
   return rows;
 }
 
@@ -305,13 +304,12 @@ PageJson footing_data(const PageFrame& frame, const ReportPlane& plane) {
                   {"has_foot", footing.foot.has_value()}};
   if (!footing.foot) return row;
   const FootRoom& foot = *footing.foot;
-  row.update(
-      {{"foot_area", fmt::format("{:.3f}", foot.area_m2)},
-       {"pieces", foot.piece_count},
-       {"steppable", foot.steppable ? "yes" : "no"},
-       {"class", foot.steppable ? "passed" : "failed"},
-       {"title", foot.steppable ? "A foot may be set on it" : "Not steppable: " + foot.why_not},
-       {"why_not", foot.why_not}});
+  row.update({{"foot_area", fmt::format("{:.3f}", foot.area_m2)},
+              {"pieces", foot.piece_count},
+              {"steppable", foot.steppable ? "yes" : "no"},
+              {"class", foot.steppable ? "passed" : "failed"},
+              {"title", foot.steppable ? "Steppable" : "Not steppable: " + foot.why_not},
+              {"why_not", foot.why_not}});
   return row;
 }
 
@@ -395,10 +393,10 @@ std::vector<std::string> texts_of(const std::vector<const Breach*>& breaches) {
 std::string gravity_of_frame(const Gravity& gravity, bool is_cloud) {
   if (!gravity.known())
     return fmt::format(
-        "Gravity is <em>not known</em>: {}. No point and no plane is h or v, and the world\u2019s "
-        "axes are {}. To tell h from v, {}.",
+        "Gravity is <em>unknown</em>: {}. Points and planes are neither h nor v, and the axes of "
+        "the world are {}. To distinguish h from v, {}.",
         escaped(gravity.note),
-        is_cloud ? "those of the file" : "the camera\u2019s own: x ahead, y left, z up",
+        is_cloud ? "those of the file" : "those of the camera: x forward, y left, z up",
         escaped(planes::kHowToGiveGravity));
   return fmt::format("Gravity points to ({}) in the sensor\u2019s frame: {}{}.",
                      vector_text(gravity.direction), gravity_text(gravity),

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "core/model/json.hpp"
 #include "core/planes/cloud/gravity.hpp"
@@ -38,13 +39,13 @@ std::string gravity_sentence(const Report& report) {
     for (const ReportFrame& frame : recording.frames)
       if (frame.refused.empty()) ++(frame.gravity.known() ? known : unknown);
   if (unknown == 0)
-    return fmt::format("Gravity was {}; h and v were told apart by {}.",
+    return fmt::format("Gravity was {}; h and v were distinguished by {}.",
                        gravity_summary(report.recordings), classifier_text(report));
-  std::string text = "Gravity was <em>not known</em>";
+  std::string text = "Gravity was <em>unknown</em>";
   if (known > 0)
-    text = fmt::format("Gravity was {}; where it was known, h and v were told apart by {}",
+    text = fmt::format("Gravity was {}; where it was known, h and v were distinguished by {}",
                        gravity_summary(report.recordings), classifier_text(report));
-  return text + fmt::format("{} {} neither h nor v. To tell them apart, {}.",
+  return text + fmt::format("{} {} neither h nor v. To distinguish them, {}.",
                             known > 0 ? "; all other planes" : ", so planes", "are",
                             escaped(planes::kHowToGiveGravity));
 }
@@ -53,7 +54,7 @@ std::string gravity_sentence(const Report& report) {
 std::string summary(const Report& report, const ReportTotals& totals) {
   if (totals.frames_done == 0) return "No frame was processed.";
   std::string text = fmt::format(
-      "{} plane{} found in {}, holding {} of the measured points within range. {}",
+      "{} plane{} in {}, covering {} of the points within range. {}",
       range_text(totals.fewest_planes, totals.most_planes), totals.most_planes == 1 ? "" : "s",
       totals.frames_done == 1 ? "one frame" : fmt::format("each of {} frames", totals.frames_done),
       share(totals.points_on_planes, totals.points), gravity_sentence(report));
@@ -64,7 +65,7 @@ std::string summary(const Report& report, const ReportTotals& totals) {
   for (const ReportRecording& recording : report.recordings)
     warnings += recording.info.warnings.size();
   if (warnings > 0)
-    text += fmt::format(" There {} to read below.",
+    text += fmt::format(" There {} below.",
                         warnings == 1 ? "is a warning" : fmt::format("are {} warnings", warnings));
   return text;
 }
@@ -108,9 +109,9 @@ PageJson tiles(const PageSource& page, const ReportTotals& totals) {
       totals.frames_done == 1 ? "ms" : "ms, median");
   if (totals.metrics) {
     add("Mean IoU", fmt::format("{:.1f} %", totals.metrics->mean_iou));
-    add("Points right", fmt::format("{:.1f} %", totals.metrics->point_accuracy));
+    add("Points correct", fmt::format("{:.1f} %", totals.metrics->point_accuracy));
     if (const double right = totals.metrics->label_accuracy_edge; !std::isnan(right))
-      add("h / v right", fmt::format("{:.1f} %", right), "near edges");
+      add("h / v correct", fmt::format("{:.1f} %", right), "near edges");
     add("Angle error", fmt::format("{:.2f}\u00b0", totals.metrics->alpha_deg));
   }
   return result;
@@ -134,9 +135,10 @@ void set_banner(const PageSource& page, PageJson& data) {
     data["verdict_text"] = text;
   };
   if (!judgement)
-    return set("open", "\u2013", "Nothing to compare against",
-               "The figures below say what was found, not whether that is right. "
-               "<code>--baseline report.json</code> holds a run against an earlier one.");
+    return set(
+        "open", "\u2013", "Nothing to compare against",
+        "The figures below are not evaluated. Use <code>--baseline report.json</code> to compare "
+        "a run with an earlier one.");
   std::string text = counts_text(*judgement);
   if (judgement->baseline)
     text += fmt::format(" against <code>{}</code>", escaped(judgement->baseline_file));
@@ -203,6 +205,10 @@ PageJson general_data(const PagePlan& plan, const Judgement* judgement) {
   return list;
 }
 
+const char* worst_title(const Report& report) {
+  return report.judgement ? "Worst frames" : "Frames to look at first";
+}
+
 std::string worst_note(const PageSource& page) {
   const std::size_t all = page.plan.frames.size(), shown = page.plan.worst.size();
   if (page.report.judgement) {
@@ -212,9 +218,34 @@ std::string worst_note(const PageSource& page) {
     return fmt::format("{} of {} break rules or were refused{}.", bad, counted(all, "frame"),
                        bad > shown ? fmt::format("; these are the worst {}", shown) : "");
   }
-  return fmt::format("The {} of {} that fare worst: refused ones, then those with the {}.", shown,
+  return fmt::format("{} of {}: refused frames first, then those with the {}.", shown,
                      counted(all, "frame"),
-                     page.has_metrics() ? "least IoU with the labels" : "most signs of trouble");
+                     page.has_metrics() ? "lowest IoU with the labels" : "most signs of trouble");
+}
+
+/// The worst failed frames, then the sections of the page.
+PageJson contents_data(const PageSource& page) {
+  constexpr std::size_t kMostFailed = 24;
+  std::vector<const PageFrame*> failed;
+  for (const PageFrame& frame : page.plan.frames)
+    if (frame.standing == Standing::failed) failed.push_back(&frame);
+  std::ranges::sort(failed, {}, &PageFrame::rank);
+  PageJson links = PageJson::array(), sections = PageJson::array();
+  for (const PageFrame* frame : failed | std::views::take(kMostFailed))
+    links.push_back({{"anchor", frame->anchor}, {"title", title_of(page, *frame)}});
+  const auto add = [&](const std::string& anchor, const std::string& text) {
+    sections.push_back({{"anchor", anchor}, {"title", text}});
+  };
+  if (!page.plan.worst.empty()) add("worst", worst_title(page.report));
+  add("totals", "Totals");
+  add("frames", "Table of frames");
+  for (std::size_t r = 0; r < page.report.recordings.size(); ++r)
+    add(fmt::format("r{}", r + 1), page.report.recordings[r].name);
+  add("record", "Reproduce this report");
+  const std::size_t more = failed.size() - links.size();
+  return {{"failed", std::move(links)},
+          {"more", more > 0 ? fmt::format("and {} more in the table", more) : ""},
+          {"sections", std::move(sections)}};
 }
 
 std::vector<ValueHistogram> summed(const Report& report) {
@@ -286,9 +317,8 @@ void set_options(const Report& report, PageJson& data) {
     if (option.name == "profile") of = "profile " + option.value;
   }
   data["options_of"] = of;
-  data["changed_text"] = changed.empty()
-                             ? "unchanged"
-                             : counted(changed.size(), "option") + " changed, which stand first";
+  data["changed_text"] =
+      changed.empty() ? "unchanged" : counted(changed.size(), "option") + " changed, listed first";
   changed.insert(changed.end(), others.begin(), others.end());
   data["options"] = std::move(changed);
 }
@@ -336,8 +366,8 @@ void set_rules(const Judgement& judgement, PageJson& data) {
          {"limits", limits_of(rule)},
          {"level", to_string(rule.level)},
          {"broken", broken > 0 ? counted(static_cast<std::size_t>(broken), "time")
-                    : idle     ? "holds nothing"
-                               : "held"},
+                    : idle     ? "not applied"
+                               : "no"},
          {"class", broken > 0 || idle ? bad : ""}});
   }
   if (!judgement.baseline) return;
@@ -419,8 +449,9 @@ void set_verdict(const PageSource& page, PageJson& data) {
   if (page.has_baseline()) data["changes"] = all_changes(page.plan);
   data["tiles"] = tiles(page, totals);
   for (const PageFrame* frame : page.plan.worst) data["worst"].push_back(worst_data(page, *frame));
-  data["worst_title"] = judgement ? "The worst frames" : "Frames to look at first";
+  data["worst_title"] = worst_title(page.report);
   data["worst_note"] = worst_note(page);
+  if (page.plan.frames.size() > kFramesAllOpen) data["contents"] = contents_data(page);
 }
 
 PageJson end_data(const PageSource& page) {

@@ -18,22 +18,24 @@ const char* const kThumbnails[] = {"overlay", "truth", "cases"};
 /// Cells that can be sorted by their values.
 PageJson figures_of(const PageSource& page, const ReportFrame& frame) {
   PageJson cells = PageJson::array();
-  const auto add = [&](const std::string& text, double value, const std::string& more = "") {
-    cells.push_back({{"text", text},
+  const auto add = [&](const char* column, const std::string& text, double value,
+                       const std::string& more = "") {
+    cells.push_back({{"column", column},
+                     {"text", text},
                      {"more", more},
                      {"value", std::isnan(value) ? "" : fmt::format("{:.6g}", value)}});
   };
   const auto planes = static_cast<double>(frame.planes.size());
-  add(std::to_string(frame.planes.size()), planes,
+  add("Planes", std::to_string(frame.planes.size()), planes,
       frame.gravity.known() ? fmt::format("{} h, {} v", frame.planes_h, frame.planes_v)
                             : "without h and v");
-  add(share(frame.points_on_planes, frame.counts.kept), frame.percent_on_planes());
+  add("On planes", share(frame.points_on_planes, frame.counts.kept), frame.percent_on_planes());
   if (!page.has_metrics()) return cells;
   for (const FrameMetric& metric : frame_metrics()) {
     if (!metric.column) continue;
     const double value = metric.value(frame);
     const char* unit = std::string_view(metric.unit) == "%" ? " %" : "\u00b0";
-    add(std::isnan(value) ? "" : fmt::format("{:.1f}{}", value, unit), value);
+    add(metric.column, std::isnan(value) ? "" : fmt::format("{:.1f}{}", value, unit), value);
   }
   return cells;
 }
@@ -69,7 +71,7 @@ PageJson facts(const ReportRecording& recording) {
                                      1000 * info.depth_unit_m, info.depth_unit_source)));
     add("Intrinsics", escaped(fmt::format("fx {:.2f}, fy {:.2f}, cx {:.2f}, cy {:.2f} px ({})",
                                           k.fx, k.fy, k.cx, k.cy, info.intrinsics_source)));
-    add("Colour", escaped(info.has_color ? info.color_note : "none"));
+    add("Color", escaped(info.has_color ? info.color_note : "none"));
   }
   add("Gravity", gravity_summary({recording}));
   return result;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <sstream>
@@ -148,6 +149,24 @@ TEST(ReportPage, EveryLinkHasItsTargetInThePageAndEveryIdIsThereOnce) {
   EXPECT_GT(links.size(), 10u);
 }
 
+TEST(ReportPage, LongPagesBeginWithLinksToFailedFramesAndSections) {
+  Report report = make_report(13);
+  ReportFrame& frame = report.recordings[0].frames[7];
+  frame.planes.pop_back();
+  frame.regions.runs = {{1, 2}, {0, 2}, {1, 2}, {0, 2}};
+  judge(report, make_report(14));
+  const std::string page = page_of(report);
+  const std::string contents =
+      page.substr(page.find("<nav"), page.find("</nav>") - page.find("<nav"));
+  EXPECT_EQ(
+      values_after(contents, "href=\"#"),
+      (std::vector<std::string>{"missing1", "f007", "worst", "totals", "frames", "r1", "record"}));
+  const std::vector<std::string> ids = values_after(page, " id=\"");
+  for (const std::string& link : values_after(contents, "href=\"#"))
+    EXPECT_EQ(std::ranges::count(ids, link), 1) << link;
+  EXPECT_FALSE(has(page_of(make_report(12)), "<nav"));
+}
+
 TEST(ReportPage, HasOneHeadingOfTheFirstLevelAndItsLandmarks) {
   const std::string page = page_of(make_failing_report());
   EXPECT_EQ(count_of(page, "<h1"), 1u);
@@ -167,7 +186,7 @@ TEST(ReportPage, PassesWhereNothingChanged) {
   const std::string page = page_of(report);
   EXPECT_TRUE(has(page, "<h2 id=\"verdict-title\">Passed</h2>"));
   EXPECT_FALSE(has(page, "id=\"worst\""));
-  EXPECT_TRUE(has(page, "All as in the baseline: 2 planes, each the same."));
+  EXPECT_TRUE(has(page, "Same as the baseline: 2 planes, none changed."));
 }
 
 TEST(ReportPage, MarksUndecidedPlanesAndNotesWhatTheyChange) {
@@ -198,7 +217,7 @@ TEST(ReportPage, TellsTheVerdictThenWhatDiffersThenTheWorstFrameThenFigures) {
   const std::string page = page_of(make_failing_report());
   std::size_t before = 0;
   for (const char* part : {"<h2 id=\"verdict-title\">Failed</h2>", "1 error and 0 warnings",
-                           "This run is not set up as the baseline was", "id=\"worst\"",
+                           "The setup differs from the baseline", "id=\"worst\"",
                            "1 plane of the baseline is gone; the rule planes_lost allows none",
                            "id=\"totals\"", "id=\"frames\""}) {
     const std::size_t at = page.find(part);

@@ -150,8 +150,8 @@ TEST(ReportJson, WithoutGravityHasNoDirectionNoTiltAndNoShareOfRightLabels) {
 
 TEST(ReportPage, SaysThatGravityIsNotKnownAndHowToGiveIt) {
   const std::string page = report_html(without_gravity());
-  EXPECT_TRUE(has(page, "Gravity was <em>not known</em>"));
-  EXPECT_TRUE(has(page, "Gravity is <em>not known</em>: left open by --gravity none"));
+  EXPECT_TRUE(has(page, "Gravity was <em>unknown</em>"));
+  EXPECT_TRUE(has(page, "Gravity is <em>unknown</em>: left open by --gravity none"));
   EXPECT_TRUE(has(page, "--gravity X,Y,Z"));
   EXPECT_TRUE(has(page, "without h and v"));
   EXPECT_FALSE(has(page, "h / v right</")) << "no figure of labels";
@@ -234,7 +234,7 @@ TEST(ReportHtml, ShowsThatGravityIsEstimatedAndWhatWasRefused) {
 
 TEST(ReportHtml, NamesTheNetworkAtItsTopAndHowItWasTrainedInTheRecord) {
   Report report = make_report();
-  EXPECT_TRUE(has(report_html(report), "told apart by PCA normals"));
+  EXPECT_TRUE(has(report_html(report), "distinguished by PCA normals"));
   report.classifier = "gcn";
   report.weights = make_weights_record();
   const std::string page = report_html(report);
@@ -392,7 +392,7 @@ TEST(Judgement, NotesWhatUndecidedPlanesChangeWithoutAnError) {
   const std::string text = report.judgement->text();
   EXPECT_TRUE(has(text,
                   "note   a<b>.bag frame 0: 1 plane is not in the baseline; the rule "
-                  "planes_gained allows none: noted only"));
+                  "planes_gained allows none: note only"));
   EXPECT_TRUE(has(text, "0 errors, 0 warnings, 1 note against "));
   const Json json = Json::parse(report_json(report));
   EXPECT_EQ(schema_error(schema(), json), "");

@@ -174,7 +174,7 @@ void expect_noted_if_undecided(const Report& now, const std::string& text, bool 
   EXPECT_EQ(undecided.noted[0].frame, 1);
   const char* plane = undecided_now ? "plane 2" : "plane 2 of the baseline";
   EXPECT_EQ(undecided.noted[0].text(),
-            text + ": noted only; undecided: " + plane + " (margin 0.02)");
+            text + ": note only; undecided: " + plane + " (margin 0.02)");
 }
 
 TEST(UndecidedPlanes, ThatAreLostAreNoted) {
@@ -208,7 +208,7 @@ TEST(UndecidedPlanes, OfEitherRunThatMovedTurnedOrGrewAreNoted) {
     expect_noted_if_undecided(
         turned, "a plane turned by 2.86 degrees; the rule angle_deg allows at most 1 degree", now);
     expect_noted_if_undecided(grown,
-                              "1 plane has a quarter more area than in the baseline, or less; the "
+                              "the area of 1 plane changed by a quarter or more; the "
                               "rule planes_resized allows none",
                               now);
   }
@@ -256,7 +256,7 @@ TEST(UndecidedPlanes, AreNotedByRulesOverAllFramesToo) {
   ASSERT_EQ(found.noted.size(), 1u);
   EXPECT_EQ(found.noted[0].frame, -1);
   EXPECT_EQ(found.noted[0].text(),
-            "1 plane of the baseline is gone; the rule planes_lost allows none: noted only; "
+            "1 plane of the baseline is gone; the rule planes_lost allows none: note only; "
             "undecided planes make the difference");
 }
 
@@ -338,21 +338,23 @@ TEST(Rules, WhatOneCanStandOnIsHeldToLimitsAndToTheBaseline) {
   };
   const ReportFrame same = frame_to_climb(true, 4, 0.17), worse = frame_to_climb(false, 2, 0.176);
   EXPECT_EQ(broken_of(same, "steppable_area_m2", 0.5, kAny), Texts{});
-  EXPECT_EQ(broken_of(worse, "steppable_area_m2", 0.5, kAny),
-            Texts{"a foot's centre may go on 0 m\u00b2; the rule steppable_area_m2 asks for at "
-                  "least 0.5 m\u00b2: 0 of 1 plane steppable"});
-  EXPECT_EQ(broken_of(same, "steppable_area_change", 0, kAny), Texts{});
   EXPECT_EQ(
-      broken_of(worse, "steppable_area_change", -0.1, kAny),
-      Texts{"where a foot's centre may go changed by -0.5 m\u00b2; the rule steppable_area_change "
-            "asks for at least -0.1 m\u00b2: 0.50 m2 in the baseline, 0.00 m2 "
-            "now; plane 1 is no longer steppable: 17.2 mm rough, limit 10"});
+      broken_of(worse, "steppable_area_m2", 0.5, kAny),
+      Texts{
+          "the area for the center of a foot is 0 m\u00b2; the rule steppable_area_m2 requires at "
+          "least 0.5 m\u00b2: 0 of 1 plane steppable"});
+  EXPECT_EQ(broken_of(same, "steppable_area_change", 0, kAny), Texts{});
+  EXPECT_EQ(broken_of(worse, "steppable_area_change", -0.1, kAny),
+            Texts{"the area for the center of a foot changed by -0.5 m\u00b2; the rule "
+                  "steppable_area_change "
+                  "requires at least -0.1 m\u00b2: 0.50 m2 in the baseline, 0.00 m2 "
+                  "now; plane 1 is no longer steppable: 17.2 mm rough, limit 10"});
   EXPECT_EQ(broken_of(same, "stairs_steps", 4, 4), Texts{});
   EXPECT_EQ(broken_of(frame_to_climb(true, 0, 0), "stairs_steps", 1, kAny),
-            Texts{"0 steps of stairs are found; the rule stairs_steps asks for at least 1 step: no "
+            Texts{"0 steps of stairs are found; the rule stairs_steps requires at least 1 step: no "
                   "stairs are found"});
   EXPECT_EQ(broken_of(worse, "stairs_steps_change", 0, kAny),
-            Texts{"the stairs changed by -2 steps; the rule stairs_steps_change asks for at least "
+            Texts{"the stairs changed by -2 steps; the rule stairs_steps_change requires at least "
                   "0 steps: 4 steps up, rise 170 mm, going 290 mm "
                   "in the baseline, 2 steps up, rise 176 mm, going 290 mm now"});
   EXPECT_EQ(broken_of(same, "rise_mm", 165, 175), Texts{});
@@ -373,10 +375,10 @@ TEST(Rules, OfWhatNeitherFootNorBaselineTellsAreNamed) {
   ReportFrame footless = with;
   footless.terrain->steppable_area_m2 = std::nan("");
   EXPECT_EQ(idle("steppable_area_change", with, with), "");
-  EXPECT_EQ(idle("steppable_area_m2", with, footless), "no foot is given, as by --foot 0.08");
+  EXPECT_EQ(idle("steppable_area_m2", with, footless), "no foot (use --foot 0.08)");
   EXPECT_EQ(idle("steppable_area_change", footless, with),
-            "a foot is not given to both, as by --foot 0.08");
-  EXPECT_EQ(idle("rise_mm", with, frame_to_climb(true, 0, 0)), "no such frame has stairs");
+            "the runs do not both have a foot (--foot 0.08)");
+  EXPECT_EQ(idle("rise_mm", with, frame_to_climb(true, 0, 0)), "none of these frames has stairs");
 }
 
 TEST(Rules, FollowTheirSchemaWhichKnowsEveryMetric) {
@@ -478,30 +480,29 @@ TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
   one.frame = 1;
   EXPECT_EQ(idle(one, baseline()), "");
   one.recording = "b";
-  EXPECT_EQ(idle(one, baseline()),
-            "planes of b frame 1: this rule holds nothing, there is no such frame");
+  EXPECT_EQ(idle(one, baseline()), "planes of b frame 1: rule not applied: no such frame");
   one.recording = "bb";
   EXPECT_EQ(idle(one, baseline()),
-            "planes of bb frame 1: this rule holds nothing, there is no recording of this name");
+            "planes of bb frame 1: rule not applied: no recording of this name");
   one.level = RuleLevel::off;
   EXPECT_EQ(idle(one, baseline()), "");
   EXPECT_EQ(idle(rule("planes_lost", 0, 0, RuleScope::all), baseline(), false),
-            "planes_lost: this rule holds nothing, it needs a baseline");
+            "planes_lost: rule not applied: no baseline");
   Report fewer = baseline();
   fewer.recordings[0].frames.pop_back();
   one = rule("planes", 0, 9, RuleScope::frame);
   one.frame = 1;
-  EXPECT_EQ(idle(one, fewer), "planes frame 1: this rule holds nothing, there is no such frame")
+  EXPECT_EQ(idle(one, fewer), "planes frame 1: rule not applied: no such frame")
       << "only the baseline has it";
   Report unlabelled = report_of_frames({{"a", {frame_with(0, {0})}}});
   unlabelled.recordings[0].frames[0].metrics.reset();
   EXPECT_EQ(idle(rule("mean_iou", 80, 100, RuleScope::all), unlabelled),
-            "mean_iou: this rule holds nothing, no such frame has labels");
+            "mean_iou: rule not applied: none of these frames has labels");
   one = rule("mean_iou_change", -1, 100, RuleScope::all);
   EXPECT_EQ(idle(one, unlabelled), "") << "of frames that may get labels";
   one.recording = "a";
   EXPECT_EQ(idle(one, unlabelled),
-            "mean_iou_change of a: this rule holds nothing, no such frame has labels");
+            "mean_iou_change of a: rule not applied: none of these frames has labels");
 }
 
 }  // namespace

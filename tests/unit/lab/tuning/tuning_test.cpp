@@ -284,13 +284,26 @@ TEST(TuningAnswer, SaysWhetherWhatWasHeldOutGains) {
   const auto said = [](const std::vector<double>& base, const std::vector<double>& tuned) {
     return verdict(answer_with(base, tuned));
   };
-  EXPECT_EQ(said({50, 60, 70}, {55, 65, 76}),
-            "The tuned options gain on the frames that were held out.");
+  EXPECT_EQ(said({50, 60, 70}, {55, 65, 76}), "The tuned options gain on the held-out frames.");
   EXPECT_NE(said({50, 60, 70}, {58, 68, 69}).find("less than two standard errors"),
             std::string::npos);
   EXPECT_NE(said({50, 60, 70}, {58, 55, 70}).find("DO NOT GAIN"), std::string::npos);
   EXPECT_NE(said({50, 60, 70}, {45, 54, 65}).find("LOSE"), std::string::npos);
   EXPECT_NE(tuning_page(answer_with({50, 60, 70}, {45, 54, 65})).find("LOSE"), std::string::npos);
+}
+
+TEST(TuningAnswer, SaysThatTheWorstOfFewFramesIsHeldOut) {
+  TuningAnswer answer = answer_with({70, 20}, {70, 21});
+  answer.held[1] = "b 7";
+  EXPECT_NE(
+      tuning_text(answer).find("The worst frame at the start, b 7 (PQ 20.00; the worst tuning "
+                               "frame is a 0, PQ 50.00), is held out"),
+      std::string::npos);
+  EXPECT_NE(tuning_json(answer).find("\"note\": \"The worst frame"), std::string::npos);
+  EXPECT_EQ(held_out_note(answer_with({70, 48}, {70, 48})), "");
+  answer.frames.assign(9, "a 0");
+  answer.tuned.base.scores.assign(9, 50);
+  EXPECT_EQ(held_out_note(answer), "");
 }
 
 TEST(TuningAnswer, NamesEachOptionWithWhatItWasIsAndIsWorth) {
