@@ -156,9 +156,9 @@ std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
   highlight(look.marked, highlights.marked);
   if (look.edit)
     for (const labels::LabelRun& run : look.edit->runs)
-      std::fill_n(tints.begin() + run.first, run.count,
-                  run.plane_after == 0 && run.hv_after == 0 ? highlights.takes
-                                                            : highlights.preview);
+      std::fill_n(
+          tints.begin() + run.first, run.count,
+          run.plane_after == 0 && run.hv_after == 0 ? highlights.takes : highlights.preview);
   const bool shown_by_distance = look.residual && look.residual->plane == 0;
   if (!shown_by_distance)
     highlight(look.preview, look.preview_takes ? highlights.takes : highlights.preview);

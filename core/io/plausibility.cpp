@@ -12,8 +12,8 @@ namespace planescope::io {
 namespace {
 
 constexpr double kLeastView_deg = 5, kMostView_deg = 150;
-constexpr double kMostPixelRatio = 1.1;                          // fx / fy, or its inverse
-constexpr double kLeastCorner = 0.3, kMostCorner = 3;            // distorted radius / undistorted
+constexpr double kMostPixelRatio = 1.1;                // fx / fy, or its inverse
+constexpr double kLeastCorner = 0.3, kMostCorner = 3;  // distorted radius / undistorted
 constexpr double kNearest_m = 0.05, kFarthest_m = 100;
 
 double view_deg(int size, double focal_px) {
@@ -22,7 +22,8 @@ double view_deg(int size, double focal_px) {
 
 /// How far distortion moves the corner farthest from the principal point, as a ratio of radii.
 double corner_ratio(const Intrinsics& k) {
-  const double x = std::max(k.cx, k.width - k.cx) / k.fx, y = std::max(k.cy, k.height - k.cy) / k.fy;
+  const double x = std::max(k.cx, k.width - k.cx) / k.fx,
+               y = std::max(k.cy, k.height - k.cy) / k.fy;
   const auto& [k1, k2, p1, p2, k3] = k.coefficients;
   const double r2 = x * x + y * y;
   const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
@@ -43,18 +44,20 @@ std::vector<std::string> camera_warnings(const RecordingInfo& info) {
                                    source, k.cx, k.cy, k.width, k.height));
   const double wide = view_deg(k.width, k.fx), high = view_deg(k.height, k.fy);
   if (std::min(wide, high) < kLeastView_deg || std::max(wide, high) > kMostView_deg)
-    warnings.push_back(fmt::format(
-        "{}a field of view of {:.3g} x {:.3g} degrees, expected {} to {}; is the focal length in pixels?",
-        source, wide, high, kLeastView_deg, kMostView_deg));
+    warnings.push_back(
+        fmt::format("{}a field of view of {:.3g} x {:.3g} degrees, expected {} to {}; is the focal "
+                    "length in pixels?",
+                    source, wide, high, kLeastView_deg, kMostView_deg));
   if (std::max(k.fx / k.fy, k.fy / k.fx) > kMostPixelRatio)
-    warnings.push_back(fmt::format("{}fx {:.4g} and fy {:.4g} differ by {:.0f} %; depth cameras have square pixels",
-                                   source, k.fx, k.fy,
-                                   100 * (std::max(k.fx / k.fy, k.fy / k.fx) - 1)));
+    warnings.push_back(fmt::format(
+        "{}fx {:.4g} and fy {:.4g} differ by {:.0f} %; depth cameras have square pixels", source,
+        k.fx, k.fy, 100 * (std::max(k.fx / k.fy, k.fy / k.fx) - 1)));
   if (k.distortion != Distortion::none)
     if (const double ratio = corner_ratio(k); !(ratio > kLeastCorner && ratio < kMostCorner))
-      warnings.push_back(fmt::format(
-          "{}distortion moves the image corner to {:.3g} of its distance from the center; no lens does that",
-          source, ratio));
+      warnings.push_back(
+          fmt::format("{}distortion moves the image corner to {:.3g} of its distance from the "
+                      "center; no lens does that",
+                      source, ratio));
   return warnings;
 }
 

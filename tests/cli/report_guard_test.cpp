@@ -95,8 +95,7 @@ TEST(ReportGuard, NewProblemsAreNamedAndADamagedFrameEndsWith2) {
   std::filesystem::remove(depth / "000001.png");
   const Ran removed = report({});
   EXPECT_EQ(removed.code, 1);
-  EXPECT_TRUE(
-      has(removed.out, "error  rec baseline frame 1: 1 frame of the baseline is missing"));
+  EXPECT_TRUE(has(removed.out, "error  rec baseline frame 1: 1 frame of the baseline is missing"));
   EXPECT_FALSE(has(removed.out, "other pixels"));
 }
 

@@ -111,13 +111,13 @@ TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
 #if defined(__x86_64__) && defined(__GLIBCXX__)
 static_assert(sizeof(planescope::Camera) == 88);
 static_assert(sizeof(planescope::ColorImage) == 232);
-static_assert(sizeof(planescope::DepthImage) == 376);
+static_assert(sizeof(planescope::DepthImage) == 384);
 static_assert(sizeof(planescope::PointCloud) == 56);
 static_assert(sizeof(planescope::Gravity) == 64);
 static_assert(sizeof(planescope::Frame) == 16 && sizeof(planescope::Result) == 16);
 static_assert(sizeof(planescope::Trace) == 16 && sizeof(planescope::Segmenter) == 16);
 static_assert(sizeof(planescope::Options) == 8);
-static_assert(sizeof(planescope::OptionInfo) == 192);
+static_assert(sizeof(planescope::OptionInfo) == 248);
 static_assert(sizeof(planescope::Outline) == 104);
 static_assert(sizeof(planescope::Plane) == 296);
 static_assert(sizeof(planescope::Mesh) == 48);

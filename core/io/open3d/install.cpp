@@ -234,7 +234,8 @@ void write_mesh(std::ostream& out, const TriangleMesh& mesh) {
     put(mesh.vertices_[k].data(), 3 * sizeof(double));
     put(mesh.vertex_normals_[k].data(), 3 * sizeof(double));
     for (int c = 0; has_color && c < 3; ++c)
-      out.put(static_cast<char>(std::lround(255 * std::clamp(mesh.vertex_colors_[k][c], 0.0, 1.0))));
+      out.put(
+          static_cast<char>(std::lround(255 * std::clamp(mesh.vertex_colors_[k][c], 0.0, 1.0))));
   }
   for (const Eigen::Vector3i& triangle : mesh.triangles_) {
     out.put(3);
