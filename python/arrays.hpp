@@ -203,12 +203,12 @@ struct Input {
     Shape strides(shape.size());
     py::ssize_t stride = size;
     for (std::size_t k = shape.size(); k-- > 0; stride *= shape[k]) strides[k] = stride;
-    if (const py::object given = get("strides"); !given.is_none()) strides = given.cast<Shape>();
+    if (const py::object own = get("strides"); !own.is_none()) strides = own.cast<Shape>();
     void* data = nullptr;
-    if (const py::object given = get("data"); py::isinstance<py::tuple>(given)) {
-      data = reinterpret_cast<void*>(given.cast<py::tuple>()[0].cast<std::uintptr_t>());
+    if (const py::object at = get("data"); py::isinstance<py::tuple>(at)) {
+      data = reinterpret_cast<void*>(at.cast<py::tuple>()[0].cast<std::uintptr_t>());
     } else {
-      if (!given.is_none()) memory = given;
+      if (!at.is_none()) memory = at;
       const py::buffer_info bytes = py::reinterpret_borrow<py::buffer>(memory).request();
       py::ssize_t first = 0, last = size;
       for (std::size_t k = 0; k < shape.size() && k < strides.size(); ++k)
