@@ -221,7 +221,7 @@ struct Input {
                               : type[1] == 'i' ? "?bh?i???q"
                               : type[1] == 'f' ? "????f???d"
                                                : "?????????";
-    const char code = size < 9 ? codes[static_cast<std::size_t>(size)] : '?';
+    const char code = size >= 0 && size < 9 ? codes[static_cast<std::size_t>(size)] : '?';
     info = py::buffer_info(data, size, std::string(1, code), static_cast<py::ssize_t>(shape.size()),
                            shape, strides, true);
     return std::string(1, type[0]) + code;

@@ -27,7 +27,7 @@ def view(core: Any) -> Any:
     """A _core.Array, without copying it; anything else as it is."""
     if not isinstance(core, Array):
         return core
-    return memoryview(core) if np is None else np.asarray(core)
+    return memoryview(core) if np is None else np.asarray(core)  # type: ignore[arg-type]
 
 
 def floats(values: Any) -> Any:

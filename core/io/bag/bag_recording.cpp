@@ -272,7 +272,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
   unit_is_given_ |= info_.rounded;
   if (info_.rounded) {
     facts.depth_unit_m = kRounding_m;
-    facts.depth_unit_source = "to which depth in meters (32FC1) is rounded";
+    facts.depth_unit_source = "rounding step of depth in meters (32FC1)";
   } else if (!layout_.depth_unit.empty()) {
     facts.depth_unit_m = parse_message(bag_, bag_.messages(layout_.depth_unit).front(),
                                        layout_.depth_unit, ros::parse_sdk_option);

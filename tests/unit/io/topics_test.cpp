@@ -139,7 +139,7 @@ TEST(DepthInMeters, IsRoundedToAFifthOfAMillimeterAndHashedByItsBytes) {
       const auto recording = open_recording(path);
       EXPECT_EQ(recording->info().depth_unit_m, 0.0002);
       EXPECT_TRUE(recording->info().rounded);
-      expect_one_line_with(recording->info().depth_unit_source, {"32FC1", "rounded"});
+      expect_one_line_with(recording->info().depth_unit_source, {"32FC1", "rounding"});
       const Frame frame = recording->frame(0);
       const std::vector<std::uint16_t> odd(frame.depth.data.begin(), frame.depth.data.begin() + 7);
       // Beyond 13.1 m a pixel is invalid, as 65535 always is.
