@@ -187,8 +187,8 @@ void save_labels(State& state) {
   const std::size_t shown = store->notices().size();
   try {
     store->save_all();
-    if (store->notices().size() > shown) {  // files from outside were taken over, perhaps
-      let_go(state.view.label);
+    if (store->notices().size() > shown) {
+      state.view.label.finish.reset();  // files from outside were taken over, perhaps
       say(state, store->notices().back(), true);
     }
     problem.clear();

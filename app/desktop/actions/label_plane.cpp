@@ -30,7 +30,11 @@ void show_finish(State& state,
   let_go(view);
   view.plane = plane;
   view.paints = Paints::plane;
-  if (finish.empty()) return say_nothing_done(state, fmt::format("P{} {}", plane, nothing));
+  labels::LabelDraft draft = draft_of(state);
+  labels::finish_plane(draft, state.label_frame()->grid, plane, finish);
+  labels::fit_planes(draft, state.label_frame()->grid);
+  auto edit = std::make_shared<labels::LabelEdit>(draft.edit(state.document.frame, title));
+  if (edit->empty()) return say_nothing_done(state, fmt::format("P{} {}", plane, nothing));
   const char* const sample = sample_name(*state.label_frame());
   std::string what;
   if (!finish.adds.empty()) what = counted(finish.adds.size(), sample) + " more";
@@ -38,11 +42,7 @@ void show_finish(State& state,
     what += (what.empty() ? "" : ", ") + counted(finish.takes.size(), sample) + " less";
   say_hint(state, fmt::format("{}: {}; Enter accepts, Esc cancels", title, what),
            [](const State& s) { return !s.view.label.finish; });
-  labels::LabelDraft draft = draft_of(state);
-  const labels::LabelGrid& grid = state.label_frame()->grid;
-  labels::finish_plane(draft, grid, plane, finish);
-  labels::fit_planes(draft, grid);
-  view.finish = std::make_shared<labels::LabelEdit>(draft.edit(state.document.frame, title));
+  view.finish = std::move(edit);
 }
 
 using Finishing = labels::Finish (*)(const FrameLabels&,

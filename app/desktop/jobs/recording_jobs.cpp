@@ -122,7 +122,7 @@ void take_proposals(State& state,
     edits.push_back(std::move(proposal.edit));
   }
   std::ranges::stable_sort(spread.doubtful, std::greater(), &std::pair<int, double>::second);
-  let_go(state.view.label);
+  state.view.label.finish.reset();  // was of the labels before
   open->labels->commit(edits);
   std::string text = fmt::format("proposed in {}, {} doubtful pixels stay unlabeled",
                                  counted(edits.size(), "frame"), doubtful);
