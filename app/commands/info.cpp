@@ -252,7 +252,7 @@ void print_text(const Facts& f, double max_range_m) {
                                              : "does not go forward, from " + f.info.times_source);
   }
   if (f.gravity && !f.gravity->known()) {
-    line("gravity", fmt::format("none, {}: planes are neither h nor v; to tell them apart, {}",
+    line("gravity", fmt::format("none, {}: planes are neither h nor v; to distinguish them, {}",
                                 f.gravity->note, planes::kHowToGiveGravity));
   } else if (f.gravity) {
     const Gravity& g = *f.gravity;

@@ -42,7 +42,7 @@ ClickedSurface surface_at_pixel(const debug::Subject& subject, std::uint32_t pix
   const labels::FittedPlane& plane = found->plane;
   if (plane.area_m2 < kLeastArea_m2 || plane.rms_m > kMostRoughness * std::sqrt(plane.area_m2))
     throw Error(
-        fmt::format("the surface there is too small or too rough to tell a direction "
+        fmt::format("the surface is too small or too rough for a direction "
                     "({:.0f} cm2, RMS {:.1f} mm)",
                     1e4 * plane.area_m2, 1000 * plane.rms_m));
   return {plane.normal, plane.area_m2, plane.rms_m};
@@ -91,8 +91,8 @@ void expect_effect(const State& state) {
   if (source != GravitySource::imu && source != GravitySource::sidecar) return;
   const char* who = source == GravitySource::imu ? "IMU" : "sidecar";
   throw Error(
-      fmt::format("the recording's {} tells gravity and goes before a click; --gravity "
-                  "X,Y,Z, or the option gravity, goes before both",
+      fmt::format("the recording's {} specifies gravity and overrides clicks; --gravity "
+                  "X,Y,Z and the option gravity override both",
                   who));
 }
 

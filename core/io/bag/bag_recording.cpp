@@ -168,7 +168,7 @@ Intrinsics to_intrinsics(const ros::CameraInfo& camera,
                     camera.k(0, 2), camera.k(1, 2), Distortion::none, {}};
   if (!set_distortion(camera.distortion_model, camera.d, result)) {
     warnings.push_back(topic + ": lens distortion \"" + camera.distortion_model +
-                       "\" is not supported and is left out");
+                       "\" is not supported and ignored");
   }
   return result;
 }
@@ -298,7 +298,7 @@ void BagRecording::drop_unreadable_color() {
       return to_rgb(image_of(bytes, layout_.color).image, bag_.path(), layout_.color);
     });
   } catch (const Error& error) {
-    info_.warnings.push_back(std::string(error.what()) + "; colour is left out");
+    info_.warnings.push_back(std::string(error.what()) + "; color is skipped");
     color_.clear();
   }
 }
