@@ -77,7 +77,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   else if (args.baseline.empty())
     open_session(state, args.open);
   else
-    throw Error(args.open + ": is no report, so --baseline says nothing of it");
+    throw Error(args.open + ": not a report.json; remove --baseline");
   return state;
 }
 

@@ -161,7 +161,7 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"info", "--depth-unit", "-1"}, "--depth-unit"},
       {{"segment"}, "-o DIR"},
       {{"report", "merge", "--frames", "1"}, "see planescope report merge --help"},
-      {{"report", "--init", "--frames", "1"}, "--frames says nothing of it"},
+      {{"report", "--init", "--frames", "1"}, "remove --frames"},
       {{"segment", "-o"}, "out"},
       {{"synth"}, "one of: sample"},
       {{"planescope-lab"}, "one of: bench, synth, train"},
