@@ -123,7 +123,11 @@ void replace(const std::filesystem::path& path,
   std::filesystem::path target = path;
   if (std::filesystem::exists(status)) target = std::filesystem::canonical(path, ignored);
   Staged staged{target};
-  staged.path += fmt::format(".{}.part", ::getpid());  // another process may write it, too
+  staged.path += ".part";
+  // Whoever writes the same file at the same time holds a lock on its part.
+  const FileDescriptor lock = open_file(staged.path, O_WRONLY | O_CREAT);
+  if (lock.is_open() && ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
+    staged.path.replace_extension(fmt::format(".{}.part", ::getpid()));
   expect(write(staged.path));
   if (std::filesystem::exists(status))
     std::filesystem::permissions(staged.path, status.permissions(), ignored);
