@@ -1,5 +1,4 @@
 #pragma once
-
 // Stand-in for rclcpp_components (Humble).
 
 #include <memory>
@@ -10,7 +9,7 @@
 std::shared_ptr<rclcpp_lifecycle::LifecycleNode> make_component();
 
 /// https://docs.ros2.org/galactic/api/rclcpp_components/register__node__macro_8hpp.html
-#define RCLCPP_COMPONENTS_REGISTER_NODE(NodeClass)                           \
-  std::shared_ptr<rclcpp_lifecycle::LifecycleNode> make_component() {        \
-    return std::make_shared<NodeClass>(rclcpp::NodeOptions());               \
+#define RCLCPP_COMPONENTS_REGISTER_NODE(NodeClass)                    \
+  std::shared_ptr<rclcpp_lifecycle::LifecycleNode> make_component() { \
+    return std::make_shared<NodeClass>(rclcpp::NodeOptions());        \
   }
