@@ -211,9 +211,15 @@ const segmented = await read(at("planes.mcap"));
 checkFrames(segmented, "frames", false);
 for (const kind of ["flights", "ramps"]) assert(on(segmented, "/planescope/planes").some((array) => array[kind].length > 0), `no ${kind} in the sample`);
 
-run("map", sample, ...options, "-o", at("map"));
-run("segment", sample, ...options, "--map", at("map"), "-o", at("mapped"));
-run("map", sample, ...options, "-o", at("map.mcap"));
+// A camera that stands still: the sample's first frame, four times.
+run("convert", sample, "--frames", "0", "-o", at("still"));
+const facts = json("still", "planescope.json");
+facts.frames = [0, 1, 2, 3].map((i) => ({ ...facts.frames[0], name: `00000${i}`, timestamp_s: 100 + i / 10 }));
+fs.writeFileSync(at("still", "planescope.json"), JSON.stringify(facts));
+for (const images of ["depth", "color"]) for (const i of [1, 2, 3]) fs.copyFileSync(at("still", images, "000000.png"), at("still", images, `00000${i}.png`));
+run("map", at("still"), "-o", at("map"));
+run("segment", at("still"), "--map", at("map"), "-o", at("mapped"));
+run("map", at("still"), "-o", at("map.mcap"));
 const mapped = await read(at("map.mcap"));
 checkFrames(mapped, "mapped", true);
 const { planes } = json("map", "map.json");

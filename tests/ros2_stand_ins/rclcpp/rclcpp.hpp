@@ -1,14 +1,11 @@
 #pragma once
-
 // Stand-ins for what planescope_ros uses of rclcpp (Humble): the same signatures, with as much
 // behind them as a test needs to send and receive. Each names the page that documents it.
 
-#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
@@ -17,15 +14,14 @@
 #include "rcl_interfaces/msg/parameter_descriptor.hpp"
 #include "rcl_interfaces/msg/set_parameters_result.hpp"
 
-/// https://docs.ros2.org/foxy/api/rmw/serialized__message_8h.html
+/// https://docs.ros2.org/galactic/api/rcutils/structrcutils__uint8__array__t.html
 struct rcl_serialized_message_t {
   std::uint8_t* buffer = nullptr;
   std::size_t buffer_length = 0, buffer_capacity = 0;
 };
 
 namespace rclcpp {
-
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1SerializedMessage.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1SerializedMessage.html
 class SerializedMessage {
  public:
   explicit SerializedMessage(std::size_t initial_capacity) : bytes_(initial_capacity) {
@@ -35,12 +31,11 @@ class SerializedMessage {
   const rcl_serialized_message_t& get_rcl_serialized_message() const { return raw_; }
 
  private:
-  SerializedMessage(const SerializedMessage&) = delete;
   std::vector<std::uint8_t> bytes_;
   rcl_serialized_message_t raw_;
 };
 
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1QoS.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1QoS.html
 class QoS {
  public:
   QoS(std::size_t history_depth) : depth(history_depth) {}
@@ -51,16 +46,16 @@ class QoS {
   std::size_t depth;
   bool best_effort = false;
 };
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1SensorDataQoS.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1SensorDataQoS.html
 class SensorDataQoS : public QoS {
  public:
   SensorDataQoS() : QoS(5) { best_effort = true; }
 };
 
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1NodeOptions.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1NodeOptions.html
 class NodeOptions {};
 
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1GenericPublisher.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1GenericPublisher.html
 class GenericPublisher {
  public:
   void publish(const SerializedMessage& message) {
@@ -73,7 +68,7 @@ class GenericPublisher {
   std::size_t subscriptions = 1;
   std::vector<std::string> published;
 };
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1GenericSubscription.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1GenericSubscription.html
 struct GenericSubscription {
   std::string topic, type;
   QoS qos;
@@ -81,13 +76,13 @@ struct GenericSubscription {
 };
 
 namespace node_interfaces {
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1node__interfaces_1_1NodeTopicsInterface.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1node__interfaces_1_1NodeTopicsInterface.html
 struct NodeTopicsInterface {
   using SharedPtr = std::shared_ptr<NodeTopicsInterface>;
   std::vector<std::weak_ptr<GenericPublisher>> publishers;
   std::vector<std::weak_ptr<GenericSubscription>> subscriptions;
 };
-/// https://docs.ros2.org/galactic/api/rclcpp/structrclcpp_1_1node__interfaces_1_1OnSetParametersCallbackHandle.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/structrclcpp_1_1node__interfaces_1_1OnSetParametersCallbackHandle.html
 struct OnSetParametersCallbackHandle {
   using SharedPtr = std::shared_ptr<OnSetParametersCallbackHandle>;
 };
@@ -126,44 +121,37 @@ enum class ParameterType : std::uint8_t {
   PARAMETER_DOUBLE = 3,
   PARAMETER_STRING = 4,
 };
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1ParameterValue.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1ParameterValue.html
 class ParameterValue {
  public:
-  explicit ParameterValue(bool value) : value_(value) {}
-  explicit ParameterValue(int value) : value_(std::int64_t{value}) {}
-  explicit ParameterValue(std::int64_t value) : value_(value) {}
-  explicit ParameterValue(double value) : value_(value) {}
-  explicit ParameterValue(const std::string& value) : value_(value) {}
-  explicit ParameterValue(const char* value) : value_(std::string(value)) {}
-  ParameterType get_type() const { return static_cast<ParameterType>(value_.index() + 1); }
-  bool operator==(const ParameterValue& other) const { return value_ == other.value_; }
-  bool operator!=(const ParameterValue& other) const { return value_ != other.value_; }
-  template <typename T>
-  const T& as() const {
-    return std::get<T>(value_);
-  }
-
- private:
-  std::variant<bool, std::int64_t, double, std::string> value_;
+  explicit ParameterValue(bool from) : value(from) {}
+  explicit ParameterValue(int from) : value(std::int64_t{from}) {}
+  explicit ParameterValue(std::int64_t from) : value(from) {}
+  explicit ParameterValue(double from) : value(from) {}
+  explicit ParameterValue(const std::string& from) : value(from) {}
+  explicit ParameterValue(const char* from) : value(std::string(from)) {}
+  ParameterType get_type() const { return static_cast<ParameterType>(value.index() + 1); }
+  bool operator!=(const ParameterValue& other) const { return value != other.value; }
+  std::variant<bool, std::int64_t, double, std::string> value;
 };
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1Parameter.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1Parameter.html
 class Parameter {
  public:
   Parameter(const std::string& name, const ParameterValue& value) : name_(name), value_(value) {}
   ParameterType get_type() const { return value_.get_type(); }
   const std::string& get_name() const { return name_; }
   const ParameterValue& get_parameter_value() const { return value_; }
-  bool as_bool() const { return value_.as<bool>(); }
-  std::int64_t as_int() const { return value_.as<std::int64_t>(); }
-  double as_double() const { return value_.as<double>(); }
-  const std::string& as_string() const { return value_.as<std::string>(); }
+  bool as_bool() const { return std::get<bool>(value_.value); }
+  std::int64_t as_int() const { return std::get<std::int64_t>(value_.value); }
+  double as_double() const { return std::get<double>(value_.value); }
+  const std::string& as_string() const { return std::get<std::string>(value_.value); }
 
  private:
   std::string name_;
   ParameterValue value_;
 };
 
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1Logger.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1Logger.html
 struct Logger {
   std::shared_ptr<std::vector<std::string>> lines = std::make_shared<std::vector<std::string>>();
   template <typename... Values>
@@ -173,11 +161,10 @@ struct Logger {
     lines->push_back(line);
   }
 };
-/// https://docs.ros2.org/galactic/api/rclcpp/classrclcpp_1_1Clock.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/classrclcpp_1_1Clock.html
 struct Clock {
   using SharedPtr = std::shared_ptr<Clock>;
 };
-
 }  // namespace rclcpp
 
 // https://docs.ros2.org/galactic/api/rclcpp/logging_8hpp.html

@@ -1,5 +1,4 @@
 #pragma once
-
 // Stand-in for rclcpp_components (Humble).
 
 #include <memory>

@@ -1,5 +1,4 @@
 #pragma once
-
 // Stand-in for rclcpp_lifecycle (Humble).
 // https://docs.ros.org/en/humble/p/rclcpp_lifecycle/generated/program_listing_file_include_rclcpp_lifecycle_lifecycle_node.hpp.html
 
@@ -8,13 +7,12 @@
 #include "rclcpp/rclcpp.hpp"
 
 namespace rclcpp_lifecycle {
-
-/// https://docs.ros2.org/galactic/api/rclcpp_lifecycle/classrclcpp__lifecycle_1_1State.html
+/// https://docs.ros.org/en/humble/p/rclcpp_lifecycle/generated/classrclcpp__lifecycle_1_1State.html
 class State {};
 
 class LifecycleNode {
  public:
-  /// https://docs.ros2.org/galactic/api/rclcpp_lifecycle/classrclcpp__lifecycle_1_1node__interfaces_1_1LifecycleNodeInterface.html
+  /// https://docs.ros.org/en/humble/p/rclcpp_lifecycle/generated/classrclcpp__lifecycle_1_1node__interfaces_1_1LifecycleNodeInterface.html
   enum class CallbackReturn : std::uint8_t { SUCCESS, FAILURE, ERROR };
   using OnSetParametersCallbackHandle = rclcpp::node_interfaces::OnSetParametersCallbackHandle;
   using OnParametersSetCallbackType = std::function<rcl_interfaces::msg::SetParametersResult(
@@ -23,10 +21,10 @@ class LifecycleNode {
   explicit LifecycleNode(const std::string&, const rclcpp::NodeOptions&) {}
   virtual ~LifecycleNode() = default;
   virtual CallbackReturn on_configure(const State&) { return CallbackReturn::SUCCESS; }
-  virtual CallbackReturn on_cleanup(const State&) { return CallbackReturn::SUCCESS; }
-  virtual CallbackReturn on_shutdown(const State&) { return CallbackReturn::SUCCESS; }
-  virtual CallbackReturn on_activate(const State&) { return CallbackReturn::SUCCESS; }
-  virtual CallbackReturn on_deactivate(const State&) { return CallbackReturn::SUCCESS; }
+  virtual CallbackReturn on_cleanup(const State& state) { return on_configure(state); }
+  virtual CallbackReturn on_shutdown(const State& state) { return on_configure(state); }
+  virtual CallbackReturn on_activate(const State& state) { return on_configure(state); }
+  virtual CallbackReturn on_deactivate(const State& state) { return on_configure(state); }
 
   rclcpp::Logger get_logger() const { return logger_; }
   rclcpp::Clock::SharedPtr get_clock() { return clock_; }
@@ -68,5 +66,4 @@ class LifecycleNode {
   std::map<std::string, rcl_interfaces::msg::ParameterDescriptor> descriptors_;
   OnParametersSetCallbackType on_set_;
 };
-
 }  // namespace rclcpp_lifecycle

@@ -8,17 +8,16 @@
 #include <cstring>
 #include <memory>
 #include <optional>
-#include <sstream>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include <planescope/ros.hpp>
 #include <rcl_interfaces/msg/parameter_descriptor.hpp>
 #include <rcl_interfaces/msg/set_parameters_result.hpp>
 #include <rclcpp/rclcpp.hpp>
 #include <rclcpp_components/register_node_macro.hpp>
 #include <rclcpp_lifecycle/lifecycle_node.hpp>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace planescope_ros {
 namespace {
@@ -132,9 +131,9 @@ class PlanesNode : public rclcpp_lifecycle::LifecycleNode {
     for (const planescope::RosTopic& topic : planescope::RosSegmenter::topics()) {
       const bool is_global = topic.name.front() == '/';
       publishers_.emplace_back(
-          topic.name, rclcpp::create_generic_publisher(
-                          get_node_topics_interface(), is_global ? topic.name : "~/" + topic.name,
-                          topic.type, rclcpp::QoS(10)));
+          topic.name, rclcpp::create_generic_publisher(get_node_topics_interface(),
+                                                       is_global ? topic.name : "~/" + topic.name,
+                                                       topic.type, rclcpp::QoS(10)));
     }
     return CallbackReturn::SUCCESS;
   }

@@ -1,5 +1,4 @@
 #pragma once
-
 // Stand-in for ROS 2 Humble's generated message.
 // https://docs.ros2.org/foxy/api/rcl_interfaces/msg/ParameterDescriptor.html
 
@@ -8,7 +7,6 @@
 #include <vector>
 
 namespace rcl_interfaces::msg {
-
 /// https://docs.ros2.org/foxy/api/rcl_interfaces/msg/FloatingPointRange.html
 struct FloatingPointRange {
   double from_value = 0, to_value = 0, step = 0;
@@ -26,5 +24,4 @@ struct ParameterDescriptor {
   std::vector<FloatingPointRange> floating_point_range;
   std::vector<IntegerRange> integer_range;
 };
-
 }  // namespace rcl_interfaces::msg

@@ -1,15 +1,12 @@
 #pragma once
-
 // Stand-in for ROS 2 Humble's generated message.
 
 #include <string>
 
 namespace rcl_interfaces::msg {
-
 /// https://docs.ros2.org/foxy/api/rcl_interfaces/msg/SetParametersResult.html
 struct SetParametersResult {
   bool successful = false;
   std::string reason;
 };
-
 }  // namespace rcl_interfaces::msg
