@@ -210,7 +210,8 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     for (const std::string& why : refused) notice("refused: {}", why);
   if (args.json && !stream) fmt::print("{}", json_text(json, 2));
   if (!args.json && !args.ros_json && !args.quiet) fmt::print("{}", fmt::join(lines, ""));
-  if (!args.json && unknown_gravity) notice("to distinguish h and v, {}", planes::kHowToGiveGravity);
+  if (!args.json && unknown_gravity)
+    notice("to distinguish h and v, {}", planes::kHowToGiveGravity);
   if (stop.stop_requested()) throw Cancelled();
   return 0;
 }
