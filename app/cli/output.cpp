@@ -137,6 +137,8 @@ void StagedOutput::commit() {
       const fs::path target = dir_ / relative;
       if (!fs::exists(staging_ / relative)) {
         fs::remove(target);
+        if (relative.has_parent_path() && fs::is_empty(target.parent_path()))
+          fs::remove(target.parent_path());
         continue;
       }
       fs::create_directories(target.parent_path());

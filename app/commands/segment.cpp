@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
@@ -121,6 +122,22 @@ std::string stream_line(int index, const Json& frame, const SegmentArgs& args) {
   return json_text(line, -1);
 }
 
+/// Removes what an earlier run wrote for frames that this one does not have.
+void remove_earlier_frames(const std::filesystem::path& dir,
+                           const std::set<std::filesystem::path>& frames,
+                           StagedOutput& output) {
+  std::vector<std::string> names = {"planes.json", "planes.png", "tracks.png", "cloud.ply",
+                                    "timings.json"};
+  for (const report::PlaneFormat& format : report::plane_formats()) names.push_back(format.file);
+  std::error_code absent;
+  for (const auto& entry : std::filesystem::directory_iterator(dir / "frames", absent)) {
+    const std::filesystem::path frame = std::filesystem::path("frames") / entry.path().filename();
+    if (frames.contains(frame)) continue;
+    for (const std::string& name : names)
+      if (std::filesystem::exists(dir / frame / name)) output.add_file(frame / name);
+  }
+}
+
 }  // namespace
 
 int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file) {
@@ -172,6 +189,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
                        output ? &*output : nullptr, in_file);
   };
   int written = 0;
+  std::set<std::filesystem::path> frames;
   const auto take = [&](int index, WrittenFrame&& frame) {
     if (!frame.refused.empty()) {
       if (stream) notice("refused: {}", frame.refused);
@@ -179,6 +197,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
       return;
     }
     ++written;
+    frames.insert(report::frame_folder(index));
     unknown_gravity |= frame.unknown_gravity;
     if (in_file) file->add(frame.messages);
     if (args.ros_json || (stream && !args.quiet)) {  // for whoever reads along
@@ -203,6 +222,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
         [&](std::size_t i, WrittenFrame&& frame) { take(input.frames[i], std::move(frame)); });
   }
   if (written == 0 && !refused.empty()) throw Error(refused.front());
+  if (output && !stop.stop_requested()) remove_earlier_frames(args.out, frames, *output);
   if (output) output->commit();
   if (in_file && written > 0) file->commit();
   json["refused"] = refused;
@@ -213,7 +233,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   if (!args.json && unknown_gravity)
     notice("to distinguish h and v, {}", planes::kHowToGiveGravity);
   if (stop.stop_requested()) throw Cancelled();
-  return 0;
+  return args.map.empty() || refused.empty() ? 0 : 2;
 }
 
 void define_segment(CLI::App& app, Line& line) {

@@ -182,6 +182,21 @@ TEST(Segment, FramesAreChosenAsPythonSlicesThem) {
   EXPECT_FALSE(std::filesystem::exists(dir / "none"));
 }
 
+TEST(Segment, FramesOfALongerRunAreRemovedButNotOtherFiles) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const auto segment = [&](const char* frames) {
+    well(run(segment_args(dir / "rec", dir / "out", {"--also", "csv", "--frames", frames})));
+  };
+  segment(":");
+  write_text(dir / "out/frames/000001/notes.txt", "kept");
+  segment("0");
+  EXPECT_TRUE(std::filesystem::exists(dir / "out/frames/000000/planes.json"));
+  EXPECT_FALSE(std::filesystem::exists(dir / "out/frames/000001/planes.json"));
+  EXPECT_TRUE(std::filesystem::exists(dir / "out/frames/000001/notes.txt"));
+  EXPECT_FALSE(std::filesystem::exists(dir / "out/frames/000002"));
+}
+
 TEST(Segment, AFrameWithoutDepthIsRefusedAndTheOthersAreDone) {
   const auto dir = scratch();
   const Image16 good = floor_and_wall();
