@@ -73,6 +73,8 @@ Target target_of(const RecastArgs& args, const OpenInput& input) {
         "{}: --to {} stores 16-bit counts, but its depth is in meters (32FC1), which would be "
         "rounded; expected ply or pcd",
         input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
+  if (fs::is_symlink(target.out) && !fs::exists(target.out))
+    throw Error(target.out.string() + ": is a link to nothing, expected a new name");
   if (fs::exists(target.out) && !(fs::is_directory(target.out) && fs::is_empty(target.out)))
     throw Error(target.out.string() + ": is there already, expected a new name");
   return target;
@@ -178,32 +180,27 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
   return written;
 }
 
-/// All frames in one file and what it cannot say beside it; neither is left where that fails.
+/// All frames in one file, with a sidecar for the facts that its format lacks.
 std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
                                              const Target& target,
+                                             StagedOutput& staged,
                                              bool same_data,
                                              int threads,
                                              const std::stop_token& stop) {
   const fs::path facts = target.out.string() + ".planescope.json";
   if (fs::exists(facts)) throw Error(facts.string() + ": is there already, expected a new name");
-  try {
-    std::vector<io::WrittenFrame> written;
-    if (target.form == Form::mcap) {
-      written = write_mcap(input, target.out, threads, stop);
-      io::write_recording_facts(facts, written);
-    } else {
-      written.push_back(
-          write_cloud(target.out, target.form, input.recording->frame(input.frames[0])));
-      io::write_frame_facts(facts, written);
-    }
-    check_written(input, target.out, same_data);
-    return written;
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(target.out, ignored);
-    fs::remove(facts, ignored);
-    throw;
+  const fs::path file = staged.add_file(target.out.filename());
+  const fs::path sidecar = staged.add_file(facts.filename());
+  std::vector<io::WrittenFrame> written;
+  if (target.form == Form::mcap) {
+    written = write_mcap(input, file, threads, stop);
+    io::write_recording_facts(sidecar, written);
+  } else {
+    written.push_back(write_cloud(file, target.form, input.recording->frame(input.frames[0])));
+    io::write_frame_facts(sidecar, written);
   }
+  check_written(input, file, same_data);
+  return written;
 }
 
 int run_convert(const RecastArgs& args, const std::stop_token& stop) {
@@ -225,7 +222,7 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   StagedOutput staged(parent);
   std::vector<io::WrittenFrame> frames(input.frames.size());
   if (target.one_file) {
-    frames = write_one_file(input, target, same_data, threads, stop);
+    frames = write_one_file(input, target, staged, same_data, threads, stop);
   } else {
     const fs::path dir = staged.add(target.out.filename());
     work_through(
