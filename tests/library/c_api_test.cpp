@@ -34,8 +34,8 @@ struct Floor {
     depth.gravity = gravity;
     for (int i = 0; i < 160 * 120; ++i) {
       const double down = (i / 160 - 59.5) / 120;
-      meters.push_back(down > 0.25 ? static_cast<float>(0.30 / down) : std::nanf(""));
       counts.push_back(down > 0.25 ? static_cast<std::uint16_t>(std::lround(300 / down)) : 0);
+      meters.push_back(down > 0.25 ? static_cast<float>(0.001 * counts.back()) : std::nanf(""));
     }
     depth.meters = meters.data();
   }
