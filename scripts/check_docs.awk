@@ -8,6 +8,7 @@ function newlines(s) { return gsub(/\n/, "", s) }
 
 function code(line, s,   commands, n, i) {
   if (s ~ /planescope(-lab)? [a-z]|scripts\/[a-z]|ctest /) command = 1
+  sub(/^[$>] /, "", s)  # the prompt of a session
   sub(/ #.*/, "", s)  # a comment
   sub(/  .*/, "", s)  # what a list of commands says beside one
   gsub(/[]["']/, "", s)

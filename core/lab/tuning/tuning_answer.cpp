@@ -83,7 +83,8 @@ std::string held_out_note(const TuningAnswer& answer) {
   const auto& unseen = answer.held_base.scores;
   if (seen.empty() || unseen.empty() || seen.size() > kFew) return "";
   const auto low = std::ranges::min_element(seen), worst = std::ranges::min_element(unseen);
-  if (*worst > *low - kClearlyWorse) return "";
+  if (*worst > *low - kClearlyWorse || gain_of(answer.held_tuned, answer.held_base).counts())
+    return "";
   return fmt::format(
       "The worst frame at the start, {} (PQ {:.2f}; the worst tuning frame is {}, PQ {:.2f}), is "
       "held out: the search never sees why it fails. Label more frames like it, or assign frames "

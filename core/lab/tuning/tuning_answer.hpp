@@ -29,8 +29,8 @@ struct TuningAnswer {
 
 /// One sentence: whether the tuned options gain on the held-out frames.
 std::string verdict(const TuningAnswer& answer);
-/// With few tuning frames: that the worst labeled frame is held out, so that the search cannot fix
-/// it. Otherwise empty.
+/// With few tuning frames and no gain on the held-out ones: that the worst labeled frame is held
+/// out, so that the search cannot fix it. Otherwise empty.
 std::string held_out_note(const TuningAnswer& answer);
 /// For a terminal.
 std::string tuning_text(const TuningAnswer& answer);
