@@ -76,8 +76,9 @@ std::vector<io::RosMessage> messages_of(const world::WorldMap& map) {
   for (const world::Track* track : world::planes_of_map(map.tracker)) {
     if (track->state != world::TrackState::alive) continue;
     outlines.push_back(world::outline_of(*track));
-    planes.push_back({track->id, plane_hue(track->id), fmt::format("T{}", track->id), in_segment("map", track->segment),
-                      track->fit.normal, track->centroid(), nullptr});
+    planes.push_back({track->id, plane_hue(track->id), fmt::format("T{}", track->id),
+                      in_segment("map", track->segment), track->fit.normal, track->centroid(),
+                      nullptr});
   }
   for (std::size_t i = 0; i < planes.size(); ++i) planes[i].outline = &outlines[i];
   const std::int64_t start_ns = ways.begin()->second.front().stamp_ns;
