@@ -11,6 +11,7 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
+#include "core/io/bag/message_log.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
 #include "support/needs_open3d.hpp"
@@ -331,4 +332,43 @@ TEST(Segment, AlsoWritesItsPlanesForOtherTools) {
   const Ran wrong = run(segment_args(dir / "rec", dir / "no", {"--also", "shapefile"}));
   EXPECT_NE(wrong.code, 0);
   EXPECT_TRUE(has(wrong.err, "planar-terrain"));
+}
+
+TEST(Segment, AnMcapFileHoldsTheRecordingAndReplacesNothing) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  well(run(segment_args(dir / "rec", dir / "planes.mcap")));
+  const auto before = io::open_recording(dir / "rec");
+  const auto after = io::open_recording(dir / "planes.mcap");
+  ASSERT_EQ(after->frame_count(), 2);
+  EXPECT_EQ(after->frame_hash(1), before->frame_hash(1));
+  EXPECT_EQ(after->frame(1).intrinsics, before->frame(1).intrinsics);
+  EXPECT_NEAR(after->timestamp_s(1), 1. / 30, 1e-9) << "frames without times come at 30 Hz";
+
+  const std::string bytes = read_text(dir / "planes.mcap");
+  const auto refused = [&](const std::filesystem::path& out, const std::string& why) {
+    expect_refused(run(segment_args(dir / "rec", out)), why);
+  };
+  refused(dir / "planes.mcap", "planes.mcap: is there already, expected a new name");
+  expect_refused(run(segment_args(dir / "planes.mcap", dir / "planes.mcap")), "is there already");
+  EXPECT_EQ(read_text(dir / "planes.mcap"), bytes);
+  refused(dir / "rec/planes.mcap", "is in the recording");
+  expect_refused(
+      run(segment_args(dir / "rec", dir / "x.mcap", {"--gravity", "0,1,0", "--also", "csv"})),
+      "--also: writes into the folder of -o DIR, but -o is a .mcap file");
+  expect_refused(run({"map", dir / "rec", "-o", dir / "x.mcap", "--window", "2"}),
+                 "-o FILE.mcap cannot be combined with");
+  EXPECT_EQ(files_below(dir / "rec").size(), before->frame_count() + 1u);
+  EXPECT_FALSE(std::filesystem::exists(dir / "x.mcap"));
+}
+
+TEST(Segment, AnMcapFileHasDepthInMetersWhereACountIsNoMillimeter) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  well(run(segment_args(dir / "rec", dir / "planes.mcap",
+                        {"--gravity", "0,1,0", "--depth-unit", "0.0002"})));
+  const auto log = io::open_message_log(dir / "planes.mcap");
+  const io::Message message = log->read(log->messages("/camera/depth/image_rect_raw").front());
+  const std::string image(reinterpret_cast<const char*>(message.bytes.data()), 100);
+  EXPECT_TRUE(has(image, "32FC1"));
 }

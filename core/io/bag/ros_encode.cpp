@@ -9,152 +9,20 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "core/io/ros_message.hpp"
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
 
-// Messages of packaging/ros2/planescope_msgs.
-#define PLANESCOPE_MESSAGES(X) X(Flight) X(Plane) X(PlaneArray) X(Ramp) X(Region) X(Step)
-#define PLANESCOPE_DECLARE(name)                         \
-  extern "C" const char planescope_asset_##name##_msg[]; \
-  extern "C" const char planescope_asset_##name##_msg_end[];
-PLANESCOPE_MESSAGES(PLANESCOPE_DECLARE)
+// packaging/ros2/ros_messages.txt and planescope_msgs: each definition below a line with its name.
+extern "C" const char planescope_asset_ros_messages_txt[];
+extern "C" const char planescope_asset_ros_messages_txt_end[];
 
 namespace planescope::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Definitions of ROS 2 Humble and later, without comments and constants; each behind its name.
-constexpr std::string_view kRosDefinitions = R"(
-MSG: builtin_interfaces/Duration
-int32 sec
-uint32 nanosec
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-MSG: geometry_msgs/Point
-float64 x
-float64 y
-float64 z
-MSG: geometry_msgs/Point32
-float32 x
-float32 y
-float32 z
-MSG: geometry_msgs/Polygon
-geometry_msgs/Point32[] points
-MSG: geometry_msgs/Pose
-geometry_msgs/Point position
-geometry_msgs/Quaternion orientation
-MSG: geometry_msgs/PoseStamped
-std_msgs/Header header
-geometry_msgs/Pose pose
-MSG: geometry_msgs/Quaternion
-float64 x
-float64 y
-float64 z
-float64 w
-MSG: geometry_msgs/Transform
-geometry_msgs/Vector3 translation
-geometry_msgs/Quaternion rotation
-MSG: geometry_msgs/TransformStamped
-std_msgs/Header header
-string child_frame_id
-geometry_msgs/Transform transform
-MSG: geometry_msgs/Vector3
-float64 x
-float64 y
-float64 z
-MSG: nav_msgs/Path
-std_msgs/Header header
-geometry_msgs/PoseStamped[] poses
-MSG: sensor_msgs/CameraInfo
-std_msgs/Header header
-uint32 height
-uint32 width
-string distortion_model
-float64[] d
-float64[9] k
-float64[9] r
-float64[12] p
-uint32 binning_x
-uint32 binning_y
-sensor_msgs/RegionOfInterest roi
-MSG: sensor_msgs/CompressedImage
-std_msgs/Header header
-string format
-uint8[] data
-MSG: sensor_msgs/Image
-std_msgs/Header header
-uint32 height
-uint32 width
-string encoding
-uint8 is_bigendian
-uint32 step
-uint8[] data
-MSG: sensor_msgs/PointCloud2
-std_msgs/Header header
-uint32 height
-uint32 width
-sensor_msgs/PointField[] fields
-bool is_bigendian
-uint32 point_step
-uint32 row_step
-uint8[] data
-bool is_dense
-MSG: sensor_msgs/PointField
-string name
-uint32 offset
-uint8 datatype
-uint32 count
-MSG: sensor_msgs/RegionOfInterest
-uint32 x_offset
-uint32 y_offset
-uint32 height
-uint32 width
-bool do_rectify
-MSG: std_msgs/ColorRGBA
-float32 r
-float32 g
-float32 b
-float32 a
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-MSG: tf2_msgs/TFMessage
-geometry_msgs/TransformStamped[] transforms
-MSG: visualization_msgs/Marker
-std_msgs/Header header
-string ns
-int32 id
-int32 type
-int32 action
-geometry_msgs/Pose pose
-geometry_msgs/Vector3 scale
-std_msgs/ColorRGBA color
-builtin_interfaces/Duration lifetime
-bool frame_locked
-geometry_msgs/Point[] points
-std_msgs/ColorRGBA[] colors
-string texture_resource
-sensor_msgs/CompressedImage texture
-visualization_msgs/UVCoordinate[] uv_coordinates
-string text
-string mesh_resource
-visualization_msgs/MeshFile mesh_file
-bool mesh_use_embedded_materials
-MSG: visualization_msgs/MarkerArray
-visualization_msgs/Marker[] markers
-MSG: visualization_msgs/MeshFile
-string filename
-uint8[] data
-MSG: visualization_msgs/UVCoordinate
-float32 u
-float32 v
-)";
 
 struct Definition {
   struct Field {
@@ -186,15 +54,13 @@ std::optional<Definition::Field> read_field(std::string line, const std::string&
 std::map<std::string, Definition> read_definitions() {
   std::map<std::string, Definition> all;
   Definition* now = nullptr;
-  for (const std::string& line : split(std::string(kRosDefinitions), '\n'))
+  for (const std::string& line :
+       split(std::string(planescope_asset_ros_messages_txt, planescope_asset_ros_messages_txt_end),
+             '\n'))
     if (line.starts_with("MSG: "))
       now = &all[line.substr(5)];
     else if (now)
       now->text += line + "\n";
-#define PLANESCOPE_TAKE(name)                                              \
-  all["planescope_msgs/" #name].text.assign(planescope_asset_##name##_msg, \
-                                            planescope_asset_##name##_msg_end);
-  PLANESCOPE_MESSAGES(PLANESCOPE_TAKE)
   for (auto& [type, definition] : all)
     for (const std::string& line : split(definition.text, '\n'))
       if (auto field = read_field(line, type.substr(0, type.find('/')))) {

@@ -1,10 +1,13 @@
 // Tests of ROS 2 bags, both SQLite and MCAP, whole and damaged.
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
+#include "core/io/ros_message.hpp"
+#include "support/has.hpp"
 #include "support/jpeg_bytes.hpp"
 #include "unit/io/bag_writer.hpp"
 #include "unit/io/support.hpp"
@@ -13,6 +16,7 @@ namespace planescope::io {
 namespace {
 
 using namespace testing_bags;
+using Json = nlohmann::ordered_json;
 
 class Ros2Bag : public testing::Test {
  protected:
@@ -483,4 +487,39 @@ TEST_F(Ros2Bag, ADamagedPageCostsWhatLiesThereOnly) {
 }
 
 }  // namespace
+TEST(RosMessage, IsEncodedByItsDefinition) {
+  const Json point = {{"x", 1.5}};  // y and z are 0
+  EXPECT_EQ(ros_message("p", "geometry_msgs/msg/Point", point).cdr.size(), 4 + 3 * 8);
+  const Json named = {{"name", "x"}, {"count", 1}};
+  EXPECT_EQ(ros_message("f", "sensor_msgs/msg/PointField", named).cdr, std::string("\0\1\0\0"
+                                                                                   "\2\0\0\0"
+                                                                                   "x\0\0\0"
+                                                                                   "\0\0\0\0"
+                                                                                   "\0\0\0\0"
+                                                                                   "\1\0\0\0",
+                                                                                   24));
+  EXPECT_TRUE(has(ros_definition("planescope_msgs/msg/PlaneArray"), "MSG: geometry_msgs/Point32"));
+}
+
+TEST(RosMessage, RefusesFieldsThatItsDefinitionLacks) {
+  const auto refusal = [](const char* type, const Json& json) {
+    try {
+      ros_message("topic", type, json);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refusal("geometry_msgs/msg/Point", {{"w", 1}}),
+            "geometry_msgs/msg/Point: the message has no field w");
+  EXPECT_EQ(refusal("geometry_msgs/msg/Point", {{"x", "1"}}),
+            "geometry_msgs/msg/Point.x is no float64");
+  EXPECT_EQ(refusal("sensor_msgs/msg/PointField", {{"datatype", 256}}),
+            "sensor_msgs/msg/PointField.datatype is no uint8");
+  EXPECT_EQ(refusal("sensor_msgs/msg/CameraInfo", {{"k", {1, 2}}}),
+            "sensor_msgs/msg/CameraInfo.k is no float64");
+  EXPECT_EQ(refusal("std_msgs/msg/String", {}),
+            "std_msgs/msg/String: this message is not supported");
+}
+
 }  // namespace planescope::io
