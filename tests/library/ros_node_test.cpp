@@ -20,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Node = rclcpp_lifecycle::LifecycleNode;
-constexpr const char* kDepth = "/camera/aligned_depth_to_color/";
 
 /// What the program writes for the sample without its color, which the node does not see.
 class PlanesFile {
@@ -38,13 +37,10 @@ class PlanesFile {
     const io::Message message = log_->read(log_->messages(topic).at(i));
     return {reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()};
   }
-  std::string depth(std::size_t i) const { return message(folder() + "image_raw", i); }
-  std::string info() const { return message(folder() + "camera_info", 0); }
+  std::string depth(std::size_t i) const { return message("/camera/depth/image_rect_raw", i); }
+  std::string info() const { return message("/camera/depth/camera_info", 0); }
 
  private:
-  std::string folder() const {
-    return log_->topics().contains(kDepth + std::string("image_raw")) ? kDepth : "/camera/depth/";
-  }
   std::unique_ptr<io::MessageLog> log_;
 };
 
