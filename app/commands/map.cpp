@@ -248,6 +248,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
     file->begin(messages_of(map));
     SegmentArgs segment;
     segment.input = input_args;
+    segment.input.inputs = {input.path};
     segment.map = dir;
     segment.quiet = true;
     run_segment(segment, stop, &*file);
