@@ -45,10 +45,7 @@ void show_finish(State& state,
   view.finish = std::move(edit);
 }
 
-using Finishing = labels::Finish (*)(const FrameLabels&,
-                                     const labels::LabelGrid&,
-                                     int,
-                                     const labels::WandOptions&);
+using Finishing = decltype(&labels::fill_holes);
 
 void drop_specks(State& state, const std::optional<double>& typed_cm2) {
   const LabelWork work = label_work(state);

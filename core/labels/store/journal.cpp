@@ -113,15 +113,31 @@ bool has_header(const fs::path& path, std::span<const unsigned char> bytes) {
 class Journal::BackgroundSync {
  public:
   /// Takes a descriptor of its own.
-  explicit BackgroundSync(const FileDescriptor& file);
+  explicit BackgroundSync(const FileDescriptor& file)
+      : file_(::fcntl(file.get(), F_DUPFD_CLOEXEC, 0)),
+        thread_([this](std::stop_token stop) { loop(stop); }) {}
 
   /// As soon as possible; requests that arrive in the meantime are combined.
-  void request();
+  void request() {
+    {
+      const std::lock_guard lock(mutex_);
+      wanted_ = true;
+    }
+    wake_.notify_one();
+  }
   /// The errno of the first request that failed, reported once, as the system does; 0: none failed.
   int take_error() { return error_.exchange(0); }
 
  private:
-  void loop(std::stop_token stop);
+  void loop(std::stop_token stop) {
+    std::unique_lock lock(mutex_);
+    while (wake_.wait(lock, stop, [this] { return wanted_; })) {
+      wanted_ = false;
+      lock.unlock();
+      if (int none = 0; ::fdatasync(file_.get()) != 0) error_.compare_exchange_strong(none, errno);
+      lock.lock();
+    }
+  }
 
   FileDescriptor file_;
   std::mutex mutex_;
@@ -130,28 +146,6 @@ class Journal::BackgroundSync {
   std::atomic<int> error_ = 0;
   std::jthread thread_;  // last: it uses all of the above
 };
-
-Journal::BackgroundSync::BackgroundSync(const FileDescriptor& file)
-    : file_(::fcntl(file.get(), F_DUPFD_CLOEXEC, 0)),
-      thread_([this](std::stop_token stop) { loop(stop); }) {}
-
-void Journal::BackgroundSync::request() {
-  {
-    const std::lock_guard lock(mutex_);
-    wanted_ = true;
-  }
-  wake_.notify_one();
-}
-
-void Journal::BackgroundSync::loop(std::stop_token stop) {
-  std::unique_lock lock(mutex_);
-  while (wake_.wait(lock, stop, [this] { return wanted_; })) {
-    wanted_ = false;
-    lock.unlock();
-    if (int none = 0; ::fdatasync(file_.get()) != 0) error_.compare_exchange_strong(none, errno);
-    lock.lock();
-  }
-}
 
 Journal::~Journal() = default;
 
