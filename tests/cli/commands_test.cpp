@@ -190,7 +190,7 @@ TEST(InstanceField, IsTheTruthThatItsNameSaysInsteadOfInstance) {
   const Ran by_truth =
       run({"eval", "--classifier", "truth", "--instance-field", "segment", dir / "tops.pcd"});
   EXPECT_EQ(by_truth.code, 2);
-  EXPECT_TRUE(has(by_truth.err, "needs ground truth labels"));
+  EXPECT_TRUE(has(by_truth.err, "requires ground truth labels"));
   for (const auto& [field, problem] :
        {std::pair{"nothing", "points have no field 'nothing'"}, {"half", "field 'half' has 0.5"}}) {
     expect_refused(eval(field), problem);

@@ -129,7 +129,7 @@ TEST(GivenPlanes, OfAnotherImageAreRefused) {
   EXPECT_EQ(refusal([](GivenPlanes& given) { given.plane_of.data[5] = 9; }),
             "stored planes contain plane 9, expected at most 2");
   frame.depth.at(100, 240) = 0;
-  EXPECT_NE(refusal([](GivenPlanes&) {}).find("do not lie on its depth"), std::string::npos);
+  EXPECT_NE(refusal([](GivenPlanes&) {}).find("do not match the depth"), std::string::npos);
 }
 
 }  // namespace
