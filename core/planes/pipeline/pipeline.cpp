@@ -60,7 +60,7 @@ Method parse_method(const std::string& text) {
     if (text == name) return method;
     if (!missing) known += (known.empty() ? "" : ", ") + std::string(name);
   }
-  throw Error("method '" + text + "' is unknown, expected one of  " + known);
+  throw Error("method '" + text + "' is unknown, expected one of " + known);
 }
 
 // ---- Classifiers ----
