@@ -156,10 +156,10 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
     std::vector<unsigned char> damaged = whole;
     damaged[at] ^= 1;
     write_file_bytes(part, damaged);
-    expect_refused(refusal({}), "000007.cbor: is damaged");
+    expect_refused(refusal({}), "000007.cbor: damaged");
   }
   write_file_text(part, "damaged");
-  expect_refused(refusal({}), "000007.cbor: is damaged");
+  expect_refused(refusal({}), "000007.cbor: damaged");
   fs::copy_file(part.parent_path() / "000008.cbor", part, fs::copy_options::overwrite_existing);
   expect_refused(refusal({}), "000007.cbor: holds frame 8, expected frame 7");
   fs::remove(part);
@@ -244,7 +244,7 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
   write_file_text(dir / "out" / "tracks.json", "{\"schema\": \"planescope.tracks/1\"}");
   expect_refused(segment({}), "tracks.json: ");
   fs::remove(dir / "out" / "map.json");
-  expect_refused(segment({}), "map.json: is missing");
+  expect_refused(segment({}), "map.json: missing");
 }
 
 TEST_F(Map, TellsWherePosesAreOfNoUse) {
