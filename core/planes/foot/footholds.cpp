@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/model/plane.hpp"
 #include "core/planes/outline/outline.hpp"
 #include "core/planes/outline/polygons.hpp"
 
@@ -19,14 +20,20 @@ namespace planescope::planes {
 
 namespace {
 
-// sigma_offset^2 = sigma^2 (kAlike / n + kOffsetBias^2), and of the tilts likewise, each over its
-// lever. n voxels are worth n / kAlike independent ones, as stereo errs alike over more than a
-// voxel. What all of a plane's voxels have in common does not average away: points that are another
-// surface's tilt it, and a floor between two layers of voxels is drawn to the middle of these.
-// Measured on synthetic frames with the errors of the D435 (docs/footholds.md).
+// Voxels and clouds: sigma_offset^2 = sigma^2 (kAlike / n + kOffsetBias^2), and the tilts likewise,
+// each over its lever. n voxels are worth n / kAlike independent ones. The constant parts do not
+// average out: points of other surfaces tilt a plane, and a floor between two layers of voxels is
+// drawn to their middle.
 constexpr double kAlike = 1.44;
 constexpr double kTiltBias = 0.07;
 constexpr double kOffsetBias = 0.18;
+// Pixels: so many next to each other share their error, and the bow is measured in squares of this
+// share of the image's width. Real depth has an error of 10 to 100 px that differs between sensors,
+// scenes and surfaces (docs/footholds.md).
+constexpr double kAlikePixels = 25;
+constexpr int kSquaresAcross = 12;
+// What remains of a plane without one square counts this much more, as it may be on a line.
+constexpr double kLeastRest = 0.01;
 
 /// Of a plane's voxels, on it.
 struct Extent {
@@ -42,6 +49,46 @@ struct Extent {
     yy += p.y() * p.y();
   }
 };
+
+/// Certainty of a plane that least squares found in inverse depth: the jackknife. Each square of
+/// the image moves the plane by its own errors, those of the bow and of other surfaces' pixels; the
+/// squares of these moves add up. Independent of the squares, pixels are noisy.
+void measure_by_squares(const FrameResult& result,
+                        const std::vector<PointRun>& runs,
+                        const PlaneFit& fit,
+                        Certainty& certainty) {
+  const Cloud& cloud = result.cloud;
+  const Pose T_camera_local = cloud.T_world_sensor.inverse();
+  const int side = std::max(1, cloud.width / kSquaresAcross), columns = cloud.width / side + 1;
+  std::vector<InverseSums> squares(static_cast<std::size_t>(columns) * (cloud.height / side + 1));
+  for (const PointRun& run : runs)
+    for (std::size_t i = run.begin; i < run.end; ++i) {
+      const int x = static_cast<int>(cloud.source[i]) % cloud.width;
+      const int y = static_cast<int>(cloud.source[i]) / cloud.width;
+      const Vec3d p = T_camera_local * (cloud.points[i].cast<double>() + cloud.origin);
+      squares[y / side * columns + x / side].add(p / p.z(), 1 / p.z());
+    }
+  InverseSums all;
+  for (const InverseSums& square : squares) all += square;
+  if (all.count <= 3) return;
+  const planescope::InversePlane plane = all.fit();
+  const Mat3d rr = all.rr() + 1e-9 * all.rr().trace() * Mat3d::Identity();
+  const double sigma = std::max(result.segmentation.noise.growth_per_m, plane.rms);
+  Mat3d covariance = kAlikePixels * sigma * sigma * rr.inverse();
+  for (const InverseSums& square : squares) {
+    if (square.count == 0) continue;
+    const Vec3d error = square.rw() - square.rr() * plane.w_of_ray;
+    const Vec3d move = ((1 + kLeastRest) * rr - square.rr()).ldlt().solve(error);
+    covariance += move * move.transpose();
+  }
+  // w = normal / offset, in the camera's axes: what it changes by, a plane tilts and moves.
+  const auto sigma_along = [&](const Vec3d& v) {
+    return std::sqrt(v.dot(covariance * v)) / plane.w_of_ray.norm();
+  };
+  for (int i = 0; i < 2; ++i)
+    certainty.sigma_tilt_rad[i] = sigma_along(T_camera_local.linear() * certainty.axes[i]);
+  certainty.sigma_offset_m = sigma_along(T_camera_local * (fit.centroid + cloud.origin));
+}
 
 }  // namespace
 
@@ -74,6 +121,7 @@ std::vector<Certainty> certainties_of(const FrameResult& result) {
         result.voxels.points[i].cast<double>() - segmentation.planes[id - 1].fit.centroid;
     extents[id - 1].add({basis.u.dot(at), basis.v.dot(at)});
   }
+  const auto runs = runs_of_planes(result);
   std::vector<Certainty> certainties(n);
   for (std::size_t k = 0; k < n; ++k) {
     const PlaneFit& fit = segmentation.planes[k].fit;
@@ -102,6 +150,7 @@ std::vector<Certainty> certainties_of(const FrameResult& result) {
     certainty.axes[1] = -std::sin(angle) * bases[k].u + std::cos(angle) * bases[k].v;
     for (int i = 0; i < 2; ++i)
       certainty.sigma_tilt_rad[i] = sigma_m(kTiltBias) / std::sqrt(std::max(1e-12, spread_m2[i]));
+    if (result.of_pixels) measure_by_squares(result, runs[k], fit, certainty);
   }
   return certainties;
 }
