@@ -30,7 +30,7 @@ constexpr double kOffsetBias = 0.18;
 // Pixels: so many next to each other share their error, and the bow is measured in squares of this
 // share of the image's width. Real depth has an error of 10 to 100 px that differs between sensors,
 // scenes and surfaces (docs/footholds.md).
-constexpr double kAlikePixels = 25;
+constexpr double kAlikePixels = 15;
 constexpr int kSquaresAcross = 12;
 // What remains of a plane without one square counts this much more, as it may be on a line.
 constexpr double kLeastRest = 0.01;
