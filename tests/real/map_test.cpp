@@ -143,7 +143,7 @@ double percent_within(const io::Recording& recording,
 }
 
 // Of a D400 and of a Kinect. Neighbors at 30 Hz share errors, so more than 95 % are within; each
-// third frame shares fewer.
+// third frame shares fewer. Among 60 frames the share varies by 6 %: all are measured.
 TEST_F(RealCertainty, CoversTheChangeOfAnglesBetweenPlanes) {
   lab::Reading reading;
   reading.recording.intrinsics = {383.8, 383.8, 321.7, 236.8};
@@ -154,8 +154,8 @@ TEST_F(RealCertainty, CoversTheChangeOfAnglesBetweenPlanes) {
   const auto desk = io::open_recording(data / "tum_fr1_rpy_kinect_640x480");
   lab::Reading of_desk;
   of_desk.max_range_m = 4;
-  EXPECT_GE(percent_within(*desk, of_desk, 60, 1), 93);
-  EXPECT_NEAR(percent_within(*desk, of_desk, 60, 3), 95, 3);
+  EXPECT_GE(percent_within(*desk, of_desk, 0, 1), 93);
+  EXPECT_NEAR(percent_within(*desk, of_desk, 0, 3), 95, 2);
 }
 
 double off_deg(const Gravity& gravity, const CameraPose& pose) {

@@ -20,10 +20,10 @@ namespace planescope::planes {
 
 namespace {
 
-// Voxels and clouds: sigma_offset^2 = sigma^2 (kAlike / n + kOffsetBias^2), and the tilts likewise,
-// each over its lever. n voxels are worth n / kAlike independent ones. The constant parts do not
-// average out: points of other surfaces tilt a plane, and a floor between two layers of voxels is
-// drawn to their middle.
+// Voxels, clouds and what changes between frames: sigma_offset^2 = sigma^2 (kAlike / n +
+// kOffsetBias^2), and the tilts likewise, each over its lever. n voxels are worth n / kAlike
+// independent ones. The constant parts do not average out: points of other surfaces tilt a plane,
+// and a floor between two layers of voxels is drawn to their middle.
 constexpr double kAlike = 1.44;
 constexpr double kTiltBias = 0.07;
 constexpr double kOffsetBias = 0.18;
@@ -106,7 +106,7 @@ Mat3d Certainty::covariance(const Vec3d& centroid) const {
   return covariance;
 }
 
-std::vector<Certainty> certainties_of(const FrameResult& result) {
+std::vector<Certainty> certainties_of(const FrameResult& result, bool against_truth) {
   const Segmentation& segmentation = result.segmentation;
   const std::size_t n = segmentation.planes.size();
   std::vector<PlaneBasis> bases;
@@ -150,7 +150,7 @@ std::vector<Certainty> certainties_of(const FrameResult& result) {
     certainty.axes[1] = -std::sin(angle) * bases[k].u + std::cos(angle) * bases[k].v;
     for (int i = 0; i < 2; ++i)
       certainty.sigma_tilt_rad[i] = sigma_m(kTiltBias) / std::sqrt(std::max(1e-12, spread_m2[i]));
-    if (result.of_pixels) measure_by_squares(result, runs[k], fit, certainty);
+    if (result.of_pixels && against_truth) measure_by_squares(result, runs[k], fit, certainty);
   }
   return certainties;
 }

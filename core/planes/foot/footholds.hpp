@@ -27,8 +27,9 @@ struct Certainty {
   Mat3d covariance(const Vec3d& centroid) const;
 };
 
-/// One for each plane, by id - 1.
-std::vector<Certainty> certainties_of(const FrameResult& result);
+/// One for each plane, by id - 1. Not `against_truth`: of what differs between frames of a
+/// recording, which share most of the sensor's low-frequency error; tracks compare planes by that.
+std::vector<Certainty> certainties_of(const FrameResult& result, bool against_truth = true);
 
 struct Surface {
   double slope_deg = 0;     // against the horizontal; NaN: gravity is not known
