@@ -28,7 +28,7 @@ struct Certainty {
 };
 
 /// One for each plane, by id - 1. Not `against_truth`: of what differs between frames of a
-/// recording, which share most of the sensor's low-frequency error; tracks compare planes by that.
+/// recording, which share some of the sensor's low-frequency error; tracks compare planes by that.
 std::vector<Certainty> certainties_of(const FrameResult& result, bool against_truth = true);
 
 struct Surface {
