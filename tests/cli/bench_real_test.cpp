@@ -77,7 +77,9 @@ TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
   PLANESCOPE_NEEDS_OPEN3D();
   const fs::path dir = scratch();
   write_labelled(dir);
-  write_depth_folder(dir / "data/aims_slam_realsense_640x480", floor_and_wall_640x480(), 3);
+  for (const char* name : {"aims_slam_realsense_640x480", "tum_fr1_rpy_kinect_640x480"})
+    write_depth_folder(dir / "data" / name, floor_and_wall_640x480(), 4);
+  write_text(dir / "data/tum_fr1_rpy_kinect_640x480/gravity.json", "{\"gravity\": [0, 1, 0]}");
   std::vector<std::string> args = frames_args(dir);
   const auto measure = [&](const char* only, const char* count, const char* threads) {
     args[4] = only;

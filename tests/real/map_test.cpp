@@ -1,4 +1,5 @@
-// Tracks and gravity over real recordings ($PLANESCOPE_DATA): what was reached there is held here.
+// Tracks, gravity and certainty over real recordings ($PLANESCOPE_DATA): what was reached there is
+// held here.
 
 #include <gtest/gtest.h>
 
@@ -11,6 +12,7 @@
 
 #include "core/io/recording.hpp"
 #include "core/lab/experiments/measure_map.hpp"
+#include "core/lab/experiments/measure_real.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
@@ -31,6 +33,7 @@ struct RealMap : testing::Test {
   }
 };
 using RealGravity = RealMap;
+using RealCertainty = RealMap;
 
 // The slow pan through a lab, poses by odometry.
 TEST_F(RealMap, FloorAndWallOfAPanAreATrackEach) {
@@ -114,6 +117,46 @@ TEST_F(RealMap, OfACabinetHasTheFloorAndEachFaceOnce) {
     EXPECT_LE(face.angle_deg, 2) << face.name;
   }
   EXPECT_EQ(score.elsewhere, 0);
+}
+
+/// % of the angles between two planes that change by at most 2 sigma in so many frames.
+double percent_within(const io::Recording& recording,
+                      const lab::Reading& reading,
+                      int count,
+                      int step) {
+  const planes::PipelineOptions options;
+  lab::CellTools tools;
+  tools.gcn = planes::make_classifier(options, std::filesystem::path(PLANESCOPE_SOURCE_DIR) /
+                                                   "assets" / "classifier.safetensors")
+                  .classifier;
+  tools.threads = 2;
+  const std::vector<lab::CellKey> ours = {lab::with_ours({}, "refined", "gcn")};
+  const std::vector<lab::RepeatScores> scores =
+      lab::measure_repeat(recording, reading, ours, count, step, tools);
+  double within = 0, all = 0;
+  for (const lab::Neighbours& pair : scores[0].neighbours)
+    for (const double change : pair.angle_jumps_sigmas) {
+      within += std::abs(change) <= 2;
+      ++all;
+    }
+  EXPECT_GE(all, 100);
+  return 100 * within / all;
+}
+
+// Of a D400 and of a Kinect. Neighbors at 30 Hz share errors, so more than 95 % are within; each
+// third frame shares fewer.
+TEST_F(RealCertainty, CoversTheChangeOfAnglesBetweenPlanes) {
+  lab::Reading reading;
+  reading.recording.intrinsics = {383.8, 383.8, 321.7, 236.8};
+  reading.gravity = {planes::GravityMode::fixed, Vec3d(0.168, 0.925, 0.341)};
+  reading.max_range_m = 4;
+  const auto pan = io::open_recording(data / "aims_slam_realsense_640x480", reading.recording);
+  EXPECT_GE(percent_within(*pan, reading, 0, 1), 91);
+  const auto desk = io::open_recording(data / "tum_fr1_rpy_kinect_640x480");
+  lab::Reading of_desk;
+  of_desk.max_range_m = 4;
+  EXPECT_GE(percent_within(*desk, of_desk, 100, 1), 93);
+  EXPECT_NEAR(percent_within(*desk, of_desk, 100, 3), 95, 2);
 }
 
 double off_deg(const Gravity& gravity, const CameraPose& pose) {

@@ -27,8 +27,6 @@ std::vector<CellKey> methods_with(const std::vector<std::string>& profiles) {
   return methods;
 }
 
-std::vector<CellKey> real_methods() { return methods_with({"refined", "paper", "paper-closest"}); }
-
 std::vector<planes::Metrics> score_by_pixel(const EvaluationFrame& frame,
                                             std::span<const CellKey> methods,
                                             const Labellers& labellers,
@@ -57,6 +55,8 @@ struct Seen {
 };
 
 }  // namespace
+
+std::vector<CellKey> real_methods() { return methods_with({"refined", "paper", "paper-closest"}); }
 
 EvaluationFrame read_listed(const ListedFrame& listed,
                             const std::filesystem::path& data,
@@ -109,10 +109,11 @@ std::vector<MethodScores> measure_set(const CellKey& set,
 
 std::vector<RepeatScores> measure_repeat(const io::Recording& recording,
                                          const Reading& reading,
+                                         std::span<const CellKey> methods,
                                          int count,
+                                         int step,
                                          const CellTools& tools,
                                          const std::function<void(int, int)>& progress) {
-  const std::vector<CellKey> methods = real_methods();
   int frames = recording.frame_count();
   if (count > 0) frames = std::min(frames, count);
   const auto measure = [&](int i) {
@@ -132,8 +133,8 @@ std::vector<RepeatScores> measure_repeat(const io::Recording& recording,
   for (std::size_t m = 0; m < methods.size(); ++m) {
     RepeatScores& scores = result.emplace_back();
     scores.method = methods[m];
-    for (std::size_t i = 0; i + 1 < seen[m].size(); ++i)
-      scores.neighbours.push_back(compare_neighbours(seen[m][i].planes, seen[m][i + 1].planes));
+    for (std::size_t i = 0; i + step < seen[m].size(); ++i)
+      scores.neighbours.push_back(compare_neighbours(seen[m][i].planes, seen[m][i + step].planes));
     for (const Seen& frame : seen[m]) scores.floor.push_back(frame.floor);
   }
   return result;

@@ -67,8 +67,11 @@ EvaluationFrame read_listed(const ListedFrame& listed,
 // All are the same for any number of threads. `progress(done, all)` may be empty and may throw to
 // stop.
 
-/// Ours in its profiles and with either labeller, and every other method of this build with its
-/// defaults. `frames[i]` is what was read of `listed[i]`.
+/// Ours in its profiles, refined without each term of its objective, and every other method of this
+/// build with its defaults.
+std::vector<CellKey> real_methods();
+
+/// real_methods(). `frames[i]` is what was read of `listed[i]`.
 std::vector<MethodScores> measure_labelled(std::span<const ListedFrame> listed,
                                            std::span<const EvaluationFrame> frames,
                                            const CellTools& tools,
@@ -142,14 +145,16 @@ FloorPieces floor_pieces(std::span<const std::uint8_t> floor, const PixelPlanes&
 /// Of a method on frames of a recording.
 struct RepeatScores {
   CellKey method;
-  std::vector<Neighbours> neighbours;  // frames i and i + 1
+  std::vector<Neighbours> neighbours;  // frames i and i + step
   std::vector<FloorPieces> floor;      // by frame
 };
-/// The methods of measure_labelled() on the first `count` frames of a recording, 0: all that it
-/// has.
+/// On the first `count` frames of a recording, 0: all that it has. Each is compared with the one
+/// `step` frames later.
 std::vector<RepeatScores> measure_repeat(const io::Recording& recording,
                                          const Reading& reading,
+                                         std::span<const CellKey> methods,
                                          int count,
+                                         int step,
                                          const CellTools& tools,
                                          const std::function<void(int, int)>& progress = {});
 

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/model/plane.hpp"
 #include "core/planes/outline/outline.hpp"
 #include "core/planes/outline/polygons.hpp"
 
@@ -19,14 +20,21 @@ namespace planescope::planes {
 
 namespace {
 
-// sigma_offset^2 = sigma^2 (kAlike / n + kOffsetBias^2); for the tilts the same, divided by the
-// squared lever arm. n voxels are worth n / kAlike independent ones, because stereo errors are
-// correlated over more than a voxel. Errors common to all voxels do not average out: points of
-// another surface tilt the plane, and a floor between two layers of voxels shifts to their middle.
-// Measured on synthetic frames with the errors of the D435 (docs/footholds.md).
+// Voxels, clouds and the part that changes between frames: sigma_offset^2 = sigma^2 (kAlike / n +
+// kOffsetBias^2); for the tilts the same, divided by the squared lever arm. n voxels are worth
+// n / kAlike independent ones, because stereo errors are correlated over more than a voxel. Errors
+// common to all voxels do not average out: points of another surface tilt the plane, and a floor
+// between two layers of voxels shifts to their middle.
 constexpr double kAlike = 1.44;
 constexpr double kTiltBias = 0.07;
 constexpr double kOffsetBias = 0.18;
+// Depth images: kAlikePixels neighboring pixels share their noise, and the bow is measured in
+// squares of 1/kSquaresAcross of the image's width. Real depth has an error with a correlation
+// length of 10 to 100 px that differs between sensors, scenes and surfaces (docs/footholds.md).
+constexpr double kAlikePixels = 15;
+constexpr int kSquaresAcross = 12;
+// Regularizes the fit without one square: the remaining pixels may be on a line.
+constexpr double kLeastRest = 0.01;
 
 /// Sums over a plane's voxels, in plane coordinates.
 struct Extent {
@@ -42,6 +50,46 @@ struct Extent {
     yy += p.y() * p.y();
   }
 };
+
+/// Certainty of a plane fitted in inverse depth, by the jackknife: the plane is refitted without
+/// each square of the image in turn, and the squared changes add up. They contain the sensor's bow
+/// and pixels of other surfaces. The independent noise of pixels is added.
+void measure_by_squares(const FrameResult& result,
+                        const std::vector<PointRun>& runs,
+                        const PlaneFit& fit,
+                        Certainty& certainty) {
+  const Cloud& cloud = result.cloud;
+  const Pose T_camera_local = cloud.T_world_sensor.inverse();
+  const int side = std::max(1, cloud.width / kSquaresAcross), columns = cloud.width / side + 1;
+  std::vector<InverseSums> squares(static_cast<std::size_t>(columns) * (cloud.height / side + 1));
+  for (const PointRun& run : runs)
+    for (std::size_t i = run.begin; i < run.end; ++i) {
+      const int x = static_cast<int>(cloud.source[i]) % cloud.width;
+      const int y = static_cast<int>(cloud.source[i]) / cloud.width;
+      const Vec3d p = T_camera_local * (cloud.points[i].cast<double>() + cloud.origin);
+      squares[y / side * columns + x / side].add(p / p.z(), 1 / p.z());
+    }
+  InverseSums all;
+  for (const InverseSums& square : squares) all += square;
+  if (all.count <= 3) return;
+  const planescope::InversePlane plane = all.fit();
+  const Mat3d rr = all.rr() + 1e-9 * all.rr().trace() * Mat3d::Identity();
+  const double sigma = std::max(result.segmentation.noise.growth_per_m, plane.rms);
+  Mat3d covariance = kAlikePixels * sigma * sigma * rr.inverse();
+  for (const InverseSums& square : squares) {
+    if (square.count == 0) continue;
+    const Vec3d error = square.rw() - square.rr() * plane.w_of_ray;
+    const Vec3d move = ((1 + kLeastRest) * rr - square.rr()).ldlt().solve(error);
+    covariance += move * move.transpose();
+  }
+  // Changes of w = normal / offset (camera frame) give the plane's tilt and offset.
+  const auto sigma_along = [&](const Vec3d& v) {
+    return std::sqrt(v.dot(covariance * v)) / plane.w_of_ray.norm();
+  };
+  for (int i = 0; i < 2; ++i)
+    certainty.sigma_tilt_rad[i] = sigma_along(T_camera_local.linear() * certainty.axes[i]);
+  certainty.sigma_offset_m = sigma_along(T_camera_local * (fit.centroid + cloud.origin));
+}
 
 }  // namespace
 
@@ -59,7 +107,7 @@ Mat3d Certainty::covariance(const Vec3d& centroid) const {
   return covariance;
 }
 
-std::vector<Certainty> certainties_of(const FrameResult& result) {
+std::vector<Certainty> certainties_of(const FrameResult& result, bool against_truth) {
   const Segmentation& segmentation = result.segmentation;
   const std::size_t n = segmentation.planes.size();
   std::vector<PlaneBasis> bases;
@@ -74,6 +122,7 @@ std::vector<Certainty> certainties_of(const FrameResult& result) {
         result.voxels.points[i].cast<double>() - segmentation.planes[id - 1].fit.centroid;
     extents[id - 1].add({basis.u.dot(at), basis.v.dot(at)});
   }
+  const auto runs = runs_of_planes(result);
   std::vector<Certainty> certainties(n);
   for (std::size_t k = 0; k < n; ++k) {
     const PlaneFit& fit = segmentation.planes[k].fit;
@@ -102,6 +151,7 @@ std::vector<Certainty> certainties_of(const FrameResult& result) {
     certainty.axes[1] = -std::sin(angle) * bases[k].u + std::cos(angle) * bases[k].v;
     for (int i = 0; i < 2; ++i)
       certainty.sigma_tilt_rad[i] = sigma_m(kTiltBias) / std::sqrt(std::max(1e-12, spread_m2[i]));
+    if (result.of_pixels && against_truth) measure_by_squares(result, runs[k], fit, certainty);
   }
   return certainties;
 }

@@ -28,8 +28,9 @@ struct Certainty {
   Mat3d covariance(const Vec3d& centroid) const;
 };
 
-/// One per plane, by id - 1.
-std::vector<Certainty> certainties_of(const FrameResult& result);
+/// One per plane, by id - 1. `against_truth` includes the sensor's low-frequency error; without it,
+/// the result is what differs between frames of a recording, by which tracks compare planes.
+std::vector<Certainty> certainties_of(const FrameResult& result, bool against_truth = true);
 
 struct Surface {
   double slope_deg = 0;     // angle from the horizontal; NaN if gravity is unknown

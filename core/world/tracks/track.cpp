@@ -130,7 +130,8 @@ ObservedFrame observe(const Frame& frame,
   // A frame's own world is upright and relative to the camera: it maps to ours by a rotation about
   // z and a translation.
   const Pose T_world_local = T_world_camera * result.cloud.T_world_sensor.inverse();
-  const std::vector<planes::Certainty> certainties = planes::certainties_of(result);
+  const std::vector<planes::Certainty> certainties =
+      planes::certainties_of(result, /*against_truth=*/false);
   for (const planes::PlaneRegion& region : result.segmentation.planes) {
     ObservedPlane& plane = seen.planes.emplace_back();
     plane.id = region.id;
