@@ -91,7 +91,7 @@ struct Map {
   std::string map_json, tracks_json, poses_tum;  // as `planescope map` writes them, byte by byte
   std::vector<int> pose_frames;                  // whose pose is known
   std::vector<Transform> T_world_camera;         // of these
-  std::vector<std::string> told;                 // what was odd, one line each
+  std::vector<std::string> warnings;             // one line each
   // By frame, the file planes/000000.png: 16 bit, per pixel the id of the plane that `tracks_json`
   // counts. Empty for methods that do not find planes on pixels: those find the same ones again.
   std::map<int, std::string> planes_png;
