@@ -104,7 +104,8 @@ TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
             "depth image: distortion -7; expected a planescope_distortion, 0 to 2");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.unit_m = -1; }),
             "depth image: -1 m per count, expected above 0 and at most 1");
-  EXPECT_EQ(error_of([](Floor& f) { f.gravity[1] = 0; }), "gravity: 0, 0, 0, expected a direction that is not zero");
+  EXPECT_EQ(error_of([](Floor& f) { f.gravity[1] = 0; }),
+            "gravity: 0, 0, 0, expected a direction that is not zero");
 
   const planescope_option unknown[] = {{"theta_n_ou", "3"}}, no_value[] = {{"profile", nullptr}};
   EXPECT_EQ(planescope_segmenter_create(unknown, 1, 1), nullptr);

@@ -167,9 +167,10 @@ TEST(Library, SaysWhatIsWrongInOneLine) {
   EXPECT_EQ(with([](auto& i) { i.counts = nullptr; }), "depth image: it has no pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.fx = 0; }),
             "depth image: focal length 0, 300 px, expected above 0");
-  EXPECT_EQ(with([](auto& i) { i.camera.fx = i.camera.fy = 1; }),
-            "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 "
-            "degrees; expected fx, fy, cx and cy in pixels");
+  EXPECT_EQ(
+      with([](auto& i) { i.camera.fx = i.camera.fy = 1; }),
+      "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 "
+      "degrees; expected fx, fy, cx and cy in pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.width = -1; }),
             "depth image: it is -1x240 pixels, expected 1 to 16384 each");
   EXPECT_EQ(with([](auto& i) { i.unit_m = 1000; }),
