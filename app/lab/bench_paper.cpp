@@ -51,8 +51,7 @@ struct BenchPaperArgs {
   bool resume = false;
   int threads = all_cores();
   std::filesystem::path out;  // -o
-  std::string same_command;   // reproduces the results; without folders, which depend on the
-                              // machine
+  std::string same_command;   // reproduces the results; without folder names
 };
 
 // ---- Measured cells ----

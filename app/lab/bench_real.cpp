@@ -38,7 +38,7 @@ struct BenchRealArgs {
   int count = 0;  // maximum frames per set, and of repeat's recording; 0: all
   int threads = all_cores();
   fs::path out;              // -o; empty: stdout
-  std::string same_command;  // reproduces the results; without folders, which depend on the machine
+  std::string same_command;  // reproduces the results; without folder names
 };
 
 /// A recording for which consecutive frames are compared.
