@@ -15,7 +15,7 @@
 
 namespace planescope::app {
 
-/// Whether -o is such a file rather than a folder.
+/// Whether -o names an .mcap file rather than a folder.
 bool is_planes_file(const std::filesystem::path& out);
 
 /// The messages of one frame.

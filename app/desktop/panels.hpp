@@ -65,7 +65,7 @@ void draw_fix_progress(const Ui& ui, const FixSearch& fix);
 /// search.
 bool draw_try(const Ui& ui);
 /// Explains why the selected point is in no plane or in the wrong one: the decisions, and changes
-/// that would fix them. Draws nothing without such a question.
+/// that would fix them. Draws nothing otherwise.
 void draw_answer(const Ui& ui);
 
 // Required settings and assumptions of a recording (panels/setup.cpp).

@@ -320,7 +320,7 @@ struct Clicked {
   enum class On : std::uint8_t { nothing, pixel, voxel, plane } on = On::nothing;
   Pixel pixel = {};
   std::int32_t index = -1;  // voxel, or plane of the trace
-  std::string why = {};     // reason why text that matches nothing is a click on nothing
+  std::string why = {};     // reason for text that matches nothing
 };
 /// The desired result for the selected point. Text: "plane", "own", "none" or "with VOXEL".
 struct PointWish {

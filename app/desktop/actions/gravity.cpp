@@ -16,8 +16,8 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr double kLeastArea_m2 = 0.01;   // minimum for a direction within one degree ...
-constexpr double kMostRoughness = 0.04;  // ... as is this maximum ratio of RMS to size
+constexpr double kLeastArea_m2 = 0.01;   // minimum for a direction within a degree
+constexpr double kMostRoughness = 0.04;  // likewise, maximum RMS as a fraction of the size
 constexpr double kMostTilt_deg = 60;     // warn about floors with a larger tilt
 
 /// A clicked surface; its unit normal faces the sensor, in sensor coordinates.

@@ -309,7 +309,7 @@ void add_step_actions(std::vector<Action>& all) {
            [](State& s, const debug::StepRange& range) { s.view.shown_steps = range; });
 }
 
-// ---- Filter, breakpoints, and running to events ----
+// ---- Filter, breakpoints, and running to events ------------------------------------------------
 
 namespace {
 

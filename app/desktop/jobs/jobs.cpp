@@ -19,7 +19,8 @@ namespace {
 
 using View = std::shared_ptr<const RunView>;
 
-/// If gravity has changed, the octrees differ, and nodes and voxels do not correspond.
+/// Whether world coordinates are equal. Otherwise, after a change of gravity, the octrees differ,
+/// and nodes and voxels do not correspond.
 bool same_world(const debug::Subject& a, const debug::Subject& b) {
   return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Background work: reading and processing frames, thumbnails, searches. The state says what is
-// wanted; pursue() starts missing work and collect() delivers results.
+// Background work: reading and processing frames, thumbnails, searches. The state describes
+// wanted work; pursue() starts missing work and collect() delivers results.
 
 #include <filesystem>
 #include <functional>

@@ -71,8 +71,8 @@ WidgetRect draw_flag(
   return {from, to};
 }
 
-/// Number of planes labeled in a frame of clouds, in label mode; otherwise, or if it was not
-/// opened, nullopt.
+/// Number of planes labeled in a frame of clouds, in label mode; nullopt in other modes and for
+/// unopened frames.
 std::optional<std::size_t> labeled_planes(const Ui& ui, int frame) {
   const labels::LabelStore* store = ui.state.document.current()->labels.get();
   const LabelFrame* shown = ui.state.label_frame();

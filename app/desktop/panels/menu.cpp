@@ -105,8 +105,7 @@ void draw_paths(const Ui& ui) {
     ui.name(fmt::format("palette.path.{}", i));
     if (!clicked && !(tab && i == 0)) continue;
     text = found[i];
-    ImGui::ClearActiveID();  // makes the box reload its text; it gets keyboard focus in the next
-                             // frame
+    ImGui::ClearActiveID();  // makes the box reload its text
   }
 }
 

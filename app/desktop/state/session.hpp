@@ -24,7 +24,7 @@ namespace planescope::desktop {
 /// Throws Error if the file cannot be written; an existing file is then unchanged.
 void save_session(const State& state, const std::filesystem::path& path);
 
-/// `where` is a file, or file#bookmark. The recording is searched at the session's path and beside
+/// `where` is a file, or file#bookmark. The recording is opened from the session's path or beside
 /// the session file. On failure, throws Error with the file and the problem and leaves the state
 /// unchanged: damaged JSON, a missing or different recording, an unknown option.
 void open_session(State& state, const std::string& where);
@@ -73,11 +73,11 @@ struct ReportLink {
 };
 
 /// Sets the options of the report for run B and those of its baseline for run A. The recording is
-/// searched among the open ones, at its typed path, beside the report, and relative to the report's
-/// folder and its parents: the first whose frame has the same SHA-256 is used. A damaged frame does
-/// not prevent showing the others. On failure, throws Error with the file and the problem and
-/// leaves the state unchanged: a location that is not in the report, or a different recording or
-/// weights.
+/// looked up among the open ones, at its typed path, beside the report, and relative to the
+/// report's folder and its parents: the first whose frame has the same SHA-256 is used. A damaged
+/// frame does not prevent showing the others. On failure, throws Error with the file and the
+/// problem and leaves the state unchanged: a location that is not in the report, or a different
+/// recording or weights.
 void open_report(State& state, const ReportLink& link);
 
 /// A location in a report, with the report's data about it.
