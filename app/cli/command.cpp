@@ -17,8 +17,8 @@
 namespace planescope::app {
 namespace {
 
-/// Says what is wrong with a text, empty where nothing is. A good one is written plainly: CLI11
-/// would read 010 as 8.
+/// Describes the error in `text`; empty if it is valid. A valid number is rewritten in plain
+/// decimal, because CLI11 would read 010 as octal 8.
 template <typename Value>
 std::string refusal(std::string& text, const char* kind, Value least, Value most) {
   Value value{};

@@ -1,4 +1,4 @@
-// planescope convert: a recording in another form, depth unchanged to the bit.
+// planescope convert: writes a recording in another format; depth stays bit-identical.
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ constexpr const char* kForms[] = {"folder", "tum", "mcap", "ply", "pcd"};
 struct RecastArgs {
   InputArgs input;
   fs::path out;
-  std::optional<Form> form;  // nothing: by the ending of `out`
+  std::optional<Form> form;  // empty: derived from the extension of `out`
 };
 
 bool is_cloud_form(Form form) { return form == Form::ply || form == Form::pcd; }
@@ -37,11 +37,11 @@ Form form_called(const std::string& name) {
   throw Error(fmt::format("--to {}, expected folder, tum, mcap, ply or pcd", name));
 }
 
-/// Where it is written, and as what.
+/// Output path and format.
 struct Target {
   fs::path out;
   Form form = Form::folder;
-  bool one_file = false;  // `out` is a file, of one cloud or of all frames
+  bool one_file = false;  // `out` is one file, with one cloud or all frames
 };
 
 Target target_of(const RecastArgs& args, const OpenInput& input) {
@@ -80,7 +80,7 @@ Target target_of(const RecastArgs& args, const OpenInput& input) {
   return target;
 }
 
-/// The measured points of a depth image, in the sensor's frame.
+/// Measured points of a depth image in sensor coordinates.
 PointSet points_of(const Frame& frame) {
   if (frame.cloud) return *frame.cloud;
   const labels::LabelGrid grid = labels::make_label_grid(frame, Gravity{});
@@ -94,7 +94,7 @@ PointSet points_of(const Frame& frame) {
   return set;
 }
 
-/// A cloud, and what it cannot say itself.
+/// Writes a cloud and returns the facts that its format cannot store.
 io::WrittenFrame write_cloud(const fs::path& path, Form form, const Frame& frame) {
   const PointSet points = points_of(frame);
   write_file_bytes(path, form == Form::ply ? io::ply_bytes(points) : io::pcd_bytes(points));
@@ -117,14 +117,14 @@ void write_facts(Form form, const fs::path& dir, const std::vector<io::WrittenFr
                          frames);
 }
 
-/// Where the clouds have the axes of a camera, which their files cannot say.
+/// Warns if the clouds have camera axes, which their format cannot express.
 void warn_of_axes(const OpenInput& input, const io::WrittenFrame& written) {
   const Frame frame = input.recording->frame(input.frames[0]);
   if (!written.facts.gravity && (!frame.is_cloud() || frame.cloud->optical))
     notice("gravity is not known: z of the clouds is where the camera looks, not up");
 }
 
-/// Reads what was written. Throws Error where a frame is missing or its depth is another.
+/// Reads the output back. Throws Error if a frame is missing or its depth differs.
 void check_written(const OpenInput& input, const fs::path& dir, bool same_data) {
   const auto written = io::open_recording(dir);
   if (written->frame_count() != static_cast<int>(input.frames.size()))
@@ -138,7 +138,7 @@ void check_written(const OpenInput& input, const fs::path& dir, bool same_data) 
           fmt::format("{}: frame {} is not the same as it was written", dir.string(), from));
 }
 
-/// Label files of the frames, numbered anew. Returns how many there are.
+/// Copies the label files of the frames with new numbers. Returns their number.
 int copy_labels(const OpenInput& input, const fs::path& name, StagedOutput& staged) {
   if (!fs::exists(input.label_dir)) return 0;
   const fs::path to = staged.add(name);
@@ -154,7 +154,7 @@ int copy_labels(const OpenInput& input, const fs::path& name, StagedOutput& stag
   return copied;
 }
 
-/// All frames, in their order.
+/// Writes all frames in order.
 std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
                                          const fs::path& path,
                                          int threads,
@@ -166,7 +166,7 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
         "convert", input.frames, threads, stop,
         [&](std::size_t i) { return input.recording->frame(input.frames[i]); },
         [&](std::size_t i, Frame&& frame) {
-          // Depth counts stay as they are, whatever their unit: the sidecar tells it.
+          // Keep depth counts; their unit goes into the sidecar.
           const std::int64_t stamp_ns = io::ros_stamp(frame.timestamp_s);
           for (const io::RosMessage& message :
                io::ros_camera(frame, stamp_ns, io::DepthEncoding::counts))
@@ -180,7 +180,7 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
   return written;
 }
 
-/// All frames in one file, with a sidecar for the facts that its format lacks.
+/// Writes all frames to one file, with a sidecar for facts that the format cannot store.
 std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
                                              const Target& target,
                                              StagedOutput& staged,

@@ -25,15 +25,14 @@ namespace fs = std::filesystem;
 
 struct EvalArgs {
   InputArgs input;
-  std::filesystem::path prediction;  // scored in place of our own segmentation; empty: none
+  std::filesystem::path prediction;  // scored instead of our own segmentation; empty: none
   bool json = false;
 };
 
-/// What a folder says about a frame: as `planescope segment` wrote it (frames/000123), as label
-/// files, or in a format of exchange (000123.npy, .label, .npz, .ply, .pcd, .json;
-/// annotations.json of all frames). `gravity` is
-/// that of the truth. nullopt where it holds nothing of the frame. Throws Error where that is
-/// damaged or does not fit the frame.
+/// Reads the prediction for a frame from a folder: output of `planescope segment` (frames/000123),
+/// label files, or an exchange format (000123.npy, .label, .npz, .ply, .pcd, .json;
+/// annotations.json for all frames). `gravity` is that of the ground truth. nullopt if the folder
+/// has no prediction for the frame. Throws Error if it is damaged or does not fit the frame.
 std::optional<FrameLabels> read_prediction(const fs::path& dir,
                                            const io::Recording& recording,
                                            const Frame& frame,
@@ -71,7 +70,7 @@ Json to_json(const planes::Metrics& m) {
   return json;
 }
 
-/// A dash where the truth or the result has no h and v labels.
+/// Returns a dash if the truth or the result has no h and v labels.
 std::string labels_right(double percent) {
   return std::isnan(percent) ? "-" : fmt::format("{:.2f}", percent);
 }
@@ -116,7 +115,7 @@ std::string name_of(const Frame& frame) {
   return frame.name.empty() ? std::to_string(frame.index) : frame.name;
 }
 
-/// Scores our own segmentation; nullopt where the frame has no ground truth.
+/// Scores our own segmentation; nullopt if the frame has no ground truth.
 std::optional<Row> run_and_score(const OpenInput& input,
                                  int index,
                                  const planes::PipelineOptions& options,
@@ -127,7 +126,7 @@ std::optional<Row> run_and_score(const OpenInput& input,
              planes::score_frame(loaded.result, *loaded.truth)};
 }
 
-/// Scores the labels that --prediction names.
+/// Scores the labels in --prediction.
 std::optional<Row> score_prediction(const OpenInput& input, int index, const EvalArgs& args) {
   const Frame frame = input.recording->frame(index);
   const auto truth =
@@ -143,8 +142,8 @@ std::optional<Row> score_prediction(const OpenInput& input, int index, const Eva
              planes::score_labels(frame, *found, *truth, args.input.pipeline.cloud)};
 }
 
-/// Prints the metrics of each frame that has ground truth, and their mean. Throws Error if none
-/// has, or the predictions lack one of them. Returns the exit code.
+/// Prints the metrics of each frame with ground truth, and their mean. Throws Error if no frame has
+/// ground truth or a prediction is missing. Returns the exit code.
 int run_eval(const EvalArgs& args, std::stop_token stop) {
   InputArgs depth_alone = args.input;
   depth_alone.recording.color = false;

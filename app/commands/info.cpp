@@ -26,20 +26,20 @@ struct InfoArgs {
 struct Facts {
   io::RecordingInfo info;
   int frame_count = 0;
-  int first = 0;  // the frame that stands for the recording
+  int first = 0;  // frame used for the figures below
   int labelled = 0;
   std::string label_dir;
 
-  // Time, where the frames carry it.
+  // Timestamps, if the frames have them.
   double span_s = 0, median_step_s = 0;
   int gaps = 0;  // steps longer than 1.5 times the median
   double longest_gap_s = 0;
-  int longest_gap_frame = 0;  // it ends with this frame
+  int longest_gap_frame = 0;  // the frame at the end of the gap
 
-  // Of the first frame.
+  // Figures for the first frame.
   double measured_percent = 0, within_percent = 0;
   double min_m = 0, median_m = 0, max_m = 0;
-  std::uint64_t saturated = 0;  // counts of 65535
+  std::uint64_t saturated = 0;  // pixels with a count of 65535
   std::size_t cloud_points = 0;
   bool cloud_has_label = false, cloud_has_instance = false, cloud_has_color = false;
   int color_width = 0, color_height = 0;
@@ -188,7 +188,7 @@ Json to_json(const Facts& f) {
 }
 
 void line(const std::string& name, const std::string& text) {
-  fmt::print("  {:<12}{}\n", name, one_line(text));  // names of devices and topics are a file's
+  fmt::print("  {:<12}{}\n", name, one_line(text));  // device and topic names come from the file
 }
 
 void print_depth(const Facts& f, double max_range_m) {
@@ -262,7 +262,7 @@ void print_text(const Facts& f, double max_range_m) {
     else if (!g.note.empty())
       how += ", " + g.note;
     if (g.confidence < 1) how += fmt::format("; confidence {:.2f}", g.confidence);
-    // + 0.0: no minus zero.
+    // + 0.0 avoids -0.
     line("gravity", fmt::format("{:.4f},{:.4f},{:.4f} ({})", g.direction.x() + 0.0,
                                 g.direction.y() + 0.0, g.direction.z() + 0.0, how));
   } else {
@@ -272,8 +272,8 @@ void print_text(const Facts& f, double max_range_m) {
     line("labels", fmt::format("{} of {} frames, {}", f.labelled, f.frame_count, f.label_dir));
 }
 
-/// Prints what is in each recording: format, device, sizes, unit, intrinsics, colour, gravity, time
-/// and gaps, and what was lost. Returns the exit code.
+/// Prints the contents of each recording: format, device, sizes, unit, intrinsics, color, gravity,
+/// timestamps and gaps, and lost data. Returns the exit code.
 int run_info(const InfoArgs& args, std::stop_token) {
   Json json;
   json["schema"] = "planescope.info/1";
@@ -307,8 +307,8 @@ void define_info(CLI::App& app, Line& line) {
 namespace {
 
 struct OptionsArgs {
-  std::string name;                  // of the option to explain; empty: all
-  planes::PipelineOptions pipeline;  // the values to show
+  std::string name;                  // option to explain; empty: all
+  planes::PipelineOptions pipeline;  // values to show
   bool json = false;
 };
 
@@ -336,7 +336,7 @@ std::string range_text(const planes::OptionInfo& info) {
          (std::isinf(range.max) ? "" : fmt::format(", at most {}", range.max));
 }
 
-/// Everything about one option.
+/// Prints all details of one option.
 void print_option(const planes::OptionInfo& info, const planes::PipelineOptions& options) {
   const bool has_unit = info.is_number() && info.unit != "1";
   fmt::print("{}: {}\n", info.name, info.meaning);
@@ -374,7 +374,7 @@ void print_table(const planes::PipelineOptions& options) {
   }
 }
 
-/// Prints one option, or all that --set takes. Returns the exit code.
+/// Prints one option, or all that --set supports. Returns the exit code.
 int run_options(const OptionsArgs& args, std::stop_token) {
   if (!args.json && args.name.empty()) {
     print_table(args.pipeline);
@@ -382,7 +382,7 @@ int run_options(const OptionsArgs& args, std::stop_token) {
     print_option(planes::find_option(args.name), args.pipeline);
   } else {
     Json json = {{"schema", "planescope.options/1"}, {"options", Json::array()}};
-    if (!args.name.empty()) planes::find_option(args.name);  // an unknown one throws
+    if (!args.name.empty()) planes::find_option(args.name);  // throws for an unknown one
     for (const planes::OptionInfo& info : planes::option_table())
       if (args.name.empty() || info.name == args.name)
         json["options"].push_back(to_json(info, args.pipeline));

@@ -1,4 +1,4 @@
-// Inputs shared by commands: opening recordings, frame slices, input and method options.
+// Opens recordings and parses frame slices, input options and method options.
 
 #include "app/commands/inputs.hpp"
 
@@ -34,7 +34,7 @@ FrameSlice parse_frame_slice(const std::string& text) {
   FrameSlice slice;
   slice.first = part(parts[0]);
   if (parts.size() == 1) {
-    // The frame itself; -1 is the last one, so what follows it is the end.
+    // A single frame. -1 is the last one, so its slice ends at the end of the recording.
     if (slice.first != -1) slice.last = *slice.first + 1;
     return slice;
   }
@@ -74,7 +74,7 @@ int all_cores() { return std::max(1, static_cast<int>(std::thread::hardware_conc
 
 namespace {
 
-/// Of a disc by its radius, or of the circle about a rectangle, LENGTHxWIDTH [m].
+/// Radius of a disc, or of the circumscribed circle of a rectangle LENGTHxWIDTH [m].
 double foot_radius_m(const std::string& text) {
   const std::vector<std::string> sides = split(text, 'x');
   std::vector<double> sizes;
@@ -89,7 +89,7 @@ double foot_radius_m(const std::string& text) {
 void set_pipeline_option(planes::PipelineOptions& options,
                          const std::string& name,
                          const std::string& text) {
-  if (text.empty()) return;  // of a shell's variable that is not set
+  if (text.empty()) return;  // an unset shell variable
   if (name == "--set") {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) throw Error("--set: '" + text + "' is not NAME=VALUE");
@@ -103,7 +103,7 @@ void set_pipeline_option(planes::PipelineOptions& options,
                                                    : name.substr(2);
   planes::set_option(options, option, text);
   if (name == "--max-range")
-    options.cloud.range_for_clouds = true;  // clouds are cropped only where that is asked for
+    options.cloud.range_for_clouds = true;  // clouds are cropped only on request
   if (name == "--classifier" && options.gravity.mode == planes::GravityMode::none)
     throw Error("--classifier " + text +
                 ": with --gravity none no point is labelled h or v, leave one of them out");
@@ -129,7 +129,7 @@ double parse_depth_unit(const std::string& text) {
   return unit;
 }
 
-/// A warning if --gravity contradicts the first of the frames to process; empty if not.
+/// Returns a warning if --gravity contradicts the first selected frame; otherwise empty.
 std::string doubt_in_given_gravity(const OpenInput& input, const planes::GravityOptions& options) {
   if (options.mode != planes::GravityMode::fixed || !input.recording->info().knows_camera())
     return "";
@@ -175,7 +175,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
     paths.push_back(find_asset("sample", "no recording was given, and the sample is"));
     notice("no recording given, taking the sample, {}", paths[0].string());
   }
-  // What a glob gives beside a recording: its labels.
+  // Skip label folders, which a glob lists beside their recordings.
   const std::vector<fs::path> given = paths;
   std::erase_if(paths, [&](const fs::path& path) {
     const auto is_label_dir_of = [&](const fs::path& recording) {

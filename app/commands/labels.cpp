@@ -1,4 +1,4 @@
-// Options and label-folder handling shared by the subcommands of planescope labels.
+// Opens recordings and label folders for the subcommands of planescope labels.
 
 #include "app/commands/labels.hpp"
 
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kSuffix = ".labels";
 constexpr std::size_t kLongestNumber = 9;  // that fits an int
 
-/// The frame that a label file is of; nullopt for other files.
+/// Returns the frame number of a label file; nullopt for other files.
 std::optional<int> frame_of(const std::string& name) {
   const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
   const std::string rest = name.substr(digits);
@@ -79,7 +79,7 @@ LabelledRecording open_labels(const LabelsArgs& args) {
     source.path = given;
   }
   io::RecordingOptions options = args.input.recording;
-  options.intrinsics_may_lack = true;  // then those in the label files hold
+  options.intrinsics_may_lack = true;  // the label files then provide them
   if (!source.path.empty()) source.recording = io::open_recording(source.path, options);
   return source;
 }
@@ -96,7 +96,7 @@ FrameLabels read_labels_of(const LabelledRecording& source, int frame) {
   if (recording && frame >= recording->frame_count())
     throw Error(fmt::format("{}/{:06}.json: labels of frame {}, the recording has {} frames",
                             source.labels.dir.string(), frame, frame, recording->frame_count()));
-  // Clouds have no size that their description tells: the frame is read for it.
+  // The size of a cloud is only known after reading the frame.
   const bool is_cloud = recording && recording->info().width == 0;
   auto labels =
       !recording ? labels::read_frame_labels(source.labels.dir, frame, "")

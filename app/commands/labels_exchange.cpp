@@ -26,8 +26,8 @@ OpenInput open_one(const LabelsArgs& args, const std::string& command) {
     throw Error(fmt::format("labels {}: {} recordings are given, expected one", command,
                             args.input.inputs.size()));
   InputArgs input = args.input;
-  input.label_dir.reset();                                    // need not exist
-  input.recording.intrinsics_may_lack = command == "export";  // then those in the label files hold
+  input.label_dir.reset();                                    // may be missing
+  input.recording.intrinsics_may_lack = command == "export";  // the label files then provide them
   OpenInput opened = std::move(open_inputs(input)[0]);
   if (args.input.label_dir) opened.label_dir = *args.input.label_dir;
   return opened;
@@ -39,7 +39,8 @@ bool is_below(const fs::path& path, const fs::path& folder) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-/// Neither into the recording nor among the labels, whose files have the same names.
+/// Throws Error if the output is inside the recording or the labels, where files have the same
+/// names.
 void check_export_dir(const fs::path& out, const OpenInput& input) {
   check_output_dir(out);
   if (fs::is_directory(input.path) && is_below(out, input.path))
@@ -54,7 +55,7 @@ struct FileOfFrame {
   std::optional<std::size_t> image;  // of a COCO file with several frames
 };
 
-/// The frames that a COCO file has images of, by their names.
+/// Matches the images of a COCO file to frames by name.
 std::vector<FileOfFrame> images_to_import(const labels::CocoFile& coco,
                                           const fs::path& path,
                                           const OpenInput& input) {
@@ -67,7 +68,7 @@ std::vector<FileOfFrame> images_to_import(const labels::CocoFile& coco,
   return files;
 }
 
-/// The COCO file with all frames: of a folder as export writes it, or one with several images.
+/// Returns the COCO file with all frames: that of an exported folder, or one with several images.
 std::optional<fs::path> coco_to_import(const LabelsArgs& args, labels::LabelFormat format) {
   if (format != labels::LabelFormat::coco) return std::nullopt;
   if (fs::is_directory(args.from)) {
@@ -77,7 +78,7 @@ std::optional<fs::path> coco_to_import(const LabelsArgs& args, labels::LabelForm
   return fs::exists(args.from) ? std::optional(args.from) : std::nullopt;
 }
 
-/// One file, for the one frame that is asked for; or those of a folder, named as export names them.
+/// One file for the single selected frame, or the files of a folder, named as by export.
 std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
                                          const OpenInput& input,
                                          labels::LabelFormat format,
@@ -107,7 +108,7 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
 struct Import {
   labels::LabelEdit edit;
   std::size_t planes = 0, pixels = 0;
-  std::size_t ignored = 0;  // not to be scored, beside the labelled ones
+  std::size_t ignored = 0;  // not scored, in addition to the labeled ones
   std::size_t dropped = 0;  // labels on pixels without depth
   const char* sample = "pixel";
 };
@@ -149,7 +150,7 @@ Import read_import(const FileOfFrame& file,
   return import;
 }
 
-/// "evops|ply|..."
+/// "evops|ply|...".
 std::string format_names(bool read_back) {
   std::vector<std::string> names;
   for (const labels::LabelFormat format : labels::label_formats(read_back))
@@ -216,7 +217,7 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   return 0;
 }
 
-/// All files are read before any label is changed; what was there can be brought back by undo.
+/// Reads all files before changing any labels; undo restores the previous labels.
 int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.from.empty()) throw Error("labels import needs --from FILE or DIR");
   if (args.format.empty() && fs::is_directory(args.from))

@@ -26,12 +26,12 @@ struct CheckedFrame {
   int width = 0;
   bool is_cloud = false;
   std::string file;
-  std::string damage;  // empty: none
+  std::string damage;  // empty: intact
   std::size_t planes = 0;
   std::vector<labels::Finding> findings;
 };
 
-/// Requires the recording itself.
+/// Requires the recording.
 labels::LabelGrid grid_as_drawn(const LabelledRecording& source,
                                 int frame,
                                 const FrameLabels& labels) {
@@ -40,7 +40,7 @@ labels::LabelGrid grid_as_drawn(const LabelledRecording& source,
       labels.gravity);
 }
 
-/// How the JSON of a command on one folder begins.
+/// Common header of the JSON output of commands for one folder.
 Json json_about(const char* schema, const LabelledRecording& source) {
   return {{"schema", schema},
           {"labels", source.labels.dir.string()},
@@ -111,8 +111,8 @@ void print_json(const LabelledRecording& source,
   fmt::print("{}", json_text(json, 2));
 }
 
-/// One line per finding. Returns 0 where all is well or only hints were found, 1 with findings (or
-/// hints, if `strict`), 2 where files are damaged.
+/// Prints one line per finding. Returns 0 if there are none or only hints, 1 with findings (or
+/// hints, if `strict`), 2 if files are damaged.
 int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::vector<CheckedFrame> frames;
@@ -162,7 +162,7 @@ struct ComparedFrame {
   labels::Agreement agreement;
 };
 
-/// Means of the figures; counts are added up.
+/// Averages figures and adds up counts.
 labels::Agreement mean_of(const std::vector<ComparedFrame>& frames) {
   labels::Agreement mean;
   const auto n = static_cast<double>(frames.size());
@@ -205,7 +205,7 @@ ComparedFrame compare_frame(const LabelledRecording& a, const LabelledRecording&
   return {frame, labels::agreement_of(of_a, of_b)};
 }
 
-/// How far two sets of labels of the same frames agree.
+/// Prints the agreement between two sets of labels for the same frames.
 int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.input.inputs.size() != 2)
     throw Error(fmt::format("labels compare: {} folders are given, expected two, DIR_A and DIR_B",
@@ -272,7 +272,7 @@ struct FrameStatistics {
   std::string annotator, review_state;
   labels::LabelStatistics of;
   std::vector<labels::WorkTime> work;
-  int doubtful = 0;  // planes
+  int doubtful = 0;  // number of doubtful planes
 
   double seconds() const {
     double sum = 0;
@@ -281,7 +281,7 @@ struct FrameStatistics {
   }
 };
 
-/// Pixels and planes without the recording; area and measured pixels need its depth.
+/// Counts pixels and planes without the recording; area and measured pixels need its depth.
 labels::LabelStatistics count_pixels(const FrameLabels& labels) {
   labels::LabelGrid grid;
   grid.width = labels.plane.width;
@@ -303,10 +303,10 @@ std::string work_text(const std::vector<labels::WorkTime>& work) {
   return text.empty() ? "-" : text;
 }
 
-/// What of a recording is still to do, by frame.
+/// Remaining work, by frame.
 struct Left {
   std::vector<int> unlabelled, unreviewed;
-  std::vector<int> doubtful;  // frames with untouched carried planes
+  std::vector<int> doubtful;  // frames with unedited carried planes
 };
 
 Left what_is_left(const LabelledRecording& source, const std::vector<FrameStatistics>& frames) {
@@ -323,7 +323,7 @@ Left what_is_left(const LabelledRecording& source, const std::vector<FrameStatis
   return left;
 }
 
-/// "5: 0-3, 7"
+/// Returns e.g. "5: 0-3, 7".
 std::string frames_text(const std::vector<int>& frames) {
   std::string text = std::to_string(frames.size());
   for (std::size_t i = 0, end = 0; i < frames.size(); i = end) {
@@ -390,7 +390,7 @@ Json to_json(const FrameStatistics& f, bool with_depth) {
   return json;
 }
 
-/// Where people have worked: planes, area and time by frame.
+/// Prints labeling progress: planes, area and time by frame.
 int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::map<int, std::vector<labels::WorkTime>> work;

@@ -1,4 +1,4 @@
-// planescope map: from frames to a world.
+// planescope map: builds a map of tracked planes from the frames of a recording.
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLeastWindow_m = 0.5;
-constexpr int kMostAside = 4;  // at most one frame in so many may not fit the others
+constexpr int kMostAside = 4;  // at most one frame in this number may not fit the others
 
 struct MapArgs {
   InputArgs input;  // one recording
@@ -35,11 +35,11 @@ struct MapArgs {
   world::TrackOptions tracks;
   bool follow = false;
   std::optional<Shard> shard;
-  fs::path join;            // where shards wrote; empty: none
+  fs::path join;            // output folder of shards; empty: none
   double mesh_voxel_m = 0;  // --mesh; 0: no mesh
 };
 
-/// "map.png"; for segments after the first, "map_1.png".
+/// Returns "map.png"; for later segments, "map_1.png".
 std::string file_of_segment(const std::string& name, int segment, const char* type) {
   return segment == 0 ? name + type : fmt::format("{}_{}{}", name, segment, type);
 }
@@ -48,7 +48,7 @@ bool is_number(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// Whether planescope map writes files of this name, for some frame or segment.
+/// Whether planescope map writes files with this name, for any frame or segment.
 bool is_of_map(const fs::path& relative) {
   const std::string stem = relative.stem().string(), type = relative.extension().string();
   if (relative.has_parent_path()) return type == ".png" && stem.size() >= 6 && is_number(stem);
@@ -59,7 +59,7 @@ bool is_of_map(const fs::path& relative) {
          ((name == "map" && type == ".png") || (name == "mesh" && type == ".ply"));
 }
 
-/// The files of an earlier map in `dir` are to be replaced, or removed.
+/// Marks the files of an earlier map in `dir` to be replaced or removed.
 void replace_earlier_map(const fs::path& dir, StagedOutput& output) {
   const fs::path planes = world::planes_file({}, 0).parent_path();
   for (const fs::path& folder : {fs::path(), planes}) {
@@ -87,7 +87,7 @@ void write_map(StagedOutput& output, const world::WorldMap& map, const std::stri
   write_file_text(output.add_file("map.json"), texts.map_json);
 }
 
-/// Writes mesh.ply of each segment, of the frames that went into the map, where it is asked for.
+/// If requested, writes mesh.ply for each segment from the frames in the map.
 void write_meshes(const MapArgs& args,
                   const world::MapJob& job,
                   const world::WorldMap& map,
@@ -115,7 +115,7 @@ void write_meshes(const MapArgs& args,
   finish(told.back().segment);
 }
 
-/// Throws what write_meshes() would, before any work is done.
+/// Throws the errors of write_meshes() before any work is done.
 void expect_meshes(const MapArgs& args, const io::RecordingInfo& info) {
   if (!(args.mesh_voxel_m > 0)) return;
   open3d::make_surface_fusion(args.mesh_voxel_m, 0);
@@ -127,7 +127,7 @@ fs::path observed_file(const fs::path& dir, int frame) {
   return dir / "observed" / fmt::format("{:06}.cbor", frame);
 }
 
-/// DIR/observed/, a file for each frame of the shard. Returns the exit code.
+/// Writes DIR/observed/ with one file per frame of the shard. Returns the exit code.
 int write_shard(const MapArgs& args, const world::MapJob& job) {
   make_output_dir(args.out / "observed");
   world::PlanesFrom from;
@@ -147,7 +147,7 @@ int write_shard(const MapArgs& args, const world::MapJob& job) {
   return part.refused > 0 ? 2 : 0;
 }
 
-/// Takes frames as shards wrote them.
+/// Reads frames from the output of shards.
 void join_shards(const fs::path& dir, world::MapJob& job) {
   if (!fs::is_directory(dir / "observed"))
     throw Error(dir.string() + ": holds no folder `observed`, expected what --shard wrote");
@@ -167,7 +167,7 @@ void join_shards(const fs::path& dir, world::MapJob& job) {
   };
 }
 
-/// Throws Error where the map would replace files that are not of a map.
+/// Throws Error if the map would replace files that do not belong to a map.
 void check_not_of_user(const MapArgs& args, const fs::path& recording) {
   std::error_code absent;
   if (fs::equivalent(args.out, recording, absent))

@@ -40,7 +40,7 @@ void print_facts(const fs::path& out, const report::Report& report, bool json) {
                counted(totals.planes, "plane"));
     const auto kept = static_cast<double>(totals.points);
     const auto beyond = static_cast<double>(totals.points_beyond_range);
-    if (beyond > kept)  // little is left to find planes in
+    if (beyond > kept)  // most points are beyond the range
       fmt::print(", {:.0f} % of the points beyond the range (--max-range)",
                  100 * beyond / (kept + beyond));
     fmt::print("\n{}", report.judgement ? report.judgement->text() : "");
@@ -55,7 +55,7 @@ void print_facts(const fs::path& out, const report::Report& report, bool json) {
   fmt::print("{}", json_text(facts, 2));
 }
 
-/// Reads what the report is to be held to. Throws Error.
+/// Reads the baseline and rules. Throws Error.
 report::ReportGuard open_guard(const ReportGuardArgs& args) {
   if (args.approve && args.baseline.empty())
     throw Error("--approve: expected --baseline FILE, the file to write");
@@ -65,7 +65,7 @@ report::ReportGuard open_guard(const ReportGuardArgs& args) {
   return {args.baseline, args.rules, args.approve};
 }
 
-/// Throws Error where the report would take its baseline's place without being approved.
+/// Throws Error if the report would overwrite its baseline without approval.
 void check_baseline_place(const ReportGuardArgs& args, const std::filesystem::path& out) {
   if (args.baseline.empty() || args.approve) return;
   if (std::filesystem::weakly_canonical(args.baseline) ==
@@ -74,8 +74,8 @@ void check_baseline_place(const ReportGuardArgs& args, const std::filesystem::pa
                 ": the report would overwrite it; keep the baseline elsewhere");
 }
 
-/// A line for each refused frame, new problems first: damaged frames, then frames that the baseline
-/// has. Frames that the baseline refuses for the same reason are only counted.
+/// Prints one line for each refused frame: damaged frames first, then frames that the baseline
+/// processed. Frames that the baseline refused for the same reason are only counted.
 void print_refusals(const report::Report& report) {
   std::vector<std::string> damaged, refused;
   int known = 0;
@@ -104,8 +104,9 @@ void print_refusals(const report::Report& report) {
            known == 1 ? "1 frame is" : counted(known, "frame") + " are");
 }
 
-/// Judges `report`, writes its files into `out`, where its frames lie, and says how it went.
-/// Returns the exit code, as run_report(); throws Cancelled where the report is partial.
+/// Checks `report` against the guard, writes its files to `out`, which contains its frames, and
+/// prints a summary. Returns the exit code like run_report(); throws Cancelled if the report is
+/// partial.
 int finish_report(const std::filesystem::path& out,
                   report::Report& report,
                   report::ReportGuard& guard,
@@ -132,8 +133,8 @@ int finish_report(const std::filesystem::path& out,
   return report.renderer_error.empty() ? 0 : 3;
 }
 
-/// Writes the built-in rules to planescope.rules.json in the current folder. Throws Error where
-/// there is one.
+/// Writes the built-in rules to planescope.rules.json in the current folder. Throws Error if the
+/// file exists.
 int run_report_init(const fs::path& set) {
   if (std::filesystem::exists(kRulesFile))
     throw Error(std::string(kRulesFile) + ": exists already");
@@ -151,7 +152,7 @@ std::string now_utc() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now.time_since_epoch().count()));
 }
 
-/// Smaller copies in the page of a long recording, so that a browser still opens it.
+/// Reports of many frames get smaller copies, so that a browser can still open the page.
 int copy_width(std::size_t frames) { return frames <= 8 ? 1280 : frames <= 24 ? 800 : 560; }
 
 report::Report start_report(const ReportArgs& args,
@@ -187,7 +188,7 @@ report::Report start_report(const ReportArgs& args,
   return report;
 }
 
-/// Everything that a frame's results depend on, apart from the frame.
+/// Key of everything that a frame's results depend on, except the frame itself.
 std::string build_key(const report::Report& report, int copies) {
   std::string key =
       fmt::format("{}\n{}\n{}\n{}\n", report.version, report.commit, report.method, copies);
@@ -199,7 +200,7 @@ std::string build_key(const report::Report& report, int copies) {
   return key;
 }
 
-/// Follows the planes of a recording, and tells each frame how they fare in it.
+/// Tracks the planes of a recording and adds each frame's tracking metrics to the report.
 void follow_planes(const OpenInput& input,
                    const planes::PipelineOptions& options,
                    const planes::Classifier* classifier,
@@ -272,7 +273,7 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     report.partial |= !slot.done;
     if (slot.done) recording.frames.push_back(folder.read(slot.folder));
   }
-  // A recording that gives nothing at all is bad input, not a report; a shard may be empty.
+  // A recording without results is bad input, not a report; a shard may be empty.
   if (const report::ReportTotals totals = report::totals_of(report);
       !report.partial && args.shard.count == 1 && totals.frames_done == 0) {
     folder.give_up();
@@ -296,7 +297,7 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
 namespace {
 
 struct ReportMergeArgs {
-  std::vector<std::filesystem::path> shards;  // folders of reports with --shard
+  std::vector<std::filesystem::path> shards;  // report folders written with --shard
   std::filesystem::path out;
   bool json = false;
   ReportGuardArgs guard;
@@ -320,7 +321,7 @@ ShardReport read_shard(const fs::path& dir) {
   return read;
 }
 
-/// What the shards of one report have in common, as report.json writes it.
+/// The part of report.json that all shards of a report share.
 std::string common_text(const report::Report& report) {
   report::Report common = report;
   common.created_utc.clear();
@@ -357,9 +358,9 @@ fs::path folder_of(const report::Report& report, std::size_t recording, int inde
                              index);
 }
 
-/// Joins the shards of one report to what the report without --shard would have been, but for
-/// times. Returns as run_report(). Throws Error where a shard is missing, given twice or of another
-/// report.
+/// Merges the shards of a report into the report that a run without --shard would have written,
+/// except for times. Returns like run_report(). Throws Error if a shard is missing, given twice or
+/// belongs to another report.
 int run_report_merge(const ReportMergeArgs& args, std::stop_token) {
   report::ReportGuard guard = open_guard(args.guard);
   check_baseline_place(args.guard, args.out);
@@ -368,7 +369,7 @@ int run_report_merge(const ReportMergeArgs& args, std::stop_token) {
     if (fs::weakly_canonical(shard.dir) == fs::weakly_canonical(args.out))
       throw Error("output " + args.out.string() + " is one of the shards");
   ReportFolder folder(args.out, false);
-  folder.give_up();  // what fails half way is begun again
+  folder.give_up();  // a failed merge starts over
   std::set<fs::path> frames;
   report::Report report = shards.front().head.report;
   report.shard.clear();

@@ -15,11 +15,11 @@
 namespace planescope::app {
 namespace {
 
-constexpr int kWidth = 1280, kHeight = 960;  // of the three-dimensional pictures [px]
+constexpr int kWidth = 1280, kHeight = 960;  // of 3D pictures [px]
 constexpr int kThumbnailWidth = 200;
 constexpr float kCopyQuality = 72;
 
-/// `shown`: what the page shows of it.
+/// `shown` is the version on the page.
 report::ReportPicture keep(const Image8& image,
                            const Image8& shown,
                            const std::string& name,
@@ -58,7 +58,7 @@ Image8 render(render::Renderer& renderer,
   }
 }
 
-/// Ground truth against the result: on the depth image, or of a cloud in space.
+/// Ground truth and result, drawn on the depth image or, for a cloud, in 3D.
 std::optional<Image8> draw_truth(const LoadedFrame& loaded,
                                  const planes::EvaluatedFrame& evaluated,
                                  const std::vector<int>& color_of_plane,
@@ -156,7 +156,7 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
        fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
   draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Points left over",
        fmt::format("{} voxels that are in no plane, the others faded.", counts.unassigned));
-  // Drawn last, as its marks are points more: the others show the same ones. Told before them.
+  // Drawn last because its node markers are extra points; the other pictures share their points.
   if (job.method == planes::Method::ours) {
     draw(render::scene_cases(result), "cases", "Octree nodes by case",
          fmt::format(

@@ -1,4 +1,4 @@
-// planescope synth sample. Sets to measure and to train with: planescope-lab synth.
+// planescope synth sample and sequence. For evaluation and training sets, see planescope-lab synth.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,7 +18,7 @@ struct SynthSampleArgs {
   lab::SampleOptions sample;
 };
 
-/// Writes a folder recording and its labels beside it. Returns the exit code.
+/// Writes a folder recording, with its labels beside it. Returns the exit code.
 int run_synth_sample(const SynthSampleArgs& args, std::stop_token) {
   check_output_dir(args.out);
   lab::write_sample(args.out, args.sample);

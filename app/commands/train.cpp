@@ -1,4 +1,4 @@
-// Classifier training: options, checkpoints, progress, and the final accuracy check.
+// Classifier training: options, checkpoints, progress and the final accuracy check.
 
 #include "app/commands/train.hpp"
 
@@ -20,13 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The learning rate is multiplied by this where trained weights are trained further. 200 steps on
-// five frames of another camera resolution beside the synthetic set: new frames of that camera gain
+// Factor on the learning rate when trained weights are trained further. Measured with 200 steps on
+// five frames of another camera resolution plus the synthetic set: new frames of that camera gain
 // 0.7 points near edges and the validation sets lose nothing; at the full rate the frames gain
 // nothing and the stairs lose 0.4.
 constexpr double kFineTuningRate = 0.25;
-// Percentage points by which the older weights may be better: trainings that differ only in their
-// seed differ by as much.
+// Margin in percentage points before the baseline counts as better: trainings that differ only in
+// their seed differ by this much.
 constexpr double kTolerance = 0.3;
 
 constexpr std::string_view kResume = " --resume";
@@ -35,8 +35,8 @@ struct Files {
   fs::path weights, page, checkpoint;
 };
 
-/// Throws Error where the files could not be written in the end, or another training's checkpoint
-/// would be lost.
+/// Throws Error if the output files would not be writable at the end, or if the checkpoint of
+/// another training would be lost.
 Files checked_files(const TrainArgs& args) {
   Files files{args.out, fs::path(args.out).replace_extension(".html"),
               fs::path(args.out).replace_extension(".checkpoint")};
@@ -67,7 +67,7 @@ lab::TrainState first_state(const TrainArgs& args) {
   return state;
 }
 
-/// What a training needs beside its state.
+/// Inputs of a training besides its state.
 struct Session {
   const TrainArgs& args;
   Files files;
@@ -111,7 +111,7 @@ std::vector<planes::LabelAccuracy> scores(const TrainingData& data,
   return scores;
 }
 
-/// Prints what the numbers on each epoch's line mean.
+/// Explains the numbers on each epoch's line.
 void explain_epochs(const Session& session) {
   std::vector<std::string> sets;
   for (const lab::ValidationSet& set : session.data.validation) sets.push_back(set.name);
@@ -119,7 +119,7 @@ void explain_epochs(const Session& session) {
              fmt::join(sets, ", "));
 }
 
-/// Scores the weights as they are now.
+/// Scores the current weights.
 void end_epoch(const TrainingData& data, lab::TrainState& state, int threads) {
   const int begun = state.epochs.empty() ? 0 : state.epochs.back().step;
   lab::Epoch epoch;
@@ -138,7 +138,7 @@ std::string epoch_line(const lab::Epoch& epoch, int steps) {
   return line;
 }
 
-/// Runs the steps that are left. Stopped, it returns early.
+/// Runs the remaining steps. Returns early on stop.
 void train(const Session& session, lab::TrainState& state, const std::stop_token& stop) {
   const lab::TrainOptions& options = session.options();
   const lab::DrawCloud draw = [&](std::uint64_t number) { return session.data.draw(number); };
@@ -158,8 +158,8 @@ void train(const Session& session, lab::TrainState& state, const std::stop_token
   }
 }
 
-/// Prints the last epoch's accuracy, beside that of the baseline where there is one; returns
-/// whether the baseline is ahead.
+/// Prints the last epoch's accuracy, beside the baseline's if there is one; returns whether the
+/// baseline is better.
 bool print_accuracy(const Session& session, const lab::TrainState& state) {
   const std::vector<planes::LabelAccuracy>& own = state.epochs.back().validation;
   const fs::path& baseline = session.args.baseline;
@@ -195,12 +195,12 @@ void check(const TrainArgs& args) {
     throw Error("train: --labels needs the recording that the labels are of");
 }
 
-/// Trains a classifier. Stopped, it leaves a checkpoint to resume from and throws Cancelled.
-/// Returns the exit code: 1 where the baseline is better.
+/// Trains a classifier. On stop, leaves a checkpoint to resume from and throws Cancelled. Returns
+/// the exit code: 1 if the baseline is better.
 int run_train(const TrainArgs& args, std::stop_token stop) {
   check(args);
   const Files files = checked_files(args);
-  if (!args.baseline.empty()) planes::read_weights(args.baseline);  // told now, not after an hour
+  if (!args.baseline.empty()) planes::read_weights(args.baseline);  // fails now, not after an hour
   LabelledRecordings recordings = load_labelled_recordings(args.input, stop);
   const lab::TrainingPurpose purpose = training_purpose(args, recordings);
   lab::TrainState state = args.resume
@@ -279,7 +279,7 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
   add_clouds(command, args->input.pipeline);
   runs(command, line, args, run_train, [args, needs_recording, &line] {
     args->command = line.text;
-    // As it is typed to get the same from nothing.
+    // The command that reproduces the training from scratch.
     if (const auto at = line.text.find(kResume); at != std::string::npos)
       args->command.erase(at, kResume.size());
     if (needs_recording && args->input.inputs.empty())

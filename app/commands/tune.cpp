@@ -28,7 +28,7 @@ struct TuneArgs {
   InputArgs input;
   std::filesystem::path list;        // --list; empty: the recordings of `input`
   std::filesystem::path out;         // -o
-  std::vector<std::string> options;  // --only; empty: all that are tunable
+  std::vector<std::string> options;  // --only; empty: all tunable options
   int hold_out = 2;                  // hold out every N-th labeled frame
   int trials = 1000;
   double time_s = 0;  // 0: no limit
@@ -39,10 +39,10 @@ struct TuneFrames {
   std::vector<lab::TuningFrame> tuning, held;
 };
 
-/// A line of --list: a recording with its options.
+/// One line of --list: a recording with its options.
 struct Listed {
   InputArgs input;
-  std::optional<bool> held;  // empty: as --hold-out assigns its frames
+  std::optional<bool> held;  // empty: --hold-out assigns its frames
 };
 
 bool parse_held(const std::string& text) {
@@ -51,7 +51,8 @@ bool parse_held(const std::string& text) {
   throw Error("HALF: '" + text + "' is unknown, expected tuning, held-out or -");
 }
 
-/// Lines of HALF RECORDING OPTIONS; they override the command line. Paths are relative to the list.
+/// Parses lines of HALF RECORDING OPTIONS, which override the command line. Paths are relative to
+/// the list.
 std::vector<Listed> read_tune_list(const TuneArgs& args) {
   static const std::vector<std::string> options = {"--frames",   "--intrinsics",     "--depth-unit",
                                                    "--gravity",  "--instance-field", "--labels",
@@ -81,7 +82,8 @@ std::string hash_of(const planes::SourceTruth& truth) {
          sha256_hex(std::as_bytes(std::span(truth.values.label)));
 }
 
-/// Every labeled frame of the recordings. Throws Error if a half is empty or both contain a frame.
+/// Reads every labeled frame. Throws Error if a half is empty or both halves contain the same
+/// frame.
 TuneFrames read_tune_frames(const TuneArgs& args) {
   std::vector<Listed> all;
   if (args.list.empty())
@@ -89,7 +91,7 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
   else
     all = read_tune_list(args);
   TuneFrames frames;
-  std::map<std::string, std::pair<std::string, bool>> halves;  // by data: name, whether held out
+  std::map<std::string, std::pair<std::string, bool>> halves;  // by data hash: name, held out
   int count = 0;
   for (Listed& listed : all) {
     listed.input.recording.color = false;
@@ -106,7 +108,7 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
         frame.truth = std::move(*truth);
         frame.options = listed.input.pipeline;
         const bool held = listed.held.value_or(++count % args.hold_out == 0);
-        // By their data, so that a copy or another format of a recording is found as well.
+        // Compare data, so that a copy or another format of a recording is detected too.
         const auto [first, is_new] = halves.try_emplace(hash, frame.name, held);
         if (!is_new && first->second.second != held)
           throw Error(fmt::format(
@@ -124,8 +126,8 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
   return frames;
 }
 
-/// A journal is continued only if these are the same. Held-out frames do not count: the search
-/// never sees them.
+/// A journal can only be resumed if these match. Held-out frames do not count: the search never
+/// uses them.
 lab::TuningPurpose purpose_of(const std::vector<lab::TuningFrame>& frames,
                               const std::vector<std::string>& searched,
                               const planes::ChosenClassifier& chosen) {
@@ -257,8 +259,8 @@ class TuneRun {
   std::vector<std::string> searched_;
 };
 
-/// Searches options on labeled frames and writes the result. A rerun resumes where an interrupt,
-/// --trials or --time ended the search. Returns the exit code; throws Cancelled if interrupted.
+/// Searches options on labeled frames and writes the result. Run again to resume after an
+/// interrupt, --trials or --time. Returns the exit code; throws Cancelled if interrupted.
 int run_tune(const TuneArgs& args, std::stop_token stop) {
   return TuneRun(args, std::move(stop)).run();
 }

@@ -29,7 +29,7 @@ void print_actions() {
                action.takes.empty() ? "" : " (" + action.takes + ")");
 }
 
-/// Opens what was asked for: recordings, a session, a report, what was open last, or the sample.
+/// Opens the requested recordings, session or report, otherwise the last document or the sample.
 State first_state(const ViewArgs& args, const Settings& settings) {
   State state;
   Document& document = state.document;
@@ -40,7 +40,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   document.recording_options = args.input.recording;
   const bool opens_report = !args.open.empty() && is_report(args.open);
   io::RecordingOptions options = options_to_open(args.input.recording);
-  options.damaged_frames_later = opens_report;  // it may be another frame that is opened
+  options.damaged_frames_later = opens_report;  // the report may use another frame
   const auto open = [&](const fs::path& path) {
     document.recordings.push_back({path, io::open_recording(path, options),
                                    args.input.label_dir.value_or(labels::default_label_dir(path))});
@@ -48,7 +48,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   };
   document.recent = settings.recent;
   for (const fs::path& path : args.input.inputs) open(path);
-  for (std::size_t i = args.input.inputs.size(); i-- > 0;)  // the first is looked at
+  for (std::size_t i = args.input.inputs.size(); i-- > 0;)  // show the first one
     note_recent(document, args.input.inputs[i]);
   if (document.recordings.empty() && args.open.empty() && !settings.last_recording.empty()) {
     try {
@@ -56,7 +56,8 @@ State first_state(const ViewArgs& args, const Settings& settings) {
       document.frame = settings.last_frame;
       state.view.camera = settings.camera;
     } catch (const Error&) {
-      // What was open last is gone or damaged: nobody asked for it, so the sample is shown.
+      // The last document is missing or damaged: show the sample, since the user did not ask for
+      // it.
     }
   }
   if (document.recordings.empty() && args.open.empty())
@@ -81,7 +82,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   return state;
 }
 
-/// Throws Error before any work where the file cannot be written.
+/// Throws Error before any work if the file cannot be written.
 void expect_folder_of(const std::filesystem::path& file) {
   if (file.empty()) return;
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
@@ -90,7 +91,7 @@ void expect_folder_of(const std::filesystem::path& file) {
         fmt::format("{}: cannot be written, {} is not a folder", file.string(), folder.string()));
 }
 
-/// What is played when the window is there.
+/// Scripts to run once the window is open.
 std::vector<Script> scripts_of(const ViewArgs& args) {
   std::vector<Script> scripts;
   if (!args.compare.empty())
@@ -127,7 +128,7 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   options.keep_settings = !args.fresh;
   options.state_file = args.state;
   options.scripts = scripts_of(args);
-  if (!options.scripts.empty())  // their steps are events, whatever the user looked at last
+  if (!options.scripts.empty())  // scripts step by event, regardless of the user's last setting
     options.settings.view.step_unit = debug::StepUnit::event;
   try {
     run_window(first_state(args, options.settings), options, stop);
@@ -143,8 +144,8 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   return 0;
 }
 
-/// The desktop, or with --screenshot, --script or --offscreen its twin without a display. Exit code
-/// 1: an expectation of the script failed; 3: no display, or no GL.
+/// Opens the desktop or, with --screenshot, --script or --offscreen, its offscreen counterpart.
+/// Exit code 1: a script expectation failed; 3: no display or no GL.
 int run_view(const ViewArgs& args, std::stop_token stop) {
   if (args.list_actions) {
     print_actions();
@@ -159,7 +160,7 @@ int run_view(const ViewArgs& args, std::stop_token stop) {
   }
 }
 
-/// Options that a session or a report brings along.
+/// Whether method options were typed; sessions and reports bring their own.
 bool method_typed(const CLI::App& view) {
   return std::ranges::any_of(view.get_options(), [](const CLI::Option* option) {
     return option->get_group() == "Method" && option->get_name() != "--threads" &&
@@ -211,7 +212,7 @@ void define_view(CLI::App& app, Line& line) {
   view->add_flag("--actions", args->list_actions, "List all actions with their keys")
       ->group(window);
   runs(view, line, args, run_view, [view, args] {
-    // A session or a report by its name alone, as a file manager gives it.
+    // Accept a session or report as the only argument, e.g. from a file manager.
     std::vector<fs::path>& inputs = args->input.inputs;
     if (args->open.empty() && inputs.size() == 1 && inputs[0].extension() == ".json") {
       args->open = inputs[0].string();
@@ -221,7 +222,7 @@ void define_view(CLI::App& app, Line& line) {
       throw Error("--screenshot " + args->screenshot.string() +
                   ": expected a name that ends in .png");
     planes::PipelineOptions ignored;
-    if (!args->compare.empty()) planes::set_profile(ignored, args->compare);  // a bad one throws
+    if (!args->compare.empty()) planes::set_profile(ignored, args->compare);  // throws if invalid
     if (args->open.empty() && !args->baseline.empty())
       throw Error("--baseline: is of a report, give --open REPORT.json");
     if (!args->open.empty() && method_typed(*view))

@@ -1,4 +1,4 @@
-// Reads scripts of actions and input from JSON and plays them on the window.
+// Reads scripts of actions and input from JSON and plays them in the window.
 
 #include "app/desktop/script.hpp"
 
@@ -29,7 +29,7 @@ ImVec2 place_in(const WidgetRect& rect, const Json& share) {
                 rect.min.y + at(1) * (rect.max.y - rect.min.y));
 }
 
-/// Plays one script on one shell.
+/// Plays one script in one shell.
 class Player {
  public:
   Player(Shell& shell, Stage& stage, std::stop_token stop)
@@ -84,7 +84,8 @@ class Player {
 
   void perform(const std::string& action, const std::string& argument) {
     shell_.perform({action, argument}, true);
-    // The window shows what is wrong with a filter while it is typed; a script has typed it whole.
+    // While typing, the window shows filter errors in place; a script's filter is complete, so
+    // throw.
     const debug::FilterProblem& problem = shell_.state().view.search.problem;
     if (action == "filter.set" && !problem.message.empty())
       throw Error(fmt::format("filter '{}', at {}: {}", argument, problem.begin, problem.message));
@@ -102,7 +103,7 @@ class Player {
   void move_to(ImVec2 at) {
     push({.type = InputEvent::Type::move, .x = at.x, .y = at.y});
     stage_.draw_frame();
-    stage_.draw_frame();  // what is under the mouse is known a frame later
+    stage_.draw_frame();  // the item under the mouse is only known in the next frame
   }
   void button(int which, bool down) {
     push({.type = InputEvent::Type::button, .button = which, .down = down});
@@ -122,7 +123,7 @@ class Player {
       }
     });
   }
-  /// With the step's button, while the key that it holds is down.
+  /// Presses the step's button while holding the key in "hold".
   template <typename Press>
   void press_button(const Json& step, const Press& press) {
     const std::string name = step.value("button", std::string("left"));
@@ -192,7 +193,7 @@ class Player {
     const bool beside = state.results.pinned && state.run() != state.results.pinned->run.get();
     return debug::trace_text(*state.run(), beside ? state.results.pinned->run.get() : nullptr);
   }
-  /// What does not hold yet may hold once the background work has ended.
+  /// A failed expectation is checked again when background work has ended.
   void expect(const Json& facts) const {
     try {
       compare(facts);
@@ -206,7 +207,7 @@ class Player {
     const Json now = state_facts(shell_.state(), shell_.idle());
     for (const auto& [name, value] : facts.items()) {
       if (!now.contains(name)) throw Error("expect: there is no fact '" + name + "'");
-      // Of an object, the keys that are given.
+      // Compare only the given keys of an object.
       Json found = now.at(name);
       if (name == "view" && value.is_object()) {
         found = Json::object();
@@ -239,14 +240,14 @@ void take_picture(Shell& shell, Stage& stage) {
 void take_step(Shell& shell,
                const std::function<void()>& draw,
                const std::function<Image8()>& picture) {
-  constexpr int kFrames = 3;  // lists have scrolled to where it is by then
+  constexpr int kFrames = 3;  // enough frames for lists to finish scrolling
   if (!shell.begin_step()) return;
   for (int i = 0; i < kFrames; ++i) draw();
   shell.add_step(picture());
 }
 
 void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {
-  do {  // the last frame may see that something is missing that could not be begun before
+  do {  // the last frame may discover work that could not start before
     stage.draw_frame();
     while (!shell.idle(background)) {
       if (stop.stop_requested()) throw Cancelled();

@@ -1,4 +1,5 @@
-// planescope-lab bench steady: planes under changes that mean nothing, and in the next frame.
+// planescope-lab bench steady: stability of planes under irrelevant changes and from frame to
+// frame.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 struct BenchSteadyArgs {
   InputArgs input;
   std::set<std::string> only;
-  fs::path poses;  // --poses; "none": pixel by pixel; empty: those of the recording
+  fs::path poses;  // --poses; "none": compare pixel by pixel; empty: poses of the recording
   int turns = 20;
   fs::path out;  // -o; empty: stdout
   std::set<lab::SteadyPart> parts;
@@ -40,7 +41,7 @@ std::vector<std::string> part_names() {
   return {names.begin(), names.end()};
 }
 
-/// --poses, else the recording's own, else a file poses.tum in its folder.
+/// Reads --poses, else the recording's own poses, else poses.tum in its folder.
 lab::FramePoses read_poses(const OpenInput& input, const fs::path& typed) {
   if (typed == "none") return {};
   fs::path file = typed;
@@ -57,7 +58,7 @@ lab::FramePoses read_poses(const OpenInput& input, const fs::path& typed) {
   return std::move(paired.poses);
 }
 
-/// Throws Cancelled on stop.
+/// Runs the benchmark. Throws Cancelled on stop.
 int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
   if (!args.out.empty()) check_output_dir(args.out);
   InputArgs depth_only = args.input;
@@ -120,8 +121,8 @@ std::vector<std::string> typed_values(const CLI::App& command, const char* name)
   return command.get_option(name)->results();
 }
 
-/// Ours in the profiles paper and refined and every rival of this build, or what --profile and
-/// --method name; all with what --set says.
+/// Returns ours with the profiles paper and refined plus every rival in this build, or the methods
+/// selected by --profile and --method; --set applies to all of them.
 std::vector<lab::SteadyMethod> methods_to_measure(const CLI::App& command,
                                                   const planes::PipelineOptions& typed) {
   const std::vector<std::string> set = typed_values(command, "--set");

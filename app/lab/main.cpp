@@ -1,5 +1,4 @@
-// planescope-lab: what measures planescope, and makes the sets that it is measured on and trained
-// with.
+// planescope-lab: measures planescope and generates its evaluation and training sets.
 
 #include <fmt/format.h>
 

@@ -15,7 +15,8 @@ namespace {
 
 bool is_letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 
-/// 3: a whole word of the text, 2: the start of one, 1: somewhere in it, 0: nowhere.
+/// Returns 3 if the word is a whole word of the text, 2 if a prefix of one, 1 if anywhere in it, 0
+/// otherwise.
 int fit_of_word(const std::string& word, const std::string& text) {
   int best = 0;
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
@@ -27,7 +28,7 @@ int fit_of_word(const std::string& word, const std::string& text) {
   return best;
 }
 
-/// The worst of the words decides, then all of them; -1: not even their letters are there in order.
+/// Ranks by the worst word, then by all words; -1: not even the letters occur in order.
 int fit_of(const std::vector<std::string>& words, const std::string& text) {
   int least = 3, sum = 0;
   for (const std::string& word : words) {
@@ -55,7 +56,7 @@ void check_whole(const std::string& action, int value, const Range& range) {
 
 }  // namespace
 
-// ---- The table ---------------------------------------------------------------------------------
+// ---- Table -------------------------------------------------------------------------------------
 
 const std::vector<Action>& action_table() {
   static const std::vector<Action> table = [] {
@@ -206,7 +207,7 @@ std::vector<double> numbers_argument(const std::string& action,
   return numbers;
 }
 
-// ---- The status bar ----------------------------------------------------------------------------
+// ---- Status bar --------------------------------------------------------------------------------
 
 bool has_run(const State& state) { return state.run() != nullptr; }
 

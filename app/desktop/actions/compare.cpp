@@ -1,4 +1,4 @@
-// The options with their undo history, A/B, and what would fix this.
+// Actions on options and their undo history, A/B comparison, and fixes.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -22,7 +22,8 @@ OptionValue read_option(const State&, const std::string& action, const std::stri
   return {text.substr(0, at), text.substr(at + 1)};
 }
 
-/// An undo step, which goes on while the gesture is the same; `gesture` empty: a step of its own.
+/// Adds an undo step, or extends the last one of the same gesture; an empty `gesture` always adds
+/// one.
 void change_by(State& state, const planes::PipelineOptions& after, const std::string& gesture) {
   constexpr std::size_t kMostUndo = 200;
   const bool goes_on =
@@ -55,7 +56,7 @@ void move_change(State& state,
                  std::vector<OptionChange>& to,
                  bool back) {
   if (const auto& gravity = from.back().gravity) {
-    // First: it may not be writable. It may be of another recording than is looked at.
+    // Do this first, because the file may not be writable. It may belong to another recording.
     keep_picked(state, gravity->recording, back ? gravity->before : gravity->after);
     say(state, fmt::format("gravity of {} is as it was {} the click",
                            gravity->recording.filename().string(), back ? "before" : "after"));
@@ -74,7 +75,7 @@ bool has_truth(const State& state) {
   return has_current(state) && state.results.current->run->subject->voxel_truth.known();
 }
 
-/// Options of foot and stairs stay: they change no run, so A and B share them.
+/// Keeps foot and stairs options: they do not affect runs, so A and B share them.
 void restore(State& state) {
   planes::PipelineOptions after = state.results.pinned->run->options;
   after.foot = state.document.options.foot;
@@ -99,7 +100,7 @@ void unpin(State& state) {
   if (state.view.against == Against::pinned) state.view.against = Against::nothing;
 }
 
-/// `profile`: a name, or a file of one's own. What is looked at becomes A.
+/// `profile` is a name or a file. The current run becomes A.
 void compare_profile(State& state, const std::string& profile) {
   planes::PipelineOptions after = state.document.options;
   planes::set_profile(after, profile);

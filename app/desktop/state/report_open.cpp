@@ -1,4 +1,5 @@
-// From a line of a report to its recording and run, and to where in the run the window begins.
+// Opens a location in a report: finds its recording and run, and the step at which the window
+// starts.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -25,9 +26,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where a file that was typed when the report was made may be, those that are there: from here,
-/// from the report's folder on, beside the report, and from the folders above on, where reports are
-/// mostly run. Not the report itself.
+/// Existing paths for a file typed when the report was created: relative to the current folder, to
+/// the report's folder and to its parents, where reports are usually started, or beside the report.
+/// The report itself is excluded.
 std::vector<fs::path> places_of(const fs::path& typed, const fs::path& report) {
   const fs::path folder = fs::absolute(report).parent_path();
   const fs::path name = typed.has_filename() ? typed.filename() : typed.parent_path().filename();
@@ -67,7 +68,7 @@ const report::ReportFrame& frame_of(const report::ReportRecording& recording,
                           more ? ", ..." : ""));
 }
 
-/// `file`: whose frame it is.
+/// `file` is the report that contains the frame.
 void expect_plane(const report::ReportFrame& frame,
                   const report::ReportTarget& target,
                   const fs::path& file) {
@@ -85,8 +86,8 @@ void add_note(std::string& note, const std::string& more) {
   note += (note.empty() ? "" : "; ") + more;
 }
 
-/// The options of the report's run. Throws Error where they can no longer be had; `note` says what
-/// may differ.
+/// Returns the options of the report's run. Throws Error if they are no longer available; `note`
+/// describes possible differences.
 planes::PipelineOptions options_from(const report::Report& report,
                                      const fs::path& file,
                                      std::string& note) {
@@ -121,7 +122,7 @@ planes::PipelineOptions options_from(const report::Report& report,
   return options;
 }
 
-/// Why it is not the report's recording; empty: it is.
+/// Returns why this is not the report's recording; empty if it is.
 std::string why_other(const OpenRecording& open,
                       const report::ReportFrame& frame,
                       const fs::path& report) {
@@ -162,7 +163,7 @@ std::vector<Candidate> candidates_of(const State& state,
   return candidates;
 }
 
-/// The first that is the report's recording. Throws Error.
+/// Opens the first candidate that is the report's recording. Throws Error.
 OpenRecording open_recorded(const State& state,
                             const report::ReportRecording& recorded,
                             const report::ReportFrame& frame,
@@ -170,7 +171,7 @@ OpenRecording open_recorded(const State& state,
                             const fs::path& report) {
   std::string refusal;
   for (Candidate& candidate : candidates_of(state, recorded, link, report)) {
-    // The report says what is wrong with a damaged frame; the others can still be seen.
+    // The report describes damaged frames; the others can still be shown.
     candidate.options.damaged_frames_later = true;
     OpenRecording open{candidate.path, io::open_recording(candidate.path, candidate.options),
                        candidate.label_dir};
@@ -191,7 +192,7 @@ bool same_options(const planes::PipelineOptions& a, const planes::PipelineOption
   });
 }
 
-/// The baseline of a report, where there is one.
+/// A report's baseline.
 struct Baseline {
   fs::path file;
   report::Report report;
@@ -231,7 +232,7 @@ std::optional<Baseline> baseline_of(const report::Report& report,
   return baseline;
 }
 
-/// The frame as the baseline has it, and what became of the plane.
+/// Finds the frame in the baseline and the fate of the plane.
 void find_fate(const Baseline& baseline,
                const report::Report& report,
                const report::ReportFrame& frame,
@@ -259,7 +260,7 @@ bool is_report(const std::string& where) {
   using Json = nlohmann::json;
   const std::string path = where.substr(0, where.rfind('#'));
   std::ifstream file = open_to_read(path);
-  // A report may be large: nothing of it is kept but what stands at its top.
+  // A report may be large: keep only its top level.
   const auto keep = [&](int depth, Json::parse_event_t, const Json&) {
     check_depth(depth, path);
     return depth <= 1;
@@ -316,7 +317,7 @@ namespace {
 
 using Voxels = std::vector<std::uint32_t>;
 
-/// Where a report has no samples: a disk about the plane's centre, as large as the plane.
+/// Fallback without samples: a disk around the plane's center with the plane's area.
 Voxels voxels_about(const planes::PlaneSummary& plane, const debug::Subject& subject) {
   constexpr double kThickness = 0.02;  // [m]
   const double radius2 = std::max(plane.area_m2, 1e-4) / 3.14159;
@@ -330,14 +331,14 @@ Voxels voxels_about(const planes::PlaneSummary& plane, const debug::Subject& sub
   return voxels;
 }
 
-/// Planes of a report, and where they are in run B.
+/// Planes of a report and their voxels in run B.
 struct Region {
   const report::ReportFrame& frame;
   std::vector<int> planes;
   Voxels voxels = {};
 };
 
-/// The voxels of the planes' samples, ascending. `whole`: of all pixels that a sample stands for.
+/// The voxels of the planes' samples, ascending. `whole` includes all pixels of a sample's cell.
 Voxels voxels_of(const Region& region, const debug::Subject& subject, bool whole = false) {
   const auto& [frame, planes, in_b] = region;
   const report::RegionSample& sample = frame.regions;
@@ -367,7 +368,7 @@ Voxels voxels_of(const Region& region, const debug::Subject& subject, bool whole
 
 std::string plane_name_of(std::int32_t plane) { return fmt::format("P{}", plane); }
 
-/// To where the plane of the result was founded.
+/// Goes to the step that created the plane.
 void go_to_founding(const debug::Run& run, std::int32_t plane, RunArrival& arrival) {
   arrival.plane = run.segmentation.planes[static_cast<std::size_t>(plane) - 1].founded;
   arrival.step = run.timeline.changes_of_plane(arrival.plane).front().step;
@@ -375,7 +376,7 @@ void go_to_founding(const debug::Run& run, std::int32_t plane, RunArrival& arriv
 
 struct Guide {
   const ReportPlace& place;
-  const debug::Run* a;  // null: there is no such run
+  const debug::Run* a;  // null if there is no such run
   const debug::Run& b;
 
   RunArrival to_plane_of_now() const {
@@ -440,7 +441,7 @@ struct Guide {
       arrive_at(region, debug::joining_of_region(b, voxels), "merged at", arrival);
   }
 
-  /// Where the planes that are one now became one.
+  /// Goes to the step that merged the planes.
   void arrive_at_merge(RunArrival& arrival) const {
     Region region{*place.baseline, place.fate->others};
     region.planes.push_back(place.fate->baseline);
@@ -448,8 +449,8 @@ struct Guide {
     arrive_at(region, debug::joining_of_region(b, region.voxels), "merged at", arrival);
   }
 
-  /// Where B first decided otherwise than A, or A did what B never asked. Where neither is so for
-  /// more than a tenth of the region: at `otherwise`.
+  /// Goes to the first decision in B that differs from A, or to the first one in A that B never
+  /// made. If neither affects more than a tenth of the region, goes to `otherwise`.
   void arrive_at(const Region& region,
                  const debug::RegionDecision& otherwise,
                  const char* verb,
