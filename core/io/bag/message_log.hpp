@@ -65,8 +65,7 @@ class MessageLog {
   virtual std::string kind() const = 0;
   /// All messages of a topic by recording time, equal times in file order.
   const std::vector<MessageRef>& messages(const std::string& topic) const;
-  /// The message, or at least its first `at_most` bytes. Throws Error naming the file if it is
-  /// damaged.
+  /// The message, or at least its first `at_most` bytes. Throws Error naming a damaged file.
   virtual Message read(const MessageRef& message, std::size_t at_most = kWholeMessage) const = 0;
   /// Cost of unpacking the message's chunk, in bytes of LZ4; 0 if it is not compressed.
   virtual std::size_t unpacking_cost(const MessageRef&) const { return 0; }

@@ -216,8 +216,8 @@ void SqliteLog::drop_cut_messages() {
       ids.push_back(static_cast<std::int64_t>(message.offset));
   }
   std::sort(ids.begin(), ids.end());
-  // A blob with pages of its own was written after all earlier ones: once one is complete, so are
-  // they.
+  // A blob with pages of its own was written after all earlier ones: if it is complete,
+  // so are they.
   std::vector<std::int64_t> lost;
   for (std::size_t bytes = 0; !ids.empty() && bytes <= file_.page_bytes(); ids.pop_back()) {
     if (!can_be_read(ids.back(), bytes)) lost.push_back(ids.back());

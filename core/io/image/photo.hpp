@@ -17,8 +17,7 @@ Image8 read_jpeg_rgb(const std::filesystem::path& path);
 Image8 decode_jpeg_rgb(std::span<const unsigned char> bytes, const std::string& name);
 
 /// Encodes an RGB image as lossy WebP: half the size of a JPEG of the same visual quality.
-/// `quality`: 0 to 100. Throws Error if the image is larger than WebP allows, 16383 pixels per
-/// side.
+/// `quality`: 0 to 100. Throws Error for more than 16383 pixels per side, WebP's limit.
 std::vector<unsigned char> encode_webp(const Image8& image, float quality);
 
 /// Throws Error naming the file if it is truncated or not a WebP.

@@ -1,5 +1,4 @@
-// PNG: decodes with libpng the files that png_rows.cpp does not support, and writes with
-// libdeflate.
+// PNG: uses libpng to decode files that png_rows.cpp does not support, and libdeflate to write.
 
 #include "core/io/image/png.hpp"
 

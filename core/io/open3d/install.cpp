@@ -1,5 +1,4 @@
-// Reads files through Open3D that core/io does not support, and wraps the Open3D algorithms of the
-// programs.
+// Reads more file formats through Open3D, and wraps the Open3D algorithms that the programs use.
 
 #include "core/io/open3d/install.hpp"
 

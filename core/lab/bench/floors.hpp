@@ -46,8 +46,8 @@ Work pca_work(std::size_t points, int neighbours);
 Work gcn_work(std::size_t points, const planes::NetworkConfig& network);
 /// Cells: 6 for each point; writes points, labels, keys, order and counts of labels.
 Work octree_work(std::size_t points);
-/// Mean and scatter of every point's node once, 15; planes of `points`, and also of `pixel_points`
-/// with `reads_pixels`, as in the profile `refined`.
+/// Mean and scatter of every point's node once, 15; writes a plane id for each of `points` and
+/// `pixel_points`. `reads_pixels`: also reads the latter, as the profile `refined` does.
 Work segment_work(std::size_t points, std::size_t pixel_points, bool reads_pixels);
 
 }  // namespace planescope::lab

@@ -82,8 +82,7 @@ struct PlainGraph {
   std::vector<Level> levels;
 };
 
-/// `points` in the order of a NeighbourGrid: each level keeps every pool_rate-th. Brute-force
-/// search.
+/// `points` in the order of a NeighbourGrid: each level keeps every pool_rate-th. Brute force.
 PlainGraph make_plain_graph(std::span<const Vec3f> points, const planes::NetworkConfig& config);
 
 /// Logits of each point, h then v.

@@ -77,8 +77,7 @@ const EvaluationSet& find_evaluation_set(const std::string& name) {
 
 namespace {
 
-/// The seed of a frame depends on its set's name, so adding or removing sets does not change
-/// others.
+/// The seed of a frame depends on its set's name, so adding a set does not change others.
 std::uint64_t seed_of(const EvaluationSet& set, int index, std::uint64_t seed) {
   std::uint64_t stream = 0;
   for (const char c : set.name) stream = mix_bits(stream ^ static_cast<unsigned char>(c));

@@ -58,8 +58,7 @@ class LabelDraft {
  public:
   /// `before` must outlive the draft.
   explicit LabelDraft(const FrameLabels& before) : labels(before), before_(before) {}
-  /// For labels not made by a tool: compares their images. Both must be of the same frame
-  /// (asserted).
+  /// For labels not made by a tool: compares the images. Both must be of one frame (asserted).
   LabelDraft(const FrameLabels& before, FrameLabels after);
   void set(std::uint32_t pixel, int plane, std::uint8_t hv);
   LabelEdit edit(int frame, std::string title) const;

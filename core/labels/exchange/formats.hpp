@@ -23,8 +23,7 @@ void check_count(std::uint64_t points, const std::string& where);
 /// Text of a file for a one-line message: unprintable characters become '?'.
 std::string printable(std::string_view text);
 
-/// Converts values to whole numbers of low..high. Throws Error naming `where` and the first invalid
-/// value.
+/// Values as whole numbers of low..high. Throws Error naming `where` and the first invalid one.
 template <typename T>
 std::vector<T> whole_numbers(std::span<const double> values,
                              double low,

@@ -102,8 +102,7 @@ LocalSurface local_surface(std::span<const Vec3f> points,
   return surface;
 }
 
-/// Symmetric, converted from places to points: points at one place are neighbors of its first
-/// point.
+/// Symmetric, from places to points: the points at a place are neighbors of its first point.
 PointGraph graph_of(const Places& places,
                     const std::vector<std::array<std::uint32_t, kNearestPlaces>>& nearest,
                     const std::vector<std::uint8_t>& nearest_count) {

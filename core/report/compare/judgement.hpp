@@ -30,8 +30,7 @@ struct Judgement {
   int errors() const;
   /// Broken rules of level warn, and unguarded().
   int warnings() const;
-  /// Idle rules, content missing in the baseline, and parts of it that were left out, one line
-  /// each.
+  /// Idle rules, and parts missing in the baseline or left out of it, one line each.
   std::vector<std::string> unguarded() const;
   /// In options, weights and the like; empty without a baseline.
   std::vector<std::string> differences() const;
