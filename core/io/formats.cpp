@@ -1,5 +1,5 @@
-// The table of recording formats. To add one: a reader, its row here and its opener in readers.hpp,
-// docs/formats.md.
+// The table of recording formats. To add one: write a reader, add its row here and its opener in
+// readers.hpp, and describe it in docs/formats.md.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -41,7 +41,7 @@ bool natural_less(const std::string& a, const std::string& b) {
     if (order != 0) return order < 0;
   }
   if (i < a.size() || j < b.size()) return j < b.size();
-  return a < b;  // such as 01 and 1: any order, but always the same
+  return a < b;  // such as 01 and 1: any order, as long as it is deterministic
 }
 
 std::vector<fs::path> files_in(const fs::path& folder) {
@@ -62,9 +62,9 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 
 namespace {
 
-constexpr int kMaxDepth = 4;  // folders below the one given; a whole disk is no recording
+constexpr int kMaxDepth = 4;  // levels of subfolders: do not search a whole disk
 
-/// Files of a kind in the folder, then those in the folders below it.
+/// Files of a kind in the folder, then those in its subfolders.
 std::vector<fs::path> files_under(const fs::path& folder,
                                   const std::function<bool(const fs::path&)>& is_wanted) {
   std::vector<fs::path> wanted;
@@ -103,17 +103,17 @@ std::vector<fs::path> cloud_files_under(const fs::path& folder) {
 
 namespace {
 
-/// What is at the path.
+/// The file or folder at a path.
 struct Found {
   fs::path path;
   bool is_folder = false;
-  std::string start;  // of a file
+  std::string start;  // first bytes of a file
 };
 
 struct Format {
   std::string name;  // "a .bag, .db3 or .mcap of RealSense or ROS"
   std::vector<std::string> extensions;
-  bool (*sniff)(const Found&);  // a folder, or a file of another extension
+  bool (*sniff)(const Found&);  // folders, and files with other extensions
   std::unique_ptr<Recording> (*open)(const fs::path&, const RecordingOptions&);
 
   bool fits(const Found& found) const {
@@ -190,7 +190,7 @@ std::string format_names(bool clouds = true) {
   return fmt::format("{}, or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
-/// What lies in a folder, for people: "3 .txt, 1 .jpg".
+/// Summary of the files in a folder for messages: "3 .txt, 1 .jpg".
 std::string describe_files(const std::vector<fs::path>& files) {
   std::map<std::string, int> kinds;
   for (const fs::path& file : files) {
@@ -256,7 +256,7 @@ std::unique_ptr<Recording> checked(std::unique_ptr<Recording> recording) {
       for (std::string& warning : depth_warnings(info, recording->frame(0)))
         warnings.push_back(std::move(warning));
     } catch (const Error&) {
-      // Damaged: reported when the frame is used.
+      // Damaged: reported when the frame is read.
     }
   }
   if (warnings.empty()) return recording;

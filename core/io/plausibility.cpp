@@ -1,4 +1,4 @@
-// Warnings about calibration and depth that no real camera has: a wrong file, unit or image size.
+// Warnings about implausible calibration and depth: a wrong file, unit or image size.
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ double view_deg(int size, double focal_px) {
   return 2 * std::atan(size / (2 * focal_px)) * 180 / std::numbers::pi;
 }
 
-/// How far distortion moves the corner farthest from the principal point, as a ratio of radii.
+/// Factor by which distortion moves the corner farthest from the principal point.
 double corner_ratio(const Intrinsics& k) {
   const double x = std::max(k.cx, k.width - k.cx) / k.fx,
                y = std::max(k.cy, k.height - k.cy) / k.fy;

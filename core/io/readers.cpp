@@ -1,4 +1,4 @@
-// What lies beside recordings: sidecars, and gravity that was picked; and the camera that follows.
+// Sidecars of recordings, picked gravity, and the camera settings that follow from them.
 
 #include "core/io/readers.hpp"
 
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Numbers from a place, as they are checked here: finite, `count` of them.
+/// Reads exactly `kCount` finite numbers.
 template <int kCount>
 Eigen::Vector<double, kCount> read_numbers(const JsonPlace& place, const char* expected) {
   Eigen::Vector<double, kCount> numbers;
@@ -38,7 +38,7 @@ std::optional<Vec3d> read_direction(const JsonPlace& place) {
   if (!place.has("gravity")) return std::nullopt;
   const Vec3d vector = read_numbers<3>(place.at("gravity"), kExpected);
   if (vector.stableNorm() < 1e-9) place.at("gravity").fail_kind(kExpected);
-  // Of a direction that was written by us not a bit changes.
+  // Keep every bit of a direction that we wrote.
   return std::abs(vector.squaredNorm() - 1) < 1e-14 ? vector : vector.stableNormalized();
 }
 
@@ -270,7 +270,7 @@ void settle_camera(const RecordingOptions& options,
                             k.height));
   k.width = info.width;
   k.height = info.height;
-  // Of a cropped image it may be a little outside.
+  // In a cropped image it may be slightly outside.
   if (std::abs(k.cx - 0.5 * k.width) > k.width || std::abs(k.cy - 0.5 * k.height) > k.height)
     throw Error(fmt::format(
         "{}: principal point cx {:g}, cy {:g} from {} is far outside the {}x{} depth image", path,
@@ -307,7 +307,7 @@ bool set_distortion(const std::string& model,
   const std::string lower = lower_case(model);
   const auto names = [&](const char* part) { return lower.find(part) != std::string::npos; };
   const bool finite = std::ranges::all_of(coefficients, [](double c) { return std::isfinite(c); });
-  // More than five coefficients are a rational model, which ours cannot express.
+  // More than five coefficients are a rational model, which Intrinsics does not support.
   const bool five = coefficients.size() <= 5 || are_zero(5);
   if (!finite || !five || !(names("brown") || names("plumb"))) return false;
   std::copy_n(coefficients.begin(), std::min<std::size_t>(5, coefficients.size()),
@@ -321,7 +321,7 @@ std::string sha256_of_depth(const Image16& depth) {
   return sha256_hex(std::as_bytes(std::span(depth.data)));
 }
 
-// ---- Gravity that was picked ----
+// ---- Picked gravity ----
 
 namespace {
 
@@ -364,7 +364,8 @@ void visit_fields(Fields& fields, Same<PickedGravity> auto& picked) {
 
 namespace {
 
-/// A direction is of use on the very frame that it was clicked on, as labels are.
+/// Throws Error unless the frame is the one that was clicked: like labels, a direction is valid
+/// only there.
 void expect_same(const Recording& recording, const PickedDirection& picked) {
   const auto other = [&] {
     return Error("was picked on another recording, frame " + std::to_string(picked.frame) +
@@ -375,7 +376,7 @@ void expect_same(const Recording& recording, const PickedDirection& picked) {
   try {
     hash = recording.frame_hash(picked.frame);
   } catch (const Error&) {
-    return;  // a damaged frame tells nothing, and is told of where it is read
+    return;  // a damaged frame: reported when it is read
   }
   if (hash != picked.frame_sha256) throw other();
 }

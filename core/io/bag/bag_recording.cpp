@@ -1,4 +1,4 @@
-// Recordings of the RealSense SDK and of realsense-ros, whatever contains them.
+// Recordings of the RealSense SDK and of realsense-ros, in any container.
 
 #include <fmt/format.h>
 
@@ -51,10 +51,10 @@ class BagRecording : public Recording {
   RecordingInfo info_;
   Sidecar sidecar_;
   bool reads_color_ = true;
-  bool unit_is_given_ = false;  // by option or sidecar: wins over what single frames say
+  bool unit_is_given_ = false;  // by option or sidecar; overrides the units of single frames
   Intrinsics color_intrinsics_;
   std::vector<MessageRef> depth_;
-  std::vector<MessageRef> metadata_;  // texts beside them
+  std::vector<MessageRef> metadata_;  // SDK texts beside depth
   std::vector<MessageRef> color_;
   std::vector<MessageRef> accel_;
   double color_period_s_ = 0;
@@ -75,7 +75,7 @@ PixelLayout layout_of(const std::string& encoding) {
 }
 
 constexpr const char* kMeters = "32FC1";
-/// The step to which meters are rounded unless one is given, for a range of 13.1 m. Its error, 0.06
+/// Meters are rounded to this step unless a unit is given, for a range of 13.1 m. The error, 0.06
 /// mm RMS, is below the noise of any depth camera.
 constexpr double kRounding_m = 0.0002;
 
@@ -92,7 +92,7 @@ void check_depth_encoding(const ros::Image& image,
         image.encoding));
 }
 
-/// The pixels without what is behind each row. Throws OutOfBytes when the image is not whole.
+/// The pixels without the padding after each row. Throws OutOfBytes if the image is incomplete.
 template <typename T>
 std::vector<T> pixels_of(const ros::Image& image) {
   const std::size_t row_bytes = sizeof(T) * image.width;
@@ -107,13 +107,13 @@ std::vector<T> pixels_of(const ros::Image& image) {
   return pixels;
 }
 
-/// 0, no measurement, for NaN and infinity (ROS REP 118); 65535, invalid, beyond what 16 bits hold.
+/// 0 (no measurement) for NaN and infinity (ROS REP 118); 65535 (invalid) beyond 16 bits.
 std::uint16_t rounded_count(float depth_m, double unit_m) {
   if (!(depth_m > 0) || std::isinf(depth_m)) return 0;
   return static_cast<std::uint16_t>(std::min(std::round(depth_m / unit_m), 65535.0));
 }
 
-/// rgb8, bgr8, rgba8, bgra8, mono8, 8UC1. Throws Error on any other encoding.
+/// Supports rgb8, bgr8, rgba8, bgra8, mono8 and 8UC1. Throws Error on any other encoding.
 Image8 to_rgb(const ros::Image& image, const std::filesystem::path& bag, const std::string& topic) {
   const PixelLayout layout = layout_of(image.encoding);
   if (layout.channels == 0)
@@ -136,7 +136,7 @@ Image8 to_rgb(const ros::Image& image, const std::filesystem::path& bag, const s
   return rgb;
 }
 
-/// Reads a message, or the first bytes of it, through `parse`.
+/// Reads a message, or its first bytes, and passes it to `parse`.
 template <typename Parse>
 auto parse_message(const MessageLog& bag,
                    const MessageRef& message,
@@ -206,8 +206,8 @@ BagRecording::BagRecording(std::unique_ptr<MessageLog> log,
   bag_.expect_whole();
 }
 
-/// Frames come in the order of the sensor's clock. The recording order is the same in practice;
-/// it is checked where that needs no unpacking of the whole file.
+/// Frames are sorted by the sensor's clock. In practice that is the recording order; it is checked
+/// only where that does not require unpacking the whole file.
 void BagRecording::order_by_stamp() {
   constexpr std::size_t kCheapMessages = 64;
   bool suspicious = false;
@@ -225,7 +225,7 @@ void BagRecording::order_by_stamp() {
       order.emplace_back(header.stamp_s, header.seq.value_or(0), i);
     }
   } catch (const Error&) {
-    return;  // a damaged frame: it is reported when it is asked for, the order stays
+    return;  // a damaged frame: reported when it is read; keep the order
   }
   std::sort(order.begin(), order.end());
   std::vector<MessageRef> sorted;
@@ -244,7 +244,7 @@ ros::CameraInfo BagRecording::read_camera_info(const MessageRef& message,
                        layout_.is_sdk ? ros::parse_sdk_camera_info : ros::parse_camera_info);
 }
 
-/// What the SDK wrote beside a depth image, at the same time.
+/// The metadata that the SDK recorded with a depth image, at the same time.
 ros::SdkFrameFacts BagRecording::facts_beside(const MessageRef& depth) const {
   const auto found = std::lower_bound(metadata_.begin(), metadata_.end(), depth.time_ns,
                                       [](const MessageRef& m, auto t) { return m.time_ns < t; });
@@ -255,7 +255,7 @@ ros::SdkFrameFacts BagRecording::facts_beside(const MessageRef& depth) const {
 void BagRecording::read_camera(const RecordingOptions& options) {
   const auto image = parse_message(bag_, depth_.front(), layout_.depth, [&](const Message& bytes) {
     auto parsed = image_of(bytes, layout_.depth).image;
-    parsed.data = {};  // only the header is kept
+    parsed.data = {};  // keep only the header
     return parsed;
   });
   check_depth_encoding(image, bag_.path(), layout_.depth);
@@ -290,7 +290,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
   settle_camera(options, sidecar_, facts, info_);
 }
 
-/// Colour in an encoding that we cannot show must not make the depth frames unreadable.
+/// Color in an unsupported encoding must not make the depth frames unreadable.
 void BagRecording::drop_unreadable_color() {
   if (color_.empty()) return;
   try {
@@ -332,8 +332,8 @@ double BagRecording::color_gap_s(std::size_t color, double depth_stamp_s) const 
   return std::abs(header.stamp_s - depth_stamp_s);
 }
 
-/// The colour image whose stamp is nearest to that of the depth image. The search starts at the
-/// nearest recording time, so that few chunks need unpacking. Null where none is near.
+/// The color image whose stamp is nearest to that of the depth image; null if there is none nearby.
+/// The search starts at the nearest recording time, so that few chunks need unpacking.
 const MessageRef* BagRecording::nearest_color(const MessageRef& depth, double stamp_s) const {
   if (color_.empty()) return nullptr;
   const auto recorded_gap_s = [&](std::size_t i) {
@@ -376,7 +376,7 @@ void BagRecording::add_color(const MessageRef& depth, double stamp_s, Frame& fra
   frame.T_color_depth = layout_.T_color_depth;
 }
 
-/// Name, time and unit of frame i, whose unit is already set where the image tells it.
+/// Sets name, time and unit of frame i. The unit is already set if the image contains it.
 void BagRecording::name_frame(int i, const ros::Header& header, Frame& frame) const {
   const ros::SdkFrameFacts facts = facts_beside(depth_.at(i));
   frame.name = facts.number.value_or(std::to_string(header.seq.value_or(i)));

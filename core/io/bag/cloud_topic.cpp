@@ -38,7 +38,7 @@ class CloudTopicRecording : public Recording {
         tells_times(sidecar_) ? sidecar_.path.filename().string() : "message headers";
     info_.warnings = log_->warnings();
     info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
-    read_cloud(0, nullptr);  // fields that cannot be used are reported before work starts
+    read_cloud(0, nullptr);  // report unusable fields before work starts
     log_->expect_whole();
   }
 

@@ -1,4 +1,4 @@
-// What all containers of ROS recordings share, and recordings that were split into several files.
+// Code shared by all containers of ROS recordings, and recordings split into several files.
 
 #include "core/io/bag/message_log.hpp"
 
@@ -64,7 +64,7 @@ Message cdr_message(HeldBytes held, Bytes bytes, std::size_t at_most, const std:
 
 namespace {
 
-/// A walk finds at most so many messages, and one more for each byte of the file.
+/// A walk may find this many messages, plus one for each byte of the file.
 constexpr std::uint64_t kMostMessages = 1 << 20;
 constexpr std::size_t kCachedChunks = 8, kCachedBytes = 64 << 20;
 
@@ -133,7 +133,7 @@ Message ChunkedLog::read(const MessageRef& message, std::size_t at_most) const {
       return cdr_message(held, bytes, at_most, path_.string() + ": message at " + where);
     }
   } catch (OutOfBytes) {
-    // The same to the user as a record of another kind.
+    // Reported like a record of another kind.
   }
   throw Error(path_.string() + ": no message at " + where + ", where its index places one");
 }
@@ -187,7 +187,7 @@ namespace {
 
 class SplitLog : public MessageLog {
  public:
-  /// `files`: in their order.
+  /// `files`: in recording order.
   SplitLog(const fs::path& folder, const std::vector<fs::path>& files) : MessageLog(folder) {
     for (const fs::path& file : files) {
       logs_.push_back(open_message_log(file));
@@ -239,15 +239,15 @@ std::vector<std::string> names_in(const fs::path& metadata) {
   return names;
 }
 
-/// The files that the metadata.yaml of a folder lists, in its order. Throws Error where it cannot
-/// be read, names none, or one of them is not there.
+/// The files that the metadata.yaml of a folder lists, in its order. Throws Error if the file
+/// cannot be read, lists nothing, or lists a missing file.
 std::vector<fs::path> files_of_metadata(const fs::path& folder) {
   const fs::path metadata = folder / "metadata.yaml";
   std::vector<fs::path> files;
   for (const std::string& name : names_in(metadata)) {
-    fs::path file = folder / fs::path(name).filename();  // once with the folder before it
+    fs::path file = folder / fs::path(name).filename();  // some versions prepend the folder
     if (file.extension() == ".zstd" && fs::exists(fs::path(file).replace_extension()))
-      file.replace_extension();  // unpacked since
+      file.replace_extension();  // has been unpacked since
     if (!fs::is_regular_file(file))
       throw Error(metadata.string() + ": lists " + name + ", which is not there");
     files.push_back(file);

@@ -1,7 +1,7 @@
 // Reads PLY (http://paulbourke.net/dataformats/ply/) and PCD
-// (https://pointclouds.org/documentation/tutorials/pcd_file_format.html), by our own code: Open3D's
-// readers trust the header (a padding field of another size than its namesake, or a short
-// compressed block, makes them read outside their buffers).
+// (https://pointclouds.org/documentation/tutorials/pcd_file_format.html). Not through Open3D: its
+// readers trust the header, and a padding field of the wrong size or a short compressed block makes
+// them read out of bounds.
 
 #include <fmt/format.h>
 
@@ -42,7 +42,7 @@ constexpr ScalarRow row_of(std::string_view name, std::string_view other) {
   return {{name, other}, kind, sizeof(T), load_as<T>};
 }
 
-/// By Scalar.
+/// Indexed by Scalar.
 constexpr ScalarRow kScalars[] = {
     row_of<std::int8_t>("char", "int8"),    row_of<std::uint8_t>("uchar", "uint8"),
     row_of<std::int16_t>("short", "int16"), row_of<std::uint16_t>("ushort", "uint16"),
@@ -69,14 +69,14 @@ std::string_view text_of(Bytes bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// The lines of a text header in front of data that may be binary.
+/// The lines of a text header before data that may be binary.
 class HeaderLines {
  public:
   /// `what`: "PLY" or "PCD".
   HeaderLines(const fs::path& path, Bytes file, const char* what)
       : path_(path), file_(file), what_(what) {}
 
-  /// The words of the next line. Throws Error naming the file where the header never ends.
+  /// The words of the next line. Throws Error naming the file if the header never ends.
   Words next() {
     constexpr std::size_t kMaxHeaderBytes = 1 << 16;
     const std::string_view text = text_of(file_.subspan(position_));
@@ -131,7 +131,7 @@ class Body {
 struct Property {
   std::string name;
   Scalar type = Scalar::f32;
-  std::optional<Scalar> count_type = std::nullopt;  // of a list
+  std::optional<Scalar> count_type = std::nullopt;  // of lists
 };
 
 struct Element {
@@ -192,12 +192,12 @@ PlyHeader ply_header(const fs::path& path, Bytes file) {
   return header;
 }
 
-/// Throws Error when the elements that the header promises cannot be in the bytes that are left.
+/// Throws Error if the remaining bytes cannot hold the elements that the header declares.
 void check_promise(const fs::path& path, const Element& element, bool is_text, std::size_t left) {
-  std::uint64_t each = 0;  // the fewest bytes that one can take
+  std::uint64_t each = 0;  // minimum bytes per element
   for (const Property& property : element.properties)
     each += is_text ? 2 : size_of(property.count_type.value_or(property.type));
-  // The last number of a text file needs nothing after it.
+  // The last number of a text file needs no separator.
   const std::uint64_t slack = is_text ? 1 : 0;
   if (element.count > 0 && (each == 0 || element.count > (left + slack) / each))
     throw Error(fmt::format(
@@ -205,7 +205,7 @@ void check_promise(const fs::path& path, const Element& element, bool is_text, s
         path.string(), element.count, element.name, each, left));
 }
 
-/// Reads one element's numbers; lists are read past.
+/// Reads one element's numbers; skips lists.
 void read_element(Body& body, const Element& element, std::vector<double>& values) {
   values.clear();
   for (const Property& property : element.properties) {
@@ -325,7 +325,7 @@ struct CompressedSizes {
   std::uint32_t raw = 0;
 };
 
-/// Throws Error when the points that the header promises cannot be in the file.
+/// Throws Error if the file cannot hold the points that the header declares.
 void check_promise(const fs::path& path, const PcdHeader& header, Bytes body) {
   std::uint64_t least = header.points * header.point_bytes;
   if (header.data == "ascii") {
@@ -335,7 +335,7 @@ void check_promise(const fs::path& path, const PcdHeader& header, Bytes body) {
   } else if (header.data == "binary_compressed") {
     const auto sizes = body.size() >= 8 ? ByteReader(body).read<CompressedSizes>()
                                         : CompressedSizes{0xffffffffu, 0};
-    // LZF packs at most 264 bytes into 3.
+    // LZF compresses at most 264 bytes into 3.
     if (sizes.raw == least && sizes.stored <= body.size() - 8 && least / 88 <= sizes.stored) return;
     throw Error(fmt::format(
         "{}: its header promises {} points of {} bytes, but its compressed block of {} bytes does "
@@ -348,7 +348,7 @@ void check_promise(const fs::path& path, const PcdHeader& header, Bytes body) {
         path.string(), header.points, least, body.size()));
 }
 
-/// LZF as liblzf writes it. Throws OutOfBytes unless exactly `raw_bytes` come out.
+/// LZF as written by liblzf. Throws OutOfBytes unless exactly `raw_bytes` come out.
 std::vector<std::byte> unpack_lzf(Bytes stored, std::size_t raw_bytes) {
   std::vector<std::byte> out;
   out.reserve(raw_bytes);
@@ -370,7 +370,7 @@ std::vector<std::byte> unpack_lzf(Bytes stored, std::size_t raw_bytes) {
   return out;
 }
 
-/// Only the first value of a field with several is kept: none of ours has more.
+/// Keeps only the first value of fields with several: none of the fields in use has more.
 void read_ascii(const PcdHeader& header, Bytes bytes, CloudBuilder& builder) {
   Body body(bytes, true);
   std::vector<double> values(header.fields.size());
@@ -383,7 +383,7 @@ void read_ascii(const PcdHeader& header, Bytes bytes, CloudBuilder& builder) {
   }
 }
 
-/// Points one after the other, or (compressed) all points' values of a field after the other.
+/// Points one after another, or (compressed) one field after another, with all points' values.
 void read_binary(const PcdHeader& header, Bytes body, bool by_field, CloudBuilder& builder) {
   std::vector<double> values(header.fields.size());
   for (std::uint64_t point = 0; point < header.points; ++point) {
@@ -404,7 +404,7 @@ PointSet read_pcd_bytes(const fs::path& path, Bytes file, CloudExtras* extras) {
   check_promise(path, header, body);
   std::vector<CloudField> fields;
   for (PcdField& field : header.fields) {
-    // A packed colour is four bytes whatever it is called: as float its bits may be no number.
+    // A packed color is four bytes whatever its declared type: as a float, its bits may be NaN.
     const bool packed = field.field.name == "rgb" || field.field.name == "rgba";
     if (packed && header.data != "ascii" && field.field.type == Scalar::f32)
       field.field.type = Scalar::u32;

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Counts of 2 bytes without a header.
+/// 16-bit counts without a header.
 Image16 read_counts(const fs::path& path, int width, int height) {
   const MappedFile file(path);
   Image16 depth(width, height);
@@ -30,8 +30,8 @@ Image16 read_counts(const fs::path& path, int width, int height) {
   return depth;
 }
 
-/// The size that a calibration gives or, without one, the mode of a RealSense camera with as many
-/// pixels: no two have the same number. Throws Error where neither fits.
+/// The size in the calibration or, without one, the RealSense camera mode with this number of
+/// pixels: no two modes have the same number. Throws Error if neither fits.
 PngInfo dump_info(const fs::path& path, const Intrinsics& known) {
   constexpr std::pair<int, int> kModes[] = {{1280, 800}, {1280, 720}, {1024, 768}, {848, 480},
                                             {640, 480},  {640, 400},  {640, 360},  {480, 270},
@@ -75,12 +75,12 @@ class FolderRecording : public Recording {
   void settle_times();
   Image16 read_depth(int i) const;
 
-  fs::path folder_;  // with the images and the files about them; empty: a single image
-  std::size_t first_ = 0, in_folder_ = 0;  // depth images: index of the first frame; count
+  fs::path folder_;                        // of the images and their lists; empty: a single image
+  std::size_t first_ = 0, in_folder_ = 0;  // of depth images: index of the first frame; count
   FolderLayout layout_;
   std::vector<double> time_s_;  // by frame; 0 where unknown
   std::optional<Accelerometer> accelerometer_;
-  std::map<int, std::string> damaged_;  // frame, and what is wrong with it
+  std::map<int, std::string> damaged_;  // frame, and description of the damage
   RecordingInfo info_;
   Sidecar sidecar_;
   bool reads_color_ = true, color_aligned_ = false;
@@ -101,7 +101,7 @@ FolderRecording::FolderRecording(const fs::path& path, const RecordingOptions& o
   settle_color(camera);
 }
 
-/// The images of a folder, or the single depth image given with the colour it has in its folder.
+/// Finds the images of a folder, or a single depth image with its color image in the same folder.
 void FolderRecording::find_images(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
@@ -118,7 +118,7 @@ void FolderRecording::find_images(const fs::path& path) {
   layout_.time_s = {std::nullopt};
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (sidecar_.path.empty()) sidecar_ = read_sidecar(folder);
-  // Of depth/000.png the colour lies in a folder beside depth/.
+  // The color image for depth/000.png is in a folder beside depth/.
   const bool in_depth_folder =
       fs::absolute(folder, ignored).lexically_normal().filename() == "depth";
   for (const fs::path& root : {in_depth_folder ? folder / ".." : folder, folder}) {
@@ -151,8 +151,8 @@ void FolderRecording::tell_of_missing_depth() {
                     missing.front()));
 }
 
-/// Times come from the sidecar, lists or file names, else from poses.tum; with them gravity comes
-/// from the accelerometer.
+/// Times come from the sidecar, lists or file names, else from poses.tum; they select the
+/// accelerometer samples for gravity.
 void FolderRecording::settle_times() {
   const bool by_sidecar = tells_times(sidecar_);
   for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
@@ -181,7 +181,7 @@ void FolderRecording::settle_times() {
   accelerometer_ = std::move(read);
 }
 
-/// Looks at the ends of every file, so that what cannot be used is known before work starts.
+/// Checks the start and end of every file, so that unusable files are reported before work starts.
 void FolderRecording::check_images(bool later, const Intrinsics& known) {
   const auto check_depth = [&](const fs::path& path) {
     const bool is_dump = is_depth_dump(path);
@@ -217,7 +217,7 @@ void FolderRecording::check_images(bool later, const Intrinsics& known) {
   if (damaged_.size() == layout_.depth.size()) throw Error(damaged_.begin()->second);
 }
 
-/// Calibration lies beside the images or one folder up.
+/// Looks for calibration beside the images and one folder up.
 CameraFiles FolderRecording::find_camera(const fs::path& path) const {
   std::vector<fs::path> folders = {path, layout_.depth.front().parent_path()};
   std::error_code ignored;
@@ -316,8 +316,8 @@ std::unique_ptr<Recording> open_image_folder(const fs::path& path,
   return std::make_unique<FolderRecording>(path, options);
 }
 
-// ---- Snapshots of the RealSense Viewer: headerless 16-bit little-endian counts in X.raw, what
-// they are in X_metadata.csv. The picture X.png beside them is coloured, no depth ----
+// ---- Snapshots of the RealSense Viewer: headerless 16-bit little-endian counts in X.raw,
+// described in X_metadata.csv. The picture X.png beside them is colored, not depth ----
 
 namespace {
 
@@ -395,7 +395,7 @@ class RawRecording : public Recording {
   static double time_of(const RawFile& file) {
     return 1e-3 * parse_number(Metadata(file.csv).text("Timestamp (ms)")).value_or(0);
   }
-  /// Sizes of one snapshot against each other and against the first.
+  /// Checks the sizes of a snapshot against each other and against the first one.
   CameraFacts check(const RawFile& file) {
     const Metadata metadata(file.csv);
     const double width = metadata.number("Resolution x"), height = metadata.number("Resolution y");

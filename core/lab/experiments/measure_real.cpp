@@ -48,7 +48,7 @@ std::vector<MethodScores> with_names(const std::vector<CellKey>& methods,
   return named;
 }
 
-/// What a method finds in a frame of a recording.
+/// A method's result for a frame of a recording.
 struct Seen {
   PixelPlanes planes;
   FloorPieces floor;
@@ -146,10 +146,10 @@ namespace {
 
 constexpr double kNearM = 0.03;        // at least
 constexpr double kNearPerM2 = 0.01;    // [1/m], times the square of the depth
-constexpr double kHeightStepM = 0.01;  // of the heights' histogram
+constexpr double kHeightStepM = 0.01;  // of the histogram of heights
 constexpr int kFits = 5;
 
-/// The height [m] that most points lie within 3 cm of, of those below the sensor. NaN: none does.
+/// The height [m] below the sensor with the most points within 3 cm. NaN: no points.
 double most_common_height(const planes::Cloud& cloud) {
   std::vector<int> bins;  // downwards from the sensor
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {

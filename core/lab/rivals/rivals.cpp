@@ -1,4 +1,4 @@
-// List of PCL and CGAL methods, and running any method by name.
+// Table of the PCL and CGAL methods, and running any method by name.
 
 #include "core/lab/rivals/rivals.hpp"
 

@@ -1,5 +1,5 @@
-// A checkpoint is a safetensors file: of each tensor its value and Adam's two moments, the rest as
-// JSON in its metadata.
+// A checkpoint is a safetensors file with each tensor's value and Adam's two moments; its metadata
+// contains the rest as JSON.
 
 #include "core/lab/training/checkpoint.hpp"
 
@@ -31,7 +31,7 @@ std::vector<Group> groups(TrainState& state) {
   return {{"value", state.weights.tensors}, {"mean", state.mean}, {"variance", state.variance}};
 }
 
-/// What has to be the same for a training to go on.
+/// Settings that must match to resume a training.
 Json identity(const TrainOptions& o, const TrainingPurpose& purpose) {
   Json json = {{"network", o.network.name},
                {"parameters", planes::parameter_count(o.network)},
@@ -89,7 +89,7 @@ void read_progress(const nlohmann::json& json, TrainState& state) {
   }
 }
 
-/// Whether the counts can be those of a training of so many steps.
+/// Whether the counts are possible for a training of `steps` steps.
 bool is_possible(const TrainState& state, int steps) {
   int last = 0;
   for (const Epoch& epoch : state.epochs) {

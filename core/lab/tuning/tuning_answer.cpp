@@ -161,7 +161,7 @@ using Point = std::pair<double, double>;
 
 Point point_of(const PricedTrial& trial) { return {trial.ms, trial.pq}; }
 
-/// Without the worst and the slowest tenth of the trials: they would dominate the axes.
+/// Omits the worst and the slowest tenth of the trials, which would dominate the axes.
 std::vector<PricedTrial> worth_a_look(std::vector<PricedTrial> trials) {
   const std::size_t left_out = trials.size() / 10;
   std::ranges::stable_sort(trials, std::greater<>(), &PricedTrial::pq);

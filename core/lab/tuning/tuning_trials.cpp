@@ -31,7 +31,7 @@ double thread_cpu_ms() {
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
 }
 
-/// Whether points or their labels are other ones with this setting.
+/// Whether this setting changes points or their labels.
 bool changes_points(const Setting& setting) {
   return std::ranges::any_of(setting, [](const auto& one) {
     const std::string& section = planes::find_option(one.first).section;
@@ -62,7 +62,7 @@ TuningSet::TuningSet(std::vector<TuningFrame> frames,
     : frames_(std::move(frames)), classifier_(std::move(classifier)) {
   for (TuningFrame& frame : frames_) {
     frame.options.threads = 1;
-    // Which points lie near another label takes most of a score, and says nothing about planes.
+    // Points near another label take most of the scoring time and say nothing about planes.
     planes::SourceTruth& planes = planes_.emplace_back(frame.truth);
     std::ranges::fill(planes.values.label, std::uint8_t{0});
   }
@@ -144,7 +144,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kJournalSchema = "planescope.tuning-journal/1";
 
-/// Whole lines; a last one that was cut is taken off the file.
+/// Complete lines; truncates an incomplete last one from the file.
 std::vector<std::string> whole_lines(const fs::path& file) {
   std::vector<std::string> lines;
   std::uintmax_t bytes = 0;
@@ -217,7 +217,7 @@ bool TuningJournal::read(const TuningPurpose& purpose) {
   return !lines.empty();
 }
 
-/// Times are of no account: what cannot be read of them is not known.
+/// Times are optional: ignores invalid ones.
 void TuningJournal::read_times() {
   for (const std::string& line : whole_lines(times_file_)) {
     const Json json = Json::parse(line, nullptr, false);

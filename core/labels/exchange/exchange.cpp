@@ -1,4 +1,4 @@
-// The table of formats, and labels of points from a frame and back onto it.
+// The table of formats, and conversion between labels of a frame and labeled points.
 
 #include "core/labels/exchange/exchange.hpp"
 
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 io::Bytes as_bytes(const FileBytes& bytes) { return std::as_bytes(std::span(bytes)); }
 
 fs::path with_extension(const fs::path& stem, const char* extension) {
-  fs::path path = stem;  // not replace_extension(): a stem may have dots
+  fs::path path = stem;  // not replace_extension(): a stem may contain dots
   path += extension;
   return path;
 }
@@ -72,11 +72,11 @@ FileBytes voxel_file(const LabelledPoints& points, const fs::path&, double voxel
 struct Format {
   const char* name;
   Needs needs;
-  LabelledPoints (*read)(const fs::path&);  // null: not read back
-  std::array<FileOfFormat, 2> files;        // one or two; read by the last one's name
+  LabelledPoints (*read)(const fs::path&);  // null: write-only
+  std::array<FileOfFormat, 2> files;        // one or two; the last one is opened to read
 };
 
-/// By LabelFormat.
+/// Indexed by LabelFormat.
 constexpr Format kFormats[] = {
     {"evops", Needs::ids, read_whole<parse_evops>, {{{".npy", bytes_of<evops_bytes>}}}},
     {"ply", Needs::coordinates, read_labelled_cloud, {{{".ply", bytes_of<labelled_ply_bytes>}}}},
@@ -147,7 +147,7 @@ LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid
   LabelledPoints points;
   points.planes = labels.planes;
   points.T_world_sensor = planes::world_from_gravity(labels.gravity.direction, !grid.is_cloud());
-  if (grid.is_cloud()) {  // all of them: other tools count along with the cloud's own file
+  if (grid.is_cloud()) {  // all of them: other tools match them to the cloud's own file
     points.points = grid.points;
     points.origin = grid.origin;
     points.rgb = grid.color.data;
@@ -182,7 +182,7 @@ std::vector<fs::path> write_labelled(const fs::path& stem,
          fits(points.label.size(), 1) && fits(points.pixel.size(), 1));
   check_needs(points, format_of(format), stem);
   std::vector<fs::path> paths;
-  std::vector<FileBytes> bytes;  // all, before one is written
+  std::vector<FileBytes> bytes;  // encode all before writing any
   for (const FileOfFormat& file : format_of(format).files) {
     if (!file.extension) continue;
     paths.push_back(with_extension(stem, file.extension));
@@ -199,14 +199,14 @@ LabelledPoints read_labelled(const fs::path& path, LabelFormat format) {
   return format_of(format).read(path);
 }
 
-// Labels of points back onto the pixels of a frame.
+// Transfers labels of points back to the pixels of a frame.
 
 namespace {
 
-// Coordinates that went through another tool are this close to what they were. Only the distance
-// from the sensor is compared: a tool may well have turned the points, upright for example.
+// Coordinates that went through another tool are accurate to this. Only the distance from the
+// sensor is compared, since a tool may have rotated the points, for example upright.
 constexpr double kSameDistance_m = 0.001;
-constexpr double kFloatStep = 2e-7;  // of its distance: as exact as a float is far from 0
+constexpr double kFloatStep = 2e-7;  // of its distance: precision of a float far from 0
 
 std::vector<std::uint32_t> pixels_by_name(const LabelledPoints& points,
                                           const LabelGrid& grid,
@@ -245,7 +245,7 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabelledPoints& points,
   return indices;
 }
 
-/// Labels of another frame would fit the image just as well; their points do not fit its depth.
+/// Labels of another frame would fit the image just as well, but their points do not fit its depth.
 void check_points(const LabelledPoints& points,
                   const LabelGrid& grid,
                   std::span<const std::uint32_t> indices,
@@ -263,7 +263,7 @@ void check_points(const LabelledPoints& points,
   }
 }
 
-/// The planes that the image names, with the class that most of their pixels have.
+/// The planes in the image, each with the class of most of its pixels.
 std::vector<LabelPlane> planes_of(const FrameLabels& labels) {
   std::vector<std::array<std::size_t, 3>> votes(kPlaneIgnore);
   std::vector<bool> named(kPlaneIgnore, false);
@@ -286,8 +286,8 @@ std::vector<LabelPlane> planes_of(const FrameLabels& labels) {
   return planes;
 }
 
-/// Where the format tells planes only, each takes the class of its tilt, and none where nobody
-/// knows gravity.
+/// Classifies each plane by its tilt if the format contains only planes. Planes without known
+/// gravity get no class.
 void classify_by_tilt(FrameLabels& labels) {
   std::vector<std::uint8_t> class_of(kPlaneIgnore + 1, 0);
   class_of[kPlaneIgnore] = kHvIgnore;
@@ -310,7 +310,7 @@ FrameLabels labels_of_points(const LabelledPoints& points,
   if (points.width > 0 && (points.width != grid.width || points.height != grid.height))
     throw Error(fmt::format("{}: labels of a depth image of {}x{}, the frame's is {}x{}", where,
                             points.width, points.height, grid.width, grid.height));
-  // A format that lists labelled pixels alone may list none: that is not raster order.
+  // A format that lists only labeled pixels may list none: that is not raster order.
   const bool by_name =
       points.pixel.size() == points.size() && (points.size() > 0 || points.width > 0);
   const std::vector<std::uint32_t> indices =

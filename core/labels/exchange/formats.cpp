@@ -1,5 +1,5 @@
-// What the formats share, and those that are a list of points: EVOPS, PLY, PCD, SemanticKITTI,
-// voxels.
+// Code shared by the formats, and the formats that are lists of points: EVOPS, PLY, PCD,
+// SemanticKITTI and voxels.
 
 #include "core/labels/exchange/formats.hpp"
 
@@ -37,10 +37,10 @@ std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::
 }
 
 // EVOPS (https://github.com/MobileRoboticsSkoltech/EVOPS): a NumPy array with one plane id per
-// point, 0 where there is none.
+// point, 0 for none.
 
 FileBytes evops_bytes(const LabelledPoints& points) {
-  // To every other reader 65535 would be one more plane.
+  // Other readers would treat 65535 as another plane.
   std::vector<std::int32_t> ids = points.instance;
   for (std::int32_t& id : ids)
     if (id == kPlaneIgnore) id = 0;
@@ -93,7 +93,7 @@ FileBytes labelled_pcd_bytes(const LabelledPoints& points) {
 }
 
 LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
-  // label and instance exactly as in the file: PointSet's are clamped to what fits.
+  // label and instance exactly as in the file; PointSet clamps them.
   io::CloudExtras extras{{"label", "instance", "u", "v"}, {}};
   PointSet set = io::read_cloud_file(path, &extras);
   const std::string where = path.string();
@@ -112,8 +112,8 @@ LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
   return points;
 }
 
-// SemanticKITTI (http://semantic-kitti.org/dataset.html): points as float32 x y z remission, and
-// for each a uint32, class in the lower and instance in the upper 16 bits.
+// SemanticKITTI (http://semantic-kitti.org/dataset.html): points as float32 x y z remission, and a
+// uint32 per point: class in the lower and instance in the upper 16 bits.
 
 namespace {
 
@@ -181,8 +181,8 @@ LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& wh
   return points;
 }
 
-// What a segmenter that works on voxels should have found: the voxels that ours makes, upright,
-// with the majority of their points' labels (0 has no vote).
+// Reference for segmenters that work on voxels: the same upright voxels as our segmenter's, with
+// the majority of their points' labels (0 has no vote).
 
 FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
   if (!(voxel_size_m > 0) || !std::isfinite(voxel_size_m))
@@ -202,7 +202,7 @@ FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
     extent_m = std::max(extent_m, static_cast<double>(cloud.points.back().cwiseAbs().maxCoeff()));
   }
   cloud.kept.assign(cloud.points.size(), 1);  // labels are not cropped by range
-  // About the sensor as the segmenter's cube, and doubled as that is, so that the grids agree.
+  // Centered on the sensor and doubled like the segmenter's cube, so that the grids agree.
   while (cloud.cube.edge_m <= 2 * extent_m) cloud.cube.edge_m *= 2;
   cloud.cube.min_corner = Vec3d::Constant(-cloud.cube.edge_m / 2);
 

@@ -1,5 +1,5 @@
-// NumPy's files: an array (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html),
-// and an archive of them.
+// NumPy files: an array (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html),
+// and an archive of arrays.
 
 #include <zip.h>
 
@@ -92,7 +92,7 @@ class NpyHeader {
     expect('(');
     while (!take(')')) {
       std::string_view digits = word();
-      if (digits.ends_with('L')) digits.remove_suffix(1);  // as Python 2 wrote them
+      if (digits.ends_with('L')) digits.remove_suffix(1);  // written by Python 2
       const auto length = io::parse_count(digits);
       if (!length || lengths.size() == kMaxDimensions) fail("has a damaged shape");
       lengths.push_back(*length);
@@ -198,7 +198,7 @@ std::vector<unsigned char> npy_bytes(const std::string& type,
 
 namespace {
 
-constexpr std::uint16_t kFirstDosDate = 1 << 5 | 1;  // 1980-01-01: the same input, the same bytes
+constexpr std::uint16_t kFirstDosDate = 1 << 5 | 1;  // 1980-01-01: same input, same bytes
 
 [[noreturn]] void fail(const std::string& where, zip_error_t& error) {
   const std::string reason = zip_error_strerror(&error);
@@ -214,7 +214,7 @@ struct Discard {
 using Archive = std::unique_ptr<zip_t, Discard>;
 using Source = std::unique_ptr<zip_source_t, Discard>;
 
-/// `bytes` must outlive the archive. The source is kept by the archive too.
+/// `bytes` must outlive the archive. The archive also keeps the source.
 Archive open_archive(zip_source_t* source, int flags, const std::string& where) {
   zip_error_t error;
   zip_error_init(&error);
@@ -232,7 +232,7 @@ Source make_source(const void* bytes, std::size_t count, const std::string& wher
   return source;
 }
 
-/// nullopt where the archive has no such member.
+/// nullopt if the archive has no such member.
 std::optional<FileBytes> read_member(zip_t* archive,
                                      const std::string& name,
                                      const std::string& where) {
@@ -242,7 +242,7 @@ std::optional<FileBytes> read_member(zip_t* archive,
   const std::unique_ptr<zip_file_t, Discard> file(
       zip_fopen_index(archive, static_cast<zip_uint64_t>(index), 0));
   if (!file) throw Error(member + " cannot be read: " + zip_strerror(archive));
-  // Piece by piece: the size that the archive claims is not trusted.
+  // Read in pieces: the archive's declared size is not trusted.
   FileBytes bytes;
   constexpr std::size_t kPiece = 1 << 20;
   while (true) {
@@ -256,7 +256,7 @@ std::optional<FileBytes> read_member(zip_t* archive,
   }
 }
 
-/// The values of an array, empty where there is none. `columns`: 1 is a list.
+/// The values of an array; empty if it is missing. `columns`: 1 for a list.
 std::vector<double> read_array(zip_t* archive,
                                const std::string& name,
                                std::uint64_t columns,
@@ -276,7 +276,7 @@ std::vector<double> read_array(zip_t* archive,
   return array.values();
 }
 
-/// The archive being written: members' bytes are kept until it is closed.
+/// Writes an archive; keeps the members' bytes until it is closed.
 class NpzWriter {
  public:
   explicit NpzWriter(const std::string& where)
@@ -294,7 +294,7 @@ class NpzWriter {
     const zip_int64_t index =
         zip_file_add(archive_.get(), (name + ".npy").c_str(), source.get(), ZIP_FL_ENC_UTF_8);
     if (index < 0) fail(where_, *zip_get_error(archive_.get()));
-    (void)source.release();  // the archive's now
+    (void)source.release();  // the archive owns it now
     const auto at = static_cast<zip_uint64_t>(index);
     if (zip_set_file_compression(archive_.get(), at, ZIP_CM_STORE, 0) < 0 ||
         zip_file_set_dostime(archive_.get(), at, 0, kFirstDosDate, 0) < 0)

@@ -39,7 +39,7 @@ void check_sizes(const FrameLabels& labels, const std::string& where) {
                             size_of(labels.plane), k.width, k.height));
 }
 
-/// Throws Error where the labels were made for another depth image or cloud.
+/// Throws Error if the labels were made for another depth image or cloud.
 void check_frame(const FrameLabels& labels,
                  const ExpectedFrame& expected,
                  const std::string& where) {
@@ -54,7 +54,7 @@ void check_frame(const FrameLabels& labels,
         labels.depth_sha256, expected.sha256));
 }
 
-/// The points of a cloud as an image that any viewer opens.
+/// Converts the points of a cloud to an image that any viewer opens.
 template <typename T>
 Image<T> in_rows(const Image<T>& points) {
   Image<T> image(std::min(points.width, kPointsInRow),
@@ -63,7 +63,7 @@ Image<T> in_rows(const Image<T>& points) {
   return image;
 }
 
-/// The reverse. Throws Error where something is behind the last point.
+/// The reverse. Throws Error if there is data after the last point.
 template <typename T>
 Image<T> in_one_row(Image<T> image, int points, const std::string& where) {
   const auto end = image.data.begin() + points;
@@ -124,10 +124,10 @@ void check_ids(const FrameLabels& labels, const std::string& where) {
     if (value > 2 && value != kHvIgnore) fail("h/v value", value, ", expected 0, 1, 2 or 255");
 }
 
-/// Throws Error unless the images have one channel, the same size and that of the intrinsics, the
-/// plane ids are distinct and in 1..65534, every id in the image is listed, the h/v values are
-/// known ones, all numbers are finite, confidences are 0..1 and review notes are about pixels of
-/// the image. `where` opens the message.
+/// Throws Error unless the images have one channel and the size of the intrinsics, the plane ids
+/// are distinct and in 1..65534, every id in the image is listed, the h/v values are known, all
+/// numbers are finite, confidences are 0..1 and review notes refer to pixels of the image. The
+/// message begins with `where`.
 void check_labels(const FrameLabels& labels, const std::string& where) {
   check_sizes(labels, where);
   check_numbers(labels, where);
@@ -185,7 +185,7 @@ std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
   const int width = labels.is_cloud() ? std::min(points, kPointsInRow) : labels.intrinsics.width;
   const int height =
       labels.is_cloud() ? (points + kPointsInRow - 1) / kPointsInRow : labels.intrinsics.height;
-  // The headers first: images that would be refused for their size are not decoded.
+  // Headers first, so that images of the wrong size are never decoded.
   for (const fs::path& path : {plane_path, hv_path}) {
     const io::PngInfo info = io::png_info(path);
     if (info.width != width || info.height != height)
@@ -229,12 +229,12 @@ std::optional<planes::SourceTruth> frame_truth(const Frame& frame,
   return std::nullopt;
 }
 
-// The JSON among the label files.
+// The JSON part of the label files.
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLargestUnit_m = 1;  // of a count
+constexpr double kLargestUnit_m = 1;  // per count
 constexpr const char* kSchema = "planescope.labels/1";
 
 void intrinsics_fields(auto& fields, auto& k) {
@@ -260,7 +260,7 @@ void gravity_fields(Fields& fields, auto& gravity) {
   fields("note", gravity.note);
 }
 
-/// Values that most planes share are left out.
+/// Omits values that most planes share.
 void plane_fields(auto& fields, auto& plane) {
   const LabelPlane usual;
   fields("id", plane.id);

@@ -16,26 +16,25 @@ namespace planescope::labels {
 namespace {
 
 constexpr double kOutlierSigmas = 4;
-constexpr double kLeastPlanar = 0.5;  // of a region without a label: below it, it is clutter
+constexpr double kLeastPlanar = 0.5;  // of an unlabeled region; below it, the region is clutter
 constexpr double kSameCamera = 1e-3;  // of a focal length or a unit
 constexpr double kSameCentre_px = 0.5;
-// Strips along the borders of labels are no region: one has a pixel this far from any label.
+// Ignore strips along the borders of labels: a region needs a pixel this far from any label.
 constexpr int kStrip_px = 2;
-constexpr std::size_t kSpeck_px =
-    32;  // smaller parts are crumbs along ragged edges, not parts of a plane
+constexpr std::size_t kSpeck_px = 32;  // smaller parts are specks along ragged edges
 
-/// In square metres where that is the handier number.
+/// In square meters unless the area is small.
 std::string area_text(double area_m2) {
   return area_m2 < 0.1 ? fmt::format("{:.0f} cm2", 1e4 * area_m2)
                        : fmt::format("{:.2f} m2", area_m2);
 }
 
-/// What is known of one plane's pixels.
+/// Pixels of a plane and their distances.
 struct Surface {
   const LabelPlane& plane;
   PixelSet pixels;
   std::vector<double> distance_m;  // of each pixel from the plane
-  std::vector<double> noise_m;     // expected of it: a good plane's own, and the depth's
+  std::vector<double> noise_m;     // expected: a good plane's own, and the depth's
   double mean_range_m = 0, area_m2 = 0;
 };
 
@@ -47,7 +46,7 @@ Surface measure(const LabelPlane& plane,
   for (const std::uint32_t pixel : surface.pixels) {
     const Vec3d point = grid.points[pixel].cast<double>();
     const double range_m = point.norm();
-    // Depth errors act along the ray: a plane seen edge-on is hardly moved by them.
+    // Depth errors act along the ray: a plane seen edge-on hardly moves.
     const double slant = grid.is_cloud() ? 1 : std::abs(plane.normal.dot(point)) / range_m;
     const double across = slant * grid.sigma_m[pixel];
     surface.distance_m.push_back(std::abs(plane.normal.dot(point) - plane.offset_m));
@@ -158,7 +157,7 @@ class Audit {
                     to_string(s.plane.label), tilt_deg, is_h ? "most" : "least", limit));
   }
 
-  /// Labels keep what they were drawn with: with another camera planes lie elsewhere.
+  /// Labels store their camera: with another one, planes are elsewhere.
   void check_camera() {
     const Intrinsics &ours = labels_.intrinsics, &k = grid_.intrinsics;
     const auto name = [&](const char* what, double was, double is) {
@@ -184,7 +183,7 @@ class Audit {
     if (std::abs(ours.cy - k.cy) > kSameCentre_px) name("cy", ours.cy, k.cy);
   }
 
-  /// Somebody has looked at about as much, and kept it without a plane.
+  /// A reviewer has kept a region of similar size without a plane.
   bool is_decided(const PixelSet& region) const {
     return std::ranges::any_of(labels_.review, [&](const ReviewNote& note) {
       return note.kind == DisagreementKind::invented && note.decision == ReviewDecision::keep &&
@@ -193,7 +192,7 @@ class Audit {
     });
   }
 
-  /// Of a region's pixels, on the plane that holds most of them. Clutter lies on none.
+  /// Share of a region's pixels on the plane that contains most of them. Small for clutter.
   double share_on_a_plane(const PixelSet& region) const {
     if (!field_) field_.emplace(make_wand_field(grid_, nullptr, {}));
     LocalFitOptions all_alike;
@@ -242,7 +241,7 @@ class Audit {
   const LabelGrid& grid_;
   const AuditOptions& options_;
   std::vector<Finding> findings_;
-  mutable std::optional<WandField> field_;  // made when it is needed
+  mutable std::optional<WandField> field_;  // created on demand
 };
 
 }  // namespace

@@ -27,7 +27,7 @@ std::string where(const Breach& breach) {
                      frame_text(breach.frame, breach.name));
 }
 
-/// Of each recording the frames that the baseline has not.
+/// Frames of each recording that are not in the baseline.
 std::vector<std::string> added_frames(const ReportComparison& comparison) {
   struct Count {
     std::string recording;
@@ -196,7 +196,7 @@ void ReportGuard::approve(const std::filesystem::path& report_json, bool only) c
   };
   if (only || is_first_) return replace();
   Json merged = read_json<Json>(report_json), before = read_json<Json>(baseline_file_);
-  std::map<std::size_t, std::size_t> place_now;  // of recordings that stay, by their place before
+  std::map<std::size_t, std::size_t> place_now;  // new index of remaining recordings, by old index
   for (std::size_t r = 0; r < before["recordings"].size(); ++r) {
     const Json& kept = before["recordings"][r];
     const auto is_same = [&](const Json& recording) { return recording["name"] == kept["name"]; };
@@ -210,7 +210,7 @@ void ReportGuard::approve(const std::filesystem::path& report_json, bool only) c
       timing["recording"] = place->second;
       merged["timings"].push_back(timing);
     }
-  // The figures of this report alone; nobody compares with them.
+  // These figures describe only this report and are never compared.
   merged.erase("totals");
   merged.erase("verdict");
   write_file_text(baseline_file_, json_text(merged), Durable::yes);
