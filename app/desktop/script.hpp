@@ -14,7 +14,7 @@
 //   alone
 //   {"expect": {"step": 12}}                       facts of state_facts(); otherwise exit code 1
 // After each, everything that is under way comes to rest, unless it says "wait": false.
-// docs/desktop.md tells all of it.
+// docs/desktop.md documents it.
 
 #include <filesystem>
 #include <functional>
