@@ -1,5 +1,5 @@
-// Recursive descent parser with one function per grammar rule of docs/filter.md. Each returns the
-// type of the parsed term and a formula that evaluates it.
+// Recursive descent parser of the filters of docs/filter.md. Each rule returns the type of the
+// parsed term and a formula that evaluates it.
 
 #include "core/debug/filter/filter.hpp"
 
@@ -92,6 +92,14 @@ std::string meant_by(std::string_view name) {
   return nearest_name(name, names);
 }
 
+/// One function per rule of the grammar:
+///   any        = all { "||" all }
+///   all        = negation { "&&" negation }
+///   negation   = "!" negation | comparison
+///   comparison = sum [ ( "==" | "!=" | "<" | "<=" | ">" | ">=" ) sum ]
+///   sum        = product { ( "+" | "-" ) product }
+///   product    = factor { ( "*" | "/" ) factor }
+///   factor     = number | name | "-" factor | "(" any ")"
 class Parser {
  public:
   Parser(std::string_view text, std::vector<FilterToken> tokens)
@@ -312,7 +320,7 @@ PointTrack track_of(double number, const Run& run) {
   return track;
 }
 
-/// Grammar: docs/filter.md. Throws a FilterProblem.
+/// Throws a FilterProblem.
 ParsedFilter parse_filter(std::string_view text) {
   std::optional<FilterProblem> problem;
   std::vector<FilterToken> tokens = filter_tokens(text, problem);
