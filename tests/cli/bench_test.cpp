@@ -60,8 +60,9 @@ TEST(BenchClassifier, MeasuresEverythingThatItIsGiven) {
 
   const std::string tables = typeset((out / "classifier.jsonl").string() + " " +
                                      (out / "classifier.timings.jsonl").string());
-  for (const char* table : {"Labels that are right", "Gravity wrong by 5 degrees",
-                            "The planes that follow", "From points to labels", "Whole frames"})
+  for (const char* table :
+       {"Correct labels", "Gravity wrong by 5 degrees", "Planes found with these labels",
+        "From points to labels", "Whole frames"})
     EXPECT_NE(tables.find(table), std::string::npos) << table;
 }
 
@@ -195,7 +196,7 @@ TEST(BenchSpeed, MeasuresEveryPartOfARecording) {
 
   const std::string tables =
       typeset(fmt::format("{0}/out/speed.jsonl --plots {0}/plots", dir.string()));
-  EXPECT_NE(tables.find("Stages beside their floors"), std::string::npos);
+  EXPECT_NE(tables.find("Stages and their lower bounds"), std::string::npos);
   EXPECT_NE(tables.find("scaling_threads.svg"), std::string::npos) << tables;
 }
 
