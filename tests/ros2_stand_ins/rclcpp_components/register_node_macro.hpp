@@ -5,7 +5,7 @@
 
 #include "rclcpp_lifecycle/lifecycle_node.hpp"
 
-/// Makes the registered component.
+/// Creates the registered component.
 std::shared_ptr<rclcpp_lifecycle::LifecycleNode> make_component();
 
 /// https://docs.ros2.org/galactic/api/rclcpp_components/register__node__macro_8hpp.html
