@@ -14,7 +14,7 @@
 namespace planescope::labels {
 namespace {
 
-/// A floor and a wall, seen with a D435's noise, and all of both labelled as it is.
+/// A floor and a wall, seen with a D435's noise and labeled correctly.
 class AuditTest : public testing::Test {
  protected:
   void SetUp() override { look(0.06); }
@@ -51,7 +51,7 @@ class AuditTest : public testing::Test {
         if (const std::size_t i = y * grid.width + x; grid.measured[i]) change(i);
   }
 
-  /// The only finding of the labels.
+  /// Expects a single finding and returns it.
   Finding only() {
     const auto findings = audit_labels(labels, grid);
     EXPECT_EQ(findings.size(), 1u);
@@ -170,7 +170,7 @@ TEST_F(AuditTest, WhatWasDrawnWithAnotherCameraIsNamed) {
     EXPECT_NE(finding.text.find("drawn with"), std::string::npos) << finding.text;
   }
   labels.intrinsics = grid.intrinsics;
-  labels.depth_unit_m = 0;  // an older file does not say
+  labels.depth_unit_m = 0;  // an older file without this field
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }
 
@@ -190,7 +190,7 @@ TEST_F(AuditTest, ARegionThatAReviewerKeptWithoutAPlaneIsNoHint) {
 }
 
 TEST(Clutter, IsNoHintWhereNoPlaneHoldsMostOfIt) {
-  // A heap of things before a wall: steps of 5 cm from one to the next.
+  // A pile of objects in front of a wall: steps of 5 cm from one to the next.
   const auto depth = [](bool heap) {
     return [heap](int u, int v) {
       const bool inside = u >= 30 && u < 90 && v >= 20 && v < 80;
@@ -230,7 +230,7 @@ TEST_F(AuditTest, StatisticsCountPixelsPlanesAndArea) {
 }
 
 TEST(PixelDepth, TheDeepestPixelIsFarthestFromTheOutside) {
-  PixelSet ring;  // a 9x9 square in a 12x10 image, its lower right quarter left out
+  PixelSet ring;  // a 9x9 square in a 12x10 image, without its lower right quarter
   for (std::uint32_t y = 0; y < 9; ++y)
     for (std::uint32_t x = 0; x < 9; ++x)
       if (x < 6 || y < 6) ring.push_back(y * 12 + x);
@@ -241,7 +241,7 @@ TEST(PixelDepth, TheDeepestPixelIsFarthestFromTheOutside) {
 }
 
 TEST(PixelDepth, PartsNearerThanTheGapAreOne) {
-  const std::vector<std::uint32_t> pixels = {0, 5, 12};  // of a row of 20
+  const std::vector<std::uint32_t> pixels = {0, 5, 12};  // in a row of 20
   const LabelGrid row = test::wall_grid(20, 1);
   EXPECT_EQ(parts_apart(pixels, row, 4).size(), 3u);
   EXPECT_EQ(parts_apart(pixels, row, 6).size(), 2u);

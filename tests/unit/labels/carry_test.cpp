@@ -1,4 +1,4 @@
-// Labels carried to the next frame, and proposed in all frames whose pose is known.
+// Labels carried to the next frame, and proposed for all frames with a known pose.
 
 #include "core/labels/review/carry.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using test::TrueFrame;
 
-/// Two views of a scene, the second 3 cm and about 1.5 degrees on.
+/// Two views of a scene, which differ by 3 cm and about 1.5 degrees.
 struct Step {
   TrueFrame from, to;
   Pose T_to_from;
@@ -129,7 +129,7 @@ TEST(Carry, WhatIsLabelledAlreadyStays) {
 
 TEST(Carry, APlaneThatIsNoLongerThereIsLeftToTheUser) {
   Step step = step_in("corner", false);
-  // Something else lies where the plane was: all of its labels are wrong.
+  // Another object is at the plane's position, so all of its labels are wrong.
   FrameLabels labels = empty_labels(step.from.grid, "");
   PixelSet slanted;
   for (const std::uint32_t i : test::rectangle(step.from.grid, 200, 200, 400, 400))
@@ -182,7 +182,7 @@ TEST(Carry, StopsWhenItIsTold) {
                Cancelled);
 }
 
-/// A camera that goes past boxes; frame 2 has no pose.
+/// A camera that moves past boxes; frame 2 has no pose.
 struct Walk {
   std::vector<TrueFrame> frames;
   std::vector<Pose> poses;

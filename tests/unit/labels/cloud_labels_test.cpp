@@ -44,7 +44,7 @@ FrameLabels truth_of(const TrueCloud& cloud) {
   return labels;
 }
 
-/// Nothing but P1 on these points.
+/// Labels with only plane P1, on these points.
 FrameLabels one_plane(const TrueCloud& cloud, const PixelSet& points) {
   return painted(empty_labels(cloud.grid, kHash), cloud.grid, points, {.plane = 1},
                  PaintMode::over);
@@ -74,7 +74,7 @@ TEST(CloudGrid, PointsAtOnePlaceAreNeighboursAndShareTheirArea) {
   TrueCloud cloud = stair_cloud();
   PointSet& set = *cloud.frame.cloud;
   const std::size_t before = set.points.size();
-  const auto once = set.points;  // a mesh has each corner several times
+  const auto once = set.points;  // a mesh contains each corner several times
   for (int times = 0; times < 5; ++times)
     set.points.insert(set.points.end(), once.begin(), once.end());
   const LabelGrid grid = make_label_grid(cloud.frame, test::down());
@@ -221,10 +221,10 @@ TEST(CloudOperations, PartsBecomePlanesAndFragmentsAreCounted) {
 TEST(CloudSelection, VisibleOnlyLeavesWhatLiesBelowTheSurface) {
   TrueCloud cloud = stair_cloud();
   const std::size_t floor = cloud.on(1).size();
-  for (const std::uint32_t i : cloud.on(1))  // a ceiling of a cellar
+  for (const std::uint32_t i : cloud.on(1))  // a ceiling below the floor
     cloud.frame.cloud->points.push_back(cloud.grid.points[i] - Vec3f(0, 0, 0.5f));
   const LabelGrid grid = make_label_grid(cloud.frame, test::down());
-  SpaceView view = view_of_points(grid);  // from above: x, y -> the picture, z -> nearer
+  SpaceView view = view_of_points(grid);  // from above: x, y in the picture, larger z is nearer
   view.clip_from_sensor << 1.6f, 0, 0, -0.8f, 0, 1.2f, 0, -0.95f, 0, 0, -0.5f, 0, 0, 0, 0, 1;
   view.width = view.height = 400;
   view.orthographic = true;

@@ -1,4 +1,4 @@
-// Other tools' formats, there and back; nothing that a damaged or hostile file says is trusted.
+// Other tools' formats: round trips, and damaged or hostile files.
 
 #include "core/labels/exchange/exchange.hpp"
 
@@ -209,7 +209,7 @@ TEST_F(Exchange, ListsOfAllPixelsAreTakenToo) {
   points.instance.assign(labels.plane.data.begin(), labels.plane.data.end());
   points.label = labels.hv.data;
   for (std::size_t i = 0; i < grid.pixels(); ++i)
-    if (!grid.measured[i]) points.instance[i] = 3;  // what has no depth keeps no label
+    if (!grid.measured[i]) points.instance[i] = 3;  // pixels without depth have no label
   expect_same_pixels(labels_of_points(points, grid, kHash, "x"), labels);
 }
 
@@ -358,7 +358,7 @@ TEST_F(ExchangeDamage, CocoFilesThatContradictThemselvesAreRefused) {
 
 TEST_F(ExchangeDamage, CocoMasksOfOtherToolsAreRead) {
   // Two annotations without planes: a polygon over the upper left 2x2 pixels, and the lower right
-  // pixel as pycocotools compresses the counts 11, 1.
+  // pixel in pycocotools' compressed form of the counts 11, 1.
   write_text(dir / "c.json",
              R"({"images":[{"id":"a","width":4,"height":3}],)"
              R"("categories":[{"id":7,"name":"h"},{"id":9,"name":"v"}],"annotations":[)"
@@ -371,7 +371,7 @@ TEST_F(ExchangeDamage, CocoMasksOfOtherToolsAreRead) {
 }
 
 TEST(CocoMask, CompressedCountsAreThoseOfTheirPublishedDefinition) {
-  // rleToString of pycocotools, written out again.
+  // A copy of rleToString of pycocotools.
   const auto compress = [](const std::vector<std::uint64_t>& counts) {
     std::string text;
     for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -409,7 +409,7 @@ TEST_F(ExchangeDamage, CutAndChangedFilesEndInOneLineOrInLabelsThatHoldTogether)
       std::string bytes = whole;
       if (round % 3 == 0) bytes.resize(random.integer(0, static_cast<int>(bytes.size())));
       for (int change = random.integer(0, 6); change > 0 && !bytes.empty(); --change) {
-        // Headers and directories stand at the ends.
+        // Headers and directories are at the ends.
         const int near = random.integer(0, std::min<int>(400, static_cast<int>(bytes.size()) - 1));
         const std::size_t at = random.integer(0, 1) ? near : bytes.size() - 1 - near;
         bytes[at] = static_cast<char>(random.integer(0, 255));

@@ -19,7 +19,7 @@ TEST(LabelGrid, MeasuresWhatTheCloudOfTheFrameHas) {
   frame.depth.at(3, 4) = 0;
   frame.depth.at(5, 6) = 65535;
   frame.intrinsics.distortion = Distortion::brown_conrady;
-  frame.intrinsics.coefficients = {-0.9, 0.3, 0, 0, 0};  // folds over in the corners
+  frame.intrinsics.coefficients = {-0.9, 0.3, 0, 0, 0};  // folds back in the corners
   const LabelGrid grid = make_label_grid(frame, Gravity{});
   PixelSet measured;
   for (std::size_t i = 0; i < grid.pixels(); ++i)
@@ -55,7 +55,7 @@ TEST(LabelGrid, NormalsPointFromTheSurfaceToTheSensor) {
 }
 
 TEST(LabelGrid, NormalsBesideADepthEdgeAreThoseOfTheirOwnSide) {
-  // A wall at 1 m, and in its middle a slanted board before it.
+  // A wall at 1 m, with a slanted board in front of its middle.
   const auto board = [](int u) { return u >= 20 && u < 40; };
   const LabelGrid grid = make_label_grid(
       test::frame_of(60, 40, [&](int u, int) { return board(u) ? 0.5 + 0.004 * (u - 20) : 1.0; }),

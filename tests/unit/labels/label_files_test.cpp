@@ -53,7 +53,7 @@ struct LabelFiles : testing::Test {
 };
 
 TEST_F(LabelFiles, KeepTheDepthUnitAndOlderOnesAreReadWithoutIt) {
-  write_frame_labels(dir, 0, labels);  // as older files are
+  write_frame_labels(dir, 0, labels);  // as in older files
   EXPECT_EQ(read_frame_labels(dir, 0, "")->depth_unit_m, 0);
   labels.depth_unit_m = 0.0002;
   write_frame_labels(dir, 0, labels);
@@ -168,7 +168,7 @@ TEST_F(LabelFiles, InconsistentLabelsAreNotWritten) {
       {"9x6", [](FrameLabels& l) { l.intrinsics.width = 9; }},
       {"expected 0..1", [](FrameLabels& l) { l.planes[0].confidence = 1.5; }},
       {"review note", [](FrameLabels& l) { l.review.emplace_back().pixel = 48; }},
-      // The journal keeps counts as whole numbers from 0 on.
+      // The journal stores counts as unsigned integers.
       {"-1 fragments", [](FrameLabels& l) { l.planes[1].fragments = -1; }},
       {"planes -1 and 0", [](FrameLabels& l) { l.review.emplace_back().label_plane = -1; }}};
   for (const auto& [message, change] : cases) {

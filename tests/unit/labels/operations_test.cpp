@@ -1,4 +1,4 @@
-// Edits of labels, and what drawn shapes select.
+// Label edits, and selection by drawn shapes.
 
 #include "core/labels/edit/operations.hpp"
 
@@ -205,7 +205,8 @@ TEST_F(Operations, ACutTakesWhatLiesToTheRightOfIt) {
   const auto down = sides_of_line(grid.width, grid.height, {12, 0}, {12, 20});
   const FrameLabels cut = edited(labels, grid, split_by_side, 1, down);
   EXPECT_EQ(pixels_of_plane(cut, 1), rectangle(grid, 12, 0, 20, 10));
-  EXPECT_EQ(pixels_of_plane(cut, 2), rectangle(grid, 0, 0, 12, 10));  // right of the way down
+  // right, looking down the image
+  EXPECT_EQ(pixels_of_plane(cut, 2), rectangle(grid, 0, 0, 12, 10));
   const auto beside = sides_of_line(grid.width, grid.height, {30, 0}, {30, 20});
   EXPECT_EQ(edited(labels, grid, split_by_side, 1, beside).planes.size(), 1u);
 }
@@ -225,7 +226,7 @@ TEST_F(Operations, ASegmentationReplacesAllButIgnoredPixelsAndLockedAndHiddenPla
   EXPECT_EQ(pixels_of_plane(labels, 1), rectangle(grid, 0, 0, 10, 10));
   EXPECT_EQ(pixels_of_plane(labels, 2).size(), 300 - ignored.size());
   EXPECT_EQ(pixels_of_plane(labels, kPlaneIgnore), ignored);
-  EXPECT_EQ(pixels_of_plane(labels, 3), rectangle(grid, 10, 0, 30, 10));  // 1 was taken
+  EXPECT_EQ(pixels_of_plane(labels, 3), rectangle(grid, 10, 0, 30, 10));  // 1 was in use
   EXPECT_EQ(find_plane(labels, 3)->label, Label::h);
   EXPECT_EQ(find_plane(labels, 2)->label, Label::v);  // by its tilt
   EXPECT_EQ(find_plane(labels, 2)->origin, LabelOrigin::algorithm);
@@ -324,14 +325,14 @@ TEST(PixelsOnImage, AreMeasuredAndNotUnderAHiddenLabel) {
   EXPECT_EQ(pixels_on_image(grid, all, shown_pixels(labels)).size(), 99u);
 }
 
-/// A box of 0.2 m at 0.8 m before a wall at 1.2 m, seen from the sensor or from beside it.
+/// A box of 0.2 m at 0.8 m in front of a wall at 1.2 m, seen from the sensor or from the side.
 class BoxBeforeAWall : public testing::Test {
  protected:
   static bool on_box(int u, int v) { return u >= 60 && u < 100 && v >= 40 && v < 80; }
   const LabelGrid grid = make_label_grid(
       test::frame_of(160, 120, [](int u, int v) { return on_box(u, v) ? 0.8 : 1.2; }), Gravity{});
 
-  /// Moved sideways by `x`, looking along +z; shows about what the sensor sees.
+  /// Moved sideways by `x`, looking along +z; shows approximately the sensor's view.
   static SpaceView view_from(float x, bool orthographic = false) {
     SpaceView view;
     view.width = 640;
@@ -370,7 +371,7 @@ TEST_F(BoxBeforeAWall, FromTheSideTheBoxCoversWallThatThroughTakes) {
   for (const bool orthographic : {false, true}) {
     const SpaceView view = view_from(orthographic ? 0.0f : 0.3f, orthographic);
     const SeenPoints seen = see(grid, view);
-    // A shape on the box's left part: from the side, wall that the sensor saw is behind it.
+    // A shape on the box's left part: from the side, the wall that the sensor saw is behind it.
     const Vec2f box = seen.place[test::pixel_at(grid, 66, 60)];
     const DrawnShape shape{DrawnShape::Kind::stroke, {box}, 16};
     const SpaceSelection visible = points_in_space(seen, shape, false);

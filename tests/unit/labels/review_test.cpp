@@ -15,7 +15,7 @@
 namespace planescope::labels {
 namespace {
 
-/// A wall at 1 m, each pixel a square centimetre, all measured.
+/// A wall at 1 m, fully measured; each pixel is 1 cm2.
 LabelGrid wall() {
   LabelGrid grid = test::wall_grid(64, 48);
   std::ranges::fill(grid.normals, Vec3f(0, 0, -1));  // exactly
@@ -24,7 +24,7 @@ LabelGrid wall() {
 
 constexpr double kPixelM2 = 1e-4;
 
-/// P1 (v) on the left half, P2 (v) on the right, and an algorithm that says the same.
+/// P1 (v) on the left half and P2 (v) on the right, in the labels and from the algorithm.
 struct Reviews : testing::Test {
   LabelGrid grid = wall();
   FrameLabels labels = empty_labels(grid, std::string(64, 'a'));
@@ -49,7 +49,7 @@ struct Reviews : testing::Test {
   }
   std::vector<Disagreement> found() const { return find_disagreements(labels, other, grid); }
 
-  /// The only one, of this kind, in this box.
+  /// Expects a single disagreement, of this kind and in this box.
   Disagreement only(DisagreementKind kind, int x1, int y1, int x2, int y2) const {
     const auto all = found();
     EXPECT_EQ(all.size(), 1u);
@@ -155,7 +155,7 @@ TEST_F(Reviews, ADecidedRegionIsFoundAgainAfterItChangedALittle) {
   put_other(51, 12, 53, 18, 0);
   auto all = found();
   ASSERT_EQ(all.size(), 2u);
-  EXPECT_FALSE(all[0].note);  // the smaller one, undecided
+  EXPECT_FALSE(all[0].note);  // the smaller one; undecided
   ASSERT_TRUE(all[1].note);
   EXPECT_EQ(all[1].note->decision, ReviewDecision::keep);
   EXPECT_EQ(all[1].note->time_s, 1763750000);
@@ -164,7 +164,7 @@ TEST_F(Reviews, ADecidedRegionIsFoundAgainAfterItChangedALittle) {
       edited(labels, grid, decide, grid, all[1], other, ReviewDecision::edit, "carol", 1763750001);
   ASSERT_EQ(labels.review.size(), 1u);
   EXPECT_EQ(labels.review[0].reviewer, "carol");
-  put_other(32, 0, 64, 48, 0);  // another question altogether
+  put_other(32, 0, 64, 48, 0);  // an unrelated disagreement
   all = found();
   ASSERT_EQ(all.size(), 2u);
   EXPECT_FALSE(all[0].note);
@@ -206,7 +206,7 @@ TEST_F(Reviews, AfterTakingEveryRegionNothingIsLeft) {
   EXPECT_TRUE(found().empty());
 }
 
-/// One row of pixels with these planes.
+/// One row of pixels with these plane ids.
 FrameLabels row(const std::vector<int>& planes) {
   FrameLabels labels;
   labels.plane = Image16(static_cast<int>(planes.size()), 1);
@@ -228,7 +228,7 @@ TEST(Agreements, TheAdjustedRandIndexIsAsComputedByHand) {
   EXPECT_NEAR(rand_index({1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3},
                          {1, 1, 1, 1, 1, 2, 1, 2, 2, 2, 2, 3, 1, 1, 3, 3, 3}),
               (20 - 40.0 * 44 / 136) / (42 - 40.0 * 44 / 136), 1e-12);
-  // Pixels without a plane in either do not count.
+  // Ignores pixels without a plane in either.
   EXPECT_NEAR(rand_index({1, 1, 2, 2, 0, 5}, {1, 1, 2, 3, 4, 0}), 4.0 / 7, 1e-12);
 }
 

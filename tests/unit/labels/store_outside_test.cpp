@@ -1,4 +1,5 @@
-// What others do to the labels of a store: instances, files, a folder or a disk that refuses.
+// External changes to a store's labels: other instances, changed files, a read-only folder or a
+// full disk.
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -35,7 +36,7 @@ struct Outside : LabelStores {
     store.save(0);
     saved = *store.labels(0);
     latest = saved;
-    latest.planes.push_back(LabelPlane{.id = 100});  // which changes all three files
+    latest.planes.push_back(LabelPlane{.id = 100});  // changes all three files
     latest.plane.data[40] = 100;
     latest.hv.data[40] = kHvIgnore;
     store.commit(make_edit(0, "Brush P100", saved, latest));
@@ -200,7 +201,7 @@ TEST_F(Outside, AFrameThatCannotBeSavedKeepsNoOtherFromBeingSaved) {
   EXPECT_FALSE(store.unsaved(1));
 }
 
-/// In a process of its own, as another instance would; true where `action` says so.
+/// Runs `action` in another process, like another instance; returns its result.
 bool in_another_process(const std::function<bool()>& action) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -216,7 +217,7 @@ bool in_another_process(const std::function<bool()>& action) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-/// While it lives, no file of this process grows beyond `bytes`: a disk that is full.
+/// For its lifetime, files of this process cannot grow beyond `bytes`, as on a full disk.
 class FullDisk {
  public:
   explicit FullDisk(std::uintmax_t bytes) {

@@ -1,4 +1,4 @@
-// What is there after a kill, with a damaged journal and with a long one.
+// Recovery after a kill, of a damaged journal, and of a long one.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -21,17 +21,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFrames = 3;
-constexpr int kSeed = 1000, kChoices = 19;  // the first choice is to save
+constexpr int kSeed = 1000, kChoices = 19;  // the first choice is saving
 
-/// A labeling session that goes the same way every time, and what must be there after each of its
-/// steps.
+/// A deterministic labeling session, with the expected labels after each step.
 class Script {
  public:
   Script() {
     for (int frame = 0; frame < kFrames; ++frame) labels_[frame] = blank(frame);
   }
 
-  /// The next step, with a store or without.
+  /// Performs the next step, with or without a store.
   void step(LabelStore* store) {
     Random random(kSeed + steps_++);
     const int choice = random.integer(0, kChoices);
@@ -86,7 +85,7 @@ void open_all(LabelStore& store) {
   for (int frame = 0; frame < kFrames; ++frame) store.open(frame, blank(frame));
 }
 
-/// Goes on with the script until it is killed, and says after each step that it is done.
+/// Continues the script until it is killed, and acknowledges each step.
 [[noreturn]] void work(const std::filesystem::path& dir, Script script, int acknowledge) {
   try {
     LabelStore store(dir, by("ann"));
@@ -102,7 +101,8 @@ void open_all(LabelStore& store) {
   }
 }
 
-/// How many steps were acknowledged before the kill, which comes some time after the first `steps`.
+/// Returns the number of steps acknowledged before the kill, which happens some time after the
+/// first `steps`.
 int work_and_be_killed(const std::filesystem::path& dir,
                        const Script& script,
                        int steps,
@@ -134,7 +134,7 @@ TEST(KilledSessions, HaveExactlyTheirAcknowledgedGesturesAfterEachOfAHundredKill
   Script script;
   int in_progress = 0;
   for (int round = 0; round < 100; ++round) {
-    // Every other time while it saves, which takes longest.
+    // Every other kill happens while saving, which takes longest.
     const bool saves = round % 2 == 1;
     const int steps = saves ? script.steps_before_save() : random.integer(0, 30);
     const auto after_us = static_cast<unsigned>(random.integer(0, saves ? 40000 : 1000));
@@ -147,7 +147,7 @@ TEST(KilledSessions, HaveExactlyTheirAcknowledgedGesturesAfterEachOfAHundredKill
       EXPECT_NE(notice.find("damaged"), std::string::npos) << notice;
     }
     if (!script.is_in(store)) {
-      script.step(nullptr);  // at most the one in progress, whole
+      script.step(nullptr);  // at most the step in progress, completed
       ++in_progress;
     }
     ASSERT_TRUE(script.is_in(store)) << "round " << round << ", step " << script.steps();
@@ -157,7 +157,7 @@ TEST(KilledSessions, HaveExactlyTheirAcknowledgedGesturesAfterEachOfAHundredKill
   EXPECT_GT(script.steps(), 100);
 }
 
-/// A journal of a few gestures, the last of one pixel, and the labels and length after each.
+/// A journal of several gestures, the last of one pixel, with the labels and its length after each.
 struct Session {
   fs::path dir;
   std::vector<FrameLabels> labels = {blank(0)};
@@ -181,8 +181,8 @@ struct Session {
 
   std::vector<unsigned char> bytes() const { return read_file_bytes(dir / "journal"); }
 
-  /// Opens the folder with this journal; it must hold the labels after `kept` gestures, keep what
-  /// was cut off, and go on from there.
+  /// Opens a folder with this journal. Expects the labels after `kept` gestures, a copy of the
+  /// discarded part, and that new gestures can follow.
   void expect_kept(std::span<const unsigned char> journal, std::size_t kept) const {
     fs::remove(dir / "journal.damaged-1");
     write_file_bytes(dir / "journal", journal);
@@ -213,7 +213,7 @@ TEST(DamagedJournals, ACutOrAWrongByteAnywhereInTheLastRecordKeepsAllBefore) {
     auto bytes = whole;
     bytes[at] ^= static_cast<unsigned char>(1 + at % 255);
     ASSERT_NO_FATAL_FAILURE(session.expect_kept(bytes, 5)) << at;
-    if (at == session.lengths[5]) continue;  // cut there, nothing is damaged
+    if (at == session.lengths[5]) continue;  // a truncation there damages nothing
     ASSERT_NO_FATAL_FAILURE(session.expect_kept(std::span(whole).first(at), 5)) << at;
   }
 }
@@ -228,7 +228,7 @@ TEST(DamagedJournals, WhatFollowsDamageElsewhereIsSetAside) {
   bytes = whole;
   bytes.resize(bytes.size() + 4096);  // zeros
   session.expect_kept(bytes, 6);
-  session.expect_kept(std::span(whole).first(5), 0);  // of its first line
+  session.expect_kept(std::span(whole).first(5), 0);  // in its first line
 }
 
 TEST(DamagedJournals, EachIsSetAsideUnderANameOfItsOwn) {
@@ -321,7 +321,7 @@ TEST(DamagedJournals, NoRecordWhateverItHoldsIsReadBeyondItsEnd) {
 
 TEST(DamagedJournals, ATextThatRunsPastItsRecordIsRefused) {
   auto record = plain_record({RecordKind::written, 0, 5, ""});
-  record.back() = 1;  // of the annotator, whose name is not there
+  record.back() = 1;  // length of the annotator's name, which is missing
   expect_refused([&] { read_head(record); }, "does not hold what its kind needs");
 }
 

@@ -44,7 +44,8 @@ TEST_F(LabelStores, AFrameThatNobodyDrewOnTakesGravityThatIsKnownLater) {
 
 TEST_F(LabelStores, UndoAndRedoGoThroughAllFramesAndRestartsWithoutEnd) {
   auto store = std::make_unique<LabelStore>(dir, by("ann"));
-  std::vector<std::pair<int, FrameLabels>> before;  // of each gesture: its frame, and that before
+  // per gesture: its frame, and the previous labels
+  std::vector<std::pair<int, FrameLabels>> before;
   for (int i = 0; i < 120; ++i) {
     const int frame = random.integer(0, 2);
     store->open(frame, blank(frame));
@@ -120,7 +121,7 @@ TEST_F(LabelStores, EditsOfSeveralFramesAreOneStep) {
   EXPECT_EQ(store->redo_frames(), (std::vector{1, 2, 3}));
   store->redo();
   expect_same(*store->labels(2), drawn(2, 7));
-  // What follows at the same moment, on another frame, is a step of its own.
+  // An edit of another frame at the same moment is a separate step.
   store->commit(make_edit(0, "Brush h", drawn(0, 5), drawn(0, 6)));
   EXPECT_EQ(store->undo_frames(), std::vector{0});
   store->undo();

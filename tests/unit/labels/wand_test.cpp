@@ -23,7 +23,7 @@ namespace {
 
 using test::TrueFrame;
 
-/// The connected part of a true plane around its pixel in the middle of the list.
+/// The connected part of a true plane that contains the middle pixel of its list.
 PixelSet largest_part(const TrueFrame& view, int plane) {
   const auto parts = connected_parts(view.grid, pixels_of_plane(view.truth, plane), 4);
   return *std::ranges::max_element(parts, {}, &PixelSet::size);
@@ -73,7 +73,8 @@ std::optional<WandResult> grow(const LabelGrid& grid,
   return grow_plane(grid, labels, std::array{test::pixel_at(grid, u, v)}, options, why_not);
 }
 
-/// A floor that meets a wall at row `crease`, without noise: 0.5 m below a camera 1 m before it.
+/// A floor and a wall that meet at row `crease`, without noise, 0.5 m below and 1 m ahead of the
+/// camera.
 LabelGrid floor_and_wall(int holes_every = 0) {
   return make_label_grid(test::frame_of(160, 120,
                                         [&](int u, int v) {
@@ -92,7 +93,7 @@ TEST(Wand, NeitherSideOfACreaseBleedsOntoTheOther) {
   ASSERT_TRUE(floor && wall);
   EXPECT_EQ(floor->label, Label::h);
   EXPECT_EQ(wall->label, Label::v);
-  // The crease is at row 90; it lies on both.
+  // The crease at row 90 belongs to both.
   EXPECT_GE(floor->pixels.front() / 160, 90u);
   EXPECT_LE(floor->pixels.front() / 160, 91u);
   EXPECT_LE(wall->pixels.back() / 160, 90u);
@@ -126,8 +127,8 @@ TEST(Wand, AClickOnANoisyPixelFindsTheSurfaceAndFillsTheSpeck) {
   EXPECT_EQ(result->pixels.size(), 80u * 60);
 }
 
-// A wall that bows in a dent of 30 x 20 pixels, by less than one and a half tolerances; or a box
-// stands out of it there.
+// A wall with a dent of 30 x 20 pixels, less than one and a half tolerances deep, or with a box
+// there.
 LabelGrid wall_with(double out_m) {
   return make_label_grid(test::frame_of(160, 120,
                                         [=](int u, int v) {
@@ -148,7 +149,8 @@ TEST(Wand, FillsAHoleWhereNothingElseIsSeenAndNoneWhereABoxStands) {
 }
 
 TEST(Wand, ALargeToleranceDoesNotGrowWithNoiseThatItCovers) {
-  // Noise as of 2 m: three times that of close range. The right half lies 3 cm behind the left.
+  // Noise like that at 2 m, three times that at short range. The right half is 3 cm behind the
+  // left.
   LabelGrid grid = make_label_grid(
       test::frame_of(160, 120, [](int u, int) { return u < 80 ? 2.0 : 2.03; }), Gravity{});
   for (float& sigma : grid.sigma_m) sigma = 0.0069f;
@@ -191,7 +193,7 @@ TEST(Wand, LeavesLabelledPixelsUnlessToldOtherwise) {
 }
 
 TEST(Wand, LaterSeedsAddFragmentsOfTheSamePlaneAndNothingElse) {
-  // A pillar before a wall cuts it in two.
+  // A pillar in front of a wall splits it.
   const LabelGrid grid = make_label_grid(
       test::frame_of(120, 60, [](int u, int) { return u >= 50 && u < 70 ? 0.7 : 1.0; }), Gravity{});
   const std::array seeds{test::pixel_at(grid, 20, 30), test::pixel_at(grid, 100, 30),
@@ -203,8 +205,8 @@ TEST(Wand, LaterSeedsAddFragmentsOfTheSamePlaneAndNothingElse) {
 }
 
 TEST(Wand, ColorDecidesWhereDepthIsRagged) {
-  // A board's right border: 5 columns that neither fit it nor are far off, painted as the board is
-  // in two of them.
+  // A board's right border: 5 columns that neither fit it nor are far from it; two of them have the
+  // board's color.
   Frame frame = test::frame_of(120, 80, [](int u, int) {
     return u < 60 ? 1.0 : u < 65 ? 1.012 : 1.3;
   });
@@ -242,7 +244,7 @@ TEST(Wand, StaysWithinTheLassoDrawnAroundIt) {
 using test::pixel_at;
 using test::rectangle;
 
-/// A wall 1 m away with P1 on those pixels.
+/// A wall at 1 m, with P1 on these pixels.
 struct Wall {
   LabelGrid grid;
   FrameLabels labels;
@@ -259,7 +261,7 @@ PixelSet without(PixelSet pixels, const PixelSet& less) {
 }
 
 TEST(Finish, HolesAreFilledWithWhatLiesOnThePlaneAndNothingElse) {
-  const auto depth = [](int u, int v) {  // a box stands in the second hole
+  const auto depth = [](int u, int v) {  // a box covers the second hole
     return u >= 24 && u < 30 && v >= 10 && v < 16 ? 0.8 : 1.0;
   };
   const LabelGrid grid = make_label_grid(test::frame_of(40, 30, depth), Gravity{});
@@ -293,7 +295,7 @@ TEST(Finish, ASmoothedBorderLosesItsTeethAndItsNotches) {
   std::ranges::set_intersection(finish.adds, notch, std::back_inserter(filled));
   EXPECT_GE(lost.size(), 4u);
   EXPECT_GE(filled.size(), 3u);
-  EXPECT_LT(finish.takes.size() + finish.adds.size(), 30u);  // and straight borders stay
+  EXPECT_LT(finish.takes.size() + finish.adds.size(), 30u);  // and straight borders do not change
 }
 
 TEST(Finish, APlaneGrowsToWhereAnotherSurfaceBegins) {

@@ -22,7 +22,7 @@ TEST_F(Context, TwoContextsLiveSideBySide) {
   const auto camera = front_camera();
   const Image8 before = render({}, camera);
   {
-    const auto other = make_egl_context();  // current from here on
+    const auto other = make_egl_context();  // current from now on
     Renderer there;
     EXPECT_EQ(there.render({}, camera, kWidth, kHeight, Theme::light).data, before.data);
   }
@@ -60,7 +60,7 @@ TEST(GlfwContext, WithoutADisplayTheErrorSaysSo) {
 
 struct Texture : GlTest {};
 
-// A picture's points are drawn on the CPU, a window's by GL.
+// The points of a picture are drawn on the CPU, those of a window by GL.
 TEST_F(Texture, OfADrawingShowsWhatThePictureShows) {
   DrawList list;
   list.boxes = {{box_corners(Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f)),
@@ -125,7 +125,7 @@ TEST_F(Texture, OfAnImageHoldsItsPixelsAndTakesOthers) {
 
 // ---- Points on the CPU ----
 
-// What pictures of one frame share is kept from one to the next.
+// Shapes are shared by the pictures of one frame.
 TEST(Splats, OtherColorsDoNotChangeTheShapes) {
   DrawPoints points;
   points.positions.assign(10, Vec3f::Zero());

@@ -161,7 +161,7 @@ TEST(Overlay, ALabelKeepsClearOfWhatLiesOverThePicture) {
     return !layout_overlay(list, view, theme_colors(Theme::light)).labels.empty();
   };
   EXPECT_TRUE(shown_at(450, 360));
-  for (const OverlayText& text : bare.texts)  // title, legend, names of the axes, length
+  for (const OverlayText& text : bare.texts)  // title, legend, names of axes, length
     EXPECT_FALSE(shown_at(text.x + 4, text.baseline - 4)) << text.text;
 }
 
@@ -194,7 +194,7 @@ TEST(Text, InkCoversTheWidthThatIsReported) {
   Image8 image(400, 60, 3);
   const double advance = draw_text(image, 20, 40, "MnHoM", 24, {255, 255, 255});
   EXPECT_DOUBLE_EQ(advance, text_width("MnHoM", 24));
-  int first = image.width, last = -1;  // columns that hold any ink
+  int first = image.width, last = -1;  // first and last column with ink
   for (int x = 0; x < image.width; ++x)
     for (int y = 0; y < image.height; ++y)
       if (image.at(x, y) > 64) {
@@ -223,7 +223,7 @@ TEST(Text, BrokenUtf8BecomesReplacementCharacters) {
   EXPECT_EQ(decode_utf8("a\xC3\xA4z")[1], U'ä');
   EXPECT_EQ(decode_utf8("\xF0\x9F\x98\x80")[0], char32_t{0x1F600});
   EXPECT_EQ(decode_utf8("\xFFz")[0], char32_t{0xFFFD});
-  EXPECT_EQ(decode_utf8("z\xE2\x89").size(), 3u);  // cut short: one per byte
+  EXPECT_EQ(decode_utf8("z\xE2\x89").size(), 3u);  // truncated: one per byte
 }
 
 TEST(Text, IsClippedAtTheImagesEdges) {
@@ -283,7 +283,7 @@ std::vector<Vec3f> points_in_box(const Vec3f& min, const Vec3f& max, int count) 
   return points;
 }
 
-/// How far the points reach from the middle of the view towards its borders, 1: up to them.
+/// How far the points extend from the center of the view toward its borders; 1: to the border.
 Vec2d reach_in_view(const std::vector<Vec3f>& points, const Camera& camera, double aspect) {
   const int height = 1000, width = static_cast<int>(1000 * aspect);
   const View view = make_view(camera, width, height);

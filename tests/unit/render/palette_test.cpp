@@ -56,7 +56,7 @@ Linear oklab(const Linear& c) {
           0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
 }
 
-/// Distance in OKLab, times 100: about 2 is just noticeable side by side, 10 is hard to confuse.
+/// Distance in OKLab, times 100: about 2 is barely noticeable side by side, 10 is hard to confuse.
 double distance(Rgba a, Rgba b, Eye eye) {
   const Linear x = oklab(seen(a, eye));
   const Linear y = oklab(seen(b, eye));
@@ -128,8 +128,8 @@ TEST(Palette, CasesAndLabelsShowOnBothThemes) {
   }
 }
 
-// Any two planes may touch: the least distances that the palette reaches are 12.5 for normal eyes
-// and 9.1 for color-blind ones, and those to the grey of what is in no plane 12.0 and 10.0.
+// Any two planes may touch. The palette's smallest distances are 12.5 for normal vision and 9.1 for
+// color-blind vision; to the gray of points without a plane 12.0 and 10.0.
 constexpr double kLeastApart = 12, kLeastApartColorBlind = 9;
 
 TEST(Palette, AnyTwoPlanesAreApartForAllEyes) {

@@ -20,7 +20,7 @@ planes::PolygonRing square(double half_m, bool hole) {
   return ring;
 }
 
-/// Upright, across the view of front_camera(): a square of 60 cm with one of 20 cm missing.
+/// A vertical square of 60 cm across the view of front_camera(), with a missing square of 20 cm.
 planes::Outline with_hole(bool known) {
   planes::Outline outline;
   outline.basis.u = Vec3d::UnitY();
@@ -76,7 +76,7 @@ TEST_F(PlaneScenePixels, APlaneIsNotPickedThroughItsHole) {
 
 TEST(PlaneScene, AnOutlineWithoutATriangulationIsDrawnByItsLines) {
   planes::Outline outline = with_hole(true);
-  outline.parts[0].holes.push_back({{0.2, 0.2}, {0.25, 0.2}});  // no ring
+  outline.parts[0].holes.push_back({{0.2, 0.2}, {0.25, 0.2}});  // not a valid ring
   const PlaneShape shape = filled(outline);
   EXPECT_TRUE(shape.triangles.empty());
   EXPECT_FALSE(shape.rings.empty());
@@ -105,7 +105,7 @@ TEST(PlaneScene, StandsAboutTheScenesOrigin) {
   }
 }
 
-/// Two planes, of which the second carries no foot.
+/// Two planes; the second is not steppable.
 PlaneScene two_planes() {
   planes::FootSpace space;
   space.area = {{square(0.2, false), {}}};
@@ -133,7 +133,7 @@ TEST(PlaneScene, FootSpaceIsGreyWhereNoFootIsCarried) {
   EXPECT_NEAR(length_m(list.lines[0].positions), 1.6, 1e-5);
 }
 
-/// Up along x: a riser of 16 cm, a going of 28 cm, a second one of 17 cm.
+/// Up along x: a riser of 16 cm, a going of 28 cm, a second riser of 17 cm.
 planes::Stairs two_steps() {
   planes::Flight flight;
   flight.steps = {{.tread = {2},
@@ -188,7 +188,7 @@ TEST(PlaneScene, KerbsAndRampsAreTold) {
 
 // ---- Pictures on the pixels of a depth frame ----
 
-// A wall 1 m away that fills the image, as plane 1, but for a column of plane 2 at the right.
+// A wall at 1 m that fills the image as plane 1, except for a column of plane 2 at the right.
 struct WallFrame {
   Frame frame;
   planes::FrameResult result;
@@ -217,14 +217,15 @@ TEST(RegionImage, DepthPixelsLeaveNoHolesInALargerColourImage) {
   wall.frame.T_color_depth.translation() = Vec3d(0.05, 0, 0);
   const RegionImage regions = regions_on_color(wall.frame, wall.result);
   ASSERT_EQ(regions.width, 160);
-  // The wall spans -0.5 .. 0.475 m and -0.375 .. 0.35 m: in the colour image from u 21.5, v 11.25.
+  // The wall spans -0.5 .. 0.475 m and -0.375 .. 0.35 m; in the color image it starts at u 21.5, v
+  // 11.25.
   int holes = 0;
   for (int v = 14; v < 102; ++v)
     for (int u = 25; u < 145; ++u) holes += regions.at(u, v) == 0;
   EXPECT_EQ(holes, 0);
   EXPECT_EQ(regions.at(5, 60), 0);
   EXPECT_EQ(regions.at(60, 60), 1);
-  EXPECT_EQ(regions.at(140, 60), 2);  // plane 2 begins at (0.25 - 0.0125 + 0.05) * 130 + 80 = 117
+  EXPECT_EQ(regions.at(140, 60), 2);  // plane 2 starts at (0.25 - 0.0125 + 0.05) * 130 + 80 = 117
 }
 
 TEST(RegionImage, TheNearestSurfaceIsInFront) {
@@ -252,7 +253,7 @@ TEST(RegionImage, SmoothingClosesPinholesAndKeepsEdges) {
 
 TEST(RegionImage, InteriorPointsAreDeepInsideTheirRegions) {
   RegionImage regions(60, 40, 1, 0);
-  for (int y = 5; y < 35; ++y)  // an L: its centre of mass is near its inner corner
+  for (int y = 5; y < 35; ++y)  // an L, whose centroid is near its inner corner
     for (int x = 5; x < 55; ++x)
       if (x < 25 || y >= 25) regions.at(x, y) = 1;
   const auto points = interior_points(regions, 2);
@@ -296,7 +297,7 @@ TEST(ImageDepth, NearAndFarDifferAndTheUnmeasuredIsGrey) {
   const Image8 image = image_depth(wall.frame, 1.5);
   const int factor = enlargement(40);
   ASSERT_GT(image.width, 40 * factor);   // room for the scale
-  ASSERT_GT(image.height, 30 * factor);  // and for the notes
+  ASSERT_GT(image.height, 30 * factor);  // and for the annotations
   const auto brightness = [&](int u, int v) {
     int sum = 0;
     for (int c = 0; c < 3; ++c) sum += image.at(u * factor + 1, v * factor + 1, c);

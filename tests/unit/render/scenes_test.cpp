@@ -14,7 +14,7 @@
 namespace planescope::render {
 namespace {
 
-// A floor and a wall behind it as a level depth camera half a metre above the floor sees them.
+// A floor and a wall behind it, seen by a level depth camera half a meter above the floor.
 Frame make_frame() {
   Frame frame;
   frame.depth = Image16(160, 120);
@@ -46,7 +46,7 @@ const planes::FrameResult& corner() {
   return result;
 }
 
-// Divided until nodes are pure: with nodes of several cases.
+// Divided until nodes are pure, so that there are nodes of several cases.
 const planes::FrameResult& divided_corner() {
   static const planes::FrameResult result = run_corner(make_frame(), planes::Profile::paper);
   return result;
@@ -78,7 +78,7 @@ TEST(SceneCases, ANodeFittedLabelByLabelIsMarked) {
   EXPECT_GT(std::ranges::count(scene_cases(result).labels, "I*", &DrawLabel::text), 0);
 }
 
-/// Of nodes and their boxes in the coordinates that the octree divides.
+/// For nodes and boxes in the coordinates that the octree divides.
 void expect_boxes_hold_points_in_cells(const planes::Octree& octree, const DrawList& list) {
   ASSERT_EQ(list.boxes.size(), octree.nodes.size());
   for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
@@ -268,8 +268,8 @@ TEST(FrameCamera, HoldsTheKeptPointsAndLooksTheWayTheSensorLooks) {
     widest = std::max({widest, std::abs(x), std::abs(y)});
   }
   EXPECT_LE(outside, corner().voxels.points.size() / 50);
-  EXPECT_GT(widest, 0.7);       // and the picture is filled
-  EXPECT_GT(forward.x(), 0.5);  // world x is where the sensor looks
+  EXPECT_GT(widest, 0.7);       // and they fill the picture
+  EXPECT_GT(forward.x(), 0.5);  // the sensor looks along world x
   EXPECT_LT(forward.z(), -0.3);
 }
 

@@ -31,7 +31,7 @@ std::shared_ptr<const debug::Run> stairs_run(
       debug::make_subject(std::move(frame), std::nullopt, options, classifier.get()), options);
 }
 
-/// What was known after `step` events, and no more.
+/// The run with only the first `step` events.
 debug::Run stopped_at(const debug::Run& run, std::int32_t step) {
   debug::Run stopped = run;
   planes::Trace& trace = stopped.trace;
@@ -70,7 +70,7 @@ StepLook look_at(std::int32_t step, ColorBy color_by = ColorBy::cases) {
   return look;
 }
 
-/// Without what the last step is about.
+/// The last step, without its highlight.
 StepLook at_end(const debug::Run& run, ColorBy color_by = ColorBy::cases) {
   StepLook look = look_at(run.steps(), color_by);
   look.show_current = false;
@@ -82,7 +82,7 @@ const DrawLabel* label(const DrawList& list, const std::string& text) {
   return found == list.labels.end() ? nullptr : &*found;
 }
 
-/// The scene without what its planes are called: that is their id in the result, from the first.
+/// The scene without names of planes, which show the final id from the start.
 DrawList without_names(DrawList list) {
   for (DrawLabel& label : list.labels) label.text = label.text.starts_with('P') ? "P" : label.text;
   return list;
@@ -105,7 +105,7 @@ TEST(StepScene, NothingOfTheFutureIsDrawnButThePlanesNames) {
   }
 }
 
-/// The color, or that of a stripe across it.
+/// Whether a color is the expected one or that of its stripes.
 bool is_with_stripes(Rgba color, Rgba expected, const StepLook& look) {
   return color == expected ||
          color == mix(expected, theme_colors(look.theme).background_bottom, 0.5);
@@ -187,7 +187,7 @@ TEST(StepScene, PointsNamesAndNormalsAreSwitchedByThemselves) {
   EXPECT_FALSE(scene_step(*run, look).polygons.empty());
 }
 
-/// What is known of the run's planes: all of one shape, the first one carries a foot.
+/// An analysis of the run's planes: all have the same shape; only the first is steppable.
 std::shared_ptr<const PlaneScene> known_planes(const debug::Run& run) {
   auto scene = std::make_shared<PlaneScene>();
   const std::size_t count = run.segmentation.planes.size();
@@ -306,7 +306,7 @@ TEST(StepScene, WhatIsSelectedHasItsNameAndKeepsItsColourAsTheRestRecedes) {
         run->timeline.point_at(static_cast<std::int32_t>(v), look.step).plane == 0;
     EXPECT_EQ(list.points[0].colors[v] == plain.points[0].colors[v], is_concerned) << v;
   }
-  look.node = 0;  // all of them: nothing recedes
+  look.node = 0;  // the root, so that nothing recedes
   look.voxel = look.plane = -1;
   EXPECT_EQ(scene_step(*run, look).points[0].colors, plain.points[0].colors);
 }
@@ -406,7 +406,7 @@ TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
   const planes::OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
   std::set<std::uint32_t> inside(run->octree().order.begin() + node.begin,
                                  run->octree().order.begin() + node.end);
-  std::size_t changed = 0, kept = 0;  // of the pixels inside
+  std::size_t changed = 0, kept = 0;  // number of pixels inside
   for (std::size_t i = 0; i < before.pixels(); ++i) {
     const std::uint32_t voxel = run->subject->voxel_of_source(i);
     if (voxel == planes::kNoVoxel) continue;

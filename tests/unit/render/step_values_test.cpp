@@ -18,7 +18,7 @@
 namespace planescope::render {
 namespace {
 
-/// A level floor 1 m below a camera that looks at it, and a step of 20 cm on it.
+/// A level floor 1 m below a camera that looks down at it, and a step of 20 cm on it.
 std::shared_ptr<const debug::Run> step_run(bool knows_gravity = true) {
   std::vector<test::Parallelogram> scene = {{{-1, -2, 0}, {4, 0, 0}, {0, 4, 0}}};
   test::add_box(scene, {0.7, -0.5, 0}, {0.8, 1, 0.2});
@@ -100,7 +100,8 @@ TEST(StepColors, DeadEndsAreStripedAndOtherCasesAreNot) {
   const StepLook look = look_by(*run, ColorBy::cases);
   const StepState state = step_state(*run, look);
   const std::vector<Rgba> colors = voxel_colors(state);
-  std::map<planes::Case, std::array<int, 2>> count;  // of voxels in the case's color, and in others
+  // number of voxels in the case's color, and in others
+  std::map<planes::Case, std::array<int, 2>> count;
   for (std::size_t v = 0; v < colors.size(); ++v) {
     const planes::Case decided = state.case_of[v];
     if (decided != planes::Case::none) ++count[decided][colors[v] == case_color(decided) ? 0 : 1];
@@ -134,7 +135,7 @@ TEST(StepValues, DistanceIsSignedAndToTheSelectedPlane) {
   const auto run = step_run();
   StepLook look = look_by(*run, ColorBy::distance);
   const StepState state = step_state(*run, look);
-  // The lower of the level planes is the floor: what stands on it is before it.
+  // The lower of the level planes is the floor; the step is in front of it.
   std::int32_t floor = -1;
   double lowest = 1e9;
   for (std::int32_t plane = 0; plane < run->timeline.plane_count(); ++plane) {
@@ -147,13 +148,13 @@ TEST(StepValues, DistanceIsSignedAndToTheSelectedPlane) {
   }
   ASSERT_GE(floor, 0);
   for (const float value : values_of(*run, look))  // each to its own plane
-    EXPECT_FALSE(std::abs(value) > 0.05);          // or to none
+    EXPECT_FALSE(std::abs(value) > 0.05);          // or NaN
   look.plane = floor;
   const std::vector<float> values = values_of(*run, look);
   EXPECT_NEAR(*std::ranges::max_element(values), 0.2, 0.02);
   EXPECT_GT(*std::ranges::min_element(values), -0.05);
   EXPECT_NE(color_scale(*run, look).what.find(debug::plane_name(*run, floor)), std::string::npos);
-  // Too far off to be told apart, and not its own: no colour of the map.
+  // Beyond the scale and not on the plane: no color of the scale.
   const std::vector<Rgba> colors = voxel_colors(state);
   const auto top = static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
   EXPECT_EQ(colors[top], highlight_colors(look.theme).waiting);
@@ -171,17 +172,16 @@ TEST(StepValues, TheRangeIsTheSameAtEveryStepAndPassesOutliersOver) {
   }
   std::vector<float> values(1000);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5F + 0.001F * static_cast<float>(i);
-  values[0] = 40;  // a stray measurement
+  values[0] = 40;  // an outlier
   values[1] = std::nanf("");
   const ValueRange range = robust_range(values);
   EXPECT_NEAR(range.low_m, 0.5, 0.051);
   EXPECT_NEAR(range.high_m, 1.5, 0.051);
 }
 
-// ---- Labels as they are drawn: colours, what stands out, what is left out ----
+// ---- Label scene: colors, highlights, hidden parts ----
 
-/// A wall of 40 x 30 pixels, one of which was not measured; P1 on its left half, P2 at its right
-/// edge.
+/// A wall of 40 x 30 pixels, one of them unmeasured; P1 on its left half, P2 at its right edge.
 struct LabelScene : testing::Test {
   labels::LabelGrid grid;
   std::vector<Vec3f> world;

@@ -12,7 +12,7 @@
 namespace planescope::report {
 namespace {
 
-/// A strip of measurements, `plane_of` each tenth of it, and floors of the heights given.
+/// A strip of measurements with a plane for each tenth, which are floors at the given heights.
 ReportFrame strip(const std::vector<int>& plane_of_tenths, const std::vector<double>& heights_m) {
   ReportFrame result;
   std::vector<int> plane_of;

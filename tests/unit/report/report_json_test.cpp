@@ -171,7 +171,7 @@ TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
 
 Report through_a_file(const Report& report) { return read_report(written(report_json(report))); }
 
-/// Another value than the option has.
+/// Sets an option to another value.
 void change(planes::PipelineOptions& options, const planes::OptionInfo& info) {
   const std::string before = info.get(options);
   if (info.kind == planes::OptionKind::on_off) {

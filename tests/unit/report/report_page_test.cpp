@@ -35,7 +35,7 @@ ReportPicture make_picture(const std::string& name, int index) {
   return picture;
 }
 
-/// Two planes, in the left and in the right half of what was measured.
+/// Two planes, on the left and right half of the measured area.
 ReportFrame make_frame(int index) {
   ReportFrame frame;
   frame.index = index;
@@ -72,7 +72,7 @@ fs::path fresh_dir() {
   return dir;
 }
 
-/// The copies that a page is made from.
+/// Writes the image copies that a page embeds.
 void write_copies(const fs::path& dir, const Report& report) {
   const std::vector<unsigned char> copy_bytes = io::encode_webp(Image8(8, 8, 3, 200), 80);
   for (const ReportRecording& recording : report.recordings)
@@ -95,14 +95,14 @@ std::string page_of(const Report& report) {
   return page_of(report, dir);
 }
 
-/// Held against an earlier report, as --baseline does.
+/// Compares with an earlier report, like --baseline.
 void judge(Report& report, const Report& baseline) {
   const fs::path file = temp_dir() / "page_baseline.json";
   write_file_text(file, report_json(baseline));
   report.judgement = ReportGuard(file, "").judge(report);
 }
 
-/// Frame 1 of three has lost its second plane.
+/// A report in which frame 1 of three has lost its second plane.
 Report make_failing_report() {
   Report report = make_report(3);
   ReportFrame& frame = report.recordings[0].frames[1];
@@ -129,7 +129,7 @@ TEST(ReportPage, NeedsNothingButItself) {
   EXPECT_TRUE(has(page, "default-src 'none'"));
 }
 
-/// What stands between each `start` and the next quotation mark.
+/// Returns the text between each `start` and the next quotation mark.
 std::vector<std::string> values_after(const std::string& page, const std::string& start) {
   std::vector<std::string> values;
   for (std::size_t at = page.find(start); at != std::string::npos; at = page.find(start, at + 1)) {
@@ -231,8 +231,8 @@ TEST(ReportPage, SaysHowToOpenAPlaneThatIsGoneAndWhereItStands) {
   const std::string page = page_of(make_failing_report());
   EXPECT_TRUE(has(page, "planescope view --open report.json#f001/was2"));
   EXPECT_TRUE(has(page, "id=\"f001/was2\""));
-  EXPECT_FALSE(has(page, "report.json#f001/p1"));  // which is the same
-  EXPECT_FALSE(has(page, "report.json#f000"));     // a frame that holds
+  EXPECT_FALSE(has(page, "report.json#f001/p1"));  // the same plane
+  EXPECT_FALSE(has(page, "report.json#f000"));     // a passed frame
 }
 
 TEST(ReportPage, NamesTheRecordingInAnchorsOfSeveral) {
@@ -265,14 +265,14 @@ TEST(ReportPage, EmbedsFewFramesAndLinksThePicturesOfTheOthers) {
     many.recordings[0].frames.back().points_on_planes = static_cast<std::uint64_t>(i);
   }
   const std::string page = page_of(many);
-  EXPECT_EQ(count_of(page, "<figure id="), 2 * 12u);  // the worst are the first here
+  EXPECT_EQ(count_of(page, "<figure id="), 2 * 12u);  // the worst frames are the first ones here
   EXPECT_EQ(count_of(page, "data-copy="), 2 * 28u);
   EXPECT_EQ(count_of(page, "<tr data-frame="), 40u);
 }
 
 TEST(ReportPage, LinksAPictureWhoseCopyIsMissing) {
   const Report report = make_report(1);
-  const fs::path dir = fresh_dir();  // nothing in it
+  const fs::path dir = fresh_dir();  // empty
   const std::string page = page_of(report, dir);
   EXPECT_FALSE(has(page, "src=\"data:image/webp"));
   EXPECT_TRUE(has(page, "<a href=\"frames/000000/pictures/overlay.png\""));

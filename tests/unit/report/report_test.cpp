@@ -103,7 +103,7 @@ Report make_report() {
   return report;
 }
 
-/// The page, with a grey copy of every picture.
+/// The page, with a gray copy of every picture.
 std::string report_html(const Report& report) {
   const std::filesystem::path dir = temp_dir() / "report_page";
   for (const ReportRecording& recording : report.recordings)
@@ -123,7 +123,7 @@ Json schema() {
   return Json::parse(file);
 }
 
-/// A frame whose gravity nobody knows.
+/// A report with a frame of unknown gravity.
 Report without_gravity() {
   Report report = make_report();
   ReportFrame& frame = report.recordings[0].frames[0];
@@ -335,7 +335,7 @@ TEST(ReportHead, IsAllOfAReportButItsFrames) {
   EXPECT_EQ(report_json(head.report), report_json(report));
 }
 
-/// Against itself with a plane more.
+/// A report compared with itself, with one more plane.
 Report make_judged_report() {
   const auto file = temp_dir() / "judged.json";
   Report report = make_report();
@@ -374,7 +374,7 @@ TEST(Junit, NamesFramesThatBreakRulesAndThoseThatWereRefused) {
   EXPECT_TRUE(has(junit_xml(report), "<error message=\"gravity is not known, give --gravity\""));
 }
 
-/// The plane more is undecided.
+/// The additional plane is undecided.
 Report make_noted_report() {
   Report report = make_judged_report();
   PlaneSummary& plane = report.recordings[0].frames[0].planes[1].summary;

@@ -132,7 +132,7 @@ TEST(Rules, ReadySetsDifferInTheirLimitsAndSurviveTheFile) {
   EXPECT_EQ(read_rules(file), built_in_rules("lenient"));
 }
 
-// What undecided planes change is noted, and what decided ones change breaks rules.
+// Changes of undecided planes are notes; changes of decided ones break rules.
 
 /// Plane 2 of frame 1 of "a" is undecided.
 Report with_undecided(Report report, double margin = 0.02) {
@@ -142,7 +142,7 @@ Report with_undecided(Report report, double margin = 0.02) {
   return report;
 }
 
-/// `frame` is frame 1 of "a", with planes 1 and 2 there, turned and so on.
+/// `frame` becomes frame 1 of "a", with planes 1 and 2 changed.
 Report with_frame(ReportFrame frame) {
   Report report = baseline();
   report.recordings[0].frames[1] = std::move(frame);
@@ -159,8 +159,8 @@ Outcome outcome_of(const Report& before,
   return {broken_rules(rules, comparison), noted_changes(rules, comparison)};
 }
 
-/// An error, or a warning, of decided planes; the same as a note where `before` or `now` has it
-/// undecided.
+/// Expects an error or warning for decided planes, and the same text as a note if they are
+/// undecided in `before` or `now`.
 void expect_noted_if_undecided(const Report& now, const std::string& text, bool undecided_now) {
   const Outcome decided = outcome_of(baseline(), now);
   ASSERT_EQ(decided.broken.size(), 1u);
@@ -274,7 +274,7 @@ TEST(Rules, ScopesFoldFramesAsTheMetricMeans) {
   now.recordings[0].frames[0] = frame_with(0, {0, 0.2, 0.5}, 80);
   now.recordings[0].frames[1] = frame_with(1, {0, 0.2, 0.5}, 100);
   const auto value_of = [&](const std::string& metric, RuleScope scope) {
-    // Broken whatever the value is.
+    // A rule that any value breaks.
     const auto found = broken(now, {rule(metric, kAny, kAny, scope)});
     std::vector<double> values;
     for (const Breach& breach : found) values.push_back(breach.value);
@@ -307,7 +307,7 @@ TEST(Rules, WithoutABaselineOnlyWhatNeedsNoneIsAsked) {
   EXPECT_EQ(broken_rules({rule("planes", 2, 100, RuleScope::frame)}, alone).size(), 1u);
 }
 
-/// One plane of 0.5 m2 for the foot's centre, and a flight.
+/// One plane with 0.5 m2 for the foot's center, and a flight.
 ReportFrame frame_to_climb(bool steppable, int steps, double rise_m) {
   ReportFrame frame = frame_with(0, {0});
   frame.planes[0].footing.emplace().foot = {steppable, steppable ? "" : "17.2 mm rough, limit 10",

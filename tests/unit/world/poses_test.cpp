@@ -39,7 +39,7 @@ std::string why_refused(const std::string& name, const std::string& text) {
   return "it was read";
 }
 
-/// Frames of which only times are known.
+/// A recording with times only.
 class TimesAlone : public io::Recording {
  public:
   explicit TimesAlone(std::vector<double> times) : times_(std::move(times)) {
@@ -56,7 +56,7 @@ class TimesAlone : public io::Recording {
   io::RecordingInfo info_;
 };
 
-/// Pose i is at x = i.
+/// A trajectory in which pose i is at x = i.
 Trajectory at_times(const std::vector<double>& times) {
   Trajectory trajectory{"poses.tum", {}};
   for (const double t : times) {
@@ -67,7 +67,7 @@ Trajectory at_times(const std::vector<double>& times) {
   return trajectory;
 }
 
-/// The numbers of the poses that frames got; -1: none.
+/// Index of the pose of each frame; -1: none.
 std::vector<int> paired(const Trajectory& trajectory,
                         const io::Recording& recording,
                         const std::vector<int>& frames) {
@@ -118,7 +118,7 @@ TEST(Trajectory, OfOtherToolsIsToldByContent) {
   const std::string log = "0 0 1\n1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n";
   EXPECT_EQ(read_trajectory(written("a.log", log)).poses.at(0).T_world_camera.translation(),
             Vec3d(5, 6, 7));
-  // Column by column, and the camera's view of the world.
+  // Column-major, as world-to-camera transforms.
   const std::string json =
       R"({"class_name": "PinholeCameraTrajectory", "parameters": [
           {"extrinsic": [1,0,0,0, 0,1,0,0, 0,0,1,0, -5,-6,-7,1]}]})";
@@ -167,7 +167,7 @@ TEST(Trajectory, ThatIsDamagedIsRefusedWithItsLine) {
   expect("h.json", "{\"parameters\": [{}]}", ": parameters[0]");
   expect("h.json", "{\"parameters\": [{\"extrinsic\": [1,0,0,0,0,1,0,0,0,0,1,0,\"a\",0,0,1]}]}",
          ": parameters[0]");
-  // Row by row.
+  // Row-major.
   expect("h.json", "{\"parameters\": [{\"extrinsic\": [1,0,0,5,0,1,0,0,0,0,1,0,0,0,0,1]}]}",
          ": parameters[0]");
   expect("i.tum", "# frame 0 segment 900000000\n" + fine, ", line 2: segment 900000000; expected");
@@ -189,7 +189,7 @@ TEST(Trajectory, ThatLeapsFartherThanACameraIsRefusedWithItsLine) {
          "{\"parameters\": [{\"extrinsic\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]},"
          "{\"extrinsic\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,2e5,1]}]}",
          ", entry 1: the pose is 200000 m from the first");
-  // Far from the origin, near to each other.
+  // Far from the origin, but close together.
   EXPECT_EQ(read_trajectory(written("far.tum", "0 4e6 5e6 0 0 0 0 1\n1 4e6 5e6 1 0 0 0 1\n"))
                 .poses.size(),
             2u);
@@ -201,7 +201,7 @@ TEST(Trajectory, WithTwoPosesOfOneTimeIsRefusedWithBothLinesUnlessTheyAreTheSame
   EXPECT_NE(why_refused("s.tum", first + second + "2 0 0 1 0 0 0 1\n")
                 .find("lines 1 and 3: two different poses for the time 2 s"),
             std::string::npos);
-  // Where frames are numbered, times may be unknown.
+  // With frame numbers, times may be unknown.
   const std::string numbered = "# frame 0\n0 0 0 0 0 0 0 1\n# frame 1\n0 1 0 0 0 0 0 1\n";
   EXPECT_EQ(read_trajectory(written("n.tum", numbered)).poses.size(), 2u);
   EXPECT_NE(why_refused("n.tum", numbered + "# frame 1\n0 2 0 0 0 0 0 1\n")
@@ -234,7 +234,7 @@ TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
   EXPECT_EQ(paired(numbered, removed, {0, 1, 2}), (std::vector{0, 2, 3}));
   EXPECT_EQ(pair_poses(numbered, removed, std::vector{0}).notice,
             "frame 1 has a different time in poses.tum: poses are paired by time, not by number");
-  // Without times nothing tells which frames are missing.
+  // Without times, missing frames cannot be identified.
   const std::string why = why_unpaired(numbered, TimesAlone({0, 0, 0}), {0, 1, 2});
   EXPECT_NE(why.find("contains a pose of frame 3, but recording has 3 frames and no times"),
             std::string::npos)
@@ -306,7 +306,7 @@ TEST(SharedGravity, LeavesAWorldThatStandsUprightAsItIs) {
   const int segment = 0;
   turn_upright(trajectory, std::span(&sample, 1), std::span(&segment, 1));
   EXPECT_EQ(trajectory.poses[0].T_world_camera.matrix(), before.matrix());
-  // One that lies on its side is turned.
+  // A world on its side is rotated.
   sample.gravity.direction = before.linear().transpose() * Vec3d::UnitX();
   turn_upright(trajectory, std::span(&sample, 1), std::span(&segment, 1));
   EXPECT_TRUE((trajectory.poses[0].T_world_camera.linear() * sample.gravity.direction)
@@ -314,7 +314,7 @@ TEST(SharedGravity, LeavesAWorldThatStandsUprightAsItIs) {
 }
 
 TEST(PoseGraph, SharesOutWhatDoesNotAgreeAndLeavesAWrongLoopOut) {
-  // Round a square, each side measured 1 cm too long; the loop says where the start is.
+  // Around a square, with each side measured 1 cm too long; a loop closure identifies the start.
   const Pose side = pose(1, 0, 0, 1.5707963267948966, {0, 0, 1});
   Pose measured = side;
   measured.translation().x() = 1.01;

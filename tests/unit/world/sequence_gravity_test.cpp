@@ -28,8 +28,8 @@ Pose pose_at(int frame) {
   return pose;
 }
 
-/// Gravity is +y of the world, and no plane is in view that would say so: a camera turns among
-/// balls, or in front of a bare wall.
+/// Gravity is +y of the world, and no visible plane shows it: a camera turns among balls, or in
+/// front of a bare wall.
 class Balls : public io::Recording {
  public:
   std::set<int> empty;  // frames without depth
@@ -157,7 +157,7 @@ TEST(SequenceGravity, EndsWhereTheMotionIsNotKnown) {
   const SequenceGravity gravity(recording, {});
   EXPECT_TRUE(resolved(gravity, *recording, 2).gravity);
   EXPECT_FALSE(resolved(gravity, *recording, 4).gravity);
-  // Depth of a bare wall is the same however the camera rolls.
+  // Depth of a bare wall does not change when the camera rolls.
   const auto wall = std::make_shared<Balls>();
   wall->told[0] = down_at(0);
   wall->bare_wall = true;

@@ -24,7 +24,7 @@ planes::PipelineOptions pca_options() {
   return options;
 }
 
-/// A camera's pose that is wrong by this.
+/// An error of a camera's pose.
 Pose off_by(const Vec3d& shift, double turn_rad = 0) {
   Pose off = Pose::Identity();
   off.linear() = Eigen::AngleAxisd(turn_rad, Vec3d::UnitY()).toRotationMatrix();
@@ -45,7 +45,7 @@ struct MapOf {
   }
 };
 
-/// A box on a floor before a wall, and what a camera sees of them.
+/// A box on a floor in front of a wall, seen by a camera.
 class Room : public ::testing::Test {
  protected:
   Room() {
@@ -110,7 +110,7 @@ TEST_F(Room, PlanesAreTheSameFromFrameToFrame) {
   EXPECT_EQ(lid().frames_seen, 6);
   EXPECT_TRUE(lid().gaps.empty());
   EXPECT_LT(std::abs(floor().distance_m(Vec3d::Zero())), 0.002);
-  // Of the lid as much as it is: 0.3 m by 0.4 m.
+  // The lid's true size is 0.3 m by 0.4 m.
   EXPECT_NEAR(outline_of(lid()).area_m2, 0.12, 0.015);
   for (const Track& track : tracker_.tracks())
     EXPECT_EQ(track.is_sure({}) ? track.frames_missed : 0, 0) << track.id;
@@ -193,7 +193,7 @@ TEST_F(Room, AFrameAtAWrongPoseIsSetAside) {
   EXPECT_EQ(tracker_.tracks().size(), tracks);
   EXPECT_EQ(floor().gaps.back().why, Absence::set_aside);
   EXPECT_FALSE(tracker_.add(look(scene_)).set_aside);
-  Tracker begun_wrong;  // costs one more frame
+  Tracker begun_wrong;  // takes one more frame
   begun_wrong.add(wrong);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(begun_wrong.add(look(scene_)).set_aside, i == 0) << i;
   EXPECT_EQ(begun_wrong.frames().back().segment, 1);
@@ -209,7 +209,7 @@ TEST_F(Room, AFrameAtASlightlyWrongPoseIsBroughtToItsPlace) {
   EXPECT_LT(Eigen::AngleAxisd(aligned.linear().transpose() * right.linear()).angle(), 0.002);
   EXPECT_LT(std::abs(floor().distance_m(Vec3d::Zero())), 0.002);
   EXPECT_EQ(floor().frames_seen, 5);
-  // One that fits stays where it is.
+  // A frame that fits is not moved.
   const ObservedFrame fitting = look(scene_);
   EXPECT_EQ(tracker_.add(ObservedFrame(fitting)).T_world_camera.matrix(),
             fitting.T_world_camera.matrix());
@@ -222,7 +222,7 @@ TEST_F(Room, TheFloorBeforeALowWallDoesNotPullAtIt) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(low));
   Track wall = track_of({1.2, 0, 0.1}, -Vec3d::UnitX());
   Track* const alone[] = {&wall};
-  // Thought to be higher than it is, the camera sees floor where the wall's foot should be.
+  // If its pose is too high, the camera sees floor at the wall's foot.
   ObservedFrame seen = look(low);
   const Pose right = seen.T_world_camera;
   move_to(seen, off_by({0.02, 0, 0.05}) * right);
@@ -325,7 +325,7 @@ TEST_F(Room, AMissNamesTheTermThatFailed) {
 TEST(CellMap, CountsNoCellsBeyondWhatAnIntHolds) {
   CellMap cells(0.02);
   EXPECT_EQ(cells.index_of(-0.03), -2);
-  EXPECT_EQ(cells.index_of(2e5), 10'000'000);  // twice the farthest that poses may be
+  EXPECT_EQ(cells.index_of(2e5), 10'000'000);  // twice the limit on poses
   const planes::PolygonRing far = {{1e12, 1e12}, {2e12, 1e12}, {2e12, 2e12}};
   int visited = 0;
   cells.fill(std::vector<planes::PolygonRing>{far}, [&](int, int) { ++visited; });
@@ -335,7 +335,7 @@ TEST(CellMap, CountsNoCellsBeyondWhatAnIntHolds) {
 }
 
 TEST(Fusion, OfMomentsIsTheFitOfAllPointsAtOnce) {
-  // Points seen from two places, each set about its own camera.
+  // Points seen from two positions, each relative to its own camera.
   Moments all, parts;
   for (int k = 0; k < 2; ++k) {
     const Vec3d camera(k, 0.5 * k, 1);
@@ -368,7 +368,7 @@ TEST(Fusion, ShrinksTheUncertainty) {
   track.fuse(plane, Vec3d(0, 0, 1));
   const double once_m = track.sigma_m(Vec2d::Zero()), once_deg = track.sigma_tilt_deg();
   for (int i = 0; i < 15; ++i) track.fuse(plane, Vec3d(0, 0, 1));
-  // A quarter, and what all frames have in common.
+  // A quarter, plus the error common to all frames.
   EXPECT_NEAR(track.sigma_m(Vec2d::Zero()), std::hypot(0.001, 0.001), 1e-4);
   EXPECT_LT(track.sigma_m(Vec2d::Zero()), once_m / 2);
   EXPECT_LT(track.sigma_tilt_deg(), once_deg / 2);
@@ -385,7 +385,7 @@ TEST(Fusion, OfFewNoisyMeasurementsHasTheirNormal) {
   EXPECT_GT(track.width_m(), 0.1);
 }
 
-/// A level rectangle about `centroid`, whose tilt about y is known to `sigma_tilt_rad`.
+/// A level rectangle around `centroid`, whose tilt about y has the uncertainty `sigma_tilt_rad`.
 ObservedPlane level_plane(int id, const Vec3d& centroid, const Vec2d& size, double sigma_tilt_rad) {
   ObservedPlane plane;
   plane.id = id;
@@ -408,7 +408,7 @@ ObservedPlane level_plane(int id, const Vec3d& centroid, const Vec2d& size, doub
 }
 
 TEST(Tracker, AStripWhoseTiltIsNotKnownStaysApartFromAFloorBelowIt) {
-  // As of the first sight of a tread: at the floor's middle it could be anywhere.
+  // Like the first view of a tread: extended to the floor's center, it could have any height.
   ObservedFrame frame;
   frame.planes = {level_plane(1, {0, 0, 0}, {1, 1}, 0.001),
                   level_plane(2, {0.56, 0, 0.1}, {0.06, 0.5}, 0.1)};
@@ -419,7 +419,7 @@ TEST(Tracker, AStripWhoseTiltIsNotKnownStaysApartFromAFloorBelowIt) {
 }
 
 TEST_F(Room, ALowBoardDoesNotLean) {
-  // Seen from above, with errors along the rays: of all its points in space, the fit leans by 0.7.
+  // Seen from above, with errors along the rays: a fit to all of its points in space is off by 0.7.
   lab::Scene scene;
   lab::add_polygon(scene, lab::upright({1.1, 0.6}, {1.1, -0.6}, {0.05, 0.2}), {});
   camera_.pitch_deg = 30;
@@ -455,7 +455,7 @@ TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(map_texts(one, "walk").tracks_json, map_texts(three, "walk").tracks_json);
   EXPECT_EQ(one.poses.source, "the recording");
   EXPECT_GT(planes_of_map(one.tracker).size(), 4u);
-  // Each frame's planes are stored, with the tracks of the final pass.
+  // The planes of each frame are stored, with the tracks of the final pass.
   ASSERT_EQ(one.stored.size(), job.frames.size());
   for (const int frame : job.frames) {
     const StoredPlanes& stored = one.stored.at(frame);
@@ -466,7 +466,7 @@ TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Odometry, FollowsAWalkOverAFloor) {
-  // Where little but the floor is in sight, and depth holds neither its way nor its turn.
+  // Little more than the floor is visible, so that depth determines neither position nor heading.
   constexpr std::size_t kFirst = 36, kFrames = 14;
   lab::SequenceOptions walk;
   walk.width = 320;
@@ -491,7 +491,7 @@ TEST(Odometry, FollowsAWalkOverAFloor) {
   const Pose off = (before.inverse() * after).inverse() * told;
   EXPECT_LT(off.translation().norm(), 0.02 * (before.inverse() * after).translation().norm());
   EXPECT_LT(turn_deg(off), 0.5);
-  // z is up, whatever the first camera's axes.
+  // z points up, regardless of the first camera's axes.
   EXPECT_GT(map.poses.poses[0].T_world_camera.linear().col(1).dot(-Vec3d::UnitZ()), 0.7);
 }
 

@@ -42,14 +42,15 @@ TEST(LabelBench, NoiseCostsEdgeLabels) {
   EXPECT_EQ(rows[0].set, "stairs, 0 cm");
   EXPECT_EQ(rows[3].set, "stairs, 0.3 cm");
   EXPECT_GT(rows[0].level.edge_percent(), rows[3].level.edge_percent());
-  EXPECT_EQ(rows[0].tilted.edge, 0u);  // not asked for
+  EXPECT_EQ(rows[0].tilted.edge, 0u);  // not measured
 }
 
 TEST(LabelBench, TheShippedNetworkIsAsGoodAsItWasAndBetterThanNormalsNearEdges) {
   const NamedClassifier gcn = {
       "gcn", planes::make_classifier({}, PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors")
                  .classifier};
-  // Half a point below what it reached with these clouds; see docs/classifier.md for 100 of each.
+  // Half a percentage point below the result for these clouds; docs/classifier.md has results for
+  // 100 of each.
   const std::map<std::string, double> least_edge = {{"stairs, 0 cm", 97.1},
                                                     {"stairs, 0.1 cm", 95.0},
                                                     {"stairs, 0.2 cm", 92.4},

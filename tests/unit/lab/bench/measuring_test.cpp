@@ -29,7 +29,7 @@ TEST(Statistics, OfSeveralRunsTheMiddleAndBothEndsAreTold) {
 }
 
 TEST(Statistics, RatiosAreTakenBetweenWhatWasMeasuredSideBySide) {
-  // Twice as long in every round, though the machine was slow in one of them.
+  // Twice as long in every round, although the machine was slow in one of them.
   EXPECT_EQ(median_ratio(std::vector<double>{2, 20, 6}, std::vector<double>{1, 10, 3}), 2);
 }
 
@@ -56,7 +56,7 @@ TEST(Interleaved, EveryRoundRunsEachContestantOnceAndTheFirstDoesNotCount) {
   for (const auto& of_one : ms) EXPECT_EQ(of_one.size(), 5u);
 }
 
-// ---- Floors ----
+// ---- Lower bounds ----
 
 TEST(Floors, AreTheLargerOfTheTimesOfBytesAndSums) {
   const Peaks peaks{.bytes_per_s = 1e9, .flops_per_s = 1e10};
@@ -73,7 +73,7 @@ TEST(Floors, CountWhatGoesInAndWhatComesOut) {
   EXPECT_EQ(gravity_work(200).bytes, 200);
   EXPECT_EQ(cloud_work(200, 10).bytes, 200 + 17 * 10);
   EXPECT_EQ(cloud_work(200, 10).flops, 170);
-  // 10 measured, of which 8 are kept in 3 voxels.
+  // 10 points measured, of which 8 are kept, in 3 voxels.
   EXPECT_EQ(voxel_work(10, 8, 3).bytes, 10 + 8 * 12 + 10 * 4 + 3 * 16);
   EXPECT_EQ(voxel_work(10, 8, 3).flops, 8 * 9 + 3 * 3);
   EXPECT_EQ(pca_work(10, 16).flops, 10 * 16 * 15);
@@ -112,7 +112,7 @@ TEST(Exponents, ArePowersLawfullyFitted) {
   for (const double value : x) y.push_back(7 * std::pow(value, 1.5));
   EXPECT_NEAR(fitted_exponent(x, y), 1.5, 1e-12);
   EXPECT_NEAR(fitted_exponent(x, std::vector<double>{4, 4, 4, 4}), 0, 1e-12);
-  // One that strays by as much above as another below moves nothing in the middle.
+  // One outlier above and another one below cancel.
   EXPECT_NEAR(fitted_exponent(std::vector<double>{1, 2, 4, 8}, std::vector<double>{1, 3, 3, 8}),
               0.9, 0.1);
 }

@@ -11,7 +11,7 @@
 namespace planescope::lab {
 namespace {
 
-// A box 1 m wide, deep and high.
+// A box of 1 m width, depth and height.
 const Cuboid kBox{{0, 0, 0.5}, 0, {0.5, 0.5, 0.5}};
 
 /// A camera at (3, 0, 0.5) that looks at the box along -x, in three frames of the first segment.

@@ -96,7 +96,7 @@ TEST(Oracle, WhichWayRoundThePolygonGoesDoesNotMatter) {
 }
 
 TEST(Oracle, PlanesEndWhereTheirPolygonsEnd) {
-  // Two tables of one height, and the floor between them.
+  // Two tables of the same height, and the floor between them.
   const std::vector<TruePolygon> tables = {
       {{{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}, 1},
       {{{2, 0, 1}, {3, 0, 1}, {3, 1, 1}, {2, 1, 1}}, 2},

@@ -10,9 +10,9 @@
 namespace planescope::lab {
 namespace {
 
-constexpr int kSide = 100;  // pixels of an image's edge
+constexpr int kSide = 100;  // width and height of the image [px]
 
-/// A plane on the left half of the image, another on the right.
+/// A plane on the left half of the image, and another on the right.
 PixelPlanes halves(double offset_m = 1, double tilt_rad = 0) {
   PixelPlanes planes;
   for (int i = 0; i < kSide * kSide; ++i) planes.plane_of.push_back(i % kSide < kSide / 2 ? 1 : 2);
@@ -64,7 +64,7 @@ TEST(Repeatability, APlaneThatFallsApartOrIsSmallHasNoPartner) {
   PixelPlanes first = halves(), next = halves();
   next.fits.resize(4);
   next.certainties.resize(4);
-  for (int i = 0; i < kSide * kSide; ++i)  // thirds of the left one
+  for (int i = 0; i < kSide * kSide; ++i)  // thirds of the left plane
     if (next.plane_of[i] == 1 && i >= kSide * kSide / 3)
       next.plane_of[i] = i < kSide * kSide * 2 / 3 ? 3 : 4;
   EXPECT_EQ(compare_neighbours(first, next).planes, 2);
@@ -75,7 +75,7 @@ TEST(Repeatability, APlaneThatFallsApartOrIsSmallHasNoPartner) {
   EXPECT_EQ(compare_neighbours(first, next).planes, 2) << "499 pixels do not count";
 }
 
-/// A level floor 0.6 m below a camera that looks 30 degrees down, and a wall 2.5 m ahead.
+/// A level floor 0.6 m below a camera that looks down by 30 degrees, and a wall 2.5 m ahead.
 planes::PreparedFrame floor_and_wall(double rise) {
   planes::PreparedFrame frame;
   const double down = 30 * M_PI / 180;
@@ -106,7 +106,7 @@ TEST(Repeatability, TheFloorIsToldByPixelsEvenWhereGravityIsSlightlyOff) {
       const Vec3f& p = frame.cloud.points[i];
       right += floor[i] == (std::abs(p.z() - (-0.6 + rise * p.x())) < 1e-4);
     }
-    EXPECT_GT(right, 0.96 * kSide * kSide) << rise;  // but for the foot of the wall
+    EXPECT_GT(right, 0.96 * kSide * kSide) << rise;  // except for the foot of the wall
   }
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using PixelIds = std::vector<std::int32_t>;
 
-/// Runs of pixels of one plane each.
+/// Makes ids from runs of pixels, given as plane and number of pixels.
 PixelIds ids_of(const std::vector<std::pair<int, int>>& plane_and_pixels) {
   PixelIds ids;
   for (const auto& [plane, pixels] : plane_and_pixels)
@@ -91,7 +91,7 @@ DepthMeters wall_at(double depth_m) {
   return depth;
 }
 
-/// Plane 1 on the left of column 20, 2 on the right.
+/// Plane 1 is left of column 20, plane 2 right.
 PixelIds two_halves() {
   PixelIds ids;
   for (int i = 0; i < kImageWidth * kImageHeight; ++i) ids.push_back(i % kImageWidth < 20 ? 1 : 2);
@@ -112,7 +112,7 @@ TEST(Steadiness, LabelsMoveAsTheCameraDid) {
 
 TEST(Steadiness, APixelIsComparedWhereBothDepthsAgreeWithinThreePercent) {
   Pose forward = Pose::Identity();
-  forward.translation().z() = -0.5;  // the wall comes from 2 m to 1.5 m
+  forward.translation().z() = -0.5;  // the wall moves from 2 m to 1.5 m
   const auto seen = [&](double second_m) {
     const PixelIds warped = warp_planes(two_halves(), wall_at(2), wall_at(second_m), forward);
     return warped[15 * kImageWidth + 20];
@@ -155,7 +155,7 @@ TEST(Steadiness, DepthsBeyondTheRangeAndInvalidOnesAreNotCompared) {
 
 // ---- Measurements ----
 
-/// Frames of which only one has a pose.
+/// A recording in which only one frame has a pose.
 class PosesAlone : public io::Recording {
  public:
   const io::RecordingInfo& info() const override { return info_; }

@@ -17,7 +17,7 @@ struct DepthSpread {
   double mean_m = 0, deviation_m = 0;
 };
 
-/// Of the measured depths right of the invalid band.
+/// Spread of the measured depths right of the invalid band.
 DepthSpread spread(const Frame& frame) {
   double count = 0, sum = 0, squares = 0;
   for (int y = 0; y < frame.depth.height; ++y) {
@@ -43,11 +43,11 @@ TEST(D435, DepthNoiseGrowsWithTheSquareOfDepth) {
     if (z == 0.5) at_half_m = measured.deviation_m;
     EXPECT_NEAR(measured.deviation_m / at_half_m, z * z / 0.25, 0.08 * z * z / 0.25) << z;
   }
-  // The size that is published for the real camera: some millimetres at 1 m.
+  // The published value for the real camera: several millimeters at 1 m.
   EXPECT_NEAR(depth_sigma_m(model, 1.0), 0.004, 0.001);
 }
 
-/// Of the errors of pixels that are `lag` columns apart, on a wall `z_m` away.
+/// Correlation of the errors of pixels that are `lag` columns apart, on a wall at distance `z_m`.
 double correlation(const Frame& frame, double z_m, int lag) {
   double products = 0, squares = 0;
   for (int y = 0; y < 480; ++y) {
@@ -128,7 +128,7 @@ TEST(D435, TheLeftEdgeIsABandThatTheRightImagerMisses) {
 
 TEST(D435, BackgroundLeftOfAnObjectIsLostWhereOnlyTheLeftImagerSeesIt) {
   Scene scene = wall_at(1.6);
-  // A plate 0.8 m away whose edges lie at pixels 319.5 -+ 0.2 / 0.8 * 385.
+  // A plate at 0.8 m, with edges at pixels 319.5 -+ 0.2 / 0.8 * 385.
   add_polygon(scene, {{0.8, 0.2, -9}, {0.8, -0.2, -9}, {0.8, -0.2, 9}, {0.8, 0.2, 9}}, {});
   const Frame frame = seen(scene, without_color());
   const double jump = 385 * 0.05 * (1 / 0.8 - 1 / 1.6);  // 12 px

@@ -45,7 +45,7 @@ int largest_plane(const EvaluationFrame& frame) {
   return largest;
 }
 
-/// Distance of a point to the nearest part of its plane; `but`: of any other instead.
+/// Distance of a point to the nearest part of its plane; with `but`, to the nearest other plane.
 double distance_to_plane(const EvaluationFrame& frame,
                          int plane,
                          const Vec3f& p,
@@ -169,8 +169,8 @@ struct PlaneCount {
 TEST(EvaluationSets, ObjectsHaveThePlanesTheirDescriptionsPromise) {
   for (const PlaneCount& expected :
        {PlaneCount{"side_walls", 6, 13},    // ground, 2 to 5 steps, one or two walls
-        PlaneCount{"open_risers", 16, 31},  // ground, five faces a slab
-        PlaneCount{"equal_boxes", 16, 41},  // ground, five faces a box
+        PlaneCount{"open_risers", 16, 31},  // ground, five faces per slab
+        PlaneCount{"equal_boxes", 16, 41},  // ground, five faces per box
         PlaneCount{"ramps", 5, 6}, PlaneCount{"kerbs", 3, 4}, PlaneCount{"spiral", 8, 16}}) {
     std::set<int> counts;
     for (int index = 0; index < find_evaluation_set(expected.set).frames; ++index) {
@@ -281,7 +281,7 @@ TEST(EvaluationDepth, PixelNoiseLeavesNoHolesAndIsAsStrongAsTheCamerasWithoutIts
     const double z = clean.frame.depth.data[i] * model.depth_unit_m;
     const double measured = noisy.frame.depth.data[i] * model.depth_unit_m;
     ASSERT_EQ(z > 0, measured > 0);
-    if (z < 1) continue;  // nearer, rounding to counts is as large as the noise
+    if (z < 1) continue;  // at shorter range, rounding to counts is as large as the noise
     const double error = (measured - z) / depth_sigma_m(model, z);
     squares += error * error;
     products += error * last;

@@ -42,7 +42,7 @@ std::vector<fs::path> files_under(const fs::path& dir) {
   return files;
 }
 
-/// Pixels rather than file bytes for PNGs: how they are packed belongs to the version of zlib.
+/// Compares pixels of PNGs instead of bytes, because compression depends on the version of zlib.
 void expect_same_content(const fs::path& a, const fs::path& b) {
   if (a.extension() != ".png") {
     EXPECT_EQ(read_file_bytes(a), read_file_bytes(b)) << a;

@@ -24,7 +24,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes,
                          testing::ValuesIn(scene_names()),
                          [](const auto& scene) { return scene.param; });
 
-/// Moments of the measured points of every true plane, each checked to lie on it.
+/// Moments of the measured points of every true plane; checks that each point is on its plane.
 std::map<int, Moments> moments_of_planes(const Frame& frame, const FrameLabels& truth) {
   std::map<int, const LabelPlane*> planes;
   for (const LabelPlane& plane : truth.planes) planes[plane.id] = &plane;

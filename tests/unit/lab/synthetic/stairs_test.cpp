@@ -36,7 +36,8 @@ TEST(Random, NormalValuesHaveTheMomentsOfANormalDistribution) {
   EXPECT_LT(largest, 4.91);
   EXPECT_NEAR(sum / kCount, 0, 0.01);
   EXPECT_NEAR(squares / kCount, 1, 0.01);
-  EXPECT_NEAR(fourth / kCount, 3 - 1.2 / 8, 0.06);  // Irwin-Hall of 8 has a little less tail
+  // the tails of Irwin-Hall of 8 are slightly lighter
+  EXPECT_NEAR(fourth / kCount, 3 - 1.2 / 8, 0.06);
 }
 
 // ---- Surfaces ----

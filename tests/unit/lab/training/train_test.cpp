@@ -20,7 +20,7 @@ namespace {
 
 // ---- Training ----
 
-/// A floor that meets a wall at x = 0, turned about z.
+/// A floor that meets a wall at x = 0, rotated about z.
 planes::LabelledCloud corner(std::uint64_t number) {
   planes::LabelledCloud cloud;
   const double yaw = 6.28 * random_uniform(1, number, 0);
@@ -158,9 +158,9 @@ TEST(Training, DoesNotLearnFromPointsOfUnknownLabel) {
   EXPECT_EQ(state.weights.tensors, begin_training(options).weights.tensors);
 }
 
-// ---- The backward pass, against finite differences of the plain network in double precision ----
+// ---- Gradients, compared with finite differences of the plain network in double precision ----
 
-/// A bent sheet with noise: no two distances alike.
+/// A curved sheet with noise: no two distances are equal.
 std::vector<Vec3f> sheet(int count) {
   Random random(3);
   std::vector<Vec3f> points;
@@ -214,7 +214,7 @@ void expect_gradients(const planes::NetworkConfig& config, int points_count) {
     EXPECT_GT(largest, 0) << "nothing reaches this tensor";
     for (int draw = 0; draw < 12; ++draw) {
       const int i = random.integer(0, static_cast<int>(network.tensors[t].size()) - 1);
-      // Steps so small that next to no maximum and no ReLU changes its branch.
+      // The step is so small that almost no maximum or ReLU changes its branch.
       constexpr double kStep = 1e-6;
       double& value = network.tensors[t][i];
       const double kept = value;

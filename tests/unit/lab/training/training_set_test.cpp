@@ -38,7 +38,7 @@ Bounds bounds_of(const planes::LabelledCloud& cloud) {
   return bounds;
 }
 
-/// A cloud's points come within this of the ends of its surface.
+/// Distance within which a cloud's points reach the ends of its surface.
 constexpr double kEndM = 0.025;
 
 void expect_within(double value, double low, double high) {
@@ -67,7 +67,7 @@ TEST(TrainingSet, HasThePapersNumbersOfObjectsUnlessToldOtherwise) {
 TEST(TrainingSet, StairsHaveThePapersSteps) {
   std::set<int> counts;
   for (const planes::LabelledCloud& cloud : make_training_set(objects(30, 0, 0), 2)) {
-    // Axis-aligned: a height for each tread, a distance for each riser, the first one at 0.
+    // Axis-aligned: each tread has a height, each riser a distance, and the first riser is at 0.
     std::set<float> heights, risers;
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
       if (cloud.labels[i] == Label::h) heights.insert(cloud.points[i].z());
@@ -194,7 +194,7 @@ TEST(TrainingSet, AnExactScanHasTheLabelsOfItsSurfaces) {
   const planes::LabelledCloud scan = make_scan(scene, model, 0.02, 1);
   ASSERT_GT(scan.points.size(), 1000u);
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
-    // The sensor is the origin, x ahead, z up.
+    // The sensor is at the origin, x forward, z up.
     const double above_floor = scan.points[i].z() + 0.8, before_wall = 1 - scan.points[i].x();
     if (before_wall > 0.03) {
       EXPECT_EQ(scan.labels[i], Label::h);
@@ -291,8 +291,8 @@ TEST(TestScans, ShowOtherScenesThanTrainingWithTheSameSeed) {
 
 // ---- Augmentation ----
 
-/// A level square metre of 64 x 64 points, labelled as a chessboard so that every point can be
-/// told apart from its neighbours.
+/// A level square of 1 m with 64 x 64 points, labeled like a chessboard so that neighbors have
+/// different labels.
 planes::LabelledCloud board() {
   planes::LabelledCloud cloud{"board", {}, {}};
   for (int i = 0; i < 4096; ++i) {
@@ -420,8 +420,8 @@ TEST(Augment, KeepsTheNearestPointsToOneOfThemWithTheirLabels) {
       const long x = std::lround(part.points[i].x() * 63), y = std::lround(part.points[i].y() * 63);
       EXPECT_EQ(part.labels[i], cloud.labels[static_cast<std::size_t>(y * 64 + x)]);
     }
-    // 500 of 4096 points of a square metre: a disc of 0.2 m radius, a quarter of one of 0.4 m in a
-    // corner.
+    // 500 of 4096 points of a square meter: a disc of 0.2 m radius, or a quarter of a disc of 0.4 m
+    // in a corner.
     Vec3f least = part.points[0], most = part.points[0];
     for (const Vec3f& p : part.points) {
       least = least.cwiseMin(p);

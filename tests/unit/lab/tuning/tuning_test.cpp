@@ -16,8 +16,8 @@ namespace {
 
 // ---- Search ----
 
-/// Scores known options: best at two_planes 0.6, worth_px 2000 and use_labels off. All
-/// else does nothing, but for theta_n_in, which is good for the first frame alone.
+/// A known score, which is best at two_planes 0.6, worth_px 2000 and use_labels off. Other options
+/// have no effect, except theta_n_in, which improves only the first frame.
 std::vector<double> known_scores(const planes::PipelineOptions& options, int frames) {
   const auto number = [&](const char* name) {
     return planes::number_of(planes::find_option(name), options);
@@ -87,8 +87,8 @@ TEST(TuningSearch, EndsWithTheTrialsItMayMake) {
     const Tuned tuned = search_options(known.search(most));
     EXPECT_EQ(tuned.asked, most);
     EXPECT_FALSE(tuned.complete);
-    // What is taken back in the end is beyond: once for each change, and once more for each that
-    // went.
+    // Final trials that revert changes are additional: one per change, and one more for each
+    // reverted change.
     EXPECT_LE(known.asked.size(), static_cast<std::size_t>(most) + 20);
     EXPECT_GE(mean_score(tuned.best), mean_score(tuned.base));
   }

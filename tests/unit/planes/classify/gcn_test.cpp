@@ -1,4 +1,4 @@
-// The quick network against the plain one, and what its answer must not depend on.
+// The fast network compared with a plain implementation, and invariances of its result.
 
 #include "core/planes/classify/gcn.hpp"
 
@@ -24,7 +24,8 @@ std::vector<Vec3f> stairs_points(int count, double noise_m = 0.002) {
   return lab::make_stairs(0, options).cloud.points;
 }
 
-/// An odd one: widths that fill no register, two supports, a level of one convolution, few points.
+/// An unusual configuration: widths that do not fill a register, two supports, a level with one
+/// convolution, few points.
 NetworkConfig odd_config() {
   NetworkConfig config;
   config.name = "odd";
@@ -83,14 +84,14 @@ std::vector<std::size_t> shuffled_order(std::size_t count, std::uint64_t seed) {
   return order;
 }
 
-/// Share of points that two answers label alike.
+/// Share of points with the same label in two results.
 double agreement(const std::vector<float>& a, const std::vector<float>& b) {
   std::size_t alike = 0;
   for (std::size_t i = 0; i < a.size(); i += 2) alike += (a[i] < a[i + 1]) == (b[i] < b[i + 1]);
   return 2 * static_cast<double>(alike) / static_cast<double>(a.size());
 }
 
-/// Weights whose answers are mixed: the bias of the last layer such that half of the points are h.
+/// Weights with mixed results: the bias of the last layer makes half of the points h.
 NetworkWeights undecided_weights(const NetworkConfig& config, const std::vector<Vec3f>& points) {
   NetworkWeights weights = lab::random_weights(config, 7);
   const std::vector<float> logits = Gcn(weights).forward(points, 1);
@@ -198,7 +199,7 @@ TEST(Gcn, KnowsNothingOfScale) {
     for (const Vec3f& p : points) result.push_back(factor * p);
     return network.forward(result, 1);
   };
-  EXPECT_EQ(scaled(1.0f / 1024), logits);  // exact in floats: the very same
+  EXPECT_EQ(scaled(1.0f / 1024), logits);  // exact in floats: identical
   EXPECT_EQ(scaled(64), logits);
   EXPECT_GE(agreement(scaled(3.7f), logits), 0.999);
 }

@@ -26,7 +26,7 @@ std::vector<Vec3f> regular_square(int edge) {
   return points;
 }
 
-/// Clouds that break a search which trusts its cells.
+/// Difficult clouds for searches that use cells.
 std::vector<std::pair<std::string, std::vector<Vec3f>>> clouds() {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<float> at(-1, 1);
@@ -60,7 +60,7 @@ float squared_distance(const Vec3f& p, const Vec3f& q) {
   return dx * dx + dy * dy + dz * dz;
 }
 
-/// The k nearest by comparison with every point, ascending.
+/// The k nearest neighbors by brute force, in ascending order of distance.
 std::vector<std::uint32_t> brute_force(std::span<const Vec3f> points, const Vec3f& p, int k) {
   std::vector<std::pair<float, std::uint32_t>> all;
   for (std::uint32_t j = 0; j < points.size(); ++j)

@@ -45,7 +45,7 @@ std::size_t size_of(const TensorSpec& spec) {
   return size;
 }
 
-/// A value that tells the tensor and the place in it.
+/// A value that identifies the tensor and the position in it.
 float value_at(const std::string& tensor, std::size_t index) {
   float sum = 0;
   for (const char c : tensor) sum = 3 * sum + static_cast<float>(c - '.');
@@ -97,7 +97,7 @@ Bytes file_of(const std::string& header, const Bytes& data) {
   return bytes;
 }
 
-/// A weights file taken apart, for tests to put it together wrongly.
+/// Parts of a weights file, for tests that assemble them incorrectly.
 struct Parts {
   Json header;
   Bytes data;
@@ -161,7 +161,7 @@ TEST(Weights, AreWrittenAsTheSameBytesEveryTimeWithAlignedData) {
   write_weights(path, make_weights(tiny_config()));
   EXPECT_EQ(read_file_bytes(path), first);
   EXPECT_EQ(first[0] % 8, 0);
-  EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);  // nothing beside it
+  EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);  // no other files
 }
 
 TEST(Weights, ThatCannotBeWrittenLeaveTheOldOnesAlone) {
@@ -172,8 +172,8 @@ TEST(Weights, ThatCannotBeWrittenLeaveTheOldOnesAlone) {
   EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);
 }
 
-// What safetensors.torch.save_file(model.state_dict(), path, metadata) of the official code writes:
-// metadata first and in no order, tensors by name, offsets last, padded with spaces to 8 bytes.
+// Output of safetensors.torch.save_file(model.state_dict(), path, metadata) with the official code:
+// metadata first and unordered, tensors by name, offsets last, padded with spaces to 8 bytes.
 TEST(Weights, OfTheOfficialPyTorchCodeLoad) {
   struct Saved {
     const char* name;
@@ -295,7 +295,7 @@ TEST(DamagedWeights, WithTensorsThatAreNotWhereTheyShouldBeAreRefused) {
   EXPECT_TRUE(has(offsets(0, 4), "conv_0.directions"));  // overlaps another
   EXPECT_TRUE(has(offsets(-4, 20), "data_offsets"));     // negative
   EXPECT_TRUE(has(offsets(24, 0), "data_offsets"));      // backwards
-  EXPECT_TRUE(has(offsets(0.5, 24), "data_offsets"));    // no count
+  EXPECT_TRUE(has(offsets(0.5, 24), "data_offsets"));    // not an integer
   EXPECT_TRUE(has(offsets(huge, huge + 3), "begins at byte"));
   EXPECT_TRUE(
       has(error_after([](Parts& parts) { parts.data.pop_back(); }), "the file is truncated"));
@@ -311,7 +311,7 @@ TEST(DamagedWeights, WithShapesThatDoNotFitAreRefused) {
   EXPECT_TRUE(has(shape({3, 3}), "does not match shape"));
   EXPECT_TRUE(has(shape({2, 3}), "requires [3, 2]"));
   EXPECT_TRUE(has(shape({6}), "requires [3, 2]"));
-  // 2^64 + 24 bytes, and nothing at all of very many.
+  // 2^64 + 24 bytes, and a tensor with a huge dimension but no elements.
   EXPECT_TRUE(has(shape({std::uint64_t{1} << 61, 2, 6}), "does not match shape"));
   EXPECT_TRUE(has(shape({0, std::uint64_t{0} - 1}), "does not match shape"));
   EXPECT_TRUE(has(shape({-3, -2}), "shape[0] is -3, expected a whole number"));
@@ -384,7 +384,8 @@ TEST(DamagedWeights, WithAnAbsurdConfigurationAreRefused) {
   EXPECT_TRUE(has(set("dropout", 1), "has \"dropout\", expected one of name"));
   EXPECT_TRUE(has(error_after_config([](Json& config) { config.erase("supports"); }),
                   R"(has no "supports")"));
-  EXPECT_TRUE(has(set("levels", Json::parse("[[2,3],[5]]")), "tensor"));  // not these tensors
+  // does not match the tensors
+  EXPECT_TRUE(has(set("levels", Json::parse("[[2,3],[5]]")), "tensor"));
 }
 
 }  // namespace

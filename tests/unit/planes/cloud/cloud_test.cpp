@@ -92,7 +92,7 @@ TEST(Cloud, EveryPixelIsAccountedFor) {
   frame.depth.at(0, 0) = 0;
   frame.depth.at(1, 0) = 0;
   frame.depth.at(2, 0) = 65535;
-  frame.depth.at(3, 0) = 1500;  // at the limit: kept
+  frame.depth.at(3, 0) = 1500;  // at the limit; kept
   frame.depth.at(4, 0) = 1501;
   const Cloud cloud = make_cloud(frame, down({0, 1, 0}), {});
   EXPECT_EQ(cloud.counts.pixels, 64u * 48u);
@@ -108,7 +108,8 @@ TEST(Cloud, EveryPixelIsAccountedFor) {
 }
 
 TEST(Cloud, CornersOutsideTheCubeAreCountedNotClamped) {
-  // At 1.45 m a lens of 0.3 focal lengths per width sees 2.4 m to either side, the cube 1.6 m.
+  // At 1.45 m, a lens with a focal length of 0.3 widths sees 2.4 m to either side, but the cube
+  // covers 1.6 m.
   Frame frame = depth_frame(64, 48, 1450);
   frame.intrinsics.fx = frame.intrinsics.fy = 0.3 * 64;
   const Cloud cloud = make_cloud(frame, down({0, 1, 0}), {});
@@ -168,7 +169,7 @@ TEST(Cloud, ASmallUprightCloudKeepsTheNumbersOfItsFile) {
 TEST(Cloud, PixelsWhosePointsNoFloatHoldsAreInvalid) {
   Frame frame = depth_frame(8, 6, 1000);
   frame.intrinsics.fx = 1e-300;
-  frame.intrinsics.cx = 3;  // of the column that looks straight ahead there are points
+  frame.intrinsics.cx = 3;  // the column that looks straight ahead has points
   const Cloud cloud = make_cloud(frame, down({0, 1, 0}), {});
   EXPECT_EQ(cloud.counts.invalid, 8u * 6u - 6);
   EXPECT_EQ(cloud.points.size(), 6u);

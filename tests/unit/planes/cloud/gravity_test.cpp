@@ -152,7 +152,7 @@ TEST(Gravity, CloudsFallAlongMinusZUnlessTold) {
 
 const Vec3d kDown = Vec3d(0.2, 0.9, 0.3).normalized();
 
-/// A wall in a world where things fall along kDown, turned about that by an angle.
+/// A wall in a world with gravity kDown, rotated about it by an angle.
 Vec3d wall(double turned_deg) {
   const Vec3d across = kDown.cross(Vec3d::UnitZ()).normalized(), along = across.cross(kDown);
   const double angle = turned_deg * std::numbers::pi / 180;
@@ -178,7 +178,7 @@ TEST(GravityPick, OneWallTurnsWhatIsKnownUntilTheWallStandsUpright) {
 }
 
 TEST(GravityPick, TwoWallsTellItWhateverWasKnown) {
-  // The camera itself is tilted by 40 degrees against them: only up and down are taken from it.
+  // The known gravity is 40 degrees off; it only determines the sign.
   const Vec3d known = (kDown + 0.8 * wall(30)).normalized();
   for (const double corner_deg : {30.0, 90.0, -75.0}) {
     const std::vector<Vec3d> walls = {wall(10), wall(10 + corner_deg)};
@@ -289,7 +289,7 @@ TEST(GravityEstimate, TwoWallsOfACornerTellLittleButRightly) {
 }
 
 TEST(Gravity, OnePlaneThatFacesTheCameraIsAWallOrAFloorAndNeverGuessed) {
-  for (const double pitch_deg : {90.0, 80.0}) {  // at a floor
+  for (const double pitch_deg : {90.0, 80.0}) {  // facing a floor
     const std::vector<Parallelogram> floor{{{-3, -3, 0}, {6, 0, 0}, {0, 6, 0}}};
     const std::string why = why_refused(render_depth(floor, {0.8, pitch_deg}));
     EXPECT_NE(why.find("a wall straight ahead (--gravity 0,1,0)"), std::string::npos) << why;
@@ -331,7 +331,7 @@ struct Known {
   const char* path;
   std::optional<std::array<double, 4>> intrinsics;
   int frame;
-  Vec3d gravity;  // minus the normal of the floor in that frame
+  Vec3d gravity;  // negative normal of the floor in that frame
 };
 
 TEST(GravityEstimate, AgreesWithTheFloorOfRealRecordings) {

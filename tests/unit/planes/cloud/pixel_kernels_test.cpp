@@ -23,7 +23,7 @@ std::vector<Simd> simds_here() {
   return all;
 }
 
-/// Of every kind: holes, the far outlier, counts at the limits of the range.
+/// All kinds of counts: holes, the far outlier, limits of the range.
 std::uint16_t random_counts(std::mt19937& random) {
   switch (random() % 8) {
     case 0:
@@ -42,7 +42,7 @@ Frame random_frame(int width, int height, Distortion distortion, unsigned seed) 
   Frame frame;
   frame.name = "random";
   frame.depth = Image16(width, height);
-  // Rows of points alone as well, as cameras give them.
+  // Also single rows of points, like those of cameras.
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u)
       frame.depth.at(u, v) =
@@ -50,7 +50,7 @@ Frame random_frame(int width, int height, Distortion distortion, unsigned seed) 
   frame.depth_unit_m = 0.001;
   frame.intrinsics = {width,       height,       0.4 * width, 0.4 * width,
                       0.5 * width, 0.5 * height, distortion,  {}};
-  // Folds over near the corners, to which no ray leads then.
+  // Folds back near the corners, where pixels have no ray.
   if (distortion != Distortion::none) frame.intrinsics.coefficients = {-0.3, 0.02, 0.01, 0, 0};
   return frame;
 }

@@ -1,4 +1,4 @@
-// Planes of depth images by one objective.
+// Planes in depth images, found by minimizing one objective.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ FrameResult planes_of(const Frame& frame,
   return run_frame(frame, options, nullptr, nullptr, trace);
 }
 
-/// Smallest IoU of a plane of `a` with the plane of `b` that covers it best.
+/// Smallest IoU between a plane of `a` and the best-matching plane of `b`.
 double least_iou(const FrameResult& a, const FrameResult& b) {
   std::map<std::pair<int, int>, double> both;
   std::map<int, double> in_a, in_b;
@@ -44,7 +44,7 @@ double least_iou(const FrameResult& a, const FrameResult& b) {
   return least;
 }
 
-/// A wall 2 m away, a floor, a box on it that shows its front and its top.
+/// A wall at 2 m, a floor, and a box on it, of which the front and the top are visible.
 double room(double x, double y) {
   const double wall = 2, floor = y > 0 ? 0.6 / y : 10;
   const double front = 1.1, top = y > 0 ? 0.35 / y : 10;
@@ -130,7 +130,7 @@ TEST(DepthNoise, IsMeasuredInTheImage) {
     return measure_depth_noise(cells.blocks, cells.block_columns, image.width, 0, {});
   };
   EXPECT_NEAR(measured(white).white, 0.002, 2e-4);
-  EXPECT_LT(measured(white).bow, 0.0025);  // 2.5 times the fifth that it is at least
+  EXPECT_LT(measured(white).bow, 0.0025);  // at least 2.5 times a fifth of the white noise
   const DepthImage bowed = image_of(640, 480, [&](int u, int v) {
     return 0.5 + 0.006 * std::sin(u * std::numbers::pi / 30) * std::cos(v * std::numbers::pi / 30) +
            0.002 * random.normal();
@@ -207,7 +207,7 @@ TEST(DepthPlanes, KeepATreadOfTwoCentimeters) {
   EXPECT_EQ(high, plane_at(result, 320, 340));
 }
 
-/// A wall, in two parts behind a post: or two walls, with a view between them.
+/// One wall behind a post, or two walls with a gap between them.
 double parted(double x, bool post) { return std::abs(x) < 0.06 ? (post ? 0.8 : 3.0) : 1.5; }
 
 TEST(DepthPlanes, JoinBehindWhatHidesTheirParts) {
@@ -225,7 +225,7 @@ TEST(DepthPlanes, AreUndecidedWhereASmallChangeWouldUndoThem) {
     EXPECT_FALSE(plane.undecided) << plane.id << ": " << plane.margin;
     EXPECT_TRUE(std::isfinite(plane.margin));
   }
-  // Listed only just.
+  // Barely listed.
   const PlaneRegion& least =
       *std::ranges::min_element(result.segmentation.planes, {}, &PlaneRegion::margin);
   const FrameResult near = planes_of(depth_frame(room), [&](PipelineOptions& options) {

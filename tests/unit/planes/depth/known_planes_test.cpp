@@ -1,4 +1,4 @@
-// Planes that are known before a depth image is looked at: of other frames, or of this one.
+// Planes known before a depth image is processed, from other frames or from the same one.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ FrameResult planes_with(const Frame& frame, std::span<const KnownPlane> known = 
   return run_frame(frame, test::wall_options(), nullptr, nullptr, nullptr, known);
 }
 
-/// Parallel to the image, expected in the columns from `left` to `right`.
+/// A plane parallel to the image, expected in the columns from `left` to `right`.
 KnownPlane upright_at(double z_m, int id, int left, int right) {
   KnownPlane known;
   known.id = id;
@@ -29,7 +29,7 @@ KnownPlane upright_at(double z_m, int id, int left, int right) {
   return known;
 }
 
-/// A wall 2 m away, the right half of which stands back by so much.
+/// A wall at 2 m whose right half is farther by `step_m`.
 Frame stepped_wall(double step_m) {
   return depth_frame([=](double x, double) { return x < 0 ? 2 : 2 + step_m; }, 0.004);
 }
@@ -50,7 +50,7 @@ TEST(KnownPlanes, AreKeptApartWhereNoiseHidesTheStep) {
 TEST(KnownPlanes, AreNotFoundWhereDepthDoesNotShowThem) {
   const Frame frame = stepped_wall(0.3);
   const FrameResult alone = planes_with(frame);
-  // In front of the wall, and behind it.
+  // In front of the wall and behind it.
   for (const double z_m : {1.7, 2.15, 2.6}) {
     const std::vector<KnownPlane> known = {upright_at(z_m, 7, 0, 640)};
     const FrameResult result = planes_with(frame, known);
@@ -71,7 +71,7 @@ TEST(KnownPlanes, AreCoveredByALargerOneThatIsTheSameThere) {
 TEST(KnownPlanes, AreNotCoveredByOneThatMerelyCrossesThem) {
   const Frame frame = stepped_wall(0);
   KnownPlane crossing = upright_at(2, 2, 0, 640);
-  crossing.plane.a = 0.001;  // it stands before the wall on one side, and behind it on the other
+  crossing.plane.a = 0.001;  // in front of the wall on one side, behind it on the other
   const std::vector<KnownPlane> known = {upright_at(2, 1, 0, 640), crossing};
   const FrameResult result = planes_with(frame, known);
   ASSERT_EQ(result.segmentation.planes.size(), 1u);

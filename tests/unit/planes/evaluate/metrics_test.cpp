@@ -63,7 +63,7 @@ TEST(Metrics, MissingPointsAreCountedOfThoseThatHaveAPlane) {
   std::fill(s.found.begin(), s.found.begin() + 10, 0);
   EXPECT_DOUBLE_EQ(score(s).r_m, 5);
   EXPECT_DOUBLE_EQ(score(s).point_accuracy, 95);
-  s.truth[0] = -1;  // not scored at all
+  s.truth[0] = -1;  // not scored
   EXPECT_EQ(score(s).points, 199u);
 }
 
@@ -114,10 +114,10 @@ TEST(Metrics, APlaneIsCorrectThatSharesFourFifthsOfBoth) {
 TEST(Metrics, WhatMatchesNoPlaneIsAPieceOfOneOrAGhost) {
   Scene s = scene();
   EXPECT_EQ(score(s).pieces + score(s).ghosts, 0);
-  for (int i = 0; i < 30; ++i) s.found[i] = 3;  // of plane 1, whose IoU is still 0.7
+  for (int i = 0; i < 30; ++i) s.found[i] = 3;  // part of plane 1, whose IoU is still 0.7
   EXPECT_EQ(score(s).pieces, 1);
   EXPECT_EQ(score(s).ghosts, 0);
-  for (int i = 0; i < 14; ++i) s.truth[i] = 0;  // 16 of 30 on plane 1
+  for (int i = 0; i < 14; ++i) s.truth[i] = 0;  // 16 of 30 are on plane 1
   EXPECT_EQ(score(s).pieces, 1);
   for (int i = 14; i < 16; ++i) s.truth[i] = 0;  // 14 of 30
   EXPECT_EQ(score(s).pieces, 0);
@@ -126,7 +126,7 @@ TEST(Metrics, WhatMatchesNoPlaneIsAPieceOfOneOrAGhost) {
 
 TEST(Metrics, ALargePieceOfAPlaneThatFellApartStandsForIt) {
   Scene s = scene();
-  for (int i = 0; i < 50; ++i) s.found[i] = 3;  // halves: an IoU of 0.5 is no match
+  for (int i = 0; i < 50; ++i) s.found[i] = 3;  // halves: an IoU of 0.5 is not a match
   EXPECT_EQ(score(s).pieces, 2);
   s.found[0] = 1;
   EXPECT_EQ(score(s).pieces, 1);
@@ -137,7 +137,7 @@ TEST(Metrics, PanopticQualityPaysForEveryPlaneThatHasNoPartner) {
   EXPECT_EQ(score(s).pq, 100);
   for (int i = 0; i < 20; ++i) s.found[i] = 0;  // IoU 0.8 and 1
   EXPECT_NEAR(score(s).pq, 90, 1e-9);
-  for (int i = 100; i < 160; ++i) s.found[i] = 3;  // IoU 0.8 and 0.4, of 2 true and 3 found planes
+  for (int i = 100; i < 160; ++i) s.found[i] = 3;  // IoU 0.8 and 0.4, for 2 true and 3 found planes
   s.found[100] = 4;                                // 4 found
   EXPECT_NEAR(score(s).pq, 100 * (0.8 + 59.0 / 100) / 3, 1e-9);
 }
@@ -160,7 +160,7 @@ TEST(Metrics, TruePlanesThatAreTooSmallAreNeitherFoundNorMissed) {
   };
   EXPECT_EQ(scored(10).planes_truth, 3);
   EXPECT_EQ(scored(11).planes_truth, 2);
-  EXPECT_EQ(scored(11).planes_found, 2);  // the third lies on what is not scored
+  EXPECT_EQ(scored(11).planes_found, 2);  // the third one is on unscored points
   EXPECT_EQ(scored(11).noise, 0);
   EXPECT_EQ(scored(11).points, 190u);
   EXPECT_EQ(scored(11).mean_iou, 100);
@@ -171,7 +171,7 @@ TEST(Metrics, APlaneMostlyOnWhatIsNotScoredIsTakenForNone) {
   for (int i = 0; i < 30; ++i) s.found[i] = 3;
   for (int i = 0; i < 20; ++i) s.truth[i] = -1;
   EXPECT_EQ(score(s).planes_found, 2);
-  EXPECT_NEAR(score(s).r_m, 100.0 * 10 / 180, 1e-9);  // what it holds of plane 1 is missing
+  EXPECT_NEAR(score(s).r_m, 100.0 * 10 / 180, 1e-9);  // its points of plane 1 are missing
   s.truth[0] = s.truth[1] = s.truth[2] = s.truth[3] = s.truth[4] = 1;
   EXPECT_EQ(score(s).planes_found, 3);
 }
@@ -185,7 +185,7 @@ TEST(Metrics, AlphaIsTheMeanAngleToTheMajorityPlane) {
 TEST(Metrics, LabelAccuracyTellsEdgesFromTheRest) {
   std::vector<Vec3f> points;
   std::vector<Label> truth, found;
-  for (int i = 0; i < 10; ++i) {  // a row, 1 cm apart, the label changes in the middle
+  for (int i = 0; i < 10; ++i) {  // a row with 1 cm spacing; the label changes in the middle
     points.push_back({0.01f * static_cast<float>(i), 0, 0});
     truth.push_back(i < 5 ? Label::h : Label::v);
     found.push_back(i < 4 ? Label::h : Label::v);  // point 4, at the edge, is wrong
@@ -243,7 +243,7 @@ TEST(Assignment, FindsTheBestOfAllPermutations) {
 }
 
 TEST(LabelAccuracy, CountsPointsNearAnotherLabelApart) {
-  // On a line, 1 cm apart: three h, two v, one of unknown truth.
+  // A line with 1 cm spacing: three h, two v, one of unknown truth.
   std::vector<Vec3f> points;
   for (int i = 0; i < 6; ++i) points.emplace_back(0.011f * static_cast<float>(i), 0, 0);
   const std::vector<Label> truth = {Label::h, Label::h, Label::h,
@@ -265,7 +265,8 @@ TEST(LabelAccuracy, OfNothingIsAllRight) {
 }
 
 TEST(LabelAccuracy, KnowsTheEdgesOfAStaircaseThoughPointsAreSparse) {
-  // Points 10 cm apart: hardly any has one of another label within 2 cm, though many an edge is.
+  // Points 10 cm apart: almost none has a point with another label within 2 cm, although there are
+  // many edges.
   const LabelledCloud stairs = lab::labelled(lab::make_stairs(0, {.points = 300}));
   const auto near_points =
       near_other_label(stairs.points, stairs.labels, stairs.points, stairs.labels);

@@ -1,4 +1,4 @@
-// Tests of the space in which a foot fits on a plane, and of its places.
+// Tests of the area in which a foot fits on a plane, and of positions in it.
 
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ TEST(FootSpace, IsTwoWhereANeckIsTooThin) {
 }
 
 TEST(FootSpace, StaysOffWhatWasSeenHoweverSmallAndOverWhatWasNot) {
-  const PolygonRing small = hole(0.49, 0.49, 0.51, 0.51);  // 4 cm2, of a foot of 314
+  const PolygonRing small = hole(0.49, 0.49, 0.51, 0.51);  // 4 cm2, compared with 314 for the foot
   Outline obstacle = outline_of({{rectangle(0, 0, 1, 1), {small}}});
   EXPECT_EQ(space_of(obstacle, kFoot).area.at(0).holes.size(), 1u);
 

@@ -18,7 +18,7 @@ bool in(double x, double y, double x0, double y0, double x1, double y1) {
   return x >= x0 && x < x1 && y >= y0 && y < y1;
 }
 
-/// A wall 1 m ahead, (x, y) being metres on it, with what `seen_m` says of the ray.
+/// A wall 1 m ahead, with (x, y) in meters on it; `seen_m` determines the depth along each ray.
 Frame wall(const std::function<double(double, double)>& seen_m) {
   return test::depth_frame(seen_m, 0.0005);
 }
@@ -32,11 +32,11 @@ Outline outline_of_wall(const Frame& frame) {
   return outlines[static_cast<std::size_t>(id) - 1];
 }
 
-/// Intersection over union with a polygon on the wall: y is down in the image, z up in the world.
+/// IoU with a polygon on the wall: y points down in the image, z up in the world.
 double iou_on_wall(const Outline& outline, const Polygon& truth) {
   const auto onto_image = [&](PolygonRing ring) {
     for (Vec2d& p : ring) {
-      const Vec3d world = outline.world(p);  // x ahead, y left, z up
+      const Vec3d world = outline.world(p);  // x forward, y left, z up
       p = {-world.y(), -world.z()};
     }
     return ring;
@@ -82,7 +82,7 @@ TEST(Outline, ClosesSmallGapsWhereNothingElseWasSeen) {
 }
 
 TEST(Outline, DoesNotCoverWhatStandsBeforeThePlane) {
-  // A cable, 3 cm wide.
+  // A cable 3 cm wide.
   const Outline outline =
       outline_of_wall(wall([](double x, double) { return std::abs(x - 0.4) < 0.015 ? 0.8 : 1.0; }));
   ASSERT_EQ(outline.parts.size(), 2u);
@@ -106,7 +106,7 @@ TEST(Outline, FollowsTheBordersOfAPictureThatTheLensBends) {
 }
 
 TEST(Outline, OfAPlaneThatRaysGrazeIsOfItsPoints) {
-  // A floor 10 cm below the camera, seen to 3.9 m: the last rays are a degree above it.
+  // A floor 10 cm below the camera, seen up to 3.9 m, where rays meet it at about one degree.
   const Frame frame = test::depth_frame(
       [](double, double y) { return y > 0.02 ? std::min(0.1 / y, 3.9) : 3.9; }, 0);
   const FrameResult result = test::result_of(frame);
@@ -145,7 +145,7 @@ TEST(Outline, IsValidWhateverThePixels) {
   FrameResult result = test::result_of(frame);
   ASSERT_GE(result.segmentation.planes.size(), 1u);
   for (int trial = 0; trial < 8; ++trial) {
-    // Squares that touch at their corners, from one pixel on, with pixels left out at random.
+    // Squares from one pixel in size that touch at their corners, with random pixels removed.
     const std::uint32_t edge = 1 + static_cast<std::uint32_t>(trial);
     const double share = random.uniform(0.2, 0.98);
     std::fill(result.plane_of.begin(), result.plane_of.end(), 0);

@@ -64,7 +64,7 @@ TEST(Polygons, ThatNearlyCoincideAreCombinedRightly) {
   }
 }
 
-TEST(Polygons, RefuseARingThatIsNoneAndFreeWhatWasMadeBefore) {  // as the address sanitizer sees
+TEST(Polygons, RefuseARingThatIsNoneAndFreeWhatWasMadeBefore) {  // checked by the address sanitizer
   const Polygon wrong{rectangle(0, 0, 3, 2), {reversed(rectangle(1, 1, 2, 1.5)), {{1, 1}}}};
   EXPECT_THROW(is_valid({wrong}), Error);
   EXPECT_THROW(united(frame(), {{rectangle(0, 0, 1, 1), {}}, wrong}), Error);
@@ -98,7 +98,7 @@ TEST(Polygons, TheLargestCircleIsAsFarFromHolesAsFromBorders) {
   EXPECT_EQ(largest_circle({}, 1e-3).radius_m, 0);
 }
 
-// GEOS 3.11 finds no triangle in them as they are.
+// GEOS 3.11 finds no triangulation without our preparation.
 TEST(Polygons, WhoseCornersLieInRowsAreTriangulated) {
   Polygon cells{{{2, 1},
                  {11, 1},

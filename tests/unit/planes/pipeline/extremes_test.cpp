@@ -1,5 +1,5 @@
-// Numbers at their ends: options and points that nobody means. Each gives a right answer or a
-// refusal that names it; never a crash, NaN in a result, or memory without end.
+// Extreme options and points. Each gives a correct result or an error that names it; never a crash,
+// NaN in a result, or unlimited memory.
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST_P(Extremes, OfAnOptionAreTakenOrRefusedByItsName) {
       expect_sound(run_frame(frame, options, classifier.get()));
     } catch (const Error& error) {
       const std::string told = error.what();
-      // A scene does not tell its gravity where next to no tilt is thought possible.
+      // Gravity cannot be estimated if almost no tilt is allowed.
       const bool of_gravity =
           info.section == "gravity" && told.find("gravity") != std::string::npos;
       EXPECT_TRUE(of_gravity || told.find(info.name) != std::string::npos) << told;
@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(All, Extremes, testing::ValuesIn(numbers()), [](const a
   return test.param;
 });
 
-/// A level patch of 2,000 points at `place`, 1 cm apart.
+/// A level patch of 2,000 points at `place`, with 1 cm spacing.
 std::vector<Vec3d> patch(const Vec3d& place) {
   std::vector<Vec3d> points;
   for (int i = 0; i < 2000; ++i)

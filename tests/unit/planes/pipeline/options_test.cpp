@@ -28,7 +28,7 @@ TEST(OptionsTable, TheValuesOfOneProfileMadeByHandAreThatProfile) {
   for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     PipelineOptions wanted;
     wanted.segment = profile_options(profile);
-    // From another profile, every row set one by one.
+    // Start from another profile and set every row.
     PipelineOptions made;
     made.segment = profile_options(profile == Profile::paper ? Profile::refined : Profile::paper);
     for (const OptionInfo& info : option_table())

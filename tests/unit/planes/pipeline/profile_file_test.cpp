@@ -23,7 +23,7 @@ std::string with_options(const std::string& options) {
   return R"({"schema": "planescope.profile/1", "base": "refined", "options": {)" + options + "}}";
 }
 
-/// What reading says, without the file's name, which stands before it.
+/// Error message of reading a file, without the file's name in front.
 std::string refusal_of(const std::string& text) {
   const fs::path path = written(text);
   try {

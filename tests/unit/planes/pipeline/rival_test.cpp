@@ -10,7 +10,7 @@
 namespace planescope::planes {
 namespace {
 
-/// A floor and a wall on it, as a cloud with its truth.
+/// A floor and a wall on it, as a cloud with truth.
 Frame floor_and_wall() {
   Frame frame;
   PointSet& set = frame.cloud.emplace();

@@ -44,7 +44,7 @@ TEST(Truth, ItFollowsThePointsThatWereMeasured) {
   EXPECT_EQ(gathered.instance, (std::vector<std::int32_t>{1, 3, 4}));
 }
 
-// A floor and a wall of 20x20 points, 5 cm apart; the wall is out of range where asked for.
+// A floor and a wall of 20x20 points with 5 cm spacing; the wall can be out of range.
 Frame floor_and_far_wall() {
   Frame frame;
   PointSet& set = frame.cloud.emplace();
@@ -81,7 +81,7 @@ TEST(Score, CroppedPointsAreNotScored) {
   EXPECT_EQ(near.r_m, 0);
 }
 
-/// Twelve points, each its own voxel: planes 1 and 2 found, six points of the first.
+/// Twelve points, each its own voxel. Planes 1 and 2 are found; the first has six points.
 struct Scored {
   FrameResult result;
   SourceTruth truth;
@@ -129,7 +129,7 @@ TEST(Score, AVoxelBelongsToThePlaneOfMostOfItsPoints) {
 }
 
 TEST(Score, SmallTruePlanesAreLeftOutByTheirPointsOrTheirVoxels) {
-  Scored s;  // the second plane: all its points in one voxel
+  Scored s;  // the second plane has all its points in one voxel
   for (int i = 6; i < 12; ++i) s.result.voxels.voxel_of[i] = 6;
   s.result.voxels.points.resize(7);
   s.result.voxels.count = {1, 1, 1, 1, 1, 1, 6};

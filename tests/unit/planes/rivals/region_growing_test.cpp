@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
 
-/// What a camera at the origin that looks along z measures.
+/// Measurements of a camera at the origin that looks along z.
 struct View {
   std::vector<Vec3f> points;
   std::vector<std::uint32_t> pixel;
@@ -41,7 +41,7 @@ View view_of(const std::function<double(double, double)>& depth_m) {
   return view;
 }
 
-/// A wall 1.2 m ahead that stands on a floor 0.4 m below the camera.
+/// A wall 1.2 m ahead on a floor 0.4 m below the camera.
 double wall_on_floor(double, double y) { return y > 0 ? std::min(1.2, 0.4 / y) : 1.2; }
 
 TEST(RegionGrowingOfImages, FindsAWallAndTheFloorItStandsOn) {
@@ -64,7 +64,7 @@ TEST(RegionGrowingOfImages, GivesPixelsAlongABorderToTheNearerPlane) {
     }
     return count;
   };
-  EXPECT_LE(wrong(true), kWidth);  // the row that lies in both
+  EXPECT_LE(wrong(true), kWidth);  // the row that belongs to both
   EXPECT_GT(wrong(false), 5 * kWidth);
 }
 
@@ -132,7 +132,7 @@ TEST(RegionGrowingOfImages, FindsTheSamePlanesInAnyFrame) {
   int moved = 0;
   for (std::size_t i = 0; i < view.points.size(); ++i)
     moved += before.plane_of[i] != after.plane_of[i];
-  EXPECT_LE(moved, kWidth);  // the row where both planes are equally near
+  EXPECT_LE(moved, kWidth);  // the row that is equally near to both planes
 }
 
 TEST(RegionGrowingOfImages, AnswersTheSameAgainAndInThreadsAtATime) {
@@ -183,7 +183,7 @@ TEST(RegionGrowingOfPoints, TakesCellsThickerThanTheThresholdForNoPlane) {
 }
 
 TEST(RegionGrowingOfPoints, MergesRegionsOnlyWhoseNormalsAreNearEnough) {
-  std::vector<Vec3f> points;  // a ramp of 20 degrees on a floor: the angle is too wide to grow over
+  std::vector<Vec3f> points;  // a ramp of 20 degrees on a floor: too steep to grow across
   for (int i = 0; i < 60; ++i) {
     for (int j = 0; j < 30; ++j) {
       const double x = 0.01 * (i - 30), y = 0.01 * j;
@@ -191,7 +191,7 @@ TEST(RegionGrowingOfPoints, MergesRegionsOnlyWhoseNormalsAreNearEnough) {
     }
   }
   EXPECT_EQ(grow(points).planes.size(), 2u);
-  // Where all that is asked for is that the union be thin, they are one.
+  // If the only condition is that the union is thin, they are merged.
   EXPECT_EQ(grow(points, {.region_threshold_m2 = 1}).planes.size(), 1u);
   EXPECT_EQ(grow(points, {.region_threshold_m2 = 1, .merge_threshold = 0.95}).planes.size(), 2u);
 }

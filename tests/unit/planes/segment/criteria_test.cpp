@@ -52,8 +52,8 @@ TEST(Criterion3, IsTheScatterAsPrintedOrItsMean) {
 }
 
 TEST(Criterion4, ComparesDirectionsSoThatAFarStepPasses) {
-  // A kerb 12 cm high, centroids 1 m apart: 0.12 / 1.007 = 0.119 <= 0.15. The paper's criterion
-  // takes it for the floor; the offset that paper-closest adds does not.
+  // A kerb 12 cm high, with centroids 1 m apart: 0.12 / 1.007 = 0.119 <= 0.15. The paper's
+  // criterion merges it with the floor; the offset of paper-closest does not.
   const auto terms = coplanarity(plane_at({0, 0, 0}, {0, 0, 1}), plane_at({1, 0, 0.12}, {0, 0, 1}));
   EXPECT_NEAR(terms.n1_dmu, 0.12 / std::sqrt(1 + 0.12 * 0.12), 1e-12);
   EXPECT_TRUE(is_coplanar(terms, profile_options(Profile::paper)));

@@ -28,7 +28,7 @@ TEST(Morton, CodesGoThereAndBack) {
   EXPECT_EQ(morton_code(0, 0, 1), 4u);
 }
 
-/// The whole tree, divided down to the leaves.
+/// The whole tree, divided down to its leaves.
 Octree full_tree(const test::LabelledCloud& cloud) {
   Octree octree = build_octree(cloud.points, cloud.labels, cloud.cube);
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(octree.nodes.size()); ++i)
@@ -87,7 +87,7 @@ TEST(Octree, PointsOnTheCubesFacesBelongToIt) {
   EXPECT_EQ(octree.keys.back(), morton_code(255, 255, 255));
 }
 
-/// Cells that stand close and cells far apart are looked up differently.
+/// Near cells and far cells are looked up in different ways.
 TEST(Cells, NeighboursAreTheCellsThatTouch) {
   for (const int max_depth : {5, 21}) {
     Cube cube;
@@ -96,7 +96,7 @@ TEST(Cells, NeighboursAreTheCellsThatTouch) {
     cube.min_corner = Vec3d::Zero();
     Random random(7);
     std::vector<Vec3f> points;
-    for (int i = 0; i < 300; ++i) {  // about the cube's corners, where few cells have neighbours
+    for (int i = 0; i < 300; ++i) {  // around the cube's corners, where few cells have neighbors
       const auto coordinate = [&] {
         const double in_corner = random.uniform(0, 0.12);
         return random.integer(0, 1) == 0 ? in_corner : cube.edge_m - 0.001 - in_corner;

@@ -15,7 +15,7 @@ namespace {
 
 const Vec3d kSensor(-1.5, 0, 1);
 
-/// A rectangle of points every 2 cm from `corner` along `u` and `v`.
+/// Adds a rectangle with points every 2 cm, from `corner` along `u` and `v`.
 void add_rectangle(test::LabelledCloud& cloud, Vec3d corner, Vec3d u, Vec3d v, Label label) {
   const int nu = static_cast<int>(u.norm() / 0.02), nv = static_cast<int>(v.norm() / 0.02);
   for (int i = 0; i < nu; ++i)
@@ -122,7 +122,7 @@ TEST(Segment, TheTraceTellsTheWholeStory) {
 }
 
 TEST(Segment, LeftoversOfThePaperGoToTheFirstPlaneWithinItsDistanceAndLeaveItsFitAlone) {
-  // A floor, and one v point 4 mm above it, one 6 mm above it.
+  // A floor, with one v point 4 mm above it and one 6 mm above it.
   test::LabelledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, Label::h);
   const auto near = cloud.points.size();
@@ -140,7 +140,8 @@ TEST(Segment, LeftoversOfThePaperGoToTheFirstPlaneWithinItsDistanceAndLeaveItsFi
 }
 
 TEST(Segment, AFarKerbMergesIntoTheFloorAsWrittenAndStaysApartRefined) {
-  // Floor and the top of a kerb 12 cm high beside it, seen from above: nothing between them.
+  // A floor and the top of a kerb beside it, 12 cm high, seen from above, without points between
+  // them.
   test::LabelledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {1.2, 0, 0}, {0, 1, 0}, Label::h);
   add_rectangle(cloud, {1.4, 0, 0.12}, {1.2, 0, 0}, {0, 1, 0}, Label::h);
@@ -150,7 +151,7 @@ TEST(Segment, AFarKerbMergesIntoTheFloorAsWrittenAndStaysApartRefined) {
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
 }
 
-/// Two tables of one height, half a metre apart.
+/// Two tables of the same height, half a meter apart.
 test::LabelledCloud two_tables() {
   test::LabelledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {0.5, 0, 0}, {0, 1, 0}, Label::h);
@@ -162,7 +163,7 @@ test::LabelledCloud two_tables() {
 TEST(Segment, OfACloudAllPartsAreSplit) {
   test::LabelledCloud cloud = two_tables();
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
-  for (Vec3f& p : cloud.points) p = Vec3f(p.x(), p.z(), p.y());  // two boards, upright
+  for (Vec3f& p : cloud.points) p = Vec3f(p.x(), p.z(), p.y());  // two vertical boards
   for (Label& label : cloud.labels) label = Label::v;
   cloud.cube = test::cube_around(cloud.points);
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
@@ -197,7 +198,7 @@ TEST(Segment, DegenerateInputsAreAnswered) {
     const SegmentOptions options = profile_options(profile);
     EXPECT_TRUE(segment({}, {}, Cube{}, kSensor, options).planes.empty());
 
-    test::LabelledCloud same;  // more points in one place than any threshold
+    test::LabelledCloud same;  // more points at one position than any threshold
     same.points.assign(100, Vec3f(1, 1, 1));
     same.labels.assign(100, Label::h);
     for (std::size_t i = 0; i < 50; ++i) same.labels[i] = Label::v;

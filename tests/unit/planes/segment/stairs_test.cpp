@@ -1,5 +1,5 @@
-// The paper's evaluation stairs with perfect labels: what refined reaches and how the text as
-// written fails. scripts/bench measures the same on all hundred.
+// The paper's evaluation stairs with perfect labels: results of refined, and how the text as
+// written fails. scripts/bench measures all hundred stairs.
 
 #include "core/lab/synthetic/stairs.hpp"
 

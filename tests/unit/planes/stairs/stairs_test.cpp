@@ -48,7 +48,7 @@ TEST(Stairs, AFlightHasItsStepsRiseAndGoingInAnyDirection) {
 }
 
 TEST(Stairs, SeenFromTheirTopLeadDownThoughTreadsHideEachOther) {
-  // Each level hides what lies below its nosing, as the line from the sensor over it falls.
+  // Each level hides the next one below its nosing, along the line of sight over the nosing.
   constexpr double kRise = 0.17, kGoing = 0.28;
   const Vec3d sensor(1.2, 0, 4 * kRise + 0.8);
   IdealPlanes ideal;
@@ -122,7 +122,7 @@ TEST(Stairs, AFlightGoesOnOverOneTreadThatWasNotSeen) {
 TEST(Stairs, AMinorPlaneIsALastTreadAndNoMore) {
   IdealPlanes minor;
   minor.level(0.56, 0.84, -0.5, 0.5, 0.51);
-  minor.level(0.84, 1.12, -0.5, 0.5, 0.68);  // behind a minor one nobody knows
+  minor.level(0.84, 1.12, -0.5, 0.5, 0.68);  // a tread behind a minor one is ignored
   const Stairs stairs = flight_up(2).find(minor.covering());
   ASSERT_EQ(stairs.flights.size(), 1u);
   ASSERT_EQ(stairs.flights[0].steps.size(), 3u);
@@ -149,7 +149,7 @@ TEST(Stairs, AMinorPlaneIsAFoot) {
 
 TEST(Stairs, AFlightThatTurnsAtALandingIsTwo) {
   IdealPlanes ideal = flight_up(3);
-  ideal.level(0.84, 1.84, -0.5, 0.5, 0.68);  // the landing, from where steps lead to the left
+  ideal.level(0.84, 1.84, -0.5, 0.5, 0.68);  // the landing, from which steps go up to the left
   for (int i = 0; i < 3; ++i) {
     const double y = 0.5 + i * 0.28;
     ideal.level(0.84, 1.84, y, y + 0.28, 0.68 + (i + 1) * 0.17);
