@@ -57,7 +57,7 @@ class Map:
         tracks_json: tracks.json.
         poses_tum: poses.tum.
         T_world_camera: (4, 4) by frame, for the frames with a known pose.
-        told: Warnings, one line each.
+        `told`: Warnings, one line each.
         planes_png: planes/000000.png by frame: 16 bits, with the plane id per pixel that
             `track_of_plane` uses. Empty for a Mapper and for methods that do not find planes on
             pixels.

@@ -89,7 +89,7 @@ TEST_F(AuditTest, APlaneOverACornerDoesNotFit) {
   EXPECT_NE(findings[0].text.find("mm, expected at most"), std::string::npos);
 }
 
-TEST_F(AuditTest, AStrokeThatSlippedOntoAnotherSurfaceIsAmongTheOutliers) {
+TEST_F(AuditTest, AStrokeOntoAnotherSurfaceIsAmongTheOutliers) {
   in_box(240, 0, 400, 40, [&](std::size_t i) { set(i, 1, 1); });  // of the wall
   const auto findings = audit_labels(labels, grid);
   const auto outliers = std::ranges::find(findings, FindingKind::outliers, &Finding::kind);
@@ -100,7 +100,7 @@ TEST_F(AuditTest, AStrokeThatSlippedOntoAnotherSurfaceIsAmongTheOutliers) {
   EXPECT_LT(outliers->pixel / 640, 40u);
 }
 
-TEST_F(AuditTest, PartsThatLieApartAreCountedOnlyBeyondTheGap) {
+TEST_F(AuditTest, SeparatePartsAreCountedOnlyBeyondTheGap) {
   in_box(0, 0, 640, 480, [&](std::size_t i) {
     if (labels.plane.data[i] == 2) set(i, 0, kHvIgnore);
   });
@@ -128,7 +128,7 @@ TEST_F(AuditTest, APlaneOfAFewPixelsIsTiny) {
   EXPECT_EQ(finding.pixels.size(), 144u);
 }
 
-TEST_F(AuditTest, AClassThatTheTiltContradictsIsNamed) {
+TEST_F(AuditTest, AClassThatContradictsTheTiltIsReported) {
   labels.planes[0].label = Label::v;
   Finding finding = only();
   EXPECT_EQ(finding.kind, FindingKind::class_normal);
@@ -140,7 +140,7 @@ TEST_F(AuditTest, AClassThatTheTiltContradictsIsNamed) {
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }
 
-TEST_F(AuditTest, AnUnlabelledRegionIsNamedAndStripsAreNot) {
+TEST_F(AuditTest, AnUnlabeledRegionIsReportedAndStripsAreNot) {
   for (int x = 0; x + 3 <= 640; x += 9)
     in_box(x, 0, x + 3, 480, [&](std::size_t i) { set(i, 0, 0); });
   auto findings = audit_labels(labels, grid);
@@ -159,7 +159,7 @@ TEST_F(AuditTest, AnUnlabelledRegionIsNamedAndStripsAreNot) {
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }
 
-TEST_F(AuditTest, WhatWasDrawnWithAnotherCameraIsNamed) {
+TEST_F(AuditTest, LabelsOfAnotherCameraAreReported) {
   labels.intrinsics.fx *= 1.5;
   labels.depth_unit_m = 2 * grid.depth_unit_m;
   const auto findings = audit_labels(labels, grid);
@@ -174,7 +174,7 @@ TEST_F(AuditTest, WhatWasDrawnWithAnotherCameraIsNamed) {
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }
 
-TEST_F(AuditTest, ARegionThatAReviewerKeptWithoutAPlaneIsNoHint) {
+TEST_F(AuditTest, ARegionThatAReviewerKeptUnlabeledIsNotReported) {
   in_box(200, 300, 400, 400, [&](std::size_t i) { set(i, 0, 0); });
   const Finding finding = only();
   FrameLabels decided = labels;
@@ -189,7 +189,7 @@ TEST_F(AuditTest, ARegionThatAReviewerKeptWithoutAPlaneIsNoHint) {
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }
 
-TEST(Clutter, IsNoHintWhereNoPlaneHoldsMostOfIt) {
+TEST(Clutter, IsNotReportedUnlessOnePlaneContainsMostOfIt) {
   // A pile of objects in front of a wall: steps of 5 cm from one to the next.
   const auto depth = [](bool heap) {
     return [heap](int u, int v) {
@@ -240,7 +240,7 @@ TEST(PixelDepth, TheDeepestPixelIsFarthestFromTheOutside) {
   EXPECT_EQ(deepest_pixel(one, grid), 119u);
 }
 
-TEST(PixelDepth, PartsNearerThanTheGapAreOne) {
+TEST(PixelDepth, PartsCloserThanTheGapAreOne) {
   const std::vector<std::uint32_t> pixels = {0, 5, 12};  // in a row of 20
   const LabelGrid row = test::wall_grid(20, 1);
   EXPECT_EQ(parts_apart(pixels, row, 4).size(), 3u);

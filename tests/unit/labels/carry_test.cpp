@@ -71,7 +71,7 @@ FrameLabels left_half(const Step& step, int& plane, int column) {
                  PaintMode::over);
 }
 
-TEST(Carry, PlanesGrowToTheNewFramesEdgeButNotOverABorderThatWasDrawn) {
+TEST(Carry, PlanesGrowToTheNewFramesEdgeButNotAcrossADrawnBorder) {
   Step step = step_in("corner", false);
   const lab::Scene scene = lab::make_scene("corner", 1);
   lab::CameraPose turned = scene.camera;
@@ -105,7 +105,7 @@ TEST(Carry, PlanesGrowToTheNewFramesEdgeButNotOverABorderThatWasDrawn) {
   EXPECT_LT(beyond, 20u);
 }
 
-TEST(Carry, RepeatsBitByBit) {
+TEST(Carry, IsReproducible) {
   const Step step = step_in("stairs", true);
   const FrameLabels blank = empty_labels(step.to.grid, "");
   const CarriedLabels first = carry(step, step.from.truth, blank);
@@ -116,7 +116,7 @@ TEST(Carry, RepeatsBitByBit) {
   EXPECT_EQ(first.doubt, second.doubt);
 }
 
-TEST(Carry, WhatIsLabelledAlreadyStays) {
+TEST(Carry, ExistingLabelsAreKept) {
   const Step step = step_in("corner", false);
   const FrameLabels blank = empty_labels(step.to.grid, "");
   const PixelSet mine = test::rectangle(step.to.grid, 300, 300, 340, 340);
@@ -127,7 +127,7 @@ TEST(Carry, WhatIsLabelledAlreadyStays) {
   EXPECT_EQ(find_plane(carried.labels, 1)->origin, LabelOrigin::hand);
 }
 
-TEST(Carry, APlaneThatIsNoLongerThereIsLeftToTheUser) {
+TEST(Carry, APlaneThatDisappearedIsLeftToTheUser) {
   Step step = step_in("corner", false);
   // Another object is at the plane's position, so all of its labels are wrong.
   FrameLabels labels = empty_labels(step.from.grid, "");
@@ -157,7 +157,7 @@ TEST(Carry, IgnoredPixelsAndClassesWithoutAPlaneAreCarriedToo) {
   EXPECT_GT(std::ranges::count(carried.labels.hv.data, 1), 8000);
 }
 
-TEST(Carry, FramesThatShowDifferentThingsAreRefused) {
+TEST(Carry, FramesOfDifferentScenesAreRejected) {
   Step step = step_in("corner", false);
   const lab::Scene other = lab::make_scene("stairs", 4);
   step.to = test::view_of(other, other.camera, false);
@@ -173,7 +173,7 @@ TEST(Carry, FramesThatShowDifferentThingsAreRefused) {
   }
 }
 
-TEST(Carry, StopsWhenItIsTold) {
+TEST(Carry, CanBeStopped) {
   const Step step = step_in("corner", false);
   std::stop_source stop;
   stop.request_stop();
@@ -245,7 +245,7 @@ TEST(Spread, LabelsOfOneFrameLandOnTheirPlanesInAllOthersWithAPose) {
   }
 }
 
-TEST(Spread, LeavesWhatIsLabelledAlreadyAndStops) {
+TEST(Spread, KeepsExistingLabelsAndCanBeStopped) {
   SpreadJob job = walk().job(1);
   const auto open = job.open;
   job.open = [&](int i) {

@@ -128,7 +128,7 @@ int work_and_be_killed(const std::filesystem::path& dir,
   return count;
 }
 
-TEST(KilledSessions, HaveExactlyTheirAcknowledgedGesturesAfterEachOfAHundredKills) {
+TEST(KilledSessions, KeepExactlyTheirAcknowledgedGesturesAfterAHundredKills) {
   const auto dir = fresh_dir("killed");
   Random random(41);
   Script script;
@@ -206,7 +206,7 @@ struct Session {
   }
 };
 
-TEST(DamagedJournals, ACutOrAWrongByteAnywhereInTheLastRecordKeepsAllBefore) {
+TEST(DamagedJournals, DamageInTheLastRecordKeepsAllRecordsBefore) {
   const Session session("last", 6);
   const auto whole = session.bytes();
   for (auto at = session.lengths[5]; at < session.lengths[6]; ++at) {
@@ -218,7 +218,7 @@ TEST(DamagedJournals, ACutOrAWrongByteAnywhereInTheLastRecordKeepsAllBefore) {
   }
 }
 
-TEST(DamagedJournals, WhatFollowsDamageElsewhereIsSetAside) {
+TEST(DamagedJournals, RecordsAfterDamageElsewhereAreSetAside) {
   const Session session("elsewhere", 6);
   const auto whole = session.bytes();
   auto bytes = whole;
@@ -231,7 +231,7 @@ TEST(DamagedJournals, WhatFollowsDamageElsewhereIsSetAside) {
   session.expect_kept(std::span(whole).first(5), 0);  // in its first line
 }
 
-TEST(DamagedJournals, EachIsSetAsideUnderANameOfItsOwn) {
+TEST(DamagedJournals, EachIsSetAsideUnderADifferentName) {
   const Session session("names", 2);
   const auto bytes = session.bytes();
   for (int i = 1; i <= 3; ++i) {
@@ -241,7 +241,7 @@ TEST(DamagedJournals, EachIsSetAsideUnderANameOfItsOwn) {
   }
 }
 
-TEST(DamagedJournals, SavedFilesAreTakenOverWhereTheJournalLostTheirGestures) {
+TEST(DamagedJournals, SavedFilesAreAdoptedIfTheJournalLostTheirGestures) {
   const fs::path dir = fresh_dir("lost_saving");
   Random random(12);
   FrameLabels saved;
@@ -262,7 +262,7 @@ TEST(DamagedJournals, SavedFilesAreTakenOverWhereTheJournalLostTheirGestures) {
   EXPECT_FALSE(store.unsaved(0));
 }
 
-TEST(DamagedJournals, OneThatCannotBeUnderstoodIsRefusedAndLeftAlone) {
+TEST(DamagedJournals, AnUnknownFormatIsRejectedAndNotChanged) {
   const auto expect_left = [](const Session& session, const std::string& message) {
     const auto bytes = session.bytes();
     expect_refused([&] { OpenStore(session.dir); }, message);
@@ -291,7 +291,7 @@ TEST(DamagedJournals, OneThatCannotBeUnderstoodIsRefusedAndLeftAlone) {
   expect_left(other_labels, "the edit at byte");
 }
 
-TEST(DamagedJournals, NoRecordWhateverItHoldsIsReadBeyondItsEnd) {
+TEST(DamagedJournals, NoRecordIsReadBeyondItsEnd) {
   FrameLabels labels = blank(0);
   Random random(13);
   for (int i = 0; i < 20; ++i) labels = after_random_gesture(labels, random);
@@ -319,7 +319,7 @@ TEST(DamagedJournals, NoRecordWhateverItHoldsIsReadBeyondItsEnd) {
   }
 }
 
-TEST(DamagedJournals, ATextThatRunsPastItsRecordIsRefused) {
+TEST(DamagedJournals, ATextBeyondItsRecordIsRejected) {
   auto record = plain_record({RecordKind::written, 0, 5, ""});
   record.back() = 1;  // length of the annotator's name, which is missing
   expect_refused([&] { read_head(record); }, "does not hold what its kind needs");

@@ -34,7 +34,7 @@ TrueFrame scene(const std::string& name, std::uint64_t seed = 1) {
   return test::view_of(scene, scene.camera);
 }
 
-TEST(Wand, OneClickTakesAPlaneOfASceneAndLittleElse) {
+TEST(Wand, OneClickSelectsAPlaneAndLittleElse) {
   for (const char* name : {"stairs", "boxes", "corner"}) {
     const TrueFrame view = scene(name);
     for (const LabelPlane& plane : view.truth.planes) {
@@ -102,7 +102,7 @@ TEST(Wand, NeitherSideOfACreaseBleedsOntoTheOther) {
   EXPECT_GT(wall->pixels.size(), 0.97 * 90 * 160);
 }
 
-TEST(Wand, HolesDoNotCutASurfaceIntoPieces) {
+TEST(Wand, HolesDoNotSplitASurface) {
   const LabelGrid grid = floor_and_wall(5);
   const auto wall = grow(grid, 80, 40);
   ASSERT_TRUE(wall);
@@ -138,7 +138,7 @@ LabelGrid wall_with(double out_m) {
                          Gravity{});
 }
 
-TEST(Wand, FillsAHoleWhereNothingElseIsSeenAndNoneWhereABoxStands) {
+TEST(Wand, FillsADentButNotTheHoleOfABox) {
   const LabelGrid bowed = wall_with(0.011), box = wall_with(0.02);
   const std::array click{test::pixel_at(bowed, 20, 20)};
   const auto whole = grow_plane(bowed, nullptr, click, {});
@@ -148,7 +148,7 @@ TEST(Wand, FillsAHoleWhereNothingElseIsSeenAndNoneWhereABoxStands) {
   EXPECT_LE(around->pixels.size(), 160u * 120 - 30 * 20);
 }
 
-TEST(Wand, ALargeToleranceDoesNotGrowWithNoiseThatItCovers) {
+TEST(Wand, ALargeToleranceDoesNotGrowWithSmallNoise) {
   // Noise like that at 2 m, three times that at short range. The right half is 3 cm behind the
   // left.
   LabelGrid grid = make_label_grid(
@@ -163,7 +163,7 @@ TEST(Wand, ALargeToleranceDoesNotGrowWithNoiseThatItCovers) {
   EXPECT_LE(found->pixels.size(), 85u * 120);
 }
 
-TEST(Wand, SaysWhyThereIsNoPlane) {
+TEST(Wand, ExplainsWhyThereIsNoPlane) {
   std::string why;
   const LabelGrid hole = make_label_grid(
       test::frame_of(80, 60, [](int u, int) { return u < 40 ? 1.0 : 0.0; }), Gravity{});
@@ -176,7 +176,7 @@ TEST(Wand, SaysWhyThereIsNoPlane) {
   EXPECT_EQ(why, "no plane there");
 }
 
-TEST(Wand, LeavesLabelledPixelsUnlessToldOtherwise) {
+TEST(Wand, KeepsLabeledPixelsByDefault) {
   const LabelGrid grid = test::wall_grid(80, 60);
   const FrameLabels labels = painted(empty_labels(grid, ""), grid,
                                      test::rectangle(grid, 0, 0, 20, 60), {1}, PaintMode::over);
@@ -204,7 +204,7 @@ TEST(Wand, LaterSeedsAddFragmentsOfTheSamePlaneAndNothingElse) {
   EXPECT_EQ(result->fragment_pixels, (std::vector<std::size_t>{50 * 60, 50 * 60, 0}));
 }
 
-TEST(Wand, ColorDecidesWhereDepthIsRagged) {
+TEST(Wand, ColorDecidesIfDepthIsRagged) {
   // A board's right border: 5 columns that neither fit it nor are far from it; two of them have the
   // board's color.
   Frame frame = test::frame_of(120, 80, [](int u, int) {
@@ -260,7 +260,7 @@ PixelSet without(PixelSet pixels, const PixelSet& less) {
   return pixels;
 }
 
-TEST(Finish, HolesAreFilledWithWhatLiesOnThePlaneAndNothingElse) {
+TEST(Finish, HolesAreFilledOnlyWithPixelsOnThePlane) {
   const auto depth = [](int u, int v) {  // a box covers the second hole
     return u >= 24 && u < 30 && v >= 10 && v < 16 ? 0.8 : 1.0;
   };
@@ -274,7 +274,7 @@ TEST(Finish, HolesAreFilledWithWhatLiesOnThePlaneAndNothingElse) {
   EXPECT_EQ(pixels_of_plane(after, 1).size(), pixels_of_plane(wall.labels, 1).size() + hole.size());
 }
 
-TEST(Finish, AHoleThatHasAnotherLabelKeepsIt) {
+TEST(Finish, AHoleWithAnotherLabelKeepsIt) {
   const LabelGrid grid = test::wall_grid();
   const PixelSet hole = rectangle(grid, 8, 8, 14, 20);
   Wall wall = wall_with(grid, without(rectangle(grid, 2, 2, 38, 28), hole));
@@ -298,7 +298,7 @@ TEST(Finish, ASmoothedBorderLosesItsTeethAndItsNotches) {
   EXPECT_LT(finish.takes.size() + finish.adds.size(), 30u);  // and straight borders do not change
 }
 
-TEST(Finish, APlaneGrowsToWhereAnotherSurfaceBegins) {
+TEST(Finish, APlaneGrowsToTheNextSurface) {
   const auto depth = [](int u, int) { return u < 30 ? 1.0 : 1.3; };  // the wall ends at a step
   const LabelGrid grid = make_label_grid(test::frame_of(40, 30, depth), Gravity{});
   const Wall wall = wall_with(grid, rectangle(grid, 5, 5, 20, 20));
@@ -318,7 +318,7 @@ TEST(Finish, SpecksBelowASizeAreDroppedAndTheLargestPartIsKept) {
   EXPECT_EQ(drop_specks(wall.labels, grid, 1, 1).takes.size(), 4u + 36u);
 }
 
-TEST(Finish, ALockedPlaneIsLeftAlone) {
+TEST(Finish, ALockedPlaneDoesNotChange) {
   const LabelGrid grid = test::wall_grid();
   const Wall wall = wall_with(grid, rectangle(grid, 5, 5, 20, 20));
   const FrameLabels locked = edited(wall.labels, wall.grid, set_flag, 1, PlaneFlag::locked, true);

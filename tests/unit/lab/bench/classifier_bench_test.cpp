@@ -14,7 +14,7 @@ namespace {
 
 std::vector<NamedClassifier> pca() { return {{"pca", planes::make_pca_classifier()}}; }
 
-TEST(LabelBench, TiltedCloudsAreOffLevelByExactlyTheAngle) {
+TEST(LabelBench, TiltedCloudsAreTiltedByExactlyTheAngle) {
   const planes::LabelledCloud up{"stairs", {{0, 0, 1}}, {Label::h}};
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const planes::LabelledCloud off = tilted(up, 5, seed);
@@ -37,7 +37,7 @@ TEST(LabelBench, IsTheSameForAnyThreadCount) {
   }
 }
 
-TEST(LabelBench, NoiseCostsEdgeLabels) {
+TEST(LabelBench, NoiseReducesTheAccuracyOfEdgeLabels) {
   const auto rows = measure_labels(pca(), {.count = 4});
   EXPECT_EQ(rows[0].set, "stairs, 0 cm");
   EXPECT_EQ(rows[3].set, "stairs, 0.3 cm");
@@ -45,7 +45,7 @@ TEST(LabelBench, NoiseCostsEdgeLabels) {
   EXPECT_EQ(rows[0].tilted.edge, 0u);  // not measured
 }
 
-TEST(LabelBench, TheShippedNetworkIsAsGoodAsItWasAndBetterThanNormalsNearEdges) {
+TEST(LabelBench, TheShippedNetworkKeepsItsAccuracyAndBeatsNormalsNearEdges) {
   const NamedClassifier gcn = {
       "gcn", planes::make_classifier({}, PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors")
                  .classifier};
@@ -67,7 +67,7 @@ TEST(LabelBench, TheShippedNetworkIsAsGoodAsItWasAndBetterThanNormalsNearEdges) 
   }
 }
 
-TEST(LabelBench, StopsWhereProgressThrows) {
+TEST(LabelBench, StopsIfProgressThrows) {
   int calls = 0;
   const auto stop = [&](int, int) {
     if (++calls == 2) throw std::runtime_error("stop");
@@ -76,7 +76,7 @@ TEST(LabelBench, StopsWhereProgressThrows) {
   EXPECT_EQ(calls, 2);
 }
 
-TEST(ChainBench, TrueLabelsFindEveryPlaneAndNoLabelsDoBetter) {
+TEST(ChainBench, TrueLabelsFindEveryPlane) {
   const auto rows =
       measure_chain(pca(), planes::profile_options(planes::Profile::refined), {.count = 3});
   ASSERT_EQ(rows.size(), 8u);  // noises x (truth, pca)

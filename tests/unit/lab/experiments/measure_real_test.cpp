@@ -26,7 +26,7 @@ PixelPlanes halves(double offset_m = 1, double tilt_rad = 0) {
   return planes;
 }
 
-TEST(Repeatability, PlanesAreFoundAgainByTheirPixelsWhateverTheirNumbers) {
+TEST(Repeatability, PlanesAreMatchedByPixelsForAnyNumbering) {
   const PixelPlanes first = halves();
   PixelPlanes next = halves(1.02, 0.01);
   for (auto& plane : next.plane_of) plane = 3 - plane;
@@ -41,7 +41,7 @@ TEST(Repeatability, PlanesAreFoundAgainByTheirPixelsWhateverTheirNumbers) {
   EXPECT_NEAR(n.normal_jumps_deg[1], 0.01 * 180 / M_PI, 1e-6);
 }
 
-TEST(Repeatability, ChangesOfAnAngleAreToldInWhatFourCertaintiesTell) {
+TEST(Repeatability, ChangesOfAnAngleAreMeasuredInSigmasOfFourPlanes) {
   const PixelPlanes first = halves();
   PixelPlanes next = halves();
   next.fits[1].normal = Vec3d(0, std::cos(0.01), std::sin(0.01));
@@ -60,7 +60,7 @@ TEST(Repeatability, ChangesOfAnAngleAreToldInWhatFourCertaintiesTell) {
   EXPECT_TRUE(compare_neighbours(next, next).angle_jumps_sigmas.empty()) << "parallel ones";
 }
 
-TEST(Repeatability, APlaneThatFallsApartOrIsSmallHasNoPartner) {
+TEST(Repeatability, ASplitOrSmallPlaneHasNoPartner) {
   PixelPlanes first = halves(), next = halves();
   next.fits.resize(4);
   next.certainties.resize(4);
@@ -97,7 +97,7 @@ planes::PreparedFrame floor_and_wall(double rise) {
   return frame;
 }
 
-TEST(Repeatability, TheFloorIsToldByPixelsEvenWhereGravityIsSlightlyOff) {
+TEST(Repeatability, TheFloorIsFoundByPixelsEvenIfGravityIsSlightlyOff) {
   for (const double rise : {0.0, 0.02}) {
     const planes::PreparedFrame frame = floor_and_wall(rise);
     const std::vector<std::uint8_t> floor = floor_pixels(frame);
@@ -118,7 +118,7 @@ TEST(Repeatability, AFrameWithNothingBelowTheCameraHasNoFloor) {
   EXPECT_EQ(floor_pieces(floor, halves()).largest, 0);
 }
 
-TEST(Repeatability, ThePiecesOfTheFloorArePlanesThatLieMostlyOnIt) {
+TEST(Repeatability, ThePiecesOfTheFloorArePlanesMostlyOnIt) {
   std::vector<std::uint8_t> floor(kSide * kSide, 0);
   PixelPlanes found = halves();
   std::fill(floor.begin() + kSide * kSide / 2, floor.end(), std::uint8_t{1});

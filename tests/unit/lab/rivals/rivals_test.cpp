@@ -87,7 +87,7 @@ TEST_P(FurtherRivals, FindNothingInFewPoints) {
   }
 }
 
-TEST_P(FurtherRivals, AnswerTheSameAgainAndInThreadsAtATime) {
+TEST_P(FurtherRivals, AreDeterministicAlsoInParallel) {
   const std::vector<Vec3f> points = floor_and_wall(2000, 1000, 0.003);
   const planes::FoundPlanes once = find(points);
   EXPECT_TRUE(same(once, find(points)));
@@ -100,7 +100,7 @@ TEST_P(FurtherRivals, AnswerTheSameAgainAndInThreadsAtATime) {
   EXPECT_TRUE(same(once, others[1]));
 }
 
-TEST(PclMultiPlane, FindsTheFloorAndTheWallInADepthImageFromWhereverItIsSeen) {
+TEST(PclMultiPlane, FindsTheFloorAndTheWallInADepthImageFromAnyPosition) {
   const LibraryRival* rival = find_library_rival("pcl-multi-plane");
   if (!rival) GTEST_SKIP() << "this build has none of them (-DPLANESCOPE_RIVALS=ON)";
   PixelScene scene;
@@ -127,7 +127,7 @@ TEST(PclMultiPlane, FindsTheFloorAndTheWallInADepthImageFromWhereverItIsSeen) {
   EXPECT_LT(angle_deg(again.planes[0].normal, found.planes[0].normal), 0.05);
 }
 
-TEST(LibraryRivals, ThoseForDepthImagesRefuseClouds) {
+TEST(LibraryRivals, ThoseForDepthImagesRejectClouds) {
   const LibraryRival on_pixels{
       "images", [](const planes::PixelPoints&) { return planes::FoundPlanes(); }, nullptr};
   Frame frame;
@@ -173,7 +173,7 @@ TEST(NanoflannPca, GivesTheSameAnswerForAnyThreadCount) {
   EXPECT_EQ(one.margins, four.margins);
 }
 
-TEST(NanoflannPca, TakesCloudsSmallerThanANeighbourhoodAndPointsThatAreNotFinite) {
+TEST(NanoflannPca, AcceptsTinyCloudsAndNonFinitePoints) {
   const auto classifier = make_nanoflann_pca_classifier();
   EXPECT_TRUE(classifier->classify({}, 1).labels.empty());
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -57,7 +57,7 @@ std::filesystem::path temporary_file(const std::string& name) {
   return std::filesystem::temp_directory_path() / ("planescope_train_" + name);
 }
 
-TEST(Training, LearnsToTellAFloorFromAWall) {
+TEST(Training, LearnsToDistinguishAFloorFromAWall) {
   const TrainOptions options = quick_options();
   const std::vector<planes::LabelledCloud> unseen = {corner(1000001), corner(1000002),
                                                      corner(1000003)};
@@ -69,7 +69,7 @@ TEST(Training, LearnsToTellAFloorFromAWall) {
   EXPECT_GT(after.edge_percent(), 75);
 }
 
-TEST(Training, GivesTheSameWeightsWithEveryThreadCountAndInstructionSet) {
+TEST(Training, GivesTheSameWeightsForEveryThreadCountAndInstructionSet) {
   const TrainOptions options = quick_options();
   const TrainState expected = train(options, 10, 1, Simd::plain);
   for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512}) {
@@ -80,7 +80,7 @@ TEST(Training, GivesTheSameWeightsWithEveryThreadCountAndInstructionSet) {
   }
 }
 
-TEST(Training, ResumedFromACheckpointEndsInTheSameWeights) {
+TEST(Training, ResumedFromACheckpointGivesTheSameWeights) {
   const TrainOptions options = quick_options();
   const auto path = temporary_file("resume");
   TrainState first = train(options, 7, 2);
@@ -98,7 +98,7 @@ TEST(Training, ResumedFromACheckpointEndsInTheSameWeights) {
   EXPECT_EQ(resumed.loss_sum, whole.loss_sum);
 }
 
-TEST(Training, RefusesTheCheckpointOfAnotherTraining) {
+TEST(Training, RejectsTheCheckpointOfAnotherTraining) {
   const auto path = temporary_file("other");
   const TrainOptions options = quick_options();
   const TrainingPurpose purpose = {{"recipe", "a test"}};
@@ -120,7 +120,7 @@ TEST(Training, RefusesTheCheckpointOfAnotherTraining) {
             path.string() + ": belongs to another training: recipe a test, expected another");
 }
 
-TEST(Training, RefusesADamagedCheckpoint) {
+TEST(Training, RejectsADamagedCheckpoint) {
   const auto path = temporary_file("damaged");
   const TrainOptions options = quick_options();
   EXPECT_THROW(read_checkpoint(temporary_file("nowhere"), options, {}), Error);
@@ -262,7 +262,7 @@ TrainingSummary two_epochs() {
                      {500, 0.25, {{95, 100, 999, 1000}, {85, 100, 995, 1000}}}}};
 }
 
-TEST(TrainingPage, ShowsFactsCurvesAndEveryEpochAndNeedsNothingElse) {
+TEST(TrainingPage, ShowsFactsCurvesAndEveryEpochAndIsSelfContained) {
   const std::string page = training_page(two_epochs());
   EXPECT_NE(page.find("<svg"), page.rfind("<svg")) << "two curves";
   for (const char* text : {"<dt>Recipe</dt><dd>planescope</dd>", "<td>250</td><td>0.5000</td>",

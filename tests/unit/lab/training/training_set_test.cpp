@@ -50,7 +50,7 @@ bool same(const planes::LabelledCloud& a, const planes::LabelledCloud& b) {
   return a.kind == b.kind && a.points == b.points && a.labels == b.labels;
 }
 
-TEST(TrainingSet, HasThePapersNumbersOfObjectsUnlessToldOtherwise) {
+TEST(TrainingSet, HasThePapersNumbersOfObjectsByDefault) {
   const TrainingSetOptions paper;
   EXPECT_EQ(std::vector({paper.stairs, paper.boxes, paper.planes}), std::vector(3, 200));
   TrainingSetOptions options = objects(3, 2, 1);
@@ -88,7 +88,7 @@ TEST(TrainingSet, StairsHaveThePapersSteps) {
   EXPECT_EQ(counts, (std::set<int>{2, 3, 4, 5, 6}));
 }
 
-TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfStandOnFloor) {
+TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfAreOnAFloor) {
   int on_floor = 0;
   for (const planes::LabelledCloud& cloud : make_training_set(objects(0, 40, 0), 2)) {
     Bounds top;
@@ -122,7 +122,7 @@ TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfStandOnFloor) {
   EXPECT_NEAR(on_floor, 20, 10);
 }
 
-TEST(TrainingSet, PlanesHaveAnyInclinationAndTheirLabelFollowsIt) {
+TEST(TrainingSet, PlanesHaveAnyInclinationAndTheMatchingLabel) {
   double sum_z = 0, least_z = 1, most_z = 0;
   for (const planes::LabelledCloud& cloud : make_training_set(objects(0, 0, 40), 2)) {
     Moments moments;
@@ -162,7 +162,7 @@ TEST(TrainingSet, ObjectsAreEvenlySpread) {
   }
 }
 
-TEST(TrainingSet, ScansShowBothLabelsWithinReachOnTheirVoxels) {
+TEST(TrainingSet, ScansShowBothLabelsWithinRangeOnTheirVoxels) {
   TrainingSetOptions options = objects(0, 0, 0);
   options.scans = 6;
   for (const planes::LabelledCloud& scan : make_training_set(options, 2)) {
@@ -205,7 +205,7 @@ TEST(TrainingSet, AnExactScanHasTheLabelsOfItsSurfaces) {
   }
 }
 
-TEST(TrainingSet, WithRealErrorsHalfOfTheScansReachFartherThanTheCrop) {
+TEST(TrainingSet, WithRealErrorsHalfOfTheScansExtendBeyondTheCrop) {
   int far = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const planes::LabelledCloud usual = make_training_scan(seed, 0.02);
@@ -240,7 +240,7 @@ TEST(TrainingSet, IsTheSameForAnyNumberOfThreads) {
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(same(one[i], four[i])) << i;
 }
 
-TEST(TrainingSet, AShapeDoesNotDependOnHowManyOthersThereAre) {
+TEST(TrainingSet, AShapeDoesNotDependOnTheNumberOfOthers) {
   TrainingSetOptions more = one_of_each();
   more.stairs = 2;
   const auto few = make_training_set(one_of_each(), 2), many = make_training_set(more, 2);
@@ -269,7 +269,7 @@ TEST(TrainingSet, ProgressIsReportedToTheCallerWhoCanStopIt) {
   EXPECT_THROW(make_training_set(options, 3, stop), std::runtime_error);
 }
 
-TEST(TestScans, AreTheNamedScenesInTurnForAnyNumberOfThreads) {
+TEST(TestScans, AlternateTheNamedScenesForAnyNumberOfThreads) {
   const auto scans = make_test_scans(1, 6, 0.02, 2), again = make_test_scans(1, 6, 0.02, 1);
   ASSERT_EQ(scans.size(), 6u);
   for (std::size_t i = 0; i < 6; ++i) {
@@ -312,14 +312,14 @@ AugmentOptions nothing() {
   return options;
 }
 
-TEST(Augment, WithNothingAskedForTheCloudStaysAsItIs) {
+TEST(Augment, WithoutOptionsTheCloudDoesNotChange) {
   const planes::LabelledCloud cloud = board(), same = augment(cloud, nothing(), 3);
   EXPECT_EQ(same.kind, cloud.kind);
   EXPECT_EQ(same.points, cloud.points);
   EXPECT_EQ(same.labels, cloud.labels);
 }
 
-TEST(Augment, TheSameSeedGivesTheSameCloudAndAnotherOneAnother) {
+TEST(Augment, TheSeedDeterminesTheCloud) {
   AugmentOptions options;
   options.gaussian_noise_m = 0.003;
   options.tilt_deg = 3;
@@ -330,7 +330,7 @@ TEST(Augment, TheSameSeedGivesTheSameCloudAndAnotherOneAnother) {
   EXPECT_NE(a.points, augment(board(), options, 2).points);
 }
 
-TEST(Augment, UniformNoiseReachesItsBoundEitherWayAndNoFarther) {
+TEST(Augment, UniformNoiseReachesBothBoundsAndNoFarther) {
   AugmentOptions options = nothing();
   options.uniform_noise_m = 0.01;
   const planes::LabelledCloud cloud = board(), noisy = augment(cloud, options, 1);
@@ -376,7 +376,7 @@ TEST(Augment, YawTurnsAboutTheVerticalOnly) {
   EXPECT_GT(moved, 0.1);
 }
 
-TEST(Augment, TiltStaysWithinItsAngleAndLeavesTheLabels) {
+TEST(Augment, TiltStaysWithinItsAngleAndKeepsTheLabels) {
   AugmentOptions options = nothing();
   options.tilt_deg = 5;
   double most = 0;
@@ -392,7 +392,7 @@ TEST(Augment, TiltStaysWithinItsAngleAndLeavesTheLabels) {
   EXPECT_LT(most, 5.01);
 }
 
-TEST(Augment, ClustersAreRoundHolesAndHalfOfThePointsRemain) {
+TEST(Augment, ClustersAreRoundHolesThatLeaveHalfOfThePoints) {
   AugmentOptions options = nothing();
   options.clusters = 4;
   options.cluster_radius_m = 0.3;
@@ -409,7 +409,7 @@ TEST(Augment, ClustersAreRoundHolesAndHalfOfThePointsRemain) {
   EXPECT_GE(augment(board(), options, 1).points.size(), 2048u);
 }
 
-TEST(Augment, KeepsTheNearestPointsToOneOfThemWithTheirLabels) {
+TEST(Augment, KeepsTheNearestNeighborsOfAPointWithTheirLabels) {
   AugmentOptions options = nothing();
   options.points = 500;
   const planes::LabelledCloud cloud = board();
