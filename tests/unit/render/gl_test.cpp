@@ -14,11 +14,11 @@ namespace {
 
 struct Context : GlTest {};
 
-TEST_F(Context, DescriptionNamesTheDriverAndTheWayIn) {
+TEST_F(Context, DescriptionContainsDriverAndInterface) {
   EXPECT_NE(context().description().find("EGL"), std::string::npos) << context().description();
 }
 
-TEST_F(Context, TwoContextsLiveSideBySide) {
+TEST_F(Context, TwoContextsCanCoexist) {
   const auto camera = front_camera();
   const Image8 before = render({}, camera);
   {
@@ -61,7 +61,7 @@ TEST(GlfwContext, WithoutADisplayTheErrorSaysSo) {
 struct Texture : GlTest {};
 
 // The points of a picture are drawn on the CPU, those of a window by GL.
-TEST_F(Texture, OfADrawingShowsWhatThePictureShows) {
+TEST_F(Texture, OfADrawingMatchesThePicture) {
   DrawList list;
   list.boxes = {{box_corners(Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f)),
                  {220, 20, 20},
@@ -105,7 +105,7 @@ TEST_F(Texture, OfADrawingFollowsItsSize) {
   EXPECT_EQ(renderer().render({}, camera, 64, 48, Theme::light).data, small.data);
 }
 
-TEST_F(Texture, OfAnImageHoldsItsPixelsAndTakesOthers) {
+TEST_F(Texture, OfAnImageHasItsPixelsAndCanBeReplaced) {
   Image8 image(3, 2, 3);
   for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<std::uint8_t>(i);
   ImageTexture texture(image);

@@ -111,7 +111,7 @@ std::vector<int> by_wall(const Seen& seen, const ColoredPlanes& colored) {
   return colors;
 }
 
-TEST(PlaneColors, StayWithTheirSurfacesWhileTheCameraMovesTurnsAndRolls) {
+TEST(PlaneColors, StayOnTheirSurfacesWhileTheCameraMovesTurnsAndRolls) {
   std::vector<int> first(room().size(), 0);
   std::optional<ColoredPlanes> before;
   for (int i = 0; i < 25; ++i) {
@@ -167,7 +167,7 @@ TEST(PlaneColors, AreNotForgottenInAFrameWithoutPlanes) {
   EXPECT_EQ(by_wall(first, color_planes(first.image(), &colored)), before);
 }
 
-TEST(PlaneColors, OfTwoPlanesThatTouchTheLargerKeepsWhatBothWant) {
+TEST(PlaneColors, TheLargerOfTwoTouchingPlanesKeepsItsColor) {
   PlaneImage image;
   image.planes.resize(3);
   for (std::size_t i = 0; i < 3; ++i) image.planes[i].size = 100 * (i + 1);
@@ -180,7 +180,7 @@ TEST(PlaneColors, OfTwoPlanesThatTouchTheLargerKeepsWhatBothWant) {
       << "the first that is neither taken nor kept";
 }
 
-TEST(PlaneColors, PlanesThatTouchDifferHoweverManyThereAre) {
+TEST(PlaneColors, TouchingPlanesDifferInAnyNumber) {
   // A large new plane touches more small ones than there are colors, and they use all colors.
   PlaneImage image;
   image.planes.resize(3 * kPlaneColors);

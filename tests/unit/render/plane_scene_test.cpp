@@ -82,7 +82,7 @@ TEST(PlaneScene, AnOutlineWithoutATriangulationIsDrawnByItsLines) {
   EXPECT_FALSE(shape.rings.empty());
 }
 
-TEST(PlaneScene, WhatIsUnknownIsDashedAndNotFilled) {
+TEST(PlaneScene, UnknownAreasAreDashedAndNotFilled) {
   const PlaneShape known = filled(with_hole(true)), unknown = filled(with_hole(false));
   EXPECT_NEAR(length_m(known.rings), 2.4 + 0.8, 1e-5);
   EXPECT_TRUE(known.unknown.empty());
@@ -95,7 +95,7 @@ TEST(PlaneScene, WhatIsUnknownIsDashedAndNotFilled) {
   EXPECT_LT(list.lines[1].colors[0].a, list.lines[0].colors[0].a);
 }
 
-TEST(PlaneScene, StandsAboutTheScenesOrigin) {
+TEST(PlaneScene, IsRelativeToTheScenesOrigin) {
   planes::Outline outline = with_hole(true);
   outline.origin = Vec3d(1000, 2000, 50);
   const PlaneShape shape = plane_shapes(std::span(&outline, 1), Vec3d(1000, 2000, 49))[0];
@@ -118,7 +118,7 @@ PlaneScene two_planes() {
   return plane_scene(std::vector<planes::PlaneRegion>(2), outlines, footholds, {}, Vec3d::Zero());
 }
 
-TEST(PlaneScene, FootSpaceIsGreyWhereNoFootIsCarried) {
+TEST(PlaneScene, FootSpaceIsGrayOnPlanesThatAreNotSteppable) {
   const PlaneScene scene = two_planes();
   EXPECT_EQ(scene.verdict(1), true);
   EXPECT_EQ(scene.verdict(2), false);
@@ -153,7 +153,7 @@ planes::Stairs two_steps() {
   return stairs;
 }
 
-TEST(PlaneScene, StepsTellHowHighAndHowDeepTheyAre) {
+TEST(PlaneScene, StepsShowRiseAndGoing) {
   PlaneScene scene;
   scene.stairs = two_steps();
   scene.origin = Vec3d(1, 0, 0);
@@ -167,7 +167,7 @@ TEST(PlaneScene, StepsTellHowHighAndHowDeepTheyAre) {
   EXPECT_GT(list.arrows[0].to.x(), list.arrows[0].from.x() + 0.5) << "uphill";
 }
 
-TEST(PlaneScene, KerbsAndRampsAreTold) {
+TEST(PlaneScene, KerbsAndRampsAreLabeled) {
   PlaneScene scene;
   scene.centroids = {Vec3f(0, 0, 0), Vec3f(1, 2, 0.3f)};
   planes::Kerb kerb;
@@ -210,7 +210,7 @@ struct WallFrame {
   }
 };
 
-TEST(RegionImage, DepthPixelsLeaveNoHolesInALargerColourImage) {
+TEST(RegionImage, DepthPixelsLeaveNoHolesInALargerColorImage) {
   WallFrame wall;
   wall.frame.color = Image8(160, 120, 3, 128);
   wall.frame.color_intrinsics = {160, 120, 130, 130, 80, 60};
@@ -264,7 +264,7 @@ TEST(RegionImage, InteriorPointsAreDeepInsideTheirRegions) {
   EXPECT_EQ(points[1].depth_px, 0);  // plane 2 is not in the image
 }
 
-TEST(ImageOverlay, TintsTheAlignedColourImageAndLeavesTheRest) {
+TEST(ImageOverlay, TintsPlanesOfTheAlignedColorImageOnly) {
   WallFrame wall;
   wall.frame.color = Image8(40, 30, 3, 100);
   wall.frame.color_aligned = true;
@@ -280,14 +280,14 @@ TEST(ImageOverlay, TintsTheAlignedColourImageAndLeavesTheRest) {
   EXPECT_NEAR(image.at(5 * factor, 5 * factor, 2), 100 + 0.4 * (tint.b - 100), 2);
 }
 
-TEST(ImageOverlay, WithoutCalibratedColourTheDepthIsShaded) {
+TEST(ImageOverlay, WithoutCalibratedColorTheDepthIsShaded) {
   WallFrame wall;
   wall.frame.color = Image8(80, 60, 3, 255);  // neither aligned nor calibrated
   const Image8 image = image_overlay(wall.frame, wall.result, {});
   EXPECT_EQ(image.width, 40 * enlargement(40));
 }
 
-TEST(ImageDepth, NearAndFarDifferAndTheUnmeasuredIsGrey) {
+TEST(ImageDepth, NearAndFarDifferAndUnmeasuredPixelsAreGray) {
   WallFrame wall;
   for (int v = 0; v < 30; ++v) {
     for (int u = 0; u < 10; ++u) wall.frame.depth.at(u, v) = 500;

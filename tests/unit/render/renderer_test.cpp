@@ -91,7 +91,7 @@ TEST_F(RendererTest, SizeOnScreenFollowsTheDistanceWithinItsBounds) {
   EXPECT_GE(width_px(100, 100), 1);
 }
 
-TEST_F(RendererTest, NearPointHidesTheFarOneWhateverTheirOrder) {
+TEST_F(RendererTest, NearPointHidesTheFarOneInAnyOrder) {
   const DrawPoints near = one_point({-0.2f, 0, 0}, kRed);
   const DrawPoints far = one_point({0.2f, 0, 0}, kBlue, 0.3f);
   for (const bool near_first : {true, false}) {
@@ -127,7 +127,7 @@ TEST_F(RendererTest, StepInACloudIsDarkenedAtItsFoot) {
   EXPECT_GT(image.at(kWidth / 2 - 30, kHeight / 2), 165);
 }
 
-TEST_F(RendererTest, BoxStylesAreToldApart) {
+TEST_F(RendererTest, BoxStylesDiffer) {
   const auto draw = [&](BoxStyle style) {
     DrawList list = without_overlay();
     list.boxes = {box(Vec3f::Zero(), 0.5f, kRed, style)};
@@ -202,7 +202,7 @@ TEST_F(RendererTest, PolygonIsFilledTranslucentlyAndOutlined) {
   EXPECT_TRUE(bluish(pixel(image, kWidth / 2, kHeight / 2 + edge)));
 }
 
-TEST_F(RendererTest, LineIsAsWideAsAskedForAtAnyDistance) {
+TEST_F(RendererTest, LineHasItsWidthAtAnyDistance) {
   const Image8 background = empty();
   for (const float x : {-0.5f, 0.0f, 3.0f}) {
     DrawList list = without_overlay();
@@ -217,7 +217,7 @@ TEST_F(RendererTest, LineIsAsWideAsAskedForAtAnyDistance) {
   }
 }
 
-TEST_F(RendererTest, LineThatPassesTheEyeIsCutAtTheNearPlane) {
+TEST_F(RendererTest, LineThatPassesTheEyeIsClippedAtTheNearPlane) {
   DrawList list = without_overlay();
   list.lines = {{{{-3, 0, -0.3f}, {3, 0, 0.1f}}, {kRed}, 4}};  // starts behind the camera
   const Image8 image = render(list, front_camera());
@@ -292,7 +292,7 @@ TEST_F(RendererTest, DegenerateInputIsDrawnWithoutAnError) {
   EXPECT_NO_THROW(render(list, camera));
 }
 
-TEST_F(RendererTest, ImpossibleSizeIsRefused) {
+TEST_F(RendererTest, ImpossibleSizeIsRejected) {
   EXPECT_THROW(renderer().render({}, front_camera(), 0, 100, Theme::light), Error);
   EXPECT_THROW(renderer().render({}, front_camera(), 100, 1 << 20, Theme::light), Error);
   EXPECT_THROW(renderer().render_ids({}, front_camera(), -1, 100), Error);
@@ -315,7 +315,7 @@ DrawList row_of_things(int change) {
   return list;
 }
 
-TEST_F(RendererTest, DrawsNothingWhereThePictureIsTheSame) {
+TEST_F(RendererTest, DrawsNothingIfThePictureIsUnchanged) {
   draw(row_of_things(0), front_camera());
   EXPECT_FALSE(renderer().changes().empty());
   draw(row_of_things(0), front_camera());
@@ -339,7 +339,7 @@ TEST_F(RendererTest, PartsDrawnAgainMakeThePictureDrawnAsAWhole) {
   EXPECT_EQ(fewer, 4);
 }
 
-TEST_F(RendererTest, PointsThatComeAndGoLeaveNoShadesBehind) {
+TEST_F(RendererTest, PointsThatAppearAndDisappearLeaveNoShadows) {
   const auto scene =
       [](int step) {  // large points that move across the tiles, in front of a wall of points
         DrawList list = without_overlay();
@@ -379,14 +379,14 @@ DrawPoints cloud(float x, std::vector<std::uint32_t> ids) {
 const std::vector<Vec3f> kTriangle = {
     {-0.5f, -0.2f, -0.2f}, {-0.5f, 0.2f, -0.2f}, {-0.5f, 0, 0.3f}};
 
-TEST_F(Picking, AllThirtyTwoBitsOfAnIdComeBack) {
+TEST_F(Picking, AllThirtyTwoBitsOfAnIdAreReturned) {
   DrawList list;
   EXPECT_EQ(middle(list), 0u);
   list.points = {cloud(0, {0xFEDCBA98u})};
   EXPECT_EQ(middle(list), 0xFEDCBA98u);
 }
 
-TEST_F(Picking, NearestThingIsPicked) {
+TEST_F(Picking, NearestObjectIsPicked) {
   DrawList list;
   list.points = {cloud(0.3f, {1}), cloud(0, {2})};
   EXPECT_EQ(middle(list), 2u);
@@ -396,13 +396,13 @@ TEST_F(Picking, NearestThingIsPicked) {
   EXPECT_EQ(middle(list), 4u);
 }
 
-TEST_F(Picking, PointsWithoutIdsHideWhatLiesBehindThem) {
+TEST_F(Picking, PointsWithoutIdsHideObjectsBehindThem) {
   DrawList list;
   list.points = {cloud(0.3f, {1}), cloud(0, {})};
   EXPECT_EQ(middle(list), 0u);
 }
 
-TEST_F(Picking, BoxesAndPolygonsWithoutAnIdAreLookedThrough) {
+TEST_F(Picking, BoxesAndPolygonsWithoutAnIdAreIgnored) {
   DrawList list;
   list.points = {cloud(0, {7})};
   list.boxes = {box(Vec3f::Zero(), 0.5f, kRed, BoxStyle::tinted)};
@@ -418,7 +418,7 @@ TEST_F(Picking, OpenBoxIsPickedByItsEdgesOnly) {
   EXPECT_GT(std::count(ids.data.begin(), ids.data.end(), 9u), 500);
 }
 
-TEST_F(Picking, IdsLieWhereThePictureShowsTheThing) {
+TEST_F(Picking, IdsMatchThePicture) {
   DrawList list = without_overlay();
   list.points = {cloud(0, {5})};
   list.points[0].positions[0] = {0, 0.2f, 0.3f};

@@ -45,7 +45,7 @@ std::vector<float> values_of(const debug::Run& run, const StepLook& look) {
   return voxel_values(step_state(run, look));
 }
 
-TEST(StepState, OfADepthImageShowsThePlanesThatOthersJoined) {
+TEST(StepState, OfADepthImageShowsJoinedPlanes) {
   const auto run = test::box_run();
   StepLook look = look_by(*run, ColorBy::planes);
   for (const std::int32_t plane : step_state(*run, look).plane_of)
@@ -62,7 +62,7 @@ TEST(StepState, OfADepthImageShowsThePlanesThatOthersJoined) {
   }
 }
 
-TEST(StepValues, DepthIsWhatTheCameraMeasuredThere) {
+TEST(StepValues, DepthIsTheCamerasMeasurement) {
   const auto run = step_run();
   const std::vector<float> values = values_of(*run, look_by(*run, ColorBy::depth));
   const Image16& depth = run->subject->frame.depth;
@@ -77,7 +77,7 @@ TEST(StepValues, DepthIsWhatTheCameraMeasuredThere) {
   EXPECT_GT(compared, 500);
 }
 
-TEST(StepValues, HeightTellsHowHighAStepIs) {
+TEST(StepValues, HeightShowsTheRiseOfAStep) {
   const auto run = step_run();
   std::vector<float> values = values_of(*run, look_by(*run, ColorBy::height));
   const auto [low, high] = std::ranges::minmax(values);
@@ -85,7 +85,7 @@ TEST(StepValues, HeightTellsHowHighAStepIs) {
   EXPECT_EQ(why_no_values(*run, look_by(*run, ColorBy::height)), "");
 }
 
-TEST(StepValues, HeightIsUnknownWhereGravityIs) {
+TEST(StepValues, HeightIsUnknownWithoutGravity) {
   const auto run = step_run(false);
   const StepLook look = look_by(*run, ColorBy::height);
   EXPECT_NE(why_no_values(*run, look).find("gravity"), std::string::npos);
@@ -112,7 +112,7 @@ TEST(StepColors, DeadEndsAreStripedAndOtherCasesAreNot) {
   EXPECT_GT(count[planes::Case::IV][0], 0);
 }
 
-TEST(StepValues, RmsIsThatOfThePlaneOfThePoint) {
+TEST(StepValues, RmsIsThatOfThePointsPlane) {
   const auto run = step_run();
   const StepLook look = look_by(*run, ColorBy::rms);
   const StepState state = step_state(*run, look);
@@ -160,7 +160,7 @@ TEST(StepValues, DistanceIsSignedAndToTheSelectedPlane) {
   EXPECT_EQ(colors[top], highlight_colors(look.theme).waiting);
 }
 
-TEST(StepValues, TheRangeIsTheSameAtEveryStepAndPassesOutliersOver) {
+TEST(StepValues, TheRangeIsTheSameAtEveryStepAndIgnoresOutliers) {
   const auto run = step_run();
   for (const ColorBy by : {ColorBy::depth, ColorBy::height, ColorBy::rms, ColorBy::distance}) {
     StepLook look = look_by(*run, by);
@@ -222,7 +222,7 @@ struct LabelScene : testing::Test {
   static std::size_t at(int u, int v) { return static_cast<std::size_t>(v * 40 + u); }
 };
 
-TEST_F(LabelScene, DrawsEveryMeasuredPointAndNamesItsPixel) {
+TEST_F(LabelScene, DrawsEveryMeasuredPointWithItsPixelId) {
   const DrawPoints drawn = points();
   ASSERT_EQ(drawn.positions.size(), grid.measured_count);
   ASSERT_EQ(drawn.colors.size(), drawn.positions.size());
@@ -230,7 +230,7 @@ TEST_F(LabelScene, DrawsEveryMeasuredPointAndNamesItsPixel) {
     EXPECT_EQ(drawn.positions[k], world[drawn.ids[k] - 1]);
 }
 
-TEST_F(LabelScene, LeavesHiddenPlanesOut) {
+TEST_F(LabelScene, SkipsHiddenPlanes) {
   *labels = labels::edited(*labels, grid, labels::set_flag, 2, labels::PlaneFlag::hidden, true);
   EXPECT_EQ(points().positions.size(),
             grid.measured_count - labels::pixels_of_plane(*labels, 2).size());
@@ -238,7 +238,7 @@ TEST_F(LabelScene, LeavesHiddenPlanesOut) {
   EXPECT_EQ(label_places(*labels, grid).size(), 1u);
 }
 
-TEST_F(LabelScene, TellsPlanesApartAndTheActiveOneFromTheOthers) {
+TEST_F(LabelScene, DistinguishesPlanesAndHighlightsTheActiveOne) {
   LabelLook active = look();
   active.plane = 1;
   const std::vector<Rgba> tint = tints(active);
@@ -248,7 +248,7 @@ TEST_F(LabelScene, TellsPlanesApartAndTheActiveOneFromTheOthers) {
   EXPECT_GT(tint[at(5, 5)].a, tint[at(38, 5)].a);
 }
 
-TEST_F(LabelScene, ShowsClassesInTheirColours) {
+TEST_F(LabelScene, ShowsClassesInTheirColors) {
   *labels = labels::edited(*labels, grid, labels::set_class, 1, Label::h);
   LabelLook classes = look();
   classes.show_class = true;
@@ -256,7 +256,7 @@ TEST_F(LabelScene, ShowsClassesInTheirColours) {
   EXPECT_EQ(tints(classes)[at(38, 5)].b, label_color(Label::v).b);
 }
 
-TEST_F(LabelScene, APreviewIsSeenHoweverFaintLabelsAre) {
+TEST_F(LabelScene, APreviewIsVisibleOverFaintLabels) {
   LabelLook shown = look();
   const labels::PixelSet preview{static_cast<std::uint32_t>(at(5, 5)), 99999};
   shown.preview = preview;
@@ -277,7 +277,7 @@ TEST_F(LabelScene, PaintsOutlinesBetweenPlanesButNotAroundHoles) {
   EXPECT_EQ(picture.at(10, 5), ground.at(10, 5));
 }
 
-TEST_F(LabelScene, NamesStandDeepInTheirPlanes) {
+TEST_F(LabelScene, NamesAreWellInsideTheirPlanes) {
   const std::vector<LabelPlace> places = label_places(*labels, grid);
   ASSERT_EQ(places.size(), 2u);
   EXPECT_NEAR(static_cast<double>(places[0].pixel % 40), 10, 5);

@@ -44,7 +44,7 @@ planes::FrameResult two_squares(const Vec3d& origin) {
   return result;
 }
 
-TEST(PlaneSummary, SizeTiltAndOffsetAreThoseOfTheSurface) {
+TEST(PlaneSummary, SizeTiltAndOffsetMatchTheSurface) {
   const auto summaries = summarize_planes(two_squares(Vec3d(100, 200, 5)), 0.02);
   ASSERT_EQ(summaries.size(), 2u);
   EXPECT_EQ(summaries[0].points, 10000u);
@@ -72,7 +72,7 @@ struct TwoSquares {
   }
 };
 
-TEST(Undecided, IsInEveryFileWithTheMarginWhereItIsFinite) {
+TEST(Undecided, IsInEveryFileWithAFiniteMargin) {
   const TwoSquares squares;
   const auto planes =
       nlohmann::json::parse(planes_json(Frame{}, squares.result, squares.found, {}))["planes"];
@@ -105,7 +105,7 @@ TEST(PlaneSummary, WithoutGravityNothingIsTilted) {
   EXPECT_TRUE(std::isnan(summarize_planes(result, 0.02)[0].tilt_deg));
 }
 
-TEST(PlaneSummary, AreaDoesNotCountWhatWasNotMeasured) {
+TEST(PlaneSummary, AreaExcludesUnmeasuredParts) {
   planes::FrameResult result = two_squares(Vec3d::Zero());
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)  // an L, with one quarter missing
     if (result.cloud.points[i].x() > 0.5F && result.cloud.points[i].y() > 0.5F &&
@@ -172,7 +172,7 @@ TEST(PlaneSummary, HullIsThatOfAllPoints) {
     }
 }
 
-TEST(PlaneSummary, HullLiesInThePlaneAndRunsCounterClockwiseAboutTheNormal) {
+TEST(PlaneSummary, HullIsInThePlaneAndCounterClockwiseAboutTheNormal) {
   for (const PlaneSummary& plane : summarize_planes(two_squares(Vec3d::Zero()), 0.02)) {
     ASSERT_EQ(plane.hull.size(), 4u);
     Vec3d twice_area = Vec3d::Zero();
@@ -234,7 +234,7 @@ INSTANTIATE_TEST_SUITE_P(Profiles,
                                          planes::Profile::paper_closest,
                                          planes::Profile::refined));
 
-TEST_P(ValueHistogramOf, CountsEveryNodeAndWhatWasDecidedOfIt) {
+TEST_P(ValueHistogramOf, CountsEveryNodeByDecision) {
   const Decided decided(GetParam());
   const std::vector<ValueHistogram> histograms = decided.histograms();
   ASSERT_EQ(histograms.size(), 4u);
@@ -248,7 +248,7 @@ TEST_P(ValueHistogramOf, CountsEveryNodeAndWhatWasDecidedOfIt) {
   EXPECT_GE(histograms[1].total() - within_threshold(histograms[1]), counts.nodes_per_case[3]);
 }
 
-TEST_P(ValueHistogramOf, HoldsAPairPerCandidateThatHadAPlaneToJoin) {
+TEST_P(ValueHistogramOf, ContainsAPairPerCandidateWithAPlaneToJoin) {
   if (GetParam() == planes::Profile::refined) return;  // only the paper profile tests Criterion 4
   const Decided decided(GetParam());
   const std::vector<ValueHistogram> histograms = decided.histograms();
@@ -267,7 +267,7 @@ TEST(ValueHistogram, AddsUpOverFrames) {
   EXPECT_EQ(sum.total(), 7u);
 }
 
-TEST(ValueHistogram, IsNotThereWithoutAnOctree) {
+TEST(ValueHistogram, IsMissingWithoutAnOctree) {
   EXPECT_TRUE(decision_histograms({}, {}, {}).empty());
 }
 

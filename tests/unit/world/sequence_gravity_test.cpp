@@ -109,7 +109,7 @@ double off_deg(const Frame& frame) {
          180 / std::numbers::pi;
 }
 
-TEST(SequenceGravity, IsCarriedFromTheNearestFrameThatKnowsItByOdometry) {
+TEST(SequenceGravity, IsTransferredFromTheNearestKnownFrameByOdometry) {
   const auto recording = std::make_shared<Balls>();
   recording->told[0] = down_at(0);
   recording->told[6] = down_at(6);
@@ -125,7 +125,7 @@ TEST(SequenceGravity, IsCarriedFromTheNearestFrameThatKnowsItByOdometry) {
   EXPECT_EQ(resolved(gravity, *recording, 6).gravity->source, GravitySource::imu);
 }
 
-TEST(SequenceGravity, IsTheSameInAnyOrderAndOnAnyNumberOfThreads) {
+TEST(SequenceGravity, IsTheSameInAnyOrderAndForAnyNumberOfThreads) {
   const auto recording = std::make_shared<Balls>();
   recording->told[3] = down_at(3);
   const SequenceGravity one(recording, {}), other(recording, {});
@@ -139,7 +139,7 @@ TEST(SequenceGravity, IsTheSameInAnyOrderAndOnAnyNumberOfThreads) {
   EXPECT_EQ(forwards, side_by_side);
 }
 
-TEST(SequenceGravity, GoesByThePosesOfTheRecordingWhereItHasThem) {
+TEST(SequenceGravity, UsesThePosesOfTheRecordingIfAvailable) {
   const auto recording = std::make_shared<Balls>();
   recording->told[0] = down_at(0);
   recording->poses = true;
@@ -150,7 +150,7 @@ TEST(SequenceGravity, GoesByThePosesOfTheRecordingWhereItHasThem) {
             "carried from frame 0 by the recording's poses over 7 frames, where it was told");
 }
 
-TEST(SequenceGravity, EndsWhereTheMotionIsNotKnown) {
+TEST(SequenceGravity, EndsWhereMotionIsUnknown) {
   const auto recording = std::make_shared<Balls>();
   recording->told[0] = down_at(0);
   recording->empty = {3};
@@ -164,7 +164,7 @@ TEST(SequenceGravity, EndsWhereTheMotionIsNotKnown) {
   EXPECT_FALSE(resolved(SequenceGravity(wall, {}), *wall, 1).gravity);
 }
 
-TEST(SequenceGravity, OfAPickServesTheOtherFrames) {
+TEST(SequenceGravity, OfAPickIsUsedForOtherFrames) {
   const auto recording = std::make_shared<Balls>();
   const SequenceGravity gravity(recording, {});
   EXPECT_FALSE(resolved(gravity, *recording, 4).gravity);

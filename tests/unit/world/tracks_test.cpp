@@ -96,7 +96,7 @@ class Room : public ::testing::Test {
   int next_ = 0;
 };
 
-TEST_F(Room, PlanesAreTheSameFromFrameToFrame) {
+TEST_F(Room, PlanesKeepTheirTracksFromFrameToFrame) {
   for (int i = 0; i < 6; ++i) {
     camera_.position.x() = 0.02 * i;
     camera_.yaw_deg = i;
@@ -116,7 +116,7 @@ TEST_F(Room, PlanesAreTheSameFromFrameToFrame) {
     EXPECT_EQ(track.is_sure({}) ? track.frames_missed : 0, 0) << track.id;
 }
 
-TEST_F(Room, MinorPlanesGoOnWithTracksAndFoundNone) {
+TEST_F(Room, MinorPlanesContinueTracksButStartNone) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   const std::size_t tracks = tracker_.tracks().size();
   const double measured = floor().moments.count;
@@ -138,7 +138,7 @@ TEST_F(Room, MinorPlanesGoOnWithTracksAndFoundNone) {
   EXPECT_TRUE(other.tracks().empty());
 }
 
-TEST_F(Room, LabelsFromTheMapAreWhatAFrameMeasuresOfATrack) {
+TEST_F(Room, LabelsFromTheMapAreTheFramesMeasurementsOfATrack) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   camera_.position.y() = 0.3;
   const labels::LabelGrid grid = labels::make_label_grid(render(scene_), Gravity{});
@@ -169,7 +169,7 @@ TEST_F(Room, ACoveredCameraLosesNothing) {
   EXPECT_EQ(lid().frames_missed, 0);
 }
 
-TEST_F(Room, WhatIsTakenAwayIsGoneAndItsPlaceIsKept) {
+TEST_F(Room, ARemovedObjectIsGoneAndItsTrackIsKept) {
   for (int i = 0; i < 5; ++i) tracker_.add(look(scene_));
   const int id = lid().id;
   for (int i = 0; i < 8; ++i) tracker_.add(look(empty_));
@@ -199,7 +199,7 @@ TEST_F(Room, AFrameAtAWrongPoseIsSetAside) {
   EXPECT_EQ(begun_wrong.frames().back().segment, 1);
 }
 
-TEST_F(Room, AFrameAtASlightlyWrongPoseIsBroughtToItsPlace) {
+TEST_F(Room, AFrameAtASlightlyWrongPoseIsAligned) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   ObservedFrame seen = look(scene_);
   const Pose right = seen.T_world_camera;
@@ -215,7 +215,7 @@ TEST_F(Room, AFrameAtASlightlyWrongPoseIsBroughtToItsPlace) {
             fitting.T_world_camera.matrix());
 }
 
-TEST_F(Room, TheFloorBeforeALowWallDoesNotPullAtIt) {
+TEST_F(Room, TheFloorBeforeALowWallDoesNotShiftIt) {
   lab::Scene low;
   lab::add_ground(low, {{-2, 4}, {-3, 3}});
   lab::add_polygon(low, lab::upright({1.2, 2}, {1.2, -2}, {0, 0.15}), {});
@@ -230,7 +230,7 @@ TEST_F(Room, TheFloorBeforeALowWallDoesNotPullAtIt) {
   EXPECT_LT(std::abs((aligned.translation() - right.translation()).x()), 0.012);
 }
 
-TEST_F(Room, TheFloorIsExpectedWhereItIsSeen) {
+TEST_F(Room, TheFloorIsExpectedWhereItIsVisible) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   Frame frame;
   frame.intrinsics = lab::d435_intrinsics(160, 120);
@@ -276,7 +276,7 @@ TEST_F(Room, TracksOfAnEarlierPassKeepTheirPlanes) {
   for (const Track& track : second.tracks()) EXPECT_EQ(track.frames_missed, 0) << track.id;
 }
 
-TEST_F(Room, WhatLeavesTheWindowIsHandedOverAndForgotten) {
+TEST_F(Room, TracksThatLeaveTheWindowAreReturnedAndForgotten) {
   TrackOptions options;
   options.window_m = 3;
   tracker_ = Tracker(options);
@@ -299,7 +299,7 @@ TEST_F(Room, WhatLeavesTheWindowIsHandedOverAndForgotten) {
   EXPECT_NEAR(piece->outline.area_m2, lid_m2, 0.01);
 }
 
-TEST_F(Room, AMissNamesTheTermThatFailed) {
+TEST_F(Room, AMissReportsTheTermThatFailed) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   ObservedFrame tilted = look(scene_);
   const int floor_plane = floor().sightings.back().plane;
@@ -322,7 +322,7 @@ TEST_F(Room, AMissNamesTheTermThatFailed) {
   EXPECT_LT(track.gaps.back().term.threshold, track.gaps.back().term.value);
 }
 
-TEST(CellMap, CountsNoCellsBeyondWhatAnIntHolds) {
+TEST(CellMap, IgnoresPositionsBeyondTheRangeOfInt) {
   CellMap cells(0.02);
   EXPECT_EQ(cells.index_of(-0.03), -2);
   EXPECT_EQ(cells.index_of(2e5), 10'000'000);  // twice the limit on poses
@@ -334,7 +334,7 @@ TEST(CellMap, CountsNoCellsBeyondWhatAnIntHolds) {
     cells.at(cells.index_of(beyond), cells.index_of(beyond)).see();
 }
 
-TEST(Fusion, OfMomentsIsTheFitOfAllPointsAtOnce) {
+TEST(Fusion, OfMomentsEqualsAFitToAllPoints) {
   // Points seen from two positions, each relative to its own camera.
   Moments all, parts;
   for (int k = 0; k < 2; ++k) {
@@ -407,7 +407,7 @@ ObservedPlane level_plane(int id, const Vec3d& centroid, const Vec2d& size, doub
   return plane;
 }
 
-TEST(Tracker, AStripWhoseTiltIsNotKnownStaysApartFromAFloorBelowIt) {
+TEST(Tracker, AStripOfUnknownTiltIsNotMergedWithAFloorBelowIt) {
   // Like the first view of a tread: extended to the floor's center, it could have any height.
   ObservedFrame frame;
   frame.planes = {level_plane(1, {0, 0, 0}, {1, 1}, 0.001),
@@ -418,7 +418,7 @@ TEST(Tracker, AStripWhoseTiltIsNotKnownStaysApartFromAFloorBelowIt) {
   EXPECT_EQ(tracker.tracks()[1].state, TrackState::alive);
 }
 
-TEST_F(Room, ALowBoardDoesNotLean) {
+TEST_F(Room, ALowBoardIsNotTilted) {
   // Seen from above, with errors along the rays: a fit to all of its points in space is off by 0.7.
   lab::Scene scene;
   lab::add_polygon(scene, lab::upright({1.1, 0.6}, {1.1, -0.6}, {0.05, 0.2}), {});

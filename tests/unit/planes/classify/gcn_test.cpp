@@ -61,7 +61,7 @@ void expect_near(const std::vector<float>& a, const std::vector<float>& b, float
   EXPECT_LE(largest, tolerance);
 }
 
-TEST(Gcn, AgreesWithThePlainOne) {
+TEST(Gcn, AgreesWithThePlainImplementation) {
   const std::vector<Vec3f> points = stairs_points(700);
   for (const NetworkConfig& config : {network_config("compact"), network_config("small"),
                                       network_config("official"), odd_config()}) {
@@ -102,7 +102,7 @@ NetworkWeights undecided_weights(const NetworkConfig& config, const std::vector<
   return weights;
 }
 
-TEST(Gcn, GivesTheSameBitsWithEveryInstructionSetAndThreadCount) {
+TEST(Gcn, GivesIdenticalResultsForEveryInstructionSetAndThreadCount) {
   const std::vector<Vec3f> points = stairs_points(2000);
   for (const NetworkConfig& config : {network_config("compact"), odd_config()}) {
     const NetworkWeights weights = lab::random_weights(config, 3);
@@ -117,7 +117,7 @@ TEST(Gcn, GivesTheSameBitsWithEveryInstructionSetAndThreadCount) {
   }
 }
 
-TEST(Gcn, LabelsAPermutedCloudAsItLabelsTheCloud) {
+TEST(Gcn, LabelsAPermutedCloudLikeTheOriginal) {
   const std::vector<Vec3f> points = stairs_points(3000);
   for (const NetworkConfig& config : {network_config("compact"), network_config("small")}) {
     const Gcn network(lab::random_weights(config, 4));
@@ -151,7 +151,7 @@ TEST(Gcn, LabelsAPermutedGridWithEqualDistancesAndEqualPointsAlike) {
     ASSERT_EQ(of_permuted[2 * i], logits[2 * order[i]]) << "point " << order[i];
 }
 
-TEST(Gcn, RemembersNothingOfTheCloudsBefore) {
+TEST(Gcn, DoesNotDependOnEarlierClouds) {
   const NetworkWeights weights = lab::random_weights(network_config("small"), 4);
   const Gcn network(weights);
   for (const int count : {3000, 40, 1, 900, 3000}) {
@@ -160,7 +160,7 @@ TEST(Gcn, RemembersNothingOfTheCloudsBefore) {
   }
 }
 
-TEST(Gcn, AnswersSeveralThreadsAtOnce) {
+TEST(Gcn, IsThreadSafe) {
   const Gcn network(lab::random_weights(network_config("compact"), 4));
   const std::vector<Vec3f> a = stairs_points(1500), b = stairs_points(700, 0);
   const std::vector<float> of_a = network.forward(a, 1), of_b = network.forward(b, 1);
@@ -190,7 +190,7 @@ TEST(Gcn, LabelsACloudFarFromTheOriginAlike) {
   EXPECT_GE(static_cast<double>(alike), 0.999 * 8192);
 }
 
-TEST(Gcn, KnowsNothingOfScale) {
+TEST(Gcn, IsIndependentOfScale) {
   const std::vector<Vec3f> points = stairs_points(4000);
   const Gcn network(undecided_weights(network_config("compact"), points));
   const std::vector<float> logits = network.forward(points, 1);
@@ -204,7 +204,7 @@ TEST(Gcn, KnowsNothingOfScale) {
   EXPECT_GE(agreement(scaled(3.7f), logits), 0.999);
 }
 
-TEST(Gcn, AnswersForHardlyAnyPoints) {
+TEST(Gcn, WorksForVeryFewPoints) {
   for (const NetworkConfig& config : {network_config("compact"), network_config("official")}) {
     const auto classifier = make_gcn_classifier(lab::random_weights(config, 2));
     for (const std::size_t count : {0, 1, 2, 3, 5, 16, 17, 40}) {
@@ -231,7 +231,7 @@ TEST(Gcn, LabelsEqualPointsAlike) {
   }
 }
 
-TEST(Gcn, LeavesPointsThatAreNotFiniteUnknownAndTheOthersAlone) {
+TEST(Gcn, LabelsNonFinitePointsUnknownWithoutAffectingOthers) {
   const auto classifier = make_gcn_classifier(lab::random_weights(network_config("compact"), 2));
   const std::vector<Vec3f> points = stairs_points(600);
   std::vector<Vec3f> with_gaps = points;

@@ -135,14 +135,14 @@ bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(NetworkConfigs, HaveTheParameterCountsOfTheOfficialCodeAndOfOurs) {
+TEST(NetworkConfigs, HaveTheDocumentedParameterCounts) {
   EXPECT_EQ(parameter_count(network_config("official")), 1679362U);
   EXPECT_EQ(parameter_count(network_config("small")), 106498U);
   EXPECT_EQ(parameter_count(network_config("compact")), 27714U);
   EXPECT_THROW(network_config("huge"), Error);
 }
 
-TEST(Weights, ComeBackBitForBit) {
+TEST(Weights, AreReadBackExactly) {
   const fs::path path = scratch_file();
   for (const NetworkConfig& config : {tiny_config(), network_config("compact")}) {
     NetworkWeights weights = make_weights(config);
@@ -154,7 +154,7 @@ TEST(Weights, ComeBackBitForBit) {
   }
 }
 
-TEST(Weights, AreWrittenAsTheSameBytesEveryTimeWithAlignedData) {
+TEST(Weights, AreWrittenReproduciblyWithAlignedData) {
   const fs::path path = scratch_file();
   write_weights(path, make_weights(tiny_config()));
   const Bytes first = read_file_bytes(path);
@@ -164,7 +164,7 @@ TEST(Weights, AreWrittenAsTheSameBytesEveryTimeWithAlignedData) {
   EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);  // no other files
 }
 
-TEST(Weights, ThatCannotBeWrittenLeaveTheOldOnesAlone) {
+TEST(Weights, ThatCannotBeWrittenKeepTheOldOnes) {
   const fs::path path = scratch_file();
   fs::create_directories(path / "in the way");
   EXPECT_THROW(write_weights(path, make_weights(tiny_config())), Error);
@@ -224,7 +224,7 @@ TEST(Weights, OfTheOfficialPyTorchCodeLoad) {
   }
 }
 
-TEST(DamagedWeights, CutAnywhereAreRefused) {
+TEST(DamagedWeights, TruncatedAnywhereAreRejected) {
   const fs::path path = scratch_file();
   write_weights(path, make_weights(tiny_config()));
   const Bytes whole = read_file_bytes(path);
@@ -234,7 +234,7 @@ TEST(DamagedWeights, CutAnywhereAreRefused) {
   }
 }
 
-TEST(DamagedWeights, WithAnyByteChangedAreRefusedOrStillOneNetwork) {
+TEST(DamagedWeights, WithAnyByteChangedAreRejectedOrStillValid) {
   const fs::path path = scratch_file();
   write_weights(path, make_weights(tiny_config()));
   const Bytes whole = read_file_bytes(path);
@@ -256,13 +256,13 @@ TEST(DamagedWeights, WithAnyByteChangedAreRefusedOrStillOneNetwork) {
   }
 }
 
-TEST(DamagedWeights, ThatAreMissingOrAFolderAreNamed) {
+TEST(DamagedWeights, ThatAreMissingOrAFolderAreReported) {
   const fs::path path = scratch_file();
   EXPECT_TRUE(has(error_of(path), "no such file"));
   EXPECT_TRUE(has(error_of(path.parent_path()), path.parent_path().string()));
 }
 
-TEST(DamagedWeights, WithALyingHeaderLengthAreRefused) {
+TEST(DamagedWeights, WithAWrongHeaderLengthAreRejected) {
   const fs::path path = scratch_file();
   const Parts parts = tiny_parts(path);
   for (const std::uint64_t length : {std::uint64_t{1} << 24 | 1, std::uint64_t{0} - 1,
@@ -274,7 +274,7 @@ TEST(DamagedWeights, WithALyingHeaderLengthAreRefused) {
   }
 }
 
-TEST(DamagedWeights, WithAHeaderThatIsNoObjectOrTooDeepAreRefused) {
+TEST(DamagedWeights, WithAHeaderThatIsNotAnObjectOrTooDeepAreRejected) {
   const fs::path path = scratch_file();
   const std::string deep(1 << 20, '[');
   for (const std::string& header :
@@ -285,7 +285,7 @@ TEST(DamagedWeights, WithAHeaderThatIsNoObjectOrTooDeepAreRefused) {
   }
 }
 
-TEST(DamagedWeights, WithTensorsThatAreNotWhereTheyShouldBeAreRefused) {
+TEST(DamagedWeights, WithWrongTensorOffsetsAreRejected) {
   const auto offsets = [](Json begin, Json end) {
     return error_after([&](Parts& parts) {
       parts.header["conv_0.directions"]["data_offsets"] = {begin, end};
@@ -304,7 +304,7 @@ TEST(DamagedWeights, WithTensorsThatAreNotWhereTheyShouldBeAreRefused) {
                   "\"conv_0.directions\" is 1, expected an object"));
 }
 
-TEST(DamagedWeights, WithShapesThatDoNotFitAreRefused) {
+TEST(DamagedWeights, WithWrongShapesAreRejected) {
   const auto shape = [](const Json& extents) {
     return error_after([&](Parts& parts) { parts.header["conv_0.directions"]["shape"] = extents; });
   };
@@ -318,7 +318,7 @@ TEST(DamagedWeights, WithShapesThatDoNotFitAreRefused) {
   EXPECT_TRUE(has(shape("3x2"), "shape is \"3x2\", expected a list"));
 }
 
-TEST(DamagedWeights, OfOtherTypesOrTensorsAreRefused) {
+TEST(DamagedWeights, OfOtherTypesOrTensorsAreRejected) {
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["conv_1.bias"]["dtype"] = "F16"; }),
                   R"("conv_1.bias".dtype is "F16", expected one of F32)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) {
@@ -337,13 +337,13 @@ TEST(DamagedWeights, OfOtherTypesOrTensorsAreRefused) {
                   R"(tensor "extra\n" is not part of its configuration)"));
 }
 
-TEST(DamagedWeights, ThatAreNotFiniteAreRefused) {
+TEST(DamagedWeights, ThatAreNotFiniteAreRejected) {
   for (const std::uint32_t bits : {0x7F800000U, 0xFF800000U, 0x7FC00000U})
     EXPECT_TRUE(has(error_after([&](Parts& parts) { std::memcpy(&parts.data[4], &bits, 4); }),
                     "value 1 is"));
 }
 
-TEST(DamagedWeights, WithoutOurMetadataSayWhatToAdd) {
+TEST(DamagedWeights, WithoutOurMetadataReportWhatToAdd) {
   EXPECT_TRUE(
       has(error_after([](Parts& parts) { parts.header.erase("__metadata__"); }), "no 'format'"));
   for (const char* key : {"format", "version", "config"})
@@ -361,7 +361,7 @@ TEST(DamagedWeights, WithoutOurMetadataSayWhatToAdd) {
                   "training record is not a JSON object"));
 }
 
-TEST(DamagedWeights, WithAnAbsurdConfigurationAreRefused) {
+TEST(DamagedWeights, WithAnAbsurdConfigurationAreRejected) {
   const auto set = [](const char* key, const Json& value) {
     return error_after_config([&](Json& config) { config[key] = value; });
   };

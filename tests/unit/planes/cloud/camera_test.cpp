@@ -39,7 +39,7 @@ TEST(Camera, BrownConradyMatchesTheOpenCvFormula) {
   EXPECT_NEAR(pixel.y(), k.fy * (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) + k.cy, 1e-9);
 }
 
-TEST(Camera, EveryPixelComesBackFromItsRay) {
+TEST(Camera, EveryPixelIsRecoveredFromItsRay) {
   for (const Distortion model : {Distortion::brown_conrady, Distortion::inverse_brown_conrady}) {
     Intrinsics k = test_camera();
     k.distortion = model;
@@ -67,7 +67,7 @@ TEST(Camera, InverseBrownConradyUndoesBrownConradyOfTheSameName) {
   EXPECT_NEAR(again.y() * forward.fy + forward.cy, distorted.y(), 1e-9);
 }
 
-TEST(Camera, APixelThatNoRayReachesIsNaN) {
+TEST(Camera, APixelWithoutARayIsNaN) {
   Intrinsics k = test_camera();
   k.distortion = Distortion::brown_conrady;
   // The calibration of a real camera (its k3 is valid only where the targets were), which folds

@@ -93,7 +93,7 @@ void expect_plain_cloud(const Frame& frame, const Cloud& cloud, double max_range
   EXPECT_EQ(cloud.counts.kept, counts.kept);
 }
 
-TEST(PixelKernels, MakeTheCloudThatPixelByPixelMakes) {
+TEST(PixelKernels, MakeTheSameCloudAsScalarCode) {
   Gravity gravity;
   gravity.direction = Vec3d(0.1, 0.8, 0.5).normalized();
   for (const Distortion distortion :
@@ -161,7 +161,7 @@ TEST(PixelKernels, AreTheSameForEveryInstructionSet) {
     EXPECT_EQ(plain.fates[fate], std::ranges::count(plain.fate, fate)) << fate;
 }
 
-TEST(PixelKernels, SumAPatchAsItsPixelsOneByOne) {
+TEST(PixelKernels, SumAPatchLikeScalarCode) {
   constexpr std::size_t kPatches = 16, kPixels = 5;
   std::mt19937 random(4);
   std::normal_distribution<double> normal;

@@ -34,7 +34,7 @@ Cloud random_cloud(std::uint64_t seed, int count) {
   return cloud;
 }
 
-TEST(Voxels, EqualAPlainMapOfCells) {  // 300000 points, so that the hash table grows
+TEST(Voxels, MatchAPlainMapOfCells) {  // 300000 points, so that the hash table grows
   for (const double size_m : {0.02, 0.05, 0.4, 5.0}) {
     const Cloud cloud = random_cloud(7, 300000);
     struct Reference {
@@ -117,7 +117,7 @@ TEST(Voxels, MembersAreTheirPointsInOrder) {
   EXPECT_EQ(seen, csr.members.size());
 }
 
-TEST(Voxels, LabelsGoByMajorityWithoutTheUnknownAndTiesToTheSmaller) {
+TEST(Voxels, LabelsAreTheMajorityOfKnownOnesAndTiesGoToTheSmaller) {
   Cloud cloud;
   cloud.cube.min_corner = Vec3d::Constant(-1.6);
   std::vector<std::uint8_t> labels;
@@ -138,7 +138,7 @@ TEST(Voxels, LabelsGoByMajorityWithoutTheUnknownAndTiesToTheSmaller) {
   EXPECT_EQ(vote_instances(voxels, ids), (std::vector<std::int32_t>{9, -1, 0}));
 }
 
-TEST(Voxels, AWholeFrameMayLieInOneVoxel) {
+TEST(Voxels, AWholeFrameMayBeInOneVoxel) {
   Cloud cloud;
   cloud.cube.min_corner = Vec3d::Constant(-1.6);
   Vec3d sum = Vec3d::Zero();
@@ -154,7 +154,7 @@ TEST(Voxels, AWholeFrameMayLieInOneVoxel) {
   EXPECT_LT((voxels.points[0].cast<double>() - sum / 100000).norm(), 1e-6);
 }
 
-TEST(Voxels, FarApartPointsOfALargeCloudStayApart) {
+TEST(Voxels, DistantPointsOfALargeCloudStaySeparate) {
   Cloud cloud;
   cloud.cube.min_corner = Vec3d::Constant(-13107.2);
   cloud.cube.edge_m = 26214.4;
@@ -168,7 +168,7 @@ TEST(Voxels, FarApartPointsOfALargeCloudStayApart) {
     EXPECT_LT((voxels.points[i] - cloud.points[i]).norm(), 0.02f);
 }
 
-TEST(Voxels, ASizeThatNoKeyCanHoldIsRefused) {
+TEST(Voxels, ASizeBeyondTheKeysIsRejected) {
   Cloud cloud = random_cloud(12, 10);
   EXPECT_THROW(voxelize(cloud, 1e-7), Error);
   EXPECT_THROW(voxelize(cloud, -1), Error);

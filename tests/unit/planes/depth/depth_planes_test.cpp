@@ -90,7 +90,7 @@ DepthImage image_of(int width, int height, const std::function<double(int, int)>
   return image;
 }
 
-TEST(DepthCells, HoldEachMeasuredPixelOnce) {
+TEST(DepthCells, ContainEachMeasuredPixelOnce) {
   Random random(5);
   const DepthImage image = image_of(101, 67, [&](int u, int v) {
     return (u * 7 + v) % 5 == 0 ? 0.0
@@ -114,7 +114,7 @@ TEST(DepthCells, HoldEachMeasuredPixelOnce) {
   EXPECT_NEAR(root.rr, all.rr, 1e-9 * all.rr);
 }
 
-TEST(DepthCells, KeepSurfacesApartThatAreFarFromEachOther) {
+TEST(DepthCells, SeparateDistantSurfaces) {
   const DepthImage image = image_of(64, 64, [](int u, int v) { return (u + v) % 2 ? 1.0 : 0.5; });
   const DepthCells cells = make_depth_cells(image);
   EXPECT_EQ(cells.levels[0].size(), 2u * 16 * 16);
@@ -167,7 +167,7 @@ TEST(DepthPlanes, DependNeitherOnGravityNorOnTheFocalLength) {
   EXPECT_EQ(planes_of(frame).plane_of, upright.plane_of);
 }
 
-TEST(DepthPlanes, StayWhenSomePixelsMoveByOneCount) {
+TEST(DepthPlanes, DoNotChangeWhenSomePixelsMoveByOneCount) {
   Frame frame = depth_frame(room);
   frame.depth_unit_m = 0.0002;
   const FrameResult before = planes_of(frame);
@@ -180,7 +180,7 @@ TEST(DepthPlanes, StayWhenSomePixelsMoveByOneCount) {
   EXPECT_GE(least_iou(before, after), 0.98);
 }
 
-TEST(DepthPlanes, AreThoseOfARunWithoutATrace) {
+TEST(DepthPlanes, AreTheSameWithoutATrace) {
   const Frame frame = depth_frame(room);
   Trace trace;
   const FrameResult traced = planes_of(frame, {}, &trace), plain = planes_of(frame);
@@ -210,7 +210,7 @@ TEST(DepthPlanes, KeepATreadOfTwoCentimeters) {
 /// One wall behind a post, or two walls with a gap between them.
 double parted(double x, bool post) { return std::abs(x) < 0.06 ? (post ? 0.8 : 3.0) : 1.5; }
 
-TEST(DepthPlanes, JoinBehindWhatHidesTheirParts) {
+TEST(DepthPlanes, JoinBehindOccluders) {
   const FrameResult post = planes_of(depth_frame([](double x, double) { return parted(x, true); }));
   EXPECT_GT(plane_at(post, 100, 240), 0);
   EXPECT_EQ(plane_at(post, 100, 240), plane_at(post, 540, 240));
@@ -219,7 +219,7 @@ TEST(DepthPlanes, JoinBehindWhatHidesTheirParts) {
   EXPECT_NE(plane_at(gap, 100, 240), plane_at(gap, 540, 240));
 }
 
-TEST(DepthPlanes, AreUndecidedWhereASmallChangeWouldUndoThem) {
+TEST(DepthPlanes, AreUndecidedIfASmallChangeWouldLoseThem) {
   const FrameResult result = planes_of(depth_frame(room));
   for (const PlaneRegion& plane : result.segmentation.planes) {
     EXPECT_FALSE(plane.undecided) << plane.id << ": " << plane.margin;
@@ -234,7 +234,7 @@ TEST(DepthPlanes, AreUndecidedWhereASmallChangeWouldUndoThem) {
   EXPECT_TRUE(std::ranges::any_of(near.segmentation.planes, &PlaneRegion::undecided));
 }
 
-TEST(DepthPlanes, AreNoneInAnImageWithoutDepth) {
+TEST(DepthPlanes, AreNotFoundInAnImageWithoutDepth) {
   const FrameResult none = planes_of(depth_frame([](double, double) { return 0.0; }));
   EXPECT_TRUE(none.segmentation.planes.empty());
   EXPECT_TRUE(none.plane_of.empty());

@@ -34,7 +34,7 @@ Frame stepped_wall(double step_m) {
   return depth_frame([=](double x, double) { return x < 0 ? 2 : 2 + step_m; }, 0.004);
 }
 
-TEST(KnownPlanes, AreKeptApartWhereNoiseHidesTheStep) {
+TEST(KnownPlanes, AreKeptSeparateIfNoiseHidesTheStep) {
   const Frame frame = stepped_wall(0.012);
   ASSERT_EQ(planes_with(frame).segmentation.planes.size(), 1u);
   const std::vector<KnownPlane> known = {upright_at(2, 7, 0, 320), upright_at(2.012, 3, 320, 640)};
@@ -47,7 +47,7 @@ TEST(KnownPlanes, AreKeptApartWhereNoiseHidesTheStep) {
   EXPECT_EQ(result.segmentation.planes[right - 1].known, 3);
 }
 
-TEST(KnownPlanes, AreNotFoundWhereDepthDoesNotShowThem) {
+TEST(KnownPlanes, AreNotFoundIfDepthDoesNotShowThem) {
   const Frame frame = stepped_wall(0.3);
   const FrameResult alone = planes_with(frame);
   // In front of the wall and behind it.
@@ -59,7 +59,7 @@ TEST(KnownPlanes, AreNotFoundWhereDepthDoesNotShowThem) {
   }
 }
 
-TEST(KnownPlanes, AreCoveredByALargerOneThatIsTheSameThere) {
+TEST(KnownPlanes, AreCoveredByALargerOneThatCoincides) {
   const Frame frame = stepped_wall(0);
   const std::vector<KnownPlane> same = {upright_at(2, 1, 0, 640), upright_at(2.001, 2, 200, 300)};
   const FrameResult result = planes_with(frame, same);
@@ -91,7 +91,7 @@ std::shared_ptr<GivenPlanes> given_of(const FrameResult& result) {
   return given;
 }
 
-TEST(GivenPlanes, AreTakenAsTheyAre) {
+TEST(GivenPlanes, AreUsedUnchanged) {
   Frame frame = stepped_wall(0.012);
   const std::vector<KnownPlane> known = {upright_at(2, 7, 0, 320), upright_at(2.012, 3, 320, 640)};
   const FrameResult found = planes_with(frame, known);
@@ -109,7 +109,7 @@ TEST(GivenPlanes, AreTakenAsTheyAre) {
   }
 }
 
-TEST(GivenPlanes, OfAnotherImageAreRefused) {
+TEST(GivenPlanes, OfAnotherImageAreRejected) {
   Frame frame = stepped_wall(0.3);
   const std::shared_ptr<const GivenPlanes> right = given_of(planes_with(frame));
   const auto refusal = [&](const std::function<void(GivenPlanes&)>& damage) -> std::string {

@@ -50,7 +50,7 @@ const Foothold& floor_of(const Found& found) {
   return found.footholds.at(largest);
 }
 
-TEST(Footholds, AFloorIsSteppableAndTellsHowItIs) {
+TEST(Footholds, AFloorIsSteppableAndItsSurfaceIsDescribed) {
   const Found found = found_in(floor_frame([](double, double) { return 0.0; }), {.radius_m = 0.1});
   const Foothold& floor = floor_of(found);
   EXPECT_TRUE(floor.steppable) << floor.why_not;
@@ -62,13 +62,13 @@ TEST(Footholds, AFloorIsSteppableAndTellsHowItIs) {
   EXPECT_NEAR(floor.surface.best_place.z(), -kCamera_m, 0.01);
 }
 
-TEST(Footholds, WithoutAFootNobodyIsToldWhereItMayGo) {
+TEST(Footholds, WithoutAFootNoAreaIsReported) {
   const Found found = found_in(floor_frame([](double, double) { return 0.0; }));
   EXPECT_FALSE(floor_of(found).space);
   EXPECT_TRUE(floor_of(found).why_not.empty());
 }
 
-TEST(Footholds, SayInWordsWhyAPlaneIsNotSteppable) {
+TEST(Footholds, ExplainWhyAPlaneIsNotSteppable) {
   const Frame frame = floor_frame([](double, double) { return 0.0; });
   const auto why_not = [&](const FootOptions& foot) {
     return floor_of(found_in(frame, foot)).why_not;
@@ -116,7 +116,7 @@ TEST(Footholds, RoughGroundIsRough) {
   EXPECT_GT(floor_of(found).surface.rough_step_m, 0.006);
 }
 
-TEST(Certainty, TheTruePlaneIsWithinTwoSigmaAndMoreOfItIsBetterKnown) {
+TEST(Certainty, TheTruePlaneIsWithinTwoSigmaAndLargerPlanesAreMoreCertain) {
   const Foothold near = floor_of(found_in(floor_frame([](double, double) { return 0.0; }, 0.001)));
   const Foothold noisy = floor_of(found_in(floor_frame([](double, double) { return 0.0; }, 0.01)));
   EXPECT_GT(near.certainty.sigma_offset_m, 0);
@@ -181,7 +181,7 @@ void expect_sound(const Outline& outline, const Foothold& foothold) {
   EXPECT_NEAR(meshed_m2, outline.area_m2, 1e-9);
 }
 
-TEST(OutlineProperties, RandomPolygonsWithHolesComeBackFromTheirPixels) {
+TEST(OutlineProperties, RandomPolygonsWithHolesAreRecoveredFromTheirPixels) {
   const Drawn drawn;
   Random random(21);
   for (int trial = 0; trial < 12; ++trial) {
@@ -214,7 +214,7 @@ TEST(OutlineProperties, RandomPolygonsWithHolesComeBackFromTheirPixels) {
   }
 }
 
-TEST(OutlineProperties, DegenerateShapesEndInAValidPolygonOrInNone) {
+TEST(OutlineProperties, DegenerateShapesGiveAValidPolygonOrNone) {
   const Drawn drawn;
   const std::pair<const char*, std::function<bool(int, int)>> shapes[] = {
       {"nothing", [](int, int) { return false; }},
@@ -244,7 +244,7 @@ TEST(OutlineProperties, DegenerateShapesEndInAValidPolygonOrInNone) {
   }
 }
 
-TEST(OutlineProperties, APlaneEdgeOnEndsInAValidPolygonOrInNone) {
+TEST(OutlineProperties, APlaneSeenEdgeOnGivesAValidPolygonOrNone) {
   // A floor 1 cm below the camera.
   const Frame frame = test::depth_frame(
       [](double, double y) { return y > 0.01 ? std::min(0.01 / y, 0.8) : 0.8; }, 0.0005);

@@ -53,7 +53,7 @@ double iou_on_wall(const Outline& outline, const Polygon& truth) {
 const PolygonRing kView = {{-0.8, -0.6}, {0.8, -0.6}, {0.8, 0.6}, {-0.8, 0.6}};
 const PolygonRing kWindow = {{-0.2, -0.1}, {-0.2, 0.3}, {0.3, 0.3}, {0.3, -0.1}};
 
-TEST(Outline, HasTheHoleThroughWhichTheSensorLooked) {
+TEST(Outline, HasTheHoleThatTheSensorSawThrough) {
   const Outline outline = outline_of_wall(
       wall([](double x, double y) { return in(x, y, -0.2, -0.1, 0.3, 0.3) ? 2.5 : 1.0; }));
   ASSERT_EQ(outline.parts.size(), 1u);
@@ -63,7 +63,7 @@ TEST(Outline, HasTheHoleThroughWhichTheSensorLooked) {
   EXPECT_NEAR(outline.area_m2, 1.6 * 1.2 - 0.5 * 0.4, 0.02);
 }
 
-TEST(Outline, TellsWhatWasNotMeasuredFromAHole) {
+TEST(Outline, DistinguishesUnmeasuredAreasFromHoles) {
   const Outline outline = outline_of_wall(
       wall([](double x, double y) { return in(x, y, -0.2, -0.1, 0.3, 0.3) ? 0.0 : 1.0; }));
   ASSERT_EQ(outline.parts.size(), 1u);
@@ -72,7 +72,7 @@ TEST(Outline, TellsWhatWasNotMeasuredFromAHole) {
   EXPECT_NEAR(outline.area_m2, 1.6 * 1.2 - 0.5 * 0.4, 0.02);
 }
 
-TEST(Outline, ClosesSmallGapsWhereNothingElseWasSeen) {
+TEST(Outline, ClosesSmallUnmeasuredGaps) {
   const Outline outline = outline_of_wall(wall([](double x, double y) {
     return std::fmod(x + 2, 0.2) < 0.02 && std::fmod(y + 2, 0.2) < 0.02 ? 0.0 : 1.0;
   }));
@@ -81,7 +81,7 @@ TEST(Outline, ClosesSmallGapsWhereNothingElseWasSeen) {
   EXPECT_NEAR(outline.area_m2, 1.6 * 1.2, 0.01);
 }
 
-TEST(Outline, DoesNotCoverWhatStandsBeforeThePlane) {
+TEST(Outline, DoesNotCoverObjectsInFrontOfThePlane) {
   // A cable 3 cm wide.
   const Outline outline =
       outline_of_wall(wall([](double x, double) { return std::abs(x - 0.4) < 0.015 ? 0.8 : 1.0; }));
@@ -89,7 +89,7 @@ TEST(Outline, DoesNotCoverWhatStandsBeforeThePlane) {
   EXPECT_NEAR(outline.area_m2, (1.6 - 0.03) * 1.2, 0.02);
 }
 
-TEST(Outline, FollowsTheBordersOfAPictureThatTheLensBends) {
+TEST(Outline, FollowsTheBordersOfADistortedImage) {
   Frame frame = wall([](double, double) { return 1.0; });
   frame.intrinsics.distortion = Distortion::brown_conrady;
   frame.intrinsics.coefficients = {-0.15, 0.05, 0, 0, 0};
@@ -105,7 +105,7 @@ TEST(Outline, FollowsTheBordersOfAPictureThatTheLensBends) {
   EXPECT_GT(iou_on_wall(outline, {border, {}}), 0.985);
 }
 
-TEST(Outline, OfAPlaneThatRaysGrazeIsOfItsPoints) {
+TEST(Outline, UsesOnlyPointsAtGrazingAngles) {
   // A floor 10 cm below the camera, seen up to 3.9 m, where rays meet it at about one degree.
   const Frame frame = test::depth_frame(
       [](double, double y) { return y > 0.02 ? std::min(0.1 / y, 3.9) : 3.9; }, 0);
@@ -121,7 +121,7 @@ TEST(Outline, OfAPlaneThatRaysGrazeIsOfItsPoints) {
   }
 }
 
-TEST(Outline, IsTheSameForCloudsByTheirCells) {
+TEST(Outline, IsTheSameForCloudsByCells) {
   Frame frame;
   frame.cloud = PointSet{};
   frame.gravity = Gravity{-Vec3d::UnitZ(), GravitySource::option, 1, "down"};
@@ -139,7 +139,7 @@ TEST(Outline, IsTheSameForCloudsByTheirCells) {
   EXPECT_NEAR(outline.area_m2, 2 * 1 - 0.5 * 0.4, 0.06);
 }
 
-TEST(Outline, IsValidWhateverThePixels) {
+TEST(Outline, IsValidForAnyPixels) {
   Random random(11);
   const Frame frame = wall([](double, double) { return 1.0; });
   FrameResult result = test::result_of(frame);

@@ -43,7 +43,7 @@ io::RecordingOptions options_of(const RealFrames& frames) {
 
 class RealOutlines : public testing::TestWithParam<RealFrames> {};
 
-TEST_P(RealOutlines, CoverWhatTheirPixelsDo) {
+TEST_P(RealOutlines, CoverTheAreaOfTheirPixels) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const auto recording = io::open_recording(std::filesystem::path(data) / GetParam().recording,

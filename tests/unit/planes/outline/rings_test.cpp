@@ -49,7 +49,7 @@ TEST(Rings, RegionsThatTouchAtACornerAreTwo) {
   EXPECT_EQ(others.place(), Vec2d(1.25, 1.25));
 }
 
-TEST(Rings, HoldEachPixelOfTheirLabelOnce) {
+TEST(Rings, ContainEachPixelOfTheirLabelOnce) {
   Random random(7);
   for (int trial = 0; trial < 200; ++trial) {
     Drawn image{random.integer(1, 23), random.integer(1, 17), {}};

@@ -37,7 +37,7 @@ void expect_sound(const FrameResult& result) {
 
 class Extremes : public testing::TestWithParam<std::string> {};
 
-TEST_P(Extremes, OfAnOptionAreTakenOrRefusedByItsName) {
+TEST_P(Extremes, OfAnOptionAreAcceptedOrRejectedByName) {
   const OptionInfo& info = find_option(GetParam());
   const auto classifier = make_pca_classifier();
   const Frame frame = room();
@@ -93,7 +93,7 @@ FrameResult planes_of(const std::vector<Vec3d>& points) {
   return run_frame(frame, options, make_pca_classifier().get());
 }
 
-TEST(Numerics, APatchIsTheSamePlaneHoweverFarItLies) {
+TEST(Numerics, APatchIsTheSamePlaneAtAnyDistance) {
   for (const double far_m : {0.0, 10.0, 1e3, 1e5, 1e7}) {
     SCOPED_TRACE(far_m);
     const FrameResult result = planes_of(patch(Vec3d(far_m, -far_m, far_m + 0.5)));
@@ -107,7 +107,7 @@ TEST(Numerics, APatchIsTheSamePlaneHoweverFarItLies) {
   }
 }
 
-TEST(Numerics, PointsThatMakeNoPlaneMakeNone) {
+TEST(Numerics, NonPlanarPointsGiveNoPlane) {
   std::vector<Vec3d> one{Vec3d(1, 2, 3)}, coincident(500, Vec3d(1, 2, 3)), collinear;
   for (int i = 0; i < 500; ++i) collinear.push_back(Vec3d(1, 2, 3) + 0.01 * i * Vec3d(1, 1, 0));
   for (const auto& points : {one, coincident, collinear}) {
@@ -126,7 +126,7 @@ TEST(Numerics, PointsOnTheBordersOfCellsAreFound) {
   EXPECT_EQ(std::count(result.plane_of.begin(), result.plane_of.end(), 1), 3600);
 }
 
-TEST(Numerics, StraysAndPointsThatAreNoneLeaveThePatchAsItIs) {
+TEST(Numerics, OutliersAndInvalidPointsDoNotAffectThePatch) {
   auto points = patch(Vec3d(1, 1, 1));
   const FrameResult alone = planes_of(points);
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -27,7 +27,7 @@ PipelineOptions without_gravity() {
   return options;
 }
 
-TEST(NoGravity, FindsEveryPlaneAndCallsNoneOfThemHOrV) {
+TEST(NoGravity, FindsEveryPlaneWithoutClasses) {
   for (const char* method : {"ours", "region-growing"}) {
     PipelineOptions options = without_gravity();
     set_option(options, "method", method);
@@ -42,7 +42,7 @@ TEST(NoGravity, FindsEveryPlaneAndCallsNoneOfThemHOrV) {
   }
 }
 
-TEST(NoGravity, FindsThePlanesThatGravityFindsWithoutItsClasses) {
+TEST(NoGravity, FindsTheSamePlanesAsWithGravityButWithoutClasses) {
   PipelineOptions options = without_gravity();
   const FrameResult none = run_frame(rolled(), options, nullptr);
   set_option(options, "gravity", "0,1,0");  // the same world as with `none`
@@ -52,14 +52,14 @@ TEST(NoGravity, FindsThePlanesThatGravityFindsWithoutItsClasses) {
   EXPECT_EQ(none.plane_of, level.plane_of);
 }
 
-TEST(NoGravity, TheWorldIsTheCamerasOwn) {
+TEST(NoGravity, TheWorldHasTheCamerasAxes) {
   const FrameResult result = run_frame(rolled(), without_gravity(), nullptr);
   Mat3d axes;  // the camera's forward, left and up
   axes << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   EXPECT_TRUE(result.cloud.T_world_sensor.linear().isApprox(axes));
 }
 
-TEST(NoGravity, EveryTraceEventAndNodeGoesWithoutALabel) {
+TEST(NoGravity, TraceEventsAndNodesHaveNoLabel) {
   Trace trace;
   const FrameResult result = run_frame(rolled(), without_gravity(), nullptr, nullptr, &trace);
   for (const TraceEvent& event : trace.events) EXPECT_EQ(event.label, Label::unknown);
@@ -67,7 +67,7 @@ TEST(NoGravity, EveryTraceEventAndNodeGoesWithoutALabel) {
     EXPECT_EQ(plane.label, Label::unknown);
 }
 
-TEST(NoGravity, LabelsAreNotScoredAndPlanesAre) {
+TEST(NoGravity, PlanesAreScoredButNotLabels) {
   Frame frame;
   PointSet& set = frame.cloud.emplace();
   for (int i = 0; i < 60; ++i)
@@ -96,7 +96,7 @@ TEST(NoGravity, LabelsAreNotScoredAndPlanesAre) {
   EXPECT_THROW(labelled_frame(frame, without_gravity(), truth), Error) << "to learn from";
 }
 
-TEST(NoGravity, WhatTellsHFromVIsNoOptionOfSuchARun) {
+TEST(NoGravity, ClassifierOptionsAreNotOptionsOfSuchARun) {
   for (const char* name : {"classifier", "pca_neighbours", "use_labels"}) {
     EXPECT_FALSE(find_option(name).matters(without_gravity())) << name;
     EXPECT_TRUE(find_option(name).matters({})) << name;

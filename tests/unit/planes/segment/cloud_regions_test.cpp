@@ -57,7 +57,7 @@ TEST(Objective, FindsEveryPlaneOfStairsAtEveryNoise) {
   }
 }
 
-TEST(Objective, KeepsLevelsApartThatDoNotTouch) {
+TEST(Objective, SeparatesLevelsThatDoNotTouch) {
   const Metrics m = score("equal_boxes", 0.002, 4);
   EXPECT_GE(m.mean_iou, 97);
   EXPECT_EQ(m.detected_iou80, m.planes_truth);
@@ -67,7 +67,7 @@ TEST(Objective, FindsTreadsThatAreThinSlabs) {
   EXPECT_GE(score("open_risers", 0.001, 4).mean_iou, 88);
 }
 
-TEST(Objective, IsTheSameTracedOrNot) {
+TEST(Objective, IsTheSameWithAndWithoutATrace) {
   for (const char* set : {"stairs", "equal_boxes", "spiral"}) {
     const LabeledSet scene = make(set, 1, 0.002);
     Trace trace;

@@ -60,7 +60,7 @@ TEST(Criterion4, ComparesDirectionsSoThatAFarStepPasses) {
   EXPECT_FALSE(is_coplanar(terms, profile_options(Profile::paper_closest)));
 }
 
-TEST(Criterion4, ItsThirdLineLooksAtTheCandidatesOwnNormal) {
+TEST(Criterion4, ItsThirdLineTestsTheCandidatesNormal) {
   // The candidate's normal is 10 degrees off: |n2 . dmu| / |dmu| = sin 10 = 0.174 > 0.15.
   const double a = 10 * M_PI / 180;
   const auto terms = coplanarity(plane_at({0, 0, 0}, {0, 0, 1}),
@@ -71,7 +71,7 @@ TEST(Criterion4, ItsThirdLineLooksAtTheCandidatesOwnNormal) {
   EXPECT_TRUE(is_coplanar(terms, options));
 }
 
-TEST(Profiles, AreNamedAndUnknownNamesRefused) {
+TEST(Profiles, HaveNamesAndUnknownNamesAreRejected) {
   for (const Profile p : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     EXPECT_EQ(parse_profile(to_string(p)), p);
     EXPECT_EQ(profile_options(p).profile, p);

@@ -76,7 +76,7 @@ class Clouds {
   std::vector<test::LabelledCloud> clouds_;
 };
 
-TEST(Options, EveryNumberOfTheMethodSteersIt) {
+TEST(Options, EveryNumberAffectsItsMethod) {
   Clouds clouds;
   int numbers = 0;
   for (const OptionInfo& info : option_table()) {
@@ -87,7 +87,7 @@ TEST(Options, EveryNumberOfTheMethodSteersIt) {
   EXPECT_GE(numbers, 20);
 }
 
-TEST(Options, OfTheOtherMethodMeanNothing) {
+TEST(Options, OfTheOtherMethodHaveNoEffect) {
   for (const Profile profile : {Profile::paper, Profile::refined}) {
     PipelineOptions options;
     options.segment = profile_options(profile);

@@ -15,7 +15,7 @@
 namespace planescope::planes {
 namespace {
 
-TEST(Morton, CodesGoThereAndBack) {
+TEST(Morton, CodesSurviveARoundTrip) {
   Random random(3);
   for (int i = 0; i < 1000; ++i) {
     const auto x = static_cast<std::uint32_t>(random.integer(0, (1 << 21) - 1));
@@ -36,7 +36,7 @@ Octree full_tree(const test::LabelledCloud& cloud) {
   return octree;
 }
 
-TEST(Octree, CornersOfACubeAreItsLowerCornerAndAnEdgeFromIt) {
+TEST(Octree, CornersOfACubeFollowFromItsLowerCornerAndEdge) {
   const Octree octree = full_tree(test::random_cloud(5));
   for (const OctreeNode& node : octree.nodes) {
     const Vec3d low = octree.node_min(node);
@@ -88,7 +88,7 @@ TEST(Octree, PointsOnTheCubesFacesBelongToIt) {
 }
 
 /// Near cells and far cells are looked up in different ways.
-TEST(Cells, NeighboursAreTheCellsThatTouch) {
+TEST(Cells, NeighborsAreTheTouchingCells) {
   for (const int max_depth : {5, 21}) {
     Cube cube;
     cube.max_depth = max_depth;

@@ -59,7 +59,7 @@ TEST(Segment, AStepIsTwoTreadsAndARiser) {
   EXPECT_EQ(s.counts.unassigned, 0u);
 }
 
-TEST(Segment, PlanesAreNumberedByTheirPoints) {
+TEST(Segment, PlanesAreNumberedBySize) {
   const Segmentation s = run(step(), profile_options(Profile::refined));
   for (std::size_t k = 0; k < s.planes.size(); ++k) {
     EXPECT_EQ(s.planes[k].id, static_cast<int>(k) + 1);
@@ -98,7 +98,7 @@ TEST(Segment, TracingDoesNotChangeTheResult) {
   }
 }
 
-TEST(Segment, TheTraceTellsTheWholeStory) {
+TEST(Segment, TheTraceIsComplete) {
   const test::LabelledCloud cloud = test::random_cloud(22);
   Trace trace;
   const Segmentation s = run(cloud, profile_options(Profile::paper), &trace);
@@ -121,7 +121,7 @@ TEST(Segment, TheTraceTellsTheWholeStory) {
   }
 }
 
-TEST(Segment, LeftoversOfThePaperGoToTheFirstPlaneWithinItsDistanceAndLeaveItsFitAlone) {
+TEST(Segment, LeftoversOfThePaperJoinTheFirstPlaneWithinRangeWithoutRefitting) {
   // A floor, with one v point 4 mm above it and one 6 mm above it.
   test::LabelledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, Label::h);
@@ -139,7 +139,7 @@ TEST(Segment, LeftoversOfThePaperGoToTheFirstPlaneWithinItsDistanceAndLeaveItsFi
   EXPECT_EQ(s.counts.unassigned, 1u);
 }
 
-TEST(Segment, AFarKerbMergesIntoTheFloorAsWrittenAndStaysApartRefined) {
+TEST(Segment, AFarKerbIsMergedAsWrittenButSeparatedByRefined) {
   // A floor and the top of a kerb beside it, 12 cm high, seen from above, without points between
   // them.
   test::LabelledCloud cloud;
@@ -160,7 +160,7 @@ test::LabelledCloud two_tables() {
   return cloud;
 }
 
-TEST(Segment, OfACloudAllPartsAreSplit) {
+TEST(Segment, SeparatePartsOfACloudAreSplit) {
   test::LabelledCloud cloud = two_tables();
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
   for (Vec3f& p : cloud.points) p = Vec3f(p.x(), p.z(), p.y());  // two vertical boards
@@ -181,7 +181,7 @@ TEST(Segment, ASparseCloudIsNotSplitBetweenItsPoints) {
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
 }
 
-TEST(Segment, WithoutLabelsNoLabelIsLookedAt) {
+TEST(Segment, WithoutLabelsLabelsAreIgnored) {
   for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined})
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       test::LabelledCloud cloud = test::random_cloud(seed);
@@ -193,7 +193,7 @@ TEST(Segment, WithoutLabelsNoLabelIsLookedAt) {
     }
 }
 
-TEST(Segment, DegenerateInputsAreAnswered) {
+TEST(Segment, DegenerateInputsAreHandled) {
   for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     const SegmentOptions options = profile_options(profile);
     EXPECT_TRUE(segment({}, {}, Cube{}, kSensor, options).planes.empty());
