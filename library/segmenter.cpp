@@ -76,7 +76,7 @@ planes::ChosenClassifier choose(const planes::PipelineOptions& options) {
           std::nullopt};
 }
 
-/// Distributes core's results, by point of the cloud, to pixels or to points in the caller's order.
+/// Copies core's results, by point of the cloud, to pixels or to points in the caller's order.
 void spread_out(ResultData& data, std::size_t size) {
   const planes::FrameResult& result = data.result;
   data.plane_of.assign(size, 0);
