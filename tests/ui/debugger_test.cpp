@@ -165,7 +165,7 @@ TEST(HistogramAxis, TicksAreRoundAndCoverTheAxis) {
   decades.logarithmic = true;
   decades.bins = {{0, 0.001}, {0.001, 0.01}, {0.01, 0.1}, {0.1, 7}};
   EXPECT_EQ(axis_ticks(decades), (std::vector<double>{0, 0.0001, 0.001, 0.01, 0.1}));
-  debug::Histogram narrow;  // no round value within: its ends say what it shows
+  debug::Histogram narrow;  // without a round value, its ends are labeled
   narrow.bins = {{3.1, 3.2}};
   EXPECT_EQ(axis_ticks(narrow), (std::vector<double>{3.1, 3.2}));
   EXPECT_TRUE(axis_ticks({}).empty());

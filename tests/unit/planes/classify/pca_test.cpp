@@ -54,7 +54,7 @@ TEST(Pca, GivesTheSameResultForAnyThreadCount) {
 }
 
 TEST(Pca, GivesTheSameResultForAnyOrderOfThePoints) {
-  std::vector<Vec3f> points;  // exactly regular: every neighbourhood has ties
+  std::vector<Vec3f> points;  // exactly regular: every neighborhood has ties
   for (int i = 0; i < 40; ++i)
     for (int j = 0; j < 40; ++j) {
       points.emplace_back(0.02 * i, 0.02 * j, 0);
