@@ -17,23 +17,31 @@ namespace {
 // Largest inputs: core's indices must hold them, and larger ones are probably mistakes.
 constexpr int kMaxSide = 16384;
 constexpr std::size_t kMaxPoints = std::size_t{1} << 25;
+constexpr double kWidestView = 11.4;  // width / focal length: 160 degrees
 
 Intrinsics intrinsics(const Camera& camera, const char* what) {
   if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide)
     throw Error(fmt::format("{}: it is {}x{} pixels, expected 1 to {} each", what, camera.width,
                             camera.height, kMaxSide));
   if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy)))
-    throw Error(fmt::format("{}: its focal length is {}, {}, expected pixels above 0", what,
-                            camera.fx, camera.fy));
+    throw Error(
+        fmt::format("{}: focal length {}, {} px, expected above 0", what, camera.fx, camera.fy));
+  if (camera.width > kWidestView * camera.fx || camera.height > kWidestView * camera.fy)
+    throw Error(
+        fmt::format("{}: focal length {:g}, {:g} px for {}x{} pixels, a field of view of more than "
+                    "160 degrees; "
+                    "expected fx, fy, cx and cy in pixels",
+                    what, camera.fx, camera.fy, camera.width, camera.height));
   if (!(std::isfinite(camera.cx) && std::isfinite(camera.cy)))
     throw Error(
         fmt::format("{}: its centre is {}, {}, expected pixels", what, camera.cx, camera.cy));
   if (static_cast<int>(camera.distortion) > static_cast<int>(Distortion::inverse_brown_conrady))
-    throw Error(fmt::format("{}: distortion {} is none that is known", what,
+    throw Error(fmt::format("{}: unknown distortion {}, expected 0 to 2", what,
                             static_cast<int>(camera.distortion)));
   for (const double coefficient : camera.coefficients)
     if (!std::isfinite(coefficient))
-      throw Error(fmt::format("{}: its distortion has a coefficient {}", what, coefficient));
+      throw Error(
+          fmt::format("{}: distortion coefficient {}, expected a number", what, coefficient));
   Intrinsics result;
   result.width = camera.width;
   result.height = camera.height;
@@ -50,7 +58,8 @@ std::optional<::planescope::Gravity> given_gravity(const std::optional<Vec3>& di
   if (!direction) return std::nullopt;
   const Vec3d d = vec3(*direction);
   if (!d.allFinite() || d.isZero(1e-9))
-    throw Error(fmt::format("gravity: {}, {}, {} is no direction", d.x(), d.y(), d.z()));
+    throw Error(fmt::format("gravity: {}, {}, {}, expected a direction that is not zero", d.x(),
+                            d.y(), d.z()));
   return ::planescope::Gravity{d.stableNormalized(), GravitySource::option, 1, "given"};
 }
 
@@ -66,7 +75,7 @@ Pose pose(const Transform& t, const char* what) {
   const Mat3d r = pose.linear();
   if (!pose.matrix().allFinite() || (r * r.transpose() - Mat3d::Identity()).norm() > 1e-3 ||
       r.determinant() < 0)
-    throw Error(fmt::format("{}: it is no rigid transform", what));
+    throw Error(fmt::format("{}: not a rigid transform", what));
   return pose;
 }
 
@@ -97,8 +106,8 @@ static Intrinsics checked(const DepthImage& image) {
     throw Error(
         fmt::format("depth image: {} m per count, expected above 0 and at most 1", image.unit_m));
   if (image.row_stride != 0 && image.row_stride < static_cast<std::size_t>(result.width))
-    throw Error(fmt::format("depth image: rows of {} pixels stand {} apart", result.width,
-                            image.row_stride));
+    throw Error(fmt::format("depth image: row stride {1}, expected at least the width, {0}",
+                            result.width, image.row_stride));
   return result;
 }
 

@@ -226,7 +226,7 @@ py::tuple map_of(const ps::Map& made) {
   for (const auto& [frame, png] : made.planes_png) planes[py::int_(frame)] = py::bytes(png);
   return py::make_tuple(py::bytes(made.map_json), py::bytes(made.tracks_json),
                         py::bytes(made.poses_tum), made.pose_frames,
-                        array_of<double>(std::move(poses), {count, 4, 4}), made.told, planes);
+                        array_of<double>(std::move(poses), {count, 4, 4}), made.warnings, planes);
 }
 
 // A node as a record.

@@ -26,7 +26,7 @@ def markdown(text):
             out.append(line[4:])
         elif section and not line:
             continue
-        elif section and (item := re.match(r" {4}(?! )`?(\*{0,2}\w+)`?: (.*)", line)):
+        elif section and (item := re.match(r" {4}(?! )(\*{0,2}\w+): (.*)", line)):
             out.append(f"- `{item[1]}`: {item[2]}")
         elif section:
             is_first = not out[-1]

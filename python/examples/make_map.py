@@ -15,7 +15,7 @@ def main(path: str, poses: str = "") -> None:
     recording = ps.Recording(path)
     given = np.load(poses) if poses.endswith(".npy") else poses or None
     made = ps.make_map(recording, poses=given, threads=4)
-    for warning in made.told:
+    for warning in made.warnings:
         print(warning, file=sys.stderr)
     for plane in made.planes:
         print(

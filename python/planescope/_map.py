@@ -57,7 +57,7 @@ class Map:
         tracks_json: tracks.json.
         poses_tum: poses.tum.
         T_world_camera: (4, 4) by frame, for the frames with a known pose.
-        `told`: Warnings, one line each.
+        warnings: One line each.
         planes_png: planes/000000.png by frame: 16 bits, with the plane id per pixel that
             `track_of_plane` uses. Empty for a Mapper and for methods that do not find planes on
             pixels.
@@ -69,13 +69,13 @@ class Map:
     """
 
     def __init__(self, core: tuple[bytes, bytes, bytes, list[int], Any, list[str], dict[int, bytes]]):
-        map_json, tracks_json, poses_tum, frames, T, told, planes_png = core
+        map_json, tracks_json, poses_tum, frames, T, warnings, planes_png = core
         self.json = map_json.decode()
         self.tracks_json = tracks_json.decode()
         self.poses_tum = poses_tum.decode()
         poses: list[Floats] = [floats(pose) for pose in view(T).tolist()]
         self.T_world_camera: dict[int, Floats] = dict(zip(frames, poses))
-        self.told = told
+        self.warnings = warnings
         self.planes_png = planes_png
 
     @functools.cached_property
@@ -113,7 +113,7 @@ class Map:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Map):
             return NotImplemented
-        names = ("json", "tracks_json", "poses_tum", "planes_png", "told")
+        names = ("json", "tracks_json", "poses_tum", "planes_png", "warnings")
         return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __hash__(self) -> int:

@@ -101,7 +101,7 @@ class Segmenter:
             K: As for Frame.
             depth_unit: As for Frame.
             gravity: As for Frame; overrides the gravity of a Frame. Also "none" (without h and v),
-                "estimate", "imu" or "auto".
+                "estimate" or "auto"; "imu" for frames of recordings.
             distortion: As for Frame.
             distortion_model: As for Frame.
             color: As for Frame.
@@ -129,7 +129,7 @@ class Segmenter:
             frame = depth
         else:
             if K is None:
-                raise Error("K: it is not given, expected a 3x3 matrix or fx, fy, cx, cy")
+                raise Error("K: missing, expected a 3x3 matrix or fx, fy, cx, cy")
             frame = Frame(
                 depth,
                 K,
@@ -268,7 +268,7 @@ def segment(
         K: As for Frame.
         depth_unit: As for Frame.
         gravity: As for Frame; overrides the gravity of a Frame. Also "none" (without h and v),
-            "estimate", "imu" or "auto".
+            "estimate" or "auto"; "imu" for frames of recordings.
         distortion: As for Frame.
         distortion_model: As for Frame.
         color: As for Frame.

@@ -166,24 +166,28 @@ TEST(Library, ReportsErrorsInOneLine) {
   };
   EXPECT_EQ(with([](auto& i) { i.counts = nullptr; }), "depth image: it has no pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.fx = 0; }),
-            "depth image: its focal length is 0, 300, expected pixels above 0");
+            "depth image: focal length 0, 300 px, expected above 0");
+  EXPECT_EQ(
+      with([](auto& i) { i.camera.fx = i.camera.fy = 1; }),
+      "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 "
+      "degrees; expected fx, fy, cx and cy in pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.width = -1; }),
             "depth image: it is -1x240 pixels, expected 1 to 16384 each");
   EXPECT_EQ(with([](auto& i) { i.unit_m = 1000; }),
             "depth image: 1000 m per count, expected above 0 and at most 1");
   EXPECT_EQ(with([](auto& i) { i.row_stride = 3; }),
-            "depth image: rows of 424 pixels stand 3 apart");
+            "depth image: row stride 3, expected at least the width, 424");
   EXPECT_EQ(with([](auto& i) {
               i.gravity = ps::Vec3{0, 0, 0};
             }),
-            "gravity: 0, 0, 0 is no direction");
+            "gravity: 0, 0, 0, expected a direction that is not zero");
   EXPECT_EQ(with([](auto& i) { i.camera.distortion = static_cast<ps::Distortion>(7); }),
-            "depth image: distortion 7 is none that is known");
+            "depth image: unknown distortion 7, expected 0 to 2");
   EXPECT_EQ(with([](auto& i) {
               i.camera.distortion = ps::Distortion::brown_conrady;
               i.camera.coefficients[2] = std::nan("");
             }),
-            "depth image: its distortion has a coefficient nan");
+            "depth image: distortion coefficient nan, expected a number");
   const std::vector<std::uint8_t> rgb(300);
   EXPECT_EQ(with([&](auto& i) {
               i.color.rgb = rgb.data();

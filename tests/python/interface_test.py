@@ -69,12 +69,17 @@ class BadInput(unittest.TestCase):
         self.expect(
             "K: it is 'sample', expected a 3x3 matrix or fx, fy, cx, cy", lambda: ps.segment(depth, "sample")
         )
+        self.expect(
+            "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 degrees; "
+            "expected fx, fy, cx and cy in pixels",
+            lambda: ps.segment(depth, np.eye(3)),
+        )
         self.expect("threads: 0, expected 1 or more", lambda: ps.Segmenter(threads=0))
         self.expect(
             "at: it is (480, 0), expected a place in (240, 424)",
             lambda: ps.Segmenter().trace(ps.Frame(depth, K, gravity=(0, 1, 0))).plane_of(0, (480, 0)),
         )
-        self.expect("K: it is not given, expected a 3x3 matrix or fx, fy, cx, cy", lambda: ps.segment(depth))
+        self.expect("K: missing, expected a 3x3 matrix or fx, fy, cx, cy", lambda: ps.segment(depth))
         self.expect(
             "K: it has shape (2, 2), expected a 3x3 matrix or fx, fy, cx, cy",
             lambda: ps.segment(depth, K[:2, :2]),

@@ -94,7 +94,7 @@ class Maps(unittest.TestCase):
         self.assertEqual(of_array, ps.make_map(recording, poses=made.T_world_camera, frames=range(12)))
         for wrong, why in (
             (poses[:3], re.escape("poses: it has shape (3, 4, 4), expected (12, 4, 4)")),
-            (2 * poses, "pose of frame 0: it is no rigid transform"),
+            (2 * poses, "pose of frame 0: not a rigid transform"),
             ({50: poses[0]}, "frame 50, it has 40"),
             ({}, "there are none"),
         ):
@@ -127,7 +127,7 @@ class Maps(unittest.TestCase):
         frame = ps.Recording(self.walk)[0]
         for pose, why in (
             (np.eye(4), "expected a world whose z points up"),
-            (np.diag([2, 2, 2, 1]), "pose of frame 0: it is no rigid transform"),
+            (np.diag([2, 2, 2, 1]), "pose of frame 0: not a rigid transform"),
             (np.eye(3), re.escape("pose: it has shape (3, 3), expected a 4x4 matrix")),
         ):
             with self.assertRaisesRegex(ps.Error, why):

@@ -92,7 +92,7 @@ struct Map {
   std::string map_json, tracks_json, poses_tum;  // as `planescope map` writes them, byte for byte
   std::vector<int> pose_frames;                  // frames with a known pose
   std::vector<Transform> T_world_camera;         // of pose_frames
-  std::vector<std::string> told;                 // warnings, one line each
+  std::vector<std::string> warnings;             // one line each
   // planes/000000.png by frame: 16 bits, with the plane id per pixel that `tracks_json` uses. Empty
   // for methods that do not find planes on pixels; these find the same planes again.
   std::map<int, std::string> planes_png;
