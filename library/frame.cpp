@@ -14,7 +14,7 @@ namespace planescope::v0 {
 namespace detail {
 namespace {
 
-// What a depth image, or a cloud, may have at most: what core's indices hold, and no typing error.
+// Largest inputs: core's indices must hold them, and larger ones are probably mistakes.
 constexpr int kMaxSide = 16384;
 constexpr std::size_t kMaxPoints = std::size_t{1} << 25;
 constexpr double kWidestView = 11.4;  // width / focal length: 160 degrees
@@ -139,12 +139,12 @@ Error::~Error() = default;
 
 namespace {
 
-constexpr const char* kGivenName = "0";  // what messages call a frame that is of no recording
+constexpr const char* kGivenName = "0";  // name of frames without a recording, in messages
 
 /// Stores depth in meters as counts and returns their unit (DepthImage).
 double store_meters(const float* meters, std::size_t stride, Image16& depth) {
   constexpr double kMost = planes::kFarOutlier - 1, kCoarsest_m = 0.001;
-  constexpr double kRounding = 2.5e-7;  // of a float that was a whole number of units
+  constexpr double kRounding = 2.5e-7;  // rounding of floats that represent whole numbers of units
   const auto for_each = [&](const auto& visit) {
     for (int y = 0; y < depth.height; ++y)
       for (int x = 0; x < depth.width; ++x)
@@ -233,7 +233,7 @@ class Reader {
   std::string_view bytes_;
 };
 
-/// Every field of a frame that a caller or a recording can give it.
+/// Visits every field of a frame that a caller or a recording can set.
 template <typename Archive, typename AFrame>
 void visit_frame(Archive& archive, AFrame& frame) {
   const auto number = [&](auto& value) { archive.raw(&value, sizeof(value)); };
@@ -293,7 +293,7 @@ Frame::Frame(const DepthImage& image) {
         frame.color = Image8(image.camera.width, image.camera.height, 3);
       } else {
         Camera camera = color.camera;
-        if (camera.fx == 0) camera.fx = camera.fy = 1;  // shown, not projected
+        if (camera.fx == 0) camera.fx = camera.fy = 1;  // displayed, not projected
         frame.color_intrinsics = detail::intrinsics(camera, "colour image");
         if (color.camera.fx == 0) frame.color_intrinsics.fx = frame.color_intrinsics.fy = 0;
         frame.T_color_depth = detail::pose(color.T_color_depth, "colour image, T_color_depth");
@@ -321,7 +321,7 @@ Frame::Frame(const PointCloud& cloud) {
     set.origin = bulk_origin(points);
     set.points.reserve(points.size());
     for (const Vec3d& p : points)
-      // (0, 0, 0) says that nothing was measured, but about another origin it would be a place.
+      // (0, 0, 0) means not measured, but relative to another origin it would be a valid point.
       set.points.push_back(p.isZero(0) && !set.origin.isZero(0)
                                ? Vec3f::Constant(std::nanf("")).eval()
                                : Vec3d(p - set.origin).cast<float>().eval());

@@ -53,7 +53,7 @@ world::Trajectory trajectory_of(const std::map<int, Transform>& T_world_camera,
   return trajectory;
 }
 
-/// A world whose z is not up would make walls of floors.
+/// If z did not point up, walls would become floors.
 void expect_upright(const ::planescope::Frame& frame,
                     const world::CameraPose& pose,
                     const planes::PipelineOptions& options) {

@@ -64,7 +64,7 @@ Renderer::~Renderer() {
   try {
     state_->context->make_current();
   } catch (const std::exception&) {
-    // Another thread's, which cannot give back what OpenGL holds: better kept than ended by.
+    // Created on another thread. Its OpenGL objects cannot be freed here, so leak them.
     static_cast<void>(state_.release());
   }
 }

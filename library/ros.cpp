@@ -1,4 +1,4 @@
-// Messages of ROS 2 become planes, and planes messages.
+// Planes from serialized ROS 2 messages, and serialized messages from planes.
 
 #include "planescope/ros.hpp"
 
@@ -53,7 +53,7 @@ std::uint16_t count_of_meters(float meters) {
   return count > 0 && count < 65535 ? static_cast<std::uint16_t>(count) : 0;  // NaN: 0
 }
 
-/// Depth and its unit.
+/// Sets the frame's depth and its unit.
 void take_depth(const io::ros::Image& image, ::planescope::Frame& frame) {
   const bool is_float = image.encoding == "32FC1";
   if (!is_float && image.encoding != "16UC1" && image.encoding != "mono16")

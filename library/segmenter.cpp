@@ -35,7 +35,7 @@ Options::~Options() = default;
 Options& Options::set(const std::string& name, const std::string& value) {
   guarded([&] {
     planes::set_option(data_->options, name, value);
-    // Clouds are cropped only where that is asked for.
+    // Crop clouds only on request.
     if (name == "range_for_clouds") data_->crop_is_set = true;
     if (name == "max_range_m" && !data_->crop_is_set) data_->options.cloud.range_for_clouds = true;
   });
@@ -76,7 +76,7 @@ planes::ChosenClassifier choose(const planes::PipelineOptions& options) {
           std::nullopt};
 }
 
-/// Puts what core knows by point of the cloud on pixels, or on points in the caller's order.
+/// Copies core's results, by point of the cloud, to pixels or to points in the caller's order.
 void spread_out(ResultData& data, std::size_t size) {
   const planes::FrameResult& result = data.result;
   data.plane_of.assign(size, 0);

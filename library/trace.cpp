@@ -10,7 +10,7 @@ namespace planescope::v0 {
 using detail::Access;
 using detail::vec3;
 
-// An event of core is one of the library's.
+// Core's events have the same layout as the library's.
 using CoreEvent = planes::TraceEvent;
 static_assert(sizeof(Event) == sizeof(CoreEvent) && sizeof(Event) == 24);
 static_assert(offsetof(Event, node_case) == offsetof(CoreEvent, node_case));

@@ -1,5 +1,5 @@
-// planescope._core: the library for Python. planescope/*.py makes dataclasses and numpy arrays of
-// what it returns.
+// planescope._core: binds the library to Python. planescope/*.py converts its return values to
+// dataclasses and numpy arrays.
 
 #include <planescope/core.hpp>
 #include <planescope/io.hpp>
@@ -69,7 +69,7 @@ ps::Frame depth_frame(const py::object& depth,
   return image;
 }
 
-/// Points (n, 3), or organized as (height, width, 3): the frame has them as n.
+/// Points (n, 3), or organized as (height, width, 3), which the frame stores as a flat list.
 ps::Frame cloud_frame(const py::object& points, const py::object& gravity) {
   const Input given(points, "points");
   if ((given.info.ndim != 2 && given.info.ndim != 3) || given.info.shape.back() != 3 ||

@@ -124,7 +124,7 @@ void replace(const std::filesystem::path& path,
   if (std::filesystem::exists(status)) target = std::filesystem::canonical(path, ignored);
   Staged staged{target};
   staged.path += ".part";
-  // Whoever writes the same file at the same time holds a lock on its part.
+  // Another writer of the same file holds a lock on its temporary file.
   const FileDescriptor lock = open_file(staged.path, O_WRONLY | O_CREAT);
   if (lock.is_open() && ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
     staged.path.replace_extension(fmt::format(".{}.part", ::getpid()));

@@ -74,8 +74,8 @@ class JsonPlace {
   void has_only(std::initializer_list<std::string_view> keys) const;
   /// Visits the items of a list.
   void each(const std::function<void(const JsonPlace&)>& visit) const;
-  /// The document's "schema", which must be one of `readable`. Older versions get their
-  /// own message.
+  /// The document's "schema", which must be one of `readable`. Older versions get a separate
+  /// message.
   std::string schema(std::initializer_list<std::string_view> readable) const;
 
   std::string text() const;

@@ -94,7 +94,7 @@ void work_through(int count,
 
 namespace {
 
-/// Results of work_in_order() that have been made but not taken.
+/// Results of work_in_order() that have been made but not taken yet.
 class Line {
  public:
   Line(int count, int ahead, const std::function<void(int)>& make)

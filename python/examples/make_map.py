@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Make a map of a recording: make_map.py RECORDING [POSES]
 
-POSES: a file (TUM, KITTI, Open3D), or a .npy array (n, 4, 4) of T_world_camera, one for each frame.
+POSES: a file (TUM, KITTI, Open3D), or a .npy array (n, 4, 4) of T_world_camera, one per frame.
 """
 
 import sys

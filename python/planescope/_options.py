@@ -1,4 +1,4 @@
-"""Options as a typed dictionary: written by tests/python/options_test.py from the registry."""
+"""Options as a typed dictionary, generated from the registry by tests/python/options_test.py."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class OptionsWithoutGravity(TypedDict, total=False):
-    """Options of functions that have `gravity` as an argument of its own: segment(), segment_cloud().
+    """Options of segment() and segment_cloud(), which have a separate argument `gravity`.
 
     Example:
         >>> options: ps.OptionsWithoutGravity = {"max_range_m": 2.5, "foot_radius_m": 0.08}

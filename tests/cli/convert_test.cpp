@@ -1,4 +1,4 @@
-// planescope convert: what goes in comes out, in another form.
+// planescope convert keeps all data in another format.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ void expect_same(const Frame& a, const Frame& b) {
 
 }  // namespace
 
-TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
+TEST_F(Convert, AFolderHasTheSameFramesColorsTimesAndLabels) {
   const fs::path out = dir / "out";
   const Ran ran = well(convert({sample, "-o", out}));
   EXPECT_TRUE(has(ran.out, "3 of 3 frames"));
@@ -65,7 +65,7 @@ TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
             read_text(dir / "b/frames/000001/planes.json"));
 }
 
-TEST_F(Convert, OnlyTheFramesThatAreAskedForWithTheirOwnLabels) {
+TEST_F(Convert, OnlyTheSelectedFramesWithTheirLabels) {
   const fs::path out = dir / "out";
   well(convert({sample, "-o", out, "--frames", "2"}));
   const auto before = io::open_recording(sample), after = io::open_recording(out);
@@ -86,7 +86,7 @@ TEST_F(Convert, TumNamesItsFilesByTime) {
   for (int i = 0; i < 3; ++i) expect_same(before->frame(i), after->frame(i));
 }
 
-TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
+TEST_F(Convert, McapHasTheSameFramesColorsTimesLabelsAndPlanes) {
   const fs::path out = dir / "out.mcap";
   const Ran ran = well(convert({sample, "-o", out}));
   EXPECT_TRUE(has(ran.out, "3 of 3 frames"));
@@ -98,7 +98,7 @@ TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
   for (int i = 0; i < 3; ++i) expect_same(before->frame(i), after->frame(i));
   expect_refused(convert({sample, "-o", out}), "is there already");
   expect_refused(convert({sample, "-o", dir / "x", "--to", "mcap"}), "expected a name with .mcap");
-  // From there on to a folder, and the planes are those of the folder.
+  // Convert back to a folder: its planes are the same as those of the original.
   well(convert({out, "-o", dir / "back"}));
   for (const char* from : {"out.mcap", "back"})
     well(run({"segment", dir / from, "--gravity", "0,0.9,0.4", "--frames", "1", "-o",
@@ -106,12 +106,13 @@ TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
   const auto planes = [&](const char* from) {
     std::string text = read_text(dir / (std::string(from) + ".planes/frames/000001/planes.json"));
     const std::size_t name = text.find("\"name\"");
-    return text.erase(name, text.find('\n', name) - name);  // a number in one, a file in the other
+    // a number in one, a file name in the other
+    return text.erase(name, text.find('\n', name) - name);
   };
   EXPECT_EQ(planes("out.mcap"), planes("back"));
 }
 
-TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
+TEST_F(Convert, CloudsKeepTheirPointsTruthAndPosition) {
   fs::create_directories(dir / "clouds");
   PointSet set = floor_and_wall_cloud();
   set.origin = Vec3d(430'000, 5'400'000, 120);
@@ -129,7 +130,7 @@ TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
   expect_refused(convert({dir / "clouds", "-o", dir / "no", "--to", "tum"}), "expected ply or pcd");
 }
 
-TEST_F(Convert, DepthBecomesACloudOfItsMeasuredPixels) {
+TEST_F(Convert, DepthConvertsToACloudOfMeasuredPixels) {
   const fs::path out = dir / "one.ply";
   expect_refused(convert({sample, "-o", out}), "one file for 3 frames");
   const Ran ran = well(convert({sample, "-o", out, "--frames", "1"}));
@@ -141,7 +142,7 @@ TEST_F(Convert, DepthBecomesACloudOfItsMeasuredPixels) {
   EXPECT_EQ(cloud.rgb.size(), 3 * cloud.points.size());
 }
 
-TEST_F(Convert, DepthInMetersBecomesCloudsAndIsNotRoundedIntoImages) {
+TEST_F(Convert, DepthInMetersConvertsToCloudsButNotToRoundedImages) {
   const fs::path in = fs::path(PLANESCOPE_SOURCE_DIR) / "tests/fuzz/corpus/mcap/meters";
   expect_refused(convert({in, "-o", dir / "x"}), "its depth is in meters (32FC1)");
   expect_refused(convert({in, "-o", dir / "x.mcap"}), "expected ply or pcd");
@@ -153,7 +154,7 @@ TEST_F(Convert, DepthInMetersBecomesCloudsAndIsNotRoundedIntoImages) {
   EXPECT_EQ(json["first_frame"]["counts_65535"], 1);
 }
 
-TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
+TEST_F(Convert, ASingleFileCloudKeepsItsLabelsAndOverwritesNothing) {
   const fs::path in = dir / "a.ply", out = dir / "b.pcd";
   io::write_ply(in, floor_and_wall_cloud());
   const auto before = io::open_recording(in);
@@ -173,7 +174,7 @@ TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
                                 {after->frame_hash(0), after->frame(0).cloud->points.size()}));
 }
 
-TEST_F(Convert, NothingIsOverwrittenAndNothingIsLeftOfWhatFailed) {
+TEST_F(Convert, NothingIsOverwrittenAndFailuresLeaveNoFiles) {
   fs::create_directories(dir / "full");
   write_text(dir / "full" / "mine.txt", "mine");
   expect_refused(convert({sample, "-o", dir / "full"}), "is there already");

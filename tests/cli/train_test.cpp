@@ -1,4 +1,4 @@
-// planescope-lab train, with networks and training sets that are tiny.
+// planescope-lab train, with tiny networks and training sets.
 
 #include "core/lab/training/train.hpp"
 
@@ -46,7 +46,7 @@ struct Training {
     return read_text(out);
   }
 
-  /// Interrupted after its first epoch of many.
+  /// Interrupts training after the first of many epochs.
   void stop(const std::vector<std::string>& more) const {
     const Ran ran = run_and_signal(command(more), SIGINT, checkpoint);
     ASSERT_EQ(ran.code, 130) << ran.err;
@@ -63,7 +63,7 @@ Json training_record(const fs::path& weights) {
   return Json::parse(planes::read_weights(weights).training);
 }
 
-/// A labelled recording of a staircase.
+/// A labeled recording of a staircase.
 fs::path write_recording(const fs::path& dir, int seed) {
   const fs::path path = dir / ("recording_" + std::to_string(seed));
   well(run({"synth", "sample", "-o", path, "--size", "160x120", "--scenes", "stairs",
@@ -71,7 +71,7 @@ fs::path write_recording(const fs::path& dir, int seed) {
   return path;
 }
 
-/// In per cent, away from edges.
+/// Accuracy in percent, away from edges.
 double label_accuracy(const fs::path& recording, const fs::path& weights) {
   const Ran ran =
       well(run({"eval", recording, "--json", "--profile", "paper", "--classifier", weights}));
@@ -108,7 +108,7 @@ TEST(Train, TheSameSeedGivesTheSameBytesForAnyThreadsAndInstructionSet) {
   EXPECT_NE(training.bytes_with({"--steps", "4", "--seed", "2"}), bytes);
 }
 
-TEST(Train, StoppedAndResumedItEndsInTheSameBytes) {
+TEST(Train, AResumedTrainingGivesTheSameBytes) {
   const Training training;
   const std::vector<std::string> args = {"--steps", "40", "--epoch", "20", "--recipe", "paper"};
   const std::string bytes = training.bytes_with(args);
@@ -120,7 +120,7 @@ TEST(Train, StoppedAndResumedItEndsInTheSameBytes) {
   EXPECT_FALSE(fs::exists(training.checkpoint));
 }
 
-TEST(Train, ACheckpointIsLostToNothingButItsOwnTraining) {
+TEST(Train, OnlyTheSameTrainingOverwritesACheckpoint) {
   const Training training;
   const std::vector<std::string> args = {"--steps", "4000", "--epoch", "1"};
   training.stop(args);
@@ -139,7 +139,7 @@ TEST(Train, ACheckpointIsLostToNothingButItsOwnTraining) {
   EXPECT_FALSE(fs::exists(training.out));
 }
 
-TEST(Train, WhatCannotWorkIsToldBeforeAnythingIsMade) {
+TEST(Train, InvalidSettingsAreReportedBeforeAnythingIsWritten) {
   const Training training;
   const fs::path recording = write_recording(training.dir, 1);
   fs::remove_all(recording.string() + ".labels");
@@ -168,7 +168,7 @@ TEST(Train, WhatCannotWorkIsToldBeforeAnythingIsMade) {
   EXPECT_FALSE(fs::exists(training.page));
 }
 
-TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
+TEST(Train, OnOwnRecordingsLearnsTheirTerrain) {
   const Training training;
   const fs::path recording = write_recording(training.dir, 1),
                  other = write_recording(training.dir, 2);
@@ -183,9 +183,9 @@ TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
   EXPECT_EQ(record["recorded_clouds"], 1);
 }
 
-TEST(Train, ABaselineThatLabelsBetterEndsItWithCode1) {
+TEST(Train, ABetterBaselineEndsItWithCode1) {
   const Training training;
-  // Made by hand: v where a point has neighbours right above or below it.
+  // A handmade network: v if a point has neighbors right above or below it.
   planes::NetworkWeights good;
   good.config = {.name = "by hand", .levels = {{2}}, .head = {1}};
   good.tensors = {{0, 0, 0, 0, 1, -1}, {1, 1}, {0}, {0, 8}, {8, 0}};

@@ -119,8 +119,8 @@ TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
   planescope_result_free(nullptr);
 }
 
-// Programs contain the sizes of these structs. A failure here is a change of the ABI: take it back,
-// or raise the minor version in CMakeLists.txt, and with it the soname, and write the new size
+// Programs contain the sizes of these structs. A failure here is a change of the ABI: revert it, or
+// raise the minor version in CMakeLists.txt, and thereby the soname, and update the size
 // (docs/library.md).
 #if defined(__x86_64__) && defined(__GLIBCXX__)
 static_assert(sizeof(planescope::Camera) == 88);

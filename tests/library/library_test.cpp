@@ -78,7 +78,7 @@ TEST(Library, FindsTheFloorTheTreadAndTheRiserOfAStep) {
   EXPECT_EQ(risers, 1);
   EXPECT_EQ(treads, 1);
   EXPECT_EQ(floors, 1);
-  // The pixel at the bottom is the floor, 30 cm below the sensor.
+  // The bottom pixel is on the floor, 30 cm below the sensor.
   const std::size_t bottom = 239 * 424 + 212;
   const int id = result.plane_of()[bottom];
   ASSERT_GT(id, 0);
@@ -89,7 +89,7 @@ TEST(Library, FindsTheFloorTheTreadAndTheRiserOfAStep) {
   EXPECT_EQ(result.gravity().source, "option");
 }
 
-TEST(Library, APartOfAnImageIsSegmentedWhereItLies) {
+TEST(Library, APartOfAnImageIsSegmentedInPlace) {
   const Step step;
   ps::DepthImage part = step.image;  // its lower right quarter
   part.row_stride = 424;
@@ -103,7 +103,7 @@ TEST(Library, APartOfAnImageIsSegmentedWhereItLies) {
   EXPECT_EQ(result.planes().size(), 3U);
 }
 
-TEST(Library, DepthInMetersIsStoredWithoutLossThatMatters) {
+TEST(Library, DepthInMetersIsStoredWithNegligibleLoss) {
   Step step;
   std::vector<float> meters;
   for (const std::uint16_t count : step.counts) meters.push_back(0.001f * count);
@@ -112,8 +112,8 @@ TEST(Library, DepthInMetersIsStoredWithoutLossThatMatters) {
   image.counts = nullptr;
   image.meters = meters.data();
   EXPECT_EQ(ps::Frame(image).bytes(), ps::Frame(step.image).bytes());
-  for (float& z : meters) z *= 1.00037f;  // no whole number of units any more
-  meters[1] = 100;                        // farther than counts go
+  for (float& z : meters) z *= 1.00037f;  // no longer whole numbers of units
+  meters[1] = 100;                        // beyond the range of counts
   const ps::Frame frame(image);
   const ps::DepthImage stored = frame.depth();
   EXPECT_EQ(stored.counts[1], 65535);
@@ -121,7 +121,7 @@ TEST(Library, DepthInMetersIsStoredWithoutLossThatMatters) {
     ASSERT_NEAR(stored.counts[i] * stored.unit_m, meters[i], 4e-5) << i;
 }
 
-TEST(Library, AFrameIsTheSameAfterItsBytes) {
+TEST(Library, AFrameSurvivesSerialization) {
   const ps::Recording recording(PLANESCOPE_SAMPLE);
   const ps::Frame frame = recording[1];
   const std::string bytes = frame.bytes();
@@ -157,7 +157,7 @@ TEST(Library, AMapperFollowsPlanesFromFrameToFrame) {
   EXPECT_NE(map.map_json.find("\"seen\": 4"), std::string::npos) << map.map_json;
 }
 
-TEST(Library, SaysWhatIsWrongInOneLine) {
+TEST(Library, ReportsErrorsInOneLine) {
   const Step step;
   const auto with = [&](const std::function<void(ps::DepthImage&)>& change) {
     ps::DepthImage image = step.image;
@@ -204,7 +204,7 @@ TEST(Library, SaysWhatIsWrongInOneLine) {
             PLANESCOPE_SAMPLE ": frame 3, it has 3 of them, from 0");
   const std::string unknown = error_of([] { ps::Options().set("theta_n_ou", "3"); });
   EXPECT_NE(unknown.find("theta_n_out"), std::string::npos) << unknown;
-  // What only the command line has is not advised.
+  // Errors do not suggest options of the command line.
   std::vector<std::uint16_t> nothing(64 * 48);
   ps::DepthImage empty = step.image;
   empty.camera.width = 64;
@@ -216,7 +216,7 @@ TEST(Library, SaysWhatIsWrongInOneLine) {
   EXPECT_EQ(where.find("--"), std::string::npos) << where;
 }
 
-TEST(Library, PlanesOfAResultThatGoesAreCopied) {
+TEST(Library, PlanesOfATemporaryResultAreCopied) {
   const Step step;
   double area = 0;
   for (const ps::Plane& plane : ps::segment(step.image).planes()) area += plane.outline.area_m2;
@@ -235,7 +235,7 @@ TEST(Library, GravityOfAnyLengthIsADirection) {
   EXPECT_EQ(ps::segment(step.image).planes().size(), 3U);
 }
 
-TEST(Library, WhatWasSetByItsNameStaysWhateverTheOrder) {
+TEST(Library, OptionsSetByNameDoNotDependOnTheOrder) {
   const auto cropped = [](bool before) {
     ps::Options options;
     if (before) options.set("range_for_clouds", "off");
@@ -248,20 +248,20 @@ TEST(Library, WhatWasSetByItsNameStaysWhateverTheOrder) {
   EXPECT_EQ(ps::Options().set("max_range_m", 1).get("range_for_clouds"), "on");
 }
 
-TEST(Library, ARendererMayGoOnAnotherThread) {
+TEST(Library, ARendererCanBeDestroyedOnAnotherThread) {
   auto renderer = std::make_unique<ps::Renderer>();
   std::thread([&] { renderer.reset(); }).join();
   EXPECT_FALSE(renderer);
 }
 
-TEST(Library, FramesOfARecordingGoIntoAVector) {
+TEST(Library, FramesOfARecordingCanBeStoredInAVector) {
   const ps::Recording recording(PLANESCOPE_SAMPLE);
   const std::vector<ps::Frame> frames(recording.begin(), recording.end());
   ASSERT_EQ(frames.size(), 3U);
   EXPECT_EQ(frames[2].index(), 2);
 }
 
-TEST(Library, ProfilesAndOptionsAreThoseOfTheProgram) {
+TEST(Library, ProfilesAndOptionsMatchTheProgram) {
   EXPECT_EQ(ps::Options().get("profile"), "refined");
   EXPECT_EQ(ps::Options("paper").get("profile"), "paper");
   ps::Options options;
@@ -278,7 +278,7 @@ TEST(Library, ProfilesAndOptionsAreThoseOfTheProgram) {
             "option r1_merge_by_distance was removed in 0.2; see merge_cost");
 }
 
-TEST(Library, ACloudFarFromItsOriginIsSegmentedAsNearIt) {
+TEST(Library, ACloudFarFromItsOriginHasTheSamePlanes) {
   std::vector<double> xyz;
   for (int i = 0; i < 100; ++i)
     for (int k = 0; k < 100; ++k) xyz.insert(xyz.end(), {5e5 + 0.01 * i, 4e6 + 0.01 * k, 321.5});
@@ -292,7 +292,7 @@ TEST(Library, ACloudFarFromItsOriginIsSegmentedAsNearIt) {
   EXPECT_NEAR(result.points()[9999][1], 4e6 + 0.99, 1e-4);
 }
 
-TEST(Library, EveryStepOfATraceIsToldAndTheLastIsTheResult) {
+TEST(Library, EveryStepOfATraceIsDescribedAndTheLastIsTheResult) {
   const ps::Recording recording(PLANESCOPE_SAMPLE);
   const ps::Frame frame = recording[0];
   const ps::Segmenter segmenter;

@@ -1,4 +1,4 @@
-"""The interface of the Python package: refusals, a process without numpy, metadata, docstrings, stub."""
+"""Interface of the Python package: errors, a process without numpy, metadata, docstrings, stub."""
 
 import ast
 import doctest
@@ -114,7 +114,7 @@ class BadInput(unittest.TestCase):
 
 class WithoutNumpy(unittest.TestCase):
     def test_memoryviews_come_in_and_go_out(self):
-        # The same image once with numpy, once in a process where importing it fails.
+        # The same image with numpy, and in a process in which importing numpy fails.
         expected = ps.segment(step_image(), K, gravity=(0, 1, 0))
         script = """
 import sys

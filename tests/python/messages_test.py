@@ -1,4 +1,4 @@
-"""messages_test.py ROOT: the list of messages for the site has those that programs print, by what they are about."""
+"""messages_test.py ROOT: the site's list of messages contains those that programs print, by subject."""
 
 import subprocess
 import sys

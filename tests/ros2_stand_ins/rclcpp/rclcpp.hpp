@@ -1,6 +1,6 @@
 #pragma once
-// Stand-ins for what planescope_ros uses of rclcpp (Humble): the same signatures, with as much
-// behind them as a test needs to send and receive. Each names the page that documents it.
+// Stand-ins for the parts of rclcpp (Humble) that planescope_ros uses: the same signatures, with
+// enough behavior for tests to send and receive. Each links to its documentation.
 
 #include <cstdint>
 #include <cstdio>

@@ -5,7 +5,7 @@
 
 #include "rclcpp_lifecycle/lifecycle_node.hpp"
 
-/// Makes the registered component.
+/// Creates the registered component.
 std::shared_ptr<rclcpp_lifecycle::LifecycleNode> make_component();
 
 /// https://docs.ros.org/en/humble/p/rclcpp_components/generated/program_listing_file_include_rclcpp_components_register_node_macro.hpp.html

@@ -44,7 +44,7 @@ FrameLabels truth_of(const TrueCloud& cloud) {
   return labels;
 }
 
-/// Nothing but P1 on these points.
+/// Labels with only plane P1, on these points.
 FrameLabels one_plane(const TrueCloud& cloud, const PixelSet& points) {
   return painted(empty_labels(cloud.grid, kHash), cloud.grid, points, {.plane = 1},
                  PaintMode::over);
@@ -58,7 +58,7 @@ std::optional<WandResult> wand(const TrueCloud& cloud,
   return grow_plane(cloud.grid, labels, seeds, options);
 }
 
-TEST(CloudGrid, KnowsSpacingNoiseNormalsAndAreas) {
+TEST(CloudGrid, MeasuresSpacingNoiseNormalsAndAreas) {
   const TrueCloud cloud = stair_cloud();
   const LabelGrid& grid = cloud.grid;
   EXPECT_TRUE(grid.is_cloud());
@@ -70,11 +70,11 @@ TEST(CloudGrid, KnowsSpacingNoiseNormalsAndAreas) {
   EXPECT_NEAR(grid.area_m2(cloud.on(1)), 1, 0.1);
 }
 
-TEST(CloudGrid, PointsAtOnePlaceAreNeighboursAndShareTheirArea) {
+TEST(CloudGrid, CoincidentPointsAreNeighborsAndShareTheirArea) {
   TrueCloud cloud = stair_cloud();
   PointSet& set = *cloud.frame.cloud;
   const std::size_t before = set.points.size();
-  const auto once = set.points;  // a mesh has each corner several times
+  const auto once = set.points;  // a mesh contains each corner several times
   for (int times = 0; times < 5; ++times)
     set.points.insert(set.points.end(), once.begin(), once.end());
   const LabelGrid grid = make_label_grid(cloud.frame, test::down());
@@ -89,7 +89,7 @@ TEST(CloudGrid, PointsAtOnePlaceAreNeighboursAndShareTheirArea) {
   EXPECT_GT(test::iou(found->pixels, floor), 0.97);
 }
 
-TEST(CloudGrid, PointsThatAreNoneHaveNoNeighbours) {
+TEST(CloudGrid, InvalidPointsHaveNoNeighbors) {
   TrueCloud cloud = stair_cloud();
   cloud.frame.cloud->points[5] = Vec3f(0, 0, 0);
   cloud.frame.cloud->points[9] = Vec3f::Constant(std::nanf(""));
@@ -119,7 +119,7 @@ TEST(CloudWand, AllowsForTheNoiseOfTheCloud) {
   EXPECT_GT(test::iou(found->pixels, cloud.on(1)), 0.9);
 }
 
-TEST(CloudWand, LeavesLabelledPointsAndWhatIsOutsideOfTheLasso) {
+TEST(CloudWand, KeepsLabeledPointsAndStaysWithinTheLasso) {
   const TrueCloud cloud = stair_cloud();
   PixelSet left;
   for (const std::uint32_t i : cloud.on(1))
@@ -137,7 +137,7 @@ TEST(CloudWand, LeavesLabelledPointsAndWhatIsOutsideOfTheLasso) {
   EXPECT_GT(test::iou(inside->pixels, left), 0.97);
 }
 
-TEST(CloudWand, AFurtherClickAddsAPartOfThePlaneThatIsCutOff) {
+TEST(CloudWand, AnotherClickAddsASeparatePartOfThePlane) {
   const TrueCloud cloud =
       stair_cloud(0.001, [](const Vec3f& p) { return std::abs(p.x() - 0.5f) < 0.1f; });
   const std::uint32_t first = cloud.at({0.2f, 0.5f, 0}), second = cloud.at({0.8f, 0.5f, 0});
@@ -150,7 +150,7 @@ TEST(CloudWand, AFurtherClickAddsAPartOfThePlaneThatIsCutOff) {
   EXPECT_GT(whole->fragment_pixels[1], 100u);
 }
 
-TEST(CloudWand, SaysWhereThereIsNoPlane) {
+TEST(CloudWand, ReportsWhyThereIsNoPlane) {
   TrueCloud cloud;
   Random random(3);
   cloud.frame.cloud.emplace();
@@ -218,13 +218,13 @@ TEST(CloudOperations, PartsBecomePlanesAndFragmentsAreCounted) {
   EXPECT_GT(split.planes[0].normal.z(), 0.99) << "normals of a cloud are on the upper side";
 }
 
-TEST(CloudSelection, VisibleOnlyLeavesWhatLiesBelowTheSurface) {
+TEST(CloudSelection, VisibleOnlyExcludesPointsBelowTheSurface) {
   TrueCloud cloud = stair_cloud();
   const std::size_t floor = cloud.on(1).size();
-  for (const std::uint32_t i : cloud.on(1))  // a ceiling of a cellar
+  for (const std::uint32_t i : cloud.on(1))  // a ceiling below the floor
     cloud.frame.cloud->points.push_back(cloud.grid.points[i] - Vec3f(0, 0, 0.5f));
   const LabelGrid grid = make_label_grid(cloud.frame, test::down());
-  SpaceView view = view_of_points(grid);  // from above: x, y -> the picture, z -> nearer
+  SpaceView view = view_of_points(grid);  // from above: x, y in the picture, larger z is nearer
   view.clip_from_sensor << 1.6f, 0, 0, -0.8f, 0, 1.2f, 0, -0.95f, 0, 0, -0.5f, 0, 0, 0, 0, 1;
   view.width = view.height = 400;
   view.orthographic = true;
@@ -254,7 +254,7 @@ TEST(CloudReview, RegionsAreFoundAndThinOnesAreBoundaries) {
   EXPECT_EQ(found[1].kind, DisagreementKind::boundary);
 }
 
-TEST(CloudAudit, GoodLabelsHaveNoFindingsAndAnUnlabelledTreadIsHintedAt) {
+TEST(CloudAudit, GoodLabelsHaveNoFindingsAndAnUnlabeledTreadIsReported) {
   const TrueCloud cloud = stair_cloud();
   FrameLabels labels = truth_of(cloud);
   EXPECT_TRUE(audit_labels(labels, cloud.grid).empty());
@@ -264,7 +264,7 @@ TEST(CloudAudit, GoodLabelsHaveNoFindingsAndAnUnlabelledTreadIsHintedAt) {
   EXPECT_EQ(findings[0].kind, FindingKind::unlabelled);
 }
 
-TEST(CloudFiles, LabelsAreReadAsTheyWereWrittenAboutTheirOrigin) {
+TEST(CloudFiles, LabelsAreReadBackWithTheirOrigin) {
   TrueCloud cloud = stair_cloud();
   cloud.frame.cloud->origin = Vec3d(500000, 200000, 50);
   cloud.grid = make_label_grid(cloud.frame, test::down());
@@ -287,7 +287,7 @@ TEST(CloudFiles, LabelsAreReadAsTheyWereWrittenAboutTheirOrigin) {
   EXPECT_EQ(store.open(0, empty_labels(cloud.grid, kHash))->origin, cloud.frame.cloud->origin);
 }
 
-TEST(CloudFiles, LabelsOfAnotherCloudAreRefusedWithBothNumbersOfPoints) {
+TEST(CloudFiles, LabelsOfAnotherCloudAreRejectedWithBothNumbersOfPoints) {
   const TrueCloud cloud = stair_cloud();
   const fs::path dir = fresh("other");
   write_frame_labels(dir, 0, truth_of(cloud));
@@ -306,7 +306,7 @@ TEST(CloudFiles, LabelsOfAnotherCloudAreRefusedWithBothNumbersOfPoints) {
   expect_refused([&] { frame_truth(depth, dir, kHash); }, "are of a cloud, the frame is a depth");
 }
 
-TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBehindTheLastPointAreRefused) {
+TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBeyondTheLastPointAreRejected) {
   const TrueCloud cloud = stair_cloud();
   const fs::path dir = fresh("damaged");
   const FrameLabels labels = truth_of(cloud);
@@ -345,7 +345,7 @@ TEST(CloudExchange, EveryPointHasItsLabelInTheOrderOfTheCloud) {
       "coco needs pixels");
 }
 
-TEST(CloudExchange, LabelsOfAnotherNumberOfPointsOrOfPixelsAreRefused) {
+TEST(CloudExchange, LabelsOfAnotherNumberOfPointsOrPixelsAreRejected) {
   const TrueCloud cloud = stair_cloud();
   LabelledPoints fewer;
   fewer.instance.assign(12, 1);

@@ -60,7 +60,7 @@ Tree some_tree() {
 
 }  // namespace
 
-TEST(JsonFields, WriteInTheirOrderWhatTheyReadBack) {
+TEST(JsonFields, AreWrittenInOrderAndReadBack) {
   const Tree tree = some_tree();
   const nlohmann::ordered_json json = json_of(tree);
   EXPECT_EQ(json.dump(),
@@ -73,7 +73,7 @@ TEST(JsonFields, WriteInTheirOrderWhatTheyReadBack) {
   EXPECT_EQ(read, tree);
 }
 
-TEST(JsonFields, NameThePlaceWhatWasFoundAndWhatWasExpected) {
+TEST(JsonFields, ReportWhereWhatWasFoundAndWhatWasExpected) {
   const auto refused = [](const char* change, const std::string& expected) {
     nlohmann::ordered_json json = json_of(some_tree());
     json.merge_patch(nlohmann::ordered_json::parse(change));
@@ -96,7 +96,7 @@ TEST(JsonFields, NameThePlaceWhatWasFoundAndWhatWasExpected) {
   refused(R"({"seed": 4294967296})", "seed is 4294967296, expected a whole number from 0 to");
 }
 
-TEST(JsonFields, OfAnEarlierVersionAreRefusedInOneLine) {
+TEST(JsonFields, OfAnEarlierVersionAreRejectedInOneLine) {
   const auto schema = [](const char* found) {
     const nlohmann::ordered_json json = {{"schema", found}};
     return JsonPlace(json).schema({"planescope.tree/2", "planescope.tree/3"});
@@ -109,7 +109,7 @@ TEST(JsonFields, OfAnEarlierVersionAreRefusedInOneLine) {
                  "schema is \"planescope.tree/4\", expected planescope.tree/2 or");
 }
 
-TEST(JsonText, IsReadFromWithinSixtyFourLevelsAndRefusedBelow) {
+TEST(JsonText, IsReadUpToSixtyFourLevelsAndRejectedBeyond) {
   EXPECT_TRUE(parse_json<Json>(nested(65, "[", "]"), "deep.json").is_array());
   for (const int levels : {66, 150000}) {
     expect_refused([&] { parse_json<Json>(nested(levels, "[", "]"), "deep.json"); },
@@ -122,21 +122,21 @@ TEST(JsonText, IsReadFromWithinSixtyFourLevelsAndRefusedBelow) {
   }
 }
 
-TEST(JsonText, SaysWhereItIsDamaged) {
+TEST(JsonText, ReportsWhereItIsDamaged) {
   expect_refused([] { parse_json<Json>("{\"a\": 1,\n\"b\": }", "b.json"); },
                  "b.json: not valid JSON: parse error at line 2, column 6");
   expect_refused([] { parse_json<Json>("", "empty.json"); }, "empty.json: not valid JSON");
   expect_refused([] { parse_json<Json>("[1e999]", "big.json"); }, "big.json: not valid JSON");
 }
 
-TEST(JsonText, RefusesAKeyThatIsThereTwiceInOneObjectOnly) {
+TEST(JsonText, RejectsDuplicateKeysInOneObjectOnly) {
   EXPECT_EQ(parse_json<Json>(R"({"a": {"b": 1}, "b": 2, "c": [{"b": 3}, {"b": 4}]})", "x").size(),
             3U);
   expect_refused([] { parse_json<Json>(R"({"a": {"b": 1, "c": 2, "b": 3}})", "x.json"); },
                  "x.json: has \"b\" twice in one object");
 }
 
-TEST(JsonText, AWholeNumberIsOneThatItsTypeHolds) {
+TEST(JsonText, AWholeNumberMustFitItsType) {
   EXPECT_EQ(whole_number(Json(7), 0, 7, "x"), 7);
   EXPECT_EQ(whole_int(Json(-2147483648LL), "x"), -2147483647 - 1);
   for (const char* text : {"8", "-1", "1.5", "7.0", "1e300", "4294967296", "18446744073709551615",
@@ -146,6 +146,6 @@ TEST(JsonText, AWholeNumberIsOneThatItsTypeHolds) {
   expect_refused([] { whole_int(Json(4294967297LL), "its id"); }, "its id is 4294967297, expected");
 }
 
-TEST(JsonText, MayHoldComments) {
+TEST(JsonText, MayContainComments) {
   EXPECT_EQ(parse_json<Json>("{\"a\": 1 /* metres */} // the end", "x").at("a"), 1);
 }

@@ -64,7 +64,7 @@ Report make_compared_report() {
   return report;
 }
 
-TEST(ReadReport, WhatIsReadIsWhatWasWritten) {
+TEST(ReadReport, ReadsBackWrittenReports) {
   const Report now = make_compared_report(), read = read_report(written(report_json(now)));
   EXPECT_EQ(read.commit, now.commit);
   EXPECT_EQ(read.method, "ours");
@@ -92,7 +92,7 @@ TEST(ReadReport, WhatIsReadIsWhatWasWritten) {
   EXPECT_EQ(read.recordings[0].frames[1].refused, "no gravity");
 }
 
-TEST(ReadReport, ThatAPlaneIsUndecidedIsReadBackWithItsMargin) {
+TEST(ReadReport, UndecidedPlanesAreReadBackWithTheirMargin) {
   Report report = make_compared_report();
   PlaneSummary& plane = report.recordings[0].frames[0].planes[1].summary;
   plane.undecided = true;
@@ -129,7 +129,7 @@ TEST(ReadReport, AllPlanesOfAnEarlierVersionAreDecided) {
   EXPECT_TRUE(noted_changes(built_in_rules(), comparison).empty());
 }
 
-TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
+TEST(ReadReport, ErrorsAreReportedWithTheirLocation) {
   const Json good = Json::parse(report_json(make_compared_report()));
   const auto refusal_of = [](const Json& json) {
     const fs::path file = written(json.dump());
@@ -171,7 +171,7 @@ TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
 
 Report through_a_file(const Report& report) { return read_report(written(report_json(report))); }
 
-/// Another value than the option has.
+/// Sets an option to another value.
 void change(planes::PipelineOptions& options, const planes::OptionInfo& info) {
   const std::string before = info.get(options);
   if (info.kind == planes::OptionKind::on_off) {
@@ -191,7 +191,7 @@ void change(planes::PipelineOptions& options, const planes::OptionInfo& info) {
   }
 }
 
-TEST(RecordedOptions, AreThoseTheReportWasMadeWithToTheLastDigit) {
+TEST(RecordedOptions, MatchTheReportsRunToTheLastDigit) {
   for (const planes::Method method : planes::built_methods()) {
     planes::PipelineOptions options;
     options.method = method;
@@ -213,7 +213,7 @@ TEST(RecordedOptions, AreThoseTheReportWasMadeWithToTheLastDigit) {
   }
 }
 
-TEST(RecordedOptions, OfAnotherVersionAreTakenAsFarAsTheyAreKnown) {
+TEST(RecordedOptions, OfAnotherVersionAreUsedIfKnown) {
   Report report;
   const auto set = [&](const std::string& name, const std::string& value) {
     report.options.emplace_back().name = name;
@@ -232,7 +232,7 @@ TEST(RecordedOptions, OfAnotherVersionAreTakenAsFarAsTheyAreKnown) {
   expect_refused([&] { options_of(report, unknown); }, "theta_n_in");
 }
 
-TEST(RecordedOptions, WhatTheCommandLineSaidOfTheCameraIsKnownFromTheRecording) {
+TEST(RecordedOptions, CameraOptionsOfTheCommandLineAreReadFromTheRecording) {
   Report report;
   ReportRecording& typed = report.recordings.emplace_back();
   typed.info.path = "dir/rec";
@@ -255,7 +255,7 @@ TEST(RecordedOptions, WhatTheCommandLineSaidOfTheCameraIsKnownFromTheRecording) 
   EXPECT_FALSE(options_of(read.recordings[1]).depth_unit_m);
 }
 
-TEST(ReportTarget, NamesAFrameOrAPlaneOfAReport) {
+TEST(ReportTarget, IdentifiesAFrameOrAPlaneOfAReport) {
   const ReportTarget file = parse_report_target("out/report.json");
   EXPECT_EQ(file.file, "out/report.json");
   EXPECT_EQ(file.recording, 1);
@@ -279,7 +279,7 @@ TEST(ReportTarget, NamesAFrameOrAPlaneOfAReport) {
   EXPECT_TRUE(lost.of_baseline);
 }
 
-TEST(ReportTarget, WhatIsNoneIsRefusedWithWhatWasFound) {
+TEST(ReportTarget, InvalidTargetsAreRejectedWithTheirText) {
   for (const char* place :
        {"",      "/",     "f",       "f-1",    "fx",           "12",   "f1/",
         "f1/p",  "f1/p0", "f1/was0", "f1/q3",  "f1/p3/p4",     "f1p3", "r1",

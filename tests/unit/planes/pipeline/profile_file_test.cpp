@@ -23,7 +23,7 @@ std::string with_options(const std::string& options) {
   return R"({"schema": "planescope.profile/1", "base": "refined", "options": {)" + options + "}}";
 }
 
-/// What reading says, without the file's name, which stands before it.
+/// Error message of reading a file, without the file's name in front.
 std::string refusal_of(const std::string& text) {
   const fs::path path = written(text);
   try {
@@ -48,7 +48,7 @@ TEST(ProfileFile, AFolderOfTheSameNameDoesNotHideAProfile) {
   EXPECT_EQ(options.segment.profile, Profile::paper);
 }
 
-TEST(ProfileFile, EveryOptionComesBackAsItWasWritten) {
+TEST(ProfileFile, EveryOptionIsReadBackAsWritten) {
   for (const Profile base : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     PipelineOptions wanted;
     wanted.segment = profile_options(base);
@@ -68,7 +68,7 @@ TEST(ProfileFile, EveryOptionComesBackAsItWasWritten) {
   }
 }
 
-TEST(ProfileFile, BeginsWithTheDefaultsOfItsBaseAndLeavesOtherStagesAlone) {
+TEST(ProfileFile, StartsFromItsBaseAndKeepsOtherStages) {
   PipelineOptions options;
   set_option(options, "theta_n_out", "77");
   set_option(options, "max_range_m", "4");
@@ -83,7 +83,7 @@ TEST(ProfileFile, BeginsWithTheDefaultsOfItsBaseAndLeavesOtherStagesAlone) {
   EXPECT_EQ(options.cloud.max_range_m, 4);
 }
 
-TEST(ProfileFile, TheNamesOfProfilesStayNames) {
+TEST(ProfileFile, BuiltInNamesAreNotFiles) {
   PipelineOptions options;
   set_profile(options, "paper-closest");
   EXPECT_EQ(options.segment.profile, Profile::paper_closest);
@@ -91,7 +91,7 @@ TEST(ProfileFile, TheNamesOfProfilesStayNames) {
   EXPECT_THROW(set_profile(options, "no/such/file.json"), Error);
 }
 
-TEST(ProfileFile, WhatIsWrongIsToldInOneLine) {
+TEST(ProfileFile, ErrorsAreReportedInOneLine) {
   EXPECT_EQ(refusal_of("[]"), "the file is [], expected an object");
   EXPECT_EQ(refusal_of("{}"), "the file has no \"schema\"");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.session/1"})"),
