@@ -45,10 +45,10 @@ class PLANESCOPE_API RosSegmenter {
   /// Keeps the camera. Throws Error as Segmenter does.
   void set_options(const Options& options, int threads = 1);
 
-  /// sensor_msgs/msg/Image: 16UC1 or mono16 [mm], or 32FC1 [m], which is rounded to 0.25 mm and
-  /// ends at 16 m. The messages, with the stamp of the image, on the topics that `wanted` chooses;
-  /// null: all. Throws Error if there is no camera, it does not fit the image, or the image is
-  /// damaged.
+  /// sensor_msgs/msg/Image: 16UC1 or mono16 [mm], or 32FC1 [m], which is stored as
+  /// DepthImage::meters are. The messages, with the stamp of the image, on the topics that `wanted`
+  /// chooses; null: all. Throws Error if there is no camera, it does not fit the image, or the
+  /// image is damaged.
   std::vector<RosMessage> segment(
       View<std::uint8_t> cdr, const std::function<bool(const RosTopic&)>& wanted = nullptr) const;
 
