@@ -18,7 +18,7 @@ struct Program {
 
 /// Runs what was typed. The one place where errors become a line on stderr and an exit code: 0
 /// fine, 1 a threshold or comparison failed, 2 bad input or usage, 3 no display or rendering failed
-/// (the data files are written), 130 cancelled. The first SIGINT or SIGTERM asks the command to
+/// (the data files are written), 130 canceled. The first SIGINT or SIGTERM asks the command to
 /// stop, the second ends the program.
 int run_program(const Program& program, int argc, char** argv);
 
