@@ -161,7 +161,7 @@ int run_bench_real(const BenchRealArgs& args, std::stop_token stop) {
   return RealRun(args, std::move(stop)).run();
 }
 
-// ---- The list of labelled frames ----
+// ---- The list of labeled frames ----
 
 lab::Half parse_half(const std::string& text) {
   for (const lab::Half half : {lab::Half::tuning, lab::Half::printed})
@@ -208,7 +208,7 @@ void finish(BenchRealArgs& args, const CLI::App& typed) {
   if (args.parts.empty()) args.parts = {kRealParts.begin(), kRealParts.end()};
   const bool frames = args.parts.contains("frames");
   if (frames && args.frames_list.empty())
-    throw Error("bench real needs a list of labelled frames, --frames-list FILE");
+    throw Error("bench real needs a list of labeled frames, --frames-list FILE");
   if (frames && args.labels.empty())
     throw Error("bench real needs the folder of the frames' labels, --labels DIR");
   if (frames || args.parts.contains("repeat")) {
