@@ -34,7 +34,7 @@ Intrinsics intrinsics(const Camera& camera, const char* what) {
                     what, camera.fx, camera.fy, camera.width, camera.height));
   if (!(std::isfinite(camera.cx) && std::isfinite(camera.cy)))
     throw Error(
-        fmt::format("{}: its centre is {}, {}, expected pixels", what, camera.cx, camera.cy));
+        fmt::format("{}: its center is {}, {}, expected pixels", what, camera.cx, camera.cy));
   if (static_cast<int>(camera.distortion) > static_cast<int>(Distortion::inverse_brown_conrady))
     throw Error(fmt::format("{}: unknown distortion {}, expected 0 to 2", what,
                             static_cast<int>(camera.distortion)));
@@ -141,40 +141,18 @@ namespace {
 
 constexpr const char* kGivenName = "0";  // name of frames without a recording, in messages
 
-/// Stores depth in meters as counts and returns their unit (DepthImage).
-double store_meters(const float* meters, std::size_t stride, Image16& depth) {
-  constexpr double kMost = planes::kFarOutlier - 1, kCoarsest_m = 0.001;
-  constexpr double kRounding = 2.5e-7;  // rounding of floats that represent whole numbers of units
-  const auto for_each = [&](const auto& visit) {
-    for (int y = 0; y < depth.height; ++y)
-      for (int x = 0; x < depth.width; ++x)
-        if (const double z = meters[y * stride + x]; std::isfinite(z) && z > 0) visit(x, y, z);
-  };
-  double farthest = 0;
-  bool is_measured = false;
-  for_each([&](int, int, double z) {
-    is_measured = true;
-    if (z <= kMost * kCoarsest_m * (1 + kRounding)) farthest = std::max(farthest, z);
-  });
-  if (is_measured && farthest == 0)
-    throw Error("depth image: every pixel is beyond 65.5 m, expected meters");
-  double unit_m = farthest > 0 ? std::min(farthest / kMost, kCoarsest_m) : kCoarsest_m;
-  for (const double whole : {kCoarsest_m, 0.0002, 0.0001}) {
-    bool is_exact = farthest <= whole * kMost * (1 + kRounding);
-    if (is_exact)
-      for_each([&](int, int, double z) {
-        const double units = std::round(z / whole);
-        is_exact = is_exact && (z > farthest || std::abs(units * whole - z) <= kRounding * z);
-      });
-    if (!is_exact) continue;
-    unit_m = whole;
-    break;
+/// Stores depth in meters as counts and returns their unit.
+double store_meters(const DepthImage& image, std::size_t stride, Image16& depth) {
+  std::vector<float> meters;
+  for (int y = 0; y < depth.height; ++y) {
+    const float* row = image.meters + y * stride;
+    meters.insert(meters.end(), row, row + depth.width);
   }
-  for_each([&](int x, int y, double z) {
-    depth.at(x, y) =
-        z > farthest ? planes::kFarOutlier
-                     : static_cast<std::uint16_t>(std::clamp(std::round(z / unit_m), 1.0, kMost));
-  });
+  const double unit_m = round_meters(meters, std::nullopt, depth);
+  const auto is_far = [](std::uint16_t count) { return count == planes::kFarOutlier; };
+  const auto is_near = [&](std::uint16_t count) { return count > 0 && !is_far(count); };
+  if (std::ranges::any_of(depth.data, is_far) && std::ranges::none_of(depth.data, is_near))
+    throw Error("depth image: every pixel is beyond 65.5 m, expected meters");
   return unit_m;
 }
 
@@ -276,8 +254,7 @@ Frame::Frame(const DepthImage& image) {
     const std::size_t stride = image.row_stride == 0 ? width : image.row_stride;
     frame.depth = Image16(image.camera.width, image.camera.height);
     frame.depth_unit_m = image.unit_m;
-    if (image.counts == nullptr)
-      frame.depth_unit_m = store_meters(image.meters, stride, frame.depth);
+    if (image.counts == nullptr) frame.depth_unit_m = store_meters(image, stride, frame.depth);
     for (int y = 0; y < image.camera.height && image.counts != nullptr; ++y)
       std::copy_n(image.counts + y * stride, width, &frame.depth.at(0, y));
     frame.gravity = detail::given_gravity(image.gravity);
@@ -287,16 +264,16 @@ Frame::Frame(const DepthImage& image) {
         const bool sized = color.camera.width != 0 || color.camera.height != 0;
         if (sized && (color.camera.width != image.camera.width ||
                       color.camera.height != image.camera.height))
-          throw Error(fmt::format("colour image: it is {}x{} pixels and aligned, expected {}x{}",
+          throw Error(fmt::format("color image: it is {}x{} pixels and aligned, expected {}x{}",
                                   color.camera.width, color.camera.height, image.camera.width,
                                   image.camera.height));
         frame.color = Image8(image.camera.width, image.camera.height, 3);
       } else {
         Camera camera = color.camera;
         if (camera.fx == 0) camera.fx = camera.fy = 1;  // displayed, not projected
-        frame.color_intrinsics = detail::intrinsics(camera, "colour image");
+        frame.color_intrinsics = detail::intrinsics(camera, "color image");
         if (color.camera.fx == 0) frame.color_intrinsics.fx = frame.color_intrinsics.fy = 0;
-        frame.T_color_depth = detail::pose(color.T_color_depth, "colour image, T_color_depth");
+        frame.T_color_depth = detail::pose(color.T_color_depth, "color image, T_color_depth");
         frame.color = Image8(camera.width, camera.height, 3);
       }
       std::copy_n(color.rgb, frame.color.data.size(), frame.color.data.data());

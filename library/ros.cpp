@@ -16,7 +16,7 @@
 namespace planescope::v0 {
 namespace {
 
-constexpr double kMillimeter_m = 0.001, kFloatUnit_m = 0.00025;
+constexpr double kMillimeter_m = 0.001;
 
 /// Reads a message through `parse`.
 template <typename Parse>
@@ -48,11 +48,6 @@ Intrinsics intrinsics_of(const io::ros::CameraInfo& info) {
   return camera;
 }
 
-std::uint16_t count_of_meters(float meters) {
-  const double count = std::round(meters / kFloatUnit_m);
-  return count > 0 && count < 65535 ? static_cast<std::uint16_t>(count) : 0;  // NaN: 0
-}
-
 /// Sets the frame's depth and its unit.
 void take_depth(const io::ros::Image& image, ::planescope::Frame& frame) {
   const bool is_float = image.encoding == "32FC1";
@@ -64,21 +59,21 @@ void take_depth(const io::ros::Image& image, ::planescope::Frame& frame) {
   if (image.step < size * width)
     throw Error(fmt::format("image: rows of {} bytes; expected {} or more for {} pixels",
                             image.step, size * width, width));
-  frame.depth_unit_m = is_float ? kFloatUnit_m : kMillimeter_m;
+  frame.depth_unit_m = kMillimeter_m;
   frame.depth = Image16(image.width, image.height);
+  Image<float> meters(is_float ? image.width : 0, is_float ? image.height : 0);
   std::vector<std::byte> pixel(size);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const auto* at = image.data.data() + y * image.step + x * size;
       std::copy_n(at, size, pixel.begin());
       if (image.big_endian) std::ranges::reverse(pixel);
-      float meters = 0;
       if (is_float)
-        std::memcpy(&meters, pixel.data(), size);
+        std::memcpy(&meters.at(x, y), pixel.data(), size);
       else
         std::memcpy(&frame.depth.at(x, y), pixel.data(), size);
-      if (is_float) frame.depth.at(x, y) = count_of_meters(meters);
     }
+  if (is_float) frame.depth_unit_m = round_meters(meters.data, std::nullopt, frame.depth);
 }
 
 }  // namespace

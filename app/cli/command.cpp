@@ -170,6 +170,11 @@ CLI::Option* add_out(CLI::App* command, std::filesystem::path& out) {
   return add(command, "-o,--out", out, "DIR", "Output folder; created if missing");
 }
 
+CLI::Option* add_planes_out(CLI::App* command, std::filesystem::path& out) {
+  return add(command, "-o,--out", out, kPlanesOut,
+             std::string(kPlanesOutHelp) + "; created if missing");
+}
+
 void add_size(CLI::App* command,
               int& width,
               int& height,

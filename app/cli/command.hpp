@@ -91,6 +91,11 @@ CLI::Option* add_threads(CLI::App* command, int& threads);
 
 void add_json(CLI::App* command, bool& json);
 CLI::Option* add_out(CLI::App* command, std::filesystem::path& out);
+/// -o for commands that write a folder or a PlanesFile.
+CLI::Option* add_planes_out(CLI::App* command, std::filesystem::path& out);
+inline constexpr const char* kPlanesOut = "DIR|FILE.mcap";
+inline constexpr const char* kPlanesOutHelp =
+    "Output folder, or one file of all frames and planes for Foxglove, RViz and ros2 bag";
 void add_size(CLI::App* command,
               int& width,
               int& height,

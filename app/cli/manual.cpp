@@ -439,10 +439,14 @@ void define_help(CLI::App& app, Line& line) {
       std::vector<std::string> names;
       for (const CLI::App* command : subcommands(*at)) names.push_back(command->get_name());
       const auto found = std::ranges::find(names, word);
-      if (found == names.end())
-        throw Error(fmt::format(
-            "help: unknown command '{} {}'; expected {}", path, word,
-            names.empty() ? "no more words" : fmt::format("one of {}", fmt::join(names, ", "))));
+      if (found == names.end()) {
+        const std::string near = nearest_name(word, names);
+        throw Error(fmt::format("help: unknown command '{} {}'{}", path, word,
+                                names.empty() ? "; expected no more words"
+                                : near.empty()
+                                    ? fmt::format("; expected one of {}", fmt::join(names, ", "))
+                                    : fmt::format(", did you mean '{}'?", near)));
+      }
       at = subcommands(*at)[static_cast<std::size_t>(found - names.begin())];
       path += " " + word;
     }

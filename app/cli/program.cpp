@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <sstream>
 #include <system_error>
@@ -191,7 +192,7 @@ bool is_named(const CLI::Option& option, const std::string& message) {
 }
 
 // Returns a one-line message for a CLI11 error, with a suggestion for a misspelled name.
-std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
+std::string message_of(const Program& program, const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = innermost(&app);
   const std::vector<std::string> extras = app.remaining(true);
   if (extras.empty()) {
@@ -217,11 +218,16 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
   }
   const std::string given = word.substr(0, word.find('='));
   const std::string near = nearest_name(given, names);
+  const std::string path = path_of(app, *command);
   std::string text = is_option       ? "unknown option '" + given + "'"
                      : names.empty() ? "unexpected argument '" + given + "'"
                                      : "unknown command '" + given + "'";
+  const std::string reader = path.empty() && program.alone ? program.alone : path;
+  std::error_code ignored;
+  if (is_option && !reader.empty() && std::filesystem::exists(word, ignored))
+    return fmt::format("{}; to open the file of that name, type: {} {} -- {}", text, program.name,
+                       reader, shell_word(word));
   if (!near.empty()) return text + ", did you mean '" + near + "'?";
-  const std::string path = path_of(app, *command);
   return text + ", see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
 }
 
@@ -255,7 +261,8 @@ Job parse(const Program& program, int argc, char** argv) {
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     command->group("Commands");
   try {
-    if (argc == 1 && program.alone)
+    const bool is_alone = argc == 1 || (argc == 2 && argv[1] == std::string_view("--"));
+    if (is_alone && program.alone)
       app.parse(std::vector<std::string>{program.alone});
     else
       app.parse(argc, argv);
@@ -264,7 +271,7 @@ Job parse(const Program& program, int argc, char** argv) {
     app.exit(success, text, text);
     return print_job(text.str());
   } catch (const CLI::ParseError& error) {
-    throw Error(message_of(app, error));
+    throw Error(message_of(program, app, error));
   }
   if (line.job) return line.job;
   const CLI::App* group = innermost(&app);
@@ -290,7 +297,7 @@ int run_program(const Program& program, int argc, char** argv) {
     if (std::fflush(stdout) != 0) return fail("standard output cannot be written to", 2);
     return code;
   } catch (const Cancelled&) {
-    return fail("cancelled", 130);
+    return fail("canceled", 130);
   } catch (const Error& error) {
     return fail(error.what(), 2);
   } catch (const std::system_error& error) {

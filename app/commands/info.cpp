@@ -205,9 +205,9 @@ void print_depth(const Facts& f, double max_range_m) {
                          ? fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx,
                                        k.fy, k.cx, k.cy, distortion, f.info.intrinsics_source)
                          : std::string("not known; ") + io::kHowToGiveIntrinsics);
-  line("colour", f.info.has_color
-                     ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
-                     : "none");
+  line("color", f.info.has_color
+                    ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
+                    : "none");
   line(fmt::format("frame {}", f.first),
        fmt::format("{:.1f} % of pixels measured, {:.2f} to {:.2f} m, median {:.2f} m; {:.1f} % "
                    "within {:.6g} m{}",
@@ -217,7 +217,7 @@ void print_depth(const Facts& f, double max_range_m) {
 
 void print_cloud(const Facts& f) {
   std::string fields = "x y z";
-  if (f.cloud_has_color) fields += ", colour";
+  if (f.cloud_has_color) fields += ", color";
   if (f.cloud_has_label) fields += ", label";
   if (f.cloud_has_instance) fields += ", instance";
   line(fmt::format("frame {}", f.first), fmt::format("{} points: {}", f.cloud_points, fields));

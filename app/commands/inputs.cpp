@@ -76,11 +76,11 @@ namespace {
 
 /// Radius of a disc, or of the circumscribed circle of a rectangle LENGTHxWIDTH [m].
 double foot_radius_m(const std::string& text) {
-  const std::vector<std::string> sides = split(text, 'x');
   std::vector<double> sizes;
-  for (const std::string& side : sides) sizes.push_back(parse_number(side, "--foot"));
-  if (sizes.size() > 2 || *std::ranges::min_element(sizes) <= 0)
-    throw Error("--foot: '" + text + "' is neither a radius nor LENGTHxWIDTH in metres");
+  for (const std::string& side : split(text, 'x')) sizes.push_back(parse_number(side).value_or(0));
+  const auto is_size = [](double size) { return size > 0 && std::isfinite(size); };
+  if (sizes.size() > 2 || !std::ranges::all_of(sizes, is_size))
+    throw Error("--foot: '" + text + "'; expected RADIUS or LENGTHxWIDTH in meters, above 0");
   return sizes.size() == 1 ? sizes[0] : std::hypot(sizes[0], sizes[1]) / 2;
 }
 
@@ -106,7 +106,7 @@ void set_pipeline_option(planes::PipelineOptions& options,
     options.cloud.range_for_clouds = true;  // clouds are cropped only on request
   if (name == "--classifier" && options.gravity.mode == planes::GravityMode::none)
     throw Error("--classifier " + text +
-                ": with --gravity none no point is labelled h or v, leave one of them out");
+                ": with --gravity none no point is labeled h or v, leave one of them out");
 }
 
 namespace {
@@ -125,7 +125,7 @@ double parse_depth_unit(const std::string& text) {
   const double unit = parse_number(text, "--depth-unit");
   if (unit <= 0 || unit > 1)
     throw Error("--depth-unit: " + text +
-                " is out of range, expected metres per count, above 0 and at most 1");
+                " is out of range, expected meters per count, above 0 and at most 1");
   return unit;
 }
 

@@ -249,7 +249,7 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
     store.commit(imports[i].edit);
     store.save(files[i].frame);
     fmt::print(
-        "frame {}: {}: {}, {} labelled{}{}{}\n", files[i].frame, files[i].path.string(),
+        "frame {}: {}: {}, {} labeled{}{}{}\n", files[i].frame, files[i].path.string(),
         counted(imports[i].planes, "plane"), counted(imports[i].pixels, imports[i].sample),
         imports[i].ignored > 0 ? fmt::format(", {} not to be scored", imports[i].ignored) : "",
         imports[i].dropped > 0

@@ -131,7 +131,7 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
                    labels::is_hint(f.kind) ? "hint: " : "", labels::to_string(f.kind), f.text,
                    place_of(f, frame));
     }
-    fmt::print("{}: {} labelled {}, {} damaged, {}\n", source.labels.dir.string(), frames.size(),
+    fmt::print("{}: {} labeled {}, {} damaged, {}\n", source.labels.dir.string(), frames.size(),
                frames.size() == 1 ? "frame" : "frames", counts.damaged,
                source.recording ? counted(static_cast<std::size_t>(counts.findings), "finding") +
                                       ", " + counted(static_cast<std::size_t>(counts.hints), "hint")
@@ -345,7 +345,7 @@ void print_left(const Left& left, bool with_recording) {
 
 void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
   fmt::print("{:<7} {:>6} {:>4} {:>4} {:>9} {:>9} {:>8} {:>9}  {:<10}  {}\n", "frame", "planes",
-             "h", "v", "labelled", "measured", "ignored", "area m2", "review", "time");
+             "h", "v", "labeled", "measured", "ignored", "area m2", "review", "time");
   labels::LabelStatistics sum;
   double seconds = 0;
   const auto row = [&](const std::string& name, const labels::LabelStatistics& s,
@@ -367,7 +367,7 @@ void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
   }
   row("sum", sum, "", minutes_text(seconds));
   if (!with_depth)
-    fmt::print("\nmeasured, area: need the depth, --recording RECORDING says what was labelled\n");
+    fmt::print("\nmeasured, area: need the depth, --recording RECORDING says what was labeled\n");
 }
 
 Json to_json(const FrameStatistics& f, bool with_depth) {

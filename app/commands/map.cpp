@@ -277,7 +277,7 @@ void define_map(CLI::App& app, Line& line) {
       "-o FILE.mcap writes the map and all frames for Foxglove, RViz and ros2 bag.");
   const auto args = std::make_shared<MapArgs>();
   add_recordings(map, args->input, false, false);
-  add_out(map, args->out)->required();
+  add_planes_out(map, args->out)->required();
   add(map, "--poses", args->poses, "FILE",
       "Camera poses: TUM, KITTI, or Open3D's .log or .json (default: the recording's, else "
       "odometry)");

@@ -92,7 +92,7 @@ WrittenFrame write_frame(const OpenInput& input,
     const auto steppable = std::ranges::count_if(found.footholds, &planes::Foothold::steppable);
     if (has_foot) {
       written.line +=
-          fmt::format("\n  steppable: {} of {}, {:.2f} m2 for the foot's centre", steppable,
+          fmt::format("\n  steppable: {} of {}, {:.2f} m2 for the foot's center", steppable,
                       counted(found.footholds.size(), "plane"), terrain.steppable_area_m2);
       written.json["steppable"] = steppable;
       written.json["steppable_area_m2"] = terrain.steppable_area_m2;
@@ -210,10 +210,19 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     }
   };
   const FrameSlice& slice = args.input.frames;
+  std::optional<Error> cut;  // ended the stream; the frames before it are delivered
+  const auto arrives = [&] {
+    try {
+      return stream->wait_for_frame(stop);
+    } catch (const Error& error) {
+      cut = error;
+      return false;
+    }
+  };
   if (stream) {
-    for (int i = 0; !is_past_slice(slice, i) && stream->wait_for_frame(stop); ++i)
+    for (int i = 0; !is_past_slice(slice, i) && arrives(); ++i)
       if (is_in_slice(slice, i)) take(i, write(i));
-    if (stream->frame_count() == 0 && !stop.stop_requested())
+    if (stream->frame_count() == 0 && !cut && !stop.stop_requested())
       throw Error("standard input: a header without frames");
   } else {
     run_frames(
@@ -221,6 +230,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
         [&](std::size_t i) { return write(input.frames[i]); },
         [&](std::size_t i, WrittenFrame&& frame) { take(input.frames[i], std::move(frame)); });
   }
+  if (written == 0 && cut) throw *cut;
   if (written == 0 && !refused.empty()) throw Error(refused.front());
   if (output && !stop.stop_requested()) remove_earlier_frames(args.out, frames, *output);
   if (output) output->commit();
@@ -232,6 +242,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   if (!args.json && !args.ros_json && !args.quiet) fmt::print("{}", fmt::join(lines, ""));
   if (!args.json && unknown_gravity)
     notice("to distinguish h and v, {}", planes::kHowToGiveGravity);
+  if (cut) throw *cut;
   if (stop.stop_requested()) throw Cancelled();
   return args.map.empty() || refused.empty() ? 0 : 2;
 }
@@ -248,7 +259,7 @@ void define_segment(CLI::App& app, Line& line) {
   add_inputs(segment, args->input,
              io::recordings_text(false) +
                  ", or - for frames on standard input; default: the sample recording");
-  add_out(segment, args->out);
+  add_planes_out(segment, args->out);
   std::vector<std::string> formats;
   std::string holds;
   for (const report::PlaneFormat& format : report::plane_formats()) {
@@ -274,7 +285,7 @@ void define_segment(CLI::App& app, Line& line) {
       throw Error("--also: writes into the folder of -o DIR, but -o is a .mcap file");
     if (args->ros_json && args->json) throw Error("--ros-json: is instead of --json");
     if (!args->ros_json && args->out.empty() && !is_live(*args))
-      throw Error("segment needs -o DIR: Output folder");
+      throw Error(fmt::format("segment needs -o {}: {}", kPlanesOut, kPlanesOutHelp));
     if (args->out.empty() && !args->also.empty())
       throw Error("--also: writes into the folder of -o DIR, which is not given");
   });

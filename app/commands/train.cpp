@@ -190,7 +190,7 @@ void check(const TrainArgs& args) {
     throw Error("train: -o '" + args.out.string() + "' is not the name of a .safetensors file");
   expect_gravity(args.input.pipeline, "train");
   if (!args.synthetic && args.input.inputs.empty())
-    throw Error("train: --recipe recordings needs labelled recordings to learn from");
+    throw Error("train: --recipe recordings needs labeled recordings to learn from");
   if (args.input.label_dir && args.input.inputs.empty())
     throw Error("train: --labels needs the recording that the labels are of");
 }
@@ -284,7 +284,7 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
       args->command.erase(at, kResume.size());
     if (needs_recording && args->input.inputs.empty())
       throw Error(
-          "train needs labelled recordings to learn from; on synthetic clouds alone: "
+          "train needs labeled recordings to learn from; on synthetic clouds alone: "
           "planescope-lab train");
   });
 }

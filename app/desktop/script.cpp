@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -247,11 +248,15 @@ void take_step(Shell& shell,
 }
 
 void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {
+  constexpr std::chrono::milliseconds kShortest(5), kLongest(50);
+  auto pause = kShortest;  // grows: without a GPU, drawing competes with the work for cores
   do {  // the last frame may discover work that could not start before
     stage.draw_frame();
     while (!shell.idle(background)) {
       if (stop.stop_requested()) throw Cancelled();
-      if (!shell.needs_frame()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      const bool needs_frame = shell.needs_frame();
+      if (!needs_frame) std::this_thread::sleep_for(pause);
+      pause = needs_frame ? kShortest : std::min(2 * pause, kLongest);
       stage.draw_frame();
     }
     stage.draw_frame();

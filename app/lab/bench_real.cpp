@@ -208,7 +208,7 @@ void finish(BenchRealArgs& args, const CLI::App& typed) {
   if (args.parts.empty()) args.parts = {kRealParts.begin(), kRealParts.end()};
   const bool frames = args.parts.contains("frames");
   if (frames && args.frames_list.empty())
-    throw Error("bench real needs a list of labelled frames, --frames-list FILE");
+    throw Error("bench real needs a list of labeled frames, --frames-list FILE");
   if (frames && args.labels.empty())
     throw Error("bench real needs the folder of the frames' labels, --labels DIR");
   if (frames || args.parts.contains("repeat")) {

@@ -281,8 +281,14 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   if (!fs::exists(status)) throw Error(path.string() + ": no such file or folder");
   Found found{path, fs::is_directory(status), {}};
   if (!found.is_folder) found.start = first_bytes(path);
-  for (const Format& format : formats())
-    if (format.fits(found)) return checked(format.open(path, options));
+  const std::vector<Format> known = formats();
+  for (const Format& format : known) {
+    if (!format.fits(found)) continue;
+    if (!options.topic.empty() && format.open != open_bag_at)
+      throw Error(fmt::format("{}: {}, which has no topics; --topic expects {}", path.string(),
+                              format.name, known.front().name));
+    return checked(format.open(path, options));
+  }
   if (found.is_folder)
     throw Error(path.string() + ": a folder with no recording in it (" +
                 describe_files(files_in(path)) + "), expected " + format_names());

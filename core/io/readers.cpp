@@ -290,7 +290,7 @@ void settle_camera(const RecordingOptions& options,
     info.depth_unit_source = "assumed (RealSense default)";
   }
   if (!(info.depth_unit_m > 0) || !std::isfinite(info.depth_unit_m))
-    throw Error(fmt::format("{}: depth unit {:f} m from {}, expected metres per count above 0",
+    throw Error(fmt::format("{}: depth unit {:f} m from {}, expected meters per count above 0",
                             path, info.depth_unit_m, info.depth_unit_source));
 }
 

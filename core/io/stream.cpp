@@ -161,6 +161,8 @@ class DescriptorStream : public FrameStream {
 std::unique_ptr<FrameStream> open_stream(int descriptor,
                                          const RecordingOptions& options,
                                          bool keeps_all) {
+  if (!options.topic.empty())
+    throw Error(fmt::format("{}: images, which have no topics; --topic expects a bag", kStream));
   return std::make_unique<DescriptorStream>(descriptor, options, keeps_all);
 }
 

@@ -22,7 +22,7 @@ struct Error : std::runtime_error {
 
 /// Long work was canceled by the user (exit code 130).
 struct Cancelled : std::runtime_error {
-  Cancelled() : std::runtime_error("cancelled") {}
+  Cancelled() : std::runtime_error("canceled") {}
 };
 
 /// User-visible message; std::bad_alloc::what() is only the name of a class.

@@ -105,6 +105,11 @@ struct PointSet {
 /// ignored; zero if there are none.
 Vec3d bulk_origin(std::span<const Vec3d> points);
 
+/// Rounds depth in meters to counts and returns their unit [m]: `unit_m` or, without one, by the
+/// rule in docs/formats.md ("Depth in meters"). `meters`: row by row, as many pixels as `counts`
+/// has.
+double round_meters(std::span<const float> meters, std::optional<double> unit_m, Image16& counts);
+
 /// Previously found planes of a depth image.
 struct GivenPlanes {
   Image16 plane_of;             // per pixel: id from 1, 0 none

@@ -45,6 +45,8 @@ bool parse_whole(std::string_view text, T& value) {
 }  // namespace
 
 std::string nearest_name(std::string_view given, const std::vector<std::string>& candidates) {
+  for (const std::string& candidate : candidates)
+    if (given.size() > 1 && candidate.starts_with(given)) return candidate;
   std::string best;
   std::size_t best_distance = std::numeric_limits<std::size_t>::max();
   for (const std::string& candidate : candidates) {

@@ -11,9 +11,9 @@
 
 namespace planescope {
 
-/// The candidate most similar to `given`, for suggestions: the smallest edit distance (insert,
-/// delete, replace, swap of neighbors), if it is at most a third of the longer word. Empty if there
-/// is none.
+/// The candidate most similar to `given`, for suggestions: the first that begins with it, or the
+/// one with the smallest edit distance (insert, delete, replace, swap of neighbors), if that is at
+/// most a third of the longer word. Empty if there is none.
 std::string nearest_name(std::string_view given, const std::vector<std::string>& candidates);
 
 /// Parses the whole `text` as a number, independent of the locale, including "nan" and "inf";

@@ -79,8 +79,8 @@ class Frame:
         Args:
             depth: (height, width), uint16 counts or float meters, with any strides and byte order.
                 0, and in meters also negative and nan, means not measured. Meters are stored as
-                counts: exactly if they are multiples of 1, 0.2 or 0.1 mm, otherwise in 65534 steps
-                up to the farthest pixel (0.1 mm for 6.5 m). Values beyond 65.534 m are invalid.
+                counts of 1 mm if all are whole millimeters or one is beyond 13.1 m, otherwise of
+                0.2 mm. Values beyond 65.534 m are invalid.
             K: (3, 3), or fx, fy, cx, cy, in pixels.
             depth_unit: Meters per count, 0.001 by default. Not for depth in meters.
             gravity: Direction of gravity in the sensor's frame: x right, y down, z forward. None:

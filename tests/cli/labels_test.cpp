@@ -57,7 +57,7 @@ class Labels : public testing::Test {
 TEST_F(Labels, CheckFindsNothingInGoodLabels) {
   for (const fs::path& what : {rec, own}) {
     const Ran ran = well(labels_of("check", {what}));
-    EXPECT_TRUE(has(ran.out, "2 labelled frames, 0 damaged, 0 findings"));
+    EXPECT_TRUE(has(ran.out, "2 labeled frames, 0 damaged, 0 findings"));
   }
 }
 
@@ -68,7 +68,7 @@ TEST_F(Labels, CheckReportsFileFramePlaneValueAndLimit) {
   const Ran ran = labels_of("check", {own});
   EXPECT_EQ(ran.code, 1);
   EXPECT_TRUE(has(ran.out,
-                  "000001.json: frame 1: class_normal: P1: labelled v and tilted 0 degrees, "
+                  "000001.json: frame 1: class_normal: P1: labeled v and tilted 0 degrees, "
                   "expected at least 60"));
   const Json json = Json::parse(labels_of("check", {own, "--json"}).out);
   EXPECT_EQ(json["findings"], 1);
@@ -101,7 +101,7 @@ TEST_F(Labels, CheckAndExportUseTheLabelsCameraIfTheRecordingHasNone) {
   fs::remove(rec / "camera_intrinsic.json");
   ASSERT_EQ(run({"eval", rec}).code, 2) << "the recording does not say it";
   const Ran ran = well(labels_of("check", {own}));
-  EXPECT_TRUE(has(ran.out, "2 labelled frames, 0 damaged, 0 findings"));
+  EXPECT_TRUE(has(ran.out, "2 labeled frames, 0 damaged, 0 findings"));
   well(labels_of("export", {rec, "--format", "ply", "-o", unknown}));
   EXPECT_EQ(read_text(unknown / "000001.ply"), read_text(known / "000001.ply"));
 }
@@ -349,7 +349,7 @@ TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
     return run(args);
   };
   const Ran imported = well(command({"labels", "import", "--from", rec / "gt_0.npy"}));
-  EXPECT_TRUE(has(imported.out, "17 planes, 272893 pixels labelled"));
+  EXPECT_TRUE(has(imported.out, "17 planes, 272893 pixels labeled"));
   const Ran scored = well(command({"eval", "--json", "--max-range", "8"}));
   const Json mean = Json::parse(scored.out)["mean"];
   EXPECT_EQ(mean["planes_truth"], 17);
@@ -439,7 +439,7 @@ class CloudLabels : public testing::Test {
 
 TEST_F(CloudLabels, AreCheckedCountedAndComparedLikeThoseOfImages) {
   const Ran checked = well(labels_of("check", {rec}));
-  EXPECT_TRUE(has(checked.out, "1 labelled frame, 0 damaged, 0 findings, 0 hints"));
+  EXPECT_TRUE(has(checked.out, "1 labeled frame, 0 damaged, 0 findings, 0 hints"));
   const Json stats = Json::parse(labels_of("stats", {rec, "--json"}).out);
   EXPECT_EQ(stats["frames"][0]["labelled"], cloud.grid.pixels());
   EXPECT_EQ(stats["frames"][0]["h"], 3);

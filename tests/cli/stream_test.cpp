@@ -95,6 +95,19 @@ TEST(Stream, SegmentWritesTheSameFilesAsForARecording) {
             read_text(dir / "b/frames/000002/planes.png"));
 }
 
+TEST(Stream, ACutStreamKeepsTheFramesBeforeTheCut) {
+  const auto dir = scratch();
+  const std::string cut = kHeader + frame_bytes() + frame_bytes() + "cut";
+  expect_refused(run_with(cut, {"segment", "-", "-o", dir / "a"}),
+                 "standard input: frame 2 is cut: 3 of 38400 bytes of its image");
+  well(run_with(kHeader + frame_bytes() + frame_bytes(), {"segment", "-", "-o", dir / "b"}));
+  EXPECT_EQ(files_below(dir / "a"), files_below(dir / "b"));
+  expect_refused(run_with(cut, {"segment", "-", "-o", dir / "a.mcap"}), "frame 2 is cut");
+  EXPECT_EQ(io::open_recording(dir / "a.mcap")->frame_count(), 2);
+  expect_refused(run_with(kHeader + "cut", {"segment", "-", "-o", dir / "c"}), "frame 0 is cut");
+  EXPECT_FALSE(std::filesystem::exists(dir / "c"));
+}
+
 TEST(Stream, ConvertKeepsAStreamAndInfoDescribesIt) {
   const auto dir = scratch();
   const std::string bytes = kHeader + frame_bytes() + frame_bytes();
@@ -112,6 +125,7 @@ TEST(Stream, BadInputAndOtherCommandsAreRejectedInOneLine) {
   expect_refused(run_with(kHeader + frame_bytes() + "x", segment), "frame 1 is cut");
   expect_refused(run_with(kHeader, segment), "a header without frames");
   expect_refused(run_with("", segment), "without a header");
+  expect_refused(run_with(kHeader, {"segment", "-", "--json", "--topic", "/depth"}), "no topics");
   expect_refused(run_with(kHeader + frame_bytes(), {"segment", "-", "--json", "--frames", "-1"}),
                  "from the end of a stream");
   for (const char* command : {"report", "map", "eval"})

@@ -157,9 +157,9 @@ TEST(Train, InvalidSettingsAreReportedBeforeAnythingIsWritten) {
   training.expect_refused({"--baseline", dir + "/none"}, "none: no such file");
   training.expect_refused({"--recipe", "cookies"},
                           "expected planescope, real-camera, paper or recordings");
-  training.expect_refused({"--recipe", "recordings"}, "needs labelled recordings");
+  training.expect_refused({"--recipe", "recordings"}, "needs labeled recordings");
   training.expect_refused({"--labels", dir}, "needs the recording");
-  training.expect_refused({recording}, "no labelled frame");
+  training.expect_refused({recording}, "no labeled frame");
   training.expect_refused({"--steps", "0"}, "--steps");
   training.expect_refused({"--epoch", "0"}, "--epoch");
   training.expect_refused({"--classifier", "pca"}, "unknown option");

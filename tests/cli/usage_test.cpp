@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -95,6 +96,25 @@ TEST(Usage, TwoDashesEndTheOptionsAndACommandsNameCanBeARecording) {
   expect_refused(run({"info", "report"}), "report: no such file or folder");
 }
 
+TEST(Usage, AnUnknownOptionThatIsAFileIsOpenedAfterTwoDashes) {
+  const std::filesystem::path dir = scratch();
+  const std::string file = "-x y.bag";
+  std::ofstream(dir / file) << "";
+  const auto beside_it = [&] { std::filesystem::current_path(dir); };
+  expect_refused(run({file}, beside_it), "type: planescope view -- '-x y.bag'");
+  expect_refused(run({"info", file}, beside_it), "type: planescope info -- '-x y.bag'");
+  expect_refused(run({"info", "--", file}, beside_it), "-x y.bag: not a ");
+  expect_refused(run({"info", "-z.bag"}, beside_it), "see planescope info --help");
+}
+
+TEST(Usage, TwoDashesAloneOpenTheWindowAsNothingDoes) {
+  const auto without_display = [] { unsetenv("DISPLAY"), unsetenv("WAYLAND_DISPLAY"); };
+  const Ran nothing = run({}, without_display), dashes = run({"--"}, without_display);
+  EXPECT_EQ(dashes.code, 3);
+  EXPECT_EQ(dashes.code, nothing.code);
+  EXPECT_EQ(dashes.err, nothing.err);
+}
+
 TEST(Usage, OneOptionIsExplained) {
   const std::string text = well(run({"options", "theta_n_in", "--profile", "paper"})).out;
   for (const char* part :
@@ -136,7 +156,11 @@ TEST(Usage, UnknownNamesAreReportedInOneLineWithTheNearestName) {
       {{"options", "--set", "r1_merge_by_distance=on"},
        "option r1_merge_by_distance was removed in 0.2; see merge_cost"},
       {{"options", "--set", "merge_partner=worst"}, "first or best"},
-      {{"options", "--profile", "polished"}, "paper-closest"},
+      {{"options", "--set", "worth=3"}, "did you mean 'worth_px'?"},
+      {{"options", "--profile", "polished"}, "expected paper, paper-closest, refined or a FILE"},
+      {{"segment", "--foot", "big"}, "'big'; expected RADIUS or LENGTHxWIDTH in meters"},
+      {{"segment", "--foot", "0.2x-1"}, "expected RADIUS or LENGTHxWIDTH in meters"},
+      {{"segment", "--also", "pdf"}, "expected some of geojson, "},
       {{"options", "--threads", "0"}, "--threads"},
       {{"options", "--threads", "two"}, "--threads"},
       {{"options", "--classifier", "gcm"}, "expected gcn, pca, truth or a weights file"},
@@ -153,13 +177,16 @@ TEST(Usage, UnknownNamesAreReportedInOneLineWithTheNearestName) {
       {{"options", "extra"}, "option 'extra' is unknown"},
       {{"options", "theta_n_ou"}, "did you mean 'theta_n_out'?"},
       {{"options", "flat", "extra"}, "unexpected argument 'extra'"},
-      {{"help", "labels", "expo"}, "expected one of check, stats, compare"},
+      {{"help", "segmnt"}, "did you mean 'segment'?"},
+      {{"help", "labels", "expo"}, "did you mean 'export'?"},
+      {{"help", "labels", "xyzzy"}, "expected one of check, stats, compare"},
       {{"help", "info", "x"}, "expected no more words"},
       {{"info", "--frames", "1:2:0"}, "step"},
       {{"info", "--frames", "a"}, "not a whole number"},
       {{"info", "--intrinsics", "1,2,3"}, "FX,FY,CX,CY"},
       {{"info", "--depth-unit", "-1"}, "--depth-unit"},
-      {{"segment"}, "-o DIR"},
+      {{"segment"}, "-o DIR|FILE.mcap"},
+      {{"map"}, "-o DIR|FILE.mcap"},
       {{"report", "merge", "--frames", "1"}, "see planescope report merge --help"},
       {{"report", "--init", "--frames", "1"}, "remove --frames"},
       {{"segment", "-o"}, "out"},

@@ -16,7 +16,7 @@ for section, message in [
     ("The library, and Python", "depth image: it has no pixels"),
     ("The library, and Python", "K: it is …, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"),
     ("The library, and Python", "uint16 counts or float meters of shape (height, width)"),
-    ("The command line", "segment needs -o DIR: Output folder"),
+    ("The command line", "report needs -o DIR: Output folder"),
 ]:
     assert message in sections[section], f"{section}: {message}"
 assert listed.count("\n- ") > 500, listed.count("\n- ")

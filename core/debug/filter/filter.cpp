@@ -87,8 +87,6 @@ std::string meant_by(std::string_view name) {
   if (name == "not") return "!";
   std::vector<std::string> names;
   for (const FilterName& known : filter_names()) names.push_back(known.name);
-  for (const std::string& known : names)  // still being typed
-    if (name.size() > 1 && known.starts_with(name)) return known;
   return nearest_name(name, names);
 }
 

@@ -75,9 +75,6 @@ PixelLayout layout_of(const std::string& encoding) {
 }
 
 constexpr const char* kMeters = "32FC1";
-/// Meters are rounded to this step unless a unit is given, for a range of 13.1 m. The error, 0.06
-/// mm RMS, is below the noise of any depth camera.
-constexpr double kRounding_m = 0.0002;
 
 /// Throws Error naming bag and topic unless the image holds 16-bit depth counts or meters.
 void check_depth_encoding(const ros::Image& image,
@@ -107,18 +104,12 @@ std::vector<T> pixels_of(const ros::Image& image) {
   return pixels;
 }
 
-/// 0 (no measurement) for NaN and infinity (ROS REP 118); 65535 (invalid) beyond 16 bits.
-std::uint16_t rounded_count(float depth_m, double unit_m) {
-  if (!(depth_m > 0) || std::isinf(depth_m)) return 0;
-  return static_cast<std::uint16_t>(std::min(std::round(depth_m / unit_m), 65535.0));
-}
-
 /// Supports rgb8, bgr8, rgba8, bgra8, mono8 and 8UC1. Throws Error on any other encoding.
 Image8 to_rgb(const ros::Image& image, const std::filesystem::path& bag, const std::string& topic) {
   const PixelLayout layout = layout_of(image.encoding);
   if (layout.channels == 0)
     throw Error(
-        fmt::format("{}: colour images on {} are encoded as \"{}\", expected rgb8, bgr8, "
+        fmt::format("{}: color images on {} are encoded as \"{}\", expected rgb8, bgr8, "
                     "rgba8, bgra8 or mono8",
                     bag.string(), topic, image.encoding));
   const std::size_t row_bytes = std::size_t(layout.channels) * image.width;
@@ -196,7 +187,7 @@ BagRecording::BagRecording(std::unique_ptr<MessageLog> log,
   color_period_s_ = median_period_s(color_);
   if (!info_.warnings.empty())
     info_.warnings.front() +=
-        fmt::format(", among them {} depth and {} colour images", depth_.size(), color_.size());
+        fmt::format(", among them {} depth and {} color images", depth_.size(), color_.size());
   info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
   read_camera(options);
   read_color_camera();
@@ -253,25 +244,30 @@ ros::SdkFrameFacts BagRecording::facts_beside(const MessageRef& depth) const {
 }
 
 void BagRecording::read_camera(const RecordingOptions& options) {
+  CameraFacts facts;
   const auto image = parse_message(bag_, depth_.front(), layout_.depth, [&](const Message& bytes) {
     auto parsed = image_of(bytes, layout_.depth).image;
+    info_.rounded = parsed.encoding == kMeters;
+    try {
+      const auto meters = info_.rounded ? pixels_of<float>(parsed) : std::vector<float>();
+      Image16 counts(static_cast<int>(meters.size()), 1);
+      if (info_.rounded) facts.depth_unit_m = round_meters(meters, std::nullopt, counts);
+    } catch (const OutOfBytes&) {
+      // Reported when the frame is read.
+    }
     parsed.data = {};  // keep only the header
     return parsed;
   });
   check_depth_encoding(image, bag_.path(), layout_.depth);
   info_.width = image.width;
   info_.height = image.height;
-  CameraFacts facts;
   const auto& infos = bag_.messages(layout_.depth_info);
   if (!infos.empty()) {
     const auto camera = read_camera_info(infos.front(), layout_.depth_info);
     facts.intrinsics = to_intrinsics(camera, layout_.depth_info, info_.warnings);
     facts.intrinsics_source = "bag topic " + layout_.depth_info;
   }
-  info_.rounded = image.encoding == kMeters;
-  unit_is_given_ |= info_.rounded;
   if (info_.rounded) {
-    facts.depth_unit_m = kRounding_m;
     facts.depth_unit_source = "rounding step of depth in meters (32FC1)";
   } else if (!layout_.depth_unit.empty()) {
     facts.depth_unit_m = parse_message(bag_, bag_.messages(layout_.depth_unit).front(),
@@ -285,7 +281,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
     facts.depth_unit_source = "depth messages of the bag";
   } else if (image.encoding == "16UC1") {
     facts.depth_unit_m = 0.001;
-    facts.depth_unit_source = "ROS convention (16UC1 is millimetres)";
+    facts.depth_unit_source = "ROS convention (16UC1 is millimeters)";
   }
   settle_camera(options, sidecar_, facts, info_);
 }
@@ -317,8 +313,8 @@ void BagRecording::read_color_camera() {
   }
   const auto& infos = bag_.messages(layout_.color_info);
   if (infos.empty() || !layout_.has_extrinsics) {
-    info_.color_note = infos.empty() ? "shown only: the bag has no colour intrinsics"
-                                     : "shown only: the bag has no depth-to-colour extrinsics";
+    info_.color_note = infos.empty() ? "shown only: the bag has no color intrinsics"
+                                     : "shown only: the bag has no depth-to-color extrinsics";
     return;
   }
   const auto camera = read_camera_info(infos.front(), layout_.color_info);
@@ -381,7 +377,7 @@ void BagRecording::name_frame(int i, const ros::Header& header, Frame& frame) co
   const ros::SdkFrameFacts facts = facts_beside(depth_.at(i));
   frame.name = facts.number.value_or(std::to_string(header.seq.value_or(i)));
   frame.timestamp_s = facts.timestamp_s.value_or(header.stamp_s);
-  if (facts.depth_unit_m) frame.depth_unit_m = *facts.depth_unit_m;
+  if (facts.depth_unit_m && !info_.rounded) frame.depth_unit_m = *facts.depth_unit_m;
   if (unit_is_given_ || frame.depth_unit_m == 0) frame.depth_unit_m = info_.depth_unit_m;
 }
 
@@ -399,13 +395,13 @@ BagRecording::DepthMessage BagRecording::read_depth(int i) const {
                               bag_.path().string(), i, image.encoding));
     DepthMessage result{image.header, std::nullopt, Image16(image.width, image.height), {}};
     if (info_.rounded) {
+      std::optional<double> given_m;
+      if (unit_is_given_) given_m = info_.depth_unit_m;
       result.meters = pixels_of<float>(image);
-      std::ranges::transform(result.meters, result.depth.data.begin(), [&](float depth_m) {
-        return rounded_count(depth_m, info_.depth_unit_m);
-      });
-    } else {
-      result.depth.data = pixels_of<std::uint16_t>(image);
+      result.unit_m = round_meters(result.meters, given_m, result.depth);
+      return result;
     }
+    result.depth.data = pixels_of<std::uint16_t>(image);
     if (image.depth_unit_m) result.unit_m = ros::decimal(*image.depth_unit_m);
     return result;
   });

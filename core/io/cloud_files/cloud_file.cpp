@@ -34,7 +34,7 @@ class CloudRecording : public Recording {
       : instance_field_(std::move(instance_field)), sidecar_(read_sidecar(path)) {
     info_.path = path;
     info_.depth_unit_m = 1;
-    info_.depth_unit_source = "metres, as clouds have it";
+    info_.depth_unit_source = "meters, as clouds have it";
     info_.color_note = "in the cloud, where it has any";
     if (tells_times(sidecar_)) info_.times_source = sidecar_.path.filename().string();
     std::error_code ignored;

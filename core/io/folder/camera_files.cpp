@@ -157,7 +157,7 @@ std::optional<CameraFacts> camera_from_json(const fs::path& path) {
     if (scale > 0) {
       facts.depth_unit_m = scale >= 1 ? 1 / scale : scale;
       facts.depth_unit_source = path.filename().string() + " depth_scale " +
-                                (scale >= 1 ? "(counts per metre)" : "(metres per count)");
+                                (scale >= 1 ? "(counts per meter)" : "(meters per count)");
     }
   }
   return facts;

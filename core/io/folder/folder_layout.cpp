@@ -92,7 +92,7 @@ void pair_color(const std::vector<fs::path>& color, const TimeOf& time_of, Folde
   if (without > 0) {
     layout.warnings.push_back(std::to_string(without) + " of " +
                               std::to_string(layout.depth.size()) +
-                              " depth images have no colour image of their name or time");
+                              " depth images have no color image of their name or time");
   }
 }
 

@@ -252,7 +252,7 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
   if (sidecar_.color_aligned && *sidecar_.color_aligned) {
     if (!same_size)
       throw Error(
-          fmt::format("{}: colour of {}x{}, expected {}x{} since {} calls it aligned with depth",
+          fmt::format("{}: color of {}x{}, expected {}x{} since {} calls it aligned with depth",
                       first->string(), color.width, color.height, info_.width, info_.height,
                       sidecar_.path.filename().string()));
     color_aligned_ = true;
@@ -267,7 +267,7 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
     color_aligned_ = true;
     info_.color_note = "assumed aligned (same size, one set of intrinsics)";
   } else {
-    info_.color_note = fmt::format("shown only: colour of {}x{} without extrinsics to depth",
+    info_.color_note = fmt::format("shown only: color of {}x{} without extrinsics to depth",
                                    color.width, color.height);
   }
   if (color_aligned_) color_intrinsics_ = info_.intrinsics;

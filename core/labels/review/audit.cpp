@@ -153,7 +153,7 @@ class Audit {
     const double limit = is_h ? options_.max_class_tilt_deg : 90 - options_.max_class_tilt_deg;
     if (is_h ? tilt_deg <= limit : tilt_deg >= limit) return;
     add(FindingKind::class_normal, s.plane.id, s.pixels, tilt_deg, limit,
-        fmt::format("labelled {} and tilted {:.0f} degrees, expected at {} {:.0f}",
+        fmt::format("labeled {} and tilted {:.0f} degrees, expected at {} {:.0f}",
                     to_string(s.plane.label), tilt_deg, is_h ? "most" : "least", limit));
   }
 

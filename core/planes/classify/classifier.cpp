@@ -97,7 +97,7 @@ class PcaClassifier final : public Classifier {
  public:
   explicit PcaClassifier(const PcaClassifierOptions& options) : options_(options) {
     if (options.neighbours < 3 || options.neighbours > 1024)
-      throw Error("pca neighbours is " + std::to_string(options.neighbours) +
+      throw Error("pca_neighbours is " + std::to_string(options.neighbours) +
                   ", expected 3 to 1024");
     if (!(options.max_angle_deg > 0 && options.max_angle_deg < 90))
       throw Error("pca max_angle_deg is " + std::to_string(options.max_angle_deg) +

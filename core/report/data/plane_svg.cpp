@@ -218,7 +218,7 @@ std::string legend_svg(const Vec2d& corner, int columns) {
       {{"covers", "area of the plane"},
        {"hole", "hole: something else seen"},
        {"unknown", "unknown: not measured"},
-       {"foot", "for the foot's centre"},
+       {"foot", "for the foot's center"},
        {"piece", "convex pieces of it"},
        {"best", "largest circle"},
        {"cut", "section; fitted plane"},

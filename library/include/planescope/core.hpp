@@ -91,9 +91,9 @@ struct ColorImage {
   Transform T_color_depth = kIdentity;
 };
 
-/// Depth as counts or in meters. Meters are stored as counts of 1, 0.2 or 0.1 mm if one of these
-/// represents every pixel exactly, otherwise of farthest / 65534, so that a pixel changes by at
-/// most half of that (0.05 mm for 6.5 m). Pixels beyond 65.534 m are invalid.
+/// Depth as counts or in meters. Meters are stored as counts of 1 mm if every pixel is a whole
+/// number of millimeters or one is beyond 13.1 m, otherwise of 0.2 mm. Pixels beyond 65.534 m are
+/// invalid.
 struct DepthImage {
   const std::uint16_t* counts = nullptr;  // [height * width] of the camera; 0: not measured
   const float* meters = nullptr;          // instead of counts; 0, negative, NaN: not measured

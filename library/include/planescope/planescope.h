@@ -47,7 +47,7 @@ typedef struct planescope_camera {
 typedef struct planescope_depth {
   const uint16_t* counts; /**< [height * width]; 0: not measured */
   const float* meters;    /**< [height * width]; NaN, infinite, 0 or less: not measured. Stored as
-                             counts of at most 1 mm; beyond 65.5 m: an outlier */
+                             counts of 0.2 or 1 mm; beyond 65.5 m: an outlier */
   double unit_m;          /**< meters per count of `counts`; 0 means 0.001 */
   size_t row_stride;      /**< elements from one row to the next; 0: the width */
   planescope_camera camera;

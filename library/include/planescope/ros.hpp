@@ -45,8 +45,8 @@ class PLANESCOPE_API RosSegmenter {
   /// Keeps the camera. Throws Error like Segmenter's constructor.
   void set_options(const Options& options, int threads = 1);
 
-  /// Segments a sensor_msgs/msg/Image: 16UC1 or mono16 [mm], or 32FC1 [m], which is rounded to 0.25
-  /// mm and limited to 16 m. Returns messages with the image's stamp, on the topics that `wanted`
+  /// Segments a sensor_msgs/msg/Image: 16UC1 or mono16 [mm], or 32FC1 [m], stored like
+  /// DepthImage::meters. Returns messages with the image's stamp, on the topics that `wanted`
   /// accepts; null: all topics. Throws Error if there is no camera, it does not fit the image, or
   /// the image is damaged.
   std::vector<RosMessage> segment(

@@ -338,7 +338,7 @@ TEST(Folder, MissingColorImagesAreCounted) {
   fs::remove(folder / "color" / "2.png");
   const auto recording = open_known(folder);
   ASSERT_EQ(recording->info().warnings.size(), 1u);
-  expect_one_line_with(recording->info().warnings[0], {"1 of 3 depth images have no colour"});
+  expect_one_line_with(recording->info().warnings[0], {"1 of 3 depth images have no color"});
   EXPECT_TRUE(recording->frame(1).color.empty());
   EXPECT_FALSE(recording->frame(2).color.empty());
 }

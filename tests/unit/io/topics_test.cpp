@@ -65,6 +65,16 @@ TEST(Topics, TheFirstOfTwoCamerasIsReadWithAWarningAndTheOtherByName) {
   });
 }
 
+TEST(Topics, RecordingsWithoutTopicsAreRefused) {
+  const fs::path folder = temp_folder();
+  write_text(folder / "a.ply", "ply\n");
+  fs::create_directories(folder / "depth");
+  write_file_bytes(folder / "depth/000000.png", encode_png(depth_of(1)));
+  expect_refused(folder / "depth", with_topic("/depth"),
+                 {"a folder of 16-bit depth PNGs, which has no topics", "expects a .bag, .db3"});
+  expect_refused(folder / "a.ply", with_topic("/depth"), {"cloud, which has no topics"});
+}
+
 TEST(Topics, AStreamOfTheSdkIsSelectedByItsTopic) {
   SdkBag options;
   BagWriter bag = sdk_bag(options);
@@ -108,7 +118,7 @@ std::vector<float> meters() {
   std::vector<float> values;
   for (const std::uint16_t mm : depth_of(100).data) values.push_back(0.001f * mm);
   const float infinity = std::numeric_limits<float>::infinity();
-  const float odd[] = {NAN, infinity, -infinity, -1, 0, 20, 1.23457f};
+  const float odd[] = {NAN, infinity, -infinity, -1, 0, 70, 1.23457f};
   std::copy(std::begin(odd), std::end(odd), values.begin());
   return values;
 }
@@ -131,6 +141,40 @@ Ros2Messages with_meters(bool big_endian = false) {
   return messages;
 }
 
+TEST(DepthInMeters, IsRoundedByOneRule) {
+  const auto rounded = [](std::vector<float> meters, std::optional<double> unit_m = {}) {
+    Image16 counts(static_cast<int>(meters.size()), 1);
+    const double used_m = round_meters(meters, unit_m, counts);
+    return std::pair(used_m, counts.data);
+  };
+  using Counts = std::vector<std::uint16_t>;
+  EXPECT_EQ(rounded({0.001f, NAN, 1.234f, 65.534f}), std::pair(0.001, Counts{1, 0, 1234, 65534}));
+  EXPECT_EQ(rounded({1.2341f, 13.1068f}), std::pair(0.0002, Counts{6171, 65534}));
+  EXPECT_EQ(rounded({1.2341f, 13.11f}), std::pair(0.001, Counts{1234, 13110}));
+  EXPECT_EQ(rounded({1.2341f, 65.6f}), std::pair(0.0002, Counts{6171, 65535}));
+  EXPECT_EQ(rounded({1.2341f, -1, 7}, 0.0001), std::pair(0.0001, Counts{12341, 0, 65535}));
+  // Frames of a bag may have different steps.
+  Ros2Messages messages = realsense_ros_messages(2, "/camera");
+  float scale = 1.0001f;
+  for (Ros2Message& message : messages) {
+    if (message.topic != "/camera/depth/image_rect_raw") continue;
+    ImageMessage image = depth_message(100, 1'700'000'000);
+    const Image16 depth = depth_of(100);
+    std::vector<float> values(depth.data.begin(), depth.data.end());
+    for (float& value : values) value *= 0.001f * scale;
+    scale = 1;
+    image.encoding = "32FC1";
+    image.pixels = bytes_of(values);
+    message.bytes = image_message(image, testing_bags::Wire::cdr);
+  }
+  in_every_container(messages, [](const fs::path& path) {
+    const auto recording = open_recording(path);
+    EXPECT_EQ(recording->frame(0).depth_unit_m, 0.0002);
+    EXPECT_EQ(recording->frame(1).depth_unit_m, 0.001);
+    EXPECT_EQ(recording->frame(1).depth.data, depth_of(100).data);
+  });
+}
+
 TEST(DepthInMeters, IsRoundedToAFifthOfAMillimeterAndHashedByItsBytes) {
   const std::vector<float> recorded = meters();
   const std::string hash = sha256_hex(std::as_bytes(std::span(recorded)));
@@ -142,18 +186,18 @@ TEST(DepthInMeters, IsRoundedToAFifthOfAMillimeterAndHashedByItsBytes) {
       expect_one_line_with(recording->info().depth_unit_source, {"32FC1", "rounding"});
       const Frame frame = recording->frame(0);
       const std::vector<std::uint16_t> odd(frame.depth.data.begin(), frame.depth.data.begin() + 7);
-      // Beyond 13.1 m a pixel is invalid, like 65535 in all images.
+      // Beyond 65.5 m a pixel is invalid, as 65535 always is.
       EXPECT_EQ(odd, (std::vector<std::uint16_t>{0, 0, 0, 0, 0, 65535, 6173}));
       for (std::size_t i = 7; i < frame.depth.data.size(); ++i)
         ASSERT_EQ(frame.depth.data[i], 5 * depth_of(100).data[i]);
       EXPECT_EQ(frame.depth_unit_m, 0.0002);
       EXPECT_EQ(recording->frame_hash(0), hash);
       RecordingOptions coarse;
-      coarse.depth_unit_m = 0.001;
-      const auto in_mm = open_recording(path, coarse);
-      EXPECT_EQ(in_mm->frame(0).depth.data[5], 20000);
-      EXPECT_EQ(in_mm->frame(0).depth_unit_m, 0.001);
-      EXPECT_EQ(in_mm->frame_hash(0), hash);  // labels fit any step of depth
+      coarse.depth_unit_m = 0.002;
+      const auto in_steps = open_recording(path, coarse);
+      EXPECT_EQ(in_steps->frame(0).depth.data[5], 35000);
+      EXPECT_EQ(in_steps->frame(0).depth_unit_m, 0.002);
+      EXPECT_EQ(in_steps->frame_hash(0), hash);  // labels fit, whatever the step
     });
 }
 

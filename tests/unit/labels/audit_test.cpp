@@ -132,7 +132,7 @@ TEST_F(AuditTest, AClassThatContradictsTheTiltIsReported) {
   labels.planes[0].label = Label::v;
   Finding finding = only();
   EXPECT_EQ(finding.kind, FindingKind::class_normal);
-  EXPECT_NE(finding.text.find("P1: labelled v and tilted"), std::string::npos) << finding.text;
+  EXPECT_NE(finding.text.find("P1: labeled v and tilted"), std::string::npos) << finding.text;
   labels.gravity.source = GravitySource::none;
   EXPECT_TRUE(audit_labels(labels, grid).empty()) << "nobody knows what is level";
   labels.gravity.source = GravitySource::picked;

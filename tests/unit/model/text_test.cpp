@@ -14,6 +14,8 @@ TEST(Text, TheNearestNameIsTheIntendedOne) {
   EXPECT_EQ(nearest_name("segmnet", names), "segment");
   EXPECT_EQ(nearest_name("reprot", names), "report");
   EXPECT_EQ(nearest_name("inof", names), "info");
+  EXPECT_EQ(nearest_name("se", names), "segment");
+  EXPECT_EQ(nearest_name("s", names), "");
   EXPECT_EQ(nearest_name("xyzzy", names), "");
   EXPECT_EQ(nearest_name("", names), "");
   EXPECT_EQ(nearest_name("info", {}), "");
