@@ -250,7 +250,7 @@ void take_step(Shell& shell,
 void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {
   constexpr std::chrono::milliseconds kShortest(5), kLongest(50);
   auto pause = kShortest;  // grows: without a GPU, drawing competes with the work for cores
-  do {  // the last frame may discover work that could not start before
+  do {                     // the last frame may discover work that could not start before
     stage.draw_frame();
     while (!shell.idle(background)) {
       if (stop.stop_requested()) throw Cancelled();
