@@ -450,8 +450,8 @@ std::optional<Absence> absence_of(const Run& run, std::size_t source) {
                     fmt::format("{:.2f}", std::ceil(range * 20) / 20)}};
   const double edge_m = subject.prepared.cloud.cube.edge_m;
   return Absence{fmt::format("cropped: outside the octree's cube of {:g} m", edge_m),
-                 {fmt::format("cube_edge_m > {:g} may hold it", options.cube_edge_m), "cube_edge_m",
-                  fmt::format("{:g}", 2 * edge_m)}};
+                 {fmt::format("cube_edge_m > {:g} may contain it", options.cube_edge_m),
+                  "cube_edge_m", fmt::format("{:g}", 2 * edge_m)}};
 }
 
 WhyNot why_not(const Run& run, std::size_t source) {

@@ -62,7 +62,7 @@ int free_plane_id(const FrameLabels& labels) {
   int free = 1;
   for (const int id : ids)
     if (id == free) ++free;
-  if (free >= kPlaneIgnore) throw Error("there are 65534 planes already, no more are possible");
+  if (free >= kPlaneIgnore) throw Error("there are already 65534 planes, the maximum");
   return free;
 }
 
