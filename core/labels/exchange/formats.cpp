@@ -98,7 +98,7 @@ LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
   PointSet set = io::read_cloud_file(path, &extras);
   const std::string where = path.string();
   if (extras.values[1].empty() && !set.points.empty())
-    throw Error(where + ": its points have no field \"instance\"; expected plane ids there");
+    throw Error(where + ": its points have no field \"instance\"; expected plane ids in it");
   LabelledPoints points;
   points.label = classes_of(extras.values[0], where);
   points.instance = instances_of(extras.values[1], where);

@@ -182,7 +182,7 @@ void LabelStore::save(int frame) {
       open.in_files.reset();
     } else if (has_news) {
       // The history keeps both states: the other's, followed by the one saved now.
-      commit(make_edit(frame, "kept over changes from outside", *open.labels, *ours));
+      commit(make_edit(frame, "kept over changes outside planescope", *open.labels, *ours));
     }
   }
   if (!unsaved(frame)) return;

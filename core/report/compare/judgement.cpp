@@ -136,7 +136,7 @@ ReportGuard::ReportGuard(std::filesystem::path baseline,
   const bool is_there = std::filesystem::exists(baseline_file_);
   if (!baseline_file_.empty() && !is_there && !may_be_first)
     throw Error(baseline_file_.string() +
-                ": no such baseline; add --approve to make this report the first one");
+                ": no such baseline; add --approve to make this report the first baseline");
   is_first_ = may_be_first && !is_there;
   if (!baseline_file_.empty() && !is_first_) baseline_ = read_report(baseline_file_);
   if (baseline_ && baseline_->partial)
