@@ -173,10 +173,10 @@ std::vector<PricedTrial> worth_a_look(std::vector<PricedTrial> trials) {
 
 std::string pareto_chart(const TuningAnswer& answer) {
   report::ScatterChart chart{.title = "Accuracy of the tuning half against time",
-                             .x_name = "CPU time per frame [ms]; vertical: PQ [%]",
+                             .x_name = "x: CPU time per frame [ms]; y: PQ [%]",
                              .groups = {}};
   report::Scatter trials{"trials", {}, 6, 2}, start{"start", {}, 1, 6}, tuned{"tuned", {}, 2, 6};
-  report::Scatter front{"best for its time", {}, 0, 3.5, true};
+  report::Scatter front{"Pareto front", {}, 0, 3.5, true};
   for (const PricedTrial& trial : worth_a_look(answer.priced))
     trials.points.push_back(point_of(trial));
   for (const PricedTrial& trial : pareto_front(answer.priced))

@@ -160,7 +160,7 @@ std::string cut_svg(const Foothold& foothold, const Vec2d& corner) {
   return svg + drawn("rule", path_of({top, bottom})) +
          written(
              corner + Vec2d(0, 92),
-             fmt::format("cut of {:.0f} cm, heights {:.0f} times as large; rule on the right: "
+             fmt::format("section of {:.0f} cm, heights enlarged {:.0f} times; scale bar: "
                          "{:g} mm",
                          length_m * 100, kBandPx / most_m / (kWidthPx / length_m), rule_m * 1e3));
 }
@@ -186,7 +186,7 @@ std::string facts_svg(const planes::FramePlanes& found, std::size_t k, const Vec
         written(corner + Vec2d(0, 30), foothold.steppable ? "steppable" : "not steppable: " + why);
   }
   const std::string slope = std::isnan(surface.slope_deg)
-                                ? std::string("slope not known")
+                                ? std::string("slope unknown")
                                 : fmt::format("slope {:.1f} deg", surface.slope_deg);
   svg +=
       written(corner + Vec2d(0, 44),
@@ -215,15 +215,15 @@ constexpr double kEntryPx = 170, kEntryRowPx = 18;
 /// Legend of the colors, in as many columns as fit.
 std::string legend_svg(const Vec2d& corner, int columns) {
   constexpr std::array<std::array<const char*, 2>, 9> kEntries = {
-      {{"covers", "what the plane covers"},
+      {{"covers", "area of the plane"},
        {"hole", "hole: something else seen"},
        {"unknown", "unknown: not measured"},
        {"foot", "for the foot's centre"},
        {"piece", "convex pieces of it"},
        {"best", "largest circle"},
-       {"cut", "where it is cut; the plane"},
-       {"place", "measured, in the cut"},
-       {"band", "the true plane: 2 sigma"}}};
+       {"cut", "section; fitted plane"},
+       {"place", "places in the section"},
+       {"band", "true plane, 2 sigma"}}};
   std::string svg;
   for (std::size_t i = 0; i < kEntries.size(); ++i) {
     const Vec2d at = corner + Vec2d(kEntryPx * static_cast<double>(i % columns),
