@@ -65,8 +65,8 @@ void install_handler() {
 std::size_t take_slot(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < kMostMappings; ++i)
     if (!g_mappings[i].taken.exchange(true)) return i;
-  throw Error(path.string() + ": cannot be opened beside " + std::to_string(kMostMappings) +
-              " other files");
+  throw Error(path.string() + ": cannot be opened; expected at most " +
+              std::to_string(kMostMappings) + " open files");
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ MappedFile::~MappedFile() {
 
 void MappedFile::expect_whole() const {
   if (!bytes_.empty() && g_mappings[slot_].cut)
-    throw Error(path_.string() + ": was cut while it was read, expected its " +
+    throw Error(path_.string() + ": truncated while it was read; expected its " +
                 std::to_string(bytes_.size()) + " bytes; open it again");
 }
 

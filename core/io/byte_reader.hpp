@@ -16,7 +16,7 @@ namespace planescope::io {
 
 using Bytes = std::span<const std::byte>;
 
-static_assert(std::endian::native == std::endian::little, "files are read as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "files are read in memory byte order");
 
 /// Thrown by ByteReader if a length points past the end. Internal to the readers, which catch it
 /// and report the consequence for their file.

@@ -111,7 +111,7 @@ struct Found {
 };
 
 struct Format {
-  std::string name;  // "a .bag, .db3 or .mcap of RealSense or ROS"
+  std::string name;  // "a RealSense or ROS .bag, .db3 or .mcap"
   std::vector<std::string> extensions;
   bool (*sniff)(const Found&);  // folders, and files with other extensions
   std::unique_ptr<Recording> (*open)(const fs::path&, const RecordingOptions&);
@@ -151,7 +151,7 @@ std::unique_ptr<Recording> open_bag_at(const fs::path& path, const RecordingOpti
   const auto bags = bags_in(path);
   if (bags.size() > 1)
     throw Error(path.string() + ": a folder with " + std::to_string(bags.size()) +
-                " recordings, expected the path of one of them, such as " + bags.front().string());
+                " recordings; expected the path of one of them, such as " + bags.front().string());
   return open_bag(bags.front(), options);
 }
 
@@ -159,10 +159,7 @@ std::vector<Format> formats() {
   std::vector<std::string> clouds;
   for (const CloudFormat& format : cloud_formats()) clouds.push_back(format.extension);
   return {
-      {"a .bag, .db3 or .mcap of RealSense or ROS",
-       {".bag", ".db3", ".mcap"},
-       sniff_bag,
-       open_bag_at},
+      {"a RealSense or ROS .bag, .db3 or .mcap", {".bag", ".db3", ".mcap"}, sniff_bag, open_bag_at},
       {"a folder of 16-bit depth PNGs",
        {".png"},
        [](const Found& found) {
@@ -269,11 +266,11 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   if (path == "-") {
     if (!options.standard_input)
       throw Error(
-          "-: only segment, convert and info read standard input; planescope convert - -o FOLDER "
-          "writes it into a recording");
+          "-: only segment, convert and info read standard input; to save it as a recording, use "
+          "planescope convert - -o FOLDER");
     std::unique_ptr<FrameStream> stream = open_stream(0, options, true);
     while (stream->wait_for_frame({})) continue;
-    if (stream->frame_count() == 0) throw Error("standard input: a header without frames");
+    if (stream->frame_count() == 0) throw Error("standard input: no frames after the header");
     return stream;
   }
   std::error_code error;
@@ -290,11 +287,10 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
     return checked(format.open(path, options));
   }
   if (found.is_folder)
-    throw Error(path.string() + ": a folder with no recording in it (" +
-                describe_files(files_in(path)) + "), expected " + format_names());
+    throw Error(path.string() + ": the folder contains no recording (" +
+                describe_files(files_in(path)) + "); expected " + format_names());
   if (found.start == "version ") read_file_bytes(path, 1000);  // throws if it is a Git LFS pointer
-  throw Error(path.string() + ": not a recording that planescope reads, expected " +
-              format_names());
+  throw Error(path.string() + ": not a supported recording; expected " + format_names());
 }
 
 std::shared_ptr<const Recording> with_changed_frames(std::shared_ptr<const Recording> recording,

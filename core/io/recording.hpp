@@ -33,7 +33,7 @@ struct RecordingOptions {
 };
 
 /// Hint in messages about unknown intrinsics.
-inline constexpr const char* kHowToGiveIntrinsics = "give them with --intrinsics FX,FY,CX,CY";
+inline constexpr const char* kHowToGiveIntrinsics = "specify them with --intrinsics FX,FY,CX,CY";
 
 /// Facts about a recording, for `info`, for reports and for the one-line summary on load.
 struct RecordingInfo {

@@ -58,13 +58,14 @@ class DescriptorStream : public FrameStream {
       const std::size_t most = 2 * raw_bytes() + (1 << 16);  // PNG expands data only slightly
       if (length == 0 || length > most)
         throw Error(
-            fmt::format("{}: frame {}: a PNG of {} bytes, expected 1 to {} for {}x{} pixels",
+            fmt::format("{}: frame {}: a PNG of {} bytes; expected 1 to {} for {}x{} pixels",
                         kStream, count_, length, most, info_.width, info_.height));
     }
     std::vector<unsigned char> bytes(length);
     if (!read_whole(bytes, stop, "image")) {
       if (is_png_ && !stop.stop_requested())
-        throw Error(fmt::format("{}: frame {} is cut: 0 of {} bytes", kStream, count_, length));
+        throw Error(
+            fmt::format("{}: frame {} is truncated: 0 of {} bytes", kStream, count_, length));
       return false;
     }
     if (!keeps_all_) kept_.clear();
@@ -113,8 +114,8 @@ class DescriptorStream : public FrameStream {
     const std::size_t got = read_some(bytes, stop);
     if (got == bytes.size()) return true;
     if (got > 0 && !stop.stop_requested())
-      throw Error(fmt::format("{}: frame {} is cut: {} of {} bytes of its {}", kStream, count_, got,
-                              bytes.size(), what));
+      throw Error(fmt::format("{}: frame {} is truncated: {} of {} bytes of its {}", kStream,
+                              count_, got, bytes.size(), what));
     return false;
   }
 
@@ -125,7 +126,7 @@ class DescriptorStream : public FrameStream {
       if (read_some({&byte, 1}, {}) == 0 || byte == '\n') break;
     if (!header.starts_with('{') || header.size() == kMostBytes)
       throw Error(
-          fmt::format("{}: {} bytes without a header, expected a line of JSON with schema {}",
+          fmt::format("{}: {} bytes without a header; expected a line of JSON with schema {}",
                       kStream, header.size(), kStreamSchema));
     return header;
   }
@@ -142,7 +143,7 @@ class DescriptorStream : public FrameStream {
       std::memcpy(depth.data.data(), bytes.data(), bytes.size());
     }
     if (depth.width != info_.width || depth.height != info_.height)
-      throw Error(fmt::format("{}: {}x{} pixels, expected {}x{} as the header says", name,
+      throw Error(fmt::format("{}: {}x{} pixels; expected {}x{}, according to the header", name,
                               depth.width, depth.height, info_.width, info_.height));
     return depth;
   }

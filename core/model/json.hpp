@@ -62,7 +62,7 @@ std::string shown(const std::string& text);
 std::string json_problem(const std::exception& problem);
 
 /// A position in a document. Unexpected values throw Error naming the position:
-/// `record.options[3].name is 7, expected text`. The JSON must outlive this object.
+/// `record.options[3].name is 7; expected text`. The JSON must outlive this object.
 class JsonPlace {
  public:
   explicit JsonPlace(const nlohmann::ordered_json& json, std::string where = "");

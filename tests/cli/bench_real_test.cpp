@@ -134,7 +134,7 @@ TEST(BenchReal, RejectsUnknownNamesInOneLine) {
       {good + "a tuning rec 0 --max-range -1\n", "line 2: "},
       {good + good, "line 2: room is there twice"},
       {"# nothing\n", "no frame"},
-      {"other tuning rec 0 --gravity 0,1,0\n", "no labels of frame 0"},
+      {"other tuning rec 0 --gravity 0,1,0\n", "no labels for frame 0"},
       {"room tuning rec 1 --gravity 0,1,0\n", "found 1 frames"},
       {"room tuning rek 0 --gravity 0,1,0\n", "rek"}};
   for (const auto& [text, part] : lists) {

@@ -236,7 +236,7 @@ TEST(GravityPicked, ADamagedOrForeignFileIsRejectedInOneLine) {
   pick(dir / "rec", Vec3d(0, 1, 0));
   const Ran mixed = run({"info", dir / "other", "--labels", dir / "rec.labels"});
   expect_refused(mixed);
-  EXPECT_TRUE(has(mixed.err, "another recording"));
+  EXPECT_TRUE(has(mixed.err, "a different recording"));
   write_text(dir / "rec.labels/gravity.json", "{\"schema\": 3}");
   const Ran damaged = run({"segment", dir / "rec", "-o", dir / "out"});
   expect_refused(damaged);

@@ -92,7 +92,7 @@ TEST_F(Labels, CheckDistinguishesDamagedFilesFromFindings) {
 TEST_F(Labels, CheckReportsADifferentCamera) {
   const Ran ran = labels_of("check", {own, "--intrinsics", "240,240,80,60"});
   EXPECT_EQ(ran.code, 1);
-  EXPECT_TRUE(has(ran.out, "camera: drawn with fx 120, the frame has 240"));
+  EXPECT_TRUE(has(ran.out, "camera: drawn with fx 120, but the frame has 240"));
 }
 
 TEST_F(Labels, CheckAndExportUseTheLabelsCameraIfTheRecordingHasNone) {
@@ -231,7 +231,7 @@ TEST_F(Labels, InvalidFilesChangeNothing) {
     return labels_of("import", args);
   };
   const std::string in = (dir / "in").string();
-  expect_refused(import({in, "--format", "evops"}), "000001.npy: 100 points, expected 19200");
+  expect_refused(import({in, "--format", "evops"}), "000001.npy: 100 points; expected 19200");
   expect_refused(import({in}), "--format");
   expect_refused(import({in, "--format", "evop"}), "expected one of evops");
   expect_refused(import({in, "--format", "npz"}), "expected names such as 000000.npz");
@@ -287,7 +287,8 @@ TEST_F(Labels, PointFormatsConvertToEachOther) {
   EXPECT_EQ(labels::read_labelled(dir / "d.npy", labels::LabelFormat::evops).instance,
             first.instance);
   expect_refused(convert("d.npy", "f.ply"), "ply needs coordinates");
-  expect_refused(convert("d.npy", "f.txt"), "f.txt: expected a name that ends in");
+  expect_refused(convert("d.npy", "f.txt"),
+                 "f.txt: unknown extension; expected a name that ends in");
 }
 
 TEST_F(Labels, CompareReportsTheAgreementOfTwoAnnotators) {
@@ -472,8 +473,8 @@ TEST_F(CloudLabels, EveryCommandRejectsLabelsOfAnotherCloud) {
   const std::string other = (dir / "other.ply").string();
   io::write_ply(other, fewer);
   const std::string part =
-      "000000.json: made for a cloud of " + std::to_string(cloud.grid.pixels()) +
-      " points, this recording's frame has " + std::to_string(cloud.grid.pixels() - 1);
+      "000000.json: created for a cloud of " + std::to_string(cloud.grid.pixels()) +
+      " points, but this recording's frame has " + std::to_string(cloud.grid.pixels() - 1);
   const Ran checked = labels_of("check", {own, "--recording", other});
   EXPECT_EQ(checked.code, 2);
   EXPECT_TRUE(has(checked.out, part));

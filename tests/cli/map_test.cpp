@@ -102,7 +102,7 @@ TEST_F(Map, SkipsDamagedMissingAndUnorderedFrames) {
   EXPECT_EQ(ran.code, 2) << ran.err;
   EXPECT_TRUE(has(ran.err, "frame 4: "));
   EXPECT_TRUE(has(
-      ran.err, "1 of the 12 frames in planescope.json have no depth image, the first is 000009"));
+      ran.err, "1 of the 12 frames in planescope.json have no depth image; the first is 000009"));
   EXPECT_TRUE(has(ran.err, "timestamps decrease at frame 7"));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   ASSERT_EQ(tracks["frames"].size(), 11u);
@@ -146,8 +146,8 @@ TEST_F(Map, OfShardsEqualsTheMapOfOneRun) {
        {std::vector<std::string>{"--max-range", "2"}, {"--depth-unit", "0.0005"}})
     refusals += refusal(other).err;
   for (const char* what :
-       {"different options: max_range_m is 1.5, expected 2", "different options: camera is 320x240",
-        "unit 0.001 m, expected 320x240"})
+       {"different options: max_range_m is 1.5; expected 2", "different options: camera is 320x240",
+        "unit 0.001 m; expected 320x240"})
     EXPECT_TRUE(has(refusals, what)) << what << " in " << refusals;
   expect_refused(refusal({"--window", "3"}), "--join cannot be combined with");
   const fs::path part = fs::path(parts) / "observed" / "000007.cbor";
@@ -224,11 +224,11 @@ TEST_F(Map, ProvidesTracksToSegment) {
       EXPECT_EQ(of_pixel.data[i], ids.data[i] > 0 ? of_planes[ids.data[i] - 1] : 0);
   }
   expect_refused(segment({"--max-range", "2"}),
-                 "different options: max_range_m is 1.5, expected 2");
+                 "different options: max_range_m is 1.5; expected 2");
   const fs::path other = dir / "other";
   fs::copy(walk, other, fs::copy_options::recursive);
   const Ran refused = run({"segment", other, "-o", dir / "x", "--map", known});
-  EXPECT_TRUE(has(refused.err, "belongs to recording \"walk\", expected \"other\""));
+  EXPECT_TRUE(has(refused.err, "belongs to recording \"walk\"; expected \"other\""));
   expect_refused(segment({"--frames", "11"}), "is not in the map ");
   const fs::path stored = dir / "out" / "planes";
   fs::copy_file(stored / "000008.png", stored / "000009.png", fs::copy_options::overwrite_existing);

@@ -122,8 +122,8 @@ TEST(Stream, ConvertKeepsAStreamAndInfoDescribesIt) {
 
 TEST(Stream, BadInputAndOtherCommandsAreRejectedInOneLine) {
   const std::vector<std::string> segment = {"segment", "-", "--json"};
-  expect_refused(run_with(kHeader + frame_bytes() + "x", segment), "frame 1 is cut");
-  expect_refused(run_with(kHeader, segment), "a header without frames");
+  expect_refused(run_with(kHeader + frame_bytes() + "x", segment), "frame 1 is truncated");
+  expect_refused(run_with(kHeader, segment), "no frames after the header");
   expect_refused(run_with("", segment), "without a header");
   expect_refused(run_with(kHeader, {"segment", "-", "--json", "--topic", "/depth"}), "no topics");
   expect_refused(run_with(kHeader + frame_bytes(), {"segment", "-", "--json", "--frames", "-1"}),

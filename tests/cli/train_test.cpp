@@ -126,16 +126,18 @@ TEST(Train, OnlyTheSameTrainingOverwritesACheckpoint) {
   training.stop(args);
   const std::string checkpoint = read_text(training.checkpoint);
   training.expect_refused({"--steps", "4000", "--epoch", "1"}, "--resume, or remove it");
-  training.expect_refused({"--steps", "4001", "--epoch", "1", "--resume"},
-                          "out.checkpoint: belongs to another training: steps 4000, expected 4001");
+  training.expect_refused(
+      {"--steps", "4001", "--epoch", "1", "--resume"},
+      "out.checkpoint: belongs to a different training run: steps 4000; expected 4001");
   training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume", "--recipe", "paper"},
-                          "belongs to another training");
+                          "belongs to a different training run");
   EXPECT_EQ(read_text(training.checkpoint), checkpoint);
 
   fs::resize_file(training.checkpoint, checkpoint.size() - 100);
   training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume"}, "out.checkpoint: ");
   fs::copy_file(training.start, training.checkpoint, fs::copy_options::overwrite_existing);
-  training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume"}, "is no checkpoint");
+  training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume"},
+                          "not a training checkpoint");
   EXPECT_FALSE(fs::exists(training.out));
 }
 

@@ -106,7 +106,7 @@ TEST(ProfileOfOnesOwn, EveryCommandRejectsABadOneInOneLine) {
                                    "options": {"theta_n_inn": 12}})");
   for (const std::string command : {"view", "info", "segment", "report", "eval", "train"}) {
     expect_refused(run({command, dir / "rec", "--profile", dir / "bad.json"}),
-                   "bad.json: option 'theta_n_inn' is unknown, did you mean 'theta_n_in'?");
+                   "bad.json: option 'theta_n_inn' is unknown; did you mean 'theta_n_in'?");
   }
   expect_refused(run({"options", "--profile", dir / "none.json"}));
 }
@@ -152,7 +152,7 @@ TEST(Tune, HeldOutFramesDoNotAffectTheSearch) {
   EXPECT_NE(read_text(dir / "other/tuning.json"), read_text(dir / "out/tuning.json"));
   // A change of the frames used for tuning starts a new search.
   write_without_wall(dir / "rec", 0);
-  expect_refused(run(tune(dir, "out")), "is of a search with other frames or labels");
+  expect_refused(run(tune(dir, "out")), "belongs to a search with different frames or labels");
 }
 
 TEST(Tune, AListAssignsHalvesAndOptionsToRecordings) {

@@ -141,7 +141,8 @@ TEST_F(ViewReport, TheBaselinesOptionsGiveIdenticalRunsAAndB) {
 TEST_F(ViewReport, MissingItemsAreReportedInOneLine) {
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   const std::string file = report("out", {dir / "rec", "--gravity", "0,1,0"});
-  refuses(file + "#f0/q1", "out/report.json: 'f0/q1' is no place in a report, expected f<frame>");
+  refuses(file + "#f0/q1",
+          "out/report.json: 'f0/q1' is not a place in a report; expected f<frame>");
   refuses(file + "#r2/f0", "report.json: r2 is not in it, it has 1 recording");
   refuses(file + "#f7", "report.json: f7 is not in it, of rec it has frame 0, 1");
   refuses(file + "#f0/p3", "report.json: p3 is not in it, frame 0 has 2 planes");

@@ -223,7 +223,7 @@ TEST_F(Environment, NamesInFilesNeverLeadOutOfTheFolder) {
     const Ran merged = run({"report", "merge", first.string(), second.string(), "-o",
                             (dir / "in" / "deep" / "merged").string()});
     expect_one_line(merged);
-    EXPECT_NE(merged.err.find("expected a file's name"), std::string::npos) << merged.err;
+    EXPECT_NE(merged.err.find("expected a file name"), std::string::npos) << merged.err;
     EXPECT_FALSE(fs::exists(dir / "in"));
   }
   fs::remove_all(dir / "out");

@@ -136,7 +136,7 @@ TEST(Session, ThatIsDamagedIsRejectedInOneLineAndChangesNothing) {
   bad(old);
   EXPECT_EQ(refusal(state, (dir / "bad.json").string()),
             (dir / "bad.json").string() +
-                ": planescope.session/1 is no longer readable; expected planescope.session/2");
+                ": planescope.session/1 is no longer supported; expected planescope.session/2");
   std::string no_cursor = good;
   no_cursor.replace(no_cursor.find("\"cursor\""), 8, "\"curser\"");
   bad(no_cursor);

@@ -218,7 +218,7 @@ class Parser {
     const std::string near = meant_by(token.text);
     fail_filter(token, near.empty()
                            ? fmt::format("'{}' is unknown", token.text)
-                           : fmt::format("'{}' is unknown, did you mean '{}'?", token.text, near));
+                           : fmt::format("'{}' is unknown; did you mean '{}'?", token.text, near));
   }
 
   FilterFormula compared(Term& left, const FilterToken& sign, const Operator& op, Term& right) {
@@ -272,7 +272,7 @@ class Parser {
   void need(const Term& term, FilterType type) const {
     if (term.type == type) return;
     fail_filter(term, fmt::format("'{}' is {}{}", text_of(term), to_string(term.type),
-                                  type == FilterType::number ? ", expected a number"
+                                  type == FilterType::number ? "; expected a number"
                                                              : ": compare it with a value"));
   }
   void need_equality(const Term& term, const FilterToken& sign) const {

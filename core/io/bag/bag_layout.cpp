@@ -353,16 +353,16 @@ BagLayout find_bag_layout(const MessageLog& bag, const std::string& wanted) {
     for (const std::string& warning : bag.warnings()) found += " (" + warning + ")";
     throw Error(bag.path().string() + ": no depth images: found " + found +
                 "; expected /device_*/sensor_*/Depth_*/image/data or */depth/image_rect_raw, or "
-                "--topic with the name of another topic");
+                "--topic with the name of a different topic");
   }
   std::erase(topics, layout->depth);
   topics.insert(topics.begin(), layout->depth);
   layout->topics = std::move(topics);
   const std::size_t sources = layout->is_cloud ? clouds.size() : cameras.size();
   if (wanted.empty() && sources > 1)
-    layout->warnings.push_back(fmt::format(
-        "{} {}; reading {}, choose another with --topic", sources,
-        layout->is_cloud ? "topics of point clouds" : "cameras with depth", layout->depth));
+    layout->warnings.push_back(
+        fmt::format("{} {}; reading {}; use --topic to choose a different one", sources,
+                    layout->is_cloud ? "point cloud topics" : "depth cameras", layout->depth));
   return *layout;
 }
 

@@ -82,10 +82,11 @@ void check_depth_encoding(const ros::Image& image,
                           const std::string& topic) {
   const std::string what = fmt::format("{}: depth images on {} are ", bag.string(), topic);
   if (image.lossy)
-    throw Error(what + "JPEG, which does not keep depth; expected compressedDepth, PNG or zstd");
+    throw Error(what +
+                "JPEG, which does not preserve depth; expected compressedDepth, PNG or zstd");
   if (image.encoding != "mono16" && image.encoding != "16UC1" && image.encoding != kMeters)
     throw Error(fmt::format(
-        "{}encoded as \"{}\", expected mono16 or 16UC1 (16-bit counts), or 32FC1 (meters)", what,
+        "{}encoded as \"{}\"; expected mono16 or 16UC1 (16-bit counts), or 32FC1 (meters)", what,
         image.encoding));
 }
 
@@ -109,7 +110,7 @@ Image8 to_rgb(const ros::Image& image, const std::filesystem::path& bag, const s
   const PixelLayout layout = layout_of(image.encoding);
   if (layout.channels == 0)
     throw Error(
-        fmt::format("{}: color images on {} are encoded as \"{}\", expected rgb8, bgr8, "
+        fmt::format("{}: color images on {} are encoded as \"{}\"; expected rgb8, bgr8, "
                     "rgba8, bgra8 or mono8",
                     bag.string(), topic, image.encoding));
   const std::size_t row_bytes = std::size_t(layout.channels) * image.width;
@@ -159,7 +160,7 @@ Intrinsics to_intrinsics(const ros::CameraInfo& camera,
                     camera.k(0, 2), camera.k(1, 2), Distortion::none, {}};
   if (!set_distortion(camera.distortion_model, camera.d, result)) {
     warnings.push_back(topic + ": lens distortion \"" + camera.distortion_model +
-                       "\" is not supported and ignored");
+                       "\" is not supported and is ignored");
   }
   return result;
 }
@@ -187,7 +188,7 @@ BagRecording::BagRecording(std::unique_ptr<MessageLog> log,
   color_period_s_ = median_period_s(color_);
   if (!info_.warnings.empty())
     info_.warnings.front() +=
-        fmt::format(", among them {} depth and {} color images", depth_.size(), color_.size());
+        fmt::format(", including {} depth and {} color images", depth_.size(), color_.size());
   info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
   read_camera(options);
   read_color_camera();
@@ -281,7 +282,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
     facts.depth_unit_source = "depth messages of the bag";
   } else if (image.encoding == "16UC1") {
     facts.depth_unit_m = 0.001;
-    facts.depth_unit_source = "ROS convention (16UC1 is millimeters)";
+    facts.depth_unit_source = "ROS convention (16UC1 is in millimeters)";
   }
   settle_camera(options, sidecar_, facts, info_);
 }
@@ -313,8 +314,8 @@ void BagRecording::read_color_camera() {
   }
   const auto& infos = bag_.messages(layout_.color_info);
   if (infos.empty() || !layout_.has_extrinsics) {
-    info_.color_note = infos.empty() ? "shown only: the bag has no color intrinsics"
-                                     : "shown only: the bag has no depth-to-color extrinsics";
+    info_.color_note = infos.empty() ? "display only: the bag has no color intrinsics"
+                                     : "display only: the bag has no depth-to-color extrinsics";
     return;
   }
   const auto camera = read_camera_info(infos.front(), layout_.color_info);
@@ -386,12 +387,12 @@ BagRecording::DepthMessage BagRecording::read_depth(int i) const {
     const ros::HeldImage unpacked = image_of(bytes, layout_.depth);
     const ros::Image& image = unpacked.image;
     if (image.width != info_.width || image.height != info_.height)
-      throw Error(fmt::format("{}: depth frame {} is {}x{}, expected {}x{} as the first one",
+      throw Error(fmt::format("{}: depth frame {} is {}x{}; expected {}x{}, like the first frame",
                               bag_.path().string(), i, image.width, image.height, info_.width,
                               info_.height));
     check_depth_encoding(image, bag_.path(), layout_.depth);
     if ((image.encoding == kMeters) != info_.rounded)
-      throw Error(fmt::format("{}: depth frame {} is encoded as \"{}\", the first one is not",
+      throw Error(fmt::format("{}: depth frame {} is encoded as \"{}\", but the first frame is not",
                               bag_.path().string(), i, image.encoding));
     DepthMessage result{image.header, std::nullopt, Image16(image.width, image.height), {}};
     if (info_.rounded) {

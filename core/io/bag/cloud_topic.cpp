@@ -30,8 +30,8 @@ class CloudTopicRecording : public Recording {
     info_.path = log_->path();
     info_.format = layout_.format;
     info_.depth_unit_m = 1;
-    info_.depth_unit_source = "meters, as ROS has them";
-    info_.color_note = "in the cloud, where it has any";
+    info_.depth_unit_source = "meters (ROS convention)";
+    info_.color_note = "in the cloud, if it has any";
     info_.topic = options.topic;
     info_.topics = layout_.topics;
     info_.times_source =

@@ -208,7 +208,7 @@ FileDescriptor make_nameless_file(const fs::path& of) {
   std::string name = (folder / "planescope-XXXXXX").string();
   FileDescriptor file(::mkostemp(name.data(), O_CLOEXEC));
   if (!file.is_open())
-    throw Error(fmt::format("{}: cannot be unpacked into {}: {}", of.string(), folder.string(),
+    throw Error(fmt::format("{}: cannot be decompressed into {}: {}", of.string(), folder.string(),
                             error_text(errno)));
   ::unlink(name.c_str());
   return file;
@@ -229,16 +229,16 @@ void unpack_into(const FileDescriptor& file, const MappedFile& packed) {
     const std::size_t result = ZSTD_decompressStream(context.get(), &out, &in);
     more = ZSTD_isError(result) == 0 && (out.pos > 0 || in.pos > was);
     if (written + out.pos > most)
-      throw Error(fmt::format("{}: unpacks to more than {} bytes, expected a recording",
+      throw Error(fmt::format("{}: decompresses to more than {} bytes; expected a recording",
                               packed.path().string(), most));
     const auto bytes = std::span(piece).first(out.pos);
     if (const int error = write_fully(file, bytes, static_cast<off_t>(written)); error != 0)
-      throw Error(fmt::format("{}: cannot be unpacked into the folder for temporary files: {}",
+      throw Error(fmt::format("{}: cannot be decompressed into the folder for temporary files: {}",
                               packed.path().string(), error_text(error)));
     written += out.pos;
   }
   if (written == 0)
-    throw Error(packed.path().string() + ": is damaged, expected a file that zstd unpacks");
+    throw Error(packed.path().string() + ": damaged; expected a zstd-compressed file");
 }
 
 }  // namespace

@@ -27,8 +27,8 @@ void MessageLog::sort_messages() {
 
 void MessageLog::warn_of_encodings(const std::map<std::string, int>& topics) {
   for (const auto& [encoding, count] : topics)
-    warnings_.push_back(fmt::format(
-        "{} topics are serialized as \"{}\", expected cdr; they are left out", count, encoding));
+    warnings_.push_back(
+        fmt::format("{} topics are skipped: serialized as \"{}\"; expected cdr", count, encoding));
 }
 
 void expect_start(const MappedFile& file,
@@ -54,8 +54,8 @@ Message cdr_message(HeldBytes held, Bytes bytes, std::size_t at_most, const std:
   const std::uint64_t limit = std::min<std::uint64_t>(at_most, read_limit_bytes());
   Unpacked unpacked = unpack_zstd(bytes, limit);
   if (!unpacked.whole && at_most == kWholeMessage)
-    throw Error(fmt::format("{} is damaged: {} bytes could be unpacked of its zstd frame", what,
-                            unpacked.bytes.size()));
+    throw Error(fmt::format("{} is damaged: only {} bytes of its zstd frame could be decompressed",
+                            what, unpacked.bytes.size()));
   held = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
   return {held, *held, Wire::cdr};
 }
@@ -90,7 +90,7 @@ void ChunkIndex::warn_of_loss(const std::string& what,
   std::string text = fmt::format("{}; found {}", what, chunks.size());
   if (declared_chunks > 0) text += fmt::format(" of {}", declared_chunks);
   text += " chunks";
-  if (cut > 0) text += fmt::format(", {} of them cut", cut);
+  if (cut > 0) text += fmt::format(", {} of them truncated", cut);
   if (missing_bytes > 0) text += fmt::format(" ({} bytes short)", missing_bytes);
   if (damaged_bytes > 0) text += fmt::format("; {} bytes are unreadable", damaged_bytes);
   warnings.push_back(text + fmt::format("; {} messages recovered", found_messages));
@@ -135,7 +135,7 @@ Message ChunkedLog::read(const MessageRef& message, std::size_t at_most) const {
   } catch (OutOfBytes) {
     // Reported like a record of another kind.
   }
-  throw Error(path_.string() + ": no message at " + where + ", where its index places one");
+  throw Error(path_.string() + ": no message at " + where + ", where the index expects one");
 }
 
 std::size_t ChunkedLog::unpacking_cost(const MessageRef& message) const {
@@ -159,16 +159,16 @@ HeldBytes ChunkedLog::unpacked(std::uint32_t number) const {
   const std::string name = fmt::format("{}: chunk {}", path_.string(), number);
   if (!chunk.cut) expect_within_read_limit(static_cast<double>(chunk.raw_bytes), name);
   if (chunk.compression == Compression::unknown)
-    throw Error(name + " is compressed in an unknown way, expected none, lz4, bz2 or zstd");
+    throw Error(name + " has an unknown compression; expected none, lz4, bz2 or zstd");
   file_.prefetch(chunk.stored);
   // Unpacked outside the lock, so that threads unpack different chunks at the same time.
   Unpacked unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
   if (!unpacked.whole && !chunk.cut)
-    throw Error(fmt::format("{} is damaged: {} of {} bytes could be unpacked", name,
+    throw Error(fmt::format("{} is damaged: only {} of {} bytes could be decompressed", name,
                             unpacked.bytes.size(), chunk.raw_bytes));
   if (chunk.crc != 0 && !chunk.cut &&
       libdeflate_crc32(0, unpacked.bytes.data(), unpacked.bytes.size()) != chunk.crc)
-    throw Error(name + " is damaged: its checksum is another one");
+    throw Error(name + " is damaged: its checksum does not match");
   const auto bytes = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
   const std::lock_guard lock(mutex_);
   cache_.emplace_back(number, bytes);
@@ -223,7 +223,7 @@ constexpr std::uintmax_t kMostYamlBytes = 1 << 22;
 
 std::vector<std::string> names_in(const fs::path& metadata) {
   if (fs::file_size(metadata) > kMostYamlBytes)
-    throw Error(metadata.string() + ": is larger than a list of files, expected one of ros2 bag");
+    throw Error(metadata.string() + ": file too large; expected ros2 bag metadata");
   const auto bytes = read_file_bytes(metadata);
   std::vector<std::string> names;
   try {
@@ -231,11 +231,11 @@ std::vector<std::string> names_in(const fs::path& metadata) {
     const YAML::Node list = root["rosbag2_bagfile_information"]["relative_file_paths"];
     for (const YAML::Node& name : list) names.push_back(name.as<std::string>());
   } catch (const YAML::Exception& error) {
-    throw Error(metadata.string() + ": is no metadata of ros2 bag: " + error.what());
+    throw Error(metadata.string() + ": not ros2 bag metadata: " + error.what());
   }
   if (names.empty())
     throw Error(metadata.string() +
-                ": lists no files, expected rosbag2_bagfile_information.relative_file_paths");
+                ": lists no files; expected rosbag2_bagfile_information.relative_file_paths");
   return names;
 }
 
@@ -249,7 +249,7 @@ std::vector<fs::path> files_of_metadata(const fs::path& folder) {
     if (file.extension() == ".zstd" && fs::exists(fs::path(file).replace_extension()))
       file.replace_extension();  // has been unpacked since
     if (!fs::is_regular_file(file))
-      throw Error(metadata.string() + ": lists " + name + ", which is not there");
+      throw Error(metadata.string() + ": lists " + name + ", which does not exist");
     files.push_back(file);
   }
   return files;

@@ -76,7 +76,7 @@ const Definition& definition_of(const std::string& type) {
   std::string name = type;
   if (const std::size_t at = name.find("/msg/"); at != std::string::npos) name.erase(at, 4);
   const auto found = all.find(name);
-  if (found == all.end()) throw Error(type + ": this message is not supported");
+  if (found == all.end()) throw Error(type + ": unsupported message type");
   return found->second;
 }
 
@@ -126,7 +126,7 @@ class CdrWriter {
 
   void write_field(const Definition::Field& field, const Json& json, const std::string& where) {
     const auto fail = [&] {
-      throw Error(fmt::format("{}.{} is no {}", where, field.name, field.type));
+      throw Error(fmt::format("{}.{} is not of type {}", where, field.name, field.type));
     };
     if (!field.is_list) return write_value(field, json, fail);
     const std::size_t given = json.is_binary() ? json.get_binary().size() : json.size();

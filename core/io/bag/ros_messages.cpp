@@ -421,7 +421,7 @@ void take_depth(Bytes data, const std::string& encoding, const std::string& what
   constexpr std::size_t kConfig = 12;  // format, and quantization parameters of floats
   if (encoding.starts_with("32FC1"))
     throw Error(what +
-                " is depth of floats (32FC1), which were rounded when they were compressed; "
+                " is floating-point depth (32FC1), which was rounded during compression; "
                 "expected 16UC1");
   if (is_png(data)) return take_png(data, what, to);
   if (data.size() < kConfig) throw OutOfBytes{};
@@ -465,7 +465,7 @@ HeldImage read_image(const Message& message, const std::string& type, const std:
     take_zstd(data, what, result);
   else
     throw Error(what + " is compressed as \"" + format +
-                "\", expected compressedDepth, PNG, JPEG or zstd");
+                "\"; expected compressedDepth, PNG, JPEG or zstd");
   return result;
 }
 

@@ -258,10 +258,10 @@ class Scan {
 
   std::string what_is_missing() const {
     const std::uint64_t size = file_.size(), at = index_position_;
-    if (at == 0) return "the recording was never closed, it has no index";
-    if (at <= size) return "the index is cut or damaged";
+    if (at == 0) return "the recording was never closed and has no index";
+    if (at <= size) return "the index is truncated or damaged";
     return fmt::format(
-        "the file is cut: it ends at byte {}, its index would start at byte {}, so "
+        "the file is truncated: it ends at byte {}, but its index starts at byte {}, so "
         "more than {} bytes are missing",
         size, at, at - size);
   }

@@ -206,7 +206,7 @@ McapIndex walk_records(Bytes file, bool has_end) {
   const bool whole = ended && std::ranges::none_of(index.chunks, &Chunk::cut);
   if (!whole || !has_end)
     index.warn_of_loss(has_end ? "the file is damaged"
-                               : "the file has no end: it is cut or was never closed");
+                               : "the file has no footer: it is truncated or was never closed");
   return index;
 }
 

@@ -56,7 +56,7 @@ MappedSqlite::MappedSqlite(const std::filesystem::path& path) : file_(map_conten
   if (page_bytes_ == 1) page_bytes_ = 65536;
   if (page_bytes_ < 512 || !std::has_single_bit(page_bytes_))
     throw Error(fmt::format(
-        "{}: a SQLite file with pages of {} bytes, expected a power of two from 512 to 65536",
+        "{}: a SQLite file with pages of {} bytes; expected a power of two from 512 to 65536",
         path.string(), page_bytes_));
   const bool is_kept = big_endian(bytes.subspan(24, 4)) == big_endian(bytes.subspan(92, 4));
   if (is_kept) promised_bytes_ = page_bytes_ * big_endian(bytes.subspan(28, 4));
@@ -154,9 +154,9 @@ void SqliteLog::read_topics() {
   if (found < 2) {
     throw Error(path_.string() + ": a SQLite file that " +
                 (tables.is_whole()
-                     ? "has no tables \"topics\" and \"messages\", expected a recording of "
-                       "ros2 bag or of the RealSense SDK"
-                     : "is cut or damaged where its tables are named"));
+                     ? "has no tables \"topics\" and \"messages\"; expected a recording by "
+                       "ros2 bag or the RealSense SDK"
+                     : "is truncated or damaged in its list of tables"));
   }
   Rows topics(file_.database(), "SELECT id, name, type, serialization_format FROM topics");
   std::map<std::string, int> others;
@@ -169,9 +169,9 @@ void SqliteLog::read_topics() {
     topics_.emplace(topics.text(1), ros_type(topics.text(2)));
   }
   if (!topics.is_whole() && topics_.empty()) {
-    throw Error(path_.string() + ": its table of topics is cut or damaged");
+    throw Error(path_.string() + ": its topics table is truncated or damaged");
   }
-  if (!topics.is_whole()) damage_ = "; its table of topics is cut or damaged";
+  if (!topics.is_whole()) damage_ = "; its topics table is truncated or damaged";
   warn_of_encodings(others);
 }
 
@@ -179,7 +179,7 @@ void SqliteLog::read_topics() {
 void SqliteLog::read_index() {
   const auto take = [&](const Rows& row) {
     if (++count_ > file_.file().bytes().size() / kLeastRowBytes)
-      throw Error(path_.string() + ": more messages than bytes, it is damaged");
+      throw Error(path_.string() + ": damaged: more messages than bytes");
     const auto topic = topic_of_.find(row.number(1));
     if (topic == topic_of_.end()) return;
     const auto time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(row.number(2), 0));
@@ -199,9 +199,9 @@ void SqliteLog::read_index() {
       take(back);
       first = back.number(0);
     }
-    if (!file_.is_cut()) damage_ += "; a part of the table of messages is damaged";
+    if (!file_.is_cut()) damage_ += "; part of the messages table is damaged";
     if (first != std::numeric_limits<std::int64_t>::max() && last >= 0) {
-      damage_ += ", " + std::to_string(first - last - 1) + " messages in it are lost";
+      damage_ += ", " + std::to_string(first - last - 1) + " messages are lost";
     }
   }
   sort_messages();
@@ -232,7 +232,7 @@ void SqliteLog::drop_cut_messages() {
 void SqliteLog::warn_of_loss() {
   std::string text;
   if (file_.is_cut()) {
-    text = fmt::format("the file is cut: it has {} bytes, its header says {}",
+    text = fmt::format("the file is truncated: it has {} bytes, but its header declares {}",
                        file_.file().bytes().size(), file_.promised_bytes());
   } else if (!damage_.empty()) {
     text = "the file is damaged";
@@ -247,8 +247,8 @@ void SqliteLog::warn_of_loss() {
     const auto bytes = std::filesystem::file_size(beside, ignored);
     if (ignored || bytes == 0) continue;
     warnings_.push_back(fmt::format(
-        "the recording was never closed: {} holds {} bytes that are not in it yet and are not "
-        "read; sqlite3 {} \"PRAGMA wal_checkpoint(TRUNCATE)\" takes them in",
+        "the recording was never closed: {} contains {} bytes that are not in it yet and are not "
+        "read; to add them, run sqlite3 {} \"PRAGMA wal_checkpoint(TRUNCATE)\"",
         beside.filename().string(), bytes, path_.filename().string()));
   }
 }
@@ -284,7 +284,7 @@ Message SqliteLog::read(const MessageRef& message, std::size_t at_most) const {
   {
     const std::lock_guard lock(mutex_);
     const Blob blob = open_blob(file_.database(), id);
-    if (!blob) throw Error(what + " is cut or damaged");
+    if (!blob) throw Error(what + " is truncated or damaged");
     const auto size = static_cast<std::size_t>(sqlite3_blob_bytes(blob.get()));
     if (size > file_.file().bytes().size()) throw Error(what + " is damaged: longer than the file");
     const auto read_to = [&](std::size_t end) {
@@ -292,7 +292,7 @@ Message SqliteLog::read(const MessageRef& message, std::size_t at_most) const {
       bytes.resize(end);
       if (sqlite3_blob_read(blob.get(), bytes.data() + from, static_cast<int>(end - from),
                             static_cast<int>(from)) != SQLITE_OK) {
-        throw Error(what + " is cut or damaged");
+        throw Error(what + " is truncated or damaged");
       }
     };
     read_to(std::min(size, at_most));

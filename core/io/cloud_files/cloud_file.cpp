@@ -34,8 +34,8 @@ class CloudRecording : public Recording {
       : instance_field_(std::move(instance_field)), sidecar_(read_sidecar(path)) {
     info_.path = path;
     info_.depth_unit_m = 1;
-    info_.depth_unit_source = "meters, as clouds have it";
-    info_.color_note = "in the cloud, where it has any";
+    info_.depth_unit_source = "meters (convention for clouds)";
+    info_.color_note = "in the cloud, if it has any";
     if (tells_times(sidecar_)) info_.times_source = sidecar_.path.filename().string();
     std::error_code ignored;
     const bool folder = fs::is_directory(path, ignored);
@@ -103,12 +103,13 @@ void take_instances(PointSet& set, const CloudExtras& extras, const std::string&
   const std::string& field = extras.names[0];
   const std::vector<double>& values = extras.values[0];
   if (values.size() != set.points.size())
-    throw Error(fmt::format("{}: points have no field '{}' to take plane ids from", what, field));
+    throw Error(
+        fmt::format("{}: points have no field '{}'; expected plane ids in it", what, field));
   set.instance.clear();
   for (const double value : values) {
     if (!(value == std::floor(value) && std::abs(value) <= 1e9))
-      throw Error(fmt::format("{}: field '{}' has {}, expected plane ids: whole numbers", what,
-                              field, value));
+      throw Error(fmt::format("{}: field '{}' contains {}; expected plane ids (whole numbers)",
+                              what, field, value));
     set.instance.push_back(std::max(0, static_cast<std::int32_t>(value)));
   }
 }
@@ -180,7 +181,7 @@ CloudBuilder::CloudBuilder(const std::filesystem::path& path,
   if (std::any_of(xyz_.begin(), xyz_.end(), [](int i) { return i < 0; })) {
     std::string names;
     for (const CloudField& field : fields_) names += (names.empty() ? "" : " ") + field.name;
-    throw Error(path.string() + ": points have the fields \"" + names + "\", expected x, y and z");
+    throw Error(path.string() + ": points have the fields \"" + names + "\"; expected x, y and z");
   }
   if (std::any_of(rgb_.begin(), rgb_.end(), [](int i) { return i < 0; })) rgb_.fill(-1);
 }

@@ -82,7 +82,7 @@ class HeaderLines {
     const std::string_view text = text_of(file_.subspan(position_));
     const std::size_t end = text.substr(0, kMaxHeaderBytes).find('\n');
     if (end == std::string_view::npos || position_ > kMaxHeaderBytes)
-      throw Error(fmt::format("{}: {} bytes in which the header of a cloud file never ends",
+      throw Error(fmt::format("{}: the header of the cloud file is unterminated ({} bytes)",
                               path_.string(), file_.size()));
     position_ += end + 1;
     std::string_view line = text.substr(0, end);
@@ -167,7 +167,7 @@ Property property_of(const Words& words, const HeaderLines& lines) {
 PlyHeader ply_header(const fs::path& path, Bytes file) {
   HeaderLines lines(path, file, "PLY");
   const Words magic = lines.next();
-  if (magic.size() != 1 || magic[0] != "ply") lines.fail("expected \"ply\" as its first line");
+  if (magic.size() != 1 || magic[0] != "ply") lines.fail("its first line is not \"ply\"");
   PlyHeader header;
   while (true) {
     const Words words = lines.next();
@@ -180,7 +180,7 @@ PlyHeader ply_header(const fs::path& path, Bytes file) {
         lines.fail(fmt::format("unknown format \"{}\"", words[1]));
     } else if (words[0] == "element" && words.size() == 3) {
       const auto count = parse_count(words[2]);
-      if (!count) lines.fail(fmt::format("\"{}\" is no number of elements", words[2]));
+      if (!count) lines.fail(fmt::format("\"{}\" is not a number of elements", words[2]));
       header.elements.push_back({std::string(words[1]), *count, {}});
     } else if (words[0] == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(property_of(words, lines));
@@ -201,7 +201,7 @@ void check_promise(const fs::path& path, const Element& element, bool is_text, s
   const std::uint64_t slack = is_text ? 1 : 0;
   if (element.count > 0 && (each == 0 || element.count > (left + slack) / each))
     throw Error(fmt::format(
-        "{}: its header promises {} \"{}\" of at least {} bytes, but only {} bytes follow",
+        "{}: its header declares {} \"{}\" of at least {} bytes, but only {} bytes follow",
         path.string(), element.count, element.name, each, left));
 }
 
@@ -223,7 +223,7 @@ void read_element(Body& body, const Element& element, std::vector<double>& value
 const Element& vertices_of(const fs::path& path, const PlyHeader& header) {
   const auto found = std::ranges::find(header.elements, "vertex", &Element::name);
   if (found == header.elements.end())
-    throw Error(path.string() + ": its header has no \"vertex\" element, expected points");
+    throw Error(path.string() + ": its header has no \"vertex\" element; expected points");
   return *found;
 }
 
@@ -249,8 +249,9 @@ PointSet read_ply_bytes(const fs::path& path, Bytes file, CloudExtras* extras) {
       if (wanted) break;
     }
   } catch (OutOfBytes) {
-    throw Error(fmt::format("{}: cut or damaged after {} of {} points that its header promises",
-                            path.string(), done, vertices.count));
+    throw Error(
+        fmt::format("{}: truncated or damaged after {} of {} points that its header declares",
+                    path.string(), done, vertices.count));
   }
   return builder.finish();
 }
@@ -273,7 +274,7 @@ struct PcdHeader {
 
 PcdHeader pcd_header(const fs::path& path, Bytes file) {
   constexpr std::uint64_t kMaxFieldCount = 1 << 16;
-  constexpr const char* kBadPoints = "its header has a damaged number of points";
+  constexpr const char* kBadPoints = "its header has an invalid number of points";
   constexpr std::string_view kKeys[] = {"FIELDS", "SIZE",   "TYPE",    "COUNT",     "WIDTH",
                                         "HEIGHT", "POINTS", "VERSION", "VIEWPOINT", "DATA"};
   HeaderLines lines(path, file, "PCD");
@@ -297,7 +298,7 @@ PcdHeader pcd_header(const fs::path& path, Bytes file) {
               &counts = all["COUNT"];
   if (names.empty() || sizes.size() != names.size() || types.size() != names.size() ||
       (!counts.empty() && counts.size() != names.size()))
-    lines.fail("FIELDS, SIZE, TYPE and COUNT of its header do not go together");
+    lines.fail("FIELDS, SIZE, TYPE and COUNT in its header do not match");
   PcdHeader header;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto type = find_scalar([&](const ScalarRow& row) {
@@ -310,7 +311,7 @@ PcdHeader pcd_header(const fs::path& path, Bytes file) {
     header.point_bytes += *count * size_of(*type);
   }
   if (points && (width || height) && *points != width.value_or(1) * height.value_or(1))
-    lines.fail("POINTS of its header is not WIDTH times HEIGHT");
+    lines.fail("POINTS in its header is not WIDTH times HEIGHT");
   header.points = points.value_or(width.value_or(0) * height.value_or(1));
   if (header.points > 0xffffffffu) lines.fail(kBadPoints);
   header.data = all["DATA"][0];
@@ -338,13 +339,13 @@ void check_promise(const fs::path& path, const PcdHeader& header, Bytes body) {
     // LZF compresses at most 264 bytes into 3.
     if (sizes.raw == least && sizes.stored <= body.size() - 8 && least / 88 <= sizes.stored) return;
     throw Error(fmt::format(
-        "{}: its header promises {} points of {} bytes, but its compressed block of {} bytes does "
-        "not hold them",
+        "{}: its header declares {} points of {} bytes, but its compressed block of {} bytes does "
+        "not contain them",
         path.string(), header.points, header.point_bytes, body.size()));
   }
   if (least > body.size())
     throw Error(fmt::format(
-        "{}: its header promises {} points in at least {} bytes, but only {} bytes follow",
+        "{}: its header declares {} points in at least {} bytes, but only {} bytes follow",
         path.string(), header.points, least, body.size()));
 }
 
@@ -425,8 +426,8 @@ PointSet read_pcd_bytes(const fs::path& path, Bytes file, CloudExtras* extras) {
       read_binary(header, raw, true, builder);
     }
   } catch (OutOfBytes) {
-    throw Error(fmt::format("{}: its points are cut or damaged, expected {} of them", path.string(),
-                            header.points));
+    throw Error(fmt::format("{}: its points are truncated or damaged; expected {} of them",
+                            path.string(), header.points));
   }
   return builder.finish();
 }

@@ -56,7 +56,7 @@ std::optional<Intrinsics> json_intrinsics(const json& object, const fs::path& pa
     const json& matrix = object["intrinsic_matrix"];
     const auto m = matrix_numbers(matrix);
     if (m.size() != 9)
-      throw Error(fmt::format("{}: \"intrinsic_matrix\" has {} numbers, expected 9", path.string(),
+      throw Error(fmt::format("{}: \"intrinsic_matrix\" has {} numbers; expected 9", path.string(),
                               m.size()));
     // Open3D stores the matrix column by column. Three rows of three, and a matrix with its
     // principal point in the first row, are stored row by row.

@@ -92,7 +92,7 @@ void pair_color(const std::vector<fs::path>& color, const TimeOf& time_of, Folde
   if (without > 0) {
     layout.warnings.push_back(std::to_string(without) + " of " +
                               std::to_string(layout.depth.size()) +
-                              " depth images have no color image of their name or time");
+                              " depth images have no color image with the same name or time");
   }
 }
 
@@ -286,7 +286,7 @@ void read_list(const fs::path& list,
         const auto [at, is_new] = found.emplace(*image, std::pair(time_s, line.number));
         if (!is_new && at->second.first != time_s)
           fail_at(list, line,
-                  fmt::format("{} was listed with another time in line {}",
+                  fmt::format("{} is listed with a different time in line {}",
                               one_line(line.words[2 * column + 1]), at->second.second));
       }
     } catch (const Error& error) {
@@ -295,8 +295,8 @@ void read_list(const fs::path& list,
   }
   if (ambiguous)
     listed.warnings.push_back(list.string() +
-                              ": ignored, as depth and color images have the same names; expected "
-                              "names with their folders");
+                              ": ignored, because depth and color images have the same names; "
+                              "expected names that include their folders");
   if (found.empty() || ambiguous) return;
   if (damage) throw Error(*damage);
   for (const auto& [image, time] : found)
@@ -324,7 +324,7 @@ ListedTimes listed_times(const fs::path& folder,
   if (const fs::path list = file_beside_images(folder, "rgb.txt"); !list.empty())
     read_list(list, 1, "a time and a color image", {&color}, listed);
   if (const fs::path list = file_beside_images(folder, "associations.txt"); !list.empty())
-    read_list(list, 2, "a time and an image, twice", {&depth, &color}, listed);
+    read_list(list, 2, "two pairs of a time and an image", {&depth, &color}, listed);
   return listed;
 }
 
@@ -340,7 +340,7 @@ std::vector<double> times_of_poses(const fs::path& folder,
           numbers_in(file, line, 8, "the eight numbers timestamp tx ty tz qx qy qz qw")[0]);
   if (std::ranges::all_of(times, [](double time_s) { return time_s == 0; })) return {};
   if (times.size() == frames) return times;
-  warnings.push_back(fmt::format("{}: {} for {}: expected as many, to take their times",
+  warnings.push_back(fmt::format("{}: {} for {}; expected one pose per frame, to use their times",
                                  file.string(), counted(times.size(), "pose"),
                                  counted(frames, "frame")));
   return {};

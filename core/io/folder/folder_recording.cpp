@@ -45,7 +45,7 @@ PngInfo dump_info(const fs::path& path, const Intrinsics& known) {
   if (fits(known.width, known.height)) return {known.width, known.height, 1, 16};
   for (const auto& [width, height] : kModes)
     if (known.width == 0 && fits(width, height)) return {width, height, 1, 16};
-  throw Error(fmt::format("{}: {} bytes, expected 2 for each pixel of {}", path.string(), bytes,
+  throw Error(fmt::format("{}: {} bytes; expected 2 for each pixel of {}", path.string(), bytes,
                           known.width > 0 ? fmt::format("{}x{}", known.width, known.height)
                                           : "a RealSense depth mode, or a calibration file with "
                                             "width and height"));
@@ -146,7 +146,7 @@ void FolderRecording::tell_of_missing_depth() {
     if (!present.contains(facts.name)) missing.push_back(facts.name);
   if (!missing.empty())
     layout_.warnings.push_back(
-        fmt::format("{} of the {} in {} have no depth image, the first is {}", missing.size(),
+        fmt::format("{} of the {} in {} have no depth image; the first is {}", missing.size(),
                     counted(sidecar_.frames.size(), "frame"), sidecar_.path.filename().string(),
                     missing.front()));
 }
@@ -172,9 +172,9 @@ void FolderRecording::settle_times() {
   }
   if (file_beside_images(folder_, Accelerometer::kFile).empty()) return;
   const auto ignore = [&](const std::string& why) {
-    layout_.warnings.push_back(fmt::format("{}: ignored, {}", Accelerometer::kFile, why));
+    layout_.warnings.push_back(fmt::format("{}: ignored: {}", Accelerometer::kFile, why));
   };
-  if (info_.times_source.empty()) return ignore("as the frames have no times");
+  if (info_.times_source.empty()) return ignore("the frames have no times");
   Accelerometer read(folder_);
   if (std::ranges::none_of(time_s_, [&](double time_s) { return read.covers(time_s); }))
     return ignore(fmt::format("no sample is within {} s of a frame", Accelerometer::kReach_s));
@@ -188,8 +188,8 @@ void FolderRecording::check_images(bool later, const Intrinsics& known) {
     const PngInfo image = is_dump ? dump_info(path, known) : png_info(path);
     if (image.channels != 1 || image.bit_depth != 16)
       throw Error(
-          fmt::format("{}: PNG of {} channel(s) with {} bits, expected depth as 1 channel "
-                      "with 16 bits (a picture of depth holds no distances{})",
+          fmt::format("{}: PNG with {} channel(s) of {} bits; expected depth in 1 channel "
+                      "of 16 bits (a picture of depth contains no distances{})",
                       path.string(), image.channels, image.bit_depth,
                       lower_case(path.stem().string()).find("_depth_") == std::string::npos
                           ? ""
@@ -200,7 +200,7 @@ void FolderRecording::check_images(bool later, const Intrinsics& known) {
       info_.height = image.height;
     }
     if (image.width != info_.width || image.height != info_.height)
-      throw Error(fmt::format("{}: depth image of {}x{}, expected {}x{} as the first one",
+      throw Error(fmt::format("{}: depth image of {}x{}; expected {}x{}, like the first one",
                               path.string(), image.width, image.height, info_.width, info_.height));
   };
   for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
@@ -251,10 +251,10 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
   const bool same_size = color.width == info_.width && color.height == info_.height;
   if (sidecar_.color_aligned && *sidecar_.color_aligned) {
     if (!same_size)
-      throw Error(
-          fmt::format("{}: color of {}x{}, expected {}x{} since {} calls it aligned with depth",
-                      first->string(), color.width, color.height, info_.width, info_.height,
-                      sidecar_.path.filename().string()));
+      throw Error(fmt::format(
+          "{}: color image of {}x{}; expected {}x{}, because {} declares it aligned with depth",
+          first->string(), color.width, color.height, info_.width, info_.height,
+          sidecar_.path.filename().string()));
     color_aligned_ = true;
     info_.color_note = "aligned";
   } else if (sidecar_.color_intrinsics || (camera.color && camera.T_color_depth)) {
@@ -267,7 +267,7 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
     color_aligned_ = true;
     info_.color_note = "assumed aligned (same size, one set of intrinsics)";
   } else {
-    info_.color_note = fmt::format("shown only: color of {}x{} without extrinsics to depth",
+    info_.color_note = fmt::format("display only: color of {}x{} without extrinsics to depth",
                                    color.width, color.height);
   }
   if (color_aligned_) color_intrinsics_ = info_.intrinsics;
@@ -345,7 +345,7 @@ class Metadata {
     const auto value = parse_number(text(key));
     if (!value)
       throw Error(
-          fmt::format("{}: \"{}\" is \"{}\", expected a number", path_.string(), key, text(key)));
+          fmt::format("{}: \"{}\" is \"{}\"; expected a number", path_.string(), key, text(key)));
     return *value;
   }
 
@@ -363,7 +363,7 @@ class RawRecording : public Recording {
     info_.color_note = "none";
     if (files_.empty())
       throw Error(path.string() +
-                  ": no depth of the RealSense Viewer: expected X.raw with X_metadata.csv of type "
+                  ": no RealSense Viewer depth; expected X.raw with X_metadata.csv of type "
                   "Depth and format Z16");
     CameraFacts facts;
     for (const RawFile& file : files_) facts = check(file);
@@ -403,7 +403,7 @@ class RawRecording : public Recording {
     const std::uintmax_t bytes = fs::file_size(file.raw, error);
     const bool sane = width >= 1 && height >= 1 && width <= 1 << 15 && height <= 1 << 15;
     if (error || !sane || static_cast<double>(bytes) != 2 * width * height)
-      throw Error(fmt::format("{}: {} bytes, expected {}x{} counts of 2 bytes as {} says",
+      throw Error(fmt::format("{}: {} bytes; expected {}x{} counts of 2 bytes, according to {}",
                               file.raw.string(), bytes, metadata.text("Resolution x"),
                               metadata.text("Resolution y"), file.csv.filename().string()));
     if (info_.width == 0) {
@@ -411,7 +411,7 @@ class RawRecording : public Recording {
       info_.height = static_cast<int>(height);
     }
     if (info_.width != width || info_.height != height)
-      throw Error(file.raw.string() + ": of another size than the first snapshot in its folder");
+      throw Error(file.raw.string() + ": size differs from the first snapshot in its folder");
     const auto number = [&](const char* key) { return metadata.number(key); };
     CameraFacts facts;
     facts.intrinsics = {info_.width,   info_.height,  number("Fx"),     number("Fy"),

@@ -82,7 +82,7 @@ Image8 decode_jpeg_rgb(std::span<const unsigned char> bytes, const std::string& 
   // is damaged, and is rejected before it is allocated.
   const std::uint64_t pixels = std::uint64_t(decoder.jpeg.image_width) * decoder.jpeg.image_height;
   if (pixels > bytes.size() * std::uint64_t{4096})
-    throw Error(fmt::format("{}: promises {}x{} pixels, more than its {} bytes can hold", name,
+    throw Error(fmt::format("{}: declares {}x{} pixels, more than its {} bytes can contain", name,
                             decoder.jpeg.image_width, decoder.jpeg.image_height, bytes.size()));
   expect_within_read_limit(3.0 * static_cast<double>(pixels), name + ": its pixels");
   Image8 image(static_cast<int>(decoder.jpeg.image_width),

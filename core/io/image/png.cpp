@@ -118,7 +118,7 @@ PngInfo open(Decoder& decoder,
   decoder.left = bytes.size();
   decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
   if (decoder.png) decoder.info = png_create_info_struct(decoder.png);
-  if (!decoder.info) throw Error(path.string() + ": libpng could not be started");
+  if (!decoder.info) throw Error(path.string() + ": libpng could not be initialized");
   png_set_read_fn(decoder.png, &decoder, on_read);
   if (!guarded(decoder, read_header)) fail(path, decoder);
   return {static_cast<int>(png_get_image_width(decoder.png, decoder.info)),
@@ -142,7 +142,7 @@ Image<T> decode(Decoder& decoder,
                 const std::filesystem::path& path) {
   const std::uint64_t packed_bits = std::uint64_t(info.width) * info.height * info.bit_depth;
   if (packed_bits / 8 > file.size() * kMaxDeflateRatio)
-    throw Error(fmt::format("{}: promises {}x{} pixels, more than its {} bytes can hold",
+    throw Error(fmt::format("{}: declares {}x{} pixels, more than its {} bytes can contain",
                             path.string(), info.width, info.height, file.size()));
   expect_within_read_limit(static_cast<double>(info.width) * info.height * channels * sizeof(T),
                            path.string() + ": its pixels");
@@ -156,7 +156,7 @@ Image<T> decode(Decoder& decoder,
   }
   if (!guarded(decoder, set_transforms)) fail(path, decoder);
   if (png_get_rowbytes(decoder.png, decoder.info) != row_bytes) {
-    throw Error(path.string() + ": PNG of an unexpected pixel layout");
+    throw Error(path.string() + ": PNG with an unexpected pixel layout");
   }
   std::vector<png_bytep> rows(info.height);
   for (int y = 0; y < info.height; ++y) {
@@ -173,9 +173,8 @@ Image<T> decode_grey(std::span<const unsigned char> bytes, const std::filesystem
   const PngInfo info = open(decoder, bytes, path);
   const int bits = 8 * sizeof(T);
   if (info.channels != 1 || info.bit_depth != bits)
-    throw Error(
-        fmt::format("{}: PNG of {} channel(s) with {} bits, expected 1 channel with {} bits",
-                    path.string(), info.channels, info.bit_depth, bits));
+    throw Error(fmt::format("{}: PNG with {} channel(s) of {} bits; expected 1 channel of {} bits",
+                            path.string(), info.channels, info.bit_depth, bits));
   return decode<T>(decoder, info, bytes, 1, path);
 }
 
@@ -192,12 +191,12 @@ PngInfo png_info(const std::filesystem::path& path) {
 PngInfo png_info(std::span<const unsigned char> head, const std::string& name) {
   require_signature(head, name);
   if (head.size() < kHeaderBytes || std::memcmp(&head[12], "IHDR", 4) != 0) {
-    throw Error(name + ": not a readable PNG (its header is cut or damaged)");
+    throw Error(name + ": not a readable PNG (its header is truncated or damaged)");
   }
   const std::uint32_t width = number_32(&head[16]), height = number_32(&head[20]);
   if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide)
-    throw Error(fmt::format("{}: PNG of {}x{} pixels, expected 1 to {} a side", name, width, height,
-                            kMaxSide));
+    throw Error(fmt::format("{}: PNG of {}x{} pixels; expected 1 to {} per side", name, width,
+                            height, kMaxSide));
   return {static_cast<int>(width), static_cast<int>(height), channels_of(head[25]), head[24]};
 }
 

@@ -44,7 +44,7 @@ constexpr std::uint16_t kNoCount = 65535;
 
 ::open3d::camera::PinholeCameraIntrinsic to_open3d(const Intrinsics& k) {
   if (k.distortion != Distortion::none)
-    throw Error("intrinsics: lens distortion, which Open3D's camera does not have");
+    throw Error("intrinsics: lens distortion is not supported by Open3D's camera");
   return {k.width, k.height, k.fx, k.fy, k.cx, k.cy};
 }
 
@@ -91,13 +91,13 @@ constexpr double kFewestPoints = 1e4, kMostPoints = 2e6;
 /// Calls `read` and converts whatever Open3D and its libraries throw to Error.
 template <typename Read>
 void read_or_throw(const fs::path& path, const char* what, Read read) {
-  std::string why = "nothing that Open3D can read";
+  std::string why = "no data that Open3D can read";
   try {
     if (read()) return;
   } catch (const std::exception& error) {
     why = error.what();
   }
-  throw Error(fmt::format("{}: {}, expected {}", path.string(), why, what));
+  throw Error(fmt::format("{}: {}; expected {}", path.string(), why, what));
 }
 
 /// Open3D allocates as many points as the first line declares. Throws Error for read_or_throw().
@@ -108,7 +108,7 @@ void check_pts_count(const fs::path& path) {
   constexpr double kFewestBytes = 6;  // "0 0 0\n"
   const std::uintmax_t bytes = fs::file_size(path);
   if (!file || !(count >= 0 && count * kFewestBytes <= static_cast<double>(bytes)))
-    throw Error(fmt::format("a first line that does not count the points of {} bytes", bytes));
+    throw Error(fmt::format("its first line is not the number of points in {} bytes", bytes));
 }
 
 double area_m2(const TriangleMesh& mesh, const Eigen::Vector3i& triangle) {
@@ -146,7 +146,7 @@ PointCloud sampled(const TriangleMesh& mesh, double surface_m2) {
 
 /// .xyz: x y z on every line. .pts: a count, then x y z, intensity and color on every line.
 PointSet read_points(const fs::path& path, io::CloudExtras*) {
-  constexpr const char* kExpected = "a text of points, x y z on each line";
+  constexpr const char* kExpected = "a text file of points, x y z on each line";
   PointCloud cloud;
   read_or_throw(path, kExpected, [&] {
     if (io::extension(path) == ".pts") check_pts_count(path);
@@ -160,7 +160,7 @@ PointSet read_points(const fs::path& path, io::CloudExtras*) {
 PointSet read_mesh(const fs::path& path, io::CloudExtras*) {
   TriangleMesh mesh;
   double surface_m2 = 0;
-  read_or_throw(path, "a mesh of triangles", [&] {
+  read_or_throw(path, "a triangle mesh", [&] {
     if (!::open3d::io::ReadTriangleMesh(path.string(), mesh)) return false;
     for (const Eigen::Vector3i& triangle : mesh.triangles_) surface_m2 += area_m2(mesh, triangle);
     return surface_m2 > 0;

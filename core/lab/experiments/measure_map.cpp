@@ -351,7 +351,7 @@ Vec3d vector_of(const Json& json) {
 }
 
 Error not_a_map(const fs::path& file, const Json::exception& problem) {
-  return Error(fmt::format("{}: {}, expected what planescope map wrote", file.string(),
+  return Error(fmt::format("{}: {}; expected output of planescope map", file.string(),
                            json_problem(problem)));
 }
 
@@ -406,7 +406,7 @@ std::vector<Cuboid> read_cuboids(const fs::path& file) {
     if (!(box.half.minCoeff() > 0)) fail_at(file, line, "a half size is not above 0");
   }
   if (cuboids.empty())
-    throw Error(file.string() + ": holds no cuboid, expected lines of x y z yaw and half sizes");
+    throw Error(file.string() + ": contains no cuboid; expected lines of x y z yaw and half sizes");
   return cuboids;
 }
 

@@ -64,8 +64,9 @@ EvaluationFrame read_listed(const ListedFrame& listed,
   const LabelledName& name = listed.name;
   const auto recording = io::open_recording(data / name.recording, listed.reading.recording);
   if (name.frame >= recording->frame_count())
-    throw Error(fmt::format("{}: {} is frame {}, found {} frames", (data / name.recording).string(),
-                            name.name, name.frame, recording->frame_count()));
+    throw Error(fmt::format("{}: {} is frame {}, but the recording has {} frames",
+                            (data / name.recording).string(), name.name, name.frame,
+                            recording->frame_count()));
   EvaluationFrame out;
   out.name = name.name;
   out.frame = recording->frame(name.frame);
@@ -73,7 +74,7 @@ EvaluationFrame read_listed(const ListedFrame& listed,
   const std::filesystem::path dir = labels / name.name;
   out.labels = labels::read_frame_labels(dir, name.frame, recording->frame_hash(name.frame));
   if (!out.labels)
-    throw Error(fmt::format("{}: no labels of frame {}, expected {:06}.json", dir.string(),
+    throw Error(fmt::format("{}: no labels for frame {}; expected {:06}.json", dir.string(),
                             name.frame, name.frame));
   return out;
 }

@@ -398,9 +398,10 @@ SteadyScores measure_steady(const SteadyJob& job) {
       any |= !row.frames.empty();
     }
   if (!any)
-    throw Error(info.path.string() +
-                ": nothing to measure: part gravity needs a frame with known gravity, part next a "
-                "frame with a next one");
+    throw Error(
+        info.path.string() +
+        ": nothing to measure: part gravity requires a frame with known gravity, part next a "
+        "frame that has a next frame");
   return scores;
 }
 

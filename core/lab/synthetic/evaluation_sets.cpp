@@ -37,7 +37,7 @@ const char* to_string(DepthErrors errors) {
 DepthErrors parse_depth_errors(const std::string& text) {
   for (const DepthErrors errors : kAllErrors)
     if (text == to_string(errors)) return errors;
-  throw Error("depth errors \"" + text + "\" are not known, expected one of clean, noise, d435");
+  throw Error("unknown depth errors \"" + text + "\"; expected one of clean, noise, d435");
 }
 
 const std::vector<EvaluationSet>& evaluation_sets() {
@@ -70,7 +70,7 @@ const EvaluationSet& find_evaluation_set(const std::string& name) {
     if (set.name == name) return set;
     known += (known.empty() ? "" : ", ") + set.name;
   }
-  throw Error("evaluation set \"" + name + "\" is not known, expected one of " + known);
+  throw Error("unknown evaluation set \"" + name + "\"; expected one of " + known);
 }
 
 // ---- Their frames ----

@@ -51,7 +51,7 @@ void check_folder(const fs::path& dir, const std::set<std::string>& expected) {
   for (const auto& entry : entries) {
     const std::string name = entry.path().filename().string();
     if (!expected.contains(name)) {
-      throw Error(dir.string() + ": holds " + name +
+      throw Error(dir.string() + ": contains " + name +
                   ", which is not part of this sample; expected a new or empty folder");
     }
   }
@@ -75,7 +75,7 @@ void check_target(const fs::path& dir, const SampleFolder& folder) {
 void make_folder(const fs::path& dir) {
   std::error_code error;
   fs::create_directories(dir, error);
-  if (error) throw Error(dir.string() + ": cannot be made a folder: " + error.message());
+  if (error) throw Error(dir.string() + ": folder cannot be created: " + error.message());
 }
 
 Json sidecar_of(const SampleFolder& folder, const Frame& first) {
@@ -138,12 +138,12 @@ constexpr std::size_t kMaxFrames = 10000;
 void check_options(const SampleOptions& options) {
   if (options.scenes.empty() || options.scenes.size() > kMaxFrames) {
     throw Error("synth sample: " + std::to_string(options.scenes.size()) +
-                " scenes, expected 1 to " + std::to_string(kMaxFrames));
+                " scenes; expected 1 to " + std::to_string(kMaxFrames));
   }
   for (const std::string& scene : options.scenes) make_scene(scene, options.seed);
   for (const int side : {options.width, options.height}) {
     if (side < kMinSide || side > kMaxSide) {
-      throw Error("synth sample: " + std::to_string(side) + " pixels, expected " +
+      throw Error("synth sample: " + std::to_string(side) + " pixels; expected " +
                   std::to_string(kMinSide) + " to " + std::to_string(kMaxSide));
     }
   }
@@ -325,7 +325,7 @@ Sequence make_sequence(const SequenceOptions& options) {
   constexpr int kMostFrames = 100000;
   if (options.frames < 2 || options.frames > kMostFrames)
     throw Error(
-        fmt::format("synth sequence: {} frames, expected 2 to {}", options.frames, kMostFrames));
+        fmt::format("synth sequence: {} frames; expected 2 to {}", options.frames, kMostFrames));
   Walkway way;
   way.rise = varied(options.seed, 10, way.rise);
   way.going = varied(options.seed, 11, way.going);

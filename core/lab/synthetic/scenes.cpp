@@ -199,7 +199,7 @@ Scene make_scene(const std::string& name, std::uint64_t seed) {
     }
     known += (known.empty() ? "" : ", ") + std::string(named.name);
   }
-  throw Error("scene \"" + name + "\" is not known, expected one of " + known);
+  throw Error("unknown scene \"" + name + "\"; expected one of " + known);
 }
 
 // ---- Composed scenes ----

@@ -379,7 +379,7 @@ double train_step(
   loss /= static_cast<double>(batch);
   if (!std::isfinite(loss))
     throw Error("training: the loss of step " + std::to_string(state.step) +
-                " is not a finite number, expected a smaller learning rate or other weights");
+                " is not a finite number; use a smaller learning rate or different weights");
 
   const double rate = learning_rate(options, state.step);
   const double correction1 = 1 - std::pow(kBeta1, state.step + 1);

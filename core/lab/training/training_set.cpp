@@ -404,7 +404,7 @@ TrainingRecipe make_recipe(const std::string& name) {
   } else if (name == "paper") {
     recipe = paper_recipe();
   } else {
-    throw Error(fmt::format("recipe \"{}\" is not known, expected one of {}", name,
+    throw Error(fmt::format("unknown recipe \"{}\"; expected one of {}", name,
                             fmt::join(recipe_names(), ", ")));
   }
   recipe.name = name;

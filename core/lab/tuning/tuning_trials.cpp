@@ -197,7 +197,7 @@ bool TuningJournal::read(const TuningPurpose& purpose) {
       if (i > 0) {
         Trial trial = trial_of(json);
         if (!trials_.empty() && trial.scores.size() != trials_[0].scores.size())
-          throw Error(fmt::format("{}: found {} scores, expected {}", where, trial.scores.size(),
+          throw Error(fmt::format("{}: found {} scores; expected {}", where, trial.scores.size(),
                                   trials_[0].scores.size()));
         place_.emplace(trial.setting, trials_.size());
         trials_.push_back(std::move(trial));
@@ -206,12 +206,13 @@ bool TuningJournal::read(const TuningPurpose& purpose) {
           throw Error(fmt::format("{}: its schema is not {}", where, kJournalSchema));
         for (const auto& [name, value] : purpose)
           if (json.at(name) != value)
-            throw Error(fmt::format(
-                "{}: is of a search with other {}: take another folder, or remove it to begin anew",
-                file_.string(), name));
+            throw Error(
+                fmt::format("{}: belongs to a search with different {}; use a different folder, or "
+                            "delete it to start over",
+                            file_.string(), name));
       }
     } catch (const Json::exception& problem) {
-      throw Error(where + ": is no trial that can be read: " + json_problem(problem));
+      throw Error(where + ": not a readable trial: " + json_problem(problem));
     }
   }
   return !lines.empty();

@@ -50,7 +50,7 @@ const LabelPlane* find_plane(const FrameLabels& labels, int id) {
 
 const LabelPlane& editable_plane(const FrameLabels& labels, int id) {
   const LabelPlane* plane = find_plane(labels, id);
-  if (!plane) throw Error("there is no plane P" + std::to_string(id));
+  if (!plane) throw Error("no plane P" + std::to_string(id));
   if (plane->locked) throw Error("P" + std::to_string(id) + " is locked");
   return *plane;
 }
@@ -62,7 +62,7 @@ int free_plane_id(const FrameLabels& labels) {
   int free = 1;
   for (const int id : ids)
     if (id == free) ++free;
-  if (free >= kPlaneIgnore) throw Error("there are 65534 planes already, no more are possible");
+  if (free >= kPlaneIgnore) throw Error("there are already 65534 planes, the maximum");
   return free;
 }
 
@@ -157,7 +157,7 @@ void join_planes(LabelDraft& draft, int into, int from) {
 
 void set_flag(LabelDraft& draft, int id, PlaneFlag flag, bool on) {
   LabelPlane* plane = plane_in(draft.labels, id);
-  if (!plane) throw Error("there is no plane P" + std::to_string(id));
+  if (!plane) throw Error("no plane P" + std::to_string(id));
   (flag == PlaneFlag::locked ? plane->locked : plane->hidden) = on;
 }
 

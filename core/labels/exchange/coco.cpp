@@ -65,7 +65,8 @@ std::vector<MaskRun> mask_runs(const std::vector<std::uint64_t>& counts,
     if (i % 2 == 1 && counts[i] > 0) runs.push_back({at, counts[i]});
     at += counts[i];
   }
-  if (at != pixels) place.fail_kind(fmt::format("runs over {} pixels, these cover {}", pixels, at));
+  if (at != pixels)
+    place.fail_kind(fmt::format("runs over {} pixels (these cover {})", pixels, at));
   return runs;
 }
 
@@ -160,7 +161,7 @@ class CocoReader {
         std::vector<std::pair<double, double>> corners;
         for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
           if (std::max(std::abs(numbers[i]), std::abs(numbers[i + 1])) > kMaxCocoSide)
-            polygon.fail_kind("corners near the image");
+            polygon.fail_kind("corners in or near the image");
           corners.emplace_back(numbers[i], numbers[i + 1]);
         }
         const auto more = polygon_runs(corners, width_, height_);
@@ -297,7 +298,7 @@ CocoFile::CocoFile(io::Bytes file, const std::string& where) {
     std::map<std::string, std::size_t> image_of_id;
     root.at("images").each([&](const JsonPlace& image) {
       if (!image_of_id.emplace(id_of(image, "id"), names_.size()).second)
-        image.at("id").fail_kind("an id that no other image has");
+        image.at("id").fail_kind("a unique id");
       names_.push_back(image.has("file_name") ? image.at("file_name").text() : "");
     });
     parsed->annotations.resize(names_.size());
@@ -340,7 +341,7 @@ LabelledPoints CocoFile::points(std::size_t image) const {
 LabelledPoints parse_coco(io::Bytes bytes, const std::string& where) {
   const CocoFile file(bytes, where);
   if (file.names().size() != 1)
-    throw Error(where + ": " + std::to_string(file.names().size()) + " images, expected one");
+    throw Error(where + ": " + std::to_string(file.names().size()) + " images; expected one");
   return file.points(0);
 }
 

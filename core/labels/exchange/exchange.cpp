@@ -99,8 +99,8 @@ void check_needs(const LabelledPoints& points, const Format& format, const fs::p
   if (format.needs == Needs::pixels && !has_pixels)
     lacks = "pixels and the size of the depth image";
   if (lacks)
-    throw Error(fmt::format("{}: {} needs {}, which these labels come without", stem.string(),
-                            format.name, lacks));
+    throw Error(fmt::format("{}: format {} requires {}, which these labels do not contain",
+                            stem.string(), format.name, lacks));
 }
 
 }  // namespace
@@ -118,8 +118,8 @@ LabelFormat parse_label_format(const std::string& name) {
     if (name == to_string(format)) return format;
     known.emplace_back(to_string(format));
   }
-  throw Error(fmt::format("label format '{}' does not exist, expected one of {}", name,
-                          fmt::join(known, ", ")));
+  throw Error(
+      fmt::format("unknown label format '{}'; expected one of {}", name, fmt::join(known, ", ")));
 }
 
 LabelFormat label_format_of(const fs::path& path) {
@@ -132,7 +132,8 @@ LabelFormat label_format_of(const fs::path& path) {
       if (!last.empty()) known += (known.empty() ? "" : ", ") + last;
       last = file.extension;
     }
-  throw Error(fmt::format("{}: expected a name that ends in {} or {}", path.string(), known, last));
+  throw Error(fmt::format("{}: unknown extension; expected a name that ends in {} or {}",
+                          path.string(), known, last));
 }
 
 const char* to_string(LabelFormat format) { return format_of(format).name; }
@@ -194,8 +195,7 @@ std::vector<fs::path> write_labelled(const fs::path& stem,
 
 LabelledPoints read_labelled(const fs::path& path, LabelFormat format) {
   if (!format_of(format).read)
-    throw Error(path.string() +
-                ": labels of voxels are made from labels of points and not read back");
+    throw Error(path.string() + ": voxel labels can be written from point labels, but not read");
   return format_of(format).read(path);
 }
 
@@ -216,11 +216,11 @@ std::vector<std::uint32_t> pixels_by_name(const LabelledPoints& points,
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const DepthPixel pixel = points.pixel[i];
     if (pixel.u >= grid.width || pixel.v >= grid.height)
-      throw Error(fmt::format("{}: pixel ({}, {}), the frame's depth is {}x{}", where, pixel.u,
-                              pixel.v, grid.width, grid.height));
+      throw Error(fmt::format("{}: pixel ({}, {}) is outside the frame's depth image of {}x{}",
+                              where, pixel.u, pixel.v, grid.width, grid.height));
     const auto index = static_cast<std::uint32_t>(pixel.v * grid.width + pixel.u);
     if (taken[index])
-      throw Error(fmt::format("{}: pixel ({}, {}) is there twice", where, pixel.u, pixel.v));
+      throw Error(fmt::format("{}: pixel ({}, {}) appears twice", where, pixel.u, pixel.v));
     taken[index] = true;
     indices[i] = index;
   }
@@ -232,11 +232,11 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabelledPoints& points,
                                                   const std::string& where) {
   const bool all = points.size() == grid.pixels();
   if (!all && points.size() != grid.measured_count && grid.is_cloud())
-    throw Error(fmt::format("{}: labels of {} points, the frame's cloud has {}", where,
+    throw Error(fmt::format("{}: labels of {} points, but the frame's cloud has {}", where,
                             points.size(), grid.pixels()));
   if (!all && points.size() != grid.measured_count)
     throw Error(
-        fmt::format("{}: {} points, expected {}, one per pixel with depth, or {}, one per pixel",
+        fmt::format("{}: {} points; expected {}, one per pixel with depth, or {}, one per pixel",
                     where, points.size(), grid.measured_count, grid.pixels()));
   std::vector<std::uint32_t> indices;
   indices.reserve(points.size());
@@ -257,8 +257,8 @@ void check_points(const LabelledPoints& points,
     const double expected = (grid.origin + grid.points[indices[i]].cast<double>()).norm();
     if (std::abs(found - expected) <= std::max(kSameDistance_m, kFloatStep * expected)) continue;
     throw Error(
-        fmt::format("{}: point {} is {:.3f} m from the sensor, the frame has {:.3f} m there: these "
-                    "are labels of another frame",
+        fmt::format("{}: point {} is {:.3f} m from the sensor, but {:.3f} m in the frame; these "
+                    "are labels of a different frame",
                     where, i, found, expected));
   }
 }
@@ -306,9 +306,9 @@ FrameLabels labels_of_points(const LabelledPoints& points,
                              const std::string& depth_sha256,
                              const std::string& where) {
   if (grid.is_cloud() && (points.width > 0 || !points.pixel.empty()))
-    throw Error(where + ": labels of the pixels of a depth image, the frame is a cloud");
+    throw Error(where + ": labels of a depth image, but the frame is a cloud");
   if (points.width > 0 && (points.width != grid.width || points.height != grid.height))
-    throw Error(fmt::format("{}: labels of a depth image of {}x{}, the frame's is {}x{}", where,
+    throw Error(fmt::format("{}: labels of {}x{}, but the frame's depth image is {}x{}", where,
                             points.width, points.height, grid.width, grid.height));
   // A format that lists only labeled pixels may list none: that is not raster order.
   const bool by_name =

@@ -12,7 +12,7 @@ namespace planescope::labels {
 
 void check_count(std::uint64_t points, const std::string& where) {
   if (points > kMaxLabelledPoints)
-    throw Error(where + ": " + std::to_string(points) + " points, expected at most " +
+    throw Error(where + ": " + std::to_string(points) + " points; expected at most " +
                 std::to_string(kMaxLabelledPoints));
 }
 
@@ -31,8 +31,8 @@ std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::
   auto classes = whole_numbers<std::uint8_t>(values, 0, kHvIgnore, where + ": class");
   for (std::size_t i = 0; i < classes.size(); ++i)
     if (classes[i] > 2 && classes[i] != kHvIgnore)
-      throw Error(where + ": class " + std::to_string(classes[i]) + " at place " +
-                  std::to_string(i) + ", expected 0 (unknown), 1 (h), 2 (v) or 255 (ignore)");
+      throw Error(where + ": class " + std::to_string(classes[i]) + " at index " +
+                  std::to_string(i) + "; expected 0 (unknown), 1 (h), 2 (v) or 255 (ignore)");
   return classes;
 }
 
@@ -50,8 +50,8 @@ FileBytes evops_bytes(const LabelledPoints& points) {
 LabelledPoints parse_evops(io::Bytes file, const std::string& where) {
   const NpyArray array = parse_npy(file, where);
   if (array.shape.size() != 1)
-    throw Error(where + ": an array of " + std::to_string(array.shape.size()) +
-                " dimensions, expected one plane id per point");
+    throw Error(where + ": an array with " + std::to_string(array.shape.size()) +
+                " dimensions; expected one plane id per point");
   check_count(array.size(), where);
   LabelledPoints points;
   points.instance = instances_of(array.values(), where);
@@ -98,7 +98,7 @@ LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
   PointSet set = io::read_cloud_file(path, &extras);
   const std::string where = path.string();
   if (extras.values[1].empty() && !set.points.empty())
-    throw Error(where + ": its points have no field \"instance\", expected plane ids there");
+    throw Error(where + ": its points have no field \"instance\"; expected plane ids in it");
   LabelledPoints points;
   points.label = classes_of(extras.values[0], where);
   points.instance = instances_of(extras.values[1], where);
@@ -130,7 +130,7 @@ FileBytes bytes_of(const std::vector<T>& values) {
 
 void check_whole(io::Bytes file, std::size_t each, const std::string& what) {
   if (file.size() % each != 0)
-    throw Error(what + ": " + std::to_string(file.size()) + " bytes, expected a multiple of " +
+    throw Error(what + ": " + std::to_string(file.size()) + " bytes; expected a multiple of " +
                 std::to_string(each));
 }
 
@@ -161,7 +161,7 @@ LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& wh
   const std::size_t count = label.size() / sizeof(std::uint32_t);
   check_count(count, where + ".label");
   if (!bin.empty() && bin.size() / sizeof(KittiPoint) != count)
-    throw Error(where + ".label: labels of " + std::to_string(count) + " points, " + where +
+    throw Error(where + ".label: labels of " + std::to_string(count) + " points, but " + where +
                 ".bin has " + std::to_string(bin.size() / sizeof(KittiPoint)));
   LabelledPoints points;
   std::vector<double> classes(count), instances(count);
@@ -186,7 +186,7 @@ LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& wh
 
 FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
   if (!(voxel_size_m > 0) || !std::isfinite(voxel_size_m))
-    throw Error("voxel size " + std::to_string(voxel_size_m) + ", expected more than 0 m");
+    throw Error("voxel size " + std::to_string(voxel_size_m) + "; expected more than 0 m");
   planes::Cloud cloud;
   cloud.T_world_sensor = points.T_world_sensor;
   const Eigen::Isometry3f T_world_sensor = points.T_world_sensor.cast<float>();

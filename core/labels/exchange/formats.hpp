@@ -32,7 +32,7 @@ std::vector<T> whole_numbers(std::span<const double> values,
   std::vector<T> whole(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!(values[i] >= low && values[i] <= high) || values[i] != std::floor(values[i]))
-      throw Error(fmt::format("{}: {:g} at place {}, expected a whole number of {:.0f} to {:.0f}",
+      throw Error(fmt::format("{}: {:g} at index {}; expected a whole number from {:.0f} to {:.0f}",
                               where, values[i], i, low, high));
     whole[i] = static_cast<T>(values[i]);
   }

@@ -46,7 +46,7 @@ class NpyHeader {
       }
     }
     if (!has_type || !has_order || !has_shape) fail("lacks descr, fortran_order or shape");
-    if (fortran_ && array.shape.size() > 1) fail("says Fortran order, expected C order");
+    if (fortran_ && array.shape.size() > 1) fail("declares Fortran order; expected C order");
   }
 
  private:
@@ -65,15 +65,15 @@ class NpyHeader {
     return true;
   }
   void expect(char c) {
-    if (!take(c)) fail(std::string("is damaged, expected '") + c + "'");
+    if (!take(c)) fail(std::string("is damaged; expected '") + c + "'");
   }
 
   std::string_view quoted() {
     skip_space();
     const char quote = rest_.empty() ? ' ' : rest_.front();
-    if (quote != '\'' && quote != '"') fail("is damaged, expected a string");
+    if (quote != '\'' && quote != '"') fail("is damaged; expected a string");
     const std::size_t end = rest_.find(quote, 1);
-    if (end == std::string_view::npos) fail("has a string without an end");
+    if (end == std::string_view::npos) fail("has an unterminated string");
     const std::string_view text = rest_.substr(1, end - 1);
     rest_.remove_prefix(end + 1);
     return text;
@@ -117,7 +117,7 @@ class NpyHeader {
       array.big_endian = text[0] == '>';
       return;
     }
-    fail("says values of type \"" + printable(text) + "\", expected whole numbers or floats");
+    fail("declares values of type \"" + printable(text) + "\"; expected whole numbers or floats");
   }
 
   std::string_view rest_;
@@ -141,17 +141,17 @@ NpyArray parse_npy(io::Bytes file, const std::string& where) {
   try {
     const io::Bytes magic = reader.take(kMagic.size());
     if (!std::equal(magic.begin(), magic.end(), reinterpret_cast<const std::byte*>(kMagic.data())))
-      throw Error(where + ": not an NPY file, expected it to begin with \"\\x93NUMPY\"");
+      throw Error(where + ": not an NPY file; expected it to begin with \"\\x93NUMPY\"");
     const int major = reader.read<std::uint8_t>(), minor = reader.read<std::uint8_t>();
     if (major != 1 && major != 2)
       throw Error(where + ": NPY version " + std::to_string(major) + "." + std::to_string(minor) +
-                  ", expected 1.0 or 2.0");
+                  "; expected 1.0 or 2.0");
     const std::uint32_t length =
         major == 1 ? reader.read<std::uint16_t>() : reader.read<std::uint32_t>();
     const io::Bytes header = reader.take(length);
     text = {reinterpret_cast<const char*>(header.data()), header.size()};
   } catch (io::OutOfBytes) {
-    throw Error(where + ": not a readable NPY: cut within its header");
+    throw Error(where + ": not a readable NPY: truncated within its header");
   }
   NpyHeader(text, where).parse(array);
   std::uint64_t bytes = io::size_of(array.type);
@@ -159,10 +159,9 @@ NpyArray parse_npy(io::Bytes file, const std::string& where) {
   for (const std::uint64_t length : array.shape)
     too_large = __builtin_mul_overflow(bytes, length, &bytes) || too_large;
   if (too_large || bytes != reader.left())
-    throw Error(where + ": its header promises " +
-                (too_large ? "more bytes than there are numbers for"
-                           : std::to_string(bytes) + " bytes of values") +
-                ", " + std::to_string(reader.left()) + " follow");
+    throw Error(where + ": its header declares " +
+                (too_large ? "too many bytes" : std::to_string(bytes) + " bytes of values") +
+                ", but " + std::to_string(reader.left()) + " follow");
   array.data = reader.take(bytes);
   return array;
 }
@@ -268,8 +267,8 @@ std::vector<double> read_array(zip_t* archive,
   const bool fits =
       columns == 1 ? array.shape.size() == 1 : array.shape.size() == 2 && array.shape[1] == columns;
   if (!fits)
-    throw Error(array_name + ": an array of " + std::to_string(array.shape.size()) +
-                " dimensions, expected " +
+    throw Error(array_name + ": an array with " + std::to_string(array.shape.size()) +
+                " dimensions; expected " +
                 (columns == 1 ? "a list" : std::to_string(columns) + " values per point"));
   check_count(array.shape[0], array_name);
   expect_within_read_limit(static_cast<double>(array.size()) * sizeof(double), array_name);
@@ -352,14 +351,14 @@ LabelledPoints parse_npz(io::Bytes file, const std::string& where) {
   LabelledPoints points;
   const auto instance = read_array(archive.get(), "instance", 1, where);
   if (instance.empty() && zip_name_locate(archive.get(), "instance.npy", 0) < 0)
-    throw Error(where + ": it has no array \"instance\", expected plane ids there");
+    throw Error(where + ": no array \"instance\"; expected plane ids in it");
   points.instance = instances_of(instance, where + ": instance");
   const std::size_t count = points.size();
   const auto read = [&](const char* name, std::uint64_t columns) {
     auto values = read_array(archive.get(), name, columns, where);
     if (!values.empty() && values.size() != columns * count)
       throw Error(where + ": " + name + " has " + std::to_string(values.size() / columns) +
-                  " rows, instance has " + std::to_string(count));
+                  " rows, but instance has " + std::to_string(count));
     return values;
   };
   points.label = classes_of(read("label", 1), where + ": label");
@@ -375,7 +374,7 @@ LabelledPoints parse_npz(io::Bytes file, const std::string& where) {
                                                 1, 65536, where + ": depth_size");
   if (!size.empty() && size.size() != 2)
     throw Error(where + ": depth_size has " + std::to_string(size.size()) +
-                " values, expected width and height");
+                " values; expected width and height");
   if (!size.empty()) {
     points.width = size[0];
     points.height = size[1];

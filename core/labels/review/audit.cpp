@@ -103,7 +103,7 @@ class Audit {
     const double value = 1000 * rms(s.distance_m), limit = 1000 * 2 * rms(s.noise_m);
     if (value <= limit) return;
     add(FindingKind::rms, s.plane.id, s.pixels, value, limit,
-        fmt::format("RMS {:.1f} mm, expected at most {:.1f} mm at {:.1f} m", value, limit,
+        fmt::format("RMS {:.1f} mm; expected at most {:.1f} mm at {:.1f} m", value, limit,
                     s.mean_range_m));
   }
 
@@ -116,7 +116,7 @@ class Audit {
     const double limit = 100 * options_.max_outlier_share;
     if (value <= limit) return;
     add(FindingKind::outliers, s.plane.id, std::move(far), value, limit,
-        fmt::format("{:.1f} % of its {}s lie off it, expected at most {:.1f} %", value, sample(),
+        fmt::format("{:.1f} % of its {}s are off it; expected at most {:.1f} %", value, sample(),
                     limit));
   }
 
@@ -134,15 +134,15 @@ class Audit {
     std::sort(smaller.begin(), smaller.end());
     const std::size_t pixels = smaller.size();
     add(FindingKind::parts, s.plane.id, std::move(smaller), value, 1,
-        fmt::format("{:.0f} parts that lie apart, expected 1 ({} {}s in the smaller ones)", value,
-                    pixels, sample()));
+        fmt::format("{:.0f} separate parts; expected 1 ({} {}s in the smaller ones)", value, pixels,
+                    sample()));
   }
 
   void check_area(const Surface& s) {
     const double value = 1e4 * s.area_m2, limit = 1e4 * options_.min_area_m2;
     if (value >= limit) return;
     add(FindingKind::tiny, s.plane.id, s.pixels, value, limit,
-        fmt::format("{:.1f} cm2, expected at least {:.1f} cm2", value, limit));
+        fmt::format("{:.1f} cm2; expected at least {:.1f} cm2", value, limit));
   }
 
   void check_class(const Surface& s) {
@@ -153,7 +153,7 @@ class Audit {
     const double limit = is_h ? options_.max_class_tilt_deg : 90 - options_.max_class_tilt_deg;
     if (is_h ? tilt_deg <= limit : tilt_deg >= limit) return;
     add(FindingKind::class_normal, s.plane.id, s.pixels, tilt_deg, limit,
-        fmt::format("labeled {} and tilted {:.0f} degrees, expected at {} {:.0f}",
+        fmt::format("labeled {} and tilted {:.0f} degrees; expected at {} {:.0f}",
                     to_string(s.plane.label), tilt_deg, is_h ? "most" : "least", limit));
   }
 
@@ -168,7 +168,7 @@ class Audit {
            {},
            was,
            is,
-           fmt::format("drawn with {} {:.6g}, the frame has {:.6g}", what, was, is)});
+           fmt::format("drawn with {} {:.6g}, but the frame has {:.6g}", what, was, is)});
     };
     const auto differ = [](double a, double b) {
       return std::abs(a - b) > kSameCamera * std::max(std::abs(a), std::abs(b));
@@ -232,7 +232,7 @@ class Audit {
       if (share < kLeastPlanar || share * value < limit) continue;
       const std::size_t pixels = region.size();
       add(FindingKind::unlabelled, 0, std::move(region), value, limit,
-          fmt::format("{} without a label ({} {}s), expected less than {}", area_text(1e-4 * value),
+          fmt::format("{} without a label ({} {}s); expected less than {}", area_text(1e-4 * value),
                       pixels, sample(), area_text(1e-4 * limit)));
     }
   }

@@ -29,7 +29,7 @@ struct Finding {
   std::uint32_t pixel = 0;      // position of the finding
   PixelSet pixels;              // the outliers, the smaller parts, the region
   double value = 0, limit = 0;  // measured and allowed, in `text`'s unit
-  std::string text;             // "P3: RMS 14 mm, expected at most 8 mm at 1.9 m"
+  std::string text;             // "P3: RMS 14 mm; expected at most 8 mm at 1.9 m"
 };
 
 struct AuditOptions {

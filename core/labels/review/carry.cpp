@@ -265,7 +265,7 @@ Registration motion_between(const Frame& from_frame,
   });
   if (motion.fitness < options.min_fitness)
     throw Error(fmt::format(
-        "frames {} and {}: only {:.0f} % of the points match, expected at least {:.0f} %: the "
+        "frames {} and {}: only {:.0f} % of the points match; expected at least {:.0f} %; the "
         "frames "
         "overlap too little",
         from_frame.name, to_frame.name, 100 * motion.fitness, 100 * options.min_fitness));
@@ -339,7 +339,7 @@ class Spreading {
     if (!pose) throw Error(fmt::format("frame {} has no pose", job.from));
     first_ = {job.open(job.from), *pose};
     if (first_.at.labels.planes.empty())
-      throw Error(fmt::format("frame {} has no planes that could be proposed", job.from));
+      throw Error(fmt::format("frame {} has no planes to propose", job.from));
   }
 
   std::vector<Proposal> run() {

@@ -103,7 +103,7 @@ bool has_header(const fs::path& path, std::span<const unsigned char> bytes) {
   if (text.size() == kHeader.size() && text.starts_with(kAnyVersion))
     throw Error(path.string() + ": journal of version " +
                 std::string(text.substr(kAnyVersion.size(), 1)) +
-                ", expected 1: made by a later version of planescope");
+                "; expected 1 (written by a later version of planescope)");
   return false;
 }
 
@@ -157,7 +157,7 @@ Journal::Journal(fs::path path, Access access, const Visitor& visit) : path_(std
   }
   struct stat status = {};
   if (::fstat(file_.get(), &status) != 0 || !S_ISREG(status.st_mode))
-    throw Error(path_.string() + ": no regular file, expected a journal of labels");
+    throw Error(path_.string() + ": not a regular file; expected a label journal");
   size_ = static_cast<std::uint64_t>(status.st_size);
   scan(visit);
 }
@@ -179,7 +179,7 @@ void Journal::scan(const Visitor& visit) {
       if (!visit({end_, bytes}, content)) return;
     } catch (const Error& error) {
       // Its checksum is correct, so the content is as written.
-      throw Error(path_.string() + ": made by a later version of planescope? At byte " +
+      throw Error(path_.string() + ": written by a later version of planescope? At byte " +
                   std::to_string(end_) + ": " + error.what());
     }
     end_ += kHead + bytes;
@@ -192,8 +192,8 @@ fs::path Journal::set_damaged_aside() {
   fs::path aside = unused_path(path_.string() + ".damaged-");
   write_file_bytes(aside, rest, Durable::yes);
   if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0 || ::fsync(file_.get()) != 0)
-    throw Error(path_.string() + ": cannot be cut to its undamaged part (" + error_text(errno) +
-                ")");
+    throw Error(path_.string() + ": cannot be truncated to its undamaged part (" +
+                error_text(errno) + ")");
   size_ = end_;
   return aside;
 }
@@ -232,7 +232,7 @@ void Journal::sync() {
   int error = background_ ? background_->take_error() : 0;
   if (!error && unsynced_ && ::fdatasync(file_.get()) != 0) error = errno;
   if (!error && created_) error = sync_folder(path_.parent_path());
-  if (error) throw Error(path_.string() + ": cannot be made durable (" + error_text(error) + ")");
+  if (error) throw Error(path_.string() + ": cannot be synced to disk (" + error_text(error) + ")");
   unsynced_ = created_ = false;
 }
 

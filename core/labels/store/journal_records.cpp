@@ -103,7 +103,7 @@ class RecordReader {
     return byte;
   }
   [[noreturn]] static void fail() {
-    throw Error("a record of labels does not hold what its kind needs");
+    throw Error("a label record does not contain the fields of its kind");
   }
 
   std::span<const unsigned char> bytes_;
@@ -215,7 +215,7 @@ void base_fields(Fields& fields, auto& labels) {
   fields.whole(width, kMaxPixels);
   fields.whole(height, kMaxPixels / static_cast<std::uint64_t>(std::max(width, 1)));
   if constexpr (Fields::kReads) {
-    expect_within_read_limit(3.0 * width * height, "a record of labels: its frame");
+    expect_within_read_limit(3.0 * width * height, "a label record: its frame");
     labels.plane = Image16(width, height);
     labels.hv = Image8(width, height);
   }

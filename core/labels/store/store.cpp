@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNotKept = ": the gesture is not kept";
+constexpr const char* kNotKept = "; the edit is not saved";
 
 constexpr double kLongestGapS = 60;  // longer pauses count only this much
 
@@ -64,7 +64,7 @@ LabelStore::LabelStore(fs::path dir, LabelStoreOptions options)
   std::error_code error;
   const auto status = fs::status(dir_, error);
   if (fs::exists(status) && !fs::is_directory(status))
-    throw Error(dir_.string() + ": a file, expected the folder of a recording's labels");
+    throw Error(dir_.string() + ": a file; expected the folder of a recording's labels");
   if (fs::exists(status)) {
     attach();
   } else if (const std::string why = why_not_writable(dir_); !why.empty()) {
@@ -89,30 +89,29 @@ void LabelStore::attach() {
   });
   // A record that another instance is writing is not damaged.
   if (journal_->damaged() == 0 || lock_.is_held_by_other()) return;
-  const std::string found =
-      path.string() + ": its last " + std::to_string(journal_->damaged()) + " bytes are damaged";
+  const std::string found = path.string() + ": its last " + std::to_string(journal_->damaged()) +
+                            " bytes are damaged; everything before them is ";
   try {
     if (!read_only_.empty()) throw Error(read_only_);
     const fs::path aside = journal_->set_damaged_aside();
-    notices_.push_back(found + ": everything before them is kept, they are in " +
-                       aside.filename().string());
+    notices_.push_back(found + "kept, and the damaged bytes are in " + aside.filename().string());
   } catch (const Error& error) {
     if (read_only_.empty()) read_only_ = std::string("read-only: ") + error.what();
-    notices_.push_back(found + ": everything before them is shown");
+    notices_.push_back(found + "shown");
   }
 }
 
 void LabelStore::create_folder() {
   std::error_code error;
   fs::create_directories(dir_, error);
-  if (error) throw Error(dir_.string() + ": cannot be made a folder (" + error.message() + ")");
+  if (error) throw Error(dir_.string() + ": folder cannot be created (" + error.message() + ")");
   attach();
   if (!lock_.is_held() && !lock_.is_held_by_other()) {  // possibly a full disk: may be temporary
     journal_.reset();
     throw Error(std::exchange(read_only_, ""));
   }
   if (read_only_.empty() && !history_.frames().empty())
-    read_only_ = "read-only: another instance made labels meanwhile; open the recording again";
+    read_only_ = "read-only: another instance has changed the labels; open the recording again";
   require_writable();
   sync_folder(dir_.parent_path());
 }
@@ -225,7 +224,7 @@ void LabelStore::put(FrameLabels& labels, const JournalPlace& place, RecordKind 
   if (direction == RecordKind::undo) edit = reversed(std::move(edit));
   if (!can_apply(labels, edit))
     throw Error(journal_->path().string() + ": the edit at byte " + std::to_string(place.offset) +
-                " is not one of the labels that the records before it give");
+                " does not apply to the labels of the records before it");
   apply_edit(labels, edit);
 }
 

@@ -19,16 +19,16 @@ void require_same_depth(const FrameLabels& labels,
                         const FrameLabels& expected,
                         const std::string& where) {
   if (labels.is_cloud() && expected.is_cloud() && labels.plane.width != expected.plane.width)
-    throw Error(fmt::format("{}: labels of a cloud of {} points, the frame has {}", where,
+    throw Error(fmt::format("{}: labels of a cloud of {} points, but the frame has {}", where,
                             labels.plane.width, expected.plane.width));
   if (labels.depth_sha256 != expected.depth_sha256)
     throw Error(fmt::format(
-        "{}: labels of a {} with SHA-256 {:.12}, this recording's frame has {:.12}", where,
+        "{}: labels of a {} with SHA-256 {:.12}, but this recording's frame has {:.12}", where,
         labels.is_cloud() ? "cloud" : "depth image", labels.depth_sha256, expected.depth_sha256));
   const Image16 &image = labels.plane, &frame = expected.plane;
   if (image.width != frame.width || image.height != frame.height)
-    throw Error(fmt::format("{}: labels of {}x{} pixels, the frame has {}x{}", where, image.width,
-                            image.height, frame.width, frame.height));
+    throw Error(fmt::format("{}: labels of {}x{} pixels, but the frame has {}x{}", where,
+                            image.width, image.height, frame.width, frame.height));
 }
 
 std::string name_of(int frame) { return "frame " + std::to_string(frame); }
@@ -127,7 +127,7 @@ bool LabelStore::take_over(int frame, const LabelDigests& digests) {
     files = read_frame_labels(dir_, frame, "");
   } catch (const Error& error) {
     notice(std::string(error.what()) + ": the journal's labels of " + name_of(frame) +
-           " are kept, saving sets the files aside");
+           " are kept; saving renames the files to *.outside-N");
     return false;
   }
   require_same_depth(*files, *open.labels, label_file_paths(dir_, frame).back().string());
@@ -140,7 +140,7 @@ bool LabelStore::take_over(int frame, const LabelDigests& digests) {
   if (!edit.empty()) {
     commit(edit);
     notice(dir_.string() + ": the label files of " + name_of(frame) +
-           " were changed outside planescope: taken over, undo takes that back");
+           " were changed outside planescope; they are loaded, and undo reverts this");
   }
   auto entries = base_entries(frame);
   entries.push_back(saving(frame, digests));
@@ -155,7 +155,7 @@ void LabelStore::set_files_aside(int frame) const {
     if (!is_there(path)) continue;
     std::error_code error;
     fs::rename(path, unused_path(path.string() + ".outside-"), error);
-    if (error) throw Error(path.string() + ": cannot be set aside (" + error.message() + ")");
+    if (error) throw Error(path.string() + ": cannot be renamed (" + error.message() + ")");
   }
 }
 
@@ -182,7 +182,7 @@ void LabelStore::save(int frame) {
       open.in_files.reset();
     } else if (has_news) {
       // The history keeps both states: the other's, followed by the one saved now.
-      commit(make_edit(frame, "kept over changes from outside", *open.labels, *ours));
+      commit(make_edit(frame, "kept over changes outside planescope", *open.labels, *ours));
     }
   }
   if (!unsaved(frame)) return;

@@ -283,8 +283,8 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   if (!click)
     return refuse(!grid.measured[seeds[0]] ? "nothing was measured there"
                   : !options.within.empty() && !options.within[seeds[0]]
-                      ? "it is outside of the lasso"
-                      : "it has a label already");
+                      ? "it is outside the lasso"
+                      : "it already has a label");
   const auto start = growth->plane_at(*click);
   if (!start || !growth->begin(*click, *start)) return refuse("no plane there");
 

@@ -30,7 +30,7 @@ void check_range(double value, const OptionRange& range, const std::string& name
   if (!low && value <= range.max) return;
   const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
   throw Error(fmt::format(
-      "option {}: {} is out of range, expected {}", name, value,
+      "option {}: {} is out of range; expected {}", name, value,
       std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
 }
 
@@ -114,7 +114,7 @@ class OptionRows {
     row.set = [of = stage_, field, values, name](PipelineOptions& o, const std::string& text) {
       const auto found = std::ranges::find(values, text);
       if (found == values.end())
-        throw Error(fmt::format("option {}: '{}' is unknown, expected {}", name, text,
+        throw Error(fmt::format("option {}: '{}' is unknown; expected {}", name, text,
                                 fmt::join(values, " or ")));
       of(o).*field = static_cast<T>(found - values.begin());
     };
@@ -195,8 +195,8 @@ OptionInfo classifier_row() {
       .set =
           [](PipelineOptions& o, const std::string& text) {
             if (text != "gcn" && text != "pca" && text != "truth" && !names_weights_file(text))
-              throw Error("classifier '" + text +
-                          "' does not exist, expected gcn, pca, truth or a weights file");
+              throw Error("unknown classifier '" + text +
+                          "'; expected gcn, pca, truth or a weights file");
             o.classifier = text;
           },
       .images = false,
@@ -374,8 +374,8 @@ const OptionInfo& find_option(const std::string& name) {
                               removed.by.empty() ? "" : "; see ", removed.by));
   const std::string near = nearest_name(name, names);
   throw Error("option '" + name + "' is unknown" +
-              (near.empty() ? std::string(", `planescope options` lists all options")
-                            : ", did you mean '" + near + "'?"));
+              (near.empty() ? std::string("; `planescope options` lists all options")
+                            : "; did you mean '" + near + "'?"));
 }
 
 std::string default_value(const OptionInfo& info, Profile profile) {

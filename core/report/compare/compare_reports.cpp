@@ -358,7 +358,7 @@ std::string steppable_change(const FrameComparison& frame, const PlaneComparison
   const FootRoom* is = foot_of(*frame.now, plane.now);
   const bool then = was && was->steppable, now = is && is->steppable;
   if (then == now) return "";
-  if (now) return fmt::format("plane {} is steppable, which it was not", plane.now);
+  if (now) return fmt::format("plane {} is now steppable", plane.now);
   if (!is)
     return fmt::format("the baseline's plane {}, which was steppable, is gone", plane.baseline);
   return fmt::format("plane {} is no longer steppable: {}", plane.now, is->why_not);
@@ -385,7 +385,7 @@ std::string sentence(const std::string& start, const std::string& text) {
 }
 
 std::string without_gravity(const ReportFrame& frame) {
-  return frame.gravity.known() ? "" : ": gravity is not known";
+  return frame.gravity.known() ? "" : ": gravity is unknown";
 }
 
 }  // namespace

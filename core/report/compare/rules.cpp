@@ -155,12 +155,13 @@ Rule rule_of(const JsonPlace& place) {
     place.fail_kind("a rule with \"at_least\", \"at_most\" or \"at_most_percent\"");
   if (place.has("at_most_percent")) {
     if (place.has("at_least") || place.has("at_most"))
-      place.at("at_most_percent").fail_kind("no other limit beside it");
+      place.at("at_most_percent").fail_kind("no other limit next to it");
     if (!find_metric(rule.metric).total)
-      place.at("at_most_percent").fail_kind("at_most: " + rule.metric + " is not a count");
+      place.at("at_most_percent").fail_kind("at_most, because " + rule.metric + " is not a count");
   }
   if (rule.at_least > rule.at_most)
-    place.fail_kind(fmt::format("at_least {} not above at_most {}", rule.at_least, rule.at_most));
+    place.fail_kind(
+        fmt::format("at_least ({}) not above at_most ({})", rule.at_least, rule.at_most));
   if (find_metric(rule.metric).need != RuleNeed::timing) return rule;
   if (!place.has("level")) rule.level = RuleLevel::warn;
   if (rule.level == RuleLevel::error)
@@ -184,16 +185,18 @@ double excess_of(const Breach& breach) {
 /// Why no frame has a value; empty: a later run may have one.
 std::string why_no_value(const RuleMetric& metric, bool by_name, bool compared) {
   if (metric.needs_baseline && compared) {
-    if (metric.need == RuleNeed::tracks) return "the runs do not both follow planes (--tracks)";
-    if (metric.need == RuleNeed::foot) return "the runs do not both have a foot (--foot 0.08)";
+    if (metric.need == RuleNeed::tracks)
+      return "at least one of the runs does not track planes (use --tracks)";
+    if (metric.need == RuleNeed::foot)
+      return "at least one of the runs has no foot (use --foot 0.08)";
   }
   // A rule about changes may wait for a baseline, unless it names its frames.
   if (metric.needs_baseline && !by_name) return "";
-  if (metric.need == RuleNeed::truth) return "none of these frames has labels";
+  if (metric.need == RuleNeed::truth) return "these frames have no labels";
   if (metric.need == RuleNeed::foot) return "no foot (use --foot 0.08)";
-  if (metric.need == RuleNeed::stairs) return "none of these frames has stairs";
-  if (metric.need == RuleNeed::tracks) return "planes are not followed (use --tracks)";
-  return "none of these frames has a value";
+  if (metric.need == RuleNeed::stairs) return "these frames have no stairs";
+  if (metric.need == RuleNeed::tracks) return "planes are not tracked (use --tracks)";
+  return "these frames have no value";
 }
 
 /// Why the rule checks nothing; empty: it does, or has nothing to check yet.
@@ -211,7 +214,7 @@ std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool 
     has_value |= metric.value(frame).has_value();
     compared |= frame.fate == FrameFate::compared;
   }
-  if (!has_recording) return "no recording of this name";
+  if (!has_recording) return "no recording with this name";
   if (!has_frame) return "no such frame";
   if (has_value) return "";
   const bool by_name = !rule.recording.empty() || rule.frame >= 0;
@@ -257,7 +260,7 @@ std::vector<Rule> read_rules(const std::filesystem::path& file) {
   if (std::vector<Rule> ready = built_in_rules(file.string()); !ready.empty()) return ready;
   if (!std::filesystem::exists(file))
     throw Error(file.string() +
-                ": no such file, expected strict, default, lenient or a rules file");
+                ": no such file; expected strict, default, lenient or a rules file");
   return read_place(
       file, read_json<nlohmann::ordered_json>(file, kMostBytes), [](const JsonPlace& place) {
         place.schema({kSchema});

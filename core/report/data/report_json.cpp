@@ -66,7 +66,7 @@ Json read_report_json(
   read_place(file, json, [](const JsonPlace& place) {
     place.schema({"planescope.report/3", kReportSchema});
   });
-  if (times_there > 1) throw Error(file.string() + ": has \"recordings\" twice");
+  if (times_there > 1) throw Error(file.string() + ": \"recordings\" appears twice");
   if (!first_error.empty()) throw Error(file.string() + ": " + first_error);
   return json;
 }
@@ -291,7 +291,7 @@ void expect_file_name(const JsonPlace& place) {
   const std::string name = place.text();
   if (name.empty() || name == "." || name == ".." ||
       name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
-    place.fail_kind("a file's name");
+    place.fail_kind("a file name");
 }
 
 }  // namespace
@@ -368,10 +368,10 @@ ReportTarget parse_report_target(const std::string& text) {
   if (matches && parts[1].matched) target.recording = std::stoi(parts[1]);
   if (matches && parts[4].matched) target.plane = std::stoi(parts[4]);
   if (!matches || target.recording < 1 || (parts[4].matched && target.plane < 1))
-    throw Error(fmt::format(
-        "{}: '{}' is no place in a report, expected f<frame>, f<frame>/p<plane> or "
-        "f<frame>/was<plane of the baseline>, after r<n>/ where it has several recordings",
-        target.file.string(), place));
+    throw Error(
+        fmt::format("{}: '{}' is not a place in a report; expected f<frame>, f<frame>/p<plane> or "
+                    "f<frame>/was<plane of the baseline>, after r<n>/ if it has several recordings",
+                    target.file.string(), place));
   target.frame = std::stoi(parts[2]);
   target.of_baseline = parts[3] == "was";
   return target;

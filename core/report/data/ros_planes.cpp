@@ -340,8 +340,8 @@ io::RosMessage points_message(const Frame& frame,
   const planes::Cloud& cloud = result.cloud;
   if (cloud.origin.norm() > kFarthest_m)
     throw Error(
-        fmt::format("frame {}: its points are about {:.0f} km from the origin, where the floats of "
-                    "sensor_msgs/PointCloud2 are wrong by more than 1 mm; expected at most 10 km",
+        fmt::format("frame {}: its points are about {:.0f} km from the origin, where floats in "
+                    "sensor_msgs/PointCloud2 have errors above 1 mm; expected at most 10 km",
                     frame.index, cloud.origin.norm() / 1000));
   std::vector<std::uint32_t> colors;
   colors.reserve(cloud.points.size());

@@ -215,7 +215,7 @@ std::string safe_color(const std::string& color) {
 std::string gravity_text(const Gravity& gravity) {
   switch (gravity.source) {
     case GravitySource::option:
-      return "given on the command line";
+      return "specified on the command line";
     case GravitySource::sidecar:
       return "from the recording\u2019s files";
     case GravitySource::imu:
@@ -246,7 +246,7 @@ double Signs::weight() const { return slivers + 3 * floor_pieces + 2 * low_suppo
 std::string Signs::text() const {
   std::vector<std::string> signs;
   if (floor_pieces > 0) signs.push_back(fmt::format("the floor in {} pieces", floor_pieces + 1));
-  if (low_support > 0) signs.push_back(counted(low_support, "plane") + " of low support");
+  if (low_support > 0) signs.push_back(counted(low_support, "plane") + " with low support");
   if (slivers > 0) signs.push_back(counted(slivers, "sliver"));
   return fmt::format("{}{}{:.1f} % of the points on planes", fmt::join(signs, ", "),
                      signs.empty() ? "" : "; ", 100 * (1 - off_planes));

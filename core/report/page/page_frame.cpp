@@ -227,8 +227,8 @@ void set_nodes(const Report& report, const ReportFrame& frame, PageJson& data) {
                              {"cells", cells}});
   }
   std::string text = fmt::format(
-      "{} nodes visited, {} plane candidates, {} merges. Voxels left over by the traversal: {}; {} "
-      "of these joined a plane afterwards. Voxels in no plane at the end: {}.",
+      "{} nodes visited, {} plane candidates, {} merges. Voxels unassigned after the traversal: "
+      "{}; {} of these were assigned to a plane afterwards. Voxels in no plane at the end: {}.",
       grouped(counts.nodes_visited), grouped(counts.candidates), grouped(counts.merges),
       grouped(counts.leftovers), grouped(counts.assigned), grouped(counts.unassigned));
   if (frame.noise.estimated)

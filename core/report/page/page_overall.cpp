@@ -395,9 +395,9 @@ PageJson histograms_data(const Report& report) {
 /// One phrase per case of the paper's figure.
 PageJson cases_data(const Report& report) {
   constexpr const char* kMeanings[] = {"", "mixed labels (fails Criterion 1): divided",
-                                       "too few points (fails Criterion 2): left over",
+                                       "too few points (fails Criterion 2): unassigned",
                                        "one label but not planar (fails Criterion 3): divided",
-                                       "planar: a candidate, its outliers left over"};
+                                       "planar: a candidate; its outliers are unassigned"};
   PageJson cases = PageJson::array();
   for (int c = 1; c <= 4; ++c)
     cases.push_back({{"numeral", planes::to_string(static_cast<planes::Case>(c))},

@@ -202,7 +202,7 @@ TEST(Bag, TheFirstOfSeveralDepthStreamsIsReadAndTheOthersAreReported) {
   EXPECT_EQ(recording->frame_count(), 6);
   ASSERT_EQ(recording->info().warnings.size(), 1u);
   expect_one_line_with(recording->info().warnings[0],
-                       {"2 cameras with depth", kSdkDepth.c_str(), "--topic"});
+                       {"2 depth cameras", kSdkDepth.c_str(), "--topic"});
 }
 
 TEST(Bag, DistortionIsKeptAndAnUnknownModelCausesAWarning) {

@@ -55,8 +55,8 @@ TEST_F(BrokenBag, ATruncatedFileGivesTheFramesBeforeTheEndAndCountsMissingOnes) 
 TEST_F(BrokenBag, TheWarningReportsMissingBytesAndChunks) {
   const ByteVector bytes = sdk_bag({}).finish();
   const auto recording = open(std::span(bytes).first(bytes.size() / 2));
-  expect_one_line_with(recording->info().warnings.at(0),
-                       {"the file is cut: it ends at byte", "bytes are missing", "of 3 chunks"});
+  expect_one_line_with(recording->info().warnings.at(0), {"the file is truncated: it ends at byte",
+                                                          "bytes are missing", "of 3 chunks"});
 }
 
 TEST_F(BrokenBag, CompressedChunksAreRecoveredUpToTheTruncation) {

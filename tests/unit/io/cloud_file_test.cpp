@@ -151,7 +151,7 @@ TEST(Ply, DamagedHeadersAreNamed) {
   const std::pair<const char*, const char*> cases[] = {
       {"", "header"},
       {"plyx\n", "\"ply\""},
-      {"ply\nformat ascii 1.0\n", "never ends"},
+      {"ply\nformat ascii 1.0\n", "unterminated"},
       {"ply\nformat morse 1.0\nend_header\n", "morse"},
       {"ply\nformat ascii 1.0\nelement vertex -3\nend_header\n", "-3"},
       {"ply\nformat ascii 1.0\nelement face 1\nproperty int a\nend_header\n1\n", "vertex"},
@@ -257,7 +257,7 @@ TEST(Pcd, AHeaderThatPromisesMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
           "huge.pcd",
           pcd_header("x y z", "4 4 4", "F F F", "1 1 1", 300'000'000, "binary_compressed") +
               raw(std::uint32_t{16}) + raw(std::uint32_t{3'600'000'000}) + std::string(16, '\0')),
-      {"huge.pcd", "promises 300000000 points", "does not hold them"});
+      {"huge.pcd", "declares 300000000 points", "does not contain them"});
 }
 
 TEST(Pcd, DamagedHeadersAreNamed) {
@@ -265,7 +265,7 @@ TEST(Pcd, DamagedHeadersAreNamed) {
   expect_one_line_with(
       error_of_reading("bad.pcd",
                        pcd_header("x y z", "4 4", "F F F", "1 1 1", 1, "ascii") + "1 2 3\n"),
-      {"do not go together"});
+      {"do not match"});
   expect_one_line_with(
       error_of_reading("bad.pcd",
                        pcd_header("x y z", "4 4 3", "F F F", "1 1 1", 1, "ascii") + "1 2 3\n"),

@@ -268,7 +268,7 @@ TEST(Folder, ADamagedListOfImagesIsReportedWithItsLine) {
   const std::pair<const char*, const char*> cases[] = {
       {"1 depth/1.png\nstep depth/2.png\n", "line 2: 'step' is not a number"},
       {"1 depth/1.png\n2 depth/2.png 3\n", "line 2: 3 words"},
-      {"1 depth/1.png\n2 depth/1.png\n", "line 2: depth/1.png was listed with another time"}};
+      {"1 depth/1.png\n2 depth/1.png\n", "line 2: depth/1.png is listed with a different time"}};
   for (const auto& [text, part] : cases) {
     const fs::path folder = sample_folder();
     write_text(folder / "depth.txt", text);
@@ -413,10 +413,10 @@ TEST(Folder, ADamagedSidecarIsReportedWithItsKey) {
 TEST(Folder, PicturesOfDepthAreRejected) {
   const fs::path eight = sample_folder();
   write_png(eight / "depth" / "2.png", Image8(kW, kH));
-  expect_refused(eight, kKnown, {"2.png", "1 channel(s) with 8 bits", "16 bits"});
+  expect_refused(eight, kKnown, {"2.png", "1 channel(s) of 8 bits", "16 bits"});
   const fs::path three = sample_folder();
   write_color(three / "depth" / "10.png", 1);
-  expect_refused(three, kKnown, {"10.png", "3 channel(s) with 8 bits"});
+  expect_refused(three, kKnown, {"10.png", "3 channel(s) of 8 bits"});
 }
 
 TEST(Folder, InconsistentSizesAreRejected) {
@@ -472,11 +472,12 @@ TEST(Folder, HashesAreOfTheCounts) {
 TEST(Open, OtherFilesAreRejectedInOneLineWithTheirKind) {
   const fs::path folder = temp_folder();
   expect_refused(folder / "nothing", {"nothing", "no such file or folder"});
-  expect_refused(folder, {folder.c_str(), "no files", "expected a .bag, .db3 or .mcap"});
+  expect_refused(folder,
+                 {folder.c_str(), "no files", "expected a RealSense or ROS .bag, .db3 or .mcap"});
   write_text(folder / "notes.txt", "hello");
   write_text(folder / "more.txt", "hello");
   expect_refused(folder, {"2 .txt"});
-  expect_refused(folder / "notes.txt", {"notes.txt", "not a recording"});
+  expect_refused(folder / "notes.txt", {"notes.txt", "not a supported recording"});
   fs::create_directories(folder / "depth");
   expect_refused(folder, {"no recording"});
 }
@@ -556,7 +557,7 @@ TEST(RsConvert, AnUnusualSizeIsReadFromTheCalibration) {
 TEST(RsConvert, OnlyPicturesOfDepthAreRejectedWithTheOptionThatWritesDepth) {
   const fs::path folder = temp_folder();
   write_color(folder / "a_Depth_1600000000000.50000000000000.png", 9);
-  expect_refused(folder, kKnown, {"picture of depth holds no distances", "-r"});
+  expect_refused(folder, kKnown, {"picture of depth contains no distances", "-r"});
 }
 
 TEST(Open3dRecorders, AllFoldersAreReadWithCameraAndColor) {

@@ -79,14 +79,14 @@ TEST_F(Picked, OfAnotherRecordingIsRejected) {
   picked.recording = direction(1, Vec3d::UnitY());
   write_picked_gravity(dir, picked);
   recording.salt = "other";
-  EXPECT_NE(refusal().find("gravity.json: was picked on another recording"), std::string::npos)
+  EXPECT_NE(refusal().find("gravity.json: was picked on a different recording"), std::string::npos)
       << refusal();
   recording.salt = "hash";
   recording.damaged = 1;
   EXPECT_EQ(refusal(), "") << "a damaged frame is told of where it is read";
   picked.recording->frame = 9;
   write_picked_gravity(dir, picked);
-  EXPECT_NE(refusal().find("another recording"), std::string::npos);
+  EXPECT_NE(refusal().find("a different recording"), std::string::npos);
 }
 
 TEST_F(Picked, AnInvalidFileIsRejectedByName) {

@@ -218,12 +218,12 @@ TEST_F(Ros2Bag, JpegDepthIsRejectedAndDamagedImagesAreReported) {
   const auto jpeg = [](const Image16&) { return encode_jpeg(kWidth, kHeight, true); };
   expect_one_line_with(
       message_of([&] { open_db3(transported(2, "compressed", jpeg, "mono16; jpeg compressed")); }),
-      {"a.db3: depth images on", "are JPEG, which does not keep depth", "expected"});
+      {"a.db3: depth images on", "are JPEG, which does not preserve depth", "expected"});
   const auto floats = [](const Image16&) { return ByteVector(40, 1); };
   expect_one_line_with(
       message_of(
           [&] { open_db3(transported(2, "compressedDepth", floats, "32FC1; compressedDepth")); }),
-      {"a.db3", "depth of floats (32FC1)"});
+      {"a.db3", "floating-point depth (32FC1)"});
   expect_one_line_with(message_of([&] { open_db3(transported(2, "compressed", floats, "qoi")); }),
                        {"a.db3", "compressed as \"qoi\"", "expected"});
   const auto packs = {std::pair<const char*, std::function<ByteVector(const Image16&)>>{
@@ -291,12 +291,12 @@ TEST_F(Ros2Bag, AnUnrelatedDatabaseIsRejected) {
 
 TEST_F(Ros2Bag, ATruncatedFileGivesItsFramesAndReportsMissingOnes) {
   write_db3(folder_ / "a.db3", sdk_messages(30), 512);
-  EXPECT_GE(frames_before_cuts("a.db3", 700, "the file is cut: it has"), 28);
+  EXPECT_GE(frames_before_cuts("a.db3", 700, "the file is truncated: it has"), 28);
   for (const char* compression : {"", "lz4"}) {
     SCOPED_TRACE(compression);
     write_mcap(folder_ / "a.mcap", sdk_messages(20), {compression, 7, true, "cdr"});
     const std::size_t step = std::filesystem::file_size(folder_ / "a.mcap") / 40 + 1;
-    EXPECT_GE(frames_before_cuts("a.mcap", step, "has no end"), 19);
+    EXPECT_GE(frames_before_cuts("a.mcap", step, "has no footer"), 19);
   }
 }
 
@@ -336,7 +336,7 @@ TEST_F(Ros2Bag, AFolderWithMetadataIsOneRecordingOfAllItsFiles) {
       const auto path = dir / ("rec_" + std::to_string(part) + kind);
       kind == ".mcap" ? write_mcap(path, some, {"zstd", 3, true, "cdr"}) : write_db3(path, some);
     }
-    expect_refused(dir, {"a folder with 12 recordings, expected the path of one of them"});
+    expect_refused(dir, {"a folder with 12 recordings; expected the path of one of them"});
     std::string list = "rosbag2_bagfile_information:\n  version: 7\n  relative_file_paths:\n";
     for (std::size_t part = 0; part < parts; ++part)
       list += "    - rec_" + std::to_string(part) + kind + "\n";
@@ -349,7 +349,7 @@ TEST_F(Ros2Bag, AFolderWithMetadataIsOneRecordingOfAllItsFiles) {
     write_text(dir / ("rec_3" + kind), "not one");
     expect_refused(dir, {("rec_3" + kind).c_str()});
     std::filesystem::remove(dir / ("rec_3" + kind));
-    expect_refused(dir, {"metadata.yaml: lists rec_3", "which is not there"});
+    expect_refused(dir, {"metadata.yaml: lists rec_3", "which does not exist"});
     write_text(dir / ("rec_3" + kind + ".zstd"), "packed");
     write_text(dir / "metadata.yaml",
                list.replace(list.find("rec_3" + kind), 5 + kind.size(), "rec_3" + kind + ".zstd"));
@@ -406,7 +406,7 @@ TEST_F(Ros2Bag, ACompressedFileIsReadLikeTheOriginal) {
   // Endless zeros are read only up to the limit of a recording.
   const auto bomb = folder_ / "bomb.db3.zstd";
   write_file_bytes(bomb, zstd_packed(ByteVector(std::size_t{300} << 20)));
-  expect_refused(bomb, {"bomb.db3.zstd: unpacks to more than", "expected a recording"});
+  expect_refused(bomb, {"bomb.db3.zstd: decompresses to more than", "expected a recording"});
 }
 
 // The seed mcap/ros_plain of the fuzzers, copied message by message with npm's @mcap/core 2.
@@ -444,7 +444,7 @@ TEST_F(Ros2Bag, AChunkWithAWrongChecksumOrUnknownCompressionIsRejected) {
   const std::string none(4, '\0'), name("\x03\0\0\0lz4", 7);
   expect_one_line_with(changed(none + name, "abcd" + name), {"a.mcap: chunk 0 is damaged"});
   expect_one_line_with(changed(name, std::string("\x03\0\0\0foo", 7)),
-                       {"a.mcap: chunk 0 is compressed in an unknown way"});
+                       {"a.mcap: chunk 0 has an unknown compression"});
 }
 
 TEST_F(Ros2Bag, McapWithADamagedIndexIsScannedAndDamageNeverCrashes) {
@@ -519,8 +519,7 @@ TEST(RosMessage, RejectsUnknownFields) {
             "sensor_msgs/msg/PointField.datatype is no uint8");
   EXPECT_EQ(refusal("sensor_msgs/msg/CameraInfo", {{"k", {1, 2}}}),
             "sensor_msgs/msg/CameraInfo.k is no float64");
-  EXPECT_EQ(refusal("std_msgs/msg/String", {}),
-            "std_msgs/msg/String: this message is not supported");
+  EXPECT_EQ(refusal("std_msgs/msg/String", {}), "std_msgs/msg/String: unsupported message type");
 }
 
 }  // namespace planescope::io

@@ -58,7 +58,7 @@ TEST(RosBag, NativeDepthIsInMillimetersAndColorUsesTheExtrinsicsTopic) {
     const auto recording = open_bag_of(bag);
     EXPECT_EQ(recording->info().format, "realsense-ros bag");
     EXPECT_EQ(recording->info().depth_unit_m, 0.001);
-    EXPECT_EQ(recording->info().depth_unit_source, "ROS convention (16UC1 is millimeters)");
+    EXPECT_EQ(recording->info().depth_unit_source, "ROS convention (16UC1 is in millimeters)");
     ASSERT_EQ(recording->frame_count(), 3);
     const Frame frame = recording->frame(1);
     EXPECT_EQ(frame.depth.data, depth_of(1).data);
@@ -88,7 +88,7 @@ TEST(RosBag, WithoutExtrinsicsTheAlignedTopicIsUsedElseColorIsOnlyDisplayed) {
   BagWriter shown;
   add_native_and_color(shown, "/camera");
   EXPECT_EQ(open_bag_of(shown)->info().color_note,
-            "shown only: the bag has no depth-to-color extrinsics");
+            "display only: the bag has no depth-to-color extrinsics");
   BagWriter bag;
   add_native_and_color(bag, "/camera");
   add_stream(bag, "/camera/aligned_depth_to_color", "image_raw", depth_message(90, 1000), "16UC1",

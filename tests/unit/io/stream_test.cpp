@@ -115,10 +115,10 @@ TEST(Stream, DamageIsReportedWithItsFrame) {
   const std::string wrong_size = text_of(Fields().sized(encode_png(Image16(16, 24, 1, 1000))).out);
   const std::string picture = text_of(Fields().sized(encode_png(Image8(24, 16, 3, 7))).out);
   const std::tuple<std::string, std::string, std::string> cases[] = {
-      {raw + raw_frame(1).substr(0, 700), "frame 1 is cut", "700 of 768 bytes"},
-      {png + png_frame(1).substr(0, 300), "frame 1 is cut", "296 of"},
-      {png + png_frame(1).substr(0, 4), "frame 1 is cut", "0 of"},
-      {png + png_frame(1).substr(0, 2), "frame 1 is cut", "2 of 4 bytes of its length"},
+      {raw + raw_frame(1).substr(0, 700), "frame 1 is truncated", "700 of 768 bytes"},
+      {png + png_frame(1).substr(0, 300), "frame 1 is truncated", "296 of"},
+      {png + png_frame(1).substr(0, 4), "frame 1 is truncated", "0 of"},
+      {png + png_frame(1).substr(0, 2), "frame 1 is truncated", "2 of 4 bytes of its length"},
       {png + std::string("\xff\xff\xff\x7f", 4), "frame 1", "a PNG of 2147483647 bytes"},
       {png + std::string(4, '\0'), "frame 1", "a PNG of 0 bytes"},
       {png + std::string("\x05\0\0\0hello", 9), "frame 1", "PNG"},

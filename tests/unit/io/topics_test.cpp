@@ -50,7 +50,7 @@ TEST(Topics, TheFirstOfTwoCamerasIsReadWithAWarningAndTheOtherByName) {
     EXPECT_EQ(first->frame_count(), 3);
     ASSERT_EQ(first->info().warnings.size(), 1U);
     expect_one_line_with(first->info().warnings[0],
-                         {"2 cameras with depth; reading /front/depth/image_rect_raw", "--topic"});
+                         {"2 depth cameras; reading /front/depth/image_rect_raw", "--topic"});
     EXPECT_EQ(first->info().topics, (std::vector<std::string>{"/front/depth/image_rect_raw",
                                                               "/rear/depth/image_rect_raw"}));
     const auto second = open_recording(path, with_topic("/rear/depth/image_rect_raw"));

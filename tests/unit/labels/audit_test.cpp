@@ -86,7 +86,7 @@ TEST_F(AuditTest, APlaneOverACornerDoesNotFit) {
   EXPECT_EQ(findings[0].plane, 1);
   EXPECT_GT(findings[0].value, 50);
   EXPECT_TRUE(findings[0].text.starts_with("P1: RMS ")) << findings[0].text;
-  EXPECT_NE(findings[0].text.find("mm, expected at most"), std::string::npos);
+  EXPECT_NE(findings[0].text.find("mm; expected at most"), std::string::npos);
 }
 
 TEST_F(AuditTest, AStrokeOntoAnotherSurfaceIsAmongTheOutliers) {

@@ -294,8 +294,8 @@ TEST(CloudFiles, LabelsOfAnotherCloudAreRejectedWithBothNumbersOfPoints) {
   TrueCloud other = stair_cloud();
   other.frame.cloud->points.pop_back();
   const std::size_t had = cloud.grid.pixels();
-  const std::string expected = "000000.json: made for a cloud of " + std::to_string(had) +
-                               " points, this recording's frame has " + std::to_string(had - 1);
+  const std::string expected = "000000.json: created for a cloud of " + std::to_string(had) +
+                               " points, but this recording's frame has " + std::to_string(had - 1);
   expect_refused([&] { frame_truth(other.frame, dir, kHash); }, expected);
   const LabelGrid grid = make_label_grid(other.frame, test::down());
   LabelStore store(dir, {"ann", {}});
@@ -303,7 +303,8 @@ TEST(CloudFiles, LabelsOfAnotherCloudAreRejectedWithBothNumbersOfPoints) {
   expect_refused([&] { read_frame_labels(dir, 0, std::string(64, 'b')); },
                  "a cloud of " + std::to_string(had) + " points with SHA-256");
   const Frame depth = test::frame_of(40, 30, [](int, int) { return 1.0; });
-  expect_refused([&] { frame_truth(depth, dir, kHash); }, "are of a cloud, the frame is a depth");
+  expect_refused([&] { frame_truth(depth, dir, kHash); },
+                 "are for a cloud, but the frame is a depth");
 }
 
 TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBeyondTheLastPointAreRejected) {
@@ -314,9 +315,9 @@ TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBeyondTheLastPointAreRejected) 
   Image16 image = io::read_png_16(dir / "000000.plane.png");
   image.data.back() = 1;
   io::write_png(dir / "000000.plane.png", image);
-  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "behind the last of");
+  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "after the last of");
   io::write_png(dir / "000000.plane.png", Image16(17, 4));
-  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "17x4 pixels, its frame has 1024x");
+  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "17x4 pixels, but its frame has 1024x");
 }
 
 TEST(CloudExchange, EveryPointHasItsLabelInTheOrderOfTheCloud) {
@@ -349,13 +350,13 @@ TEST(CloudExchange, LabelsOfAnotherNumberOfPointsOrPixelsAreRejected) {
   const TrueCloud cloud = stair_cloud();
   LabelledPoints fewer;
   fewer.instance.assign(12, 1);
-  expect_refused(
-      [&] { labels_of_points(fewer, cloud.grid, kHash, "a.label"); },
-      "a.label: labels of 12 points, the frame's cloud has " + std::to_string(cloud.grid.pixels()));
+  expect_refused([&] { labels_of_points(fewer, cloud.grid, kHash, "a.label"); },
+                 "a.label: labels of 12 points, but the frame's cloud has " +
+                     std::to_string(cloud.grid.pixels()));
   const LabelGrid depth = test::wall_grid();
   const LabelledPoints pixels = points_of_labels(empty_labels(depth, kHash), depth);
   expect_refused([&] { labels_of_points(pixels, cloud.grid, kHash, "a.ply"); },
-                 "labels of the pixels of a depth image, the frame is a cloud");
+                 "labels of a depth image, but the frame is a cloud");
 }
 
 }  // namespace

@@ -170,7 +170,7 @@ TEST_F(Exchange, VoxelsAreUprightAndHaveTheMajorityLabelOfTheirPoints) {
       EXPECT_EQ(voxels.label[i], x > 0 ? 2 : 1);
     }
   }
-  expect_refused([&] { read_labelled(paths[0], LabelFormat::voxels); }, "not read back");
+  expect_refused([&] { read_labelled(paths[0], LabelFormat::voxels); }, "but not read");
 }
 
 TEST_F(Exchange, LabelsOfAnotherFrameAreRejected) {
@@ -181,20 +181,20 @@ TEST_F(Exchange, LabelsOfAnotherFrameAreRejected) {
     return [&p, &g] { labels_of_points(p, g, kHash, "x.ply"); };
   };
   expect_refused(onto(points, larger),
-                 "x.ply: labels of a depth image of 31x22, the frame's is 40x30");
-  expect_refused(onto(points, other), "labels of another frame");
+                 "x.ply: labels of 31x22, but the frame's depth image is 40x30");
+  expect_refused(onto(points, other), "labels of a different frame");
   LabelledPoints bare = points;
   bare.pixel.clear();
   bare.points.clear();
   bare.width = bare.height = 0;
-  expect_refused(onto(bare, larger), "points, expected");
+  expect_refused(onto(bare, larger), "points; expected");
   LabelledPoints twice = points;
   twice.pixel[5] = twice.pixel[4];
-  expect_refused(onto(twice, grid), "is there twice");
+  expect_refused(onto(twice, grid), "appears twice");
   LabelledPoints outside = points;
   outside.width = 0;
   outside.pixel[5] = {31, 2};
-  expect_refused(onto(outside, grid), "pixel (31, 2), the frame's depth is 31x22");
+  expect_refused(onto(outside, grid), "pixel (31, 2) is outside the frame's depth image of 31x22");
 }
 
 TEST_F(Exchange, RotatedPointsKeepTheirLabels) {
@@ -221,7 +221,8 @@ TEST_F(Exchange, AFormatReportsMissingData) {
   expect_refused([&] { write_labelled(dir / "a", LabelFormat::coco, points); },
                  "coco needs pixels and the size");
   expect_refused([&] { parse_label_format("kiti"); }, "expected one of evops, ply, pcd, kitti");
-  expect_refused([&] { label_format_of("a.txt"); }, "a.txt: expected a name that ends in .npy");
+  expect_refused([&] { label_format_of("a.txt"); },
+                 "a.txt: unknown extension; expected a name that ends in .npy");
   expect_refused([&] { write_labelled(dir / "none/a", LabelFormat::evops, points); },
                  "none/a.npy: cannot be written");
 }
@@ -280,32 +281,31 @@ TEST_F(ExchangeDamage, ArraysOfAnyIntegerTypeAreRead) {
 }
 
 TEST_F(ExchangeDamage, ArraysThatAreNotPlaneIdsAreRejected) {
-  expect_bad("a.npy", "", "cut within its header");
+  expect_bad("a.npy", "", "truncated within its header");
   expect_bad("a.npy", "not NumPy at all", "not an NPY file");
-  expect_bad("a.npy", npy("{}", "", 3), "NPY version 3.0, expected 1.0 or 2.0");
+  expect_bad("a.npy", npy("{}", "", 3), "NPY version 3.0; expected 1.0 or 2.0");
   expect_bad("a.npy", npy("{'descr': '<i4'", ""), "its header is damaged");
   expect_bad("a.npy", npy("{'descr': '<i4', }", ""), "lacks descr, fortran_order or shape");
   expect_bad("a.npy", npy("{'descr': [('x', '<f4')], }", ""), "expected a string");
-  expect_bad("a.npy", npy_of("<c8", "1,", "12345678"), "\"<c8\", expected whole numbers");
+  expect_bad("a.npy", npy_of("<c8", "1,", "12345678"), "\"<c8\"; expected whole numbers");
   expect_bad("a.npy", npy_of("<i4", "3,", "12345678"), "promises 12 bytes of values, 8 follow");
-  expect_bad("a.npy", npy_of("<i4", "4611686018427387904,", ""),
-             "more bytes than there are numbers");
+  expect_bad("a.npy", npy_of("<i4", "4611686018427387904,", ""), "declares too many bytes");
   expect_bad("a.npy", npy_of("<i4", "99999999999999999999999,", ""), "damaged shape");
-  expect_bad("a.npy", npy_of("<i4", "2, 1", "12345678"), "2 dimensions, expected one plane id");
-  expect_bad("a.npy", npy_of("<f8", "2,", raw<double>({1, 1.5})), "1.5 at place 1");
-  expect_bad("a.npy", npy_of("<f8", "1,", raw<double>({NAN})), "nan at place 0");
+  expect_bad("a.npy", npy_of("<i4", "2, 1", "12345678"), "2 dimensions; expected one plane id");
+  expect_bad("a.npy", npy_of("<f8", "2,", raw<double>({1, 1.5})), "1.5 at index 1");
+  expect_bad("a.npy", npy_of("<f8", "1,", raw<double>({NAN})), "nan at index 0");
   expect_bad("a.npy", npy_of("<i4", "1,", raw<int>({-1})),
-             "-1 at place 0, expected a whole number");
-  expect_bad("a.npy", npy_of("<i4", "1,", raw<int>({65536})), "65536 at place 0");
+             "-1 at index 0; expected a whole number");
+  expect_bad("a.npy", npy_of("<i4", "1,", raw<int>({65536})), "65536 at index 0");
   expect_bad("a.npy", npy_of("|u1", "33554433,", std::string(33554433, '\0')),
-             "33554433 points, expected at most 33554432");
+             "33554433 points; expected at most 33554432");
 }
 
 TEST_F(ExchangeDamage, InconsistentKittiFilesAreRejected) {
   write_text(dir / "k.bin", std::string(32, '\0'));
-  expect_bad("k.label", std::string(7, '\0'), "k.label: 7 bytes, expected a multiple of 4");
+  expect_bad("k.label", std::string(7, '\0'), "k.label: 7 bytes; expected a multiple of 4");
   expect_bad("k.label", std::string(4, '\0'), "labels of 1 points");
-  expect_bad("k.label", raw<unsigned>({1, 40}), "class 40 at place 1, expected 0 (unknown)");
+  expect_bad("k.label", raw<unsigned>({1, 40}), "class 40 at index 1; expected 0 (unknown)");
   write_text(dir / "k.bin", std::string(30, '\0'));
   expect_bad("k.label", std::string(8, '\0'), "k.bin: 30 bytes");
   std::filesystem::remove(dir / "k.bin");
@@ -321,8 +321,8 @@ TEST_F(ExchangeDamage, CloudsWithoutPlaneIdsAreRejected) {
            type + "\nend_header\n1 2 3 " + value + "\n";
   };
   expect_bad("c.ply", ply("float intensity", "1"), "no field \"instance\"");
-  expect_bad("c.ply", ply("float instance", "0.5"), "plane id: 0.5 at place 0");
-  expect_bad("c.ply", ply("int instance", "70000"), "70000 at place 0");
+  expect_bad("c.ply", ply("float instance", "0.5"), "plane id: 0.5 at index 0");
+  expect_bad("c.ply", ply("int instance", "70000"), "70000 at index 0");
   expect_bad("c.ply", "ply\n", "c.ply");
 }
 
@@ -334,26 +334,26 @@ TEST_F(ExchangeDamage, InconsistentCocoFilesAreRejected) {
   };
   expect_bad("c.json", "{", "not a COCO file");
   expect_bad("c.json", "{}", "has no \"images\"");
-  expect_bad("c.json", R"({"images":[]})", "0 images, expected one");
+  expect_bad("c.json", R"({"images":[]})", "0 images; expected one");
   expect_bad("c.json", R"({"images":[{"id":1,"width":-4,"height":3}]})",
-             "images[0].width is -4, expected a whole number from 1");
+             "images[0].width is -4; expected a whole number from 1");
   expect_bad("c.json", R"({"images":[{"id":1,"width":60000,"height":60000}]})",
              "3600000000 points");
   expect_bad("c.json",
              R"({"images":[{"id":1,"width":4,"height":3}],"categories":[{"name":"cat"}]})",
-             "categories[0].name is \"cat\", expected one of h, v, unknown, ignore");
+             "categories[0].name is \"cat\"; expected one of h, v, unknown, ignore");
   expect_bad("c.json", coco(R"({"size":[4,3],"counts":[12]})"),
-             "annotations[0].segmentation.size is [4,3], expected [3,4]");
+             "annotations[0].segmentation.size is [4,3]; expected [3,4]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,99]})"),
-             "counts is [2,99], expected runs over 12 pixels");
+             "counts is [2,99]; expected runs over 12 pixels");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,3]})"), "12 pixels, these cover 5");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[-2]})"), "annotations[0]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[4294967308]})"), "counts[0] is 4294967308");
   expect_bad("c.json", coco("[[0,0,1e300,0,1,1]]"), "segmentation[0] is [0,0,1e+300");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":"o"})"),
-             "counts is \"o\", expected a compressed mask");
+             "counts is \"o\"; expected a compressed mask");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[12]})", R"(,"plane":{"id":70000})"),
-             "plane.id is 70000, expected a whole number from 0 to 65535");
+             "plane.id is 70000; expected a whole number from 0 to 65535");
 }
 
 TEST_F(ExchangeDamage, CocoMasksOfOtherToolsAreRead) {
@@ -397,7 +397,7 @@ TEST(CocoMask, CompressedCountsFollowTheirPublishedDefinition) {
 
 TEST_F(ExchangeDamage, AnInvalidOrIncompleteArchiveIsRejected) {
   expect_bad("a.npz", "PK no zip", "not a readable NPZ");
-  expect_bad("a.npz", "", "has no array \"instance\"");
+  expect_bad("a.npz", "", "no array \"instance\"");
 }
 
 TEST_F(ExchangeDamage, DamagedFilesGiveAnErrorOfOneLineOrConsistentLabels) {

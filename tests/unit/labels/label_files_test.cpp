@@ -162,11 +162,11 @@ TEST_F(LabelFiles, InconsistentLabelsAreNotWritten) {
   const std::pair<const char*, std::function<void(FrameLabels&)>> cases[] = {
       {"65534", [](FrameLabels& l) { l.planes.pop_back(); }},
       {"twice", [](FrameLabels& l) { l.planes[1].id = 7; }},
-      {"expected 1..65534", [](FrameLabels& l) { l.planes[0].id = 65535; }},
+      {"expected 1 to 65534", [](FrameLabels& l) { l.planes[0].id = 65535; }},
       {"h/v value 3", [](FrameLabels& l) { l.hv.at(0, 0) = 3; }},
       {"finite", [](FrameLabels& l) { l.planes[0].offset_m = std::nan(""); }},
       {"9x6", [](FrameLabels& l) { l.intrinsics.width = 9; }},
-      {"expected 0..1", [](FrameLabels& l) { l.planes[0].confidence = 1.5; }},
+      {"expected 0 to 1", [](FrameLabels& l) { l.planes[0].confidence = 1.5; }},
       {"review note", [](FrameLabels& l) { l.review.emplace_back().pixel = 48; }},
       // The journal stores counts as unsigned integers.
       {"-1 fragments", [](FrameLabels& l) { l.planes[1].fragments = -1; }},

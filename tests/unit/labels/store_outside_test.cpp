@@ -292,7 +292,7 @@ TEST_F(LabelStores, AFolderThatCannotBeCreatedIsReportedAtTheFirstGesture) {
   LabelStore store(blocked / "labels", by("ann"));
   store.open(0, blank(0));
   std::ofstream(blocked) << "a file";
-  expect_refused([&] { gesture(store, 0, random); }, "the gesture is not kept");
+  expect_refused([&] { gesture(store, 0, random); }, "the edit is not saved");
   expect_same(*store.labels(0), blank(0));
   fs::remove(blocked);
   gesture(store, 0, random);
@@ -331,8 +331,8 @@ TEST_F(LabelStores, OnAFullDiskAGestureIsRejectedAndNothingIsLost) {
   const auto journal = read_file_bytes(dir / "journal");
   for (const int room : {0, 1, 7, 15}) {
     const FullDisk full(journal.size() + room);
-    expect_refused([&] { gesture(store, 0, random); }, "File too large): the gesture is not kept");
-    expect_refused([&] { store.undo(); }, "File too large): the gesture is not kept");
+    expect_refused([&] { gesture(store, 0, random); }, "File too large); the edit is not saved");
+    expect_refused([&] { store.undo(); }, "File too large); the edit is not saved");
     expect_same(*store.labels(0), before);
     EXPECT_EQ(store.undo_count(), 1u);
     EXPECT_EQ(read_file_bytes(dir / "journal"), journal);

@@ -189,7 +189,7 @@ TEST(Wand, KeepsLabeledPixelsByDefault) {
   EXPECT_EQ(grow_plane(grid, &locked, click, options)->pixels.size(), 60u * 60);
   std::string why;
   EXPECT_FALSE(grow_plane(grid, &locked, std::array{test::pixel_at(grid, 8, 30)}, options, &why));
-  EXPECT_EQ(why, "it has a label already");
+  EXPECT_EQ(why, "it already has a label");
 }
 
 TEST(Wand, LaterSeedsAddFragmentsOfTheSamePlaneAndNothingElse) {
@@ -238,7 +238,7 @@ TEST(Wand, StaysWithinTheLassoDrawnAroundIt) {
   EXPECT_EQ(result->pixels, left);
   std::string why;
   EXPECT_FALSE(grow(grid, 30, 15, options, nullptr, &why));
-  EXPECT_EQ(why, "it is outside of the lasso");
+  EXPECT_EQ(why, "it is outside the lasso");
 }
 
 using test::pixel_at;

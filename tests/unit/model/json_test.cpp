@@ -87,13 +87,13 @@ TEST(JsonFields, ReportWhereWhatWasFoundAndWhatWasExpected) {
         "tree.json: " + expected);
   };
   refused(R"({"height_m": null})", "the file has no \"height_m\"");
-  refused(R"({"height_m": "tall"})", "height_m is \"tall\", expected a number");
-  refused(R"({"fruit": "plum"})", "fruit is \"plum\", expected one of apple, pear");
-  refused(R"({"place": [1, 2]})", "place is [1,2], expected three numbers");
+  refused(R"({"height_m": "tall"})", "height_m is \"tall\"; expected a number");
+  refused(R"({"fruit": "plum"})", "fruit is \"plum\"; expected one of apple, pear");
+  refused(R"({"place": [1, 2]})", "place is [1,2]; expected three numbers");
   refused(R"({"leaves": [{"id": 1}, {"id": -1}]})",
-          "leaves[1].id is -1, expected a whole number from 0 to");
-  refused(R"({"limits": [1, 2, 3]})", "limits is [1,2,3], expected 2 values");
-  refused(R"({"seed": 4294967296})", "seed is 4294967296, expected a whole number from 0 to");
+          "leaves[1].id is -1; expected a whole number from 0 to");
+  refused(R"({"limits": [1, 2, 3]})", "limits is [1,2,3]; expected 2 values");
+  refused(R"({"seed": 4294967296})", "seed is 4294967296; expected a whole number from 0 to");
 }
 
 TEST(JsonFields, OfAnEarlierVersionAreRejectedInOneLine) {
@@ -103,10 +103,10 @@ TEST(JsonFields, OfAnEarlierVersionAreRejectedInOneLine) {
   };
   EXPECT_EQ(schema("planescope.tree/3"), "planescope.tree/3");
   expect_refused([&] { schema("planescope.tree/1"); },
-                 "planescope.tree/1 is no longer readable; expected planescope.tree/2 or "
+                 "planescope.tree/1 is no longer supported; expected planescope.tree/2 or "
                  "planescope.tree/3");
   expect_refused([&] { schema("planescope.tree/4"); },
-                 "schema is \"planescope.tree/4\", expected planescope.tree/2 or");
+                 "schema is \"planescope.tree/4\"; expected planescope.tree/2 or");
 }
 
 TEST(JsonText, IsReadUpToSixtyFourLevelsAndRejectedBeyond) {
@@ -133,7 +133,7 @@ TEST(JsonText, RejectsDuplicateKeysInOneObjectOnly) {
   EXPECT_EQ(parse_json<Json>(R"({"a": {"b": 1}, "b": 2, "c": [{"b": 3}, {"b": 4}]})", "x").size(),
             3U);
   expect_refused([] { parse_json<Json>(R"({"a": {"b": 1, "c": 2, "b": 3}})", "x.json"); },
-                 "x.json: has \"b\" twice in one object");
+                 "x.json: \"b\" appears twice in one object");
 }
 
 TEST(JsonText, AWholeNumberMustFitItsType) {
@@ -143,7 +143,7 @@ TEST(JsonText, AWholeNumberMustFitItsType) {
                            "\"1\"", "null", "[1]"})
     expect_refused([&] { whole_number(Json::parse(text), 0, 7, "x"); },
                    "expected a whole number from 0 to 7");
-  expect_refused([] { whole_int(Json(4294967297LL), "its id"); }, "its id is 4294967297, expected");
+  expect_refused([] { whole_int(Json(4294967297LL), "its id"); }, "its id is 4294967297; expected");
 }
 
 TEST(JsonText, MayContainComments) {

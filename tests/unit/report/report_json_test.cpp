@@ -141,22 +141,22 @@ TEST(ReadReport, ErrorsAreReportedWithTheirLocation) {
   json["schema"] = "planescope.report/5";
   EXPECT_EQ(
       refusal_of(json),
-      "schema is \"planescope.report/5\", expected planescope.report/3 or planescope.report/4");
+      "schema is \"planescope.report/5\"; expected planescope.report/3 or planescope.report/4");
   json["schema"] = "planescope.report/2";
   EXPECT_EQ(refusal_of(json),
-            "planescope.report/2 is no longer readable; expected planescope.report/3 or "
+            "planescope.report/2 is no longer supported; expected planescope.report/3 or "
             "planescope.report/4");
   json = good;
   json["recordings"][0]["frames"][0]["planes"][1]["normal"] = {1, "x", 3};
   EXPECT_EQ(refusal_of(json),
-            "recordings[0].frames[0].planes[1].normal[1] is \"x\", expected a number");
+            "recordings[0].frames[0].planes[1].normal[1] is \"x\"; expected a number");
   json = good;
   json["recordings"][0]["frames"][0].erase("planes");
   EXPECT_EQ(refusal_of(json), "recordings[0].frames[0] has no \"planes\"");
   json = good;
   json["recordings"][0]["frames"][0]["planes"][0]["id"] = 5;
   EXPECT_EQ(refusal_of(json),
-            "recordings[0].frames[0].planes[0].id is 5, expected a whole number from 1 to 1");
+            "recordings[0].frames[0].planes[0].id is 5; expected a whole number from 1 to 1");
   for (const char* runs : {"[1,7]", "[1,5]", "[1]", "[3,6]", "[1,-1,1,7]", "[0,9e18]", "6"}) {
     json = good;
     json["recordings"][0]["frames"][0]["regions"]["runs"] = Json::parse(runs);
@@ -165,7 +165,7 @@ TEST(ReadReport, ErrorsAreReportedWithTheirLocation) {
   json = good;
   json["recordings"][0]["frames"][0]["regions"]["rows"] = 2000000000;
   EXPECT_TRUE(has(refusal_of(json), "regions.rows"));
-  EXPECT_EQ(refusal_of(Json::array()), "the file is [], expected an object");
+  EXPECT_EQ(refusal_of(Json::array()), "the file is []; expected an object");
   EXPECT_TRUE(has(message_of([] { read_report(written("{\"schema\": ")); }), "not valid JSON"));
 }
 
@@ -286,7 +286,7 @@ TEST(ReportTarget, InvalidTargetsAreRejectedWithTheirText) {
         "r0/f1", "r/f1",  "r1/p3",   "f1/p3 ", "f99999999999", "F1",   "f1/r1"}) {
     const std::string text =
         message_of([&] { parse_report_target(std::string("a.json#") + place); });
-    EXPECT_TRUE(text.starts_with(std::string("a.json: '") + place + "' is no place")) << text;
+    EXPECT_TRUE(text.starts_with(std::string("a.json: '") + place + "' is not a place")) << text;
     EXPECT_TRUE(has(text, "expected f<frame>"));
     EXPECT_FALSE(has(text, "\n"));
   }

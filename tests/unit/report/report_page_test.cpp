@@ -302,7 +302,7 @@ TEST(ReportPage, WithoutRulesAndLabelsSuspiciousFramesComeFirst) {
   const fs::path dir = fresh_dir();
   const std::string page = page_of(report, dir);
   const auto at = [&](const char* text) { return page.find(text); };
-  const std::size_t first = at("the floor in 2 pieces, 1 plane of low support; 100.0 % of");
+  const std::size_t first = at("the floor in 2 pieces, 1 plane with low support; 100.0 % of");
   const std::size_t second = at("1 sliver; 100.0 % of"), third = at("<li>10.0 % of the points");
   EXPECT_LT(first, second);
   EXPECT_LT(second, third);

@@ -377,8 +377,8 @@ TEST(Rules, ThatLackAFootOrABaselineAreReported) {
   EXPECT_EQ(idle("steppable_area_change", with, with), "");
   EXPECT_EQ(idle("steppable_area_m2", with, footless), "no foot (use --foot 0.08)");
   EXPECT_EQ(idle("steppable_area_change", footless, with),
-            "the runs do not both have a foot (--foot 0.08)");
-  EXPECT_EQ(idle("rise_mm", with, frame_to_climb(true, 0, 0)), "none of these frames has stairs");
+            "at least one of the runs has no foot (use --foot 0.08)");
+  EXPECT_EQ(idle("rise_mm", with, frame_to_climb(true, 0, 0)), "these frames have no stairs");
 }
 
 TEST(Rules, FollowTheirSchemaWhichListsEveryMetric) {
@@ -415,7 +415,7 @@ TEST(Rules, TimesOnlyCauseWarnings) {
   };
   EXPECT_EQ(read_rules(written("")).at(0).level, RuleLevel::warn);
   EXPECT_TRUE(has(message_of([&] { read_rules(written(R"(, "level": "error")")); }),
-                  "rules[0].level is \"error\", expected warn or off"));
+                  "rules[0].level is \"error\"; expected warn or off"));
   Report now = baseline();
   Report before = baseline();
   for (Report* report : {&before, &now})
@@ -454,11 +454,11 @@ TEST(Rules, AMistakeInTheFileIsReported) {
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes"})"),
                   "\"at_least\", \"at_most\" or \"at_most_percent\""));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})"),
-                  "rules[0].level is \"fatal\", expected one of off, warn, error"));
+                  "rules[0].level is \"fatal\"; expected one of off, warn, error"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_least": 5, "at_most": 4})"),
                   "at_least 5 not above at_most 4"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 4}], "rules": [)"),
-                  "has \"rules\" twice in one object"));
+                  "\"rules\" appears twice in one object"));
 }
 
 TEST(Rules, MissingLabelsAreAnErrorOfTheirFrame) {
@@ -484,7 +484,7 @@ TEST(Rules, ThatApplyToNothingAreReportedWithTheReason) {
   EXPECT_EQ(idle(one, baseline()), "planes of b frame 1: rule not applied: no such frame");
   one.recording = "bb";
   EXPECT_EQ(idle(one, baseline()),
-            "planes of bb frame 1: rule not applied: no recording of this name");
+            "planes of bb frame 1: rule not applied: no recording with this name");
   one.level = RuleLevel::off;
   EXPECT_EQ(idle(one, baseline()), "");
   EXPECT_EQ(idle(rule("planes_lost", 0, 0, RuleScope::all), baseline(), false),
@@ -498,12 +498,12 @@ TEST(Rules, ThatApplyToNothingAreReportedWithTheReason) {
   Report unlabelled = report_of_frames({{"a", {frame_with(0, {0})}}});
   unlabelled.recordings[0].frames[0].metrics.reset();
   EXPECT_EQ(idle(rule("mean_iou", 80, 100, RuleScope::all), unlabelled),
-            "mean_iou: rule not applied: none of these frames has labels");
+            "mean_iou: rule not applied: these frames have no labels");
   one = rule("mean_iou_change", -1, 100, RuleScope::all);
   EXPECT_EQ(idle(one, unlabelled), "") << "of frames that may get labels";
   one.recording = "a";
   EXPECT_EQ(idle(one, unlabelled),
-            "mean_iou_change of a: rule not applied: none of these frames has labels");
+            "mean_iou_change of a: rule not applied: these frames have no labels");
 }
 
 }  // namespace

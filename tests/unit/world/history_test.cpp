@@ -89,7 +89,7 @@ TEST(TrackFilter, ReportsTheInvalidWord) {
     return "none";
   };
   EXPECT_NE(problem("lenght<5").find("'lenght'"), std::string::npos);
-  EXPECT_NE(problem("length<five").find("'five', expected a number"), std::string::npos);
+  EXPECT_NE(problem("length<five").find("'five'; expected a number"), std::string::npos);
   EXPECT_NE(problem("gaps &&").find("a condition after &&"), std::string::npos);
   EXPECT_NE(problem("stair").find("'stair'"), std::string::npos);
   EXPECT_NE(problem("frame<3").find("frame==N"), std::string::npos);

@@ -148,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Explain, StopsAreDescribedInWords) {
   const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
   const NodeReport root = explain_node(*run, 0);
-  EXPECT_EQ(root.stopped, "Stopped at Criterion 1: no PCA was made");
+  EXPECT_EQ(root.stopped, "Stopped at Criterion 1: PCA was not computed");
   EXPECT_NE(root.outcome.find("divided into"), std::string::npos) << root.outcome;
   EXPECT_TRUE(explain_merge(*run, 1).partners.empty()) << "a visit is no merge";
   EXPECT_TRUE(explain_merge(*run, 0).outcome.empty());

@@ -115,9 +115,10 @@ TEST(Training, RejectsTheCheckpointOfAnotherTraining) {
   TrainOptions longer = options;
   longer.steps = 61;
   EXPECT_EQ(message(longer, purpose),
-            path.string() + ": belongs to another training: steps 60, expected 61");
-  EXPECT_EQ(message(options, {{"recipe", "another"}}),
-            path.string() + ": belongs to another training: recipe a test, expected another");
+            path.string() + ": belongs to a different training run: steps 60; expected 61");
+  EXPECT_EQ(
+      message(options, {{"recipe", "another"}}),
+      path.string() + ": belongs to a different training run: recipe a test; expected another");
 }
 
 TEST(Training, RejectsADamagedCheckpoint) {

@@ -233,10 +233,10 @@ TEST_F(TuningJournalTest, ATruncatedLineIsDroppedAndWrittenAgainIdentically) {
 TEST_F(TuningJournalTest, OneOfAnotherSearchIsRejectedWithTheDifference) {
   write_both();
   EXPECT_NE(refusal_of({{"frames or labels", "abc"}, {"weights", "other"}})
-                .find("is of a search with other weights"),
+                .find("belongs to a search with different weights"),
             std::string::npos);
   EXPECT_NE(refusal_of({{"frames or labels", "x"}, {"weights", "def"}})
-                .find("is of a search with other frames or labels"),
+                .find("belongs to a search with different frames or labels"),
             std::string::npos);
   EXPECT_EQ(refusal_of(), "");
 }
@@ -248,7 +248,7 @@ TEST_F(TuningJournalTest, DamageIsReportedWithItsLine) {
   write_file_text(file, whole + "{\"set\":{}}\n");
   EXPECT_NE(refusal_of().find("journal.jsonl, line 4"), std::string::npos) << refusal_of();
   write_file_text(file, whole + "{\"set\":{},\"scores\":[1]}\n");
-  EXPECT_NE(refusal_of().find("line 4: found 1 scores, expected 2"), std::string::npos);
+  EXPECT_NE(refusal_of().find("line 4: found 1 scores; expected 2"), std::string::npos);
   write_file_text(file, "no journal\n");
   EXPECT_NE(refusal_of().find("line 1"), std::string::npos);
 }

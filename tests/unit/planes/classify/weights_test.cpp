@@ -301,7 +301,7 @@ TEST(DamagedWeights, WithWrongTensorOffsetsAreRejected) {
       has(error_after([](Parts& parts) { parts.data.pop_back(); }), "the file is truncated"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.data.push_back(0); }), "bytes of data"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["conv_0.directions"] = 1; }),
-                  "\"conv_0.directions\" is 1, expected an object"));
+                  "\"conv_0.directions\" is 1; expected an object"));
 }
 
 TEST(DamagedWeights, WithWrongShapesAreRejected) {
@@ -314,13 +314,13 @@ TEST(DamagedWeights, WithWrongShapesAreRejected) {
   // 2^64 + 24 bytes, and a tensor with a huge dimension but no elements.
   EXPECT_TRUE(has(shape({std::uint64_t{1} << 61, 2, 6}), "does not match shape"));
   EXPECT_TRUE(has(shape({0, std::uint64_t{0} - 1}), "does not match shape"));
-  EXPECT_TRUE(has(shape({-3, -2}), "shape[0] is -3, expected a whole number"));
-  EXPECT_TRUE(has(shape("3x2"), "shape is \"3x2\", expected a list"));
+  EXPECT_TRUE(has(shape({-3, -2}), "shape[0] is -3; expected a whole number"));
+  EXPECT_TRUE(has(shape("3x2"), "shape is \"3x2\"; expected a list"));
 }
 
 TEST(DamagedWeights, OfOtherTypesOrTensorsAreRejected) {
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["conv_1.bias"]["dtype"] = "F16"; }),
-                  R"("conv_1.bias".dtype is "F16", expected one of F32)"));
+                  R"("conv_1.bias".dtype is "F16"; expected one of F32)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) {
                     const Json moved = parts.header["conv_1.bias"];
                     parts.header.erase("conv_1.bias");
@@ -350,13 +350,13 @@ TEST(DamagedWeights, WithoutOurMetadataReportWhatToAdd) {
     EXPECT_TRUE(
         has(error_after([&](Parts& parts) { parts.header["__metadata__"].erase(key); }), key));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["format"] = "pt"; }),
-                  R"(format "pt", expected "planescope-classifier")"));
+                  R"(format "pt"; expected "planescope-classifier")"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["version"] = "2"; }),
-                  R"(version "2", expected "1")"));
+                  R"(version "2"; expected "1")"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["version"] = 1; }),
-                  R"(metadata "version" is 1, expected text)"));
+                  R"(metadata "version" is 1; expected text)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"] = "all"; }),
-                  R"(__metadata__ is "all", expected an object)"));
+                  R"(__metadata__ is "all"; expected an object)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["training"] = "3"; }),
                   "training record is not a JSON object"));
 }
@@ -366,22 +366,22 @@ TEST(DamagedWeights, WithAnAbsurdConfigurationAreRejected) {
     return error_after_config([&](Json& config) { config[key] = value; });
   };
   EXPECT_TRUE(has(set("levels", Json::parse("[[2,5000],[4]]")),
-                  "levels[0][1] is 5000, expected a whole number from 1 to 4096"));
+                  "levels[0][1] is 5000; expected a whole number from 1 to 4096"));
   EXPECT_TRUE(
-      has(set("levels", Json::parse("[[2,3],[]]")), "levels[1] is [], expected 1 to 8 layers"));
-  EXPECT_TRUE(has(set("levels", Json::array()), "levels is [], expected 1 to 8 levels"));
+      has(set("levels", Json::parse("[[2,3],[]]")), "levels[1] is []; expected 1 to 8 layers"));
+  EXPECT_TRUE(has(set("levels", Json::array()), "levels is []; expected 1 to 8 levels"));
   EXPECT_TRUE(
       has(set("levels", Json(std::vector<std::vector<int>>(9, {2}))), "expected 1 to 8 levels"));
-  EXPECT_TRUE(has(set("levels", 3), "levels is 3, expected a list"));
-  EXPECT_TRUE(has(set("head", Json::parse("[3.5]")), "head[0] is 3.5, expected"));
-  EXPECT_TRUE(has(set("supports", 17), "supports is 17, expected a whole number from 1 to 16"));
-  EXPECT_TRUE(has(set("neighbours", 0), "neighbours is 0, expected a whole number from 1 to 1024"));
+  EXPECT_TRUE(has(set("levels", 3), "levels is 3; expected a list"));
+  EXPECT_TRUE(has(set("head", Json::parse("[3.5]")), "head[0] is 3.5; expected"));
+  EXPECT_TRUE(has(set("supports", 17), "supports is 17; expected a whole number from 1 to 16"));
+  EXPECT_TRUE(has(set("neighbours", 0), "neighbours is 0; expected a whole number from 1 to 1024"));
   EXPECT_TRUE(has(set("neighbours", std::uint64_t{0} - 1), "neighbours is 18446744073709551615"));
-  EXPECT_TRUE(has(set("pool_rate", 1), "pool_rate is 1, expected a whole number from 2 to 64"));
-  EXPECT_TRUE(has(set("pool_neighbours", "4"), R"(pool_neighbours is "4", expected)"));
-  EXPECT_TRUE(has(set("global_feature", 1), "global_feature is 1, expected true or false"));
-  EXPECT_TRUE(has(set("name", 1), "name is 1, expected text"));
-  EXPECT_TRUE(has(set("dropout", 1), "has \"dropout\", expected one of name"));
+  EXPECT_TRUE(has(set("pool_rate", 1), "pool_rate is 1; expected a whole number from 2 to 64"));
+  EXPECT_TRUE(has(set("pool_neighbours", "4"), R"(pool_neighbours is "4"; expected)"));
+  EXPECT_TRUE(has(set("global_feature", 1), "global_feature is 1; expected true or false"));
+  EXPECT_TRUE(has(set("name", 1), "name is 1; expected text"));
+  EXPECT_TRUE(has(set("dropout", 1), "has \"dropout\"; expected one of name"));
   EXPECT_TRUE(has(error_after_config([](Json& config) { config.erase("supports"); }),
                   R"(has no "supports")"));
   // does not match the tensors

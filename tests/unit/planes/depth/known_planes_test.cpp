@@ -125,9 +125,9 @@ TEST(GivenPlanes, OfAnotherImageAreRejected) {
   };
   EXPECT_EQ(refusal([](GivenPlanes&) {}), "");
   EXPECT_EQ(refusal([](GivenPlanes& given) { given.plane_of = Image16(640, 479); }),
-            "stored planes are 640x479, expected 640x480");
+            "stored planes are 640x479; expected 640x480");
   EXPECT_EQ(refusal([](GivenPlanes& given) { given.plane_of.data[5] = 9; }),
-            "stored planes contain plane 9, expected at most 2");
+            "stored planes contain plane 9; expected at most 2");
   frame.depth.at(100, 240) = 0;
   EXPECT_NE(refusal([](GivenPlanes&) {}).find("do not match the depth"), std::string::npos);
 }

@@ -102,7 +102,7 @@ TEST(Footholds, AWallAndAPlaneWithoutGravityAreNotSteppable) {
   const std::vector<Outline> outlines = outlines_of(frame, result, kCell_m);
   ASSERT_FALSE(outlines.empty());
   const auto footholds = footholds_of(frame, result, outlines, kCell_m, {.radius_m = 0.1});
-  EXPECT_NE(footholds[0].why_not.find("gravity is not known"), std::string::npos);
+  EXPECT_NE(footholds[0].why_not.find("gravity is unknown"), std::string::npos);
   EXPECT_TRUE(std::isnan(footholds[0].surface.slope_deg));
 }
 

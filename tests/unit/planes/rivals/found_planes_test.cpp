@@ -36,7 +36,7 @@ TEST(FoundPlanes, WithoutPointsAreEmpty) {
 
 TEST(Ransac, IsRejectedByNameIfTheProgramLacksIt) {
   expect_refused([] { find_planes_ransac({}, {}); },
-                 "method ransac is not part of this build: configure it with "
+                 "method ransac is not part of this build; configure it with "
                  "-DPLANESCOPE_OPEN3D=ON");
 }
 
