@@ -442,7 +442,7 @@ void define_help(CLI::App& app, Line& line) {
       if (found == names.end())
         throw Error(fmt::format(
             "help: unknown command '{} {}'; expected {}", path, word,
-            names.empty() ? "no more words" : fmt::format("one of {}", fmt::join(names, ", "))));
+            names.empty() ? "no subcommand" : fmt::format("one of {}", fmt::join(names, ", "))));
       at = subcommands(*at)[static_cast<std::size_t>(found - names.begin())];
       path += " " + word;
     }

@@ -68,7 +68,7 @@ class Interrupt {
 };
 
 Interrupt::Interrupt() {
-  if (pipe2(pipe_, O_CLOEXEC) != 0) throw Error("cannot watch for signals: no pipe");
+  if (pipe2(pipe_, O_CLOEXEC) != 0) throw Error("cannot watch for signals: cannot create a pipe");
   g_signal_fd = pipe_[1];
   watcher_ = std::thread([this] {
     char byte = 0;
@@ -200,7 +200,7 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
         return missing(path_of(app, *command), *option);
     for (const CLI::Option* option : command->get_options())
       if (error.get_name() == "ArgumentMismatch" && is_named(*option, error.what()))
-        return option->count() > 1 ? option->get_name() + " is given more than once"
+        return option->count() > 1 ? option->get_name() + " is specified more than once"
                                    : fmt::format("{} needs a value: {}", option->get_name(),
                                                  option->get_type_name());
     std::string text = error.what();
@@ -220,9 +220,9 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
   std::string text = is_option       ? "unknown option '" + given + "'"
                      : names.empty() ? "unexpected argument '" + given + "'"
                                      : "unknown command '" + given + "'";
-  if (!near.empty()) return text + ", did you mean '" + near + "'?";
+  if (!near.empty()) return text + "; did you mean '" + near + "'?";
   const std::string path = path_of(app, *command);
-  return text + ", see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
+  return text + "; see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
 }
 
 Job print_job(const std::string& text) {
@@ -268,7 +268,7 @@ Job parse(const Program& program, int argc, char** argv) {
   }
   if (line.job) return line.job;
   const CLI::App* group = innermost(&app);
-  throw Error(fmt::format("{}needs one of: {}", group == &app ? "" : group->get_name() + " ",
+  throw Error(fmt::format("{}expected one of {}", group == &app ? "" : group->get_name() + ": ",
                           fmt::join(subcommand_names(group), ", ")));
 }
 
@@ -290,20 +290,20 @@ int run_program(const Program& program, int argc, char** argv) {
     if (std::fflush(stdout) != 0) return fail("standard output cannot be written to", 2);
     return code;
   } catch (const Cancelled&) {
-    return fail("cancelled", 130);
+    return fail("canceled", 130);
   } catch (const Error& error) {
     return fail(error.what(), 2);
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again)  // thread creation failed
-      return fail("out of memory: no thread could be started, fewer --threads need less", 2);
+      return fail("out of memory: cannot start a thread; fewer --threads need less", 2);
     if (std::ferror(stdout) != 0)
       return fail(std::string("standard output cannot be written to: ") + error.code().message(),
                   2);
     return fail(std::string("unexpected failure: ") + error.what(), 2);
   } catch (const std::bad_alloc&) {
     return fail(
-        "out of memory: a smaller --voxel, --max-range or --frames needs less, and fewer "
-        "--threads",
+        "out of memory: a larger --voxel (clouds), a smaller --max-range, fewer --frames or fewer "
+        "--threads need less",
         2);
   } catch (const std::exception& error) {
     return fail(std::string("unexpected failure: ") + error.what(), 2);

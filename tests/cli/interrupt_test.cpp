@@ -15,7 +15,7 @@ TEST(Interrupt, ALongRunEndsWithCompleteFramesAndCode130) {
                                  SIGINT, dir / "out");
   EXPECT_EQ(ran.code, 130);
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-  EXPECT_TRUE(has(ran.err, "cancelled"));
+  EXPECT_TRUE(has(ran.err, "canceled"));
   const auto files = files_below(dir / "out");
   EXPECT_GE(files.size(), 4u);
   EXPECT_LT(files.size(), 4u * 2000);

@@ -57,7 +57,7 @@ class Labels : public testing::Test {
 TEST_F(Labels, CheckFindsNothingInGoodLabels) {
   for (const fs::path& what : {rec, own}) {
     const Ran ran = well(labels_of("check", {what}));
-    EXPECT_TRUE(has(ran.out, "2 labelled frames, 0 damaged, 0 findings"));
+    EXPECT_TRUE(has(ran.out, "2 labeled frames, 0 damaged, 0 findings"));
   }
 }
 
@@ -85,7 +85,7 @@ TEST_F(Labels, CheckDistinguishesDamagedFilesFromFindings) {
   const Ran ran = labels_of("check", {own});
   EXPECT_EQ(ran.code, 2);
   for (const char* part : {"000000.plane.png", "000001.hv.png", "000002.json",
-                           "labels of frame 7, the recording has 3", "4 damaged"})
+                           "labels for frame 7, but the recording has 3", "4 damaged"})
     EXPECT_TRUE(has(ran.out, part)) << part << "\n" << ran.out;
 }
 
@@ -101,7 +101,7 @@ TEST_F(Labels, CheckAndExportUseTheLabelsCameraIfTheRecordingHasNone) {
   fs::remove(rec / "camera_intrinsic.json");
   ASSERT_EQ(run({"eval", rec}).code, 2) << "the recording does not say it";
   const Ran ran = well(labels_of("check", {own}));
-  EXPECT_TRUE(has(ran.out, "2 labelled frames, 0 damaged, 0 findings"));
+  EXPECT_TRUE(has(ran.out, "2 labeled frames, 0 damaged, 0 findings"));
   well(labels_of("export", {rec, "--format", "ply", "-o", unknown}));
   EXPECT_EQ(read_text(unknown / "000001.ply"), read_text(known / "000001.ply"));
 }
@@ -109,7 +109,7 @@ TEST_F(Labels, CheckAndExportUseTheLabelsCameraIfTheRecordingHasNone) {
 TEST_F(Labels, CheckWithoutTheRecordingReportsSkippedChecks) {
   fs::rename(own, dir / "alone.labels");
   const Ran ran = well(labels_of("check", {dir / "alone.labels"}));
-  EXPECT_TRUE(has(ran.out, "no recording found, give --recording"));
+  EXPECT_TRUE(has(ran.out, "no recording found; use --recording"));
 }
 
 TEST_F(Labels, ExportedLabelsCanBeImported) {
@@ -203,7 +203,7 @@ TEST_F(Labels, CocoIsReadFromOneFileOrFromAFilePerFrame) {
   EXPECT_EQ(Json::parse(scored.out)["mean"]["mean_iou"], 100);
   expect_refused(labels_of("import", {rec, "--format", "coco", "--from", out, "--frames", "2",
                                       "--labels", dir / "none", "--gravity", "0,1,0"}),
-                 "no image of any of the frames, expected names such as 000002.png");
+                 "no image matches a frame; expected names such as 000002.png");
 }
 
 TEST_F(Labels, AnImportCanBeUndone) {
@@ -260,8 +260,8 @@ TEST_F(Labels, ExportsStayOutOfTheRecordingAndOfTheLabels) {
     return labels_of("export", {rec, "--format", "coco", "-o", out, "--frames", frames});
   };
   expect_refused(export_to(rec / "out"), "inside the recording");
-  expect_refused(export_to(own), "the folder of the labels themselves");
-  expect_refused(export_to(dir / "out", "2"), "no labels of the frames");
+  expect_refused(export_to(own), "is the label folder itself");
+  expect_refused(export_to(dir / "out", "2"), "no labels for the requested frames");
   expect_refused(labels_of("export", {rec, "--format", "coco"}), "-o DIR");
   EXPECT_FALSE(fs::exists(dir / "out"));
   well(labels_of("export", {rec, "--format", "voxels", "-o", dir / "out", "--voxel", "0.05"}));
@@ -313,7 +313,7 @@ TEST_F(Labels, CompareReportsTheAgreementOfTwoAnnotators) {
 
   other.depth_sha256 = std::string(64, 'f');
   labels::write_frame_labels(ann, 1, other);
-  expect_refused(compare({}), "made for different depth images");
+  expect_refused(compare({}), "created for different depth images");
   expect_refused(labels_of("compare", {own}), "expected two");
 }
 
@@ -336,7 +336,7 @@ TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   const Ran text = well(labels_of("stats", {own}));
   EXPECT_TRUE(has(text.out, "without labels: 1: 2\n  not reviewed: 1: 1\n"));
   EXPECT_TRUE(has(text.out, "sum"));
-  expect_refused(labels_of("stats", {dir / "rec/depth", "--labels", dir}), "no labels in it");
+  expect_refused(labels_of("stats", {dir / "rec/depth", "--labels", dir}), "contains no labels");
 }
 
 TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
@@ -349,7 +349,7 @@ TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
     return run(args);
   };
   const Ran imported = well(command({"labels", "import", "--from", rec / "gt_0.npy"}));
-  EXPECT_TRUE(has(imported.out, "17 planes, 272893 pixels labelled"));
+  EXPECT_TRUE(has(imported.out, "17 planes, 272893 pixels labeled"));
   const Ran scored = well(command({"eval", "--json", "--max-range", "8"}));
   const Json mean = Json::parse(scored.out)["mean"];
   EXPECT_EQ(mean["planes_truth"], 17);
@@ -380,7 +380,8 @@ TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndReportMissingFrames) {
   const std::string kitti = (dir / "kitti").string();
   const Ran exported = well(run({"eval", rec, "--frames", "0", "--json", "--prediction", kitti}));
   EXPECT_EQ(Json::parse(exported.out)["mean"]["point_accuracy"], 100);
-  expect_refused(run({"eval", rec, "--frames", "1", "--prediction", kitti}), "nothing of frame 1");
+  expect_refused(run({"eval", rec, "--frames", "1", "--prediction", kitti}),
+                 "no planes for frame 1");
 }
 
 TEST_F(Labels, OfAKilledWindowAreReportedAsUnsaved) {
@@ -439,7 +440,7 @@ class CloudLabels : public testing::Test {
 
 TEST_F(CloudLabels, AreCheckedCountedAndComparedLikeThoseOfImages) {
   const Ran checked = well(labels_of("check", {rec}));
-  EXPECT_TRUE(has(checked.out, "1 labelled frame, 0 damaged, 0 findings, 0 hints"));
+  EXPECT_TRUE(has(checked.out, "1 labeled frame, 0 damaged, 0 findings, 0 hints"));
   const Json stats = Json::parse(labels_of("stats", {rec, "--json"}).out);
   EXPECT_EQ(stats["frames"][0]["labelled"], cloud.grid.pixels());
   EXPECT_EQ(stats["frames"][0]["h"], 3);
@@ -461,8 +462,9 @@ TEST_F(CloudLabels, ScoreTheMethodAndOtherSegmentations) {
 
 TEST_F(CloudLabels, ImageFormatsAreRejectedAndNothingIsWritten) {
   const fs::path out = dir / "coco";
-  expect_refused(labels_of("export", {rec, "--format", "coco", "-o", out}),
-                 "stairs.ply, frame 0: coco is for images, this is a cloud: expected --format");
+  expect_refused(
+      labels_of("export", {rec, "--format", "coco", "-o", out}),
+      "stairs.ply, frame 0: format coco is for images, but this is a cloud; expected --format");
   EXPECT_FALSE(fs::exists(out));
 }
 

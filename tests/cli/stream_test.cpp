@@ -110,10 +110,10 @@ TEST(Stream, ConvertKeepsAStreamAndInfoDescribesIt) {
 TEST(Stream, BadInputAndOtherCommandsAreRejectedInOneLine) {
   const std::vector<std::string> segment = {"segment", "-", "--json"};
   expect_refused(run_with(kHeader + frame_bytes() + "x", segment), "frame 1 is cut");
-  expect_refused(run_with(kHeader, segment), "a header without frames");
+  expect_refused(run_with(kHeader, segment), "header without frames");
   expect_refused(run_with("", segment), "without a header");
   expect_refused(run_with(kHeader + frame_bytes(), {"segment", "-", "--json", "--frames", "-1"}),
-                 "from the end of a stream");
+                 "a stream cannot be indexed from its end");
   for (const char* command : {"report", "map", "eval"})
     expect_refused(run_with(kHeader, {command, "-", "-o", "unused"}), "");
   expect_refused(run_with(kHeader, {"report", "-", "-o", scratch() / "r"}),
