@@ -171,7 +171,7 @@ void join_shards(const fs::path& dir, world::MapJob& job) {
 void check_not_of_user(const MapArgs& args, const fs::path& recording) {
   std::error_code absent;
   if (fs::equivalent(args.out, recording, absent))
-    throw Error(args.out.string() + ": is the recording; expected another folder for the map");
+    throw Error(args.out.string() + ": is the recording; expected a different folder for the map");
   if (fs::exists(args.out / "poses.tum") && !fs::exists(args.out / "map.json"))
     throw Error(args.out.string() +
                 ": has a poses.tum but no map.json; expected an empty folder or an earlier map");

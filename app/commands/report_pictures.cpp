@@ -135,7 +135,7 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
   if (loaded.truth) {
     const planes::EvaluatedFrame evaluated = planes::evaluate_frame(result, *loaded.truth);
     if (const auto image = draw_truth(loaded, evaluated, color_of_plane, renderer))
-      keep_image(*image, "truth", "Labels, found, and errors",
+      keep_image(*image, "truth", "Labels, found planes, and errors",
                  fmt::format("Labeled planes, found planes in the same colors, and the points "
                              "where they differ: {}.",
                              render::errors_text(evaluated)));
@@ -146,13 +146,13 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
     draw(render::scene_labels(result), "labels", "Voxels by h and v",
          fmt::format("{} voxels colored by class: h (horizontal) or v (vertical).",
                      result.voxels.points.size()));
-    draw(render::scene_margins(result), "margins", "How sure the classifier is",
+    draw(render::scene_margins(result), "margins", "Confidence of the classifier",
          "The same voxels, dark on the boundary between h and v and in the color of their class "
          "where the classifier is confident.");
   }
   draw(render::scene_planes(frame, result, color_of_plane), "planes", "Final planes",
        fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
-  draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Points left over",
+  draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Unassigned points",
        fmt::format("{} voxels in no plane; the others are faded.", counts.unassigned));
   // Drawn last because its node markers are extra points; the other pictures share their points.
   if (job.method == planes::Method::ours) {

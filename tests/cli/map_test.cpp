@@ -336,7 +336,7 @@ TEST_F(Map, UsesPoseIForFrameIWithoutTimes) {
 
 TEST_F(Map, DoesNotReplaceTheUsersFiles) {
   const auto refusal = [&](const fs::path& out) { return run({"map", walk, "-o", out}); };
-  expect_refused(refusal(walk), "walk: is the recording; expected another folder");
+  expect_refused(refusal(walk), "walk: is the recording; expected a different folder");
   fs::create_directories(dir / "mine");
   write_file_text(dir / "mine" / "poses.tum", "measured by hand");
   expect_refused(refusal(dir / "mine"), "mine: has a poses.tum but no map.json");

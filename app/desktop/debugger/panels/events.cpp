@@ -284,7 +284,7 @@ void draw_row(const Ui& ui, const debug::Run& run, std::int32_t step, const Colu
 
   const std::string text = debug::describe_event(run, step);
   const bool wrong = !run.wrong.empty() && run.wrong[static_cast<std::size_t>(step - 1)] != 0;
-  tooltip(in_gutter ? "Breakpoint on what this event is about"
+  tooltip(in_gutter ? "Breakpoint for this event"
                     : text + (wrong ? "\ndisagrees with ground truth" : ""));
 
   ImDrawList* draw = ImGui::GetWindowDrawList();
