@@ -21,11 +21,11 @@ constexpr double kWidestView = 11.4;  // width / focal length: 160 degrees
 
 Intrinsics intrinsics(const Camera& camera, const char* what) {
   if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide)
-    throw Error(fmt::format("{}: it is {}x{} pixels, expected 1 to {} each", what, camera.width,
-                            camera.height, kMaxSide));
+    throw Error(fmt::format("{}: {}x{} pixels; expected 1 to {} in each direction", what,
+                            camera.width, camera.height, kMaxSide));
   if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy)))
     throw Error(
-        fmt::format("{}: focal length {}, {} px, expected above 0", what, camera.fx, camera.fy));
+        fmt::format("{}: focal length {}, {} px; expected above 0", what, camera.fx, camera.fy));
   if (camera.width > kWidestView * camera.fx || camera.height > kWidestView * camera.fy)
     throw Error(
         fmt::format("{}: focal length {:g}, {:g} px for {}x{} pixels, a field of view of more than "
@@ -34,14 +34,14 @@ Intrinsics intrinsics(const Camera& camera, const char* what) {
                     what, camera.fx, camera.fy, camera.width, camera.height));
   if (!(std::isfinite(camera.cx) && std::isfinite(camera.cy)))
     throw Error(
-        fmt::format("{}: its center is {}, {}, expected pixels", what, camera.cx, camera.cy));
+        fmt::format("{}: principal point {}, {}; expected pixels", what, camera.cx, camera.cy));
   if (static_cast<int>(camera.distortion) > static_cast<int>(Distortion::inverse_brown_conrady))
-    throw Error(fmt::format("{}: unknown distortion {}, expected 0 to 2", what,
+    throw Error(fmt::format("{}: unknown distortion {}; expected 0 to 2", what,
                             static_cast<int>(camera.distortion)));
   for (const double coefficient : camera.coefficients)
     if (!std::isfinite(coefficient))
-      throw Error(
-          fmt::format("{}: distortion coefficient {}, expected a number", what, coefficient));
+      throw Error(fmt::format("{}: distortion coefficient {}; expected a finite number", what,
+                              coefficient));
   Intrinsics result;
   result.width = camera.width;
   result.height = camera.height;
@@ -58,8 +58,8 @@ std::optional<::planescope::Gravity> given_gravity(const std::optional<Vec3>& di
   if (!direction) return std::nullopt;
   const Vec3d d = vec3(*direction);
   if (!d.allFinite() || d.isZero(1e-9))
-    throw Error(fmt::format("gravity: {}, {}, {}, expected a direction that is not zero", d.x(),
-                            d.y(), d.z()));
+    throw Error(
+        fmt::format("gravity: {}, {}, {}; expected a nonzero direction", d.x(), d.y(), d.z()));
   return ::planescope::Gravity{d.stableNormalized(), GravitySource::option, 1, "given"};
 }
 
@@ -100,13 +100,12 @@ Camera camera(const Intrinsics& intrinsics) {
 /// Throws Error if the image cannot be read as described.
 static Intrinsics checked(const DepthImage& image) {
   const Intrinsics result = intrinsics(image.camera, "depth image");
-  if (image.counts == nullptr && image.meters == nullptr)
-    throw Error("depth image: it has no pixels");
+  if (image.counts == nullptr && image.meters == nullptr) throw Error("depth image: no pixels");
   if (!(image.unit_m > 0 && image.unit_m <= 1))
     throw Error(
-        fmt::format("depth image: {} m per count, expected above 0 and at most 1", image.unit_m));
+        fmt::format("depth image: {} m per count; expected above 0 and at most 1", image.unit_m));
   if (image.row_stride != 0 && image.row_stride < static_cast<std::size_t>(result.width))
-    throw Error(fmt::format("depth image: row stride {1}, expected at least the width, {0}",
+    throw Error(fmt::format("depth image: row stride {1}; expected at least the width, {0}",
                             result.width, image.row_stride));
   return result;
 }
@@ -124,8 +123,8 @@ void throw_for_programs(const std::string& message) {
       text.replace(at, what.size(), by);
   };
   replace(planes::kHowToGiveGravity,
-          "give the direction in which things fall, in the sensor's frame");
-  replace(io::kHowToGiveIntrinsics, "give them");
+          "specify the direction in which things fall, in the sensor's frame");
+  replace(io::kHowToGiveIntrinsics, "specify them");
   replace(" --", " ");
   replace("(--", "(");
   throw Error(text);
@@ -264,7 +263,7 @@ Frame::Frame(const DepthImage& image) {
         const bool sized = color.camera.width != 0 || color.camera.height != 0;
         if (sized && (color.camera.width != image.camera.width ||
                       color.camera.height != image.camera.height))
-          throw Error(fmt::format("color image: it is {}x{} pixels and aligned, expected {}x{}",
+          throw Error(fmt::format("color image: {}x{} pixels, aligned with depth; expected {}x{}",
                                   color.camera.width, color.camera.height, image.camera.width,
                                   image.camera.height));
         frame.color = Image8(image.camera.width, image.camera.height, 3);
@@ -284,9 +283,9 @@ Frame::Frame(const DepthImage& image) {
 
 Frame::Frame(const PointCloud& cloud) {
   detail::guarded([&] {
-    if (cloud.xyz == nullptr || cloud.size == 0) throw Error("point cloud: it has no points");
+    if (cloud.xyz == nullptr || cloud.size == 0) throw Error("point cloud: no points");
     if (cloud.size > detail::kMaxPoints)
-      throw Error(fmt::format("point cloud: it has {} points, expected at most {}", cloud.size,
+      throw Error(fmt::format("point cloud: {} points; expected at most {}", cloud.size,
                               detail::kMaxPoints));
     ::planescope::Frame frame;
     frame.name = kGivenName;

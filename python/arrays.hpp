@@ -139,7 +139,7 @@ struct Input {
         info.ptr == nullptr && info.ndim == 0
             ? "a " + py::str(py::type::of(given).attr("__name__")).cast<std::string>()
             : text();
-    throw ps::Error(std::string(what) + ": it is " + found + ", expected " + expected);
+    throw ps::Error(std::string(what) + ": " + found + "; expected " + expected);
   }
 
   /// The memory itself if it consists of rows of T without gaps within rows, otherwise null.
@@ -214,7 +214,7 @@ struct Input {
       for (std::size_t k = 0; k < shape.size() && k < strides.size(); ++k)
         (strides[k] < 0 ? first : last) += strides[k] * (shape[k] - 1);
       if (stride != 0 && (first < 0 || last > bytes.size * bytes.itemsize))
-        fail("as much memory as its shape needs");
+        fail("enough memory for its shape");
       data = bytes.ptr;
     }
     const std::string codes = type[1] == 'u'   ? "?BH?I???Q"

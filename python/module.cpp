@@ -30,7 +30,7 @@ ps::Frame depth_frame(const py::object& depth,
   const bool is_counts = given.is('u', 2);
   if ((!is_counts && !given.is('f', 4) && !given.is('f', 8)) || given.info.ndim != 2)
     given.fail("uint16 counts or float meters of shape (height, width)");
-  if (!is_counts && depth_unit) throw ps::Error("depth_unit: depth is in meters, expected no unit");
+  if (!is_counts && depth_unit) throw ps::Error("depth_unit: depth is in meters; expected no unit");
   ps::DepthImage image;
   std::vector<std::uint16_t> counts;
   std::vector<float> meters;
@@ -48,7 +48,7 @@ ps::Frame depth_frame(const py::object& depth,
   if (distortion) {
     if (distortion_model != "brown_conrady" && distortion_model != "inverse_brown_conrady")
       throw ps::Error("distortion_model '" + distortion_model +
-                      "': expected brown_conrady or inverse_brown_conrady");
+                      "'; expected brown_conrady or inverse_brown_conrady");
     image.camera.distortion = distortion_model == "brown_conrady"
                                   ? ps::Distortion::brown_conrady
                                   : ps::Distortion::inverse_brown_conrady;

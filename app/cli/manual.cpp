@@ -445,7 +445,7 @@ void define_help(CLI::App& app, Line& line) {
                                 names.empty() ? "; expected no more words"
                                 : near.empty()
                                     ? fmt::format("; expected one of {}", fmt::join(names, ", "))
-                                    : fmt::format(", did you mean '{}'?", near)));
+                                    : fmt::format("; did you mean '{}'?", near)));
       }
       at = subcommands(*at)[static_cast<std::size_t>(found - names.begin())];
       path += " " + word;

@@ -45,7 +45,7 @@ void print_notice(const std::string& text) {
 }
 
 void check_output_dir(const fs::path& dir) {
-  if (dir.empty()) throw Error("output: the folder's name is empty");
+  if (dir.empty()) throw Error("output: the folder name is empty");
   std::error_code ignored;
   fs::path existing = fs::absolute(without_slash(dir));
   while (!fs::exists(existing, ignored) && existing.has_relative_path())
@@ -66,7 +66,7 @@ void check_no_linked_folder(const fs::path& dir, const fs::path& relative) {
   fs::path folder = dir;
   for (const fs::path& part : relative) {
     if (folder != dir && fs::is_symlink(folder))
-      throw Error(folder.string() + ": is a link; expected a folder");
+      throw Error(folder.string() + ": is a symbolic link; expected a folder");
     folder /= part;
   }
 }
@@ -166,9 +166,9 @@ fs::path find_asset(const std::string& name, const std::string& what) {
   for (const fs::path& place : places) {
     std::error_code ignored;
     if (fs::exists(place, ignored)) return place;
-    tried += (tried.empty() ? "" : " nor ") + place.string();
+    tried += (tried.empty() ? "" : " and ") + place.string();
   }
-  throw Error(what + " missing: there is no " + tried);
+  throw Error(what + " missing; looked for " + tried);
 }
 
 Progress::Progress(std::string what, int total)

@@ -69,7 +69,7 @@ class Interrupt {
 };
 
 Interrupt::Interrupt() {
-  if (pipe2(pipe_, O_CLOEXEC) != 0) throw Error("cannot watch for signals: no pipe");
+  if (pipe2(pipe_, O_CLOEXEC) != 0) throw Error("cannot watch for signals: cannot create a pipe");
   g_signal_fd = pipe_[1];
   watcher_ = std::thread([this] {
     char byte = 0;
@@ -201,7 +201,7 @@ std::string message_of(const Program& program, const CLI::App& app, const CLI::P
         return missing(path_of(app, *command), *option);
     for (const CLI::Option* option : command->get_options())
       if (error.get_name() == "ArgumentMismatch" && is_named(*option, error.what()))
-        return option->count() > 1 ? option->get_name() + " is given more than once"
+        return option->count() > 1 ? option->get_name() + " is specified more than once"
                                    : fmt::format("{} needs a value: {}", option->get_name(),
                                                  option->get_type_name());
     std::string text = error.what();
@@ -227,8 +227,8 @@ std::string message_of(const Program& program, const CLI::App& app, const CLI::P
   if (is_option && !reader.empty() && std::filesystem::exists(word, ignored))
     return fmt::format("{}; to open the file of that name, type: {} {} -- {}", text, program.name,
                        reader, shell_word(word));
-  if (!near.empty()) return text + ", did you mean '" + near + "'?";
-  return text + ", see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
+  if (!near.empty()) return text + "; did you mean '" + near + "'?";
+  return text + "; see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
 }
 
 Job print_job(const std::string& text) {
@@ -275,7 +275,7 @@ Job parse(const Program& program, int argc, char** argv) {
   }
   if (line.job) return line.job;
   const CLI::App* group = innermost(&app);
-  throw Error(fmt::format("{}needs one of: {}", group == &app ? "" : group->get_name() + " ",
+  throw Error(fmt::format("{}expected one of {}", group == &app ? "" : group->get_name() + ": ",
                           fmt::join(subcommand_names(group), ", ")));
 }
 
@@ -302,15 +302,15 @@ int run_program(const Program& program, int argc, char** argv) {
     return fail(error.what(), 2);
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again)  // thread creation failed
-      return fail("out of memory: no thread could be started, fewer --threads need less", 2);
+      return fail("out of memory: cannot start a thread; fewer --threads need less", 2);
     if (std::ferror(stdout) != 0)
       return fail(std::string("standard output cannot be written to: ") + error.code().message(),
                   2);
     return fail(std::string("unexpected failure: ") + error.what(), 2);
   } catch (const std::bad_alloc&) {
     return fail(
-        "out of memory: a smaller --voxel, --max-range or --frames needs less, and fewer "
-        "--threads",
+        "out of memory: a larger --voxel (clouds), a smaller --max-range, fewer --frames or fewer "
+        "--threads need less",
         2);
   } catch (const std::exception& error) {
     return fail(std::string("unexpected failure: ") + error.what(), 2);

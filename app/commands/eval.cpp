@@ -100,11 +100,11 @@ void print_table(const std::vector<Row>& rows, const planes::Metrics& mean, int 
   }
   print_row("mean", width, mean);
   fmt::print(
-      "\nalpha: degrees; r_p: 100 x found / true; r_m: % of points in no plane; acc, IoU: % by\n"
+      "\nalpha: degrees; r_p: 100 x found / true; r_m: % of unassigned points; acc, IoU: % for "
+      "the\n"
       "best matching; PQ: panoptic quality, %; IoU80: planes found with IoU of at least 0.8; "
       "edge,\n"
-      "inner: % of labels that are right within 2 cm of another label, and elsewhere. Counts in "
-      "the\n"
+      "inner: % of correct labels within 2 cm of a different label, and elsewhere. Counts in the\n"
       "last line are sums.\n");
   if (without_truth > 0)
     fmt::print("Without ground truth: {}.\n",
@@ -135,8 +135,8 @@ std::optional<Row> score_prediction(const OpenInput& input, int index, const Eva
   const auto found = read_prediction(args.prediction, *input.recording, frame, truth->gravity);
   if (!found)
     throw Error(
-        fmt::format("{}: nothing of frame {}, expected {:06}.plane.png, {:06}.npy or the "
-                    "like, or what planescope segment writes",
+        fmt::format("{}: no planes for frame {}; expected {:06}.plane.png, {:06}.npy or similar, "
+                    "or the output of planescope segment",
                     args.prediction.string(), index, index, index));
   return Row{input.path.string(), index, name_of(frame),
              planes::score_labels(frame, *found, *truth, args.input.pipeline.cloud)};
@@ -151,7 +151,7 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   const bool predicted = !args.prediction.empty();
   if (predicted && inputs.size() != 1)
     throw Error(
-        fmt::format("--prediction names one folder, but {} recordings are given", inputs.size()));
+        fmt::format("--prediction names one folder, but there are {} recordings", inputs.size()));
   const planes::ChosenClassifier chosen =
       predicted ? planes::ChosenClassifier{} : choose_classifier(args.input.pipeline);
   std::vector<const OpenInput*> input_of;
@@ -192,10 +192,10 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   if (rows.empty() && !refused.empty()) throw Error(refused.front());
   if (rows.empty())
     throw Error(
-        fmt::format("{}: no frame has ground truth, neither labels in {} nor a cloud's "
-                    "label and instance fields",
+        fmt::format("{}: no frame has ground truth; expected labels in {}, or label and instance "
+                    "fields of a cloud",
                     inputs.front().path.string(), inputs.front().label_dir.string()));
-  for (const std::string& why : refused) notice("refused: {}", why);
+  for (const std::string& why : refused) notice("rejected: {}", why);
   std::vector<planes::Metrics> all;
   for (const Row& row : rows) all.push_back(row.metrics);
   const planes::Metrics mean = planes::mean_of(all);

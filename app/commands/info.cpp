@@ -109,7 +109,7 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   facts.color_width = frame.color.width;
   facts.color_height = frame.color.height;
   if (!facts.info.knows_camera())
-    facts.gravity_error = "without intrinsics the scene cannot be measured";
+    facts.gravity_error = "the scene cannot be measured without intrinsics";
   else
     try {
       facts.gravity = planes::resolve_gravity(frame, options.gravity, options.cloud.max_range_m);
@@ -204,7 +204,7 @@ void print_depth(const Facts& f, double max_range_m) {
   line("intrinsics", f.info.knows_camera()
                          ? fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx,
                                        k.fy, k.cx, k.cy, distortion, f.info.intrinsics_source)
-                         : std::string("not known; ") + io::kHowToGiveIntrinsics);
+                         : std::string("unknown; ") + io::kHowToGiveIntrinsics);
   line("color", f.info.has_color
                     ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
                     : "none");
@@ -244,12 +244,12 @@ void print_text(const Facts& f, double max_range_m) {
                                   f.gaps == 1 ? "" : "s", f.longest_gap_s, f.longest_gap_frame);
     const std::string rate = f.median_step_s > 0
                                  ? fmt::format("{:.2f} frames per second", 1 / f.median_step_s)
-                                 : "most frames of the same time";
+                                 : "most frames have the same time";
     line("time",
          fmt::format("{:.3f} s, {}, {}, from {}", f.span_s, rate, gaps, f.info.times_source));
   } else if (f.frame_count > 1) {
-    line("time", f.info.times_source.empty() ? std::string("the frames carry no time")
-                                             : "does not go forward, from " + f.info.times_source);
+    line("time", f.info.times_source.empty() ? std::string("the frames have no timestamps")
+                                             : "does not increase, from " + f.info.times_source);
   }
   if (f.gravity && !f.gravity->known()) {
     line("gravity", fmt::format("none, {}: planes are neither h nor v; to distinguish them, {}",
@@ -266,7 +266,7 @@ void print_text(const Facts& f, double max_range_m) {
     line("gravity", fmt::format("{:.4f},{:.4f},{:.4f} ({})", g.direction.x() + 0.0,
                                 g.direction.y() + 0.0, g.direction.z() + 0.0, how));
   } else {
-    line("gravity", "not known: " + f.gravity_error);
+    line("gravity", "unknown: " + f.gravity_error);
   }
   if (f.labelled > 0)
     line("labels", fmt::format("{} of {} frames, {}", f.labelled, f.frame_count, f.label_dir));

@@ -135,7 +135,7 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
                frames.size() == 1 ? "frame" : "frames", counts.damaged,
                source.recording ? counted(static_cast<std::size_t>(counts.findings), "finding") +
                                       ", " + counted(static_cast<std::size_t>(counts.hints), "hint")
-                                : "planes not checked: no recording found, give --recording");
+                                : "planes not checked: no recording found; use --recording");
   }
   if (counts.damaged > 0) return 2;
   return counts.findings > 0 || (args.strict && counts.hints > 0) ? 1 : 0;
@@ -147,11 +147,11 @@ void define_labels_check(CLI::App* labels, Line& line) {
   CLI::App* check =
       labels->add_subcommand("check",
                              "Report damaged and suspicious labels, one per line\n"
-                             "Exit code 0: hints at most, 1: findings, 2: damaged files.");
+                             "Exit code 0: hints at most; 1: findings; 2: damaged files.");
   const auto args = std::make_shared<LabelsArgs>();
-  add_label_inputs(check, *args, "Folder of labels, or recording");
+  add_label_inputs(check, *args, "Label folder or recording");
   add_label_dir(check, *args);
-  check->add_flag("--strict", args->strict, "Exit with 1 for hints, too");
+  check->add_flag("--strict", args->strict, "Also exit with 1 for hints");
   runs(check, line, args, run_labels_check);
 }
 
@@ -199,7 +199,7 @@ void print_row(const std::string& name, const labels::Agreement& a) {
 ComparedFrame compare_frame(const LabelledRecording& a, const LabelledRecording& b, int frame) {
   const FrameLabels of_a = read_labels_of(a, frame), of_b = read_labels_of(b, frame);
   if (of_a.depth_sha256 != of_b.depth_sha256)
-    throw Error(fmt::format("{} and {}: labels of frame {} were made for different {}s",
+    throw Error(fmt::format("{} and {}: labels of frame {} were created for different {}s",
                             a.labels.dir.string(), b.labels.dir.string(), frame,
                             of_a.is_cloud() ? "cloud" : "depth image"));
   return {frame, labels::agreement_of(of_a, of_b)};
@@ -208,7 +208,7 @@ ComparedFrame compare_frame(const LabelledRecording& a, const LabelledRecording&
 /// Prints the agreement between two sets of labels for the same frames.
 int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.input.inputs.size() != 2)
-    throw Error(fmt::format("labels compare: {} folders are given, expected two, DIR_A and DIR_B",
+    throw Error(fmt::format("labels compare: {} folders; expected two, DIR_A and DIR_B",
                             args.input.inputs.size()));
   const auto open = [&](const std::filesystem::path& dir) {
     LabelledRecording source;
@@ -247,9 +247,10 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   for (const ComparedFrame& f : frames) print_row(std::to_string(f.frame), f.agreement);
   print_row("mean", mean);
   fmt::print(
-      "\nin A, in B, matched: planes; IoU: mean over all planes of both, 0 where one has no "
-      "partner;\nRand: adjusted Rand index; h/v: share of pixels with the same class; same: with "
-      "the same plane.\n");
+      "\nin A, in B, matched: planes; IoU: mean over all planes of both, 0 for planes without a "
+      "match;\n"
+      "Rand: adjusted Rand index; h/v: share of pixels with the same class; same: with the same "
+      "plane.\n");
   if (!one.empty())
     fmt::print("With labels in one folder only: {}.\n", counted(one.size(), "frame"));
   return 0;
@@ -261,7 +262,7 @@ void define_labels_compare(CLI::App* labels, Line& line) {
   CLI::App* compare =
       labels->add_subcommand("compare", "Measure how well two sets of labels agree");
   const auto args = std::make_shared<LabelsArgs>();
-  add_label_inputs(compare, *args, "Two folders of labels of the same frames");
+  add_label_inputs(compare, *args, "Two label folders for the same frames");
   runs(compare, line, args, run_labels_compare);
 }
 
@@ -335,10 +336,12 @@ std::string frames_text(const std::vector<int>& frames) {
 }
 
 void print_left(const Left& left, bool with_recording) {
-  fmt::print("\nframes left to do\n  without labels: {}\n  not reviewed: {}\n",
-             with_recording ? frames_text(left.unlabelled)
-                            : "not known, --recording RECORDING says how many there are",
-             frames_text(left.unreviewed));
+  fmt::print(
+      "\nremaining frames\n"
+      "  without labels: {}\n"
+      "  not reviewed: {}\n",
+      with_recording ? frames_text(left.unlabelled) : "unknown; use --recording RECORDING",
+      frames_text(left.unreviewed));
   fmt::print("  with carried planes below {:.0f} % confidence, not yet edited: {}\n",
              100 * labels::kSure, frames_text(left.doubtful));
 }
@@ -367,7 +370,7 @@ void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
   }
   row("sum", sum, "", minutes_text(seconds));
   if (!with_depth)
-    fmt::print("\nmeasured, area: need the depth, --recording RECORDING says what was labeled\n");
+    fmt::print("\nmeasured, area: unknown without depth; use --recording RECORDING\n");
 }
 
 Json to_json(const FrameStatistics& f, bool with_depth) {
@@ -428,7 +431,7 @@ void define_labels_stats(CLI::App* labels, Line& line) {
   CLI::App* stats = labels->add_subcommand(
       "stats", "Show planes, labeled area and annotation time for each frame");
   const auto args = std::make_shared<LabelsArgs>();
-  add_label_inputs(stats, *args, "Folder of labels, or recording");
+  add_label_inputs(stats, *args, "Label folder or recording");
   add_label_dir(stats, *args);
   runs(stats, line, args, run_labels_stats);
 }

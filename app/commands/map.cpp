@@ -99,7 +99,7 @@ void write_meshes(const MapArgs& args,
   const auto finish = [&](int segment) {
     const std::string file = file_of_segment("mesh", segment, ".ply");
     if (!fusion || !fusion->write_ply(output.add_file(file)))
-      notice("{}: not written, there is no surface", (args.out / file).string());
+      notice("{}: not written: no surface was found", (args.out / file).string());
     fusion.reset();
   };
   for (int i = 0; i < count; ++i) {
@@ -150,7 +150,7 @@ int write_shard(const MapArgs& args, const world::MapJob& job) {
 /// Reads frames from the output of shards.
 void join_shards(const fs::path& dir, world::MapJob& job) {
   if (!fs::is_directory(dir / "observed"))
-    throw Error(dir.string() + ": holds no folder `observed`, expected what --shard wrote");
+    throw Error(dir.string() + ": contains no folder `observed`; expected the output of --shard");
   job.observed = [dir, options = job.pipeline, info = job.recording->info(),
                   from = world::PlanesFrom(), once = std::make_shared<std::once_flag>()](
                      int frame, const world::UprightPoses& upright) mutable {
@@ -161,7 +161,7 @@ void join_shards(const fs::path& dir, world::MapJob& job) {
                   ": is missing: its shard did not finish, or could not read the frame");
     world::ObservedFrame observed = world::read_observed(file, from);
     if (observed.frame != frame)
-      throw Error(fmt::format("{}: holds frame {}, expected frame {}", file.string(),
+      throw Error(fmt::format("{}: contains frame {}; expected frame {}", file.string(),
                               observed.frame, frame));
     return observed;
   };
@@ -171,7 +171,7 @@ void join_shards(const fs::path& dir, world::MapJob& job) {
 void check_not_of_user(const MapArgs& args, const fs::path& recording) {
   std::error_code absent;
   if (fs::equivalent(args.out, recording, absent))
-    throw Error(args.out.string() + ": is the recording; expected another folder for the map");
+    throw Error(args.out.string() + ": is the recording; expected a different folder for the map");
   if (fs::exists(args.out / "poses.tum") && !fs::exists(args.out / "map.json"))
     throw Error(args.out.string() +
                 ": has a poses.tum but no map.json; expected an empty folder or an earlier map");
@@ -179,7 +179,7 @@ void check_not_of_user(const MapArgs& args, const fs::path& recording) {
 
 int run_map(const MapArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
-    throw Error(fmt::format("map: {} recordings given; expected one", args.input.inputs.size()));
+    throw Error(fmt::format("map: {} recordings; expected one", args.input.inputs.size()));
   if (args.input.pipeline.classifier == "truth")
     throw Error("map: --classifier truth is not supported: it needs labeled frames");
   const bool in_file = is_planes_file(args.out);
@@ -232,8 +232,8 @@ int run_map(const MapArgs& args, std::stop_token stop) {
     for (const std::string& line : map.warnings) notice("{}", line);
     if (planes > 0)
       throw Error(fmt::format(
-          "{}: not written: {} of {} do not fit the others; expected poses of this recording, "
-          "T_world_camera in meters, quaternions as x y z w; found those of {}",
+          "{}: not written: {} of {} do not fit the rest; expected poses of this recording, "
+          "T_world_camera in meters, quaternions as x y z w; found poses from {}",
           args.out.string(), aside, counted(frames.size(), "frame"), map.poses.source));
     throw Error(fmt::format("{}: not written: no plane was seen in {} or more of {}",
                             args.out.string(), map.tracker.options().confirm_frames,
@@ -293,8 +293,8 @@ void define_map(CLI::App& app, Line& line) {
                 "Process frames at the recording's rate and write pace.json; needs poses");
   add_read(
       map, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); }, "I/N",
-      "Only find the planes of the I-th of N parts of the frames; use the same -o DIR for all "
-      "parts, then --join. Needs poses");
+      "Only find the planes of part I of N of the frames; use the same -o DIR for all parts, then "
+      "--join. Needs poses");
   add(map, "--join", args->join, "DIR", "Build the map from the planes that --shard wrote to DIR");
   add_method(map, args->input.pipeline);
   runs(map, line, args, run_map, [args] {

@@ -92,10 +92,10 @@ std::vector<io::RosMessage> messages_of(const world::WorldMap& map) {
 
 PlanesFile::PlanesFile(const fs::path& out, const fs::path& recording)
     : out_(out), output_(out.has_parent_path() ? out.parent_path() : ".") {
-  if (fs::exists(out)) throw Error(out.string() + ": is there already, expected a new name");
+  if (fs::exists(out)) throw Error(out.string() + ": already exists; expected a new name");
   if (fs::is_directory(recording) && is_within(out, recording))
-    throw Error(fmt::format("{}: is in the recording {}, expected another folder", out.string(),
-                            recording.string()));
+    throw Error(fmt::format("{}: is inside the recording {}; expected a different folder",
+                            out.string(), recording.string()));
   staged_ = output_.add_file(out.filename());
   file_.open(staged_, std::ios::binary);
   writer_.emplace(file_);

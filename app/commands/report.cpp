@@ -58,10 +58,10 @@ void print_facts(const fs::path& out, const report::Report& report, bool json) {
 /// Reads the baseline and rules. Throws Error.
 report::ReportGuard open_guard(const ReportGuardArgs& args) {
   if (args.approve && args.baseline.empty())
-    throw Error("--approve: expected --baseline FILE, the file to write");
+    throw Error("--approve needs --baseline FILE, the file to write");
   if (args.approve) check_output_dir(fs::absolute(args.baseline).parent_path());
   if (args.approve && fs::is_directory(args.baseline))
-    throw Error("--baseline " + args.baseline.string() + ": is a folder, expected a report.json");
+    throw Error("--baseline " + args.baseline.string() + ": is a folder; expected a report.json");
   return {args.baseline, args.rules, args.approve};
 }
 
@@ -97,10 +97,10 @@ void print_refusals(const report::Report& report) {
       notice("{}: {}", level, line);
     if (lines->size() > kMostLines)
       notice("{}: {} more frames are {}", level, lines->size() - kMostLines,
-             lines == &damaged ? "damaged" : "refused");
+             lines == &damaged ? "damaged" : "rejected");
   }
   if (known > 0)
-    notice("{} refused as in the baseline",
+    notice("{} rejected, as in the baseline",
            known == 1 ? "1 frame is" : counted(known, "frame") + " are");
 }
 
@@ -119,14 +119,14 @@ int finish_report(const std::filesystem::path& out,
   const report::ReportTotals totals = report::totals_of(report);
   print_refusals(report);
   if (!report.renderer_error.empty())
-    notice("rendering failed, the data files are written: {}", report.renderer_error);
+    notice("rendering failed, but the data files are written: {}", report.renderer_error);
   if (args.approve && totals.unreadable)
     notice("warning: --approve: {} is unchanged, because a frame is damaged",
            args.baseline.string());
   else if (args.approve) {
     fs::create_directories(fs::absolute(args.baseline).parent_path());
     guard.approve(out / "report.json", args.approve_only);
-    notice("{} is the baseline now", args.baseline.string());
+    notice("{} is now the baseline", args.baseline.string());
   }
   if (totals.unreadable) return 2;
   if (report.judgement && report.judgement->errors() > 0 && !args.approve) return 1;
@@ -137,10 +137,10 @@ int finish_report(const std::filesystem::path& out,
 /// file exists.
 int run_report_init(const fs::path& set) {
   if (std::filesystem::exists(kRulesFile))
-    throw Error(std::string(kRulesFile) + ": exists already");
+    throw Error(std::string(kRulesFile) + ": already exists");
   const auto rules = report::built_in_rules(set.empty() ? "default" : set.string());
   if (rules.empty())
-    throw Error("report --init --rules " + set.string() + ": expected strict, default or lenient");
+    throw Error("report --init --rules " + set.string() + "; expected strict, default or lenient");
   write_file_text(kRulesFile, report::rules_json(rules));
   fmt::print("{}\n", kRulesFile);
   return 0;
@@ -229,14 +229,17 @@ void follow_planes(const OpenInput& input,
 int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& runner) {
   if (args.init) return run_report_init(args.guard.rules);
   if (args.tracks && args.shard.count > 1)
-    throw Error("report: --tracks needs all frames of a recording, not --shard");
+    throw Error(
+        "report: --tracks needs all frames of a recording; it cannot be combined with --shard");
   if (args.tracks && args.input.pipeline.classifier == "truth")
     throw Error(
-        "report: --tracks does not go with --classifier truth, which knows frames that "
-        "have labels alone");
+        "report: --tracks cannot be combined with --classifier truth, which supports only labeled "
+        "frames");
   report::ReportGuard guard = open_guard(args.guard);
   if (guard.is_on() && args.shard.count > 1)
-    throw Error("--shard: give --baseline and --rules to planescope report merge");
+    throw Error(
+        "--shard cannot be combined with --baseline or --rules; pass them to planescope report "
+        "merge");
   InputArgs input_args = args.input;
   input_args.recording.damaged_frames_later = true;
   check_baseline_place(args.guard, args.out);
@@ -285,12 +288,12 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     try {
       follow_planes(inputs[i], args.input.pipeline, chosen.classifier.get(), stop, recording);
     } catch (const Error& error) {
-      recording.info.warnings.push_back(std::string("planes are not followed: ") + error.what());
+      recording.info.warnings.push_back(std::string("planes are not tracked: ") + error.what());
       notice("warning: {}: {}", recording.name, recording.info.warnings.back());
     }
   }
   folder.commit(!report.partial, frames);
-  if (args.resume) notice("{} of {} frames were finished before", resumed, frames.size());
+  if (args.resume) notice("{} of {} frames were already finished", resumed, frames.size());
   return finish_report(args.out, report, guard, args.guard, args.json);
 }
 
@@ -313,10 +316,10 @@ ShardReport read_shard(const fs::path& dir) {
   const fs::path file = dir / "report.json";
   ShardReport read{dir, report::read_report_head(file), {}};
   const report::Report& report = read.head.report;
-  if (report.shard.empty()) throw Error(file.string() + ": is a whole report, expected a shard");
+  if (report.shard.empty()) throw Error(file.string() + ": is a complete report; expected a shard");
   if (report.partial)
     throw Error(file.string() + ": shard " + report.shard +
-                " was stopped before its end; run it again with --resume");
+                " is incomplete; finish it with --resume");
   read.shard = parse_shard(report.shard);
   return read;
 }
@@ -342,9 +345,9 @@ std::vector<ShardReport> read_shards(const std::vector<fs::path>& dirs) {
   for (const ShardReport& shard : shards) {
     const std::string name = shard.dir.string() + ": shard " + shard.head.report.shard;
     if (shard.shard.count != first.shard.count || common_text(shard.head.report) != common)
-      throw Error(name + " is of another report than " + first.dir.string() +
+      throw Error(name + " belongs to a different report than " + first.dir.string() +
                   ": their recordings, options, weights or builds differ");
-    if (shard.shard.index < expected) throw Error(name + " was given twice");
+    if (shard.shard.index < expected) throw Error(name + " appears twice");
     if (shard.shard.index > expected) break;
     ++expected;
   }
@@ -401,10 +404,10 @@ void add_guard(CLI::App* command, ReportGuardArgs& guard) {
       "Pass criteria: strict, default, lenient, or a planescope.rules.json (default with a "
       "baseline: default)");
   command->add_flag("--approve", guard.approve,
-                    "Make this report the baseline; the baseline keeps its other recordings");
+                    "Update the baseline with this report; it keeps its other recordings");
   command->add_flag_callback(
       "--approve-only", [&guard] { guard.approve = guard.approve_only = true; },
-      "Make this report the whole baseline");
+      "Replace the whole baseline with this report");
 }
 
 void define_merge(CLI::App* report, Line& line) {
@@ -419,9 +422,9 @@ void define_merge(CLI::App* report, Line& line) {
   runs(merge, line, args, run_report_merge, [args, report] {
     for (const CLI::Option* option : report->get_options())
       if (option->count() > 0)
-        throw Error("report merge: give " + option->get_name() + " after merge");
+        throw Error("report merge: specify " + option->get_name() + " after merge");
     if (args->out.empty()) throw Error("report merge needs -o DIR: Output folder");
-    if (args->shards.empty()) throw Error("report merge: give the folders of the shards");
+    if (args->shards.empty()) throw Error("report merge needs the folders of the shards");
   });
 }
 
@@ -439,16 +442,16 @@ void define_report(CLI::App& app, Line& line) {
   add_guard(report, args->guard);
   add_read(
       report, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); },
-      "I/N", "Process the I-th of N parts of the frames; planescope report merge joins them");
+      "I/N", "Process part I of N of the frames; planescope report merge joins the parts");
   report->add_flag("--tracks", args->tracks,
-                   "Also track planes over the frames: lost planes, jitter");
+                   "Also track planes from frame to frame: lost planes, jitter");
   report->add_flag_callback(
       "--no-pictures", [args] { args->pictures = false; },
       "Skip pictures; about ten times faster, for checks before each commit");
   report->add_flag("--resume", args->resume, "Resume an interrupted run; finished frames are kept");
   report->add_flag("--init", args->init,
-                   "Write the default rules, or those of --rules SET, to planescope.rules.json for "
-                   "editing, and no report");
+                   "Only write the default rules, or those of --rules SET, to "
+                   "planescope.rules.json for editing");
   define_merge(report, line);
   const auto run = [](const ReportArgs& all, std::stop_token stop) {
     return run_report(all, stop);
@@ -459,7 +462,7 @@ void define_report(CLI::App& app, Line& line) {
     for (const CLI::Option* option : report->get_options())
       if (args->init && option->count() > 0 && option->get_name() != "--init" &&
           option->get_name() != "--rules")
-        throw Error("report --init: only writes planescope.rules.json, remove " +
+        throw Error("report --init writes only planescope.rules.json; remove " +
                     option->get_name());
   });
 }

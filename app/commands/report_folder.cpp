@@ -33,11 +33,11 @@ void settle_record(const fs::path& frame, report::ReportFrame& record) {
     throw Error((frame / "report" / "frame.json").string() + ": " + what);
   };
   if (report::frame_folder(record.index).filename() != frame.filename())
-    fail("is of frame " + std::to_string(record.index));
+    fail("belongs to frame " + std::to_string(record.index));
   for (report::ReportPicture& picture : record.pictures) {
     if (picture.name.empty() ||
         !std::ranges::all_of(picture.name, [](char c) { return c >= 'a' && c <= 'z'; }))
-      fail("names a picture '" + picture.name + "', expected small letters");
+      fail("picture name '" + picture.name + "'; expected lowercase letters");
     picture.file = (frame / "pictures" / (picture.name + ".png")).generic_string();
   }
 }
@@ -79,8 +79,8 @@ ReportFolder::ReportFolder(const fs::path& dir, bool resume) : dir_(without_slas
   lock_ = FolderLock::acquire(work_, "planescope report");
   if (!lock_.is_held()) {
     made_dirs_.clear();
-    throw Error("output " + dir_.string() + ": another report is being written there, " +
-                lock_.why_not());
+    throw Error("output " + dir_.string() +
+                ": another report is being written there: " + lock_.why_not());
   }
   if (resume) return;
   on_disk(dir_, [&] {

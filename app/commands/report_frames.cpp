@@ -312,12 +312,12 @@ fs::path report_frame_folder(std::size_t recordings,
 
 Shard parse_shard(const std::string& text) {
   const std::vector<std::string> parts = split(text, '/');
-  if (parts.size() != 2) throw Error("--shard '" + text + "' is not I/N, as 2/8");
+  if (parts.size() != 2) throw Error("--shard '" + text + "' is not I/N, such as 2/8");
   Shard shard;
   shard.index = parse_integer(parts[0], "--shard " + text);
   shard.count = parse_integer(parts[1], "--shard " + text);
   if (shard.count < 1 || shard.index < 1 || shard.index > shard.count)
-    throw Error("--shard " + text + ": expected I from 1 to N");
+    throw Error("--shard " + text + "; expected I from 1 to N");
   return shard;
 }
 

@@ -142,7 +142,7 @@ void remove_earlier_frames(const std::filesystem::path& dir,
 
 int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file) {
   if (args.input.inputs.size() > 1)
-    throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
+    throw Error(fmt::format("segment: {} recordings; expected one", args.input.inputs.size()));
   std::optional<StagedOutput> output;
   std::optional<PlanesFile> own_file;
   const bool in_file = file || is_planes_file(args.out);
@@ -170,7 +170,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     pipeline = world::options_of_map(pipeline);
     std::erase_if(input.frames, [&](int frame) {
       if (map->knows(frame)) return false;
-      refused.push_back(fmt::format("frame {}: is not in the map {}", frame, args.map.string()));
+      refused.push_back(fmt::format("frame {}: not in the map {}", frame, args.map.string()));
       return true;
     });
   }
@@ -192,7 +192,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   std::set<std::filesystem::path> frames;
   const auto take = [&](int index, WrittenFrame&& frame) {
     if (!frame.refused.empty()) {
-      if (stream) notice("refused: {}", frame.refused);
+      if (stream) notice("rejected: {}", frame.refused);
       refused.push_back(frame.refused);
       return;
     }
@@ -223,7 +223,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     for (int i = 0; !is_past_slice(slice, i) && arrives(); ++i)
       if (is_in_slice(slice, i)) take(i, write(i));
     if (stream->frame_count() == 0 && !cut && !stop.stop_requested())
-      throw Error("standard input: a header without frames");
+      throw Error("standard input: no frames after the header");
   } else {
     run_frames(
         "segment", input.frames, threads.at_once, stop,
@@ -237,7 +237,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   if (in_file && written > 0) file->commit();
   json["refused"] = refused;
   if (!stream)
-    for (const std::string& why : refused) notice("refused: {}", why);
+    for (const std::string& why : refused) notice("rejected: {}", why);
   if (args.json && !stream) fmt::print("{}", json_text(json, 2));
   if (!args.json && !args.ros_json && !args.quiet) fmt::print("{}", fmt::join(lines, ""));
   if (!args.json && unknown_gravity)
@@ -266,10 +266,10 @@ void define_segment(CLI::App& app, Line& line) {
     formats.emplace_back(format.name);
     holds += fmt::format("\n{}: {}, {}", format.name, format.file, format.holds);
   }
-  add(segment, "--also", args->also, "FORMAT,...", "Other formats to write" + holds)
+  add(segment, "--also", args->also, "FORMAT,...", "Additional formats to write" + holds)
       ->check(some_of(formats, "a format"));
   add(segment, "--map", args->map, "DIR",
-      "Output of planescope map for the same frames and options: take the planes of the map, and "
+      "Output of planescope map for the same frames and options: use the planes of the map, and "
       "add their tracks to planes.json and tracks.png");
   add_json(segment, args->json);
   segment->add_flag("--ros-json", args->ros_json,
@@ -282,12 +282,12 @@ void define_segment(CLI::App& app, Line& line) {
   };
   runs(segment, line, args, run, [args] {
     if (is_planes_file(args->out) && !args->also.empty())
-      throw Error("--also: writes into the folder of -o DIR, but -o is a .mcap file");
-    if (args->ros_json && args->json) throw Error("--ros-json: is instead of --json");
+      throw Error("--also writes into the folder of -o DIR, but -o is a .mcap file");
+    if (args->ros_json && args->json) throw Error("--ros-json cannot be combined with --json");
     if (!args->ros_json && args->out.empty() && !is_live(*args))
       throw Error(fmt::format("segment needs -o {}: {}", kPlanesOut, kPlanesOutHelp));
     if (args->out.empty() && !args->also.empty())
-      throw Error("--also: writes into the folder of -o DIR, which is not given");
+      throw Error("--also needs -o DIR, the folder to write to");
   });
 }
 

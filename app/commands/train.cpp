@@ -41,17 +41,18 @@ Files checked_files(const TrainArgs& args) {
   Files files{args.out, fs::path(args.out).replace_extension(".html"),
               fs::path(args.out).replace_extension(".checkpoint")};
   const fs::path dir = args.out.has_parent_path() ? args.out.parent_path() : fs::path(".");
-  if (!fs::exists(dir)) throw Error(args.out.string() + ": there is no folder " + dir.string());
+  if (!fs::exists(dir)) throw Error(args.out.string() + ": no such folder: " + dir.string());
   check_output_dir(dir);
   for (const fs::path& file : {files.weights, files.page, files.checkpoint})
-    if (fs::is_directory(file))
-      throw Error(file.string() + ": is a folder, expected a file or nothing");
+    if (fs::is_directory(file)) throw Error(file.string() + ": is a folder; expected a file");
   const bool begun = fs::exists(files.checkpoint);
   if (begun && !args.resume)
     throw Error(files.checkpoint.string() +
-                ": a training was stopped here: go on with --resume, or remove it to begin anew");
+                ": a training run was interrupted; continue it with --resume, or delete this file "
+                "to start over");
   if (!begun && args.resume)
-    throw Error(files.checkpoint.string() + ": no such file, --resume has nothing to go on from");
+    throw Error(files.checkpoint.string() +
+                ": no such file; --resume needs the checkpoint of an interrupted run");
   return files;
 }
 
@@ -61,8 +62,8 @@ lab::TrainState first_state(const TrainArgs& args) {
   if (args.from.empty()) return state;
   planes::NetworkWeights from = planes::read_weights(args.from);
   if (!(from.config == options.network))
-    throw Error(fmt::format("{}: is not the network that is asked for, {} (--network)",
-                            args.from.string(), options.network.name));
+    throw Error(fmt::format("{}: different network; expected {} (--network)", args.from.string(),
+                            options.network.name));
   state.weights.tensors = std::move(from.tensors);
   return state;
 }
@@ -115,7 +116,7 @@ std::vector<planes::LabelAccuracy> scores(const TrainingData& data,
 void explain_epochs(const Session& session) {
   std::vector<std::string> sets;
   for (const lab::ValidationSet& set : session.data.validation) sets.push_back(set.name);
-  fmt::print(stderr, "edge: % of right labels within 2 cm of another label, on {}\n",
+  fmt::print(stderr, "edge: % of correct labels within 2 cm of a different label, on {}\n",
              fmt::join(sets, ", "));
 }
 
@@ -167,7 +168,7 @@ bool print_accuracy(const Session& session, const lab::TrainState& state) {
   if (!baseline.empty())
     others = scores(session.data, planes::read_weights(baseline), session.threads());
   bool ahead = false;
-  fmt::print("{:<18} {:>10} {:>10}{}\n", "right labels [%]", "near edges", "elsewhere",
+  fmt::print("{:<18} {:>10} {:>10}{}\n", "correct labels [%]", "near edges", "elsewhere",
              others.empty() ? "" : "   of " + baseline.string());
   for (std::size_t s = 0; s < own.size(); ++s) {
     const double edge = own[s].edge_percent(), inner = own[s].inner_percent();
@@ -187,12 +188,12 @@ bool print_accuracy(const Session& session, const lab::TrainState& state) {
 
 void check(const TrainArgs& args) {
   if (args.out.extension() != ".safetensors")
-    throw Error("train: -o '" + args.out.string() + "' is not the name of a .safetensors file");
+    throw Error("train: -o '" + args.out.string() + "'; expected a name that ends in .safetensors");
   expect_gravity(args.input.pipeline, "train");
   if (!args.synthetic && args.input.inputs.empty())
-    throw Error("train: --recipe recordings needs labeled recordings to learn from");
+    throw Error("train: --recipe recordings needs labeled recordings");
   if (args.input.label_dir && args.input.inputs.empty())
-    throw Error("train: --labels needs the recording that the labels are of");
+    throw Error("train: --labels needs the recording that the labels belong to");
 }
 
 /// Trains a classifier. On stop, leaves a checkpoint to resume from and throws Cancelled. Returns
@@ -214,15 +215,18 @@ int run_train(const TrainArgs& args, std::stop_token stop) {
   if (stop.stop_requested()) throw Cancelled();
 
   if (!state.epochs.empty() && state.epochs[0].validation.size() != session.data.validation.size())
-    throw Error(files.checkpoint.string() + ": is damaged: its epochs have other validation sets");
+    throw Error(files.checkpoint.string() +
+                ": is damaged: its epochs have different validation sets");
 
   explain_epochs(session);
   train(session, state, stop);
   const lab::TrainOptions& options = args.recipe.train;
   if (state.step < options.steps) {
     save(session, state);
-    fmt::print(stderr, "stopped at step {} of {}: the same command with --resume goes on from {}\n",
-               state.step, options.steps, files.checkpoint.string());
+    fmt::print(
+        stderr,
+        "stopped at step {} of {}; to continue from {}, run the same command with --resume\n",
+        state.step, options.steps, files.checkpoint.string());
     throw Cancelled();
   }
   state.weights.training = training_record(args, session.data, state, purpose);
@@ -240,7 +244,7 @@ void set_recipe(TrainArgs& args, const std::string& name) {
   const std::vector<std::string>& names = lab::recipe_names();
   args.synthetic = name != "recordings";
   if (args.synthetic && std::ranges::find(names, name) == names.end())
-    throw Error(fmt::format("recipe \"{}\" is not known, expected {} or recordings", name,
+    throw Error(fmt::format("unknown recipe \"{}\"; expected {} or recordings", name,
                             fmt::join(names, ", ")));
   args.recipe = lab::make_recipe(args.synthetic ? name : kDefaultRecipe);
   args.recipe.name = name;
@@ -255,7 +259,7 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
   add(command, "-o,--out", args->out, "FILE.safetensors", "Weights to write")->required();
   add_read(
       command, "--recipe", [args](const std::string& name) { set_recipe(*args, name); }, "NAME",
-      fmt::format("Training data: {}, or recordings, only the given ones (default {})",
+      fmt::format("Training data: {}, or recordings for the given ones only (default {})",
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
   add_read(
       command, "--from", [args](const std::string& file) { begin_with(*args, file); }, "FILE",
@@ -275,7 +279,7 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
   command->add_flag("--balance-classes", train.balance_classes,
                     "Give h and v equal weight in each cloud");
   command->add_flag("--resume", args->resume,
-                    "Resume from the checkpoint of FILE; the result is the same to the byte");
+                    "Resume from the checkpoint of FILE; the result is byte-identical");
   add_clouds(command, args->input.pipeline);
   runs(command, line, args, run_train, [args, needs_recording, &line] {
     args->command = line.text;
@@ -284,8 +288,8 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
       args->command.erase(at, kResume.size());
     if (needs_recording && args->input.inputs.empty())
       throw Error(
-          "train needs labeled recordings to learn from; on synthetic clouds alone: "
-          "planescope-lab train");
+          "train needs labeled recordings; to train on synthetic clouds only, use planescope-lab "
+          "train");
   });
 }
 
@@ -342,14 +346,14 @@ void add_recipe_limits(CLI::App* command, lab::TrainingRecipe& recipe, int* also
 void define_train(CLI::App& app, Line& line) {
   define(app, line,
          "Train the classifier on labeled recordings and synthetic clouds\n"
-         "Writes curves as .html beside FILE, and a .checkpoint until training is done.",
+         "Writes curves as .html next to FILE, and a .checkpoint until training is done.",
          /*needs_recording=*/true);
 }
 
 void define_recipe_train(CLI::App& app, Line& line) {
   define(app, line,
          "Train the classifier on synthetic clouds and labeled recordings\n"
-         "Writes curves as .html beside FILE, and a .checkpoint until training is done.",
+         "Writes curves as .html next to FILE, and a .checkpoint until training is done.",
          /*needs_recording=*/false);
 }
 

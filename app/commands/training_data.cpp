@@ -81,8 +81,8 @@ LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::st
   LabelledRecordings recordings = labelled_recordings(std::move(frames));
   if (recordings.frames.empty())
     throw Error(args.inputs[0].string() +
-                ": no labeled frame to learn from, expected label files beside it or in --labels "
-                "DIR, or a cloud's label field");
+                ": no labeled frames; expected label files next to it or in --labels DIR, or a "
+                "cloud's label field");
   return recordings;
 }
 

@@ -48,7 +48,7 @@ struct Listed {
 bool parse_held(const std::string& text) {
   if (text == "held-out") return true;
   if (text == "tuning") return false;
-  throw Error("HALF: '" + text + "' is unknown, expected tuning, held-out or -");
+  throw Error("HALF: '" + text + "' is unknown; expected tuning, held-out or -");
 }
 
 /// Parses lines of HALF RECORDING OPTIONS, which override the command line. Paths are relative to
@@ -58,7 +58,7 @@ std::vector<Listed> read_tune_list(const TuneArgs& args) {
                                                    "--gravity",  "--instance-field", "--labels",
                                                    "--max-range"};
   if (!args.input.inputs.empty())
-    throw Error("--list names the recordings: leave out " + args.input.inputs[0].string());
+    throw Error("--list names the recordings; remove " + args.input.inputs[0].string());
   const fs::path folder = fs::absolute(args.list).parent_path();
   std::vector<Listed> all;
   read_list(args.list, [&](std::istringstream& words) {
@@ -70,10 +70,12 @@ std::vector<Listed> read_tune_list(const TuneArgs& args) {
     listed.input.inputs = {folder / recording};
     if (listed.input.label_dir) listed.input.label_dir = folder / *listed.input.label_dir;
     if (!all.empty() && all[0].held.has_value() != listed.held.has_value())
-      throw Error("some lines name a half and others do not");
+      throw Error(
+          "some lines name a half and others use -; expected a half on all lines, or - on all "
+          "lines");
     all.push_back(std::move(listed));
   });
-  if (all.empty()) throw Error(args.list.string() + ": no recording");
+  if (all.empty()) throw Error(args.list.string() + ": lists no recordings");
   return all;
 }
 
@@ -120,8 +122,8 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
   if (frames.tuning.empty() || frames.held.empty())
     throw Error(
         fmt::format("tune: found {} labeled frames to tune on and {} to hold out; expected at "
-                    "least one of each: label frames with `planescope view`, or give the folder of "
-                    "their labels with --labels DIR",
+                    "least one of each; label frames with `planescope view`, or specify their "
+                    "label folder with --labels DIR",
                     frames.tuning.size(), frames.held.size()));
   return frames;
 }
@@ -278,8 +280,8 @@ void define_tune(CLI::App& app, Line& line) {
   add_out(tune, args->out)->required();
   add_json(tune, args->json);
   add(tune, "--list", args->list, "FILE",
-      "File that lists the recordings, a line of HALF RECORDING OPTIONS each. HALF is tuning, "
-      "held-out, or - to hold out frames as --hold-out says. Paths are relative to the file");
+      "File with one line per recording: HALF RECORDING OPTIONS. HALF is tuning, held-out, or - to "
+      "hold out frames according to --hold-out. Paths are relative to the file");
   add(tune, "--hold-out", args->hold_out, "N",
       "Hold out every N-th labeled frame from the search (default 2)")
       ->transform(whole(2));
@@ -288,7 +290,7 @@ void define_tune(CLI::App& app, Line& line) {
   add(tune, "--time", args->time_s, "SECONDS", "Time limit of the search (default: none)")
       ->check(number(0));
   add(tune, "--only", args->options, "NAME,...",
-      "Options to search (default: all of the method, docs/tuning.md)");
+      "Options to search (default: all options of the method, docs/tuning.md)");
   add_method(tune, args->input.pipeline);
   runs(tune, line, args, run_tune);
 }

@@ -61,13 +61,13 @@ State first_state(const ViewArgs& args, const Settings& settings) {
     }
   }
   if (document.recordings.empty() && args.open.empty())
-    open(find_asset("sample", "no recording was given, and the sample is"));
+    open(find_asset("sample", "no recording was specified, and the sample is"));
   if (!document.recordings.empty()) {
     document.recording = 0;
     const int count = document.current()->recording->frame_count();
     const std::vector<int> frames = sliced_frames(args.input.frames, count);
     if (frames.empty())
-      throw Error(fmt::format("{}: --frames selects none of its {} frames, numbered from 0",
+      throw Error(fmt::format("{}: --frames selects none of its {} frames (numbered from 0)",
                               document.current()->path.string(), count));
     document.frame = document.frame > 0 && document.frame < count ? document.frame : frames[0];
   }
@@ -88,7 +88,7 @@ void expect_folder_of(const std::filesystem::path& file) {
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
   if (!std::filesystem::is_directory(folder))
     throw Error(
-        fmt::format("{}: cannot be written, {} is not a folder", file.string(), folder.string()));
+        fmt::format("{}: cannot be written: {} is not a folder", file.string(), folder.string()));
 }
 
 /// Scripts to run once the window is open.
@@ -110,7 +110,7 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
     offscreen = std::make_unique<Offscreen>(std::move(state), args.width, args.height,
                                             static_cast<float>(args.scale));
   } catch (const Error& error) {
-    notice("the window cannot be drawn: {}", error.what());
+    notice("cannot draw the window: {}", error.what());
     return 3;
   }
   settle(offscreen->shell(), *offscreen, stop, /*background=*/false);
@@ -134,10 +134,8 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
     run_window(first_state(args, options.settings), options, stop);
   } catch (const NoDisplay& none) {
     notice(
-        "{}; without a display, `planescope report` and `planescope segment` "
-        "work, and `planescope view --screenshot FILE.png`, or --offscreen with a script, "
-        "draws this "
-        "window",
+        "{}; without a display, use `planescope report` or `planescope segment`, or draw this "
+        "window with `planescope view --screenshot FILE.png`, or with --offscreen and a script",
         none.what());
     return 3;
   }
@@ -175,7 +173,7 @@ State view_state(const ViewArgs& args) { return first_state(args, {}); }
 void define_view(CLI::App& app, Line& line) {
   CLI::App* view = app.add_subcommand(
       "view",
-      "Open the debugger, and with Ctrl+L the label editor\n"
+      "Open the debugger; Ctrl+L opens the label editor\n"
       "Step through the octree traversal and find out why a plane was found, merged or lost. "
       "Without a display, --screenshot renders the same window to a picture.");
   const auto args = std::make_shared<ViewArgs>();
@@ -189,14 +187,14 @@ void define_view(CLI::App& app, Line& line) {
     return add(view, name, value, type, help)->group(window);
   };
   option("--open", args->open, "FILE[#PLACE]",
-         "Open a saved session at one of its bookmarks, or a report.json at a decision: f12/p3 "
-         "made plane 3 of frame 12, f12/was3 lost plane 3 of the baseline. Begin with r2/ for the "
-         "report's second recording");
+         "Open a saved session at a bookmark, or a report.json at a decision: f12/p3 for the one "
+         "that created plane 3 of frame 12, f12/was3 for the one that lost plane 3 of the "
+         "baseline. Start with r2/ for the second recording of the report");
   option("--baseline", args->baseline, "FILE",
          "Baseline of the opened report, whose options become run A (default: the one that the "
          "report names)");
   option("--compare", args->compare, "NAME|FILE",
-         "Profile to compare with: run B, beside the current options as run A");
+         "Profile to compare with: it becomes run B, the current options run A");
   option("--script", args->script, "FILE.json",
          "Script of actions and input to run first (docs/desktop.md)");
   option("--screenshot", args->screenshot, "FILE.png", "Render the window to a picture and exit");
@@ -220,15 +218,15 @@ void define_view(CLI::App& app, Line& line) {
     }
     if (!args->screenshot.empty() && args->screenshot.extension() != ".png")
       throw Error("--screenshot " + args->screenshot.string() +
-                  ": expected a name that ends in .png");
+                  "; expected a name that ends in .png");
     planes::PipelineOptions ignored;
     if (!args->compare.empty()) planes::set_profile(ignored, args->compare);  // throws if invalid
     if (args->open.empty() && !args->baseline.empty())
-      throw Error("--baseline: is of a report, give --open REPORT.json");
+      throw Error("--baseline needs --open REPORT.json");
     if (!args->open.empty() && method_typed(*view))
       throw Error(
-          "--open brings the options of the session or report: leave out --profile, --set and "
-          "such");
+          "--open uses the options of the session or report; remove --profile, --set and other "
+          "method options");
   });
 }
 

@@ -97,8 +97,8 @@ class Player {
     std::vector<std::string> names;
     for (const auto& [known, rect] : shell_.widgets()) names.push_back(known);
     const std::string near = nearest_name(name, names);
-    throw Error("widget '" + name + "' is not shown now" +
-                (near.empty() ? std::string() : ", did you mean '" + near + "'?"));
+    throw Error("widget '" + name + "' is not visible" +
+                (near.empty() ? std::string() : "; did you mean '" + near + "'?"));
   }
   void push(const InputEvent& event) { shell_.input().push(event); }
   void move_to(ImVec2 at) {
@@ -172,7 +172,7 @@ class Player {
         rest = rest.substr(modifier.size() + 1);
       }
     const auto last = key_of_name(rest);
-    if (!last) throw Error("key '" + name + "' does not exist");
+    if (!last) throw Error("unknown key '" + name + "'");
     keys.push_back(*last);
     for (const Key one : keys) key(one, true);
     for (auto one = keys.rbegin(); one != keys.rend(); ++one) key(*one, false);
@@ -190,7 +190,7 @@ class Player {
   }
   std::string trace() const {
     const State& state = shell_.state();
-    if (!state.run()) throw Error("there is no run whose trace could be written");
+    if (!state.run()) throw Error("no run is available to write a trace of");
     const bool beside = state.results.pinned && state.run() != state.results.pinned->run.get();
     return debug::trace_text(*state.run(), beside ? state.results.pinned->run.get() : nullptr);
   }
@@ -207,7 +207,7 @@ class Player {
   void compare(const Json& facts) const {
     const Json now = state_facts(shell_.state(), shell_.idle());
     for (const auto& [name, value] : facts.items()) {
-      if (!now.contains(name)) throw Error("expect: there is no fact '" + name + "'");
+      if (!now.contains(name)) throw Error("expect: unknown fact '" + name + "'");
       // Compare only the given keys of an object.
       Json found = now.at(name);
       if (name == "view" && value.is_object()) {
@@ -266,7 +266,7 @@ void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {
 Script Script::read(const fs::path& path) {
   auto json = read_json<Json>(path);
   if (!json.is_object() || !json.contains("actions") || !json.at("actions").is_array())
-    throw Error(path.string() + R"(: is no script, expected {"actions": [...]})");
+    throw Error(path.string() + R"(: not a script; expected {"actions": [...]})");
   Script script;
   script.path_ = path;
   script.actions_ = std::make_shared<const Json>(std::move(json.at("actions")));
@@ -292,7 +292,7 @@ void Script::play(Shell& shell, Stage& stage, std::stop_token stop) const {
       shell.forget_nothing_done();
       player.play(step);
       if (shell.state().view.did_nothing)
-        fmt::print(stderr, "{}: nothing was done: {}\n", where(), shell.state().view.message);
+        fmt::print(stderr, "{}: had no effect: {}\n", where(), shell.state().view.message);
     } catch (const Json::exception& error) {
       throw Error(where() + ": " + json_problem(error));
     } catch (const ExpectationFailed& error) {

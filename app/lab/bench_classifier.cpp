@@ -42,7 +42,7 @@ struct Contender {
 
 Contender load(const std::string& weights) {
   if (weights == "pca" || weights == "truth")
-    throw Error("--weights: '" + weights + "' is not a network, expected gcn or a weights file");
+    throw Error("--weights: '" + weights + "' is not a network; expected gcn or a weights file");
   const fs::path file =
       weights == "gcn" ? find_asset("classifier.safetensors", "the weights of classifier gcn are")
                        : fs::path(weights);

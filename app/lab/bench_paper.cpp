@@ -67,8 +67,9 @@ class CellLog {
     std::string text = identity.dump() + "\n";
     if (fs::exists(file_)) {
       if (!resume)
-        throw Error(dir.string() +
-                    ": holds a run that is not done, go on with it by --resume or give another -o");
+        throw Error(
+            dir.string() +
+            ": contains an unfinished run; continue it with --resume, or use a different -o");
       std::ifstream in = open_to_read(file_);
       int number = 0;
       // Drop an incomplete last line.
@@ -79,7 +80,8 @@ class CellLog {
           check_same_run(json, identity);
           continue;
         }
-        if (!json.is_object() || !json.contains("key")) throw Error(where + ": is no cell");
+        if (!json.is_object() || !json.contains("key"))
+          throw Error(where + ": not a cell; expected an object with a key");
         lines_[json["key"].dump()] = line + '\n';
         text += line + '\n';
       }
@@ -98,7 +100,7 @@ class CellLog {
                    lab::with_metrics({{"key", key}, {"frames", cell.frames}}, cell.metrics)));
     }
     file.flush();
-    if (!file) throw Error(file_.string() + ": not all of it could be written (disk full?)");
+    if (!file) throw Error(file_.string() + ": could not be written completely (disk full?)");
   }
   /// Deletes the file once the results are written elsewhere.
   void remove() {
@@ -120,7 +122,7 @@ class CellLog {
     for (const auto& [name, value] : expected.items())
       if (const Json other = found.is_object() ? found.value(name, Json()) : Json(); other != value)
         throw Error(fmt::format(
-            "{}: is of a run with {} {}, expected {}; give another -o, or remove the file",
+            "{}: belongs to a run with {} {}; expected {}; use a different -o, or delete the file",
             file_.string(), name, other.dump(), value.dump()));
   }
 
@@ -245,7 +247,7 @@ class PaperRun {
     planes::ChosenClassifier chosen = choose_classifier(options);
     if (!chosen.weights)
       throw Error("--weights: '" + args_.weights +
-                  "' is not a network, expected gcn or a weights file");
+                  "' is not a network; expected gcn or a weights file");
     weights_ = *chosen.weights;
     tools_.gcn = std::move(chosen.classifier);
     tools_.pca = planes::make_pca_classifier(options.pca);
@@ -347,7 +349,7 @@ std::vector<PaperRecording> listed_recordings(const fs::path& list, const fs::pa
   std::vector<PaperRecording> recordings;
   read_list(list, [&](std::istringstream& words) {
     std::string name, path;
-    if (!(words >> name >> path)) throw Error("a name without a path");
+    if (!(words >> name >> path)) throw Error("name without a path; expected NAME PATH OPTIONS");
     PaperRecording recording{name, {}};
     set_listed_options(recording.input, words, options);
     recording.input.inputs = {data / path};

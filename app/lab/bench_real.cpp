@@ -166,7 +166,7 @@ int run_bench_real(const BenchRealArgs& args, std::stop_token stop) {
 lab::Half parse_half(const std::string& text) {
   for (const lab::Half half : {lab::Half::tuning, lab::Half::printed})
     if (text == lab::to_string(half)) return half;
-  throw Error("'" + text + "' is not a half, expected tuning or printed");
+  throw Error("'" + text + "' is not a half; expected tuning or printed");
 }
 
 lab::ListedFrame listed_frame(std::istringstream& words) {
@@ -179,7 +179,7 @@ lab::ListedFrame listed_frame(std::istringstream& words) {
     throw Error("expected NAME HALF RECORDING FRAME OPTIONS");
   name.half = parse_half(half);
   name.frame = parse_integer(frame, "FRAME");
-  if (name.frame < 0) throw Error("FRAME: " + frame + " is out of range, expected at least 0");
+  if (name.frame < 0) throw Error("FRAME: " + frame + " is out of range; expected at least 0");
   InputArgs input;
   set_listed_options(input, words, options);
   listed.reading = {input.recording, input.pipeline.gravity, input.pipeline.cloud.max_range_m};
@@ -194,12 +194,12 @@ std::vector<lab::ListedFrame> labelled_list(const fs::path& list, std::optional<
     lab::ListedFrame listed = listed_frame(words);
     if (std::ranges::any_of(
             frames, [&](const lab::ListedFrame& f) { return f.name.name == listed.name.name; }))
-      throw Error(listed.name.name + " is there twice");
+      throw Error(listed.name.name + " appears twice");
     frames.push_back(std::move(listed));
   });
   if (half) std::erase_if(frames, [&](const lab::ListedFrame& f) { return f.name.half != *half; });
   if (frames.empty())
-    throw Error(list.string() + ": no frame" +
+    throw Error(list.string() + ": lists no frames" +
                 (half ? fmt::format(" of half {}", lab::to_string(*half)) : ""));
   return frames;
 }
@@ -225,7 +225,7 @@ void finish(BenchRealArgs& args, const CLI::App& typed) {
   }
   for (const std::uint64_t seed : args.seeds)
     if (std::ranges::count(args.seeds, seed) > 1)
-      throw Error(fmt::format("--seeds: {} is there twice", seed));
+      throw Error(fmt::format("--seeds: {} appears twice", seed));
   args.same_command = "planescope-lab bench real";
   if (!args.frames_list.empty())
     args.same_command += " --frames-list " + args.frames_list.filename().string();
@@ -235,18 +235,18 @@ void finish(BenchRealArgs& args, const CLI::App& typed) {
 }  // namespace
 
 void define_bench_real(CLI::App* bench, Line& line) {
-  CLI::App* real = bench->add_subcommand(
-      "real",
-      "Score every method by pixel\n"
-      "Measures on labeled frames of real recordings, on depth sets of many seeds, and from frame "
-      "to frame of a recording. -o writes real.jsonl.");
+  CLI::App* real =
+      bench->add_subcommand("real",
+                            "Score every method per pixel\n"
+                            "Measures on labeled frames of real recordings, on depth sets of many "
+                            "seeds, and from frame to frame of a recording. -o writes real.jsonl.");
   const auto args = std::make_shared<BenchRealArgs>();
   add(real, "--frames-list", args->frames_list, "FILE",
-      "File that lists the labeled frames, a line of NAME HALF RECORDING FRAME OPTIONS each; "
-      "OPTIONS are --intrinsics, --depth-unit, --gravity and --max-range");
+      "File with one line per labeled frame: NAME HALF RECORDING FRAME OPTIONS; OPTIONS are "
+      "--intrinsics, --depth-unit, --gravity and --max-range");
   add(real, "--data", args->data, "DIR", "Folder of the recordings (default $PLANESCOPE_DATA)");
   add(real, "--labels", args->labels, "DIR",
-      "Folder with a folder NAME of labels for each listed frame");
+      "Folder with a label folder NAME for each listed frame");
   add_out(real, args->out);
   add_parts(real, args->parts, kRealParts,
             fmt::format("Parts to measure: {} (default: all)", fmt::join(kRealParts, ", ")));

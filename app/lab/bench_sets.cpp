@@ -173,7 +173,7 @@ void define_bench_map(CLI::App* bench, Line& line) {
   runs(map, line, args, run_bench_map, [args, &line] {
     args->command = line.text;
     if (args->maps.empty() != args->cuboids.empty())
-      throw Error("bench map: MAP and --cuboids go together");
+      throw Error("bench map: MAP and --cuboids must be used together");
     expect_gravity(args->bench.pipeline, "bench map");
     expect_ours(args->bench.pipeline, "bench map");
   });

@@ -42,7 +42,7 @@ class ScratchFolder {
  public:
   ScratchFolder() {
     std::string name = (fs::temp_directory_path() / "planescope-lab.XXXXXX").string();
-    if (!mkdtemp(name.data())) throw Error(name + ": cannot be made: " + std::strerror(errno));
+    if (!mkdtemp(name.data())) throw Error(name + ": cannot be created: " + std::strerror(errno));
     path_ = name;
   }
   ~ScratchFolder() {
@@ -81,7 +81,7 @@ std::shared_ptr<OpenSubject> read_subject(OpenInput input, const planes::Pipelin
     try {
       const Gravity gravity = planes::resolve_gravity(frame, options.gravity);
       const planes::Cloud cloud = planes::make_cloud(frame, gravity, options.cloud);
-      if (cloud.counts.kept == 0) throw Error("nothing of it is within range");
+      if (cloud.counts.kept == 0) throw Error("no points are within range");
     } catch (const Error& error) {
       refusal = fmt::format("{}, frame {}: {}", open->input.path.string(), number, error.what());
       continue;
@@ -138,7 +138,7 @@ class SpeedRun {
     planes::ChosenClassifier chosen = planes::make_classifier(options, file);
     if (!chosen.weights)
       throw Error("--weights: '" + args_.weights +
-                  "' is not a network, expected gcn or a weights file");
+                  "' is not a network; expected gcn or a weights file");
     weights_ = *chosen.weights;
     tools_.gcn = std::move(chosen.classifier);
     tools_.network = planes::read_weights(file).config;
@@ -160,7 +160,7 @@ class SpeedRun {
     const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "planescope";
     if (!fs::exists(program))
       throw Error("part start: " + program.string() +
-                  " is missing, expected it beside this program");
+                  " is missing; expected it next to this program");
     commands_ = {{"planescope --version", {program.string(), "--version"}}};
     scratch_.emplace();
     for (const auto& open : subjects_) {
@@ -275,7 +275,7 @@ void define_bench_speed(CLI::App* bench, Line& line) {
   planes::PipelineOptions& pipeline = args->input.pipeline;
   add_inputs(speed, args->input,
              io::recordings_text(true) +
-                 "; times ten frames of each at most (default: the synthetic set depth_stairs)");
+                 "; times at most ten frames of each (default: the synthetic set depth_stairs)");
   speed->remove_option(speed->get_option("--labels"));
   add_of_method(speed, pipeline, "--gravity", "auto|X,Y,Z|imu|estimate",
                 "Gravity direction in the sensor's frame (default auto)");

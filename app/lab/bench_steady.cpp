@@ -65,7 +65,7 @@ int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
   depth_only.recording.color = false;
   const std::vector<OpenInput> inputs = open_inputs(depth_only);
   if (inputs.size() > 1 && !args.poses.empty() && args.poses != "none")
-    throw Error(fmt::format("--poses: belongs to one recording, found {}", inputs.size()));
+    throw Error(fmt::format("--poses: {} recordings; expected one", inputs.size()));
   std::vector<lab::FramePoses> poses;
   for (const OpenInput& input : inputs)
     poses.push_back(args.parts.contains(lab::SteadyPart::next) ? read_poses(input, args.poses)
@@ -96,7 +96,7 @@ int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
     job.stop = stop;
     const lab::SteadyScores scores = lab::measure_steady(job);
     for (const std::string& line : scores.refused)
-      notice("left out: {}, {}", inputs[i].path.string(), line);
+      notice("skipped: {}, {}", inputs[i].path.string(), line);
     lines.add(
         "recording",
         {{"recording", names[i]}, {"poses", !job.poses.empty()}, {"refused", scores.refused}});
@@ -162,9 +162,10 @@ void finish(BenchSteadyArgs& args, const CLI::App& typed) {
       args.parts.insert(part);
   }
   if (!knows_gravity && args.parts.contains(lab::SteadyPart::gravity))
-    throw Error("--only gravity: turns gravity, which --gravity none leaves unknown");
+    throw Error("--only gravity rotates gravity; it cannot be combined with --gravity none");
   if (pipeline.classifier == "truth")
-    throw Error("--classifier truth: bench steady does not take it; it needs labels of each frame");
+    throw Error(
+        "--classifier truth: not supported by bench steady; it needs labels for every frame");
   args.methods = methods_to_measure(typed, pipeline);
   args.same_command = "planescope-lab bench steady";
   for (const fs::path& path : args.input.inputs)

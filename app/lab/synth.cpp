@@ -87,7 +87,7 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
     write_file_text(told, lab::true_stairs_json(args.set.name, stairs, kNearM));
     truth += " and " + told.string();
   }
-  fmt::print("{}: {} frames of {}, their ground truth in {}\n", args.out.string(), args.count,
+  fmt::print("{}: {} frames of {}, ground truth in {}\n", args.out.string(), args.count,
              args.set.name, truth);
   return 0;
 }
@@ -95,9 +95,9 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
 /// Applies the typed options; throws Error if one does not fit the set.
 void set_options(SynthSetArgs& args) {
   if (args.set.depth && (args.points || args.noise_m))
-    throw Error("--points, --noise: " + args.set.name + " has depth images, expected --errors");
+    throw Error("--points, --noise: " + args.set.name + " has depth images; expected --errors");
   if (!args.set.depth && args.errors)
-    throw Error("--errors: " + args.set.name + " has clouds, expected --points or --noise");
+    throw Error("--errors: " + args.set.name + " has clouds; expected --points or --noise");
   if (args.count == 0) args.count = args.set.frames;
   args.options.points = args.points.value_or(args.options.points);
   args.options.noise_m = args.noise_m.value_or(args.options.noise_m);
@@ -233,11 +233,11 @@ void define_training(CLI::App* synth, Line& line) {
   add_read(
       command, "--recipe",
       [args](const std::string& name) { args->recipe = lab::make_recipe(name); }, "NAME",
-      fmt::format("Recipe: {} (default {}: the paper's shapes, and scans of scenes of them)",
+      fmt::format("Recipe: {} (default {}: the paper's shapes, and scans of scenes made of them)",
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
   add_recipe_limits(command, args->recipe);
   command->add_flag("--augmented", args->augmented,
-                    "Add noise, rotations and holes as a training step does");
+                    "Add noise, rotations and holes, as in training");
   add_threads(command, args->threads);
   runs(command, line, args, run_synth_training);
 }

@@ -55,7 +55,7 @@ def buffer(values: Any, what: str, expected: str) -> Any:
     try:
         return _doubles(values) if np is None else np.asarray(values)
     except (TypeError, ValueError):
-        raise Error(f"{what}: it is a {type(values).__name__}, expected {expected}") from None
+        raise Error(f"{what}: a {type(values).__name__}; expected {expected}") from None
 
 
 def numbers(values: Any, what: str, expected: str, *shapes: tuple[int, ...]) -> Any:
@@ -72,9 +72,9 @@ def numbers(values: Any, what: str, expected: str, *shapes: tuple[int, ...]) -> 
     except (TypeError, ValueError):
         shown = " ".join(repr(values).split())
         shown = shown if len(shown) <= 80 else shown[:80] + "..."
-        raise Error(f"{what}: it is {shown}, expected {expected}") from None
+        raise Error(f"{what}: {shown}; expected {expected}") from None
     if shape not in (shapes or ((),)):
-        raise Error(f"{what}: it has shape {shape}, expected {expected}")
+        raise Error(f"{what}: shape {shape}; expected {expected}")
     return nested
 
 
@@ -91,7 +91,7 @@ def _plain(values: Any) -> Any:
     if isinstance(values, Sequence) and not isinstance(values, (str, bytes)):
         return [_plain(value) for value in values]
     if isinstance(values, (str, bytes, bool)):
-        raise ValueError("no number")
+        raise ValueError("not a number")
     return float(values)
 
 

@@ -42,7 +42,7 @@ def intrinsics(k: Any) -> tuple[float, float, float, float]:
     if len(k) == 4:
         return k[0], k[1], k[2], k[3]
     if k[0][1] or k[1][0] or k[2] != [0, 0, 1]:
-        raise Error(f"K: it is {k}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
+        raise Error(f"K: {k}; expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
     return k[0][0], k[1][1], k[0][2], k[1][2]
 
 
@@ -327,7 +327,7 @@ class Recording(Sequence):  # type: ignore[type-arg]
             return [self[k] for k in range(*i.indices(len(self)))]
         k = i + len(self) if i < 0 else i
         if not 0 <= k < len(self):
-            raise IndexError(f"frame {i} of a recording of {len(self)}")
+            raise IndexError(f"frame {i} is out of range; the recording has {len(self)} frames")
         return Frame._of(self._core.frame(k))
 
     def __iter__(self) -> Iterator[Frame]:

@@ -158,7 +158,7 @@ def make_map(
         >>> floors = [plane for plane in made.planes if plane.label == "h"]
     """
     if not isinstance(recording, Recording):
-        raise Error(f"recording: {type(recording).__name__}, expected a planescope.Recording")
+        raise Error(f"recording: a {type(recording).__name__}; expected a planescope.Recording")
     chosen: Sequence[int] = range(len(recording))
     if frames is not None:
         try:
@@ -166,16 +166,16 @@ def make_map(
         except TypeError:
             chosen = []
         if not chosen:
-            raise Error(f"frames: {frames!r}, expected whole numbers, at least one")
+            raise Error(f"frames: {frames!r}; expected at least one whole number")
     file, by_frame = b"", {}
     if isinstance(poses, (str, os.PathLike)):
         file = os.fsencode(poses)
         if not file:
-            raise Error("poses: '', expected a file")
+            raise Error("poses: ''; expected a file")
     elif isinstance(poses, Mapping):
         by_frame = {int(k): transform(pose, f"pose of frame {k}") for k, pose in poses.items()}
         if not by_frame:
-            raise Error("poses: there are none, expected one for each frame")
+            raise Error("poses: none; expected one for each frame")
     elif poses is not None:
         expected = f"({len(chosen)}, 4, 4), a pose for each frame"
         rows = numbers(poses, "poses", expected, (len(chosen), 4, 4))
@@ -253,7 +253,7 @@ class Mapper:
             True
         """
         if not isinstance(frame, Frame):
-            raise Error(f"frame: it is a {type(frame).__name__}, expected a planescope.Frame")
+            raise Error(f"frame: a {type(frame).__name__}; expected a planescope.Frame")
         core, tracks, T, set_aside = self._core.add(frame._core, transform(pose, "pose"))
         return MappedFrame(Result(core), tracks, view(T), set_aside)
 

@@ -147,7 +147,7 @@ class Result(_Pair):
             return view(vertices), view(triangles)
         meshes: list[Any] = self._parts["meshes"]
         if not 1 <= id <= len(meshes):
-            raise Error(f"plane {id}: there are planes 1 to {len(meshes)}")
+            raise Error(f"plane {id} is out of range; expected 1 to {len(meshes)}")
         return meshes[id - 1]  # type: ignore[no-any-return]
 
     def json(self) -> str:
@@ -182,7 +182,7 @@ class Result(_Pair):
             return str(self._core.text(format))
         texts: dict[str, str] = self._parts["texts"]
         if format not in texts:
-            raise Error(f"format '{format}': expected one of {', '.join(texts)}")
+            raise Error(f"unknown format '{format}'; expected one of {', '.join(texts)}")
         return texts[format]
 
     def table(self) -> str:
@@ -387,7 +387,7 @@ class Trace:
                     raise ValueError
                 index = index * size + int(k)
         except (TypeError, ValueError):
-            raise Error(f"at: it is {at!r}, expected a place in {shape}") from None
+            raise Error(f"at: {at!r}; expected a pixel or point in shape {shape}") from None
         return self._core.plane_at(step, index)
 
     def id_of(self, plane: int) -> int:

@@ -77,7 +77,7 @@ class Segmenter:
             if threads != int(threads) or not 1 <= threads < 2**31:
                 raise ValueError
         except (TypeError, ValueError):
-            raise Error(f"threads: {threads!r}, expected 1 or more") from None
+            raise Error(f"threads: {threads!r}; expected 1 or more") from None
         self._core: Any = _core.Segmenter(core, int(threads))
 
     def __call__(
@@ -129,7 +129,7 @@ class Segmenter:
             frame = depth
         else:
             if K is None:
-                raise Error("K: missing, expected a 3x3 matrix or fx, fy, cx, cy")
+                raise Error("K: missing; expected a 3x3 matrix or fx, fy, cx, cy")
             frame = Frame(
                 depth,
                 K,
@@ -235,7 +235,7 @@ def _segmenter_of(profile: str, threads: int, options: Any) -> Segmenter:
 
 def _core_of(frame: Any) -> Any:
     if not isinstance(frame, Frame):
-        raise Error(f"frame: it is a {type(frame).__name__}, expected a planescope.Frame")
+        raise Error(f"frame: a {type(frame).__name__}; expected a planescope.Frame")
     return frame._core
 
 

@@ -64,7 +64,7 @@ def overlay(result: Result, ax: Axes | None = None, *, alpha: float = 0.5) -> Ax
     frame = result.frame
     depth = frame.depth
     if depth is None:
-        raise Error("overlay: the result is of a cloud, expected a depth image; use scene()")
+        raise Error("overlay: the result belongs to a cloud; expected a depth image; use scene()")
     axes: Any = pyplot.subplots()[1] if ax is None else ax
     if frame.color is not None and frame.color_is_aligned:
         axes.imshow(frame.color)

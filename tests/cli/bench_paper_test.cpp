@@ -116,7 +116,7 @@ TEST(BenchPaper, ResultsAreTheSameForAnyThreadCountAndAfterAnInterruption) {
   write_text(dir / "cut/cells.jsonl", identity.dump() + '\n');
   const Ran other = bench(dir / "cut", and_more(args, {"--resume"}));
   EXPECT_EQ(other.code, 2);
-  EXPECT_NE(other.err.find("seed 2, expected 1"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("seed 2; expected 1"), std::string::npos) << other.err;
 }
 
 TEST(BenchPaper, TimesRecordingsAndCountsFramesWithoutGravity) {

@@ -180,7 +180,7 @@ TEST(BenchSteady, RejectsBadInputInOneLine) {
       {{rec, "--classifier", "truth"}, "--classifier truth"},
       {{rec, "--turns", "0"}, "--turns"},
       {{rec, "--poses", (dir / "poses.tum").string()}, "1 pose; expected 2, one for each frame"},
-      {{rec, rec, "--poses", (dir / "poses.tum").string()}, "belongs to one recording"},
+      {{rec, rec, "--poses", (dir / "poses.tum").string()}, "2 recordings; expected one"},
       {{rec, "--frames", "1", "--only", "next"}, "nothing to measure"}};
   for (const auto& [args, part] : bad) {
     std::vector<std::string> all = {"planescope-lab", "bench", "steady", "-o", out};

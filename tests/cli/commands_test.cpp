@@ -60,7 +60,7 @@ TEST(Info, ShowsAllItCanWithoutIntrinsics) {
   EXPECT_EQ(info["intrinsics"], nullptr);
   EXPECT_EQ(info["gravity"], nullptr);
   const Ran text = run({"info", dir / "rec"});
-  EXPECT_TRUE(has(text.out, "not known; specify them with --intrinsics"));
+  EXPECT_TRUE(has(text.out, "them with --intrinsics"));
   EXPECT_EQ(run({"segment", dir / "rec", "-o", dir / "out"}).code, 2);
 }
 

@@ -85,7 +85,7 @@ TEST_F(Labels, CheckDistinguishesDamagedFilesFromFindings) {
   const Ran ran = labels_of("check", {own});
   EXPECT_EQ(ran.code, 2);
   for (const char* part : {"000000.plane.png", "000001.hv.png", "000002.json",
-                           "labels of frame 7, the recording has 3", "4 damaged"})
+                           "labels for frame 7, but the recording has 3", "4 damaged"})
     EXPECT_TRUE(has(ran.out, part)) << part << "\n" << ran.out;
 }
 
@@ -109,7 +109,7 @@ TEST_F(Labels, CheckAndExportUseTheLabelsCameraIfTheRecordingHasNone) {
 TEST_F(Labels, CheckWithoutTheRecordingReportsSkippedChecks) {
   fs::rename(own, dir / "alone.labels");
   const Ran ran = well(labels_of("check", {dir / "alone.labels"}));
-  EXPECT_TRUE(has(ran.out, "no recording found, give --recording"));
+  EXPECT_TRUE(has(ran.out, "no recording found; use --recording"));
 }
 
 TEST_F(Labels, ExportedLabelsCanBeImported) {
@@ -203,7 +203,7 @@ TEST_F(Labels, CocoIsReadFromOneFileOrFromAFilePerFrame) {
   EXPECT_EQ(Json::parse(scored.out)["mean"]["mean_iou"], 100);
   expect_refused(labels_of("import", {rec, "--format", "coco", "--from", out, "--frames", "2",
                                       "--labels", dir / "none", "--gravity", "0,1,0"}),
-                 "no image of any of the frames, expected names such as 000002.png");
+                 "no image matches a frame; expected names such as 000002.png");
 }
 
 TEST_F(Labels, AnImportCanBeUndone) {
@@ -260,8 +260,8 @@ TEST_F(Labels, ExportsStayOutOfTheRecordingAndOfTheLabels) {
     return labels_of("export", {rec, "--format", "coco", "-o", out, "--frames", frames});
   };
   expect_refused(export_to(rec / "out"), "inside the recording");
-  expect_refused(export_to(own), "the folder of the labels themselves");
-  expect_refused(export_to(dir / "out", "2"), "no labels of the frames");
+  expect_refused(export_to(own), "is the label folder itself");
+  expect_refused(export_to(dir / "out", "2"), "no labels for the requested frames");
   expect_refused(labels_of("export", {rec, "--format", "coco"}), "-o DIR");
   EXPECT_FALSE(fs::exists(dir / "out"));
   well(labels_of("export", {rec, "--format", "voxels", "-o", dir / "out", "--voxel", "0.05"}));
@@ -314,7 +314,7 @@ TEST_F(Labels, CompareReportsTheAgreementOfTwoAnnotators) {
 
   other.depth_sha256 = std::string(64, 'f');
   labels::write_frame_labels(ann, 1, other);
-  expect_refused(compare({}), "made for different depth images");
+  expect_refused(compare({}), "created for different depth images");
   expect_refused(labels_of("compare", {own}), "expected two");
 }
 
@@ -337,7 +337,7 @@ TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   const Ran text = well(labels_of("stats", {own}));
   EXPECT_TRUE(has(text.out, "without labels: 1: 2\n  not reviewed: 1: 1\n"));
   EXPECT_TRUE(has(text.out, "sum"));
-  expect_refused(labels_of("stats", {dir / "rec/depth", "--labels", dir}), "no labels in it");
+  expect_refused(labels_of("stats", {dir / "rec/depth", "--labels", dir}), "contains no labels");
 }
 
 TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
@@ -381,7 +381,8 @@ TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndReportMissingFrames) {
   const std::string kitti = (dir / "kitti").string();
   const Ran exported = well(run({"eval", rec, "--frames", "0", "--json", "--prediction", kitti}));
   EXPECT_EQ(Json::parse(exported.out)["mean"]["point_accuracy"], 100);
-  expect_refused(run({"eval", rec, "--frames", "1", "--prediction", kitti}), "nothing of frame 1");
+  expect_refused(run({"eval", rec, "--frames", "1", "--prediction", kitti}),
+                 "no planes for frame 1");
 }
 
 TEST_F(Labels, OfAKilledWindowAreReportedAsUnsaved) {
@@ -462,8 +463,9 @@ TEST_F(CloudLabels, ScoreTheMethodAndOtherSegmentations) {
 
 TEST_F(CloudLabels, ImageFormatsAreRejectedAndNothingIsWritten) {
   const fs::path out = dir / "coco";
-  expect_refused(labels_of("export", {rec, "--format", "coco", "-o", out}),
-                 "stairs.ply, frame 0: coco is for images, this is a cloud: expected --format");
+  expect_refused(
+      labels_of("export", {rec, "--format", "coco", "-o", out}),
+      "stairs.ply, frame 0: format coco is for images, but this is a cloud; expected --format");
   EXPECT_FALSE(fs::exists(out));
 }
 

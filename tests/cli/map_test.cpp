@@ -161,7 +161,7 @@ TEST_F(Map, OfShardsEqualsTheMapOfOneRun) {
   write_file_text(part, "damaged");
   expect_refused(refusal({}), "000007.cbor: damaged");
   fs::copy_file(part.parent_path() / "000008.cbor", part, fs::copy_options::overwrite_existing);
-  expect_refused(refusal({}), "000007.cbor: holds frame 8, expected frame 7");
+  expect_refused(refusal({}), "000007.cbor: contains frame 8; expected frame 7");
   fs::remove(part);
   expect_refused(refusal({}), "000007.cbor: is missing");
 }
@@ -203,7 +203,7 @@ TEST_F(Map, ProvidesTracksToSegment) {
   };
   const Ran ran = segment({"--frames", "8:"});
   EXPECT_EQ(ran.code, 2) << "a frame is missing";
-  EXPECT_TRUE(has(ran.err, "refused: frame 10: is not in the map "));
+  EXPECT_TRUE(has(ran.err, "rejected: frame 10: not in the map "));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   for (const int frame : {8, 9}) {
     const fs::path folder = dir / "planes" / "frames" / fmt::format("{:06}", frame);
@@ -336,7 +336,7 @@ TEST_F(Map, UsesPoseIForFrameIWithoutTimes) {
 
 TEST_F(Map, DoesNotReplaceTheUsersFiles) {
   const auto refusal = [&](const fs::path& out) { return run({"map", walk, "-o", out}); };
-  expect_refused(refusal(walk), "walk: is the recording; expected another folder");
+  expect_refused(refusal(walk), "walk: is the recording; expected a different folder");
   fs::create_directories(dir / "mine");
   write_file_text(dir / "mine" / "poses.tum", "measured by hand");
   expect_refused(refusal(dir / "mine"), "mine: has a poses.tum but no map.json");
@@ -366,7 +366,7 @@ TEST_F(Map, WithItsOwnGravityProvidesTheSamePlanesToSegment) {
   well(map(gravity));
   const Ran ran = well(run(
       {"segment", walk, "-o", dir / "planes", "--map", dir / "out", "--gravity", "0,0.85,0.53"}));
-  EXPECT_FALSE(has(ran.err, "refused"));
+  EXPECT_FALSE(has(ran.err, "rejected"));
 }
 
 TEST_F(Map, OfAReportShowsTracksOfEachFrame) {

@@ -83,7 +83,7 @@ TEST(ReportGuard, NewProblemsAreReportedAndADamagedFrameEndsWith2) {
   };
   EXPECT_TRUE(has(well(report({"--approve"})).err, "warning: frame 2: "));
   const Ran same = well(report({}));
-  EXPECT_TRUE(has(same.err, "1 frame is refused as in the baseline"));
+  EXPECT_TRUE(has(same.err, "1 frame is rejected, as in the baseline"));
   EXPECT_TRUE(has(read_text(dir / "out/junit.xml"), "errors=\"0\" skipped=\"1\""));
 
   std::filesystem::resize_file(depth / "000001.png", 200);

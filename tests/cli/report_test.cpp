@@ -219,7 +219,7 @@ TEST(Report, WithoutPicturesSaysSoAndMakesNoFolderForThem) {
   EXPECT_FALSE(std::filesystem::exists(dir / "out" / "frames" / "000000" / "pictures"));
   const Ran again =
       run(report_args({dir / "rec"}, dir / "out", {"--no-pictures", "--resume", "--json"}));
-  EXPECT_TRUE(has(again.err, "1 of 1 frames were finished before"));
+  EXPECT_TRUE(has(again.err, "1 of 1 frames were already finished"));
 }
 
 TEST(Report, PicturesThatGlFailsToDrawAreOmitted) {
@@ -340,7 +340,7 @@ TEST(Report, ShardsJoinToTheReportOfOneRun) {
   well(run(report_args(inputs, dir / "2",
                        {"--gravity", "0,1,0", "--shard", "2/3", "--set", "theta_n_in=7"})));
   merge.push_back((dir / "2").string());
-  expect_refused(run(merge), "is of another report");
+  expect_refused(run(merge), "belongs to a different report");
 }
 
 TEST(Report, NamesFromInputsAreEscapedEverywhere) {

@@ -349,13 +349,13 @@ TEST(Segment, AnMcapFileContainsTheRecordingAndReplacesNothing) {
   const auto refused = [&](const std::filesystem::path& out, const std::string& why) {
     expect_refused(run(segment_args(dir / "rec", out)), why);
   };
-  refused(dir / "planes.mcap", "planes.mcap: is there already, expected a new name");
-  expect_refused(run(segment_args(dir / "planes.mcap", dir / "planes.mcap")), "is there already");
+  refused(dir / "planes.mcap", "planes.mcap: already exists; expected a new name");
+  expect_refused(run(segment_args(dir / "planes.mcap", dir / "planes.mcap")), "already exists");
   EXPECT_EQ(read_text(dir / "planes.mcap"), bytes);
-  refused(dir / "rec/planes.mcap", "is in the recording");
+  refused(dir / "rec/planes.mcap", "is inside the recording");
   expect_refused(
       run(segment_args(dir / "rec", dir / "x.mcap", {"--gravity", "0,1,0", "--also", "csv"})),
-      "--also: writes into the folder of -o DIR, but -o is a .mcap file");
+      "--also writes into the folder of -o DIR, but -o is a .mcap file");
   expect_refused(run({"map", dir / "rec", "-o", dir / "x.mcap", "--window", "2"}),
                  "-o FILE.mcap cannot be combined with");
   EXPECT_EQ(files_below(dir / "rec").size(), before->frame_count() + 1u);

@@ -125,7 +125,7 @@ TEST(Train, OnlyTheSameTrainingOverwritesACheckpoint) {
   const std::vector<std::string> args = {"--steps", "4000", "--epoch", "1"};
   training.stop(args);
   const std::string checkpoint = read_text(training.checkpoint);
-  training.expect_refused({"--steps", "4000", "--epoch", "1"}, "--resume, or remove it");
+  training.expect_refused({"--steps", "4000", "--epoch", "1"}, "--resume, or delete this file");
   training.expect_refused(
       {"--steps", "4001", "--epoch", "1", "--resume"},
       "out.checkpoint: belongs to a different training run: steps 4000; expected 4001");
@@ -150,18 +150,18 @@ TEST(Train, InvalidSettingsAreReportedBeforeAnythingIsWritten) {
   fs::create_directories(training.dir / "folder.safetensors");
   training.expect_refused({"--resume"}, "out.checkpoint: no such file");
   training.expect_refused({"-o", dir + "/none/out.safetensors"},
-                          "there is no folder " + dir + "/none");
+                          "no such folder: " + dir + "/none");
   training.expect_refused({"-o", dir + "/folder.safetensors"}, "is a folder");
   training.expect_refused({"-o", dir + "/start.safetensors/out.safetensors"}, "is not a folder");
-  training.expect_refused({"-o", dir + "/out.bin"}, "not the name of a .safetensors file");
+  training.expect_refused({"-o", dir + "/out.bin"}, "expected a name that ends in .safetensors");
   training.expect_refused({"--network", "official"},
-                          "is not the network that is asked for, official (--network)");
+                          "different network; expected official (--network)");
   training.expect_refused({"--baseline", dir + "/none"}, "none: no such file");
   training.expect_refused({"--recipe", "cookies"},
                           "expected planescope, real-camera, paper or recordings");
   training.expect_refused({"--recipe", "recordings"}, "needs labeled recordings");
   training.expect_refused({"--labels", dir}, "needs the recording");
-  training.expect_refused({recording}, "no labeled frame");
+  training.expect_refused({recording}, "no labeled frames");
   training.expect_refused({"--steps", "0"}, "--steps");
   training.expect_refused({"--epoch", "0"}, "--epoch");
   training.expect_refused({"--classifier", "pca"}, "unknown option");

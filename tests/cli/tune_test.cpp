@@ -173,10 +173,10 @@ TEST(Tune, AListAssignsHalvesAndOptionsToRecordings) {
   EXPECT_EQ(answer["trials"], 3);
 
   for (const auto& [line, why] : std::vector<std::pair<std::string, std::string>>{
-           {"half a", "line 1: HALF: 'half' is unknown, expected tuning, held-out or -"},
+           {"half a", "line 1: HALF: 'half' is unknown; expected tuning, held-out or -"},
            {"tuning", "line 1: expected HALF RECORDING OPTIONS"},
-           {"tuning a --set x=1", "line 1: '--set' is not known"},
-           {"tuning a\n- b", "line 2: some lines name a half and others do not"}}) {
+           {"tuning a --set x=1", "line 1: unknown option '--set'"},
+           {"tuning a\n- b", "line 2: some lines name a half and others use -"}}) {
     write_text(dir / "list.txt", line + "\n");
     expect_refused(run(words), "list.txt, " + why);
   }
@@ -204,7 +204,7 @@ TEST(Tune, ImpossibleSearchesAreReportedInOneLine) {
   expect_refused(tried({"--only", "theta_n_inn"}), "did you mean 'theta_n_in'?");
   expect_refused(tried({"--only", "max_range_m"}), "--only max_range_m: not tunable");
   expect_refused(tried({"--hold-out", "1"}), "expected at least 2");
-  expect_refused(tried({"--list", "x.txt"}), "leave out");
+  expect_refused(tried({"--list", "x.txt"}), "; remove ");
   EXPECT_FALSE(fs::exists(dir / "out"));
 }
 

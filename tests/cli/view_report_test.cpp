@@ -143,13 +143,13 @@ TEST_F(ViewReport, MissingItemsAreReportedInOneLine) {
   const std::string file = report("out", {dir / "rec", "--gravity", "0,1,0"});
   refuses(file + "#f0/q1",
           "out/report.json: 'f0/q1' is not a place in a report; expected f<frame>");
-  refuses(file + "#r2/f0", "report.json: r2 is not in it, it has 1 recording");
-  refuses(file + "#f7", "report.json: f7 is not in it, of rec it has frame 0, 1");
-  refuses(file + "#f0/p3", "report.json: p3 is not in it, frame 0 has 2 planes");
-  refuses(file + "#f0/was1", "it names none; give --baseline FILE");
+  refuses(file + "#r2/f0", "report.json: has no r2; it has 1 recording");
+  refuses(file + "#f7", "report.json: has no f7; its frames of rec are 0, 1");
+  refuses(file + "#f0/p3", "report.json: has no p3: frame 0 has 2 planes");
+  refuses(file + "#f0/was1", "the report names none; use --baseline FILE");
   refuses(file + "#f0/was1", "is " + file + " itself", {"--baseline", file});
   refuses(file + "#f0", "/nowhere.json", {"--baseline", "/nowhere.json"});
-  refuses(file + "#f0", "leave out --profile", {"--set", "theta_n_in=7"});
+  refuses(file + "#f0", "remove --profile", {"--set", "theta_n_in=7"});
 
   Json other = Json::parse(read_text(file));
   other["created_utc"] = "2024-01-02T03:04:05Z";
@@ -157,9 +157,8 @@ TEST_F(ViewReport, MissingItemsAreReportedInOneLine) {
   other["recordings"][0]["frames"].erase(1);
   write_text(dir / "base.json", other.dump());
   const std::vector<std::string> against{"--baseline", dir / "base.json"};
-  refuses(file + "#f0/was1", "base.json: was1 is not in it, rec frame 0 is of another input",
-          against);
-  refuses(file + "#f1/was1", "base.json: was1 is not in it, rec frame 1 is not there", against);
+  refuses(file + "#f0/was1", "base.json: has no was1: rec frame 0 has a different input", against);
+  refuses(file + "#f1/was1", "base.json: has no was1: rec frame 1 is not in the baseline", against);
   EXPECT_EQ(facts(file + "#f0/p1", against)["frame"], 0) << "the options are still A's";
 }
 
@@ -213,17 +212,17 @@ TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRejectedInOneLine) {
   EXPECT_EQ(facts(file + "#f0/p1")["recording"], (dir / "out/rec").string()) << "beside the report";
   fs::create_directories(dir / "elsewhere");
   fs::rename(dir / "out/rec", dir / "elsewhere/rec");
-  refuses(file + "#f0/p1", "its recording " + (dir / "rec").string() + " is neither there nor");
+  refuses(file + "#f0/p1", "its recording " + (dir / "rec").string() + " was not found there");
   EXPECT_EQ(facts(file + "#f0/p1", {dir / "elsewhere/rec"})["recording"],
             (dir / "elsewhere/rec").string());
   fs::rename(dir / "elsewhere/rec", dir / "elsewhere/renamed");
   EXPECT_EQ(facts(file + "#f0/p1", {dir / "elsewhere/renamed"})["frame"], 0) << "it was given";
   fs::rename(dir / "elsewhere/renamed", dir / "elsewhere/rec");
   write_depth_folder(dir / "rec", other);
-  refuses(file + "#f0/p1", "is another recording than that of " + file);
+  refuses(file + "#f0/p1", "not the recording of " + file);
 
   write_depth_folder(dir / "third", other);
-  refuses(file + "#f0/p1", "is another recording than that of " + file, {dir / "third"});
+  refuses(file + "#f0/p1", "not the recording of " + file, {dir / "third"});
 
   fs::remove_all(dir / "rec");
   fs::rename(dir / "elsewhere/rec", dir / "rec");
@@ -233,7 +232,7 @@ TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRejectedInOneLine) {
     if (option["name"] == "classifier") option["value"] = "../mine.safetensors";
   weights["record"]["weights"] = {{"sha256", std::string(64, 'a')}};
   write_text(file, weights.dump());
-  refuses(file + "#f0/p1", "mine.safetensors: are other weights than those of");
+  refuses(file + "#f0/p1", "mine.safetensors: not the weights of");
 }
 
 }  // namespace

@@ -97,15 +97,15 @@ TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
   EXPECT_EQ(error_of([](Floor& f) { f.depth.counts = f.counts.data(); }),
             "depth image: both counts and meters; expected one of them");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.camera.width = -1; }),
-            "depth image: it is -1x120 pixels, expected 1 to 16384 each");
+            "depth image: -1x120 pixels; expected 1 to 16384 in each direction");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.row_stride = 3; }),
-            "depth image: row stride 3, expected at least the width, 160");
+            "depth image: row stride 3; expected at least the width, 160");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.camera.distortion = -7; }),
             "depth image: distortion -7; expected a planescope_distortion, 0 to 2");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.unit_m = -1; }),
-            "depth image: -1 m per count, expected above 0 and at most 1");
+            "depth image: -1 m per count; expected above 0 and at most 1");
   EXPECT_EQ(error_of([](Floor& f) { f.gravity[1] = 0; }),
-            "gravity: 0, 0, 0, expected a direction that is not zero");
+            "gravity: 0, 0, 0; expected a nonzero direction");
 
   const planescope_option unknown[] = {{"theta_n_ou", "3"}}, no_value[] = {{"profile", nullptr}};
   EXPECT_EQ(planescope_segmenter_create(unknown, 1, 1), nullptr);
@@ -113,7 +113,7 @@ TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
   EXPECT_EQ(planescope_segmenter_create(no_value, 1, 1), nullptr);
   EXPECT_STREQ(planescope_last_error(), "option 0: NULL; expected a name and a value");
   EXPECT_EQ(planescope_segmenter_create(nullptr, 0, 0), nullptr);
-  EXPECT_STREQ(planescope_last_error(), "threads: 0, expected 1 or more");
+  EXPECT_STREQ(planescope_last_error(), "threads: 0; expected 1 or more");
   EXPECT_EQ(planescope_segment(nullptr, nullptr), nullptr);
   planescope_segmenter_free(nullptr);
   planescope_result_free(nullptr);

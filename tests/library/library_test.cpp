@@ -139,10 +139,9 @@ TEST(Library, AMapperFollowsPlanesFromFrameToFrame) {
   // The camera looks along x.
   ps::Transform pose = {0, 0, 1, 0, -1, 0, 0, 0, 0, -1, 0, 0.3, 0, 0, 0, 1};
   ps::Mapper mapper(ps::Segmenter(), 6);
-  EXPECT_EQ(error_of([&] { mapper.map(); }), "map: it has no frames, expected some from add()");
-  EXPECT_EQ(
-      error_of([&] { mapper.add(step.image, ps::kIdentity); }),
-      "pose of frame 0: expected a world whose z points up: the frame's gravity is 90 deg off");
+  EXPECT_EQ(error_of([&] { mapper.map(); }), "map: no frames; expected at least one from add()");
+  EXPECT_EQ(error_of([&] { mapper.add(step.image, ps::kIdentity); }),
+            "pose of frame 0: the frame's gravity is 90 deg off; expected a world frame with z up");
   std::vector<int> tracks;
   for (int i = 0; i < 4; ++i) {
     const ps::MappedFrame added = mapper.add(step.image, pose);
@@ -164,44 +163,44 @@ TEST(Library, ReportsErrorsInOneLine) {
     change(image);
     return error_of([&] { ps::segment(image); });
   };
-  EXPECT_EQ(with([](auto& i) { i.counts = nullptr; }), "depth image: it has no pixels");
+  EXPECT_EQ(with([](auto& i) { i.counts = nullptr; }), "depth image: no pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.fx = 0; }),
-            "depth image: focal length 0, 300 px, expected above 0");
+            "depth image: focal length 0, 300 px; expected above 0");
   EXPECT_EQ(
       with([](auto& i) { i.camera.fx = i.camera.fy = 1; }),
       "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 "
       "degrees; expected fx, fy, cx and cy in pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.width = -1; }),
-            "depth image: it is -1x240 pixels, expected 1 to 16384 each");
+            "depth image: -1x240 pixels; expected 1 to 16384 in each direction");
   EXPECT_EQ(with([](auto& i) { i.unit_m = 1000; }),
-            "depth image: 1000 m per count, expected above 0 and at most 1");
+            "depth image: 1000 m per count; expected above 0 and at most 1");
   EXPECT_EQ(with([](auto& i) { i.row_stride = 3; }),
-            "depth image: row stride 3, expected at least the width, 424");
+            "depth image: row stride 3; expected at least the width, 424");
   EXPECT_EQ(with([](auto& i) {
               i.gravity = ps::Vec3{0, 0, 0};
             }),
-            "gravity: 0, 0, 0, expected a direction that is not zero");
+            "gravity: 0, 0, 0; expected a nonzero direction");
   EXPECT_EQ(with([](auto& i) { i.camera.distortion = static_cast<ps::Distortion>(7); }),
-            "depth image: unknown distortion 7, expected 0 to 2");
+            "depth image: unknown distortion 7; expected 0 to 2");
   EXPECT_EQ(with([](auto& i) {
               i.camera.distortion = ps::Distortion::brown_conrady;
               i.camera.coefficients[2] = std::nan("");
             }),
-            "depth image: distortion coefficient nan, expected a number");
+            "depth image: distortion coefficient nan; expected a finite number");
   const std::vector<std::uint8_t> rgb(300);
   EXPECT_EQ(with([&](auto& i) {
               i.color.rgb = rgb.data();
               i.color.aligned = true;
               i.color.camera.width = i.color.camera.height = 10;
             }),
-            "color image: it is 10x10 pixels and aligned, expected 424x240");
+            "color image: 10x10 pixels, aligned with depth; expected 424x240");
   EXPECT_EQ(error_of([] { ps::Recording(std::string("a\0b", 3)); }),
-            "recording: its path has a NUL in it");
-  EXPECT_EQ(error_of([&] { ps::segment(ps::PointCloud()); }), "point cloud: it has no points");
-  EXPECT_EQ(error_of([] { ps::Segmenter(ps::Options(), 0); }), "threads: 0, expected 1 or more");
+            "recording: the path contains a NUL");
+  EXPECT_EQ(error_of([&] { ps::segment(ps::PointCloud()); }), "point cloud: no points");
+  EXPECT_EQ(error_of([] { ps::Segmenter(ps::Options(), 0); }), "threads: 0; expected 1 or more");
   EXPECT_EQ(error_of([] { ps::Recording("/nowhere"); }), "/nowhere: no such file or folder");
   EXPECT_EQ(error_of([] { ps::Recording(PLANESCOPE_SAMPLE)[3]; }),
-            PLANESCOPE_SAMPLE ": frame 3, it has 3 of them, from 0");
+            PLANESCOPE_SAMPLE ": frame 3 is out of range; it has 3 frames, numbered from 0");
   const std::string unknown = error_of([] { ps::Options().set("theta_n_ou", "3"); });
   EXPECT_NE(unknown.find("theta_n_out"), std::string::npos) << unknown;
   // Errors do not suggest options of the command line.
@@ -302,7 +301,7 @@ TEST(Library, EveryStepOfATraceIsDescribedAndTheLastIsTheResult) {
   ASSERT_GT(trace.steps(), 100);
   for (int step = 1; step <= trace.steps(); ++step) EXPECT_FALSE(trace.describe(step).empty());
   EXPECT_EQ(error_of([&] { trace.describe(0); }),
-            "step 0: there are steps 1 to " + std::to_string(trace.steps()));
+            "step 0 is out of range; expected 1 to " + std::to_string(trace.steps()));
 
   const std::vector<ps::Node> nodes = trace.nodes();
   int found = 0;
@@ -365,7 +364,7 @@ TEST(Library, DrawsPlanesAndSteps) {
   EXPECT_EQ(images[0].width, 400);
   EXPECT_EQ(images[0].rgb.size(), 400U * 300 * 3);
   EXPECT_EQ(error_of([&] { renderer.draw(result, ps::Picture::planes, 0, 3); }),
-            "picture: it is 0x3 pixels, expected 1 to 16384 each");
+            "picture: 0x3 pixels; expected 1 to 16384 in each direction");
 }
 
 }  // namespace

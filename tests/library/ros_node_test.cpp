@@ -163,7 +163,7 @@ TEST_F(RosNode, ParametersAreTheOptionsWithTheirDescriptionsAndRanges) {
 TEST_F(RosNode, LogsInvalidMessagesAndContinues) {
   activate();
   send("depth/image", file().depth(0));
-  EXPECT_EQ(last_line(), "image: its camera_info did not arrive yet");
+  EXPECT_EQ(last_line(), "image: its camera_info has not arrived yet");
   send("depth/camera_info", "abc");
   EXPECT_EQ(last_line(), "sensor_msgs/msg/CameraInfo: damaged message of 3 bytes");
   send("depth/camera_info", file().info());

@@ -13,8 +13,8 @@ for section, message in [
     ("Recordings and clouds", "…: the recording contains no camera intrinsics; …"),
     ("Recordings and clouds", "cannot be decompressed into the folder for temporary files"),
     ("Gravity and cameras", "gravity cannot be estimated from the scene"),
-    ("The library, and Python", "depth image: it has no pixels"),
-    ("The library, and Python", "K: it is …, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"),
+    ("The library, and Python", "depth image: no pixels"),
+    ("The library, and Python", "K: …; expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"),
     ("The library, and Python", "uint16 counts or float meters of shape (height, width)"),
     ("The command line", "report needs -o DIR: Output folder"),
 ]:

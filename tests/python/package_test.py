@@ -93,10 +93,10 @@ class Maps(unittest.TestCase):
         self.assertGreater(len(of_array.planes), 3)
         self.assertEqual(of_array, ps.make_map(recording, poses=made.T_world_camera, frames=range(12)))
         for wrong, why in (
-            (poses[:3], re.escape("poses: it has shape (3, 4, 4), expected (12, 4, 4)")),
+            (poses[:3], re.escape("poses: shape (3, 4, 4); expected (12, 4, 4)")),
             (2 * poses, "pose of frame 0: not a rigid transform"),
-            ({50: poses[0]}, "frame 50, it has 40"),
-            ({}, "there are none"),
+            ({50: poses[0]}, "frame 50 is out of range; it has 40"),
+            ({}, "poses: none"),
         ):
             with self.assertRaisesRegex(ps.Error, why):
                 ps.make_map(recording, poses=wrong, frames=range(12))
@@ -126,9 +126,9 @@ class Maps(unittest.TestCase):
     def test_need_a_world_whose_z_points_up(self):
         frame = ps.Recording(self.walk)[0]
         for pose, why in (
-            (np.eye(4), "expected a world whose z points up"),
+            (np.eye(4), "expected a world frame with z up"),
             (np.diag([2, 2, 2, 1]), "pose of frame 0: not a rigid transform"),
-            (np.eye(3), re.escape("pose: it has shape (3, 3), expected a 4x4 matrix")),
+            (np.eye(3), re.escape("pose: shape (3, 3); expected a 4x4 matrix")),
         ):
             with self.assertRaisesRegex(ps.Error, why):
                 ps.Mapper().add(frame, pose)
@@ -138,7 +138,7 @@ class Maps(unittest.TestCase):
     def test_refuse_invalid_input(self):
         for wrong, why in (
             (dict(frames=[3, 1]), "do not ascend"),
-            (dict(frames=[40]), "it has 40 of them"),
+            (dict(frames=[40]), "it has 40 frames"),
             (dict(poses=self.walk / "none.tum"), "none.tum"),
             (dict(window_m=-1), "window_m"),
             (dict(frames=[]), "at least one"),

@@ -184,7 +184,7 @@ TEST_F(GravityClicks, BadOnesAreReportedInOneLineAndChangeNothing) {
                                "plane 0", "plane 9999", "nothing"}) {
     run("gravity.floor", argument);
     EXPECT_TRUE(state().view.message_is_error) << argument;
-    EXPECT_TRUE(message().starts_with("gravity is as it was: ")) << message();
+    EXPECT_TRUE(message().starts_with("gravity is unchanged: ")) << message();
     EXPECT_FALSE(has(message(), "\n"));
     EXPECT_FALSE(gravity().known()) << argument;
   }

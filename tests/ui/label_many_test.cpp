@@ -65,7 +65,7 @@ TEST_F(ManyFrames, ADoubtfulPlaneEndsIt) {
   EXPECT_EQ(state().document.frame, 1);
   EXPECT_NE(state().view.message.find("doubtful: P"), std::string::npos) << state().view.message;
   EXPECT_EQ(window.refusal("label.carry", "3 until"),
-            "action label.carry: '3 until', expected [FRAMES] [doubt [SHARE]]");
+            "action label.carry: '3 until'; expected [FRAMES] [doubt [SHARE]]");
 }
 
 TEST_F(ManyFrames, AClassOrARemovalAppliesToTheChainWithOneUndoStepPerFrame) {
@@ -116,7 +116,7 @@ TEST_F(ManyFrames, AStepWithoutEffectSaysSo) {
                R"({"do": "label.fill", "with": "P1"}, "label.cancel", "label.accept")");
   const std::string told = testing::internal::GetCapturedStderr();
   EXPECT_NE(told.find("action 3"), std::string::npos) << told;
-  EXPECT_NE(told.find("nothing was done: nothing to accept"), std::string::npos) << told;
+  EXPECT_NE(told.find("had no effect: nothing to accept"), std::string::npos) << told;
 }
 
 struct CarriedPlanes : LabelDesktop {
@@ -177,9 +177,9 @@ TEST_F(Learner, WithoutAReviewedFrameThereIsNothingToLearn) {
   EXPECT_EQ(window.refusal("label.learn"),
             "no frame is reviewed: Shift+D marks a frame to learn from");
   EXPECT_EQ(window.refusal("label.learn", "0"),
-            "action label.learn: 0 is out of range, expected 1 to 1000000");
+            "action label.learn: 0 is out of range; expected 1 to 1000000");
   EXPECT_EQ(window.refusal("label.learn", "1 2 3"),
-            "action label.learn: '1 2 3', expected [STEPS [CLOUDS]]");
+            "action label.learn: '1 2 3'; expected [STEPS [CLOUDS]]");
 }
 
 TEST_F(Learner, LearnsFromReviewedFramesAndIsUsedForTheNext) {

@@ -61,7 +61,7 @@ TEST(Recent, MissingRecordingsAreRemovedWithAMessage) {
   } catch (const Error& error) {
     const std::string message = error.what();
     EXPECT_TRUE(has(message, "gone.bag"));
-    EXPECT_TRUE(has(message, "no longer among the recent ones"));
+    EXPECT_TRUE(has(message, "removed from the recent recordings"));
     EXPECT_FALSE(has(message, "\n"));
   }
   EXPECT_TRUE(state.document.recent.empty());

@@ -191,7 +191,7 @@ TEST(Session, OfAnotherRecordingIsRejected) {
   const std::size_t at = text.find("frame_sha256\": \"") + 16;
   text[at] = text[at] == '0' ? '1' : '0';
   write(dir / "s.json", text);
-  EXPECT_TRUE(has(refusal(state, (dir / "s.json").string()), "another recording"));
+  EXPECT_TRUE(has(refusal(state, (dir / "s.json").string()), "is not the session's recording"));
   const std::size_t path = text.find("\"path\": \"") + 9;
   text.replace(path, text.find('"', path) - path, "nowhere/at/all");
   write(dir / "s.json", text);

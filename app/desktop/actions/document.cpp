@@ -87,7 +87,7 @@ void open_recording(State& state, const std::string& text) {
     recording = io::open_recording(path, options_to_open(document.recording_options));
   } catch (const Error& error) {
     if (!forget_recent(document, path)) throw;
-    throw Error(std::string(error.what()) + "; it is no longer among the recent ones");
+    throw Error(std::string(error.what()) + "; removed from the recent recordings");
   }
   document.recordings.push_back({path, recording, labels::default_label_dir(path)});
   note_recent(document, path);
@@ -105,7 +105,7 @@ CameraEntry read_camera(const State&, const std::string& action, const std::stri
   CameraEntry entry;
   entry.remember = words.size() == 3 && words[2] == "remember";
   if (numbers.size() != 4 || words.size() > (entry.remember ? 3 : 2))
-    throw Error("action intrinsics.set: '" + text + "' found, expected " + kIntrinsicsTake);
+    throw Error("action intrinsics.set: '" + text + "'; expected " + kIntrinsicsTake);
   for (std::size_t i = 0; i < 4; ++i) entry.intrinsics[i] = number_argument(action, numbers[i]);
   if (words.size() > 1) entry.depth_unit_m = number_argument(action, words[1]);
   return entry;

@@ -152,7 +152,7 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
     text += fmt::format(", the camera is tilted by {:.0f}°", tilt_deg);
     if (tilt_deg > kMostTilt_deg) text += " (was that the right surface?)";
   }
-  say(state, fmt::format("gravity {} {}: kept in {}", text,
+  say(state, fmt::format("gravity {} {}, stored in {}", text,
                          all ? "for all frames"
                          : open.recording->frame_count() == 1
                              ? "for this frame"
@@ -189,7 +189,8 @@ void pick_wall(State& state, const Clicked& clicked) {
   const std::size_t walls = picked.walls.size();
   const std::string what = walls == 1 ? "one wall" : fmt::format("{} walls", walls);
   picked.note = "picked: " + what;
-  const char* open_angle = " (a floor, or a wall across, would settle the angle along it)";
+  const char* open_angle =
+      " (the angle along it is uncertain; click a floor, or a wall at an angle to it)";
   keep_direction(state, picked, "from " + what + (walls == 1 ? open_angle : ""));
 }
 
@@ -199,7 +200,7 @@ void try_pick(State& state, const Clicked& clicked) {
   try {
     pick(state, clicked);
   } catch (const Error& error) {
-    say(state, fmt::format("gravity is as it was: {}", error.what()), true);
+    say(state, fmt::format("gravity is unchanged: {}", error.what()), true);
   }
 }
 

@@ -35,7 +35,7 @@ void stroke(State& state, LabelGesture gesture) {
 }
 
 void area(State& state, const LabelGesture& gesture) {
-  if (gesture.radius_px) throw Error("action label.area: an area takes no radius");
+  if (gesture.radius_px) throw Error("action label.area: an area has no radius");
   switch (state.view.label.tool) {
     case LabelTool::rectangle:
       return draw(state, "Rectangle", gesture);

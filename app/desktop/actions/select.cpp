@@ -182,7 +182,7 @@ void show_lost(State& state, int index) {
 std::string what_is_wrong_with_a_box(std::size_t measured, std::size_t beyond) {
   if (measured == 0) return "nothing was marked: nothing was measured there";
   if (beyond == measured)
-    return "nothing was marked: all of it is beyond the range, raise max_range_m";
+    return "nothing was marked: all of it is beyond the range; increase max_range_m";
   return "all of that is marked already";
 }
 
@@ -238,7 +238,7 @@ debug::MeasureEnd end_at(const State& state, const Clicked& clicked) {
   const std::uint32_t voxel = is_pixel
                                   ? run.subject->voxel_of_source(static_cast<std::size_t>(index))
                                   : static_cast<std::uint32_t>(at);
-  if (voxel == planes::kNoVoxel) throw Error("no plane there, it is out of range");
+  if (voxel == planes::kNoVoxel) throw Error("no plane there: out of range");
   const std::int32_t plane = run.timeline.point_at(static_cast<std::int32_t>(voxel), step).plane;
   return debug::measured_plane(run, plane, step, &point);
 }
@@ -312,7 +312,7 @@ std::int64_t expect_clicked(const State& state, const Clicked& clicked) {
     throw Error(clicked.why.empty() ? "nothing was measured there" : clicked.why);
   if (clicked.on != Clicked::On::pixel) return clicked.index;
   const Image16& depth = state.run()->subject->frame.depth;
-  if (depth.empty()) throw Error("a cloud has no pixels, click a point of it in space");
+  if (depth.empty()) throw Error("a cloud has no pixels; click one of its points in space");
   const std::int64_t source = source_at(state, clicked.pixel);
   if (source < 0)
     throw Error(fmt::format("{},{} is outside the {} x {} image", clicked.pixel.u, clicked.pixel.v,

@@ -100,7 +100,7 @@ constexpr int kMostPictures = 500;  // unless the argument sets the interval
 constexpr const char* kSaveTakes = "PATH.png [FROM-TO [EVERY [PICTURES_PER_SECOND]]]";
 
 [[noreturn]] void refuse_saving(const std::string& text) {
-  throw Error("action steps.save: '" + text + "' is not as expected, " + kSaveTakes);
+  throw Error("action steps.save: '" + text + "'; expected " + kSaveTakes);
 }
 
 /// Parses the words after the path, which may contain spaces: "200-600 2 12".
@@ -127,8 +127,8 @@ void save_steps(State& state, const std::string& text) {
       if (const std::size_t after = at + ending.size(); after == text.size() || text[after] == ' ')
         end = std::min(end, after);
   if (end == std::string::npos)
-    throw Error("action steps.save: '" + text + "' is no PNG, expected a name.png");
-  if (state.view.saving) throw Error("action steps.save: steps are being written, Esc stops that");
+    throw Error("action steps.save: '" + text + "'; expected a name that ends in .png");
+  if (state.view.saving) throw Error("action steps.save: already saving steps; Esc stops it");
   const std::int32_t steps = state.run()->steps(), at = state.view.step;
   StepsSaving saving{.path = text.substr(0, end),
                      .run = state.run_view()->run,
@@ -138,10 +138,10 @@ void save_steps(State& state, const std::string& text) {
   std::error_code failed;
   const std::filesystem::path folder = std::filesystem::absolute(saving.path).parent_path();
   if (!std::filesystem::is_directory(folder, failed))
-    throw Error(saving.path.string() + ": cannot be written, " + folder.string() +
+    throw Error(saving.path.string() + ": cannot be written: " + folder.string() +
                 " is not a folder");
   if (std::filesystem::is_directory(saving.path, failed))
-    throw Error(saving.path.string() + ": cannot be written, it is a folder");
+    throw Error(saving.path.string() + ": is a folder; expected a file");
   say(state, "");
   state.view.saving = saving;
 }
@@ -171,7 +171,7 @@ debug::StepRange read_range(const State& state,
                             const std::string& text) {
   const std::vector<std::string> ends = split(text, '-');
   if (ends.size() != 2)
-    throw Error(fmt::format("action {}: '{}' is no range, expected FIRST-LAST", action, text));
+    throw Error(fmt::format("action {}: '{}' is not a range; expected FIRST-LAST", action, text));
   const int first = whole_argument(action, ends[0], 0, state.run()->steps());
   return {first, whole_argument(action, ends[1], first, state.run()->steps())};
 }
@@ -336,8 +336,8 @@ void to_match(State& state, int direction) {
   // Wrap around at the ends, because a frame opens at its last step.
   const auto next = next_of(matches, state.view.step, direction);
   if (!next)
-    say(state, direction > 0 ? "no later event matches: from the beginning"
-                             : "no earlier event matches: from the end");
+    say(state, direction > 0 ? "no later event matches; continued from the beginning"
+                             : "no earlier event matches; continued from the end");
   stop_and_go(state, next.value_or(direction > 0 ? matches.front() : matches.back()));
 }
 

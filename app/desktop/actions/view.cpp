@@ -25,7 +25,7 @@ ColorRange read_color_range(const State&, const std::string& action, const std::
   const std::vector<double> ends = numbers_argument(action, text, 2);
   const render::ValueRange range{ends[0], ends[1]};
   if (!render::is_range(range))
-    throw Error("action color.range: '" + text + "' is no range, expected its lower end first");
+    throw Error("action color.range: '" + text + "' is not a range; expected the lower end first");
   return range;
 }
 
@@ -105,7 +105,7 @@ void hold_camera(State& state, bool holds) {
 void look_at_selected(State& state) {
   const std::vector<Vec3f> points = selected_points(state);
   if (points.empty())
-    return say_hint(state, "nothing is selected that could be looked at: click it first",
+    return say_hint(state, "nothing is selected to look at: click something first",
                     [](const State& s) { return s.run() && !selected_points(s).empty(); });
   move_camera(state, camera_on(state, points));
 }
@@ -278,7 +278,7 @@ void add_view_actions(std::vector<Action>& all) {
       .words("screenshot export png")
       .run(text("PATH"), [](State& s, const std::string& path) {
         if (!path.ends_with(".png"))
-          throw Error("action picture.save: '" + path + "' is no PNG, expected a name.png");
+          throw Error("action picture.save: '" + path + "'; expected a name that ends in .png");
         s.view.picture_to = path;
       });
   view.add("keys", "Keyboard shortcuts")

@@ -147,7 +147,7 @@ Lesson read_lesson(const State&, const std::string& action, const std::string& t
   Lesson lesson;
   const std::vector<std::string> words = words_of(text);
   if (words.size() > 2)
-    throw Error(fmt::format("action label.learn: '{}', expected [STEPS [CLOUDS]]", text));
+    throw Error(fmt::format("action label.learn: '{}'; expected [STEPS [CLOUDS]]", text));
   if (!words.empty()) lesson.steps = whole_argument(action, words[0], 1, kMost);
   if (words.size() > 1) lesson.clouds = whole_argument(action, words[1], 1, kMost);
   return lesson;

@@ -276,7 +276,7 @@ SliverAction read_sliver_action(const State&, const std::string&, const std::str
   const auto at = std::ranges::find(names, text);
   if (at != names.end()) return static_cast<SliverAction>(at - names.begin());
   throw Error(
-      fmt::format("action review.slivers: '{}', expected show, keep, take or ignore", text));
+      fmt::format("action review.slivers: '{}'; expected show, keep, take or ignore", text));
 }
 
 void finish_review(State& state) {
@@ -363,7 +363,7 @@ void add_review_actions(std::vector<Action>& all) {
       .when(nullptr)
       .run(number("CM2"), [](State& s, double cm2) {
         if (!(cm2 >= 0 && cm2 <= kLargestRegion_cm2))
-          throw Error(fmt::format("action review.smallest: {} cm2, expected 0 to {:g}", cm2,
+          throw Error(fmt::format("action review.smallest: {} cm2; expected 0 to {:g}", cm2,
                                   kLargestRegion_cm2));
         s.view.label.review_smallest_cm2 = cm2;
       });

@@ -228,7 +228,7 @@ std::vector<Assumption> assumptions_of(const State& state) {
   if (gravity.known() && gravity.confidence < kLeastConfidence)
     all.push_back({fmt::format("Gravity uncertain ({:.0f} %)", 100 * gravity.confidence),
                    "click the floor",
-                   "Gravity was estimated from the scene. A click on a floor or a wall settles it.",
+                   "Gravity was estimated from the scene. Click a floor or a wall to set it.",
                    {"gravity.click.floor"}});
   if (subject.frame.is_cloud()) {
     const double size = subject.prepared.voxels.size_m, spacing = spacing_m(subject);
@@ -243,8 +243,8 @@ std::vector<Assumption> assumptions_of(const State& state) {
   if (info.color_note.starts_with("assumed aligned") && subject.frame.color.channels == 3)
     all.push_back({"Color assumed aligned",
                    "check",
-                   "Color and depth have the same size, and nothing says that they are aligned. "
-                   "Edges of depth over color show whether they are.",
+                   "Color and depth have the same size, but the recording does not declare them "
+                   "aligned. Compare the depth edges with the color image to check.",
                    {"image.edges"}});
   return all;
 }

@@ -48,8 +48,8 @@ const report::ReportRecording& recording_of(const report::Report& report,
                                             const report::ReportTarget& target) {
   const auto count = report.recordings.size();
   if (static_cast<std::size_t>(target.recording) > count)
-    throw Error(fmt::format("{}: r{} is not in it, it has {}", target.file.string(),
-                            target.recording, counted(count, "recording")));
+    throw Error(fmt::format("{}: has no r{}; it has {}", target.file.string(), target.recording,
+                            counted(count, "recording")));
   return report.recordings[static_cast<std::size_t>(target.recording) - 1];
 }
 
@@ -63,7 +63,7 @@ const report::ReportFrame& frame_of(const report::ReportRecording& recording,
   constexpr std::size_t kMost = 12;
   const bool more = numbers.size() > kMost;
   if (more) numbers.resize(kMost);
-  throw Error(fmt::format("{}: f{} is not in it, of {} it has frame {}{}", target.file.string(),
+  throw Error(fmt::format("{}: has no f{}; its frames of {} are {}{}", target.file.string(),
                           std::max(0, target.frame), recording.name, fmt::join(numbers, ", "),
                           more ? ", ..." : ""));
 }
@@ -75,10 +75,10 @@ void expect_plane(const report::ReportFrame& frame,
   const char* letters = target.of_baseline ? "was" : "p";
   const auto count = frame.planes.size();
   if (!frame.refused.empty())
-    throw Error(fmt::format("{}: {}{} is not in it, frame {} was refused: {}", file.string(),
-                            letters, target.plane, frame.index, frame.refused));
+    throw Error(fmt::format("{}: has no {}{}: frame {} was rejected: {}", file.string(), letters,
+                            target.plane, frame.index, frame.refused));
   if (static_cast<std::size_t>(target.plane) > count)
-    throw Error(fmt::format("{}: {}{} is not in it, frame {} has {}", file.string(), letters,
+    throw Error(fmt::format("{}: has no {}{}: frame {} has {}", file.string(), letters,
                             target.plane, frame.index, counted(count, "plane")));
 }
 
@@ -96,28 +96,28 @@ planes::PipelineOptions options_from(const report::Report& report,
   try {
     options = report::options_of(report, unknown);
   } catch (const Error& error) {
-    throw Error(file.string() + ": its options cannot be taken: " + error.what());
+    throw Error(file.string() + ": its options cannot be used: " + error.what());
   }
   if (!unknown.empty())
-    add_note(note, fmt::format("{} has options that are no more: {}", file.filename().string(),
+    add_note(note, fmt::format("{} has options that no longer exist: {}", file.filename().string(),
                                fmt::join(unknown, ", ")));
   if (report.weights_sha256().empty() || options.method != planes::Method::ours) return options;
   if (!planes::names_weights_file(options.classifier)) {
     const fs::path shipped =
         app::find_asset("classifier.safetensors", "the weights of classifier gcn are");
     if (sha256_hex_of_file(shipped) != report.weights_sha256())
-      add_note(note, fmt::format("the weights of {} are not those of {}", options.classifier,
+      add_note(note, fmt::format("the weights of {} differ from those of {}", options.classifier,
                                  file.filename().string()));
     return options;
   }
   const std::vector<fs::path> places = places_of(options.classifier, file);
   if (places.empty())
-    throw Error(fmt::format("{}: its weights {} are neither there nor in or above its folder",
+    throw Error(fmt::format("{}: its weights {} were not found there, in its folder, or above it",
                             file.string(), options.classifier));
   const auto same = std::ranges::find(places, report.weights_sha256(), sha256_hex_of_file);
   if (same == places.end())
-    throw Error(fmt::format("{}: are other weights than those of {}, SHA-256 differs",
-                            places[0].string(), file.string()));
+    throw Error(fmt::format("{}: not the weights of {}: SHA-256 differs", places[0].string(),
+                            file.string()));
   options.classifier = same->string();
   return options;
 }
@@ -127,13 +127,13 @@ std::string why_other(const OpenRecording& open,
                       const report::ReportFrame& frame,
                       const fs::path& report) {
   const std::string other =
-      fmt::format("{}: is another recording than that of {}", open.path.string(), report.string());
+      fmt::format("{}: not the recording of {}", open.path.string(), report.string());
   const int count = open.recording->frame_count();
   if (frame.index >= count)
-    return fmt::format("{}: it has {} frames, expected frame {}", other, count, frame.index);
+    return fmt::format("{}: {} frames; expected frame {}", other, count, frame.index);
   const std::string found = open.recording->frame_hash(frame.index);
   if (!frame.sha256.empty() && found != frame.sha256)
-    return fmt::format("{}: frame {} has SHA-256 {}, expected {}", other, frame.index, found,
+    return fmt::format("{}: frame {} has SHA-256 {}; expected {}", other, frame.index, found,
                        frame.sha256);
   return "";
 }
@@ -180,10 +180,10 @@ OpenRecording open_recorded(const State& state,
     if (refusal.empty()) refusal = why;
   }
   if (!refusal.empty()) throw Error(refusal);
-  throw Error(fmt::format(
-      "{}: its recording {} is neither there nor in or above the report's folder; give it: "
-      "planescope view RECORDING --open {}",
-      report.string(), recorded.info.path.string(), report.string()));
+  throw Error(
+      fmt::format("{}: its recording {} was not found there, in the report's folder, or above it; "
+                  "specify it: planescope view RECORDING --open {}",
+                  report.string(), recorded.info.path.string(), report.string()));
 }
 
 bool same_options(const planes::PipelineOptions& a, const planes::PipelineOptions& b) {
@@ -205,8 +205,9 @@ std::optional<Baseline> baseline_of(const report::Report& report,
   const fs::path& typed = link.baseline.empty() ? report.baseline : link.baseline;
   if (typed.empty()) {
     if (target.of_baseline)
-      throw Error(fmt::format("{}: was{} is of a baseline, but it names none; give --baseline FILE",
-                              target.file.string(), target.plane));
+      throw Error(fmt::format(
+          "{}: was{} belongs to a baseline, but the report names none; use --baseline FILE",
+          target.file.string(), target.plane));
     return {};
   }
   const std::vector<fs::path> places =
@@ -214,10 +215,10 @@ std::optional<Baseline> baseline_of(const report::Report& report,
   if (places.empty()) {
     if (target.of_baseline)
       throw Error(
-          fmt::format("{}: its baseline {} is neither there nor in or above its folder; "
-                      "give --baseline FILE",
+          fmt::format("{}: its baseline {} was not found there, in its folder, or above it; use "
+                      "--baseline FILE",
                       target.file.string(), typed.string()));
-    add_note(note, fmt::format("no A: the baseline {} is not there; give --baseline FILE",
+    add_note(note, fmt::format("no A: the baseline {} was not found; use --baseline FILE",
                                typed.string()));
     return {};
   }
@@ -227,8 +228,9 @@ std::optional<Baseline> baseline_of(const report::Report& report,
   Baseline baseline{file, report::read_report(file)};
   if (target.of_baseline && baseline.report.created_utc == report.created_utc &&
       baseline.report.command == report.command)
-    throw Error(fmt::format("{}: is {} itself, approved since: was{} was of an earlier baseline",
-                            file.string(), target.file.string(), target.plane));
+    throw Error(
+        fmt::format("{}: is {} itself, approved since then; was{} belongs to an earlier baseline",
+                    file.string(), target.file.string(), target.plane));
   return baseline;
 }
 
@@ -242,9 +244,9 @@ void find_fate(const Baseline& baseline,
   const auto same = std::ranges::find(comparison.frames, &frame, &report::FrameComparison::now);
   const bool usable = same->baseline && same->fate != report::FrameFate::other_input;
   if (target.of_baseline && !usable)
-    throw Error(fmt::format("{}: was{} is not in it, {} frame {} {}", baseline.file.string(),
-                            target.plane, same->recording, frame.index,
-                            same->baseline ? "is of another input there" : "is not there"));
+    throw Error(fmt::format(
+        "{}: has no was{}: {} frame {} {}", baseline.file.string(), target.plane, same->recording,
+        frame.index, same->baseline ? "has a different input there" : "is not in the baseline"));
   if (!usable) return;
   if (target.of_baseline) expect_plane(*same->baseline, target, baseline.file);
   place.baseline = *same->baseline;
@@ -386,7 +388,7 @@ struct Guide {
     RunArrival arrival;
     if (plane == 0) {
       arrive_at_loss(region, fmt::format("plane {}", place.plane), arrival);
-      arrival.message += ": this version does not find it";
+      arrival.message += ": not found by this version";
       return arrival;
     }
     go_to_founding(b, plane, arrival);
@@ -415,12 +417,12 @@ struct Guide {
       std::erase_if(region.voxels,
                     [&](std::uint32_t voxel) { return b.segmentation.plane_of[voxel] == plane; });
       arrive_at_loss(
-          region, fmt::format("{} was split, {} is its largest part", name, plane_name_of(plane)),
+          region, fmt::format("{} was split; {} is its largest part", name, plane_name_of(plane)),
           arrival);
     } else if (plane > 0) {
       go_to_founding(b, plane, arrival);
       arrival.message =
-          is(report::PlaneFate::lost) ? "the report lost it, this version does not: " : "";
+          is(report::PlaneFate::lost) ? "lost in the report, but not by this version: " : "";
       arrival.message += fmt::format("{} is {}", name, plane_name_of(plane));
     } else {
       arrive_at_loss(region, name + " is lost", arrival);
@@ -461,12 +463,12 @@ struct Guide {
     if (a) {
       const debug::RegionDecision in_b = debug::first_difference(b, *a, region.voxels);
       if (counts(in_b, region.voxels))
-        return stand_at(in_b, region.voxels, "A and B part at", arrival);
+        return stand_at(in_b, region.voxels, "A and B diverge at", arrival);
       const Voxels there = voxels_of(region, *a->subject);
       const debug::RegionDecision in_a = debug::first_difference(*a, b, there);
       if (counts(in_a, there)) {
         arrival.in_a = true;
-        return stand_at(in_a, there, "A alone has", arrival);
+        return stand_at(in_a, there, "only A has", arrival);
       }
     }
     if (otherwise.step > 0) stand_at(otherwise, region.voxels, verb, arrival);

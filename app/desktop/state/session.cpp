@@ -153,7 +153,7 @@ fs::path find_recording(const fs::path& session, const fs::path& written) {
   for (const fs::path& path :
        {written.is_absolute() ? written : folder / written, folder / written.filename()})
     if (fs::exists(path)) return path;
-  throw Error(fmt::format("{}: its recording {} is neither there nor beside the session",
+  throw Error(fmt::format("{}: its recording {} was not found there or next to the session",
                           session.string(), written.string()));
 }
 
@@ -205,10 +205,10 @@ Session read_session(const State& state, const fs::path& path) {
   open.label_dir = labels::default_label_dir(open.path);
   const int count = open.recording->frame_count();
   if (session.frame < 0 || session.frame >= count)
-    throw Error(fmt::format("{}: it shows frame {}, but {} has {} frames", path.string(),
+    throw Error(fmt::format("{}: shows frame {}, but {} has {} frames", path.string(),
                             session.frame, open.path.string(), count));
   if (session.frame_sha256 != open.recording->frame_hash(session.frame))
-    throw Error(fmt::format("{}: {} is another recording than the session's, frame {} differs",
+    throw Error(fmt::format("{}: {} is not the session's recording; frame {} differs",
                             path.string(), open.path.string(), session.frame));
   return session;
 }
@@ -281,7 +281,7 @@ void open_session(State& state, const std::string& where) {
   }
   const int count = session.recording.recording->frame_count();
   if (arrival.frame < 0 || arrival.frame >= count)
-    throw Error(fmt::format("{}: it leads to frame {}, but {} has {} frames", path.string(),
+    throw Error(fmt::format("{}: points to frame {}, but {} has {} frames", path.string(),
                             arrival.frame, session.recording.path.string(), count));
 
   session.view.mode = Mode::debugger;

@@ -204,7 +204,9 @@ bool has_track(const State& state) {
 void follow_planes(State& state) {
   const OpenRecording* open = state.document.current();
   if (open->recording->info().width == 0)
-    throw Error("action map.make: the recording is of clouds, planes are followed in depth images");
+    throw Error(
+        "action map.make: the recording contains clouds; planes can be tracked only in depth "
+        "images");
   if (!open->recording->info().knows_camera())
     throw Error("action map.make: the recording has no camera intrinsics");
   static_cast<Asked&>(state.results.map) = {.running = true, .stage = "begins"};

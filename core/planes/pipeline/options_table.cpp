@@ -172,8 +172,8 @@ OptionInfo gravity_row() {
           .title = "Gravity",
           .unit = "auto/X,Y,Z/imu/estimate/none",
           .meaning =
-              "Gravity direction in the frame of the sensor or cloud; none: without horizontal and "
-              "vertical",
+              "Gravity direction in the frame of the sensor or cloud; none: do not distinguish "
+              "horizontal from vertical",
           .section = "gravity",
           .get = [](const PipelineOptions& o) { return gravity_text(o.gravity); },
           .set =
@@ -185,22 +185,23 @@ OptionInfo gravity_row() {
 }
 
 OptionInfo classifier_row() {
-  return {
-      .name = "classifier",
-      .title = "Classifier",
-      .unit = "gcn/pca/truth/FILE",
-      .meaning = "Labels points horizontal or vertical: a network, PCA normals, or ground truth",
-      .section = "classifier",
-      .get = [](const PipelineOptions& o) { return o.classifier; },
-      .set =
-          [](PipelineOptions& o, const std::string& text) {
-            if (text != "gcn" && text != "pca" && text != "truth" && !names_weights_file(text))
-              throw Error("unknown classifier '" + text +
-                          "'; expected gcn, pca, truth or a weights file");
-            o.classifier = text;
-          },
-      .images = false,
-      .method = Method::ours};
+  return {.name = "classifier",
+          .title = "Classifier",
+          .unit = "gcn/pca/truth/FILE",
+          .meaning =
+              "Classifier that labels points horizontal or vertical: a network, PCA normals, or "
+              "ground truth",
+          .section = "classifier",
+          .get = [](const PipelineOptions& o) { return o.classifier; },
+          .set =
+              [](PipelineOptions& o, const std::string& text) {
+                if (text != "gcn" && text != "pca" && text != "truth" && !names_weights_file(text))
+                  throw Error("unknown classifier '" + text +
+                              "'; expected gcn, pca, truth or a weights file");
+                o.classifier = text;
+              },
+          .images = false,
+          .method = Method::ours};
 }
 
 OptionInfo method_row() {
@@ -209,7 +210,7 @@ OptionInfo method_row() {
   return {.name = "method",
           .title = "Method",
           .unit = fmt::format("{}", fmt::join(names, "/")),
-          .meaning = "Method that finds planes: ours, or a rival",
+          .meaning = "Method that finds planes: ours, or one to compare with",
           .section = "method",
           .get = [](const PipelineOptions& o) { return to_string(o.method); },
           .set = [](PipelineOptions& o, const std::string& text) { o.method = parse_method(text); },
@@ -221,7 +222,7 @@ OptionInfo profile_row() {
   return {.name = "profile",
           .title = "Profile",
           .unit = "paper/paper-closest/refined",
-          .meaning = "Sets all options below to the defaults of a profile",
+          .meaning = "Set all options below to the defaults of a profile",
           .section = "criteria",
           .get = [](const PipelineOptions& o) { return to_string(o.segment.profile); },
           .set = [](PipelineOptions& o,

@@ -50,11 +50,11 @@ inline Frame from_open3d(const open3d::geometry::Image& depth,
       (depth.bytes_per_channel_ != 2 && depth.bytes_per_channel_ != 4))
     throw Error("Open3D image: " + std::to_string(depth.num_of_channels_) + " channels of " +
                 std::to_string(depth.bytes_per_channel_) +
-                " bytes, expected one of 16-bit counts or of floats");
+                " bytes; expected one channel of 16-bit counts or floats");
   if (depth.width_ != camera.width_ || depth.height_ != camera.height_)
-    throw Error("Open3D image: it is " + std::to_string(depth.width_) + "x" +
-                std::to_string(depth.height_) + ", its camera " + std::to_string(camera.width_) +
-                "x" + std::to_string(camera.height_));
+    throw Error("Open3D image: " + std::to_string(depth.width_) + "x" +
+                std::to_string(depth.height_) + ", but its camera is " +
+                std::to_string(camera.width_) + "x" + std::to_string(camera.height_));
   DepthImage image;
   const auto focal = camera.GetFocalLength();
   const auto centre = camera.GetPrincipalPoint();

@@ -131,7 +131,7 @@ std::span<const ReadyFilter> ready_filters(const debug::Run& run) {
       ReadyFilter{"Narrowly accepted merges",
                   "(stage==join || stage==hidden) && value>0.8*merge_cost"},
       ReadyFilter{"Far merges, of hidden parts", "stage==hidden"},
-      ReadyFilter{"Large nodes left over", "decide && size>=1000 && (case==II || case==III)"},
+      ReadyFilter{"Large unassigned nodes", "decide && size>=1000 && (case==II || case==III)"},
       ReadyFilter{"Planes dropped", "stage==list"},
       ReadyFilter{"Planes narrowly dropped", "stage==list && value>0.8*worth_px"},
       ReadyFilter{"Largest losses",
@@ -139,9 +139,9 @@ std::span<const ReadyFilter> ready_filters(const debug::Run& run) {
                   "(decide && size>=4000 && (case==II || case==III))"}};
   static constexpr std::array kOfPaper{
       ReadyFilter{"Far merges, over 2 cm", "merge && offset>0.02"},
-      ReadyFilter{"Large nodes left over", "decide && size>=20 && (case==II || at_max_depth)"},
+      ReadyFilter{"Large unassigned nodes", "decide && size>=20 && (case==II || at_max_depth)"},
       ReadyFilter{"Nodes narrowly not planar", "decide && case==III && mse<1.25*theta_mse"},
-      ReadyFilter{"Points narrowly left over", "drop && distance<2*leftover_distance_m"},
+      ReadyFilter{"Points narrowly unassigned", "drop && distance<2*leftover_distance_m"},
       ReadyFilter{"Planes dropped", "stage==list"},
       ReadyFilter{"Largest losses", "decide && size>=100 && (case==II || at_max_depth)"}};
   return run.segment_options.by_objective() && run.is_on_image()
@@ -284,7 +284,7 @@ void draw_row(const Ui& ui, const debug::Run& run, std::int32_t step, const Colu
 
   const std::string text = debug::describe_event(run, step);
   const bool wrong = !run.wrong.empty() && run.wrong[static_cast<std::size_t>(step - 1)] != 0;
-  tooltip(in_gutter ? "Breakpoint on what this event is about"
+  tooltip(in_gutter ? "Breakpoint for this event"
                     : text + (wrong ? "\ndisagrees with ground truth" : ""));
 
   ImDrawList* draw = ImGui::GetWindowDrawList();
