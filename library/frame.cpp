@@ -151,7 +151,7 @@ double store_meters(const DepthImage& image, std::size_t stride, Image16& depth)
   const auto is_far = [](std::uint16_t count) { return count == planes::kFarOutlier; };
   const auto is_near = [&](std::uint16_t count) { return count > 0 && !is_far(count); };
   if (std::ranges::any_of(depth.data, is_far) && std::ranges::none_of(depth.data, is_near))
-    throw Error("depth image: every pixel is beyond 65.5 m, expected meters");
+    throw Error("depth image: every pixel is beyond 65.5 m; expected meters");
   return unit_m;
 }
 

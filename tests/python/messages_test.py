@@ -16,7 +16,7 @@ for section, message in [
     ("The library, and Python", "depth image: no pixels"),
     ("The library, and Python", "K: …; expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"),
     ("The library, and Python", "uint16 counts or float meters of shape (height, width)"),
-    ("The command line", "report needs -o DIR: Output folder"),
+    ("The command line", "--also needs -o DIR, the folder to write to"),
 ]:
     assert message in sections[section], f"{section}: {message}"
 assert listed.count("\n- ") > 500, listed.count("\n- ")
