@@ -5,13 +5,16 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "app/cli/progress.hpp"
 #include "core/io/recording.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
@@ -62,14 +65,26 @@ struct OpenInput {
   io::PickedGravity picked = {};
   std::shared_ptr<const world::SequenceGravity> gravity = {};  // null: frames have their own alone
 
+  /// The number of the label files of frame `index`; nullopt: it has none. The first call looks
+  /// whether frames were added or removed since they were labeled, and warns.
+  std::optional<int> label_number(int index) const;
+  /// The truth of a frame, from its label files or the fields of its cloud.
+  std::optional<planes::SourceTruth> truth(const Frame& frame) const;
   /// Frame `index` with its gravity: its own or, where it has none, that of the frames around it.
+  /// Throws FrameDamaged if it cannot be read.
   Frame frame(int index) const;
+
+  struct LabelLookup {
+    std::once_flag once;
+    labels::LabelsOfFrames found;
+  };
+  std::shared_ptr<LabelLookup> label_lookup = std::make_shared<LabelLookup>();
 };
 
 /// Opens every input, or the sample where none is given, before any work is done; frames of
-/// `recording` carry the gravity that was picked for them. Throws Error if one cannot be opened, or
-/// if --frames leaves none of its frames.
-std::vector<OpenInput> open_inputs(const InputArgs& args);
+/// `recording` carry the gravity that was picked for them. Throws Error if one cannot be opened, if
+/// --frames leaves none of its frames, or if the output `out` is in one of them.
+std::vector<OpenInput> open_inputs(const InputArgs& args, const std::filesystem::path& out = {});
 
 /// A frame that was read and run, with its truth where there is some (and it was asked for, or
 /// `classifier truth` needs it).
@@ -80,7 +95,15 @@ struct LoadedFrame {
   planes::LimitRatios limit_ratios;  // of runs for a report
 };
 
-/// False where frame `index` surely has no truth: no label file, and no cloud with fields.
+/// Those of `frames` that were found damaged when the recording was opened.
+DamagedFrames damaged_at_open(const io::Recording& recording, const std::vector<int>& frames);
+
+/// Reports them and takes them out of the frames to process, for measurements that need every
+/// frame. Returns the exit code. Throws Error if no frame of a recording is left.
+int leave_out_damaged(std::vector<OpenInput>& inputs);
+
+/// False where frame `index` surely has no truth: no label file, and no cloud with fields. Throws
+/// FrameDamaged if it was found damaged when the recording was opened.
 bool may_have_truth(const OpenInput& input, int index);
 
 /// A frame that was read but cannot be processed: no gravity, no truth. Other frames may still
@@ -97,9 +120,9 @@ bool labels_points(const planes::PipelineOptions& options);
 /// ship with us. Throws Error where weights are missing or cannot be read.
 planes::ChosenClassifier choose_classifier(const planes::PipelineOptions& options);
 
-/// Reads frame `index` and runs it; `classifier` null: with the labels of its truth. Throws Error
-/// where it cannot be read, FrameRefused where run_frame throws; the message begins with the
-/// recording and the frame.
+/// Reads frame `index` and runs it; `classifier` null: with the labels of its truth. Throws
+/// FrameDamaged where it cannot be read, FrameRefused where run_frame throws; the message begins
+/// with the recording and the frame.
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
                             const planes::PipelineOptions& options,

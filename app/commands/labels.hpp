@@ -4,6 +4,7 @@
 // given.
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -35,13 +36,20 @@ struct LabelledRecording {
   LabelFolder labels;
   std::filesystem::path path;
   std::unique_ptr<io::Recording> recording;  // null: not found
+  std::map<int, int> frame_of;               // of the recording, by number of its label files
+
+  /// The number itself if nothing is known.
+  int frame(int number) const {
+    const auto at = frame_of.find(number);
+    return at == frame_of.end() ? number : at->second;
+  }
 };
 /// Opens what was typed: a recording or a folder of labels.
 LabelledRecording open_labels(const LabelsArgs& args);
 
-/// The labels of a frame that the recording has. Throws Error where they are damaged or of another
+/// The label files of this number. Throws Error where they are damaged or of another
 /// depth image.
-FrameLabels read_labels_of(const LabelledRecording& source, int frame);
+FrameLabels read_labels_of(const LabelledRecording& source, int number);
 /// The frame; where its depth unit is only assumed or its camera not known, those of the labels
 /// hold.
 Frame frame_as_drawn(Frame frame, const io::RecordingInfo& info, const FrameLabels& labels);

@@ -26,6 +26,7 @@ struct LabelledRecordings {
   std::vector<planes::LabelledCloud> train, validation;
   std::vector<std::string> frames;  // Recording::frame_hash() of all of them, in their order
   std::string sha256;               // of all their points and labels; empty without recordings
+  int code = 0;                     // 2: damaged frames were skipped
 };
 
 /// What of a frame is learnt from.
@@ -42,7 +43,9 @@ LabelledFrame make_labelled_frame(const Frame& frame,
 LabelledRecordings labelled_recordings(std::vector<LabelledFrame> frames);
 
 /// None where no input is given. Throws Error where the inputs have no label, Cancelled on stop.
-LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::stop_token& stop);
+LabelledRecordings load_labelled_recordings(const InputArgs& args,
+                                            const std::filesystem::path& out,
+                                            const std::stop_token& stop);
 
 /// What a training learns from and what it is scored on.
 struct TrainingData {

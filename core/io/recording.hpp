@@ -7,11 +7,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "core/model/frame.hpp"
+#include "core/model/frame_match.hpp"
 
 namespace planescope::io {
 
@@ -23,9 +25,6 @@ struct RecordingOptions {
   std::string topic = {};           // bags: the topic to read; empty: the first with depth
   /// "-" may be opened: standard input is read to its end and kept in memory.
   bool standard_input = false;
-  /// Folders: a damaged frame is an Error when it is read, not when the recording is opened, as
-  /// long as another one is whole.
-  bool damaged_frames_later = false;
   /// Intrinsics that nobody knows stay zero, for who only looks at what is there; else an Error.
   bool intrinsics_may_lack = false;
   /// Off: depth alone, for who does not look at colour; frames come without it, and quicker.
@@ -52,6 +51,9 @@ struct RecordingInfo {
   bool has_color = false;
   std::string color_note;             // "aligned", "projected by extrinsics", "none", ...
   std::vector<std::string> warnings;  // what was lost or odd, one line each, with counts
+  /// Frames found damaged when the recording was opened, and why: reading one throws this. Readers
+  /// look at the ends of files only, so that reading other frames may fail as well.
+  std::map<int, std::string> damaged;
 
   /// Clouds need no camera.
   bool knows_camera() const { return width == 0 || !intrinsics_source.empty(); }
@@ -78,7 +80,8 @@ class Recording {
 
 /// Opens any format that planescope reads (bag of ROS 1 or 2, folder of PNGs, Viewer .raw, clouds,
 /// "-" for standard input), found out from the content. Throws Error with one line on anything
-/// else. A sidecar adds what the files lack (gravity, intrinsics, unit):
+/// else, or if all frames are damaged. A sidecar adds what the files lack (gravity, intrinsics,
+/// unit):
 /// `<recording>.planescope.json` beside it, or `planescope.json` or `gravity.json` in a folder; its
 /// keys are listed at `Sidecar` in readers.hpp.
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
@@ -101,6 +104,12 @@ class FrameStream : public Recording {
 std::unique_ptr<FrameStream> open_stream(int descriptor,
                                          const RecordingOptions& options,
                                          bool keeps_all);
+
+/// The numbers of frames in a recording from which frames may have been removed, or to which some
+/// were added, since the numbers in `wanted` were noted. The pixels decide. nullopt: no frame has
+/// these pixels. Reads the wanted frames and, if numbers have shifted, all others.
+std::vector<std::optional<int>> find_frames(const Recording& recording,
+                                            std::span<const FrameIdentity> wanted);
 
 /// The same recording; `change`, of which several may run at once, adds to each frame what is known
 /// of it elsewhere, and may throw Error.

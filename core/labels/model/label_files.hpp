@@ -7,12 +7,17 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/model/frame.hpp"
 
+namespace planescope::io {
+class Recording;
+}
 namespace planescope::planes {
 struct SourceTruth;  // core/planes/pipeline/truth.hpp
 }
@@ -45,17 +50,35 @@ std::optional<FrameLabels> read_frame_labels(const std::filesystem::path& dir,
                                              int frame_index,
                                              const ExpectedFrame& expected);
 
-/// read_frame_labels() of a frame that is at hand. Throws Error also where the labels are of a
-/// cloud and the frame is a depth image, or the reverse, or where it has another size.
+/// read_frame_labels() of a frame that is at hand, by default with the number of the frame. Throws
+/// Error also where the labels are of a cloud and the frame is a depth image, or the reverse, or
+/// where it has another size.
 std::optional<FrameLabels> read_labels_of_frame(const std::filesystem::path& dir,
                                                 const Frame& frame,
-                                                const std::string& sha256);
+                                                const std::string& sha256,
+                                                std::optional<int> number = {});
 
 /// From `label_dir` where that holds labels of the frame (`sha256` must match where it is not
 /// empty), otherwise from the frame's own cloud fields, otherwise nullopt.
 std::optional<planes::SourceTruth> frame_truth(const Frame& frame,
                                                const std::filesystem::path& label_dir,
-                                               const std::string& sha256);
+                                               const std::string& sha256,
+                                               std::optional<int> number = {});
+
+/// The numbers of all label files in a folder, ascending. Throws Error if it cannot be listed.
+std::vector<int> label_numbers(const std::filesystem::path& dir);
+
+/// Which label files belong to which frame. Files have the number that their frame had when they
+/// were written: if frames were added or removed since, the hashes in the files decide.
+struct LabelsOfFrames {
+  std::map<int, int> number_of;  // of the label files, by frame
+  std::string warning;           // one line about labels of frames that have another number now
+};
+/// `frames`: those whose labels are looked at for a shift, beside the last one in the folder.
+/// Without a folder, there are no labels.
+LabelsOfFrames labels_of_frames(const std::filesystem::path& dir,
+                                const io::Recording& recording,
+                                std::span<const int> frames);
 
 // The three files as bytes, for those who need to know them before they are written or whether they
 // are still the same.

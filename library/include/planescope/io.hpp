@@ -29,7 +29,8 @@ struct RecordingInfo {
   Camera camera;            // of depth images; width 0: clouds
   double depth_unit_m = 0;  // metres per count
   bool has_color = false;
-  std::vector<std::string> warnings;  // what was lost or odd, one line each
+  std::vector<std::string> warnings;   // what was lost or odd, one line each
+  std::map<int, std::string> damaged;  // frames found damaged on opening, and why; others may be
 };
 
 struct Map;
@@ -41,6 +42,7 @@ class PLANESCOPE_API Recording {
   explicit Recording(const std::string& path, const RecordingOptions& options = {});
   RecordingInfo info() const;
   int size() const;  // frames
+  /// Throws Error where the frame is damaged.
   Frame operator[](int i) const;
   /// Frame::timestamp_s() of one, mostly without reading it.
   double timestamp_s(int i) const;
@@ -84,6 +86,7 @@ struct MapOptions {
   double window_m = 0;      // edge of the cube about the camera that the map is held in; 0: none
   std::vector<int> frames;  // ascending; empty: all
   std::map<int, Transform> T_world_camera;  // by frame, instead of a file of poses
+  bool skip_damaged = false;  // else make_map() throws where a frame cannot be read or processed
 };
 
 /// Planes of the world, and which plane of which frame is which. World: z up [m].
