@@ -103,6 +103,7 @@ RecordingInfo Recording::info() const {
   info.depth_unit_m = from.depth_unit_m;
   info.has_color = from.has_color;
   info.warnings = from.warnings;
+  info.damaged = from.damaged;
   return info;
 }
 
@@ -130,7 +131,12 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
     job.recording = &from;
     job.frames = options.frames;
     for (int i = 0; options.frames.empty() && i < from.frame_count(); ++i) job.frames.push_back(i);
-    for (const int i : job.frames) expect_frame(from, i);
+    for (const int i : job.frames) {
+      expect_frame(from, i);
+      if (const auto at = from.info().damaged.find(i);
+          at != from.info().damaged.end() && !options.skip_damaged)
+        throw Error(fmt::format("frame {}: {}", i, at->second));
+    }
     if (!std::ranges::is_sorted(job.frames, std::ranges::less_equal{}))
       throw Error("map: the frame numbers do not ascend");
     if (!(options.window_m >= 0)) throw Error("map: window_m is less than 0");
@@ -148,6 +154,9 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
       planes_png[frame].assign(png.begin(), png.end());
     };
     const world::WorldMap made = world::map_recording(job);
+    if (made.refused > 0 && !options.skip_damaged)
+      throw Error(*std::ranges::find_if(
+          made.warnings, [](const std::string& line) { return line.starts_with("frame "); }));
     const std::string name = from.info().path.filename().string();
     Map map = map_of(made, name);
     map.planes_png = std::move(planes_png);

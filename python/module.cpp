@@ -337,6 +337,9 @@ PYBIND11_MODULE(_core, m) {
         dict["depth_unit"] = info.depth_unit_m;
         dict["has_color"] = info.has_color;
         dict["warnings"] = info.warnings;
+        py::dict damaged;
+        for (const auto& [frame, why] : info.damaged) damaged[py::int_(frame)] = py::bytes(why);
+        dict["damaged"] = damaged;
         return dict;
       });
 
@@ -412,15 +415,16 @@ PYBIND11_MODULE(_core, m) {
       "make_map",
       [](const ps::Recording& recording, const ps::Segmenter& segmenter, const std::string& poses,
          double window_m, const std::vector<int>& frames,
-         const std::map<int, ps::Transform>& T_world_camera) {
+         const std::map<int, ps::Transform>& T_world_camera, bool skip_damaged) {
         const ps::Map made = [&] {
           const py::gil_scoped_release others_run;
-          return ps::make_map(recording, segmenter, {poses, window_m, frames, T_world_camera});
+          return ps::make_map(recording, segmenter,
+                              {poses, window_m, frames, T_world_camera, skip_damaged});
         }();
         return map_of(made);
       },
       py::arg("recording"), py::arg("segmenter"), py::arg("poses"), py::arg("window_m"),
-      py::arg("frames"), py::arg("T_world_camera"));
+      py::arg("frames"), py::arg("T_world_camera"), py::arg("skip_damaged"));
 
   py::class_<ps::Mapper>(m, "Mapper")
       .def(py::init<const ps::Segmenter&, double>())

@@ -48,12 +48,40 @@ void check_output_dir(const fs::path& dir) {
   if (dir.empty()) throw Error("output: the folder name is empty");
   std::error_code ignored;
   fs::path existing = fs::absolute(without_slash(dir));
-  while (!fs::exists(existing, ignored) && existing.has_relative_path())
-    existing = existing.parent_path();
+  for (; !fs::exists(existing, ignored) && existing.has_relative_path();
+       existing = existing.parent_path())
+    if (fs::is_symlink(existing, ignored))
+      throw Error(fmt::format("output {}: {} is a link to {}, which is missing; expected a folder",
+                              dir.string(), existing.string(),
+                              fs::read_symlink(existing, ignored).string()));
   if (!fs::is_directory(existing, ignored))
     throw Error("output " + dir.string() + ": " + existing.string() + " is not a folder");
   if (access(existing.c_str(), W_OK | X_OK) != 0)
     throw Error("output " + dir.string() + ": " + existing.string() + " cannot be written to");
+}
+
+namespace {
+
+/// The path without links and `..`; a link to a missing file is followed as well.
+fs::path real_path(fs::path path) {
+  std::error_code failed;
+  constexpr int kMostLinks = 40;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(path, failed) && !fs::exists(path, failed); ++i)
+    path = path.parent_path() / fs::read_symlink(path, failed);
+  return without_slash(fs::weakly_canonical(path, failed));
+}
+
+}  // namespace
+
+void check_outside(const fs::path& out, const fs::path& recording) {
+  if (out.empty() || recording == "-") return;
+  const fs::path inside = real_path(out).lexically_relative(real_path(recording));
+  if (inside.empty() || *inside.begin() == "..") return;
+  const bool is_itself = inside == ".";
+  const std::string other = "-" + (is_itself ? "out" : without_slash(out).filename().string());
+  throw Error(fmt::format("{}: is {} {}; expected a path outside, such as {}", out.string(),
+                          is_itself ? "the recording" : "in the recording", recording.string(),
+                          path_beside(recording, other).string()));
 }
 
 void make_output_dir(const fs::path& dir) {
@@ -169,6 +197,14 @@ fs::path find_asset(const std::string& name, const std::string& what) {
     tried += (tried.empty() ? "" : " and ") + place.string();
   }
   throw Error(what + " missing; looked for " + tried);
+}
+
+int DamagedFrames::report(std::size_t frames) const {
+  if (lines.empty()) return 0;
+  constexpr std::size_t kMostLines = 10;
+  for (const std::string& line : lines | std::views::take(kMostLines)) notice("error: {}", line);
+  notice("skipped {} of {}: damaged", lines.size(), counted(frames, "frame"));
+  return 2;
 }
 
 Progress::Progress(std::string what, int total)

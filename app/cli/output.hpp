@@ -32,6 +32,10 @@ std::filesystem::path without_slash(const std::filesystem::path& path);
 /// before the work starts, so that an unwritable output fails early.
 void check_output_dir(const std::filesystem::path& dir);
 
+/// Throws Error if the output is the recording or in its folder, where the next run might read its
+/// files as frames. Links and `..` are resolved.
+void check_outside(const std::filesystem::path& out, const std::filesystem::path& recording);
+
 /// Creates the folder if it is missing. Throws Error.
 void make_output_dir(const std::filesystem::path& dir);
 

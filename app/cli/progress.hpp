@@ -67,44 +67,93 @@ class StageBar {
   std::shared_ptr<Progress> bar_;
 };
 
-/// Calls work(frame) for each frame in order. Throws Cancelled on stop.
-template <typename Work>
-void for_each_frame(const char* what,
-                    const std::vector<int>& frames,
-                    const std::stop_token& stop,
-                    Work&& work) {
-  Progress progress(what, static_cast<int>(frames.size()));
-  int done = 0;
-  for (const int frame : frames) {
-    if (stop.stop_requested()) throw Cancelled();
-    progress.show(done++, fmt::format("frame {}", frame));
-    work(frame);
+/// A frame that cannot be read. The loops below skip it.
+struct FrameDamaged : Error {
+  using Error::Error;
+};
+
+/// Calls read() and rethrows its Error as FrameDamaged.
+template <typename Read>
+auto read_frame(Read&& read) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    throw FrameDamaged(error.what());
   }
 }
 
+/// Frames that were skipped because they are damaged, and why.
+struct DamagedFrames {
+  std::vector<std::size_t> positions;  // among the frames to process
+  std::vector<std::string> lines;      // "frame 5: depth/000005.png: the PNG is truncated"
+
+  void add(std::size_t position, int frame, const Error& error) {
+    positions.push_back(position);
+    lines.push_back(fmt::format("frame {}: {}", frame, error.what()));
+  }
+  template <typename T>
+  void remove_from(std::vector<T>& frames) const {
+    for (std::size_t k = positions.size(); k-- > 0;)
+      frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(positions[k]));
+  }
+  /// Prints the lines and their number. Returns the exit code: 2 if there are any.
+  int report(std::size_t frames) const;
+};
+
+/// Calls work(frame) for each frame in order. Throws Cancelled on stop, and the Error of the first
+/// frame if all are damaged.
+template <typename Work>
+[[nodiscard]] DamagedFrames for_each_frame(const char* what,
+                                           const std::vector<int>& frames,
+                                           const std::stop_token& stop,
+                                           Work&& work) {
+  Progress progress(what, static_cast<int>(frames.size()));
+  DamagedFrames damaged;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (stop.stop_requested()) throw Cancelled();
+    progress.show(static_cast<int>(i), fmt::format("frame {}", frames[i]));
+    try {
+      work(frames[i]);
+    } catch (const FrameDamaged& error) {
+      damaged.add(i, frames[i], error);
+      if (damaged.lines.size() == frames.size()) throw Error(damaged.lines.front());
+    }
+  }
+  return damaged;
+}
+
 /// Calls made = make(i) on `threads` threads, and take(i, made) in frame order. After a stop
-/// request, make() is not called again.
+/// request, make() is not called again. Throws the Error of the first frame if all are damaged.
 template <typename Make, typename Take>
-void run_frames(const char* what,
-                const std::vector<int>& frames,
-                int threads,
-                const std::stop_token& stop,
-                Make&& make,
-                Take&& take) {
+[[nodiscard]] DamagedFrames run_frames(const char* what,
+                                       const std::vector<int>& frames,
+                                       int threads,
+                                       const std::stop_token& stop,
+                                       Make&& make,
+                                       Take&& take) {
   std::vector<std::optional<decltype(make(std::size_t{0}))>> made(frames.size());
+  std::vector<std::optional<FrameDamaged>> damage(frames.size());
+  DamagedFrames damaged;
   Progress progress(what, static_cast<int>(frames.size()));
   work_in_order(
       static_cast<int>(frames.size()), threads,
       [&](int i) {
         const auto at = static_cast<std::size_t>(i);
-        if (!stop.stop_requested()) made[at] = make(at);
+        try {
+          if (!stop.stop_requested()) made[at] = make(at);
+        } catch (const FrameDamaged& error) {
+          damage[at] = error;
+        }
       },
       [&](int i) {
         const auto at = static_cast<std::size_t>(i);
         progress.show(i + 1, fmt::format("frame {}", frames[at]));
         if (made[at]) take(at, std::move(*made[at]));
+        if (damage[at]) damaged.add(at, frames[at], *damage[at]);
         made[at].reset();
       });
+  if (!frames.empty() && damaged.lines.size() == frames.size()) throw Error(damaged.lines.front());
+  return damaged;
 }
 
 }  // namespace planescope::app

@@ -12,7 +12,6 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::app {
@@ -148,7 +147,9 @@ int copy_labels(const OpenInput& input, const fs::path& name, StagedOutput& stag
   int copied = 0;
   for (std::size_t i = 0; i < input.frames.size(); ++i) {
     const int from = input.frames[i];
-    const auto labels = labels::read_frame_labels(input.label_dir, from,
+    const std::optional<int> number = input.label_number(from);
+    if (!number) continue;
+    const auto labels = labels::read_frame_labels(input.label_dir, *number,
                                                   {input.recording->frame_hash(from).c_str()});
     if (!labels) continue;
     labels::write_frame_labels(to, static_cast<int>(i), *labels);
@@ -157,25 +158,28 @@ int copy_labels(const OpenInput& input, const fs::path& name, StagedOutput& stag
   return copied;
 }
 
-/// Writes all frames in order.
+/// Writes all readable frames in order.
 std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
                                          const fs::path& path,
                                          int threads,
-                                         const std::stop_token& stop) {
+                                         const std::stop_token& stop,
+                                         DamagedFrames& damaged) {
   std::vector<io::WrittenFrame> written;
   write_file_stream(path, [&](std::ostream& out) {
     io::McapWriter file(out);
-    run_frames(
+    damaged = run_frames(
         "convert", input.frames, threads, stop,
-        [&](std::size_t i) { return input.recording->frame(input.frames[i]); },
-        [&](std::size_t i, Frame&& frame) {
+        [&](std::size_t i) {
+          return read_frame([&] { return input.recording->frame(input.frames[i]); });
+        },
+        [&](std::size_t, Frame&& frame) {
           // Keep depth counts; their unit goes into the sidecar.
           const std::int64_t stamp_ns = io::ros_stamp(frame.timestamp_s);
           for (const io::RosMessage& message :
                io::ros_camera(frame, stamp_ns, io::DepthEncoding::counts))
             file.add(message, stamp_ns, message.topic == "/tf_static");
           file.end_chunk();
-          written.push_back(io::facts_of(std::move(frame), std::to_string(i)));
+          written.push_back(io::facts_of(std::move(frame), std::to_string(written.size())));
         });
     if (stop.stop_requested()) throw Cancelled();
     file.finish();
@@ -184,19 +188,21 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
 }
 
 /// Writes all frames to one file, with a sidecar for facts that the format cannot store.
-std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
+std::vector<io::WrittenFrame> write_one_file(OpenInput& input,
                                              const Target& target,
                                              StagedOutput& staged,
                                              bool same_data,
                                              int threads,
-                                             const std::stop_token& stop) {
+                                             const std::stop_token& stop,
+                                             DamagedFrames& damaged) {
   const fs::path facts = target.out.string() + ".planescope.json";
   if (fs::exists(facts)) throw Error(facts.string() + ": already exists; expected a new name");
   const fs::path file = staged.add_file(target.out.filename());
   const fs::path sidecar = staged.add_file(facts.filename());
   std::vector<io::WrittenFrame> written;
   if (target.form == Form::mcap) {
-    written = write_mcap(input, file, threads, stop);
+    written = write_mcap(input, file, threads, stop, damaged);
+    damaged.remove_from(input.frames);
     io::write_recording_facts(sidecar, written);
   } else {
     written.push_back(write_cloud(file, target.form, input.recording->frame(input.frames[0])));
@@ -209,10 +215,10 @@ std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
 int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   InputArgs input_args = args.input;
   input_args.recording.standard_input = true;
-  const std::vector<OpenInput> inputs = open_inputs(input_args);
+  std::vector<OpenInput> inputs = open_inputs(input_args, args.out);
   if (inputs.size() != 1)
     throw Error(fmt::format("convert: {} recordings; expected one", inputs.size()));
-  const OpenInput& input = inputs[0];
+  OpenInput& input = inputs[0];
   const Target target = target_of(args, input);
   const bool is_cloud = input.recording->info().width == 0;
   const bool same_data = is_cloud == is_cloud_form(target.form);
@@ -223,19 +229,23 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   const fs::path parent = target.out.has_parent_path() ? target.out.parent_path() : ".";
   const int threads = args.input.pipeline.threads;
   StagedOutput staged(parent);
-  std::vector<io::WrittenFrame> frames(input.frames.size());
+  const std::size_t asked = input.frames.size();
+  std::vector<io::WrittenFrame> frames;
+  DamagedFrames damaged;
   if (target.one_file) {
-    frames = write_one_file(input, target, staged, same_data, threads, stop);
+    frames = write_one_file(input, target, staged, same_data, threads, stop, damaged);
   } else {
     const fs::path dir = staged.add(target.out.filename());
-    work_through(
-        static_cast<int>(frames.size()), threads,
-        [&](int i) {
-          const auto at = static_cast<std::size_t>(i);
-          frames[at] = write_one(target.form, dir, i, input.recording->frame(input.frames[at]));
+    // A damaged frame leaves a gap in the numbers of the files.
+    damaged = run_frames(
+        "convert", input.frames, threads, stop,
+        [&](std::size_t i) {
+          const Frame frame = read_frame([&] { return input.recording->frame(input.frames[i]); });
+          return write_one(target.form, dir, static_cast<int>(i), frame);
         },
-        Bar("convert", stop));
+        [&](std::size_t, io::WrittenFrame&& frame) { frames.push_back(std::move(frame)); });
     if (stop.stop_requested()) throw Cancelled();
+    damaged.remove_from(input.frames);
     write_facts(target.form, dir, frames);
     check_written(input, dir, same_data);
   }
@@ -243,10 +253,10 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   staged.commit();
   if (is_cloud_form(target.form)) warn_of_axes(input, frames[0]);
   fmt::print("{}: {} of {} frames from {}{}, read back{}\n", target.out.string(), frames.size(),
-             input.frames.size(), input.path.string(),
+             asked, input.path.string(),
              labelled > 0 ? fmt::format(" with labels for {}", labelled) : "",
              same_data ? " and bit-identical" : "");
-  return 0;
+  return damaged.report(asked);
 }
 
 }  // namespace

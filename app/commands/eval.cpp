@@ -128,9 +128,11 @@ std::optional<Row> run_and_score(const OpenInput& input,
 
 /// Scores the labels in --prediction.
 std::optional<Row> score_prediction(const OpenInput& input, int index, const EvalArgs& args) {
-  const Frame frame = input.recording->frame(index);
-  const auto truth =
-      labels::read_labels_of_frame(input.label_dir, frame, input.recording->frame_hash(index));
+  const Frame frame = read_frame([&] { return input.recording->frame(index); });
+  const std::optional<int> number = input.label_number(index);
+  if (!number) return std::nullopt;
+  const auto truth = labels::read_labels_of_frame(input.label_dir, frame,
+                                                  input.recording->frame_hash(index), number);
   if (!truth) return std::nullopt;
   const auto found = read_prediction(args.prediction, *input.recording, frame, truth->gravity);
   if (!found)
@@ -180,14 +182,15 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   std::vector<Row> rows;
   std::vector<std::string> refused;
   int without_truth = 0;
-  run_frames("eval", frames, threads.at_once, stop, make, [&](std::size_t, Scored&& scored) {
-    if (!scored.refused.empty())
-      refused.push_back(scored.refused);
-    else if (!scored.row)
-      ++without_truth;
-    else
-      rows.push_back(std::move(*scored.row));
-  });
+  const DamagedFrames damaged =
+      run_frames("eval", frames, threads.at_once, stop, make, [&](std::size_t, Scored&& scored) {
+        if (!scored.refused.empty())
+          refused.push_back(scored.refused);
+        else if (!scored.row)
+          ++without_truth;
+        else
+          rows.push_back(std::move(*scored.row));
+      });
   if (stop.stop_requested()) throw Cancelled();
   if (rows.empty() && !refused.empty()) throw Error(refused.front());
   if (rows.empty())
@@ -201,7 +204,7 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   const planes::Metrics mean = planes::mean_of(all);
   if (!args.json) {
     print_table(rows, mean, without_truth);
-    return 0;
+    return damaged.report(frames.size());
   }
   Json json;
   json["schema"] = "planescope.eval/1";
@@ -213,10 +216,11 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
     json["frames"].push_back(frame);
   }
   json["refused"] = refused;
+  json["damaged"] = damaged.lines;
   json["frames_without_truth"] = without_truth;
   json["mean"] = to_json(mean);
   fmt::print("{}", json_text(json, 2));
-  return 0;
+  return damaged.report(frames.size());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/output.hpp"
 #include "app/commands/commands.hpp"
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
@@ -27,6 +28,7 @@ struct Facts {
   io::RecordingInfo info;
   int frame_count = 0;
   int first = 0;  // frame used for the figures below
+  DamagedFrames damaged;
   int labelled = 0;
   std::string label_dir;
 
@@ -91,12 +93,25 @@ void measure_depth(const Frame& frame, double max_range_m, Facts& facts) {
   facts.max_m = counts.back() * frame.depth_unit_m;
 }
 
+/// The first that can be read; those before it are damaged. Throws Error if there is none.
+Frame first_frame(const OpenInput& input, DamagedFrames& damaged) {
+  for (std::size_t i = 0; i < input.frames.size(); ++i) {
+    try {
+      return input.frame(input.frames[i]);
+    } catch (const FrameDamaged& error) {
+      if (std::ranges::count(damaged.positions, i) == 0) damaged.add(i, input.frames[i], error);
+    }
+  }
+  throw Error(damaged.lines.front());
+}
+
 Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   Facts facts;
   facts.info = input.recording->info();
   facts.frame_count = input.recording->frame_count();
-  facts.first = input.frames.front();
-  const Frame frame = input.frame(facts.first);
+  facts.damaged = damaged_at_open(*input.recording, input.frames);
+  const Frame frame = first_frame(input, facts.damaged);
+  facts.first = frame.index;
   measure_times(input, facts);
   if (frame.is_cloud()) {
     facts.cloud_points = frame.cloud->points.size();
@@ -117,8 +132,17 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
       facts.gravity_error = error.what();
     }
   facts.label_dir = input.label_dir.string();
-  for (int i = 0; i < facts.frame_count; ++i)
-    facts.labelled += facts.info.width > 0 && may_have_truth(input, i);
+  if (facts.info.width > 0) {
+    const labels::LabelsOfFrames found =
+        labels::labels_of_frames(input.label_dir, *input.recording, {});
+    if (!found.warning.empty()) {
+      notice("warning: {}", found.warning);
+      facts.info.warnings.push_back(found.warning);
+    }
+    for (const auto& [index, number] : found.number_of)
+      facts.labelled += index < facts.frame_count &&
+                        labels::is_there(labels::label_file_paths(input.label_dir, number)[0]);
+  }
   return facts;
 }
 
@@ -184,6 +208,7 @@ Json to_json(const Facts& f) {
   }
   json["labels"] = {{"folder", f.label_dir}, {"frames", f.labelled}};
   json["warnings"] = f.info.warnings;
+  json["damaged"] = f.damaged.lines;
   return json;
 }
 
@@ -227,7 +252,9 @@ void print_text(const Facts& f, double max_range_m) {
   fmt::print("{}\n", one_line(f.info.path.string()));
   line("format", f.info.format);
   if (!f.info.device.empty()) line("device", f.info.device);
-  line("frames", std::to_string(f.frame_count));
+  line("frames", f.damaged.lines.empty()
+                     ? std::to_string(f.frame_count)
+                     : fmt::format("{}, {} damaged", f.frame_count, f.damaged.lines.size()));
   if (!f.info.topics.empty()) {
     std::string others =
         fmt::format("{}", fmt::join(f.info.topics, ", ")).substr(f.info.topics[0].size());
@@ -281,15 +308,17 @@ int run_info(const InfoArgs& args, std::stop_token) {
   InputArgs input_args = args.input;
   input_args.recording.intrinsics_may_lack = true;
   input_args.recording.standard_input = true;
+  int code = 0;
   for (const OpenInput& input : open_inputs(input_args)) {
     const Facts facts = gather(input, args.input.pipeline);
+    code = std::max(code, facts.damaged.report(input.frames.size()));
     if (args.json)
       json["recordings"].push_back(to_json(facts));
     else
       print_text(facts, args.input.pipeline.cloud.max_range_m);
   }
   if (args.json) fmt::print("{}", json_text(json, 2));
-  return 0;
+  return code;
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
 #include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
@@ -163,13 +164,29 @@ void set_input_option(InputArgs& args, const std::string& name, const std::strin
     set_pipeline_option(args.pipeline, name, text);
 }
 
+std::optional<int> OpenInput::label_number(int index) const {
+  labels::LabelsOfFrames& found = label_lookup->found;
+  std::call_once(label_lookup->once, [&] {
+    found = labels::labels_of_frames(label_dir, *recording, frames);
+    if (!found.warning.empty()) notice("warning: {}", found.warning);
+  });
+  const auto at = found.number_of.find(index);
+  return at == found.number_of.end() ? std::nullopt : std::optional(at->second);
+}
+
+std::optional<planes::SourceTruth> OpenInput::truth(const Frame& frame) const {
+  const std::optional<int> number = label_number(frame.index);
+  return labels::frame_truth(frame, number ? label_dir : fs::path(),
+                             recording->frame_hash(frame.index), number);
+}
+
 Frame OpenInput::frame(int index) const {
-  Frame frame = recording->frame(index);
+  Frame frame = read_frame([&] { return recording->frame(index); });
   if (gravity) gravity->resolve(frame, picked);
   return frame;
 }
 
-std::vector<OpenInput> open_inputs(const InputArgs& args) {
+std::vector<OpenInput> open_inputs(const InputArgs& args, const fs::path& out) {
   std::vector<fs::path> paths = args.inputs;
   if (paths.empty()) {
     paths.push_back(find_asset("sample", "no recording was specified, and the sample is"));
@@ -190,6 +207,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
     throw Error(args.label_dir->string() + ": is not a label folder");
   std::vector<OpenInput> inputs;
   for (const fs::path& path : paths) {
+    check_outside(out, path);
     OpenInput input;
     input.path = path;
     input.recording = io::open_recording(path, args.recording);
@@ -215,9 +233,31 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
   return inputs;
 }
 
+DamagedFrames damaged_at_open(const io::Recording& recording, const std::vector<int>& frames) {
+  DamagedFrames damaged;
+  const std::map<int, std::string>& known = recording.info().damaged;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (const auto found = known.find(frames[i]); found != known.end())
+      damaged.add(i, frames[i], Error(found->second));
+  return damaged;
+}
+
+int leave_out_damaged(std::vector<OpenInput>& inputs) {
+  int code = 0;
+  for (OpenInput& input : inputs) {
+    const DamagedFrames damaged = damaged_at_open(*input.recording, input.frames);
+    code = std::max(code, damaged.report(input.frames.size()));
+    damaged.remove_from(input.frames);
+    if (input.frames.empty()) throw Error(damaged.lines.front());
+  }
+  return code;
+}
+
 bool may_have_truth(const OpenInput& input, int index) {
+  const std::map<int, std::string>& damaged = input.recording->info().damaged;
+  if (damaged.contains(index)) throw FrameDamaged(damaged.at(index));
   const bool is_cloud = input.recording->info().width == 0;
-  return is_cloud || fs::exists(input.label_dir / fmt::format("{:06}.plane.png", index));
+  return is_cloud || input.label_number(index);
 }
 
 bool labels_points(const planes::PipelineOptions& options) {
@@ -246,9 +286,7 @@ LoadedFrame run_input_frame(const OpenInput& input,
 
   const bool needs_truth = !classifier && labels_points(options);
   std::optional<planes::FrameTruth> on_points;
-  if (needs_truth || want_truth)
-    loaded.truth =
-        labels::frame_truth(loaded.frame, input.label_dir, input.recording->frame_hash(index));
+  if (needs_truth || want_truth) loaded.truth = input.truth(loaded.frame);
   if (needs_truth && loaded.truth)
     on_points =
         planes::truth_on_points(loaded.truth->values, planes::measured_sources(loaded.frame));

@@ -5,13 +5,16 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "app/cli/progress.hpp"
 #include "core/io/recording.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
@@ -61,15 +64,26 @@ struct OpenInput {
   io::PickedGravity picked = {};
   std::shared_ptr<const world::SequenceGravity> gravity = {};  // null: per-frame gravity only
 
+  /// Number of the label files of frame `index`; nullopt if it has none. The first call checks
+  /// whether frames were added or removed since they were labeled, and warns.
+  std::optional<int> label_number(int index) const;
+  /// Ground truth of a frame, from its label files or the fields of its cloud.
+  std::optional<planes::SourceTruth> truth(const Frame& frame) const;
   /// Reads frame `index` with its gravity: its own or, if it has none, that of the frames around
-  /// it.
+  /// it. Throws FrameDamaged if it is unreadable.
   Frame frame(int index) const;
+
+  struct LabelLookup {
+    std::once_flag once;
+    labels::LabelsOfFrames found;
+  };
+  std::shared_ptr<LabelLookup> label_lookup = std::make_shared<LabelLookup>();
 };
 
 /// Opens all inputs, or the sample if there are none, before any work is done. Frames of
 /// `recording` have the gravity picked for them in the window. Throws Error if a recording cannot
-/// be opened or --frames selects none of its frames.
-std::vector<OpenInput> open_inputs(const InputArgs& args);
+/// be opened, --frames selects none of its frames, or the output `out` is inside it.
+std::vector<OpenInput> open_inputs(const InputArgs& args, const std::filesystem::path& out = {});
 
 /// A processed frame, with its ground truth if available and needed: requested by the caller or
 /// used by `classifier truth`.
@@ -80,7 +94,15 @@ struct LoadedFrame {
   planes::LimitRatios limit_ratios;  // set when running for a report
 };
 
-/// False if frame `index` cannot have ground truth: it has no label file and is not a cloud.
+/// Frames of `frames` that were found damaged when the recording was opened.
+DamagedFrames damaged_at_open(const io::Recording& recording, const std::vector<int>& frames);
+
+/// Reports damaged frames and removes them from the frames to process, for measurements that need
+/// every frame. Returns the exit code. Throws Error if no frame of a recording is left.
+int leave_out_damaged(std::vector<OpenInput>& inputs);
+
+/// False if frame `index` cannot have ground truth: it has no label file and is not a cloud. Throws
+/// FrameDamaged if it was found damaged when the recording was opened.
 bool may_have_truth(const OpenInput& input, int index);
 
 /// A readable frame that cannot be processed, e.g. for lack of gravity or ground truth. Other
@@ -97,8 +119,8 @@ bool labels_points(const planes::PipelineOptions& options);
 planes::ChosenClassifier choose_classifier(const planes::PipelineOptions& options);
 
 /// Reads and processes frame `index`. A null `classifier` uses the labels of the ground truth.
-/// Throws Error if the frame is unreadable, and FrameRefused if run_frame() throws; the message
-/// begins with the recording and the frame.
+/// Throws FrameDamaged if the frame is unreadable, and FrameRefused if run_frame() throws; the
+/// message begins with the recording and the frame.
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
                             const planes::PipelineOptions& options,

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 
@@ -17,31 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".labels";
-constexpr std::size_t kLongestNumber = 9;  // that fits an int
-
-/// Returns the frame number of a label file; nullopt for other files.
-std::optional<int> frame_of(const std::string& name) {
-  const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
-  const std::string rest = name.substr(digits);
-  if (digits < 6 || digits > kLongestNumber) return std::nullopt;
-  if (rest != ".json" && rest != ".plane.png" && rest != ".hv.png") return std::nullopt;
-  return std::stoi(name.substr(0, digits));
-}
-
-std::set<int> frames_in(const fs::path& dir) {
-  std::set<int> frames;
-  std::error_code error;
-  for (auto at = fs::directory_iterator(dir, error); !error && at != fs::directory_iterator();
-       at.increment(error))
-    if (const auto frame = frame_of(at->path().filename().string())) frames.insert(*frame);
-  if (error) throw Error(dir.string() + ": cannot be listed: " + error.message());
-  return frames;
-}
 
 bool is_label_folder(const fs::path& path) {
   if (!fs::is_directory(path)) return false;
   return without_slash(path).extension() == kSuffix || fs::exists(path / "journal") ||
-         !frames_in(path).empty();
+         !labels::label_numbers(path).empty();
 }
 
 }  // namespace
@@ -50,14 +30,14 @@ LabelFolder list_labels(const fs::path& dir) {
   if (!fs::exists(dir))
     throw Error(dir.string() + ": no such folder; for labels elsewhere, use --labels DIR");
   if (!fs::is_directory(dir)) throw Error(dir.string() + ": is not a label folder");
-  const std::set<int> frames = frames_in(dir);
+  std::vector<int> frames = labels::label_numbers(dir);
   if (frames.empty() && fs::exists(dir / "journal"))
     throw Error(dir.string() +
                 ": contains only a journal, no label files yet; to write them, open the recording "
                 "in label mode and save (Ctrl+S)");
   if (frames.empty())
     throw Error(dir.string() + ": contains no labels; expected files such as 000000.plane.png");
-  return {dir, {frames.begin(), frames.end()}};
+  return {dir, std::move(frames)};
 }
 
 LabelledRecording open_labels(const LabelsArgs& args) {
@@ -80,7 +60,12 @@ LabelledRecording open_labels(const LabelsArgs& args) {
   }
   io::RecordingOptions options = args.input.recording;
   options.intrinsics_may_lack = true;  // the label files then provide them
-  if (!source.path.empty()) source.recording = io::open_recording(source.path, options);
+  if (source.path.empty()) return source;
+  source.recording = io::open_recording(source.path, options);
+  const labels::LabelsOfFrames found =
+      labels::labels_of_frames(source.labels.dir, *source.recording, source.labels.frames);
+  if (!found.warning.empty()) notice("warning: {}", found.warning);
+  for (const auto& [frame, number] : found.number_of) source.frame_of[number] = frame;
   return source;
 }
 
@@ -91,21 +76,21 @@ Frame frame_as_drawn(Frame frame, const io::RecordingInfo& info, const FrameLabe
   return frame;
 }
 
-FrameLabels read_labels_of(const LabelledRecording& source, int frame) {
+FrameLabels read_labels_of(const LabelledRecording& source, int number) {
   const auto& recording = source.recording;
+  const int frame = source.frame(number);
   if (recording && frame >= recording->frame_count())
     throw Error(fmt::format("{}/{:06}.json: labels for frame {}, but the recording has {} frames",
-                            source.labels.dir.string(), frame, frame, recording->frame_count()));
+                            source.labels.dir.string(), number, frame, recording->frame_count()));
   // The size of a cloud is only known after reading the frame.
   const bool is_cloud = recording && recording->info().width == 0;
-  auto labels =
-      !recording ? labels::read_frame_labels(source.labels.dir, frame, "")
-      : is_cloud
-          ? labels::read_labels_of_frame(source.labels.dir, recording->frame(frame),
-                                         recording->frame_hash(frame))
-          : labels::read_frame_labels(source.labels.dir, frame, recording->frame_hash(frame));
+  const std::string hash =
+      recording ? read_frame([&] { return recording->frame_hash(frame); }) : std::string();
+  auto labels = is_cloud ? labels::read_labels_of_frame(source.labels.dir, recording->frame(frame),
+                                                        hash, number)
+                         : labels::read_frame_labels(source.labels.dir, number, hash);
   if (!labels)
-    throw Error(fmt::format("{}/{:06}.json: no such file", source.labels.dir.string(), frame));
+    throw Error(fmt::format("{}/{:06}.json: no such file", source.labels.dir.string(), number));
   return std::move(*labels);
 }
 

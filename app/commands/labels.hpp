@@ -3,6 +3,7 @@
 // Options and label-folder handling shared by the subcommands of planescope labels.
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -34,13 +35,20 @@ struct LabelledRecording {
   LabelFolder labels;
   std::filesystem::path path;
   std::unique_ptr<io::Recording> recording;  // null: not found
+  std::map<int, int> frame_of;               // of the recording, by number of its label files
+
+  /// The number itself if nothing is known.
+  int frame(int number) const {
+    const auto at = frame_of.find(number);
+    return at == frame_of.end() ? number : at->second;
+  }
 };
 /// Opens the recording or label folder on the command line.
 LabelledRecording open_labels(const LabelsArgs& args);
 
-/// Reads the labels of a frame in the recording. Throws Error if they are damaged or belong to
-/// another depth image.
-FrameLabels read_labels_of(const LabelledRecording& source, int frame);
+/// Reads the label files with this number. Throws Error if they are damaged or belong to another
+/// depth image.
+FrameLabels read_labels_of(const LabelledRecording& source, int number);
 /// Returns the frame with the depth unit and intrinsics of its labels where the recording only
 /// assumes or lacks them.
 Frame frame_as_drawn(Frame frame, const io::RecordingInfo& info, const FrameLabels& labels);

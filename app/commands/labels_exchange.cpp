@@ -28,25 +28,9 @@ OpenInput open_one(const LabelsArgs& args, const std::string& command) {
   InputArgs input = args.input;
   input.label_dir.reset();                                    // may be missing
   input.recording.intrinsics_may_lack = command == "export";  // the label files then provide them
-  OpenInput opened = std::move(open_inputs(input)[0]);
+  OpenInput opened = std::move(open_inputs(input, args.out)[0]);
   if (args.input.label_dir) opened.label_dir = *args.input.label_dir;
   return opened;
-}
-
-bool is_below(const fs::path& path, const fs::path& folder) {
-  const fs::path relative =
-      fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(folder));
-  return !relative.empty() && *relative.begin() != "..";
-}
-
-/// Throws Error if the output is inside the recording or the labels, where files have the same
-/// names.
-void check_export_dir(const fs::path& out, const OpenInput& input) {
-  check_output_dir(out);
-  if (fs::is_directory(input.path) && is_below(out, input.path))
-    throw Error(out.string() + ": is inside the recording; expected a folder elsewhere");
-  if (is_below(out, input.label_dir) && is_below(input.label_dir, out))
-    throw Error(out.string() + ": is the label folder itself; expected a different folder");
 }
 
 struct FileOfFrame {
@@ -160,13 +144,13 @@ std::string format_names(bool read_back) {
 
 int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   const labels::LabelFormat format = labels::parse_label_format(args.format);
+  check_output_dir(args.out);
   const OpenInput input = open_one(args, "export");
-  check_export_dir(args.out, input);
-  LabelledRecording source;
-  source.labels = list_labels(input.label_dir);
-  source.path = input.path;
-  std::vector<int> frames;
-  std::ranges::set_intersection(input.frames, source.labels.frames, std::back_inserter(frames));
+  if (fs::weakly_canonical(args.out) == fs::weakly_canonical(input.label_dir))
+    throw Error(args.out.string() + ": is the folder of the labels themselves, expected another");
+  list_labels(input.label_dir);  // throws if there are none
+  std::vector<int> frames = input.frames;
+  std::erase_if(frames, [&](int frame) { return !input.label_number(frame); });
   if (frames.empty())
     throw Error(input.label_dir.string() + ": no labels for the requested frames");
   std::vector<fs::path> written;
@@ -181,9 +165,9 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   };
   const auto make = [&](std::size_t i) -> Exported {
     const int index = frames[i];
-    Frame frame = input.recording->frame(index);
-    const auto labels =
-        labels::read_labels_of_frame(input.label_dir, frame, input.recording->frame_hash(index));
+    Frame frame = read_frame([&] { return input.recording->frame(index); });
+    const auto labels = labels::read_labels_of_frame(
+        input.label_dir, frame, input.recording->frame_hash(index), input.label_number(index));
     if (!labels) return {};
     frame = frame_as_drawn(std::move(frame), input.recording->info(), *labels);
     if (frame.is_cloud() && is_coco)
@@ -202,19 +186,20 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
     io::write_png(args.out / picture_of(index), labels::coco_picture(grid));
     return {{args.out / picture_of(index)}, std::move(points)};
   };
-  run_frames("export", frames, args.input.pipeline.threads, stop, make,
-             [&](std::size_t i, Exported&& exported) {
-               written.insert(written.end(), exported.paths.begin(), exported.paths.end());
-               if (is_coco && !exported.paths.empty())
-                 coco.add(exported.coco, picture_of(frames[i]));
-             });
+  const DamagedFrames damaged =
+      run_frames("export", frames, args.input.pipeline.threads, stop, make,
+                 [&](std::size_t i, Exported&& exported) {
+                   written.insert(written.end(), exported.paths.begin(), exported.paths.end());
+                   if (is_coco && !exported.paths.empty())
+                     coco.add(exported.coco, picture_of(frames[i]));
+                 });
   if (stop.stop_requested()) throw Cancelled();
   if (is_coco && !written.empty()) {
     written.push_back(args.out / labels::kCocoFileName);
     write_file_bytes(written.back(), coco.bytes(), Durable::yes);
   }
   for (const fs::path& path : written) fmt::print("{}\n", path.string());
-  return 0;
+  return damaged.report(frames.size());
 }
 
 /// Reads all files before changing any labels; undo restores the previous labels.
@@ -225,26 +210,23 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   const labels::LabelFormat format = args.format.empty() ? labels::label_format_of(args.from)
                                                          : labels::parse_label_format(args.format);
   const OpenInput input = open_one(args, "import");
-  if (fs::is_directory(input.path) && is_below(input.label_dir, input.path))
-    throw Error(input.label_dir.string() +
-                ": is inside the recording; expected a folder elsewhere");
+  check_outside(input.label_dir, input.path);
   const std::optional<fs::path> coco_path = coco_to_import(args, format);
   std::optional<labels::CocoFile> coco;
   if (coco_path) coco = labels::read_coco(*coco_path);
-  const auto files = files_to_import(args, input, format, coco, coco_path);
+  auto files = files_to_import(args, input, format, coco, coco_path);
   labels::LabelStore store(input.label_dir);
   if (!store.read_only().empty()) throw Error(input.label_dir.string() + ": " + store.read_only());
   for (const std::string& what : store.notices()) notice("warning: {}", what);
 
   std::vector<Import> imports;
-  {
-    Progress progress("import", static_cast<int>(files.size()));
-    for (const FileOfFrame& file : files) {
-      if (stop.stop_requested()) throw Cancelled();
-      progress.show(static_cast<int>(imports.size()), fmt::format("frame {}", file.frame));
-      imports.push_back(read_import(file, format, coco, input, args.input.pipeline, store));
-    }
-  }
+  std::vector<int> frames;
+  for (const FileOfFrame& file : files) frames.push_back(file.frame);
+  const DamagedFrames damaged = for_each_frame("import", frames, stop, [&](int frame) {
+    const auto file = std::ranges::find(files, frame, &FileOfFrame::frame);
+    imports.push_back(read_import(*file, format, coco, input, args.input.pipeline, store));
+  });
+  damaged.remove_from(files);
   for (std::size_t i = 0; i < files.size(); ++i) {
     store.commit(imports[i].edit);
     store.save(files[i].frame);
@@ -258,7 +240,7 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
                    : "",
                imports[i].edit.empty() ? ", unchanged" : "");
   }
-  return 0;
+  return damaged.report(frames.size());
 }
 
 struct ConvertArgs {

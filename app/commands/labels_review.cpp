@@ -36,7 +36,8 @@ labels::LabelGrid grid_as_drawn(const LabelledRecording& source,
                                 int frame,
                                 const FrameLabels& labels) {
   return labels::make_label_grid(
-      frame_as_drawn(source.recording->frame(frame), source.recording->info(), labels),
+      frame_as_drawn(read_frame([&] { return source.recording->frame(source.frame(frame)); }),
+                     source.recording->info(), labels),
       labels.gravity);
 }
 
@@ -117,7 +118,8 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::vector<CheckedFrame> frames;
   Counts counts;
-  for_each_frame("check", source.labels.frames, stop, [&](int frame) {
+  // Damage is a finding.
+  (void)for_each_frame("check", source.labels.frames, stop, [&](int frame) {
     frames.push_back(check_frame(source, frame));
     counts.add(frames.back());
   });
@@ -225,8 +227,8 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
     throw Error(fmt::format("{} and {}: no frame has labels in both", a.labels.dir.string(),
                             b.labels.dir.string()));
   std::vector<ComparedFrame> frames;
-  for_each_frame("compare", both, stop,
-                 [&](int frame) { frames.push_back(compare_frame(a, b, frame)); });
+  const DamagedFrames damaged = for_each_frame(
+      "compare", both, stop, [&](int frame) { frames.push_back(compare_frame(a, b, frame)); });
   const labels::Agreement mean = mean_of(frames);
   if (args.json) {
     Json json = {{"schema", "planescope.labels_compare/1"},
@@ -240,7 +242,7 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
     json["frames_in_one_only"] = one;
     json["mean"] = to_json(mean);
     fmt::print("{}", json_text(json, 2));
-    return 0;
+    return damaged.report(both.size());
   }
   fmt::print("{:<7} {:>6} {:>6} {:>7} {:>8} {:>8} {:>8} {:>8} {:>9}\n", "frame", "in A", "in B",
              "matched", "IoU", "Rand", "h/v", "same", "pixels");
@@ -253,7 +255,7 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
       "plane.\n");
   if (!one.empty())
     fmt::print("With labels in one folder only: {}.\n", counted(one.size(), "frame"));
-  return 0;
+  return damaged.report(both.size());
 }
 
 }  // namespace
@@ -314,10 +316,11 @@ Left what_is_left(const LabelledRecording& source, const std::vector<FrameStatis
   Left left;
   std::vector<int> labelled;
   for (const FrameStatistics& f : frames) {
-    if (f.of.planes > 0) labelled.push_back(f.frame);
+    if (f.of.planes > 0) labelled.push_back(source.frame(f.frame));
     if (f.of.planes > 0 && f.review_state != "reviewed") left.unreviewed.push_back(f.frame);
     if (f.doubtful > 0) left.doubtful.push_back(f.frame);
   }
+  std::ranges::sort(labelled);
   const int count = source.recording ? source.recording->frame_count() : 0;
   for (int i = 0; i < count; ++i)
     if (!std::ranges::binary_search(labelled, i)) left.unlabelled.push_back(i);
@@ -400,7 +403,7 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   for (const labels::WorkTime& w : labels::work_times(source.labels.dir))
     work[w.frame].push_back(w);
   std::vector<FrameStatistics> frames;
-  for_each_frame("stats", source.labels.frames, stop, [&](int frame) {
+  const DamagedFrames damaged = for_each_frame("stats", source.labels.frames, stop, [&](int frame) {
     const FrameLabels labels = read_labels_of(source, frame);
     frames.push_back({frame, labels.annotator, labels.review_state, {}, work[frame], 0});
     frames.back().doubtful = static_cast<int>(std::ranges::count_if(
@@ -412,7 +415,7 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   if (!args.json) {
     print_table(frames, source.recording != nullptr);
     print_left(what_is_left(source, frames), source.recording != nullptr);
-    return 0;
+    return damaged.report(source.labels.frames.size());
   }
   Json json = json_about("planescope.labels_stats/1", source);
   for (const FrameStatistics& f : frames)
@@ -422,7 +425,7 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
                   {"unreviewed", left.unreviewed},
                   {"doubtful", left.doubtful}};
   fmt::print("{}", json_text(json, 2));
-  return 0;
+  return damaged.report(source.labels.frames.size());
 }
 
 }  // namespace

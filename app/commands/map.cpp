@@ -59,15 +59,39 @@ bool is_of_map(const fs::path& relative) {
          ((name == "map" && type == ".png") || (name == "mesh" && type == ".ply"));
 }
 
-/// Marks the files of an earlier map in `dir` to be replaced or removed.
-void replace_earlier_map(const fs::path& dir, StagedOutput& output) {
-  const fs::path planes = world::planes_file({}, 0).parent_path();
-  for (const fs::path& folder : {fs::path(), planes}) {
+/// Files of an earlier map in `dir`.
+std::vector<fs::path> files_of_map(const fs::path& dir) {
+  std::vector<fs::path> files;
+  for (const fs::path& folder : {fs::path(), world::planes_file({}, 0).parent_path()}) {
     std::error_code absent;
     for (const fs::directory_entry& entry : fs::directory_iterator(dir / folder, absent))
       if (const fs::path relative = folder / entry.path().filename(); is_of_map(relative))
-        output.add_file(relative);
+        files.push_back(relative);
   }
+  return files;
+}
+
+/// Whether planescope map wrote it.
+bool is_tracks_file(const fs::path& file) {
+  std::error_code absent;
+  if (!fs::is_regular_file(file, absent)) return false;
+  std::string start(64, '\0');
+  open_to_read(file).read(start.data(), static_cast<std::streamsize>(start.size()));
+  return start.find("\"planescope.tracks/") != std::string::npos;
+}
+
+/// Throws Error where the map would replace or remove files that are not of an earlier map.
+void check_not_of_user(const fs::path& dir) {
+  // commit() writes tracks.json first, so that it is there even if an earlier run was killed.
+  if (is_tracks_file(dir / "tracks.json")) return;
+  std::vector<fs::path> files = files_of_map(dir);
+  for (const char* name : {"map.json", "poses.tum", "tracks.json"})
+    if (fs::exists(dir / name)) files.emplace_back(name);
+  if (!files.empty())
+    throw Error(
+        fmt::format("{}: is there already, but not from an earlier map; expected a new or "
+                    "empty folder, or one with an earlier map",
+                    (dir / *std::ranges::min_element(files)).string()));
 }
 
 /// Writes map.json, tracks.json, poses.tum, the pictures and pace.json.
@@ -167,16 +191,6 @@ void join_shards(const fs::path& dir, world::MapJob& job) {
   };
 }
 
-/// Throws Error if the map would replace files that do not belong to a map.
-void check_not_of_user(const MapArgs& args, const fs::path& recording) {
-  std::error_code absent;
-  if (fs::equivalent(args.out, recording, absent))
-    throw Error(args.out.string() + ": is the recording; expected a different folder for the map");
-  if (fs::exists(args.out / "poses.tum") && !fs::exists(args.out / "map.json"))
-    throw Error(args.out.string() +
-                ": has a poses.tum but no map.json; expected an empty folder or an earlier map");
-}
-
 int run_map(const MapArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
     throw Error(fmt::format("map: {} recordings; expected one", args.input.inputs.size()));
@@ -186,15 +200,13 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   if (!in_file) check_output_dir(args.out);
   world::MapJob job;
   if (args.poses) job.trajectory = world::read_trajectory(*args.poses);
-  InputArgs input_args = args.input;
-  input_args.recording.damaged_frames_later = true;
-  const std::vector<OpenInput> inputs = open_inputs(input_args);
+  const std::vector<OpenInput> inputs = open_inputs(args.input, args.out);
   const OpenInput& input = inputs.front();
   std::optional<PlanesFile> file;
   if (in_file)
-    file.emplace(args.out, input.path);
+    file.emplace(args.out);
   else
-    check_not_of_user(args, input.path);
+    check_not_of_user(args.out);
   const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
   job.recording = input.recording.get();
   job.frames = input.frames;
@@ -241,13 +253,14 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   }
   write_map(output, map, input.path.filename().string());
   write_meshes(args, job, map, output);
-  replace_earlier_map(dir, output);
+  // What an earlier map has beyond this one is removed.
+  for (const fs::path& earlier : files_of_map(dir)) output.add_file(earlier);
   output.commit();
   job.progress = {};
   if (file) {
     file->begin(messages_of(map));
     SegmentArgs segment;
-    segment.input = input_args;
+    segment.input = args.input;
     segment.input.inputs = {input.path};
     segment.map = dir;
     segment.quiet = true;

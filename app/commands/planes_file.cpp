@@ -30,11 +30,6 @@ std::string in_segment(const char* name, int segment) {
   return segment == 0 ? name : fmt::format("{}_{}", name, segment);
 }
 
-bool is_within(const fs::path& path, const fs::path& folder) {
-  const fs::path inside = fs::weakly_canonical(path).lexically_relative(fs::canonical(folder));
-  return !inside.empty() && *inside.begin() != "..";
-}
-
 }  // namespace
 
 bool is_planes_file(const fs::path& out) {
@@ -90,12 +85,10 @@ std::vector<io::RosMessage> messages_of(const world::WorldMap& map) {
   return messages;
 }
 
-PlanesFile::PlanesFile(const fs::path& out, const fs::path& recording)
+PlanesFile::PlanesFile(const fs::path& out)
     : out_(out), output_(out.has_parent_path() ? out.parent_path() : ".") {
-  if (fs::exists(out)) throw Error(out.string() + ": already exists; expected a new name");
-  if (fs::is_directory(recording) && is_within(out, recording))
-    throw Error(fmt::format("{}: is inside the recording {}; expected a different folder",
-                            out.string(), recording.string()));
+  if (fs::exists(fs::symlink_status(out)))
+    throw Error(out.string() + ": already exists; expected a new name");
   staged_ = output_.add_file(out.filename());
   file_.open(staged_, std::ios::binary);
   writer_.emplace(file_);

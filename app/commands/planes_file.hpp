@@ -35,8 +35,8 @@ std::vector<io::RosMessage> messages_of(const world::WorldMap& map);
 /// An MCAP file that appears only when complete.
 class PlanesFile {
  public:
-  /// Throws Error if `out` exists, is part of the recording or cannot be written.
-  PlanesFile(const std::filesystem::path& out, const std::filesystem::path& recording);
+  /// Throws Error if `out` exists or cannot be written.
+  explicit PlanesFile(const std::filesystem::path& out);
 
   /// Folder for temporary files until commit().
   std::filesystem::path work_folder() const;

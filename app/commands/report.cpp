@@ -240,10 +240,8 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     throw Error(
         "--shard cannot be combined with --baseline or --rules; pass them to planescope report "
         "merge");
-  InputArgs input_args = args.input;
-  input_args.recording.damaged_frames_later = true;
   check_baseline_place(args.guard, args.out);
-  const std::vector<OpenInput> inputs = open_inputs(input_args);
+  const std::vector<OpenInput> inputs = open_inputs(args.input, args.out);
   const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
   report::Report report = start_report(args, inputs, chosen);
   std::size_t total = 0;

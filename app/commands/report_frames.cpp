@@ -133,10 +133,9 @@ std::string key_of(const ReportFramesJob& job,
     add_hash(frame.cloud->label);
     add_hash(frame.cloud->instance);
   }
-  for (const char* ending : {"plane.png", "hv.png", "json"})
-    if (const fs::path file = input.label_dir / fmt::format("{:06}.{}", index, ending);
-        fs::is_regular_file(file))
-      text.append(1, '\n').append(sha256_hex_of_file(file));
+  if (const std::optional<int> number = input.label_number(index))
+    for (const fs::path& file : labels::label_file_paths(input.label_dir, *number))
+      if (fs::is_regular_file(file)) text.append(1, '\n').append(sha256_hex_of_file(file));
   return sha256_hex(text);
 }
 

@@ -156,10 +156,10 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     stream = io::open_stream(0, input_args.recording, false);
     inputs.push_back({"-", stream, {}, args.input.label_dir.value_or("-.labels")});
   } else {
-    inputs = open_inputs(input_args);
+    inputs = open_inputs(input_args, args.out);
   }
   OpenInput& input = inputs.front();
-  if (in_file && !file) file = &own_file.emplace(args.out, input.path);
+  if (in_file && !file) file = &own_file.emplace(args.out);
   planes::PipelineOptions pipeline = args.input.pipeline;
   std::vector<std::string> lines, refused;
   std::shared_ptr<const world::KnownMap> map;
@@ -189,6 +189,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
                        output ? &*output : nullptr, in_file);
   };
   int written = 0;
+  DamagedFrames damaged;
   std::set<std::filesystem::path> frames;
   const auto take = [&](int index, WrittenFrame&& frame) {
     if (!frame.refused.empty()) {
@@ -225,7 +226,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     if (stream->frame_count() == 0 && !cut && !stop.stop_requested())
       throw Error("standard input: no frames after the header");
   } else {
-    run_frames(
+    damaged = run_frames(
         "segment", input.frames, threads.at_once, stop,
         [&](std::size_t i) { return write(input.frames[i]); },
         [&](std::size_t i, WrittenFrame&& frame) { take(input.frames[i], std::move(frame)); });
@@ -236,6 +237,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   if (output) output->commit();
   if (in_file && written > 0) file->commit();
   json["refused"] = refused;
+  json["damaged"] = damaged.lines;
   if (!stream)
     for (const std::string& why : refused) notice("rejected: {}", why);
   if (args.json && !stream) fmt::print("{}", json_text(json, 2));
@@ -244,7 +246,8 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     notice("to distinguish h and v, {}", planes::kHowToGiveGravity);
   if (cut) throw *cut;
   if (stop.stop_requested()) throw Cancelled();
-  return args.map.empty() || refused.empty() ? 0 : 2;
+  const int code = damaged.report(input.frames.size());
+  return args.map.empty() || refused.empty() ? code : 2;
 }
 
 void define_segment(CLI::App& app, Line& line) {

@@ -202,7 +202,8 @@ int run_train(const TrainArgs& args, std::stop_token stop) {
   check(args);
   const Files files = checked_files(args);
   if (!args.baseline.empty()) planes::read_weights(args.baseline);  // fails now, not after an hour
-  LabelledRecordings recordings = load_labelled_recordings(args.input, stop);
+  LabelledRecordings recordings = load_labelled_recordings(args.input, args.out, stop);
+  const int code = recordings.code;
   const lab::TrainingPurpose purpose = training_purpose(args, recordings);
   lab::TrainState state = args.resume
                               ? lab::read_checkpoint(files.checkpoint, args.recipe.train, purpose)
@@ -237,7 +238,7 @@ int run_train(const TrainArgs& args, std::stop_token stop) {
   const bool baseline_is_ahead = print_accuracy(session, state);
   fmt::print("{}: {} parameters, trained in {} steps; curves in {}\n", files.weights.string(),
              planes::parameter_count(options.network), state.step, files.page.string());
-  return baseline_is_ahead ? 1 : 0;
+  return code != 0 ? code : baseline_is_ahead ? 1 : 0;
 }
 
 void set_recipe(TrainArgs& args, const std::string& name) {

@@ -26,6 +26,7 @@ struct LabelledRecordings {
   std::vector<planes::LabelledCloud> train, validation;
   std::vector<std::string> frames;  // Recording::frame_hash() of each, in order
   std::string sha256;               // of all points and labels; empty without recordings
+  int code = 0;                     // 2: damaged frames were skipped
 };
 
 /// Training data of one frame.
@@ -43,7 +44,9 @@ LabelledRecordings labelled_recordings(std::vector<LabelledFrame> frames);
 
 /// Returns nothing if there are no inputs. Throws Error if the inputs have no labels, Cancelled on
 /// stop.
-LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::stop_token& stop);
+LabelledRecordings load_labelled_recordings(const InputArgs& args,
+                                            const std::filesystem::path& out,
+                                            const std::stop_token& stop);
 
 /// Training and validation data.
 struct TrainingData {

@@ -62,15 +62,18 @@ LabelledRecordings labelled_recordings(std::vector<LabelledFrame> frames) {
   return recordings;
 }
 
-LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::stop_token& stop) {
+LabelledRecordings load_labelled_recordings(const InputArgs& args,
+                                            const std::filesystem::path& out,
+                                            const std::stop_token& stop) {
   if (args.inputs.empty()) return {};
   std::vector<LabelledFrame> frames;
-  for (const OpenInput& input : open_inputs(args))
-    for_each_frame("recordings", input.frames, stop, [&](int index) {
+  int code = 0;
+  for (const OpenInput& input : open_inputs(args, out)) {
+    const DamagedFrames damaged = for_each_frame("recordings", input.frames, stop, [&](int index) {
       if (!may_have_truth(input, index)) return;
       const Frame frame = input.frame(index);
       const std::string hash = input.recording->frame_hash(index);
-      const auto truth = labels::frame_truth(frame, input.label_dir, hash);
+      const auto truth = input.truth(frame);
       if (!truth) return;
       try {
         frames.push_back(make_labelled_frame(frame, *truth, hash, args.pipeline));
@@ -78,11 +81,14 @@ LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::st
         throw Error(fmt::format("{}, frame {}: {}", input.path.string(), index, error.what()));
       }
     });
+    code = std::max(code, damaged.report(input.frames.size()));
+  }
   LabelledRecordings recordings = labelled_recordings(std::move(frames));
   if (recordings.frames.empty())
     throw Error(args.inputs[0].string() +
                 ": no labeled frames; expected label files next to it or in --labels DIR, or a "
                 "cloud's label field");
+  recordings.code = code;
   return recordings;
 }
 

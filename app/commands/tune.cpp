@@ -37,6 +37,7 @@ struct TuneArgs {
 
 struct TuneFrames {
   std::vector<lab::TuningFrame> tuning, held;
+  int code = 0;  // 2: damaged frames were skipped
 };
 
 /// One line of --list: a recording with its options.
@@ -86,7 +87,7 @@ std::string hash_of(const planes::SourceTruth& truth) {
 
 /// Reads every labeled frame. Throws Error if a half is empty or both halves contain the same
 /// frame.
-TuneFrames read_tune_frames(const TuneArgs& args) {
+TuneFrames read_tune_frames(const TuneArgs& args, const std::stop_token& stop) {
   std::vector<Listed> all;
   if (args.list.empty())
     all.push_back({args.input, {}});
@@ -97,14 +98,14 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
   int count = 0;
   for (Listed& listed : all) {
     listed.input.recording.color = false;
-    for (const OpenInput& input : open_inputs(listed.input))
-      for (const int index : input.frames) {
-        if (!may_have_truth(input, index)) continue;
+    for (const OpenInput& input : open_inputs(listed.input, args.out)) {
+      const auto take = [&](int index) {
+        if (!may_have_truth(input, index)) return;
         lab::TuningFrame frame;
         frame.frame = input.frame(index);
         const std::string hash = input.recording->frame_hash(index);
-        auto truth = labels::frame_truth(frame.frame, input.label_dir, hash);
-        if (!truth) continue;
+        auto truth = input.truth(frame.frame);
+        if (!truth) return;
         frame.name = fmt::format("{} {}", input.path.filename().string(), index);
         frame.hash = hash + hash_of(*truth);
         frame.truth = std::move(*truth);
@@ -117,7 +118,10 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
               "{}: same data as {} of the other half; expected different frames in both halves",
               frame.name, first->second.first));
         (held ? frames.held : frames.tuning).push_back(std::move(frame));
-      }
+      };
+      const DamagedFrames damaged = for_each_frame("frames", input.frames, stop, take);
+      frames.code = std::max(frames.code, damaged.report(input.frames.size()));
+    }
   }
   if (frames.tuning.empty() || frames.held.empty())
     throw Error(
@@ -171,7 +175,7 @@ class TuneRun {
 
   int run() {
     check_output_dir(args_.out);
-    TuneFrames frames = read_tune_frames(args_);
+    TuneFrames frames = read_tune_frames(args_, stop_);
     planes::ChosenClassifier chosen = choose_classifier(args_.input.pipeline);
     make_output_dir(args_.out);
     const FolderLock lock = FolderLock::acquire(args_.out, "planescope tune");
@@ -193,7 +197,7 @@ class TuneRun {
       if (const auto ms = journal.time_of(trial.setting))
         answer.priced.push_back({trial.setting, lab::mean_score(trial), *ms});
     write(answer);
-    return 0;
+    return frames.code;
   }
 
  private:

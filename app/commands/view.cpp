@@ -39,9 +39,9 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   document.options = args.input.pipeline;
   document.recording_options = args.input.recording;
   const bool opens_report = !args.open.empty() && is_report(args.open);
-  io::RecordingOptions options = options_to_open(args.input.recording);
-  options.damaged_frames_later = opens_report;  // the report may use another frame
+  const io::RecordingOptions options = options_to_open(args.input.recording);
   const auto open = [&](const fs::path& path) {
+    for (const fs::path& out : {args.screenshot, args.state}) check_outside(out, path);
     document.recordings.push_back({path, io::open_recording(path, options),
                                    args.input.label_dir.value_or(labels::default_label_dir(path))});
     read_picked(state, document.recordings.back());
@@ -91,6 +91,16 @@ void expect_folder_of(const std::filesystem::path& file) {
         fmt::format("{}: cannot be written: {} is not a folder", file.string(), folder.string()));
 }
 
+/// Prints which frames of the opened recordings are damaged. Returns the exit code.
+int report_damaged(const State& state) {
+  int code = 0;
+  for (const OpenRecording& open : state.document.recordings) {
+    const std::vector<int> all = sliced_frames({}, open.recording->frame_count());
+    code = std::max(code, damaged_at_open(*open.recording, all).report(all.size()));
+  }
+  return code;
+}
+
 /// Scripts to run once the window is open.
 std::vector<Script> scripts_of(const ViewArgs& args) {
   std::vector<Script> scripts;
@@ -106,6 +116,7 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
   const std::vector<Script> scripts = scripts_of(args);
   std::unique_ptr<Offscreen> offscreen;
   State state = view_state(args);
+  const int code = report_damaged(state);
   try {
     offscreen = std::make_unique<Offscreen>(std::move(state), args.width, args.height,
                                             static_cast<float>(args.scale));
@@ -119,7 +130,7 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
   if (!args.screenshot.empty()) offscreen->screenshot(args.screenshot);
   if (!args.state.empty())
     write_file_text(args.state, state_text(offscreen->shell().state(), true));
-  return 0;
+  return code;
 }
 
 int run_on_display(const ViewArgs& args, std::stop_token stop) {
@@ -130,8 +141,11 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   options.scripts = scripts_of(args);
   if (!options.scripts.empty())  // scripts step by event, regardless of the user's last setting
     options.settings.view.step_unit = debug::StepUnit::event;
+  int code = 0;
   try {
-    run_window(first_state(args, options.settings), options, stop);
+    State state = first_state(args, options.settings);
+    code = report_damaged(state);
+    run_window(std::move(state), options, stop);
   } catch (const NoDisplay& none) {
     notice(
         "{}; without a display, use `planescope report` or `planescope segment`, or draw this "
@@ -139,7 +153,7 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
         none.what());
     return 3;
   }
-  return 0;
+  return code;
 }
 
 /// Opens the desktop or, with --screenshot, --script or --offscreen, its offscreen counterpart.

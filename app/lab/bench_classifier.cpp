@@ -67,15 +67,18 @@ std::vector<Contender> load_all(const std::vector<std::string>& weights) {
   return contenders;
 }
 
-void time_frames(const BenchClassifierArgs& args,
-                 const std::vector<Contender>& contenders,
-                 const std::stop_token& stop,
-                 lab::ResultLines& lines) {
+/// Returns the exit code.
+int time_frames(const BenchClassifierArgs& args,
+                const std::vector<Contender>& contenders,
+                const std::stop_token& stop,
+                lab::ResultLines& lines) {
   planes::PipelineOptions options = args.input.pipeline;
   if (options.segment.by_objective())  // which segments depth images without labels
     options.segment = planes::profile_options(planes::Profile::paper);
   const std::set<int> thread_counts = {1, options.threads};
-  for (const OpenInput& input : open_inputs(args.input))
+  std::vector<OpenInput> inputs = open_inputs(args.input, args.out);
+  const int code = leave_out_damaged(inputs);
+  for (const OpenInput& input : inputs)
     for (const Contender& contender : contenders)
       for (const int threads : thread_counts) {
         options.threads = threads;
@@ -90,6 +93,7 @@ void time_frames(const BenchClassifierArgs& args,
         }
         lines.add("frames", json);
       }
+  return code;
 }
 
 Json json_of_accuracy(const planes::LabelAccuracy& accuracy) {
@@ -133,7 +137,7 @@ int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop) 
                            planes::make_pca_classifier({.neighbours = neighbours})});
 
   // Recordings first, so that an unreadable one is reported before anything slow starts.
-  if (wanted("frames")) time_frames(args, contenders, stop, timings);
+  const int code = wanted("frames") ? time_frames(args, contenders, stop, timings) : 0;
   if (wanted("speed")) {
     const lab::SpeedBench bench =
         lab::measure_speed(networks, {args.seed, args.rounds, threads}, Bar("speed", stop));
@@ -157,7 +161,7 @@ int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop) 
   if (wanted("accuracy") || wanted("gravity") || wanted("chain"))
     deliver(results, args.out, "classifier");
   if (wanted("speed") || wanted("frames")) deliver(timings, args.out, "classifier.timings");
-  return 0;
+  return code;
 }
 
 void finish(BenchClassifierArgs& args) {

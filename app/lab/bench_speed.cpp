@@ -120,7 +120,7 @@ class SpeedRun {
     read_subjects();
     if (wanted("start")) find_commands();
     deliver(measure(), args_.out, "speed");
-    return 0;
+    return code_;
   }
 
  private:
@@ -182,7 +182,9 @@ class SpeedRun {
       subjects_.push_back(made_subject(options));
       return;
     }
-    for (OpenInput& input : open_inputs(args_.input)) {
+    std::vector<OpenInput> inputs = open_inputs(args_.input, args_.out);
+    code_ = leave_out_damaged(inputs);
+    for (OpenInput& input : inputs) {
       check_stop();
       subjects_.push_back(read_subject(std::move(input), options));
     }
@@ -251,6 +253,7 @@ class SpeedRun {
   std::stop_token stop_;
   lab::SpeedTools tools_;
   planes::WeightsRecord weights_;
+  int code_ = 0;  // 2: damaged frames were left out
   std::vector<std::shared_ptr<OpenSubject>> subjects_;
   std::optional<ScratchFolder> scratch_;  // output of the timed commands
   std::vector<lab::TimedCommand> commands_;

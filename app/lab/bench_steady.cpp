@@ -63,7 +63,8 @@ int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
   if (!args.out.empty()) check_output_dir(args.out);
   InputArgs depth_only = args.input;
   depth_only.recording.color = false;
-  const std::vector<OpenInput> inputs = open_inputs(depth_only);
+  std::vector<OpenInput> inputs = open_inputs(depth_only, args.out);
+  const int code = leave_out_damaged(inputs);
   if (inputs.size() > 1 && !args.poses.empty() && args.poses != "none")
     throw Error(fmt::format("--poses: {} recordings; expected one", inputs.size()));
   std::vector<lab::FramePoses> poses;
@@ -114,7 +115,7 @@ int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
         }
   }
   deliver(lines, args.out, "steady");
-  return 0;
+  return code;
 }
 
 std::vector<std::string> typed_values(const CLI::App& command, const char* name) {

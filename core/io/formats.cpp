@@ -44,19 +44,22 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a < b;  // such as 01 and 1: any order, as long as it is deterministic
 }
 
-std::vector<fs::path> files_in(const fs::path& folder) {
-  std::vector<fs::path> files;
+std::vector<fs::path> entries_in(const fs::path& folder) {
+  std::vector<fs::path> entries;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    std::error_code ignored;
-    if (entry.is_regular_file(ignored) && !entry.path().filename().string().starts_with('.')) {
-      files.push_back(entry.path());
-    }
-  }
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (!entry.path().filename().string().starts_with('.')) entries.push_back(entry.path());
   if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+  std::sort(entries.begin(), entries.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
   });
+  return entries;
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files = entries_in(folder);
+  std::error_code ignored;
+  std::erase_if(files, [&](const fs::path& path) { return !fs::is_regular_file(path, ignored); });
   return files;
 }
 
@@ -67,19 +70,19 @@ constexpr int kMaxDepth = 4;  // levels of subfolders: do not search a whole dis
 /// Files of a kind in the folder, then those in its subfolders.
 std::vector<fs::path> files_under(const fs::path& folder,
                                   const std::function<bool(const fs::path&)>& is_wanted) {
-  std::vector<fs::path> wanted;
-  for (const fs::path& file : files_in(folder)) {
-    if (is_wanted(file)) wanted.push_back(file);
-  }
+  std::error_code ignored;
+  // Also dangling links and pipes: frames that are missing, not frames that never were.
+  const auto is_file = [&](const fs::path& path) {
+    return is_wanted(path) && !fs::is_directory(path, ignored);
+  };
+  std::vector<fs::path> wanted = entries_in(folder);
+  std::erase_if(wanted, std::not_fn(is_file));
   std::vector<fs::path> below;
   std::error_code error;
   fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
     if (it.depth() >= kMaxDepth) it.disable_recursion_pending();
-    std::error_code ignored;
-    if (it.depth() > 0 && is_wanted(it->path()) && it->is_regular_file(ignored)) {
-      below.push_back(it->path());
-    }
+    if (it.depth() > 0 && is_file(it->path())) below.push_back(it->path());
   }
   std::sort(below.begin(), below.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.string(), b.string());
@@ -291,6 +294,42 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
                 describe_files(files_in(path)) + "); expected " + format_names());
   if (found.start == "version ") read_file_bytes(path, 1000);  // throws if it is a Git LFS pointer
   throw Error(path.string() + ": not a supported recording; expected " + format_names());
+}
+
+std::vector<std::optional<int>> find_frames(const Recording& recording,
+                                            std::span<const FrameIdentity> wanted) {
+  const auto hash_of = [&](int i) {
+    try {
+      return recording.frame_hash(i);
+    } catch (const Error&) {  // damaged: reported when the frame is used
+      return std::string();
+    }
+  };
+  const auto is_in_place = [&](const FrameIdentity& frame) {
+    if (frame.index < 0 || frame.index >= recording.frame_count()) return false;
+    const std::string hash = hash_of(frame.index);
+    return hash.empty() || hash == frame.sha256;
+  };
+  std::vector<std::optional<int>> found;
+  if (std::ranges::all_of(wanted, is_in_place)) {
+    for (const FrameIdentity& frame : wanted) found.emplace_back(frame.index);
+    return found;
+  }
+  // With the number as a name: of frames with equal pixels, the one in its place comes first.
+  std::vector<FrameIdentity> all, named;
+  for (int i = 0; i < recording.frame_count(); ++i)
+    all.push_back({i, hash_of(i), std::to_string(i), 0});
+  std::map<std::pair<int, std::string>, std::size_t> unique;
+  for (const FrameIdentity& frame : wanted)
+    if (unique.emplace(std::pair(frame.index, frame.sha256), named.size()).second)
+      named.push_back({frame.index, frame.sha256, std::to_string(frame.index), 0});
+  const std::vector<int> partners = match_frames(all, named);
+  for (const FrameIdentity& frame : wanted) {
+    const int at = partners[unique[std::pair(frame.index, frame.sha256)]];
+    const bool is_same = at >= 0 && all[static_cast<std::size_t>(at)].sha256 == frame.sha256;
+    found.push_back(is_same ? std::optional(at) : std::nullopt);
+  }
+  return found;
 }
 
 std::shared_ptr<const Recording> with_changed_frames(std::shared_ptr<const Recording> recording,

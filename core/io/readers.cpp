@@ -321,6 +321,35 @@ std::string sha256_of_depth(const Image16& depth) {
   return sha256_hex(std::as_bytes(std::span(depth.data)));
 }
 
+void expect_regular_file(const fs::path& path) {
+  std::error_code failed;
+  const fs::file_type type = fs::status(path, failed).type();
+  if (type == fs::file_type::regular) return;
+  throw Error(fmt::format("{}: is {}; expected a file", path.string(),
+                          type == fs::file_type::directory   ? "a folder"
+                          : type != fs::file_type::not_found ? "a pipe or device"
+                          : fs::is_symlink(path, failed)     ? "a link to a missing file"
+                                                             : "missing"));
+}
+
+void find_damaged_frames(std::size_t frames,
+                         RecordingInfo& info,
+                         const std::function<void(std::size_t)>& check) {
+  for (std::size_t i = 0; i < frames; ++i) {
+    try {
+      check(i);
+    } catch (const Error& error) {
+      info.damaged[static_cast<int>(i)] = error.what();
+    }
+  }
+  if (info.damaged.size() == frames) throw Error(info.damaged.begin()->second);
+}
+
+void expect_undamaged(const RecordingInfo& info, int i) {
+  if (const auto found = info.damaged.find(i); found != info.damaged.end())
+    throw Error(found->second);
+}
+
 // ---- Picked gravity ----
 
 namespace {
@@ -364,21 +393,25 @@ void visit_fields(Fields& fields, Same<PickedGravity> auto& picked) {
 
 namespace {
 
-/// Throws Error unless the frame is the one that was clicked: like labels, a direction is valid
-/// only there.
-void expect_same(const Recording& recording, const PickedDirection& picked) {
-  const auto other = [&] {
-    return Error("was picked on a different recording (frame " + std::to_string(picked.frame) +
-                 " differs); delete it, or specify the recording's label folder with --labels");
-  };
-  if (picked.frame < 0 || picked.frame >= recording.frame_count()) throw other();
-  std::string hash;
-  try {
-    hash = recording.frame_hash(picked.frame);
-  } catch (const Error&) {
-    return;  // a damaged frame: reported when it is read
+/// Finds the clicked frames by their hashes: like labels, a direction is valid only there.
+void find_picked_frames(const Recording& recording, PickedGravity& picked) {
+  std::vector<PickedDirection> all;
+  if (picked.recording) all.push_back(*picked.recording);
+  for (const auto& [index, direction] : picked.frames) all.push_back(direction);
+  std::vector<FrameIdentity> wanted;
+  for (const PickedDirection& one : all) wanted.push_back({one.frame, one.frame_sha256, {}, 0});
+  const auto found = find_frames(recording, wanted);
+  picked.frames.clear();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!found[i])
+      throw Error("was picked on a different recording (frame " + std::to_string(all[i].frame) +
+                  " differs); delete it, or specify the recording's label folder with --labels");
+    all[i].frame = *found[i];
+    if (picked.recording && i == 0)
+      picked.recording = all[i];
+    else
+      picked.frames[*found[i]] = all[i];
   }
-  if (hash != picked.frame_sha256) throw other();
 }
 
 }  // namespace
@@ -397,8 +430,7 @@ PickedGravity read_picked_gravity(const fs::path& label_dir, const Recording& re
     place.schema({kGravitySchema});
     PickedGravity picked;
     read_fields(place, picked);
-    if (picked.recording) expect_same(recording, *picked.recording);
-    for (const auto& [index, direction] : picked.frames) expect_same(recording, direction);
+    find_picked_frames(recording, picked);
     return picked;
   });
 }

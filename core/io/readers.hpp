@@ -128,15 +128,27 @@ std::vector<RawFile> viewer_raw_files(const std::filesystem::path& path);
 /// File extension in lower case, including the dot.
 std::string extension(const std::filesystem::path& path);
 
+/// Entries of a folder except hidden ones, in natural order. Throws Error naming the folder if it
+/// cannot be listed.
+std::vector<std::filesystem::path> entries_in(const std::filesystem::path& folder);
 /// Natural order: 2 before 10.
 bool natural_less(const std::string& a, const std::string& b);
 
-/// Regular files in a folder except hidden ones, in natural order. Throws Error naming the folder
-/// if it cannot be listed.
+/// Its regular files.
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
 /// All .ply and .pcd files in a folder, then those in its subfolders. If there are none, all files
 /// of the added formats, in the same order.
 std::vector<std::filesystem::path> cloud_files_under(const std::filesystem::path& folder);
+
+/// Throws Error if the path is a folder, a pipe or a link to a missing file.
+void expect_regular_file(const std::filesystem::path& path);
+/// Stores the Error that check(i) throws for a frame in `info.damaged`. Throws the first one if all
+/// frames are damaged.
+void find_damaged_frames(std::size_t frames,
+                         RecordingInfo& info,
+                         const std::function<void(std::size_t)>& check);
+/// Throws the Error that was stored for the frame, if any.
+void expect_undamaged(const RecordingInfo& info, int i);
 
 /// Warnings about implausible intrinsics.
 std::vector<std::string> camera_warnings(const RecordingInfo& info);

@@ -7,11 +7,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "core/model/frame.hpp"
+#include "core/model/frame_match.hpp"
 
 namespace planescope::io {
 
@@ -23,9 +25,6 @@ struct RecordingOptions {
   std::string topic = {};           // bags: the topic to read; empty: the first with depth
   /// Allow "-": read standard input to its end and keep it in memory.
   bool standard_input = false;
-  /// Folders: a damaged frame throws when it is read, not when the recording is opened, as long as
-  /// another frame is intact.
-  bool damaged_frames_later = false;
   /// Leave unknown intrinsics at zero (for inspection); otherwise they are an Error.
   bool intrinsics_may_lack = false;
   /// Off: skip color, which makes reading faster.
@@ -52,6 +51,9 @@ struct RecordingInfo {
   bool has_color = false;
   std::string color_note;             // "aligned", "projected by extrinsics", "none", ...
   std::vector<std::string> warnings;  // data loss and anomalies, one line each, with counts
+  /// Frames found damaged when the recording was opened, and why: reading one throws this. Opening
+  /// checks only the ends of files, so reading other frames may fail as well.
+  std::map<int, std::string> damaged;
 
   /// Clouds need no camera.
   bool knows_camera() const { return width == 0 || !intrinsics_source.empty(); }
@@ -76,10 +78,10 @@ class Recording {
 };
 
 /// Opens any format that planescope reads (ROS 1 or 2 bag, folder of PNGs, Viewer .raw, clouds, "-"
-/// for standard input), detected from the content. Throws Error with one line on anything else. A
-/// sidecar adds missing facts (gravity, intrinsics, unit): `<recording>.planescope.json` beside the
-/// recording, or `planescope.json` or `gravity.json` in a folder. `Sidecar` in readers.hpp lists
-/// its keys.
+/// for standard input), detected from the content. Throws Error with one line on anything else, or
+/// if all frames are damaged. A sidecar adds missing facts (gravity, intrinsics, unit):
+/// `<recording>.planescope.json` beside the recording, or `planescope.json` or `gravity.json` in a
+/// folder. `Sidecar` in readers.hpp lists its keys.
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingOptions& options = {});
 
@@ -100,6 +102,12 @@ class FrameStream : public Recording {
 std::unique_ptr<FrameStream> open_stream(int descriptor,
                                          const RecordingOptions& options,
                                          bool keeps_all);
+
+/// Finds frames by their pixels, in a recording to which frames were added or from which frames
+/// were removed since the numbers in `wanted` were stored. Returns their present numbers; nullopt
+/// if no frame has these pixels. Reads the wanted frames and, if numbers have shifted, all others.
+std::vector<std::optional<int>> find_frames(const Recording& recording,
+                                            std::span<const FrameIdentity> wanted);
 
 /// The same recording with frames completed by `change`, which may run several times concurrently
 /// and may throw Error.

@@ -100,6 +100,7 @@ def make_map(
     window_m: float,
     frames: Sequence[int],
     T_world_camera: Mapping[int, Sequence[float]],
+    skip_damaged: bool,
 ) -> _Map: ...
 
 class Mapper:

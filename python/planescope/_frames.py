@@ -266,12 +266,17 @@ class RecordingInfo(Values):
     depth_unit: float  # meters per count
     has_color: bool
     warnings: list[str]  # one line each
+    damaged: dict[int, str]  # frames found damaged on opening, and why; reading one raises Error
 
 
 class Recording(Sequence):  # type: ignore[type-arg]
     """A recording of any format that planescope reads, as a sequence of frames.
 
     The files are never written to. Threads may share a recording.
+
+    Attributes:
+        on_error: "raise", or "skip" to leave out damaged frames in loops, slices and make_map().
+        skipped: Damaged frames that loops and slices left out so far, and why.
     """
 
     def __init__(
@@ -281,6 +286,7 @@ class Recording(Sequence):  # type: ignore[type-arg]
         K: ArrayLike | None = None,
         depth_unit: float | None = None,
         color: bool = True,
+        on_error: str = "raise",
     ):
         """Open a recording.
 
@@ -289,9 +295,11 @@ class Recording(Sequence):  # type: ignore[type-arg]
             K: Overrides the camera matrix in the files.
             depth_unit: Overrides the meters per count in the files.
             color: False reads only depth, which is faster.
+            on_error: "raise" an Error at a damaged frame, or "skip" it in loops, slices and
+                make_map(). The others keep their numbers, Frame.index.
 
         Raises:
-            Error: The recording is missing, damaged, or in an unknown format.
+            Error: The recording is missing, in an unknown format, or all of its frames are damaged.
 
         Example:
             >>> recording = ps.Recording("assets/sample")
@@ -304,6 +312,10 @@ class Recording(Sequence):  # type: ignore[type-arg]
             None if depth_unit is None else numbers(depth_unit, "depth_unit", "a number"),
             bool(color),
         )
+        if on_error not in ("raise", "skip"):
+            raise Error(f"on_error: {on_error!r}, expected 'raise' or 'skip'")
+        self.on_error = on_error
+        self.skipped: dict[int, str] = {}
 
     @property
     def info(self) -> RecordingInfo:
@@ -311,6 +323,7 @@ class Recording(Sequence):  # type: ignore[type-arg]
         info: dict[str, Any] = self._core.info()
         info["path"] = os.fsdecode(info["path"])
         info["K"] = view(info["K"])
+        info["damaged"] = {i: os.fsdecode(why) for i, why in info["damaged"].items()}
         return RecordingInfo(**info)
 
     def __len__(self) -> int:
@@ -324,15 +337,25 @@ class Recording(Sequence):  # type: ignore[type-arg]
 
     def __getitem__(self, i: int | slice) -> Frame | list[Frame]:
         if isinstance(i, slice):
-            return [self[k] for k in range(*i.indices(len(self)))]
+            return list(self._frames(range(*i.indices(len(self)))))
         k = i + len(self) if i < 0 else i
         if not 0 <= k < len(self):
             raise IndexError(f"frame {i} is out of range; the recording has {len(self)} frames")
         return Frame._of(self._core.frame(k))
 
     def __iter__(self) -> Iterator[Frame]:
-        for i in range(len(self)):
-            yield self[i]
+        return self._frames(range(len(self)))
+
+    def _frames(self, numbers: range) -> Iterator[Frame]:
+        for i in numbers:
+            try:
+                frame = self[i]
+            except Error as error:
+                if self.on_error == "raise":
+                    raise
+                self.skipped[i] = str(error)
+            else:
+                yield frame
 
     def __repr__(self) -> str:
         info = self.info

@@ -136,7 +136,8 @@ def make_map(
     """Track the planes of a recording and fuse them into a map.
 
     Args:
-        recording: Depth images.
+        recording: Depth images. With on_error="skip", damaged frames are left out and reported in
+            Map.told.
         poses: T_world_camera (camera axes: x right, y down, z forward): an array (n, 4, 4) with one
             pose for each frame of the map; a mapping from frames to (4, 4), like
             Map.T_world_camera; or a file (TUM, KITTI, Open3D's .log or .json). None: the
@@ -151,7 +152,7 @@ def make_map(
         The map, in a world whose z points up.
 
     Raises:
-        Error: An argument is invalid, or no frame has a pose.
+        Error: An argument is invalid, no frame has a pose, or a frame is damaged.
 
     Example:
         >>> made = ps.make_map(recording, poses=poses, window_m=6)
@@ -187,6 +188,7 @@ def make_map(
         numbers(window_m, "window_m", "a number"),
         [] if frames is None else list(chosen),
         by_frame,
+        recording.on_error == "skip",
     )
     return Map(made)
 

@@ -240,7 +240,7 @@ TEST_F(Labels, InvalidFilesChangeNothing) {
   expect_refused(import({rec / "camera_intrinsic.json", "--frames", "0"}), "has no \"images\"");
   EXPECT_EQ(planes_in(own, 0), floor_and_wall_labels(*io::open_recording(rec)).plane.data);
   expect_refused(import({in + "/000000.npy", "--frames", "0", "--labels", rec / "l"}),
-                 "inside the recording");
+                 "in the recording");
   EXPECT_FALSE(fs::exists(own / "journal"));
 }
 
@@ -259,9 +259,9 @@ TEST_F(Labels, ExportsStayOutOfTheRecordingAndOfTheLabels) {
   const auto export_to = [&](const fs::path& out, const std::string& frames = "0:") {
     return labels_of("export", {rec, "--format", "coco", "-o", out, "--frames", frames});
   };
-  expect_refused(export_to(rec / "out"), "inside the recording");
-  expect_refused(export_to(own), "is the label folder itself");
-  expect_refused(export_to(dir / "out", "2"), "no labels for the requested frames");
+  expect_refused(export_to(rec / "out"), "in the recording");
+  expect_refused(export_to(own), "the folder of the labels themselves");
+  expect_refused(export_to(dir / "out", "2"), "no labels of the frames");
   expect_refused(labels_of("export", {rec, "--format", "coco"}), "-o DIR");
   EXPECT_FALSE(fs::exists(dir / "out"));
   well(labels_of("export", {rec, "--format", "voxels", "-o", dir / "out", "--voxel", "0.05"}));

@@ -336,14 +336,23 @@ TEST_F(Map, UsesPoseIForFrameIWithoutTimes) {
 
 TEST_F(Map, DoesNotReplaceTheUsersFiles) {
   const auto refusal = [&](const fs::path& out) { return run({"map", walk, "-o", out}); };
-  expect_refused(refusal(walk), "walk: is the recording; expected a different folder");
+  expect_refused(refusal(walk), "walk: is the recording");
   fs::create_directories(dir / "mine");
   write_file_text(dir / "mine" / "poses.tum", "measured by hand");
-  expect_refused(refusal(dir / "mine"), "mine: has a poses.tum but no map.json");
+  expect_refused(refusal(dir / "mine"),
+                 "mine/poses.tum: is there already, but not from an earlier map");
   EXPECT_EQ(read_text(dir / "mine" / "poses.tum"), "measured by hand");
+  for (const char* name : {"mesh.ply", "left.jsonl"}) {
+    fs::rename(dir / "mine" / "poses.tum", dir / "poses.tum");
+    write_file_text(dir / "mine" / name, "scanned by hand");
+    expect_refused(refusal(dir / "mine"), std::string(name) + ": is there already");
+    EXPECT_EQ(read_text(dir / "mine" / name), "scanned by hand");
+    fs::remove(dir / "mine" / name);
+    fs::rename(dir / "poses.tum", dir / "mine" / "poses.tum");
+  }
   fs::create_directories(dir / "other" / "tracks.json");
   write_file_text(dir / "other" / "tracks.json" / "note.txt", "mine");
-  expect_refused(refusal(dir / "other"), "tracks.json: is a folder; expected a file");
+  expect_refused(refusal(dir / "other"), "tracks.json: is there already, but not");
   EXPECT_EQ(read_text(dir / "other" / "tracks.json" / "note.txt"), "mine");
   EXPECT_FALSE(fs::exists(dir / "other" / "map.json")) << "all or nothing";
 }

@@ -35,10 +35,10 @@ struct ViewReport : testing::Test {
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   }
-  /// Opens the window and returns the state that it displays.
-  Json facts(const std::string& target, std::vector<std::string> more = {}) {
+  /// What the window shows.
+  Json facts(const std::string& target, std::vector<std::string> more = {}, int code = 0) {
     more.insert(more.end(), {"--state", dir / "state.json"});
-    well(view(target, more));
+    EXPECT_EQ(view(target, more).code, code);
     return Json::parse(read_text(dir / "state.json"));
   }
   void refuses(const std::string& target,
@@ -199,8 +199,8 @@ TEST_F(ViewReport, ADamagedFrameDoesNotPreventOpeningAnother) {
   const Ran ran = run({"report", dir / "rec", "-o", dir / "out", "--no-pictures"});
   EXPECT_EQ(ran.code, 2) << ran.err;
   const std::string file = dir / "out/report.json";
-  EXPECT_EQ(facts(file + "#f2/p1")["frame"], 2);
-  EXPECT_EQ(facts(file + "#f2/p1", {dir / "rec"})["frame"], 2);
+  EXPECT_EQ(facts(file + "#f2/p1", {}, 2)["frame"], 2);
+  EXPECT_EQ(facts(file + "#f2/p1", {dir / "rec"}, 2)["frame"], 2);
 }
 
 TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRejectedInOneLine) {

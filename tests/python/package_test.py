@@ -4,6 +4,7 @@ import json
 import os
 import pickle
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -443,6 +444,25 @@ class Recordings(unittest.TestCase):
         np.testing.assert_array_equal(frame.K, recording.info.K)
         self.assertIsNone(ps.Recording(Path(SAMPLE), color=False)[0].color)
         self.assertEqual(ps.Recording(SAMPLE, K=(400, 401, 320, 240))[0].K[1, 1], 401)
+
+    def test_with_a_damaged_frame_raise_or_skip(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "recording"
+            shutil.copytree(SAMPLE, path)
+            (path / "depth" / "000001.png").write_bytes(b"cut")
+            recording = ps.Recording(path)
+            self.assertEqual(list(recording.info.damaged), [1])
+            for read in (lambda: list(recording), lambda: recording[1], lambda: recording[:],
+                         lambda: ps.make_map(recording)):
+                with self.assertRaisesRegex(ps.Error, "000001.png: "):
+                    read()
+            careful = ps.Recording(path, on_error="skip")
+            self.assertEqual([frame.index for frame in careful], [0, 2])
+            self.assertEqual([frame.index for frame in careful[1:]], [2])
+            self.assertEqual(careful.skipped, careful.info.damaged)
+            self.assertEqual(sorted(ps.make_map(careful).track_of_plane), [0, 2])
+            with self.assertRaisesRegex(ps.Error, "on_error: 'ignore', expected 'raise' or 'skip'"):
+                ps.Recording(path, on_error="ignore")
 
     def test_of_ros_and_of_clouds(self):
         real = os.environ.get("PLANESCOPE_DATA")

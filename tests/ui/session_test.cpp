@@ -70,7 +70,27 @@ TEST(Session, RestoresTheViewOnAnotherMachine) {
   EXPECT_TRUE(has(refusal(run_state(), (dir / "there" / "s.json").string() + "#none"), "none"));
 }
 
-TEST(Session, KeepsProjectionAndCameras) {
+TEST(Session, FollowsItsFramesWhenOneIsRemovedFromTheRecording) {
+  const fs::path dir = scratch_dir();
+  fs::copy(sample_path(), dir / "sample", fs::copy_options::recursive);
+  State state = run_state();
+  state.document.recordings[0].path = dir / "sample";
+  apply(state, {"frame.show", "0"});
+  apply(state, {"bookmark.add", "gone"});
+  apply(state, {"frame.show", "2"});
+  apply(state, {"bookmark.add", "kept"});
+  save_session(state, dir / "s.json");
+  fs::remove(dir / "sample" / "depth" / "000000.png");
+
+  State other;
+  open_session(other, (dir / "s.json").string());
+  EXPECT_EQ(other.document.frame, 1);
+  EXPECT_EQ(other.document.bookmarks.at(1).frame, 1);
+  EXPECT_TRUE(
+      has(refusal(run_state(), (dir / "s.json").string() + "#gone"), "its frame is not in"));
+}
+
+TEST(Session, KeepsProjectionAndFromWhereAllIsLookedAt) {
   const fs::path dir = scratch_dir();
   State state = run_state();
   apply(state, {"camera.orthographic"});

@@ -212,8 +212,8 @@ void go_to_bookmark(State& state, const Bookmark& bookmark) {
   const OpenRecording* open = state.document.current();
   const int count = open ? open->recording->frame_count() : 0;
   if (bookmark.frame < 0 || bookmark.frame >= count)
-    throw Error(fmt::format("bookmark '{}' is on frame {}, but the recording has {}", bookmark.name,
-                            bookmark.frame, count));
+    throw Error(fmt::format("bookmark '{}': its frame is not in the recording, which has {} frames",
+                            bookmark.name, count));
   const bool other_frame = bookmark.frame != state.document.frame;
   if (other_frame) show_frame(state, bookmark.frame);
   state.view.orthographic = bookmark.orthographic;

@@ -122,20 +122,23 @@ planes::PipelineOptions options_from(const report::Report& report,
   return options;
 }
 
-/// Returns why this is not the report's recording; empty if it is.
-std::string why_other(const OpenRecording& open,
-                      const report::ReportFrame& frame,
-                      const fs::path& report) {
-  const std::string other =
-      fmt::format("{}: not the recording of {}", open.path.string(), report.string());
+/// Number of the report's frame in the recording, which may have changed since. nullopt if it is a
+/// different recording; `why` is the reason.
+std::optional<int> number_in(const OpenRecording& open,
+                             const report::ReportFrame& frame,
+                             const fs::path& report,
+                             std::string& why) {
   const int count = open.recording->frame_count();
-  if (frame.index >= count)
-    return fmt::format("{}: {} frames; expected frame {}", other, count, frame.index);
-  const std::string found = open.recording->frame_hash(frame.index);
-  if (!frame.sha256.empty() && found != frame.sha256)
-    return fmt::format("{}: frame {} has SHA-256 {}; expected {}", other, frame.index, found,
-                       frame.sha256);
-  return "";
+  if (frame.sha256.empty() && frame.index < count) return frame.index;  // it could not be read
+  const FrameIdentity wanted[] = {{frame.index, frame.sha256, frame.name, frame.timestamp_s}};
+  const std::optional<int> found =
+      frame.sha256.empty() ? std::nullopt : io::find_frames(*open.recording, wanted)[0];
+  if (!found)
+    why = fmt::format(
+        "{}: not the recording of {}: none of its {} is frame {}, "
+        "SHA-256 {}",
+        open.path.string(), report.string(), counted(count, "frame"), frame.index, frame.sha256);
+  return found;
 }
 
 /// A recording that may be the report's.
@@ -163,20 +166,23 @@ std::vector<Candidate> candidates_of(const State& state,
   return candidates;
 }
 
-/// Opens the first candidate that is the report's recording. Throws Error.
+/// Opens the first candidate that is the report's recording and returns the frame's number in it.
+/// Throws Error.
 OpenRecording open_recorded(const State& state,
                             const report::ReportRecording& recorded,
                             const report::ReportFrame& frame,
                             const ReportLink& link,
-                            const fs::path& report) {
+                            const fs::path& report,
+                            int& number) {
   std::string refusal;
   for (Candidate& candidate : candidates_of(state, recorded, link, report)) {
-    // The report describes damaged frames; the others can still be shown.
-    candidate.options.damaged_frames_later = true;
     OpenRecording open{candidate.path, io::open_recording(candidate.path, candidate.options),
                        candidate.label_dir};
-    const std::string why = why_other(open, frame, report);
-    if (why.empty()) return open;
+    std::string why;
+    if (const std::optional<int> found = number_in(open, frame, report, why)) {
+      number = *found;
+      return open;
+    }
     if (refusal.empty()) refusal = why;
   }
   if (!refusal.empty()) throw Error(refusal);
@@ -299,9 +305,12 @@ void open_report(State& state, const ReportLink& link) {
   if (place->options_a && same_options(*place->options_a, options) &&
       baseline->report.weights_sha256() == report.weights_sha256())
     add_note(place->note, "A and B are the same: the baseline had these options");
-  OpenRecording open = open_recorded(state, recording, frame, link, target.file);
+  OpenRecording open = open_recorded(state, recording, frame, link, target.file, place->frame);
+  if (place->frame != frame.index)
+    add_note(place->note, fmt::format("frame {} of the report is frame {} of {} now", frame.index,
+                                      place->frame, open.path.string()));
 
-  take_recording(state, std::move(open), frame.index);
+  take_recording(state, std::move(open), place->frame);
   state.document.options = options;
   state.document.marked.clear();
   ViewState& view = state.view;

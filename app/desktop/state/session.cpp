@@ -37,6 +37,7 @@ void visit_fields(Fields& fields, Same<Bookmark> auto& b) {
   fields("name", b.name);
   fields("note", b.note);
   fields("frame", b.frame, kSigned);
+  fields.with_default("frame_sha256", b.frame_sha256, "");
   fields("step", b.step, kSigned);
   fields("node", b.node, kSigned);
   fields("plane", b.plane, kSigned);
@@ -161,6 +162,7 @@ fs::path find_recording(const fs::path& session, const fs::path& written) {
 struct Session {
   OpenRecording recording;
   std::string path, frame_sha256;  // of the recording; of the frame shown
+  std::string note;                // about frames whose numbers have changed; empty: none
   int frame = 0;
   planes::PipelineOptions options;
   Bookmark cursor;
@@ -186,6 +188,30 @@ void visit_fields(Fields& fields, Same<Session> auto& session) {
   fields("marked", session.marked, kOptional);
 }
 
+/// Frames may have been added to the recording or removed since the session was saved.
+void find_session_frames(Session& session, const fs::path& path) {
+  const OpenRecording& open = session.recording;
+  std::vector<FrameIdentity> wanted = {{session.frame, session.frame_sha256, {}, 0}};
+  std::vector<Bookmark*> marks;
+  for (Bookmark& b : session.bookmarks)
+    if (!b.frame_sha256.empty()) {
+      wanted.push_back({b.frame, b.frame_sha256, {}, 0});
+      marks.push_back(&b);
+    }
+  const auto found = io::find_frames(*open.recording, wanted);
+  if (!found[0])
+    throw Error(fmt::format("{}: {} is another recording than the session's, frame {} differs",
+                            path.string(), open.path.string(), session.frame));
+  if (*found[0] != session.frame)
+    session.note = fmt::format("frame {} of the session is frame {} of {} now", session.frame,
+                               *found[0], open.path.string());
+  // Nobody knows where the bookmarks of old sessions without hashes are now.
+  for (Bookmark& b : session.bookmarks)
+    if (b.frame_sha256.empty() && *found[0] != session.frame) b.frame = -1;
+  session.frame = session.cursor.frame = *found[0];
+  for (std::size_t i = 0; i < marks.size(); ++i) marks[i]->frame = found[i + 1].value_or(-1);
+}
+
 Session read_session(const State& state, const fs::path& path) {
   Session session;
   session.view = state.view;
@@ -203,13 +229,7 @@ Session read_session(const State& state, const fs::path& path) {
   open.path = find_recording(path, session.path);
   open.recording = io::open_recording(open.path, options_to_open(state.document.recording_options));
   open.label_dir = labels::default_label_dir(open.path);
-  const int count = open.recording->frame_count();
-  if (session.frame < 0 || session.frame >= count)
-    throw Error(fmt::format("{}: shows frame {}, but {} has {} frames", path.string(),
-                            session.frame, open.path.string(), count));
-  if (session.frame_sha256 != open.recording->frame_hash(session.frame))
-    throw Error(fmt::format("{}: {} is not the session's recording; frame {} differs",
-                            path.string(), open.path.string(), session.frame));
+  find_session_frames(session, path);
   return session;
 }
 
@@ -260,6 +280,11 @@ void save_session(const State& state, const fs::path& path) {
   session.view = state.view;
   session.breakpoints = state.document.breakpoints;
   session.bookmarks = state.document.bookmarks;
+  for (Bookmark& b : session.bookmarks)
+    if (b.frame >= 0 && b.frame < open->recording->frame_count()) try {
+        b.frame_sha256 = open->recording->frame_hash(b.frame);
+      } catch (const Error&) {  // a damaged frame keeps its number
+      }
   session.marked = state.document.marked;
   Json json = {{"schema", kSessionSchema}};
   json.update(json_of(session));
@@ -281,8 +306,8 @@ void open_session(State& state, const std::string& where) {
   }
   const int count = session.recording.recording->frame_count();
   if (arrival.frame < 0 || arrival.frame >= count)
-    throw Error(fmt::format("{}: points to frame {}, but {} has {} frames", path.string(),
-                            arrival.frame, session.recording.path.string(), count));
+    throw Error(fmt::format("{}: its frame is not in {}, which has {} frames", where,
+                            session.recording.path.string(), count));
 
   session.view.mode = Mode::debugger;
   take_recording(state, std::move(session.recording), arrival.frame);
@@ -299,6 +324,7 @@ void open_session(State& state, const std::string& where) {
   state.view.orthographic = arrival.orthographic;
   set_filter(state, arrival.filter);
   state.view.arrival = arrival;
+  if (!session.note.empty()) say(state, session.note);
 }
 
 // ---- Settings ----------------------------------------------------------------------------------

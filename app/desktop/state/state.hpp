@@ -65,6 +65,7 @@ enum class Facing : std::uint8_t { home, top, side, front };
 struct Bookmark {
   std::string name, note;
   int frame = 0;
+  std::string frame_sha256;  // in sessions
   std::int32_t step = 0;
   std::int32_t node = -1, voxel = -1;
   std::int32_t plane = -1;  // its displayed number: 3 for P3

@@ -245,7 +245,9 @@ std::vector<fs::path> files_of_metadata(const fs::path& folder) {
   const fs::path metadata = folder / "metadata.yaml";
   std::vector<fs::path> files;
   for (const std::string& name : names_in(metadata)) {
-    fs::path file = folder / fs::path(name).filename();  // some versions prepend the folder
+    // Early versions of ros2 bag wrote the folder's name first.
+    const fs::path inside = path_inside("", name, metadata.string() + ": relative_file_paths");
+    fs::path file = folder / inside.filename();
     if (file.extension() == ".zstd" && fs::exists(fs::path(file).replace_extension()))
       file.replace_extension();  // has been unpacked since
     if (!fs::is_regular_file(file))

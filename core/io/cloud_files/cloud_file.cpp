@@ -41,9 +41,12 @@ class CloudRecording : public Recording {
     const bool folder = fs::is_directory(path, ignored);
     files_ = folder ? cloud_files_under(path) : std::vector<fs::path>{path};
     info_.format = files_.size() == 1 ? "point cloud" : "folder of point clouds";
+    find_damaged_frames(files_.size(), info_, [&](std::size_t i) {
+      expect_regular_file(files_[i]);
+      if (const CloudFormat* format = cloud_format_of(files_[i]); format && format->check)
+        format->check(files_[i]);
+    });
     for (const fs::path& file : files_) {
-      if (const CloudFormat* format = cloud_format_of(file); format && format->check)
-        format->check(file);
       const fs::path name = folder ? file.lexically_relative(path) : file.filename();
       names_.push_back((name.parent_path() / name.stem()).string());
     }
@@ -53,6 +56,7 @@ class CloudRecording : public Recording {
   int frame_count() const override { return static_cast<int>(files_.size()); }
 
   Frame frame(int i) const override {
+    expect_undamaged(info_, i);
     Frame frame;
     frame.index = i;
     frame.name = names_.at(i);
@@ -66,6 +70,7 @@ class CloudRecording : public Recording {
   double timestamp_s(int i) const override { return time_of_frame(sidecar_, names_.at(i), 0); }
 
   std::string frame_hash(int i) const override {
+    expect_undamaged(info_, i);
     return sha256_of_cloud(read_cloud_file(files_.at(i)));
   }
 

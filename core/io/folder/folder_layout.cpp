@@ -166,14 +166,21 @@ bool named_color(const fs::path& path) {
                      [&](const char* word) { return name.find(word) != std::string::npos; });
 }
 
-bool is_depth_by_content(const fs::path& path) {
-  if (!is_png(path)) return false;
-  try {
-    const PngInfo info = png_info(path);
-    return info.channels == 1 && info.bit_depth == 16;
-  } catch (const Error&) {
-    return false;
+/// The 16-bit grey PNGs and, if there are any, PNGs that cannot be read: damaged frames.
+std::vector<fs::path> depth_by_content(const std::vector<fs::path>& entries) {
+  std::vector<fs::path> depth;
+  bool any_readable = false;
+  for (const fs::path& path : only(entries, is_png)) {
+    try {
+      expect_regular_file(path);
+      const PngInfo info = png_info(path);
+      if (info.channels != 1 || info.bit_depth != 16) continue;
+      any_readable = true;
+    } catch (const Error&) {
+    }
+    depth.push_back(path);
   }
+  return any_readable ? depth : std::vector<fs::path>();
 }
 
 }  // namespace
@@ -203,10 +210,11 @@ std::optional<double> timestamp_in_name(const fs::path& path) {
 
 FolderLayout find_folder_layout(const fs::path& folder) {
   FolderLayout layout;
-  const std::vector<fs::path> here = files_in(folder);
+  // Entries that are not files are damaged frames: without them, later frames would be renumbered.
+  const std::vector<fs::path> here = entries_in(folder);
   const fs::path depth_folder = subfolder(folder, {"depth"});
   if (!depth_folder.empty()) {
-    layout.depth = depth_among(files_in(depth_folder), is_png);
+    layout.depth = depth_among(entries_in(depth_folder), is_png);
     const fs::path color_folder = subfolder(folder, {"color", "rgb", "colour", "image", "images"});
     std::vector<fs::path> color;
     if (!color_folder.empty()) color = only(files_in(color_folder), is_picture);
@@ -221,11 +229,11 @@ FolderLayout find_folder_layout(const fs::path& folder) {
   }
   layout.depth = depth_among(here, named_depth);
   if (layout.depth.empty()) {
-    layout.depth = only(here, is_depth_by_content);
+    layout.depth = depth_by_content(here);
     settle(folder, {}, layout);
     return layout;
   }
-  settle(folder, only(here, named_color), layout);
+  settle(folder, only(files_in(folder), named_color), layout);
   return layout;
 }
 

@@ -69,8 +69,10 @@ class FolderRecording : public Recording {
  private:
   void find_images(const fs::path& path);
   void tell_of_missing_depth();
-  void check_images(bool later, const Intrinsics& known);
+  void check_depth(const fs::path& path, const Intrinsics& known);
+  void check_images(const Intrinsics& known);
   CameraFiles find_camera(const fs::path& path) const;
+  Image8 first_picture(fs::path& file) const;
   void settle_color(const CameraFiles& camera);
   void settle_times();
   Image16 read_depth(int i) const;
@@ -80,7 +82,6 @@ class FolderRecording : public Recording {
   FolderLayout layout_;
   std::vector<double> time_s_;  // by frame; 0 where unknown
   std::optional<Accelerometer> accelerometer_;
-  std::map<int, std::string> damaged_;  // frame, and description of the damage
   RecordingInfo info_;
   Sidecar sidecar_;
   bool reads_color_ = true, color_aligned_ = false;
@@ -95,8 +96,7 @@ FolderRecording::FolderRecording(const fs::path& path, const RecordingOptions& o
   settle_times();
   info_.warnings = layout_.warnings;
   const CameraFiles camera = find_camera(path);
-  check_images(options.damaged_frames_later,
-               sidecar_.intrinsics.value_or(camera.depth.intrinsics.value_or(Intrinsics())));
+  check_images(sidecar_.intrinsics.value_or(camera.depth.intrinsics.value_or(Intrinsics())));
   settle_camera(options, sidecar_, camera.depth, info_);
   settle_color(camera);
 }
@@ -181,40 +181,36 @@ void FolderRecording::settle_times() {
   accelerometer_ = std::move(read);
 }
 
-/// Checks the start and end of every file, so that unusable files are reported before work starts.
-void FolderRecording::check_images(bool later, const Intrinsics& known) {
-  const auto check_depth = [&](const fs::path& path) {
-    const bool is_dump = is_depth_dump(path);
-    const PngInfo image = is_dump ? dump_info(path, known) : png_info(path);
-    if (image.channels != 1 || image.bit_depth != 16)
-      throw Error(
-          fmt::format("{}: PNG with {} channel(s) of {} bits; expected depth in 1 channel "
-                      "of 16 bits (a picture of depth contains no distances{})",
-                      path.string(), image.channels, image.bit_depth,
-                      lower_case(path.stem().string()).find("_depth_") == std::string::npos
-                          ? ""
-                          : "; rs-convert writes depth with -r"));
-    if (!is_dump && png_is_cut(path)) throw Error(path.string() + ": the PNG is truncated");
-    if (info_.width == 0) {
-      info_.width = image.width;
-      info_.height = image.height;
-    }
-    if (image.width != info_.width || image.height != info_.height)
-      throw Error(fmt::format("{}: depth image of {}x{}; expected {}x{}, like the first one",
-                              path.string(), image.width, image.height, info_.width, info_.height));
-  };
-  for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
-    try {
-      check_depth(layout_.depth[i]);
-      const fs::path& color = layout_.color[i];
-      if (!color.empty() && extension(color) == ".png" && png_is_cut(color))
-        throw Error(color.string() + ": the PNG is truncated");
-    } catch (const Error& error) {
-      if (!later) throw;
-      damaged_[static_cast<int>(i)] = error.what();
-    }
+void FolderRecording::check_depth(const fs::path& path, const Intrinsics& known) {
+  expect_regular_file(path);
+  const bool is_dump = is_depth_dump(path);
+  const PngInfo image = is_dump ? dump_info(path, known) : png_info(path);
+  if (image.channels != 1 || image.bit_depth != 16)
+    throw Error(
+        fmt::format("{}: PNG with {} channel(s) of {} bits; expected depth in 1 channel "
+                    "of 16 bits (a picture of depth contains no distances{})",
+                    path.string(), image.channels, image.bit_depth,
+                    lower_case(path.stem().string()).find("_depth_") == std::string::npos
+                        ? ""
+                        : "; rs-convert writes depth with -r"));
+  if (!is_dump && png_is_cut(path)) throw Error(path.string() + ": the PNG is truncated");
+  if (info_.width == 0) {
+    info_.width = image.width;
+    info_.height = image.height;
   }
-  if (damaged_.size() == layout_.depth.size()) throw Error(damaged_.begin()->second);
+  if (image.width != info_.width || image.height != info_.height)
+    throw Error(fmt::format("{}: depth image of {}x{}, expected {}x{} as the first one",
+                            path.string(), image.width, image.height, info_.width, info_.height));
+}
+
+/// Looks at the ends of every file, so that damaged frames are known before work starts.
+void FolderRecording::check_images(const Intrinsics& known) {
+  find_damaged_frames(layout_.depth.size(), info_, [&](std::size_t i) {
+    check_depth(layout_.depth[i], known);
+    const fs::path& color = layout_.color[i];
+    if (!color.empty() && extension(color) == ".png" && png_is_cut(color))
+      throw Error(color.string() + ": the PNG is truncated");
+  });
 }
 
 /// Looks for calibration beside the images and one folder up.
@@ -239,21 +235,35 @@ CameraFiles FolderRecording::find_camera(const fs::path& path) const {
   return camera;
 }
 
+/// The first color image that can be read. Throws the first Error if there is none.
+Image8 FolderRecording::first_picture(fs::path& file) const {
+  std::optional<Error> damage;
+  for (const fs::path& color : layout_.color) {
+    if (color.empty()) continue;
+    try {
+      file = color;
+      return read_picture(color);
+    } catch (const Error& error) {
+      if (!damage) damage = error;
+    }
+  }
+  throw Error(*damage);
+}
+
 void FolderRecording::settle_color(const CameraFiles& camera) {
   info_.has_color = layout_.has_color();
   if (!info_.has_color) {
     info_.color_note = "none";
     return;
   }
-  const auto first = std::find_if(layout_.color.begin(), layout_.color.end(),
-                                  [](const fs::path& p) { return !p.empty(); });
-  const Image8 color = read_picture(*first);
+  fs::path file;
+  const Image8 color = first_picture(file);
   const bool same_size = color.width == info_.width && color.height == info_.height;
   if (sidecar_.color_aligned && *sidecar_.color_aligned) {
     if (!same_size)
       throw Error(fmt::format(
           "{}: color image of {}x{}; expected {}x{}, because {} declares it aligned with depth",
-          first->string(), color.width, color.height, info_.width, info_.height,
+          file.string(), color.width, color.height, info_.width, info_.height,
           sidecar_.path.filename().string()));
     color_aligned_ = true;
     info_.color_note = "aligned";
@@ -274,7 +284,7 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
 }
 
 Image16 FolderRecording::read_depth(int i) const {
-  if (const auto found = damaged_.find(i); found != damaged_.end()) throw Error(found->second);
+  expect_undamaged(info_, i);
   const fs::path& path = layout_.depth.at(i);
   if (is_depth_dump(path)) return read_counts(path, info_.width, info_.height);
   Image16 depth = read_png_16(path);
@@ -366,7 +376,7 @@ class RawRecording : public Recording {
                   ": no RealSense Viewer depth; expected X.raw with X_metadata.csv of type "
                   "Depth and format Z16");
     CameraFacts facts;
-    for (const RawFile& file : files_) facts = check(file);
+    find_damaged_frames(files_.size(), info_, [&](std::size_t i) { facts = check(files_[i]); });
     info_.times_source = tells_times(sidecar_)     ? sidecar_.path.filename().string()
                          : time_of(files_[0]) != 0 ? files_[0].csv.filename().string()
                                                    : "";
@@ -397,6 +407,7 @@ class RawRecording : public Recording {
   }
   /// Checks the sizes of a snapshot against each other and against the first one.
   CameraFacts check(const RawFile& file) {
+    expect_regular_file(file.raw);
     const Metadata metadata(file.csv);
     const double width = metadata.number("Resolution x"), height = metadata.number("Resolution y");
     std::error_code error;
@@ -421,6 +432,7 @@ class RawRecording : public Recording {
   }
 
   Image16 read_depth(int i) const {
+    expect_undamaged(info_, i);
     return read_counts(files_.at(i).raw, info_.width, info_.height);
   }
 
@@ -435,7 +447,7 @@ std::vector<RawFile> viewer_raw_files(const fs::path& path) {
   std::error_code ignored;
   std::vector<fs::path> raws;
   if (fs::is_directory(path, ignored)) {
-    for (const fs::path& file : files_in(path))
+    for (const fs::path& file : entries_in(path))
       if (extension(file) == ".raw") raws.push_back(file);
   } else if (extension(path) == ".csv") {
     const std::string name = path.filename().string();
@@ -447,7 +459,7 @@ std::vector<RawFile> viewer_raw_files(const fs::path& path) {
   std::vector<RawFile> found;
   for (const fs::path& raw : raws) {
     const fs::path csv = raw.parent_path() / (raw.stem().string() + std::string(kCsvEnd));
-    if (!fs::exists(raw, ignored) || !fs::exists(csv, ignored)) continue;
+    if (!fs::exists(csv, ignored)) continue;
     const Metadata metadata(csv);
     if (metadata.text("Type") == "Depth" && metadata.text("Format") == "Z16")
       found.push_back({raw, csv});

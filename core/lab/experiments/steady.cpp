@@ -294,7 +294,8 @@ class SteadyUnit {
 
   std::vector<SteadyPair> next_pairs() const {
     const int next = frame_.index + 1;
-    if (next >= job_.recording->frame_count()) return {};
+    if (next >= job_.recording->frame_count() || job_.recording->info().damaged.contains(next))
+      return {};
     const double range_m = method_.options.cloud.max_range_m;
     const Frame frame = job_.recording->frame(next);
     const DepthMeters depth = depth_meters(frame_, range_m);

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <vector>
 
 #include "core/io/image/png.hpp"
+#include "core/io/recording.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json_fields.hpp"
@@ -208,9 +210,10 @@ std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
 
 std::optional<FrameLabels> read_labels_of_frame(const std::filesystem::path& dir,
                                                 const Frame& frame,
-                                                const std::string& sha256) {
+                                                const std::string& sha256,
+                                                std::optional<int> number) {
   const std::size_t points = frame.is_cloud() ? frame.cloud->points.size() : 0;
-  auto labels = read_frame_labels(dir, frame.index, {sha256, points});
+  auto labels = read_frame_labels(dir, number.value_or(frame.index), {sha256, points});
   if (!labels) return labels;
   const std::string where = fmt::format("{}: labels of frame {}", dir.string(), frame.index);
   if (labels->is_cloud() != frame.is_cloud())
@@ -225,12 +228,95 @@ std::optional<FrameLabels> read_labels_of_frame(const std::filesystem::path& dir
 
 std::optional<planes::SourceTruth> frame_truth(const Frame& frame,
                                                const std::filesystem::path& label_dir,
-                                               const std::string& sha256) {
+                                               const std::string& sha256,
+                                               std::optional<int> number) {
   if (!label_dir.empty())
-    if (const auto labels = read_labels_of_frame(label_dir, frame, sha256))
+    if (const auto labels = read_labels_of_frame(label_dir, frame, sha256, number))
       return planes::truth_of_labels(*labels);
   if (frame.is_cloud()) return planes::truth_of_cloud(*frame.cloud);
   return std::nullopt;
+}
+
+namespace {
+
+/// Returns the frame number of a label file; nullopt for other files.
+std::optional<int> number_of_file(const std::string& name) {
+  constexpr std::size_t kLongestNumber = 9;  // that fits an int
+  const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+  const std::string rest = name.substr(digits);
+  if (digits < 6 || digits > kLongestNumber) return std::nullopt;
+  if (rest != ".json" && rest != ".plane.png" && rest != ".hv.png") return std::nullopt;
+  return std::stoi(name.substr(0, digits));
+}
+
+/// The frame that labels were made for. Without a hash if they are damaged, which is reported when
+/// they are read.
+FrameIdentity identity_of(const fs::path& dir, int number) {
+  const fs::path file = label_file_paths(dir, number).back();
+  try {
+    const auto json = read_json<nlohmann::ordered_json>(file, kMaxJsonBytes);
+    for (const char* key : {"depth_sha256", "cloud_sha256"})
+      if (json.contains(key)) return {number, json.at(key).get<std::string>(), {}, 0};
+  } catch (const std::exception&) {
+  }
+  return {number, "", {}, 0};
+}
+
+}  // namespace
+
+std::vector<int> label_numbers(const fs::path& dir) {
+  std::set<int> numbers;
+  std::error_code error;
+  for (auto at = fs::directory_iterator(dir, error); !error && at != fs::directory_iterator();
+       at.increment(error))
+    if (const auto number = number_of_file(at->path().filename().string())) numbers.insert(*number);
+  if (error) throw Error(dir.string() + ": cannot be listed: " + error.message());
+  return {numbers.begin(), numbers.end()};
+}
+
+LabelsOfFrames labels_of_frames(const fs::path& dir,
+                                const io::Recording& recording,
+                                std::span<const int> frames) {
+  LabelsOfFrames labels;
+  if (!is_there(dir)) return labels;
+  const std::vector<int> numbers = label_numbers(dir);
+  for (const int number : numbers) labels.number_of[number] = number;
+  if (dynamic_cast<const io::FrameStream*>(&recording)) return labels;  // frames are yet to arrive
+  std::vector<FrameIdentity> all;
+  // Finds the frames of some labels. True if all are at their numbers.
+  std::vector<std::optional<int>> found;
+  const auto find = [&](const auto& is_wanted) {
+    all.clear();
+    for (const int number : numbers)
+      if (is_wanted(number)) all.push_back(identity_of(dir, number));
+    std::erase_if(all, [](const FrameIdentity& one) { return one.sha256.empty(); });
+    found = io::find_frames(recording, all);
+    return std::ranges::equal(found, all, {}, {}, &FrameIdentity::index);
+  };
+  if (find([&](int n) { return n == numbers.back() || std::ranges::count(frames, n) > 0; }) ||
+      find([](int) { return true; }))
+    return labels;
+  std::vector<std::string> moved, lost;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (found[i] != all[i].index) labels.number_of.erase(all[i].index);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!found[i]) lost.push_back(fmt::format("{:06}", all[i].index));
+    if (!found[i] || *found[i] == all[i].index) continue;
+    labels.number_of[*found[i]] = all[i].index;
+    moved.push_back(fmt::format("{:06} to frame {}", all[i].index, *found[i]));
+  }
+  // Labels of other pixels stay where no others are: reading them fails.
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (!found[i] && all[i].index < recording.frame_count())
+      labels.number_of.try_emplace(all[i].index, all[i].index);
+  if (moved.empty()) return labels;
+  const auto text = [](const std::vector<std::string>& all_of) {
+    return all_of[0] + (all_of.size() > 1 ? fmt::format(" and {} more", all_of.size() - 1) : "");
+  };
+  labels.warning = fmt::format("{}: labels matched by pixels, as frames were added or removed: {}",
+                               dir.string(), text(moved));
+  if (!lost.empty()) labels.warning += "; no frame has those of " + text(lost);
+  return labels;
 }
 
 // The JSON part of the label files.

@@ -7,12 +7,17 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/model/frame.hpp"
 
+namespace planescope::io {
+class Recording;
+}
 namespace planescope::planes {
 struct SourceTruth;  // core/planes/pipeline/truth.hpp
 }
@@ -45,17 +50,35 @@ std::optional<FrameLabels> read_frame_labels(const std::filesystem::path& dir,
                                              int frame_index,
                                              const ExpectedFrame& expected);
 
-/// read_frame_labels() for a loaded frame. Throws Error also if the labels are of a cloud and the
-/// frame is a depth image, or vice versa, or if their sizes differ.
+/// read_frame_labels() for a loaded frame, by default with the frame's number. Throws Error also if
+/// the labels are of a cloud and the frame is a depth image, or vice versa, or if their sizes
+/// differ.
 std::optional<FrameLabels> read_labels_of_frame(const std::filesystem::path& dir,
                                                 const Frame& frame,
-                                                const std::string& sha256);
+                                                const std::string& sha256,
+                                                std::optional<int> number = {});
 
 /// From `label_dir` if it contains labels of the frame (`sha256` must match unless it is empty),
 /// otherwise from the frame's own cloud fields, otherwise nullopt.
 std::optional<planes::SourceTruth> frame_truth(const Frame& frame,
                                                const std::filesystem::path& label_dir,
-                                               const std::string& sha256);
+                                               const std::string& sha256,
+                                               std::optional<int> number = {});
+
+/// The numbers of all label files in a folder, ascending. Throws Error if it cannot be listed.
+std::vector<int> label_numbers(const std::filesystem::path& dir);
+
+/// Which label files belong to which frame. Files have the number that their frame had when they
+/// were written: if frames were added or removed since, the hashes in the files decide.
+struct LabelsOfFrames {
+  std::map<int, int> number_of;  // of the label files, by frame
+  std::string warning;           // one line about labels of frames that have another number now
+};
+/// `frames`: those whose labels are looked at for a shift, beside the last one in the folder.
+/// Without a folder, there are no labels.
+LabelsOfFrames labels_of_frames(const std::filesystem::path& dir,
+                                const io::Recording& recording,
+                                std::span<const int> frames);
 
 // The three files as bytes, to inspect them before writing or to compare them.
 

@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <deque>
 #include <map>
 #include <numbers>
 #include <set>
 #include <utility>
 
+#include "core/model/frame_match.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 
@@ -230,35 +230,14 @@ const ReportRecording* partner_of(const ReportRecording& recording,
 /// For each frame of `now` the same frame of the baseline, or null.
 std::vector<const ReportFrame*> match_frames(const std::vector<ReportFrame>& baseline,
                                              const std::vector<ReportFrame>& now) {
-  std::vector<const ReportFrame*> partners(now.size(), nullptr);
-  std::set<const ReportFrame*> matched;
-  // Frames with equal keys, in order; an empty key matches nothing.
-  const auto match_by = [&](const auto& key_of) {
-    std::map<std::string, std::deque<const ReportFrame*>> open;
-    for (const ReportFrame& frame : baseline)
-      if (const std::string key = key_of(frame); !key.empty() && !matched.contains(&frame))
-        open[key].push_back(&frame);
-    for (std::size_t k = 0; k < now.size(); ++k) {
-      if (partners[k]) continue;
-      const auto found = open.find(key_of(now[k]));
-      if (found == open.end() || found->second.empty()) continue;
-      matched.insert(partners[k] = found->second.front());
-      found->second.pop_front();
-    }
+  const auto identities = [](const std::vector<ReportFrame>& frames) {
+    std::vector<FrameIdentity> all;
+    for (const ReportFrame& f : frames) all.push_back({f.index, f.sha256, f.name, f.timestamp_s});
+    return all;
   };
-  match_by([](const ReportFrame& f) { return f.sha256.empty() ? "" : f.sha256 + "/" + f.name; });
-  match_by([](const ReportFrame& f) { return f.sha256; });
-  match_by([](const ReportFrame& f) { return f.name; });
-  match_by([](const ReportFrame& f) {
-    return f.timestamp_s == 0 ? std::string() : fmt::format("{}", f.timestamp_s);
-  });
-  for (std::size_t k = 0; k < now.size(); ++k) {
-    if (partners[k]) continue;
-    const auto same = std::ranges::find(baseline, now[k].index, &ReportFrame::index);
-    if (same != baseline.end() && (same->name.empty() || now[k].name.empty()) &&
-        matched.insert(&*same).second)
-      partners[k] = &*same;
-  }
+  std::vector<const ReportFrame*> partners;
+  for (const int at : planescope::match_frames(identities(baseline), identities(now)))
+    partners.push_back(at < 0 ? nullptr : &baseline[static_cast<std::size_t>(at)]);
   return partners;
 }
 

@@ -30,7 +30,8 @@ struct RecordingInfo {
   Camera camera;            // of depth images; width 0: clouds
   double depth_unit_m = 0;  // meters per count
   bool has_color = false;
-  std::vector<std::string> warnings;  // losses and oddities, one line each
+  std::vector<std::string> warnings;   // losses and oddities, one line each
+  std::map<int, std::string> damaged;  // by frame: damage found on opening; others may be, too
 };
 
 struct Map;
@@ -42,6 +43,7 @@ class PLANESCOPE_API Recording {
   explicit Recording(const std::string& path, const RecordingOptions& options = {});
   RecordingInfo info() const;
   int size() const;  // number of frames
+  /// Throws Error if the frame is damaged.
   Frame operator[](int i) const;
   /// Frame::timestamp_s() of a frame, usually without reading it.
   double timestamp_s(int i) const;
@@ -85,6 +87,7 @@ struct MapOptions {
   double window_m = 0;      // edge of the map's cube around the camera; 0: unlimited
   std::vector<int> frames;  // ascending; empty: all
   std::map<int, Transform> T_world_camera;  // by frame, instead of a file of poses
+  bool skip_damaged = false;  // else make_map() throws where a frame cannot be read or processed
 };
 
 /// Planes in the world, and the tracks that connect them to the planes of frames. World: z up [m].

@@ -1,6 +1,7 @@
 // Tests of folder recordings: layout, intrinsics, timestamps, color pairing and sidecars.
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "core/io/folder/folder_files.hpp"
 #include "core/io/image/png.hpp"
@@ -426,20 +427,49 @@ TEST(Folder, InconsistentSizesAreRejected) {
   expect_refused(folder, {"12x8", "640x480", "camera_intrinsic.json"});
   const fs::path mixed = sample_folder();
   write_depth(mixed / "depth" / "2.png", 5, 14, 8);
-  expect_refused(mixed, kKnown, {"2.png", "14x8", "12x8"});
+  const auto damaged = open_recording(mixed, kKnown)->info().damaged;
+  ASSERT_EQ(damaged.size(), 1u);
+  expect_one_line_with(damaged.begin()->second, {"2.png", "14x8", "12x8"});
 }
 
-TEST(Folder, ATruncatedPngIsNoticedOnOpening) {
-  for (const char* name : {"depth/2.png", "color/10.png"}) {
+TEST(Folder, ADamagedFrameIsKnownOnOpeningAndTheOthersKeepTheirNumbers) {
+  const auto spoil = [](const fs::path& file, const std::string& how) {
+    if (how == "truncated") return fs::resize_file(file, fs::file_size(file) / 2);
+    fs::remove(file);
+    if (how == "a link to a missing file") fs::create_symlink("nowhere.png", file);
+    if (how == "a folder") fs::create_directory(file);
+    if (how == "a pipe or device") mkfifo(file.c_str(), 0600);
+  };
+  const auto whole = open_recording(sample_folder(), kKnown);
+  for (const auto& [name, how] : {std::pair("depth/2.png", "truncated"),
+                                  {"color/10.png", "truncated"},
+                                  {"depth/2.png", "a link to a missing file"},
+                                  {"depth/2.png", "a folder"},
+                                  {"depth/2.png", "a pipe or device"}}) {
     const fs::path folder = sample_folder();
-    auto bytes = read_file_bytes(folder / name);
-    bytes.resize(bytes.size() / 2);
-    write_file_bytes(folder / name, bytes);
-    expect_refused(folder, kKnown, {fs::path(name).filename().c_str(), "truncated"});
+    spoil(folder / name, how);
+    const auto recording = open_recording(folder, kKnown);
+    ASSERT_EQ(recording->frame_count(), whole->frame_count()) << how;
+    ASSERT_EQ(recording->info().damaged.size(), 1u) << how;
+    const auto [damaged, why] = *recording->info().damaged.begin();
+    expect_one_line_with(message_of([&, i = damaged] { recording->frame(i); }),
+                         {fs::path(name).filename().c_str(), how});
+    for (int i = 0; i < recording->frame_count(); ++i)
+      EXPECT_TRUE(i == damaged || recording->frame_hash(i) == whole->frame_hash(i)) << how;
   }
 }
 
-TEST(Folder, UnusableIntrinsicsAreRejected) {
+TEST(Folder, WithoutNamesADamagedPngKeepsItsPlaceAmongTheOthers) {
+  const fs::path folder = temp_folder();
+  for (const char* name : {"000.png", "001.png", "002.png"}) write_depth(folder / name, 5, 12, 8);
+  write_text(folder / "001.png", "");
+  const auto recording = open_recording(folder, kKnown);
+  EXPECT_EQ(recording->frame_count(), 3);
+  EXPECT_TRUE(recording->info().damaged.contains(1));
+  EXPECT_EQ(recording->frame(2).name, "002");
+}
+
+TEST(Folder, UnusableIntrinsicsAreRefused) {
   expect_one_line_with(
       message_of([&] { open_recording(sample_folder(), with_intrinsics(0, 10, 6, 4)); }), {"fx 0"});
   const fs::path folder = sample_folder();

@@ -25,9 +25,10 @@ class Frames : public Recording {
   }
   std::string frame_hash(int i) const override {
     if (i == damaged) throw Error("frame " + std::to_string(i) + " is damaged");
-    return salt + std::to_string(i);
+    return salt + std::to_string(i + removed);
   }
   std::string salt = "hash";
+  int removed = 0;  // frames before the first
   int damaged = -1;
 
  private:
@@ -89,7 +90,21 @@ TEST_F(Picked, OfAnotherRecordingIsRejected) {
   EXPECT_NE(refusal().find("a different recording"), std::string::npos);
 }
 
-TEST_F(Picked, AnInvalidFileIsRejectedByName) {
+TEST_F(Picked, FollowsItsFrameToAnotherNumber) {
+  PickedGravity picked;
+  picked.recording = direction(2, Vec3d::UnitY());
+  picked.frames[2] = direction(2, Vec3d(0, 0.6, 0.8));
+  picked.frames[3] = direction(3, Vec3d::UnitX());
+  write_picked_gravity(dir, picked);
+  recording.removed = 1;
+  const PickedGravity found = read_picked_gravity(dir, recording);
+  EXPECT_EQ(found.recording->frame, 1);
+  EXPECT_EQ(found.of(1)->direction, Vec3d(0, 0.6, 0.8));
+  EXPECT_EQ(found.of(2)->direction, Vec3d::UnitX());
+  EXPECT_EQ(found.frames.size(), 2u);
+}
+
+TEST_F(Picked, AFileThatCannotBeUsedIsRefusedByName) {
   const auto file = [](const std::string& all, const std::string& frames) {
     return R"({"schema": "planescope.gravity/1", "recording": )" + all + R"(, "frames": )" +
            frames + "}";

@@ -354,6 +354,13 @@ TEST_F(Ros2Bag, AFolderWithMetadataIsOneRecordingOfAllItsFiles) {
     write_text(dir / "metadata.yaml",
                list.replace(list.find("rec_3" + kind), 5 + kind.size(), "rec_3" + kind + ".zstd"));
     expect_refused(dir, {("rec_3" + kind + ".zstd").c_str()});
+    for (const char* outside : {"../../etc/passwd", "/etc/passwd", "a/../../rec_3"}) {
+      write_text(
+          dir / "metadata.yaml",
+          std::string("rosbag2_bagfile_information:\n  relative_file_paths: [") + outside + "]");
+      expect_refused(dir, {"metadata.yaml: relative_file_paths: '", outside,
+                           "expected a relative path inside its folder"});
+    }
     for (const char* text : {"{", "a: b", "rosbag2_bagfile_information: 1",
                              "rosbag2_bagfile_information:\n  relative_file_paths: []"}) {
       write_text(dir / "metadata.yaml", text);
