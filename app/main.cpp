@@ -1,4 +1,4 @@
-// planescope: the product.
+// The planescope executable.
 
 #include "app/cli/program.hpp"
 #include "app/commands/commands.hpp"

@@ -1,8 +1,8 @@
 # planescope_embed(TARGET file...): compiles files into TARGET. Each becomes
 #   extern "C" const unsigned char planescope_asset_<name>[], planescope_asset_<name>_end[];
-# where <name> is the file's name with every character but letters and digits turned into '_'.
+# where <name> is the file's name with every character except letters and digits replaced by '_'.
 # A zero byte follows the end, so that text can be used as a C string. The assembler includes the
-# file's bytes as they are: no generated arrays, and a changed asset rebuilds its object only.
+# file directly: there are no generated arrays, and changing an asset rebuilds only its object.
 function(planescope_embed target)
   foreach(file ${ARGN})
     get_filename_component(path ${file} ABSOLUTE)
@@ -12,7 +12,7 @@ function(planescope_embed target)
     endif()
     string(MAKE_C_IDENTIFIER ${base} symbol)
     set(asm ${CMAKE_CURRENT_BINARY_DIR}/embed_${symbol}.S)
-    # Written only where it differs, so that configuring again rebuilds nothing. The last line says
+    # Written only if changed, so that configuring again rebuilds nothing. The last line declares
     # that the object needs no executable stack.
     file(CONFIGURE OUTPUT ${asm} @ONLY CONTENT
 "        .section .rodata

@@ -114,7 +114,8 @@ int32_t planescope_result_plane(const planescope_result* result,
     const std::vector<v0::Plane>& planes = result->result.planes();
     if (index >= planes.size())
       throw v0::Error(
-          fmt::format("plane {}: the frame has {} planes, numbered from 0", index, planes.size()));
+          fmt::format("plane {} is out of range; the frame has {} planes, numbered from 0", index,
+                      planes.size()));
     const v0::Plane& from = planes[index];
     *plane = {from.id,
               static_cast<int32_t>(from.label),

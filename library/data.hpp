@@ -1,6 +1,6 @@
 #pragma once
 
-// What stands behind the library's objects. Shared by its sources alone.
+// Private data of the public library's objects, shared by its sources only.
 
 #include <array>
 #include <memory>
@@ -18,7 +18,7 @@ namespace planescope::v0 {
 
 struct Options::Data {
   planes::PipelineOptions options;
-  bool crop_is_set = false;  // of clouds, by its own name
+  bool crop_is_set = false;  // set by its own name, `range_for_clouds`
 };
 
 namespace detail {
@@ -41,7 +41,7 @@ struct ResultData {
   std::vector<std::int32_t> plane_of;  // per pixel or point
   std::vector<v0::Label> label_of;
 
-  // Made when they are first asked for.
+  // Computed on first use.
   mutable std::once_flag once;
   mutable planes::FramePlanes found;
   mutable std::vector<Plane> planes;
@@ -53,7 +53,7 @@ struct TraceData {
   std::shared_ptr<const debug::Run> run;
 };
 
-/// The way into the library's objects.
+/// Creates the library's objects from core's types, and gives access to their data.
 struct PLANESCOPE_API Access {
   static v0::Frame frame(::planescope::Frame&& frame);
   static const ::planescope::Frame& frame(const v0::Frame& frame) {
@@ -87,10 +87,10 @@ PLANESCOPE_API Result make_result(const v0::Frame& frame,
                                   planes::FrameResult&& found);
 PLANESCOPE_API Camera camera(const Intrinsics& intrinsics);
 
-/// What errors say of options that the command line has is of no use to a program's author.
+/// Throws Error without hints about the command line, which would not help a caller of the library.
 [[noreturn]] PLANESCOPE_API void throw_for_programs(const std::string& message);
 
-/// Calls what may throw the errors of core, or of the standard library.
+/// Calls a function and converts errors of core and of the standard library.
 template <typename Call>
 auto guarded(const Call& call) {
   try {

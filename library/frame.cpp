@@ -14,26 +14,34 @@ namespace planescope::v0 {
 namespace detail {
 namespace {
 
-// What a depth image, or a cloud, may have at most: what core's indices hold, and no typing error.
+// Largest inputs: core's indices must hold them, and larger ones are probably mistakes.
 constexpr int kMaxSide = 16384;
 constexpr std::size_t kMaxPoints = std::size_t{1} << 25;
+constexpr double kWidestView = 11.4;  // width / focal length: 160 degrees
 
 Intrinsics intrinsics(const Camera& camera, const char* what) {
   if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide)
-    throw Error(fmt::format("{}: it is {}x{} pixels, expected 1 to {} each", what, camera.width,
-                            camera.height, kMaxSide));
+    throw Error(fmt::format("{}: {}x{} pixels; expected 1 to {} in each direction", what,
+                            camera.width, camera.height, kMaxSide));
   if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy)))
-    throw Error(fmt::format("{}: its focal length is {}, {}, expected pixels above 0", what,
-                            camera.fx, camera.fy));
+    throw Error(
+        fmt::format("{}: focal length {}, {} px; expected above 0", what, camera.fx, camera.fy));
+  if (camera.width > kWidestView * camera.fx || camera.height > kWidestView * camera.fy)
+    throw Error(
+        fmt::format("{}: focal length {:g}, {:g} px for {}x{} pixels, a field of view of more than "
+                    "160 degrees; "
+                    "expected fx, fy, cx and cy in pixels",
+                    what, camera.fx, camera.fy, camera.width, camera.height));
   if (!(std::isfinite(camera.cx) && std::isfinite(camera.cy)))
     throw Error(
-        fmt::format("{}: its center is {}, {}, expected pixels", what, camera.cx, camera.cy));
+        fmt::format("{}: principal point {}, {}; expected pixels", what, camera.cx, camera.cy));
   if (static_cast<int>(camera.distortion) > static_cast<int>(Distortion::inverse_brown_conrady))
-    throw Error(fmt::format("{}: distortion {} is none that is known", what,
+    throw Error(fmt::format("{}: unknown distortion {}; expected 0 to 2", what,
                             static_cast<int>(camera.distortion)));
   for (const double coefficient : camera.coefficients)
     if (!std::isfinite(coefficient))
-      throw Error(fmt::format("{}: its distortion has a coefficient {}", what, coefficient));
+      throw Error(fmt::format("{}: distortion coefficient {}; expected a finite number", what,
+                              coefficient));
   Intrinsics result;
   result.width = camera.width;
   result.height = camera.height;
@@ -50,7 +58,8 @@ std::optional<::planescope::Gravity> given_gravity(const std::optional<Vec3>& di
   if (!direction) return std::nullopt;
   const Vec3d d = vec3(*direction);
   if (!d.allFinite() || d.isZero(1e-9))
-    throw Error(fmt::format("gravity: {}, {}, {} is no direction", d.x(), d.y(), d.z()));
+    throw Error(
+        fmt::format("gravity: {}, {}, {}; expected a nonzero direction", d.x(), d.y(), d.z()));
   return ::planescope::Gravity{d.stableNormalized(), GravitySource::option, 1, "given"};
 }
 
@@ -66,7 +75,7 @@ Pose pose(const Transform& t, const char* what) {
   const Mat3d r = pose.linear();
   if (!pose.matrix().allFinite() || (r * r.transpose() - Mat3d::Identity()).norm() > 1e-3 ||
       r.determinant() < 0)
-    throw Error(fmt::format("{}: it is no rigid transform", what));
+    throw Error(fmt::format("{}: not a rigid transform", what));
   return pose;
 }
 
@@ -91,14 +100,13 @@ Camera camera(const Intrinsics& intrinsics) {
 /// Throws Error if the image cannot be read as described.
 static Intrinsics checked(const DepthImage& image) {
   const Intrinsics result = intrinsics(image.camera, "depth image");
-  if (image.counts == nullptr && image.meters == nullptr)
-    throw Error("depth image: it has no pixels");
+  if (image.counts == nullptr && image.meters == nullptr) throw Error("depth image: no pixels");
   if (!(image.unit_m > 0 && image.unit_m <= 1))
     throw Error(
-        fmt::format("depth image: {} m per count, expected above 0 and at most 1", image.unit_m));
+        fmt::format("depth image: {} m per count; expected above 0 and at most 1", image.unit_m));
   if (image.row_stride != 0 && image.row_stride < static_cast<std::size_t>(result.width))
-    throw Error(fmt::format("depth image: rows of {} pixels stand {} apart", result.width,
-                            image.row_stride));
+    throw Error(fmt::format("depth image: row stride {1}; expected at least the width, {0}",
+                            result.width, image.row_stride));
   return result;
 }
 
@@ -115,8 +123,8 @@ void throw_for_programs(const std::string& message) {
       text.replace(at, what.size(), by);
   };
   replace(planes::kHowToGiveGravity,
-          "give the direction in which things fall, in the sensor's frame");
-  replace(io::kHowToGiveIntrinsics, "give them");
+          "specify the direction in which things fall, in the sensor's frame");
+  replace(io::kHowToGiveIntrinsics, "specify them");
   replace(" --", " ");
   replace("(--", "(");
   throw Error(text);
@@ -130,7 +138,7 @@ Error::~Error() = default;
 
 namespace {
 
-constexpr const char* kGivenName = "0";  // what messages call a frame that is of no recording
+constexpr const char* kGivenName = "0";  // name of frames without a recording, in messages
 
 /// Stores depth in meters as counts and returns their unit.
 double store_meters(const DepthImage& image, std::size_t stride, Image16& depth) {
@@ -143,7 +151,7 @@ double store_meters(const DepthImage& image, std::size_t stride, Image16& depth)
   const auto is_far = [](std::uint16_t count) { return count == planes::kFarOutlier; };
   const auto is_near = [&](std::uint16_t count) { return count > 0 && !is_far(count); };
   if (std::ranges::any_of(depth.data, is_far) && std::ranges::none_of(depth.data, is_near))
-    throw Error("depth image: every pixel is beyond 65.5 m, expected meters");
+    throw Error("depth image: every pixel is beyond 65.5 m; expected meters");
   return unit_m;
 }
 
@@ -202,7 +210,7 @@ class Reader {
   std::string_view bytes_;
 };
 
-/// Every field of a frame that a caller or a recording can give it.
+/// Visits every field of a frame that a caller or a recording can set.
 template <typename Archive, typename AFrame>
 void visit_frame(Archive& archive, AFrame& frame) {
   const auto number = [&](auto& value) { archive.raw(&value, sizeof(value)); };
@@ -255,13 +263,13 @@ Frame::Frame(const DepthImage& image) {
         const bool sized = color.camera.width != 0 || color.camera.height != 0;
         if (sized && (color.camera.width != image.camera.width ||
                       color.camera.height != image.camera.height))
-          throw Error(fmt::format("color image: it is {}x{} pixels and aligned, expected {}x{}",
+          throw Error(fmt::format("color image: {}x{} pixels, aligned with depth; expected {}x{}",
                                   color.camera.width, color.camera.height, image.camera.width,
                                   image.camera.height));
         frame.color = Image8(image.camera.width, image.camera.height, 3);
       } else {
         Camera camera = color.camera;
-        if (camera.fx == 0) camera.fx = camera.fy = 1;  // shown, not projected
+        if (camera.fx == 0) camera.fx = camera.fy = 1;  // displayed, not projected
         frame.color_intrinsics = detail::intrinsics(camera, "color image");
         if (color.camera.fx == 0) frame.color_intrinsics.fx = frame.color_intrinsics.fy = 0;
         frame.T_color_depth = detail::pose(color.T_color_depth, "color image, T_color_depth");
@@ -275,9 +283,9 @@ Frame::Frame(const DepthImage& image) {
 
 Frame::Frame(const PointCloud& cloud) {
   detail::guarded([&] {
-    if (cloud.xyz == nullptr || cloud.size == 0) throw Error("point cloud: it has no points");
+    if (cloud.xyz == nullptr || cloud.size == 0) throw Error("point cloud: no points");
     if (cloud.size > detail::kMaxPoints)
-      throw Error(fmt::format("point cloud: it has {} points, expected at most {}", cloud.size,
+      throw Error(fmt::format("point cloud: {} points; expected at most {}", cloud.size,
                               detail::kMaxPoints));
     ::planescope::Frame frame;
     frame.name = kGivenName;
@@ -289,7 +297,7 @@ Frame::Frame(const PointCloud& cloud) {
     set.origin = bulk_origin(points);
     set.points.reserve(points.size());
     for (const Vec3d& p : points)
-      // (0, 0, 0) says that nothing was measured, but about another origin it would be a place.
+      // (0, 0, 0) means not measured, but relative to another origin it would be a valid point.
       set.points.push_back(p.isZero(0) && !set.origin.isZero(0)
                                ? Vec3f::Constant(std::nanf("")).eval()
                                : Vec3d(p - set.origin).cast<float>().eval());

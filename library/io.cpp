@@ -24,7 +24,7 @@ const io::Recording& recording_of(const std::shared_ptr<const void>& data) {
 
 void expect_frame(const io::Recording& recording, int i) {
   if (i < 0 || i >= recording.frame_count())
-    throw Error(fmt::format("{}: frame {}, it has {} of them, from 0",
+    throw Error(fmt::format("{}: frame {} is out of range; it has {} frames, numbered from 0",
                             recording.info().path.string(), i, recording.frame_count()));
 }
 
@@ -39,7 +39,7 @@ void expect_near(const world::Trajectory& trajectory) {
   const world::CameraPose& last = trajectory.poses.back();
   const std::string far =
       world::too_far(last.T_world_camera, trajectory.poses.front().T_world_camera);
-  if (!far.empty()) throw Error(fmt::format("pose of frame {}: it is {}", last.frame, far));
+  if (!far.empty()) throw Error(fmt::format("pose of frame {}: {}", last.frame, far));
 }
 
 world::Trajectory trajectory_of(const std::map<int, Transform>& T_world_camera,
@@ -53,7 +53,7 @@ world::Trajectory trajectory_of(const std::map<int, Transform>& T_world_camera,
   return trajectory;
 }
 
-/// A world whose z is not up would make walls of floors.
+/// If z did not point up, walls would become floors.
 void expect_upright(const ::planescope::Frame& frame,
                     const world::CameraPose& pose,
                     const planes::PipelineOptions& options) {
@@ -67,7 +67,7 @@ void expect_upright(const ::planescope::Frame& frame,
     doubt = off > kMostDeg ? fmt::format("the frame's gravity is {:.0f} deg off", off) : "";
   }
   if (!doubt.empty())
-    throw Error(fmt::format("pose of frame 0: expected a world whose z points up: {}", doubt));
+    throw Error(fmt::format("pose of frame 0: {}; expected a world frame with z up", doubt));
 }
 
 Map map_of(const world::WorldMap& made, const std::string& name) {
@@ -84,7 +84,7 @@ Map map_of(const world::WorldMap& made, const std::string& name) {
 
 Recording::Recording(const std::string& path, const RecordingOptions& options) {
   detail::guarded([&] {
-    if (path.find('\0') != std::string::npos) throw Error("recording: its path has a NUL in it");
+    if (path.find('\0') != std::string::npos) throw Error("recording: the path contains a NUL");
     io::RecordingOptions core;
     core.intrinsics = options.intrinsics;
     core.depth_unit_m = options.depth_unit_m;
@@ -132,14 +132,14 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
     for (int i = 0; options.frames.empty() && i < from.frame_count(); ++i) job.frames.push_back(i);
     for (const int i : job.frames) expect_frame(from, i);
     if (!std::ranges::is_sorted(job.frames, std::ranges::less_equal{}))
-      throw Error("map: its frames do not ascend");
+      throw Error("map: the frame numbers do not ascend");
     if (!(options.window_m >= 0)) throw Error("map: window_m is less than 0");
     job.pipeline = by.options;
     job.classifier = by.chosen.classifier.get();
     job.tracks.window_m = options.window_m;
     job.threads = by.options.threads;
     if (!options.poses.empty() && !options.T_world_camera.empty())
-      throw Error("map: poses are given as a file and as transforms, expected one of them");
+      throw Error("map: poses as a file and as transforms; expected one of them");
     if (!options.poses.empty()) job.trajectory = world::read_trajectory(options.poses);
     if (!options.T_world_camera.empty())
       job.trajectory = trajectory_of(options.T_world_camera, from);
@@ -187,7 +187,7 @@ MappedFrame Mapper::add(const Frame& given, const Transform& T_world_camera) {
     world::WorldMap& map = state_->map;
     const detail::SegmenterData& by = detail::Access::segmenter(state_->segmenter);
     ::planescope::Frame frame = detail::Access::frame(given);
-    if (frame.is_cloud()) throw Error("frame: it is a point cloud, expected a depth image");
+    if (frame.is_cloud()) throw Error("frame: point cloud; expected a depth image");
     const int number = state_->size();
     world::CameraPose pose = camera_pose(number, frame.timestamp_s, T_world_camera);
     world::settle(pose);
@@ -229,7 +229,7 @@ MappedFrame Mapper::add(const Frame& given, const Transform& T_world_camera) {
 Map Mapper::map() const {
   return detail::guarded([&] {
     const std::lock_guard lock(state_->mutex);
-    if (state_->size() == 0) throw Error("map: it has no frames, expected some from add()");
+    if (state_->size() == 0) throw Error("map: no frames; expected at least one from add()");
     world::WorldMap map = state_->map;
     map.stability = world::stability_of(map.tracker, map.poses.poses);
     return map_of(map, "Mapper");

@@ -24,8 +24,8 @@ render::Theme theme_of(Theme theme) {
 
 void expect_size(int width, int height) {
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
-    throw Error(
-        fmt::format("picture: it is {}x{} pixels, expected 1 to {} each", width, height, kMaxSide));
+    throw Error(fmt::format("picture: {}x{} pixels; expected 1 to {} in each direction", width,
+                            height, kMaxSide));
 }
 
 render::DrawList scene_of(const ::planescope::Frame& frame,
@@ -64,7 +64,7 @@ Renderer::~Renderer() {
   try {
     state_->context->make_current();
   } catch (const std::exception&) {
-    // Another thread's, which cannot give back what OpenGL holds: better kept than ended by.
+    // Created on another thread. Its OpenGL objects cannot be freed here, so leak them.
     static_cast<void>(state_.release());
   }
 }
@@ -90,7 +90,7 @@ Image Renderer::draw(const Trace& trace, int step, int width, int height, Theme 
   return detail::guarded([&] {
     expect_size(width, height);
     if (step < 0 || step > trace.steps())
-      throw Error(fmt::format("step {}: there are steps 0 to {}", step, trace.steps()));
+      throw Error(fmt::format("step {} is out of range; expected 0 to {}", step, trace.steps()));
     const debug::Run& run = *detail::Access::trace(trace).run;
     render::StepLook look;
     look.step = step;
@@ -111,7 +111,7 @@ void write_png(const std::string& path, const Image& image) {
   detail::guarded([&] {
     if (image.width < 1 || image.height < 1 ||
         image.rgb.size() != static_cast<std::size_t>(image.width) * image.height * 3)
-      throw Error(fmt::format("{}: {}x{} pixels with {} values, expected three each", path,
+      throw Error(fmt::format("{}: {}x{} pixels with {} values; expected three per pixel", path,
                               image.width, image.height, image.rgb.size()));
     Image8 picture;
     picture.width = image.width;

@@ -1,4 +1,4 @@
-// Messages of ROS 2 become planes, and planes messages.
+// Planes from serialized ROS 2 messages, and serialized messages from planes.
 
 #include "planescope/ros.hpp"
 
@@ -48,7 +48,7 @@ Intrinsics intrinsics_of(const io::ros::CameraInfo& info) {
   return camera;
 }
 
-/// Depth and its unit.
+/// Sets the frame's depth and its unit.
 void take_depth(const io::ros::Image& image, ::planescope::Frame& frame) {
   const bool is_float = image.encoding == "32FC1";
   if (!is_float && image.encoding != "16UC1" && image.encoding != "mono16")
@@ -117,7 +117,7 @@ void RosSegmenter::set_options(const Options& options, int threads) {
 std::vector<RosMessage> RosSegmenter::segment(
     View<std::uint8_t> cdr, const std::function<bool(const RosTopic&)>& wanted) const {
   return detail::guarded([&] {
-    if (!data_->camera) throw Error("image: its camera_info did not arrive yet");
+    if (!data_->camera) throw Error("image: its camera_info has not arrived yet");
     ::planescope::Frame frame;
     report::RosPlace place;
     parse(cdr, "sensor_msgs/msg/Image", [&](const io::Message& message) {
@@ -134,7 +134,7 @@ std::vector<RosMessage> RosSegmenter::segment(
     frame.intrinsics = *data_->camera;
     if (frame.intrinsics.width != frame.depth.width ||
         frame.intrinsics.height != frame.depth.height)
-      throw Error(fmt::format("image: {}x{} pixels; its camera_info is for {}x{}",
+      throw Error(fmt::format("image: {}x{} pixels, but its camera_info is for {}x{}",
                               frame.depth.width, frame.depth.height, frame.intrinsics.width,
                               frame.intrinsics.height));
     const detail::SegmenterData& segmenter = detail::Access::segmenter(data_->segmenter);

@@ -35,7 +35,7 @@ Options::~Options() = default;
 Options& Options::set(const std::string& name, const std::string& value) {
   guarded([&] {
     planes::set_option(data_->options, name, value);
-    // Clouds are cropped only where that is asked for.
+    // Crop clouds only on request.
     if (name == "range_for_clouds") data_->crop_is_set = true;
     if (name == "max_range_m" && !data_->crop_is_set) data_->options.cloud.range_for_clouds = true;
   });
@@ -68,7 +68,7 @@ static_assert(static_cast<int>(OptionKind::text) == static_cast<int>(planes::Opt
 
 planes::ChosenClassifier choose(const planes::PipelineOptions& options) {
   if (options.classifier == "truth")
-    throw Error("classifier 'truth' is for recordings with labels, expected gcn, pca or a file");
+    throw Error("classifier 'truth' is for recordings with labels; expected gcn, pca or a file");
   if (options.classifier != "gcn") return planes::make_classifier(options, {});
   const std::span bytes(planescope_asset_classifier_safetensors,
                         planescope_asset_classifier_safetensors_end);
@@ -76,7 +76,7 @@ planes::ChosenClassifier choose(const planes::PipelineOptions& options) {
           std::nullopt};
 }
 
-/// Puts what core knows by point of the cloud on pixels, or on points in the caller's order.
+/// Copies core's results, by point of the cloud, to pixels or to points in the caller's order.
 void spread_out(ResultData& data, std::size_t size) {
   const planes::FrameResult& result = data.result;
   data.plane_of.assign(size, 0);
@@ -149,7 +149,7 @@ Result detail::make_result(const Frame& frame,
 
 Segmenter::Segmenter(const Options& options, int threads) {
   guarded([&] {
-    if (threads < 1) throw Error(fmt::format("threads: {}, expected 1 or more", threads));
+    if (threads < 1) throw Error(fmt::format("threads: {}; expected 1 or more", threads));
     auto data = std::make_shared<detail::SegmenterData>();
     data->options = Access::options(options);
     data->options.threads = threads;
@@ -169,7 +169,7 @@ Result Segmenter::segment(const Frame& frame) const {
 Trace Segmenter::trace(const Frame& frame) const {
   return guarded([&] {
     if (data_->options.method != planes::Method::ours)
-      throw Error(fmt::format("method {}: only ours leaves a trace",
+      throw Error(fmt::format("method {}: does not support traces; expected ours",
                               planes::to_string(data_->options.method)));
     const auto subject = debug::make_subject(Access::frame(frame), std::nullopt, data_->options,
                                              data_->chosen.classifier.get());
@@ -230,7 +230,7 @@ Mesh Result::mesh(int id) const {
     data_->find_planes();
     const std::vector<planes::Outline>& outlines = data_->found.outlines;
     if (id < 1 || id > static_cast<int>(outlines.size()))
-      throw Error(fmt::format("plane {}: there are planes 1 to {}", id, outlines.size()));
+      throw Error(fmt::format("plane {} is out of range; expected 1 to {}", id, outlines.size()));
     const planes::Mesh found = planes::mesh_of(outlines[static_cast<std::size_t>(id) - 1]);
     Mesh mesh;
     for (const Vec3d& vertex : found.vertices) mesh.vertices.push_back(vec3(vertex));
@@ -278,7 +278,7 @@ std::string Result::text(const std::string& format) const {
       if (one.name == format) return one.text(data_->found);
       known += (known.empty() ? "" : ", ") + std::string(one.name);
     }
-    throw Error(fmt::format("format '{}': expected one of {}", format, known));
+    throw Error(fmt::format("unknown format '{}'; expected one of {}", format, known));
   });
 }
 

@@ -10,7 +10,7 @@ namespace planescope::v0 {
 using detail::Access;
 using detail::vec3;
 
-// An event of core is one of the library's.
+// Core's events have the same layout as the library's.
 using CoreEvent = planes::TraceEvent;
 static_assert(sizeof(Event) == sizeof(CoreEvent) && sizeof(Event) == 24);
 static_assert(offsetof(Event, node_case) == offsetof(CoreEvent, node_case));
@@ -38,7 +38,7 @@ std::vector<std::string> Trace::stages() {
 std::string Trace::describe(int step) const {
   return detail::guarded([&] {
     if (step < 1 || step > steps())
-      throw Error(fmt::format("step {}: there are steps 1 to {}", step, steps()));
+      throw Error(fmt::format("step {} is out of range; expected 1 to {}", step, steps()));
     return debug::describe_event(*data_->run, step);
   });
 }
@@ -77,7 +77,7 @@ std::int32_t plane_at(const debug::Run& run, int step, std::size_t i) {
 
 void expect_step(const debug::Run& run, int step) {
   if (step < 0 || step > run.steps())
-    throw Error(fmt::format("step {}: there are steps 0 to {}", step, run.steps()));
+    throw Error(fmt::format("step {} is out of range; expected 0 to {}", step, run.steps()));
 }
 
 }  // namespace
@@ -95,7 +95,8 @@ std::int32_t Trace::plane_of(int step, std::size_t i) const {
   return detail::guarded([&] {
     expect_step(*data_->run, step);
     if (i >= data_->frame.size())
-      throw Error(fmt::format("pixel or point {}: the frame has {}", i, data_->frame.size()));
+      throw Error(fmt::format("pixel or point {} is out of range; the frame has {}", i,
+                              data_->frame.size()));
     return plane_at(*data_->run, step, i);
   });
 }
@@ -104,8 +105,8 @@ int Trace::id_of(int plane) const {
   return detail::guarded([&] {
     const debug::Timeline& timeline = data_->run->timeline;
     if (plane < 0 || plane >= timeline.plane_count())
-      throw Error(
-          fmt::format("plane {}: {} were founded, the first is 0", plane, timeline.plane_count()));
+      throw Error(fmt::format("plane {} is out of range; {} were founded, numbered from 0", plane,
+                              timeline.plane_count()));
     return timeline.result_of_plane(plane);
   });
 }

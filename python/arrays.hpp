@@ -1,7 +1,7 @@
 #pragma once
 
-// Arrays in and out of Python by the buffer protocol (PEP 3118) or __array_interface__, never by
-// numpy's C API, so that one build serves every numpy, and none.
+// Arrays to and from Python through the buffer protocol (PEP 3118) or __array_interface__. Avoids
+// numpy's C API, so that one build works with every version of numpy, and without numpy.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -24,14 +24,14 @@ using Shape = std::vector<py::ssize_t>;
 
 // ---- Arrays out ----
 
-/// Memory with a type and a shape: numpy.asarray() and memoryview() are views of it.
+/// Memory with a type and a shape. numpy.asarray() and memoryview() are views of it.
 struct Array {
   const void* data = nullptr;
   std::string format;  // PEP 3118
   py::ssize_t item_size = 0;
   Shape shape;
   std::shared_ptr<const void> owner;  // keeps the memory
-  bool readonly = false;              // it is the library's own
+  bool readonly = false;              // true for the library's memory
 
   py::buffer_info buffer() const {
     Shape strides(shape.size());
@@ -42,7 +42,7 @@ struct Array {
   }
 };
 
-/// Records name their fields in the format.
+/// PEP 3118 format of a type; for records it includes the names of the fields.
 template <typename T>
 std::string format_of() {
   if constexpr (requires { T::kFormat; })
@@ -55,14 +55,14 @@ inline std::string format_of<ps::Event>() {
   return "T{B:type:B:case:B:stage:B:label:i:node:i:plane:i:other:i:point:f:value:}";
 }
 
-/// A view of memory of the library. `of` is copied: such objects share what they hold.
+/// A view of the library's memory. Copies `of`, which keeps the memory alive.
 template <typename T, typename Owner>
 Array view_of(const T* data, Shape shape, const Owner& of) {
   return {data, format_of<T>(), sizeof(T), std::move(shape), std::make_shared<const Owner>(of),
           true};
 }
 
-/// An array of its own. `T` is made of `Item`s; an empty shape: one row of items.
+/// An array that owns its memory. `T` consists of `Item`s; an empty shape: one row per value.
 template <typename Item, typename T>
 Array array_of(std::vector<T>&& values, Shape shape = {}) {
   static_assert(sizeof(T) % sizeof(Item) == 0);
@@ -87,11 +87,11 @@ inline Array transform_of(const ps::Transform& t) {
 
 // ---- Arrays in ----
 
-/// An array of the caller's, in any layout.
+/// An array of the caller, in any layout.
 struct Input {
-  py::object given, memory;  // kept: `info` points there
+  py::object given, memory;  // keeps the memory that `info` refers to
   py::buffer_info info;
-  char kind = 0;  // u, i, f; 0: no numbers
+  char kind = 0;  // u, i, f; 0: not numbers
   bool swapped = false;
   const char* what;
 
@@ -106,7 +106,7 @@ struct Input {
       }
     } catch (const ps::Error&) {
       throw;
-    } catch (const std::exception&) {  // of Python and of pybind11
+    } catch (const std::exception&) {  // from Python or pybind11
       fail("an array of numbers");
     }
     const std::size_t prefix =
@@ -139,10 +139,10 @@ struct Input {
         info.ptr == nullptr && info.ndim == 0
             ? "a " + py::str(py::type::of(given).attr("__name__")).cast<std::string>()
             : text();
-    throw ps::Error(std::string(what) + ": it is " + found + ", expected " + expected);
+    throw ps::Error(std::string(what) + ": " + found + "; expected " + expected);
   }
 
-  /// The memory itself if it holds rows of T, each without gaps, or null.
+  /// The memory itself if it consists of rows of T without gaps within rows, otherwise null.
   template <typename T>
   const T* rows(std::size_t& stride) const {
     const auto size = static_cast<py::ssize_t>(sizeof(T));
@@ -154,7 +154,7 @@ struct Input {
     return static_cast<const T*>(info.ptr);
   }
 
-  /// All values, the last index running fastest.
+  /// All values in C order: the last index varies fastest.
   template <typename To>
   std::vector<To> values() const {
     std::vector<To> all;
@@ -214,7 +214,7 @@ struct Input {
       for (std::size_t k = 0; k < shape.size() && k < strides.size(); ++k)
         (strides[k] < 0 ? first : last) += strides[k] * (shape[k] - 1);
       if (stride != 0 && (first < 0 || last > bytes.size * bytes.itemsize))
-        fail("as much memory as its shape needs");
+        fail("enough memory for its shape");
       data = bytes.ptr;
     }
     const std::string codes = type[1] == 'u'   ? "?BH?I???Q"

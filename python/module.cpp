@@ -1,5 +1,5 @@
-// planescope._core: the library for Python. planescope/*.py makes dataclasses and numpy arrays of
-// what it returns.
+// planescope._core: binds the library to Python. planescope/*.py converts its return values to
+// dataclasses and numpy arrays.
 
 #include <planescope/core.hpp>
 #include <planescope/io.hpp>
@@ -30,7 +30,7 @@ ps::Frame depth_frame(const py::object& depth,
   const bool is_counts = given.is('u', 2);
   if ((!is_counts && !given.is('f', 4) && !given.is('f', 8)) || given.info.ndim != 2)
     given.fail("uint16 counts or float meters of shape (height, width)");
-  if (!is_counts && depth_unit) throw ps::Error("depth_unit: depth is in meters, expected no unit");
+  if (!is_counts && depth_unit) throw ps::Error("depth_unit: depth is in meters; expected no unit");
   ps::DepthImage image;
   std::vector<std::uint16_t> counts;
   std::vector<float> meters;
@@ -48,7 +48,7 @@ ps::Frame depth_frame(const py::object& depth,
   if (distortion) {
     if (distortion_model != "brown_conrady" && distortion_model != "inverse_brown_conrady")
       throw ps::Error("distortion_model '" + distortion_model +
-                      "': expected brown_conrady or inverse_brown_conrady");
+                      "'; expected brown_conrady or inverse_brown_conrady");
     image.camera.distortion = distortion_model == "brown_conrady"
                                   ? ps::Distortion::brown_conrady
                                   : ps::Distortion::inverse_brown_conrady;
@@ -69,7 +69,7 @@ ps::Frame depth_frame(const py::object& depth,
   return image;
 }
 
-/// Points (n, 3), or organized as (height, width, 3): the frame has them as n.
+/// Points (n, 3), or organized as (height, width, 3), which the frame stores as a flat list.
 ps::Frame cloud_frame(const py::object& points, const py::object& gravity) {
   const Input given(points, "points");
   if ((given.info.ndim != 2 && given.info.ndim != 3) || given.info.shape.back() != 3 ||
@@ -226,7 +226,7 @@ py::tuple map_of(const ps::Map& made) {
   for (const auto& [frame, png] : made.planes_png) planes[py::int_(frame)] = py::bytes(png);
   return py::make_tuple(py::bytes(made.map_json), py::bytes(made.tracks_json),
                         py::bytes(made.poses_tum), made.pose_frames,
-                        array_of<double>(std::move(poses), {count, 4, 4}), made.told, planes);
+                        array_of<double>(std::move(poses), {count, 4, 4}), made.warnings, planes);
 }
 
 // A node as a record.

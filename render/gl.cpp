@@ -96,7 +96,7 @@ std::string gl_description() {
   glGetIntegerv(GL_MAJOR_VERSION, &major);
   glGetIntegerv(GL_MINOR_VERSION, &minor);
   if (major < 3 || (major == 3 && minor < 3)) {
-    throw Error(fmt::format("OpenGL version '{}' ({}), expected 3.3 core", text(GL_VERSION),
+    throw Error(fmt::format("OpenGL version '{}' ({}); expected 3.3 core", text(GL_VERSION),
                             text(GL_RENDERER)));
   }
   // "4.5 (Core Profile) Mesa 22.3.6" -> "Mesa 22.3.6"

@@ -420,9 +420,8 @@ void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View
     const double wanted = at->px.x() - width / 2;
     if (wanted > pen.width || wanted + width < 0) continue;
     const double margin = pen.px(3);
-    const double x = std::max(std::min(wanted, pen.width - width - margin), margin);  // fully
-                                                                                      // inside the
-                                                                                      // picture
+    // Keep the label inside the picture.
+    const double x = std::max(std::min(wanted, pen.width - width - margin), margin);
     if (at->px.y() < -size_px || at->px.y() > pen.height + size_px) continue;
     const OverlayText text = {.x = x,
                               .baseline = at->px.y() + cap_height(size_px) / 2,

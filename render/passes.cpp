@@ -115,7 +115,7 @@ void PointPass::draw(const std::vector<DrawPoints>& clouds, const View& view, Ou
     if (output == Output::id && !cloud.ids.empty()) {
       upload(ids_, cloud.ids);
       glEnableVertexAttribArray(2);
-    } else {  // not pickable, but occludes what is behind
+    } else {  // not pickable, but occludes objects behind it
       glDisableVertexAttribArray(2);
       glVertexAttribI1ui(2, 0);
     }

@@ -25,15 +25,15 @@ namespace {
 constexpr double kMaxCells = 4800;    // per image: 8 x 8 pixels each for VGA
 constexpr int kTouchingShare = 80;    // planes touch within 1/80 of the image's width
 constexpr double kCloudCell_m = 0.1;  // cell edge
-constexpr double kFarFromSensor_m =
-    100;  // farther clouds (map coordinates) are shifted to their center
+// Farther clouds (map coordinates) are shifted to their center.
+constexpr double kFarFromSensor_m = 100;
 constexpr double kDeg = std::numbers::pi / 180;
 
 // Overlapping planes: allowed differences between neighboring frames of a hand-held camera while
 // its motion is unknown.
 constexpr double kOverlapAngle_deg = 15, kOverlapOffset_m = 0.12;
-constexpr double kSlack = 2;  // limits increase by a factor of 1 + kSlack if they cover the
-                              // same cells
+constexpr double kSlack =
+    2;  // limits grow by a factor of 1 + kSlack if planes cover the same cells
 // Planes compared after motion compensation: its error plus the noise of both fits.
 constexpr double kMovedAngle_deg = 6, kMovedOffset_m = 0.05, kMovedOffsetShare = 0.02;
 constexpr double kRadii = 2, kRoom_m = 0.1;  // allowed distance of centroids in the plane

@@ -228,7 +228,7 @@ void Renderer::State::draw_over_points(const Picture& p) {
 }
 
 // Solid boxes occlude each other to stay readable, but not the points in them: only the nearest
-// face tints what is behind it. Boxes without faces occlude nothing.
+// face tints objects behind it. Boxes without faces occlude nothing.
 void Renderer::State::draw_boxes(const Picture& p) {
   std::vector<Segment> solid_edges, open_edges;
   for (const DrawBox& box : p.list.boxes)

@@ -1,22 +1,22 @@
-# For check_docs: what Markdown files hold, one a line, "FILE:LINE <tab> KIND <tab> TEXT".
-#   code  a command of a code block, or inline code; without quotes and brackets
-#   link  where a link leads
-#   bare  a figure (picture, or table of numbers) without a command in its section or in the opening of
-#         its chapter, in the documents that print figures
+# Used by check_docs: extracts items from Markdown files, one per line, as "FILE:LINE <tab> KIND <tab> TEXT".
+#   code  a command in a code block, or inline code; without quotes and brackets
+#   link  target of a link
+#   bare  a figure (picture, or table of numbers) without a command in its section or at the start of
+#         its chapter, in documents with figures
 
 function newlines(s) { return gsub(/\n/, "", s) }
 
 function code(line, s,   commands, n, i) {
   if (s ~ /planescope(-lab)? [a-z]|scripts\/[a-z]|ctest /) command = 1
-  sub(/^[$>] /, "", s)  # the prompt of a session
+  sub(/^[$>] /, "", s)  # prompt
   sub(/ #.*/, "", s)  # a comment
-  sub(/  .*/, "", s)  # what a list of commands says beside one
+  sub(/  .*/, "", s)  # description beside a command
   gsub(/[]["']/, "", s)
   n = split(s, commands, / && |; | \| /)
   for (i = 1; i <= n; ++i) print file ":" line "\tcode\t" commands[i]
 }
 
-# Inline code and links of the lines gathered in `text`, for both may wrap.
+# Extracts inline code and links from the lines collected in `text`, because both may wrap.
 function paragraph(   s, found) {
   s = text
   text = ""

@@ -1,4 +1,4 @@
-// node check_page.mjs AXE_JS PAGE...: the part of scripts/check_page that runs in the browser.
+// node check_page.mjs AXE_JS PAGE...: the part of scripts/check_page that controls the browser.
 import {spawn} from "node:child_process";
 import {readFileSync} from "node:fs";
 import {pathToFileURL} from "node:url";
@@ -8,7 +8,7 @@ const kWidths = [1280, 360];  // the narrowest phones have 360 to 375 px
 const kTable = 521;           // narrower screens show the table of frames as blocks
 const kSettle_ms = 1500;
 
-// Chromium over a pipe, as its DevTools protocol has it: messages end with a zero byte.
+// Chromium's DevTools protocol over a pipe: messages end with a zero byte.
 const browser = spawn(
     "chromium",
     ["--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe", "about:blank"],

@@ -1,13 +1,13 @@
 # shellcheck shell=bash
-# Shared by the scripts beside it: `. "$(dirname "$0")/lib.sh"`. Prints the opening comment of a script that is called
-# with --help, and exits; otherwise moves to the root of the repository.
+# Shared by the other scripts: `. "$(dirname "$0")/lib.sh"`. With --help, prints the opening comment of the calling
+# script and exits; otherwise changes to the root of the repository.
 
 case ${1:-} in -h | --help) sed -n '2,/^[^#]/{/^# shellcheck/d;/^#/s/^# \{0,1\}//p}' "$0"; exit ;; esac
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root" || exit
 
-# What is said goes to stderr and stands out from a compiler's lines.
+# Prints a message to stderr, with a prefix that distinguishes it from compiler output.
 say() { printf '== %s\n' "$*" >&2; }
 die() {
   printf '%s: %s\n' "$(basename "$0")" "$*" >&2
@@ -24,8 +24,8 @@ missing_packages() {
   done
 }
 
-# setup_packages [LIST...]: installs what scripts/packages.txt and the lists name and the machine
-# lacks. Asks nothing: where it may not install, it says what to run. Only apt runs as root.
+# setup_packages [LIST...]: installs missing packages of scripts/packages.txt and of the lists. Never prompts: without
+# permission to install, it prints the command to run. Only apt runs as root.
 setup_packages() {
   local lists=(scripts/packages.txt "$@")
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
@@ -59,8 +59,8 @@ setup_packages() {
   rm -f "$log"
 }
 
-# `sudo scripts/demo` installs as root, then goes on as the user who called it: a build that
-# belongs to root cannot be repeated by that user.
+# `sudo scripts/demo` installs as root, then continues as the calling user, who could not repeat a build
+# that belongs to root.
 go_on_as_caller() {
   if [ "$(id -u)" -eq 0 ] && [ -n "${SUDO_USER:-}" ] && [ "$SUDO_USER" != root ]; then
     say "going on as $SUDO_USER"
@@ -70,12 +70,12 @@ go_on_as_caller() {
   fi
 }
 
-# build PRESET [TARGET...]: configures and builds with all cores. Warnings are errors where
-# PLANESCOPE_WERROR=ON is in the environment.
+# build PRESET [TARGET...]: configures and builds on all cores. With PLANESCOPE_WERROR=ON in the environment,
+# warnings are errors.
 build() {
   local preset=$1
   shift
-  # The same object files for the same source, wherever the checkout lies.
+  # Let checkouts in different folders share ccache's object files.
   export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
   export CCACHE_SLOPPINESS=include_file_mtime,include_file_ctime
   local werror=${PLANESCOPE_WERROR:-OFF}
@@ -86,7 +86,7 @@ build() {
   cmake --build "build/$preset" -j "$(nproc)" ${1:+--target "$@"} >&2
 }
 
-# out_folder DEFAULT WORDS...: the folder that -o or --out names among the words
+# out_folder DEFAULT WORDS...: prints the argument of -o or --out among the words
 out_folder() {
   local out=$1
   shift

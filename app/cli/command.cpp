@@ -17,8 +17,8 @@
 namespace planescope::app {
 namespace {
 
-/// Says what is wrong with a text, empty where nothing is. A good one is written plainly: CLI11
-/// would read 010 as 8.
+/// Describes the error in `text`; empty if it is valid. A valid number is rewritten in plain
+/// decimal, because CLI11 would read 010 as octal 8.
 template <typename Value>
 std::string refusal(std::string& text, const char* kind, Value least, Value most) {
   Value value{};
@@ -31,12 +31,12 @@ std::string refusal(std::string& text, const char* kind, Value least, Value most
     return {};
   }
   return most < std::numeric_limits<Value>::max()
-             ? fmt::format("{} is out of range, expected {} to {}", text, least, most)
-             : fmt::format("{} is out of range, expected at least {}", text, least);
+             ? fmt::format("{} is out of range; expected {} to {}", text, least, most)
+             : fmt::format("{} is out of range; expected at least {}", text, least);
 }
 
 constexpr const char* kReadLimitHelp =
-    "Memory limit for one image, chunk or table of a file (default 512); larger ones are refused";
+    "Memory limit for one image, chunk or table of a file (default 512); larger ones are rejected";
 
 }  // namespace
 
@@ -59,7 +59,7 @@ CLI::Validator number(double least, double most) {
 CLI::Validator some_of(const std::vector<std::string>& known, const std::string& what) {
   return {[=](std::string& text) -> std::string {
             if (std::ranges::find(known, text) != known.end()) return {};
-            return fmt::format("'{}' is not {}, expected some of {}", text, what,
+            return fmt::format("'{}' is not {}; expected one or more of {}", text, what,
                                fmt::join(known, ", "));
           },
           ""};
@@ -80,15 +80,15 @@ void add_inputs(CLI::App* command, InputArgs& args, const std::string& what) {
   option("--frames", "A:B:STEP",
          "Frames to process (Python slice): 0:100:10, -5:, or 7 for one frame");
   option("--intrinsics", "FX,FY,CX,CY",
-         "Intrinsics of the depth camera in pixels; override the recording's");
+         "Depth camera intrinsics in pixels; override the recording's");
   option("--depth-unit", "METERS", "Meters per depth count; overrides the recording's");
-  option("--topic", "NAME", "Bag topic to read: depth images or point clouds (listed by info)");
+  option("--topic", "NAME", "Bag topic to read: depth images or point clouds (info lists them)");
   option("--instance-field", "NAME",
          "Cloud field that contains true plane ids, whole numbers from 1 (default instance)");
-  option("--labels", "DIR", "Ground truth (default RECORDING.labels, beside the recording)");
+  option("--labels", "DIR", "Ground truth (default RECORDING.labels, next to the recording)");
   command
       ->add_flag("--warnings-as-errors", args.warnings_as_errors,
-                 "Stop with exit code 2 at a warning about a recording")
+                 "Treat warnings about a recording as errors (exit code 2)")
       ->group("Recordings");
   const auto limit = [](int mib) { set_read_limit_bytes(std::uint64_t(mib) << 20); };
   command->add_option_function<int>("--read-limit", limit, kReadLimitHelp)
@@ -110,8 +110,8 @@ CLI::Option* add_of_method(CLI::App* command,
 
 void add_clouds(CLI::App* command, planes::PipelineOptions& options) {
   add_of_method(command, options, "--profile", "paper|paper-closest|refined|FILE",
-                "Profile that options take their values from: a built-in one (default refined) "
-                "or a file (docs/formats.md)");
+                "Profile that sets the option values: a built-in one (default refined) or a file "
+                "(docs/formats.md)");
   command
       ->add_option_function<std::vector<std::string>>(
           "--set",
@@ -119,8 +119,8 @@ void add_clouds(CLI::App* command, planes::PipelineOptions& options) {
             for (const std::string& assignment : assignments)
               set_pipeline_option(options, "--set", assignment);
           },
-          "Set an option by its name, after the profile; repeatable. `planescope options` lists "
-          "all")
+          "Set an option, overriding the profile; repeatable. `planescope options` lists all "
+          "options")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
       ->group("Method");
@@ -131,8 +131,8 @@ void add_clouds(CLI::App* command, planes::PipelineOptions& options) {
       "picked in the window, an estimate from the scene, gravity of neighboring frames. none finds "
       "planes without distinguishing horizontal (h) from vertical (v)");
   add_of_method(command, options, "--max-range", "M",
-                "Maximum range in meters: depth z of depth images (default 1.5), distance from the "
-                "origin of clouds (default unlimited)");
+                "Maximum range in meters: depth z for depth images (default 1.5), distance from "
+                "the origin for clouds (default unlimited)");
   add_of_method(command, options, "--voxel", "M",
                 "Voxel edge in meters (default 0.02); 0 makes every point a voxel");
   add_threads(command, options.threads)->group("Method");
@@ -142,7 +142,7 @@ void add_method(CLI::App* command, planes::PipelineOptions& options) {
   add_clouds(command, options);
   add_of_method(command, options, "--classifier", "gcn|pca|truth|FILE",
                 "Classifier that labels points h or v: the built-in network (gcn, default), PCA "
-                "normals, ground truth, or the .safetensors of another network");
+                "normals, ground truth, or a .safetensors file with a different network");
   std::string methods;
   for (const planes::Method method : planes::built_methods())
     methods += method == planes::Method::ours ? "ours (default)"
@@ -153,7 +153,7 @@ void add_method(CLI::App* command, planes::PipelineOptions& options) {
 void add_foot(CLI::App* command, planes::PipelineOptions& options) {
   add_of_method(command, options, "--foot", "RADIUS|LENGTHxWIDTH",
                 "Size of a foot, wheel or gripper in meters: report footholds, valid for any "
-                "heading, and which planes are steppable");
+                "heading, and steppable planes");
 }
 
 CLI::Option* add_threads(CLI::App* command, int& threads) {
@@ -188,7 +188,7 @@ void add_size(CLI::App* command,
     width = parse_integer(sides[0], "--size");
     height = parse_integer(sides[1], "--size");
     if (width < least_width || height < least_height || width > kMost || height > kMost)
-      throw Error(fmt::format("--size: {} is out of range, expected {}x{} to {}x{}", text,
+      throw Error(fmt::format("--size: {} is out of range; expected {}x{} to {}x{}", text,
                               least_width, least_height, kMost, kMost));
   };
   add_read(command, "--size", read, "WxH", help);
@@ -196,13 +196,13 @@ void add_size(CLI::App* command,
 
 void expect_ours(const planes::PipelineOptions& options, const char* command) {
   if (options.method != planes::Method::ours)
-    throw Error(fmt::format("{} measures method ours, found {}", command,
+    throw Error(fmt::format("{} supports only method ours, not {}", command,
                             planes::to_string(options.method)));
 }
 
 void expect_gravity(const planes::PipelineOptions& options, const char* command) {
   if (options.gravity.mode == planes::GravityMode::none)
-    throw Error(fmt::format("{} is about h and v, which --gravity none leaves open", command));
+    throw Error(fmt::format("{} requires h and v labels, but --gravity is none", command));
 }
 
 }  // namespace planescope::app

@@ -1,7 +1,7 @@
 #pragma once
 
-// A command consists of a struct of its own options, bound to CLI11's, and a job. The options that
-// many commands share are added here.
+// A command is a struct of options, bound to CLI11, and a job that runs with them. Options shared
+// by several commands are added here.
 
 #include <CLI/CLI.hpp>
 #include <climits>
@@ -21,16 +21,16 @@ namespace planescope::app {
 /// A command with its options, ready to run; returns the exit code.
 using Job = std::function<int(std::stop_token)>;
 
-/// A command line while it is read.
+/// A command line while it is being parsed.
 struct Line {
-  std::string text;         // as one could type it again in a shell
-  std::string frames_text;  // without what changes no frame of a report: where it is written, how
-                            // it is run, what it is held to
-  Job job;                  // of the command that was typed
+  std::string text;         // quoted, ready to paste into a shell
+  std::string frames_text;  // without the options that do not affect a report's frames: output,
+                            // threads, baseline, rules
+  Job job;                  // of the selected command
 };
 
-/// `command`, where it was typed, runs run(*args): its options are bound to `args`. `finish`, where
-/// given, is called before, when all options have their values; it may throw Error.
+/// Binds `command` to run(*args) with the options in `args`. If set, `finish` is called first, once
+/// all options have their values; it may throw Error.
 template <typename Args>
 void runs(CLI::App* command,
           Line& line,
@@ -38,14 +38,14 @@ void runs(CLI::App* command,
           std::type_identity_t<std::function<int(const Args&, std::stop_token)>> run,
           std::function<void()> finish = {}) {
   command->final_callback([=, &line] {
-    if (!command->get_subcommands().empty()) return;  // one of its own commands was typed
+    if (!command->get_subcommands().empty()) return;  // one of its subcommands was selected
     if (finish) finish();
     line.job = [args, run](std::stop_token stop) { return run(*args, std::move(stop)); };
   });
 }
 
-/// An option with a value; the values of a list are one word, separated by commas, and what follows
-/// is no more of them.
+/// Adds an option with a value. The values of a list are one comma-separated word; the words after
+/// it are not part of the list.
 template <typename Value>
 CLI::Option* add(CLI::App* command,
                  const std::string& names,
@@ -59,33 +59,33 @@ CLI::Option* add(CLI::App* command,
         CLI::MultiOptionPolicy::TakeAll);
   return option;
 }
-/// An option whose text is read by `read`, which may throw Error. Options are read in the order in
-/// which they were added, whatever the order in which they were typed.
+/// Adds an option whose text is parsed by `read`, which may throw Error. Options are parsed in the
+/// order in which they were added, regardless of their order on the command line.
 CLI::Option* add_read(CLI::App* command,
                       const std::string& names,
                       const std::function<void(const std::string&)>& read,
                       const std::string& type,
                       const std::string& help);
 
-// Of values: whole() writes the number plainly and goes into transform(), the others into check().
+// Validators. whole() normalizes the number, so pass it to transform(); pass the others to check().
 CLI::Validator whole(int least, int most = INT_MAX);
 CLI::Validator number(double least, double most = std::numeric_limits<double>::infinity());
 CLI::Validator some_of(const std::vector<std::string>& known, const std::string& what);
 
-// Which recordings, and how their frames become planes.
+// Recording and method options.
 void add_inputs(CLI::App* command, InputArgs& args, const std::string& what);
-/// Inputs of every format, or the sample recording: one, or `many`.
+/// Accepts inputs of every format, one or `many`; the default is the sample recording.
 void add_recordings(CLI::App* command, InputArgs& args, bool many, bool clouds = true);
-/// One of the options that set_pipeline_option() knows by its name.
+/// Adds one of the options supported by set_pipeline_option().
 CLI::Option* add_of_method(CLI::App* command,
                            planes::PipelineOptions& options,
                            const char* name,
                            const std::string& type,
                            const std::string& help);
-/// What becomes of a frame before its points are labelled.
+/// Adds the options for preprocessing a frame.
 void add_clouds(CLI::App* command, planes::PipelineOptions& options);
 void add_method(CLI::App* command, planes::PipelineOptions& options);
-/// --foot.
+/// Adds --foot.
 void add_foot(CLI::App* command, planes::PipelineOptions& options);
 CLI::Option* add_threads(CLI::App* command, int& threads);
 
@@ -103,10 +103,10 @@ void add_size(CLI::App* command,
               int least_width = 1,
               int least_height = 1);
 
-/// Throws Error for other methods: commands that measure our own steps have nothing to measure
-/// there.
+/// Throws Error for other methods: commands that measure the steps of our method do not support
+/// them.
 void expect_ours(const planes::PipelineOptions& options, const char* command);
-/// Throws Error without gravity: commands about h and v need it.
+/// Throws Error without gravity, which commands about h and v labels need.
 void expect_gravity(const planes::PipelineOptions& options, const char* command);
 
 }  // namespace planescope::app

@@ -36,21 +36,21 @@ std::vector<const CLI::App*> subcommands(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
-/// An option as it is typed.
+/// An option as shown in help texts.
 struct OptionText {
-  std::vector<std::string> names;    // "-o", "--out"; none of a positional
-  std::string type;                  // "DIR"; empty: a switch, or a positional without one
+  std::vector<std::string> names;    // "-o", "--out"; empty for a positional
+  std::string type;                  // "DIR"; empty for a flag or an untyped positional
   std::string help;                  // on one line
-  std::vector<std::string> choices;  // that its value may be
+  std::vector<std::string> choices;  // allowed values
   bool is_file = false, is_folder = false;
 };
 
-/// Its lines as sentences.
+/// Joins the lines as sentences.
 std::string on_one_line(const std::string& text) {
   return fmt::format("{}", fmt::join(split(text, '\n'), text.ends_with('.') ? ". " : "; "));
 }
 
-/// Breaks lines before column 80, where each begins at column `indent`.
+/// Wraps lines at column 80; each line starts at column `indent`.
 std::string wrapped(const std::string& text, std::size_t indent) {
   std::string out;
   for (const std::string& line : split(text, '\n')) {
@@ -121,7 +121,7 @@ class HelpFormat : public CLI::Formatter {
   }
 };
 
-/// What of a type such as "gcn|pca|truth|FILE" is meant literally.
+/// Literal alternatives of a type such as "gcn|pca|truth|FILE".
 std::vector<std::string> choices_of(const std::string& type) {
   std::vector<std::string> choices;
   for (const std::string& part : split(type, '|')) {
@@ -151,13 +151,13 @@ OptionText text_of(const CLI::Option& option) {
   return text;
 }
 
-/// A command, the program itself first, then in the order of --help.
+/// A command. The program itself comes first, then commands in the order of --help.
 struct CommandText {
-  std::string path;  // "labels export"; of the program empty
+  std::string path;  // "labels export"; empty for the program
   std::string help;  // on one line
   std::vector<OptionText> options;
   std::vector<OptionText> positionals;
-  std::vector<std::pair<std::string, std::string>> commands;  // below it: names and help
+  std::vector<std::pair<std::string, std::string>> commands;  // subcommands: names and help
 };
 
 void add_commands(const CLI::App& app, const std::string& path, std::vector<CommandText>& texts) {
@@ -174,7 +174,7 @@ void add_commands(const CLI::App& app, const std::string& path, std::vector<Comm
 std::vector<CommandText> commands_of(const CLI::App& app) {
   std::vector<CommandText> texts;
   add_commands(app, "", texts);
-  for (CommandText& text : texts) {  // the words that may follow
+  for (CommandText& text : texts) {  // words that may follow
     if (text.path == "help") text.commands = texts[0].commands;
     if (text.path == "options")
       for (const planes::OptionInfo& info : planes::option_table())
@@ -183,7 +183,7 @@ std::vector<CommandText> commands_of(const CLI::App& app) {
   return texts;
 }
 
-/// Up to the end of its first sentence, for a list.
+/// Shortens a help text to its first sentence, for lists.
 std::string first_sentence(const std::string& text) {
   for (const std::string_view end : {": ", "; ", ". "})
     if (const std::size_t at = text.find(end); at != std::string::npos)
@@ -211,7 +211,8 @@ std::string roff_options(const std::vector<OptionText>& options) {
   return text;
 }
 
-/// "finds planes in depth recordings": what it says of itself, up to the first comma.
+/// Returns the description without the program's name, up to the first comma: "finds planes in
+/// depth recordings".
 std::string what_it_does(const std::string& name, const std::string& about) {
   const std::string does = about.starts_with(name + " ") ? about.substr(name.size() + 1) : about;
   return does.substr(0, does.find_first_of(",;:."));
@@ -242,7 +243,8 @@ std::string man_page(const CLI::App& app) {
   return text;
 }
 
-// Shells. In all of them the command is the longest path of commands among the words typed so far.
+// Shell completions. In all shells the command is the longest command path among the words typed so
+// far.
 
 std::string in_quotes(const std::string& text) {
   return fmt::format("'{}'", replaced(text, "'", "'\\''"));
@@ -253,7 +255,7 @@ std::string identifier(std::string name) {
   return name;
 }
 
-/// All paths of commands but the program's own, each quoted.
+/// Quotes every command path except the program's own.
 std::string paths_in_quotes(const std::vector<CommandText>& commands) {
   std::vector<std::string> paths;
   for (const CommandText& command : commands)
@@ -322,7 +324,7 @@ std::string bash_completions(const CLI::App& app) {
 
 std::string zsh_completions(const CLI::App& app) {
   const std::vector<CommandText> commands = commands_of(app);
-  // In a specification of _arguments brackets and colons have a meaning.
+  // Brackets and colons are special in _arguments specifications.
   const auto plain = [](const std::string& text) {
     return replaced(replaced(replaced(text, "[", "("), "]", ")"), ":", "\\:");
   };
@@ -412,7 +414,7 @@ std::string fish_completions(const CLI::App& app) {
 }
 
 struct PrintArgs {
-  std::vector<std::string> words;  // behind `help`
+  std::vector<std::string> words;  // after `help`
   std::string shell, text;
 };
 
@@ -443,7 +445,7 @@ void define_help(CLI::App& app, Line& line) {
                                 names.empty() ? "; expected no more words"
                                 : near.empty()
                                     ? fmt::format("; expected one of {}", fmt::join(names, ", "))
-                                    : fmt::format(", did you mean '{}'?", near)));
+                                    : fmt::format("; did you mean '{}'?", near)));
       }
       at = subcommands(*at)[static_cast<std::size_t>(found - names.begin())];
       path += " " + word;

@@ -23,7 +23,7 @@ const char* g_program = "planescope";
 
 constexpr const char* kStaging = ".partial-";
 
-/// What a run left behind that was killed: nobody holds its lock any more.
+/// Removes staging folders of killed runs, whose locks are free.
 void remove_abandoned(const fs::path& dir) {
   std::vector<fs::path> stagings;
   for (const auto& entry : fs::directory_iterator(dir))
@@ -45,7 +45,7 @@ void print_notice(const std::string& text) {
 }
 
 void check_output_dir(const fs::path& dir) {
-  if (dir.empty()) throw Error("output: the folder's name is empty");
+  if (dir.empty()) throw Error("output: the folder name is empty");
   std::error_code ignored;
   fs::path existing = fs::absolute(without_slash(dir));
   while (!fs::exists(existing, ignored) && existing.has_relative_path())
@@ -66,7 +66,7 @@ void check_no_linked_folder(const fs::path& dir, const fs::path& relative) {
   fs::path folder = dir;
   for (const fs::path& part : relative) {
     if (folder != dir && fs::is_symlink(folder))
-      throw Error(folder.string() + ": is a link; expected a folder");
+      throw Error(folder.string() + ": is a symbolic link; expected a folder");
     folder /= part;
   }
 }
@@ -79,7 +79,7 @@ StagedOutput::~StagedOutput() {
   std::error_code ignored;
   lock_ = FolderLock();
   if (!staging_.empty()) fs::remove_all(staging_, ignored);
-  // Removes empty folders only: after a commit, or with other files in them, they stay.
+  // Removes only empty folders, so they stay after a commit or if they contain other files.
   for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
 }
 
@@ -112,7 +112,8 @@ fs::path StagedOutput::staged(const fs::path& relative, bool is_folder) {
 
 namespace {
 
-/// Throws Error where what was staged cannot take this place, before anything is replaced.
+/// Throws Error if a staged file or folder cannot replace its target. Called before anything is
+/// replaced.
 void check_place(const fs::path& staged, const fs::path& dir, const fs::path& relative) {
   check_no_linked_folder(dir, relative);
   const fs::path target = dir / relative;
@@ -132,7 +133,7 @@ void check_place(const fs::path& staged, const fs::path& dir, const fs::path& re
 void StagedOutput::commit() {
   try {
     for (const fs::path& relative : added_) check_place(staging_ / relative, dir_, relative);
-    // Backwards: what lies beside a file, "a.mcap.labels", comes before "a.mcap" itself.
+    // In reverse, so that "a.mcap.labels" is moved before "a.mcap".
     for (const fs::path& relative : added_ | std::views::reverse) {
       const fs::path target = dir_ / relative;
       if (!fs::exists(staging_ / relative)) {
@@ -165,9 +166,9 @@ fs::path find_asset(const std::string& name, const std::string& what) {
   for (const fs::path& place : places) {
     std::error_code ignored;
     if (fs::exists(place, ignored)) return place;
-    tried += (tried.empty() ? "" : " nor ") + place.string();
+    tried += (tried.empty() ? "" : " and ") + place.string();
   }
-  throw Error(what + " missing: there is no " + tried);
+  throw Error(what + " missing; looked for " + tried);
 }
 
 Progress::Progress(std::string what, int total)

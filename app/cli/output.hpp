@@ -15,8 +15,8 @@
 
 namespace planescope::app {
 
-/// A line on stderr, whatever the text holds, behind the name of the program that runs
-/// (run_program() sets it).
+/// Prints a line on stderr after the name of the running program (set by run_program()). Line
+/// breaks and control characters in the text are replaced.
 void print_notice(const std::string& text);
 void set_notice_name(const char* program);
 
@@ -25,35 +25,35 @@ void notice(fmt::format_string<Values...> format, Values&&... values) {
   print_notice(fmt::format(format, std::forward<Values>(values)...));
 }
 
-/// "dir" of "dir/", so that it has a name.
+/// Returns "dir" for "dir/", so that the path has a filename.
 std::filesystem::path without_slash(const std::filesystem::path& path);
 
-/// Throws Error unless `dir` is a folder that can be written to, or could be made as one. Makes
-/// nothing: called before the work starts, so that an unwritable output costs no time.
+/// Throws Error unless `dir` is a writable folder or can be created as one. Creates nothing; called
+/// before the work starts, so that an unwritable output fails early.
 void check_output_dir(const std::filesystem::path& dir);
 
-/// Makes it where it is missing. Throws Error.
+/// Creates the folder if it is missing. Throws Error.
 void make_output_dir(const std::filesystem::path& dir);
 
-/// Throws Error if a folder between `dir` and DIR/`relative` is a link, which would lead the files
-/// elsewhere.
+/// Throws Error if a folder between `dir` and DIR/`relative` is a symbolic link, which would
+/// redirect the files.
 void check_no_linked_folder(const std::filesystem::path& dir,
                             const std::filesystem::path& relative);
 
-/// Files and folders that appear in `dir` only when all are complete: they are written below a
-/// hidden folder, and commit() moves them to their place, over what stood there. Without commit()
-/// nothing of them remains, nor of the folders that were made for them.
+/// Files and folders that appear in `dir` only when all are complete: they are written to a hidden
+/// folder, and commit() moves them to their final paths, replacing existing ones. Without commit(),
+/// everything is removed, including parent folders created for the output.
 class StagedOutput {
  public:
-  explicit StagedOutput(const std::filesystem::path& dir);  // checks `dir`, makes nothing yet
+  explicit StagedOutput(const std::filesystem::path& dir);  // checks `dir`, creates nothing yet
   ~StagedOutput();
   StagedOutput(const StagedOutput&) = delete;
   StagedOutput& operator=(const StagedOutput&) = delete;
 
-  /// An empty folder in which to write what will be DIR/`relative`. From any thread.
+  /// Returns an empty folder to write to, which becomes DIR/`relative`. Thread-safe.
   std::filesystem::path add(const std::filesystem::path& relative);
-  /// Where to write what will be the file DIR/`relative`; if nothing is written there, commit()
-  /// removes an earlier one. From any thread.
+  /// Returns a path to write to, which becomes the file DIR/`relative`. If nothing is written
+  /// there, commit() removes an existing file. Thread-safe.
   std::filesystem::path add_file(const std::filesystem::path& relative);
   void commit();
 
@@ -63,14 +63,14 @@ class StagedOutput {
   std::mutex mutex_;
   std::filesystem::path dir_;
   std::filesystem::path staging_;
-  FolderLock lock_;                               // on it
+  FolderLock lock_;                               // on staging_
   std::set<std::filesystem::path> added_;         // relative
-  std::vector<std::filesystem::path> made_dirs_;  // parents made here, outermost first
+  std::vector<std::filesystem::path> made_dirs_;  // parents created here, outermost first
 };
 
-/// A file or folder that ships with us: in $PLANESCOPE_ASSETS where that is set, otherwise in
-/// ../share/planescope beside the executable, otherwise in the source tree. Throws Error,
-/// "WHAT missing: there is no PLACE nor PLACE", if it is in none of them.
+/// Finds a file or folder that ships with planescope: in $PLANESCOPE_ASSETS if set, otherwise in
+/// ../share/planescope beside the executable, otherwise in the source tree. Throws Error if it is
+/// missing; the message begins with WHAT and lists the searched paths.
 std::filesystem::path find_asset(const std::string& name, const std::string& what);
 
 }  // namespace planescope::app

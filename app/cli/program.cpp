@@ -47,7 +47,7 @@ void on_signal(int) {
 void handle(int signal_number, void (*handler)(int)) {
   struct sigaction action = {};
   action.sa_handler = handler;
-  action.sa_flags = SA_RESTART | SA_RESETHAND;  // the second signal finds the default: the end
+  action.sa_flags = SA_RESTART | SA_RESETHAND;  // a second signal ends the process
   sigaction(signal_number, &action, nullptr);
 }
 
@@ -69,7 +69,7 @@ class Interrupt {
 };
 
 Interrupt::Interrupt() {
-  if (pipe2(pipe_, O_CLOEXEC) != 0) throw Error("cannot watch for signals: no pipe");
+  if (pipe2(pipe_, O_CLOEXEC) != 0) throw Error("cannot watch for signals: cannot create a pipe");
   g_signal_fd = pipe_[1];
   watcher_ = std::thread([this] {
     char byte = 0;
@@ -95,9 +95,9 @@ Interrupt::~Interrupt() {
   close(pipe_[1]);
 }
 
-/// Memory for what is done when there is none: taking down a JSON document asks for some in a
-/// destructor, where a refusal ends the program, and so does the line that tells the user. Each
-/// refusal gives back a block; threads may run out of memory side by side.
+/// Reserve for running out of memory. Destroying a JSON document allocates in a destructor, where
+/// bad_alloc would end the program; printing the error message allocates too. Each failed
+/// allocation frees one block, and several threads may run out of memory at the same time.
 constexpr std::size_t kReserveBytes = 1 << 20;
 std::array<void*, 8> g_reserve;
 std::atomic<std::size_t> g_given_back = 0;
@@ -112,12 +112,12 @@ void set_reserve_aside() {
   });
 }
 
-/// Memory that is freed stays with the process: the next frame needs as much again. Otherwise a
-/// frame's megabytes are handed back and mapped anew each time, and clearing their pages takes up
-/// to a tenth of all CPU time.
+/// Keeps freed memory in the process, because the next frame needs as much again. Otherwise the
+/// megabytes of each frame are unmapped and mapped again, and clearing their pages takes up to a
+/// tenth of all CPU time.
 void keep_freed_memory() {
 #if defined(__GLIBC__)
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that glibc takes
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the maximum that glibc accepts
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
 #endif
 }
@@ -130,15 +130,15 @@ std::string shell_word(const std::string& word) {
   return fmt::format("'{}'", inner);
 }
 
-/// The command line as one could type it again in a shell.
+/// The command line, quoted so that it can be pasted into a shell.
 std::string command_text(const Program& program, int argc, char** argv) {
   std::string text = program.name;
   for (int i = 1; i < argc; ++i) text.append(1, ' ').append(shell_word(argv[i]));
   return text;
 }
 
-/// Without what changes no frame of a report: where it is written, how it is run, what it is held
-/// to.
+/// The command line without the options that do not affect a report's frames: output, threads,
+/// baseline and rules.
 std::string frames_command_text(const Program& program, int argc, char** argv) {
   constexpr std::string_view kWithValue[] = {"-o",         "--out",   "--threads",
                                              "--baseline", "--rules", "--shard"};
@@ -156,7 +156,7 @@ std::string frames_command_text(const Program& program, int argc, char** argv) {
   return text;
 }
 
-// The command that was typed last: `synth stairs` is the app of `stairs`.
+// Returns the innermost selected subcommand: for `synth stairs`, the app of `stairs`.
 const CLI::App* innermost(const CLI::App* app) {
   while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
   return app;
@@ -169,14 +169,14 @@ std::vector<std::string> subcommand_names(const CLI::App* app) {
   return names;
 }
 
-/// "report merge".
+/// Returns the path of a command, e.g. "report merge".
 std::string path_of(const CLI::App& app, const CLI::App& command) {
   if (&command == &app) return {};
   const std::string parent = path_of(app, *command.get_parent());
   return parent.empty() ? command.get_name() : parent + " " + command.get_name();
 }
 
-/// "segment needs -o DIR: Output folder; made where it is missing".
+/// Returns e.g. "segment needs -o DIR: Output folder".
 std::string missing(const std::string& command, const CLI::Option& option) {
   const std::string name =
       option.get_snames().empty() ? option.get_name() : "-" + option.get_snames()[0];
@@ -186,12 +186,12 @@ std::string missing(const std::string& command, const CLI::Option& option) {
                      help.substr(0, help.find_first_of(";\n")));
 }
 
-/// Whether a message of CLI11 is of this option: it begins with the name.
+/// Whether CLI11's message is about this option: it begins with the option's name.
 bool is_named(const CLI::Option& option, const std::string& message) {
   return option.get_type_size() > 0 && message.starts_with(option.get_name() + ": ");
 }
 
-// One line for what CLI11 did not understand, with the name that was probably meant.
+// Returns a one-line message for a CLI11 error, with a suggestion for a misspelled name.
 std::string message_of(const Program& program, const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = innermost(&app);
   const std::vector<std::string> extras = app.remaining(true);
@@ -201,7 +201,7 @@ std::string message_of(const Program& program, const CLI::App& app, const CLI::P
         return missing(path_of(app, *command), *option);
     for (const CLI::Option* option : command->get_options())
       if (error.get_name() == "ArgumentMismatch" && is_named(*option, error.what()))
-        return option->count() > 1 ? option->get_name() + " is given more than once"
+        return option->count() > 1 ? option->get_name() + " is specified more than once"
                                    : fmt::format("{} needs a value: {}", option->get_name(),
                                                  option->get_type_name());
     std::string text = error.what();
@@ -227,8 +227,8 @@ std::string message_of(const Program& program, const CLI::App& app, const CLI::P
   if (is_option && !reader.empty() && std::filesystem::exists(word, ignored))
     return fmt::format("{}; to open the file of that name, type: {} {} -- {}", text, program.name,
                        reader, shell_word(word));
-  if (!near.empty()) return text + ", did you mean '" + near + "'?";
-  return text + ", see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
+  if (!near.empty()) return text + "; did you mean '" + near + "'?";
+  return text + "; see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
 }
 
 Job print_job(const std::string& text) {
@@ -238,7 +238,7 @@ Job print_job(const std::string& text) {
   };
 }
 
-/// "planescope 0.2.0, commit 1234567": what a report says of the binary, too.
+/// "planescope 0.2.0, commit 1234567", as in reports.
 std::string version_text(const Program& program) {
   const report::BuildInfo build = report::build_info();
   const bool has_hash = build.commit.size() == 40;
@@ -247,15 +247,15 @@ std::string version_text(const Program& program) {
                      build.modified ? " with changes" : "");
 }
 
-/// `--help` and `--version` become jobs that print. Throws Error on anything that is not
-/// understood.
+/// Parses the command line. `--help` and `--version` become jobs that print. Throws Error on
+/// invalid usage.
 Job parse(const Program& program, int argc, char** argv) {
   CLI::App app(program.about, program.name);
   app.set_version_flag("--version", version_text(program));
   app.formatter(help_format());
   app.get_help_ptr()->description("Print this help and exit");
   app.get_version_ptr()->description("Print version and commit and exit");
-  app.require_subcommand(0, 1);  // `help info` is one command, and so is `info info`
+  app.require_subcommand(0, 1);  // `help info` is one command, like `info info`
   Line line{command_text(program, argc, argv), frames_command_text(program, argc, argv), {}};
   for (const auto define : program.commands) define(app, line);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
@@ -275,7 +275,7 @@ Job parse(const Program& program, int argc, char** argv) {
   }
   if (line.job) return line.job;
   const CLI::App* group = innermost(&app);
-  throw Error(fmt::format("{}needs one of: {}", group == &app ? "" : group->get_name() + " ",
+  throw Error(fmt::format("{}expected one of {}", group == &app ? "" : group->get_name() + ": ",
                           fmt::join(subcommand_names(group), ", ")));
 }
 
@@ -301,16 +301,16 @@ int run_program(const Program& program, int argc, char** argv) {
   } catch (const Error& error) {
     return fail(error.what(), 2);
   } catch (const std::system_error& error) {
-    if (error.code() == std::errc::resource_unavailable_try_again)  // of a thread's stack
-      return fail("out of memory: no thread could be started, fewer --threads need less", 2);
+    if (error.code() == std::errc::resource_unavailable_try_again)  // thread creation failed
+      return fail("out of memory: cannot start a thread; fewer --threads need less", 2);
     if (std::ferror(stdout) != 0)
       return fail(std::string("standard output cannot be written to: ") + error.code().message(),
                   2);
     return fail(std::string("unexpected failure: ") + error.what(), 2);
   } catch (const std::bad_alloc&) {
     return fail(
-        "out of memory: a smaller --voxel, --max-range or --frames needs less, and fewer "
-        "--threads",
+        "out of memory: a larger --voxel (clouds), a smaller --max-range, fewer --frames or fewer "
+        "--threads need less",
         2);
   } catch (const std::exception& error) {
     return fail(std::string("unexpected failure: ") + error.what(), 2);

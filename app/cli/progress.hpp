@@ -1,6 +1,6 @@
 #pragma once
 
-// Bars on a terminal, and the loops over frames that show them.
+// Progress bars on a terminal, and loops over frames that show them.
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@
 
 namespace planescope::app {
 
-/// A bar on stderr, only where that is a terminal; gone again when it is destroyed.
+/// A progress bar on stderr, shown only on a terminal and erased by the destructor.
 class Progress {
  public:
   Progress(std::string what, int total);
@@ -24,7 +24,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void show(int done, const std::string& now);
-  /// A line that stays, above the bar; without a terminal too.
+  /// Prints a permanent line above the bar, also without a terminal.
   void print(const std::string& line);
 
  private:
@@ -33,7 +33,7 @@ class Progress {
   bool visible_;
 };
 
-/// A measurement's progress(): shows a bar that ends with it, and throws Cancelled on stop.
+/// Progress callback of a measurement: shows a bar and throws Cancelled on stop.
 class Bar {
  public:
   Bar(const char* what, std::stop_token stop) : what_(what), stop_(std::move(stop)) {}
@@ -49,13 +49,13 @@ class Bar {
   std::shared_ptr<Progress> bar_;
 };
 
-/// Likewise of work in stages, a bar each. Does not stop anything.
+/// Progress callback of work in stages, with one bar per stage. Ignores stop requests.
 class StageBar {
  public:
   explicit StageBar(std::string what) : what_(std::move(what)) {}
   void operator()(const char* stage, int done, int all) {
     if (!bar_ || shown_ != stage) {
-      bar_.reset();  // before the next one is there
+      bar_.reset();  // erase it before the next bar appears
       bar_ = std::make_shared<Progress>(what_ + ": " + stage, all);
     }
     shown_ = stage;
@@ -67,7 +67,7 @@ class StageBar {
   std::shared_ptr<Progress> bar_;
 };
 
-/// work(frame), one after the other. Throws Cancelled on stop.
+/// Calls work(frame) for each frame in order. Throws Cancelled on stop.
 template <typename Work>
 void for_each_frame(const char* what,
                     const std::vector<int>& frames,
@@ -82,8 +82,8 @@ void for_each_frame(const char* what,
   }
 }
 
-/// made = make(i), on so many threads, then take(i, made) in the order of the frames. After a stop
-/// no more are made.
+/// Calls made = make(i) on `threads` threads, and take(i, made) in frame order. After a stop
+/// request, make() is not called again.
 template <typename Make, typename Take>
 void run_frames(const char* what,
                 const std::vector<int>& frames,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Every command of planescope: each in a file named after it.
+// All commands of planescope. Each is defined in a file named after it.
 
 #include "app/cli/command.hpp"
 

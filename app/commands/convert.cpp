@@ -1,4 +1,4 @@
-// planescope convert: a recording in another form, depth unchanged to the bit.
+// planescope convert: writes a recording in another format; depth stays bit-identical.
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ constexpr const char* kForms[] = {"folder", "tum", "mcap", "ply", "pcd"};
 struct RecastArgs {
   InputArgs input;
   fs::path out;
-  std::optional<Form> form;  // nothing: by the ending of `out`
+  std::optional<Form> form;  // empty: derived from the extension of `out`
 };
 
 bool is_cloud_form(Form form) { return form == Form::ply || form == Form::pcd; }
@@ -34,14 +34,15 @@ bool is_cloud_form(Form form) { return form == Form::ply || form == Form::pcd; }
 Form form_called(const std::string& name) {
   for (std::size_t i = 0; i < std::size(kForms); ++i)
     if (name == kForms[i]) return static_cast<Form>(i);
-  throw Error(fmt::format("--to {}, expected folder, tum, mcap, ply or pcd", name));
+  throw Error(
+      fmt::format("--to: unknown format '{}'; expected folder, tum, mcap, ply or pcd", name));
 }
 
-/// Where it is written, and as what.
+/// Output path and format.
 struct Target {
   fs::path out;
   Form form = Form::folder;
-  bool one_file = false;  // `out` is a file, of one cloud or of all frames
+  bool one_file = false;  // `out` is one file, with one cloud or all frames
 };
 
 Target target_of(const RecastArgs& args, const OpenInput& input) {
@@ -51,36 +52,38 @@ Target target_of(const RecastArgs& args, const OpenInput& input) {
   if (target.one_file) {
     target.form = form_called(ending.substr(1));
     if (args.form && *args.form != target.form)
-      throw Error(fmt::format("{}: --to {} is no {} file", target.out.string(),
+      throw Error(fmt::format("{}: --to {} does not match the extension {}", target.out.string(),
                               kForms[static_cast<std::size_t>(*args.form)], ending));
     if (target.form != Form::mcap && input.frames.size() != 1)
-      throw Error(fmt::format("{}: one file for {} frames, expected a folder, or --frames N",
+      throw Error(fmt::format("{}: one file for {} frames; expected a folder, or --frames N",
                               target.out.string(), input.frames.size()));
   } else if (ending == ".bag" || ending == ".db3") {
-    throw Error(
-        fmt::format("{}: {} is not written, expected a folder, or a .mcap, .ply or .pcd file",
-                    target.out.string(), ending));
+    throw Error(fmt::format(
+        "{}: writing {} files is not supported; expected a folder, or a .mcap, .ply or .pcd file",
+        target.out.string(), ending));
   } else {
     target.form = args.form.value_or(input.recording->info().width > 0 ? Form::folder : Form::ply);
     if (target.form == Form::mcap)
-      throw Error(target.out.string() + ": --to mcap writes a file, expected a name with .mcap");
+      throw Error(target.out.string() +
+                  ": --to mcap writes one file; expected a name that ends in .mcap");
   }
   if (input.recording->info().width == 0 && !is_cloud_form(target.form))
-    throw Error(fmt::format("{}: its clouds have no depth images for --to {}, expected ply or pcd",
-                            input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
+    throw Error(
+        fmt::format("{}: contains clouds, but --to {} needs depth images; expected ply or pcd",
+                    input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
   if (input.recording->info().rounded && !is_cloud_form(target.form))
     throw Error(fmt::format(
         "{}: --to {} stores 16-bit counts, but its depth is in meters (32FC1), which would be "
         "rounded; expected ply or pcd",
         input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
   if (fs::is_symlink(target.out) && !fs::exists(target.out))
-    throw Error(target.out.string() + ": is a link to nothing, expected a new name");
+    throw Error(target.out.string() + ": is a broken link; expected a new name");
   if (fs::exists(target.out) && !(fs::is_directory(target.out) && fs::is_empty(target.out)))
-    throw Error(target.out.string() + ": is there already, expected a new name");
+    throw Error(target.out.string() + ": already exists; expected a new name");
   return target;
 }
 
-/// The measured points of a depth image, in the sensor's frame.
+/// Measured points of a depth image in sensor coordinates.
 PointSet points_of(const Frame& frame) {
   if (frame.cloud) return *frame.cloud;
   const labels::LabelGrid grid = labels::make_label_grid(frame, Gravity{});
@@ -94,7 +97,7 @@ PointSet points_of(const Frame& frame) {
   return set;
 }
 
-/// A cloud, and what it cannot say itself.
+/// Writes a cloud and returns the facts that its format cannot store.
 io::WrittenFrame write_cloud(const fs::path& path, Form form, const Frame& frame) {
   const PointSet points = points_of(frame);
   write_file_bytes(path, form == Form::ply ? io::ply_bytes(points) : io::pcd_bytes(points));
@@ -117,28 +120,28 @@ void write_facts(Form form, const fs::path& dir, const std::vector<io::WrittenFr
                          frames);
 }
 
-/// Where the clouds have the axes of a camera, which their files cannot say.
+/// Warns if the clouds have camera axes, which their format cannot express.
 void warn_of_axes(const OpenInput& input, const io::WrittenFrame& written) {
   const Frame frame = input.recording->frame(input.frames[0]);
   if (!written.facts.gravity && (!frame.is_cloud() || frame.cloud->optical))
-    notice("gravity is not known: z of the clouds is where the camera looks, not up");
+    notice("gravity is unknown: z of the clouds is the viewing direction of the camera, not up");
 }
 
-/// Reads what was written. Throws Error where a frame is missing or its depth is another.
+/// Reads the output back. Throws Error if a frame is missing or its depth differs.
 void check_written(const OpenInput& input, const fs::path& dir, bool same_data) {
   const auto written = io::open_recording(dir);
   if (written->frame_count() != static_cast<int>(input.frames.size()))
-    throw Error(fmt::format("{}: {} frames were written of {}", dir.string(),
+    throw Error(fmt::format("{}: contains {} frames after writing; expected {}", dir.string(),
                             written->frame_count(), input.frames.size()));
   if (!same_data) return;
   for (int i = 0; i < written->frame_count(); ++i)
     if (const int from = input.frames[static_cast<std::size_t>(i)];
         written->frame_hash(i) != input.recording->frame_hash(from))
       throw Error(
-          fmt::format("{}: frame {} is not the same as it was written", dir.string(), from));
+          fmt::format("{}: frame {} does not read back as it was written", dir.string(), from));
 }
 
-/// Label files of the frames, numbered anew. Returns how many there are.
+/// Copies the label files of the frames with new numbers. Returns their number.
 int copy_labels(const OpenInput& input, const fs::path& name, StagedOutput& staged) {
   if (!fs::exists(input.label_dir)) return 0;
   const fs::path to = staged.add(name);
@@ -154,7 +157,7 @@ int copy_labels(const OpenInput& input, const fs::path& name, StagedOutput& stag
   return copied;
 }
 
-/// All frames, in their order.
+/// Writes all frames in order.
 std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
                                          const fs::path& path,
                                          int threads,
@@ -166,7 +169,7 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
         "convert", input.frames, threads, stop,
         [&](std::size_t i) { return input.recording->frame(input.frames[i]); },
         [&](std::size_t i, Frame&& frame) {
-          // Depth counts stay as they are, whatever their unit: the sidecar tells it.
+          // Keep depth counts; their unit goes into the sidecar.
           const std::int64_t stamp_ns = io::ros_stamp(frame.timestamp_s);
           for (const io::RosMessage& message :
                io::ros_camera(frame, stamp_ns, io::DepthEncoding::counts))
@@ -180,7 +183,7 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
   return written;
 }
 
-/// All frames in one file, with a sidecar for the facts that its format lacks.
+/// Writes all frames to one file, with a sidecar for facts that the format cannot store.
 std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
                                              const Target& target,
                                              StagedOutput& staged,
@@ -188,7 +191,7 @@ std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
                                              int threads,
                                              const std::stop_token& stop) {
   const fs::path facts = target.out.string() + ".planescope.json";
-  if (fs::exists(facts)) throw Error(facts.string() + ": is there already, expected a new name");
+  if (fs::exists(facts)) throw Error(facts.string() + ": already exists; expected a new name");
   const fs::path file = staged.add_file(target.out.filename());
   const fs::path sidecar = staged.add_file(facts.filename());
   std::vector<io::WrittenFrame> written;
@@ -208,7 +211,7 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   input_args.recording.standard_input = true;
   const std::vector<OpenInput> inputs = open_inputs(input_args);
   if (inputs.size() != 1)
-    throw Error(fmt::format("convert: {} recordings, expected one", inputs.size()));
+    throw Error(fmt::format("convert: {} recordings; expected one", inputs.size()));
   const OpenInput& input = inputs[0];
   const Target target = target_of(args, input);
   const bool is_cloud = input.recording->info().width == 0;
@@ -216,7 +219,7 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
 
   const fs::path labels = labels::default_label_dir(target.out);
   if (same_data && fs::exists(labels))
-    throw Error(labels.string() + ": is there already, expected a new name");
+    throw Error(labels.string() + ": already exists; expected a new name");
   const fs::path parent = target.out.has_parent_path() ? target.out.parent_path() : ".";
   const int threads = args.input.pipeline.threads;
   StagedOutput staged(parent);
@@ -239,10 +242,10 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   const int labelled = same_data ? copy_labels(input, labels.filename(), staged) : 0;
   staged.commit();
   if (is_cloud_form(target.form)) warn_of_axes(input, frames[0]);
-  fmt::print("{}: {} of {} frames of {}{}, read back{}\n", target.out.string(), frames.size(),
+  fmt::print("{}: {} of {} frames from {}{}, read back{}\n", target.out.string(), frames.size(),
              input.frames.size(), input.path.string(),
-             labelled > 0 ? fmt::format(" and the labels of {}", labelled) : "",
-             same_data ? ", the same to the bit" : "");
+             labelled > 0 ? fmt::format(" with labels for {}", labelled) : "",
+             same_data ? " and bit-identical" : "");
   return 0;
 }
 
@@ -254,7 +257,7 @@ void define_convert(CLI::App& app, Line& line) {
   const auto args = std::make_shared<RecastArgs>();
   add_recordings(command, args->input, false);
   add(command, "-o,--out", args->out, "OUT",
-      "New folder, .mcap file, or .ply or .pcd file of a single frame")
+      "New folder, .mcap file, or .ply or .pcd file for a single frame")
       ->required();
   add_read(
       command, "--to", [args](const std::string& name) { args->form = form_called(name); },

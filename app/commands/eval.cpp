@@ -25,15 +25,14 @@ namespace fs = std::filesystem;
 
 struct EvalArgs {
   InputArgs input;
-  std::filesystem::path prediction;  // scored in place of our own segmentation; empty: none
+  std::filesystem::path prediction;  // scored instead of our own segmentation; empty: none
   bool json = false;
 };
 
-/// What a folder says about a frame: as `planescope segment` wrote it (frames/000123), as label
-/// files, or in a format of exchange (000123.npy, .label, .npz, .ply, .pcd, .json;
-/// annotations.json of all frames). `gravity` is
-/// that of the truth. nullopt where it holds nothing of the frame. Throws Error where that is
-/// damaged or does not fit the frame.
+/// Reads the prediction for a frame from a folder: output of `planescope segment` (frames/000123),
+/// label files, or an exchange format (000123.npy, .label, .npz, .ply, .pcd, .json;
+/// annotations.json for all frames). `gravity` is that of the ground truth. nullopt if the folder
+/// has no prediction for the frame. Throws Error if it is damaged or does not fit the frame.
 std::optional<FrameLabels> read_prediction(const fs::path& dir,
                                            const io::Recording& recording,
                                            const Frame& frame,
@@ -71,7 +70,7 @@ Json to_json(const planes::Metrics& m) {
   return json;
 }
 
-/// A dash where the truth or the result has no h and v labels.
+/// Returns a dash if the truth or the result has no h and v labels.
 std::string labels_right(double percent) {
   return std::isnan(percent) ? "-" : fmt::format("{:.2f}", percent);
 }
@@ -101,11 +100,11 @@ void print_table(const std::vector<Row>& rows, const planes::Metrics& mean, int 
   }
   print_row("mean", width, mean);
   fmt::print(
-      "\nalpha: degrees; r_p: 100 x found / true; r_m: % of points in no plane; acc, IoU: % by\n"
+      "\nalpha: degrees; r_p: 100 x found / true; r_m: % of unassigned points; acc, IoU: % for "
+      "the\n"
       "best matching; PQ: panoptic quality, %; IoU80: planes found with IoU of at least 0.8; "
       "edge,\n"
-      "inner: % of labels that are right within 2 cm of another label, and elsewhere. Counts in "
-      "the\n"
+      "inner: % of correct labels within 2 cm of a different label, and elsewhere. Counts in the\n"
       "last line are sums.\n");
   if (without_truth > 0)
     fmt::print("Without ground truth: {}.\n",
@@ -116,7 +115,7 @@ std::string name_of(const Frame& frame) {
   return frame.name.empty() ? std::to_string(frame.index) : frame.name;
 }
 
-/// Scores our own segmentation; nullopt where the frame has no ground truth.
+/// Scores our own segmentation; nullopt if the frame has no ground truth.
 std::optional<Row> run_and_score(const OpenInput& input,
                                  int index,
                                  const planes::PipelineOptions& options,
@@ -127,7 +126,7 @@ std::optional<Row> run_and_score(const OpenInput& input,
              planes::score_frame(loaded.result, *loaded.truth)};
 }
 
-/// Scores the labels that --prediction names.
+/// Scores the labels in --prediction.
 std::optional<Row> score_prediction(const OpenInput& input, int index, const EvalArgs& args) {
   const Frame frame = input.recording->frame(index);
   const auto truth =
@@ -136,15 +135,15 @@ std::optional<Row> score_prediction(const OpenInput& input, int index, const Eva
   const auto found = read_prediction(args.prediction, *input.recording, frame, truth->gravity);
   if (!found)
     throw Error(
-        fmt::format("{}: nothing of frame {}, expected {:06}.plane.png, {:06}.npy or the "
-                    "like, or what planescope segment writes",
+        fmt::format("{}: no planes for frame {}; expected {:06}.plane.png, {:06}.npy or similar, "
+                    "or the output of planescope segment",
                     args.prediction.string(), index, index, index));
   return Row{input.path.string(), index, name_of(frame),
              planes::score_labels(frame, *found, *truth, args.input.pipeline.cloud)};
 }
 
-/// Prints the metrics of each frame that has ground truth, and their mean. Throws Error if none
-/// has, or the predictions lack one of them. Returns the exit code.
+/// Prints the metrics of each frame with ground truth, and their mean. Throws Error if no frame has
+/// ground truth or a prediction is missing. Returns the exit code.
 int run_eval(const EvalArgs& args, std::stop_token stop) {
   InputArgs depth_alone = args.input;
   depth_alone.recording.color = false;
@@ -152,7 +151,7 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   const bool predicted = !args.prediction.empty();
   if (predicted && inputs.size() != 1)
     throw Error(
-        fmt::format("--prediction names one folder, but {} recordings are given", inputs.size()));
+        fmt::format("--prediction names one folder, but there are {} recordings", inputs.size()));
   const planes::ChosenClassifier chosen =
       predicted ? planes::ChosenClassifier{} : choose_classifier(args.input.pipeline);
   std::vector<const OpenInput*> input_of;
@@ -193,10 +192,10 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   if (rows.empty() && !refused.empty()) throw Error(refused.front());
   if (rows.empty())
     throw Error(
-        fmt::format("{}: no frame has ground truth, neither labels in {} nor a cloud's "
-                    "label and instance fields",
+        fmt::format("{}: no frame has ground truth; expected labels in {}, or label and instance "
+                    "fields of a cloud",
                     inputs.front().path.string(), inputs.front().label_dir.string()));
-  for (const std::string& why : refused) notice("refused: {}", why);
+  for (const std::string& why : refused) notice("rejected: {}", why);
   std::vector<planes::Metrics> all;
   for (const Row& row : rows) all.push_back(row.metrics);
   const planes::Metrics mean = planes::mean_of(all);

@@ -26,20 +26,20 @@ struct InfoArgs {
 struct Facts {
   io::RecordingInfo info;
   int frame_count = 0;
-  int first = 0;  // the frame that stands for the recording
+  int first = 0;  // frame used for the figures below
   int labelled = 0;
   std::string label_dir;
 
-  // Time, where the frames carry it.
+  // Timestamps, if the frames have them.
   double span_s = 0, median_step_s = 0;
   int gaps = 0;  // steps longer than 1.5 times the median
   double longest_gap_s = 0;
-  int longest_gap_frame = 0;  // it ends with this frame
+  int longest_gap_frame = 0;  // the frame at the end of the gap
 
-  // Of the first frame.
+  // Figures for the first frame.
   double measured_percent = 0, within_percent = 0;
   double min_m = 0, median_m = 0, max_m = 0;
-  std::uint64_t saturated = 0;  // counts of 65535
+  std::uint64_t saturated = 0;  // pixels with a count of 65535
   std::size_t cloud_points = 0;
   bool cloud_has_label = false, cloud_has_instance = false, cloud_has_color = false;
   int color_width = 0, color_height = 0;
@@ -109,7 +109,7 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   facts.color_width = frame.color.width;
   facts.color_height = frame.color.height;
   if (!facts.info.knows_camera())
-    facts.gravity_error = "without intrinsics the scene cannot be measured";
+    facts.gravity_error = "the scene cannot be measured without intrinsics";
   else
     try {
       facts.gravity = planes::resolve_gravity(frame, options.gravity, options.cloud.max_range_m);
@@ -188,7 +188,7 @@ Json to_json(const Facts& f) {
 }
 
 void line(const std::string& name, const std::string& text) {
-  fmt::print("  {:<12}{}\n", name, one_line(text));  // names of devices and topics are a file's
+  fmt::print("  {:<12}{}\n", name, one_line(text));  // device and topic names come from the file
 }
 
 void print_depth(const Facts& f, double max_range_m) {
@@ -204,7 +204,7 @@ void print_depth(const Facts& f, double max_range_m) {
   line("intrinsics", f.info.knows_camera()
                          ? fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx,
                                        k.fy, k.cx, k.cy, distortion, f.info.intrinsics_source)
-                         : std::string("not known; ") + io::kHowToGiveIntrinsics);
+                         : std::string("unknown; ") + io::kHowToGiveIntrinsics);
   line("color", f.info.has_color
                     ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
                     : "none");
@@ -244,12 +244,12 @@ void print_text(const Facts& f, double max_range_m) {
                                   f.gaps == 1 ? "" : "s", f.longest_gap_s, f.longest_gap_frame);
     const std::string rate = f.median_step_s > 0
                                  ? fmt::format("{:.2f} frames per second", 1 / f.median_step_s)
-                                 : "most frames of the same time";
+                                 : "most frames have the same time";
     line("time",
          fmt::format("{:.3f} s, {}, {}, from {}", f.span_s, rate, gaps, f.info.times_source));
   } else if (f.frame_count > 1) {
-    line("time", f.info.times_source.empty() ? std::string("the frames carry no time")
-                                             : "does not go forward, from " + f.info.times_source);
+    line("time", f.info.times_source.empty() ? std::string("the frames have no timestamps")
+                                             : "does not increase, from " + f.info.times_source);
   }
   if (f.gravity && !f.gravity->known()) {
     line("gravity", fmt::format("none, {}: planes are neither h nor v; to distinguish them, {}",
@@ -262,18 +262,18 @@ void print_text(const Facts& f, double max_range_m) {
     else if (!g.note.empty())
       how += ", " + g.note;
     if (g.confidence < 1) how += fmt::format("; confidence {:.2f}", g.confidence);
-    // + 0.0: no minus zero.
+    // + 0.0 avoids -0.
     line("gravity", fmt::format("{:.4f},{:.4f},{:.4f} ({})", g.direction.x() + 0.0,
                                 g.direction.y() + 0.0, g.direction.z() + 0.0, how));
   } else {
-    line("gravity", "not known: " + f.gravity_error);
+    line("gravity", "unknown: " + f.gravity_error);
   }
   if (f.labelled > 0)
     line("labels", fmt::format("{} of {} frames, {}", f.labelled, f.frame_count, f.label_dir));
 }
 
-/// Prints what is in each recording: format, device, sizes, unit, intrinsics, colour, gravity, time
-/// and gaps, and what was lost. Returns the exit code.
+/// Prints the contents of each recording: format, device, sizes, unit, intrinsics, color, gravity,
+/// timestamps and gaps, and lost data. Returns the exit code.
 int run_info(const InfoArgs& args, std::stop_token) {
   Json json;
   json["schema"] = "planescope.info/1";
@@ -307,8 +307,8 @@ void define_info(CLI::App& app, Line& line) {
 namespace {
 
 struct OptionsArgs {
-  std::string name;                  // of the option to explain; empty: all
-  planes::PipelineOptions pipeline;  // the values to show
+  std::string name;                  // option to explain; empty: all
+  planes::PipelineOptions pipeline;  // values to show
   bool json = false;
 };
 
@@ -336,7 +336,7 @@ std::string range_text(const planes::OptionInfo& info) {
          (std::isinf(range.max) ? "" : fmt::format(", at most {}", range.max));
 }
 
-/// Everything about one option.
+/// Prints all details of one option.
 void print_option(const planes::OptionInfo& info, const planes::PipelineOptions& options) {
   const bool has_unit = info.is_number() && info.unit != "1";
   fmt::print("{}: {}\n", info.name, info.meaning);
@@ -374,7 +374,7 @@ void print_table(const planes::PipelineOptions& options) {
   }
 }
 
-/// Prints one option, or all that --set takes. Returns the exit code.
+/// Prints one option, or all that --set supports. Returns the exit code.
 int run_options(const OptionsArgs& args, std::stop_token) {
   if (!args.json && args.name.empty()) {
     print_table(args.pipeline);
@@ -382,7 +382,7 @@ int run_options(const OptionsArgs& args, std::stop_token) {
     print_option(planes::find_option(args.name), args.pipeline);
   } else {
     Json json = {{"schema", "planescope.options/1"}, {"options", Json::array()}};
-    if (!args.name.empty()) planes::find_option(args.name);  // an unknown one throws
+    if (!args.name.empty()) planes::find_option(args.name);  // throws for an unknown one
     for (const planes::OptionInfo& info : planes::option_table())
       if (args.name.empty() || info.name == args.name)
         json["options"].push_back(to_json(info, args.pipeline));

@@ -1,4 +1,4 @@
-// Inputs shared by commands: opening recordings, frame slices, input and method options.
+// Opens recordings and parses frame slices, input options and method options.
 
 #include "app/commands/inputs.hpp"
 
@@ -26,22 +26,22 @@ namespace fs = std::filesystem;
 FrameSlice parse_frame_slice(const std::string& text) {
   const auto part = [&](const std::string& s) -> std::optional<int> {
     if (s.empty()) return std::nullopt;
-    return parse_integer(s, "--frames " + text + ", expected A:B:STEP or a frame's number");
+    return parse_integer(s, "--frames " + text + " (expected A:B:STEP or a frame number)");
   };
   const std::vector<std::string> parts = split(text, ':');
   if (text.empty() || parts.size() > 3)
-    throw Error("--frames '" + text + "' is not A:B:STEP or a frame's number");
+    throw Error("--frames '" + text + "' is not A:B:STEP or a frame number");
   FrameSlice slice;
   slice.first = part(parts[0]);
   if (parts.size() == 1) {
-    // The frame itself; -1 is the last one, so what follows it is the end.
+    // A single frame. -1 is the last one, so its slice ends at the end of the recording.
     if (slice.first != -1) slice.last = *slice.first + 1;
     return slice;
   }
   slice.last = part(parts[1]);
   if (parts.size() == 3) slice.step = part(parts[2]);
   if (slice.step && *slice.step < 1)
-    throw Error("--frames " + text + ": the step is " + parts[2] + ", expected at least 1");
+    throw Error("--frames " + text + ": the step is " + parts[2] + "; expected at least 1");
   return slice;
 }
 
@@ -66,7 +66,7 @@ bool is_in_slice(const FrameSlice& slice, int frame) {
 
 bool is_past_slice(const FrameSlice& slice, int frame) {
   if (slice.first.value_or(0) < 0 || slice.last.value_or(0) < 0)
-    throw Error("--frames: counts from the end of a stream, expected numbers from 0");
+    throw Error("--frames: a stream cannot be indexed from its end; expected numbers from 0");
   return slice.last && frame >= *slice.last;
 }
 
@@ -74,7 +74,7 @@ int all_cores() { return std::max(1, static_cast<int>(std::thread::hardware_conc
 
 namespace {
 
-/// Of a disc by its radius, or of the circle about a rectangle, LENGTHxWIDTH [m].
+/// Radius of a disc, or of the circumscribed circle of a rectangle LENGTHxWIDTH [m].
 double foot_radius_m(const std::string& text) {
   std::vector<double> sizes;
   for (const std::string& side : split(text, 'x')) sizes.push_back(parse_number(side).value_or(0));
@@ -89,7 +89,7 @@ double foot_radius_m(const std::string& text) {
 void set_pipeline_option(planes::PipelineOptions& options,
                          const std::string& name,
                          const std::string& text) {
-  if (text.empty()) return;  // of a shell's variable that is not set
+  if (text.empty()) return;  // an unset shell variable
   if (name == "--set") {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) throw Error("--set: '" + text + "' is not NAME=VALUE");
@@ -103,10 +103,10 @@ void set_pipeline_option(planes::PipelineOptions& options,
                                                    : name.substr(2);
   planes::set_option(options, option, text);
   if (name == "--max-range")
-    options.cloud.range_for_clouds = true;  // clouds are cropped only where that is asked for
+    options.cloud.range_for_clouds = true;  // clouds are cropped only on request
   if (name == "--classifier" && options.gravity.mode == planes::GravityMode::none)
     throw Error("--classifier " + text +
-                ": with --gravity none no point is labeled h or v, leave one of them out");
+                " cannot be combined with --gravity none, which labels no points h or v");
 }
 
 namespace {
@@ -117,7 +117,7 @@ std::array<double, 4> parse_intrinsics(const std::string& text) {
   std::array<double, 4> values{};
   for (std::size_t i = 0; i < 4; ++i) values[i] = parse_number(parts[i], "--intrinsics");
   if (values[0] <= 0 || values[1] <= 0)
-    throw Error("--intrinsics: '" + text + "' has a focal length that is not above 0");
+    throw Error("--intrinsics: '" + text + "' has a focal length of 0 or less; expected above 0");
   return values;
 }
 
@@ -125,11 +125,11 @@ double parse_depth_unit(const std::string& text) {
   const double unit = parse_number(text, "--depth-unit");
   if (unit <= 0 || unit > 1)
     throw Error("--depth-unit: " + text +
-                " is out of range, expected meters per count, above 0 and at most 1");
+                " is out of range; expected meters per count, above 0 and at most 1");
   return unit;
 }
 
-/// A warning if --gravity contradicts the first of the frames to process; empty if not.
+/// Returns a warning if --gravity contradicts the first selected frame; otherwise empty.
 std::string doubt_in_given_gravity(const OpenInput& input, const planes::GravityOptions& options) {
   if (options.mode != planes::GravityMode::fixed || !input.recording->info().knows_camera())
     return "";
@@ -172,10 +172,10 @@ Frame OpenInput::frame(int index) const {
 std::vector<OpenInput> open_inputs(const InputArgs& args) {
   std::vector<fs::path> paths = args.inputs;
   if (paths.empty()) {
-    paths.push_back(find_asset("sample", "no recording was given, and the sample is"));
-    notice("no recording given, taking the sample, {}", paths[0].string());
+    paths.push_back(find_asset("sample", "no recording was specified, and the sample is"));
+    notice("no recording specified; using the sample, {}", paths[0].string());
   }
-  // What a glob gives beside a recording: its labels.
+  // Skip label folders, which a glob lists beside their recordings.
   const std::vector<fs::path> given = paths;
   std::erase_if(paths, [&](const fs::path& path) {
     const auto is_label_dir_of = [&](const fs::path& recording) {
@@ -185,9 +185,9 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
   });
   if (args.label_dir && paths.size() > 1)
     throw Error(
-        fmt::format("--labels names one folder, but {} recordings are given", paths.size()));
+        fmt::format("--labels names one folder, but there are {} recordings", paths.size()));
   if (args.label_dir && !fs::is_directory(*args.label_dir))
-    throw Error(args.label_dir->string() + ": is not a folder of labels");
+    throw Error(args.label_dir->string() + ": is not a label folder");
   std::vector<OpenInput> inputs;
   for (const fs::path& path : paths) {
     OpenInput input;
@@ -196,7 +196,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
     const int count = input.recording->frame_count();
     input.frames = sliced_frames(args.frames, count);
     if (input.frames.empty())
-      throw Error(fmt::format("{}: --frames selects none of its {} frames, numbered from 0",
+      throw Error(fmt::format("{}: --frames selects none of its {} frames (numbered from 0)",
                               path.string(), count));
     input.label_dir = args.label_dir.value_or(labels::default_label_dir(path));
     if (args.pipeline.gravity.mode == planes::GravityMode::automatic) {
@@ -253,10 +253,9 @@ LoadedFrame run_input_frame(const OpenInput& input,
     on_points =
         planes::truth_on_points(loaded.truth->values, planes::measured_sources(loaded.frame));
   if (needs_truth && !loaded.truth)
-    throw FrameRefused(
-        fmt::format("{}, frame {}: classifier truth needs labels, found none in {} and no "
-                    "label field",
-                    input.path.string(), index, input.label_dir.string()));
+    throw FrameRefused(fmt::format(
+        "{}, frame {}: classifier truth needs labels; found none in {} and no label field",
+        input.path.string(), index, input.label_dir.string()));
   try {
     loaded.result = planes::run_frame(loaded.frame, options, classifier,
                                       on_points ? &*on_points : nullptr, trace);
@@ -283,7 +282,7 @@ void read_list(const std::filesystem::path& list,
       throw Error(fmt::format("{}, line {}: {}", list.string(), number, error.what()));
     }
   }
-  if (file.bad()) throw Error(list.string() + ": cannot be read to its end");
+  if (file.bad()) throw Error(list.string() + ": cannot be read completely");
 }
 
 void set_listed_options(InputArgs& args,
@@ -293,8 +292,8 @@ void set_listed_options(InputArgs& args,
   while (words >> name) {
     if (std::ranges::find(known, name) == known.end())
       throw Error(
-          fmt::format("'{}' is not known, expected some of {}", name, fmt::join(known, ", ")));
-    if (!(words >> value)) throw Error(name + " has no value");
+          fmt::format("unknown option '{}'; expected one of {}", name, fmt::join(known, ", ")));
+    if (!(words >> value)) throw Error(name + " needs a value");
     set_input_option(args, name, value);
   }
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What every command that reads recordings shares: which recordings, which frames, which options.
+// Recording, frame and method options shared by the commands that read recordings.
 
 #include <filesystem>
 #include <functional>
@@ -19,14 +19,14 @@
 
 namespace planescope::app {
 
-/// A:B:STEP as Python slices a list: negative numbers count from the end, an empty part is the
-/// end of the list. A single number N is that one frame.
+/// A Python slice A:B:STEP: negative numbers count from the end, and empty parts default to the
+/// ends. A single number N selects frame N.
 struct FrameSlice {
   std::optional<int> first, last, step;
 };
 FrameSlice parse_frame_slice(const std::string& text);  // throws Error
 std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count);
-/// The same of a stream, whose number of frames is not known. Throws Error on negative numbers.
+/// The same for a stream with an unknown number of frames. Throws Error for negative numbers.
 bool is_in_slice(const FrameSlice& slice, int frame);
 bool is_past_slice(const FrameSlice& slice, int frame);
 
@@ -35,71 +35,70 @@ int all_cores();
 struct InputArgs {
   InputArgs() { pipeline.threads = all_cores(); }
 
-  std::vector<std::filesystem::path> inputs;       // empty: the sample recording that ships with us
+  std::vector<std::filesystem::path> inputs;       // empty: the bundled sample recording
   FrameSlice frames;                               // default: all
   io::RecordingOptions recording;                  // --intrinsics, --depth-unit, --topic, ...
-  planes::PipelineOptions pipeline;                // --profile, --set, ...; by default on all cores
+  planes::PipelineOptions pipeline;                // --profile, --set, ...; all cores by default
   std::optional<std::filesystem::path> label_dir;  // --labels; default <recording>.labels
   bool warnings_as_errors = false;
 };
 
-/// What was typed after --profile, --set, --gravity, --max-range, --voxel, --classifier, --method
-/// or
-/// --foot. Throws Error.
+/// Sets --profile, --set, --gravity, --max-range, --voxel, --classifier, --method or --foot from
+/// its command-line value. Throws Error.
 void set_pipeline_option(planes::PipelineOptions& options,
                          const std::string& name,
                          const std::string& text);
-/// Sets one of the above, or --frames, --intrinsics, --depth-unit, --topic, --instance-field,
+/// Sets one of the above, or --frames, --intrinsics, --depth-unit, --topic, --instance-field or
 /// --labels.
 void set_input_option(InputArgs& args, const std::string& name, const std::string& text);
 
-/// A recording that was opened, and what of it is asked for.
+/// An open recording and the frames selected from it.
 struct OpenInput {
   std::filesystem::path path;
   std::shared_ptr<const io::Recording> recording;
   std::vector<int> frames;          // at least one; frame numbers of the recording
-  std::filesystem::path label_dir;  // may not exist
+  std::filesystem::path label_dir;  // may be missing
   io::PickedGravity picked = {};
-  std::shared_ptr<const world::SequenceGravity> gravity = {};  // null: frames have their own alone
+  std::shared_ptr<const world::SequenceGravity> gravity = {};  // null: per-frame gravity only
 
-  /// Frame `index` with its gravity: its own or, where it has none, that of the frames around it.
+  /// Reads frame `index` with its gravity: its own or, if it has none, that of the frames around
+  /// it.
   Frame frame(int index) const;
 };
 
-/// Opens every input, or the sample where none is given, before any work is done; frames of
-/// `recording` carry the gravity that was picked for them. Throws Error if one cannot be opened, or
-/// if --frames leaves none of its frames.
+/// Opens all inputs, or the sample if there are none, before any work is done. Frames of
+/// `recording` have the gravity picked for them in the window. Throws Error if a recording cannot
+/// be opened or --frames selects none of its frames.
 std::vector<OpenInput> open_inputs(const InputArgs& args);
 
-/// A frame that was read and run, with its truth where there is some (and it was asked for, or
-/// `classifier truth` needs it).
+/// A processed frame, with its ground truth if available and needed: requested by the caller or
+/// used by `classifier truth`.
 struct LoadedFrame {
   Frame frame;
   planes::FrameResult result;
   std::optional<planes::SourceTruth> truth;
-  planes::LimitRatios limit_ratios;  // of runs for a report
+  planes::LimitRatios limit_ratios;  // set when running for a report
 };
 
-/// False where frame `index` surely has no truth: no label file, and no cloud with fields.
+/// False if frame `index` cannot have ground truth: it has no label file and is not a cloud.
 bool may_have_truth(const OpenInput& input, int index);
 
-/// A frame that was read but cannot be processed: no gravity, no truth. Other frames may still
-/// work.
+/// A readable frame that cannot be processed, e.g. for lack of gravity or ground truth. Other
+/// frames may still work.
 struct FrameRefused : Error {
   using Error::Error;
 };
 
-/// Whether points are labelled h or v at all: rivals do not use labels, and without gravity there
-/// are none.
+/// Whether points get h and v labels. Other methods do not use labels, and labels need gravity.
 bool labels_points(const planes::PipelineOptions& options);
 
-/// The classifier of these options, none where points are not labelled; gcn takes the weights that
-/// ship with us. Throws Error where weights are missing or cannot be read.
+/// Returns the classifier for these options, or none if points are not labeled; gcn uses the
+/// bundled weights. Throws Error if weights are missing or unreadable.
 planes::ChosenClassifier choose_classifier(const planes::PipelineOptions& options);
 
-/// Reads frame `index` and runs it; `classifier` null: with the labels of its truth. Throws Error
-/// where it cannot be read, FrameRefused where run_frame throws; the message begins with the
-/// recording and the frame.
+/// Reads and processes frame `index`. A null `classifier` uses the labels of the ground truth.
+/// Throws Error if the frame is unreadable, and FrameRefused if run_frame() throws; the message
+/// begins with the recording and the frame.
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
                             const planes::PipelineOptions& options,
@@ -107,14 +106,14 @@ LoadedFrame run_input_frame(const OpenInput& input,
                             bool want_truth,
                             planes::Trace* trace = nullptr);
 
-// Lists of recordings: lines of words, with options as they would be typed.
+// Lists of recordings: lines of words, with options as on the command line.
 
-/// Calls read(words) for each line that is not empty and no comment. Throws Error naming the list
-/// and the line where that throws one.
+/// Calls read(words) for each line that is neither empty nor a comment. Errors are rethrown with
+/// the list and line number.
 void read_list(const std::filesystem::path& list,
                const std::function<void(std::istringstream& words)>& read);
 
-/// The rest of a line: options as they would be typed, of those that are `known`. Throws Error.
+/// Parses the rest of a line as command-line options from `known`. Throws Error.
 void set_listed_options(InputArgs& args,
                         std::istringstream& words,
                         std::span<const std::string> known);

@@ -1,4 +1,4 @@
-// Options and label-folder handling shared by the subcommands of planescope labels.
+// Opens recordings and label folders for the subcommands of planescope labels.
 
 #include "app/commands/labels.hpp"
 
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kSuffix = ".labels";
 constexpr std::size_t kLongestNumber = 9;  // that fits an int
 
-/// The frame that a label file is of; nullopt for other files.
+/// Returns the frame number of a label file; nullopt for other files.
 std::optional<int> frame_of(const std::string& name) {
   const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
   const std::string rest = name.substr(digits);
@@ -48,22 +48,22 @@ bool is_label_folder(const fs::path& path) {
 
 LabelFolder list_labels(const fs::path& dir) {
   if (!fs::exists(dir))
-    throw Error(dir.string() + ": no such folder; of labels elsewhere, --labels DIR says where");
-  if (!fs::is_directory(dir)) throw Error(dir.string() + ": is not a folder of labels");
+    throw Error(dir.string() + ": no such folder; for labels elsewhere, use --labels DIR");
+  if (!fs::is_directory(dir)) throw Error(dir.string() + ": is not a label folder");
   const std::set<int> frames = frames_in(dir);
   if (frames.empty() && fs::exists(dir / "journal"))
     throw Error(dir.string() +
-                ": only a journal, no label files yet: open the recording in the label mode and "
-                "save (Ctrl+S), nothing is lost");
+                ": contains only a journal, no label files yet; to write them, open the recording "
+                "in label mode and save (Ctrl+S)");
   if (frames.empty())
-    throw Error(dir.string() + ": no labels in it, expected files such as 000000.plane.png");
+    throw Error(dir.string() + ": contains no labels; expected files such as 000000.plane.png");
   return {dir, {frames.begin(), frames.end()}};
 }
 
 LabelledRecording open_labels(const LabelsArgs& args) {
   if (args.input.inputs.size() != 1)
-    throw Error(fmt::format("{} recordings or folders of labels are given, expected one",
-                            args.input.inputs.size()));
+    throw Error(
+        fmt::format("{} recordings or label folders; expected one", args.input.inputs.size()));
   const fs::path& given = args.input.inputs[0];
   LabelledRecording source;
   if (is_label_folder(given)) {
@@ -79,7 +79,7 @@ LabelledRecording open_labels(const LabelsArgs& args) {
     source.path = given;
   }
   io::RecordingOptions options = args.input.recording;
-  options.intrinsics_may_lack = true;  // then those in the label files hold
+  options.intrinsics_may_lack = true;  // the label files then provide them
   if (!source.path.empty()) source.recording = io::open_recording(source.path, options);
   return source;
 }
@@ -94,9 +94,9 @@ Frame frame_as_drawn(Frame frame, const io::RecordingInfo& info, const FrameLabe
 FrameLabels read_labels_of(const LabelledRecording& source, int frame) {
   const auto& recording = source.recording;
   if (recording && frame >= recording->frame_count())
-    throw Error(fmt::format("{}/{:06}.json: labels of frame {}, the recording has {} frames",
+    throw Error(fmt::format("{}/{:06}.json: labels for frame {}, but the recording has {} frames",
                             source.labels.dir.string(), frame, frame, recording->frame_count()));
-  // Clouds have no size that their description tells: the frame is read for it.
+  // The size of a cloud is only known after reading the frame.
   const bool is_cloud = recording && recording->info().width == 0;
   auto labels =
       !recording ? labels::read_frame_labels(source.labels.dir, frame, "")
@@ -114,7 +114,7 @@ void add_label_inputs(CLI::App* command, LabelsArgs& args, const std::string& wh
   for (const char* name : {"--frames", "--labels"})
     command->remove_option(command->get_option(name));
   add(command, "--recording", args.recording, "RECORDING",
-      "Recording that the labels belong to (default: the one that DIR.labels is named after)");
+      "Recording that the labels belong to (default: the one DIR.labels is named after)");
   add_json(command, args.json);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
-// What the commands of planescope labels share: their options, and folders of labels as they are
-// given.
+// Options and label-folder handling shared by the subcommands of planescope labels.
 
 #include <filesystem>
 #include <memory>
@@ -16,7 +15,7 @@ namespace planescope::app {
 
 struct LabelsArgs {
   InputArgs input;  // recordings or folders of labels, --frames, --labels, --gravity, --voxel
-  std::filesystem::path recording;  // --recording; empty: the one that the labels are named after
+  std::filesystem::path recording;  // --recording; empty: derived from the name of the label folder
   std::string format;
   std::filesystem::path from, out;
   bool strict = false;  // hints count as findings
@@ -25,25 +24,25 @@ struct LabelsArgs {
 
 struct LabelFolder {
   std::filesystem::path dir;
-  std::vector<int> frames;  // with any label file; ascending, at least one
+  std::vector<int> frames;  // frames with label files; ascending, not empty
 };
-/// Throws Error where the folder is none or has no labels.
+/// Throws Error if the folder does not exist or contains no labels.
 LabelFolder list_labels(const std::filesystem::path& dir);
 
-/// A folder of labels, and what they were drawn on where that can be found.
+/// A folder of labels and, if found, the recording to which they belong.
 struct LabelledRecording {
   LabelFolder labels;
   std::filesystem::path path;
   std::unique_ptr<io::Recording> recording;  // null: not found
 };
-/// Opens what was typed: a recording or a folder of labels.
+/// Opens the recording or label folder on the command line.
 LabelledRecording open_labels(const LabelsArgs& args);
 
-/// The labels of a frame that the recording has. Throws Error where they are damaged or of another
-/// depth image.
+/// Reads the labels of a frame in the recording. Throws Error if they are damaged or belong to
+/// another depth image.
 FrameLabels read_labels_of(const LabelledRecording& source, int frame);
-/// The frame; where its depth unit is only assumed or its camera not known, those of the labels
-/// hold.
+/// Returns the frame with the depth unit and intrinsics of its labels where the recording only
+/// assumes or lacks them.
 Frame frame_as_drawn(Frame frame, const io::RecordingInfo& info, const FrameLabels& labels);
 
 void define_labels_check(CLI::App* labels, Line& line);
@@ -53,7 +52,7 @@ void define_labels_export(CLI::App* labels, Line& line);
 void define_labels_import(CLI::App* labels, Line& line);
 void define_labels_convert(CLI::App* labels, Line& line);
 
-/// The options of recordings that make sense for a folder of labels, --recording and --json.
+/// Adds --recording, --json and the recording options that apply to a folder of labels.
 void add_label_inputs(CLI::App* command, LabelsArgs& args, const std::string& what);
 /// Adds --labels, for commands that read labels.
 void add_label_dir(CLI::App* command, LabelsArgs& args);

@@ -23,11 +23,11 @@ namespace fs = std::filesystem;
 
 OpenInput open_one(const LabelsArgs& args, const std::string& command) {
   if (args.input.inputs.size() != 1)
-    throw Error(fmt::format("labels {}: {} recordings are given, expected one", command,
-                            args.input.inputs.size()));
+    throw Error(
+        fmt::format("labels {}: {} recordings; expected one", command, args.input.inputs.size()));
   InputArgs input = args.input;
-  input.label_dir.reset();                                    // need not exist
-  input.recording.intrinsics_may_lack = command == "export";  // then those in the label files hold
+  input.label_dir.reset();                                    // may be missing
+  input.recording.intrinsics_may_lack = command == "export";  // the label files then provide them
   OpenInput opened = std::move(open_inputs(input)[0]);
   if (args.input.label_dir) opened.label_dir = *args.input.label_dir;
   return opened;
@@ -39,13 +39,14 @@ bool is_below(const fs::path& path, const fs::path& folder) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-/// Neither into the recording nor among the labels, whose files have the same names.
+/// Throws Error if the output is inside the recording or the labels, where files have the same
+/// names.
 void check_export_dir(const fs::path& out, const OpenInput& input) {
   check_output_dir(out);
   if (fs::is_directory(input.path) && is_below(out, input.path))
-    throw Error(out.string() + ": is inside the recording, expected a folder elsewhere");
+    throw Error(out.string() + ": is inside the recording; expected a folder elsewhere");
   if (is_below(out, input.label_dir) && is_below(input.label_dir, out))
-    throw Error(out.string() + ": is the folder of the labels themselves, expected another");
+    throw Error(out.string() + ": is the label folder itself; expected a different folder");
 }
 
 struct FileOfFrame {
@@ -54,7 +55,7 @@ struct FileOfFrame {
   std::optional<std::size_t> image;  // of a COCO file with several frames
 };
 
-/// The frames that a COCO file has images of, by their names.
+/// Matches the images of a COCO file to frames by name.
 std::vector<FileOfFrame> images_to_import(const labels::CocoFile& coco,
                                           const fs::path& path,
                                           const OpenInput& input) {
@@ -62,12 +63,12 @@ std::vector<FileOfFrame> images_to_import(const labels::CocoFile& coco,
   for (const int frame : input.frames)
     if (const auto image = coco.image_of_frame(frame)) files.push_back({frame, path, image});
   if (files.empty())
-    throw Error(fmt::format("{}: no image of any of the frames, expected names such as {:06}.png",
+    throw Error(fmt::format("{}: no image matches a frame; expected names such as {:06}.png",
                             path.string(), input.frames[0]));
   return files;
 }
 
-/// The COCO file with all frames: of a folder as export writes it, or one with several images.
+/// Returns the COCO file with all frames: that of an exported folder, or one with several images.
 std::optional<fs::path> coco_to_import(const LabelsArgs& args, labels::LabelFormat format) {
   if (format != labels::LabelFormat::coco) return std::nullopt;
   if (fs::is_directory(args.from)) {
@@ -77,7 +78,7 @@ std::optional<fs::path> coco_to_import(const LabelsArgs& args, labels::LabelForm
   return fs::exists(args.from) ? std::optional(args.from) : std::nullopt;
 }
 
-/// One file, for the one frame that is asked for; or those of a folder, named as export names them.
+/// One file for the single selected frame, or the files of a folder, named as by export.
 std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
                                          const OpenInput& input,
                                          labels::LabelFormat format,
@@ -88,7 +89,7 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
   if (coco && !is_one) return images_to_import(*coco, *coco_path, input);
   if (!fs::is_directory(args.from)) {
     if (input.frames.size() != 1)
-      throw Error(fmt::format("{}: one file for {} frames, say for which with --frames N",
+      throw Error(fmt::format("{}: one file for {} frames; select its frame with --frames N",
                               args.from.string(), input.frames.size()));
     return {{input.frames[0], args.from, {}}};
   }
@@ -99,7 +100,7 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
     if (fs::exists(path)) files.push_back({frame, path, {}});
   }
   if (files.empty())
-    throw Error(fmt::format("{}: no file for any of the frames, expected names such as {:06}{}",
+    throw Error(fmt::format("{}: no file matches a frame; expected names such as {:06}{}",
                             args.from.string(), input.frames[0], extension));
   return files;
 }
@@ -107,7 +108,7 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
 struct Import {
   labels::LabelEdit edit;
   std::size_t planes = 0, pixels = 0;
-  std::size_t ignored = 0;  // not to be scored, beside the labelled ones
+  std::size_t ignored = 0;  // not scored, in addition to the labeled ones
   std::size_t dropped = 0;  // labels on pixels without depth
   const char* sample = "pixel";
 };
@@ -149,7 +150,7 @@ Import read_import(const FileOfFrame& file,
   return import;
 }
 
-/// "evops|ply|..."
+/// "evops|ply|...".
 std::string format_names(bool read_back) {
   std::vector<std::string> names;
   for (const labels::LabelFormat format : labels::label_formats(read_back))
@@ -167,7 +168,7 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   std::vector<int> frames;
   std::ranges::set_intersection(input.frames, source.labels.frames, std::back_inserter(frames));
   if (frames.empty())
-    throw Error(input.label_dir.string() + ": no labels of the frames that are asked for");
+    throw Error(input.label_dir.string() + ": no labels for the requested frames");
   std::vector<fs::path> written;
   const bool is_coco = format == labels::LabelFormat::coco;
   labels::CocoWriter coco;  // one file for all frames
@@ -187,8 +188,8 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
     frame = frame_as_drawn(std::move(frame), input.recording->info(), *labels);
     if (frame.is_cloud() && is_coco)
       throw Error(
-          fmt::format("{}, frame {}: coco is for images, this is a cloud: expected --format evops, "
-                      "ply, pcd, kitti, npz or voxels",
+          fmt::format("{}, frame {}: format coco is for images, but this is a cloud; expected "
+                      "--format evops, ply, pcd, kitti, npz or voxels",
                       input.path.string(), index));
     make_output_dir(args.out);
     const labels::LabelGrid grid = labels::make_label_grid(frame, labels->gravity);
@@ -216,17 +217,17 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   return 0;
 }
 
-/// All files are read before any label is changed; what was there can be brought back by undo.
+/// Reads all files before changing any labels; undo restores the previous labels.
 int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.from.empty()) throw Error("labels import needs --from FILE or DIR");
   if (args.format.empty() && fs::is_directory(args.from))
-    throw Error("labels import needs --format for the files of a folder");
+    throw Error("labels import needs --format if --from is a folder");
   const labels::LabelFormat format = args.format.empty() ? labels::label_format_of(args.from)
                                                          : labels::parse_label_format(args.format);
   const OpenInput input = open_one(args, "import");
   if (fs::is_directory(input.path) && is_below(input.label_dir, input.path))
     throw Error(input.label_dir.string() +
-                ": is inside the recording, expected a folder elsewhere");
+                ": is inside the recording; expected a folder elsewhere");
   const std::optional<fs::path> coco_path = coco_to_import(args, format);
   std::optional<labels::CocoFile> coco;
   if (coco_path) coco = labels::read_coco(*coco_path);
@@ -247,16 +248,15 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     store.commit(imports[i].edit);
     store.save(files[i].frame);
-    fmt::print(
-        "frame {}: {}: {}, {} labeled{}{}{}\n", files[i].frame, files[i].path.string(),
-        counted(imports[i].planes, "plane"), counted(imports[i].pixels, imports[i].sample),
-        imports[i].ignored > 0 ? fmt::format(", {} not to be scored", imports[i].ignored) : "",
-        imports[i].dropped > 0
-            ? fmt::format(
-                  ", {} labels left out for want of {}", imports[i].dropped,
-                  imports[i].sample == std::string_view("point") ? "a measurement" : "depth")
-            : "",
-        imports[i].edit.empty() ? ", as it was" : "");
+    fmt::print("frame {}: {}: {}, {} labeled{}{}{}\n", files[i].frame, files[i].path.string(),
+               counted(imports[i].planes, "plane"), counted(imports[i].pixels, imports[i].sample),
+               imports[i].ignored > 0 ? fmt::format(", {} not scored", imports[i].ignored) : "",
+               imports[i].dropped > 0
+                   ? fmt::format(
+                         ", {} labels without {} skipped", imports[i].dropped,
+                         imports[i].sample == std::string_view("point") ? "a measurement" : "depth")
+                   : "",
+               imports[i].edit.empty() ? ", unchanged" : "");
   }
   return 0;
 }
@@ -291,17 +291,17 @@ void define_labels_export(CLI::App* labels, Line& line) {
 }
 
 void define_labels_import(CLI::App* labels, Line& line) {
-  CLI::App* command = labels->add_subcommand(
-      "import",
-      "Import labels from another tool's files\nUndo restores the labels that were there.");
+  CLI::App* command = labels->add_subcommand("import",
+                                             "Import labels from another tool's files\n"
+                                             "Undo restores the previous labels.");
   const auto args = std::make_shared<LabelsArgs>();
   add_inputs(command, args->input, "Recording that the labels belong to");
   command->get_option("--labels")
-      ->description("Folder to import to (default RECORDING.labels, beside the recording)");
+      ->description("Folder to import to (default RECORDING.labels, next to the recording)");
   add(command, "--format", args->format, format_names(true),
-      "Format of the files (default: by the extension of --from FILE)");
+      "Format of the files (default: from the extension of --from FILE)");
   add(command, "--from", args->from, "FILE|DIR",
-      "File for the frame of --frames, or a folder of files with the names that export gives")
+      "File for the frame of --frames, or a folder of files named as by export")
       ->required();
   add_of_method(command, args->input.pipeline, "--gravity", "auto|X,Y,Z|imu|estimate|none",
                 "Gravity direction in the sensor's frame (default auto)");

@@ -26,12 +26,12 @@ struct CheckedFrame {
   int width = 0;
   bool is_cloud = false;
   std::string file;
-  std::string damage;  // empty: none
+  std::string damage;  // empty: intact
   std::size_t planes = 0;
   std::vector<labels::Finding> findings;
 };
 
-/// Requires the recording itself.
+/// Requires the recording.
 labels::LabelGrid grid_as_drawn(const LabelledRecording& source,
                                 int frame,
                                 const FrameLabels& labels) {
@@ -40,7 +40,7 @@ labels::LabelGrid grid_as_drawn(const LabelledRecording& source,
       labels.gravity);
 }
 
-/// How the JSON of a command on one folder begins.
+/// Common header of the JSON output of commands for one folder.
 Json json_about(const char* schema, const LabelledRecording& source) {
   return {{"schema", schema},
           {"labels", source.labels.dir.string()},
@@ -111,8 +111,8 @@ void print_json(const LabelledRecording& source,
   fmt::print("{}", json_text(json, 2));
 }
 
-/// One line per finding. Returns 0 where all is well or only hints were found, 1 with findings (or
-/// hints, if `strict`), 2 where files are damaged.
+/// Prints one line per finding. Returns 0 if there are none or only hints, 1 with findings (or
+/// hints, if `strict`), 2 if files are damaged.
 int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::vector<CheckedFrame> frames;
@@ -135,7 +135,7 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
                frames.size() == 1 ? "frame" : "frames", counts.damaged,
                source.recording ? counted(static_cast<std::size_t>(counts.findings), "finding") +
                                       ", " + counted(static_cast<std::size_t>(counts.hints), "hint")
-                                : "planes not checked: no recording found, give --recording");
+                                : "planes not checked: no recording found; use --recording");
   }
   if (counts.damaged > 0) return 2;
   return counts.findings > 0 || (args.strict && counts.hints > 0) ? 1 : 0;
@@ -147,11 +147,11 @@ void define_labels_check(CLI::App* labels, Line& line) {
   CLI::App* check =
       labels->add_subcommand("check",
                              "Report damaged and suspicious labels, one per line\n"
-                             "Exit code 0: hints at most, 1: findings, 2: damaged files.");
+                             "Exit code 0: hints at most; 1: findings; 2: damaged files.");
   const auto args = std::make_shared<LabelsArgs>();
-  add_label_inputs(check, *args, "Folder of labels, or recording");
+  add_label_inputs(check, *args, "Label folder or recording");
   add_label_dir(check, *args);
-  check->add_flag("--strict", args->strict, "Exit with 1 for hints, too");
+  check->add_flag("--strict", args->strict, "Also exit with 1 for hints");
   runs(check, line, args, run_labels_check);
 }
 
@@ -162,7 +162,7 @@ struct ComparedFrame {
   labels::Agreement agreement;
 };
 
-/// Means of the figures; counts are added up.
+/// Averages figures and adds up counts.
 labels::Agreement mean_of(const std::vector<ComparedFrame>& frames) {
   labels::Agreement mean;
   const auto n = static_cast<double>(frames.size());
@@ -199,16 +199,16 @@ void print_row(const std::string& name, const labels::Agreement& a) {
 ComparedFrame compare_frame(const LabelledRecording& a, const LabelledRecording& b, int frame) {
   const FrameLabels of_a = read_labels_of(a, frame), of_b = read_labels_of(b, frame);
   if (of_a.depth_sha256 != of_b.depth_sha256)
-    throw Error(fmt::format("{} and {}: labels of frame {} were made for different {}s",
+    throw Error(fmt::format("{} and {}: labels of frame {} were created for different {}s",
                             a.labels.dir.string(), b.labels.dir.string(), frame,
                             of_a.is_cloud() ? "cloud" : "depth image"));
   return {frame, labels::agreement_of(of_a, of_b)};
 }
 
-/// How far two sets of labels of the same frames agree.
+/// Prints the agreement between two sets of labels for the same frames.
 int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.input.inputs.size() != 2)
-    throw Error(fmt::format("labels compare: {} folders are given, expected two, DIR_A and DIR_B",
+    throw Error(fmt::format("labels compare: {} folders; expected two, DIR_A and DIR_B",
                             args.input.inputs.size()));
   const auto open = [&](const std::filesystem::path& dir) {
     LabelledRecording source;
@@ -247,9 +247,10 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   for (const ComparedFrame& f : frames) print_row(std::to_string(f.frame), f.agreement);
   print_row("mean", mean);
   fmt::print(
-      "\nin A, in B, matched: planes; IoU: mean over all planes of both, 0 where one has no "
-      "partner;\nRand: adjusted Rand index; h/v: share of pixels with the same class; same: with "
-      "the same plane.\n");
+      "\nin A, in B, matched: planes; IoU: mean over all planes of both, 0 for planes without a "
+      "match;\n"
+      "Rand: adjusted Rand index; h/v: share of pixels with the same class; same: with the same "
+      "plane.\n");
   if (!one.empty())
     fmt::print("With labels in one folder only: {}.\n", counted(one.size(), "frame"));
   return 0;
@@ -261,7 +262,7 @@ void define_labels_compare(CLI::App* labels, Line& line) {
   CLI::App* compare =
       labels->add_subcommand("compare", "Measure how well two sets of labels agree");
   const auto args = std::make_shared<LabelsArgs>();
-  add_label_inputs(compare, *args, "Two folders of labels of the same frames");
+  add_label_inputs(compare, *args, "Two label folders for the same frames");
   runs(compare, line, args, run_labels_compare);
 }
 
@@ -272,7 +273,7 @@ struct FrameStatistics {
   std::string annotator, review_state;
   labels::LabelStatistics of;
   std::vector<labels::WorkTime> work;
-  int doubtful = 0;  // planes
+  int doubtful = 0;  // number of doubtful planes
 
   double seconds() const {
     double sum = 0;
@@ -281,7 +282,7 @@ struct FrameStatistics {
   }
 };
 
-/// Pixels and planes without the recording; area and measured pixels need its depth.
+/// Counts pixels and planes without the recording; area and measured pixels need its depth.
 labels::LabelStatistics count_pixels(const FrameLabels& labels) {
   labels::LabelGrid grid;
   grid.width = labels.plane.width;
@@ -303,10 +304,10 @@ std::string work_text(const std::vector<labels::WorkTime>& work) {
   return text.empty() ? "-" : text;
 }
 
-/// What of a recording is still to do, by frame.
+/// Remaining work, by frame.
 struct Left {
   std::vector<int> unlabelled, unreviewed;
-  std::vector<int> doubtful;  // frames with untouched carried planes
+  std::vector<int> doubtful;  // frames with unedited carried planes
 };
 
 Left what_is_left(const LabelledRecording& source, const std::vector<FrameStatistics>& frames) {
@@ -323,7 +324,7 @@ Left what_is_left(const LabelledRecording& source, const std::vector<FrameStatis
   return left;
 }
 
-/// "5: 0-3, 7"
+/// Returns e.g. "5: 0-3, 7".
 std::string frames_text(const std::vector<int>& frames) {
   std::string text = std::to_string(frames.size());
   for (std::size_t i = 0, end = 0; i < frames.size(); i = end) {
@@ -335,10 +336,12 @@ std::string frames_text(const std::vector<int>& frames) {
 }
 
 void print_left(const Left& left, bool with_recording) {
-  fmt::print("\nframes left to do\n  without labels: {}\n  not reviewed: {}\n",
-             with_recording ? frames_text(left.unlabelled)
-                            : "not known, --recording RECORDING says how many there are",
-             frames_text(left.unreviewed));
+  fmt::print(
+      "\nremaining frames\n"
+      "  without labels: {}\n"
+      "  not reviewed: {}\n",
+      with_recording ? frames_text(left.unlabelled) : "unknown; use --recording RECORDING",
+      frames_text(left.unreviewed));
   fmt::print("  with carried planes below {:.0f} % confidence, not yet edited: {}\n",
              100 * labels::kSure, frames_text(left.doubtful));
 }
@@ -367,7 +370,7 @@ void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
   }
   row("sum", sum, "", minutes_text(seconds));
   if (!with_depth)
-    fmt::print("\nmeasured, area: need the depth, --recording RECORDING says what was labeled\n");
+    fmt::print("\nmeasured, area: unknown without depth; use --recording RECORDING\n");
 }
 
 Json to_json(const FrameStatistics& f, bool with_depth) {
@@ -390,7 +393,7 @@ Json to_json(const FrameStatistics& f, bool with_depth) {
   return json;
 }
 
-/// Where people have worked: planes, area and time by frame.
+/// Prints labeling progress: planes, area and time by frame.
 int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::map<int, std::vector<labels::WorkTime>> work;
@@ -428,7 +431,7 @@ void define_labels_stats(CLI::App* labels, Line& line) {
   CLI::App* stats = labels->add_subcommand(
       "stats", "Show planes, labeled area and annotation time for each frame");
   const auto args = std::make_shared<LabelsArgs>();
-  add_label_inputs(stats, *args, "Folder of labels, or recording");
+  add_label_inputs(stats, *args, "Label folder or recording");
   add_label_dir(stats, *args);
   runs(stats, line, args, run_labels_stats);
 }

@@ -1,4 +1,4 @@
-// planescope map: from frames to a world.
+// planescope map: builds a map of tracked planes from the frames of a recording.
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLeastWindow_m = 0.5;
-constexpr int kMostAside = 4;  // at most one frame in so many may not fit the others
+constexpr int kMostAside = 4;  // at most one frame in this number may not fit the others
 
 struct MapArgs {
   InputArgs input;  // one recording
@@ -35,11 +35,11 @@ struct MapArgs {
   world::TrackOptions tracks;
   bool follow = false;
   std::optional<Shard> shard;
-  fs::path join;            // where shards wrote; empty: none
+  fs::path join;            // output folder of shards; empty: none
   double mesh_voxel_m = 0;  // --mesh; 0: no mesh
 };
 
-/// "map.png"; for segments after the first, "map_1.png".
+/// Returns "map.png"; for later segments, "map_1.png".
 std::string file_of_segment(const std::string& name, int segment, const char* type) {
   return segment == 0 ? name + type : fmt::format("{}_{}{}", name, segment, type);
 }
@@ -48,7 +48,7 @@ bool is_number(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// Whether planescope map writes files of this name, for some frame or segment.
+/// Whether planescope map writes files with this name, for any frame or segment.
 bool is_of_map(const fs::path& relative) {
   const std::string stem = relative.stem().string(), type = relative.extension().string();
   if (relative.has_parent_path()) return type == ".png" && stem.size() >= 6 && is_number(stem);
@@ -59,7 +59,7 @@ bool is_of_map(const fs::path& relative) {
          ((name == "map" && type == ".png") || (name == "mesh" && type == ".ply"));
 }
 
-/// The files of an earlier map in `dir` are to be replaced, or removed.
+/// Marks the files of an earlier map in `dir` to be replaced or removed.
 void replace_earlier_map(const fs::path& dir, StagedOutput& output) {
   const fs::path planes = world::planes_file({}, 0).parent_path();
   for (const fs::path& folder : {fs::path(), planes}) {
@@ -87,7 +87,7 @@ void write_map(StagedOutput& output, const world::WorldMap& map, const std::stri
   write_file_text(output.add_file("map.json"), texts.map_json);
 }
 
-/// Writes mesh.ply of each segment, of the frames that went into the map, where it is asked for.
+/// If requested, writes mesh.ply for each segment from the frames in the map.
 void write_meshes(const MapArgs& args,
                   const world::MapJob& job,
                   const world::WorldMap& map,
@@ -99,7 +99,7 @@ void write_meshes(const MapArgs& args,
   const auto finish = [&](int segment) {
     const std::string file = file_of_segment("mesh", segment, ".ply");
     if (!fusion || !fusion->write_ply(output.add_file(file)))
-      notice("{}: not written, there is no surface", (args.out / file).string());
+      notice("{}: not written: no surface was found", (args.out / file).string());
     fusion.reset();
   };
   for (int i = 0; i < count; ++i) {
@@ -115,7 +115,7 @@ void write_meshes(const MapArgs& args,
   finish(told.back().segment);
 }
 
-/// Throws what write_meshes() would, before any work is done.
+/// Throws the errors of write_meshes() before any work is done.
 void expect_meshes(const MapArgs& args, const io::RecordingInfo& info) {
   if (!(args.mesh_voxel_m > 0)) return;
   open3d::make_surface_fusion(args.mesh_voxel_m, 0);
@@ -127,7 +127,7 @@ fs::path observed_file(const fs::path& dir, int frame) {
   return dir / "observed" / fmt::format("{:06}.cbor", frame);
 }
 
-/// DIR/observed/, a file for each frame of the shard. Returns the exit code.
+/// Writes DIR/observed/ with one file per frame of the shard. Returns the exit code.
 int write_shard(const MapArgs& args, const world::MapJob& job) {
   make_output_dir(args.out / "observed");
   world::PlanesFrom from;
@@ -147,10 +147,10 @@ int write_shard(const MapArgs& args, const world::MapJob& job) {
   return part.refused > 0 ? 2 : 0;
 }
 
-/// Takes frames as shards wrote them.
+/// Reads frames from the output of shards.
 void join_shards(const fs::path& dir, world::MapJob& job) {
   if (!fs::is_directory(dir / "observed"))
-    throw Error(dir.string() + ": holds no folder `observed`, expected what --shard wrote");
+    throw Error(dir.string() + ": contains no folder `observed`; expected the output of --shard");
   job.observed = [dir, options = job.pipeline, info = job.recording->info(),
                   from = world::PlanesFrom(), once = std::make_shared<std::once_flag>()](
                      int frame, const world::UprightPoses& upright) mutable {
@@ -161,17 +161,17 @@ void join_shards(const fs::path& dir, world::MapJob& job) {
                   ": is missing: its shard did not finish, or could not read the frame");
     world::ObservedFrame observed = world::read_observed(file, from);
     if (observed.frame != frame)
-      throw Error(fmt::format("{}: holds frame {}, expected frame {}", file.string(),
+      throw Error(fmt::format("{}: contains frame {}; expected frame {}", file.string(),
                               observed.frame, frame));
     return observed;
   };
 }
 
-/// Throws Error where the map would replace files that are not of a map.
+/// Throws Error if the map would replace files that do not belong to a map.
 void check_not_of_user(const MapArgs& args, const fs::path& recording) {
   std::error_code absent;
   if (fs::equivalent(args.out, recording, absent))
-    throw Error(args.out.string() + ": is the recording; expected another folder for the map");
+    throw Error(args.out.string() + ": is the recording; expected a different folder for the map");
   if (fs::exists(args.out / "poses.tum") && !fs::exists(args.out / "map.json"))
     throw Error(args.out.string() +
                 ": has a poses.tum but no map.json; expected an empty folder or an earlier map");
@@ -179,7 +179,7 @@ void check_not_of_user(const MapArgs& args, const fs::path& recording) {
 
 int run_map(const MapArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
-    throw Error(fmt::format("map: {} recordings given; expected one", args.input.inputs.size()));
+    throw Error(fmt::format("map: {} recordings; expected one", args.input.inputs.size()));
   if (args.input.pipeline.classifier == "truth")
     throw Error("map: --classifier truth is not supported: it needs labeled frames");
   const bool in_file = is_planes_file(args.out);
@@ -232,8 +232,8 @@ int run_map(const MapArgs& args, std::stop_token stop) {
     for (const std::string& line : map.warnings) notice("{}", line);
     if (planes > 0)
       throw Error(fmt::format(
-          "{}: not written: {} of {} do not fit the others; expected poses of this recording, "
-          "T_world_camera in meters, quaternions as x y z w; found those of {}",
+          "{}: not written: {} of {} do not fit the rest; expected poses of this recording, "
+          "T_world_camera in meters, quaternions as x y z w; found poses from {}",
           args.out.string(), aside, counted(frames.size(), "frame"), map.poses.source));
     throw Error(fmt::format("{}: not written: no plane was seen in {} or more of {}",
                             args.out.string(), map.tracker.options().confirm_frames,
@@ -293,8 +293,8 @@ void define_map(CLI::App& app, Line& line) {
                 "Process frames at the recording's rate and write pace.json; needs poses");
   add_read(
       map, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); }, "I/N",
-      "Only find the planes of the I-th of N parts of the frames; use the same -o DIR for all "
-      "parts, then --join. Needs poses");
+      "Only find the planes of part I of N of the frames; use the same -o DIR for all parts, then "
+      "--join. Needs poses");
   add(map, "--join", args->join, "DIR", "Build the map from the planes that --shard wrote to DIR");
   add_method(map, args->input.pipeline);
   runs(map, line, args, run_map, [args] {

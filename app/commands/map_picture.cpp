@@ -29,7 +29,7 @@ constexpr double kText_px = 15;
 
 bool is_upright(const Track& track) { return std::abs(track.fit.normal.z()) < 0.5; }
 
-/// World to picture.
+/// World to picture coordinates.
 struct Sheet {
   Vec2d low = Vec2d::Constant(std::numeric_limits<double>::infinity());
   Vec2d high = -low;
@@ -52,7 +52,7 @@ struct Sheet {
   }
 };
 
-/// A plane's cells, each a square of the picture; higher ones hide what is below.
+/// Draws the cells of a plane as squares; higher cells cover lower ones.
 class CellPainter {
  public:
   CellPainter(Image8& image, const Sheet& sheet, std::vector<int> colors)
@@ -63,7 +63,7 @@ class CellPainter {
              -std::numeric_limits<double>::infinity()),
         track_of_(top_.size(), 0) {}
 
-  /// By pixel, the track that is seen; 0: none.
+  /// Visible track by pixel; 0: none.
   const std::vector<int>& track_of() const { return track_of_; }
 
   void add(const Track& track) {
@@ -82,7 +82,7 @@ class CellPainter {
   }
 
  private:
-  /// `track`: negative where it is gone.
+  /// `track` is negative if its state is `gone`.
   void paint(int x, int y, double z, render::Rgba color, int track) {
     if (x < 0 || y < 0 || x >= image_.width || y >= image_.height) return;
     const std::size_t i = static_cast<std::size_t>(y) * image_.width + x;
@@ -94,12 +94,12 @@ class CellPainter {
 
   Image8& image_;
   const Sheet& sheet_;
-  std::vector<int> colors_;  // of tracks
+  std::vector<int> colors_;  // by track
   std::vector<double> top_;
   std::vector<int> track_of_;
 };
 
-/// How far each pixel is from the nearest one of another track, or the border [px, chessboard].
+/// Distance from each pixel to the nearest pixel of another track or the border [px, chessboard].
 std::vector<int> depths_in_tracks(const std::vector<int>& track_of, int width, int height) {
   std::vector<int> depth(track_of.size());
   const auto relax = [&](int x, int y, std::initializer_list<std::pair<int, int>> before) {
@@ -140,7 +140,8 @@ void draw_way(const world::WorldMap& map, int segment, const Sheet& sheet, Image
   }
 }
 
-/// Names of planes, and below them how high level ones are. One that has no room is left out.
+/// Draws plane names, and heights below the names of level planes. Names without enough room are
+/// skipped.
 class NamePainter {
  public:
   NamePainter(Image8& image, const Sheet& sheet, const std::vector<int>& track_of)
@@ -153,7 +154,7 @@ class NamePainter {
 
   void add(const Track& track) {
     std::vector<std::string> lines = {fmt::format("T{}", track.id)};
-    const double cm = std::round(100 * track.centroid().z()) + 0.0;  // no -0
+    const double cm = std::round(100 * track.centroid().z()) + 0.0;  // avoids -0
     if (!is_upright(track)) lines.push_back(fmt::format("{:+.2f} m", cm / 100));
     double width = 0;
     for (const std::string& line : lines)
@@ -174,7 +175,8 @@ class NamePainter {
   }
 
  private:
-  /// Where the plane is seen: inside of it as far as a name needs, and there next to its centroid.
+  /// Returns a position in the visible part of the plane: deep enough inside for the name and,
+  /// among those, nearest to its centroid.
   std::optional<Vec2d> place_of(const Track& track, const Vec2d& half) const {
     const Vec2d wanted = sheet_.at(track.centroid());
     const int enough = static_cast<int>(std::ceil(half.maxCoeff()));
@@ -198,7 +200,7 @@ class NamePainter {
   Image8& image_;
   const Sheet& sheet_;
   std::vector<int> depths_;
-  std::map<int, std::vector<std::size_t>> seen_;  // by track: pixels
+  std::map<int, std::vector<std::size_t>> seen_;  // visible pixels, by track
   std::vector<Eigen::AlignedBox2d> taken_;
 };
 
@@ -216,7 +218,7 @@ std::vector<int> colors_of_tracks(const world::Tracker& tracker) {
   const auto& tracks = tracker.tracks();
   planes::Cloud cloud;
   std::vector<std::int32_t> track_of;
-  std::map<int, std::vector<int>> seen_in;  // by frame: tracks
+  std::map<int, std::vector<int>> seen_in;  // tracks, by frame
   for (const Track& track : tracks) {
     for (const Vec2d& place : track.places()) {
       cloud.points.push_back(track.on_plane(place).cast<float>());
@@ -226,7 +228,7 @@ std::vector<int> colors_of_tracks(const world::Tracker& tracker) {
       if (!sighting.part) seen_in[sighting.frame].push_back(track.id);
   }
   const render::PlaneImage image = render::plane_image(cloud, track_of, tracks.size());
-  std::vector<std::vector<int>> touching(tracks.size());  // of each, those before it
+  std::vector<std::vector<int>> touching(tracks.size());  // earlier tracks that each touches
   for (const auto& [a, b] : image.touching) touching[static_cast<std::size_t>(b) - 1].push_back(a);
 
   std::vector<int> colors(tracks.size(), 0), tracks_of_color(render::kPlaneColors + 1, 0);
@@ -273,7 +275,7 @@ Image8 map_from_above(const world::WorldMap& map, int segment) {
   for (const Track* track : planes) painter.add(*track);
   draw_way(map, segment, sheet, image);
   NamePainter names(image, sheet, painter.track_of());
-  // The largest first, and risers after what they lead to.
+  // Largest first; risers after the planes they lead to.
   for (const bool upright : {false, true})
     for (const Track* track : planes)
       if (is_upright(*track) == upright) names.add(*track);

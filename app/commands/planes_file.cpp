@@ -1,4 +1,4 @@
-// Writes frames and their planes as messages of ROS 2 into an MCAP file.
+// Writes frames and their planes as ROS 2 messages to an MCAP file.
 
 #include "app/commands/planes_file.hpp"
 
@@ -17,15 +17,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRate_hz = 30;  // of recordings without times
+constexpr double kRate_hz = 30;  // for recordings without timestamps
 constexpr double kMillimeter = 0.001;
 
-/// All messages at one time would be shown as one frame.
+/// Frames need distinct times; viewers show messages with equal times as one frame.
 std::int64_t stamp_of(double timestamp_s, int frame) {
   return io::ros_stamp(timestamp_s != 0 ? timestamp_s : frame / kRate_hz);
 }
 
-/// A map frame for each segment: nobody knows the motion between them.
+/// One map frame per segment, because the motion between segments is unknown.
 std::string in_segment(const char* name, int segment) {
   return segment == 0 ? name : fmt::format("{}_{}", name, segment);
 }
@@ -59,7 +59,7 @@ FrameMessages messages_of(const Frame& frame,
     messages.list.push_back(std::move(message));
   }
   if (frame.is_cloud()) return messages;
-  // Programs take counts for millimeters.
+  // ROS programs interpret counts as millimeters.
   const auto encoding =
       frame.depth_unit_m == kMillimeter ? io::DepthEncoding::counts : io::DepthEncoding::meters;
   for (io::RosMessage& message : io::ros_camera(frame, place.stamp_ns, encoding))
@@ -68,7 +68,7 @@ FrameMessages messages_of(const Frame& frame,
 }
 
 std::vector<io::RosMessage> messages_of(const world::WorldMap& map) {
-  std::map<int, std::vector<report::RosPose>> ways;  // by segment
+  std::map<int, std::vector<report::RosPose>> ways;  // camera paths, by segment
   for (const world::CameraPose& pose : map.poses.poses)
     ways[pose.segment].push_back({stamp_of(pose.timestamp_s, pose.frame), pose.T_world_camera});
   std::vector<planes::Outline> outlines;
@@ -92,10 +92,10 @@ std::vector<io::RosMessage> messages_of(const world::WorldMap& map) {
 
 PlanesFile::PlanesFile(const fs::path& out, const fs::path& recording)
     : out_(out), output_(out.has_parent_path() ? out.parent_path() : ".") {
-  if (fs::exists(out)) throw Error(out.string() + ": is there already, expected a new name");
+  if (fs::exists(out)) throw Error(out.string() + ": already exists; expected a new name");
   if (fs::is_directory(recording) && is_within(out, recording))
-    throw Error(fmt::format("{}: is in the recording {}, expected another folder", out.string(),
-                            recording.string()));
+    throw Error(fmt::format("{}: is inside the recording {}; expected a different folder",
+                            out.string(), recording.string()));
   staged_ = output_.add_file(out.filename());
   file_.open(staged_, std::ios::binary);
   writer_.emplace(file_);

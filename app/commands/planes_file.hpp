@@ -1,6 +1,6 @@
 #pragma once
 
-// PLANES.mcap, which segment and map write: frames with their planes as messages of ROS 2.
+// PLANES.mcap as written by segment and map: frames and their planes as ROS 2 messages.
 
 #include <filesystem>
 #include <fstream>
@@ -15,7 +15,7 @@
 
 namespace planescope::app {
 
-/// Whether -o names such a file, not a folder.
+/// Whether -o names an .mcap file rather than a folder.
 bool is_planes_file(const std::filesystem::path& out);
 
 /// The messages of one frame.
@@ -23,24 +23,24 @@ struct FrameMessages {
   std::int64_t stamp_ns = 0;
   std::vector<io::RosMessage> list;
 };
-/// `map`: null without one.
+/// `map` may be null.
 FrameMessages messages_of(const Frame& frame,
                           const planes::FrameResult& result,
                           const planes::FramePlanes& found,
                           const world::KnownMap* map);
 
-/// The planes of a map, and the way of the camera, for the start of the file.
+/// Messages with the planes and the camera path of a map, for the start of the file.
 std::vector<io::RosMessage> messages_of(const world::WorldMap& map);
 
-/// Appears only when complete.
+/// An MCAP file that appears only when complete.
 class PlanesFile {
  public:
   /// Throws Error if `out` exists, is part of the recording or cannot be written.
   PlanesFile(const std::filesystem::path& out, const std::filesystem::path& recording);
 
-  /// A folder for what is needed until commit().
+  /// Folder for temporary files until commit().
   std::filesystem::path work_folder() const;
-  /// Messages that begin the file and stay valid.
+  /// Latched messages at the start of the file.
   void begin(std::vector<io::RosMessage> messages) { first_ = std::move(messages); }
   void add(const FrameMessages& frame);
   void commit();

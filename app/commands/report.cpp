@@ -40,7 +40,7 @@ void print_facts(const fs::path& out, const report::Report& report, bool json) {
                counted(totals.planes, "plane"));
     const auto kept = static_cast<double>(totals.points);
     const auto beyond = static_cast<double>(totals.points_beyond_range);
-    if (beyond > kept)  // little is left to find planes in
+    if (beyond > kept)  // most points are beyond the range
       fmt::print(", {:.0f} % of the points beyond the range (--max-range)",
                  100 * beyond / (kept + beyond));
     fmt::print("\n{}", report.judgement ? report.judgement->text() : "");
@@ -55,17 +55,17 @@ void print_facts(const fs::path& out, const report::Report& report, bool json) {
   fmt::print("{}", json_text(facts, 2));
 }
 
-/// Reads what the report is to be held to. Throws Error.
+/// Reads the baseline and rules. Throws Error.
 report::ReportGuard open_guard(const ReportGuardArgs& args) {
   if (args.approve && args.baseline.empty())
-    throw Error("--approve: expected --baseline FILE, the file to write");
+    throw Error("--approve needs --baseline FILE, the file to write");
   if (args.approve) check_output_dir(fs::absolute(args.baseline).parent_path());
   if (args.approve && fs::is_directory(args.baseline))
-    throw Error("--baseline " + args.baseline.string() + ": is a folder, expected a report.json");
+    throw Error("--baseline " + args.baseline.string() + ": is a folder; expected a report.json");
   return {args.baseline, args.rules, args.approve};
 }
 
-/// Throws Error where the report would take its baseline's place without being approved.
+/// Throws Error if the report would overwrite its baseline without approval.
 void check_baseline_place(const ReportGuardArgs& args, const std::filesystem::path& out) {
   if (args.baseline.empty() || args.approve) return;
   if (std::filesystem::weakly_canonical(args.baseline) ==
@@ -74,8 +74,8 @@ void check_baseline_place(const ReportGuardArgs& args, const std::filesystem::pa
                 ": the report would overwrite it; keep the baseline elsewhere");
 }
 
-/// A line for each refused frame, new problems first: damaged frames, then frames that the baseline
-/// has. Frames that the baseline refuses for the same reason are only counted.
+/// Prints one line for each refused frame: damaged frames first, then frames that the baseline
+/// processed. Frames that the baseline refused for the same reason are only counted.
 void print_refusals(const report::Report& report) {
   std::vector<std::string> damaged, refused;
   int known = 0;
@@ -97,15 +97,16 @@ void print_refusals(const report::Report& report) {
       notice("{}: {}", level, line);
     if (lines->size() > kMostLines)
       notice("{}: {} more frames are {}", level, lines->size() - kMostLines,
-             lines == &damaged ? "damaged" : "refused");
+             lines == &damaged ? "damaged" : "rejected");
   }
   if (known > 0)
-    notice("{} refused as in the baseline",
+    notice("{} rejected, as in the baseline",
            known == 1 ? "1 frame is" : counted(known, "frame") + " are");
 }
 
-/// Judges `report`, writes its files into `out`, where its frames lie, and says how it went.
-/// Returns the exit code, as run_report(); throws Cancelled where the report is partial.
+/// Checks `report` against the guard, writes its files to `out`, which contains its frames, and
+/// prints a summary. Returns the exit code like run_report(); throws Cancelled if the report is
+/// partial.
 int finish_report(const std::filesystem::path& out,
                   report::Report& report,
                   report::ReportGuard& guard,
@@ -118,28 +119,28 @@ int finish_report(const std::filesystem::path& out,
   const report::ReportTotals totals = report::totals_of(report);
   print_refusals(report);
   if (!report.renderer_error.empty())
-    notice("rendering failed, the data files are written: {}", report.renderer_error);
+    notice("rendering failed, but the data files are written: {}", report.renderer_error);
   if (args.approve && totals.unreadable)
     notice("warning: --approve: {} is unchanged, because a frame is damaged",
            args.baseline.string());
   else if (args.approve) {
     fs::create_directories(fs::absolute(args.baseline).parent_path());
     guard.approve(out / "report.json", args.approve_only);
-    notice("{} is the baseline now", args.baseline.string());
+    notice("{} is now the baseline", args.baseline.string());
   }
   if (totals.unreadable) return 2;
   if (report.judgement && report.judgement->errors() > 0 && !args.approve) return 1;
   return report.renderer_error.empty() ? 0 : 3;
 }
 
-/// Writes the built-in rules to planescope.rules.json in the current folder. Throws Error where
-/// there is one.
+/// Writes the built-in rules to planescope.rules.json in the current folder. Throws Error if the
+/// file exists.
 int run_report_init(const fs::path& set) {
   if (std::filesystem::exists(kRulesFile))
-    throw Error(std::string(kRulesFile) + ": exists already");
+    throw Error(std::string(kRulesFile) + ": already exists");
   const auto rules = report::built_in_rules(set.empty() ? "default" : set.string());
   if (rules.empty())
-    throw Error("report --init --rules " + set.string() + ": expected strict, default or lenient");
+    throw Error("report --init --rules " + set.string() + "; expected strict, default or lenient");
   write_file_text(kRulesFile, report::rules_json(rules));
   fmt::print("{}\n", kRulesFile);
   return 0;
@@ -151,7 +152,7 @@ std::string now_utc() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now.time_since_epoch().count()));
 }
 
-/// Smaller copies in the page of a long recording, so that a browser still opens it.
+/// Reports of many frames get smaller copies, so that a browser can still open the page.
 int copy_width(std::size_t frames) { return frames <= 8 ? 1280 : frames <= 24 ? 800 : 560; }
 
 report::Report start_report(const ReportArgs& args,
@@ -187,7 +188,7 @@ report::Report start_report(const ReportArgs& args,
   return report;
 }
 
-/// Everything that a frame's results depend on, apart from the frame.
+/// Key of everything that a frame's results depend on, except the frame itself.
 std::string build_key(const report::Report& report, int copies) {
   std::string key =
       fmt::format("{}\n{}\n{}\n{}\n", report.version, report.commit, report.method, copies);
@@ -199,7 +200,7 @@ std::string build_key(const report::Report& report, int copies) {
   return key;
 }
 
-/// Follows the planes of a recording, and tells each frame how they fare in it.
+/// Tracks the planes of a recording and adds each frame's tracking metrics to the report.
 void follow_planes(const OpenInput& input,
                    const planes::PipelineOptions& options,
                    const planes::Classifier* classifier,
@@ -228,14 +229,17 @@ void follow_planes(const OpenInput& input,
 int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& runner) {
   if (args.init) return run_report_init(args.guard.rules);
   if (args.tracks && args.shard.count > 1)
-    throw Error("report: --tracks needs all frames of a recording, not --shard");
+    throw Error(
+        "report: --tracks needs all frames of a recording; it cannot be combined with --shard");
   if (args.tracks && args.input.pipeline.classifier == "truth")
     throw Error(
-        "report: --tracks does not go with --classifier truth, which knows frames that "
-        "have labels alone");
+        "report: --tracks cannot be combined with --classifier truth, which supports only labeled "
+        "frames");
   report::ReportGuard guard = open_guard(args.guard);
   if (guard.is_on() && args.shard.count > 1)
-    throw Error("--shard: give --baseline and --rules to planescope report merge");
+    throw Error(
+        "--shard cannot be combined with --baseline or --rules; pass them to planescope report "
+        "merge");
   InputArgs input_args = args.input;
   input_args.recording.damaged_frames_later = true;
   check_baseline_place(args.guard, args.out);
@@ -272,7 +276,7 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     report.partial |= !slot.done;
     if (slot.done) recording.frames.push_back(folder.read(slot.folder));
   }
-  // A recording that gives nothing at all is bad input, not a report; a shard may be empty.
+  // A recording without results is bad input, not a report; a shard may be empty.
   if (const report::ReportTotals totals = report::totals_of(report);
       !report.partial && args.shard.count == 1 && totals.frames_done == 0) {
     folder.give_up();
@@ -284,19 +288,19 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     try {
       follow_planes(inputs[i], args.input.pipeline, chosen.classifier.get(), stop, recording);
     } catch (const Error& error) {
-      recording.info.warnings.push_back(std::string("planes are not followed: ") + error.what());
+      recording.info.warnings.push_back(std::string("planes are not tracked: ") + error.what());
       notice("warning: {}: {}", recording.name, recording.info.warnings.back());
     }
   }
   folder.commit(!report.partial, frames);
-  if (args.resume) notice("{} of {} frames were finished before", resumed, frames.size());
+  if (args.resume) notice("{} of {} frames were already finished", resumed, frames.size());
   return finish_report(args.out, report, guard, args.guard, args.json);
 }
 
 namespace {
 
 struct ReportMergeArgs {
-  std::vector<std::filesystem::path> shards;  // folders of reports with --shard
+  std::vector<std::filesystem::path> shards;  // report folders written with --shard
   std::filesystem::path out;
   bool json = false;
   ReportGuardArgs guard;
@@ -312,15 +316,15 @@ ShardReport read_shard(const fs::path& dir) {
   const fs::path file = dir / "report.json";
   ShardReport read{dir, report::read_report_head(file), {}};
   const report::Report& report = read.head.report;
-  if (report.shard.empty()) throw Error(file.string() + ": is a whole report, expected a shard");
+  if (report.shard.empty()) throw Error(file.string() + ": is a complete report; expected a shard");
   if (report.partial)
     throw Error(file.string() + ": shard " + report.shard +
-                " was stopped before its end; run it again with --resume");
+                " is incomplete; finish it with --resume");
   read.shard = parse_shard(report.shard);
   return read;
 }
 
-/// What the shards of one report have in common, as report.json writes it.
+/// The part of report.json that all shards of a report share.
 std::string common_text(const report::Report& report) {
   report::Report common = report;
   common.created_utc.clear();
@@ -341,9 +345,9 @@ std::vector<ShardReport> read_shards(const std::vector<fs::path>& dirs) {
   for (const ShardReport& shard : shards) {
     const std::string name = shard.dir.string() + ": shard " + shard.head.report.shard;
     if (shard.shard.count != first.shard.count || common_text(shard.head.report) != common)
-      throw Error(name + " is of another report than " + first.dir.string() +
+      throw Error(name + " belongs to a different report than " + first.dir.string() +
                   ": their recordings, options, weights or builds differ");
-    if (shard.shard.index < expected) throw Error(name + " was given twice");
+    if (shard.shard.index < expected) throw Error(name + " appears twice");
     if (shard.shard.index > expected) break;
     ++expected;
   }
@@ -357,9 +361,9 @@ fs::path folder_of(const report::Report& report, std::size_t recording, int inde
                              index);
 }
 
-/// Joins the shards of one report to what the report without --shard would have been, but for
-/// times. Returns as run_report(). Throws Error where a shard is missing, given twice or of another
-/// report.
+/// Merges the shards of a report into the report that a run without --shard would have written,
+/// except for times. Returns like run_report(). Throws Error if a shard is missing, given twice or
+/// belongs to another report.
 int run_report_merge(const ReportMergeArgs& args, std::stop_token) {
   report::ReportGuard guard = open_guard(args.guard);
   check_baseline_place(args.guard, args.out);
@@ -368,7 +372,7 @@ int run_report_merge(const ReportMergeArgs& args, std::stop_token) {
     if (fs::weakly_canonical(shard.dir) == fs::weakly_canonical(args.out))
       throw Error("output " + args.out.string() + " is one of the shards");
   ReportFolder folder(args.out, false);
-  folder.give_up();  // what fails half way is begun again
+  folder.give_up();  // a failed merge starts over
   std::set<fs::path> frames;
   report::Report report = shards.front().head.report;
   report.shard.clear();
@@ -400,10 +404,10 @@ void add_guard(CLI::App* command, ReportGuardArgs& guard) {
       "Pass criteria: strict, default, lenient, or a planescope.rules.json (default with a "
       "baseline: default)");
   command->add_flag("--approve", guard.approve,
-                    "Make this report the baseline; the baseline keeps its other recordings");
+                    "Update the baseline with this report; it keeps its other recordings");
   command->add_flag_callback(
       "--approve-only", [&guard] { guard.approve = guard.approve_only = true; },
-      "Make this report the whole baseline");
+      "Replace the whole baseline with this report");
 }
 
 void define_merge(CLI::App* report, Line& line) {
@@ -418,9 +422,9 @@ void define_merge(CLI::App* report, Line& line) {
   runs(merge, line, args, run_report_merge, [args, report] {
     for (const CLI::Option* option : report->get_options())
       if (option->count() > 0)
-        throw Error("report merge: give " + option->get_name() + " after merge");
+        throw Error("report merge: specify " + option->get_name() + " after merge");
     if (args->out.empty()) throw Error("report merge needs -o DIR: Output folder");
-    if (args->shards.empty()) throw Error("report merge: give the folders of the shards");
+    if (args->shards.empty()) throw Error("report merge needs the folders of the shards");
   });
 }
 
@@ -438,16 +442,16 @@ void define_report(CLI::App& app, Line& line) {
   add_guard(report, args->guard);
   add_read(
       report, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); },
-      "I/N", "Process the I-th of N parts of the frames; planescope report merge joins them");
+      "I/N", "Process part I of N of the frames; planescope report merge joins the parts");
   report->add_flag("--tracks", args->tracks,
-                   "Also track planes over the frames: lost planes, jitter");
+                   "Also track planes from frame to frame: lost planes, jitter");
   report->add_flag_callback(
       "--no-pictures", [args] { args->pictures = false; },
       "Skip pictures; about ten times faster, for checks before each commit");
   report->add_flag("--resume", args->resume, "Resume an interrupted run; finished frames are kept");
   report->add_flag("--init", args->init,
-                   "Write the default rules, or those of --rules SET, to planescope.rules.json for "
-                   "editing, and no report");
+                   "Only write the default rules, or those of --rules SET, to "
+                   "planescope.rules.json for editing");
   define_merge(report, line);
   const auto run = [](const ReportArgs& all, std::stop_token stop) {
     return run_report(all, stop);
@@ -458,7 +462,7 @@ void define_report(CLI::App& app, Line& line) {
     for (const CLI::Option* option : report->get_options())
       if (args->init && option->count() > 0 && option->get_name() != "--init" &&
           option->get_name() != "--rules")
-        throw Error("report --init: only writes planescope.rules.json, remove " +
+        throw Error("report --init writes only planescope.rules.json; remove " +
                     option->get_name());
   });
 }

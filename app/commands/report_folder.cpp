@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kParts[] = {"pictures", "report"};
-// In the work folder: what goes out of the report, or is to come in.
+// Folder in the work folder for parts on their way into or out of the report.
 constexpr const char* kReplaced = "replaced";
 
 bool has_records(const fs::path& dir) {
@@ -26,22 +26,24 @@ bool has_records(const fs::path& dir) {
   return false;
 }
 
-/// A record may be anybody's: it is this frame's, and its pictures are those in the frame's folder.
+/// Validates a record, which may come from elsewhere: it must belong to this frame, and its
+/// pictures must be in the frame's folder.
 void settle_record(const fs::path& frame, report::ReportFrame& record) {
   const auto fail = [&](const std::string& what) {
     throw Error((frame / "report" / "frame.json").string() + ": " + what);
   };
   if (report::frame_folder(record.index).filename() != frame.filename())
-    fail("is of frame " + std::to_string(record.index));
+    fail("belongs to frame " + std::to_string(record.index));
   for (report::ReportPicture& picture : record.pictures) {
     if (picture.name.empty() ||
         !std::ranges::all_of(picture.name, [](char c) { return c >= 'a' && c <= 'z'; }))
-      fail("names a picture '" + picture.name + "', expected small letters");
+      fail("picture name '" + picture.name + "'; expected lowercase letters");
     picture.file = (frame / "pictures" / (picture.name + ".png")).generic_string();
   }
 }
 
-/// "01-a.bag", as report_frame_folder() names it; not another report that lies there.
+/// Whether the folder is a recording's, such as "01-a.bag" (see report_frame_folder()), and not
+/// another report.
 bool is_of_a_recording(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
   const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
@@ -49,7 +51,7 @@ bool is_of_a_recording(const fs::directory_entry& entry) {
          !entry.is_symlink() && !fs::exists(entry.path() / "report.json");
 }
 
-/// What is left of a frame where a run was killed as it removed it.
+/// Whether the folder is the remains of a frame whose removal was interrupted.
 bool is_empty_folder(const fs::directory_entry& entry) {
   return entry.is_directory() && fs::is_empty(entry.path());
 }
@@ -77,8 +79,8 @@ ReportFolder::ReportFolder(const fs::path& dir, bool resume) : dir_(without_slas
   lock_ = FolderLock::acquire(work_, "planescope report");
   if (!lock_.is_held()) {
     made_dirs_.clear();
-    throw Error("output " + dir_.string() + ": another report is being written there, " +
-                lock_.why_not());
+    throw Error("output " + dir_.string() +
+                ": another report is being written there: " + lock_.why_not());
   }
   if (resume) return;
   on_disk(dir_, [&] {
@@ -92,7 +94,7 @@ ReportFolder::~ReportFolder() {
   std::error_code ignored;
   if (over_ || !has_records(work_)) fs::remove_all(work_, ignored);
   lock_ = FolderLock();
-  // Removes empty folders only.
+  // Removes only empty folders.
   for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
 }
 
@@ -176,14 +178,14 @@ void ReportFolder::set_aside(const fs::path& part) const {
 
 void ReportFolder::put_in_place(const fs::path& part) const {
   if (!fs::exists(work_ / part) || fs::is_empty(work_ / part)) return set_aside(part);
-  // Out of the frame's folder first: what comes back in exchange is not taken for its new part.
+  // Move it out of the frame's folder first, so that the old part is not mistaken for a new one.
   const fs::path place = aside(part);
   fs::rename(work_ / part, place);
   exchange_folder(place, dir_ / part);
 }
 
 void ReportFolder::remove_others(const std::set<fs::path>& frames) {
-  std::vector<fs::path> places = {dir_};  // of "frames"
+  std::vector<fs::path> places = {dir_};  // parents of "frames"
   for (const auto& entry : fs::directory_iterator(dir_))
     if (is_of_a_recording(entry)) places.push_back(entry.path());
   for (const fs::path& place : places) {

@@ -1,4 +1,4 @@
-// Runs and writes the frames of a report on all cores, including shards and resumed runs.
+// Processes and writes the frames of a report on all cores, including shards and resumed runs.
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Draws on the thread that made it, where that is possible; where it is not, says why.
+/// Draws on the thread that created it; `error` explains why if that is not possible.
 struct Painter {
   std::unique_ptr<render::GlContext> context;
   std::unique_ptr<render::Renderer> renderer;
@@ -56,14 +56,15 @@ struct Painter {
   }
 };
 
-/// Planes' colors follow those of the recording's frame before: frames run side by side wait here
-/// for their turn.
+/// Colors of planes continue those of the previous frame in the recording, so frames that run in
+/// parallel wait here for their turn.
 class ColorChain {
  public:
   explicit ColorChain(std::size_t inputs) : before_(inputs), next_(inputs, 0) {}
 
-  /// Sets the planes' colors; false where the chain was broken. `turn` counts the input's slots.
-  /// `image`: of the same planes; nothing for a refused frame, which the next one looks past.
+  /// Sets the colors of the planes; false if the chain was broken off. `turn` counts the input's
+  /// slots. `image` shows the same planes; it is empty for a refused frame, which later frames
+  /// skip.
   bool follow(std::size_t input,
               int turn,
               std::optional<render::PlaneImage> image,
@@ -97,7 +98,7 @@ class ColorChain {
   bool broken_ = false;
 };
 
-/// Work of a fixed size, so that times can be told on a machine of any speed [ms].
+/// Times a fixed amount of work, to compare times across machines [ms].
 double reference_work() {
   const auto started = std::chrono::steady_clock::now();
   Random random(1);
@@ -108,7 +109,8 @@ double reference_work() {
   return values.front() <= values.back() ? time.count() : 0;
 }
 
-/// What a frame is made from. `sha256`: Recording::frame_hash(), which reads the frame anew.
+/// Hash key of everything that determines a frame's result. `sha256` is Recording::frame_hash(),
+/// which reads the frame again.
 std::string key_of(const ReportFramesJob& job,
                    const OpenInput& input,
                    const Frame& frame,
@@ -143,7 +145,7 @@ class FrameWriter {
   FrameWriter(const ReportFramesJob& job, ReportFolder& folder, ColorChain& chain, Painter& painter)
       : job_(job), folder_(folder), chain_(chain), painter_(painter) {}
 
-  /// False where the chain of colors was broken.
+  /// False if the chain of colors was broken off.
   bool write(ReportSlot& slot, int turn) {
     const OpenInput& input = job_.inputs[slot.input];
     std::optional<report::ReportFrame> found;
@@ -160,7 +162,7 @@ class FrameWriter {
       }
       frame.reference_ms = reference_ms;
     };
-    unless_refused([&] {  // finished frames, too: later frames take their colors from them
+    unless_refused([&] {  // run finished frames too: later frames continue their colors
       loaded = job_.run(input, slot.index, job_.options, job_.classifier);
       if (found && found->planes.size() != loaded->result.segmentation.planes.size()) found.reset();
       if (!slot.colors_only && !found) frame = described(input, slot.index, *loaded);
@@ -171,7 +173,8 @@ class FrameWriter {
     if (!chain_.follow(slot.input, turn, std::move(image), found ? found->planes : frame.planes))
       return false;
     if (found) {
-      // Not where a frame before it is another one by now, refused in the earlier run perhaps.
+      // Colors differ if an earlier frame changed, for example because it was refused in the
+      // earlier run.
       slot.found = colors_of(found->planes) == colors;
       if (slot.found) return true;
       if (loaded) unless_refused([&] { frame = described(input, slot.index, *loaded); });
@@ -199,7 +202,7 @@ class FrameWriter {
       return folder_.find(slot.folder, key_of(job_, input, input.frame(slot.index),
                                               input.recording->frame_hash(slot.index)));
     } catch (const Error&) {
-      return std::nullopt;  // damaged: made anew
+      return std::nullopt;  // damaged: run it again
     }
   }
 
@@ -209,7 +212,7 @@ class FrameWriter {
     return colors;
   }
 
-  /// Of the same planes, where the frame could be run again.
+  /// Copies colors between the same planes; the counts differ if the frame could not be run again.
   static void take_colors(std::vector<report::ReportPlane>& planes,
                           const std::vector<report::ReportPlane>& colored) {
     for (std::size_t k = 0; k < std::min(planes.size(), colored.size()); ++k) {
@@ -243,7 +246,7 @@ class FrameWriter {
       job.max_range_m = job_.options.cloud.max_range_m;
       job.method = job_.options.method;
       if (job_.pictures) frame.pictures = draw(*loaded, frame, job);
-      // Without its pictures a frame is not finished for a run that can draw.
+      // A frame without pictures is unfinished for a run that can draw.
       if (painter_.renderer || !job_.pictures)
         key = key_of(job_, job_.inputs[slot.input], loaded->frame, frame.sha256);
     }
@@ -259,7 +262,7 @@ class FrameWriter {
         return draw_pictures(loaded, colors, painter_.renderer.get(), job);
       } catch (const DrawingFailed& failure) {
         painter_.give_up(failure);
-        folder_.start(job.relative);  // anew
+        folder_.start(job.relative);  // start over
       }
     }
     return draw_pictures(loaded, colors, nullptr, job);
@@ -271,7 +274,7 @@ class FrameWriter {
   Painter& painter_;
 };
 
-/// As report.json writes it, which is what the next report compares with.
+/// Text as written to report.json, which later reports compare with.
 std::string as_utf8(const std::string& text) {
   using nlohmann::json;
   const std::string written = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
@@ -309,12 +312,12 @@ fs::path report_frame_folder(std::size_t recordings,
 
 Shard parse_shard(const std::string& text) {
   const std::vector<std::string> parts = split(text, '/');
-  if (parts.size() != 2) throw Error("--shard '" + text + "' is not I/N, as 2/8");
+  if (parts.size() != 2) throw Error("--shard '" + text + "' is not I/N, such as 2/8");
   Shard shard;
   shard.index = parse_integer(parts[0], "--shard " + text);
   shard.count = parse_integer(parts[1], "--shard " + text);
   if (shard.count < 1 || shard.index < 1 || shard.index > shard.count)
-    throw Error("--shard " + text + ": expected I from 1 to N");
+    throw Error("--shard " + text + "; expected I from 1 to N");
   return shard;
 }
 
@@ -361,8 +364,8 @@ ReportDrawing write_report_frames(const ReportFramesJob& job,
   const planes::FrameThreads threads = planes::threads_for_frames(job.options, count);
   ReportFramesJob one = job;
   one.options = threads.pipeline;
-  // Mesa's software renderer fills one frame's triangles at a time, whichever thread asks: with
-  // threads of its own it leaves no core idle while others wait for it.
+  // Mesa's software renderer rasterizes one frame at a time, whichever thread asks. With its own
+  // threads, no core is idle while other frames wait for it.
   ::setenv("LP_NUM_THREADS",
            std::to_string(job.options.threads > 1 ? job.options.threads : 0).c_str(), 0);
 

@@ -15,11 +15,11 @@
 namespace planescope::app {
 namespace {
 
-constexpr int kWidth = 1280, kHeight = 960;  // of the three-dimensional pictures [px]
+constexpr int kWidth = 1280, kHeight = 960;  // of 3D pictures [px]
 constexpr int kThumbnailWidth = 200;
 constexpr float kCopyQuality = 72;
 
-/// `shown`: what the page shows of it.
+/// `shown` is the version on the page.
 report::ReportPicture keep(const Image8& image,
                            const Image8& shown,
                            const std::string& name,
@@ -58,7 +58,7 @@ Image8 render(render::Renderer& renderer,
   }
 }
 
-/// Ground truth against the result: on the depth image, or of a cloud in space.
+/// Ground truth and result, drawn on the depth image or, for a cloud, in 3D.
 std::optional<Image8> draw_truth(const LoadedFrame& loaded,
                                  const planes::EvaluatedFrame& evaluated,
                                  const std::vector<int>& color_of_plane,
@@ -123,39 +123,38 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
         fmt::format("The {} with {} tinted, outlined and numbered.", backdrop, in_planes(result)));
     keep_image(
         render::image_depth(frame, job.max_range_m), "depth", "Depth",
-        fmt::format("The depth image as a color ramp up to {:.6g} m; {} of {} pixels were not "
-                    "measured.",
-                    job.max_range_m, result.cloud.counts.no_measurement,
-                    result.cloud.counts.pixels));
+        fmt::format(
+            "The depth image on a color ramp up to {:.6g} m; {} of {} pixels were not measured.",
+            job.max_range_m, result.cloud.counts.no_measurement, result.cloud.counts.pixels));
   } else if (renderer) {
     draw(render::scene_overlay(frame, result, color_of_plane), "overlay", "Planes over the cloud",
          fmt::format("The cloud's points with {} colored and numbered.", in_planes(result)));
     draw(render::scene_heights(result), "heights", "Points by height",
-         fmt::format("{} points colored by their height.", result.cloud.counts.kept));
+         fmt::format("{} points colored by height.", result.cloud.counts.kept));
   }
   if (loaded.truth) {
     const planes::EvaluatedFrame evaluated = planes::evaluate_frame(result, *loaded.truth);
     if (const auto image = draw_truth(loaded, evaluated, color_of_plane, renderer))
-      keep_image(*image, "truth", "Labels, found, and errors",
-                 fmt::format("Side by side the labeled planes, the planes found in "
-                             "the same colors, and the points where they differ: {}.",
+      keep_image(*image, "truth", "Labels, found planes, and errors",
+                 fmt::format("Labeled planes, found planes in the same colors, and the points "
+                             "where they differ: {}.",
                              render::errors_text(evaluated)));
   }
   if (!renderer) return pictures;
 
   if (job.method == planes::Method::ours && result.gravity.known()) {
     draw(render::scene_labels(result), "labels", "Voxels by h and v",
-         fmt::format("{} voxels colored as h, level, or v, upright.", result.voxels.points.size()));
-    draw(render::scene_margins(result), "margins", "How sure the classifier is",
+         fmt::format("{} voxels colored by class: h (horizontal) or v (vertical).",
+                     result.voxels.points.size()));
+    draw(render::scene_margins(result), "margins", "Confidence of the classifier",
          "The same voxels, dark on the boundary between h and v and in the color of their class "
-         "where "
-         "it is sure.");
+         "where the classifier is confident.");
   }
   draw(render::scene_planes(frame, result, color_of_plane), "planes", "Final planes",
        fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
-  draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Points left over",
-       fmt::format("{} voxels that are in no plane, the others faded.", counts.unassigned));
-  // Drawn last, as its marks are points more: the others show the same ones. Told before them.
+  draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Unassigned points",
+       fmt::format("{} voxels in no plane; the others are faded.", counts.unassigned));
+  // Drawn last because its node markers are extra points; the other pictures share their points.
   if (job.method == planes::Method::ours) {
     draw(render::scene_cases(result), "cases", "Octree nodes by case",
          fmt::format(

@@ -1,4 +1,4 @@
-// planescope segment: the planes of each frame as files.
+// planescope segment: writes the planes of each frame to files.
 
 #include "app/commands/segment.hpp"
 
@@ -27,7 +27,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Summarizes a frame as one line, and as JSON.
+/// Summarizes a frame as one line and as JSON.
 void summarize(const std::string& where,
                const planes::FrameResult& result,
                std::string& line,
@@ -56,11 +56,11 @@ void summarize(const std::string& where,
           {"invalid", counts.invalid}, {"gravity_source", to_string(gravity.source)}};
 }
 
-/// Summary of a frame.
+/// Summary of a written frame.
 struct WrittenFrame {
   std::string line, ros, refused;
   Json json;
-  FrameMessages messages;  // where one file takes all frames
+  FrameMessages messages;  // if all frames go into one file
   bool unknown_gravity = false;
 };
 
@@ -108,13 +108,13 @@ WrittenFrame write_frame(const OpenInput& input,
   return written;
 }
 
-/// Whether frames come from standard input, each of which is done as it arrives. With a map, whose
-/// frames must all be there, they are read first.
+/// Whether frames come from standard input and are processed as they arrive. A map needs all
+/// frames, so with --map they are read first.
 bool is_live(const SegmentArgs& args) {
   return args.input.inputs == std::vector<std::filesystem::path>{"-"} && args.map.empty();
 }
 
-/// A frame of a stream as a line of JSON.
+/// Formats a frame of a stream as one line of JSON.
 std::string stream_line(int index, const Json& frame, const SegmentArgs& args) {
   Json line = {{"schema", "planescope.segment_frame/1"}, {"frame", index}};
   line.update(frame);
@@ -122,7 +122,7 @@ std::string stream_line(int index, const Json& frame, const SegmentArgs& args) {
   return json_text(line, -1);
 }
 
-/// Removes what an earlier run wrote for frames that this one does not have.
+/// Removes output of an earlier run for frames that this run does not have.
 void remove_earlier_frames(const std::filesystem::path& dir,
                            const std::set<std::filesystem::path>& frames,
                            StagedOutput& output) {
@@ -142,7 +142,7 @@ void remove_earlier_frames(const std::filesystem::path& dir,
 
 int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file) {
   if (args.input.inputs.size() > 1)
-    throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
+    throw Error(fmt::format("segment: {} recordings; expected one", args.input.inputs.size()));
   std::optional<StagedOutput> output;
   std::optional<PlanesFile> own_file;
   const bool in_file = file || is_planes_file(args.out);
@@ -150,7 +150,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   InputArgs input_args = args.input;
   input_args.recording.color = in_file;
   input_args.recording.standard_input = true;
-  std::shared_ptr<io::FrameStream> stream;  // null: a recording
+  std::shared_ptr<io::FrameStream> stream;  // null for a recording
   std::vector<OpenInput> inputs;
   if (is_live(args)) {
     stream = io::open_stream(0, input_args.recording, false);
@@ -166,11 +166,11 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   if (!args.map.empty()) {
     map = world::read_known_map(args.map, input.recording->info(), pipeline);
     input.recording = world::with_map(input.recording, map);
-    input.gravity = nullptr;  // the map's, or none
+    input.gravity = nullptr;  // use only the map's gravity
     pipeline = world::options_of_map(pipeline);
     std::erase_if(input.frames, [&](int frame) {
       if (map->knows(frame)) return false;
-      refused.push_back(fmt::format("frame {}: is not in the map {}", frame, args.map.string()));
+      refused.push_back(fmt::format("frame {}: not in the map {}", frame, args.map.string()));
       return true;
     });
   }
@@ -192,7 +192,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   std::set<std::filesystem::path> frames;
   const auto take = [&](int index, WrittenFrame&& frame) {
     if (!frame.refused.empty()) {
-      if (stream) notice("refused: {}", frame.refused);
+      if (stream) notice("rejected: {}", frame.refused);
       refused.push_back(frame.refused);
       return;
     }
@@ -200,7 +200,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     frames.insert(report::frame_folder(index));
     unknown_gravity |= frame.unknown_gravity;
     if (in_file) file->add(frame.messages);
-    if (args.ros_json || (stream && !args.quiet)) {  // for whoever reads along
+    if (args.ros_json || (stream && !args.quiet)) {  // print now, for programs that read the stream
       if (!args.ros_json && args.json) frame.line = stream_line(index, frame.json, args);
       fmt::print("{}", args.ros_json ? frame.ros + "\n" : frame.line);
       std::fflush(stdout);
@@ -223,7 +223,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     for (int i = 0; !is_past_slice(slice, i) && arrives(); ++i)
       if (is_in_slice(slice, i)) take(i, write(i));
     if (stream->frame_count() == 0 && !cut && !stop.stop_requested())
-      throw Error("standard input: a header without frames");
+      throw Error("standard input: no frames after the header");
   } else {
     run_frames(
         "segment", input.frames, threads.at_once, stop,
@@ -237,7 +237,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   if (in_file && written > 0) file->commit();
   json["refused"] = refused;
   if (!stream)
-    for (const std::string& why : refused) notice("refused: {}", why);
+    for (const std::string& why : refused) notice("rejected: {}", why);
   if (args.json && !stream) fmt::print("{}", json_text(json, 2));
   if (!args.json && !args.ros_json && !args.quiet) fmt::print("{}", fmt::join(lines, ""));
   if (!args.json && unknown_gravity)
@@ -266,10 +266,10 @@ void define_segment(CLI::App& app, Line& line) {
     formats.emplace_back(format.name);
     holds += fmt::format("\n{}: {}, {}", format.name, format.file, format.holds);
   }
-  add(segment, "--also", args->also, "FORMAT,...", "Other formats to write" + holds)
+  add(segment, "--also", args->also, "FORMAT,...", "Additional formats to write" + holds)
       ->check(some_of(formats, "a format"));
   add(segment, "--map", args->map, "DIR",
-      "Output of planescope map for the same frames and options: take the planes of the map, and "
+      "Output of planescope map for the same frames and options: use the planes of the map, and "
       "add their tracks to planes.json and tracks.png");
   add_json(segment, args->json);
   segment->add_flag("--ros-json", args->ros_json,
@@ -282,12 +282,12 @@ void define_segment(CLI::App& app, Line& line) {
   };
   runs(segment, line, args, run, [args] {
     if (is_planes_file(args->out) && !args->also.empty())
-      throw Error("--also: writes into the folder of -o DIR, but -o is a .mcap file");
-    if (args->ros_json && args->json) throw Error("--ros-json: is instead of --json");
+      throw Error("--also writes into the folder of -o DIR, but -o is a .mcap file");
+    if (args->ros_json && args->json) throw Error("--ros-json cannot be combined with --json");
     if (!args->ros_json && args->out.empty() && !is_live(*args))
       throw Error(fmt::format("segment needs -o {}: {}", kPlanesOut, kPlanesOutHelp));
     if (args->out.empty() && !args->also.empty())
-      throw Error("--also: writes into the folder of -o DIR, which is not given");
+      throw Error("--also needs -o DIR, the folder to write to");
   });
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// planescope segment, for commands that end with it.
+// planescope segment, also used by other commands as their last step.
 
 #include <filesystem>
 #include <stop_token>
@@ -14,16 +14,17 @@ namespace planescope::app {
 
 struct SegmentArgs {
   InputArgs input;            // one recording
-  std::filesystem::path out;  // -o; empty: nothing is written
+  std::filesystem::path out;  // -o; empty: no files
   std::vector<std::string> also;
   std::filesystem::path map;  // --map; empty: none
   bool json = false, ros_json = false;
-  bool quiet = false;  // prints nothing about frames
+  bool quiet = false;  // print nothing about frames
 };
 
-/// Writes DIR/frames/000000/{planes.json,timings.json,planes.png,cloud.ply}, with --map tracks.png,
-/// for each frame, or all frames into one .mcap. All or nothing on an Error; the frames done so
-/// far, and Cancelled, on a stop. Returns the exit code. `file`: takes the frames instead of -o.
+/// Writes DIR/frames/000000/{planes.json,timings.json,planes.png,cloud.ply}, and tracks.png with
+/// --map, for each frame, or all frames into one .mcap file. An Error leaves no output; a stop
+/// keeps the finished frames and throws Cancelled. Returns the exit code. If `file` is set, frames
+/// are written to it instead of -o.
 int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file = nullptr);
 
 }  // namespace planescope::app

@@ -1,4 +1,4 @@
-// planescope synth sample. Sets to measure and to train with: planescope-lab synth.
+// planescope synth sample and sequence. For evaluation and training sets, see planescope-lab synth.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,12 +18,12 @@ struct SynthSampleArgs {
   lab::SampleOptions sample;
 };
 
-/// Writes a folder recording and its labels beside it. Returns the exit code.
+/// Writes a folder recording, with its labels beside it. Returns the exit code.
 int run_synth_sample(const SynthSampleArgs& args, std::stop_token) {
   check_output_dir(args.out);
   lab::write_sample(args.out, args.sample);
-  fmt::print("{}: {} frames, their ground truth in {}\n", args.out.string(),
-             args.sample.scenes.size(), labels::default_label_dir(args.out).string());
+  fmt::print("{}: {} frames, ground truth in {}\n", args.out.string(), args.sample.scenes.size(),
+             labels::default_label_dir(args.out).string());
   return 0;
 }
 
@@ -36,16 +36,16 @@ struct SynthSequenceArgs {
 int run_synth_sequence(const SynthSequenceArgs& args, std::stop_token stop) {
   check_output_dir(args.out);
   lab::write_sequence(args.out, args.sequence, args.threads, Bar("synth sequence", stop));
-  fmt::print("{}: {} frames of a walk with their poses, their ground truth in {}\n",
-             args.out.string(), args.sequence.frames, labels::default_label_dir(args.out).string());
+  fmt::print("{}: {} frames of a walk with poses, ground truth in {}\n", args.out.string(),
+             args.sequence.frames, labels::default_label_dir(args.out).string());
   return 0;
 }
 
 void define_sequence(CLI::App* synth, Line& line) {
   CLI::App* sequence =
       synth->add_subcommand("sequence",
-                            "Write a walk past boxes, up and down a stair\n"
-                            "With exact camera poses; the exact ground truth goes to DIR.labels.");
+                            "Write a walk past boxes, up and down stairs\n"
+                            "Camera poses are exact; the exact ground truth goes to DIR.labels.");
   const auto args = std::make_shared<SynthSequenceArgs>();
   lab::SequenceOptions& options = args->sequence;
   add_out(sequence, args->out)->required();

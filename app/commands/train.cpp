@@ -1,4 +1,4 @@
-// Classifier training: options, checkpoints, progress, and the final accuracy check.
+// Classifier training: options, checkpoints, progress and the final accuracy check.
 
 #include "app/commands/train.hpp"
 
@@ -20,13 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The learning rate is multiplied by this where trained weights are trained further. 200 steps on
-// five frames of another camera resolution beside the synthetic set: new frames of that camera gain
+// Factor on the learning rate when trained weights are trained further. Measured with 200 steps on
+// five frames of another camera resolution plus the synthetic set: new frames of that camera gain
 // 0.7 points near edges and the validation sets lose nothing; at the full rate the frames gain
 // nothing and the stairs lose 0.4.
 constexpr double kFineTuningRate = 0.25;
-// Percentage points by which the older weights may be better: trainings that differ only in their
-// seed differ by as much.
+// Margin in percentage points before the baseline counts as better: trainings that differ only in
+// their seed differ by this much.
 constexpr double kTolerance = 0.3;
 
 constexpr std::string_view kResume = " --resume";
@@ -35,23 +35,24 @@ struct Files {
   fs::path weights, page, checkpoint;
 };
 
-/// Throws Error where the files could not be written in the end, or another training's checkpoint
-/// would be lost.
+/// Throws Error if the output files would not be writable at the end, or if the checkpoint of
+/// another training would be lost.
 Files checked_files(const TrainArgs& args) {
   Files files{args.out, fs::path(args.out).replace_extension(".html"),
               fs::path(args.out).replace_extension(".checkpoint")};
   const fs::path dir = args.out.has_parent_path() ? args.out.parent_path() : fs::path(".");
-  if (!fs::exists(dir)) throw Error(args.out.string() + ": there is no folder " + dir.string());
+  if (!fs::exists(dir)) throw Error(args.out.string() + ": no such folder: " + dir.string());
   check_output_dir(dir);
   for (const fs::path& file : {files.weights, files.page, files.checkpoint})
-    if (fs::is_directory(file))
-      throw Error(file.string() + ": is a folder, expected a file or nothing");
+    if (fs::is_directory(file)) throw Error(file.string() + ": is a folder; expected a file");
   const bool begun = fs::exists(files.checkpoint);
   if (begun && !args.resume)
     throw Error(files.checkpoint.string() +
-                ": a training was stopped here: go on with --resume, or remove it to begin anew");
+                ": a training run was interrupted; continue it with --resume, or delete this file "
+                "to start over");
   if (!begun && args.resume)
-    throw Error(files.checkpoint.string() + ": no such file, --resume has nothing to go on from");
+    throw Error(files.checkpoint.string() +
+                ": no such file; --resume needs the checkpoint of an interrupted run");
   return files;
 }
 
@@ -61,13 +62,13 @@ lab::TrainState first_state(const TrainArgs& args) {
   if (args.from.empty()) return state;
   planes::NetworkWeights from = planes::read_weights(args.from);
   if (!(from.config == options.network))
-    throw Error(fmt::format("{}: is not the network that is asked for, {} (--network)",
-                            args.from.string(), options.network.name));
+    throw Error(fmt::format("{}: different network; expected {} (--network)", args.from.string(),
+                            options.network.name));
   state.weights.tensors = std::move(from.tensors);
   return state;
 }
 
-/// What a training needs beside its state.
+/// Inputs of a training besides its state.
 struct Session {
   const TrainArgs& args;
   Files files;
@@ -111,15 +112,15 @@ std::vector<planes::LabelAccuracy> scores(const TrainingData& data,
   return scores;
 }
 
-/// Prints what the numbers on each epoch's line mean.
+/// Explains the numbers on each epoch's line.
 void explain_epochs(const Session& session) {
   std::vector<std::string> sets;
   for (const lab::ValidationSet& set : session.data.validation) sets.push_back(set.name);
-  fmt::print(stderr, "edge: % of right labels within 2 cm of another label, on {}\n",
+  fmt::print(stderr, "edge: % of correct labels within 2 cm of a different label, on {}\n",
              fmt::join(sets, ", "));
 }
 
-/// Scores the weights as they are now.
+/// Scores the current weights.
 void end_epoch(const TrainingData& data, lab::TrainState& state, int threads) {
   const int begun = state.epochs.empty() ? 0 : state.epochs.back().step;
   lab::Epoch epoch;
@@ -138,7 +139,7 @@ std::string epoch_line(const lab::Epoch& epoch, int steps) {
   return line;
 }
 
-/// Runs the steps that are left. Stopped, it returns early.
+/// Runs the remaining steps. Returns early on stop.
 void train(const Session& session, lab::TrainState& state, const std::stop_token& stop) {
   const lab::TrainOptions& options = session.options();
   const lab::DrawCloud draw = [&](std::uint64_t number) { return session.data.draw(number); };
@@ -158,8 +159,8 @@ void train(const Session& session, lab::TrainState& state, const std::stop_token
   }
 }
 
-/// Prints the last epoch's accuracy, beside that of the baseline where there is one; returns
-/// whether the baseline is ahead.
+/// Prints the last epoch's accuracy, beside the baseline's if there is one; returns whether the
+/// baseline is better.
 bool print_accuracy(const Session& session, const lab::TrainState& state) {
   const std::vector<planes::LabelAccuracy>& own = state.epochs.back().validation;
   const fs::path& baseline = session.args.baseline;
@@ -167,7 +168,7 @@ bool print_accuracy(const Session& session, const lab::TrainState& state) {
   if (!baseline.empty())
     others = scores(session.data, planes::read_weights(baseline), session.threads());
   bool ahead = false;
-  fmt::print("{:<18} {:>10} {:>10}{}\n", "right labels [%]", "near edges", "elsewhere",
+  fmt::print("{:<18} {:>10} {:>10}{}\n", "correct labels [%]", "near edges", "elsewhere",
              others.empty() ? "" : "   of " + baseline.string());
   for (std::size_t s = 0; s < own.size(); ++s) {
     const double edge = own[s].edge_percent(), inner = own[s].inner_percent();
@@ -187,20 +188,20 @@ bool print_accuracy(const Session& session, const lab::TrainState& state) {
 
 void check(const TrainArgs& args) {
   if (args.out.extension() != ".safetensors")
-    throw Error("train: -o '" + args.out.string() + "' is not the name of a .safetensors file");
+    throw Error("train: -o '" + args.out.string() + "'; expected a name that ends in .safetensors");
   expect_gravity(args.input.pipeline, "train");
   if (!args.synthetic && args.input.inputs.empty())
-    throw Error("train: --recipe recordings needs labeled recordings to learn from");
+    throw Error("train: --recipe recordings needs labeled recordings");
   if (args.input.label_dir && args.input.inputs.empty())
-    throw Error("train: --labels needs the recording that the labels are of");
+    throw Error("train: --labels needs the recording that the labels belong to");
 }
 
-/// Trains a classifier. Stopped, it leaves a checkpoint to resume from and throws Cancelled.
-/// Returns the exit code: 1 where the baseline is better.
+/// Trains a classifier. On stop, leaves a checkpoint to resume from and throws Cancelled. Returns
+/// the exit code: 1 if the baseline is better.
 int run_train(const TrainArgs& args, std::stop_token stop) {
   check(args);
   const Files files = checked_files(args);
-  if (!args.baseline.empty()) planes::read_weights(args.baseline);  // told now, not after an hour
+  if (!args.baseline.empty()) planes::read_weights(args.baseline);  // fails now, not after an hour
   LabelledRecordings recordings = load_labelled_recordings(args.input, stop);
   const lab::TrainingPurpose purpose = training_purpose(args, recordings);
   lab::TrainState state = args.resume
@@ -214,15 +215,18 @@ int run_train(const TrainArgs& args, std::stop_token stop) {
   if (stop.stop_requested()) throw Cancelled();
 
   if (!state.epochs.empty() && state.epochs[0].validation.size() != session.data.validation.size())
-    throw Error(files.checkpoint.string() + ": is damaged: its epochs have other validation sets");
+    throw Error(files.checkpoint.string() +
+                ": is damaged: its epochs have different validation sets");
 
   explain_epochs(session);
   train(session, state, stop);
   const lab::TrainOptions& options = args.recipe.train;
   if (state.step < options.steps) {
     save(session, state);
-    fmt::print(stderr, "stopped at step {} of {}: the same command with --resume goes on from {}\n",
-               state.step, options.steps, files.checkpoint.string());
+    fmt::print(
+        stderr,
+        "stopped at step {} of {}; to continue from {}, run the same command with --resume\n",
+        state.step, options.steps, files.checkpoint.string());
     throw Cancelled();
   }
   state.weights.training = training_record(args, session.data, state, purpose);
@@ -240,7 +244,7 @@ void set_recipe(TrainArgs& args, const std::string& name) {
   const std::vector<std::string>& names = lab::recipe_names();
   args.synthetic = name != "recordings";
   if (args.synthetic && std::ranges::find(names, name) == names.end())
-    throw Error(fmt::format("recipe \"{}\" is not known, expected {} or recordings", name,
+    throw Error(fmt::format("unknown recipe \"{}\"; expected {} or recordings", name,
                             fmt::join(names, ", ")));
   args.recipe = lab::make_recipe(args.synthetic ? name : kDefaultRecipe);
   args.recipe.name = name;
@@ -255,7 +259,7 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
   add(command, "-o,--out", args->out, "FILE.safetensors", "Weights to write")->required();
   add_read(
       command, "--recipe", [args](const std::string& name) { set_recipe(*args, name); }, "NAME",
-      fmt::format("Training data: {}, or recordings, only the given ones (default {})",
+      fmt::format("Training data: {}, or recordings for the given ones only (default {})",
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
   add_read(
       command, "--from", [args](const std::string& file) { begin_with(*args, file); }, "FILE",
@@ -275,17 +279,17 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
   command->add_flag("--balance-classes", train.balance_classes,
                     "Give h and v equal weight in each cloud");
   command->add_flag("--resume", args->resume,
-                    "Resume from the checkpoint of FILE; the result is the same to the byte");
+                    "Resume from the checkpoint of FILE; the result is byte-identical");
   add_clouds(command, args->input.pipeline);
   runs(command, line, args, run_train, [args, needs_recording, &line] {
     args->command = line.text;
-    // As it is typed to get the same from nothing.
+    // The command that reproduces the training from scratch.
     if (const auto at = line.text.find(kResume); at != std::string::npos)
       args->command.erase(at, kResume.size());
     if (needs_recording && args->input.inputs.empty())
       throw Error(
-          "train needs labeled recordings to learn from; on synthetic clouds alone: "
-          "planescope-lab train");
+          "train needs labeled recordings; to train on synthetic clouds only, use planescope-lab "
+          "train");
   });
 }
 
@@ -342,14 +346,14 @@ void add_recipe_limits(CLI::App* command, lab::TrainingRecipe& recipe, int* also
 void define_train(CLI::App& app, Line& line) {
   define(app, line,
          "Train the classifier on labeled recordings and synthetic clouds\n"
-         "Writes curves as .html beside FILE, and a .checkpoint until training is done.",
+         "Writes curves as .html next to FILE, and a .checkpoint until training is done.",
          /*needs_recording=*/true);
 }
 
 void define_recipe_train(CLI::App& app, Line& line) {
   define(app, line,
          "Train the classifier on synthetic clouds and labeled recordings\n"
-         "Writes curves as .html beside FILE, and a .checkpoint until training is done.",
+         "Writes curves as .html next to FILE, and a .checkpoint until training is done.",
          /*needs_recording=*/false);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What planescope train, the trainings of planescope-lab and those of the window share.
+// Training options, data and functions shared by planescope train, planescope-lab and the window.
 
 #include <filesystem>
 #include <functional>
@@ -15,43 +15,44 @@
 
 namespace planescope::app {
 
-/// The name of the validation set of frames of the recordings.
+/// Name of the validation set made of recorded frames.
 inline constexpr const char* kRecordingsSet = "recordings";
 
-/// Every fifth labelled frame is kept for validation.
+/// Every fifth labeled frame is held out for validation.
 inline bool is_kept_for_validation(std::size_t labelled_frame) { return labelled_frame % 5 == 4; }
 
-/// Frames of the inputs that have truth.
+/// Frames of the inputs with ground truth.
 struct LabelledRecordings {
   std::vector<planes::LabelledCloud> train, validation;
-  std::vector<std::string> frames;  // Recording::frame_hash() of all of them, in their order
-  std::string sha256;               // of all their points and labels; empty without recordings
+  std::vector<std::string> frames;  // Recording::frame_hash() of each, in order
+  std::string sha256;               // of all points and labels; empty without recordings
 };
 
-/// What of a frame is learnt from.
+/// Training data of one frame.
 struct LabelledFrame {
-  planes::LabelledCloud cloud;  // its voxels; empty where it has no truth or none has a label
+  planes::LabelledCloud cloud;  // its voxels; empty without truth or labels
   std::string sha256;           // Recording::frame_hash()
 };
-/// Throws Error where gravity is not known.
+/// Throws Error if gravity is unknown.
 LabelledFrame make_labelled_frame(const Frame& frame,
                                   const planes::SourceTruth& truth,
                                   std::string sha256,
                                   const planes::PipelineOptions& options);
-/// Frames without truth are left out.
+/// Skips frames without ground truth.
 LabelledRecordings labelled_recordings(std::vector<LabelledFrame> frames);
 
-/// None where no input is given. Throws Error where the inputs have no label, Cancelled on stop.
+/// Returns nothing if there are no inputs. Throws Error if the inputs have no labels, Cancelled on
+/// stop.
 LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::stop_token& stop);
 
-/// What a training learns from and what it is scored on.
+/// Training and validation data.
 struct TrainingData {
   lab::TrainingRecipe recipe;
   std::vector<planes::LabelledCloud> synthetic, recordings;  // one of them may be empty
-  std::vector<lab::ValidationSet> validation;  // the recordings' own, where there is one, last
+  std::vector<lab::ValidationSet> validation;  // the recordings' own set, if any, is last
   std::vector<std::string> frames;             // LabelledRecordings::frames
 
-  /// Cloud `number` of the training, varied as the recipe has it.
+  /// Returns cloud `number` of the training, augmented according to the recipe.
   planes::LabelledCloud draw(std::uint64_t number) const;
 };
 
@@ -61,8 +62,7 @@ struct TrainingDataOptions {
   int threads = 1;
 };
 
-/// Makes the synthetic clouds and puts the recordings beside them. `progress(done, all)` may throw
-/// to stop.
+/// Generates the synthetic clouds and adds the recordings. `progress(done, all)` may throw to stop.
 TrainingData make_training_data(const lab::TrainingRecipe& recipe,
                                 const TrainingDataOptions& options,
                                 LabelledRecordings recordings,
@@ -71,50 +71,50 @@ TrainingData make_training_data(const lab::TrainingRecipe& recipe,
 constexpr const char* kDefaultRecipe = "planescope";
 
 struct TrainArgs {
-  std::filesystem::path out;  // -o FILE.safetensors; the page and the checkpoint lie beside it
-  InputArgs input;            // labelled recordings to learn from as well; none: no recordings
-  /// With seed, steps, clouds and network as asked for.
+  std::filesystem::path out;  // -o FILE.safetensors; the page and checkpoint are written beside it
+  InputArgs input;            // labeled recordings for training; may be empty
+  /// Includes the seed, steps, clouds and network on the command line.
   lab::TrainingRecipe recipe = lab::make_recipe(kDefaultRecipe);
-  bool synthetic = true;           // false: the recordings alone
+  bool synthetic = true;           // false: train on recordings only
   int validation_clouds = 12;      // of each kind
-  std::filesystem::path from;      // weights to begin with; empty: random ones
+  std::filesystem::path from;      // initial weights; empty: random
   std::filesystem::path baseline;  // weights to compare with; empty: none
-  bool resume = false;             // go on from the checkpoint
-  std::string command;             // as it was typed
+  bool resume = false;             // continue from the checkpoint
+  std::string command;             // as typed
 };
 
-/// Weights to begin with, of whatever network they are: taught more, they are taught gently.
+/// Starts from existing weights of any network, which are fine-tuned at a lower learning rate.
 void begin_with(TrainArgs& args, const std::filesystem::path& weights);
 
-/// `stage`: "synthetic clouds", "steps". May throw to stop.
+/// `stage` is "synthetic clouds" or "steps". May throw to stop.
 using TeachingProgress = std::function<void(const char* stage, int done, int all)>;
 
-/// Trains as `planescope train` does, in memory from beginning to end: `out` is not looked at. The
-/// weights come with their record.
+/// Trains like `planescope train`, but entirely in memory: ignores `out`. Returns the weights with
+/// their training record.
 planes::NetworkWeights teach(const TrainArgs& args,
                              LabelledRecordings recordings,
                              const TeachingProgress& progress);
 
-/// At most so many clouds of each kind. `also`: a number of clouds that is limited as well.
+/// Limits the clouds of each kind to `most`, and `also` too if set.
 void limit_clouds(lab::TrainingRecipe& recipe, int most, int* also = nullptr);
 
-/// --count and --seed of a recipe; `also` as of limit_clouds().
+/// Adds --count and --seed for a recipe; see limit_clouds() for `also`.
 void add_recipe_limits(CLI::App* command, lab::TrainingRecipe& recipe, int* also = nullptr);
 
-/// planescope-lab train: as planescope train, also without any recording.
+/// planescope-lab train: like planescope train, but recordings are optional.
 void define_recipe_train(CLI::App& app, Line& line);
 
 nlohmann::ordered_json json_of(const lab::TrainingSetOptions& set);
 nlohmann::ordered_json json_of(const lab::AugmentOptions& options);
 
-/// How weights were trained, as a JSON object for their file: nothing in it depends on where, when
-/// or with how many threads that was.
+/// Returns the training record as a JSON object for the weights file. Independent of folder, time
+/// and number of threads.
 std::string training_record(const TrainArgs& args,
                             const TrainingData& data,
                             const lab::TrainState& state,
                             const lab::TrainingPurpose& purpose);
 
-/// What a checkpoint must agree with beyond the trainer's own options.
+/// Properties that a checkpoint must match in addition to the trainer's own options.
 lab::TrainingPurpose training_purpose(const TrainArgs& args, const LabelledRecordings& recordings);
 
 }  // namespace planescope::app

@@ -1,4 +1,4 @@
-// Training data from synthetic sets and labeled recordings, with a record of their origin.
+// Training data from synthetic sets and labeled recordings, and a record of their origin.
 
 #include <fmt/format.h>
 
@@ -16,8 +16,8 @@
 namespace planescope::app {
 namespace {
 
-constexpr std::uint64_t kValidationSeed = 900001;  // no set that is trained on has it
-constexpr double kRecordingShare = 0.5;            // of the clouds seen, where there are both
+constexpr std::uint64_t kValidationSeed = 900001;  // not used by any training set
+constexpr double kRecordingShare = 0.5;            // share of recorded clouds, if both exist
 enum Stream : std::uint64_t { kFromRecording = 201, kWhich, kVariation };
 
 bool has_label(const planes::LabelledCloud& cloud) {
@@ -81,8 +81,8 @@ LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::st
   LabelledRecordings recordings = labelled_recordings(std::move(frames));
   if (recordings.frames.empty())
     throw Error(args.inputs[0].string() +
-                ": no labeled frame to learn from, expected label files beside it or in --labels "
-                "DIR, or a cloud's label field");
+                ": no labeled frames; expected label files next to it or in --labels DIR, or a "
+                "cloud's label field");
   return recordings;
 }
 
@@ -109,7 +109,7 @@ TrainingData make_training_data(const lab::TrainingRecipe& recipe,
   return data;
 }
 
-// How weights were trained, for their files and checkpoints.
+// Training record for weight files and checkpoints.
 
 using Json = nlohmann::ordered_json;
 
@@ -121,7 +121,7 @@ Json json_of(const lab::TrainingSetOptions& set) {
                {"scans", set.scans},
                {"points", set.points},
                {"voxel_size_m", set.voxel_size_m}};
-  // Left out when off, so that records of older weights stay the same.
+  // Omitted when off, so that records of older weights stay the same.
   if (set.real_errors) json["real_errors"] = true;
   return json;
 }

@@ -28,7 +28,7 @@ struct TuneArgs {
   InputArgs input;
   std::filesystem::path list;        // --list; empty: the recordings of `input`
   std::filesystem::path out;         // -o
-  std::vector<std::string> options;  // --only; empty: all that are tunable
+  std::vector<std::string> options;  // --only; empty: all tunable options
   int hold_out = 2;                  // hold out every N-th labeled frame
   int trials = 1000;
   double time_s = 0;  // 0: no limit
@@ -39,25 +39,26 @@ struct TuneFrames {
   std::vector<lab::TuningFrame> tuning, held;
 };
 
-/// A line of --list: a recording with its options.
+/// One line of --list: a recording with its options.
 struct Listed {
   InputArgs input;
-  std::optional<bool> held;  // empty: as --hold-out assigns its frames
+  std::optional<bool> held;  // empty: --hold-out assigns its frames
 };
 
 bool parse_held(const std::string& text) {
   if (text == "held-out") return true;
   if (text == "tuning") return false;
-  throw Error("HALF: '" + text + "' is unknown, expected tuning, held-out or -");
+  throw Error("HALF: '" + text + "' is unknown; expected tuning, held-out or -");
 }
 
-/// Lines of HALF RECORDING OPTIONS; they override the command line. Paths are relative to the list.
+/// Parses lines of HALF RECORDING OPTIONS, which override the command line. Paths are relative to
+/// the list.
 std::vector<Listed> read_tune_list(const TuneArgs& args) {
   static const std::vector<std::string> options = {"--frames",   "--intrinsics",     "--depth-unit",
                                                    "--gravity",  "--instance-field", "--labels",
                                                    "--max-range"};
   if (!args.input.inputs.empty())
-    throw Error("--list names the recordings: leave out " + args.input.inputs[0].string());
+    throw Error("--list names the recordings; remove " + args.input.inputs[0].string());
   const fs::path folder = fs::absolute(args.list).parent_path();
   std::vector<Listed> all;
   read_list(args.list, [&](std::istringstream& words) {
@@ -69,10 +70,12 @@ std::vector<Listed> read_tune_list(const TuneArgs& args) {
     listed.input.inputs = {folder / recording};
     if (listed.input.label_dir) listed.input.label_dir = folder / *listed.input.label_dir;
     if (!all.empty() && all[0].held.has_value() != listed.held.has_value())
-      throw Error("some lines name a half and others do not");
+      throw Error(
+          "some lines name a half and others use -; expected a half on all lines, or - on all "
+          "lines");
     all.push_back(std::move(listed));
   });
-  if (all.empty()) throw Error(args.list.string() + ": no recording");
+  if (all.empty()) throw Error(args.list.string() + ": lists no recordings");
   return all;
 }
 
@@ -81,7 +84,8 @@ std::string hash_of(const planes::SourceTruth& truth) {
          sha256_hex(std::as_bytes(std::span(truth.values.label)));
 }
 
-/// Every labeled frame of the recordings. Throws Error if a half is empty or both contain a frame.
+/// Reads every labeled frame. Throws Error if a half is empty or both halves contain the same
+/// frame.
 TuneFrames read_tune_frames(const TuneArgs& args) {
   std::vector<Listed> all;
   if (args.list.empty())
@@ -89,7 +93,7 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
   else
     all = read_tune_list(args);
   TuneFrames frames;
-  std::map<std::string, std::pair<std::string, bool>> halves;  // by data: name, whether held out
+  std::map<std::string, std::pair<std::string, bool>> halves;  // by data hash: name, held out
   int count = 0;
   for (Listed& listed : all) {
     listed.input.recording.color = false;
@@ -106,7 +110,7 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
         frame.truth = std::move(*truth);
         frame.options = listed.input.pipeline;
         const bool held = listed.held.value_or(++count % args.hold_out == 0);
-        // By their data, so that a copy or another format of a recording is found as well.
+        // Compare data, so that a copy or another format of a recording is detected too.
         const auto [first, is_new] = halves.try_emplace(hash, frame.name, held);
         if (!is_new && first->second.second != held)
           throw Error(fmt::format(
@@ -118,14 +122,14 @@ TuneFrames read_tune_frames(const TuneArgs& args) {
   if (frames.tuning.empty() || frames.held.empty())
     throw Error(
         fmt::format("tune: found {} labeled frames to tune on and {} to hold out; expected at "
-                    "least one of each: label frames with `planescope view`, or give the folder of "
-                    "their labels with --labels DIR",
+                    "least one of each; label frames with `planescope view`, or specify their "
+                    "label folder with --labels DIR",
                     frames.tuning.size(), frames.held.size()));
   return frames;
 }
 
-/// A journal is continued only if these are the same. Held-out frames do not count: the search
-/// never sees them.
+/// A journal can only be resumed if these match. Held-out frames do not count: the search never
+/// uses them.
 lab::TuningPurpose purpose_of(const std::vector<lab::TuningFrame>& frames,
                               const std::vector<std::string>& searched,
                               const planes::ChosenClassifier& chosen) {
@@ -257,8 +261,8 @@ class TuneRun {
   std::vector<std::string> searched_;
 };
 
-/// Searches options on labeled frames and writes the result. A rerun resumes where an interrupt,
-/// --trials or --time ended the search. Returns the exit code; throws Cancelled if interrupted.
+/// Searches options on labeled frames and writes the result. Run again to resume after an
+/// interrupt, --trials or --time. Returns the exit code; throws Cancelled if interrupted.
 int run_tune(const TuneArgs& args, std::stop_token stop) {
   return TuneRun(args, std::move(stop)).run();
 }
@@ -276,8 +280,8 @@ void define_tune(CLI::App& app, Line& line) {
   add_out(tune, args->out)->required();
   add_json(tune, args->json);
   add(tune, "--list", args->list, "FILE",
-      "File that lists the recordings, a line of HALF RECORDING OPTIONS each. HALF is tuning, "
-      "held-out, or - to hold out frames as --hold-out says. Paths are relative to the file");
+      "File with one line per recording: HALF RECORDING OPTIONS. HALF is tuning, held-out, or - to "
+      "hold out frames according to --hold-out. Paths are relative to the file");
   add(tune, "--hold-out", args->hold_out, "N",
       "Hold out every N-th labeled frame from the search (default 2)")
       ->transform(whole(2));
@@ -286,7 +290,7 @@ void define_tune(CLI::App& app, Line& line) {
   add(tune, "--time", args->time_s, "SECONDS", "Time limit of the search (default: none)")
       ->check(number(0));
   add(tune, "--only", args->options, "NAME,...",
-      "Options to search (default: all of the method, docs/tuning.md)");
+      "Options to search (default: all options of the method, docs/tuning.md)");
   add_method(tune, args->input.pipeline);
   runs(tune, line, args, run_tune);
 }

@@ -29,7 +29,7 @@ void print_actions() {
                action.takes.empty() ? "" : " (" + action.takes + ")");
 }
 
-/// Opens what was asked for: recordings, a session, a report, what was open last, or the sample.
+/// Opens the requested recordings, session or report, otherwise the last document or the sample.
 State first_state(const ViewArgs& args, const Settings& settings) {
   State state;
   Document& document = state.document;
@@ -40,7 +40,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   document.recording_options = args.input.recording;
   const bool opens_report = !args.open.empty() && is_report(args.open);
   io::RecordingOptions options = options_to_open(args.input.recording);
-  options.damaged_frames_later = opens_report;  // it may be another frame that is opened
+  options.damaged_frames_later = opens_report;  // the report may use another frame
   const auto open = [&](const fs::path& path) {
     document.recordings.push_back({path, io::open_recording(path, options),
                                    args.input.label_dir.value_or(labels::default_label_dir(path))});
@@ -48,7 +48,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   };
   document.recent = settings.recent;
   for (const fs::path& path : args.input.inputs) open(path);
-  for (std::size_t i = args.input.inputs.size(); i-- > 0;)  // the first is looked at
+  for (std::size_t i = args.input.inputs.size(); i-- > 0;)  // show the first one
     note_recent(document, args.input.inputs[i]);
   if (document.recordings.empty() && args.open.empty() && !settings.last_recording.empty()) {
     try {
@@ -56,17 +56,18 @@ State first_state(const ViewArgs& args, const Settings& settings) {
       document.frame = settings.last_frame;
       state.view.camera = settings.camera;
     } catch (const Error&) {
-      // What was open last is gone or damaged: nobody asked for it, so the sample is shown.
+      // The last document is missing or damaged: show the sample, since the user did not ask for
+      // it.
     }
   }
   if (document.recordings.empty() && args.open.empty())
-    open(find_asset("sample", "no recording was given, and the sample is"));
+    open(find_asset("sample", "no recording was specified, and the sample is"));
   if (!document.recordings.empty()) {
     document.recording = 0;
     const int count = document.current()->recording->frame_count();
     const std::vector<int> frames = sliced_frames(args.input.frames, count);
     if (frames.empty())
-      throw Error(fmt::format("{}: --frames selects none of its {} frames, numbered from 0",
+      throw Error(fmt::format("{}: --frames selects none of its {} frames (numbered from 0)",
                               document.current()->path.string(), count));
     document.frame = document.frame > 0 && document.frame < count ? document.frame : frames[0];
   }
@@ -81,16 +82,16 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   return state;
 }
 
-/// Throws Error before any work where the file cannot be written.
+/// Throws Error before any work if the file cannot be written.
 void expect_folder_of(const std::filesystem::path& file) {
   if (file.empty()) return;
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
   if (!std::filesystem::is_directory(folder))
     throw Error(
-        fmt::format("{}: cannot be written, {} is not a folder", file.string(), folder.string()));
+        fmt::format("{}: cannot be written: {} is not a folder", file.string(), folder.string()));
 }
 
-/// What is played when the window is there.
+/// Scripts to run once the window is open.
 std::vector<Script> scripts_of(const ViewArgs& args) {
   std::vector<Script> scripts;
   if (!args.compare.empty())
@@ -109,7 +110,7 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
     offscreen = std::make_unique<Offscreen>(std::move(state), args.width, args.height,
                                             static_cast<float>(args.scale));
   } catch (const Error& error) {
-    notice("the window cannot be drawn: {}", error.what());
+    notice("cannot draw the window: {}", error.what());
     return 3;
   }
   settle(offscreen->shell(), *offscreen, stop, /*background=*/false);
@@ -127,24 +128,22 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   options.keep_settings = !args.fresh;
   options.state_file = args.state;
   options.scripts = scripts_of(args);
-  if (!options.scripts.empty())  // their steps are events, whatever the user looked at last
+  if (!options.scripts.empty())  // scripts step by event, regardless of the user's last setting
     options.settings.view.step_unit = debug::StepUnit::event;
   try {
     run_window(first_state(args, options.settings), options, stop);
   } catch (const NoDisplay& none) {
     notice(
-        "{}; without a display, `planescope report` and `planescope segment` "
-        "work, and `planescope view --screenshot FILE.png`, or --offscreen with a script, "
-        "draws this "
-        "window",
+        "{}; without a display, use `planescope report` or `planescope segment`, or draw this "
+        "window with `planescope view --screenshot FILE.png`, or with --offscreen and a script",
         none.what());
     return 3;
   }
   return 0;
 }
 
-/// The desktop, or with --screenshot, --script or --offscreen its twin without a display. Exit code
-/// 1: an expectation of the script failed; 3: no display, or no GL.
+/// Opens the desktop or, with --screenshot, --script or --offscreen, its offscreen counterpart.
+/// Exit code 1: a script expectation failed; 3: no display or no GL.
 int run_view(const ViewArgs& args, std::stop_token stop) {
   if (args.list_actions) {
     print_actions();
@@ -159,7 +158,7 @@ int run_view(const ViewArgs& args, std::stop_token stop) {
   }
 }
 
-/// Options that a session or a report brings along.
+/// Whether method options were typed; sessions and reports bring their own.
 bool method_typed(const CLI::App& view) {
   return std::ranges::any_of(view.get_options(), [](const CLI::Option* option) {
     return option->get_group() == "Method" && option->get_name() != "--threads" &&
@@ -174,7 +173,7 @@ State view_state(const ViewArgs& args) { return first_state(args, {}); }
 void define_view(CLI::App& app, Line& line) {
   CLI::App* view = app.add_subcommand(
       "view",
-      "Open the debugger, and with Ctrl+L the label editor\n"
+      "Open the debugger; Ctrl+L opens the label editor\n"
       "Step through the octree traversal and find out why a plane was found, merged or lost. "
       "Without a display, --screenshot renders the same window to a picture.");
   const auto args = std::make_shared<ViewArgs>();
@@ -188,14 +187,14 @@ void define_view(CLI::App& app, Line& line) {
     return add(view, name, value, type, help)->group(window);
   };
   option("--open", args->open, "FILE[#PLACE]",
-         "Open a saved session at one of its bookmarks, or a report.json at a decision: f12/p3 "
-         "made plane 3 of frame 12, f12/was3 lost plane 3 of the baseline. Begin with r2/ for the "
-         "report's second recording");
+         "Open a saved session at a bookmark, or a report.json at a decision: f12/p3 for the one "
+         "that created plane 3 of frame 12, f12/was3 for the one that lost plane 3 of the "
+         "baseline. Start with r2/ for the second recording of the report");
   option("--baseline", args->baseline, "FILE",
          "Baseline of the opened report, whose options become run A (default: the one that the "
          "report names)");
   option("--compare", args->compare, "NAME|FILE",
-         "Profile to compare with: run B, beside the current options as run A");
+         "Profile to compare with: it becomes run B, the current options run A");
   option("--script", args->script, "FILE.json",
          "Script of actions and input to run first (docs/desktop.md)");
   option("--screenshot", args->screenshot, "FILE.png", "Render the window to a picture and exit");
@@ -211,7 +210,7 @@ void define_view(CLI::App& app, Line& line) {
   view->add_flag("--actions", args->list_actions, "List all actions with their keys")
       ->group(window);
   runs(view, line, args, run_view, [view, args] {
-    // A session or a report by its name alone, as a file manager gives it.
+    // Accept a session or report as the only argument, e.g. from a file manager.
     std::vector<fs::path>& inputs = args->input.inputs;
     if (args->open.empty() && inputs.size() == 1 && inputs[0].extension() == ".json") {
       args->open = inputs[0].string();
@@ -219,15 +218,15 @@ void define_view(CLI::App& app, Line& line) {
     }
     if (!args->screenshot.empty() && args->screenshot.extension() != ".png")
       throw Error("--screenshot " + args->screenshot.string() +
-                  ": expected a name that ends in .png");
+                  "; expected a name that ends in .png");
     planes::PipelineOptions ignored;
-    if (!args->compare.empty()) planes::set_profile(ignored, args->compare);  // a bad one throws
+    if (!args->compare.empty()) planes::set_profile(ignored, args->compare);  // throws if invalid
     if (args->open.empty() && !args->baseline.empty())
-      throw Error("--baseline: is of a report, give --open REPORT.json");
+      throw Error("--baseline needs --open REPORT.json");
     if (!args->open.empty() && method_typed(*view))
       throw Error(
-          "--open brings the options of the session or report: leave out --profile, --set and "
-          "such");
+          "--open uses the options of the session or report; remove --profile, --set and other "
+          "method options");
   });
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Options of planescope view, and the desktop state they open.
+// Options of planescope view and the desktop state that they select.
 
 #include <filesystem>
 #include <optional>
@@ -14,20 +14,20 @@ namespace planescope::app {
 
 struct ViewArgs {
   InputArgs input;
-  std::string open;                  // session or report, or a place in it after a '#'
-  std::filesystem::path baseline;    // of the report; empty: the one that it names
-  std::string compare;               // a profile, as B against what is typed
-  std::filesystem::path script;      // scripted actions and input
-  std::filesystem::path screenshot;  // a PNG of the window, drawn without a display
+  std::string open;                  // session or report, optionally with a location after '#'
+  std::filesystem::path baseline;    // of the report; empty: the one named in it
+  std::string compare;               // a profile to show as B beside the given options
+  std::filesystem::path script;      // actions and input to replay
+  std::filesystem::path screenshot;  // PNG of the window, rendered offscreen
   std::filesystem::path state;       // facts about the window, as JSON
   bool list_actions = false;
-  bool offscreen = false;          // no window, even where there is a display
-  int width = 1440, height = 900;  // of the picture [px]
-  double scale = 1;                // of text and lines in it
-  bool fresh = false;              // ignore what the window remembers
+  bool offscreen = false;          // no window, even with a display
+  int width = 1440, height = 900;  // of the screenshot [px]
+  double scale = 1;                // of text and lines
+  bool fresh = false;              // ignore saved window settings
 };
 
-/// The desktop's state with what was asked for open: recordings, a session, or the sample.
+/// Returns the desktop state with the requested recordings, session or sample open.
 desktop::State view_state(const ViewArgs& args);
 
 }  // namespace planescope::app

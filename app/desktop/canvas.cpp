@@ -13,9 +13,9 @@
 namespace planescope::desktop {
 namespace {
 
-/// What was drawn last.
+/// Identifies the last drawn look of a step.
 struct LookKey {
-  std::weak_ptr<const debug::Run> run;  // an address alone may be another run's by now
+  std::weak_ptr<const debug::Run> run;  // weak: a new run may reuse the address
   render::StepLook look;
 
   bool same(const std::shared_ptr<const debug::Run>& other_run,
@@ -24,7 +24,7 @@ struct LookKey {
   }
 };
 
-/// The same for labels. Labels never change in place: different ones have another address.
+/// The same for labels. Label frames are immutable, so a change always has a new address.
 struct LabelLookKey {
   std::weak_ptr<const LabelFrame> frame;
   render::LabelLook look;
@@ -51,28 +51,28 @@ struct LabelLookKey {
   }
 };
 
-/// A scene as a texture of its own, drawn again where the list, the camera or the size has changed.
+/// A scene in its own texture, redrawn when the list, the camera or the size changes.
 struct SceneView {
   enum class Shows : std::uint8_t { nothing, step, labels };
 
   render::Renderer renderer;
   render::DrawList list;
-  Shows shows = Shows::nothing;  // in the list
-  LookKey key;                   // of a step
+  Shows shows = Shows::nothing;  // contents of `list`
+  LookKey key;                   // for a step
   render::Camera camera;
   int width = 0, height = 0;
   double screen_scale = 1;
   TextureId texture = 0;
   bool fine = false;
-  Image<std::uint32_t> ids;  // of what was drawn last; empty until someone asks
+  Image<std::uint32_t> ids;  // of the last drawing; empty until requested
 
-  /// True where it was drawn again.
+  /// Returns true if the scene was redrawn.
   bool draw(
       bool same_list, const render::Camera& from, int w, int h, render::Theme theme, double scale) {
     const bool same = same_list && same_camera(from, camera) && w == width && h == height &&
                       scale == screen_scale;
     if (same && fine) return false;
-    // What moves is drawn quickly; what has come to rest, once more with smooth edges.
+    // Draw quickly while moving, then once more with smooth edges at rest.
     fine = same;
     if (!same) ids = {};
     camera = from;
@@ -85,7 +85,7 @@ struct SceneView {
   }
 };
 
-/// The camera's image at a step.
+/// Image view of a step.
 struct StepPicture {
   render::ImageTexture texture;
   LookKey key;
@@ -119,7 +119,7 @@ class GlCanvas : public Canvas {
                         int height) override {
     const bool same_list = scene_.shows == SceneView::Shows::labels && label_key_.same(frame, look);
     if (!same_list) {
-      // Points stay where they are while only colours change.
+      // Keep the points when only colors change.
       std::vector<std::uint8_t> shown;
       if (look.labels) shown = labels::shown_pixels(*look.labels);
       if (scene_.shows != SceneView::Shows::labels || label_key_.frame.lock() != frame ||
@@ -230,9 +230,9 @@ class GlCanvas : public Canvas {
     std::uint64_t version = 0;
   };
   SceneView scene_;
-  std::unique_ptr<SceneView> beside_;  // once two runs were shown
+  std::unique_ptr<SceneView> beside_;  // created when two runs are first shown
   LabelLookKey label_key_, label_image_key_;
-  std::vector<std::uint8_t> shown_;  // of the labels in scene_
+  std::vector<std::uint8_t> shown_;  // visible pixels of the labels in scene_
   Image8 point_ground_, image_ground_;
   std::array<StepPicture, 2> images_;  // by Side
   render::ImageTexture label_image_;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Dear ImGui as its versions from 1.86 to 1.92 have it, told apart here and nowhere else.
+// Compatibility with Dear ImGui 1.86 to 1.92. All version checks are in this file.
 
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
@@ -11,13 +11,13 @@
 
 namespace planescope::desktop {
 
-// A texture's name as AddImage() takes it, and back: a pointer by name only, since 1.91.4 a number.
-// Casts of C's do both. NOLINTBEGIN
+// Converts between a texture name and AddImage()'s type, which is a pointer before 1.91.4 and an
+// integer since. C-style casts work for both. NOLINTBEGIN
 inline ImTextureID imgui_texture(std::uintptr_t texture) { return (ImTextureID)texture; }
 inline std::uintptr_t texture_name(ImTextureID texture) { return (std::uintptr_t)texture; }
 // NOLINTEND
 
-/// Gives a command the texture of another.
+/// Copies the texture of a command.
 inline void copy_texture(ImDrawCmd& to, const ImDrawCmd& from) {
 #if IMGUI_VERSION_NUM >= 19200
   to.TexRef = from.TexRef;
@@ -26,11 +26,11 @@ inline void copy_texture(ImDrawCmd& to, const ImDrawCmd& from) {
 #endif
 }
 
-/// Makes `list` all that a frame draws; keeps room for it until the frame is drawn.
+/// Makes `list` the only draw list of a frame. Must live until the frame is drawn.
 struct OneDrawList {
   ImDrawList* lists[1] = {};
 
-  template <typename Frame>  // ImDrawData: its lists are an array, since 1.89.8 an ImVector
+  template <typename Frame>  // ImDrawData: CmdLists is an array, since 1.89.8 an ImVector
   void make_all_of(Frame& frame, ImDrawList& list) {
     if constexpr (requires { frame.CmdLists.clear(); }) {
       frame.CmdLists.clear();
@@ -45,7 +45,7 @@ struct OneDrawList {
   }
 };
 
-/// How far the text of an input is scrolled to the right [px].
+/// Horizontal scroll offset of a text input [px].
 template <typename Input>  // ImGuiInputTextState
 float scrolled_right(const Input& input) {
   if constexpr (requires { input.Scroll; })
@@ -54,7 +54,7 @@ float scrolled_right(const Input& input) {
     return input.ScrollX;
 }
 
-/// After fonts were added to the empty atlas. Renderers since 1.92 do this as they draw.
+/// Builds the atlas after fonts were added. Renderers since 1.92 do this while drawing.
 inline void build_fonts(ImFontAtlas& atlas) {
 #if IMGUI_VERSION_NUM >= 19200
   if ((ImGui::GetIO().BackendFlags & ImGuiBackendFlags_RendererHasTextures) != 0) return;
@@ -62,7 +62,7 @@ inline void build_fonts(ImFontAtlas& atlas) {
   atlas.Build();
 }
 
-/// Hands what the atlas holds to OpenGL, in a frame that is about to be drawn: whether it changed.
+/// Uploads atlas changes to OpenGL before a frame is drawn; returns whether there were any.
 inline bool update_font_texture(const ImDrawData& frame, bool fonts_changed) {
 #if IMGUI_VERSION_NUM >= 19200
   if (frame.Textures != nullptr)
@@ -81,7 +81,7 @@ inline bool update_font_texture(const ImDrawData& frame, bool fonts_changed) {
   return fonts_changed;
 }
 
-/// The height of a font's text [px].
+/// Text height of a font [px].
 inline float height_of(const ImFont& font) {
 #if IMGUI_VERSION_NUM >= 19200
   return font.LegacySize;
@@ -90,7 +90,7 @@ inline float height_of(const ImFont& font) {
 #endif
 }
 
-/// Whether arrow keys, Space and Enter move among widgets and use them, with a visible cursor.
+/// Enables moving among widgets with arrow keys, Space and Enter, with a visible focus.
 inline void set_navigation(ImGuiIO& io, bool on) {
   const bool was = (io.ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard) != 0;
   if (on == was) return;
@@ -99,7 +99,7 @@ inline void set_navigation(ImGuiIO& io, bool on) {
   if constexpr (requires { context.NavDisableHighlight; }) context.NavDisableHighlight = !on;
 }
 
-/// A key of ImGui's own widgets went down in this frame, or repeats.
+/// Whether a key of ImGui's own widgets was pressed in this frame or is repeating.
 inline bool went_down(ImGuiKey key, bool repeat = true) {
 #if IMGUI_VERSION_NUM >= 18700
   return ImGui::IsKeyPressed(key, repeat);

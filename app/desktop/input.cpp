@@ -1,4 +1,4 @@
-// Keyboard and mouse input: key names, and a queue of events that feeds ImGui.
+// Keyboard and mouse input: key names and the event queue that feeds ImGui.
 
 #include <array>
 #include <cctype>
@@ -25,7 +25,7 @@ constexpr std::array<std::pair<Key, const char*>, 30> kNames = {{
 
 int index_of(Key key) { return static_cast<int>(key); }
 
-/// The keys that ImGui's own widgets use.
+/// Keys used by ImGui's own widgets.
 constexpr std::pair<Key, ImGuiKey> kImguiKeys[] = {
     {Key::tab, ImGuiKey_Tab},
     {Key::left, ImGuiKey_LeftArrow},
@@ -85,7 +85,7 @@ std::string name_of_key(Key key) {
 
 void expect_keys(ImGuiIO& io) {
 #if IMGUI_VERSION_NUM >= 18700
-  io.ConfigInputTrickleEventQueue = false;  // the queue sees to that
+  io.ConfigInputTrickleEventQueue = false;  // the queue does this itself
 #else
   for (const auto& [ours, theirs] : kImguiKeys) io.KeyMap[theirs] = index_of(ours);
 #endif
@@ -94,16 +94,16 @@ void expect_keys(ImGuiIO& io) {
 void InputQueue::let_go(ImGuiIO& io, Key key) const { set_key(io, key, false); }
 
 void InputQueue::feed_events(ImGuiIO& io) {
-  std::set<int> touched;  // keys and, from 1000 on, buttons
+  std::set<int> touched;  // keys; buttons start at 1000
   bool moved = false, clicked = false;
   while (!events_.empty()) {
     const InputEvent event = events_.front();
     if (event.type == InputEvent::Type::move) {
-      if (clicked) return;  // a drag begins where the button went down
+      if (clicked) return;  // a drag starts where the button was pressed
       io.MousePos = ImVec2(event.x, event.y);
       moved = true;
     } else if (event.type == InputEvent::Type::button) {
-      if (moved) return;  // what is under the mouse is known a frame later
+      if (moved) return;  // the item under the mouse is only known in the next frame
       if (!touched.insert(1000 + event.button).second) return;
       io.MouseDown[event.button] = event.down;
       clicked = true;
@@ -112,7 +112,7 @@ void InputQueue::feed_events(ImGuiIO& io) {
       io.MouseWheel += event.y;
     } else if (event.type == InputEvent::Type::text) {
       io.AddInputCharacter(static_cast<unsigned>(event.character));
-      if (event.character == U'?') pressed_.push_back("?");  // wherever a keyboard has it
+      if (event.character == U'?') pressed_.push_back("?");  // independent of the keyboard layout
     } else {
       if (!touched.insert(index_of(event.key)).second) return;
       set_key(io, event.key, event.down);

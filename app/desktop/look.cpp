@@ -24,7 +24,7 @@ const T* item(const std::vector<T>& items, int index) {
              : nullptr;
 }
 
-/// What the tab that is open asks about.
+/// Pixels of the selected finding or disagreement in the open tab.
 std::span<const std::uint32_t> marked_pixels(const State& state) {
   const LabelView& view = state.view.label;
   const LabelResults& results = state.results.label;
@@ -37,7 +37,7 @@ std::span<const std::uint32_t> marked_pixels(const State& state) {
   return {};
 }
 
-/// A narrow view shows as much from side to side as one of 4:3.
+/// A view narrower than 4:3 keeps the horizontal field of view of 4:3.
 double fov_y_deg(double aspect) {
   constexpr double kOf = 45, kMadeFor = 4.0 / 3;
   if (aspect >= kMadeFor) return kOf;
@@ -49,9 +49,9 @@ render::Lens lens_of(const State& state, double aspect) {
       .fov_y_deg = fov_y_deg(aspect), .aspect = aspect, .orthographic = state.view.orthographic};
 }
 
-/// From which all of the frame fills the view. Gravity's direction is down.
+/// A camera that shows the whole frame, with gravity pointing down.
 render::Camera whole_camera(const State& state, double aspect) {
-  // The current run's, also while another is shown: the view stays where it is.
+  // Use the current run even while another is shown, so that the view does not jump.
   const RunView* view = state.results.current ? state.results.current.get() : state.run_view();
   if (!view) return {};
   const render::Home& home = view->home;
@@ -75,14 +75,14 @@ render::Camera whole_camera(const State& state, double aspect) {
   return render::camera_fitting(home.extent, lens);
 }
 
-/// Of B with A; null while it is not known.
+/// Comparison of A and B; null while unknown.
 const debug::Comparison* comparison_with_a(const Results& results) {
   const bool known = results.comparison && results.compared_a == results.pinned &&
                      results.compared_b == results.current;
   return known ? results.comparison.get() : nullptr;
 }
 
-/// The other run's plane that matches one of the run looked at; -1 where none is known to.
+/// Returns the matching plane of the other run, or -1 if unknown.
 std::int32_t matching_plane(const State& state, std::int32_t plane) {
   const debug::Comparison* comparison = comparison_with_a(state.results);
   const std::int32_t id = state.run()->timeline.result_of_plane(plane);
@@ -107,7 +107,7 @@ render::Camera scene_camera(const State& state, double aspect) {
   render::Camera camera = state.view.camera ? *state.view.camera : whole_camera(state, aspect);
   camera.fov_y_deg = fov_y_deg(aspect);
   if (!state.view.orthographic) return camera;
-  // As much as is seen at the target's distance; from far enough that nothing is behind the eye.
+  // Same extent at the target's distance, from far enough that nothing is behind the eye.
   const Vec3d back = camera.eye - camera.target;
   camera.orthographic = true;
   camera.ortho_height_m = 2 * back.norm() * std::tan(camera.fov_y_deg * kDeg / 2);
@@ -119,7 +119,7 @@ std::vector<Vec3f> selected_points(const State& state) {
   const debug::Run& run = *state.run();
   const Selection& selected = state.view.selected;
   if (selected.voxel >= 0) {
-    // Itself and as much around it as lets one see where it is.
+    // The voxel and enough of its surroundings for context.
     const Vec3f at = run.subject->prepared.voxels.points[static_cast<std::size_t>(selected.voxel)];
     const auto reach_m = static_cast<float>(8 * run.subject->prepared.voxels.size_m);
     std::vector<Vec3f> around;
@@ -137,7 +137,7 @@ std::vector<Vec3f> selected_points(const State& state) {
 }
 
 render::Camera camera_on(const State& state, std::span<const Vec3f> points) {
-  constexpr double kRoom = 1.3;  // some of the surroundings stay in view
+  constexpr double kRoom = 1.3;  // leaves some surroundings visible
   const render::Camera now = camera_of(state);
   render::Lens lens = lens_of(state, state.view.scene_aspect);
   lens.forward = (now.target - now.eye).normalized();
@@ -151,9 +151,9 @@ render::Camera orbited(const render::Camera& camera, double right_deg, double up
   const double distance = offset.norm();
   double azimuth = std::atan2(offset.y(), offset.x());
   const double elevation = std::asin(std::clamp(offset.z() / distance, -1.0, 1.0));
-  if (camera.up.z() < 0.5 && std::abs(offset.z()) > 0.999 * distance)  // from above: up tells
+  if (camera.up.z() < 0.5 && std::abs(offset.z()) > 0.999 * distance)  // from above: use `up`
     azimuth = std::atan2(-camera.up.y(), -camera.up.x());
-  // Just short of the pole, so that up stays up.
+  // Stop just short of the pole, so that up remains up.
   const double tilted = std::clamp(elevation + up_deg * kDeg, -89.9 * kDeg, 89.9 * kDeg);
   const double turned = azimuth - right_deg * kDeg;
   render::Camera result = camera;
@@ -203,7 +203,7 @@ render::StepLook look_of(const State& state) {
   look.color_of_plane = colors_of_planes(state, *state.run_view());
   if (look.color_by == render::ColorBy::truth)
     look.color_of_truth = colors_of_truth(state, *state.run_view());
-  // Among finished planes nothing stands out that was not selected.
+  // At the end of the run, highlight only the user's selection.
   look.show_current = state.run() && view.step < state.run()->steps();
   if (const planes::TraceEvent* event = look.show_current ? state.event() : nullptr) {
     const bool on_point = event->point >= 0 && event->point == look.voxel;
@@ -230,7 +230,7 @@ render::StepLook other_look_of(const State& state) {
   if (look.voxel >= 0) look.voxel = same.voxel(look.voxel);
   if (!same.same_voxels()) look.marked = {};
   if (look.plane >= 0) look.plane = matching_plane(state, look.plane);
-  if (render::is_along_scale(look.color_by))  // the same value, the same colour
+  if (render::is_along_scale(look.color_by))  // same colors for the same values
     look.range = render::color_scale(here, look_of(state)).range;
   return look;
 }
@@ -284,7 +284,7 @@ render::LabelLook label_look_of(const State& state) {
 }
 
 std::optional<render::Residual> residual_of(const State& state) {
-  constexpr double kTolerances = 2;  // that the scale goes to, either way
+  constexpr double kTolerances = 2;  // range of the scale in tolerances, in each direction
   const LabelView& view = state.view.label;
   const std::shared_ptr<const FrameLabels> labels = state.labels();
   if (!view.show_residual || !labels) return std::nullopt;
@@ -334,7 +334,7 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
     const std::int32_t truth = run.subject->voxel_truth.plane[static_cast<std::size_t>(voxel)];
     if (truth > 0) text += fmt::format(", true plane {}", truth);
   }
-  // Why a plane has the colour that it has.
+  // Explain the color of the plane.
   const bool asks = state.view.color_by == render::ColorBy::steppable || state.view.show_foot;
   if (const std::string verdict = asks ? verdict_text(state, now.plane) : ""; !verdict.empty())
     text += "\n" + verdict;

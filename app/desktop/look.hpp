@@ -1,7 +1,7 @@
 #pragma once
 
-// How the state is looked at: where the camera stands, what both views draw, what is under the
-// mouse. Pure functions.
+// How the state is displayed: the camera, the contents of both views, and the item under the mouse.
+// Pure functions.
 
 #include <cstdint>
 #include <memory>
@@ -13,62 +13,62 @@
 
 namespace planescope::desktop {
 
-/// The one in force: the user's, or one from which all of the frame fills the view.
+/// The current camera: the user's, or one that shows the whole frame.
 render::Camera camera_of(const State& state);
-/// The same as it is drawn in a view of that shape.
+/// The same for a view with this aspect ratio.
 render::Camera scene_camera(const State& state, double aspect);
 
-/// What is selected, in space: a point, a plane, a node, or else what was marked.
+/// Points of the selected point, plane or node, otherwise of the marked region.
 std::vector<Vec3f> selected_points(const State& state);
-/// From which the points and some of their surroundings fill the view, looking the same way.
+/// A camera in the same direction that shows the points and some of their surroundings.
 render::Camera camera_on(const State& state, std::span<const Vec3f> points);
 
 render::Camera orbited(const render::Camera& camera, double right_deg, double up_deg);
-/// `right`, `up`: in heights of the view at the target's distance.
+/// `right` and `up` are in view heights at the target's distance.
 render::Camera panned(const render::Camera& camera, double right, double up);
-/// Nearer to the target for factors above 1.
+/// Factors above 1 move closer to the target.
 render::Camera zoomed(const render::Camera& camera, double factor);
 
 bool same_camera(const render::Camera& a, const render::Camera& b);
 
-/// What the 3D view and the image draw. What is only selected because the cursor is on it is shown
-/// as the cursor's, not as a choice of the user's.
+/// The look of the 3D view and the image view. An item selected only by the cursor is drawn as the
+/// cursor's, not as the user's selection.
 render::StepLook look_of(const State& state);
-/// The same place and selection in the run that is shown beside it (State::other_view()).
+/// The same step and selection in the run shown beside it (State::other_view()).
 render::StepLook other_look_of(const State& state);
-/// Colors in which a run's planes are shown: the strip's once it has reached the frame, the run's
-/// own until then. A pinned run keeps those that it was pinned with.
+/// Colors of a run's planes: those of the strip once it has processed the frame, the run's own
+/// before that. A pinned run keeps the colors it had when it was pinned.
 const FrameColors& shown_colors(const State& state, const RunView& of);
-/// The same as color ids of the planes of the run's trace.
+/// The same as color ids of the trace's planes.
 std::vector<int> colors_of_planes(const State& state, const RunView& of);
 /// Color ids of true planes, by id - 1.
 std::vector<int> colors_of_truth(const State& state, const RunView& of);
 
-/// What both views of the label mode draw. Its spans are the state's.
+/// The look of both views in label mode. Its spans point into the state.
 render::LabelLook label_look_of(const State& state);
-/// Of the plane that the wand shows, or else of the active one; nullopt where it is not looked at.
+/// Residuals of the wand's plane if there is one, otherwise of the active plane; nullopt if they
+/// are not shown.
 std::optional<render::Residual> residual_of(const State& state);
 
-/// "voxel 812 (h), in P3, true plane 2", and its node in a second line: what is known at the
-/// cursor.
+/// "voxel 812 (h), in P3, true plane 2", with its node on a second line, at the cursor's step.
 std::string describe_voxel(const State& state, std::int32_t voxel);
 /// "node 41, depth 5, 12 points, case IV".
 std::string describe_node(const State& state, std::int32_t node);
 
-// Where the 3D view, the image view and the thumbnails get their pixels: GL in a window and
-// off-screen, nothing in tests of the panels.
+// Renders the 3D view, the image view and the thumbnails: with GL in a window and offscreen, not at
+// all in tests of panels.
 
 using TextureId = std::uint64_t;  // 0: nothing to show
 
 struct LabelFrame;
 
-/// Of two runs that are shown beside each other: the one that is looked at, and the other one.
+/// The side of the main run, or of the second run shown beside it.
 enum class Side : std::uint8_t { here, beside };
 
 class Canvas {
  public:
   virtual ~Canvas() = default;
-  /// The scene as a texture of that size, drawn anew only where something changed. Row 0 at the
+  /// Renders the scene to a texture of this size, only if something changed. Row 0 is at the
   /// bottom.
   virtual TextureId scene(const std::shared_ptr<const debug::Run>& run,
                           const render::StepLook& look,
@@ -76,16 +76,16 @@ class Canvas {
                           int width,
                           int height,
                           Side side = Side::here) = 0;
-  /// What is seen at pixel (x, y) from the top left of the scene drawn last, or else within
-  /// `reach_px` of it.
+  /// Returns the item at pixel (x, y), from the top left of the last drawn scene, or the nearest
+  /// one within `reach_px`.
   virtual render::Picked pick(int x, int y, int reach_px) = 0;
-  /// image_step() as a texture of one texel per pixel. Row 0 at the top.
+  /// image_step() as a texture with one texel per pixel. Row 0 is at the top.
   virtual TextureId image(const std::shared_ptr<const debug::Run>& run,
                           const render::StepLook& look,
                           render::Backdrop backdrop,
                           double opacity,
                           Side side = Side::here) = 0;
-  /// The same for labels: the frame's points, and one texel per depth pixel.
+  /// The same for labels: the frame's points, and an image with one texel per depth pixel.
   virtual TextureId label_scene(const std::shared_ptr<const LabelFrame>& frame,
                                 const render::LabelLook& look,
                                 const render::Camera& camera,
@@ -95,15 +95,15 @@ class Canvas {
                                 const render::LabelLook& look,
                                 render::Backdrop backdrop,
                                 double opacity) = 0;
-  /// Any picture by a key; uploaded again when `version` differs. Row 0 at the top.
+  /// Any picture by key; uploaded again if `version` changes. Row 0 is at the top.
   virtual TextureId picture(const std::string& key, const Image8& image, std::uint64_t version) = 0;
-  /// Of what a texture holds: another one whenever that has changed.
+  /// Version of a texture's contents; changes with them.
   virtual std::uint64_t version(TextureId texture) const = 0;
 
   double screen_scale = 1;  // of text and lines in scenes
 };
 
-/// Needs a current GL context, and the same one until it is destroyed.
+/// Requires a current GL context, which must be the same until destruction.
 std::unique_ptr<Canvas> make_gl_canvas();
 
 }  // namespace planescope::desktop

@@ -1,4 +1,4 @@
-// Reads scripts of actions and input from JSON and plays them on the window.
+// Reads scripts of actions and input from JSON and plays them in the window.
 
 #include "app/desktop/script.hpp"
 
@@ -30,7 +30,7 @@ ImVec2 place_in(const WidgetRect& rect, const Json& share) {
                 rect.min.y + at(1) * (rect.max.y - rect.min.y));
 }
 
-/// Plays one script on one shell.
+/// Plays one script in one shell.
 class Player {
  public:
   Player(Shell& shell, Stage& stage, std::stop_token stop)
@@ -85,7 +85,8 @@ class Player {
 
   void perform(const std::string& action, const std::string& argument) {
     shell_.perform({action, argument}, true);
-    // The window shows what is wrong with a filter while it is typed; a script has typed it whole.
+    // While typing, the window shows filter errors in place; a script's filter is complete, so
+    // throw.
     const debug::FilterProblem& problem = shell_.state().view.search.problem;
     if (action == "filter.set" && !problem.message.empty())
       throw Error(fmt::format("filter '{}', at {}: {}", argument, problem.begin, problem.message));
@@ -96,14 +97,14 @@ class Player {
     std::vector<std::string> names;
     for (const auto& [known, rect] : shell_.widgets()) names.push_back(known);
     const std::string near = nearest_name(name, names);
-    throw Error("widget '" + name + "' is not shown now" +
-                (near.empty() ? std::string() : ", did you mean '" + near + "'?"));
+    throw Error("widget '" + name + "' is not visible" +
+                (near.empty() ? std::string() : "; did you mean '" + near + "'?"));
   }
   void push(const InputEvent& event) { shell_.input().push(event); }
   void move_to(ImVec2 at) {
     push({.type = InputEvent::Type::move, .x = at.x, .y = at.y});
     stage_.draw_frame();
-    stage_.draw_frame();  // what is under the mouse is known a frame later
+    stage_.draw_frame();  // the item under the mouse is only known in the next frame
   }
   void button(int which, bool down) {
     push({.type = InputEvent::Type::button, .button = which, .down = down});
@@ -123,7 +124,7 @@ class Player {
       }
     });
   }
-  /// With the step's button, while the key that it holds is down.
+  /// Presses the step's button while holding the key in "hold".
   template <typename Press>
   void press_button(const Json& step, const Press& press) {
     const std::string name = step.value("button", std::string("left"));
@@ -171,7 +172,7 @@ class Player {
         rest = rest.substr(modifier.size() + 1);
       }
     const auto last = key_of_name(rest);
-    if (!last) throw Error("key '" + name + "' does not exist");
+    if (!last) throw Error("unknown key '" + name + "'");
     keys.push_back(*last);
     for (const Key one : keys) key(one, true);
     for (auto one = keys.rbegin(); one != keys.rend(); ++one) key(*one, false);
@@ -189,11 +190,11 @@ class Player {
   }
   std::string trace() const {
     const State& state = shell_.state();
-    if (!state.run()) throw Error("there is no run whose trace could be written");
+    if (!state.run()) throw Error("no run is available to write a trace of");
     const bool beside = state.results.pinned && state.run() != state.results.pinned->run.get();
     return debug::trace_text(*state.run(), beside ? state.results.pinned->run.get() : nullptr);
   }
-  /// What does not hold yet may hold once the background work has ended.
+  /// A failed expectation is checked again when background work has ended.
   void expect(const Json& facts) const {
     try {
       compare(facts);
@@ -206,8 +207,8 @@ class Player {
   void compare(const Json& facts) const {
     const Json now = state_facts(shell_.state(), shell_.idle());
     for (const auto& [name, value] : facts.items()) {
-      if (!now.contains(name)) throw Error("expect: there is no fact '" + name + "'");
-      // Of an object, the keys that are given.
+      if (!now.contains(name)) throw Error("expect: unknown fact '" + name + "'");
+      // Compare only the given keys of an object.
       Json found = now.at(name);
       if (name == "view" && value.is_object()) {
         found = Json::object();
@@ -240,7 +241,7 @@ void take_picture(Shell& shell, Stage& stage) {
 void take_step(Shell& shell,
                const std::function<void()>& draw,
                const std::function<Image8()>& picture) {
-  constexpr int kFrames = 3;  // lists have scrolled to where it is by then
+  constexpr int kFrames = 3;  // enough frames for lists to finish scrolling
   if (!shell.begin_step()) return;
   for (int i = 0; i < kFrames; ++i) draw();
   shell.add_step(picture());
@@ -248,8 +249,8 @@ void take_step(Shell& shell,
 
 void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {
   constexpr std::chrono::milliseconds kShortest(5), kLongest(50);
-  auto pause = kShortest;  // grows: without a GPU, drawing takes cores from the work
-  do {  // the last frame may see that something is missing that could not be begun before
+  auto pause = kShortest;  // grows: without a GPU, drawing competes with the work for cores
+  do {                     // the last frame may discover work that could not start before
     stage.draw_frame();
     while (!shell.idle(background)) {
       if (stop.stop_requested()) throw Cancelled();
@@ -265,7 +266,7 @@ void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {
 Script Script::read(const fs::path& path) {
   auto json = read_json<Json>(path);
   if (!json.is_object() || !json.contains("actions") || !json.at("actions").is_array())
-    throw Error(path.string() + R"(: is no script, expected {"actions": [...]})");
+    throw Error(path.string() + R"(: not a script; expected {"actions": [...]})");
   Script script;
   script.path_ = path;
   script.actions_ = std::make_shared<const Json>(std::move(json.at("actions")));
@@ -291,7 +292,7 @@ void Script::play(Shell& shell, Stage& stage, std::stop_token stop) const {
       shell.forget_nothing_done();
       player.play(step);
       if (shell.state().view.did_nothing)
-        fmt::print(stderr, "{}: nothing was done: {}\n", where(), shell.state().view.message);
+        fmt::print(stderr, "{}: had no effect: {}\n", where(), shell.state().view.message);
     } catch (const Json::exception& error) {
       throw Error(where() + ": " + json_problem(error));
     } catch (const ExpectationFailed& error) {

@@ -29,7 +29,7 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFla
 constexpr ImGuiWindowFlags kStill =
     ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
 
-/// A panel in its place.
+/// Draws a panel in its area.
 template <typename Draw>
 void panel(const Ui& ui, const char* name, const Rect& rect, ImGuiWindowFlags flags, Draw draw) {
   ImGui::SetNextWindowPos(ImVec2(rect.x, rect.y));
@@ -54,7 +54,7 @@ void tabs(const Ui& ui,
           const std::string& action,
           std::span<const Tab> all) {
   if (!ImGui::BeginTabBar(bar, ImGuiTabBarFlags_FittingPolicyScroll)) return;
-  // The state says which tab is shown; ImGui keeps a choice of its own, which follows it.
+  // The state selects the tab; ImGui's own selection follows it.
   std::string& shown = ui.memory.texts[bar];
   for (const Tab& tab : all) {
     const bool wanted = chosen == tab.name;
@@ -73,7 +73,7 @@ void tabs(const Ui& ui,
   ImGui::EndTabBar();
 }
 
-/// A strip between panels that moves a share of the layout.
+/// A splitter between panels that changes a fraction of the layout.
 void splitter(const Ui& ui,
               const std::string& name,
               const Rect& rect,
@@ -116,15 +116,15 @@ void draw_timing(const Ui& ui) {
   ImGui::End();
 }
 
-/// Where panels lie that every mode has, and the room between them.
+/// Areas of the panels common to all modes, and the space between them.
 struct Places {
-  float top = 0, body = 0, status = 0;  // below the menu; between it and the status bar; that one
-  float left = 0, right = 0;            // widths of the columns at the sides
-  float x1 = 0, x2 = 0, middle = 0;     // the room between them: from x1, `middle` wide
-  float grip = 0;                       // of splitters
+  float top = 0, body = 0, status = 0;  // top of the body; height of the body and the status bar
+  float left = 0, right = 0;            // widths of the side columns
+  float x1 = 0, x2 = 0, middle = 0;     // space between them: from x1, `middle` wide
+  float grip = 0;                       // width of splitters
 };
 
-/// No panel ever vanishes: each share leaves room for the others.
+/// Limits a fraction so that no panel disappears.
 float share(double s, double low, double high) {
   return static_cast<float>(std::clamp(s, low, high));
 }
@@ -187,7 +187,7 @@ void draw_label_mode(const Ui& ui, const Places& at) {
   const float bar = std::round(ImGui::GetFrameHeight() + ui.px(14)), grip = at.grip;
   const float y = at.top + bar, height = at.body - bar;
   const bool has_image = picture_shape(ui.state) > 0;
-  // Both views as large as they can be, for pictures of 4:3. A cloud has no image.
+  // Both views are as large as possible for 4:3 pictures. Clouds have no image.
   const bool beside = at.middle > 2 * height;
   const float extent = beside ? at.middle : height;
   const float image = has_image ? std::round(extent * share(layout.image, 0.0, 0.8)) : 0;
@@ -206,7 +206,7 @@ void draw_label_mode(const Ui& ui, const Places& at) {
   if (has_image) splitter(ui, "image", between, beside, extent, -1);
 }
 
-/// The menu or list that is open, if one is. ImGui closes none by itself while its keys are ours.
+/// Closes the open menu or list, if any. ImGui does not, because Escape is an action's key.
 bool close_menu() {
   constexpr ImGuiPopupFlags kAny = ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel;
   if (!ImGui::IsPopupOpen("", kAny)) return false;
@@ -214,14 +214,14 @@ bool close_menu() {
   return true;
 }
 
-/// Keys that ImGui moves by, once the keyboard has a panel.
+/// Keys that navigate within a panel that has keyboard focus.
 bool moves_among_widgets(const std::string& key) {
   constexpr std::array kKeys = {"Left",  "Right", "Up",  "Down",   "Space",
                                 "Enter", "Home",  "End", "PageUp", "PageDown"};
   return std::ranges::find(kKeys, key) != kKeys.end();
 }
 
-/// If this fails, the journal has everything, and there is no window left to say so in.
+/// On failure, the journal still has everything, and no window is left to report the error.
 void save_quietly(const OpenRecording& open) {
   try {
     if (open.labels && open.labels->read_only().empty()) open.labels->save_all();
@@ -233,7 +233,7 @@ void save_quietly(const OpenRecording& open) {
 
 Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> wake)
     : state_(std::move(state)), jobs_(wake), steps_(std::move(wake)), canvas_(std::move(canvas)) {
-  // ImGui does not look at what its allocator returns: where memory is out, that has to throw.
+  // ImGui does not check its allocator's result, so the allocator must throw when out of memory.
   ImGui::SetAllocatorFunctions([](std::size_t size, void*) { return ::operator new(size); },
                                [](void* memory, void*) { ::operator delete(memory); });
   context_ = ImGui::CreateContext();
@@ -241,9 +241,9 @@ Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> 
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   io.LogFilename = nullptr;
-  io.ConfigInputTextCursorBlink = false;  // a window that rests draws nothing
+  io.ConfigInputTextCursorBlink = false;  // an idle window draws nothing
   io.ConfigWindowsMoveFromTitleBarOnly = true;
-  // A huge window has more than 65536 vertices; the OpenGL renderer takes them.
+  // A huge window has more than 65,536 vertices, which the OpenGL renderer supports.
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
   expect_keys(io);
 }
@@ -256,7 +256,7 @@ Shell::~Shell() {
 }
 
 void Shell::rebuild_fonts(float scale) {
-  // Latin, Greek, punctuation, sub- and superscripts, arrows, mathematics, shapes.
+  // Latin, Greek, punctuation, sub- and superscripts, arrows, math, shapes.
   static const ImWchar ranges[] = {0x20,   0x17f,  0x370,  0x3ff,  0x2010, 0x205e, 0x2070,
                                    0x209c, 0x2190, 0x21ff, 0x2200, 0x22ff, 0x25a0, 0x25ff,
                                    0x2600, 0x26ff, 0x2713, 0x2718, 0};
@@ -279,7 +279,7 @@ void Shell::rebuild_fonts(float scale) {
 }
 
 std::string Shell::take_picture_path() {
-  // A frame later: the present one still shows the prompt that asked for the path.
+  // One frame later, because this frame still shows the prompt for the path.
   return std::exchange(picture_due_, std::exchange(state_.view.picture_to, {}));
 }
 
@@ -294,7 +294,7 @@ void Shell::perform(const Command& command, bool strict) {
     ViewState& view = state_.view;
     if (view.show_palette && !asks && view.palette_asks == command.action)
       view.show_palette = false;
-  } catch (const std::exception& error) {  // an Error, or one of the file system
+  } catch (const std::exception& error) {  // an Error or a filesystem error
     if (strict) throw;
     say(state_, error.what(), true);
   }
@@ -334,7 +334,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
 
   const bool typing = io.WantTextInput;
   input_.feed(io, [&](const std::string& key) {
-    // While text is typed, only keys with Ctrl and function keys are ours.
+    // While text is being typed, only Ctrl combinations and function keys are shortcuts.
     const bool ours = key.starts_with("Ctrl+") || (key[0] == 'F' && key.size() > 1) ||
                       key.find("+F") != std::string::npos;
     const bool edits = key == "Ctrl+A" || key == "Ctrl+C" || key == "Ctrl+V" || key == "Ctrl+X" ||
@@ -348,7 +348,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     if (!state_.view.keyboard.empty() && moves_among_widgets(key)) return;
     const Action* action = action_of_key(key, state_.view.mode);
     if (!action) return;
-    // Where Tab is an action's, it does not type into the next slider as well.
+    // If Tab is bound to an action, do not let it start typing in the next slider too.
     if (key.ends_with("Tab")) input_.let_go(io, Key::tab);
     if (action->can_run(state_)) perform({action->name, action->key_is_argument ? key : ""});
   });
@@ -376,7 +376,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
   steps_.note_frame(state_);
   const ImVec2 mouse = io.MousePos;
   const bool hides_mouse = state_.view.saving && state_.view.saving->hidden;
-  if (hides_mouse) io.MousePos = ImVec2(-FLT_MAX, -FLT_MAX);  // what is told beside it is of now
+  if (hides_mouse) io.MousePos = ImVec2(-FLT_MAX, -FLT_MAX);  // no hover details in saved pictures
   ImGui::NewFrame();
   if (!state_.view.to_clipboard.empty())
     ImGui::SetClipboardText(std::exchange(state_.view.to_clipboard, {}).c_str());
@@ -400,7 +400,7 @@ void Shell::draw(int width, int height) {
         .small = small_,
         .bold = bold_,
         .timing = timing};
-  // Below this nothing could be read: what does not fit is cut off, not squeezed.
+  // Below this size, text is unreadable: clip the contents instead of squeezing them.
   const float w = std::max(static_cast<float>(width), ui.px(640));
   const float h = std::max(static_cast<float>(height), ui.px(400));
   if (ImGui::BeginMainMenuBar()) {
@@ -424,7 +424,7 @@ void Shell::draw(int width, int height) {
   note_scene_shape();
 }
 
-/// What cameras are placed by. The frame's own view was drawn for it all the same.
+/// The aspect ratio for placing cameras. The current frame's view was still drawn with the old one.
 void Shell::note_scene_shape() {
   const auto scene = widgets_.find("view3d");
   if (scene == widgets_.end()) return;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The whole window: state, jobs, input and panels, whatever it is drawn to.
+// The whole window, independent of the drawing surface: state, jobs, input and panels.
 
 #include <cstdint>
 #include <deque>
@@ -17,11 +17,11 @@ struct ImGuiIO;
 
 namespace planescope::desktop {
 
-// Mouse and keys, from a window or from a script, in one queue. ImGui is told states, and so would
-// lose taps that begin and end within a frame: each frame is handed only as much of the queue as
-// changes no key or button twice.
+// Mouse and key events from a window or a script, in one queue. ImGui only sees states and would
+// miss a tap that begins and ends within a frame, so each frame receives events only until a key or
+// button would change twice.
 
-/// Letters and digits are their ASCII capitals.
+/// Letters and digits are their uppercase ASCII codes.
 enum class Key : std::uint16_t {
   none = 0,
   space = ' ',
@@ -56,7 +56,7 @@ enum class Key : std::uint16_t {
   alt,
   count
 };
-/// "Right", "F5", "A"; nothing for a name no key has.
+/// Parses "Right", "F5", "A"; nullopt for an unknown name.
 std::optional<Key> key_of_name(const std::string& name);
 std::string name_of_key(Key key);
 
@@ -74,15 +74,15 @@ class InputQueue {
  public:
   void push(const InputEvent& event) { events_.push_back(event); }
   bool empty() const { return events_.empty(); }
-  /// Hands the next frame's events to ImGui. `shortcut` is called with "Ctrl+Shift+P" for each key
-  /// that went down.
+  /// Passes the next frame's events to ImGui. Calls `shortcut` with, e.g., "Ctrl+Shift+P" for each
+  /// pressed key.
   template <typename Shortcut>
   void feed(ImGuiIO& io, const Shortcut& shortcut) {
     feed_events(io);
     for (const std::string& pressed : pressed_) shortcut(pressed);
     pressed_.clear();
   }
-  /// ImGui's widgets do not see that the key went down in this frame.
+  /// Hides this frame's key press from ImGui's widgets.
   void let_go(ImGuiIO& io, Key key) const;
 
  private:
@@ -92,12 +92,12 @@ class InputQueue {
   bool ctrl_ = false, shift_ = false, alt_ = false;
 };
 
-/// Before the first event.
+/// Call before the first event.
 void expect_keys(ImGuiIO& io);
 
 class Shell {
  public:
-  /// `canvas` may be null. Makes an ImGui context of its own.
+  /// `canvas` may be null. Creates its own ImGui context.
   Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> wake);
   ~Shell();
   Shell(const Shell&) = delete;
@@ -107,40 +107,41 @@ class Shell {
   const Widgets& widgets() const { return widgets_; }
   InputQueue& input() { return input_; }
 
-  /// One frame: input, jobs, panels, commands. What is to be drawn is ImGui::GetDrawData() of
-  /// context(). `seconds` since the last one.
+  /// Runs one frame: input, jobs, panels, commands. The result is ImGui::GetDrawData() of
+  /// context(). `seconds` is the time since the last frame.
   void frame(int width, int height, float screen_scale, double seconds);
-  /// Applies a command as a key or a click would; errors go to the status bar unless `strict`.
+  /// Applies a command like a key or a click; errors go to the status bar unless `strict`.
   void perform(const Command& command, bool strict = false);
-  /// A file or folder that was dropped on the window: a session, a report or a recording.
+  /// Opens a dropped file or folder: a session, a report or a recording.
   void drop(const std::string& path, bool strict = false) {
     const bool document = std::filesystem::path(path).extension() == ".json";
     perform({document ? "session.open" : "recording.open", path}, strict);
   }
-  /// So that a script can tell whether its next step does something.
+  /// Lets a script detect whether its next step does anything.
   void forget_nothing_done() { state_.view.did_nothing = false; }
-  /// Something is left to show.
+  /// Whether there is something new to draw.
   bool needs_frame() const;
-  /// Nothing is under way and nothing is left to show.
+  /// Whether no work is running and nothing is left to draw.
   bool idle(bool background = true) const {
     return !needs_frame() && !jobs_.busy(background) && !steps_.active(state_);
   }
   ImGuiContext* context() const { return context_; }
-  /// Where a picture of this frame is wanted, once; empty: nowhere.
+  /// Returns, once, the path to which a picture of this frame should be written; otherwise empty.
   std::string take_picture_path();
-  /// The next of the steps that are being saved is to be drawn, until it rests, and read.
+  /// Whether steps are being saved: the next one must be drawn until it settles, then passed to
+  /// add_step().
   bool begin_step() { return steps_.begin(state_, jobs_.busy(false)); }
   void add_step(Image8 picture) { steps_.add(state_, std::move(picture)); }
-  /// Tells what became of something outside of the state.
+  /// Shows a message about something outside of the state.
   void tell(const std::string& message, bool is_error) { say(state_, message, is_error); }
-  /// The font atlas was made anew since the last call.
+  /// Whether the font atlas was rebuilt since the last call.
   bool take_fonts_changed();
 
-  /// Drops a message that has been shown for some seconds; true as long as one is waited for.
-  /// Errors stay until the next message.
+  /// Clears a message after some seconds; returns true while one is pending. Errors stay until the
+  /// next message.
   bool expire_message();
 
-  FrameTimes timing;  // shown by the action `timing`; whoever draws the frames measures them
+  FrameTimes timing;  // shown by the action `timing`; measured by the caller of frame()
 
  private:
   void draw(int width, int height);
@@ -161,7 +162,7 @@ class Shell {
   int frames_to_draw_ = 3;
   std::string picture_due_;
   bool fonts_changed_ = false;
-  std::string message_;  // the one that was shown last ...
+  std::string message_;  // the last shown message ...
   std::chrono::steady_clock::time_point message_since_;
 };
 

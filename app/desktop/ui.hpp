@@ -1,7 +1,7 @@
 #pragma once
 
-// What a panel is given: the state to read, a place for the commands it makes, names for its
-// widgets, colours. Panels are free functions; they draw into the ImGui window that is open.
+// The interface of panels: the state to read, commands to emit, widget names and colors. Panels are
+// free functions that draw into the current ImGui window.
 
 #include <map>
 #include <memory>
@@ -19,44 +19,44 @@
 
 namespace planescope::desktop {
 
-/// Where a widget stood in the last frame, by name: "octree.node.12", "criteria.theta_n_out".
+/// Rectangles of widgets in the last frame, by name: "octree.node.12", "criteria.theta_n_out".
 struct WidgetRect {
   ImVec2 min, max;
 };
 using Widgets = std::map<std::string, WidgetRect>;
 
-/// Colours beside ImGui's own style.
+/// Colors in addition to ImGui's style.
 struct UiColors {
   ImU32 text, muted, accent, good, bad, warning, grid, panel;
 };
 
-/// Where breakpoints stop, kept while neither they nor the run change.
+/// Steps at which breakpoints stop; cached until the breakpoints or the run change.
 struct BreakpointStops {
   std::weak_ptr<const debug::Run> run;
   std::vector<Breakpoint> breakpoints;
-  std::vector<std::int32_t> on, off;  // steps, ascending: of those that are enabled, and not
+  std::vector<std::int32_t> on, off;  // steps of enabled and disabled breakpoints, ascending
 };
 
-/// The event list's groups, kept while the run is the same, and which of them are open.
+/// Groups of the event list, cached per run, and those that are open.
 struct EventGroups {
   std::weak_ptr<const debug::Run> run;
   std::vector<EventRow> rows;
   std::set<std::int32_t> open;  // by first step
 };
 
-/// What the timeline draws, kept while the run, the range and the width are the same, and the mouse
-/// on it.
+/// Contents of the timeline, cached until the run, the range or the width changes, and the state of
+/// dragging.
 struct TimelineMemory {
   std::weak_ptr<const debug::Run> run;
   std::vector<debug::Phase> phases;
-  std::vector<TimelineColumn> columns, overview;  // of the steps shown, of all steps
-  debug::StepRange steps;                         // that `columns` are of
-  std::int32_t grabbed = 0;  // first step shown when a drag began; on the overview, from the mouse
-  int button = 0;            // that drags
-  bool double_clicked = false;  // and not let go yet
+  std::vector<TimelineColumn> columns, overview;  // of the visible steps and of all steps
+  debug::StepRange steps;                         // range of `columns`
+  std::int32_t grabbed = 0;     // first visible step at drag start; on the overview, from the mouse
+  int button = 0;               // mouse button of the drag
+  bool double_clicked = false;  // and still held
 };
 
-/// What the point panel tells, kept until another point or run is looked at.
+/// Contents of the point panel, cached per point and run.
 struct PointStory {
   std::shared_ptr<const io::Recording> recording;
   std::shared_ptr<const RunView> of;
@@ -65,67 +65,67 @@ struct PointStory {
   debug::WhyNot why;
 };
 
-/// Why a point is where it is, for the Inspector's answer; kept as PointStory.
+/// The Inspector's explanation of a point's result; cached like PointStory.
 struct PointAnswer {
   std::weak_ptr<const debug::Run> of;
   std::size_t source = 0;
   debug::WhyNot why;
 };
 
-/// What a user may choose from for a recording's camera, found once.
+/// Camera presets for a recording, found once.
 struct CameraForm {
   std::shared_ptr<const io::Recording> of;
   std::vector<io::CameraChoice> choices;
 };
 
-/// What is being drawn on labels, until the mouse lets go.
+/// A stroke on labels until the mouse button is released.
 struct LabelDrag {
   bool on = false;
   DrawnIn where = DrawnIn::image;
   labels::PaintMode mode = labels::PaintMode::over;
   std::vector<labels::Vec2f> path;
-  bool ignore_release = false;  // of a double click: its first click did everything
+  bool ignore_release = false;  // of a double click, whose first click was already handled
 };
 
-/// Where the mouse is, or was last, in a view of labels.
+/// Current or last mouse position in a label view.
 struct LabelPointing {
   bool now = false;
   DrawnIn where = DrawnIn::space;
   labels::Vec2f at = labels::Vec2f::Zero();
 };
 
-/// Where planes' names stand, kept while the labels are the same.
+/// Positions of plane names, cached per labels.
 struct LabelNames {
   std::shared_ptr<const FrameLabels> of;
   std::vector<render::LabelPlace> places;
 };
 
-/// What panels tell of a frame's planes beyond what their list has.
+/// Facts about a frame's planes that FrameLabels does not contain.
 struct PlaneFacts {
   std::size_t pixels = 0;
   double area_m2 = 0;
 };
 struct LabelFacts {
   labels::LabelStatistics statistics;
-  std::vector<PlaneFacts> planes;  // as FrameLabels::planes
+  std::vector<PlaneFacts> planes;  // in the order of FrameLabels::planes
 };
 
-/// Kept while the labels stay as they are.
+/// Cached per labels.
 struct KeptLabelFacts {
   std::weak_ptr<const FrameLabels> of;
   LabelFacts facts;
 };
 
-/// What the mouse points at in a view.
+/// The item under the mouse in a view.
 struct PointedAt {
   render::Picked what = {};
-  std::int64_t source = -1;  // depth pixel v * width + u, where it is one
+  std::int64_t source = -1;  // depth pixel v * width + u; -1 if there is none
 };
 
-/// Text being typed and other state that only panels have.
+/// Text being typed and other state local to panels.
 struct PanelMemory {
   std::map<std::string, FilterBoxMemory> filter_boxes;  // by widget
-  std::map<std::int32_t, bool> octree_open;             // nodes that the user opened or closed
+  std::map<std::int32_t, bool> octree_open;             // nodes opened or closed by the user
   std::string palette_text;
   int palette_index = 0;
   std::map<std::string, std::string> texts;  // by widget
@@ -136,16 +136,16 @@ struct PanelMemory {
   PointStory point;
   PointAnswer answer;
   KeptLabelFacts label_facts;
-  debug::Histogram grabbed;  // as it was when its threshold was taken hold of
+  debug::Histogram grabbed;  // before its threshold was dragged
   CameraForm camera_form;
   LabelDrag label_drag;
   LabelNames label_names;
   LabelPointing label_pointing;
-  PointedAt context;  // of the menu that is open
+  PointedAt context;  // of the open context menu
   std::int32_t events_scrolled_to = -1, octree_scrolled_to = -1;
 };
 
-/// Of the frames drawn lately.
+/// Statistics of recent frames.
 struct FrameTimes {
   double last_ms = 0, median_ms = 0, p99_ms = 0;
 };
@@ -155,9 +155,9 @@ struct Ui {
   std::vector<Command>& commands;
   Widgets& widgets;
   PanelMemory& memory;
-  Canvas* canvas;  // null where there is no GL
+  Canvas* canvas;  // null without GL
   UiColors colors;
-  float scale = 1;  // of the screen and the user: 1 = 15 px text
+  float scale = 1;  // of the screen and the user's zoom: 1 = 15 px text
   ImFont* small = nullptr;
   ImFont* bold = nullptr;
   FrameTimes timing = {};
@@ -167,16 +167,16 @@ struct Ui {
   void act(std::string action, const T& value) const {
     commands.push_back(command(std::move(action), value));
   }
-  /// Names the item drawn last.
+  /// Names the last drawn item.
   void name(const std::string& widget) const;
-  /// Names a part of the window: coordinates of the screen.
+  /// Names an area in screen coordinates.
   void name(const std::string& widget, ImVec2 min, ImVec2 max) const;
   float px(float at_scale_1) const { return at_scale_1 * scale; }
 };
 
 const BreakpointStops& stops_of(const Ui& ui);
 
-/// ImGui's style and colours for a theme, in one size of everything.
+/// Sets ImGui's style for a theme and scales all sizes.
 void set_style(render::Theme theme, float scale);
 UiColors ui_colors(render::Theme theme);
 

@@ -1,4 +1,4 @@
-// Image view and scene view: placement, zoom, pan, orbit, A/B divider and color scale.
+// Image view and scene view: layout, zoom, pan, orbit, A/B divider and color scale.
 
 #include "app/desktop/views.hpp"
 
@@ -21,7 +21,7 @@ constexpr ImGuiButtonFlags kAllButtons = ImGuiButtonFlags_MouseButtonLeft |
                                          ImGuiButtonFlags_MouseButtonRight |
                                          ImGuiButtonFlags_MouseButtonMiddle;
 
-/// An image of that size at the top left corner `at` of its room.
+/// Places an image of this size in an area with top left corner `at`.
 ImagePlacement place_image(const ViewState& view, ImVec2 at, ImVec2 room, int width, int height) {
   ImagePlacement placed;
   placed.area_min = at;
@@ -30,7 +30,7 @@ ImagePlacement place_image(const ViewState& view, ImVec2 at, ImVec2 room, int wi
   placed.height = height;
   const auto w = static_cast<float>(width), h = static_cast<float>(height);
   placed.scale = std::min(room.x / w, room.y / h) * static_cast<float>(view.image_zoom);
-  // An image that is smaller than its room stands in the middle.
+  // Center an image that is smaller than its area.
   const auto begin = [&](float room_px, float image_px, double center) {
     if (image_px <= room_px) return (room_px - image_px) / 2;
     return std::clamp(room_px / 2 - static_cast<float>(center) * image_px, room_px - image_px,
@@ -41,7 +41,7 @@ ImagePlacement place_image(const ViewState& view, ImVec2 at, ImVec2 room, int wi
   return placed;
 }
 
-/// Shows another part: image point `uv` comes to stand at `at` on screen.
+/// Moves image point `uv` to screen position `at` at a new zoom.
 void show_image_part(const Ui& ui, const ImagePlacement& now, double zoom, ImVec2 uv, ImVec2 at) {
   zoom = std::clamp(zoom, 1.0, 64.0);
   const double scale = now.scale * zoom / ui.state.view.image_zoom;
@@ -55,13 +55,13 @@ float wiper_x(const Ui& ui, ImVec2 min, ImVec2 max) {
   return std::round(min.x + static_cast<float>(ui.state.view.wiper_at) * (max.x - min.x));
 }
 
-/// Where the run that is not looked at is seen: A is left of the divider.
+/// Area of the other run: A is left of the divider.
 std::pair<ImVec2, ImVec2> other_side(const Ui& ui, ImVec2 min, ImVec2 max) {
   const float x = wiper_x(ui, min, max);
   return ui.state.view.flash ? std::pair{ImVec2(x, min.y), max} : std::pair{min, ImVec2(x, max.y)};
 }
 
-/// The divider, before the item below it, so that the mouse finds it first.
+/// Draws the divider. Must come before the item below it to receive the mouse first.
 void draw_wiper(const Ui& ui, const char* name, ImVec2 min, ImVec2 max) {
   const float x = wiper_x(ui, min, max), reach = ui.px(5);
   const ImVec2 back = ImGui::GetCursorScreenPos();
@@ -199,7 +199,7 @@ std::optional<std::size_t> pixel_of_nothing(const debug::Subject& subject,
 double picture_shape(const State& state) {
   const debug::Run* run = state.run();
   const OpenRecording* open = state.document.current();
-  if (open && !open->recording->info().knows_camera()) return 0;  // nothing is shown but a form
+  if (open && !open->recording->info().knows_camera()) return 0;  // only a form is shown
   if (!run) return 4.0 / 3;
   const Image16& depth = run->subject->frame.depth;
   return depth.empty() ? 0 : static_cast<double>(depth.width) / depth.height;
@@ -219,7 +219,7 @@ void draw_image_tools(const Ui& ui, const char* of_opacity) {
   ImGui::SameLine();
   auto percent = static_cast<float>(100 * view.overlay_opacity);
   const std::string text = fmt::format("{:.0f} %", percent);
-  // The number stands beside the slider: on it, the grab would hide it.
+  // Draw the number beside the slider, where the grab cannot hide it.
   const float number = ImGui::CalcTextSize("100 %").x + ui.px(6);
   ImGui::SetNextItemWidth(std::max(ui.px(24), ImGui::GetContentRegionAvail().x - number));
   if (ImGui::SliderFloat("##opacity", &percent, 0, 100, ""))
@@ -256,7 +256,7 @@ std::optional<ImagePlacement> draw_image_room(const Ui& ui,
   draw->PopClipRect();
   if (beside) draw_wiper(ui, "wiper.image", placed.area_min, placed.area_max);
   ImGui::InvisibleButton("pixels", room, kAllButtons);
-  // Of the image itself, so that shares of the widget are shares of the image.
+  // Name the image itself, so that fractions of the widget are fractions of the image.
   ui.name("image", first, last);
   return placed;
 }
@@ -341,11 +341,11 @@ void draw_label_absence(const Ui& ui) {
   draw_notice(ui, "Preparing the frame for labels …", ui.colors.muted);
 }
 
-// ---- How the scene and the image share their room -----------------------------------------------
+// ---- Layout of the scene and the image ----------------------------------------------------------
 
 namespace {
 
-/// Of a picture that fits into the room below its tools.
+/// Area of a picture that fits below its toolbar.
 float area_of(const Rect& room, float picture, float bar) {
   const float width = std::max(0.0F, std::min(room.w, (room.h - bar) * picture));
   return width * width / picture;

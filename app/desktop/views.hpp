@@ -1,7 +1,7 @@
 #pragma once
 
-// What the views of the debugger and of the label mode share: the camera's image and the scene in
-// space, as they lie on screen and follow the mouse.
+// The image view and the scene view, shared by the debugger and label mode: their layout on screen
+// and mouse handling.
 
 #include <functional>
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace planescope::desktop {
 
-// ---- How they share their room -----------------------------------------------------------------
+// ---- Layout of both views ----------------------------------------------------------------------
 
 struct Rect {
   float x = 0, y = 0, w = 0, h = 0;
@@ -20,28 +20,28 @@ struct Rect {
 
 struct Arrangement {
   std::optional<Rect> scene = {}, image = {};
-  std::optional<Rect> between = {};  // the splitter, where there are both
-  bool beside = false;               // or the scene above the image
+  std::optional<Rect> between = {};  // the splitter, if both are shown
+  bool beside = false;               // side by side; otherwise the scene is above the image
 };
 
-/// `picture`: width of the image by its height, 0 where there is none: then the scene has it all.
-/// Both stand side by side or one above the other, whichever shows them larger; the image has at
-/// most `share` of the room and no more than its picture fills. `bar`: height of the tools above
-/// each; `grip`: width of the splitter.
+/// `picture` is the aspect ratio of the image, or 0 without one, when the scene fills the room. The
+/// views are placed side by side or one above the other, whichever makes them larger. The image
+/// takes at most `share` of the room and no more than its picture fills. `bar` is the height of
+/// each view's toolbar, `grip` the width of the splitter.
 Arrangement arrange(
     const Rect& room, double picture, Views shown, double share, float bar, float grip);
 
-/// Width of the frame's image by its height; 0 where it has none, 4:3 while nobody knows.
+/// Aspect ratio of the frame's image; 0 without one, 4:3 while unknown.
 double picture_shape(const State& state);
-/// Both views, or the image alone.
+/// Whether both views or only the image are shown.
 bool shows_image(const State& state);
 
-// ---- The camera's image ------------------------------------------------------------------------
+// ---- Image view --------------------------------------------------------------------------------
 
-/// Where the image lies on screen.
+/// Position of the image on screen.
 struct ImagePlacement {
-  ImVec2 area_min, area_max;  // of the room that it is cut off at
-  ImVec2 origin;              // of the image's upper left corner
+  ImVec2 area_min, area_max;  // area to which the image is clipped
+  ImVec2 origin;              // upper left corner of the image
   float scale = 1;            // screen pixels per image pixel
   int width = 0, height = 0;  // [image pixels]
 
@@ -57,80 +57,82 @@ struct ImagePlacement {
   }
 };
 
-/// What is behind the image, all of it, how strongly it is covered (`of_opacity` says by what).
+/// Controls for the backdrop, for showing the whole image, and for the overlay's opacity, whose
+/// tooltip is `of_opacity`.
 void draw_image_tools(const Ui& ui, const char* of_opacity);
 
-/// An image of width x height pixels in the room that is left: an item that takes all three mouse
-/// buttons, named "image". Nothing where there is no room. `picture` is not asked without GL.
+/// Draws an image of width x height pixels in the remaining room, as an item named "image" that
+/// receives all three mouse buttons. nullopt if there is no room. `picture` is only called with GL.
 std::optional<ImagePlacement> draw_image_room(const Ui& ui,
                                               int width,
                                               int height,
                                               const std::function<TextureId(Canvas&)>& picture,
                                               const std::function<TextureId(Canvas&)>& beside = {});
-/// By the wheel, about the mouse. Of the item drawn last, like the next.
+/// Zooms the last drawn item with the wheel, around the mouse.
 void zoom_image(const Ui& ui, const ImagePlacement& placed);
-/// With the mouse, while a button holds the item.
+/// Pans the last drawn item while a mouse button holds it.
 void drag_image(const Ui& ui, const ImagePlacement& placed);
 
-// ---- The scene in space ------------------------------------------------------------------------
+// ---- Scene view --------------------------------------------------------------------------------
 
 struct ScenePlacement {
   ImVec2 min, max;
   int width = 0, height = 0;  // [px]
 };
 
-/// The same for the scene: the item is named "view3d".
+/// The same for the scene; the item is named "view3d".
 std::optional<ScenePlacement> draw_scene_room(
     const Ui& ui,
     const std::function<TextureId(Canvas&, const render::Camera&, int width, int height)>& picture,
     const std::function<TextureId(Canvas&, const render::Camera&, int width, int height)>& beside =
         {});
-/// By the wheel. Of the item drawn last.
+/// Zooms the last drawn item with the wheel.
 void zoom_scene(const Ui& ui);
-/// As far as the mouse has moved in this frame, in a view of that height [px].
+/// Applies the mouse motion of this frame in a view of this height [px].
 void orbit_scene(const Ui& ui, int height);
 void pan_scene(const Ui& ui, int height);
 
 // ---- A and B -----------------------------------------------------------------------------------
 
-/// Whether the mouse is on the side of the run that is looked at, not on the other one's.
+/// Whether the mouse is on the side of the main run rather than on that of the other run.
 bool mouse_is_here(const Ui& ui, ImVec2 min, ImVec2 max);
-/// Says over a view which run it shows; nothing where there is no A to tell apart.
+/// Labels the runs in a view; draws nothing without A.
 void draw_sides(const Ui& ui, const char* view, ImVec2 min, ImVec2 max);
 
-// ---- What colours mean --------------------------------------------------------------------------
+// ---- Color scales -------------------------------------------------------------------------------
 
-/// A scale's bar with its ticks, in the upper right corner of a view.
+/// Draws a scale's bar with ticks in the upper right corner of a view.
 void draw_scale_bar(const Ui& ui, const render::ColorScale& scale, ImVec2 min, ImVec2 max);
-/// That of the debugger's colours, or why they tell nothing; nothing where they are along no scale.
+/// Draws the scale of the debugger's colors, or why there is none. Draws nothing for colors without
+/// a scale.
 void draw_color_scale(const Ui& ui, ImVec2 min, ImVec2 max);
 
-// ---- What is clicked ---------------------------------------------------------------------------
+// ---- Context menu ------------------------------------------------------------------------------
 
-/// The depth pixel that looks to where nothing is seen at a place on screen [px from the top left]:
-/// at the depth of what is seen nearest to it. Nothing for clouds, and where it has a point.
+/// Returns the depth pixel without a measurement whose ray passes through a screen position [px
+/// from the top left], assuming the depth of the nearest visible point. nullopt for clouds, and if
+/// the pixel has a point.
 std::optional<std::size_t> pixel_of_nothing(const debug::Subject& subject,
                                             const render::View& view,
                                             const Vec2d& at);
 struct ContextEntry {
   std::string name;  // of its widget: "context.<name>"
   std::string title;
-  std::string key = {};  // of the action, where it is one alone
+  std::string key = {};  // of the action, for entries with a single one
   std::vector<Command> commands;
 };
 
-/// What it is, in a line.
+/// One line that identifies the item.
 std::string context_title(const State& state, const PointedAt& at);
 std::vector<ContextEntry> context_entries(const State& state, const PointedAt& at);
-/// Opens the menu of what was clicked with the right button, over the item drawn last, and draws
-/// it.
+/// Opens and draws the context menu of a right-clicked item in the last drawn view.
 void draw_context_menu(const Ui& ui, const std::optional<PointedAt>& clicked);
 
-// ---- Where there is nothing to show ------------------------------------------------------------
+// ---- Empty views -------------------------------------------------------------------------------
 
-/// Why no frame is shown.
+/// Explains why no frame is shown.
 void draw_absence(const Ui& ui);
-/// Why no labels are.
+/// Explains why no labels are shown.
 void draw_label_absence(const Ui& ui);
 
 }  // namespace planescope::desktop

@@ -21,7 +21,7 @@ ImVec4 rgb(int hex, float alpha = 1) {
                 static_cast<float>(hex & 255) / 255, alpha);
 }
 
-/// Every text contrasts with every ground that it may stand on by 4.5 : 1 (WCAG AA).
+/// All text has a contrast of at least 4.5:1 with every background it is used on (WCAG AA).
 struct Scheme {
   int window, child, popup, frame, frame_hot, border, text, muted, accent, header;
 };
@@ -49,7 +49,7 @@ void set_style(render::Theme theme, float scale) {
   style.ItemInnerSpacing = ImVec2(5, 4);
   style.CellPadding = ImVec2(5, 2);
   style.ScrollbarSize = 11;
-  style.GrabMinSize = 12;  // the thumb of a long list can still be taken hold of
+  style.GrabMinSize = 12;  // keeps the thumb of a long list easy to grab
   style.IndentSpacing = 16;
   style.WindowRounding = 0;
   style.ChildRounding = 0;
@@ -131,16 +131,17 @@ UiColors ui_colors(render::Theme theme) {
 
 namespace {
 
-constexpr float kSubscriptSize = 0.78f;  // of the text's
-constexpr float kSubscriptDrop = 0.34f;  // of the text's height
+constexpr float kSubscriptSize = 0.78f;  // fraction of the text size
+constexpr float kSubscriptDrop = 0.34f;  // fraction of the text height
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 
-/// Does the underscore follow a symbol, one letter on its own? Not so in names of options.
+/// Whether the underscore follows a symbol, i.e. a single letter. Underscores in option names do
+/// not.
 bool is_subscript(const std::string& text, std::size_t mark) {
   if (mark == 0 || mark + 1 == text.size() || !is_word(text[mark + 1])) return false;
   std::size_t letter = mark - 1;
-  while (letter > 0 && (text[letter] & 0xc0) == 0x80) --letter;  // the first byte of UTF-8
+  while (letter > 0 && (text[letter] & 0xc0) == 0x80) --letter;  // first byte of UTF-8
   const bool is_letter = is_word(text[letter]) || (text[letter] & 0x80) != 0;
   return is_letter && (letter == 0 || (!is_word(text[letter - 1]) && text[letter - 1] != '_'));
 }
@@ -163,17 +164,17 @@ void for_parts(const std::string& text, const Part& part) {
 
 float width_of(
     const Ui& ui, const std::string& text, std::size_t begin, std::size_t end, bool sub) {
-  // Not ImGui::CalcTextSize(), which rounds up: parts would stand apart.
+  // ImGui::CalcTextSize() rounds up, which would leave gaps between parts.
   ImFont& font = sub ? *ui.small : *ImGui::GetFont();
   const float size = ImGui::GetFontSize() * (sub ? kSubscriptSize : 1);
   const char* data = text.data();
   return font.CalcTextSizeA(size, 1e6f, 0, data + begin, data + end).x;
 }
 
-/// Lines broken at spaces only: ImGui would also part "9." from "15".
+/// Breaks lines at spaces only: ImGui would also break between "9." and "15".
 std::string wrapped(const std::string& text, float width) {
   std::string lines;
-  std::size_t line = 0;  // where the last one begins in `lines`
+  std::size_t line = 0;  // start of the last line in `lines`
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find(' ', begin), text.size());
     const std::string word = text.substr(begin, end - begin);
@@ -192,7 +193,7 @@ std::string wrapped(const std::string& text, float width) {
 
 }  // namespace
 
-// ---- Colours -----------------------------------------------------------------------------------
+// ---- Colors ------------------------------------------------------------------------------------
 
 ImU32 to_imgui(render::Rgba color) { return IM_COL32(color.r, color.g, color.b, color.a); }
 
@@ -220,7 +221,7 @@ void colored(ImU32 color, const std::string& text) {
 void paragraph(ImU32 color, const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, color);
   ImGui::PushTextWrapPos(0);
-  // What is wider than the room without a space, such as a path, is left to ImGui.
+  // ImGui breaks words that are wider than the room, such as paths.
   ImGui::TextUnformatted(wrapped(text, ImGui::GetContentRegionAvail().x).c_str());
   ImGui::PopTextWrapPos();
   ImGui::PopStyleColor();
@@ -247,7 +248,7 @@ bool link(const Ui& ui, const std::string& text, const std::string& widget) {
 
 namespace {
 
-/// Below an area or, near the lower end of the window, above it.
+/// Shows a tooltip below an area or, near the lower edge of the window, above it.
 void tooltip_beside(const std::string& text, ImVec2 min, ImVec2 max) {
   const ImVec2 window = ImGui::GetIO().DisplaySize;
   const float gap = ImGui::GetFontSize() * 0.4f, wrap = ImGui::GetFontSize() * 32;
@@ -268,7 +269,7 @@ void tooltip(const std::string& text) {
   if (!ImGui::IsItemHovered()) return;
   const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
   if (max.y - min.y > 4 * ImGui::GetFontSize()) return tooltip_at_mouse(text);
-  // Wide items: beside the part under the mouse.
+  // For wide items, place it beside the part under the mouse.
   const float from = std::max(min.x, ImGui::GetIO().MousePos.x - ImGui::GetFontSize() * 6);
   tooltip_beside(text, ImVec2(from, min.y), ImVec2(std::min(max.x, from + 200), max.y));
 }
@@ -335,7 +336,7 @@ void draw_math(const Ui& ui, ImDrawList* draw, ImVec2 at, ImU32 color, const std
 void math_text(const Ui& ui, ImU32 color, const std::string& text) {
   ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size(std::ceil(math_width(ui, text)), ImGui::GetTextLineHeight());
-  // As text does, beside a button or a box.
+  // Align with text beside a button or a frame.
   at.y += ImGui::GetCurrentWindowRead()->DC.CurrLineTextBaseOffset;
   ImGui::Dummy(size);
   draw_math(ui, ImGui::GetWindowDrawList(), at, color, text);
@@ -461,7 +462,7 @@ void scroll_to_row(int row, float row_height) {
     ImGui::SetScrollY(std::max(0.0f, top - height * 0.4f));
 }
 
-// ---- The mouse ---------------------------------------------------------------------------------
+// ---- Mouse -------------------------------------------------------------------------------------
 
 bool was_dragged(int button) {
   constexpr float kClickSlack_px = 4;

@@ -64,7 +64,7 @@ Key key_of_glfw(int key) {
   return Key::none;
 }
 
-/// How long the latest frames took, for the overlay.
+/// Statistics of recent frame times, for the overlay.
 class Stopwatch {
  public:
   void add(double ms, FrameTimes& times) {
@@ -147,7 +147,7 @@ Window::~Window() {
 void Window::connect() {
   glfwSetWindowUserPointer(window_, this);
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
-    // The framebuffer may have more pixels than the window has units.
+    // On high-DPI screens the framebuffer has more pixels than the window has units.
     int width = 1, height = 1, pixels_x = 1, pixels_y = 1;
     glfwGetWindowSize(w, &width, &height);
     glfwGetFramebufferSize(w, &pixels_x, &pixels_y);
@@ -189,7 +189,7 @@ void Window::draw_frame() {
   last_ = now;
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
-  if (width == 0 || height == 0) return;  // minimised
+  if (width == 0 || height == 0) return;  // minimized
   take_step(
       shell(), [&] { screen_->draw(width, height, scale(), 0); }, [this] { return picture(); });
   screen_->draw(width, height, scale(), std::min(seconds, 0.1));
@@ -220,7 +220,7 @@ void Window::write_state() {
   write_file_text(options_.state_file, facts);
 }
 
-/// Of the framebuffer that lasts: what a display shows need not be there to be read.
+/// Reads the persistent framebuffer, because the contents of the display may not be readable.
 Image8 Window::picture() {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
@@ -236,16 +236,16 @@ void Window::keep_settings() const {
   settings.maximized = glfwGetWindowAttrib(window_, GLFW_MAXIMIZED) == GLFW_TRUE;
   if (!settings.maximized) glfwGetWindowSize(window_, &settings.width, &settings.height);
   if (const OpenRecording* open = state.document.current()) {
-    std::error_code gone;  // the folder that it is relative to
+    std::error_code gone;  // the folder that a relative path starts from
     settings.last_recording = std::filesystem::absolute(open->path, gone);
     settings.last_frame = state.document.frame;
   }
   settings.recent = state.document.recent;
   settings.camera = state.view.camera;
   settings.view = state.view;
-  settings.view.truth_plane = 0;  // of that recording
+  settings.view.truth_plane = 0;  // belongs to the current recording
   if (state.view.case_colors == CaseColors::shown)
-    settings.view.color_by = render::ColorBy::planes;  // they end with the stepping
+    settings.view.color_by = render::ColorBy::planes;  // case colors end with stepping
   save_settings(settings);
 }
 
@@ -253,7 +253,7 @@ void Window::run(std::stop_token stop) {
   const std::stop_callback wake(stop, [] { glfwPostEmptyEvent(); });
   for (const Script& script : options_.scripts) script.play(shell(), *this, stop);
   while (!glfwWindowShouldClose(window_) && !shell().state().view.quit && !stop.stop_requested()) {
-    // Nothing is drawn until something happens; what is under way wakes the window when it is done.
+    // Draw nothing until something happens; finished jobs wake the window.
     const bool expires = shell().expire_message();
     if (shell().idle() && !expires)
       glfwWaitEvents();
@@ -285,15 +285,15 @@ Offscreen::~Offscreen() {
   try {
     context_->make_current();
   } catch (const Error&) {
-    // What it drew with ends with the context; the labels are saved all the same.
+    // Drawing resources end with the context; labels are saved regardless.
   }
   screen_.reset();
 }
 
 void Offscreen::draw_frame() {
   context_->make_current();
-  // No display holds the frames back: a software renderer would queue dozens of them, each tens of
-  // megabytes.
+  // No display limits the frame rate: a software renderer would queue dozens of frames of tens of
+  // megabytes each.
   glFinish();
   take_step(
       shell(), [this] { screen_->draw(width_, height_, scale_, 0); }, [this] { return picture(); });
@@ -336,7 +336,7 @@ using render::common;
 using render::hashed;
 using render::whole_px;
 
-/// The pixels that a command may touch, rounded as ImGui's OpenGL renderer rounds them.
+/// Pixels that a command may touch, rounded like in ImGui's OpenGL renderer.
 Part scissor(const ImVec4& clip, int height) {
   const int left = static_cast<int>(clip.x);
   const int below = static_cast<int>(static_cast<float>(height) - clip.w);
@@ -346,7 +346,7 @@ Part scissor(const ImVec4& clip, int height) {
 
 using Triangle = std::array<ImDrawVert, 3>;
 
-/// The pixels that it may touch.
+/// Pixels that the triangle may touch.
 Part bounds(const Triangle& t) {
   const auto [x0, x1] = std::minmax({t[0].pos.x, t[1].pos.x, t[2].pos.x});
   const auto [y0, y1] = std::minmax({t[0].pos.y, t[1].pos.y, t[2].pos.y});
@@ -354,7 +354,7 @@ Part bounds(const Triangle& t) {
           whole_px(std::ceil(y1))};
 }
 
-/// Commands in their order, with the pixels that each may touch.
+/// Visits commands in order, with the pixels that each may touch.
 template <typename Visit>
 void each_command(const ImDrawData& frame, Visit visit) {
   const int width = static_cast<int>(frame.DisplaySize.x);
@@ -394,7 +394,7 @@ std::vector<Part> Damage::next(const ImDrawData& frame,
 }
 
 void cut_to_parts(const ImDrawData& frame, std::span<const Part> parts, ImDrawList& cut) {
-  constexpr int kMost = 65535 / 3 * 3;  // vertices that 16 bits can count
+  constexpr int kMost = 65535 / 3 * 3;  // indices per 16-bit command
   for (const Part& part : parts) {
     each_command(frame, [&](const ImDrawList& list, const ImDrawCmd& command, const Part& room) {
       const Part seen = common(room, part);

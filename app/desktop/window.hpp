@@ -1,6 +1,6 @@
 #pragma once
 
-// The window on a display, and the same shell drawn into an EGL framebuffer where there is none.
+// The window on a display, and the same shell in an EGL framebuffer without one.
 
 #include <cstdint>
 #include <filesystem>
@@ -20,47 +20,47 @@
 
 namespace planescope::desktop {
 
-// The shell in the current GL context, and its picture, which lasts from frame to frame: only the
-// parts that a frame changes are drawn, as far as ImGui's draw lists show.
+// Draws the shell in the current GL context into a persistent picture: only the parts that changed
+// since the last frame, according to ImGui's draw lists, are drawn.
 
 using render::Part;
 
 class Damage {
  public:
-  /// Where `frame` may look otherwise than the frame before: parts that do not overlap. All of the
-  /// window at first, and where its size has changed. `version` tells apart what a texture holds
-  /// now from what it held before.
+  /// Returns the parts of `frame` that may differ from the previous frame, without overlap: the
+  /// whole window at first and after its size has changed. `version` returns the version of a
+  /// texture's contents.
   std::vector<Part> next(const ImDrawData& frame,
                          const std::function<std::uint64_t(ImTextureID)>& version);
-  /// The frame before is lost.
+  /// Call when the previous frame is lost.
   void forget() { tiles_ = {}; }
 
  private:
   render::Tiles tiles_;
 };
 
-/// Into `cut`, which is empty: what `frame` draws within the parts, and nothing outside them. Where
-/// the parts hold what stood there, the window is then as if all of `frame` were drawn.
+/// Copies the part of `frame` within `parts` to `cut`, which must be empty. Drawing it over the
+/// previous picture, with the parts cleared, gives the same result as drawing all of `frame`.
 void cut_to_parts(const ImDrawData& frame, std::span<const Part> parts, ImDrawList& cut);
 
 class Screen {
  public:
-  /// Needs a current GL context, and the same one until it is destroyed.
+  /// Requires a current GL context, which must be the same until destruction.
   Screen(State state, std::function<void()> wake);
-  /// Cancels what is under way.
+  /// Cancels running work.
   ~Screen();
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
   Shell& shell() { return *shell_; }
   const Shell& shell() const { return *shell_; }
-  /// One frame of that size. Only where it differs from the one before it is drawn.
+  /// Draws one frame of this size, limited to the parts that changed.
   void draw(int width, int height, float scale, double seconds);
-  /// The next frame is drawn as a whole.
+  /// Redraws the next frame completely.
   void forget() { damage_.forget(); }
-  /// What the last frame drew.
+  /// Number of pixels drawn in the last frame.
   std::int64_t pixels_drawn() const { return pixels_drawn_; }
-  /// Of the size of the last frame.
+  /// Has the size of the last frame.
   GLuint framebuffer() const { return framebuffer_; }
 
  private:
@@ -69,34 +69,34 @@ class Screen {
   int width_ = 0, height_ = 0;
   render::GlRenderbuffer color_ = render::GlRenderbuffer::make();
   render::GlFramebuffer framebuffer_ = render::GlFramebuffer::make();
-  Canvas* canvas_ = nullptr;  // the shell's
+  Canvas* canvas_ = nullptr;  // owned by the shell
   std::unique_ptr<Shell> shell_;
   Damage damage_;
   std::int64_t pixels_drawn_ = 0;
 };
 
-/// No window can be opened here.
+/// Thrown when no window can be opened.
 struct NoDisplay : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 struct WindowOptions {
-  Settings settings;                 // size and place
-  bool keep_settings = true;         // write them back when it closes
-  std::vector<Script> scripts;       // played when the window is there
-  std::filesystem::path state_file;  // state_facts() whenever they change; empty: nowhere
+  Settings settings;                 // size and position
+  bool keep_settings = true;         // write them back on close
+  std::vector<Script> scripts;       // played when the window is open
+  std::filesystem::path state_file;  // state_facts() after every change; empty: none
 };
 
 /// Shows the window until it is closed. Throws NoDisplay.
 void run_window(State state, const WindowOptions& options, std::stop_token stop);
 
-/// What a picture shows of a widget, or of a panel.
+/// Crops a picture to a widget or panel.
 Image8 part_of(const Image8& whole, const WidgetRect& rect);
 
 /// The window without a display.
 class Offscreen : public Stage {
  public:
-  /// Throws Error where there is no GL without a display either.
+  /// Throws Error if offscreen GL is not available either.
   Offscreen(State state, int width, int height, float scale);
   ~Offscreen() override;
 

@@ -1,12 +1,11 @@
-// Counts what work allocates on the heap, by standing before the C library's functions in this
-// program alone.
+// Counts heap allocations by interposing the C library's allocation functions in this program.
 
 #include <cerrno>
 #include <cstdlib>
 
 #include "app/lab/lab.hpp"
 
-// No other file may define these functions, and none of this may allocate.
+// No other file may define these functions, and nothing in this file may allocate.
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define PLANESCOPE_COUNTS_ALLOCATIONS 0
@@ -28,7 +27,7 @@
 
 namespace {
 
-// Of each thread, so that others' work does not count and nothing is shared.
+// Per thread, so that other threads do not count and nothing is shared.
 thread_local bool counting = false;
 thread_local planescope::lab::Allocations allocated;
 
@@ -40,7 +39,7 @@ void count_allocation(std::size_t bytes) {
 
 }  // namespace
 
-// What is allocated is glibc's own, so its free() takes it back.
+// Blocks come from glibc's own allocator, so its free() accepts them.
 extern "C" {
 void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t count, std::size_t bytes);

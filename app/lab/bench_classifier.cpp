@@ -1,4 +1,4 @@
-// planescope-lab bench classifier: networks against PCA normals.
+// planescope-lab bench classifier: compares networks with PCA normals.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -22,14 +22,14 @@ const std::vector<std::string> kClassifierParts = {"accuracy", "gravity", "chain
                                                    "frames"};
 
 struct BenchClassifierArgs {
-  InputArgs input;                             // recordings whose frames are timed; the options
-  std::vector<std::string> weights = {"gcn"};  // gcn, the shipped ones, or files
+  InputArgs input;                             // recordings to time, and their options
+  std::vector<std::string> weights = {"gcn"};  // gcn (the shipped weights) or files
   std::set<std::string> parts;                 // of kClassifierParts
-  std::uint64_t seed = 960001;                 // of the clouds: no training has it
+  std::uint64_t seed = 960001;                 // of the clouds; not used in training
   int count = 100;                             // clouds of each kind
   int rounds = 20;                             // of the speed part
   std::filesystem::path out;                   // -o; empty: stdout
-  std::string command;                         // as it was typed
+  std::string command;                         // as typed
 };
 
 constexpr double kTiltDeg = 5;
@@ -42,7 +42,7 @@ struct Contender {
 
 Contender load(const std::string& weights) {
   if (weights == "pca" || weights == "truth")
-    throw Error("--weights: '" + weights + "' is not a network, expected gcn or a weights file");
+    throw Error("--weights: '" + weights + "' is not a network; expected gcn or a weights file");
   const fs::path file =
       weights == "gcn" ? find_asset("classifier.safetensors", "the weights of classifier gcn are")
                        : fs::path(weights);
@@ -54,7 +54,7 @@ Contender load(const std::string& weights) {
           planes::read_weights(file)};
 }
 
-/// Those of files with the same name are called as they were typed.
+/// Loads all networks. Files with the same name are listed by path.
 std::vector<Contender> load_all(const std::vector<std::string>& weights) {
   std::vector<Contender> contenders;
   std::multiset<std::string> names;
@@ -72,7 +72,7 @@ void time_frames(const BenchClassifierArgs& args,
                  const std::stop_token& stop,
                  lab::ResultLines& lines) {
   planes::PipelineOptions options = args.input.pipeline;
-  if (options.segment.by_objective())  // it finds planes of depth images without labels
+  if (options.segment.by_objective())  // which segments depth images without labels
     options.segment = planes::profile_options(planes::Profile::paper);
   const std::set<int> thread_counts = {1, options.threads};
   for (const OpenInput& input : open_inputs(args.input))
@@ -99,8 +99,8 @@ Json json_of_accuracy(const planes::LabelAccuracy& accuracy) {
           {"inner_points", accuracy.inner}};
 }
 
-/// Measures networks: classifier.jsonl, and what depends on time in classifier.timings.jsonl.
-/// Throws Cancelled on stop.
+/// Measures networks: accuracy goes to classifier.jsonl, times to classifier.timings.jsonl. Throws
+/// Cancelled on stop.
 int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop) {
   if (!args.out.empty()) check_output_dir(args.out);
   const auto wanted = [&](const char* part) { return args.parts.contains(part); };
@@ -132,7 +132,7 @@ int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop) 
     classifiers.push_back({fmt::format("PCA, {} neighbours", neighbours),
                            planes::make_pca_classifier({.neighbours = neighbours})});
 
-  // The recordings first: one that cannot be read is reported before anything slow starts.
+  // Recordings first, so that an unreadable one is reported before anything slow starts.
   if (wanted("frames")) time_frames(args, contenders, stop, timings);
   if (wanted("speed")) {
     const lab::SpeedBench bench =

@@ -1,4 +1,4 @@
-// planescope-lab bench desktop: how quick the window is, off-screen.
+// planescope-lab bench desktop: frame times of the window, rendered offscreen.
 
 #include <fmt/format.h>
 
@@ -22,12 +22,12 @@ using Clock = std::chrono::steady_clock;
 
 struct BenchDesktopArgs {
   ViewArgs view;              // recording, options, size of the window
-  int steps = 500;            // of the scrub
-  std::string command;        // as it was typed
+  int steps = 500;            // of scrubbing
+  std::string command;        // as typed
   std::filesystem::path out;  // -o; empty: stdout
 };
 
-constexpr int kTicks = 60;  // of a slider
+constexpr int kTicks = 60;  // of a slider drag
 
 struct Times {
   std::vector<double> ms;
@@ -37,7 +37,7 @@ struct Times {
   }
 };
 
-/// One frame, drawn to the end.
+/// Times one frame until the GPU has finished it.
 void time_frame(Offscreen& window, Times& times) {
   const auto start = Clock::now();
   window.draw_frame();
@@ -45,13 +45,14 @@ void time_frame(Offscreen& window, Times& times) {
   times.add(start);
 }
 
-/// The same as if nothing of it stood there yet.
+/// Times a frame that must be redrawn completely.
 void time_whole_frame(Offscreen& window, Times& times) {
   window.screen().forget();
   time_frame(window, times);
 }
 
-/// How long the window takes to show a step, off-screen, against an empty one in the same run.
+/// Measures how long the window takes to show a step, offscreen, compared with an empty window in
+/// the same run.
 int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
   if (!args.out.empty()) check_output_dir(args.out);
   const ViewArgs& view = args.view;
@@ -92,7 +93,7 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
       const auto start = Clock::now();
       window.shell().perform({"option.drag", fmt::format("theta_n_out={}", before + 1 + (i % 2))});
       while (window.shell().state().results.current == shown) {
-        // As on a display, the window rests while there is nothing new to show.
+        // As on a display, the window idles while there is nothing new to draw.
         if (!window.shell().needs_frame())
           std::this_thread::sleep_for(std::chrono::microseconds(200));
         window.draw_frame();

@@ -1,4 +1,5 @@
-// planescope-lab bench paper: cells, sizes of real recordings' frames, and times.
+// planescope-lab bench paper: the paper's tables and timings, on synthetic sets and real
+// recordings.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -31,46 +32,47 @@ using Json = nlohmann::ordered_json;
 
 const std::vector<std::string> kPaperParts = {"tables", "timings"};
 
-/// A real recording under the name that it has in tables.
+/// A real recording and its name in the tables.
 struct PaperRecording {
   std::string name;
   InputArgs input;
 };
 
 struct BenchPaperArgs {
-  InputArgs input;                         // recordings as they are typed
-  std::vector<PaperRecording> recordings;  // those that are taken
-  std::filesystem::path data;              // folder of recordings that labels are taken from
-  std::string weights = "gcn";             // gcn, the shipped ones, or a file
+  InputArgs input;                         // recordings as typed
+  std::vector<PaperRecording> recordings;  // the selected recordings
+  std::filesystem::path data;              // folder of recordings with labels
+  std::string weights = "gcn";             // gcn (the shipped weights) or a file
   std::set<std::string> parts;             // of kPaperParts
   std::uint64_t seed = 1, tuning_seed = 1001;
-  std::vector<std::string> sets;  // that are measured; empty: all
-  int count = 0;                  // frames of a set at most; 0: all
+  std::vector<std::string> sets;  // sets to measure; empty: all
+  int count = 0;                  // maximum frames per set; 0: all
   bool quick = false;             // fewer frames and conditions
   bool resume = false;
   int threads = all_cores();
   std::filesystem::path out;  // -o
-  std::string same_command;   // measures the same again; without folders, which are this machine's
+  std::string same_command;   // reproduces the results; without folder names
 };
 
-// ---- Cells as they are measured ----
+// ---- Measured cells ----
 
-/// DIR/cells.jsonl: a line that tells the run, then one for each cell, so that a run that was cut
-/// short can resume where it stopped.
+/// DIR/cells.jsonl: a line that identifies the run, then one line per cell, so that an interrupted
+/// run can be resumed.
 class CellLog {
  public:
-  /// Throws Error where there is a run and `resume` is not set, or where it is another run: of
-  /// other seeds, weights, build or size than the first line `run` of results.
+  /// Throws Error if the file exists and `resume` is not set, or if it belongs to another run: one
+  /// whose seeds, weights, build or size differ from `run`, the first line of the results.
   CellLog(const fs::path& dir, const std::string& run, bool resume) : file_(dir / "cells.jsonl") {
     const Json identity = identity_of(Json::parse(run));
     std::string text = identity.dump() + "\n";
     if (fs::exists(file_)) {
       if (!resume)
-        throw Error(dir.string() +
-                    ": holds a run that is not done, go on with it by --resume or give another -o");
+        throw Error(
+            dir.string() +
+            ": contains an unfinished run; continue it with --resume, or use a different -o");
       std::ifstream in = open_to_read(file_);
       int number = 0;
-      // A last line that was cut is dropped.
+      // Drop an incomplete last line.
       for (std::string line; std::getline(in, line) && !in.eof();) {
         const std::string where = fmt::format("{}, line {}", file_.string(), ++number);
         const Json json = parse_json<Json>(line, where);
@@ -78,7 +80,8 @@ class CellLog {
           check_same_run(json, identity);
           continue;
         }
-        if (!json.is_object() || !json.contains("key")) throw Error(where + ": is no cell");
+        if (!json.is_object() || !json.contains("key"))
+          throw Error(where + ": not a cell; expected an object with a key");
         lines_[json["key"].dump()] = line + '\n';
         text += line + '\n';
       }
@@ -97,16 +100,16 @@ class CellLog {
                    lab::with_metrics({{"key", key}, {"frames", cell.frames}}, cell.metrics)));
     }
     file.flush();
-    if (!file) throw Error(file_.string() + ": not all of it could be written (disk full?)");
+    if (!file) throw Error(file_.string() + ": could not be written completely (disk full?)");
   }
-  /// The results are written elsewhere.
+  /// Deletes the file once the results are written elsewhere.
   void remove() {
     std::error_code ignored;
     fs::remove(file_, ignored);
   }
 
  private:
-  /// Everything that must agree for cells to belong to one run.
+  /// Fields that must agree for cells to belong to the same run.
   static Json identity_of(const Json& run) {
     Json identity;
     for (const char* name :
@@ -119,7 +122,7 @@ class CellLog {
     for (const auto& [name, value] : expected.items())
       if (const Json other = found.is_object() ? found.value(name, Json()) : Json(); other != value)
         throw Error(fmt::format(
-            "{}: is of a run with {} {}, expected {}; give another -o, or remove the file",
+            "{}: belongs to a run with {} {}; expected {}; use a different -o, or delete the file",
             file_.string(), name, other.dump(), value.dump()));
   }
 
@@ -132,10 +135,10 @@ class CellLog {
 struct RealInput {
   std::string name;
   OpenInput input;
-  planes::PipelineOptions options;  // of one thread
+  planes::PipelineOptions options;  // for one thread
 };
 
-/// Opens all, and takes at most `frames` of each, evenly spread.
+/// Opens all recordings and selects at most `frames` of each, evenly spaced.
 std::vector<RealInput> open_real(std::span<const PaperRecording> recordings, int frames) {
   std::vector<RealInput> opened;
   for (const PaperRecording& recording : recordings) {
@@ -147,8 +150,7 @@ std::vector<RealInput> open_real(std::span<const PaperRecording> recordings, int
   return opened;
 }
 
-/// Sizes of its frames, means over them: what the paper's table IV has. The same for any number of
-/// threads.
+/// Mean sizes over the frames, as in Table IV of the paper. Independent of the number of threads.
 Json sizes_of(const RealInput& real,
               const planes::Classifier& classifier,
               int threads,
@@ -167,7 +169,7 @@ Json sizes_of(const RealInput& real,
                       static_cast<double>(result.voxels.points.size()),
                       static_cast<double>(result.segmentation.planes.size())};
     } catch (const FrameRefused&) {
-      // Counted below: nothing tells which way is down there.
+      // Counted below: gravity is unknown.
     }
   };
   work_through(static_cast<int>(of_frames.size()), threads, measure, progress);
@@ -190,7 +192,7 @@ Json sizes_of(const RealInput& real,
           {"planes", sum.planes / divisor}};
 }
 
-/// Of the frames whose gravity is known, `runs` runs.
+/// Times the frames with known gravity in `runs` runs.
 Json times_of(const RealInput& real,
               const planes::Classifier& classifier,
               int threads,
@@ -203,7 +205,7 @@ Json times_of(const RealInput& real,
       planes::resolve_gravity(real.input.recording->frame(frame), options.gravity);
       frames.push_back(frame);
     } catch (const Error&) {
-      // Refused, as table IV's sizes say.
+      // Skipped; counted in the sizes for Table IV.
     }
   }
   options.threads = threads;
@@ -224,7 +226,7 @@ class PaperRun {
 
   int run() {
     check_output_dir(args_.out);
-    // Damaged input is found before anything slow starts.
+    // Detect damaged input before anything slow starts.
     load_classifiers();
     real_ = open_real(args_.recordings, args_.quick ? 3 : 30);
     make_output_dir(args_.out);
@@ -245,7 +247,7 @@ class PaperRun {
     planes::ChosenClassifier chosen = choose_classifier(options);
     if (!chosen.weights)
       throw Error("--weights: '" + args_.weights +
-                  "' is not a network, expected gcn or a weights file");
+                  "' is not a network; expected gcn or a weights file");
     weights_ = *chosen.weights;
     tools_.gcn = std::move(chosen.classifier);
     tools_.pca = planes::make_pca_classifier(options.pca);
@@ -277,7 +279,7 @@ class PaperRun {
     log.remove();
   }
 
-  /// Every planned cell that the log has not yet, frames by frames.
+  /// Measures every planned cell that is not in the log, one frame set after another.
   void measure_all(const lab::PaperPlan& plan, CellLog& log) {
     std::vector<lab::CellKey> left = lab::planned_cells(plan);
     const auto all = static_cast<int>(left.size());
@@ -333,21 +335,21 @@ class PaperRun {
   std::vector<RealInput> real_;
 };
 
-/// The paper's experiments: paper.jsonl, and what depends on time in paper.timings.jsonl. Throws
-/// Cancelled on stop, and what was measured can be gone on with.
+/// Runs the paper's experiments: results go to paper.jsonl, times to paper.timings.jsonl. Throws
+/// Cancelled on stop; the run can then be resumed.
 int run_bench_paper(const BenchPaperArgs& args, std::stop_token stop) {
   return PaperRun(args, std::move(stop)).run();
 }
 
-/// Of a list like assets/paper_recordings.txt those that are there below `data`. Throws Error
-/// naming the list and the line that is not understood.
+/// Reads a list like assets/paper_recordings.txt and returns the recordings that exist below
+/// `data`. Throws Error with the list and line number if a line is invalid.
 std::vector<PaperRecording> listed_recordings(const fs::path& list, const fs::path& data) {
   static const std::vector<std::string> options = {"--frames", "--gravity", "--intrinsics",
                                                    "--depth-unit"};
   std::vector<PaperRecording> recordings;
   read_list(list, [&](std::istringstream& words) {
     std::string name, path;
-    if (!(words >> name >> path)) throw Error("a name without a path");
+    if (!(words >> name >> path)) throw Error("name without a path; expected NAME PATH OPTIONS");
     PaperRecording recording{name, {}};
     set_listed_options(recording.input, words, options);
     recording.input.inputs = {data / path};
@@ -356,7 +358,8 @@ std::vector<PaperRecording> listed_recordings(const fs::path& list, const fs::pa
   return recordings;
 }
 
-/// What is typed, or those of the list that comes with planescope which are below $PLANESCOPE_DATA.
+/// Returns the recordings on the command line, or those of the shipped list that exist below
+/// $PLANESCOPE_DATA.
 std::vector<PaperRecording> chosen_recordings(const BenchPaperArgs& args) {
   if (args.input.inputs.empty())
     return args.data.empty()
@@ -372,7 +375,7 @@ std::vector<PaperRecording> chosen_recordings(const BenchPaperArgs& args) {
   return recordings;
 }
 
-/// Without folders and threads: both leave the results alone.
+/// The command without folders and threads, which do not affect the results.
 std::string same_command(const BenchPaperArgs& args, const CLI::App& typed) {
   std::string text = "planescope-lab bench paper";
   for (const fs::path& input : args.input.inputs)

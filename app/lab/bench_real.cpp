@@ -1,4 +1,4 @@
-// planescope-lab bench real: every method by pixel.
+// planescope-lab bench real: scores every method by pixel.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,27 +29,27 @@ const std::vector<std::string> kRealParts = {"frames", "sets", "repeat"};
 
 struct BenchRealArgs {
   std::set<std::string> parts;  // of kRealParts
-  fs::path frames_list;         // of part frames, and these of it:
+  fs::path frames_list;         // for part frames, limited to `half`
   std::optional<lab::Half> half;
-  std::vector<lab::ListedFrame> frames;  // of part frames
-  fs::path data;                         // folder of the recordings; of parts frames and repeat
-  fs::path labels;                       // folder of the labels' folders; of part frames
-  std::vector<std::uint64_t> seeds = {1, 2, 3, 4, 5, 6, 1001, 2001};  // of part sets
-  int count = 0;  // frames of a set and of repeat's recording at most; 0: all
+  std::vector<lab::ListedFrame> frames;  // for part frames
+  fs::path data;                         // folder of recordings, for parts frames and repeat
+  fs::path labels;                       // folder of label folders, for part frames
+  std::vector<std::uint64_t> seeds = {1, 2, 3, 4, 5, 6, 1001, 2001};  // for part sets
+  int count = 0;  // maximum frames per set, and of repeat's recording; 0: all
   int threads = all_cores();
   fs::path out;              // -o; empty: stdout
-  std::string same_command;  // measures the same again; without folders, which are this machine's
+  std::string same_command;  // reproduces the results; without folder names
 };
 
-/// A recording that is measured from frame to frame.
+/// A recording for which consecutive frames are compared.
 struct Followed {
   const char* name;
   lab::Reading reading = {};
-  int step = 1;  // each frame is compared with the one so many later
+  int step = 1;  // each frame is compared with frame + step
 };
 
-/// A robot drives through a room, and its camera looks at the floor; a Kinect is turned by hand
-/// above a desk, at 30 Hz: its neighbors share errors.
+/// A robot driving through a room with its camera facing the floor, and a Kinect rotated by hand
+/// above a desk at 30 Hz, where consecutive frames share errors.
 std::vector<Followed> followed_recordings() {
   Followed pan{"aims_slam_realsense_640x480"}, desk{"tum_fr1_rpy_kinect_640x480"};
   pan.reading.recording.intrinsics = {383.8, 383.8, 321.7, 236.8};
@@ -66,7 +66,7 @@ class RealRun {
 
   int run() {
     if (!args_.out.empty()) check_output_dir(args_.out);
-    // What is missing is told before anything slow starts.
+    // Report missing files before anything slow starts.
     std::vector<lab::EvaluationFrame> frames;
     for (const lab::ListedFrame& listed : args_.frames)
       frames.push_back(lab::read_listed(listed, args_.data, args_.labels));
@@ -108,7 +108,7 @@ class RealRun {
     return list;
   }
 
-  /// All methods on the first recording, ours on the others.
+  /// Measures all methods on the first recording and only ours on the others.
   void measure_repeat(std::span<const std::unique_ptr<io::Recording>> recordings,
                       lab::ResultLines& lines) {
     const std::vector<Followed> followed = followed_recordings();
@@ -155,18 +155,18 @@ class RealRun {
   lab::CellTools tools_;
 };
 
-/// Every method by pixel: on labelled frames, on depth sets of many seeds, from frame to frame.
-/// Throws Cancelled on stop.
+/// Scores every method by pixel: on labeled frames, on depth sets with several seeds, and from
+/// frame to frame. Throws Cancelled on stop.
 int run_bench_real(const BenchRealArgs& args, std::stop_token stop) {
   return RealRun(args, std::move(stop)).run();
 }
 
-// ---- The list of labeled frames ----
+// ---- List of labeled frames ----
 
 lab::Half parse_half(const std::string& text) {
   for (const lab::Half half : {lab::Half::tuning, lab::Half::printed})
     if (text == lab::to_string(half)) return half;
-  throw Error("'" + text + "' is not a half, expected tuning or printed");
+  throw Error("'" + text + "' is not a half; expected tuning or printed");
 }
 
 lab::ListedFrame listed_frame(std::istringstream& words) {
@@ -179,27 +179,27 @@ lab::ListedFrame listed_frame(std::istringstream& words) {
     throw Error("expected NAME HALF RECORDING FRAME OPTIONS");
   name.half = parse_half(half);
   name.frame = parse_integer(frame, "FRAME");
-  if (name.frame < 0) throw Error("FRAME: " + frame + " is out of range, expected at least 0");
+  if (name.frame < 0) throw Error("FRAME: " + frame + " is out of range; expected at least 0");
   InputArgs input;
   set_listed_options(input, words, options);
   listed.reading = {input.recording, input.pipeline.gravity, input.pipeline.cloud.max_range_m};
   return listed;
 }
 
-/// The frames of a list like tests/real/labels/list.txt, of one half or of both. Throws Error
-/// naming the list and the line that is not understood, and where no frame is left.
+/// Reads a list like tests/real/labels/list.txt and returns the frames of one half or both. Throws
+/// Error if no frame is left, or with the list and line number if a line is invalid.
 std::vector<lab::ListedFrame> labelled_list(const fs::path& list, std::optional<lab::Half> half) {
   std::vector<lab::ListedFrame> frames;
   read_list(list, [&](std::istringstream& words) {
     lab::ListedFrame listed = listed_frame(words);
     if (std::ranges::any_of(
             frames, [&](const lab::ListedFrame& f) { return f.name.name == listed.name.name; }))
-      throw Error(listed.name.name + " is there twice");
+      throw Error(listed.name.name + " appears twice");
     frames.push_back(std::move(listed));
   });
   if (half) std::erase_if(frames, [&](const lab::ListedFrame& f) { return f.name.half != *half; });
   if (frames.empty())
-    throw Error(list.string() + ": no frame" +
+    throw Error(list.string() + ": lists no frames" +
                 (half ? fmt::format(" of half {}", lab::to_string(*half)) : ""));
   return frames;
 }
@@ -225,7 +225,7 @@ void finish(BenchRealArgs& args, const CLI::App& typed) {
   }
   for (const std::uint64_t seed : args.seeds)
     if (std::ranges::count(args.seeds, seed) > 1)
-      throw Error(fmt::format("--seeds: {} is there twice", seed));
+      throw Error(fmt::format("--seeds: {} appears twice", seed));
   args.same_command = "planescope-lab bench real";
   if (!args.frames_list.empty())
     args.same_command += " --frames-list " + args.frames_list.filename().string();
@@ -235,18 +235,18 @@ void finish(BenchRealArgs& args, const CLI::App& typed) {
 }  // namespace
 
 void define_bench_real(CLI::App* bench, Line& line) {
-  CLI::App* real = bench->add_subcommand(
-      "real",
-      "Score every method by pixel\n"
-      "Measures on labeled frames of real recordings, on depth sets of many seeds, and from frame "
-      "to frame of a recording. -o writes real.jsonl.");
+  CLI::App* real =
+      bench->add_subcommand("real",
+                            "Score every method per pixel\n"
+                            "Measures on labeled frames of real recordings, on depth sets of many "
+                            "seeds, and from frame to frame of a recording. -o writes real.jsonl.");
   const auto args = std::make_shared<BenchRealArgs>();
   add(real, "--frames-list", args->frames_list, "FILE",
-      "File that lists the labeled frames, a line of NAME HALF RECORDING FRAME OPTIONS each; "
-      "OPTIONS are --intrinsics, --depth-unit, --gravity and --max-range");
+      "File with one line per labeled frame: NAME HALF RECORDING FRAME OPTIONS; OPTIONS are "
+      "--intrinsics, --depth-unit, --gravity and --max-range");
   add(real, "--data", args->data, "DIR", "Folder of the recordings (default $PLANESCOPE_DATA)");
   add(real, "--labels", args->labels, "DIR",
-      "Folder with a folder NAME of labels for each listed frame");
+      "Folder with a label folder NAME for each listed frame");
   add_out(real, args->out);
   add_parts(real, args->parts, kRealParts,
             fmt::format("Parts to measure: {} (default: all)", fmt::join(kRealParts, ", ")));

@@ -1,5 +1,5 @@
-// planescope-lab bench outlines, map and stairs: what is found of synthetic scenes whose truth is
-// known exactly, and maps of real recordings against measured cuboids.
+// planescope-lab bench outlines, map and stairs: scores results on synthetic scenes with exact
+// ground truth, and maps of real recordings against measured cuboids.
 
 #include <fmt/format.h>
 
@@ -23,18 +23,18 @@ namespace {
 
 struct BenchOutlinesArgs {
   std::vector<std::uint64_t> seeds = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
-  int count = 0;  // frames of a set at most; 0: all
+  int count = 0;  // maximum frames per set; 0: all
   planes::PipelineOptions pipeline;
   std::filesystem::path out;  // -o; empty: stdout
   std::string same_command;
 };
 
-/// Outlines, certainty and places for a foot on the depth sets, with the errors of the D435. Throws
+/// Measures outlines, certainty and footholds on the depth sets with simulated D435 errors. Throws
 /// Cancelled on stop.
 int run_bench_outlines(const BenchOutlinesArgs& args, std::stop_token stop) {
   if (!args.out.empty()) check_output_dir(args.out);
   planes::PipelineOptions options = args.pipeline;
-  options.threads = 1;  // frames side by side
+  options.threads = 1;  // frames run in parallel
   const planes::ChosenClassifier chosen = choose_classifier(options);
   lab::ResultLines lines("outlines", args.same_command, *chosen.weights,
                          {{"foot_radius_m", options.foot.radius_m}});
@@ -100,12 +100,12 @@ namespace {
 
 struct BenchMapArgs {
   lab::MapBenchOptions bench;
-  std::vector<std::filesystem::path> maps;  // that planescope map wrote; empty: of walks
+  std::vector<std::filesystem::path> maps;  // written by planescope map; empty: simulated walks
   std::filesystem::path cuboids;
   std::filesystem::path out;  // -o; empty: stdout
   int count = 1;
   bool true_poses = false;
-  std::string command;  // as it was typed
+  std::string command;  // as typed
 };
 
 void measure_truth(const BenchMapArgs& args, lab::ResultLines& lines) {
@@ -129,7 +129,7 @@ void measure_walks(const BenchMapArgs& args, const std::stop_token& stop, lab::R
       lab::MapBenchOptions options = args.bench;
       options.sequence.seed += i;
       options.odometry = odometry;
-      options.sequence.color = odometry;  // true poses need none of it
+      options.sequence.color = odometry;  // not needed with true poses
       nlohmann::ordered_json json = {{"seed", options.sequence.seed},
                                      {"poses", odometry ? "odometry" : "true poses"}};
       json.update(json_of(lab::measure_map(options, *chosen.classifier, Bar("map", stop))));
@@ -173,7 +173,7 @@ void define_bench_map(CLI::App* bench, Line& line) {
   runs(map, line, args, run_bench_map, [args, &line] {
     args->command = line.text;
     if (args->maps.empty() != args->cuboids.empty())
-      throw Error("bench map: MAP and --cuboids go together");
+      throw Error("bench map: MAP and --cuboids must be used together");
     expect_gravity(args->bench.pipeline, "bench map");
     expect_ours(args->bench.pipeline, "bench map");
   });
@@ -186,7 +186,7 @@ namespace {
 struct BenchStairsArgs {
   lab::StairsBenchOptions bench;
   std::filesystem::path out;  // -o; empty: stdout
-  std::string command;        // measures the same again
+  std::string command;        // reproduces the results
 };
 
 int run_bench_stairs(const BenchStairsArgs& args, std::stop_token stop) {

@@ -1,4 +1,4 @@
-// planescope-lab bench speed: how fast everything is.
+// planescope-lab bench speed: run times and allocations of every step.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,16 +33,16 @@ struct BenchSpeedArgs {
   int rounds = 20;
   int most_points = 1'000'000;
   fs::path out;                              // -o; empty: stdout
-  std::string command;                       // as it was typed
-  std::vector<std::string> reading_options;  // of it, those that `segment` takes as well
+  std::string command;                       // as typed
+  std::vector<std::string> reading_options;  // the options in it that `segment` supports too
 };
 
-/// A folder of its own below the system's for temporary files, gone with its owner.
+/// A folder below the system's folder for temporary files, removed by the destructor.
 class ScratchFolder {
  public:
   ScratchFolder() {
     std::string name = (fs::temp_directory_path() / "planescope-lab.XXXXXX").string();
-    if (!mkdtemp(name.data())) throw Error(name + ": cannot be made: " + std::strerror(errno));
+    if (!mkdtemp(name.data())) throw Error(name + ": cannot be created: " + std::strerror(errno));
     path_ = name;
   }
   ~ScratchFolder() {
@@ -57,17 +57,17 @@ class ScratchFolder {
   fs::path path_;
 };
 
-/// A recording that is open for as long as its frames are read again.
+/// A recording that stays open so that its frames can be read repeatedly.
 struct OpenSubject {
   OpenInput input;
-  std::vector<int> numbers;  // of the subject's frames in the recording
+  std::vector<int> numbers;  // frame numbers in the recording
   lab::SpeedSubject subject;
 };
 
 constexpr int kMostFrames = 10;
 
-/// Ten of its frames at most, evenly spread. Throws Error where none of these can be read, knows or
-/// tells which way is down, and has anything within range.
+/// Reads at most ten frames, evenly spaced. Throws Error if no frame is readable with known gravity
+/// and points within range.
 std::shared_ptr<OpenSubject> read_subject(OpenInput input, const planes::PipelineOptions& options) {
   const auto open = std::make_shared<OpenSubject>();
   open->input = std::move(input);
@@ -81,7 +81,7 @@ std::shared_ptr<OpenSubject> read_subject(OpenInput input, const planes::Pipelin
     try {
       const Gravity gravity = planes::resolve_gravity(frame, options.gravity);
       const planes::Cloud cloud = planes::make_cloud(frame, gravity, options.cloud);
-      if (cloud.counts.kept == 0) throw Error("nothing of it is within range");
+      if (cloud.counts.kept == 0) throw Error("no points are within range");
     } catch (const Error& error) {
       refusal = fmt::format("{}, frame {}: {}", open->input.path.string(), number, error.what());
       continue;
@@ -96,8 +96,7 @@ std::shared_ptr<OpenSubject> read_subject(OpenInput input, const planes::Pipelin
   return open;
 }
 
-/// What is measured where no recording is given, depth_stairs with a camera's errors: the same
-/// bytes everywhere.
+/// The default subject: depth_stairs with simulated camera errors, identical on every machine.
 std::shared_ptr<OpenSubject> made_subject(const planes::PipelineOptions& options) {
   const auto made = std::make_shared<OpenSubject>();
   const lab::EvaluationSet& set = lab::find_evaluation_set("depth_stairs");
@@ -116,7 +115,7 @@ class SpeedRun {
 
   int run() {
     if (!args_.out.empty()) check_output_dir(args_.out);
-    // What cannot be read or found is told before anything slow starts.
+    // Report unreadable and missing files before anything slow starts.
     load_tools();
     read_subjects();
     if (wanted("start")) find_commands();
@@ -139,7 +138,7 @@ class SpeedRun {
     planes::ChosenClassifier chosen = planes::make_classifier(options, file);
     if (!chosen.weights)
       throw Error("--weights: '" + args_.weights +
-                  "' is not a network, expected gcn or a weights file");
+                  "' is not a network; expected gcn or a weights file");
     weights_ = *chosen.weights;
     tools_.gcn = std::move(chosen.classifier);
     tools_.network = planes::read_weights(file).config;
@@ -148,24 +147,24 @@ class SpeedRun {
     tools_.rounds = args_.rounds;
     tools_.threads = args_.input.pipeline.threads;
     tools_.most_points = args_.most_points;
-    if (planes::has_ransac()) {  // Open3D is here
+    if (planes::has_ransac()) {  // Open3D is available
       tools_.open3d_voxels = open3d::voxel_down_sample;
       tools_.open3d_octree = open3d::pointer_octree;
     }
     tools_.count_allocations = allocation_counter();
   }
 
-  /// Of the product itself, which stands beside this program. Each runs once, so that one which
-  /// fails is told before anything slow starts.
+  /// Prepares commands of the planescope executable beside this program. Runs each once, so that a
+  /// failure is reported before anything slow starts.
   void find_commands() {
     const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "planescope";
     if (!fs::exists(program))
       throw Error("part start: " + program.string() +
-                  " is missing, expected it beside this program");
+                  " is missing; expected it next to this program");
     commands_ = {{"planescope --version", {program.string(), "--version"}}};
     scratch_.emplace();
     for (const auto& open : subjects_) {
-      if (open->input.path.empty()) continue;  // made, not recorded
+      if (open->input.path.empty()) continue;  // synthetic
       std::vector<std::string> args = {program.string(), "segment", open->input.path.string()};
       args.insert(args.end(), args_.reading_options.begin(), args_.reading_options.end());
       for (const std::string& arg :
@@ -238,7 +237,7 @@ class SpeedRun {
     }
   }
 
-  /// Whether the part is wanted; turns from here on are its own.
+  /// Whether the part is selected; if so, later progress belongs to it.
   bool begin(const char* part) {
     if (!wanted(part)) return false;
     tools_.before = [this, part, number = begun_++](const std::string& what) {
@@ -253,13 +252,13 @@ class SpeedRun {
   lab::SpeedTools tools_;
   planes::WeightsRecord weights_;
   std::vector<std::shared_ptr<OpenSubject>> subjects_;
-  std::optional<ScratchFolder> scratch_;  // what commands write, while they are timed
+  std::optional<ScratchFolder> scratch_;  // output of the timed commands
   std::vector<lab::TimedCommand> commands_;
   std::optional<Progress> bar_;
-  int begun_ = 0;  // parts
+  int begun_ = 0;  // number of parts begun
 };
 
-/// Throws Cancelled on stop.
+/// Runs the benchmark. Throws Cancelled on stop.
 int run_bench_speed(const BenchSpeedArgs& args, std::stop_token stop) {
   return SpeedRun(args, std::move(stop)).run();
 }
@@ -276,7 +275,7 @@ void define_bench_speed(CLI::App* bench, Line& line) {
   planes::PipelineOptions& pipeline = args->input.pipeline;
   add_inputs(speed, args->input,
              io::recordings_text(true) +
-                 "; times ten frames of each at most (default: the synthetic set depth_stairs)");
+                 "; times at most ten frames of each (default: the synthetic set depth_stairs)");
   speed->remove_option(speed->get_option("--labels"));
   add_of_method(speed, pipeline, "--gravity", "auto|X,Y,Z|imu|estimate",
                 "Gravity direction in the sensor's frame (default auto)");

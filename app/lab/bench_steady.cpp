@@ -1,4 +1,5 @@
-// planescope-lab bench steady: planes under changes that mean nothing, and in the next frame.
+// planescope-lab bench steady: stability of planes under irrelevant changes and from frame to
+// frame.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 struct BenchSteadyArgs {
   InputArgs input;
   std::set<std::string> only;
-  fs::path poses;  // --poses; "none": pixel by pixel; empty: those of the recording
+  fs::path poses;  // --poses; "none": compare pixel by pixel; empty: poses of the recording
   int turns = 20;
   fs::path out;  // -o; empty: stdout
   std::set<lab::SteadyPart> parts;
@@ -40,7 +41,7 @@ std::vector<std::string> part_names() {
   return {names.begin(), names.end()};
 }
 
-/// --poses, else the recording's own, else a file poses.tum in its folder.
+/// Reads --poses, else the recording's own poses, else poses.tum in its folder.
 lab::FramePoses read_poses(const OpenInput& input, const fs::path& typed) {
   if (typed == "none") return {};
   fs::path file = typed;
@@ -57,14 +58,14 @@ lab::FramePoses read_poses(const OpenInput& input, const fs::path& typed) {
   return std::move(paired.poses);
 }
 
-/// Throws Cancelled on stop.
+/// Runs the benchmark. Throws Cancelled on stop.
 int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
   if (!args.out.empty()) check_output_dir(args.out);
   InputArgs depth_only = args.input;
   depth_only.recording.color = false;
   const std::vector<OpenInput> inputs = open_inputs(depth_only);
   if (inputs.size() > 1 && !args.poses.empty() && args.poses != "none")
-    throw Error(fmt::format("--poses: belongs to one recording, found {}", inputs.size()));
+    throw Error(fmt::format("--poses: {} recordings; expected one", inputs.size()));
   std::vector<lab::FramePoses> poses;
   for (const OpenInput& input : inputs)
     poses.push_back(args.parts.contains(lab::SteadyPart::next) ? read_poses(input, args.poses)
@@ -95,7 +96,7 @@ int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
     job.stop = stop;
     const lab::SteadyScores scores = lab::measure_steady(job);
     for (const std::string& line : scores.refused)
-      notice("left out: {}, {}", inputs[i].path.string(), line);
+      notice("skipped: {}, {}", inputs[i].path.string(), line);
     lines.add(
         "recording",
         {{"recording", names[i]}, {"poses", !job.poses.empty()}, {"refused", scores.refused}});
@@ -120,8 +121,8 @@ std::vector<std::string> typed_values(const CLI::App& command, const char* name)
   return command.get_option(name)->results();
 }
 
-/// Ours in the profiles paper and refined and every rival of this build, or what --profile and
-/// --method name; all with what --set says.
+/// Returns ours with the profiles paper and refined plus every rival in this build, or the methods
+/// selected by --profile and --method; --set applies to all of them.
 std::vector<lab::SteadyMethod> methods_to_measure(const CLI::App& command,
                                                   const planes::PipelineOptions& typed) {
   const std::vector<std::string> set = typed_values(command, "--set");
@@ -161,9 +162,10 @@ void finish(BenchSteadyArgs& args, const CLI::App& typed) {
       args.parts.insert(part);
   }
   if (!knows_gravity && args.parts.contains(lab::SteadyPart::gravity))
-    throw Error("--only gravity: turns gravity, which --gravity none leaves unknown");
+    throw Error("--only gravity rotates gravity; it cannot be combined with --gravity none");
   if (pipeline.classifier == "truth")
-    throw Error("--classifier truth: bench steady does not take it; it needs labels of each frame");
+    throw Error(
+        "--classifier truth: not supported by bench steady; it needs labels for every frame");
   args.methods = methods_to_measure(typed, pipeline);
   args.same_command = "planescope-lab bench steady";
   for (const fs::path& path : args.input.inputs)

@@ -1,7 +1,7 @@
 #pragma once
 
-// Every command of planescope-lab, which measures planescope and makes what it is trained with; and
-// what these commands share.
+// Commands of planescope-lab, which measures planescope and generates its training sets, and their
+// shared helpers.
 
 #include <set>
 #include <span>
@@ -25,29 +25,29 @@ void define_bench_stairs(CLI::App* bench, Line& line);
 void define_bench_steady(CLI::App* bench, Line& line);
 void define_synth_sets(CLI::App& app, Line& line);
 
-/// --only PART,... of the parts there are; none is all of them.
+/// Adds --only PART,... with the given parts; the default is all of them.
 void add_parts(CLI::App* command,
                std::set<std::string>& parts,
                const std::vector<std::string>& known,
                const std::string& help);
 
-/// These options as they were typed, " --count 3 --seed 7".
+/// Returns the given options as typed, e.g. " --count 3 --seed 7".
 std::string typed_text(const CLI::App& command, const std::vector<std::string>& names);
 
-/// $PLANESCOPE_DATA, empty where it is not set. Throws Error where it is no folder.
+/// Returns $PLANESCOPE_DATA, or an empty path if it is not set. Throws Error if it is not a folder.
 std::filesystem::path data_folder();
 
-/// At most so many of them, evenly spread.
+/// Selects at most `most` of the frames, evenly spaced.
 std::vector<int> spread(std::span<const int> frames, int most);
 
-/// Writes DIR/NAME.jsonl and says so, or prints the lines where no folder is given.
+/// Writes DIR/NAME.jsonl and prints its path, or prints the lines if `dir` is empty.
 void deliver(const lab::ResultLines& lines,
              const std::filesystem::path& dir,
              const std::string& name);
 
-/// What `work` allocates on the calling thread: malloc and all that ends there, operator new too.
-/// Growing a block counts as a new one. Empty where this build cannot count: under sanitizers,
-/// which stand there themselves, and with other C libraries than glibc.
+/// Counts the heap allocations of `work` on the calling thread: malloc and everything based on it,
+/// including operator new. Growing a block counts as a new allocation. Empty in builds that cannot
+/// count: with sanitizers, which replace malloc themselves, and with C libraries other than glibc.
 lab::CountAllocations allocation_counter();
 
 }  // namespace planescope::app

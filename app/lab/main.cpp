@@ -1,5 +1,4 @@
-// planescope-lab: what measures planescope, and makes the sets that it is measured on and trained
-// with.
+// planescope-lab: measures planescope and generates its evaluation and training sets.
 
 #include <fmt/format.h>
 
@@ -80,7 +79,7 @@ int main(int argc, char** argv) {
       .name = "planescope-lab",
       .about =
           "planescope-lab measures the accuracy and speed of planescope and of other methods, and "
-          "writes the synthetic data that it is measured and trained on.",
+          "writes synthetic data for measuring and training.",
       .commands = {define_bench, define_synth_sets, define_recipe_train, define_help, define_man,
                    define_completions}};
   return run_program(program, argc, argv);

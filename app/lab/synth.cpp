@@ -1,5 +1,4 @@
-// planescope-lab synth: sets of frames that methods are measured on, and the classifier is trained
-// with.
+// planescope-lab synth: generates sets of frames for evaluation and for training the classifier.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,16 +32,16 @@ using Json = nlohmann::ordered_json;
 struct SynthSetArgs {
   std::filesystem::path out;  // -o
   lab::EvaluationSet set;
-  int count = 0;  // 0: as many as are measured on
+  int count = 0;  // 0: the size used by the benchmarks
   lab::EvaluationOptions options;
-  // What was typed, for it is of clouds or of depth alone.
+  // Empty unless typed: they apply either to clouds or to depth images.
   std::optional<int> points;
   std::optional<double> noise_m;
   std::optional<lab::DepthErrors> errors;
-  int threads = all_cores();  // clouds
+  int threads = all_cores();  // for clouds
 };
 
-/// DIR/NAME.ply for each cloud.
+/// Writes DIR/NAME.ply for each cloud.
 int write_set_clouds(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
   make_output_dir(args.out);
   std::atomic<int> done = 0;
@@ -54,7 +53,7 @@ int write_set_clouds(const SynthSetArgs& args, const std::string& task, std::sto
             lab::make_evaluation_frame(args.set, static_cast<int>(i), args.options);
         io::write_ply(args.out / (made.name + ".ply"), *made.frame.cloud);
         ++done;
-        if (begin == 0) progress.show(done, "");  // one thread speaks for all
+        if (begin == 0) progress.show(done, "");  // one thread reports for all
       }
     };
     parallel_for(static_cast<std::size_t>(args.count), args.threads, make, 1);
@@ -88,24 +87,24 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
     write_file_text(told, lab::true_stairs_json(args.set.name, stairs, kNearM));
     truth += " and " + told.string();
   }
-  fmt::print("{}: {} frames of {}, their ground truth in {}\n", args.out.string(), args.count,
+  fmt::print("{}: {} frames of {}, ground truth in {}\n", args.out.string(), args.count,
              args.set.name, truth);
   return 0;
 }
 
-/// What was typed, where it suits the set.
+/// Applies the typed options; throws Error if one does not fit the set.
 void set_options(SynthSetArgs& args) {
   if (args.set.depth && (args.points || args.noise_m))
-    throw Error("--points, --noise: " + args.set.name + " has depth images, expected --errors");
+    throw Error("--points, --noise: " + args.set.name + " has depth images; expected --errors");
   if (!args.set.depth && args.errors)
-    throw Error("--errors: " + args.set.name + " has clouds, expected --points or --noise");
+    throw Error("--errors: " + args.set.name + " has clouds; expected --points or --noise");
   if (args.count == 0) args.count = args.set.frames;
   args.options.points = args.points.value_or(args.options.points);
   args.options.noise_m = args.noise_m.value_or(args.options.noise_m);
   args.options.errors = args.errors.value_or(args.options.errors);
 }
 
-/// Writes frames of an evaluation set: clouds as synth stairs does, depth as synth sample does.
+/// Writes frames of an evaluation set: clouds like synth stairs, depth images like synth sample.
 int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
   check_output_dir(args.out);
   const std::string task = "synth set " + args.set.name;
@@ -161,7 +160,7 @@ void define_set(CLI::App* synth, Line& line) {
 struct SynthTrainingArgs {
   std::filesystem::path out;  // -o
   lab::TrainingRecipe recipe = lab::make_recipe(kDefaultRecipe);
-  bool augmented = false;  // as one step of training sees the clouds
+  bool augmented = false;  // clouds as seen by one training step
   int threads = all_cores();
 };
 
@@ -199,8 +198,8 @@ void write_cloud(const std::filesystem::path& path, const planes::LabelledCloud&
   io::write_ply(path, set);
 }
 
-/// Writes the training set: DIR/stairs_000.ply and so on with labels, and training.json last: a
-/// folder without it is not complete. Throws Cancelled on stop.
+/// Writes the training set: labeled clouds DIR/stairs_000.ply and so on, then training.json, whose
+/// presence marks a complete set. Throws Cancelled on stop.
 int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop) {
   check_output_dir(args.out);
   const std::vector<planes::LabelledCloud> clouds = make_clouds(args, stop);
@@ -234,11 +233,11 @@ void define_training(CLI::App* synth, Line& line) {
   add_read(
       command, "--recipe",
       [args](const std::string& name) { args->recipe = lab::make_recipe(name); }, "NAME",
-      fmt::format("Recipe: {} (default {}: the paper's shapes, and scans of scenes of them)",
+      fmt::format("Recipe: {} (default {}: the paper's shapes, and scans of scenes made of them)",
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
   add_recipe_limits(command, args->recipe);
   command->add_flag("--augmented", args->augmented,
-                    "Add noise, rotations and holes as a training step does");
+                    "Add noise, rotations and holes, as in training");
   add_threads(command, args->threads);
   runs(command, line, args, run_synth_training);
 }
@@ -247,7 +246,7 @@ void define_training(CLI::App* synth, Line& line) {
 
 void define_synth_sets(CLI::App& app, Line& line) {
   CLI::App* synth = app.add_subcommand("synth", "Write synthetic sets with ground truth");
-  synth->require_subcommand(0, 1);  // `synth set stairs` names a set, not `synth stairs`
+  synth->require_subcommand(0, 1);  // `synth set stairs` names a set, not a command
   define_stairs(synth, line);
   define_set(synth, line);
   define_training(synth, line);

@@ -19,19 +19,19 @@
 namespace planescope::io {
 namespace {
 
-/// A mapping, for the handler of SIGBUS: it may only look at what is atomic.
+/// A mapping, for the SIGBUS handler, which may access only atomics.
 struct Mapping {
   std::atomic<bool> taken{false};
-  std::atomic<std::uintptr_t> begin{0}, end{0};  // none: 0
+  std::atomic<std::uintptr_t> begin{0}, end{0};  // 0: unused
   std::atomic<bool> cut{false};
 };
 
 constexpr std::size_t kMostMappings = 1024;
 Mapping g_mappings[kMostMappings];
-struct sigaction g_before;  // what SIGBUS did before
+struct sigaction g_before;  // the previous SIGBUS action
 std::uintptr_t g_page = 4096;
 
-/// Puts zeros in place of the pages from the one that is missing on.
+/// Replaces the pages from the first missing one with zeros.
 void on_bus_error(int, siginfo_t* info, void*) {
   const int saved = errno;
   const auto at = reinterpret_cast<std::uintptr_t>(info->si_addr);
@@ -47,7 +47,7 @@ void on_bus_error(int, siginfo_t* info, void*) {
     errno = saved;
     return;
   }
-  ::sigaction(SIGBUS, &g_before, nullptr);  // the access is made again, and meets that
+  ::sigaction(SIGBUS, &g_before, nullptr);  // the access repeats and gets the previous action
 }
 
 void install_handler() {
@@ -61,17 +61,17 @@ void install_handler() {
   });
 }
 
-/// Throws Error where there are too many.
+/// Throws Error if too many files are open.
 std::size_t take_slot(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < kMostMappings; ++i)
     if (!g_mappings[i].taken.exchange(true)) return i;
-  throw Error(path.string() + ": cannot be opened beside " + std::to_string(kMostMappings) +
-              " other files");
+  throw Error(path.string() + ": cannot be opened; expected at most " +
+              std::to_string(kMostMappings) + " open files");
 }
 
 }  // namespace
 
-// Not waiting for whoever may write into a pipe: it is refused.
+// Opens without blocking, since a pipe would wait for a writer; pipes are refused.
 MappedFile::MappedFile(const std::filesystem::path& path)
     : MappedFile(path, open_file(path, O_RDONLY | O_NONBLOCK)) {}
 
@@ -110,11 +110,11 @@ MappedFile::~MappedFile() {
 
 void MappedFile::expect_whole() const {
   if (!bytes_.empty() && g_mappings[slot_].cut)
-    throw Error(path_.string() + ": was cut while it was read, expected its " +
+    throw Error(path_.string() + ": truncated while it was read; expected its " +
                 std::to_string(bytes_.size()) + " bytes; open it again");
 }
 
-// Both are hints: where the system does not follow them, reading is slower but still correct.
+// Both are hints: if the system ignores them, reading is slower but still correct.
 void MappedFile::expect_hops() const {
   if (!bytes_.empty()) {
     ::madvise(const_cast<std::byte*>(bytes_.data()), bytes_.size(), MADV_RANDOM);

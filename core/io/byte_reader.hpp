@@ -1,6 +1,6 @@
 #pragma once
 
-// Bytes of files: mapped into memory, and read one value after the other.
+// Memory-mapped files, and a reader that takes one value after another from their bytes.
 
 #include <bit>
 #include <cstddef>
@@ -16,10 +16,10 @@ namespace planescope::io {
 
 using Bytes = std::span<const std::byte>;
 
-static_assert(std::endian::native == std::endian::little, "files are read as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "files are read in memory byte order");
 
-/// Thrown by ByteReader when a length points past the end. Internal to the readers: each catches
-/// it and says what that means for its file.
+/// Thrown by ByteReader if a length points past the end. Internal to the readers, which catch it
+/// and report the consequence for their file.
 struct OutOfBytes {};
 
 /// Reads little-endian values from untrusted bytes: every length is checked.
@@ -55,15 +55,15 @@ class ByteReader {
   std::size_t size_;
 };
 
-/// A file mapped read-only into memory: only the pages that are looked at are ever read. Where the
-/// file is cut by somebody else meanwhile, what is missing reads as zeros, and guarded() says so.
-/// (The system raises SIGBUS then: the first mapping installs a handler, which passes on whatever
-/// concerns no mapping.)
+/// A file mapped read-only into memory: only the accessed pages are ever read. If another process
+/// truncates the file meanwhile, the missing bytes read as zeros and guarded() throws. (The system
+/// raises SIGBUS in this case: the first mapping installs a handler, which forwards all signals
+/// outside mappings.)
 class MappedFile {
  public:
-  /// Throws Error when the path is missing, no regular file or cannot be read.
+  /// Throws Error if the path is missing, not a regular file, or unreadable.
   explicit MappedFile(const std::filesystem::path& path);
-  /// Maps another file that stands for this one: `path` is what it is called.
+  /// Maps `file` in place of this one. `path` is the name in errors.
   MappedFile(const std::filesystem::path& path, const FileDescriptor& file);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
@@ -71,12 +71,12 @@ class MappedFile {
 
   const std::filesystem::path& path() const { return path_; }
   Bytes bytes() const { return bytes_; }
-  /// Throws Error where bytes were missing that were looked at, ever.
+  /// Throws Error if any accessed byte was ever missing.
   void expect_whole() const;
-  /// Stops the system from reading ahead around every byte that is accessed: for jumping through a
-  /// large file without loading it.
+  /// Stops the system from reading ahead around every accessed byte, to jump through a large file
+  /// without loading it.
   void expect_hops() const;
-  /// Lets the system read this part of bytes() in one go; worth it after expect_hops().
+  /// Lets the system read this part of bytes() at once; useful after expect_hops().
   void prefetch(Bytes part) const;
   /// Changes a byte of the first page in memory, never in the file.
   void overwrite(std::size_t at, std::byte value);
@@ -87,8 +87,8 @@ class MappedFile {
   std::size_t slot_ = 0;  // in the table of all mappings
 };
 
-/// What `read`, which looks at a mapped file, returns or throws. Throws Error where the file was
-/// cut by somebody else meanwhile: whatever came of zeros is not told.
+/// Returns or throws what `read`, which accesses a mapped file, does. If another process truncated
+/// the file meanwhile, throws Error instead, since any other result would be based on zeros.
 template <typename File, typename Read>
 auto guarded(const File& file, const Read& read) {
   try {

@@ -1,5 +1,5 @@
-// The table of recording formats. To add one: a reader, its row here and its opener in readers.hpp,
-// docs/formats.md.
+// The table of recording formats. To add one: write a reader, add its row here and its opener in
+// readers.hpp, and describe it in docs/formats.md.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -41,7 +41,7 @@ bool natural_less(const std::string& a, const std::string& b) {
     if (order != 0) return order < 0;
   }
   if (i < a.size() || j < b.size()) return j < b.size();
-  return a < b;  // such as 01 and 1: any order, but always the same
+  return a < b;  // such as 01 and 1: any order, as long as it is deterministic
 }
 
 std::vector<fs::path> files_in(const fs::path& folder) {
@@ -62,9 +62,9 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 
 namespace {
 
-constexpr int kMaxDepth = 4;  // folders below the one given; a whole disk is no recording
+constexpr int kMaxDepth = 4;  // levels of subfolders: do not search a whole disk
 
-/// Files of a kind in the folder, then those in the folders below it.
+/// Files of a kind in the folder, then those in its subfolders.
 std::vector<fs::path> files_under(const fs::path& folder,
                                   const std::function<bool(const fs::path&)>& is_wanted) {
   std::vector<fs::path> wanted;
@@ -103,17 +103,17 @@ std::vector<fs::path> cloud_files_under(const fs::path& folder) {
 
 namespace {
 
-/// What is at the path.
+/// The file or folder at a path.
 struct Found {
   fs::path path;
   bool is_folder = false;
-  std::string start;  // of a file
+  std::string start;  // first bytes of a file
 };
 
 struct Format {
-  std::string name;  // "a .bag, .db3 or .mcap of RealSense or ROS"
+  std::string name;  // "a RealSense or ROS .bag, .db3 or .mcap"
   std::vector<std::string> extensions;
-  bool (*sniff)(const Found&);  // a folder, or a file of another extension
+  bool (*sniff)(const Found&);  // folders, and files with other extensions
   std::unique_ptr<Recording> (*open)(const fs::path&, const RecordingOptions&);
 
   bool fits(const Found& found) const {
@@ -151,7 +151,7 @@ std::unique_ptr<Recording> open_bag_at(const fs::path& path, const RecordingOpti
   const auto bags = bags_in(path);
   if (bags.size() > 1)
     throw Error(path.string() + ": a folder with " + std::to_string(bags.size()) +
-                " recordings, expected the path of one of them, such as " + bags.front().string());
+                " recordings; expected the path of one of them, such as " + bags.front().string());
   return open_bag(bags.front(), options);
 }
 
@@ -159,10 +159,7 @@ std::vector<Format> formats() {
   std::vector<std::string> clouds;
   for (const CloudFormat& format : cloud_formats()) clouds.push_back(format.extension);
   return {
-      {"a .bag, .db3 or .mcap of RealSense or ROS",
-       {".bag", ".db3", ".mcap"},
-       sniff_bag,
-       open_bag_at},
+      {"a RealSense or ROS .bag, .db3 or .mcap", {".bag", ".db3", ".mcap"}, sniff_bag, open_bag_at},
       {"a folder of 16-bit depth PNGs",
        {".png"},
        [](const Found& found) {
@@ -190,7 +187,7 @@ std::string format_names(bool clouds = true) {
   return fmt::format("{}, or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
-/// What lies in a folder, for people: "3 .txt, 1 .jpg".
+/// Summary of the files in a folder for messages: "3 .txt, 1 .jpg".
 std::string describe_files(const std::vector<fs::path>& files) {
   std::map<std::string, int> kinds;
   for (const fs::path& file : files) {
@@ -256,7 +253,7 @@ std::unique_ptr<Recording> checked(std::unique_ptr<Recording> recording) {
       for (std::string& warning : depth_warnings(info, recording->frame(0)))
         warnings.push_back(std::move(warning));
     } catch (const Error&) {
-      // Damaged: reported when the frame is used.
+      // Damaged: reported when the frame is read.
     }
   }
   if (warnings.empty()) return recording;
@@ -269,11 +266,11 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   if (path == "-") {
     if (!options.standard_input)
       throw Error(
-          "-: only segment, convert and info read standard input; planescope convert - -o FOLDER "
-          "writes it into a recording");
+          "-: only segment, convert and info read standard input; to save it as a recording, use "
+          "planescope convert - -o FOLDER");
     std::unique_ptr<FrameStream> stream = open_stream(0, options, true);
     while (stream->wait_for_frame({})) continue;
-    if (stream->frame_count() == 0) throw Error("standard input: a header without frames");
+    if (stream->frame_count() == 0) throw Error("standard input: no frames after the header");
     return stream;
   }
   std::error_code error;
@@ -290,11 +287,10 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
     return checked(format.open(path, options));
   }
   if (found.is_folder)
-    throw Error(path.string() + ": a folder with no recording in it (" +
-                describe_files(files_in(path)) + "), expected " + format_names());
+    throw Error(path.string() + ": the folder contains no recording (" +
+                describe_files(files_in(path)) + "); expected " + format_names());
   if (found.start == "version ") read_file_bytes(path, 1000);  // throws if it is a Git LFS pointer
-  throw Error(path.string() + ": not a recording that planescope reads, expected " +
-              format_names());
+  throw Error(path.string() + ": not a supported recording; expected " + format_names());
 }
 
 std::shared_ptr<const Recording> with_changed_frames(std::shared_ptr<const Recording> recording,

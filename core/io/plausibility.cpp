@@ -1,4 +1,4 @@
-// Warnings about calibration and depth that no real camera has: a wrong file, unit or image size.
+// Warnings about implausible calibration and depth: a wrong file, unit or image size.
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ double view_deg(int size, double focal_px) {
   return 2 * std::atan(size / (2 * focal_px)) * 180 / std::numbers::pi;
 }
 
-/// How far distortion moves the corner farthest from the principal point, as a ratio of radii.
+/// Factor by which distortion moves the corner farthest from the principal point.
 double corner_ratio(const Intrinsics& k) {
   const double x = std::max(k.cx, k.width - k.cx) / k.fx,
                y = std::max(k.cy, k.height - k.cy) / k.fy;
@@ -45,7 +45,7 @@ std::vector<std::string> camera_warnings(const RecordingInfo& info) {
   const double wide = view_deg(k.width, k.fx), high = view_deg(k.height, k.fy);
   if (std::min(wide, high) < kLeastView_deg || std::max(wide, high) > kMostView_deg)
     warnings.push_back(
-        fmt::format("{}a field of view of {:.3g} x {:.3g} degrees, expected {} to {}; is the focal "
+        fmt::format("{}a field of view of {:.3g} x {:.3g} degrees; expected {} to {}; is the focal "
                     "length in pixels?",
                     source, wide, high, kLeastView_deg, kMostView_deg));
   if (std::max(k.fx / k.fy, k.fy / k.fx) > kMostPixelRatio)
@@ -56,7 +56,7 @@ std::vector<std::string> camera_warnings(const RecordingInfo& info) {
     if (const double ratio = corner_ratio(k); !(ratio > kLeastCorner && ratio < kMostCorner))
       warnings.push_back(
           fmt::format("{}distortion moves the image corner to {:.3g} of its distance from the "
-                      "center; no lens does that",
+                      "center, which is not plausible for a lens",
                       source, ratio));
   return warnings;
 }
@@ -72,10 +72,11 @@ std::vector<std::string> depth_warnings(const RecordingInfo& info, const Frame& 
     far += depth_m > kFarthest_m;
   }
   if (measured == 0 || 2 * std::max(near, far) <= measured) return {};
-  return {fmt::format("{} % of the depth of frame {} is {}; is the depth unit ({:g} mm, {}) right?",
-                      100 * std::max(near, far) / measured, frame.index,
-                      near > far ? "nearer than 5 cm" : "farther than 100 m",
-                      1000 * frame.depth_unit_m, info.depth_unit_source)};
+  return {
+      fmt::format("{} % of the depth of frame {} is {}; is the depth unit ({:g} mm, {}) correct?",
+                  100 * std::max(near, far) / measured, frame.index,
+                  near > far ? "nearer than 5 cm" : "farther than 100 m", 1000 * frame.depth_unit_m,
+                  info.depth_unit_source)};
 }
 
 }  // namespace planescope::io

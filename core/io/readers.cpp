@@ -1,4 +1,4 @@
-// What lies beside recordings: sidecars, and gravity that was picked; and the camera that follows.
+// Sidecars of recordings, picked gravity, and the camera settings that follow from them.
 
 #include "core/io/readers.hpp"
 
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Numbers from a place, as they are checked here: finite, `count` of them.
+/// Reads exactly `kCount` finite numbers.
 template <int kCount>
 Eigen::Vector<double, kCount> read_numbers(const JsonPlace& place, const char* expected) {
   Eigen::Vector<double, kCount> numbers;
@@ -38,7 +38,7 @@ std::optional<Vec3d> read_direction(const JsonPlace& place) {
   if (!place.has("gravity")) return std::nullopt;
   const Vec3d vector = read_numbers<3>(place.at("gravity"), kExpected);
   if (vector.stableNorm() < 1e-9) place.at("gravity").fail_kind(kExpected);
-  // Of a direction that was written by us not a bit changes.
+  // Keep every bit of a direction that we wrote.
   return std::abs(vector.squaredNorm() - 1) < 1e-14 ? vector : vector.stableNormalized();
 }
 
@@ -65,7 +65,7 @@ Intrinsics read_intrinsics(const JsonPlace& place) {
   fields("distortion_model", model, kOptional);
   if (!set_distortion(model, coefficients, k))
     place.fail_kind(
-        "\"distortion_model\" \"brown_conrady\" or \"inverse_brown_conrady\" with up to "
+        "\"distortion_model\": \"brown_conrady\" or \"inverse_brown_conrady\", with up to "
         "five numbers [k1, k2, p1, p2, k3]");
   return k;
 }
@@ -83,7 +83,7 @@ std::optional<Pose> read_world_pose(const JsonPlace& place) {
 }
 
 Pose read_rigid(const JsonPlace& place) {
-  constexpr const char* kExpected = "16 numbers of a rigid motion, row by row";
+  constexpr const char* kExpected = "the 16 numbers of a rigid transform, row by row";
   const auto numbers = read_numbers<16>(place, kExpected);
   Pose pose;
   pose.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
@@ -115,7 +115,7 @@ Sidecar sidecar_of(const JsonPlace& place, const fs::path& path) {
   FieldReader fields(place);
   fields("depth_unit_m", sidecar.depth_unit_m, kOptional);
   if (sidecar.depth_unit_m && !(*sidecar.depth_unit_m > 0))
-    place.at("depth_unit_m").fail_kind("meters per count above 0");
+    place.at("depth_unit_m").fail_kind("meters per count, above 0");
   sidecar.gravity = read_direction(place);
   fields("color_aligned", sidecar.color_aligned, kOptional);
   if (place.has("color")) {
@@ -255,22 +255,22 @@ void settle_camera(const RecordingOptions& options,
     info.intrinsics = *facts.intrinsics;
     info.intrinsics_source = facts.intrinsics_source;
   } else if (!options.intrinsics_may_lack) {
-    throw Error(fmt::format("{}: the recording does not say its camera intrinsics; {}", path,
+    throw Error(fmt::format("{}: the recording contains no camera intrinsics; {}", path,
                             kHowToGiveIntrinsics));
   }
   Intrinsics& k = info.intrinsics;
   if (!info.intrinsics_source.empty() && !usable(k))
     throw Error(
-        fmt::format("{}: intrinsics fx {:f}, fy {:f} from {} are not usable, expected focal "
-                    "lengths above 0 in pixels",
+        fmt::format("{}: intrinsics fx {:f}, fy {:f} from {} are invalid; expected focal "
+                    "lengths above 0, in pixels",
                     path, k.fx, k.fy, info.intrinsics_source));
   if (k.width > 0 && k.height > 0 && (k.width != info.width || k.height != info.height))
-    throw Error(fmt::format("{}: depth images are {}x{} but the intrinsics in {} are for {}x{}",
+    throw Error(fmt::format("{}: depth images are {}x{}, but the intrinsics in {} are for {}x{}",
                             path, info.width, info.height, info.intrinsics_source, k.width,
                             k.height));
   k.width = info.width;
   k.height = info.height;
-  // Of a cropped image it may be a little outside.
+  // In a cropped image it may be slightly outside.
   if (std::abs(k.cx - 0.5 * k.width) > k.width || std::abs(k.cy - 0.5 * k.height) > k.height)
     throw Error(fmt::format(
         "{}: principal point cx {:g}, cy {:g} from {} is far outside the {}x{} depth image", path,
@@ -290,7 +290,7 @@ void settle_camera(const RecordingOptions& options,
     info.depth_unit_source = "assumed (RealSense default)";
   }
   if (!(info.depth_unit_m > 0) || !std::isfinite(info.depth_unit_m))
-    throw Error(fmt::format("{}: depth unit {:f} m from {}, expected meters per count above 0",
+    throw Error(fmt::format("{}: depth unit {:f} m from {}; expected meters per count, above 0",
                             path, info.depth_unit_m, info.depth_unit_source));
 }
 
@@ -307,7 +307,7 @@ bool set_distortion(const std::string& model,
   const std::string lower = lower_case(model);
   const auto names = [&](const char* part) { return lower.find(part) != std::string::npos; };
   const bool finite = std::ranges::all_of(coefficients, [](double c) { return std::isfinite(c); });
-  // More than five coefficients are a rational model, which ours cannot express.
+  // More than five coefficients are a rational model, which Intrinsics does not support.
   const bool five = coefficients.size() <= 5 || are_zero(5);
   if (!finite || !five || !(names("brown") || names("plumb"))) return false;
   std::copy_n(coefficients.begin(), std::min<std::size_t>(5, coefficients.size()),
@@ -321,7 +321,7 @@ std::string sha256_of_depth(const Image16& depth) {
   return sha256_hex(std::as_bytes(std::span(depth.data)));
 }
 
-// ---- Gravity that was picked ----
+// ---- Picked gravity ----
 
 namespace {
 
@@ -364,18 +364,19 @@ void visit_fields(Fields& fields, Same<PickedGravity> auto& picked) {
 
 namespace {
 
-/// A direction is of use on the very frame that it was clicked on, as labels are.
+/// Throws Error unless the frame is the one that was clicked: like labels, a direction is valid
+/// only there.
 void expect_same(const Recording& recording, const PickedDirection& picked) {
   const auto other = [&] {
-    return Error("was picked on another recording, frame " + std::to_string(picked.frame) +
-                 " differs; delete it, or name the recording's own folder with --labels");
+    return Error("was picked on a different recording (frame " + std::to_string(picked.frame) +
+                 " differs); delete it, or specify the recording's label folder with --labels");
   };
   if (picked.frame < 0 || picked.frame >= recording.frame_count()) throw other();
   std::string hash;
   try {
     hash = recording.frame_hash(picked.frame);
   } catch (const Error&) {
-    return;  // a damaged frame tells nothing, and is told of where it is read
+    return;  // a damaged frame: reported when it is read
   }
   if (hash != picked.frame_sha256) throw other();
 }
@@ -413,7 +414,7 @@ void write_picked_gravity(const fs::path& label_dir, const PickedGravity& picked
   Json json = {{"schema", kGravitySchema}};
   json.update(json_of(picked));
   fs::create_directories(label_dir, failed);
-  if (failed) throw Error(label_dir.string() + ": cannot be made: " + failed.message());
+  if (failed) throw Error(label_dir.string() + ": cannot be created: " + failed.message());
   write_file_text(file, json_text(json, 2), Durable::yes);
 }
 

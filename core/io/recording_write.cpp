@@ -1,4 +1,4 @@
-// Folders with a sidecar; and MCAP (https://mcap.dev/spec) of the messages of ROS 2.
+// Writes folders with a sidecar, and ROS 2 messages as MCAP (https://mcap.dev/spec).
 
 #include "core/io/recording_write.hpp"
 
@@ -31,7 +31,7 @@ std::string name_of(FolderForm form, int number, const Frame& frame) {
                                  : fmt::format("{:06}", number);
 }
 
-/// Colour that is not on depth's pixels.
+/// Camera of color that is not aligned to depth.
 Json color_json(const Frame& facts) {
   Json pose = Json::array();
   for (int row = 0; row < 4; ++row)
@@ -65,7 +65,7 @@ void expect_one_camera(const std::vector<WrittenFrame>& frames) {
     if (!(frame.facts.intrinsics == first.intrinsics) ||
         frame.facts.depth_unit_m != first.depth_unit_m)
       throw Error(fmt::format(
-          "frame {} has another camera or depth unit than frame {}, a recording has one of each",
+          "frame {} has a different camera or depth unit than frame {}; expected one of each",
           frame.facts.index, first.index));
 }
 
@@ -79,7 +79,7 @@ void write_tum_list(const fs::path& path,
   write_file_text(path, text);
 }
 
-/// As Open3D reads it: column by column, and counts per metre.
+/// In Open3D's form: column by column, depth scale in counts per meter.
 Json open3d_camera(const Frame& facts) {
   const Intrinsics& k = facts.intrinsics;
   return {{"width", k.width},
@@ -115,10 +115,10 @@ void write_folder_facts(const fs::path& dir,
   if (form == FolderForm::tum) {
     for (std::size_t i = 1; i < frames.size(); ++i)
       if (!(frames[i].facts.timestamp_s > frames[i - 1].facts.timestamp_s))
-        throw Error(fmt::format(
-            "frame {} is of {:.6f} s, not later than the one before: the form tum names files by "
-            "their time",
-            frames[i].facts.index, frames[i].facts.timestamp_s));
+        throw Error(
+            fmt::format("frame {} has time {:.6f} s, not later than the previous frame; form tum "
+                        "names files by time",
+                        frames[i].facts.index, frames[i].facts.timestamp_s));
     write_tum_list(dir / "depth.txt", "depth", frames, true);
     if (first_in_color(frames)) write_tum_list(dir / "rgb.txt", "rgb", frames, false);
   } else {
@@ -151,7 +151,7 @@ void write_frame_facts(const fs::path& sidecar, const std::vector<WrittenFrame>&
 
 namespace {
 
-/// Fields one behind the other, little-endian.
+/// Consecutive little-endian fields.
 class Fields {
  public:
   template <typename T>
@@ -174,8 +174,8 @@ std::string record(std::uint8_t op, const std::string& content) {
   return Fields().put(op).put(std::uint64_t{content.size()}).bytes + content;
 }
 
-/// How `ros2 bag play` publishes a topic with messages that late subscribers need, too: reliable,
-/// transient local. As rosbag2 writes it.
+/// QoS with which `ros2 bag play` publishes a topic to late subscribers as well: reliable,
+/// transient local. In rosbag2's own form.
 constexpr const char* kLatched =
     "- history: 3\n  depth: 0\n  reliability: 1\n  durability: 1\n"
     "  deadline:\n    sec: 9223372036\n    nsec: 854775807\n"
@@ -202,7 +202,7 @@ void McapWriter::add(const RosMessage& message, std::int64_t stamp_ns, bool latc
   if (latched && !is_new) return;
   if (is_new) {
     const auto known = schema_ids_.try_emplace(
-        message.type, static_cast<std::uint16_t>(schema_ids_.size() + 1));  // 0 is none
+        message.type, static_cast<std::uint16_t>(schema_ids_.size() + 1));  // 0 means none
     const std::uint16_t schema = known.first->second;
     Fields metadata;
     if (latched) metadata.text("offered_qos_profiles").text(kLatched);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Messages of ROS 2 to publish or to record: JSON with the fields of a message becomes CDR by the
-// message's definition, which MCAP files contain as well.
+// ROS 2 messages to publish or record: converts JSON with the fields of a message to CDR, by the
+// message's definition, which MCAP files also contain.
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -19,20 +19,20 @@ struct RosMessage {
   std::string cdr;
 };
 
-/// The definition of a type and, below it, of every type in it, as MCAP's `ros2msg` schemas have
-/// them (https://mcap.dev/spec/registry#ros2msg). Throws Error for types that planescope does not
-/// write.
+/// The definition of a type followed by those of all types in it, in the form of MCAP's `ros2msg`
+/// schemas (https://mcap.dev/spec/registry#ros2msg). Throws Error for types that planescope does
+/// not write.
 std::string ros_definition(const std::string& type);
 
-/// The message as CDR, little-endian (XCDR1). Fields that `json` lacks are 0 or empty. Arrays of
-/// bytes may be binary values. Throws Error that names a field of another type or name.
+/// The message as little-endian CDR (XCDR1). Fields missing from `json` are 0 or empty. Byte arrays
+/// may be binary values. Throws Error that names a field of the wrong type or name.
 RosMessage ros_message(const std::string& topic,
                        const std::string& type,
                        const nlohmann::ordered_json& json);
 
-// JSON of messages inside others.
+// JSON of nested messages.
 
-/// Nanoseconds of a time; those before 1970 are 0.
+/// Nanoseconds of a time; 0 for times before 1970.
 std::int64_t ros_stamp(double time_s);
 nlohmann::ordered_json ros_header(std::int64_t stamp_ns, const std::string& frame_id);
 nlohmann::ordered_json ros_point(const Vec3d& p);  // Point, Point32 and Vector3
@@ -54,11 +54,11 @@ RosMessage ros_transforms(const std::string& topic,
                           std::int64_t stamp_ns,
                           const std::vector<NamedPose>& poses);
 
-/// How depth pixels are written: counts of any unit (16UC1), or meters (32FC1).
+/// Encoding of depth pixels: counts of any unit (16UC1), or meters (32FC1).
 enum class DepthEncoding : std::uint8_t { counts, meters };
 
-/// Images and cameras on the topics of realsense-ros. On /tf_static where the color camera is, if
-/// that is known.
+/// Images and camera infos on the topics of realsense-ros, and the pose of the color camera on
+/// /tf_static if it is known.
 std::vector<RosMessage> ros_camera(const Frame& frame,
                                    std::int64_t stamp_ns,
                                    DepthEncoding encoding);

@@ -1,5 +1,5 @@
-// Frames that arrive on standard input: a line of JSON about the camera, then one image after the
-// other, as raw counts or PNG.
+// Frames from standard input: a line of JSON about the camera, then one image after another, as raw
+// counts or PNG.
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -38,7 +38,7 @@ class DescriptorStream : public FrameStream {
       is_png_ = place.at("format").choice(kStreamFormats) == 1;
       return sidecar_of(place, kStream);
     });
-    info_.path = kStream;  // as errors call it
+    info_.path = kStream;  // name in errors
     settle_camera(options, sidecar_, {}, info_);
     info_.path = "-";
     info_.format = fmt::format("stream of {} images", kStreamFormats[is_png_]);
@@ -55,16 +55,17 @@ class DescriptorStream : public FrameStream {
       unsigned char prefix[4];  // little-endian
       if (!read_whole(prefix, stop, "length")) return false;
       length = prefix[0] | prefix[1] << 8 | prefix[2] << 16 | std::size_t{prefix[3]} << 24;
-      const std::size_t most = 2 * raw_bytes() + (1 << 16);  // PNG hardly grows what it packs
+      const std::size_t most = 2 * raw_bytes() + (1 << 16);  // PNG expands data only slightly
       if (length == 0 || length > most)
         throw Error(
-            fmt::format("{}: frame {}: a PNG of {} bytes, expected 1 to {} for {}x{} pixels",
+            fmt::format("{}: frame {}: a PNG of {} bytes; expected 1 to {} for {}x{} pixels",
                         kStream, count_, length, most, info_.width, info_.height));
     }
     std::vector<unsigned char> bytes(length);
     if (!read_whole(bytes, stop, "image")) {
       if (is_png_ && !stop.stop_requested())
-        throw Error(fmt::format("{}: frame {} is cut: 0 of {} bytes", kStream, count_, length));
+        throw Error(
+            fmt::format("{}: frame {} is truncated: 0 of {} bytes", kStream, count_, length));
       return false;
     }
     if (!keeps_all_) kept_.clear();
@@ -91,9 +92,9 @@ class DescriptorStream : public FrameStream {
     return sizeof(std::uint16_t) * static_cast<std::size_t>(info_.width) * info_.height;
   }
 
-  /// Fills `bytes` as far as the stream goes, or until a stop. Returns how many came.
+  /// Fills `bytes` until the stream ends or a stop is requested. Returns the number of bytes read.
   std::size_t read_some(std::span<unsigned char> bytes, const std::stop_token& stop) const {
-    constexpr int kLook_ms = 100;  // a stop waits no longer
+    constexpr int kLook_ms = 100;  // maximum delay of a stop
     std::size_t got = 0;
     while (got < bytes.size() && !stop.stop_requested()) {
       pollfd wanted{descriptor_, POLLIN, 0};
@@ -107,13 +108,14 @@ class DescriptorStream : public FrameStream {
     return got;
   }
 
-  /// False where the stream ends before, and on a stop. Throws Error where it ends within.
+  /// Returns false at the end of the stream and on a stop. Throws Error if the stream ends within
+  /// `bytes`.
   bool read_whole(std::span<unsigned char> bytes, const std::stop_token& stop, const char* what) {
     const std::size_t got = read_some(bytes, stop);
     if (got == bytes.size()) return true;
     if (got > 0 && !stop.stop_requested())
-      throw Error(fmt::format("{}: frame {} is cut: {} of {} bytes of its {}", kStream, count_, got,
-                              bytes.size(), what));
+      throw Error(fmt::format("{}: frame {} is truncated: {} of {} bytes of its {}", kStream,
+                              count_, got, bytes.size(), what));
     return false;
   }
 
@@ -124,7 +126,7 @@ class DescriptorStream : public FrameStream {
       if (read_some({&byte, 1}, {}) == 0 || byte == '\n') break;
     if (!header.starts_with('{') || header.size() == kMostBytes)
       throw Error(
-          fmt::format("{}: {} bytes without a header, expected a line of JSON with schema {}",
+          fmt::format("{}: {} bytes without a header; expected a line of JSON with schema {}",
                       kStream, header.size(), kStreamSchema));
     return header;
   }
@@ -141,7 +143,7 @@ class DescriptorStream : public FrameStream {
       std::memcpy(depth.data.data(), bytes.data(), bytes.size());
     }
     if (depth.width != info_.width || depth.height != info_.height)
-      throw Error(fmt::format("{}: {}x{} pixels, expected {}x{} as the header says", name,
+      throw Error(fmt::format("{}: {}x{} pixels; expected {}x{}, according to the header", name,
                               depth.width, depth.height, info_.width, info_.height));
     return depth;
   }
@@ -150,8 +152,8 @@ class DescriptorStream : public FrameStream {
   bool keeps_all_;
   bool is_png_ = false;
   RecordingInfo info_;
-  Sidecar sidecar_;                              // what the header says
-  std::deque<std::vector<unsigned char>> kept_;  // the last frames as they came
+  Sidecar sidecar_;                              // facts in the header
+  std::deque<std::vector<unsigned char>> kept_;  // the last frames as received
   int count_ = 0;
 };
 

@@ -124,7 +124,7 @@ void replace(const std::filesystem::path& path,
   if (std::filesystem::exists(status)) target = std::filesystem::canonical(path, ignored);
   Staged staged{target};
   staged.path += ".part";
-  // Whoever writes the same file at the same time holds a lock on its part.
+  // Another writer of the same file holds a lock on its temporary file.
   const FileDescriptor lock = open_file(staged.path, O_WRONLY | O_CREAT);
   if (lock.is_open() && ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
     staged.path.replace_extension(fmt::format(".{}.part", ::getpid()));
@@ -179,13 +179,13 @@ std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) throw Error(path.string() + ": cannot be read: " + error.message());
   if (size > max_bytes) {
-    throw Error(path.string() + ": " + std::to_string(size) + " bytes, expected at most " +
+    throw Error(path.string() + ": " + std::to_string(size) + " bytes; expected at most " +
                 std::to_string(max_bytes));
   }
   std::vector<unsigned char> bytes(size);
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (file.gcount() != static_cast<std::streamsize>(size)) {
-    throw Error(path.string() + ": read " + std::to_string(file.gcount()) + " bytes, expected " +
+    throw Error(path.string() + ": read " + std::to_string(file.gcount()) + " bytes; expected " +
                 std::to_string(size));
   }
   constexpr std::string_view kLfsPointer = "version https://git-lfs.github.com/spec/";
@@ -238,7 +238,7 @@ void expect_within_read_limit(double bytes, const std::string& what) {
   const auto limit = static_cast<double>(read_limit_bytes());
   if (bytes > limit)
     throw Error(
-        fmt::format("{} would take {:.0f} MiB in memory, expected at most {:.0f}: see "
+        fmt::format("{} would need {:.0f} MiB of memory; expected at most {:.0f}; see "
                     "--read-limit",
                     what, bytes / kMiB, limit / kMiB));
 }

@@ -93,7 +93,7 @@ std::string error_text(int error);
 std::uint64_t read_limit_bytes();
 void set_read_limit_bytes(std::uint64_t bytes);
 
-/// Throws Error "WHAT would take ... MiB in memory, expected at most ..." if above the limit.
+/// Throws Error "WHAT would need ... MiB of memory; expected at most ..." if above the limit.
 void expect_within_read_limit(double bytes, const std::string& what);
 
 /// Lock of the single instance that may write to a folder, in DIR/lock. The lock ends with the

@@ -42,7 +42,7 @@ Json parse_json(std::string_view text, const std::string& what) {
     if (event == Event::key) {
       const auto& key = value.template get_ref<const std::string&>();
       if (!keys.back().insert(key).second)
-        throw Error(what + ": has " + shown(key) + " twice in one object");
+        throw Error(what + ": " + shown(key) + " appears twice in one object");
     }
     return true;
   };
@@ -76,7 +76,7 @@ std::int64_t whole_number(const Json& json,
   const auto value = fits ? json.template get<std::int64_t>() : std::int64_t{0};
   if (!fits || value < low || value > high)
     throw Error(what + " is " + (json.is_number() ? json.dump() : "not a number") +
-                ", expected a whole number from " + std::to_string(low) + " to " +
+                "; expected a whole number from " + std::to_string(low) + " to " +
                 std::to_string(high));
   return value;
 }
@@ -130,7 +130,7 @@ void JsonPlace::has_only(std::initializer_list<std::string_view> keys) const {
   if (!json_->is_object()) fail_kind("an object");
   for (const auto& item : json_->items())
     if (std::ranges::find(keys, item.key()) == keys.end())
-      fail(fmt::format("has {}, expected one of {}", shown(item.key()), fmt::join(keys, ", ")));
+      fail(fmt::format("has {}; expected one of {}", shown(item.key()), fmt::join(keys, ", ")));
 }
 
 void JsonPlace::each(const std::function<void(const JsonPlace&)>& visit) const {
@@ -149,7 +149,7 @@ std::string JsonPlace::schema(std::initializer_list<std::string_view> readable) 
   };
   const std::string expected = fmt::format("{}", fmt::join(readable, " or "));
   if (stem(found) == stem(*readable.begin()) && version(found) < version(*readable.begin()))
-    throw Error(found + " is no longer readable; expected " + expected);
+    throw Error(found + " is no longer supported; expected " + expected);
   place.fail_kind(expected);
 }
 
@@ -202,7 +202,7 @@ void JsonPlace::fail_kind(const std::string& expected) const {
   constexpr std::size_t kMostShown = 40;
   std::string found = json_->dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   if (found.size() > kMostShown) found = found.substr(0, kMostShown) + "...";
-  fail("is " + found + ", expected " + expected);
+  fail("is " + found + "; expected " + expected);
 }
 
 JsonPlace JsonPlace::maybe(const char* key) const {

@@ -62,7 +62,7 @@ std::string shown(const std::string& text);
 std::string json_problem(const std::exception& problem);
 
 /// A position in a document. Unexpected values throw Error naming the position:
-/// `record.options[3].name is 7, expected text`. The JSON must outlive this object.
+/// `record.options[3].name is 7; expected text`. The JSON must outlive this object.
 class JsonPlace {
  public:
   explicit JsonPlace(const nlohmann::ordered_json& json, std::string where = "");
@@ -74,8 +74,8 @@ class JsonPlace {
   void has_only(std::initializer_list<std::string_view> keys) const;
   /// Visits the items of a list.
   void each(const std::function<void(const JsonPlace&)>& visit) const;
-  /// The document's "schema", which must be one of `readable`. Older versions get their
-  /// own message.
+  /// The document's "schema", which must be one of `readable`. Older versions get a separate
+  /// message.
   std::string schema(std::initializer_list<std::string_view> readable) const;
 
   std::string text() const;

@@ -94,7 +94,7 @@ void work_through(int count,
 
 namespace {
 
-/// Results of work_in_order() that have been made but not taken.
+/// Results of work_in_order() that have been made but not taken yet.
 class Line {
  public:
   Line(int count, int ahead, const std::function<void(int)>& make)
@@ -219,11 +219,11 @@ Simd best_simd() {
   for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512}) {
     if (to_string(simd) != asked) continue;
     if (simd > kWidest)
-      throw Error("PLANESCOPE_SIMD is " + to_string(simd) + ", but this processor has only " +
+      throw Error("PLANESCOPE_SIMD is " + to_string(simd) + ", but this processor supports only " +
                   to_string(kWidest));
     return simd;
   }
-  throw Error("PLANESCOPE_SIMD is '" + std::string(asked) + "', expected plain, avx2 or avx512");
+  throw Error("PLANESCOPE_SIMD is '" + std::string(asked) + "'; expected plain, avx2 or avx512");
 }
 
 std::string to_string(Simd simd) {

@@ -117,7 +117,7 @@ ObservedFrame observe_given(const MapJob& job,
   try {
     ObservedFrame seen = job.observed(work.frame.index, upright);
     if (seen.plane_of.width != depth.width || seen.plane_of.height != depth.height)
-      throw Error(fmt::format("frame {} was observed at {}x{}, expected {}x{}", work.frame.index,
+      throw Error(fmt::format("frame {} was observed at {}x{}; expected {}x{}", work.frame.index,
                               seen.plane_of.width, seen.plane_of.height, depth.width,
                               depth.height));
     set_frame_fields(seen, work.frame, work.options, work.pose->T_world_camera, work.pose->segment);

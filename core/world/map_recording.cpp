@@ -200,11 +200,11 @@ std::string difference(const PlanesFrom& found, const PlanesFrom& expected) {
   // First the options that imply others.
   for (const char* first : {"camera", "method", "profile"})
     if (shown(found, first) != shown(expected, first))
-      return fmt::format("{} is {}, expected {}", first, shown(found, first),
+      return fmt::format("{} is {}; expected {}", first, shown(found, first),
                          shown(expected, first));
   for (const auto& [name, value] : all)
     if (shown(found, name) != shown(expected, name))
-      return fmt::format("{} is {}, expected {}", name, shown(found, name), shown(expected, name));
+      return fmt::format("{} is {}; expected {}", name, shown(found, name), shown(expected, name));
   return {};
 }
 

@@ -72,7 +72,7 @@ struct StoredPlanes {
 /// Classifier weights are identified by name only.
 using PlanesFrom = std::map<std::string, std::string>;
 PlanesFrom planes_from(const planes::PipelineOptions& options, const io::RecordingInfo& recording);
-/// The first difference, "min_pixels is 400, expected 200"; empty if equal.
+/// The first difference, "min_pixels is 400; expected 200"; empty if equal.
 std::string difference(const PlanesFrom& found, const PlanesFrom& expected);
 
 struct WorldMap : UprightPoses {  // includes the aligned poses of the frames

@@ -1,5 +1,4 @@
-// An Open3D cloud in, its planes as an Open3D mesh out: open3d_planes CLOUD [MESH.ply]
-// The cloud has z up.
+// Converts an Open3D cloud, with z up, to a mesh of its planes: open3d_planes CLOUD [MESH.ply]
 
 #include <open3d/io/PointCloudIO.h>
 #include <open3d/io/TriangleMeshIO.h>

@@ -1,5 +1,5 @@
-/* A depth image in meters in, planes out, in C99: segment_depth_c
- * The image is computed: a camera 30 cm above a floor, and 1 m ahead a step of 15 cm. */
+/* Finds planes in a depth image in meters, in C99: segment_depth_c
+ * The image is synthetic: a camera 30 cm above a floor, and 1 m ahead a step of 15 cm. */
 
 #include <planescope/planescope.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@ static int fail(void) {
 
 int main(void) {
   const planescope_option options[] = {{"profile", "refined"}, {"max_range_m", "3"}};
-  const double gravity[3] = {0, 1, 0}; /* the camera is level */
+  const double gravity[3] = {0, 1, 0}; /* the camera is level, so gravity is its y axis */
   const planescope_camera camera = {.width = 424, .height = 240, .fx = 300, .fy = 300, .cx = 211.5, .cy = 119.5};
   float* meters = malloc(sizeof(float) * 424 * 240);
   planescope_segmenter* segmenter;
@@ -20,7 +20,7 @@ int main(void) {
   size_t i, on_planes = 0;
 
   for (i = 0; i < 424 * 240; ++i) {
-    const double down = ((double)(i / 424) - camera.cy) / camera.fy; /* of its ray, per meter ahead */
+    const double down = ((double)(i / 424) - camera.cy) / camera.fy; /* drop of the ray per meter ahead */
     meters[i] = (float)(down > 0.3 ? 0.30 / down : down > 0.15 ? 1.0 : down > 0.05 ? 0.15 / down : 0);
   }
   segmenter = planescope_segmenter_create(options, 2, 1);

@@ -1,5 +1,5 @@
-// Why is there no plane here? step_through_trace RECORDING [PICTURE.png]
-// Prints what became of the pixel in the middle of the first frame, step by step.
+// Explains why a pixel has no plane: step_through_trace RECORDING [PICTURE.png]
+// Prints the events that concern the pixel in the center of the first frame.
 
 #include <cstdio>
 #include <planescope/io.hpp>

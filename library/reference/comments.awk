@@ -1,6 +1,7 @@
 #!/usr/bin/awk -f
-# The comments of our headers as Doxygen takes them: what stands behind a member, and goes on in the lines
-# below, is of that member; a paragraph that begins a file is of the file. The inline namespace is left out.
+# Converts the comments of our headers for Doxygen: a trailing comment, and its continuation lines,
+# documents its member; the paragraph at the start of a file documents the file. Removes the inline
+# namespace.
 FNR == 1 { trailing = 0; opening = 1 }
 /namespace v0 *{|} *\/\/ namespace v0/ { print ""; next }
 {

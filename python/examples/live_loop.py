@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Follow planes with a live camera: live_loop.py [FRAMES]
 
-The camera is simulated: it walks toward a step. Replace camera() by a driver's loop that yields depth in
-meters (or uint16 counts) and T_world_camera, the pose of the camera in a world whose z points up.
+The camera is simulated: it moves toward a step. Replace camera() with a driver's loop that yields depth
+in meters (or uint16 counts) and T_world_camera, the pose of the camera in a world whose z points up.
 """
 
 import sys
@@ -18,7 +18,7 @@ K = np.array([[F, 0, (WIDTH - 1) / 2], [0, F, (HEIGHT - 1) / 2], [0, 0, 1]])
 
 
 def camera(frames: int) -> Iterator[tuple[NDArray[np.float32], NDArray[np.float64]]]:
-    """A camera 50 cm above the floor, tilted down by 30 degrees; a step of 15 cm at x = 1 m."""
+    """Simulate a camera 50 cm above the floor, tilted down by 30 degrees; a step of 15 cm at x = 1 m."""
     tilt = np.deg2rad(30)
     forward = np.array([np.cos(tilt), 0, -np.sin(tilt)])
     right = np.array([0, -1, 0])

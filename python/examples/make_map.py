@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Make a map of a recording: make_map.py RECORDING [POSES]
 
-POSES: a file (TUM, KITTI, Open3D), or a .npy array (n, 4, 4) of T_world_camera, one for each frame.
+POSES: a file (TUM, KITTI, Open3D), or a .npy array (n, 4, 4) of T_world_camera, one per frame.
 """
 
 import sys
@@ -15,7 +15,7 @@ def main(path: str, poses: str = "") -> None:
     recording = ps.Recording(path)
     given = np.load(poses) if poses.endswith(".npy") else poses or None
     made = ps.make_map(recording, poses=given, threads=4)
-    for warning in made.told:
+    for warning in made.warnings:
         print(warning, file=sys.stderr)
     for plane in made.planes:
         print(

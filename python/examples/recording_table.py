@@ -14,7 +14,7 @@ def main(path: str, table: str = "/dev/stdout") -> None:
     with open(table, "w", newline="") as file, ThreadPoolExecutor() as pool:
         rows = csv.writer(file)
         rows.writerow(["frame", "id", "label", "tilt_deg", "height_m", "area_m2", "sigma_mm"])
-        # The interpreter is released while a frame is segmented, so threads are enough.
+        # Segmenting releases the interpreter, so threads are enough.
         for frame, result in enumerate(pool.map(segmenter.segment, recording)):
             for plane in result.planes:
                 rows.writerow([

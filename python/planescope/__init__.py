@@ -3,8 +3,9 @@
 Lengths are in meters, angles in degrees. The sensor's frame is that of cameras: x right, y down, z
 forward. In the world, z points up and the sensor is at the origin (of a cloud: the cloud's origin).
 
-Arrays may be anything with the buffer protocol or `__array_interface__`. Results have numpy arrays if
-numpy is installed, and memoryviews otherwise. Invalid input raises Error, a ValueError, with one line.
+Array arguments can be any object with the buffer protocol or `__array_interface__`. Results are numpy
+arrays if numpy is installed, and memoryviews otherwise. Invalid input raises Error, a ValueError, with
+a message of one line.
 
 Example:
     >>> planes, labels = ps.segment(depth, K)

@@ -1,4 +1,4 @@
-"""Arrays in and out, with or without numpy: numpy arrays where it is installed, else memoryviews."""
+"""Conversion of arrays: to and from numpy arrays if numpy is installed, memoryviews otherwise."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 
 def view(core: Any) -> Any:
-    """A _core.Array, without copying it; anything else as it is."""
+    """View a _core.Array without copying it; return anything else unchanged."""
     if not isinstance(core, Array):
         return core
     return memoryview(core) if np is None else np.asarray(core)  # type: ignore[arg-type]
 
 
 def floats(values: Any) -> Any:
-    """Nested lists of numbers as an array of doubles."""
+    """Convert nested lists of numbers to an array of doubles."""
     if np is not None:
         return np.array(values, dtype=np.float64)
     return _doubles(values)
@@ -45,7 +45,7 @@ def _doubles(values: Any) -> memoryview:
 
 
 def buffer(values: Any, what: str, expected: str) -> Any:
-    """An object whose memory _core can read: any array, or nested lists of numbers."""
+    """Convert an array or nested lists of numbers to an object whose memory _core can read."""
     try:
         memoryview(values)
         return values
@@ -55,11 +55,11 @@ def buffer(values: Any, what: str, expected: str) -> Any:
     try:
         return _doubles(values) if np is None else np.asarray(values)
     except (TypeError, ValueError):
-        raise Error(f"{what}: it is a {type(values).__name__}, expected {expected}") from None
+        raise Error(f"{what}: a {type(values).__name__}; expected {expected}") from None
 
 
 def numbers(values: Any, what: str, expected: str, *shapes: tuple[int, ...]) -> Any:
-    """Numbers as a float, or as nested lists of floats of one of these shapes."""
+    """Convert to a float or to nested lists of floats; raise Error unless it has one of the shapes."""
     try:
         if np is None:
             nested = _plain(values)
@@ -72,26 +72,26 @@ def numbers(values: Any, what: str, expected: str, *shapes: tuple[int, ...]) -> 
     except (TypeError, ValueError):
         shown = " ".join(repr(values).split())
         shown = shown if len(shown) <= 80 else shown[:80] + "..."
-        raise Error(f"{what}: it is {shown}, expected {expected}") from None
+        raise Error(f"{what}: {shown}; expected {expected}") from None
     if shape not in (shapes or ((),)):
-        raise Error(f"{what}: it has shape {shape}, expected {expected}")
+        raise Error(f"{what}: shape {shape}; expected {expected}")
     return nested
 
 
 def transform(values: Any, what: str) -> list[float]:
-    """A 4x4 matrix, row by row."""
+    """Convert a 4x4 matrix to a list, row by row."""
     rows = numbers(values, what, "a 4x4 matrix", (4, 4))
     return [value for row in rows for value in row]
 
 
 def _plain(values: Any) -> Any:
-    """Numbers as a float or nested lists of floats."""
+    """Convert numbers to a float or to nested lists of floats."""
     if hasattr(values, "tolist"):
         values = values.tolist()
     if isinstance(values, Sequence) and not isinstance(values, (str, bytes)):
         return [_plain(value) for value in values]
     if isinstance(values, (str, bytes, bool)):
-        raise ValueError("no number")
+        raise ValueError("not a number")
     return float(values)
 
 
@@ -111,7 +111,7 @@ def _flat(nested: Any) -> list[float]:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Equal, arrays to the bit; nan equals nan."""
+    """Whether two values are equal. Arrays are compared bit by bit; nan equals nan."""
     if isinstance(a, float) and isinstance(b, float):
         return a == b or (math.isnan(a) and math.isnan(b))
     if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
@@ -124,7 +124,7 @@ def same(a: Any, b: Any) -> bool:
 
 
 class Values:
-    """Equality of frozen dataclasses that have arrays among their fields."""
+    """Base of frozen dataclasses with array fields: equality and hash."""
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):

@@ -1,4 +1,4 @@
-# The compiled module. Its arrays are Array objects, which the package turns into numpy arrays.
+# The compiled module. Its arrays are Array objects, which the package converts to numpy arrays.
 from collections.abc import Mapping, Sequence
 from typing import Any
 

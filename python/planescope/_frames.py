@@ -1,4 +1,4 @@
-"""What is segmented: frames, and recordings as sequences of frames."""
+"""Input: frames, and recordings as sequences of frames."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
     Depth = NDArray[numpy.uint16] | NDArray[numpy.floating[Any]] | memoryview
 
-# Properties that are None for some frames are declared as `X | Any`, so that code which knows its frames
-# needs no checks.
+# Properties that are None for some frames are declared as `X | Any`, so that code for depth images, for
+# example, needs no checks.
 _K = "a 3x3 matrix or fx, fy, cx, cy"
 
 
 @dataclass(frozen=True, eq=False)
 class Gravity(Values):
-    """Direction in which things fall, a unit vector in the sensor's frame.
+    """Direction of gravity, a unit vector in the sensor's frame.
 
     Example:
         >>> ps.segment(depth, K, gravity=(0, 0.848, 0.53)).gravity.source
@@ -42,12 +42,12 @@ def intrinsics(k: Any) -> tuple[float, float, float, float]:
     if len(k) == 4:
         return k[0], k[1], k[2], k[3]
     if k[0][1] or k[1][0] or k[2] != [0, 0, 1]:
-        raise Error(f"K: it is {k}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
+        raise Error(f"K: {k}; expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
     return k[0][0], k[1][1], k[0][2], k[1][2]
 
 
 def vector(gravity: Any) -> list[float] | None:
-    """x, y, z of a gravity."""
+    """x, y, z of a gravity vector."""
     if gravity is None:
         return None
     if isinstance(gravity, Gravity):
@@ -59,8 +59,8 @@ def vector(gravity: Any) -> list[float] | None:
 class Frame:
     """One depth image or one point cloud.
 
-    Arrays are read-only views of the frame's memory. Frames are equal if all of their data is, and
-    can be pickled.
+    Arrays are read-only views of the frame's memory. Frames are equal if all of their data is equal.
+    They can be pickled.
     """
 
     def __init__(
@@ -77,20 +77,20 @@ class Frame:
         """Copy a depth image.
 
         Args:
-            depth: (height, width), uint16 counts or float meters, of any strides and byte order.
-                0, and in meters also negative and nan, is not measured. Meters are stored as counts:
-                of 1 mm if all are whole millimeters or one is beyond 13.1 m, otherwise of 0.2 mm.
-                Beyond 65.534 m they are invalid.
+            depth: (height, width), uint16 counts or float meters, with any strides and byte order.
+                0, and in meters also negative and nan, means not measured. Meters are stored as
+                counts of 1 mm if all are whole millimeters or one is beyond 13.1 m, otherwise of
+                0.2 mm. Values beyond 65.534 m are invalid.
             K: (3, 3), or fx, fy, cx, cy, in pixels.
             depth_unit: Meters per count, 0.001 by default. Not for depth in meters.
-            gravity: Direction in which things fall, in the sensor's frame: x right, y down, z
-                forward. None: estimated from the image.
+            gravity: Direction of gravity in the sensor's frame: x right, y down, z forward. None:
+                estimated from the image.
             distortion: k1, k2, p1, p2, k3.
-            distortion_model: "brown_conrady", which is OpenCV's, or "inverse_brown_conrady".
+            distortion_model: "brown_conrady" (OpenCV) or "inverse_brown_conrady".
             color: (height, width, 3), uint8 RGB on the pixels of depth.
 
         Raises:
-            Error: An argument has another shape or type, or is out of range.
+            Error: An argument has the wrong shape or type, or is out of range.
 
         Example:
             >>> frame = ps.Frame(depth, (385, 385, 319.5, 239.5), gravity=(0, 0.848, 0.53))
@@ -120,15 +120,15 @@ class Frame:
         """Copy a point cloud.
 
         Args:
-            points: (n, 3), or organized as (height, width, 3), in meters, of any number type,
-                strides and byte order. (0, 0, 0) and nan are not measured.
-            gravity: Direction in which things fall, in the cloud's frame. None: -z.
+            points: (n, 3), or organized as (height, width, 3), in meters, with any number type,
+                strides and byte order. (0, 0, 0) and nan mean not measured.
+            gravity: Direction of gravity in the cloud's frame. None: -z.
 
         Returns:
             A frame whose labels have the shape of the points.
 
         Raises:
-            Error: The points have another shape or are no numbers.
+            Error: The points have the wrong shape or are not numbers.
 
         Example:
             >>> ps.Frame.of_points([[0, 0, 0.5], [1, 0, 0.5], [0, 1, 0.5]])
@@ -164,7 +164,7 @@ class Frame:
 
     @property
     def is_cloud(self) -> bool:
-        """Whether it is a point cloud."""
+        """Whether the frame is a point cloud."""
         return bool(self._core.is_cloud)
 
     @property
@@ -179,7 +179,7 @@ class Frame:
 
     @property
     def K(self) -> NDArray[numpy.float64] | Any:
-        """(3, 3) of the depth image; None for a cloud."""
+        """Camera matrix (3, 3) of the depth image; None for a cloud."""
         return view(self._core.K)
 
     @property
@@ -199,7 +199,7 @@ class Frame:
 
     @property
     def color_K(self) -> NDArray[numpy.float64] | Any:
-        """(3, 3) of a color image that is not aligned; None: unknown."""
+        """Camera matrix (3, 3) of a color image that is not aligned; None: unknown."""
         return view(self._core.color_K)
 
     @property
@@ -209,7 +209,7 @@ class Frame:
 
     @property
     def T_color_depth(self) -> NDArray[numpy.float64]:
-        """(4, 4), from the depth camera's frame to the color camera's."""
+        """Transform (4, 4) from the depth camera's frame to the color camera's."""
         return view(self._core.T_color_depth)  # type: ignore[no-any-return]
 
     @property
@@ -223,7 +223,7 @@ class Frame:
 
     @property
     def gravity(self) -> Gravity | None:
-        """Gravity that the recording or the caller provides; None: to be estimated."""
+        """Gravity from the recording or the caller; None: to be estimated."""
         gravity = self._core.gravity
         return None if gravity is None else Gravity(view(gravity[0]), *gravity[1:])
 
@@ -250,7 +250,7 @@ def _frame_of_bytes(data: bytes, shape: tuple[int, ...] | None) -> Frame:
 
 @dataclass(frozen=True, eq=False)
 class RecordingInfo(Values):
-    """Facts about a recording.
+    """Properties of a recording.
 
     Example:
         >>> recording.info.format
@@ -288,10 +288,10 @@ class Recording(Sequence):  # type: ignore[type-arg]
             path: RealSense or ROS bag (1 and 2), folder of images, Viewer .raw, or cloud.
             K: Overrides the camera matrix in the files.
             depth_unit: Overrides the meters per count in the files.
-            color: False reads depth alone, which is faster.
+            color: False reads only depth, which is faster.
 
         Raises:
-            Error: The recording is missing, damaged, or of no known format.
+            Error: The recording is missing, damaged, or in an unknown format.
 
         Example:
             >>> recording = ps.Recording("assets/sample")
@@ -307,7 +307,7 @@ class Recording(Sequence):  # type: ignore[type-arg]
 
     @property
     def info(self) -> RecordingInfo:
-        """Facts about the recording."""
+        """Properties of the recording."""
         info: dict[str, Any] = self._core.info()
         info["path"] = os.fsdecode(info["path"])
         info["K"] = view(info["K"])
@@ -327,7 +327,7 @@ class Recording(Sequence):  # type: ignore[type-arg]
             return [self[k] for k in range(*i.indices(len(self)))]
         k = i + len(self) if i < 0 else i
         if not 0 <= k < len(self):
-            raise IndexError(f"frame {i} of a recording of {len(self)}")
+            raise IndexError(f"frame {i} is out of range; the recording has {len(self)} frames")
         return Frame._of(self._core.frame(k))
 
     def __iter__(self) -> Iterator[Frame]:

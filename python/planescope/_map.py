@@ -1,4 +1,4 @@
-"""Maps of moving cameras: of a recording at once, or of frames as they arrive."""
+"""Maps from moving cameras: of a whole recording, or of frames as they arrive."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class MapPlane(Values):
 
     track: int
     label: str  # "h", "v" or "unknown"
-    state: str  # "alive"; "gone": it was removed; "left": beyond the window
-    segment: int  # of the map: each has its own world
+    state: str  # "alive"; "gone": removed from the scene; "left": outside the window
+    segment: int  # segment of the map; each has its own world
     normal: Floats
     centroid: Floats
     offset_m: float  # normal . x of its points
@@ -42,24 +42,24 @@ class MapPlane(Values):
     rms_m: float
     area_m2: float
     frames_seen: int
-    frames_missed: int  # in sight but not found
-    frames_undecided: int  # of those seen, frames in which its plane was undecided
+    frames_missed: int  # visible but not found
+    frames_undecided: int  # seen, but its plane was undecided
     parts: list[OutlinePart] = field(repr=False)  # rings of (n, 3) corners in the world
 
 
 class Map:
     """Planes of the world, poses of the camera, and the tracks that connect the planes of frames.
 
-    Maps are equal if their files are, and can be pickled.
+    Maps are equal if their files are equal. They can be pickled.
 
     Attributes:
         json: map.json, byte for byte as `planescope map` writes it.
         tracks_json: tracks.json.
         poses_tum: poses.tum.
-        T_world_camera: (4, 4) by frame, of the frames with a known pose.
-        told: Warnings, one line each.
-        planes_png: planes/000000.png by frame: 16 bits, per pixel the plane id that
-            `track_of_plane` counts. Empty from a Mapper, and for methods that do not find planes on
+        T_world_camera: (4, 4) by frame, for the frames with a known pose.
+        warnings: One line each.
+        planes_png: planes/000000.png by frame: 16 bits, with the plane id per pixel that
+            `track_of_plane` uses. Empty for a Mapper and for methods that do not find planes on
             pixels.
 
     Example:
@@ -69,18 +69,18 @@ class Map:
     """
 
     def __init__(self, core: tuple[bytes, bytes, bytes, list[int], Any, list[str], dict[int, bytes]]):
-        map_json, tracks_json, poses_tum, frames, T, told, planes_png = core
+        map_json, tracks_json, poses_tum, frames, T, warnings, planes_png = core
         self.json = map_json.decode()
         self.tracks_json = tracks_json.decode()
         self.poses_tum = poses_tum.decode()
         poses: list[Floats] = [floats(pose) for pose in view(T).tolist()]
         self.T_world_camera: dict[int, Floats] = dict(zip(frames, poses))
-        self.told = told
+        self.warnings = warnings
         self.planes_png = planes_png
 
     @functools.cached_property
     def planes(self) -> list[MapPlane]:
-        """Planes, the largest first, then those that are gone."""
+        """Planes, largest first, followed by those that are gone."""
         return [
             of_json(
                 MapPlane,
@@ -96,24 +96,24 @@ class Map:
 
     @property
     def stability(self) -> dict[str, float | None]:
-        """How steady the planes are over time: docs/map.md."""
+        """Measures of the planes' stability over time: docs/map.md."""
         return json.loads(self.json)["stability"]  # type: ignore[no-any-return]
 
     @functools.cached_property
     def tracks(self) -> list[dict[str, Any]]:
-        """Tracks as in tracks.json: frames in which each was seen, and why it was missing."""
+        """Tracks as in tracks.json: the frames in which each was seen, and reasons for gaps."""
         return json.loads(self.tracks_json)["tracks"]  # type: ignore[no-any-return]
 
     @functools.cached_property
     def track_of_plane(self) -> dict[int, list[int]]:
-        """Tracks of the planes of each frame, by id - 1; 0: none."""
+        """Tracks of each frame's planes, by plane id - 1; 0: none."""
         frames = json.loads(self.tracks_json)["frames"]
         return {frame["frame"]: frame["track_of_plane"] for frame in frames}
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Map):
             return NotImplemented
-        names = ("json", "tracks_json", "poses_tum", "planes_png", "told")
+        names = ("json", "tracks_json", "poses_tum", "planes_png", "warnings")
         return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __hash__(self) -> int:
@@ -133,16 +133,16 @@ def make_map(
     threads: int = 1,
     **options: Unpack[Options],
 ) -> Map:
-    """Track the planes of a recording and fuse them to a map.
+    """Track the planes of a recording and fuse them into a map.
 
     Args:
         recording: Depth images.
         poses: T_world_camera (camera axes: x right, y down, z forward): an array (n, 4, 4) with one
-            pose for each frame of the map; a mapping from frames to (4, 4), as Map.T_world_camera;
-            or a file (TUM, KITTI, Open3D's .log or .json). None: the recording's own poses, without
-            any odometry.
-        frames: Ascending. None: all.
-        window_m: Edge of the cube around the camera that the map is held in; 0: no limit.
+            pose for each frame of the map; a mapping from frames to (4, 4), like
+            Map.T_world_camera; or a file (TUM, KITTI, Open3D's .log or .json). None: the
+            recording's own poses or, without any, odometry.
+        frames: Frame numbers, ascending. None: all.
+        window_m: Edge of the map's cube around the camera; 0: unlimited.
         profile: As for Segmenter.
         threads: As for Segmenter.
         **options: As for Segmenter.
@@ -158,7 +158,7 @@ def make_map(
         >>> floors = [plane for plane in made.planes if plane.label == "h"]
     """
     if not isinstance(recording, Recording):
-        raise Error(f"recording: {type(recording).__name__}, expected a planescope.Recording")
+        raise Error(f"recording: a {type(recording).__name__}; expected a planescope.Recording")
     chosen: Sequence[int] = range(len(recording))
     if frames is not None:
         try:
@@ -166,16 +166,16 @@ def make_map(
         except TypeError:
             chosen = []
         if not chosen:
-            raise Error(f"frames: {frames!r}, expected whole numbers, at least one")
+            raise Error(f"frames: {frames!r}; expected at least one whole number")
     file, by_frame = b"", {}
     if isinstance(poses, (str, os.PathLike)):
         file = os.fsencode(poses)
         if not file:
-            raise Error("poses: '', expected a file")
+            raise Error("poses: ''; expected a file")
     elif isinstance(poses, Mapping):
         by_frame = {int(k): transform(pose, f"pose of frame {k}") for k, pose in poses.items()}
         if not by_frame:
-            raise Error("poses: there are none, expected one for each frame")
+            raise Error("poses: none; expected one for each frame")
     elif poses is not None:
         expected = f"({len(chosen)}, 4, 4), a pose for each frame"
         rows = numbers(poses, "poses", expected, (len(chosen), 4, 4))
@@ -193,12 +193,12 @@ def make_map(
 
 @dataclass(frozen=True, eq=False)
 class MappedFrame(Values):
-    """A frame that a Mapper added."""
+    """A frame added by a Mapper."""
 
     result: Result
     tracks: list[int]  # by plane id - 1; 0: none
     T_world_camera: Floats  # (4, 4), aligned with the map so far
-    set_aside: bool  # depth and pose do not fit the map, which ignores the frame
+    set_aside: bool  # depth and pose do not fit the map; the map ignores the frame
 
 
 class Mapper:
@@ -218,7 +218,7 @@ class Mapper:
         """Start an empty map.
 
         Args:
-            window_m: As for make_map(). Set it for a robot that moves on and on.
+            window_m: As for make_map(). Set it for a robot that keeps moving.
             profile: As for Segmenter.
             threads: As for Segmenter.
             **options: As for Segmenter.
@@ -233,7 +233,7 @@ class Mapper:
         self._core: Any = _core.Mapper(segmenter._core, numbers(window_m, "window_m", "a number"))
 
     def add(self, frame: Frame, pose: ArrayLike) -> MappedFrame:
-        """Find the planes of a frame and match them with the map.
+        """Find the planes of a frame and match them to the map.
 
         Args:
             frame: A depth image.
@@ -253,7 +253,7 @@ class Mapper:
             True
         """
         if not isinstance(frame, Frame):
-            raise Error(f"frame: it is a {type(frame).__name__}, expected a planescope.Frame")
+            raise Error(f"frame: a {type(frame).__name__}; expected a planescope.Frame")
         core, tracks, T, set_aside = self._core.add(frame._core, transform(pose, "pose"))
         return MappedFrame(Result(core), tracks, view(T), set_aside)
 

@@ -1,4 +1,4 @@
-"""Options as a typed dictionary: written by tests/python/options_test.py from the registry."""
+"""Options as a typed dictionary, generated from the registry by tests/python/options_test.py."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class OptionsWithoutGravity(TypedDict, total=False):
-    """Options of functions that have `gravity` as an argument of its own: segment(), segment_cloud().
+    """Options of segment() and segment_cloud(), which have a separate argument `gravity`.
 
     Example:
         >>> options: ps.OptionsWithoutGravity = {"max_range_m": 2.5, "foot_radius_m": 0.08}
@@ -22,53 +22,53 @@ class OptionsWithoutGravity(TypedDict, total=False):
     max_range_m: float
     # Ignore points farther than max_range_m from the origin (clouds)
     range_for_clouds: bool
-    # Smallest edge of the octree's cube; doubled until it contains the range [m]
+    # Minimum edge of the octree cube; doubled until it contains the range [m]
     cube_edge_m: float
     # Voxel edge; 0 makes every point a voxel [m]
     voxel_size_m: float
-    # Octree depth of a cube of cube_edge_m: 8 gives leaves of 1.25 cm in 3.2 m [levels]
+    # Octree depth for a cube of cube_edge_m: 8 gives leaves of 1.25 cm in 3.2 m [levels]
     base_depth: int
-    # Largest camera tilt that the gravity estimate allows [deg]
+    # Maximum camera tilt that the gravity estimate allows [deg]
     gravity_max_tilt_deg: float
-    # Labels points horizontal or vertical: a network, PCA normals, or ground truth
+    # Classifier that labels points horizontal or vertical: a network, PCA normals, or ground truth
     classifier: str
     # Points in each local plane fit, including the point itself [points]
     pca_neighbours: int
     # Eq. (1): horizontal if the normal is within this angle of gravity [deg]
     pca_max_angle_deg: float
-    # Method that finds planes: ours, or a rival
+    # Method that finds planes: ours, or one to compare with
     method: Literal["ours", "region-growing"]
-    # Criterion 1: most outliers of a node [points]
+    # Criterion 1: maximum number of outliers in a node [points]
     theta_n_out: int
-    # Criterion 1: largest share of outliers in a node [share]
+    # Criterion 1: maximum share of outliers in a node [share]
     theta_r_out: float
-    # Criterion 2: fewest inliers of a node [points]
+    # Criterion 2: minimum number of inliers in a node [points]
     theta_n_in: int
-    # Criterion 3: largest error e_n of the inliers' plane fit [m2]
+    # Criterion 3: maximum error e_n of the inliers' plane fit [m2]
     theta_e_n_m2: float
-    # e_n is the smallest eigenvalue of the scatter as printed, or divided by N
+    # e_n is the smallest eigenvalue of the scatter matrix, as in the paper, or divided by N
     mse_normalization: Literal["scatter", "mean"]
-    # Criterion 4: smallest coplanarity of two merged candidates
+    # Criterion 4: minimum coplanarity of two merged candidates
     theta_coplane: float
     # Criterion 4: also evaluate its third line, with the candidate's normal
     criterion4_n2: bool
-    # Criterion 4: largest |n . dmu|; 0 disables the test [m]
+    # Criterion 4: maximum |n . dmu|; 0 disables the test [m]
     merge_offset_m: float
     # Coplanar plane that a candidate is merged into
     merge_partner: Literal["first", "best"]
-    # Largest distance at which an unassigned point is assigned to a plane [m]
+    # Maximum distance at which an unassigned point is assigned to a plane [m]
     leftover_distance_m: float
-    # Off: all points have one label, the paper's "w/o PC"
+    # Use h and v labels; off: one label for all points, the paper's "w/o PC"
     use_labels: bool
     # Cube centered by the cloud stage, or starting at the minimum corner of the points
     cube_anchor: Literal["center", "min_corner"]
-    # Criterion 3: largest variance of a cell, relative to the expected
+    # Criterion 3: maximum variance of a cell, relative to the expected variance
     flat: float
     # Low-frequency error of depth, relative to the measured one
     bow: float
     # Cost of a plane: regions merge when their misfit costs less
     merge_cost: float
-    # Depth images, Criterion 1: largest cost of one plane rather than two, as a share of merge_cost [share]
+    # Depth images, Criterion 1: maximum cost of one plane rather than two, as a share of merge_cost [share]
     two_planes: float
     # Depth images, Criterion 2: minimum share of a cell's pixels on its plane [share]
     filled: float
@@ -82,11 +82,11 @@ class OptionsWithoutGravity(TypedDict, total=False):
     worth_px: float
     # Depth images: planes with a smaller margin are undecided
     undecided: float
-    # Clouds: minimum noise sigma, in spacings of points [spacings]
+    # Clouds: minimum noise sigma, in point spacings [spacings]
     resolution: float
     # Clouds: cost of an unassigned point, as a distance [sigma]
     point_reach_sigma: float
-    # Clouds: extra distance of a point from a plane of the other label [sigma]
+    # Clouds: extra distance of a point from a plane with the other label [sigma]
     label_sigma: float
     # Clouds: cost of a plane [sigma2]
     plane_cost: float
@@ -94,9 +94,9 @@ class OptionsWithoutGravity(TypedDict, total=False):
     region_patch_px: float
     # Region growing: cell edge in unordered clouds [m]
     region_voxel_size_m: float
-    # Region growing: threshold of planar region identification [m2]
+    # Region growing: threshold for planar region identification [m2]
     region_threshold_m2: float
-    # Region growing: smallest cosine between the normals of merged regions
+    # Region growing: minimum cosine between the normals of merged regions
     region_merge_threshold: float
     # Region growing: refine points along the borders of regions
     region_refine_boundaries: bool
@@ -154,5 +154,5 @@ class Options(OptionsWithoutGravity, total=False):
         >>> segmenter = ps.Segmenter(**options)
     """
 
-    # Gravity direction in the frame of the sensor or cloud; none: without horizontal and vertical
+    # Gravity direction in the frame of the sensor or cloud; none: do not distinguish horizontal from vertical
     gravity: ArrayLike | Gravity | str

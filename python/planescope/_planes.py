@@ -1,4 +1,4 @@
-"""What a plane is: its surface, certainty and outline; and the stairs, curbs and ramps of planes."""
+"""Planes with their surface, certainty and outline; stairs, kerbs and ramps made of planes."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class OutlinePart(Values):
-    """Rings of corners, not closed by a repeated one: (n, 2) on a plane, (n, 3) in the world."""
+    """Rings of corners, (n, 2) on a plane or (n, 3) in the world. The first is not repeated."""
 
-    outer: Floats  # counterclockwise as seen against the normal
-    holes: list[Floats]  # other things were measured there, or measured through the plane
+    outer: Floats  # counterclockwise, seen against the normal
+    holes: list[Floats]  # another surface was measured there, or through the plane
     unknown: list[Floats]  # nothing was measured there
 
 
@@ -29,7 +29,7 @@ class Outline(Values):
     origin: Floats
     u: Floats
     v: Floats
-    parts: list[OutlinePart]  # the largest first
+    parts: list[OutlinePart]  # largest first
     area_m2: float  # without holes and unknown areas
 
     def world(self, ring: ArrayLike) -> Floats:
@@ -42,7 +42,7 @@ class Outline(Values):
             (n, 3).
 
         Raises:
-            Error: The corners have another shape.
+            Error: The corners have the wrong shape.
 
         Example:
             >>> outline = planes[0].outline
@@ -62,10 +62,10 @@ class Outline(Values):
 
 @dataclass(frozen=True, eq=False)
 class Surface(Values):
-    """Slope and roughness of a plane's surface: docs/footholds.md."""
+    """Slope and roughness of a plane's surface (docs/footholds.md)."""
 
     slope_deg: float | None  # None: gravity is unknown
-    rough_rms_m: float  # RMS of its height
+    rough_rms_m: float  # RMS height about the plane
     rough_step_m: float  # largest step between neighbors
     support: float  # share of the outline that was measured
     best_place: Floats  # center of the largest circle within the outline, world
@@ -74,11 +74,11 @@ class Surface(Values):
 
 @dataclass(frozen=True, eq=False)
 class Certainty(Values):
-    """Uncertainty of a plane's fit: docs/footholds.md."""
+    """Uncertainty of a plane's fit (docs/footholds.md)."""
 
-    sigma_m: float  # of the voxels about the plane
+    sigma_m: float  # of the voxels' distances from the plane
     eigenvalues_m2: Floats  # of their scatter, ascending
-    axes: Floats  # (2, 3): unit vectors in the plane, the longer extent first
+    axes: Floats  # (2, 3): unit vectors in the plane, longest extent first
     tilt_sigma_deg: Floats  # of the normal toward each axis
     offset_sigma_m: float  # along the normal at the centroid
     covariance: Floats  # (3, 3): tilt toward each axis [rad], offset [m]
@@ -86,13 +86,13 @@ class Certainty(Values):
 
 @dataclass(frozen=True, eq=False)
 class Foothold(Values):
-    """Where the center of a foot may go: only with the option `foot_radius_m`."""
+    """Area for the center of a foot. Requires the option `foot_radius_m`."""
 
     steppable: bool
     why_not: str  # empty if steppable
-    area_m2: float  # for the foot's center
+    area_m2: float  # size of the area
     area: list[OutlinePart]  # rings (n, 3) in the world
-    pieces: list[Floats]  # the same as convex polygons (n, 3)
+    pieces: list[Floats]  # the area as convex polygons (n, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,22 +105,22 @@ class Plane(Values):
         ('h', 0.7, True)
     """
 
-    id: int  # from 1: the value in Result.labels
+    id: int  # from 1; value in Result.labels
     label: str  # "h": within 45 degrees of level; "v"; "unknown" without gravity
     normal: Floats
     centroid: Floats
     offset_m: float  # normal . x of its points
-    tilt_deg: float  # 0 a floor, 90 a wall; nan without gravity
+    tilt_deg: float  # 0: floor, 90: wall; nan without gravity
     points: int  # measurements on it
     voxels: int
-    rms_m: float  # distance of its measurements
+    rms_m: float  # RMS distance of its measurements
     area_m2: float  # of the cells that contain points
-    margin: float  # distance from being lost or joined with a larger neighbor; inf: unknown
+    margin: float  # how far it is from being lost or joined with a larger neighbor; inf: unknown
     undecided: bool  # the margin is below the threshold
     hull: Floats = field(repr=False)  # (n, 3), convex
     outline: Outline = field(repr=False)
     height_m: float  # above the floor; nan if not level
-    steppable: bool  # with the option foot_radius_m: whether the foot can stand here
+    steppable: bool  # whether a foot can stand here; requires the option foot_radius_m
     why_not: str  # empty if steppable
     surface: Surface = field(repr=False)
     certainty: Certainty = field(repr=False)
@@ -131,25 +131,25 @@ class Plane(Values):
 class Step(Values):
     """One step of a flight. Planes are ids."""
 
-    tread: list[int]  # behind the nosing, the largest first; empty: not seen, or a minor plane
+    tread: list[int]  # behind the nosing, largest first; empty: not visible, or a minor plane
     riser: int | None
     rise_m: float
     going_m: float | None  # from the nosing below; None for the first
-    nosing: Floats  # (2, 3): its ends, right and left on the way up
+    nosing: Floats  # (2, 3): right and left end, looking uphill
 
 
 @dataclass(frozen=True, eq=False)
 class Flight(Values):
-    """A flight of stairs: docs/stairs.md."""
+    """A flight of stairs (docs/stairs.md)."""
 
     direction: str | None  # "up" or "down" from the sensor; None for clouds
     rise_m: float  # mean
     going_m: float | None  # mean
-    width_m: float  # as far as it is seen
+    width_m: float  # visible part
     uphill: Floats  # unit, level
     landing: bool  # the last tread is a landing
     foot: list[int]  # planes before the first riser
-    steps: list[Step]  # the lowest first
+    steps: list[Step]  # lowest first
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,20 +167,20 @@ class Kerb(Values):
 
 @dataclass(frozen=True, eq=False)
 class Ramp(Values):
-    """A slope between two levels, one of which may be unseen."""
+    """A slope between two levels, one of which may be invisible."""
 
     plane: int
     slope_deg: float
     rise_m: float
     run_m: float
-    width_m: float  # as far as it is seen
+    width_m: float  # visible part
     uphill: Floats
     lower: list[int]
     upper: list[int]
 
 
 def of_json(kind: type, values: dict[str, Any], **others: Any) -> Any:
-    """A dataclass of its JSON object: lists of fields of type Floats become arrays, other keys are ignored."""
+    """Make a dataclass from its JSON object. Fields of type Floats become arrays; other keys are ignored."""
     made = dict(others)
     for name, declared in kind.__annotations__.items():
         if name not in made:
@@ -204,7 +204,7 @@ def _foothold(values: dict[str, Any] | None) -> Foothold | None:
 
 
 def plane_of(core: dict[str, Any], facts: dict[str, Any]) -> Plane:
-    """A plane of _core's fields, and of its object in planes.json."""
+    """Make a plane from _core's fields and from its object in planes.json."""
     core = {name: view(value) for name, value in core.items()}
     outline = {name: view(value) for name, value in core.pop("outline").items()}
     parts = [
@@ -225,7 +225,7 @@ def plane_of(core: dict[str, Any], facts: dict[str, Any]) -> Plane:
 
 
 def flight_of(values: dict[str, Any]) -> Flight:
-    """A flight of its object in planes.json."""
+    """Make a flight from its object in planes.json."""
     steps = [of_json(Step, step) for step in values["steps"]]
     made: Flight = of_json(Flight, values, steps=steps)
     return made

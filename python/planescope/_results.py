@@ -1,4 +1,4 @@
-"""What is found: planes and labels of a frame, and the decisions that led to them."""
+"""Output: planes and labels of a frame, and the decisions that led to them."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ _FORMATS = ("geojson", "obj", "ply", "planar-terrain", "csv", "svg")
 class Result(_Pair):
     """Planes of one frame. Unpacks as `planes, labels`.
 
-    Planes and their outlines are computed when first asked for. Results are equal if frame, planes
-    and labels are. They can be pickled, with everything that their methods return.
+    Planes and their outlines are computed on first use. Results are equal if their frames, planes
+    and labels are equal. They can be pickled, including everything that their methods return.
 
     Example:
         >>> result = ps.segment(depth, K)
@@ -40,7 +40,7 @@ class Result(_Pair):
     """
 
     def __init__(self, core: Any, frame: Frame | None = None, parts: dict[str, Any] | None = None):
-        self._core = core  # None: unpickled, all is in `parts`
+        self._core = core  # None: unpickled; everything is in `parts`
         self._frame = Frame._of(core.frame) if frame is None else frame
         self._parts = {} if parts is None else parts
 
@@ -87,12 +87,12 @@ class Result(_Pair):
 
     @property
     def gravity(self) -> Gravity:
-        """Gravity that the planes were found with."""
+        """Gravity used to find the planes."""
         return self._part("gravity")  # type: ignore[no-any-return]
 
     @property
     def T_world_sensor(self) -> NDArray[numpy.float64]:
-        """(4, 4), from the sensor's frame to the world, whose z points up."""
+        """Transform (4, 4) from the sensor's frame to the world, whose z points up."""
         return self._part("T_world_sensor")  # type: ignore[no-any-return]
 
     @property
@@ -112,12 +112,12 @@ class Result(_Pair):
 
     @property
     def floor(self) -> int | None:
-        """Id of the floor, from which heights are measured; None: no level plane is large enough."""
+        """Id of the floor, the origin of heights; None: no level plane is large enough."""
         return self._part("floor")  # type: ignore[no-any-return]
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of points by what became of them."""
+        """Number of points by outcome."""
         return dict(self._part("counts"))
 
     @property
@@ -129,7 +129,7 @@ class Result(_Pair):
         """Triangulate the outline of a plane.
 
         Args:
-            id: Of the plane.
+            id: Plane id.
 
         Returns:
             Vertices (n, 3) in the world, and triangles (m, 3) as indices of vertices.
@@ -147,14 +147,14 @@ class Result(_Pair):
             return view(vertices), view(triangles)
         meshes: list[Any] = self._parts["meshes"]
         if not 1 <= id <= len(meshes):
-            raise Error(f"plane {id}: there are planes 1 to {len(meshes)}")
+            raise Error(f"plane {id} is out of range; expected 1 to {len(meshes)}")
         return meshes[id - 1]  # type: ignore[no-any-return]
 
     def json(self) -> str:
         """Export planes.json, byte for byte as `planescope segment` writes it.
 
         Returns:
-            JSON: docs/formats.md.
+            JSON (docs/formats.md).
 
         Example:
             >>> json.loads(result.json())["schema"]
@@ -172,7 +172,7 @@ class Result(_Pair):
             Contents of the file that `planescope segment --also FORMAT` writes.
 
         Raises:
-            Error: Unknown format.
+            Error: The format is unknown.
 
         Example:
             >>> result.text("csv").splitlines()[0][:9]
@@ -182,11 +182,11 @@ class Result(_Pair):
             return str(self._core.text(format))
         texts: dict[str, str] = self._parts["texts"]
         if format not in texts:
-            raise Error(f"format '{format}': expected one of {', '.join(texts)}")
+            raise Error(f"unknown format '{format}'; expected one of {', '.join(texts)}")
         return texts[format]
 
     def table(self) -> str:
-        """Format the planes as a table of plain text.
+        """Format the planes as a plain text table.
 
         Returns:
             A header and one line for each plane.
@@ -212,8 +212,8 @@ class Result(_Pair):
         """Convert the planes to Open3D.
 
         Returns:
-            One open3d.geometry.PointCloud per plane, by id - 1: its measurements in the world, their
-            normals, and the color of planescope.plot.
+            One open3d.geometry.PointCloud per plane, by id - 1: its measurements in the world with
+            the plane's normal, in the plane's color of planescope.plot.
 
         Raises:
             ImportError: Open3D or numpy is missing.
@@ -288,10 +288,10 @@ _PARTS: dict[str, Any] = {
 
 
 class EventType(enum.IntEnum):
-    """Kind of a decision: Trace.events["type"]."""
+    """Type of a decision, Trace.events["type"]."""
 
     VISIT = 0  # a node is taken from the queue
-    DECIDE = 1  # a node is settled; value: e_n where it was computed
+    DECIDE = 1  # a node is settled; value: e_n if it was computed
     FOUND = 2  # a node's candidate founds a plane
     MERGE = 3  # a node's candidate joins `plane`; value: |n . dmu| [m]
     ASSIGN = 4  # a leftover point is assigned to `plane`; value: distance [m]
@@ -317,20 +317,20 @@ class Trace:
 
     @property
     def events(self) -> NDArray[numpy.void]:
-        """Records of type (EventType), case (1 to 4), stage (index of stages), label (1 h, 2 v), node
-        (index of nodes), plane and other (in order of founding), point (voxel), value. -1: does not
-        apply."""
+        """Records with the fields type (EventType), case (1 to 4), stage (index into stages), label
+        (1 h, 2 v), node (index into nodes), plane and other (in order of founding), point (voxel),
+        value. -1: not applicable."""
         return view(self._core.events)  # type: ignore[no-any-return]
 
     @property
     def nodes(self) -> NDArray[numpy.void]:
-        """Records, the root first, of parent, depth, case, voxels, voxels_h, corners (8, 3), and the
-        steps in which it was queued, visited and decided; 2147483647: never."""
+        """Records, root first, with the fields parent, depth, case, voxels, voxels_h, corners (8, 3),
+        and queued, visited and decided: the steps at which this happened; 2147483647: never."""
         return view(self._core.nodes)  # type: ignore[no-any-return]
 
     @property
     def stages(self) -> list[str]:
-        """Names of stages: "criteria", "merge", "assign"; "join" to "list" by the objective."""
+        """Names of stages: "criteria", "merge", "assign", and "join" to "list" for the objective."""
         return self._core.stages()  # type: ignore[no-any-return]
 
     def describe(self, step: int) -> str:
@@ -358,14 +358,14 @@ class Trace:
     def plane_of(self, step: int, at: int | tuple[int, int]) -> int: ...
 
     def plane_of(self, step: int, at: Any = None) -> Any:
-        """Find the plane of pixels or points at a step, by order of founding.
+        """Return the planes of pixels or points at a step, numbered in order of founding.
 
         Args:
             step: 0 to len(trace).
-            at: (row, column), or the number of a point. None: all of them.
+            at: (row, column), or the index of a point. None: all pixels or points.
 
         Returns:
-            An int, or without `at` an array in the frame's shape; -1: none.
+            An int or, without `at`, an array in the frame's shape; -1: none.
 
         Raises:
             Error: There is no such step, pixel or point.
@@ -387,17 +387,17 @@ class Trace:
                     raise ValueError
                 index = index * size + int(k)
         except (TypeError, ValueError):
-            raise Error(f"at: it is {at!r}, expected a place in {shape}") from None
+            raise Error(f"at: {at!r}; expected a pixel or point in shape {shape}") from None
         return self._core.plane_at(step, index)
 
     def id_of(self, plane: int) -> int:
         """Find the final id of a plane.
 
         Args:
-            plane: Its number in order of founding.
+            plane: Number in order of founding.
 
         Returns:
-            Its id in Result.planes; 0: it did not last.
+            Id in Result.planes; 0: not in the result.
 
         Raises:
             Error: There is no such plane.
@@ -410,5 +410,5 @@ class Trace:
 
     @functools.cached_property
     def result(self) -> Result:
-        """The planes in the end."""
+        """The final planes."""
         return Result(self._core.result(), self._frame)

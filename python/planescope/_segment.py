@@ -1,4 +1,4 @@
-"""Find planes: a Segmenter for many frames, segment() and segment_cloud() for one."""
+"""Finding planes: a Segmenter for many frames, segment() and segment_cloud() for one."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OptionInfo:
-    """An option: its values in both profiles, as text."""
+    """An option, with its values in both profiles as text."""
 
     name: str
     unit: str
@@ -46,9 +46,9 @@ def options() -> dict[str, OptionInfo]:
 
 
 class Segmenter:
-    """Options and a classifier, ready for frames.
+    """Options and a classifier, ready to segment frames.
 
-    Threads may share a segmenter: the interpreter is released while it works. It can be pickled.
+    Threads may share a segmenter: it releases the interpreter while it works. It can be pickled.
     """
 
     def __init__(
@@ -58,8 +58,8 @@ class Segmenter:
 
         Args:
             profile: "refined", or "paper" for the method as published.
-            threads: Threads for one frame. The result does not depend on their number.
-            **options: Options by name: docs/python.md, options().
+            threads: Number of threads per frame. Results do not depend on it.
+            **options: Options by name (docs/python.md, options()).
 
         Raises:
             Error: An option is unknown or its value invalid.
@@ -77,7 +77,7 @@ class Segmenter:
             if threads != int(threads) or not 1 <= threads < 2**31:
                 raise ValueError
         except (TypeError, ValueError):
-            raise Error(f"threads: {threads!r}, expected 1 or more") from None
+            raise Error(f"threads: {threads!r}; expected 1 or more") from None
         self._core: Any = _core.Segmenter(core, int(threads))
 
     def __call__(
@@ -101,7 +101,7 @@ class Segmenter:
             K: As for Frame.
             depth_unit: As for Frame.
             gravity: As for Frame; overrides the gravity of a Frame. Also "none" (without h and v),
-                "estimate", "imu" or "auto".
+                "estimate" or "auto"; "imu" for frames of recordings.
             distortion: As for Frame.
             distortion_model: As for Frame.
             color: As for Frame.
@@ -119,7 +119,7 @@ class Segmenter:
             >>> planes, labels = ps.Segmenter()(depth, K, gravity=(0, 0.848, 0.53))
         """
         over: dict[str, Any] = dict(options)
-        # What the options say of gravity comes before what a frame knows.
+        # The option `gravity` overrides the gravity of a frame.
         is_option = isinstance(gravity, str) or isinstance(depth, Frame)
         if gravity is not None and (is_option or "gravity" in self._options):
             over["gravity"], gravity = gravity, None
@@ -129,7 +129,7 @@ class Segmenter:
             frame = depth
         else:
             if K is None:
-                raise Error("K: it is not given, expected a 3x3 matrix or fx, fy, cx, cy")
+                raise Error("K: missing; expected a 3x3 matrix or fx, fy, cx, cy")
             frame = Frame(
                 depth,
                 K,
@@ -151,7 +151,7 @@ class Segmenter:
             Planes and labels.
 
         Raises:
-            Error: It is no Frame, or its gravity can be neither found nor estimated.
+            Error: The argument is not a Frame, or its gravity can be neither found nor estimated.
 
         Example:
             >>> results = [segmenter.segment(frame) for frame in recording]
@@ -198,10 +198,10 @@ class Segmenter:
             frame: A depth image or cloud.
 
         Returns:
-            The decisions, and the result.
+            The decisions and the result.
 
         Raises:
-            Error: As segment(); or the option `method` is not "ours".
+            Error: As for segment(), or the option `method` is not "ours".
 
         Example:
             >>> len(ps.Segmenter().trace(recording[0])) > 1000
@@ -212,7 +212,7 @@ class Segmenter:
     def _with(
         self, profile: str | None, threads: int | None, options: dict[str, Any]
     ) -> Segmenter:
-        """The same segmenter with some settings replaced."""
+        """Return the segmenter with some settings replaced."""
         if profile is None and threads is None and not options:
             return self
         return _segmenter_of(
@@ -235,12 +235,12 @@ def _segmenter_of(profile: str, threads: int, options: Any) -> Segmenter:
 
 def _core_of(frame: Any) -> Any:
     if not isinstance(frame, Frame):
-        raise Error(f"frame: it is a {type(frame).__name__}, expected a planescope.Frame")
+        raise Error(f"frame: a {type(frame).__name__}; expected a planescope.Frame")
     return frame._core
 
 
 def _text(name: str, value: Any) -> str:
-    """The value of an option as the registry takes it."""
+    """Format an option's value for the registry."""
     if isinstance(value, bool) or (np is not None and isinstance(value, np.bool_)):
         return "on" if value else "off"
     if name == "gravity" and not isinstance(value, str):
@@ -261,14 +261,14 @@ def segment(
     threads: int = 1,
     **options: Unpack[OptionsWithoutGravity],
 ) -> Result:
-    """Find the planes of one depth image or frame. For many, keep a Segmenter.
+    """Find the planes of one depth image or frame. Use a Segmenter for many.
 
     Args:
         depth: As for Frame, or a Frame, which has K, unit, distortion and color of its own.
         K: As for Frame.
         depth_unit: As for Frame.
         gravity: As for Frame; overrides the gravity of a Frame. Also "none" (without h and v),
-            "estimate", "imu" or "auto".
+            "estimate" or "auto"; "imu" for frames of recordings.
         distortion: As for Frame.
         distortion_model: As for Frame.
         color: As for Frame.

@@ -1,4 +1,4 @@
-"""Pictures of results by matplotlib, which is imported by the first one.
+"""Pictures of results with matplotlib, which is imported on first use.
 
 Example:
     >>> from planescope import plot
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["color_of", "overlay", "scene"]
 
-# Ten colors that most people can tell apart (Tableau).
+# Ten colors that most people can distinguish (Tableau).
 _COLORS = ("1f77b4", "ff7f0e", "2ca02c", "d62728", "9467bd", "8c564b", "e377c2", "bcbd22", "17becf", "7f7f7f")
 
 
@@ -26,7 +26,7 @@ def color_of(id: int) -> tuple[float, float, float]:
     """Return the color of a plane.
 
     Args:
-        id: Of the plane, from 1.
+        id: Plane id, from 1.
 
     Returns:
         Red, green and blue, 0 to 1.
@@ -41,18 +41,18 @@ def color_of(id: int) -> tuple[float, float, float]:
 
 
 def overlay(result: Result, ax: Axes | None = None, *, alpha: float = 0.5) -> Axes:
-    """Draw the planes over the color image, or over shaded depth without one.
+    """Draw the planes over the color image or, without one, over shaded depth.
 
     Args:
-        result: Of a depth image.
-        ax: Axes to draw into. None: new ones.
+        result: Result of a depth image.
+        ax: Axes to draw into. None: new axes.
         alpha: Opacity of the planes.
 
     Returns:
         The axes.
 
     Raises:
-        Error: The result is of a cloud.
+        Error: The result belongs to a cloud.
         ImportError: matplotlib or numpy is missing.
 
     Example:
@@ -64,7 +64,7 @@ def overlay(result: Result, ax: Axes | None = None, *, alpha: float = 0.5) -> Ax
     frame = result.frame
     depth = frame.depth
     if depth is None:
-        raise Error("overlay: the result is of a cloud, expected a depth image; use scene()")
+        raise Error("overlay: the result belongs to a cloud; expected a depth image; use scene()")
     axes: Any = pyplot.subplots()[1] if ax is None else ax
     if frame.color is not None and frame.color_is_aligned:
         axes.imshow(frame.color)
@@ -88,9 +88,9 @@ def scene(result: Result, ax: Axes | None = None, *, points: int = 20000) -> Axe
     """Draw the measurements in space, in the colors of their planes.
 
     Args:
-        result: Of a depth image or cloud.
-        ax: 3D axes to draw into. None: new ones.
-        points: At most so many points are drawn.
+        result: Result of a depth image or cloud.
+        ax: 3D axes to draw into. None: new axes.
+        points: Maximum number of points to draw.
 
     Returns:
         The axes.

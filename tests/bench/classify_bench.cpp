@@ -1,6 +1,7 @@
-// The k = 16 nearest neighbours of every point of a staircase, building the index included, against
-// nanoflann's k-d tree; and the PCA classifier, which has ours in it. One thread. Each round runs
-// all of them; the counters give the medians, and how many times ours nanoflann takes.
+// Search for the k = 16 nearest neighbors of every point of a staircase, including building the
+// index, compared with nanoflann's k-d tree; and the PCA classifier, which uses our search. One
+// thread. Each round runs all of them; counters give medians, and the ratio of nanoflann's time to
+// ours.
 
 #include <benchmark/benchmark.h>
 

@@ -1,5 +1,5 @@
-// What labeling does while a person waits for the next picture, on a frame of 640 x 480: each is to
-// take well under 16 ms on one core.
+// Label operations that the user waits for, on a frame of 640 x 480: each must take well under 16
+// ms on one core.
 
 #include <benchmark/benchmark.h>
 

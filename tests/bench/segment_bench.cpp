@@ -1,5 +1,5 @@
-// Segmentation of an 8192-point staircase against the plain pointer reference, and the octree's
-// build against Open3D's, in the same run. Quote the ratios; scripts/bench prints them.
+// Segmentation of an 8192-point staircase compared with the simple reference, and building the
+// octree compared with Open3D, in the same run. Quote the ratios that scripts/bench prints.
 
 #include <benchmark/benchmark.h>
 #include <open3d/geometry/Octree.h>
@@ -35,7 +35,7 @@ void ours(benchmark::State& state, planes::Profile profile) {
     benchmark::DoNotOptimize(planes::segment(c.points, c.labels, c.cube, Vec3d::Zero(), options));
 }
 
-/// As the debugger runs it.
+/// As in the debugger.
 void traced(benchmark::State& state, planes::Profile profile) {
   const planes::SegmentOptions options = planes::profile_options(profile);
   const test::LabelledCloud& c = staircase();
@@ -59,7 +59,7 @@ void octree_ours(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(planes::build_octree(c.points, c.labels, c.cube));
 }
 
-/// Ours with every node made down to the leaves, as Open3D's has them; the method never needs that.
+/// Our octree divided down to the leaves, like Open3D's; the method never needs that.
 void octree_ours_divided(benchmark::State& state) {
   const test::LabelledCloud& c = staircase();
   for (auto _ : state) {

@@ -1,5 +1,5 @@
-// The voxel grid of a 640x480 frame against Open3D's VoxelDownSample. Each round runs both; the
-// counters give the medians and their ratio. With PLANESCOPE_DATA set, a real frame too.
+// The voxel grid of a 640x480 frame compared with Open3D's VoxelDownSample. Each round runs both;
+// counters give the medians and their ratio. With PLANESCOPE_DATA, also on a real frame.
 
 #include <benchmark/benchmark.h>
 #include <open3d/geometry/PointCloud.h>

@@ -1,4 +1,4 @@
-// What a user can get wrong ends with one clear line, exit code 2 and nothing written.
+// Invalid input ends with one clear line and exit code 2, and writes nothing.
 
 #include <gtest/gtest.h>
 
@@ -18,8 +18,8 @@ namespace {
 
 struct BadInput {
   std::string name;
-  std::function<fs::path(const fs::path&)> make;  // into a folder; returns the input's path
-  std::vector<std::string> told;                  // words the message must hold
+  std::function<fs::path(const fs::path&)> make;  // writes to a folder; returns the input's path
+  std::vector<std::string> told;                  // words that the message must contain
   std::vector<std::string> more_args = {};
 };
 
@@ -50,7 +50,7 @@ std::string empty_bag() {
 // Commands that read a recording and write a folder.
 const std::vector<std::string> kWritingCommands = {"segment", "report"};
 
-/// A file of this text.
+/// A file with this content.
 BadInput file(const std::string& test,
               const std::string& name,
               const std::string& text,
@@ -63,7 +63,7 @@ BadInput file(const std::string& test,
           std::move(told)};
 }
 
-/// A folder recording that `spoil` does something to.
+/// A folder recording changed by `spoil`.
 BadInput folder(const std::string& test,
                 std::vector<std::string> told,
                 const std::function<void(const fs::path& rec)>& spoil,
@@ -133,7 +133,7 @@ TEST_P(BadInputs, OneLineExitTwoAndNothingWritten) {
   const fs::path dir = scratch();
   const fs::path input = bad.make(dir);
   for (const std::string& command : kWritingCommands) {
-    // A report tells of the damaged frame and has the others (report_test.cpp).
+    // A report skips the damaged frame and contains the others (report_test.cpp).
     if (command == "report" && bad.name == "LaterPngCutInHalf") continue;
     std::vector<std::string> args = {command, input, "-o", dir / "out", "--gravity", "0,1,0"};
     args.insert(args.end(), bad.more_args.begin(), bad.more_args.end());
@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(All, BadInputs, testing::ValuesIn(bad_inputs()), [](con
   return test.param.name;
 });
 
-TEST(BadOutput, AFolderBelowAFileIsRefusedBeforeTheWork) {
+TEST(BadOutput, AFolderBelowAFileIsRejectedBeforeProcessing) {
   const auto dir = scratch_with_rec();
   write_text(dir / "file", "in the way");
   for (const std::string& command : kWritingCommands)
@@ -161,7 +161,7 @@ TEST(BadOutput, AFolderBelowAFileIsRefusedBeforeTheWork) {
   expect_refused(run({"planescope-lab", "synth", "stairs", "-o", dir / "file/below"}));
 }
 
-TEST(BadOutput, AFailedRunLeavesAnEarlierResultAlone) {
+TEST(BadOutput, AFailedRunKeepsEarlierResults) {
   const auto dir = scratch_with_rec(2);
   const std::vector<std::string> args = {"segment",   dir / "rec", "-o",
                                          dir / "out", "--gravity", "0,1,0"};

@@ -43,7 +43,7 @@ bool is_ours(const Json& cell, const std::string& labels) {
 
 }  // namespace
 
-TEST(BenchPaper, TheTablesHoldWhatMustHoldWhateverIsMeasured) {
+TEST(BenchPaper, TablesAreConsistent) {
   const fs::path out = scratch() / "out";
   well(bench(out, kTables));
   EXPECT_EQ(files_below(out), std::vector<std::string>{"paper.jsonl"});
@@ -60,8 +60,8 @@ TEST(BenchPaper, TheTablesHoldWhatMustHoldWhateverIsMeasured) {
   for (const Json& cell : results["cell"]) {
     const std::string name = cell.dump();
     const auto count = [&](const char* value) { return cell[value].get<int>(); };
-    // Each true plane is right, apart, part of a larger one or missed; each found one likewise. A
-    // plane of an IoU of 0.8 is right, one that is several of them is made of two at least.
+    // Each true plane is correct, split, part of a larger one or missed; found planes likewise. A
+    // plane with an IoU of 0.8 is correct; a merged plane contains at least two.
     EXPECT_LE(count("detected_iou80") + count("over_segmented") + 2 * count("under_segmented") +
                   count("missed"),
               count("planes_truth"))
@@ -83,7 +83,7 @@ TEST(BenchPaper, TheTablesHoldWhatMustHoldWhateverIsMeasured) {
   }
 }
 
-TEST(BenchPaper, TheResultsAreTheSameForAnyThreadCountAndForARunThatWasCutShort) {
+TEST(BenchPaper, ResultsAreTheSameForAnyThreadCountAndAfterAnInterruption) {
   const fs::path dir = scratch();
   const std::vector<std::string> args = {"--only", "tables", "--sets", "kerbs,depth_slopes"};
   for (const char* threads : {"1", "2"}) {
@@ -92,7 +92,7 @@ TEST(BenchPaper, TheResultsAreTheSameForAnyThreadCountAndForARunThatWasCutShort)
   const std::string whole = read_text(dir / "1/paper.jsonl");
   EXPECT_EQ(whole, read_text(dir / "2/paper.jsonl"));
 
-  // As if it had ended after a few cells: the log of a whole run, cut.
+  // Truncate the log of a complete run, as if it had been interrupted after a few cells.
   auto results = results_of(whole);
   const Json& run_line = results["run"].at(0);
   Json identity;
@@ -116,10 +116,10 @@ TEST(BenchPaper, TheResultsAreTheSameForAnyThreadCountAndForARunThatWasCutShort)
   write_text(dir / "cut/cells.jsonl", identity.dump() + '\n');
   const Ran other = bench(dir / "cut", and_more(args, {"--resume"}));
   EXPECT_EQ(other.code, 2);
-  EXPECT_NE(other.err.find("seed 2, expected 1"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("seed 2; expected 1"), std::string::npos) << other.err;
 }
 
-TEST(BenchPaper, TimesRecordingsAndCountsThoseWithoutGravity) {
+TEST(BenchPaper, TimesRecordingsAndCountsFramesWithoutGravity) {
   const auto dir = scratch_with_rec(2);
   planescope::Image16 nothing = floor_and_wall();
   std::fill(nothing.data.begin(), nothing.data.end(), std::uint16_t{0});
@@ -137,7 +137,7 @@ TEST(BenchPaper, TimesRecordingsAndCountsThoseWithoutGravity) {
   EXPECT_GT(timings["real_time"].at(0)["fps"], 0);
   EXPECT_EQ(timings["classifier_time"].size() % 3, 0u);
   EXPECT_GT(timings["method_time"].at(0)["fps"], 0);
-  // Both files may be committed: neither says where this machine keeps its recordings and results.
+  // Both files can be committed: neither contains paths of recordings or results on this machine.
   for (const char* file : {"out/paper.jsonl", "out/paper.timings.jsonl"})
     EXPECT_EQ(read_text(dir / file).find(dir.string()), std::string::npos) << file;
 
@@ -148,7 +148,7 @@ TEST(BenchPaper, TimesRecordingsAndCountsThoseWithoutGravity) {
     EXPECT_NE(tables.find(part), std::string::npos) << part << " in " << tables;
 }
 
-TEST(BenchPaper, TheDocumentIsThatOfTheCommittedRun) {
+TEST(BenchPaper, TheDocumentMatchesTheCommittedRun) {
   const std::string reproduction = PLANESCOPE_SOURCE_DIR "/docs/reproduction";
   const fs::path written = scratch() / "reproduction.md";
   typeset(fmt::format("{0}/paper.jsonl {0}/paper.timings.jsonl --doc {1}", reproduction,
@@ -167,7 +167,7 @@ TEST(BenchPaper, KeepsItsCellsWhenItIsInterrupted) {
   EXPECT_EQ(files_below(out), std::vector<std::string>{"cells.jsonl"});
 }
 
-TEST(BenchPaper, RefusesWhatItDoesNotKnowInOneLine) {
+TEST(BenchPaper, RejectsUnknownNamesInOneLine) {
   const fs::path out = scratch() / "out";
   const std::vector<std::pair<std::vector<std::string>, std::string>> bad = {
       {{"planescope-lab", "bench", "paper"}, "-o"},

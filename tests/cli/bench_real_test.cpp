@@ -13,7 +13,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// DIR/data/rec with labels of its one frame in DIR/labels/room, and DIR/list.txt.
+/// Writes DIR/data/rec, labels of its only frame in DIR/labels/room, and DIR/list.txt.
 void write_labelled(const fs::path& dir) {
   const fs::path recording = dir / "data/rec";
   write_depth_folder(recording, floor_and_wall());
@@ -35,7 +35,7 @@ std::vector<std::string> frames_args(const fs::path& dir, const std::string& lis
           (dir / "labels").string()};
 }
 
-/// The scene of 160x120 px as the camera of `bench real --only repeat` sees it.
+/// The 160x120 px scene as seen by the camera of `bench real --only repeat`.
 Image16 floor_and_wall_640x480() {
   const Image16 small = floor_and_wall();
   Image16 depth(640, 480);
@@ -119,7 +119,7 @@ TEST(BenchReal, MeasuresOneHalfOfTheList) {
   for (const Json& line : results["labelled"]) EXPECT_EQ(line["name"], "room");
 }
 
-TEST(BenchReal, RefusesWhatItDoesNotKnowInOneLine) {
+TEST(BenchReal, RejectsUnknownNamesInOneLine) {
   const fs::path dir = scratch();
   write_labelled(dir);
   const std::string good = "room tuning rec 0 --gravity 0,1,0\n";
@@ -128,13 +128,13 @@ TEST(BenchReal, RefusesWhatItDoesNotKnowInOneLine) {
       {"#\n" + good + "a tuning rec\n", "line 3: expected NAME HALF RECORDING FRAME"},
       {good + "a tuning rec first\n", "line 2: FRAME"},
       {good + "a tuning rec -1\n", "line 2: FRAME: -1"},
-      {good + "a tuning rec 0 --frames 1\n", "line 2: '--frames' is not known"},
-      {good + "a tuning rec 0 --gravity\n", "line 2: --gravity has no value"},
+      {good + "a tuning rec 0 --frames 1\n", "line 2: unknown option '--frames'"},
+      {good + "a tuning rec 0 --gravity\n", "line 2: --gravity needs a value"},
       {good + "a tuning rec 0 --intrinsics 1,2\n", "line 2: --intrinsics"},
       {good + "a tuning rec 0 --max-range -1\n", "line 2: "},
-      {good + good, "line 2: room is there twice"},
-      {"# nothing\n", "no frame"},
-      {"other tuning rec 0 --gravity 0,1,0\n", "no labels of frame 0"},
+      {good + good, "line 2: room appears twice"},
+      {"# nothing\n", "lists no frames"},
+      {"other tuning rec 0 --gravity 0,1,0\n", "no labels for frame 0"},
       {"room tuning rec 1 --gravity 0,1,0\n", "found 1 frames"},
       {"room tuning rek 0 --gravity 0,1,0\n", "rek"}};
   for (const auto& [text, part] : lists) {

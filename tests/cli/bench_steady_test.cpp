@@ -21,7 +21,7 @@ Ran bench_steady(const fs::path& recording, const std::vector<std::string>& more
   return run(args);
 }
 
-/// The pairs of a method under a change.
+/// Pairs of a method for a change.
 std::vector<Json> pairs_of(const std::string& lines,
                            const std::string& change,
                            const std::string& method) {
@@ -33,7 +33,7 @@ std::vector<Json> pairs_of(const std::string& lines,
   return pairs;
 }
 
-/// Of the planes with at least 3000 compared pixels, the share that have no partner.
+/// Share of planes with at least 3000 compared pixels that have no partner.
 double big_lost(const std::vector<Json>& pairs, const char* which) {
   double lost = 0, all = 0;
   for (const Json& pair : pairs) {
@@ -50,7 +50,7 @@ double self_pq(const Json& pair) {
 
 }  // namespace
 
-TEST(BenchSteady, AStillCameraBeforeAFloorAndAWallKeepsBoth) {
+TEST(BenchSteady, ACameraAtRestKeepsFloorAndWall) {
   const auto dir = scratch_with_rec(3);
   well(bench_steady(dir / "rec", {"--gravity", "0,1,0", "--max-range", "4", "--frames", ":",
                                   "--turns", "2", "-o", (dir / "out").string()}));
@@ -109,8 +109,8 @@ TEST(BenchSteady, ARealPanKeepsItsPlanes) {
   EXPECT_GE(sum, 0.8 * static_cast<double>(dithered.size()));
 }
 
-// A hand-held camera that turns fast: what is decided stays from one frame to the next.
-TEST(BenchSteady, DecidedPlanesStayInTheNextFrame) {
+// A hand-held camera that turns fast: decided planes persist in the next frame.
+TEST(BenchSteady, DecidedPlanesPersistInTheNextFrame) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Ran ran = well(bench_steady(
@@ -131,7 +131,7 @@ TEST(BenchSteady, DecidedPlanesStayInTheNextFrame) {
   EXPECT_LE((big - decided) / big, 0.25);
 }
 
-TEST(BenchSteady, IsTheSameForAnyNumberOfThreads) {
+TEST(BenchSteady, ResultsAreTheSameForAnyNumberOfThreads) {
   const auto dir = scratch_with_rec(3);
   for (const char* threads : {"1", "3"}) {
     well(bench_steady(dir / "rec", {"--frames", "::2", "--gravity", "0,1,0", "--turns", "2",
@@ -140,7 +140,7 @@ TEST(BenchSteady, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(read_text(dir / "1/steady.jsonl"), read_text(dir / "3/steady.jsonl"));
 }
 
-TEST(BenchSteady, PosesMoveTheLabelsToTheNextFrame) {
+TEST(BenchSteady, PosesTransferLabelsToTheNextFrame) {
   const auto dir = scratch_with_rec(2);
   const auto compared_planes = [&](const std::string& second_pose,
                                    const std::vector<std::string>& more) {
@@ -154,12 +154,12 @@ TEST(BenchSteady, PosesMoveTheLabelsToTheNextFrame) {
     return results["pair"].at(0)["all"]["planes"].get<int>();
   };
   EXPECT_EQ(compared_planes("5.2 0 0 0 0 0 0 1\n", {}), 2);
-  const std::string turned_away = "5.2 0 0 0 0 1 0 0\n";  // by 180 degrees: nothing is in common
+  const std::string turned_away = "5.2 0 0 0 0 1 0 0\n";  // by 180 degrees: no overlap
   EXPECT_EQ(compared_planes(turned_away, {}), 0);
   EXPECT_EQ(compared_planes(turned_away, {"--poses", "none"}), 2);
 }
 
-TEST(BenchSteady, MeasuresOnlyWhatIsAskedFor) {
+TEST(BenchSteady, MeasuresOnlyTheSelectedRows) {
   const auto dir = scratch_with_rec();
   const Ran ran = well(bench_steady(
       dir / "rec", {"--only", "focal,rounded", "--method", "region-growing", "--gravity", "none"}));
@@ -169,7 +169,7 @@ TEST(BenchSteady, MeasuresOnlyWhatIsAskedFor) {
     EXPECT_EQ(ran.out.find(part), std::string::npos) << part;
 }
 
-TEST(BenchSteady, RefusesBadInputInOneLine) {
+TEST(BenchSteady, RejectsBadInputInOneLine) {
   const auto dir = scratch_with_rec(2);
   write_text(dir / "poses.tum", "1 0 0 0 0 0 0 1\n");
   const std::string rec = (dir / "rec").string(), out = (dir / "out").string();
@@ -180,7 +180,7 @@ TEST(BenchSteady, RefusesBadInputInOneLine) {
       {{rec, "--classifier", "truth"}, "--classifier truth"},
       {{rec, "--turns", "0"}, "--turns"},
       {{rec, "--poses", (dir / "poses.tum").string()}, "1 pose; expected 2, one for each frame"},
-      {{rec, rec, "--poses", (dir / "poses.tum").string()}, "belongs to one recording"},
+      {{rec, rec, "--poses", (dir / "poses.tum").string()}, "2 recordings; expected one"},
       {{rec, "--frames", "1", "--only", "next"}, "nothing to measure"}};
   for (const auto& [args, part] : bad) {
     std::vector<std::string> all = {"planescope-lab", "bench", "steady", "-o", out};

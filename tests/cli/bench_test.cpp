@@ -1,5 +1,5 @@
 // planescope-lab bench classifier, stairs, outlines and speed, with few clouds and frames, an
-// untrained network, and few rounds. How long things take is not tested.
+// untrained network, and few rounds. Does not test durations.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ struct Bench {
 
 }  // namespace
 
-TEST(BenchClassifier, MeasuresEverythingThatItIsGiven) {
+TEST(BenchClassifier, MeasuresAllRecordingsAndNetworks) {
   const Bench bench;
   write_depth_folder(bench.dir / "rec", floor_and_wall());
   const fs::path out = bench.dir / "out";
@@ -46,7 +46,7 @@ TEST(BenchClassifier, MeasuresEverythingThatItIsGiven) {
   EXPECT_EQ(results["run"].at(0)["count"], 1);
   EXPECT_EQ(results["network"].at(0)["name"], "untrained");
   EXPECT_EQ(results["labels"].size(), 6u * 3);                    // sets x (network, PCA 8, PCA 16)
-  EXPECT_EQ(results["chain"].size(), 4u * 4);                     // noises x (truth and these)
+  EXPECT_EQ(results["chain"].size(), 4u * 4);                     // noises x (truth, these)
   EXPECT_GT(results["labels"][1]["level"]["inner_percent"], 99);  // PCA needs no training
   EXPECT_TRUE(results["labels"][0].contains("tilted"));
 
@@ -60,12 +60,13 @@ TEST(BenchClassifier, MeasuresEverythingThatItIsGiven) {
 
   const std::string tables = typeset((out / "classifier.jsonl").string() + " " +
                                      (out / "classifier.timings.jsonl").string());
-  for (const char* table : {"Labels that are right", "Gravity wrong by 5 degrees",
-                            "The planes that follow", "From points to labels", "Whole frames"})
+  for (const char* table :
+       {"Correct labels", "Gravity wrong by 5 degrees", "Planes found with these labels",
+        "From points to labels", "Whole frames"})
     EXPECT_NE(tables.find(table), std::string::npos) << table;
 }
 
-TEST(BenchClassifier, WhatDoesNotDependOnTimeIsTheSameForAnyThreadCount) {
+TEST(BenchClassifier, ResultsExceptTimesAreTheSameForAnyThreadCount) {
   const Bench bench;
   for (const char* threads : {"1", "3"}) {
     well(bench.with(
@@ -79,7 +80,7 @@ TEST(BenchClassifier, WhatDoesNotDependOnTimeIsTheSameForAnyThreadCount) {
   EXPECT_EQ(without_command("1"), without_command("3"));
 }
 
-TEST(BenchClassifier, PutsNetworksSideBySide) {
+TEST(BenchClassifier, ComparesNetworks) {
   const Bench bench;
   const std::string other = (bench.dir / "other.safetensors").string();
   planes::write_weights(other, lab::random_weights(planes::network_config("compact"), 2));
@@ -91,7 +92,7 @@ TEST(BenchClassifier, PutsNetworksSideBySide) {
   EXPECT_TRUE(results["labels"].empty());
 }
 
-TEST(BenchClassifier, ARecordingWithoutGravityIsNamedBeforeAnythingIsMeasured) {
+TEST(BenchClassifier, ARecordingWithoutGravityIsReportedBeforeMeasuring) {
   const Bench bench;
   Image16 nothing = floor_and_wall();
   std::fill(nothing.data.begin(), nothing.data.end(), std::uint16_t{0});
@@ -102,7 +103,7 @@ TEST(BenchClassifier, ARecordingWithoutGravityIsNamedBeforeAnythingIsMeasured) {
   EXPECT_EQ(ran.out, "");
 }
 
-TEST(BenchStairs, CountsRightStepsAndFlightsWhereThereAreNone) {
+TEST(BenchStairs, CountsCorrectStepsAndFalseFlights) {
   const Ran ran = well(run(
       {"planescope-lab", "bench", "stairs", "--classifier", "pca", "--count", "3", "--seed", "5"}));
   auto results = results_of(ran.out);
@@ -118,8 +119,8 @@ TEST(BenchStairs, CountsRightStepsAndFlightsWhereThereAreNone) {
   EXPECT_EQ(run({"planescope-lab", "bench", "stairs", "--method", "ransac"}).code, 2);
 }
 
-// What the tables of docs/footholds.md say of many frames holds for few.
-TEST(BenchOutlines, OutlinesAreTrueFeetStandOnSurfacesAndSigmasHold) {
+// The results in docs/footholds.md, which cover many frames, also hold for a few.
+TEST(BenchOutlines, OutlinesFootholdsAndSigmasMatchTheTruth) {
   std::string first;
   for (const char* threads : {"1", "2"}) {
     const Ran ran = well(run({"planescope-lab", "bench", "outlines", "--seeds", "1", "--count", "6",
@@ -195,7 +196,7 @@ TEST(BenchSpeed, MeasuresEveryPartOfARecording) {
 
   const std::string tables =
       typeset(fmt::format("{0}/out/speed.jsonl --plots {0}/plots", dir.string()));
-  EXPECT_NE(tables.find("Stages beside their floors"), std::string::npos);
+  EXPECT_NE(tables.find("Stages and their lower bounds"), std::string::npos);
   EXPECT_NE(tables.find("scaling_threads.svg"), std::string::npos) << tables;
 }
 
@@ -212,7 +213,7 @@ TEST(BenchSpeed, CountsTheAllocationsOfAStage) {
   }
 }
 
-TEST(BenchSpeed, TakesASyntheticSetWhereNoRecordingIsGiven) {
+TEST(BenchSpeed, UsesASyntheticSetWithoutARecording) {
   const fs::path out = scratch() / "out";
   well(bench_speed(out, {"--only", "memory"}));
   auto results = results_of(read_text(out / "speed.jsonl"));
@@ -220,7 +221,7 @@ TEST(BenchSpeed, TakesASyntheticSetWhereNoRecordingIsGiven) {
   EXPECT_EQ(results["stage_memory"].at(0)["stage"], "cloud") << "nothing is loaded";
 }
 
-TEST(BenchSpeed, WhatCannotBeMeasuredIsOneLine) {
+TEST(BenchSpeed, UnmeasurableInputIsReportedInOneLine) {
   const fs::path dir = scratch();
   Image16 nothing = floor_and_wall();
   std::fill(nothing.data.begin(), nothing.data.end(), std::uint16_t{0});

@@ -1,4 +1,4 @@
-// --classifier: networks from weights files, the shipped one among them.
+// --classifier with weights files, including the shipped one.
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// A network made by hand: v where a point has neighbours right above or below it, which are the
-/// first two channels of the surface convolution.
+/// A handmade network that returns v if a point has neighbors right above or below it, which are
+/// the first two channels of the surface convolution.
 planes::NetworkWeights hand_made() {
   planes::NetworkWeights weights;
   weights.config = {.name = "by hand", .levels = {{2}}, .neighbours = 16, .head = {1}};
@@ -26,7 +26,7 @@ planes::NetworkWeights hand_made() {
   weights.tensors = {{0, 0, 0, 0, 1, -1},  // conv_0.directions: +z and -z, column by column
                      {1, 1},               // conv1d_block.0.weight: their sum
                      {0},                  // conv1d_block.0.bias
-                     {0, 8},               // conv1d_block.2.weight: the more, the more v
+                     {0, 8},               // the larger, the more v
                      {8, 0}};              // conv1d_block.2.bias: h below 1
   return weights;
 }
@@ -62,7 +62,7 @@ TEST(Classifier, AWeightsFileLabelsEveryFrame) {
   EXPECT_NE(json["planes"][0]["label"], json["planes"][1]["label"]);
 }
 
-TEST(Classifier, TheShippedWeightsAreThoseInTheAssets) {
+TEST(Classifier, TheShippedWeightsAreTheAssets) {
   const Commands commands;
   planes::write_weights(commands.dir / "classifier.safetensors", hand_made());
   const Environment assets("PLANESCOPE_ASSETS", commands.dir);
@@ -76,7 +76,7 @@ TEST(Classifier, TheShippedWeightsAreThoseInTheAssets) {
   EXPECT_EQ(weights["training"]["recipe"], "by hand");
 }
 
-TEST(Classifier, WeightsThatAreMissingCutOrLieAreRefused) {
+TEST(Classifier, MissingTruncatedAndInconsistentWeightsAreRejected) {
   const Commands commands;
   const std::string missing = (commands.dir / "none.safetensors").string();
   commands.expect_refused(missing, missing + ": no such file");
@@ -85,10 +85,10 @@ TEST(Classifier, WeightsThatAreMissingCutOrLieAreRefused) {
   std::vector<unsigned char> bytes = read_file_bytes(file);
   fs::resize_file(file, bytes.size() - 4);
   commands.expect_refused(file.string(), file.string() + ": tensor");
-  bytes[5] = 1;  // a header of a terabyte
+  bytes[5] = 1;  // declares a header of a terabyte
   write_file_bytes(file, bytes);
   commands.expect_refused(file.string(), file.string() + ": header of");
-  // Nothing takes the place of those that are shipped.
+  // The shipped weights have no fallback.
   fs::create_directories(commands.dir / "empty");
   const Environment assets("PLANESCOPE_ASSETS", commands.dir / "empty");
   commands.expect_refused("gcn", (commands.dir / "empty/classifier.safetensors").string());

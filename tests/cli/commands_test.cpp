@@ -39,7 +39,7 @@ TEST(Info, ADepthFolderIsDescribed) {
   EXPECT_TRUE(has(text.out, "160x120"));
 }
 
-TEST(Info, WhatTheUserSaysWins) {
+TEST(Info, TheCommandLineOverridesTheFiles) {
   const auto dir = scratch_with_rec();
   const Ran ran = well(run({"info", "--json", dir / "rec", "--depth-unit", "0.0002", "--intrinsics",
                             "100,101,79.5,59.5"}));
@@ -49,10 +49,10 @@ TEST(Info, WhatTheUserSaysWins) {
   EXPECT_EQ(info["intrinsics"]["cx"], 79.5);
 }
 
-TEST(Info, WhatIsKnownIsShownWhereIntrinsicsLack) {
+TEST(Info, ShowsAllItCanWithoutIntrinsics) {
   const auto dir = scratch_with_rec(2);
   for (const auto& file : std::filesystem::directory_iterator(dir / "rec"))
-    if (file.is_regular_file()) std::filesystem::remove(file);  // who says what the camera is
+    if (file.is_regular_file()) std::filesystem::remove(file);  // the intrinsics
   const Ran ran = well(run({"info", "--json", dir / "rec"}));
   const Json info = Json::parse(ran.out)["recordings"][0];
   EXPECT_EQ(info["frames"], 2);
@@ -60,11 +60,11 @@ TEST(Info, WhatIsKnownIsShownWhereIntrinsicsLack) {
   EXPECT_EQ(info["intrinsics"], nullptr);
   EXPECT_EQ(info["gravity"], nullptr);
   const Ran text = run({"info", dir / "rec"});
-  EXPECT_TRUE(has(text.out, "not known; give them with --intrinsics"));
+  EXPECT_TRUE(has(text.out, "them with --intrinsics"));
   EXPECT_EQ(run({"segment", dir / "rec", "-o", dir / "out"}).code, 2);
 }
 
-TEST(Info, GravityThatContradictsTheSceneIsWarnedOf) {
+TEST(Info, WarnsIfGravityContradictsTheScene) {
   const auto dir = scratch_with_rec();
   const std::string rec = (dir / "rec").string();
   EXPECT_EQ(run({"info", rec, "--gravity", "0,1,0.1"}).err, "");
@@ -94,7 +94,7 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
   EXPECT_TRUE(has(table.out, "mean"));
 }
 
-TEST(Eval, ARivalIsScoredAsOursIs) {
+TEST(Eval, ARivalIsScoredLikeOurs) {
   PLANESCOPE_NEEDS_OPEN3D();
   const auto dir = scratch_with_rec();
   write_true_labels(dir / "rec", dir / "rec.labels");
@@ -107,7 +107,7 @@ TEST(Eval, ARivalIsScoredAsOursIs) {
   EXPECT_GT(json["mean"]["mean_iou"].get<double>(), 90);
 }
 
-TEST(Eval, WithoutTruthItSaysWhereItLooked) {
+TEST(Eval, WithoutTruthReportsTheSearchedFolders) {
   const auto dir = scratch_with_rec();
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{}, {"--classifier", "truth"}}) {
@@ -117,7 +117,7 @@ TEST(Eval, WithoutTruthItSaysWhereItLooked) {
   }
 }
 
-TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
+TEST(SynthStairs, TheSetIsReproducibleAndScoresItself) {
   const auto dir = scratch();
   for (const char* name : {"a", "b"})
     well(run({"planescope-lab", "synth", "stairs", "-o", dir / name, "--count", "3", "--points",
@@ -131,7 +131,7 @@ TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
   EXPECT_EQ(stairs.label.size(), 2048u);
   EXPECT_EQ(stairs.instance.size(), 2048u);
 
-  // Clouds carry their own truth.
+  // Clouds contain their truth.
   const Ran eval = well(run({"eval", "--json", "--classifier", "truth", "--voxel", "0",
                              dir / "a/stairs_000.ply", dir / "a/stairs_001.ply"}));
   const Json json = Json::parse(eval.out);
@@ -140,7 +140,7 @@ TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
   EXPECT_EQ(json["mean"]["label_accuracy_edge"], 100);
 }
 
-TEST(InstanceField, IsTheTruthThatItsNameSaysInsteadOfInstance) {
+TEST(InstanceField, IsReadByNameInsteadOfInstance) {
   const auto dir = scratch();
   std::ofstream file(dir / "tops.pcd");
   file << "VERSION 0.7\nFIELDS x y z segment half\nSIZE 4 4 4 4 4\nTYPE F F F F F\n"
@@ -168,8 +168,8 @@ TEST(InstanceField, IsTheTruthThatItsNameSaysInsteadOfInstance) {
   }
 }
 
-// The truth is by others (SynPEB: Schaefer et al. 2019).
-TEST(InstanceField, ARoomOfASimulatedLaserScannerKeepsItsAccuracy) {
+// The truth is from others (SynPEB: Schaefer et al. 2019).
+TEST(InstanceField, ASimulatedLaserScanKeepsItsAccuracy) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Ran ran =
@@ -199,7 +199,7 @@ TEST(SynthSet, DepthIsWrittenWithItsTruthAndGravity) {
   EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 80);
 }
 
-TEST(SynthSet, StairsHaveTheirTruthBesideAndSegmentTellsThem) {
+TEST(SynthSet, StairsHaveTruthAndAreFoundBySegment) {
   const auto dir = scratch();
   const std::string rec = (dir / "rec").string();
   well(run({"planescope-lab", "synth", "set", "depth_descent", "-o", rec, "--count", "1"}));
@@ -226,7 +226,7 @@ TEST(SynthSet, StairsHaveTheirTruthBesideAndSegmentTellsThem) {
               seen * stairs["rise_m"].get<double>(), 0.01);
 }
 
-TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
+TEST(SynthTraining, CloudsOfEveryKindAreReproducible) {
   const auto dir = scratch();
   for (const char* name : {"a", "b"})
     well(run({"planescope-lab", "synth", "training", "-o", dir / name, "--count", "1", "--seed",
@@ -254,7 +254,7 @@ TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
   well(run({"report", dir / "a/stairs_000.ply", dir / "a/scan_000.ply", "-o", dir / "report"}));
 }
 
-TEST(SynthTraining, ThePapersRecipeHasNoScansAndCanBeSeenAugmented) {
+TEST(SynthTraining, ThePapersRecipeHasNoScansAndCanBeAugmented) {
   const auto dir = scratch();
   well(run({"planescope-lab", "synth", "training", "-o", dir, "--recipe", "paper", "--count", "1",
             "--augmented"}));
@@ -265,7 +265,7 @@ TEST(SynthTraining, ThePapersRecipeHasNoScansAndCanBeSeenAugmented) {
   EXPECT_EQ(io::read_cloud_file(dir / "stairs_000.ply").points.size(), 2048u);
 }
 
-TEST(SynthSample, ARecordingIsWrittenThatEveryCommandReads) {
+TEST(SynthSample, EveryCommandReadsTheRecording) {
   const auto dir = scratch();
   const std::string rec = (dir / "rec").string();
   well(run({"synth", "sample", "-o", rec, "--scenes", "stairs,corner", "--size", "160x120",
@@ -285,7 +285,7 @@ TEST(SynthSample, ARecordingIsWrittenThatEveryCommandReads) {
   EXPECT_EQ(files_below(dir / "out").size(), 8u);
 }
 
-TEST(Synth, WhatItCannotMakeIsRefused) {
+TEST(Synth, ImpossibleSettingsAreRejected) {
   const auto dir = scratch();
   using Words = std::vector<std::string>;
   const Words stairs = {"planescope-lab", "synth", "stairs"}, sample = {"synth", "sample"};
@@ -309,7 +309,7 @@ TEST(Synth, WhatItCannotMakeIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(dir / "out"));
 }
 
-TEST(Sample, CommandsWithoutARecordingTakeTheOneThatShips) {
+TEST(Sample, CommandsWithoutARecordingUseTheSample) {
   const Ran info = well(run({"info", "--json"}));
   const Json facts = Json::parse(info.out)["recordings"][0];
   EXPECT_EQ(facts["frames"], 3);

@@ -1,4 +1,4 @@
-// planescope convert: what goes in comes out, in another form.
+// planescope convert keeps all data in another format.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ void expect_same(const Frame& a, const Frame& b) {
 
 }  // namespace
 
-TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
+TEST_F(Convert, AFolderHasTheSameFramesColorsTimesAndLabels) {
   const fs::path out = dir / "out";
   const Ran ran = well(convert({sample, "-o", out}));
   EXPECT_TRUE(has(ran.out, "3 of 3 frames"));
@@ -65,7 +65,7 @@ TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
             read_text(dir / "b/frames/000001/planes.json"));
 }
 
-TEST_F(Convert, OnlyTheFramesThatAreAskedForWithTheirOwnLabels) {
+TEST_F(Convert, OnlyTheSelectedFramesWithTheirLabels) {
   const fs::path out = dir / "out";
   well(convert({sample, "-o", out, "--frames", "2"}));
   const auto before = io::open_recording(sample), after = io::open_recording(out);
@@ -86,19 +86,20 @@ TEST_F(Convert, TumNamesItsFilesByTime) {
   for (int i = 0; i < 3; ++i) expect_same(before->frame(i), after->frame(i));
 }
 
-TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
+TEST_F(Convert, McapHasTheSameFramesColorsTimesLabelsAndPlanes) {
   const fs::path out = dir / "out.mcap";
   const Ran ran = well(convert({sample, "-o", out}));
   EXPECT_TRUE(has(ran.out, "3 of 3 frames"));
-  EXPECT_TRUE(has(ran.out, "the labels of 3, read back, the same to the bit"));
+  EXPECT_TRUE(has(ran.out, "with labels for 3, read back and bit-identical"));
   const auto before = io::open_recording(sample), after = io::open_recording(out);
   EXPECT_EQ(after->info().format, "realsense-ros ROS 2 bag (MCAP)");
   EXPECT_TRUE(after->info().warnings.empty());
   ASSERT_EQ(after->frame_count(), 3);
   for (int i = 0; i < 3; ++i) expect_same(before->frame(i), after->frame(i));
-  expect_refused(convert({sample, "-o", out}), "is there already");
-  expect_refused(convert({sample, "-o", dir / "x", "--to", "mcap"}), "expected a name with .mcap");
-  // From there on to a folder, and the planes are those of the folder.
+  expect_refused(convert({sample, "-o", out}), "already exists");
+  expect_refused(convert({sample, "-o", dir / "x", "--to", "mcap"}),
+                 "expected a name that ends in .mcap");
+  // Convert back to a folder: its planes are the same as those of the original.
   well(convert({out, "-o", dir / "back"}));
   for (const char* from : {"out.mcap", "back"})
     well(run({"segment", dir / from, "--gravity", "0,0.9,0.4", "--frames", "1", "-o",
@@ -106,12 +107,13 @@ TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
   const auto planes = [&](const char* from) {
     std::string text = read_text(dir / (std::string(from) + ".planes/frames/000001/planes.json"));
     const std::size_t name = text.find("\"name\"");
-    return text.erase(name, text.find('\n', name) - name);  // a number in one, a file in the other
+    // a number in one, a file name in the other
+    return text.erase(name, text.find('\n', name) - name);
   };
   EXPECT_EQ(planes("out.mcap"), planes("back"));
 }
 
-TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
+TEST_F(Convert, CloudsKeepTheirPointsTruthAndPosition) {
   fs::create_directories(dir / "clouds");
   PointSet set = floor_and_wall_cloud();
   set.origin = Vec3d(430'000, 5'400'000, 120);
@@ -129,11 +131,11 @@ TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
   expect_refused(convert({dir / "clouds", "-o", dir / "no", "--to", "tum"}), "expected ply or pcd");
 }
 
-TEST_F(Convert, DepthBecomesACloudOfItsMeasuredPixels) {
+TEST_F(Convert, DepthConvertsToACloudOfMeasuredPixels) {
   const fs::path out = dir / "one.ply";
   expect_refused(convert({sample, "-o", out}), "one file for 3 frames");
   const Ran ran = well(convert({sample, "-o", out, "--frames", "1"}));
-  EXPECT_TRUE(has(ran.err, "z of the clouds is where the camera looks"));
+  EXPECT_TRUE(has(ran.err, "z of the clouds is the viewing direction"));
   const Frame depth = io::open_recording(sample)->frame(1);
   const PointSet cloud = *io::open_recording(out)->frame(0).cloud;
   EXPECT_EQ(cloud.points.size(), static_cast<std::size_t>(std::ranges::count_if(
@@ -141,7 +143,7 @@ TEST_F(Convert, DepthBecomesACloudOfItsMeasuredPixels) {
   EXPECT_EQ(cloud.rgb.size(), 3 * cloud.points.size());
 }
 
-TEST_F(Convert, DepthInMetersBecomesCloudsAndIsNotRoundedIntoImages) {
+TEST_F(Convert, DepthInMetersConvertsToCloudsButNotToRoundedImages) {
   const fs::path in = fs::path(PLANESCOPE_SOURCE_DIR) / "tests/fuzz/corpus/mcap/meters";
   expect_refused(convert({in, "-o", dir / "x"}), "its depth is in meters (32FC1)");
   expect_refused(convert({in, "-o", dir / "x.mcap"}), "expected ply or pcd");
@@ -153,7 +155,7 @@ TEST_F(Convert, DepthInMetersBecomesCloudsAndIsNotRoundedIntoImages) {
   EXPECT_EQ(json["first_frame"]["counts_65535"], 1);
 }
 
-TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
+TEST_F(Convert, ASingleFileCloudKeepsItsLabelsAndOverwritesNothing) {
   const fs::path in = dir / "a.ply", out = dir / "b.pcd";
   io::write_ply(in, floor_and_wall_cloud());
   const auto before = io::open_recording(in);
@@ -161,23 +163,23 @@ TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
   labels::write_frame_labels(labels::default_label_dir(in), 0,
                              labels::empty_labels(grid, before->frame_hash(0)));
   write_text(dir / "b.pcd.planescope.json", "{}");
-  expect_refused(convert({in, "-o", out}), "b.pcd.planescope.json: is there");
+  expect_refused(convert({in, "-o", out}), "b.pcd.planescope.json: already exists");
   EXPECT_FALSE(fs::exists(out));
   fs::remove(dir / "b.pcd.planescope.json");
 
   const Ran ran = well(convert({in, "-o", out}));
-  EXPECT_TRUE(has(ran.out, "and the labels of 1, read back"));
+  EXPECT_TRUE(has(ran.out, "with labels for 1, read back"));
   const auto after = io::open_recording(out);
   EXPECT_TRUE(
       labels::read_frame_labels(labels::default_label_dir(out), 0,
                                 {after->frame_hash(0), after->frame(0).cloud->points.size()}));
 }
 
-TEST_F(Convert, NothingIsOverwrittenAndNothingIsLeftOfWhatFailed) {
+TEST_F(Convert, NothingIsOverwrittenAndFailuresLeaveNoFiles) {
   fs::create_directories(dir / "full");
   write_text(dir / "full" / "mine.txt", "mine");
-  expect_refused(convert({sample, "-o", dir / "full"}), "is there already");
-  expect_refused(convert({sample, "-o", dir / "x.bag"}), ".bag is not written");
+  expect_refused(convert({sample, "-o", dir / "full"}), "already exists");
+  expect_refused(convert({sample, "-o", dir / "x.bag"}), "writing .bag files is not supported");
   expect_refused(convert({sample, "-o", dir / "x", "--to", "avi"}),
                  "expected folder, tum, mcap, ply or pcd");
   EXPECT_EQ(files_below(dir), std::vector<std::string>{"full/mine.txt"});

@@ -1,4 +1,4 @@
-// In front of libOpenGL's function of this name: all is well for the first frame's pictures, then
+// Replaces libOpenGL's function of this name: it works for the pictures of the first frame, then
 // the driver runs out of memory.
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// Gravity that nobody knows, and gravity that was picked: what the commands make of it.
+// Commands with unknown gravity and with picked gravity.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ Json planes_json(const fs::path& out) {
   return Json::parse(read_text(out / "frames/000000/planes.json"));
 }
 
-/// What a click on the floor of frame 0 would have stored: for all frames, or for that one alone.
+/// Stores gravity like a click on the floor of frame 0: for all frames, or only for that frame.
 void pick(const fs::path& recording, const Vec3d& down, bool all = true) {
   const auto opened = io::open_recording(recording);
   const io::PickedDirection direction{
@@ -40,7 +40,7 @@ void pick(const fs::path& recording, const Vec3d& down, bool all = true) {
 
 }  // namespace
 
-TEST(GravityNone, SegmentFindsThePlanesAndSaysWhatIsMissing) {
+TEST(GravityNone, SegmentFindsThePlanesAndReportsWhatIsMissing) {
   const auto dir = scratch_with_rec();
   const Ran ran = well(run({"segment", dir / "rec", "-o", dir / "out", "--gravity", "none"}));
   EXPECT_TRUE(has(ran.out, "gravity none: planes are neither h nor v"));
@@ -63,7 +63,7 @@ TEST(GravityNone, SegmentFindsThePlanesAndSaysWhatIsMissing) {
   EXPECT_GT(std::ranges::count(cloud.instance, 2), 100);
 }
 
-TEST(GravityNone, ACloudAndARivalGoWithoutAsWell) {
+TEST(GravityNone, WorksForCloudsAndRivals) {
   PLANESCOPE_NEEDS_OPEN3D();
   const auto dir = scratch();
   io::write_ply(dir / "cloud.ply", floor_and_wall_cloud());
@@ -77,10 +77,10 @@ TEST(GravityNone, ACloudAndARivalGoWithoutAsWell) {
   }
 }
 
-TEST(GravityNone, IsARefusedFramesWayOut) {
+TEST(GravityNone, RescuesARejectedFrame) {
   const auto dir = scratch();
   Image16 depth(160, 120);
-  depth.data[100] = 900;  // hardly anything measured
+  depth.data[100] = 900;  // almost nothing was measured
   write_depth_folder(dir / "rec", depth);
   const std::vector<std::string> args = {"segment", dir / "rec", "-o", dir / "out"};
   const Ran refused = run(args);
@@ -111,14 +111,14 @@ TEST(GravityNone, AReportFollowsItsSchemaAndHasNoPictureOfClasses) {
   EXPECT_TRUE(has(page, "<em>unknown</em>"));
   EXPECT_TRUE(has(page, "--gravity X,Y,Z"));
 
-  // The same once more, taken up where it ended, and held against itself.
+  // The same again, resumed after its end and compared with itself.
   std::filesystem::copy(dir / "out/report.json", dir / "before.json");
   const std::vector<std::string> held = {"--gravity", "none", "--resume", "--baseline",
                                          dir / "before.json"};
   well(run(report_args({dir / "rec"}, dir / "out", held)));
 }
 
-TEST(GravityNone, EvalScoresPlanesAndLeavesLabelsOpen) {
+TEST(GravityNone, EvalScoresPlanesButNotLabels) {
   const auto dir = scratch_with_rec();
   write_true_labels(dir / "rec", dir / "rec.labels");
   const Ran ran = well(run({"eval", dir / "rec", "--gravity", "none", "--json"}));
@@ -129,7 +129,7 @@ TEST(GravityNone, EvalScoresPlanesAndLeavesLabelsOpen) {
   EXPECT_FALSE(has(table.out, "nan"));
 }
 
-TEST(GravityNone, InfoSaysHowToGiveOne) {
+TEST(GravityNone, InfoExplainsHowToSetIt) {
   const auto dir = scratch_with_rec();
   const Ran text = well(run({"info", dir / "rec", "--gravity", "none"}));
   EXPECT_TRUE(has(text.out, "none, "));
@@ -140,7 +140,7 @@ TEST(GravityNone, InfoSaysHowToGiveOne) {
   EXPECT_TRUE(gravity["direction"].is_null());
 }
 
-TEST(GravityNone, LabelsThatAreImportedHaveNoClassAndAreExportedSo) {
+TEST(GravityNone, ImportedAndExportedLabelsHaveNoClass) {
   const auto dir = scratch_with_rec();
   write_true_labels(dir / "rec", dir / "true");
   const std::string rec = (dir / "rec").string();
@@ -159,7 +159,7 @@ TEST(GravityNone, LabelsThatAreImportedHaveNoClassAndAreExportedSo) {
   well(run({"labels", "check", rec, "--strict"}));
 }
 
-TEST(GravityNone, WhatIsAboutClassesIsRefusedInOneLine) {
+TEST(GravityNone, ClassDependentRequestsAreRejectedInOneLine) {
   const auto dir = scratch_with_rec();
   const std::string rec = (dir / "rec").string(), out = (dir / "out").string();
   for (const std::vector<std::string>& args :
@@ -175,7 +175,7 @@ TEST(GravityNone, WhatIsAboutClassesIsRefusedInOneLine) {
   }
 }
 
-TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
+TEST(GravityPicked, IsUsedByEveryCommand) {
   const auto dir = scratch_with_rec(2);
   const std::string rec = (dir / "rec").string();
   pick(dir / "rec", Vec3d(0, 0.8, 0.6));
@@ -191,7 +191,7 @@ TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
   for (const Json& frame : report["recordings"][0]["frames"])
     EXPECT_EQ(frame["gravity"]["source"], "picked");
 
-  // What is said on the command line goes before it.
+  // The command line overrides it.
   well(run({"segment", rec, "-o", dir / "given", "--gravity", "0,1,0"}));
   EXPECT_EQ(planes_json(dir / "given")["gravity"]["source"], "option");
   well(run({"segment", rec, "-o", dir / "est", "--gravity", "estimate"}));
@@ -201,7 +201,7 @@ TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
   EXPECT_EQ(planes_json(dir / "sidecar")["gravity"]["source"], "sidecar");
 }
 
-TEST(GravityPicked, OnOneFrameIsCarriedToTheOthersByTheMotionBetweenThem) {
+TEST(GravityPicked, OnOneFrameIsTransferredToTheOthersByCameraMotion) {
   const auto dir = scratch_with_rec(2);
   pick(dir / "rec", Vec3d(0, 0.8, 0.6), false);
   well(run({"segment", dir / "rec", "-o", dir / "out"}));
@@ -217,7 +217,7 @@ TEST(GravityPicked, OnOneFrameIsCarriedToTheOthersByTheMotionBetweenThem) {
       << "whatever frames are asked for";
 }
 
-TEST(GravityPicked, AChangedPickIsNotTakenForTheOldOneByAReportThatIsResumed) {
+TEST(GravityPicked, AResumedReportNoticesAChangedPick) {
   const auto dir = scratch_with_rec();
   pick(dir / "rec", Vec3d(0, 0.8, 0.6));
   const auto args = report_args({dir / "rec"}, dir / "out", {"--no-pictures", "--resume"});
@@ -228,7 +228,7 @@ TEST(GravityPicked, AChangedPickIsNotTakenForTheOldOneByAReportThatIsResumed) {
             (Json{0, 1, 0}));
 }
 
-TEST(GravityPicked, AFileThatIsDamagedOrAnothersIsRefusedInOneLine) {
+TEST(GravityPicked, ADamagedOrForeignFileIsRejectedInOneLine) {
   const auto dir = scratch_with_rec();
   Image16 other = floor_and_wall();
   other.data[5] = 1111;
@@ -236,11 +236,11 @@ TEST(GravityPicked, AFileThatIsDamagedOrAnothersIsRefusedInOneLine) {
   pick(dir / "rec", Vec3d(0, 1, 0));
   const Ran mixed = run({"info", dir / "other", "--labels", dir / "rec.labels"});
   expect_refused(mixed);
-  EXPECT_TRUE(has(mixed.err, "another recording"));
+  EXPECT_TRUE(has(mixed.err, "a different recording"));
   write_text(dir / "rec.labels/gravity.json", "{\"schema\": 3}");
   const Ran damaged = run({"segment", dir / "rec", "-o", dir / "out"});
   expect_refused(damaged);
   EXPECT_TRUE(has(damaged.err, "gravity.json"));
-  // Who says which way things fall does not need it.
+  // With a direction on the command line, the file is not needed.
   well(run({"segment", dir / "rec", "--gravity", "0,1,0", "-o", dir / "out"}));
 }

@@ -1,4 +1,4 @@
-// Test that an interrupted run exits with code 130 and leaves only whole frames.
+// An interrupted run exits with code 130 and leaves only complete frames.
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -8,7 +8,7 @@
 
 using namespace planescope::testing_cli;
 
-TEST(Interrupt, ALongRunEndsWithWholeFramesAndCode130) {
+TEST(Interrupt, ALongRunEndsWithCompleteFramesAndCode130) {
   const auto dir = scratch_with_rec(2000);
   // The output folder appears with the first frame.
   const Ran ran = run_and_signal({"segment", dir / "rec", "-o", dir / "out", "--gravity", "0,1,0"},

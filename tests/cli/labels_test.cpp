@@ -29,7 +29,7 @@ Ran labels_of(const std::string& command, std::vector<std::string> args) {
   return run(args);
 }
 
-/// Three frames of a floor and a wall, the first two labelled.
+/// Three frames of a floor and a wall; the first two are labeled.
 class Labels : public testing::Test {
  protected:
   void SetUp() override {
@@ -38,7 +38,7 @@ class Labels : public testing::Test {
   }
 
   void write_labels(const fs::path& to, int frame) { write_true_labels(rec, to, frame); }
-  /// All pixels in plane 5.
+  /// Label files with all pixels in plane 5.
   fs::path five() {
     labels::LabelledPoints points;
     points.instance.assign(160 * 120, 5);
@@ -61,7 +61,7 @@ TEST_F(Labels, CheckFindsNothingInGoodLabels) {
   }
 }
 
-TEST_F(Labels, CheckNamesFileFramePlaneValueAndLimitOfAFinding) {
+TEST_F(Labels, CheckReportsFileFramePlaneValueAndLimit) {
   FrameLabels wrong = floor_and_wall_labels(*io::open_recording(rec), 1);
   wrong.planes[0].label = Label::v;
   labels::write_frame_labels(own, 1, wrong);
@@ -77,7 +77,7 @@ TEST_F(Labels, CheckNamesFileFramePlaneValueAndLimitOfAFinding) {
   EXPECT_EQ(json["frames"][1]["findings"][0]["limit"], 60);
 }
 
-TEST_F(Labels, CheckTellsDamagedFilesFromFindings) {
+TEST_F(Labels, CheckDistinguishesDamagedFilesFromFindings) {
   fs::resize_file(own / "000000.plane.png", 60);
   fs::remove(own / "000001.hv.png");
   write_labels(own, 2);
@@ -85,17 +85,17 @@ TEST_F(Labels, CheckTellsDamagedFilesFromFindings) {
   const Ran ran = labels_of("check", {own});
   EXPECT_EQ(ran.code, 2);
   for (const char* part : {"000000.plane.png", "000001.hv.png", "000002.json",
-                           "labels of frame 7, the recording has 3", "4 damaged"})
+                           "labels for frame 7, but the recording has 3", "4 damaged"})
     EXPECT_TRUE(has(ran.out, part)) << part << "\n" << ran.out;
 }
 
-TEST_F(Labels, CheckNamesAnotherCameraThanTheyWereDrawnWith) {
+TEST_F(Labels, CheckReportsADifferentCamera) {
   const Ran ran = labels_of("check", {own, "--intrinsics", "240,240,80,60"});
   EXPECT_EQ(ran.code, 1);
-  EXPECT_TRUE(has(ran.out, "camera: drawn with fx 120, the frame has 240"));
+  EXPECT_TRUE(has(ran.out, "camera: drawn with fx 120, but the frame has 240"));
 }
 
-TEST_F(Labels, CheckAndExportTakeTheCameraOfTheLabelsWhereTheRecordingDoesNotSayIt) {
+TEST_F(Labels, CheckAndExportUseTheLabelsCameraIfTheRecordingHasNone) {
   const fs::path known = dir / "known", unknown = dir / "unknown";
   well(labels_of("export", {rec, "--format", "ply", "-o", known}));
   fs::remove(rec / "camera_intrinsic.json");
@@ -106,13 +106,13 @@ TEST_F(Labels, CheckAndExportTakeTheCameraOfTheLabelsWhereTheRecordingDoesNotSay
   EXPECT_EQ(read_text(unknown / "000001.ply"), read_text(known / "000001.ply"));
 }
 
-TEST_F(Labels, CheckWithoutTheRecordingSaysWhatItLeftOut) {
+TEST_F(Labels, CheckWithoutTheRecordingReportsSkippedChecks) {
   fs::rename(own, dir / "alone.labels");
   const Ran ran = well(labels_of("check", {dir / "alone.labels"}));
-  EXPECT_TRUE(has(ran.out, "no recording found, give --recording"));
+  EXPECT_TRUE(has(ran.out, "no recording found; use --recording"));
 }
 
-TEST_F(Labels, WhatIsExportedComesBackByImport) {
+TEST_F(Labels, ExportedLabelsCanBeImported) {
   for (const char* format : {"evops", "ply", "pcd", "kitti", "npz", "coco"}) {
     SCOPED_TRACE(format);
     const std::string out = (dir / format).string(), back = out + ".labels";
@@ -131,10 +131,10 @@ TEST_F(Labels, WhatIsExportedComesBackByImport) {
     }
     EXPECT_FALSE(fs::exists(fs::path(back) / "000002.json"));
   }
-  EXPECT_EQ(files_below(rec).size(), 4u);  // nothing was written there
+  EXPECT_EQ(files_below(rec).size(), 4u);  // nothing was written to the recording
 }
 
-TEST_F(Labels, CocoIsOneFileWithAPictureForEachFrame) {
+TEST_F(Labels, CocoIsOneFileWithAnImagePerFrame) {
   const fs::path out = dir / "coco";
   well(labels_of("export", {rec, "--format", "coco", "-o", out}));
   const Json coco = Json::parse(read_text(out / "annotations.json"));
@@ -172,10 +172,10 @@ TEST_F(Labels, CocoIsOneFileWithAPictureForEachFrame) {
   EXPECT_EQ(of_image, (std::map<int, int>{{1, 2}, {2, 2}}));
 }
 
-TEST_F(Labels, CocoIsReadFromOneFileForAllFramesAndFromAFileForEach) {
+TEST_F(Labels, CocoIsReadFromOneFileOrFromAFilePerFrame) {
   const fs::path out = dir / "coco", old = dir / "old";
   well(labels_of("export", {rec, "--format", "coco", "-o", out}));
-  // As earlier versions wrote it: 000000.json and 000001.json with one image each.
+  // The format of earlier versions: 000000.json and 000001.json with one image each.
   const Json all = Json::parse(read_text(out / "annotations.json"));
   fs::create_directories(old);
   for (const int frame : {0, 1}) {
@@ -203,10 +203,10 @@ TEST_F(Labels, CocoIsReadFromOneFileForAllFramesAndFromAFileForEach) {
   EXPECT_EQ(Json::parse(scored.out)["mean"]["mean_iou"], 100);
   expect_refused(labels_of("import", {rec, "--format", "coco", "--from", out, "--frames", "2",
                                       "--labels", dir / "none", "--gravity", "0,1,0"}),
-                 "no image of any of the frames, expected names such as 000002.png");
+                 "no image matches a frame; expected names such as 000002.png");
 }
 
-TEST_F(Labels, AnImportCanBeTakenBack) {
+TEST_F(Labels, AnImportCanBeUndone) {
   const auto before = planes_in(own, 1);
   well(labels_of("import", {rec, "--from", five(), "--frames", "1", "--gravity", "0,1,0"}));
   EXPECT_EQ(planes_in(own, 1), std::vector<std::uint16_t>(160 * 120, 5));
@@ -219,7 +219,7 @@ TEST_F(Labels, AnImportCanBeTakenBack) {
   EXPECT_EQ(store.labels(1)->plane.data, before);
 }
 
-TEST_F(Labels, FilesThatCannotBeImportedChangeNothing) {
+TEST_F(Labels, InvalidFilesChangeNothing) {
   labels::LabelledPoints points;
   points.instance.assign(100, 5);
   fs::create_directories(dir / "in");
@@ -231,7 +231,7 @@ TEST_F(Labels, FilesThatCannotBeImportedChangeNothing) {
     return labels_of("import", args);
   };
   const std::string in = (dir / "in").string();
-  expect_refused(import({in, "--format", "evops"}), "000001.npy: 100 points, expected 19200");
+  expect_refused(import({in, "--format", "evops"}), "000001.npy: 100 points; expected 19200");
   expect_refused(import({in}), "--format");
   expect_refused(import({in, "--format", "evop"}), "expected one of evops");
   expect_refused(import({in, "--format", "npz"}), "expected names such as 000000.npz");
@@ -244,7 +244,7 @@ TEST_F(Labels, FilesThatCannotBeImportedChangeNothing) {
   EXPECT_FALSE(fs::exists(own / "journal"));
 }
 
-TEST_F(Labels, NothingIsImportedWhereAnotherInstanceIsAtWork) {
+TEST_F(Labels, NothingIsImportedWhileAnotherInstanceIsOpen) {
   labels::LabelStore held(own, {"ann", {}});
   const auto before = held.open(0, floor_and_wall_labels(*io::open_recording(rec)));
   FrameLabels after = *before;
@@ -260,15 +260,15 @@ TEST_F(Labels, ExportsStayOutOfTheRecordingAndOfTheLabels) {
     return labels_of("export", {rec, "--format", "coco", "-o", out, "--frames", frames});
   };
   expect_refused(export_to(rec / "out"), "inside the recording");
-  expect_refused(export_to(own), "the folder of the labels themselves");
-  expect_refused(export_to(dir / "out", "2"), "no labels of the frames");
+  expect_refused(export_to(own), "is the label folder itself");
+  expect_refused(export_to(dir / "out", "2"), "no labels for the requested frames");
   expect_refused(labels_of("export", {rec, "--format", "coco"}), "-o DIR");
   EXPECT_FALSE(fs::exists(dir / "out"));
   well(labels_of("export", {rec, "--format", "voxels", "-o", dir / "out", "--voxel", "0.05"}));
   EXPECT_TRUE(fs::exists(dir / "out/000001.voxels.ply"));
 }
 
-TEST_F(Labels, PointFormatsConvertIntoEachOther) {
+TEST_F(Labels, PointFormatsConvertToEachOther) {
   well(labels_of("export", {rec, "--format", "npz", "-o", dir}));
   const auto convert = [&](const char* in, const char* out) {
     return labels_of("convert", {dir / in, "-o", dir / out});
@@ -287,10 +287,11 @@ TEST_F(Labels, PointFormatsConvertIntoEachOther) {
   EXPECT_EQ(labels::read_labelled(dir / "d.npy", labels::LabelFormat::evops).instance,
             first.instance);
   expect_refused(convert("d.npy", "f.ply"), "ply needs coordinates");
-  expect_refused(convert("d.npy", "f.txt"), "f.txt: expected a name that ends in");
+  expect_refused(convert("d.npy", "f.txt"),
+                 "f.txt: unknown extension; expected a name that ends in");
 }
 
-TEST_F(Labels, CompareSaysHowFarTwoAnnotatorsAgree) {
+TEST_F(Labels, CompareReportsTheAgreementOfTwoAnnotators) {
   const fs::path ann = dir / "ann.labels";
   write_labels(ann, 1);
   const auto compare = [&](std::vector<std::string> more) {
@@ -313,7 +314,7 @@ TEST_F(Labels, CompareSaysHowFarTwoAnnotatorsAgree) {
 
   other.depth_sha256 = std::string(64, 'f');
   labels::write_frame_labels(ann, 1, other);
-  expect_refused(compare({}), "made for different depth images");
+  expect_refused(compare({}), "created for different depth images");
   expect_refused(labels_of("compare", {own}), "expected two");
 }
 
@@ -328,7 +329,7 @@ TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   EXPECT_EQ(frame["h"], 1);
   EXPECT_EQ(frame["labelled"], 160 * 120);
   EXPECT_EQ(frame["measured"], 160 * 120);
-  // The wall: 1.2 m / 120 per pixel, in the rows above the foot at 60 + 120 * 0.5 / 1.2.
+  // The wall has 1.2 m / 120 per pixel, in the rows above its foot at 60 + 120 * 0.5 / 1.2.
   EXPECT_GT(frame["labelled_m2"], 1.6 * 1.1);
   EXPECT_LT(frame["labelled_m2"], 1.6 * 1.1 + 0.4);
   EXPECT_EQ(json["left"]["unlabelled"], Json::parse("[2]"));
@@ -336,7 +337,7 @@ TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   const Ran text = well(labels_of("stats", {own}));
   EXPECT_TRUE(has(text.out, "without labels: 1: 2\n  not reviewed: 1: 1\n"));
   EXPECT_TRUE(has(text.out, "sum"));
-  expect_refused(labels_of("stats", {dir / "rec/depth", "--labels", dir}), "no labels in it");
+  expect_refused(labels_of("stats", {dir / "rec/depth", "--labels", dir}), "contains no labels");
 }
 
 TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
@@ -356,7 +357,7 @@ TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
   EXPECT_GT(mean["point_accuracy"], 80);
 }
 
-TEST_F(Labels, ScoreASegmentationThatWasMadeBeforeAsTheOneMadeNow) {
+TEST_F(Labels, ScoreAStoredSegmentationLikeANewOne) {
   const fs::path made = dir / "made";
   const std::vector<std::string> options = {"--frames",     "0",  "--gravity", "0,1,0",
                                             "--classifier", "pca"};
@@ -373,17 +374,18 @@ TEST_F(Labels, ScoreASegmentationThatWasMadeBeforeAsTheOneMadeNow) {
   EXPECT_GT(a["point_accuracy"], 90);
 }
 
-TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndNameAFrameThatIsMissing) {
+TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndReportMissingFrames) {
   const Ran own_labels = well(run({"eval", rec, "--frames", "0:2", "--json", "--prediction", own}));
   EXPECT_EQ(Json::parse(own_labels.out)["mean"]["mean_iou"], 100);
   well(labels_of("export", {rec, "--format", "kitti", "-o", dir / "kitti", "--frames", "0"}));
   const std::string kitti = (dir / "kitti").string();
   const Ran exported = well(run({"eval", rec, "--frames", "0", "--json", "--prediction", kitti}));
   EXPECT_EQ(Json::parse(exported.out)["mean"]["point_accuracy"], 100);
-  expect_refused(run({"eval", rec, "--frames", "1", "--prediction", kitti}), "nothing of frame 1");
+  expect_refused(run({"eval", rec, "--frames", "1", "--prediction", kitti}),
+                 "no planes for frame 1");
 }
 
-TEST_F(Labels, OfAWindowThatWasKilledAreSaidToBeInTheJournal) {
+TEST_F(Labels, OfAKilledWindowAreReportedAsUnsaved) {
   const fs::path killed = dir / "killed";
   {
     labels::LabelStore store(killed);
@@ -398,7 +400,7 @@ TEST_F(Labels, OfAWindowThatWasKilledAreSaidToBeInTheJournal) {
   expect_refused(labels_of("stats", {killed}), "only a journal");
 }
 
-TEST_F(Labels, CheckFailsForHintsOnlyWhereAsked) {
+TEST_F(Labels, CheckFailsForHintsOnlyOnRequest) {
   FrameLabels labels_0 = floor_and_wall_labels(*io::open_recording(rec), 0);
   for (std::size_t i = 0; i < labels_0.plane.data.size(); ++i)
     if (labels_0.plane.data[i] == 2) labels_0.plane.data[i] = labels_0.hv.data[i] = 0;
@@ -415,7 +417,7 @@ TEST_F(Labels, CheckFailsForHintsOnlyWhereAsked) {
 
 namespace {
 
-/// Two steps behind a floor, all planes labelled.
+/// Two steps behind a floor, with labels for all planes.
 class CloudLabels : public testing::Test {
  protected:
   void SetUp() override {
@@ -449,7 +451,7 @@ TEST_F(CloudLabels, AreCheckedCountedAndComparedLikeThoseOfImages) {
   EXPECT_EQ(same["mean"]["mean_iou"], 1);
 }
 
-TEST_F(CloudLabels, ScoreTheMethodAndWhatOthersFound) {
+TEST_F(CloudLabels, ScoreTheMethodAndOtherSegmentations) {
   const Json scored = Json::parse(run({"eval", rec, "--classifier", "pca", "--json"}).out);
   EXPECT_EQ(scored["frames"][0]["planes_truth"], 5);
   EXPECT_GT(scored["frames"][0]["mean_iou"].get<double>(), 80);
@@ -459,21 +461,22 @@ TEST_F(CloudLabels, ScoreTheMethodAndWhatOthersFound) {
   EXPECT_EQ(others["frames"][0]["mean_iou"], 100);
 }
 
-TEST_F(CloudLabels, FormatsOfImagesAreRefusedAndNothingIsWritten) {
+TEST_F(CloudLabels, ImageFormatsAreRejectedAndNothingIsWritten) {
   const fs::path out = dir / "coco";
-  expect_refused(labels_of("export", {rec, "--format", "coco", "-o", out}),
-                 "stairs.ply, frame 0: coco is for images, this is a cloud: expected --format");
+  expect_refused(
+      labels_of("export", {rec, "--format", "coco", "-o", out}),
+      "stairs.ply, frame 0: format coco is for images, but this is a cloud; expected --format");
   EXPECT_FALSE(fs::exists(out));
 }
 
-TEST_F(CloudLabels, LabelsOfAnotherCloudAreRefusedByEveryCommand) {
+TEST_F(CloudLabels, EveryCommandRejectsLabelsOfAnotherCloud) {
   PointSet fewer = *cloud.frame.cloud;
   fewer.points.pop_back();
   const std::string other = (dir / "other.ply").string();
   io::write_ply(other, fewer);
   const std::string part =
-      "000000.json: made for a cloud of " + std::to_string(cloud.grid.pixels()) +
-      " points, this recording's frame has " + std::to_string(cloud.grid.pixels() - 1);
+      "000000.json: created for a cloud of " + std::to_string(cloud.grid.pixels()) +
+      " points, but this recording's frame has " + std::to_string(cloud.grid.pixels() - 1);
   const Ran checked = labels_of("check", {own, "--recording", other});
   EXPECT_EQ(checked.code, 2);
   EXPECT_TRUE(has(checked.out, part));

@@ -1,4 +1,4 @@
-// planescope synth sequence and planescope map, as they are typed.
+// The commands planescope synth sequence and planescope map.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -55,21 +55,21 @@ TEST_F(Map, WritesMapTracksAndPoses) {
   EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));
   EXPECT_FALSE(fs::exists(dir / "out" / "pace.json"));
   EXPECT_FALSE(fs::exists(dir / "out" / "mesh.ply"));
-  // poses.tum is a trajectory like any other.
+  // poses.tum can be used as a trajectory.
   fs::copy_file(dir / "out" / "poses.tum", dir / "poses.tum");
   well(map({"--poses", dir / "poses.tum"}));
   EXPECT_EQ(read_json<nlohmann::json>(dir / "out" / "map.json")["planes"].size(),
             written["planes"].size());
 }
 
-TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
+TEST_F(Map, WithAWindowKeepsOnlyThePlanesNearTheCamera) {
   const Ran ran = well(map({"--follow", "--window", "3"}));
   const auto pace = read_json<nlohmann::json>(dir / "out" / "pace.json");
   EXPECT_EQ(pace["schema"], "planescope.pace/1");
   EXPECT_EQ(pace["frames"], 12);
   EXPECT_GE(pace["taken"], 1);
   EXPECT_TRUE(has(ran.out, " of 12 frames at 15.0 Hz"));
-  // What is behind the camera by the end has left, with what it covered.
+  // Planes behind the camera at the end have left the map, with their areas.
   std::ifstream left(dir / "out" / "left.jsonl");
   std::string line;
   ASSERT_TRUE(std::getline(left, line));
@@ -77,7 +77,7 @@ TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
   EXPECT_GE(piece["track"], 1);
   EXPECT_FALSE(piece["outline"].empty());
 
-  // A later map takes the place of all files of the earlier one, and of nothing else.
+  // A later map replaces all files of the earlier one, and no others.
   write_file_text(dir / "out" / "planes" / "notes.png", "mine");
   well(map({"--frames", ":6"}));
   EXPECT_FALSE(fs::exists(dir / "out" / "pace.json"));
@@ -87,12 +87,12 @@ TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
   EXPECT_TRUE(fs::exists(dir / "out" / "planes" / "notes.png"));
 }
 
-TEST_F(Map, OfAMethodThatTakesNoCandidatesFollowsTheCameraToo) {
+TEST_F(Map, OfAMethodWithoutCandidatesFollowsTheCameraToo) {
   well(map({"--follow", "--profile", "paper"}));
   EXPECT_EQ(read_json<nlohmann::json>(dir / "out" / "pace.json")["frames"], 12);
 }
 
-TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
+TEST_F(Map, SkipsDamagedMissingAndUnorderedFrames) {
   write_file_text(walk / "depth" / "000004.png", "no PNG");
   fs::remove(walk / "depth" / "000009.png");
   auto sidecar = read_json<nlohmann::ordered_json>(walk / "planescope.json");
@@ -102,7 +102,7 @@ TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
   EXPECT_EQ(ran.code, 2) << ran.err;
   EXPECT_TRUE(has(ran.err, "frame 4: "));
   EXPECT_TRUE(has(
-      ran.err, "1 of the 12 frames in planescope.json have no depth image, the first is 000009"));
+      ran.err, "1 of the 12 frames in planescope.json have no depth image; the first is 000009"));
   EXPECT_TRUE(has(ran.err, "timestamps decrease at frame 7"));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   ASSERT_EQ(tracks["frames"].size(), 11u);
@@ -113,19 +113,19 @@ TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
   EXPECT_FALSE(written["planes"].empty());
 }
 
-TEST_F(Map, ComesWithAMeshOfItsSurfaces) {
+TEST_F(Map, HasAMeshOfItsSurfaces) {
   const Ran ran = map({"--mesh", "0.03"});
   if (ran.err.find("built without Open3D") != std::string::npos) GTEST_SKIP() << ran.err;
   ASSERT_EQ(ran.code, 0) << ran.err;
   const PointSet mesh = io::read_cloud_file(dir / "out" / "mesh.ply");
   ASSERT_GT(mesh.points.size(), 1000u);
-  // In the map's world: the floor is at 0.
+  // In the map's world, the floor is at 0.
   const auto on_floor =
       std::ranges::count_if(mesh.points, [](const Vec3f& p) { return std::abs(p.z()) < 0.03F; });
   EXPECT_GT(on_floor, std::ssize(mesh.points) / 10);
 }
 
-TEST_F(Map, OfShardsIsTheMapOfOneRun) {
+TEST_F(Map, OfShardsEqualsTheMapOfOneRun) {
   well(map({}));
   const std::string parts = (dir / "parts").string();
   for (const char* shard : {"1/3", "2/3", "3/3"})
@@ -135,7 +135,7 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
   for (const char* file : {"map.json", "tracks.json", "poses.tum", "map.png"})
     EXPECT_EQ(read_file_bytes(fs::path(joined) / file), read_file_bytes(dir / "out" / file))
         << file;
-  // Parts of other options, damaged or missing ones.
+  // Parts with other options, damaged parts, and missing parts.
   const auto refusal = [&](std::vector<std::string> more) {
     std::vector<std::string> args = {"map", walk, "-o", joined, "--join", parts};
     args.insert(args.end(), more.begin(), more.end());
@@ -146,8 +146,8 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
        {std::vector<std::string>{"--max-range", "2"}, {"--depth-unit", "0.0005"}})
     refusals += refusal(other).err;
   for (const char* what :
-       {"different options: max_range_m is 1.5, expected 2", "different options: camera is 320x240",
-        "unit 0.001 m, expected 320x240"})
+       {"different options: max_range_m is 1.5; expected 2", "different options: camera is 320x240",
+        "unit 0.001 m; expected 320x240"})
     EXPECT_TRUE(has(refusals, what)) << what << " in " << refusals;
   expect_refused(refusal({"--window", "3"}), "--join cannot be combined with");
   const fs::path part = fs::path(parts) / "observed" / "000007.cbor";
@@ -161,12 +161,12 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
   write_file_text(part, "damaged");
   expect_refused(refusal({}), "000007.cbor: damaged");
   fs::copy_file(part.parent_path() / "000008.cbor", part, fs::copy_options::overwrite_existing);
-  expect_refused(refusal({}), "000007.cbor: holds frame 8, expected frame 7");
+  expect_refused(refusal({}), "000007.cbor: contains frame 8; expected frame 7");
   fs::remove(part);
   expect_refused(refusal({}), "000007.cbor: is missing");
 }
 
-TEST_F(Map, OfShardsNamesTheFramesThatCannotBeRead) {
+TEST_F(Map, OfShardsReportsUnreadableFrames) {
   write_file_text(walk / "depth" / "000004.png", "no PNG");
   const std::string parts = (dir / "parts").string();
   for (const char* shard : {"1/2", "2/2"}) {
@@ -180,7 +180,7 @@ TEST_F(Map, OfShardsNamesTheFramesThatCannotBeRead) {
   EXPECT_TRUE(fs::exists(dir / "out" / "map.json"));
 }
 
-TEST_F(Map, OfEveryMethodTellsSegmentItsPlanes) {
+TEST_F(Map, OfEveryMethodProvidesPlanesToSegment) {
   for (const std::vector<std::string>& method : {std::vector<std::string>{"--profile", "paper"},
                                                  {"--method", "ransac"},
                                                  {"--method", "region-growing"},
@@ -193,7 +193,7 @@ TEST_F(Map, OfEveryMethodTellsSegmentItsPlanes) {
   }
 }
 
-TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
+TEST_F(Map, ProvidesTracksToSegment) {
   well(map({"--frames", "0:10"}));
   const std::string known = (dir / "out").string();
   const auto segment = [&](std::vector<std::string> more) {
@@ -203,7 +203,7 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
   };
   const Ran ran = segment({"--frames", "8:"});
   EXPECT_EQ(ran.code, 2) << "a frame is missing";
-  EXPECT_TRUE(has(ran.err, "refused: frame 10: is not in the map "));
+  EXPECT_TRUE(has(ran.err, "rejected: frame 10: not in the map "));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   for (const int frame : {8, 9}) {
     const fs::path folder = dir / "planes" / "frames" / fmt::format("{:06}", frame);
@@ -214,7 +214,7 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
     EXPECT_EQ(nlohmann::json(of_planes), tracks["frames"][frame]["track_of_plane"]);
     const Image16 ids = io::read_png_16(folder / "planes.png"),
                   of_pixel = io::read_png_16(folder / "tracks.png");
-    // The planes are those that the map stored.
+    // Segment finds the same planes that the map stored.
     const fs::path stored_file = dir / "out" / "planes" / fmt::format("{:06}.png", frame);
     Image16 stored = io::read_png_16(stored_file);
     for (std::uint16_t& id : stored.data)
@@ -224,18 +224,18 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
       EXPECT_EQ(of_pixel.data[i], ids.data[i] > 0 ? of_planes[ids.data[i] - 1] : 0);
   }
   expect_refused(segment({"--max-range", "2"}),
-                 "different options: max_range_m is 1.5, expected 2");
+                 "different options: max_range_m is 1.5; expected 2");
   const fs::path other = dir / "other";
   fs::copy(walk, other, fs::copy_options::recursive);
   const Ran refused = run({"segment", other, "-o", dir / "x", "--map", known});
-  EXPECT_TRUE(has(refused.err, "belongs to recording \"walk\", expected \"other\""));
+  EXPECT_TRUE(has(refused.err, "belongs to recording \"walk\"; expected \"other\""));
   expect_refused(segment({"--frames", "11"}), "is not in the map ");
   const fs::path stored = dir / "out" / "planes";
   fs::copy_file(stored / "000008.png", stored / "000009.png", fs::copy_options::overwrite_existing);
   expect_refused(segment({"--frames", "9"}), "000009.png: does not match ");
   fs::remove(stored / "000009.png");
   expect_refused(segment({"--frames", "9"}), "000009.png: ");
-  // Another map in the same folder keeps nothing of this one.
+  // Another map in the same folder removes all files of the first.
   well(map({"--frames", "0:3"}));
   EXPECT_TRUE(fs::exists(stored / "000002.png"));
   EXPECT_FALSE(fs::exists(stored / "000008.png"));
@@ -248,7 +248,7 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
   expect_refused(segment({}), "map.json: missing");
 }
 
-TEST_F(Map, TellsWherePosesAreOfNoUse) {
+TEST_F(Map, ReportsUnusablePoses) {
   well(map({}));
   std::string kitti, millimetres;
   for (int i = 0; i < 12; ++i) {
@@ -264,12 +264,12 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
     EXPECT_EQ(ran.code, code) << ran.err;
     return ran.err + ran.out;
   };
-  // A map without planes is none, and replaces none.
+  // A map without planes is an error and replaces nothing.
   const std::string empty = told(millimetres, 2, {});
   EXPECT_TRUE(has(empty, "may not contain T_world_camera in meters"));
   EXPECT_TRUE(has(empty, "not written: no plane was seen in 3 or more of 12 frames"));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
-  // So is one that few frames fit: T_camera_world, a common mistake.
+  // So is a map that few frames fit: T_camera_world instead of T_world_camera is a common mistake.
   std::string inverse;
   const auto recording = io::open_recording(walk);
   for (int i = 0; i < recording->frame_count(); ++i) {
@@ -281,11 +281,11 @@ TEST_F(Map, TellsWherePosesAreOfNoUse) {
   }
   EXPECT_TRUE(has(told(inverse, 2, {}), "not written: "));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
-  // Poses of the whole recording go with some of its frames as well.
+  // Poses of the whole recording also work for a subset of frames.
   EXPECT_TRUE(has(told(kitti, 2, {"--frames", "3:8"}), "of 5 frames"));
 }
 
-TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
+TEST_F(Map, UsesPoseIForFrameIWithoutTimes) {
   auto sidecar = read_json<nlohmann::ordered_json>(walk / "planescope.json");
   std::string poses;
   std::vector<double> x_of;
@@ -316,7 +316,7 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
     EXPECT_TRUE(lines[i].starts_with(
         fmt::format("{} {} ", 1000 + 0.25 * static_cast<double>(i), x_of[2 * i])))
         << lines[i];
-  // Shards share out the frames asked for.
+  // Shards divide the selected frames.
   const std::string parts = (dir / "parts").string();
   for (const char* shard : {"1/2", "2/2"}) {
     const Ran part = well(run({"map", walk, "-o", parts, "--poses", file, "--frames", "::2",
@@ -327,16 +327,16 @@ TEST_F(Map, TakesPoseIForFrameIWhereFramesHaveNoTimes) {
   const auto whole = read_file_bytes(dir / "out" / "tracks.json");
   well(map({"--poses", file, "--frames", "::2", "--max-range", "4", "--join", parts}));
   EXPECT_EQ(read_file_bytes(dir / "out" / "tracks.json"), whole);
-  // As poses.tum in the folder they are times alone.
+  // In the folder's poses.tum, the first column can only be times.
   fs::copy_file(file, walk / "poses.tum");
   const Ran info = run({"info", walk});
   EXPECT_TRUE(has(info.out, "8.00 frames per second, no gaps, from poses.tum"));
   EXPECT_TRUE(has(map({"--follow"}).err, "has no poses"));
 }
 
-TEST_F(Map, ReplacesNothingOfTheUsers) {
+TEST_F(Map, DoesNotReplaceTheUsersFiles) {
   const auto refusal = [&](const fs::path& out) { return run({"map", walk, "-o", out}); };
-  expect_refused(refusal(walk), "walk: is the recording; expected another folder");
+  expect_refused(refusal(walk), "walk: is the recording; expected a different folder");
   fs::create_directories(dir / "mine");
   write_file_text(dir / "mine" / "poses.tum", "measured by hand");
   expect_refused(refusal(dir / "mine"), "mine: has a poses.tum but no map.json");
@@ -348,28 +348,28 @@ TEST_F(Map, ReplacesNothingOfTheUsers) {
   EXPECT_FALSE(fs::exists(dir / "other" / "map.json")) << "all or nothing";
 }
 
-TEST_F(Map, ThatFailsLeavesTheOneBefore) {
+TEST_F(Map, ThatFailsKeepsThePreviousOne) {
   well(map({"--window", "3"}));
   const auto left = read_file_bytes(dir / "out" / "left.jsonl");
   write_file_text(dir / "out" / "mesh.ply", "of before");
   ASSERT_EQ(map({"--poses", dir / "none.tum"}).code, 2);
   EXPECT_EQ(read_file_bytes(dir / "out" / "left.jsonl"), left);
   EXPECT_TRUE(fs::exists(dir / "out" / "mesh.ply"));
-  // One that is whole takes its place.
+  // A complete map replaces it.
   well(map({}));
   EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));
   EXPECT_FALSE(fs::exists(dir / "out" / "mesh.ply"));
 }
 
-TEST_F(Map, WithGravityOfItsOwnTellsSegmentTheSamePlanes) {
+TEST_F(Map, WithItsOwnGravityProvidesTheSamePlanesToSegment) {
   const std::vector<std::string> gravity = {"--gravity", "0,0.85,0.53"};
   well(map(gravity));
   const Ran ran = well(run(
       {"segment", walk, "-o", dir / "planes", "--map", dir / "out", "--gravity", "0,0.85,0.53"}));
-  EXPECT_FALSE(has(ran.err, "refused"));
+  EXPECT_FALSE(has(ran.err, "rejected"));
 }
 
-TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
+TEST_F(Map, OfAReportShowsTracksOfEachFrame) {
   const fs::path report = dir / "report";
   const auto run_report = [&](std::vector<std::string> more) {
     std::vector<std::string> args = {"report", walk, "-o", report, "--tracks", "--no-pictures"};
@@ -383,14 +383,14 @@ TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
     ASSERT_TRUE(frame.contains("track_breaks")) << frame["index"];
     breaks += frame["track_breaks"].get<int>();
   }
-  // They are held to rules, over the recording.
+  // Rules apply to them, over the recording.
   const std::string rule =
       R"({"schema": "planescope.rules/1", "rules": [{"metric": "track_breaks", "scope": "recording", "at_most": )";
   write_file_text(dir / "rules.json", rule + std::to_string(breaks) + "}]}");
   well(run_report({"--rules", dir / "rules.json"}));
   write_file_text(dir / "rules.json", rule + std::to_string(breaks - 1) + "}]}");
   EXPECT_EQ(run_report({"--rules", dir / "rules.json"}).code, 1);
-  // Against a baseline: the same again.
+  // Comparison with an identical baseline.
   fs::copy_file(report / "report.json", dir / "baseline.json");
   write_file_text(
       dir / "rules.json",
@@ -403,7 +403,7 @@ TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
   EXPECT_TRUE(has(shard.err, "--tracks needs all frames"));
 }
 
-TEST_F(Map, PosesOfARecordingComeAlongWhenItIsConverted) {
+TEST_F(Map, PosesAreConvertedWithTheRecording) {
   const fs::path copy = dir / "copy";
   well(run({"convert", walk, "-o", copy}));
   const auto before = io::open_recording(walk), after = io::open_recording(copy);
@@ -413,7 +413,7 @@ TEST_F(Map, PosesOfARecordingComeAlongWhenItIsConverted) {
   }
 }
 
-TEST_F(Map, WhatCannotBeMappedIsRefusedInOneLine) {
+TEST_F(Map, UnmappableInputIsRejectedInOneLine) {
   write_file_text(dir / "bad.tum", "0 0 0 0 0 0 0 1\n1 2\n");
   expect_refused(map({"--poses", dir / "bad.tum"}), "bad.tum, line 2");
   write_file_text(dir / "later.tum", "9000 0 0 0 0 0 0 1\n");

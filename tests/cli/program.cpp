@@ -52,7 +52,7 @@ fs::path fresh_name(const std::string& what) {
                                          std::to_string(count++) + "_" + what);
 }
 
-/// Until the file exists or the process has ended.
+/// Waits until the file exists or the process has ended.
 void wait_for(const fs::path& marker, pid_t pid) {
   const auto runs = [pid] {
     siginfo_t ended = {};

@@ -1,4 +1,4 @@
-// Reports that are held to a baseline and to rules.
+// Reports compared with a baseline and with rules.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ TEST(ReportGuard, PassesAnUnchangedRunAndFailsAWorseOne) {
   EXPECT_EQ(read_text(baseline), read_text(dir / "first/report.json"));
 
   const Ran same = well(report("same", {"--baseline", baseline, "--threads", "1"}));
-  // A busy machine may add a warning about the time.
+  // A busy machine may cause a warning about times.
   EXPECT_TRUE(has(same.out, "\n0 errors, "));
   EXPECT_TRUE(has(same.out, " against " + baseline));
   EXPECT_FALSE(has(same.out, "planes_"));
@@ -70,7 +70,7 @@ TEST(ReportGuard, ApprovingOneRecordingKeepsTheOthers) {
   EXPECT_EQ(Json::parse(read_text(baseline))["recordings"].size(), 1u);
 }
 
-TEST(ReportGuard, NewProblemsAreNamedAndADamagedFrameEndsWith2) {
+TEST(ReportGuard, NewProblemsAreReportedAndADamagedFrameEndsWith2) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 4);
   write_depth_folder(dir / "empty", Image16(160, 120));
@@ -83,7 +83,7 @@ TEST(ReportGuard, NewProblemsAreNamedAndADamagedFrameEndsWith2) {
   };
   EXPECT_TRUE(has(well(report({"--approve"})).err, "warning: frame 2: "));
   const Ran same = well(report({}));
-  EXPECT_TRUE(has(same.err, "1 frame is refused as in the baseline"));
+  EXPECT_TRUE(has(same.err, "1 frame is rejected, as in the baseline"));
   EXPECT_TRUE(has(read_text(dir / "out/junit.xml"), "errors=\"0\" skipped=\"1\""));
 
   std::filesystem::resize_file(depth / "000001.png", 200);
@@ -99,8 +99,8 @@ TEST(ReportGuard, NewProblemsAreNamedAndADamagedFrameEndsWith2) {
   EXPECT_FALSE(has(removed.out, "other pixels"));
 }
 
-/// As if the run had found all of the baseline's planes by a small margin; of version 3, it does
-/// not tell.
+/// Changes a baseline as if all of its planes had been found with a small margin. Version 3 has no
+/// margins.
 void make_undecided(const std::string& baseline, bool tells) {
   Json json = Json::parse(read_text(baseline));
   if (!tells) json["schema"] = "planescope.report/3";
@@ -116,7 +116,7 @@ void make_undecided(const std::string& baseline, bool tells) {
   write_text(baseline, json.dump());
 }
 
-TEST(ReportGuard, NotesWhatUndecidedPlanesChangeAndEndsWithZero) {
+TEST(ReportGuard, NotesChangesOfUndecidedPlanesAndEndsWithZero) {
   const auto dir = scratch_with_rec();
   const std::string baseline = (dir / "baseline.json").string();
   const auto report = [&](const std::string& out, std::vector<std::string> more) {
@@ -134,7 +134,7 @@ TEST(ReportGuard, NotesWhatUndecidedPlanesChangeAndEndsWithZero) {
   EXPECT_TRUE(has(failed.out, "error  rec frame 0: a plane turned by "));
 }
 
-TEST(ReportGuard, WarnsOfWhatNothingIsHeldTo) {
+TEST(ReportGuard, WarnsAboutUnappliedRulesAndNewRecordings) {
   const auto dir = scratch_with_rec(2);
   write_depth_folder(dir / "new", floor_and_wall());
   write_text(dir / "rules.json",
@@ -145,7 +145,7 @@ TEST(ReportGuard, WarnsOfWhatNothingIsHeldTo) {
   const Ran forgotten = well(run(report_args({dir / "rec"}, dir / "out", {"--rules", rules})));
   EXPECT_TRUE(has(forgotten.out,
                   "warn   planes_lost: rule not applied: no baseline\n"
-                  "warn   planes of rce: rule not applied: no recording of this name\n"
+                  "warn   planes of rce: rule not applied: no recording with this name\n"
                   "0 errors, 2 warnings\n"));
   std::filesystem::copy(dir / "out/report.json", dir / "baseline.json");
   const Ran more = well(run(report_args({dir / "rec", dir / "new"}, dir / "more",
@@ -156,7 +156,7 @@ TEST(ReportGuard, WarnsOfWhatNothingIsHeldTo) {
   EXPECT_TRUE(has(read_text(dir / "more/index.html"), "new: is not in the baseline"));
 }
 
-TEST(ReportGuard, ANameThatIsNoTextIsTheBaselinesAllTheSame) {
+TEST(ReportGuard, ANameOfInvalidTextMatchesTheBaseline) {
   const auto dir = scratch();
   const auto recording = dir / "rec\xff";
   write_depth_folder(recording, floor_and_wall());
@@ -165,14 +165,14 @@ TEST(ReportGuard, ANameThatIsNoTextIsTheBaselinesAllTheSame) {
   well(run(report_args({recording}, dir / "b", {"--baseline", baseline})));
 }
 
-TEST(ReportGuard, AFolderForTheFirstBaselineIsMade) {
+TEST(ReportGuard, CreatesAFolderForTheFirstBaseline) {
   const auto dir = scratch_with_rec();
   const auto baseline = dir / "ci" / "planes" / "baseline.json";
   well(run(report_args({dir / "rec"}, dir / "out", {"--baseline", baseline, "--approve"})));
   EXPECT_EQ(read_text(baseline), read_text(dir / "out/report.json"));
 }
 
-TEST(ReportGuard, WhereTheBaselineCannotBeKeptIsFoundBeforeAnythingIsRun) {
+TEST(ReportGuard, AnUnwritableBaselineIsReportedBeforeTheRun) {
   const auto dir = scratch_with_rec();
   write_text(dir / "file", "no folder");
   for (const auto& baseline : {dir / "file" / "baseline.json", dir / "rec"}) {
@@ -182,7 +182,7 @@ TEST(ReportGuard, WhereTheBaselineCannotBeKeptIsFoundBeforeAnythingIsRun) {
   }
 }
 
-TEST(ReportGuard, HoldsAReportToRulesOfItsOwn) {
+TEST(ReportGuard, ChecksAReportAgainstCustomRules) {
   const auto dir = scratch_with_rec();
   const auto with_rule = [&](const std::string& rule) {
     std::ofstream(dir / "rules.json")
@@ -195,7 +195,7 @@ TEST(ReportGuard, HoldsAReportToRulesOfItsOwn) {
   expect_refused(with_rule(R"({"metric": "plans", "at_least": 3})"));
 }
 
-TEST(ReportGuard, HoldsAReportToWhereAFootMayGo) {
+TEST(ReportGuard, ChecksFootholdsAgainstTheBaseline) {
   const auto dir = scratch_with_rec();
   write_text(dir / "rules.json", R"({"schema": "planescope.rules/1", "rules": [
                {"metric": "steppable_area_change", "at_least": -0.001}]})");
@@ -216,11 +216,11 @@ TEST(ReportGuard, HoldsAReportToWhereAFootMayGo) {
   EXPECT_TRUE(has(narrow.out, "is no longer steppable: "));
   EXPECT_TRUE(has(read_text(dir / "narrow/index.html"), "is no longer steppable: "));
   const Ran footless = well(report("footless", {}));
-  EXPECT_TRUE(has(footless.out, "rule not applied: the runs do not both have a foot"));
+  EXPECT_TRUE(has(footless.out, "rule not applied: at least one of the runs has no foot"));
   expect_refused(report("wrong", {"--foot", "wide"}));
 }
 
-TEST(ReportGuard, ABrokenBaselineIsFoundBeforeAnythingIsWritten) {
+TEST(ReportGuard, ABrokenBaselineIsReportedBeforeAnythingIsWritten) {
   const auto dir = scratch_with_rec();
   for (const char* text : {"", "{", "[]", R"({"schema": "planescope.report/99"})"}) {
     std::ofstream(dir / "baseline.json") << text;

@@ -22,7 +22,7 @@ inline std::vector<std::string> report_args(const std::vector<std::filesystem::p
   return args;
 }
 
-/// report.json, after it was held against its schema.
+/// Reads report.json and checks it against its schema.
 inline nlohmann::json read_report(const std::filesystem::path& out) {
   const nlohmann::json json = nlohmann::json::parse(read_text(out / "report.json"));
   std::ifstream schema(PLANESCOPE_SOURCE_DIR "/assets/schemas/report.schema.json");

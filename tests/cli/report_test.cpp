@@ -21,12 +21,12 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// What a finished first frame leaves while the report is written.
+/// The file that marks the first finished frame while the report is written.
 std::filesystem::path first_record(const std::filesystem::path& out) {
   return out / ".report-work" / "frames" / "000000" / "report" / "frame.json";
 }
 
-/// All files of two reports but for their times.
+/// Compares all files of two reports, except for times.
 void expect_same_but_for_times(const std::filesystem::path& a, const std::filesystem::path& b) {
   EXPECT_EQ(files_below(a), files_below(b));
   for (const std::string& file : files_below(a)) {
@@ -73,7 +73,7 @@ TEST(Report, SeveralInputsGiveOnePageWithAPictureOfEveryStage) {
   EXPECT_TRUE(has(page, "</html>"));
 }
 
-TEST(Report, LabelledFramesShowWhereLabelsAndResultDiffer) {
+TEST(Report, LabeledFramesShowDifferencesFromTheLabels) {
   const auto dir = scratch_with_rec(2);
   FrameLabels labels = floor_and_wall_labels(*io::open_recording(dir / "rec"));
   for (int i = 0; i < 160 * 30; ++i) labels.plane.data[i] = labels.hv.data[i] = 0;
@@ -95,7 +95,7 @@ TEST(Report, LabelledFramesShowWhereLabelsAndResultDiffer) {
 
 TEST(Report, PixelsAndFiguresAreTheSameForAnyNumberOfThreads) {
   const auto dir = scratch();
-  // Planes come and go, so that colours depend on the frames before.
+  // Planes appear and disappear, so that colors depend on earlier frames.
   write_depth_folder(dir / "rec", floor_and_wall(), 6);
   for (const char* name : {"000001.png", "000004.png"}) {
     Image16 floor_alone = floor_and_wall();
@@ -108,7 +108,7 @@ TEST(Report, PixelsAndFiguresAreTheSameForAnyNumberOfThreads) {
         report_args({dir / "rec"}, dir / threads, {"--gravity", "0,1,0", "--threads", threads})));
     const Json recordings = read_report(dir / threads)["recordings"];
     if (first.is_null()) first = recordings;
-    EXPECT_EQ(recordings, first) << threads;  // with the hashes of all pixels
+    EXPECT_EQ(recordings, first) << threads;  // includes hashes of all pixels
   }
 }
 
@@ -130,7 +130,7 @@ TEST(Report, AnInterruptedRunLeavesAValidPartialReport) {
   EXPECT_FALSE(std::filesystem::exists(dir / "out" / ".report-work"));
 }
 
-TEST(Report, AFrameWithoutDepthIsToldAndTheOthersGoOn) {
+TEST(Report, AFrameWithoutDepthIsReportedAndSkipped) {
   const auto dir = scratch_with_rec(3);
   io::write_png(dir / "rec" / "depth" / "000001.png", Image16(160, 120));  // nothing was measured
   well(run(report_args({dir / "rec"}, dir / "out", {})));
@@ -143,21 +143,21 @@ TEST(Report, AFrameWithoutDepthIsToldAndTheOthersGoOn) {
   EXPECT_EQ(frames[2]["status"], "done");
 }
 
-TEST(Report, WhereEveryFrameIsRefusedNothingIsWritten) {
+TEST(Report, NothingIsWrittenIfEveryFrameFails) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", Image16(160, 120));
   expect_refused(run(report_args({dir / "rec"}, dir / "out", {})));
   EXPECT_FALSE(std::filesystem::exists(dir / "out"));
 }
 
-TEST(Report, AFrameWithNothingInItStillGivesAReport) {
+TEST(Report, AnEmptyFrameStillGivesAReport) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", Image16(160, 120));
   well(run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0"})));
   EXPECT_EQ(read_report(dir / "out")["totals"]["planes"], 0);
 }
 
-TEST(Report, ADamagedFrameInTheMiddleIsToldAndTheOthersAreDone) {
+TEST(Report, ADamagedFrameIsReportedAndSkipped) {
   const auto dir = scratch_with_rec(3);
   std::filesystem::resize_file(dir / "rec" / "depth" / "000001.png", 200);
   expect_refused(run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0"})),
@@ -170,7 +170,7 @@ TEST(Report, ADamagedFrameInTheMiddleIsToldAndTheOthersAreDone) {
   EXPECT_TRUE(has(read_text(dir / "out" / "junit.xml"), "<error message="));
 }
 
-TEST(Report, WithoutARendererTheDataAreWrittenAndTheExitCodeIs3) {
+TEST(Report, WithoutARendererDataIsWrittenAndTheExitCodeIs3) {
   const auto dir = scratch_with_rec();
   const Environment no_driver("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent");
   const Ran ran = run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0"}));
@@ -183,7 +183,7 @@ TEST(Report, WithoutARendererTheDataAreWrittenAndTheExitCodeIs3) {
   EXPECT_EQ(report["recordings"][0]["frames"][0]["pictures"].size(), 2u) << "overlay and depth";
 }
 
-TEST(Report, FramesThatAreNoLongerAskedForAreGone) {
+TEST(Report, FramesThatAreNoLongerSelectedAreRemoved) {
   const auto dir = scratch_with_rec(3);
   const auto out = dir / "out";
   well(run(report_args({dir / "rec"}, out, {"--no-pictures"})));
@@ -195,7 +195,7 @@ TEST(Report, FramesThatAreNoLongerAskedForAreGone) {
   EXPECT_FALSE(std::filesystem::exists(out / "frames" / "000002"));
 }
 
-TEST(Report, ReportsThatLieInItsFolderAreLeftAlone) {
+TEST(Report, OtherReportsInItsFolderAreKept) {
   const auto dir = scratch_with_rec(2);
   const auto out = dir / "out";
   for (const std::string name : {"old", "01-old", "s/1", "s/2"}) {
@@ -212,17 +212,17 @@ TEST(Report, ReportsThatLieInItsFolderAreLeftAlone) {
   EXPECT_TRUE(std::filesystem::exists(out / "frames/000001/report/frame.json"));
 }
 
-TEST(Report, WithoutPicturesSaysSoAndLeavesNoFolderForThem) {
+TEST(Report, WithoutPicturesSaysSoAndMakesNoFolderForThem) {
   const auto dir = scratch_with_rec();
   const Ran ran = well(run(report_args({dir / "rec"}, dir / "out", {"--no-pictures", "--json"})));
   EXPECT_EQ(Json::parse(ran.out)["rendered"], false);
   EXPECT_FALSE(std::filesystem::exists(dir / "out" / "frames" / "000000" / "pictures"));
   const Ran again =
       run(report_args({dir / "rec"}, dir / "out", {"--no-pictures", "--resume", "--json"}));
-  EXPECT_TRUE(has(again.err, "1 of 1 frames were finished before"));
+  EXPECT_TRUE(has(again.err, "1 of 1 frames were already finished"));
 }
 
-TEST(Report, WhatGlFailsToDrawHalfWayIsLeftOutAndTheRestIsThere) {
+TEST(Report, PicturesThatGlFailsToDrawAreOmitted) {
   const auto dir = scratch_with_rec(3);
   const Environment fails("LD_PRELOAD", PLANESCOPE_GL_FAILS_LATE);
   if (run({"--version"}).code != 0) GTEST_SKIP() << "nothing can be preloaded in this build";
@@ -239,9 +239,9 @@ TEST(Report, WhatGlFailsToDrawHalfWayIsLeftOutAndTheRestIsThere) {
   EXPECT_EQ(frames[2]["planes"].size(), 2u);
 }
 
-TEST(Report, ResumedAfterADamagedFrameItHasTheColorsOfARunThatFoundItWhole) {
+TEST(Report, ResumingAfterADamagedFrameGivesTheColorsOfACompleteRun) {
   const auto dir = scratch_with_rec(2);
-  // The wall alone comes first: in the second frame it keeps its colour.
+  // The wall comes first, without the floor: in the second frame it keeps its color.
   Image16 wall_alone = floor_and_wall();
   for (std::uint16_t& depth : wall_alone.data) depth = depth < 1200 ? 0 : depth;
   const auto first = dir / "rec" / "depth" / "000000.png";
@@ -256,12 +256,12 @@ TEST(Report, ResumedAfterADamagedFrameItHasTheColorsOfARunThatFoundItWhole) {
   EXPECT_EQ(read_report(dir / "out")["recordings"], read_report(dir / "whole")["recordings"]);
 }
 
-TEST(Report, AFullDiskIsOneLineAndWhatWasFinishedIsTakenByTheNextRun) {
+TEST(Report, AFullDiskIsReportedInOneLineAndTheNextRunResumes) {
   const auto dir = scratch_with_rec(2);
   const auto args = report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0", "--resume"});
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit small{20'000, before.rlim_max};  // enough for figures, not for pictures
+  const rlimit small{20'000, before.rlim_max};  // enough for figures, too small for pictures
   const auto ignored = signal(SIGXFSZ, SIG_IGN);
   setrlimit(RLIMIT_FSIZE, &small);
   const Ran full = run(args);
@@ -273,7 +273,7 @@ TEST(Report, AFullDiskIsOneLineAndWhatWasFinishedIsTakenByTheNextRun) {
   EXPECT_EQ(read_report(dir / "out")["recordings"][0]["frames"].size(), 2u);
 }
 
-TEST(Report, GoesOnWhereAKilledRunWas) {
+TEST(Report, ResumesAKilledRun) {
   const auto dir = scratch_with_rec(12);
   const auto args = [&](const char* out) {
     return report_args({dir / "rec"}, dir / out, {"--gravity", "0,1,0", "--resume"});
@@ -289,14 +289,14 @@ TEST(Report, GoesOnWhereAKilledRunWas) {
   well(run(args("whole")));
   expect_same_but_for_times(dir / "out", dir / "whole");
 
-  // Another input under the same name is another frame.
+  // Another input with the same name is a different frame.
   io::write_png(dir / "rec" / "depth" / "000000.png", Image16(160, 120, 1, 900));
   well(run(args("out")));
   EXPECT_NE(read_report(dir / "out")["recordings"][0]["frames"][0]["sha256"],
             read_report(dir / "whole")["recordings"][0]["frames"][0]["sha256"]);
 }
 
-TEST(Report, DoesNotOverwriteTheBaselineThatItIsHeldAgainst) {
+TEST(Report, DoesNotOverwriteItsBaseline) {
   const auto dir = scratch_with_rec();
   const auto args =
       report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0", "--no-pictures"});
@@ -306,7 +306,7 @@ TEST(Report, DoesNotOverwriteTheBaselineThatItIsHeldAgainst) {
   expect_refused(run(against));
 }
 
-TEST(Report, RecordingsOfOneNameAreToldApart) {
+TEST(Report, RecordingsWithTheSameNameAreDistinguished) {
   const auto dir = scratch();
   write_depth_folder(dir / "a" / "depths", floor_and_wall());
   write_depth_folder(dir / "b" / "depths", floor_and_wall());
@@ -317,7 +317,7 @@ TEST(Report, RecordingsOfOneNameAreToldApart) {
   EXPECT_EQ(recordings[1]["name"], "b-depths");
 }
 
-TEST(Report, ShardsJoinToTheReportThatIsNotDivided) {
+TEST(Report, ShardsJoinToTheReportOfOneRun) {
   const auto dir = scratch();
   write_depth_folder(dir / "a", floor_and_wall(), 4);
   write_depth_folder(dir / "b", floor_and_wall(), 3);
@@ -340,10 +340,10 @@ TEST(Report, ShardsJoinToTheReportThatIsNotDivided) {
   well(run(report_args(inputs, dir / "2",
                        {"--gravity", "0,1,0", "--shard", "2/3", "--set", "theta_n_in=7"})));
   merge.push_back((dir / "2").string());
-  expect_refused(run(merge), "is of another report");
+  expect_refused(run(merge), "belongs to a different report");
 }
 
-TEST(Report, NamesFromOutsideAreTextWhereverTheyAppear) {
+TEST(Report, NamesFromInputsAreEscapedEverywhere) {
   const auto dir = scratch();
   const std::string name = "\"><script>alert(1)<\\..&\xff%2e%2e";
   write_depth_folder(dir / name, floor_and_wall(), 1);
@@ -359,7 +359,7 @@ TEST(Report, NamesFromOutsideAreTextWhereverTheyAppear) {
   }
 }
 
-TEST(Report, TheRecordHoldsTheCommandAndWhatWasChanged) {
+TEST(Report, TheReportContainsTheCommandAndChangedOptions) {
   const auto dir = scratch();
   write_depth_folder(dir / "my rec", floor_and_wall());
   const Ran ran = well(run(report_args({dir / "my rec"}, dir / "out",
@@ -379,7 +379,7 @@ TEST(Report, TheRecordHoldsTheCommandAndWhatWasChanged) {
   }
 }
 
-TEST(Report, OfARivalShowsItsPlanesAndNoStepsThatItHasNot) {
+TEST(Report, OfARivalShowsItsPlanesWithoutOurSteps) {
   PLANESCOPE_NEEDS_OPEN3D();
   const auto dir = scratch_with_rec();
   well(run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0", "--method", "ransac"})));

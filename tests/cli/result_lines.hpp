@@ -1,6 +1,6 @@
 #pragma once
 
-// What planescope-lab measured, as lines of JSON.
+// Results of planescope-lab, as lines of JSON.
 
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,7 +12,7 @@
 
 namespace planescope::testing_cli {
 
-/// By kind.
+/// Groups lines by kind.
 inline std::map<std::string, std::vector<nlohmann::json>> results_of(const std::string& text) {
   std::map<std::string, std::vector<nlohmann::json>> results;
   std::istringstream lines(text);

@@ -38,7 +38,7 @@ Json planes_of(const std::filesystem::path& out, const std::string& frame = "000
 
 }  // namespace
 
-TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
+TEST(Segment, EveryFileOfADepthFrameContainsItsPlanes) {
   const auto dir = scratch_with_rec();
   well(run(segment_args(dir / "rec", dir / "out")));
   EXPECT_EQ(files_below(dir / "out"),
@@ -72,7 +72,7 @@ TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
     }
   }
 
-  // The picture and the cloud carry the same planes: pixels in raster order.
+  // Picture and cloud contain the same planes: pixels in raster order.
   const Image16 image = io::read_png_16(dir / "out/frames/000000/planes.png");
   const PointSet cloud = io::read_cloud_file(dir / "out/frames/000000/cloud.ply");
   ASSERT_EQ(image.width, 160);
@@ -118,7 +118,7 @@ TEST(Segment, SaturatedCountsAreDroppedAndCounted) {
             160 * 120 - 12u);
 }
 
-TEST(Segment, ACloudKeepsEveryPointInItsPlace) {
+TEST(Segment, ACloudKeepsTheOrderOfItsPoints) {
   const auto dir = scratch();
   PointSet set = floor_and_wall_cloud();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -146,7 +146,7 @@ TEST(Segment, ACloudKeepsEveryPointInItsPlace) {
   }
 }
 
-TEST(Segment, WhatIsCroppedStaysInTheCloudWithoutAPlane) {
+TEST(Segment, CroppedPointsStayInTheCloudWithoutAPlane) {
   const auto dir = scratch_with_rec();
   const Ran ran = well(
       run(segment_args(dir / "rec", dir / "out", {"--gravity", "0,1,0", "--max-range", "1.1"})));
@@ -166,7 +166,7 @@ TEST(Segment, WhatIsCroppedStaysInTheCloudWithoutAPlane) {
   EXPECT_GT(outside, 1000);
 }
 
-TEST(Segment, FramesAreChosenAsPythonSlicesThem) {
+TEST(Segment, FramesAreSelectedByPythonSlices) {
   const auto dir = scratch_with_rec(6);
   const std::vector<std::pair<std::string, std::vector<int>>> cases = {
       {"1:4:2", {1, 3}}, {"-2:", {4, 5}}, {"3", {3}}, {"-1", {5}}, {":1", {0}}, {"::5", {0, 5}}};
@@ -198,11 +198,11 @@ TEST(Segment, FramesOfALongerRunAreRemovedButNotOtherFiles) {
   EXPECT_FALSE(std::filesystem::exists(dir / "out/frames/000002"));
 }
 
-TEST(Segment, AFrameWithoutDepthIsRefusedAndTheOthersAreDone) {
+TEST(Segment, AFrameWithoutDepthIsReportedAndSkipped) {
   const auto dir = scratch();
   const Image16 good = floor_and_wall();
   write_depth_folder(dir / "rec", good, 2);
-  Image16 blind(good.width, good.height);  // nothing measured
+  Image16 blind(good.width, good.height);  // nothing was measured
   io::write_png(dir / "rec/depth/000001.png", blind);
   const Ran ran = well(run(segment_args(dir / "rec", dir / "out", {"--json"})));
   const Json json = Json::parse(ran.out);
@@ -216,7 +216,7 @@ TEST(Segment, AFrameWithoutDepthIsRefusedAndTheOthersAreDone) {
   EXPECT_FALSE(std::filesystem::exists(dir / "none"));
 }
 
-TEST(Segment, ASecondRunReplacesAFrameAndLeavesOthersAlone) {
+TEST(Segment, ASecondRunReplacesOnlyItsFrames) {
   const auto dir = scratch_with_rec();
   std::filesystem::create_directories(dir / "out");
   write_text(dir / "out/notes.txt", "mine");
@@ -227,7 +227,7 @@ TEST(Segment, ASecondRunReplacesAFrameAndLeavesOthersAlone) {
   EXPECT_EQ(files_below(dir / "out").size(), 5u);
 }
 
-TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
+TEST(Segment, ARivalNeedsNoClassifierAndIsRecorded) {
   PLANESCOPE_NEEDS_OPEN3D();
   const auto dir = scratch_with_rec();
   const auto args = [&](const std::string& out, const std::vector<std::string>& more) {
@@ -235,7 +235,7 @@ TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
     all.insert(all.end(), more.begin(), more.end());
     return segment_args(dir / "rec", dir / out, all);
   };
-  // Neither weights nor truth are there: nobody asks for them.
+  // Neither weights nor truth exist: a rival does not need them.
   well(run(args("a", {"--set", "classifier=none.safetensors"})));
   well(run(args("b", {"--classifier", "truth", "--threads", "1"})));
   const Json json = planes_of(dir / "a");
@@ -254,7 +254,7 @@ TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
             read_text(dir / "b/frames/000000/cloud.ply"));
 }
 
-TEST(Segment, TellsHowWellEachPlaneIsKnownAndWhereAFootMayGo) {
+TEST(Segment, ReportsCertaintyAndFootholdsOfEachPlane) {
   const auto dir = scratch_with_rec();
   well(run(segment_args(dir / "rec", dir / "bare")));
   const Json bare = planes_of(dir / "bare");
@@ -279,7 +279,7 @@ TEST(Segment, TellsHowWellEachPlaneIsKnownAndWhereAFootMayGo) {
   }
 }
 
-TEST(Segment, RefusesAFootThatIsNone) {
+TEST(Segment, RejectsAnInvalidFoot) {
   const auto dir = scratch_with_rec();
   for (const char* foot : {"0", "-1", "0.1x", "0.1x0.2x0.3", "wide", "nan"}) {
     const Ran ran = run(segment_args(dir / "rec", dir / "out", {"--foot", foot}));
@@ -288,7 +288,7 @@ TEST(Segment, RefusesAFootThatIsNone) {
   }
 }
 
-TEST(Segment, AlsoWritesItsPlanesForOtherTools) {
+TEST(Segment, WritesPlanesForOtherTools) {
   const auto dir = scratch_with_rec();
   well(run(segment_args(dir / "rec", dir / "out",
                         {"--gravity", "0,1,0", "--foot", "0.05", "--also",
@@ -307,7 +307,7 @@ TEST(Segment, AlsoWritesItsPlanesForOtherTools) {
   ASSERT_EQ(terrain["planarRegions"].size(), planes.size());
   for (std::size_t k = 0; k < planes.size(); ++k) {
     const Json& region = terrain["planarRegions"][k];
-    // Its pose takes (0, 0, 1) to the normal.
+    // The pose rotates (0, 0, 1) to the normal.
     const Json& q = region["plane_parameters"]["orientation"];
     const Eigen::Quaterniond orientation(q["w"].get<double>(), q["x"].get<double>(),
                                          q["y"].get<double>(), q["z"].get<double>());
@@ -334,7 +334,7 @@ TEST(Segment, AlsoWritesItsPlanesForOtherTools) {
   EXPECT_TRUE(has(wrong.err, "planar-terrain"));
 }
 
-TEST(Segment, AnMcapFileHoldsTheRecordingAndReplacesNothing) {
+TEST(Segment, AnMcapFileContainsTheRecordingAndReplacesNothing) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   well(run(segment_args(dir / "rec", dir / "planes.mcap")));
@@ -349,20 +349,20 @@ TEST(Segment, AnMcapFileHoldsTheRecordingAndReplacesNothing) {
   const auto refused = [&](const std::filesystem::path& out, const std::string& why) {
     expect_refused(run(segment_args(dir / "rec", out)), why);
   };
-  refused(dir / "planes.mcap", "planes.mcap: is there already, expected a new name");
-  expect_refused(run(segment_args(dir / "planes.mcap", dir / "planes.mcap")), "is there already");
+  refused(dir / "planes.mcap", "planes.mcap: already exists; expected a new name");
+  expect_refused(run(segment_args(dir / "planes.mcap", dir / "planes.mcap")), "already exists");
   EXPECT_EQ(read_text(dir / "planes.mcap"), bytes);
-  refused(dir / "rec/planes.mcap", "is in the recording");
+  refused(dir / "rec/planes.mcap", "is inside the recording");
   expect_refused(
       run(segment_args(dir / "rec", dir / "x.mcap", {"--gravity", "0,1,0", "--also", "csv"})),
-      "--also: writes into the folder of -o DIR, but -o is a .mcap file");
+      "--also writes into the folder of -o DIR, but -o is a .mcap file");
   expect_refused(run({"map", dir / "rec", "-o", dir / "x.mcap", "--window", "2"}),
                  "-o FILE.mcap cannot be combined with");
   EXPECT_EQ(files_below(dir / "rec").size(), before->frame_count() + 1u);
   EXPECT_FALSE(std::filesystem::exists(dir / "x.mcap"));
 }
 
-TEST(Segment, AnMcapFileHasDepthInMetersWhereACountIsNoMillimeter) {
+TEST(Segment, AnMcapFileHasDepthInMetersUnlessTheUnitIsOneMillimeter) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
   well(run(segment_args(dir / "rec", dir / "planes.mcap",

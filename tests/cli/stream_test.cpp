@@ -1,4 +1,4 @@
-// Frames on standard input, as a camera pipes them in.
+// Frames piped to standard input, as from a camera.
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -28,7 +28,7 @@ std::string frame_bytes() {
   return {reinterpret_cast<const char*>(depth.data.data()), 2 * depth.data.size()};
 }
 
-/// Runs it with these bytes on standard input.
+/// Runs the program with these bytes on standard input.
 Ran run_with(const std::string& bytes, const std::vector<std::string>& args) {
   const std::filesystem::path file = scratch() / "stream";
   write_text(file, bytes);
@@ -84,7 +84,7 @@ TEST(Stream, EachFrameIsPrintedBeforeTheNextOneArrives) {
   EXPECT_EQ(lines, 3);
 }
 
-TEST(Stream, SegmentWritesTheSameFilesAsOfARecording) {
+TEST(Stream, SegmentWritesTheSameFilesAsForARecording) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
   well(run({"segment", dir / "rec", "-o", dir / "a", "--gravity", "0,1,0", "--frames", "1:3"}));
@@ -120,14 +120,14 @@ TEST(Stream, ConvertKeepsAStreamAndInfoDescribesIt) {
   EXPECT_TRUE(has(ran.out, "stream of raw images"));
 }
 
-TEST(Stream, BadInputAndOtherCommandsAreRefusedWithOneLine) {
+TEST(Stream, BadInputAndOtherCommandsAreRejectedInOneLine) {
   const std::vector<std::string> segment = {"segment", "-", "--json"};
-  expect_refused(run_with(kHeader + frame_bytes() + "x", segment), "frame 1 is cut");
-  expect_refused(run_with(kHeader, segment), "a header without frames");
+  expect_refused(run_with(kHeader + frame_bytes() + "x", segment), "frame 1 is truncated");
+  expect_refused(run_with(kHeader, segment), "no frames after the header");
   expect_refused(run_with("", segment), "without a header");
   expect_refused(run_with(kHeader, {"segment", "-", "--json", "--topic", "/depth"}), "no topics");
   expect_refused(run_with(kHeader + frame_bytes(), {"segment", "-", "--json", "--frames", "-1"}),
-                 "from the end of a stream");
+                 "a stream cannot be indexed from its end");
   for (const char* command : {"report", "map", "eval"})
     expect_refused(run_with(kHeader, {command, "-", "-o", "unused"}), "");
   expect_refused(run_with(kHeader, {"report", "-", "-o", scratch() / "r"}),

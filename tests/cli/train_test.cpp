@@ -1,4 +1,4 @@
-// planescope-lab train, with networks and training sets that are tiny.
+// planescope-lab train, with tiny networks and training sets.
 
 #include "core/lab/training/train.hpp"
 
@@ -46,7 +46,7 @@ struct Training {
     return read_text(out);
   }
 
-  /// Interrupted after its first epoch of many.
+  /// Interrupts training after the first of many epochs.
   void stop(const std::vector<std::string>& more) const {
     const Ran ran = run_and_signal(command(more), SIGINT, checkpoint);
     ASSERT_EQ(ran.code, 130) << ran.err;
@@ -63,7 +63,7 @@ Json training_record(const fs::path& weights) {
   return Json::parse(planes::read_weights(weights).training);
 }
 
-/// A labelled recording of a staircase.
+/// A labeled recording of a staircase.
 fs::path write_recording(const fs::path& dir, int seed) {
   const fs::path path = dir / ("recording_" + std::to_string(seed));
   well(run({"synth", "sample", "-o", path, "--size", "160x120", "--scenes", "stairs",
@@ -71,7 +71,7 @@ fs::path write_recording(const fs::path& dir, int seed) {
   return path;
 }
 
-/// In per cent, away from edges.
+/// Accuracy in percent, away from edges.
 double label_accuracy(const fs::path& recording, const fs::path& weights) {
   const Ran ran =
       well(run({"eval", recording, "--json", "--profile", "paper", "--classifier", weights}));
@@ -108,7 +108,7 @@ TEST(Train, TheSameSeedGivesTheSameBytesForAnyThreadsAndInstructionSet) {
   EXPECT_NE(training.bytes_with({"--steps", "4", "--seed", "2"}), bytes);
 }
 
-TEST(Train, StoppedAndResumedItEndsInTheSameBytes) {
+TEST(Train, AResumedTrainingGivesTheSameBytes) {
   const Training training;
   const std::vector<std::string> args = {"--steps", "40", "--epoch", "20", "--recipe", "paper"};
   const std::string bytes = training.bytes_with(args);
@@ -120,26 +120,28 @@ TEST(Train, StoppedAndResumedItEndsInTheSameBytes) {
   EXPECT_FALSE(fs::exists(training.checkpoint));
 }
 
-TEST(Train, ACheckpointIsLostToNothingButItsOwnTraining) {
+TEST(Train, OnlyTheSameTrainingOverwritesACheckpoint) {
   const Training training;
   const std::vector<std::string> args = {"--steps", "4000", "--epoch", "1"};
   training.stop(args);
   const std::string checkpoint = read_text(training.checkpoint);
-  training.expect_refused({"--steps", "4000", "--epoch", "1"}, "--resume, or remove it");
-  training.expect_refused({"--steps", "4001", "--epoch", "1", "--resume"},
-                          "out.checkpoint: belongs to another training: steps 4000, expected 4001");
+  training.expect_refused({"--steps", "4000", "--epoch", "1"}, "--resume, or delete this file");
+  training.expect_refused(
+      {"--steps", "4001", "--epoch", "1", "--resume"},
+      "out.checkpoint: belongs to a different training run: steps 4000; expected 4001");
   training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume", "--recipe", "paper"},
-                          "belongs to another training");
+                          "belongs to a different training run");
   EXPECT_EQ(read_text(training.checkpoint), checkpoint);
 
   fs::resize_file(training.checkpoint, checkpoint.size() - 100);
   training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume"}, "out.checkpoint: ");
   fs::copy_file(training.start, training.checkpoint, fs::copy_options::overwrite_existing);
-  training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume"}, "is no checkpoint");
+  training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume"},
+                          "not a training checkpoint");
   EXPECT_FALSE(fs::exists(training.out));
 }
 
-TEST(Train, WhatCannotWorkIsToldBeforeAnythingIsMade) {
+TEST(Train, InvalidSettingsAreReportedBeforeAnythingIsWritten) {
   const Training training;
   const fs::path recording = write_recording(training.dir, 1);
   fs::remove_all(recording.string() + ".labels");
@@ -148,18 +150,18 @@ TEST(Train, WhatCannotWorkIsToldBeforeAnythingIsMade) {
   fs::create_directories(training.dir / "folder.safetensors");
   training.expect_refused({"--resume"}, "out.checkpoint: no such file");
   training.expect_refused({"-o", dir + "/none/out.safetensors"},
-                          "there is no folder " + dir + "/none");
+                          "no such folder: " + dir + "/none");
   training.expect_refused({"-o", dir + "/folder.safetensors"}, "is a folder");
   training.expect_refused({"-o", dir + "/start.safetensors/out.safetensors"}, "is not a folder");
-  training.expect_refused({"-o", dir + "/out.bin"}, "not the name of a .safetensors file");
+  training.expect_refused({"-o", dir + "/out.bin"}, "expected a name that ends in .safetensors");
   training.expect_refused({"--network", "official"},
-                          "is not the network that is asked for, official (--network)");
+                          "different network; expected official (--network)");
   training.expect_refused({"--baseline", dir + "/none"}, "none: no such file");
   training.expect_refused({"--recipe", "cookies"},
                           "expected planescope, real-camera, paper or recordings");
   training.expect_refused({"--recipe", "recordings"}, "needs labeled recordings");
   training.expect_refused({"--labels", dir}, "needs the recording");
-  training.expect_refused({recording}, "no labeled frame");
+  training.expect_refused({recording}, "no labeled frames");
   training.expect_refused({"--steps", "0"}, "--steps");
   training.expect_refused({"--epoch", "0"}, "--epoch");
   training.expect_refused({"--classifier", "pca"}, "unknown option");
@@ -168,7 +170,7 @@ TEST(Train, WhatCannotWorkIsToldBeforeAnythingIsMade) {
   EXPECT_FALSE(fs::exists(training.page));
 }
 
-TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
+TEST(Train, OnOwnRecordingsLearnsTheirTerrain) {
   const Training training;
   const fs::path recording = write_recording(training.dir, 1),
                  other = write_recording(training.dir, 2);
@@ -183,9 +185,9 @@ TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
   EXPECT_EQ(record["recorded_clouds"], 1);
 }
 
-TEST(Train, ABaselineThatLabelsBetterEndsItWithCode1) {
+TEST(Train, ABetterBaselineEndsItWithCode1) {
   const Training training;
-  // Made by hand: v where a point has neighbours right above or below it.
+  // A handmade network: v if a point has neighbors right above or below it.
   planes::NetworkWeights good;
   good.config = {.name = "by hand", .levels = {{2}}, .head = {1}};
   good.tensors = {{0, 0, 0, 0, 1, -1}, {1, 1}, {0}, {0, 8}, {8, 0}};

@@ -1,4 +1,4 @@
-// Profiles of one's own, and the search for them.
+// User-defined profiles, and tuning them.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// Value of an option as `planescope options` shows it with these words typed.
+/// Value of an option as shown by `planescope options` with these arguments.
 std::string value_of(std::vector<std::string> typed, const std::string& name) {
   typed.insert(typed.begin(), {"options", "--json"});
   const Ran ran = well(run(typed));
@@ -28,8 +28,8 @@ std::string value_of(std::vector<std::string> typed, const std::string& name) {
   return "no such option";
 }
 
-/// A recording with labels of all frames beside it. A pixel of each frame is its own: `first` sets
-/// recordings apart.
+/// A recording with labels of all frames beside it. One pixel is unique in each frame; `first`
+/// distinguishes recordings.
 void write_labelled(const fs::path& dir, int frames, int first = 0) {
   write_depth_folder(dir, floor_and_wall(), frames);
   for (int i = 0; i < frames; ++i) {
@@ -48,8 +48,8 @@ void write_without_wall(const fs::path& dir, int frame) {
   labels::write_frame_labels(labels::default_label_dir(dir), frame, labels);
 }
 
-/// On the recording `rec` of a folder, into its folder `out`. PCA labels are not perfect: there is
-/// something to gain.
+/// Tunes on the recording `rec` of a folder, into its folder `out`. Labels by PCA are imperfect, so
+/// that tuning can improve them.
 std::vector<std::string> tune(const fs::path& dir, const std::string& out) {
   return {"tune",         dir / "rec",
           "-o",           dir / out,
@@ -72,7 +72,7 @@ std::vector<std::string> answers(const fs::path& dir) {
 
 }  // namespace
 
-TEST(ProfileOfOnesOwn, IsTakenAndWhatIsTypedBesideItWins) {
+TEST(ProfileOfOnesOwn, IsUsedAndTheCommandLineOverridesIt) {
   const auto file = scratch() / "mine.json";
   write_text(file, R"({"schema": "planescope.profile/1", "base": "paper",
                       "options": {"theta_n_in": 12, "theta_coplane": 0.9, "criterion4_n2": false}})");
@@ -84,7 +84,7 @@ TEST(ProfileOfOnesOwn, IsTakenAndWhatIsTypedBesideItWins) {
   EXPECT_EQ(value_of(both, "theta_coplane"), "0.9");
 }
 
-TEST(ProfileOfOnesOwn, WhatItSetsIsRecordedInThePlanes) {
+TEST(ProfileOfOnesOwn, ItsSettingsAreRecordedInPlanesJson) {
   const auto dir = scratch_with_rec();
   write_text(dir / "mine.json", R"({"schema": "planescope.profile/1",
                                     "options": {"theta_n_in": 12}})");
@@ -100,18 +100,18 @@ TEST(ProfileOfOnesOwn, WhatItSetsIsRecordedInThePlanes) {
   EXPECT_NE(by_file, planes("c", {}));
 }
 
-TEST(ProfileOfOnesOwn, ABadOneIsRefusedInOneLineByEveryCommand) {
+TEST(ProfileOfOnesOwn, EveryCommandRejectsABadOneInOneLine) {
   const auto dir = scratch_with_rec();
   write_text(dir / "bad.json", R"({"schema": "planescope.profile/1",
                                    "options": {"theta_n_inn": 12}})");
   for (const std::string command : {"view", "info", "segment", "report", "eval", "train"}) {
     expect_refused(run({command, dir / "rec", "--profile", dir / "bad.json"}),
-                   "bad.json: option 'theta_n_inn' is unknown, did you mean 'theta_n_in'?");
+                   "bad.json: option 'theta_n_inn' is unknown; did you mean 'theta_n_in'?");
   }
   expect_refused(run({"options", "--profile", dir / "none.json"}));
 }
 
-TEST(Tune, TheAnswerIsTheSameForAnyNumberOfThreadsAndAfterEveryStop) {
+TEST(Tune, TheResultIsTheSameForAnyNumberOfThreadsAndAfterInterruptions) {
   const auto dir = scratch();
   write_labelled(dir / "rec", 4);
   well(run_with(tune(dir, "whole"), {"--threads", "1"}));
@@ -129,7 +129,7 @@ TEST(Tune, TheAnswerIsTheSameForAnyNumberOfThreadsAndAfterEveryStop) {
     EXPECT_TRUE(fs::exists(dir / "whole" / file)) << file;
 }
 
-TEST(Tune, ItsProfileReachesWhatItSaysItReaches) {
+TEST(Tune, ItsProfileReachesTheReportedScore) {
   const auto dir = scratch();
   write_labelled(dir / "rec", 2);
   well(run(tune(dir, "out")));
@@ -141,7 +141,7 @@ TEST(Tune, ItsProfileReachesWhatItSaysItReaches) {
   EXPECT_EQ(eval["frames"][1]["pq"], answer["held_out"]["frames"][0]["tuned_pq"]);
 }
 
-TEST(Tune, FramesThatAreHeldOutTakeNoPartInTheSearch) {
+TEST(Tune, HeldOutFramesDoNotAffectTheSearch) {
   const auto dir = scratch();
   write_labelled(dir / "rec", 4);
   well(run(tune(dir, "out")));
@@ -150,12 +150,12 @@ TEST(Tune, FramesThatAreHeldOutTakeNoPartInTheSearch) {
   EXPECT_EQ(read_text(dir / "other/journal.jsonl"), read_text(dir / "out/journal.jsonl"));
   EXPECT_EQ(read_text(dir / "other/profile.json"), read_text(dir / "out/profile.json"));
   EXPECT_NE(read_text(dir / "other/tuning.json"), read_text(dir / "out/tuning.json"));
-  // The frames that are searched on are another search.
+  // A change of the frames used for tuning starts a new search.
   write_without_wall(dir / "rec", 0);
-  expect_refused(run(tune(dir, "out")), "is of a search with other frames or labels");
+  expect_refused(run(tune(dir, "out")), "belongs to a search with different frames or labels");
 }
 
-TEST(Tune, AListNamesTheHalvesAndTheOptionsOfEachRecording) {
+TEST(Tune, AListAssignsHalvesAndOptionsToRecordings) {
   const auto dir = scratch();
   write_labelled(dir / "a", 2);
   write_labelled(dir / "b", 2, 10);
@@ -173,16 +173,16 @@ TEST(Tune, AListNamesTheHalvesAndTheOptionsOfEachRecording) {
   EXPECT_EQ(answer["trials"], 3);
 
   for (const auto& [line, why] : std::vector<std::pair<std::string, std::string>>{
-           {"half a", "line 1: HALF: 'half' is unknown, expected tuning, held-out or -"},
+           {"half a", "line 1: HALF: 'half' is unknown; expected tuning, held-out or -"},
            {"tuning", "line 1: expected HALF RECORDING OPTIONS"},
-           {"tuning a --set x=1", "line 1: '--set' is not known"},
-           {"tuning a\n- b", "line 2: some lines name a half and others do not"}}) {
+           {"tuning a --set x=1", "line 1: unknown option '--set'"},
+           {"tuning a\n- b", "line 2: some lines name a half and others use -"}}) {
     write_text(dir / "list.txt", line + "\n");
     expect_refused(run(words), "list.txt, " + why);
   }
 }
 
-TEST(Tune, AFrameInBothHalvesIsRefusedEvenAsACopy) {
+TEST(Tune, AFrameInBothHalvesIsRejectedEvenAsACopy) {
   const auto dir = scratch();
   write_labelled(dir / "a", 3);
   fs::copy(dir / "a", dir / "copy", fs::copy_options::recursive);
@@ -193,7 +193,7 @@ TEST(Tune, AFrameInBothHalvesIsRefusedEvenAsACopy) {
   EXPECT_FALSE(fs::exists(dir / "out"));
 }
 
-TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
+TEST(Tune, ImpossibleSearchesAreReportedInOneLine) {
   const auto dir = scratch_with_rec(2);
   const auto tried = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words = {"tune", dir / "rec", "-o", dir / "out"};
@@ -204,11 +204,11 @@ TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
   expect_refused(tried({"--only", "theta_n_inn"}), "did you mean 'theta_n_in'?");
   expect_refused(tried({"--only", "max_range_m"}), "--only max_range_m: not tunable");
   expect_refused(tried({"--hold-out", "1"}), "expected at least 2");
-  expect_refused(tried({"--list", "x.txt"}), "leave out");
+  expect_refused(tried({"--list", "x.txt"}), "; remove ");
   EXPECT_FALSE(fs::exists(dir / "out"));
 }
 
-TEST(ProfileOfOnesOwn, TheWindowOpensItAsBBesideWhatWasTyped) {
+TEST(ProfileOfOnesOwn, TheWindowComparesItWithTheCommandLine) {
   const auto dir = scratch_with_rec();
   write_text(dir / "mine.json", R"({"schema": "planescope.profile/1", "base": "paper",
                                     "options": {"theta_n_in": 12}})");

@@ -31,7 +31,7 @@ const std::vector<Words> kLabCommands = {{"bench"},
                                          {"synth", "training"},
                                          {"train"}};
 
-/// Checks the help of a command and of all commands below it; returns their number.
+/// Checks the help of a command and of all its subcommands; returns their number.
 int expect_explained(const std::string& program, const Words& command) {
   const auto typed = [&](const Words& before, const Words& after) {
     Words words = program == "planescope" ? Words{} : Words{program};
@@ -60,7 +60,7 @@ int expect_explained(const std::string& program, const Words& command) {
 
 }  // namespace
 
-TEST(Usage, TheHelpNamesEveryCommand) {
+TEST(Usage, TheHelpListsEveryCommand) {
   const Ran product = run({"--help"}), lab = run({"planescope-lab", "--help"});
   EXPECT_EQ(product.code + lab.code, 0);
   EXPECT_EQ(product.err + lab.err, "");
@@ -75,7 +75,7 @@ TEST(Usage, EveryCommandExplainsItselfIn80Columns) {
   EXPECT_EQ(expect_explained("planescope-lab", {}), 19);
 }
 
-TEST(Usage, TheHelpNamesFormatsAndSaysThatTheSampleIsTheDefault) {
+TEST(Usage, TheHelpListsFormatsAndTheDefaultSample) {
   for (const char* command :
        {"view", "info", "segment", "report", "eval", "tune", "convert", "map"}) {
     std::string help = well(run({command, "--help"})).out;
@@ -90,7 +90,7 @@ TEST(Usage, TheHelpNamesFormatsAndSaysThatTheSampleIsTheDefault) {
   }
 }
 
-TEST(Usage, TwoDashesEndTheOptionsAndACommandsNameIsARecordingAfterACommand) {
+TEST(Usage, TwoDashesEndTheOptionsAndACommandsNameCanBeARecording) {
   expect_refused(run({"info", "--", "--json"}), "--json: no such file or folder");
   expect_refused(run({"info", "--json", "--", "-o"}), "-o: no such file or folder");
   expect_refused(run({"info", "report"}), "report: no such file or folder");
@@ -129,20 +129,20 @@ TEST(Usage, OneOptionIsExplained) {
   EXPECT_TRUE(has(well(run({"options", "use_labels"})).out, "on or off"));
 }
 
-TEST(Usage, AListIsOneWordAndARecordingMayFollow) {
+TEST(Usage, AListIsOneArgumentAndARecordingMayFollow) {
   const Ran ran = run({"planescope-lab", "bench", "classifier", "--only", "frames", "/nowhere"});
   EXPECT_EQ(ran.code, 2);
   EXPECT_TRUE(has(ran.err, "/nowhere: no such file"));
 }
 
-TEST(Usage, TheVersionIsOneLineAndNamesTheCommit) {
+TEST(Usage, TheVersionIsOneLineWithTheCommit) {
   const Ran ran = well(run({"--version"}));
   EXPECT_EQ(ran.out.rfind("planescope ", 0), 0u);
   EXPECT_TRUE(has(ran.out, ", commit "));
   EXPECT_EQ(ran.out.find('\n'), ran.out.size() - 1);
 }
 
-TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
+TEST(Usage, UnknownNamesAreReportedInOneLineWithTheNearestName) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"segmnt"}, "did you mean 'segment'?"},
       {{"--josn"}, "--josn"},
@@ -167,10 +167,10 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"options", "--method", "hough"}, "expected one of ours, "},
       {{"options", "--set", "worth_px=-2"}, "out of range"},
       {{"planescope-lab", "bench", "classifier", "--set", "method=region-growing"},
-       "measures method ours"},
+       "supports only method ours"},
       {{"planescope-lab", "bench", "desktop", "--method", "ransac"}, "unknown option '--method'"},
       {{"planescope-lab", "bench", "desktop", "--set", "method=region-growing"},
-       "measures method ours"},
+       "supports only method ours"},
       {{"report", "--baseline", "b.json", "merge", "a", "-o", "out"}, "--baseline after merge"},
       {{"options", "--gravity", "down"}, "down"},
       {{"options", "--gravity", "0,0,0"}, "0,0,0"},
@@ -190,8 +190,8 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"report", "merge", "--frames", "1"}, "see planescope report merge --help"},
       {{"report", "--init", "--frames", "1"}, "remove --frames"},
       {{"segment", "-o"}, "out"},
-      {{"synth"}, "one of: sample"},
-      {{"planescope-lab"}, "one of: bench, synth, train"},
+      {{"synth"}, "synth: expected one of sample"},
+      {{"planescope-lab"}, "expected one of bench, synth, train"},
       {{"train", "-o", "w.safetensors"}, "planescope-lab train"},
       {{"synth", "sample"}, "-o DIR"},
       {{"planescope-lab", "synth", "set", "cookies", "-o", "out"},
@@ -204,7 +204,7 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"planescope-lab", "synth", "set", "depth_boxes", "-o", "out", "--errors", "much"},
        "clean, noise, d435"},
       {{"planescope-lab", "bench"},
-       "bench needs one of: paper, real, steady, outlines, map, stairs, classifier"},
+       "bench: expected one of paper, real, steady, outlines, map, stairs, classifier"},
       {{"planescope-lab", "bench", "classifier", "--only", "spede"},
        "accuracy, gravity, chain, speed, frames"},
       {{"planescope-lab", "bench", "classifier", "--count", "0"}, "--count"},
@@ -218,7 +218,7 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
   }
 }
 
-TEST(Usage, OptionsShowTheValuesThatACommandWouldUse) {
+TEST(Usage, OptionsShowTheValuesUsedByACommand) {
   const Ran ran = well(run({"options", "--json", "--profile", "paper", "--set", "theta_n_in=7",
                             "--max-range", "3", "--gravity", "0,1,0"}));
   const auto json = nlohmann::json::parse(ran.out);
@@ -236,7 +236,7 @@ TEST(Usage, OptionsShowTheValuesThatACommandWouldUse) {
   EXPECT_EQ(values["criterion4_n2"], "on");
 }
 
-TEST(Usage, EveryValueThatIsShownCanBeSet) {
+TEST(Usage, EveryValueShownCanBeSet) {
   const Ran shown = run({"options", "--json"});
   std::vector<std::string> args = {"options", "--json"};
   const auto json = nlohmann::json::parse(shown.out);

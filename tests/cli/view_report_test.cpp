@@ -1,4 +1,4 @@
-// From a report's plane to the decision in the debugger.
+// From a plane in a report to the decision in the debugger.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct ViewReport : testing::Test {
     unsetenv("WAYLAND_DISPLAY");
     setenv("XDG_STATE_HOME", (dir / "state").c_str(), 1);
   }
-  /// Its report.json.
+  /// Makes a report; returns its report.json.
   fs::path report(const std::string& out, std::vector<std::string> args) {
     args.insert(args.begin(), "report");
     args.insert(args.end(), {"--classifier", "pca", "-o", dir / out});
@@ -35,7 +35,7 @@ struct ViewReport : testing::Test {
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   }
-  /// What the window shows.
+  /// Opens the window and returns the state that it displays.
   Json facts(const std::string& target, std::vector<std::string> more = {}) {
     more.insert(more.end(), {"--state", dir / "state.json"});
     well(view(target, more));
@@ -56,7 +56,7 @@ std::vector<int> samples_of(const Json& frame) {
   return samples;
 }
 
-/// The plane of `before` of whose samples the fewest are on planes in `after`.
+/// The plane of `before` with the fewest samples on planes of `after`.
 int lost_plane(const Json& before, const Json& after) {
   const std::vector<int> a = samples_of(before), b = samples_of(after);
   std::vector<double> all(before["planes"].size() + 1), kept(all.size());
@@ -75,7 +75,7 @@ Json frame_in(const fs::path& report) {
   return Json::parse(read_text(report))["recordings"][0]["frames"][0];
 }
 
-TEST_F(ViewReport, ALostPlaneLeadsToTheDecisionThatLostIt) {
+TEST_F(ViewReport, ALostPlaneOpensTheDecisionThatLostIt) {
   const fs::path before = report("before", {sample, "--frames", "0", "--profile", "paper"});
   const fs::path after =
       report("after", {sample, "--frames", "0", "--profile", "paper", "--set", "theta_n_in=60"});
@@ -97,7 +97,7 @@ TEST_F(ViewReport, ALostPlaneLeadsToTheDecisionThatLostIt) {
   const std::string message = there["message"];
   EXPECT_TRUE(has(message, "part at step " + there["step"].dump()));
 
-  // The report's own word, a path from its folder on.
+  // The path in the report is relative to its folder.
   Json named = Json::parse(read_text(after));
   named["verdict"] = {{"baseline", "../before/report.json"}};
   write_text(after, named.dump());
@@ -111,7 +111,7 @@ TEST_F(ViewReport, ALostPlaneLeadsToTheDecisionThatLostIt) {
       << "A is the baseline";
 }
 
-TEST_F(ViewReport, APlaneLeadsToWhereItWasFounded) {
+TEST_F(ViewReport, APlaneOpensTheStepThatFoundedIt) {
   const fs::path file = report("out", {sample, "--frames", "0"});
   const std::size_t planes = frame_in(file)["planes"].size();
   const Json there = facts(file.string() + "#f0/p" + std::to_string(planes));
@@ -125,7 +125,7 @@ TEST_F(ViewReport, APlaneLeadsToWhereItWasFounded) {
   EXPECT_EQ(frame["step"], frame["steps"]) << "no plane: as a frame opens";
 }
 
-TEST_F(ViewReport, WithTheBaselinesOptionsTheWindowSaysThatAIsB) {
+TEST_F(ViewReport, TheBaselinesOptionsGiveIdenticalRunsAAndB) {
   const fs::path file = report("out", {sample, "--frames", "0"});
   fs::copy(file, dir / "earlier.json");
   Json earlier = Json::parse(read_text(file));
@@ -138,17 +138,18 @@ TEST_F(ViewReport, WithTheBaselinesOptionsTheWindowSaysThatAIsB) {
   EXPECT_TRUE(has(message, "plane 1"));
 }
 
-TEST_F(ViewReport, WhatIsNotInTheReportIsRefusedInOneLine) {
+TEST_F(ViewReport, MissingItemsAreReportedInOneLine) {
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   const std::string file = report("out", {dir / "rec", "--gravity", "0,1,0"});
-  refuses(file + "#f0/q1", "out/report.json: 'f0/q1' is no place in a report, expected f<frame>");
-  refuses(file + "#r2/f0", "report.json: r2 is not in it, it has 1 recording");
-  refuses(file + "#f7", "report.json: f7 is not in it, of rec it has frame 0, 1");
-  refuses(file + "#f0/p3", "report.json: p3 is not in it, frame 0 has 2 planes");
-  refuses(file + "#f0/was1", "it names none; give --baseline FILE");
+  refuses(file + "#f0/q1",
+          "out/report.json: 'f0/q1' is not a place in a report; expected f<frame>");
+  refuses(file + "#r2/f0", "report.json: has no r2; it has 1 recording");
+  refuses(file + "#f7", "report.json: has no f7; its frames of rec are 0, 1");
+  refuses(file + "#f0/p3", "report.json: has no p3: frame 0 has 2 planes");
+  refuses(file + "#f0/was1", "the report names none; use --baseline FILE");
   refuses(file + "#f0/was1", "is " + file + " itself", {"--baseline", file});
   refuses(file + "#f0", "/nowhere.json", {"--baseline", "/nowhere.json"});
-  refuses(file + "#f0", "leave out --profile", {"--set", "theta_n_in=7"});
+  refuses(file + "#f0", "remove --profile", {"--set", "theta_n_in=7"});
 
   Json other = Json::parse(read_text(file));
   other["created_utc"] = "2024-01-02T03:04:05Z";
@@ -156,13 +157,12 @@ TEST_F(ViewReport, WhatIsNotInTheReportIsRefusedInOneLine) {
   other["recordings"][0]["frames"].erase(1);
   write_text(dir / "base.json", other.dump());
   const std::vector<std::string> against{"--baseline", dir / "base.json"};
-  refuses(file + "#f0/was1", "base.json: was1 is not in it, rec frame 0 is of another input",
-          against);
-  refuses(file + "#f1/was1", "base.json: was1 is not in it, rec frame 1 is not there", against);
+  refuses(file + "#f0/was1", "base.json: has no was1: rec frame 0 has a different input", against);
+  refuses(file + "#f1/was1", "base.json: has no was1: rec frame 1 is not in the baseline", against);
   EXPECT_EQ(facts(file + "#f0/p1", against)["frame"], 0) << "the options are still A's";
 }
 
-TEST_F(ViewReport, OpensFromTheReportsFolderWhatWasTypedAboveIt) {
+TEST_F(ViewReport, OpensPathsFromTheReportsFolderThatWereTypedAboveIt) {
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   const fs::path here = fs::current_path();
   fs::current_path(dir);
@@ -175,7 +175,7 @@ TEST_F(ViewReport, OpensFromTheReportsFolderWhatWasTypedAboveIt) {
   EXPECT_EQ(there["recording"], (dir / "rec").string());
 }
 
-TEST_F(ViewReport, OfRecordingsOfOneNameTheOneThatIsMeantIsTaken) {
+TEST_F(ViewReport, RecordingsWithTheSameNameAreDistinguished) {
   Image16 other = floor_and_wall();
   other.at(3, 3) += 1;
   write_depth_folder(dir / "one/rec", floor_and_wall());
@@ -193,7 +193,7 @@ TEST_F(ViewReport, OfRecordingsOfOneNameTheOneThatIsMeantIsTaken) {
       << "the one in between is another";
 }
 
-TEST_F(ViewReport, ADamagedFrameBesideIsNotInTheWay) {
+TEST_F(ViewReport, ADamagedFrameDoesNotPreventOpeningAnother) {
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
   fs::resize_file(dir / "rec/depth/000001.png", 200);
   const Ran ran = run({"report", dir / "rec", "-o", dir / "out", "--no-pictures"});
@@ -203,7 +203,7 @@ TEST_F(ViewReport, ADamagedFrameBesideIsNotInTheWay) {
   EXPECT_EQ(facts(file + "#f2/p1", {dir / "rec"})["frame"], 2);
 }
 
-TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRefusedInOneLine) {
+TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRejectedInOneLine) {
   write_depth_folder(dir / "rec", floor_and_wall());
   const std::string file = report("out", {dir / "rec", "--gravity", "0,1,0"});
   Image16 other = floor_and_wall();
@@ -212,17 +212,17 @@ TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRefusedInOneLine) {
   EXPECT_EQ(facts(file + "#f0/p1")["recording"], (dir / "out/rec").string()) << "beside the report";
   fs::create_directories(dir / "elsewhere");
   fs::rename(dir / "out/rec", dir / "elsewhere/rec");
-  refuses(file + "#f0/p1", "its recording " + (dir / "rec").string() + " is neither there nor");
+  refuses(file + "#f0/p1", "its recording " + (dir / "rec").string() + " was not found there");
   EXPECT_EQ(facts(file + "#f0/p1", {dir / "elsewhere/rec"})["recording"],
             (dir / "elsewhere/rec").string());
   fs::rename(dir / "elsewhere/rec", dir / "elsewhere/renamed");
   EXPECT_EQ(facts(file + "#f0/p1", {dir / "elsewhere/renamed"})["frame"], 0) << "it was given";
   fs::rename(dir / "elsewhere/renamed", dir / "elsewhere/rec");
   write_depth_folder(dir / "rec", other);
-  refuses(file + "#f0/p1", "is another recording than that of " + file);
+  refuses(file + "#f0/p1", "not the recording of " + file);
 
   write_depth_folder(dir / "third", other);
-  refuses(file + "#f0/p1", "is another recording than that of " + file, {dir / "third"});
+  refuses(file + "#f0/p1", "not the recording of " + file, {dir / "third"});
 
   fs::remove_all(dir / "rec");
   fs::rename(dir / "elsewhere/rec", dir / "rec");
@@ -232,7 +232,7 @@ TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRefusedInOneLine) {
     if (option["name"] == "classifier") option["value"] = "../mine.safetensors";
   weights["record"]["weights"] = {{"sha256", std::string(64, 'a')}};
   write_text(file, weights.dump());
-  refuses(file + "#f0/p1", "mine.safetensors: are other weights than those of");
+  refuses(file + "#f0/p1", "mine.safetensors: not the weights of");
 }
 
 }  // namespace

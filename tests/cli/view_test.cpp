@@ -26,7 +26,7 @@ struct View : testing::Test {
   }
 };
 
-TEST_F(View, WithoutADisplayOneLineNamesTheHeadlessCommands) {
+TEST_F(View, WithoutADisplayOneLineSuggestsHeadlessCommands) {
   for (const std::vector<std::string>& args : {std::vector<std::string>{}, {"view"}}) {
     const Ran ran = run(args);
     EXPECT_EQ(ran.code, 3);
@@ -36,7 +36,7 @@ TEST_F(View, WithoutADisplayOneLineNamesTheHeadlessCommands) {
   }
 }
 
-TEST_F(View, DrawsTheWindowWithoutADisplayAndSaysWhatItShows) {
+TEST_F(View, DrawsTheWindowWithoutADisplayAndReportsItsState) {
   const fs::path dir = scratch();
   const fs::path script = write(dir / "script.json", R"({"actions": [
       "filter.set case==IV", "filter.next", {"expect": {"case": "IV"}}]})");
@@ -49,7 +49,7 @@ TEST_F(View, DrawsTheWindowWithoutADisplayAndSaysWhatItShows) {
   EXPECT_FALSE(fs::exists(dir / "state")) << "the picture's window remembers nothing";
 }
 
-TEST_F(View, AnExpectationThatFailsIsExitCodeOne) {
+TEST_F(View, AFailedExpectationIsExitCodeOne) {
   const fs::path dir = scratch();
   const fs::path script =
       write(dir / "script.json", R"({"actions": ["step.first", {"expect": {"step": 5}}]})");
@@ -59,7 +59,7 @@ TEST_F(View, AnExpectationThatFailsIsExitCodeOne) {
   EXPECT_TRUE(has(ran.err, "expected step 5, found 0"));
 }
 
-TEST_F(View, BadInputIsOneLine) {
+TEST_F(View, BadInputIsReportedInOneLine) {
   const fs::path dir = scratch();
   const fs::path bad = write(dir / "bad.json", "{\"schema\": ");
   const fs::path out = dir / "a.png";
@@ -81,7 +81,7 @@ TEST_F(View, ListsItsActionsWithTheirKeys) {
   EXPECT_TRUE(has(ran.out, "Shift+Right"));
 }
 
-TEST_F(View, TheWindowsSpeedIsMeasuredAgainstAnEmptyOne) {
+TEST_F(View, TheWindowsSpeedIsComparedWithAnEmptyWindow) {
   const fs::path dir = scratch();
   well(run({"planescope-lab", "bench", "desktop", "--classifier", "pca", "--steps", "20", "--size",
             "800x500", "-o", dir / "out"}));

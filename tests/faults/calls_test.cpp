@@ -1,5 +1,5 @@
-// Each main command, with the N-th of its calls of one kind failing: one N of each kind, or as many
-// as PLANESCOPE_FAULTS says.
+// Runs each main command with the N-th call of one kind failing: one N per kind, or as many as
+// PLANESCOPE_FAULTS.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing_cli::Ran;
 
-/// Of each kind, at most so many calls are made to fail, one run each.
+/// Maximum number of failing calls per kind, one per run.
 std::uint32_t most_calls() {
   const char* wanted = std::getenv("PLANESCOPE_FAULTS");
   return wanted ? static_cast<std::uint32_t>(std::atoi(wanted)) : 1;
@@ -36,7 +36,7 @@ std::string foreign_lines(const std::string& err) {
   return foreign;
 }
 
-/// A name for what is not finished, which the next run goes on with or removes.
+/// Whether this is the name of unfinished work, which the next run resumes or removes.
 bool is_of_unfinished_work(const std::string& name) {
   for (const char* part : {".part", ".partial-", ".report-work", ".checkpoint", "/lock"})
     if (name.find(part) != std::string::npos) return true;
@@ -53,7 +53,7 @@ std::string last_line(std::string text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-/// Empty where every file is as it was or as it is to become, and nothing is lost.
+/// Returns an empty string if every file is either unchanged or complete and nothing is lost.
 std::string damage(const Snapshot& found, const Snapshot& before, const Snapshot& wanted) {
   const auto is_in = [](const Snapshot& files, const auto& file) {
     const auto at = files.find(file.first);
@@ -92,7 +92,7 @@ class Calls : public testing::TestWithParam<Command> {
     fs::copy(start, work, fs::copy_options::recursive);
   }
 
-  /// Without files that may be of a state in between.
+  /// Removes files that may be in an intermediate state.
   Snapshot settled(Snapshot files) const {
     std::erase_if(files, [](const auto& file) {
       return std::ranges::any_of(
@@ -101,7 +101,7 @@ class Calls : public testing::TestWithParam<Command> {
     return files;
   }
 
-  /// A window stays open, and tells in it what a job of it could not do.
+  /// A window stays open and displays failures of its jobs.
   static Snapshot without_window(Snapshot files) {
     files.erase(GetParam().window);
     return files;
@@ -133,7 +133,7 @@ class Calls : public testing::TestWithParam<Command> {
     EXPECT_TRUE(good.ran.err.starts_with(foreign_lines(ran.err))) << ran.err;
     const Snapshot found = snapshot(work);
     if (ran.code == 0) {
-      // What could not be removed is no matter where the next run does.
+      // Files that could not be removed do not matter if the next run removes them.
       EXPECT_EQ(differences(without_window(without_unfinished_work(found)), without_window(wanted)),
                 "")
           << ran.err;
@@ -150,7 +150,7 @@ class Calls : public testing::TestWithParam<Command> {
 
   void expect_nothing_lost(const Ran& ran, const Snapshot& found) {
     EXPECT_TRUE(last_line(ran.err).starts_with("planescope: ")) << ran.err;
-    // A report of frames that could not be read or drawn is whole, and says so.
+    // A report with unreadable or undrawn frames is complete and lists them.
     const bool lacks_frames =
         ran.code == 3 || ran.err.find(" refused, the first") != std::string::npos;
     if (!lacks_frames) {
@@ -164,7 +164,7 @@ class Calls : public testing::TestWithParam<Command> {
   int runs = 0, told = 0, wrong = 0;
 };
 
-/// Which of `count` calls are to fail.
+/// Selects which of `count` calls fail.
 std::set<std::uint32_t> chosen(std::uint32_t count, std::uint32_t most, Random& random) {
   std::set<std::uint32_t> calls;
   for (std::uint32_t n = 1; count <= most && n <= count; ++n) calls.insert(n);
@@ -173,7 +173,7 @@ std::set<std::uint32_t> chosen(std::uint32_t count, std::uint32_t most, Random& 
   return calls;
 }
 
-/// How calls of a kind fail. EINTR and 0, half of the bytes, are to be gone on after.
+/// How calls of a kind fail. After EINTR, or 0 (half of the bytes), the program must continue.
 std::vector<int> errors_of(const std::string& kind) {
   if (kind == "read") return {EIO, EINTR, 0};
   if (kind == "write") return {ENOSPC, EIO, EINTR, 0};
@@ -192,10 +192,10 @@ Fault fault_of(const std::string& kind, std::uint32_t call, Random& random) {
   return {kind, call, error, may_stay && error != 0 && error != EINTR && random.uniform() < 0.5};
 }
 
-TEST_P(Calls, ThatFailAreToldInOneLineAndLoseNothing) {
+TEST_P(Calls, ThatFailAreReportedInOneLineAndLoseNothing) {
   const char* seed = std::getenv("PLANESCOPE_SEED");
   Random random(seed ? std::strtoull(seed, nullptr, 10) : 1);
-  const bool few = most_calls() == 1 && GetParam().draws;  // as drawing takes a second
+  const bool few = most_calls() == 1 && GetParam().draws;  // because drawing takes a second
   for (const auto& [kind, count] : good.calls)
     if (!few || kind == "gl" || kind == "egl" || kind == "memory")
       for (const std::uint32_t call : chosen(count, most_calls(), random))

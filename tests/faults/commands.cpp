@@ -56,7 +56,7 @@ Words import_labels(const fs::path& dir) {
 
 void make_recording(const fs::path& dir) { run_well(sample(dir, "stairs,boxes")); }
 
-// What stood there before is of other options, so that old files differ from new ones.
+// Earlier results have other options, so that old files differ from new ones.
 const Words kCoarse = {"--voxel", "0.04"};
 const Words kFigures = {"--no-pictures"};
 
@@ -82,22 +82,22 @@ std::vector<Command> main_commands() {
          run_well(report(dir) + kFigures + kCoarse);
        },
        [](const fs::path& dir) { return report(dir) + kFigures; }},
-      // One frame of two was finished before.
+      // One of two frames was already finished.
       {"resume",
        [](const fs::path& dir) {
          make_recording(dir);
          run_well(report(dir) + kFigures + Words{"--frames", "0:1"});
        },
        [](const fs::path& dir) { return report(dir) + kFigures + Words{"--resume"}; }},
-      // The baseline is of the same options, so that it is the same before and after but for its
-      // times, to which nothing is held.
+      // The baseline has the same options, so that it is the same before and after, except for its
+      // times, which no rule checks.
       {"approve",
        [](const fs::path& dir) {
          make_recording(dir);
          write_text(dir / "rules.json", R"({"schema": "planescope.rules/1", "rules": [
                 {"metric": "planes_lost", "at_most": 0}]})");
          run_well(approve(dir));
-         run_well(approve(dir));  // that has a baseline to be held to
+         run_well(approve(dir));  // with a baseline to compare with
        },
        approve},
       {"pictures",
@@ -116,7 +116,7 @@ std::vector<Command> main_commands() {
          write_text(dir / "npz" / "000000.npz", "of before");
        },
        [](const fs::path& dir) { return export_labels(dir, "npz"); }},
-      // Over labels that the algorithm gave.
+      // Replaces labels by the algorithm.
       {"import",
        [](const fs::path& dir) {
          make_recording(dir);
@@ -159,7 +159,7 @@ std::vector<Command> main_commands() {
        },
        false,
        {"out.html"}},
-      // Labels are drawn and saved, and a session.
+      // Draws and saves labels, and a session.
       {"view",
        [](const fs::path& dir) {
          make_recording(dir);

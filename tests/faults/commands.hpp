@@ -1,6 +1,6 @@
 #pragma once
 
-// Main commands as fault tests run them, each in a folder of its own.
+// Main commands for fault tests, each run in its own folder.
 
 #include <filesystem>
 #include <functional>
@@ -12,24 +12,24 @@ namespace planescope::faults {
 
 using Words = std::vector<std::string>;
 
-/// A command that is run in a folder of its own, which it finds as an earlier run left it.
+/// A command that runs in its own folder, in the state left by an earlier run.
 struct Command {
   std::string name;
-  std::function<void(const std::filesystem::path&)> prepare;  // makes the folder's files
-  std::function<Words(const std::filesystem::path&)> words;   // of the run that meets a fault
-  bool draws = false;                                         // with OpenGL, which is slow
-  /// Beginnings of names: files that may be of a state in between after a run that failed.
+  std::function<void(const std::filesystem::path&)> prepare;  // creates the folder's files
+  std::function<Words(const std::filesystem::path&)> words;   // arguments of the run with the fault
+  bool draws = false;                                         // uses OpenGL, which is slow
+  /// Prefixes of files that may be in an intermediate state after a failed run.
   std::vector<std::string> varies = {};
-  /// The file with a window's picture, which shows what the window could not do.
+  /// The file with the window's picture, which displays failures.
   std::string window = "";
 };
 
 inline void PrintTo(const Command& command, std::ostream* out) { *out << command.name; }
 
-/// The main commands, on a recording of two frames of 160x120.
+/// The main commands, on a recording with two frames of 160x120.
 std::vector<Command> main_commands();
 
-/// The one of that name.
+/// The command with this name.
 Command main_command(const std::string& name);
 
 }  // namespace planescope::faults

@@ -1,5 +1,5 @@
-// Odd places to run in: without a home, as somebody who may write nowhere, with little of anything,
-// in other locales, and with names that are no text.
+// Unusual environments: no home folder, no permission to write, little memory or few files, other
+// locales, and names that are not valid text.
 
 #include <grp.h>
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ void become_nobody() {
 
 // ---- Folders ----
 
-TEST_F(Environment, WithoutAHomeCommandsWorkAndTheWindowForgets) {
+TEST_F(Environment, WithoutAHomeCommandsWorkAndTheWindowStoresNothing) {
   const auto homeless = [] {
     for (const char* name : {"HOME", "XDG_STATE_HOME", "DISPLAY", "WAYLAND_DISPLAY"})
       unsetenv(name);
@@ -71,7 +71,7 @@ TEST_F(Environment, WithoutAHomeCommandsWorkAndTheWindowForgets) {
   EXPECT_TRUE(fs::exists(dir / "rec.labels" / "000000.json"));
 }
 
-TEST_F(Environment, WhereNobodyMayWriteIsToldBeforeAnyWork) {
+TEST_F(Environment, AReadOnlyFolderIsReportedBeforeProcessing) {
   if (getuid() != 0) GTEST_SKIP() << "needs to be root, to become somebody who may write nowhere";
   fs::create_directories(dir / "closed" / "out");
   write_text(dir / "closed" / "out" / "planes.json", "of before");
@@ -88,7 +88,7 @@ TEST_F(Environment, WhereNobodyMayWriteIsToldBeforeAnyWork) {
   EXPECT_EQ(files_below(dir / "closed"), std::vector<std::string>{"out/planes.json"});
 }
 
-TEST_F(Environment, LabelsOfAFolderThatIsClosedAreReadAndTheGestureIsRefused) {
+TEST_F(Environment, LabelsInAReadOnlyFolderAreReadAndGesturesAreRejected) {
   if (getuid() != 0) GTEST_SKIP() << "needs to be root, to become somebody who may write nowhere";
   fs::create_directories(dir / "rec.labels");
   write_text(dir / "script.json", R"({"actions": ["label.mode", "label.take"]})");
@@ -116,9 +116,9 @@ TEST_F(Environment, SixteenOpenFilesAndASmallStackAreEnough) {
   EXPECT_EQ(run_in(report("b"), [] { limit(RLIMIT_STACK, 256 * 1024); }).code, 0);
 }
 
-// Finely where the last byte is asked for anywhere: in a library, while a document is taken down,
-// in a thread.
-TEST_F(Environment, LittleMemoryIsEnoughOrIsToldInOneLine) {
+// In small steps near the limit, where the last allocation can fail anywhere: in a library, while a
+// document is freed, in a thread.
+TEST_F(Environment, LittleMemoryIsEnoughOrIsReportedInOneLine) {
   bool worked = false;
   for (rlim_t bytes = 150'000'000; bytes <= 400'000'000;
        bytes += bytes < 250'000'000 ? 4'000'000 : 60'000'000) {
@@ -137,7 +137,7 @@ TEST_F(Environment, LittleMemoryIsEnoughOrIsToldInOneLine) {
 
 // ---- Locales and names ----
 
-TEST_F(Environment, NumbersHaveAPointInAnyLocale) {
+TEST_F(Environment, NumbersHaveADecimalPointInAnyLocale) {
   std::string expected;
   for (const char* locale : {"C", "de_DE.UTF-8", "C.UTF-8", "xx_YY.broken"}) {
     SCOPED_TRACE(locale);
@@ -153,7 +153,7 @@ TEST_F(Environment, NumbersHaveAPointInAnyLocale) {
   }
 }
 
-TEST_F(Environment, NamesThatAreNoTextOrHoldNewlinesAndQuotes) {
+TEST_F(Environment, NamesMayBeInvalidTextOrContainNewlinesAndQuotes) {
   for (const std::string name : {"latin\xe9", "two\nlines", "q'uo\"te", "tab\tand space ", "-o"}) {
     SCOPED_TRACE(name);
     const fs::path odd = dir / name;
@@ -173,9 +173,9 @@ TEST_F(Environment, NamesThatAreNoTextOrHoldNewlinesAndQuotes) {
   }
 }
 
-// ---- Files that go while they are open, and names that lead elsewhere ----
+// ---- Files that disappear while open, and names that lead elsewhere ----
 
-TEST_F(Environment, ARecordingThatGoesWhileTheWindowHasItOpenIsToldInOneLine) {
+TEST_F(Environment, ARecordingRemovedWhileOpenIsReportedInOneLine) {
   write_depth_folder(rec, floor_and_wall(), 8);
   write_text(dir / "script.json", R"({"actions": [{"state": ")" + (dir / "open.json").string() +
                                       R"("}, "frame.last", {"expect": {"frame": 7}}, "label.mode",
@@ -189,7 +189,7 @@ TEST_F(Environment, ARecordingThatGoesWhileTheWindowHasItOpenIsToldInOneLine) {
   }
 }
 
-/// What an importer read must not be followed out of its folder.
+/// File names read from inputs must not lead out of their folder.
 TEST_F(Environment, NamesInFilesNeverLeadOutOfTheFolder) {
   const fs::path outside = dir / "outside.png";
   write_text(outside, "of somebody else");
@@ -205,7 +205,7 @@ TEST_F(Environment, NamesInFilesNeverLeadOutOfTheFolder) {
   fs::remove(rec / "planescope.json");
   fs::remove_all(dir / "out");
 
-  // The shards of a report, whose recordings' names become folders where they are joined.
+  // Shards of a report: the names of their recordings become folders when they are joined.
   const auto shard = [&](const char* part) {
     const fs::path out = dir / "out" / part;
     const Ran ran = run({"report", rec.string(), rec.string(), "-o", out.string(), "--no-pictures",
@@ -223,7 +223,7 @@ TEST_F(Environment, NamesInFilesNeverLeadOutOfTheFolder) {
     const Ran merged = run({"report", "merge", first.string(), second.string(), "-o",
                             (dir / "in" / "deep" / "merged").string()});
     expect_one_line(merged);
-    EXPECT_NE(merged.err.find("expected a file's name"), std::string::npos) << merged.err;
+    EXPECT_NE(merged.err.find("expected a file name"), std::string::npos) << merged.err;
     EXPECT_FALSE(fs::exists(dir / "in"));
   }
   fs::remove_all(dir / "out");

@@ -50,7 +50,7 @@ bool is_time_line(const std::string& line) {
   return false;
 }
 
-/// A text without the lines that tell times.
+/// The text without lines that contain times.
 std::string without_times(const std::string& text) {
   std::istringstream lines(text);
   std::string line, kept;
@@ -59,7 +59,7 @@ std::string without_times(const std::string& text) {
   return kept;
 }
 
-/// Where two texts part, with what stands around.
+/// The first difference of two texts, with context.
 std::string parting(const std::string& found, const std::string& expected) {
   const auto at = std::ranges::mismatch(found, expected).in1 - found.begin();
   const auto from = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, at - 60));
@@ -94,7 +94,7 @@ Snapshot snapshot(const fs::path& folder) {
     if (entry.is_directory())
       found[name + "/"];
     else if (entry.path().filename() == "journal")
-      found[name];  // of times; what it holds is told by the label files
+      found[name];  // contains times; the label files show its effect
     else if (ending == ".json" || ending == ".html" || ending == ".xml")
       found[name] = without_times(read_text(entry.path()));
     else

@@ -12,36 +12,36 @@
 
 namespace planescope::faults {
 
-/// Which call is to fail, and how.
+/// The call that fails, and how.
 struct Fault {
   std::string kind;
-  std::uint32_t at = 1;  // the first is 1
-  int error = 0;         // an errno; 0: a read or write does half of what it was asked
-  bool stays = false;    // the calls after it fail as well
+  std::uint32_t at = 1;  // from 1
+  int error = 0;         // an errno; 0: a read or write processes half of its bytes
+  bool stays = false;    // later calls fail as well
 };
 
-/// Of a run below the fault layer: how many calls of each kind it made.
+/// Number of calls of each kind in a run with the fault layer.
 struct Met {
   testing_cli::Ran ran;
   std::map<std::string, std::uint32_t> calls;
 };
 
-/// False where nothing can be preloaded: with sanitizers.
+/// False if nothing can be preloaded, as with sanitizers.
 bool can_preload();
 
-/// Runs the program below the layer, which counts calls that concern files below `folder`. No
-/// longer than a minute: the exit code is 142 then.
+/// Runs the program with the fault layer, which counts calls that concern files below `folder`.
+/// After a minute, the run is stopped with exit code 142.
 Met run_counted(const std::vector<std::string>& args, const std::filesystem::path& folder);
 Met run_faulted(const std::vector<std::string>& args,
                 const std::filesystem::path& folder,
                 const Fault& fault);
 
-/// What lies below a folder: each file's text without times, each folder with a '/' behind its
+/// Contents of a folder: the text of each file without times, and folders with a '/' after their
 /// name.
 using Snapshot = std::map<std::string, std::string>;
 Snapshot snapshot(const std::filesystem::path& folder);
 
-/// Where two snapshots differ, a line each; empty where they do not.
+/// Differences of two snapshots, one per line; empty if they are equal.
 std::string differences(const Snapshot& found, const Snapshot& expected);
 
 }  // namespace planescope::faults

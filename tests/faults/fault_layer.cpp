@@ -1,14 +1,13 @@
-// Preloaded into the program: makes the N-th call of one kind fail, as a full disk, a worn one, a
-// lack of memory or a lost driver would. Its environment:
+// Preloaded into the program: makes the N-th call of one kind fail, as a full or defective disk, a
+// lack of memory or a lost driver would. Environment variables:
 //
 //   PLANESCOPE_FAULT_KIND    one of kKinds
-//   PLANESCOPE_FAULT_AT      N, from 1 on; without it calls are counted and none fails
-//   PLANESCOPE_FAULT_STAYS   set: those after it fail as well
-//   PLANESCOPE_FAULT_ERRNO   its number; 0: a read or write does half of what it was asked
-//   PLANESCOPE_FAULT_BELOW   folders, with ':' between: only calls that concern files below them
-//   count PLANESCOPE_FAULT_COUNTS  a file that is long enough for a std::uint32_t of each kind: how
-//   many
-//                            calls were met, whatever becomes of the process
+//   PLANESCOPE_FAULT_AT      N, from 1; without it, calls are counted and none fails
+//   PLANESCOPE_FAULT_STAYS   if set, later calls fail as well
+//   PLANESCOPE_FAULT_ERRNO   errno of the failure; 0: a read or write processes half of its bytes
+//   PLANESCOPE_FAULT_BELOW   folders separated by ':'; only calls for files below them count
+//   PLANESCOPE_FAULT_COUNTS  a file with room for a std::uint32_t per kind, which receives the
+//                            numbers of calls even if the process is killed
 
 #include <dirent.h>
 #include <dlfcn.h>
@@ -46,15 +45,15 @@ struct Range {
   std::uintptr_t begin = 0, end = 0;
 };
 
-// What the whole process asked for; set before main(), and nothing fails before that.
+// State of the whole process; set before main(), and no call fails before that.
 struct Faults {
-  std::atomic<std::uint32_t>* counts = nullptr;  // of each of kKinds
+  std::atomic<std::uint32_t>* counts = nullptr;  // one per kind
   std::string_view kind;
   const char* below = "";
   std::uint32_t at = 0;
   bool stays = false;
   int error = EIO;
-  Range callers[16];  // the program itself, then libraries whose memory is the program's business
+  Range callers[16];  // the program itself, then libraries that allocate for it
   int caller_count = 0;
 } g_faults;
 
@@ -110,7 +109,7 @@ constexpr std::size_t index_of(std::string_view kind) {
   return index;
 }
 
-/// Counts the call; true, with errno set, where it is to fail.
+/// Counts the call; returns true, with errno set, if it must fail.
 bool meets_fault(std::size_t kind) {
   const std::uint32_t call = ++g_faults.counts[kind];
   if (g_faults.at == 0 || kKinds[kind] != g_faults.kind) return false;
@@ -119,7 +118,7 @@ bool meets_fault(std::size_t kind) {
   return true;
 }
 
-bool is_below() { return true; }  // of what concerns no file
+bool is_below() { return true; }  // for calls that concern no file
 
 bool is_below(const char* path) {
   for (const char* folder = g_faults.below; *folder;) {
@@ -140,7 +139,7 @@ bool is_below(int descriptor) {
   return is_below(path);
 }
 
-/// Names that are relative to a folder are looked up there.
+/// Resolves names relative to a folder.
 bool is_below(int folder, const char* path) {
   if (path[0] == '/') return is_below(path);
   if (folder != AT_FDCWD) return is_below(folder);
@@ -173,7 +172,7 @@ bool is_callers(const void* address) {
 }
 
 bool memory_fails(std::size_t bytes, const void* caller) {
-  constexpr std::size_t kLeast = 65536;  // smaller requests do not count
+  constexpr std::size_t kLeast = 65536;  // smaller requests are not counted
   return g_faults.counts && bytes >= kLeast && is_callers(caller) && meets_fault(kMemory);
 }
 
@@ -233,7 +232,7 @@ DIR* opendir(const char* path) {
   return fails(kOpen, AT_FDCWD, path) ? nullptr : before(path);
 }
 
-/// Half of the bytes where that is asked for, else the error.
+/// Processes half of the bytes if requested, otherwise fails.
 #define PLANESCOPE_SOME(kind, file, size)           \
   if (fails(kind, file)) {                          \
     if (g_faults.error != 0 || size < 2) return -1; \
@@ -354,8 +353,8 @@ int pthread_create(pthread_t* thread,
                    void* (*routine)(void*),
                    void* state) {
   NEXT(pthread_create);
-  // A std::thread of the program: its state is a class of the program. A driver's threads are its
-  // own.
+  // A std::thread of the program has a state whose class belongs to the program; threads of a
+  // driver do not.
   const bool ours = g_faults.counts && state && is_callers(*static_cast<void**>(state));
   if (ours && meets_fault(kThread)) return EAGAIN;
   return before(thread, attributes, routine, state);
@@ -391,7 +390,7 @@ unsigned eglMakeCurrent(void* display, void* draw, void* read, void* context) {
   return before(display, draw, read, context);
 }
 
-// Whether a shader compiled and a program linked, or whether a framebuffer is complete.
+// Whether a shader compiled, a program linked, or a framebuffer is complete.
 void glGetShaderiv(unsigned shader, unsigned what, std::int32_t* value) {
   NEXT(glGetShaderiv);
   before(shader, what, value);

@@ -1,5 +1,5 @@
-// Main commands that are killed at a random moment, and the run after it. PLANESCOPE_KILLS says how
-// often each is killed, PLANESCOPE_SEED when.
+// Kills main commands at random moments and checks the next run. PLANESCOPE_KILLS is the number of
+// kills per command, PLANESCOPE_SEED determines the moments.
 
 #include <gtest/gtest.h>
 #include <sys/time.h>
@@ -28,8 +28,7 @@ int number(const char* name, int otherwise) {
   return text ? std::atoi(text) : otherwise;
 }
 
-/// Ends it as `kill -9` does, without a word to the program, whose code never sees the signal:
-/// nobody handles SIGALRM.
+/// Kills the program like `kill -9`, without notice: nothing handles SIGALRM.
 Ran run_and_kill(const Words& words, double after_s) {
   return testing_cli::run(words, [after_s] {
     itimerval timer{};
@@ -54,7 +53,7 @@ class Kill : public testing::Test {
     fs::copy(start, work, fs::copy_options::recursive);
   }
 
-  /// Runs undisturbed what was prepared in `work`.
+  /// Runs the command on the files in `work`, without interruption.
   void keep_good(const Words& words) {
     fs::copy(work, start, fs::copy_options::recursive);
     const auto begun = std::chrono::steady_clock::now();
@@ -64,7 +63,7 @@ class Kill : public testing::Test {
     wanted = snapshot(work);
   }
 
-  /// `again`: the words of the run after.
+  /// `again`: arguments of the next run.
   void kill_often(const std::string& name,
                   int kills,
                   const std::function<Words()>& words,
@@ -135,7 +134,7 @@ TEST_F(Kill, ATrainingIsResumedToTheSameWeights) {
 
 constexpr int kStrokes = 6;
 
-/// Gesture `number` of the frame, then a file that says so: it was acknowledged.
+/// Draws gesture `number`, then writes a file that acknowledges it.
 std::string gesture(int number, const fs::path& told) {
   const int x = 30 + 15 * number;
   return R"({"do": "label.plane", "with": "0"}, {"do": "label.stroke", "with": "image over 6 )" +
@@ -143,12 +142,12 @@ std::string gesture(int number, const fs::path& told) {
          "." + std::to_string(number) + "\"}, ";
 }
 
-TEST_F(Kill, NoGestureThatWasAcknowledgedIsLost) {
+TEST_F(Kill, NoAcknowledgedGestureIsLost) {
   const fs::path script = dir / "script.json", told = dir / "told";
   const Words view = {"view",     (work / "rec").string(), "--labels",    (work / "drawn").string(),
                       "--script", script.string(),         "--offscreen", "--size",
                       "640x400"};
-  /// From a gesture on, to the end.
+  /// Draws the gestures from `first` to the end.
   const auto draw_from = [&](int first) {
     std::string actions = R"({"actions": ["label.mode", )";
     for (int i = first; i < kStrokes; ++i) actions += gesture(i, told);

@@ -7,7 +7,7 @@
 
 namespace planescope::faults {
 
-/// What can be made to fail. The layer keeps a count of each, in this order.
+/// The kinds of calls. The layer counts each kind, in this order.
 inline constexpr std::array<std::string_view, 14> kKinds = {
     "open",     "read",  "write", "sync",   "rename", "remove", "map",
     "truncate", "mkdir", "list",  "thread", "memory", "egl",    "gl"};

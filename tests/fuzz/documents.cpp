@@ -1,5 +1,5 @@
-// Documents and texts: weights, reports, rules, filters, options; and what the method makes of any
-// frame.
+// Fuzz targets for documents and texts (weights, reports, rules, filters, options), and for the
+// method on arbitrary frames.
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,7 @@ void read_weights(Bytes bytes) {
   require(planes::read_weights(again).tensors == weights.tensors, "weights that change");
 }
 
-/// Compared with itself, judged and written, as `planescope compare` and `report` do.
+/// Compares a report with itself, evaluates and writes it, as `planescope compare` and `report` do.
 void read_report(Bytes bytes) {
   const fs::path path = file_of("report/report.json", bytes);
   const report::Report read = report::read_report(path);
@@ -68,7 +68,7 @@ void read_rules(Bytes bytes) {
   require(again == rules, "rules that change when they are written and read");
 }
 
-/// Told, completed and applied to every step of a run.
+/// Describes a filter, completes it and applies it to every step of a run.
 void read_filter(Bytes bytes) {
   static const auto run =
       debug::make_run(test::stair_subject(0.003), test::options_of(planes::Profile::refined));
@@ -85,14 +85,14 @@ void read_filter(Bytes bytes) {
   if (filter) filter->matching(*run);
 }
 
-/// The first of them: more are only slower.
+/// The first lines; more would only be slower.
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines = split(text, '\n');
   lines.resize(std::min<std::size_t>(lines.size(), 32));
   return lines;
 }
 
-/// Lines NAME=VALUE, as --set takes them.
+/// Lines NAME=VALUE, as accepted by --set.
 planes::PipelineOptions options_from(const std::string& text) {
   planes::PipelineOptions options;
   for (const std::string& line : lines_of(text)) {
@@ -104,7 +104,7 @@ planes::PipelineOptions options_from(const std::string& text) {
       require(error.what()[0] != '\0', "an Error without a message");
       continue;
     }
-    // What an option says it is, it takes.
+    // An option accepts the value that it reports.
     const planes::OptionInfo& info = planes::find_option(name);
     const std::string value = info.get(options);
     planes::set_option(options, name, value);
@@ -124,13 +124,13 @@ void read_options(Bytes bytes) {
   for (const std::string& line : lines_of(text)) try {
       planes::parse_gravity(line);
     } catch (const Error&) {
-      // A name, or another value.
+      // Not a number.
     }
 }
 
 void read_report_target(Bytes bytes) { report::parse_report_target(text_of(bytes)); }
 
-/// Of any frame that a reader may hand over.
+/// Finds planes in any frame that a reader may return.
 void find_planes(const Frame& frame) {
   static const auto classifier = planes::make_pca_classifier();
   planes::PipelineOptions options;
@@ -146,7 +146,7 @@ void find_planes_in_cloud(Bytes bytes) {
   find_planes(frame);
 }
 
-/// Width, unit, camera, gravity and then counts; numbers as settle_camera() lets them through.
+/// Width, unit, camera and gravity, followed by counts; numbers are limited as by settle_camera().
 void find_planes_in_depth(Bytes bytes) {
   constexpr std::size_t kHead = 2 + 13 * sizeof(double);
   if (bytes.size() < kHead) return;

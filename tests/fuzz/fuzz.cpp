@@ -1,4 +1,4 @@
-// List of all fuzz targets, and the inputs and checks they share.
+// List of all fuzz targets, and their shared inputs and checks.
 
 #include "fuzz/fuzz.hpp"
 
@@ -73,7 +73,7 @@ std::string read(const Target& target, Bytes bytes) {
   }
 }
 
-// ---- What targets read into ----
+// ---- Data that targets read into ----
 
 Frame sample_frame() {
   Frame frame;

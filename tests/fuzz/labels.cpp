@@ -1,4 +1,4 @@
-// Labels: their files, their journal, and other tools' formats.
+// Fuzz targets for labels: their files, their journal, and other tools' formats.
 
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/model/label_files.hpp"
@@ -19,7 +19,7 @@ void read_label_json(Bytes bytes) {
           "labels that change when they are written and read");
 }
 
-/// As the desktop opens it, goes back and forth in it, and saves.
+/// Opens a journal as the desktop does, goes back and forth in it, and saves.
 void read_journal(Bytes bytes) {
   const fs::path dir = memory_folder() / "journal";
   fs::remove_all(dir);
@@ -29,20 +29,20 @@ void read_journal(Bytes bytes) {
   for (const int frame : {0, 1}) try {
       store.open(frame, blank_labels(frame));
     } catch (const Error&) {
-      // Labels of another image.
+      // These labels belong to another image.
     }
   store.history(100);
   try {
     while (store.undo_count() > 0 && store.labels(store.undo_frames().front())) store.undo();
     while (store.redo_count() > 0 && store.labels(store.redo_frames().front())) store.redo();
   } catch (const Error&) {
-    // Of an edit that does not fit its frame.
+    // An edit that does not fit its frame.
   }
   for (const int frame : {0, 1})
     if (store.labels(frame) && store.unsaved(frame)) store.save(frame);
 }
 
-/// Labels in a foreign format, put on a frame and written again.
+/// Reads labels in a foreign format into a frame and writes them again.
 void read_exchanged(const fs::path& path, LabelFormat format) {
   const labels::LabelledPoints points = labels::read_labelled(path, format);
   require(points.label.empty() || points.label.size() == points.size(), "labels of other points");
@@ -56,7 +56,7 @@ void read_exchanged(const fs::path& path, LabelFormat format) {
   const auto again = labels::labels_of_points(labels::read_labelled(written.back(), format), grid,
                                               std::string(64, 'a'), "a");
   for (std::size_t i = 0; i < taken.plane.data.size(); ++i) {
-    // EVOPS and COCO have no "do not score".
+    // EVOPS and COCO do not support "do not score".
     const bool is_same = again.plane.data[i] == taken.plane.data[i];
     require(is_same || (taken.plane.data[i] == kPlaneIgnore && again.plane.data[i] == 0),
             "labels that change when they are exchanged");

@@ -1,4 +1,4 @@
-// One program for all targets: PLANESCOPE_FUZZ_TARGET says which.
+// One program for all targets; PLANESCOPE_FUZZ_TARGET selects one.
 
 #include <cstdlib>
 #include <iostream>
@@ -29,7 +29,7 @@ const Target& target() {
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   planescope::fuzz::target();
-  // Far below what a run may take: memory that grows beyond the limit is noticed.
+  // Far below the memory limit of a run, so that excess memory is noticed.
   planescope::set_read_limit_bytes(std::uint64_t{64} << 20);
   return 0;
 }

@@ -1,4 +1,4 @@
-// What core/io opens: recordings, their images, and the files beside them.
+// Fuzz targets for core/io: recordings, their images, and the files beside them.
 
 #include <fcntl.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// All that programs ask of a recording.
+/// Reads everything that programs read from a recording.
 void read_frames(const io::Recording& recording) {
   require(recording.frame_count() > 0, "a recording without frames");
   for (int i = 0; i < std::min(recording.frame_count(), 4); ++i) try {
@@ -34,7 +34,7 @@ void read_frames(const io::Recording& recording) {
       recording.frame_hash(i);
       recording.timestamp_s(i);
     } catch (const Error&) {
-      // The others may be whole.
+      // Other frames may be intact.
     }
 }
 
@@ -52,7 +52,7 @@ void read_png(Bytes bytes) {
     try {
       reader(path);
     } catch (const Error&) {
-      // The others read other kinds.
+      // Other readers read other kinds.
     }
   io::RecordingOptions options;
   options.intrinsics = {10, 10, 5, 5};
@@ -81,7 +81,7 @@ void read_cloud(const std::string& name, Bytes bytes) {
 void read_ply(Bytes bytes) { read_cloud("ply/a.ply", bytes); }
 void read_pcd(Bytes bytes) { read_cloud("pcd/a.pcd", bytes); }
 
-/// The metadata; the counts beside it are zeros.
+/// The input is the metadata; the counts beside it are zeros.
 void read_viewer_raw(Bytes bytes) {
   file_of("viewer_raw/a.raw", ByteVector(2 * 24 * 16));
   read_frames(*io::open_recording(file_of("viewer_raw/a_metadata.csv", bytes)));
@@ -100,7 +100,7 @@ void read_camera_json(Bytes bytes) {
 void read_camera_xml(Bytes bytes) { io::camera_from_opencv_xml(file_of("camera/a.xml", bytes)); }
 void read_camera_text(Bytes bytes) { io::camera_from_text(file_of("camera/a.txt", bytes)); }
 
-/// Beside one depth image, whose camera it tells.
+/// The input is a sidecar beside one depth image, for its camera.
 void read_sidecar(Bytes bytes) {
   static const ByteVector image = io::encode_png(plain_depth());
   file_of("sidecar/depth/000000.png", image);

@@ -1,5 +1,5 @@
-// fuzz_replay FOLDER...: reads every file FOLDER/TARGET/* by its target, as the fuzzers do. Exits 1
-// where one does harm, and names it.
+// fuzz_replay FOLDER...: reads every file FOLDER/TARGET/* with its target, as the fuzzers do. Exits
+// with 1 and names the file if one is a finding.
 
 #include <algorithm>
 #include <iostream>
@@ -17,7 +17,7 @@ struct Counts {
 };
 
 void read(const fuzz::Target& target, const fs::path& path, Counts& counts) {
-  std::cerr << path.string() << std::endl;  // before: it may end the program
+  std::cerr << path.string() << std::endl;  // printed first, because reading may end the program
   ++counts.files;
   try {
     counts.refused += !fuzz::read(target, read_file_bytes(path)).empty();
@@ -27,7 +27,7 @@ void read(const fuzz::Target& target, const fs::path& path, Counts& counts) {
   }
 }
 
-/// The exit code.
+/// Returns the exit code.
 int replay(const fs::path& corpus) {
   Counts counts;
   for (const fuzz::Target& target : fuzz::all_targets()) {

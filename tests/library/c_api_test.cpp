@@ -71,6 +71,19 @@ TEST(CInterface, MetersAndCountsGiveTheSamePlanes) {
   EXPECT_STREQ(planescope_version(), PLANESCOPE_VERSION);
 }
 
+extern "C" int print_planes(const std::uint16_t* counts);  // of docs/library.md
+
+TEST(CInterface, TheProgramInTheDocumentsPrintsPlanes) {
+  std::vector<std::uint16_t> counts;
+  for (int i = 0; i < 640 * 480; ++i) {
+    const double down = (i / 640 - 239.5) / 385;
+    counts.push_back(down > 0.2 ? static_cast<std::uint16_t>(std::lround(300 / down)) : 0);
+  }
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(print_planes(counts.data()), 0);
+  EXPECT_EQ(testing::internal::GetCapturedStdout().rfind("plane 1: ", 0), 0U);
+}
+
 TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
   const auto error_of = [](auto&& change) {
     Floor floor;
@@ -84,14 +97,15 @@ TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
   EXPECT_EQ(error_of([](Floor& f) { f.depth.counts = f.counts.data(); }),
             "depth image: both counts and meters; expected one of them");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.camera.width = -1; }),
-            "depth image: it is -1x120 pixels, expected 1 to 16384 each");
+            "depth image: -1x120 pixels; expected 1 to 16384 in each direction");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.row_stride = 3; }),
-            "depth image: rows of 160 pixels stand 3 apart");
+            "depth image: row stride 3; expected at least the width, 160");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.camera.distortion = -7; }),
             "depth image: distortion -7; expected a planescope_distortion, 0 to 2");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.unit_m = -1; }),
-            "depth image: -1 m per count, expected above 0 and at most 1");
-  EXPECT_EQ(error_of([](Floor& f) { f.gravity[1] = 0; }), "gravity: 0, 0, 0 is no direction");
+            "depth image: -1 m per count; expected above 0 and at most 1");
+  EXPECT_EQ(error_of([](Floor& f) { f.gravity[1] = 0; }),
+            "gravity: 0, 0, 0; expected a nonzero direction");
 
   const planescope_option unknown[] = {{"theta_n_ou", "3"}}, no_value[] = {{"profile", nullptr}};
   EXPECT_EQ(planescope_segmenter_create(unknown, 1, 1), nullptr);
@@ -99,14 +113,14 @@ TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
   EXPECT_EQ(planescope_segmenter_create(no_value, 1, 1), nullptr);
   EXPECT_STREQ(planescope_last_error(), "option 0: NULL; expected a name and a value");
   EXPECT_EQ(planescope_segmenter_create(nullptr, 0, 0), nullptr);
-  EXPECT_STREQ(planescope_last_error(), "threads: 0, expected 1 or more");
+  EXPECT_STREQ(planescope_last_error(), "threads: 0; expected 1 or more");
   EXPECT_EQ(planescope_segment(nullptr, nullptr), nullptr);
   planescope_segmenter_free(nullptr);
   planescope_result_free(nullptr);
 }
 
-// Programs contain the sizes of these structs. A failure here is a change of the ABI: take it back,
-// or raise the minor version in CMakeLists.txt, and with it the soname, and write the new size
+// Programs contain the sizes of these structs. A failure here is a change of the ABI: revert it, or
+// raise the minor version in CMakeLists.txt, and thereby the soname, and update the size
 // (docs/library.md).
 #if defined(__x86_64__) && defined(__GLIBCXX__)
 static_assert(sizeof(planescope::Camera) == 88);

@@ -78,7 +78,7 @@ TEST(Library, FindsTheFloorTheTreadAndTheRiserOfAStep) {
   EXPECT_EQ(risers, 1);
   EXPECT_EQ(treads, 1);
   EXPECT_EQ(floors, 1);
-  // The pixel at the bottom is the floor, 30 cm below the sensor.
+  // The bottom pixel is on the floor, 30 cm below the sensor.
   const std::size_t bottom = 239 * 424 + 212;
   const int id = result.plane_of()[bottom];
   ASSERT_GT(id, 0);
@@ -89,7 +89,7 @@ TEST(Library, FindsTheFloorTheTreadAndTheRiserOfAStep) {
   EXPECT_EQ(result.gravity().source, "option");
 }
 
-TEST(Library, APartOfAnImageIsSegmentedWhereItLies) {
+TEST(Library, APartOfAnImageIsSegmentedInPlace) {
   const Step step;
   ps::DepthImage part = step.image;  // its lower right quarter
   part.row_stride = 424;
@@ -103,7 +103,7 @@ TEST(Library, APartOfAnImageIsSegmentedWhereItLies) {
   EXPECT_EQ(result.planes().size(), 3U);
 }
 
-TEST(Library, DepthInMetersIsStoredWithoutLossThatMatters) {
+TEST(Library, DepthInMetersIsStoredWithNegligibleLoss) {
   Step step;
   std::vector<float> meters;
   for (const std::uint16_t count : step.counts) meters.push_back(0.001f * count);
@@ -112,8 +112,8 @@ TEST(Library, DepthInMetersIsStoredWithoutLossThatMatters) {
   image.counts = nullptr;
   image.meters = meters.data();
   EXPECT_EQ(ps::Frame(image).bytes(), ps::Frame(step.image).bytes());
-  for (float& z : meters) z *= 1.00037f;  // no whole number of units any more
-  meters[1] = 100;                        // farther than counts go
+  for (float& z : meters) z *= 1.00037f;  // no longer whole numbers of units
+  meters[1] = 100;                        // beyond the range of counts
   const ps::Frame frame(image);
   const ps::DepthImage stored = frame.depth();
   EXPECT_EQ(stored.counts[1], 65535);
@@ -121,7 +121,7 @@ TEST(Library, DepthInMetersIsStoredWithoutLossThatMatters) {
     ASSERT_NEAR(stored.counts[i] * stored.unit_m, meters[i], 1.001e-4) << i;
 }
 
-TEST(Library, AFrameIsTheSameAfterItsBytes) {
+TEST(Library, AFrameSurvivesSerialization) {
   const ps::Recording recording(PLANESCOPE_SAMPLE);
   const ps::Frame frame = recording[1];
   const std::string bytes = frame.bytes();
@@ -139,10 +139,9 @@ TEST(Library, AMapperFollowsPlanesFromFrameToFrame) {
   // The camera looks along x.
   ps::Transform pose = {0, 0, 1, 0, -1, 0, 0, 0, 0, -1, 0, 0.3, 0, 0, 0, 1};
   ps::Mapper mapper(ps::Segmenter(), 6);
-  EXPECT_EQ(error_of([&] { mapper.map(); }), "map: it has no frames, expected some from add()");
-  EXPECT_EQ(
-      error_of([&] { mapper.add(step.image, ps::kIdentity); }),
-      "pose of frame 0: expected a world whose z points up: the frame's gravity is 90 deg off");
+  EXPECT_EQ(error_of([&] { mapper.map(); }), "map: no frames; expected at least one from add()");
+  EXPECT_EQ(error_of([&] { mapper.add(step.image, ps::kIdentity); }),
+            "pose of frame 0: the frame's gravity is 90 deg off; expected a world frame with z up");
   std::vector<int> tracks;
   for (int i = 0; i < 4; ++i) {
     const ps::MappedFrame added = mapper.add(step.image, pose);
@@ -157,50 +156,54 @@ TEST(Library, AMapperFollowsPlanesFromFrameToFrame) {
   EXPECT_NE(map.map_json.find("\"seen\": 4"), std::string::npos) << map.map_json;
 }
 
-TEST(Library, SaysWhatIsWrongInOneLine) {
+TEST(Library, ReportsErrorsInOneLine) {
   const Step step;
   const auto with = [&](const std::function<void(ps::DepthImage&)>& change) {
     ps::DepthImage image = step.image;
     change(image);
     return error_of([&] { ps::segment(image); });
   };
-  EXPECT_EQ(with([](auto& i) { i.counts = nullptr; }), "depth image: it has no pixels");
+  EXPECT_EQ(with([](auto& i) { i.counts = nullptr; }), "depth image: no pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.fx = 0; }),
-            "depth image: its focal length is 0, 300, expected pixels above 0");
+            "depth image: focal length 0, 300 px; expected above 0");
+  EXPECT_EQ(
+      with([](auto& i) { i.camera.fx = i.camera.fy = 1; }),
+      "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 "
+      "degrees; expected fx, fy, cx and cy in pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.width = -1; }),
-            "depth image: it is -1x240 pixels, expected 1 to 16384 each");
+            "depth image: -1x240 pixels; expected 1 to 16384 in each direction");
   EXPECT_EQ(with([](auto& i) { i.unit_m = 1000; }),
-            "depth image: 1000 m per count, expected above 0 and at most 1");
+            "depth image: 1000 m per count; expected above 0 and at most 1");
   EXPECT_EQ(with([](auto& i) { i.row_stride = 3; }),
-            "depth image: rows of 424 pixels stand 3 apart");
+            "depth image: row stride 3; expected at least the width, 424");
   EXPECT_EQ(with([](auto& i) {
               i.gravity = ps::Vec3{0, 0, 0};
             }),
-            "gravity: 0, 0, 0 is no direction");
+            "gravity: 0, 0, 0; expected a nonzero direction");
   EXPECT_EQ(with([](auto& i) { i.camera.distortion = static_cast<ps::Distortion>(7); }),
-            "depth image: distortion 7 is none that is known");
+            "depth image: unknown distortion 7; expected 0 to 2");
   EXPECT_EQ(with([](auto& i) {
               i.camera.distortion = ps::Distortion::brown_conrady;
               i.camera.coefficients[2] = std::nan("");
             }),
-            "depth image: its distortion has a coefficient nan");
+            "depth image: distortion coefficient nan; expected a finite number");
   const std::vector<std::uint8_t> rgb(300);
   EXPECT_EQ(with([&](auto& i) {
               i.color.rgb = rgb.data();
               i.color.aligned = true;
               i.color.camera.width = i.color.camera.height = 10;
             }),
-            "color image: it is 10x10 pixels and aligned, expected 424x240");
+            "color image: 10x10 pixels, aligned with depth; expected 424x240");
   EXPECT_EQ(error_of([] { ps::Recording(std::string("a\0b", 3)); }),
-            "recording: its path has a NUL in it");
-  EXPECT_EQ(error_of([&] { ps::segment(ps::PointCloud()); }), "point cloud: it has no points");
-  EXPECT_EQ(error_of([] { ps::Segmenter(ps::Options(), 0); }), "threads: 0, expected 1 or more");
+            "recording: the path contains a NUL");
+  EXPECT_EQ(error_of([&] { ps::segment(ps::PointCloud()); }), "point cloud: no points");
+  EXPECT_EQ(error_of([] { ps::Segmenter(ps::Options(), 0); }), "threads: 0; expected 1 or more");
   EXPECT_EQ(error_of([] { ps::Recording("/nowhere"); }), "/nowhere: no such file or folder");
   EXPECT_EQ(error_of([] { ps::Recording(PLANESCOPE_SAMPLE)[3]; }),
-            PLANESCOPE_SAMPLE ": frame 3, it has 3 of them, from 0");
+            PLANESCOPE_SAMPLE ": frame 3 is out of range; it has 3 frames, numbered from 0");
   const std::string unknown = error_of([] { ps::Options().set("theta_n_ou", "3"); });
   EXPECT_NE(unknown.find("theta_n_out"), std::string::npos) << unknown;
-  // What only the command line has is not advised.
+  // Errors do not suggest options of the command line.
   std::vector<std::uint16_t> nothing(64 * 48);
   ps::DepthImage empty = step.image;
   empty.camera.width = 64;
@@ -212,7 +215,7 @@ TEST(Library, SaysWhatIsWrongInOneLine) {
   EXPECT_EQ(where.find("--"), std::string::npos) << where;
 }
 
-TEST(Library, PlanesOfAResultThatGoesAreCopied) {
+TEST(Library, PlanesOfATemporaryResultAreCopied) {
   const Step step;
   double area = 0;
   for (const ps::Plane& plane : ps::segment(step.image).planes()) area += plane.outline.area_m2;
@@ -231,7 +234,7 @@ TEST(Library, GravityOfAnyLengthIsADirection) {
   EXPECT_EQ(ps::segment(step.image).planes().size(), 3U);
 }
 
-TEST(Library, WhatWasSetByItsNameStaysWhateverTheOrder) {
+TEST(Library, OptionsSetByNameDoNotDependOnTheOrder) {
   const auto cropped = [](bool before) {
     ps::Options options;
     if (before) options.set("range_for_clouds", "off");
@@ -244,20 +247,20 @@ TEST(Library, WhatWasSetByItsNameStaysWhateverTheOrder) {
   EXPECT_EQ(ps::Options().set("max_range_m", 1).get("range_for_clouds"), "on");
 }
 
-TEST(Library, ARendererMayGoOnAnotherThread) {
+TEST(Library, ARendererCanBeDestroyedOnAnotherThread) {
   auto renderer = std::make_unique<ps::Renderer>();
   std::thread([&] { renderer.reset(); }).join();
   EXPECT_FALSE(renderer);
 }
 
-TEST(Library, FramesOfARecordingGoIntoAVector) {
+TEST(Library, FramesOfARecordingCanBeStoredInAVector) {
   const ps::Recording recording(PLANESCOPE_SAMPLE);
   const std::vector<ps::Frame> frames(recording.begin(), recording.end());
   ASSERT_EQ(frames.size(), 3U);
   EXPECT_EQ(frames[2].index(), 2);
 }
 
-TEST(Library, ProfilesAndOptionsAreThoseOfTheProgram) {
+TEST(Library, ProfilesAndOptionsMatchTheProgram) {
   EXPECT_EQ(ps::Options().get("profile"), "refined");
   EXPECT_EQ(ps::Options("paper").get("profile"), "paper");
   ps::Options options;
@@ -274,7 +277,7 @@ TEST(Library, ProfilesAndOptionsAreThoseOfTheProgram) {
             "option r1_merge_by_distance was removed in 0.2; see merge_cost");
 }
 
-TEST(Library, ACloudFarFromItsOriginIsSegmentedAsNearIt) {
+TEST(Library, ACloudFarFromItsOriginHasTheSamePlanes) {
   std::vector<double> xyz;
   for (int i = 0; i < 100; ++i)
     for (int k = 0; k < 100; ++k) xyz.insert(xyz.end(), {5e5 + 0.01 * i, 4e6 + 0.01 * k, 321.5});
@@ -288,7 +291,7 @@ TEST(Library, ACloudFarFromItsOriginIsSegmentedAsNearIt) {
   EXPECT_NEAR(result.points()[9999][1], 4e6 + 0.99, 1e-4);
 }
 
-TEST(Library, EveryStepOfATraceIsToldAndTheLastIsTheResult) {
+TEST(Library, EveryStepOfATraceIsDescribedAndTheLastIsTheResult) {
   const ps::Recording recording(PLANESCOPE_SAMPLE);
   const ps::Frame frame = recording[0];
   const ps::Segmenter segmenter;
@@ -298,7 +301,7 @@ TEST(Library, EveryStepOfATraceIsToldAndTheLastIsTheResult) {
   ASSERT_GT(trace.steps(), 100);
   for (int step = 1; step <= trace.steps(); ++step) EXPECT_FALSE(trace.describe(step).empty());
   EXPECT_EQ(error_of([&] { trace.describe(0); }),
-            "step 0: there are steps 1 to " + std::to_string(trace.steps()));
+            "step 0 is out of range; expected 1 to " + std::to_string(trace.steps()));
 
   const std::vector<ps::Node> nodes = trace.nodes();
   int found = 0;
@@ -361,7 +364,7 @@ TEST(Library, DrawsPlanesAndSteps) {
   EXPECT_EQ(images[0].width, 400);
   EXPECT_EQ(images[0].rgb.size(), 400U * 300 * 3);
   EXPECT_EQ(error_of([&] { renderer.draw(result, ps::Picture::planes, 0, 3); }),
-            "picture: it is 0x3 pixels, expected 1 to 16384 each");
+            "picture: 0x3 pixels; expected 1 to 16384 in each direction");
 }
 
 }  // namespace

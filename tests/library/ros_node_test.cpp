@@ -1,5 +1,5 @@
-// The node of packaging/ros2/planescope_ros, compiled against stand-ins for ROS: it publishes, byte
-// by byte, what `planescope segment` writes into an MCAP file of the same frames.
+// The node of packaging/ros2/planescope_ros, compiled against stand-ins for ROS. It must publish,
+// byte for byte, what `planescope segment` writes to an MCAP file of the same frames.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Node = rclcpp_lifecycle::LifecycleNode;
 
-/// What the program writes for the sample without its color, which the node does not see.
+/// Output of the program for the sample without color, which the node does not receive.
 class PlanesFile {
  public:
   PlanesFile() {
@@ -53,7 +53,7 @@ v0::View<std::uint8_t> view(const std::string& bytes) {
   return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
 }
 
-/// A node, and what its topics carry.
+/// A node, and the messages on its topics.
 struct RosNode : testing::Test {
   const std::shared_ptr<Node> node = make_component();
 
@@ -62,7 +62,7 @@ struct RosNode : testing::Test {
     configure();
     ASSERT_EQ(node->on_activate({}), Node::CallbackReturn::SUCCESS);
   }
-  /// False: nobody listens.
+  /// Returns false if there is no subscriber.
   bool send(const std::string& topic, const std::string& bytes) {
     for (const auto& weak : node->get_node_topics_interface()->subscriptions)
       if (const auto subscription = weak.lock(); subscription && subscription->topic == topic) {
@@ -95,7 +95,7 @@ std::string refusal(const v0::RosSegmenter& segmenter, const std::string& image)
 
 }  // namespace
 
-TEST_F(RosNode, PublishesTheMessagesOfThePlanesFile) {
+TEST_F(RosNode, PublishesTheMessagesInTheMcapFile) {
   node->set_parameter({"foot_radius_m", rclcpp::ParameterValue(0.08)});
   activate();
   ASSERT_TRUE(send("depth/camera_info", file().info()));
@@ -118,7 +118,7 @@ TEST_F(RosNode, PublishesTheMessagesOfThePlanesFile) {
   EXPECT_TRUE(ours[0].T_parent_child.isApprox(theirs[1].T_parent_child, 0));
 }
 
-TEST_F(RosNode, IsSilentUnlessActiveAndMakesOnlyWhatIsSubscribed) {
+TEST_F(RosNode, PublishesOnlyWhenActiveAndOnlySubscribedTopics) {
   configure();
   EXPECT_FALSE(send("depth/image", file().depth(0)));
   node->on_activate({});
@@ -160,10 +160,10 @@ TEST_F(RosNode, ParametersAreTheOptionsWithTheirDescriptionsAndRanges) {
   EXPECT_NE(planes.at(0), planes.at(1));
 }
 
-TEST_F(RosNode, LogsWhatIsWrongWithAMessageAndGoesOn) {
+TEST_F(RosNode, LogsInvalidMessagesAndContinues) {
   activate();
   send("depth/image", file().depth(0));
-  EXPECT_EQ(last_line(), "image: its camera_info did not arrive yet");
+  EXPECT_EQ(last_line(), "image: its camera_info has not arrived yet");
   send("depth/camera_info", "abc");
   EXPECT_EQ(last_line(), "sensor_msgs/msg/CameraInfo: damaged message of 3 bytes");
   send("depth/camera_info", file().info());
@@ -171,7 +171,7 @@ TEST_F(RosNode, LogsWhatIsWrongWithAMessageAndGoesOn) {
   EXPECT_EQ(publisher("~/planes")->published.size(), 1);
 }
 
-TEST(RosSegmenter, RefusesImagesThatItCannotUse) {
+TEST(RosSegmenter, RejectsUnsupportedImages) {
   v0::RosSegmenter segmenter;
   segmenter.set_camera_info(view(file().info()));
   const std::string image = file().depth(0);
@@ -187,7 +187,7 @@ TEST(RosSegmenter, RefusesImagesThatItCannotUse) {
   EXPECT_TRUE(has(refusal(segmenter, image.substr(0, image.size() - 1)), "damaged message"));
 }
 
-TEST(RosSegmenter, FloatsInMetersGiveThePlanesOfMillimeters) {
+TEST(RosSegmenter, FloatsInMetersGiveTheSamePlanesAsMillimeters) {
   v0::RosSegmenter segmenter;
   segmenter.set_camera_info(view(file().info()));
   std::string image = file().depth(0);
@@ -200,7 +200,7 @@ TEST(RosSegmenter, FloatsInMetersGiveThePlanesOfMillimeters) {
         count == 0 ? std::numeric_limits<float>::quiet_NaN() : 0.001f * static_cast<float>(count);
     meters.append(reinterpret_cast<const char*>(&value), 4);
   }
-  const std::uint32_t sizes[] = {640 * 4, 640 * 480 * 4};  // of a row, and of all
+  const std::uint32_t sizes[] = {640 * 4, 640 * 480 * 4};  // of a row, and in total
   image.resize(image.size() - bytes);
   std::memcpy(&image[image.size() - sizeof(sizes)], sizes, sizeof(sizes));
   image.replace(image.find("16UC1"), 5, "32FC1");

@@ -1,5 +1,4 @@
-// Compiles and runs the code of docs/library.md for Eigen and OpenCV; the build copies it from
-// there.
+// Compiles and runs the code for Eigen and OpenCV in docs/library.md, which the build extracts.
 
 #include <gtest/gtest.h>
 
@@ -44,10 +43,10 @@ TEST(Snippets, EigenReadsPlanesAndPoses) {
   EXPECT_NEAR(plane.absDistance(points.col(kWidth * 60 + 10)), 0, 1e-3);
 }
 
-TEST(Snippets, OpenCvImagesGoInAndLabelsComeOut) {
+TEST(Snippets, OpenCvImagesAreSegmentedToLabelImages) {
 #ifdef PLANESCOPE_WITH_OPENCV
   const cv::Matx33d K(120, 0, 79.5, 0, 120, 59.5, 0, 0, 1);
-  cv::Mat depth(kHeight, kWidth + 7, CV_16U, cv::Scalar(0));  // wider than the image that is used
+  cv::Mat depth(kHeight, kWidth + 7, CV_16U, cv::Scalar(0));  // wider than the part in use
   depth.colRange(0, kWidth / 2).setTo(1000);
   const planescope::Result result = planescope::segment(
       frame_of(depth.colRange(0, kWidth), K, 0.001), planescope::Options().set("gravity", "0,1,0"));

@@ -1,4 +1,4 @@
-"""examples_test.py EXAMPLES SAMPLE: every script of python/examples does what it says, and refuses bad input in one line."""
+"""examples_test.py EXAMPLES SAMPLE: all scripts in python/examples work, and report invalid input in one line."""
 
 import subprocess
 import sys
@@ -37,7 +37,7 @@ with tempfile.TemporaryDirectory() as folder:
     assert lines[0].startswith("frame,id,label") and lines[-1].startswith("2,") and len(lines) > 20, lines
     assert "no such file" in run("recording_table.py", "/nowhere", fails=True)
 
-    # The camera stands still: the same frame five times.
+    # A camera at rest: the same frame five times.
     still = out / "still" / "depth"
     still.mkdir(parents=True)
     for i in range(5):

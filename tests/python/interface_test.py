@@ -1,4 +1,4 @@
-"""The interface of the Python package: refusals, a process without numpy, metadata, docstrings, stub."""
+"""Interface of the Python package: errors, a process without numpy, metadata, docstrings, stub."""
 
 import ast
 import doctest
@@ -41,9 +41,9 @@ class BadInput(unittest.TestCase):
         ):
             with self.assertRaises(ps.Error) as caught:
                 ps.segment(wrong, K)
-            self.assertTrue(str(caught.exception).startswith("depth: it is "), caught.exception)
+            self.assertTrue(str(caught.exception).startswith("depth: "), caught.exception)
             if not isinstance(wrong, (str, type(None))):
-                self.assertEqual(str(caught.exception), f"depth: it is {found}, {expected}")
+                self.assertEqual(str(caught.exception), f"depth: {found}; {expected}")
         for interface in (
             {},
             5,
@@ -54,62 +54,67 @@ class BadInput(unittest.TestCase):
             {"typestr": "<u2", "shape": (-2, 2), "data": b"12345678"},
             {"typestr": "<u2", "shape": (2, 2), "strides": (2,), "data": b"12345678"},
         ):
-            with self.assertRaisesRegex(ps.Error, "^depth: it is a .*, expected"):
+            with self.assertRaisesRegex(ps.Error, "^depth: a .*; expected"):
                 ps.Frame(types.SimpleNamespace(__array_interface__=interface), K)
-        with self.assertRaisesRegex(ps.Error, "^depth: it is a ndarray, expected an array of numbers"):
+        with self.assertRaisesRegex(ps.Error, "^depth: a ndarray; expected an array of numbers"):
             ps.Frame(np.zeros((2, 2), "M8[s]"), K)
         self.expect(
-            "depth image: every pixel is beyond 65.5 m, expected meters",
+            "depth image: every pixel is beyond 65.5 m; expected meters",
             lambda: ps.segment(100.0 * np.maximum(depth, 1000), K),
         )
         self.expect(
-            "depth_unit: depth is in meters, expected no unit",
+            "depth_unit: depth is in meters; expected no unit",
             lambda: ps.segment(depth / 1000, K, depth_unit=0.001),
         )
         self.expect(
-            "K: it is 'sample', expected a 3x3 matrix or fx, fy, cx, cy", lambda: ps.segment(depth, "sample")
+            "K: 'sample'; expected a 3x3 matrix or fx, fy, cx, cy", lambda: ps.segment(depth, "sample")
         )
-        self.expect("threads: 0, expected 1 or more", lambda: ps.Segmenter(threads=0))
         self.expect(
-            "at: it is (480, 0), expected a place in (240, 424)",
+            "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 degrees; "
+            "expected fx, fy, cx and cy in pixels",
+            lambda: ps.segment(depth, np.eye(3)),
+        )
+        self.expect("threads: 0; expected 1 or more", lambda: ps.Segmenter(threads=0))
+        self.expect(
+            "at: (480, 0); expected a pixel or point in shape (240, 424)",
             lambda: ps.Segmenter().trace(ps.Frame(depth, K, gravity=(0, 1, 0))).plane_of(0, (480, 0)),
         )
-        self.expect("K: it is not given, expected a 3x3 matrix or fx, fy, cx, cy", lambda: ps.segment(depth))
+        self.expect("K: missing; expected a 3x3 matrix or fx, fy, cx, cy", lambda: ps.segment(depth))
         self.expect(
-            "K: it has shape (2, 2), expected a 3x3 matrix or fx, fy, cx, cy",
+            "K: shape (2, 2); expected a 3x3 matrix or fx, fy, cx, cy",
             lambda: ps.segment(depth, K[:2, :2]),
         )
         self.expect(
-            "K: it is [[300.0, 0.0, 0.0], [0.0, 300.0, 0.0], [211.5, 119.5, 1.0]], "
+            "K: [[300.0, 0.0, 0.0], [0.0, 300.0, 0.0], [211.5, 119.5, 1.0]]; "
             "expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]",
             lambda: ps.segment(depth, K.T),
         )
-        self.expect("frame: it is a ndarray, expected a planescope.Frame", lambda: ps.Segmenter().segment(depth))
+        self.expect("frame: a ndarray; expected a planescope.Frame", lambda: ps.Segmenter().segment(depth))
         self.expect(
             "segment: a Frame has its own K, depth_unit, distortion and color",
             lambda: ps.segment(ps.Frame(depth, K), depth_unit=0.5),
         )
-        self.expect("gravity: it has shape (2,), expected x, y, z", lambda: ps.segment(depth, K, gravity=(0, 1)))
+        self.expect("gravity: shape (2,); expected x, y, z", lambda: ps.segment(depth, K, gravity=(0, 1)))
         self.expect(
-            "color: it is float64 of shape (240, 424, 3), expected uint8 RGB on the pixels of depth",
+            "color: float64 of shape (240, 424, 3); expected uint8 RGB on the pixels of depth",
             lambda: ps.segment(depth, K, color=np.zeros((240, 424, 3))),
         )
         self.expect(
-            "points: it is float64 of shape (4, 4), expected meters of shape (points, 3) or (height, width, 3)",
+            "points: float64 of shape (4, 4); expected meters of shape (points, 3) or (height, width, 3)",
             lambda: ps.segment_cloud(np.eye(4)),
         )
         self.expect(
-            "points: it is int64 of shape (0,), expected meters of shape (points, 3) or (height, width, 3)",
+            "points: int64 of shape (0,); expected meters of shape (points, 3) or (height, width, 3)",
             lambda: ps.segment_cloud(np.zeros(0, int)),
         )
-        self.expect("point cloud: it has no points", lambda: ps.segment_cloud(np.zeros((0, 3))))
+        self.expect("point cloud: no points", lambda: ps.segment_cloud(np.zeros((0, 3))))
         self.expect("/nowhere: no such file or folder", lambda: ps.Recording("/nowhere"))
         with self.assertRaisesRegex(ps.Error, "theta_n_out"):
             ps.segment(depth, K, theta_n_ou=3)
 
 class WithoutNumpy(unittest.TestCase):
     def test_memoryviews_come_in_and_go_out(self):
-        # The same image once with numpy, once in a process where importing it fails.
+        # The same image with numpy, and in a process in which importing numpy fails.
         expected = ps.segment(step_image(), K, gravity=(0, 1, 0))
         script = """
 import sys

@@ -1,4 +1,4 @@
-"""messages_test.py ROOT: the list of messages for the site has those that programs print, by what they are about."""
+"""messages_test.py ROOT: the site's list of messages contains those that programs print, by subject."""
 
 import subprocess
 import sys
@@ -10,13 +10,13 @@ listed = subprocess.run(
 ).stdout
 sections = {part.split("\n")[0]: part for part in listed.split("\n### ")[1:]}
 for section, message in [
-    ("Recordings and clouds", "…: the recording does not say its camera intrinsics; …"),
-    ("Recordings and clouds", "cannot be unpacked into the folder for temporary files"),
+    ("Recordings and clouds", "…: the recording contains no camera intrinsics; …"),
+    ("Recordings and clouds", "cannot be decompressed into the folder for temporary files"),
     ("Gravity and cameras", "gravity cannot be estimated from the scene"),
-    ("The library, and Python", "depth image: it has no pixels"),
-    ("The library, and Python", "K: it is …, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"),
+    ("The library, and Python", "depth image: no pixels"),
+    ("The library, and Python", "K: …; expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"),
     ("The library, and Python", "uint16 counts or float meters of shape (height, width)"),
-    ("The command line", "report needs -o DIR: Output folder"),
+    ("The command line", "--also needs -o DIR, the folder to write to"),
 ]:
     assert message in sections[section], f"{section}: {message}"
 assert listed.count("\n- ") > 500, listed.count("\n- ")

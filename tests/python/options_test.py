@@ -1,14 +1,17 @@
-"""options_test.py FILE [--write]: FILE, planescope/_options.py, has the options of the registry, as types."""
+"""options_test.py FILE [--write]: FILE (planescope/_options.py) declares the types of all registered options.
+
+--write generates it.
+"""
 
 import importlib.util
 import sys
 from pathlib import Path
 
-# Without the package itself, which needs FILE.
+# Import _core without the package, which needs FILE.
 sys.path += importlib.util.find_spec("planescope").submodule_search_locations
 import _core  # noqa: E402
 
-HEAD = '''"""Options as a typed dictionary: written by tests/python/options_test.py from the registry."""
+HEAD = '''"""Options as a typed dictionary, generated from the registry by tests/python/options_test.py."""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class OptionsWithoutGravity(TypedDict, total=False):
-    """Options of functions that have `gravity` as an argument of its own: segment(), segment_cloud().
+    """Options of segment() and segment_cloud(), which have a separate argument `gravity`.
 
     Example:
         >>> options: ps.OptionsWithoutGravity = {"max_range_m": 2.5, "foot_radius_m": 0.08}
@@ -50,9 +53,9 @@ def type_of(name, unit, default):
         return "bool"
     if "/" in unit:
         choices = unit.split("/")
-        # A file is any text.
+        # A file can be any text.
         return "str" if "FILE" in choices else "Literal[" + ", ".join(f'"{c}"' for c in choices) + "]"
-    # Whole numbers are counts.
+    # Counts are whole numbers.
     return "int" if unit in ("points", "levels", "tries") or name == "ransac_seed" else "float"
 
 
@@ -64,7 +67,7 @@ def text():
         row = f"    # {sentence}{shown}\n    {name}: {type_of(name, unit, refined)}\n"
         if name == "gravity":
             tail = TAIL + row
-        elif name != "profile":  # an argument of its own
+        elif name != "profile":  # a separate argument
             rows.append(row)
     return HEAD + "".join(rows) + tail
 

@@ -1,4 +1,4 @@
-"""The Python package, as its users call it."""
+"""The Python package as users call it."""
 
 import json
 import os
@@ -34,7 +34,7 @@ K = np.array([[300, 0, 211.5], [0, 300, 119.5], [0, 0, 1]])
 
 
 class Interface:
-    """An array as libraries without numpy have it: __array_interface__ alone."""
+    """An array of a library without numpy: only __array_interface__."""
 
     def __init__(self, array, as_bytes=False):
         self.kept = array
@@ -93,10 +93,10 @@ class Maps(unittest.TestCase):
         self.assertGreater(len(of_array.planes), 3)
         self.assertEqual(of_array, ps.make_map(recording, poses=made.T_world_camera, frames=range(12)))
         for wrong, why in (
-            (poses[:3], re.escape("poses: it has shape (3, 4, 4), expected (12, 4, 4)")),
-            (2 * poses, "pose of frame 0: it is no rigid transform"),
-            ({50: poses[0]}, "frame 50, it has 40"),
-            ({}, "there are none"),
+            (poses[:3], re.escape("poses: shape (3, 4, 4); expected (12, 4, 4)")),
+            (2 * poses, "pose of frame 0: not a rigid transform"),
+            ({50: poses[0]}, "frame 50 is out of range; it has 40"),
+            ({}, "poses: none"),
         ):
             with self.assertRaisesRegex(ps.Error, why):
                 ps.make_map(recording, poses=wrong, frames=range(12))
@@ -126,9 +126,9 @@ class Maps(unittest.TestCase):
     def test_need_a_world_whose_z_points_up(self):
         frame = ps.Recording(self.walk)[0]
         for pose, why in (
-            (np.eye(4), "expected a world whose z points up"),
-            (np.diag([2, 2, 2, 1]), "pose of frame 0: it is no rigid transform"),
-            (np.eye(3), re.escape("pose: it has shape (3, 3), expected a 4x4 matrix")),
+            (np.eye(4), "expected a world frame with z up"),
+            (np.diag([2, 2, 2, 1]), "pose of frame 0: not a rigid transform"),
+            (np.eye(3), re.escape("pose: shape (3, 3); expected a 4x4 matrix")),
         ):
             with self.assertRaisesRegex(ps.Error, why):
                 ps.Mapper().add(frame, pose)
@@ -138,7 +138,7 @@ class Maps(unittest.TestCase):
     def test_refuse_invalid_input(self):
         for wrong, why in (
             (dict(frames=[3, 1]), "do not ascend"),
-            (dict(frames=[40]), "it has 40 of them"),
+            (dict(frames=[40]), "it has 40 frames"),
             (dict(poses=self.walk / "none.tum"), "none.tum"),
             (dict(window_m=-1), "window_m"),
             (dict(frames=[]), "at least one"),
@@ -185,12 +185,12 @@ class Segments(unittest.TestCase):
         meters[0, :3] = np.nan, -1, np.inf  # not measured
         for array in (meters, meters.astype(">f4"), meters.astype("f4")[:, ::-1].copy()[:, ::-1]):
             result = ps.segment(array, K, gravity=(0, 1, 0))
-            self.assertEqual(result, expected)  # multiples of 1 mm are the same image, to the bit
+            self.assertEqual(result, expected)  # multiples of 1 mm give the same image, bit by bit
         random = np.random.default_rng(1).uniform(0.3, 6.5, depth.shape).astype("f4")
         frame = ps.Frame(random, K)
         self.assertEqual(frame.depth_unit, 0.0002)
         np.testing.assert_allclose(frame.depth * frame.depth_unit, random, atol=1.001e-4)
-        random[0, 0] = 1000  # a stray does not spoil the others
+        random[0, 0] = 1000  # an outlier does not affect other pixels
         frame = ps.Frame(random, K)
         self.assertEqual(frame.depth[0, 0], 65535)
         np.testing.assert_allclose((frame.depth * frame.depth_unit)[1:], random[1:], atol=1.001e-4)
@@ -203,7 +203,7 @@ class Segments(unittest.TestCase):
         self.assertEqual(segmenter(frame, gravity="none").planes[0].label, "unknown")
         self.assertEqual(segmenter(frame, profile="paper"), ps.segment(frame, profile="paper", max_range_m=2))
         self.assertEqual(segmenter(frame, max_range_m=1.2), ps.segment(frame, max_range_m=1.2))
-        # A call comes before the options.
+        # Arguments of a call override the options.
         fixed = ps.Segmenter(gravity="none")
         self.assertEqual(fixed(depth, K, gravity=(0, 1, 0)).gravity.source, "option")
         self.assertEqual(fixed(depth, K).gravity.source, "none")
@@ -309,7 +309,7 @@ class Results(unittest.TestCase):
         self.assertEqual(labels.max(), 3)
         self.assertEqual(depth.sum(), self.frame.depth.sum())
         self.assertEqual(events["type"][0], ps.EventType.VISIT)
-        # The same memory each time.
+        # Each access returns the same memory.
         self.assertTrue(np.shares_memory(self.result.labels, self.result.labels))
 
     def test_compare_and_pickle(self):
@@ -424,7 +424,7 @@ class Results(unittest.TestCase):
             stop.set()
             beside.join()
         during = sum(begin < t < end for t in ticks)
-        # With the lock held, at most one tick would fit between two calls.
+        # If the lock were held, at most one tick would fit between two calls.
         self.assertGreater(during, 10)
 
 

@@ -1,4 +1,4 @@
-"""ros_test.py MESSAGES: what --ros-json prints has the fields of the definitions, all of them, and no others."""
+"""ros_test.py MESSAGES: the output of --ros-json has exactly the fields of the message definitions."""
 
 import json
 import os
@@ -10,7 +10,7 @@ from pathlib import Path
 definitions = Path(sys.argv[1])
 sample = sys.argv[2]
 
-# Messages of ROS itself that ours are made of.
+# Messages of ROS that ours contain.
 KNOWN = {
     "std_msgs/Header": [("builtin_interfaces/Time", "stamp"), ("string", "frame_id")],
     "builtin_interfaces/Time": [("int32", "sec"), ("uint32", "nanosec")],
@@ -26,7 +26,7 @@ KNOWN = {
 
 
 def fields_of(kind):
-    """[(type, name)] of a message."""
+    """Fields of a message: [(type, name)]."""
     if kind in KNOWN:
         return KNOWN[kind]
     fields = []

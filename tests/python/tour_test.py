@@ -1,8 +1,8 @@
-"""tour_test.py DOCUMENT...: runs what documents show, as readers would type it, and compares what it prints.
+"""tour_test.py DOCUMENT...: runs the examples in documents as readers would type them, and compares the output.
 
 Lines that begin with >>> are one Python session. Lines that begin with $ in a block of ```console are one shell
-session in an empty folder, with `planescope` in the path; > continues a command. In the expected output, ... stands
-for any text. A command that fails needs `echo $?` after it. Blocks of other kinds are not run.
+session in an empty folder, with `planescope` in the path; > continues a command. In the expected output, ... matches
+any text. A failing command must be followed by `echo $?`. Other blocks are not run.
 """
 
 import doctest
@@ -20,7 +20,7 @@ NO_RENDERER = 3  # the exit code of planescope without OpenGL
 def run_python(document):
     """(examples, failures)"""
     test = doctest.DocTestParser().get_doctest(
-        # The end of a block is no output.
+        # The end of a block is not output.
         document.read_text().replace("\n```", "\n\n"), {}, document.name, str(document), 0
     )
     runner = doctest.DocTestRunner(optionflags=FLAGS)
@@ -30,7 +30,7 @@ def run_python(document):
 
 
 def shell_examples(text):
-    """(line, command, expected output) of each command."""
+    """Commands of a document: (line, command, expected output)."""
     examples = []
     for block in re.finditer(r"^```console\n(.*?)^```$", text, re.M | re.S):
         line = text.count("\n", 0, block.start()) + 2

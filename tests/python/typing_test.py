@@ -1,4 +1,4 @@
-"""typing_test.py DOCUMENT EXAMPLES: mypy accepts the package, the examples, and what a document types after >>>."""
+"""typing_test.py DOCUMENT EXAMPLES: mypy accepts the package, the examples, and a document's lines after >>>."""
 
 import doctest
 import importlib.metadata
@@ -15,7 +15,7 @@ document, examples = Path(sys.argv[1]), Path(sys.argv[2])
 package = importlib.util.find_spec("planescope").submodule_search_locations[0]
 code = "".join(example.source for example in doctest.DocTestParser().get_examples(document.read_text().replace("\n```", "\n\n")))
 version = tuple(map(int, importlib.metadata.version("mypy").split(".")[:2]))
-# Wrong uses, each with what mypy says of it.
+# Incorrect uses, each with mypy's message.
 wrong = {
     "ps.segment(np.zeros((2, 2), np.int64), K)": "incompatible type",
     "ps.segment(depth, K, theta_n_ou=3)": 'Unexpected keyword argument "theta_n_ou"',
@@ -26,7 +26,7 @@ wrong = {
 
 
 def mypy(*files):
-    # Of the document alone: names that it assigns twice.
+    # Only documents assign names twice.
     flags = ["--strict", "--ignore-missing-imports", "--allow-redefinition", "--no-warn-unused-ignores"]
     if version < (1, 7):
         flags.append("--enable-incomplete-feature=Unpack")

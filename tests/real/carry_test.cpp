@@ -1,4 +1,4 @@
-// Labels carried over frames of real recordings ($PLANESCOPE_DATA), against a new click of the wand
+// Labels carried over frames of real recordings ($PLANESCOPE_DATA), compared with a new wand click
 // in the last frame.
 
 #include "core/labels/review/carry.hpp"
@@ -24,23 +24,23 @@ namespace planescope::labels {
 namespace {
 
 constexpr int kFrames = 5;
-constexpr double kSame_m = 0.02;       // of distance, within which two frames see the same surface
-constexpr std::size_t kSpeck_px = 25;  // a smaller part is a speck
-constexpr std::size_t kLeast_px = 3000;  // smaller surfaces are left out
+constexpr double kSame_m = 0.02;         // distance within which two frames see the same surface
+constexpr std::size_t kSpeck_px = 25;    // smaller parts are specks
+constexpr std::size_t kLeast_px = 3000;  // smaller surfaces are ignored
 
-/// A surface that is clicked in one frame, carried on over kFrames, and clicked at the same pixel
-/// again.
+/// A surface that is clicked in one frame, carried over kFrames, and clicked again at the same
+/// pixel.
 struct Surface {
   const char* recording;
   int frame = 0, u = 0, v = 0;
 };
 
-/// Against a new click in the last frame, but where the first frame saw the surface and it was not
-/// clicked there: that was the labeler's choice.
+/// Compared with a new click in the last frame. Ignores areas that the first frame saw but the
+/// first click did not select, because that was the labeler's choice.
 struct Accuracy {
-  double coverage = 0;      // of the wand's pixels, labeled by the carried plane
-  double new_coverage = 0;  // the same, of those that the first frame did not see
-  double leakage = 0;  // of the carried plane's pixels, neither the wand's nor clicked at first
+  double coverage = 0;      // share of the wand's pixels that the carried plane covers
+  double new_coverage = 0;  // the same for pixels that the first frame did not see
+  double leakage = 0;       // share of the carried plane's pixels that neither click selected
   std::size_t specks = 0;
 };
 
@@ -112,8 +112,8 @@ std::optional<Accuracy> accuracy_of(const Surface& surface) {
   return accuracy;
 }
 
-// All starts count where the pixel is still on the surface in the last frame.
-TEST(RealCarry, ASurfaceIsLabeledToTheEdgeOfTheFifthFrameOn) {
+// Uses all starting frames for which the pixel is still on the surface in the last frame.
+TEST(RealCarry, ASurfaceIsLabeledToItsEdgesAfterFiveFrames) {
   std::vector<Accuracy> all;
   for (int frame = 0; frame + kFrames < 300; frame += 30)
     if (const auto found = accuracy_of({"tum_fr1_rpy_kinect_640x480", frame, 200, 300}))

@@ -1,6 +1,6 @@
-// Colors of planes over real recordings ($PLANESCOPE_DATA), held against the tracks of their maps:
-// what share of the pixels keeps its color from one frame to the next, and whether planes that
-// touch can be told apart.
+// Colors of planes over real recordings ($PLANESCOPE_DATA), compared with the tracks of their maps:
+// the share of pixels that keep their color from frame to frame, and whether touching planes have
+// different colors.
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ struct RealColors : testing::Test {
                      .classifier;
   }
 
-  /// Tracks by pixel of each frame, 0 where there is none.
+  /// Track per pixel of each frame; 0: none.
   std::vector<std::vector<int>> tracks_by_pixel() const {
     world::MapJob job;
     job.recording = recording.get();
@@ -66,7 +66,7 @@ struct RealColors : testing::Test {
   }
 };
 
-/// Per plane of a frame, the track that most of its pixels are on, and its pixels.
+/// For each plane of a frame, the track of most of its pixels, and its pixels.
 struct PlaneTracks {
   std::vector<int> track, pixels;
 
@@ -88,8 +88,8 @@ struct PlaneTracks {
   }
 };
 
-/// Pixels of planes whose track is one plane in the frame and one in the frame before; of these,
-/// those of planes that have the same color in both.
+/// Number of pixels of planes whose track is a single plane in this frame and in the previous one,
+/// and of those with the same color in both.
 struct Kept {
   double pixels = 0, kept = 0;
 
@@ -108,8 +108,8 @@ struct Kept {
       if (colors_before[b] == colors_now[n]) kept += now.pixels[n];
     }
   }
-  /// Pixel by pixel, where a plane of the same track is in both frames: also of tracks that come in
-  /// pieces. Ids per pixel, 0 none.
+  /// Compares pixels with a plane of the same track in both frames, including tracks split into
+  /// pieces. Ids per pixel; 0: none.
   void add_pixels(const std::vector<int>& tracks_before,
                   const std::vector<int>& colors_before,
                   const std::vector<int>& tracks_now,
@@ -124,7 +124,7 @@ struct Kept {
   double share() const { return kept / pixels; }
 };
 
-/// Over all frames, run one by one with their own gravity, as the report does.
+/// Runs all frames individually, each with its own gravity, as the report does.
 void measure(const RealColors& test, double least, double least_of_pixels) {
   const std::vector<std::vector<int>> tracks = test.tracks_by_pixel();
   Kept kept, kept_pixels;
@@ -161,7 +161,7 @@ void measure(const RealColors& test, double least, double least_of_pixels) {
 TEST_F(RealColors, StayOnTheSurfacesOfAPan) {
   open("aims_slam_realsense_640x480",
        {.intrinsics = {{383.8, 383.8, 321.7, 236.8}}, .depth_unit_m = {}});
-  // 0.9977 and, by pixel, 0.9733: a surface that a single frame cuts in two has two colors there.
+  // 0.9977 and, by pixel, 0.9733: a surface split by a single frame has two colors there.
   measure(*this, 0.99, 0.97);
 }
 

@@ -27,7 +27,7 @@ Vec3d vec3_of(const Json& json) {
   return Vec3d(json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>());
 }
 
-/// Null for 0 (no plane) and for ids that planes.json does not list.
+/// Null for 0 (no plane) and for ids that are not in planes.json.
 const OutputPlane* plane_of_id(const FrameOutput& output, int id) {
   const auto found = std::ranges::find(output.planes, id, &OutputPlane::id);
   return found == output.planes.end() ? nullptr : &*found;
@@ -65,15 +65,14 @@ FrameOutput read_frame_output(const std::filesystem::path& folder) {
 namespace {
 
 constexpr double kSliceHalfWidth = 0.03;  // [m]
-// Horizontal: within 30 degrees. What is steeper is a riser, which leads from one level to the
-// next.
+// Horizontal: within 30 degrees. Steeper planes are risers, which connect two levels.
 constexpr double kMinNormalZ = 0.866;
-constexpr std::size_t kMinPoints = 20;  // fewer in the slice are a crumb at an edge
+constexpr std::size_t kMinPoints = 20;  // fewer points in the slice are ignored
 
 // A horizontal plane where it crosses the slice.
 struct Crossing {
   int id = 0;
-  double z = 0;                    // of the plane itself, below the middle of its points
+  double z = 0;                    // of the plane itself, at the center of its points
   double lowest = 0, highest = 0;  // 5th and 95th percentile of its points
 };
 
@@ -146,7 +145,7 @@ namespace {
 
 using Cells = std::set<std::pair<int, int>>;
 
-// The cells that a plane's points occupy when they are projected onto `onto`.
+// Cells occupied by a plane's points, projected onto `onto`.
 Cells occupied_cells(const FrameOutput& output, int id, const OutputPlane& onto, double cell_m) {
   const Vec3d u = onto.normal.unitOrthogonal();
   const Vec3d v = onto.normal.cross(u);
@@ -205,7 +204,7 @@ double acute_angle_deg(const Vec3d& a, const Vec3d& b) {
   return std::min(angle, 180 - angle);
 }
 
-// The plane on which most of the 5x5 pixels around [u, v] lie: one pixel alone may be a hole.
+// The plane of most of the 5x5 pixels around [u, v], because a single pixel may be a hole.
 const OutputPlane& plane_at(const FrameOutput& output, const Json& pixel) {
   const int u = pixel.at(0).get<int>();
   const int v = pixel.at(1).get<int>();

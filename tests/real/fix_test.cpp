@@ -1,5 +1,5 @@
-// Options set wrong on real frames ($PLANESCOPE_DATA), one at a time: what a click on the surface
-// that is lost by it proposes.
+// Sets options wrong on real frames ($PLANESCOPE_DATA), one at a time, and checks the fixes
+// proposed after a click on the lost surface.
 
 #include "core/debug/explain/fix.hpp"
 
@@ -22,7 +22,7 @@
 namespace planescope::debug {
 namespace {
 
-constexpr std::size_t kLost = 1000;  // pixels of a surface that is lost
+constexpr std::size_t kLost = 1000;  // pixels of a lost surface
 
 struct RealFrame {
   const char* recording;
@@ -34,7 +34,7 @@ const std::array kFrames{
     RealFrame{"tum_fr1_rpy_kinect_640x480", 40, 4}, RealFrame{"felixchenfy_d4xx_640x480", 2, 2},
     RealFrame{"aims_slam_realsense_640x480", 20, 4, std::array{383.8, 383.8, 321.7, 236.8}}};
 
-/// The middle of the largest surface that `bad` has in no plane and `good` has in one.
+/// The center of the largest surface that is on a plane in `good` but not in `bad`.
 std::optional<std::uint32_t> lost_pixel(const Run& good,
                                         const Run& bad,
                                         const labels::LabelGrid& grid) {
@@ -56,7 +56,7 @@ struct Tally {
   std::string others = {};
 };
 
-/// Each of the options set to a half, twice, a third and three times what the profile has, until a
+/// Sets each option to a half, twice, a third and three times its value in the profile, until a
 /// surface is lost.
 void set_wrong(const RealFrame& real,
                planes::PipelineOptions options,
@@ -111,7 +111,7 @@ void expect_proposed(const Tally& tally, int cases) {
 
 }  // namespace
 
-TEST(RealFix, OfAnOptionOfRefinedIsProposedFirst) {
+TEST(RealFix, ForAnOptionOfRefinedIsProposedFirst) {
   if (!std::getenv("PLANESCOPE_DATA")) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   Tally tally;
   for (const RealFrame& real : kFrames)
@@ -122,7 +122,7 @@ TEST(RealFix, OfAnOptionOfRefinedIsProposedFirst) {
   expect_proposed(tally, 10);
 }
 
-TEST(RealFix, OfACriterionOfPaperIsProposedFirst) {
+TEST(RealFix, ForACriterionOfPaperIsProposedFirst) {
   if (!std::getenv("PLANESCOPE_DATA")) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   planes::PipelineOptions options;
   options.segment = planes::profile_options(planes::Profile::paper);

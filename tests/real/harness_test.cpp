@@ -1,5 +1,4 @@
-// The checks of this folder say yes and no where they should: on made-up output, without
-// recordings.
+// Tests the checks of this folder on artificial output, without recordings.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +9,7 @@
 namespace planescope {
 namespace {
 
-// Adds a horizontal square of 1 m with 2 cm between its points, its corner at (x, 0, z).
+// Adds a horizontal square of 1 m with points every 2 cm, and its corner at (x, 0, z).
 void add_floor(FrameOutput& output, int id, double x, double z) {
   OutputPlane plane;
   plane.id = id;
@@ -28,7 +27,7 @@ void add_floor(FrameOutput& output, int id, double x, double z) {
   output.planes.push_back(plane);
 }
 
-// 100 x 100 pixels, plane 1 on the left half, plane 2 on the right.
+// 100 x 100 pixels: plane 1 on the left half, plane 2 on the right.
 FrameOutput two_walls(double angle_deg) {
   FrameOutput output;
   output.plane_ids = Image16(100, 100);
@@ -47,22 +46,22 @@ FrameOutput two_walls(double angle_deg) {
   return output;
 }
 
-TEST(RealDataHarness, SheetsAreFoundWhereSurfacesLieOverEachOther) {
+TEST(RealDataHarness, OverlappingSurfacesAreFoundAsSheets) {
   FrameOutput output;
   add_floor(output, 1, 0, 0);
   add_floor(output, 2, 0.2, 0.03);
   EXPECT_EQ(find_sheets(output, {}).size(), 1u);
 }
 
-TEST(RealDataHarness, StepsAndNeighboursAreNoSheets) {
+TEST(RealDataHarness, StepsAndNeighborsAreNotSheets) {
   FrameOutput output;
   add_floor(output, 1, 0, 0);
-  add_floor(output, 2, 0, 0.1);     // above, but a step away
-  add_floor(output, 3, 1.1, 0.02);  // near in height, but beside
+  add_floor(output, 2, 0, 0.1);     // above, but by a step
+  add_floor(output, 3, 1.1, 0.02);  // similar height, but beside
   EXPECT_TRUE(find_sheets(output, {}).empty());
 }
 
-TEST(RealDataHarness, LevelsNeedAPlaneEach) {
+TEST(RealDataHarness, EachLevelNeedsAPlane) {
   FrameOutput output;
   add_floor(output, 1, 0, 0.6);
   add_floor(output, 2, 1, 0.77);
@@ -71,7 +70,7 @@ TEST(RealDataHarness, LevelsNeedAPlaneEach) {
   EXPECT_EQ(check_levels(output, 0.75, {0.6, 0.8}, 0.02).size(), 1u);
 }
 
-TEST(RealDataHarness, APlaneThatSpansTwoLevelsIsNamed) {
+TEST(RealDataHarness, APlaneThatSpansTwoLevelsIsReported) {
   FrameOutput output;
   add_floor(output, 1, 0, 0.6);
   add_floor(output, 1, 1, 0.77);
@@ -79,7 +78,7 @@ TEST(RealDataHarness, APlaneThatSpansTwoLevelsIsNamed) {
   EXPECT_FALSE(check_levels(output, 0.75, {0.6, 0.77}, 0.02).empty());
 }
 
-TEST(RealDataHarness, AnglesAreAcuteAndHoldTheirTolerance) {
+TEST(RealDataHarness, AnglesAreAcuteAndCheckedWithinTheirTolerance) {
   const nlohmann::json expected = {
       {"kind", "angle"}, {"a", {20, 50}}, {"b", {80, 50}}, {"deg", 86}, {"tolerance_deg", 1.5}};
   EXPECT_TRUE(check_expectation(expected, two_walls(86)).empty());

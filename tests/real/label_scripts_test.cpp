@@ -1,6 +1,6 @@
-// Holds the method to what it reached on real frames whose truth lies in truth/, and the label
-// tools to drawing that truth again, gesture by gesture, as the scripts in labels/ have it. The
-// recordings are read from $PLANESCOPE_DATA.
+// Compares the method with its earlier results on real frames labeled in truth/, and the label
+// tools with the truth, by repeating the gestures in labels/. Recordings are read from
+// $PLANESCOPE_DATA.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -49,15 +49,15 @@ std::vector<Labeled> read_list() {
   return all;
 }
 
-/// Exit code of the program; what it says goes into the test's log.
+/// Runs the program and returns its exit code; its messages appear in the test's log.
 int run(const std::string& arguments) {
   const int status =
       std::system(fmt::format("'{}' {} </dev/null", PLANESCOPE_BINARY, arguments).c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-/// The frame's scores by default are no worse than floors.json says: what was reached, less a
-/// small margin. Raise them where they are passed.
+/// Expects that the frame's scores are not below floors.json, which contains earlier scores minus a
+/// small margin. Raise them after improvements.
 void expect_what_was_reached(const std::string& name, const fs::path& eval) {
   std::ifstream file(kFolder / "floors.json"), scored(eval);
   const Json floors = Json::parse(file).at(name);
@@ -68,7 +68,7 @@ void expect_what_was_reached(const std::string& name, const fs::path& eval) {
             floors.at("found_for_nothing").get<int>());
 }
 
-/// The frame as arguments of the program, with labels of that folder.
+/// The frame and the label folder as arguments of the program.
 std::string frame_with(const Labeled& labeled, const fs::path& recording, const fs::path& labels) {
   return fmt::format("'{}' --labels '{}' --frames {} {}", recording.string(), labels.string(),
                      labeled.frame, labeled.options);
@@ -76,14 +76,14 @@ std::string frame_with(const Labeled& labeled, const fs::path& recording, const 
 
 class LabelledFrame : public testing::TestWithParam<Labeled> {};
 
-TEST_P(LabelledFrame, IsFoundAsWellAsBefore) {
+TEST_P(LabelledFrame, ScoresAtLeastAsWellAsBefore) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Labeled& labeled = GetParam();
   const fs::path recording = fs::path(data) / labeled.recording;
   const fs::path truth = kReal / "truth" / labeled.name;
   const fs::path scores = temp_dir() / ("planescope_" + labeled.name + "_eval.json");
-  // Nothing is damaged. (Findings there may be: real surfaces bow.)
+  // Checks that nothing is damaged. Findings are allowed, because real surfaces bow.
   EXPECT_LE(run(fmt::format("labels check '{}' --recording '{}' {} >/dev/null", truth.string(),
                             recording.string(),
                             labeled.options.substr(0, labeled.options.find("--gravity")))),
@@ -99,8 +99,8 @@ INSTANTIATE_TEST_SUITE_P(, LabelledFrame, testing::ValuesIn(read_list()), [](con
   return instance.param.name;
 });
 
-/// Mean IoU with the truth of what the tools of today draw by the gestures that drew it. Three
-/// frames were drawn by the plane wand, when it took more at borders.
+/// Expects a mean IoU between the truth and labels drawn by today's tools with the original
+/// gestures. Three frames were drawn with an earlier plane wand, which selected more at borders.
 void expect_drawn_again(const std::string& name, double least_iou) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
@@ -123,8 +123,8 @@ void expect_drawn_again(const std::string& name, double least_iou) {
 
 TEST(LabelScript, DrawsTheTruthOfARoomAgain) { expect_drawn_again("aims_15", 0.999); }
 TEST(LabelScript, DrawsTheTruthOfASmearedFrameAgain) { expect_drawn_again("polylidar_0", 0.999); }
-TEST(LabelScript, DrawsStairsAgainByTheWand) { expect_drawn_again("kinect_stairs", 0.9); }
-TEST(LabelScript, DrawsABoxAndItsCornerAgainByTheWand) {
+TEST(LabelScript, DrawsStairsAgainWithTheWand) { expect_drawn_again("kinect_stairs", 0.9); }
+TEST(LabelScript, DrawsABoxAndItsCornerAgainWithTheWand) {
   expect_drawn_again("felixchenfy_000001", 0.9);
 }
 
@@ -148,7 +148,7 @@ TEST(LabelScriptOfACloud, LabelsTheFloorTheTreadsAndTheLandingOfStairs) {
   const auto ignored = std::ranges::count(labels->plane.data, kPlaneIgnore);
   EXPECT_GT(ignored, 2000) << "the lasso";
 
-  // By the height of their points above the floor, four risers of 17 cm.
+  // Compares heights above the floor: four risers of 17 cm.
   const PointSet cloud = *io::open_recording(recording)->frame(0).cloud;
   std::vector<double> heights;
   for (const LabelPlane& plane : labels->planes) {

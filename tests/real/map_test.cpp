@@ -1,5 +1,5 @@
-// Tracks, gravity and certainty over real recordings ($PLANESCOPE_DATA): what was reached there is
-// held here.
+// Tracks, gravity and certainty over real recordings ($PLANESCOPE_DATA), compared with earlier
+// results.
 
 #include <gtest/gtest.h>
 
@@ -35,8 +35,8 @@ struct RealMap : testing::Test {
 using RealGravity = RealMap;
 using RealCertainty = RealMap;
 
-// The slow pan through a lab, poses by odometry.
-TEST_F(RealMap, FloorAndWallOfAPanAreATrackEach) {
+// A slow pan through a lab, with poses by odometry.
+TEST_F(RealMap, FloorAndWallOfAPanAreOneTrackEach) {
   io::RecordingOptions options;
   options.intrinsics = {383.8, 383.8, 321.7, 236.8};
   const auto recording = io::open_recording(data / "aims_slam_realsense_640x480", options);
@@ -67,7 +67,7 @@ TEST_F(RealMap, FloorAndWallOfAPanAreATrackEach) {
   EXPECT_LE(map.stability.offset_jitter_m, 0.0005);
 }
 
-/// With the poses of motion capture.
+/// With poses from motion capture.
 WorldMap map_of_tum(const std::filesystem::path& folder, int first) {
   const auto recording = io::open_recording(folder);
   MapJob job;
@@ -79,7 +79,8 @@ WorldMap map_of_tum(const std::filesystem::path& folder, int first) {
   return map_recording(job);
 }
 
-// Turned by hand, over a desk: monitors hide most of what lies behind them, and the map knows both.
+// Turned by hand above a desk: monitors hide most of the surfaces behind them, and the map has
+// both.
 TEST_F(RealMap, OfADeskKeepsItsPlanes) {
   const WorldMap map = map_of_tum(data / "tum_fr1_rpy_kinect_640x480", 0);
   ASSERT_EQ(map.tracker.frames().size(), 300u);
@@ -95,8 +96,8 @@ TEST_F(RealMap, OfADeskKeepsItsPlanes) {
   EXPECT_LE(map.stability.drift_m, 0.02);
 }
 
-// Once around a cabinet whose box was measured with the cameras of the motion capture. Frame 0 is
-// at a wrong pose.
+// Around a cabinet whose box was measured with the cameras of the motion capture. The pose of frame
+// 0 is wrong.
 TEST_F(RealMap, OfACabinetHasTheFloorAndEachFaceOnce) {
   const auto folder = data / "tum_fr3_cabinet_xtion_640x480";
   const WorldMap map = map_of_tum(folder, 1);
@@ -119,7 +120,7 @@ TEST_F(RealMap, OfACabinetHasTheFloorAndEachFaceOnce) {
   EXPECT_EQ(score.elsewhere, 0);
 }
 
-/// % of the angles between two planes that change by at most 2 sigma in so many frames.
+/// Percentage of angles between two planes that change by at most 2 sigma in this number of frames.
 double percent_within(const io::Recording& recording,
                       const lab::Reading& reading,
                       int count,
@@ -143,8 +144,8 @@ double percent_within(const io::Recording& recording,
   return 100 * within / all;
 }
 
-// Of a D400 and of a Kinect. Neighbors at 30 Hz share errors, so more than 95 % are within; each
-// third frame shares fewer.
+// For a D400 and a Kinect. Neighbors at 30 Hz share errors, so more than 95 % are within 2 sigma;
+// every third frame shares fewer errors.
 TEST_F(RealCertainty, CoversTheChangeOfAnglesBetweenPlanes) {
   lab::Reading reading;
   reading.recording.intrinsics = {383.8, 383.8, 321.7, 236.8};
@@ -165,9 +166,9 @@ double off_deg(const Gravity& gravity, const CameraPose& pose) {
          std::numbers::pi;
 }
 
-// Fast turns by hand. The accelerometer leans by about 4 degrees against the poses of motion
-// capture, whichever samples are taken; the rest is the hand's own acceleration.
-TEST_F(RealGravity, OfAKinectsAccelerometerIsThatOfThePoses) {
+// Turned fast by hand. The accelerometer deviates by about 4 degrees from the poses of motion
+// capture, for any choice of samples; the rest is acceleration of the hand.
+TEST_F(RealGravity, OfAKinectsAccelerometerMatchesThePoses) {
   const auto folder = data / "tum_fr1_rpy_kinect_640x480";
   const auto recording = io::open_recording(folder);
   EXPECT_EQ(recording->info().times_source, "poses.tum");
@@ -183,9 +184,9 @@ TEST_F(RealGravity, OfAKinectsAccelerometerIsThatOfThePoses) {
   EXPECT_LE(angles_deg.back(), 9);
 }
 
-// A camera turned by hand above a desk, against motion capture. A third of its frames see no floor,
-// and their own estimates are missing or wrong.
-TEST_F(RealGravity, OfADeskIsKnownToEveryFrameAndNeverFarOff) {
+// Turned by hand above a desk, compared with motion capture. A third of the frames do not see the
+// floor, and their own estimates are missing or wrong.
+TEST_F(RealGravity, OfADeskIsKnownForEveryFrameAndNeverFarOff) {
   const std::filesystem::path path = data / "tum_fr1_rpy_kinect_640x480";
   io::RecordingOptions options;
   options.intrinsics = {517.3, 516.5, 318.6, 255.3};

@@ -1,6 +1,6 @@
-// Runs the program on every recording that real_data.json names, with the command given there, and
-// checks the planes that it finds. The recordings are read from $PLANESCOPE_DATA. What is found is
-// the same to the last bit on any machine: real_data.sha256 holds a hash of each run's planes.
+// Runs the program on every recording in real_data.json, with the command given there, and checks
+// the planes. Recordings are read from $PLANESCOPE_DATA. Results are identical on every machine:
+// real_data.sha256 contains a hash of each run's planes.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ struct Case {
   Json json;
 };
 
-// CTest shows this beside the test's name.
+// CTest prints this beside the test's name.
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 std::vector<Case> read_cases() {
@@ -46,7 +46,7 @@ std::string read_text(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// The command as it stands in the list, "planescope segment ...", run in the recordings' folder.
+// Result of a command from the list, "planescope segment ...", run in the recordings' folder.
 struct Outcome {
   int exit_code = -1;
   std::string said;  // stderr
@@ -65,7 +65,7 @@ Outcome run_command(const std::string& command,
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(log)};
 }
 
-/// Of the planes of all frames, as planes.json has them.
+/// Hash of the planes of all frames in planes.json.
 std::string hash_of_planes(const fs::path& out) {
   std::vector<fs::path> frames(fs::directory_iterator(out / "frames"), {});
   std::sort(frames.begin(), frames.end());
@@ -88,7 +88,7 @@ std::string expected_hash(const std::string& name) {
   return "none";
 }
 
-/// Where planes changed on purpose, the hashes change with them.
+/// After intended changes of planes, update the hashes.
 void expect_same_planes(const Case& c, const fs::path& out) {
   const std::string found = hash_of_planes(out);
   EXPECT_EQ(found, expected_hash(c.name))
@@ -132,7 +132,7 @@ TEST_P(RealRecording, HasThePlanesExpected) {
   if (!HasFailure()) fs::remove_all(out);
 }
 
-TEST_P(RealRecording, HasTheSamePlanesByPlainCodeOnOneThread) {
+TEST_P(RealRecording, HasTheSamePlanesWithPlainCodeOnOneThread) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Json& json = GetParam().json;

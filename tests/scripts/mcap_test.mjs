@@ -54,7 +54,7 @@ const at = (...names) => path.join(scratch, ...names);
 const run = (...words) => execFileSync(program, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 const json = (...names) => JSON.parse(fs.readFileSync(at(...names), "utf8"));
 
-/// Every message of a file: [{ topic, type, stamp, message }]. Each is the same to the byte when it is written again.
+/// Every message of a file: [{ topic, type, stamp, message }]. Checks that encoding it again yields the same bytes.
 async function read(file) {
   const bytes = fs.readFileSync(file);
   const readable = {
@@ -95,7 +95,7 @@ const near = (a, b, within, what) => {
 };
 const edges = (ring) => ring.flatMap((corner, i) => [corner, ring[(i + 1) % ring.length]]);
 const on = (messages, topic) => messages.filter((one) => one.topic === topic).map((one) => one.message);
-/// Rotates and moves a point as a geometry_msgs/Transform does.
+/// Applies a geometry_msgs/Transform to a point.
 function moved({ translation: t, rotation: q }, [x, y, z]) {
   const u = [q.x, q.y, q.z];
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -116,7 +116,7 @@ function points(cloud) {
   return columns;
 }
 
-/// cloud.ply: its vertices by property.
+/// Vertices of cloud.ply by property.
 function vertices(file) {
   const bytes = fs.readFileSync(file);
   const end = bytes.indexOf("end_header\n") + "end_header\n".length;
@@ -196,7 +196,7 @@ function checkPoints(cloud, ply, tracks) {
   if (tracks) assert.deepEqual(found.track, found.plane.map((id) => (id > 0 ? tracks[id - 1] : 0)));
 }
 
-/// All frames of a file against the folder that `segment` writes.
+/// Compares all frames of a file with the folder that `segment` writes.
 function checkFrames(messages, dir, hasPoses) {
   const arrays = on(messages, "/planescope/planes");
   const frames = fs.readdirSync(at(dir, "frames")).sort();
@@ -229,7 +229,7 @@ const segmented = await read(at("planes.mcap"));
 checkFrames(segmented, "frames", false);
 for (const kind of ["flights", "ramps"]) assert(on(segmented, "/planescope/planes").some((array) => array[kind].length > 0), `no ${kind} in the sample`);
 
-// A camera that stands still: the sample's first frame, four times.
+// A camera at rest: the sample's first frame, four times.
 run("convert", sample, "--frames", "0", "-o", at("still"));
 const facts = json("still", "planescope.json");
 facts.frames = [0, 1, 2, 3].map((i) => ({ ...facts.frames[0], name: `00000${i}`, timestamp_s: 100 + i / 10 }));

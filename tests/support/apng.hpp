@@ -1,6 +1,6 @@
 #pragma once
 
-// An animated PNG read back chunk by chunk, by nothing of the writer's.
+// Reads an animated PNG chunk by chunk, independently of the writer.
 
 #include <cstdint>
 #include <filesystem>
@@ -33,7 +33,7 @@ inline std::uint32_t number_at(const std::string& bytes, std::size_t at, int cou
   return value;
 }
 
-/// Throws where a checksum or a length is wrong.
+/// Throws if a checksum or a length is wrong.
 inline std::vector<PngChunk> chunks_of(const std::string& file) {
   if (file.substr(0, 8) != "\x89PNG\r\n\x1a\n") throw std::runtime_error("no signature");
   std::vector<PngChunk> chunks;
@@ -49,7 +49,7 @@ inline std::vector<PngChunk> chunks_of(const std::string& file) {
 
 struct Apng {
   int frames_told = 0, frames_per_second = 0;
-  std::vector<Image8> frames;  // whole, as a viewer shows them
+  std::vector<Image8> frames;  // complete frames, as displayed by a viewer
 };
 
 inline std::string chunk_bytes(const std::string& type, const std::string& content) {
@@ -62,7 +62,7 @@ inline std::string chunk_bytes(const std::string& type, const std::string& conte
          big_endian(crc_of(type + content));
 }
 
-/// Throws where chunks are missing, out of order, or out of the picture.
+/// Throws if chunks are missing, out of order, or outside the picture.
 inline Apng read_apng(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const std::vector<PngChunk> chunks =

@@ -1,7 +1,7 @@
 #pragma once
 
 // A depth image with known planes: a floor and a wall, a step, a pole that hides the middle of
-// both, a box that is too small to be listed; and a bush before the wall, which is no plane.
+// both, a box too small to be listed; and a bush in front of the wall, which is not a plane.
 
 #include <cmath>
 #include <memory>
@@ -58,7 +58,7 @@ inline std::shared_ptr<const debug::Subject> box_subject() {
   return debug::make_subject(frame, truth, image_options(), nullptr);
 }
 
-/// Made once.
+/// Computed once.
 inline std::shared_ptr<const debug::Run> box_run() {
   static const auto run = debug::make_run(box_subject(), image_options());
   return run;

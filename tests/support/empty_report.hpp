@@ -10,7 +10,7 @@
 
 namespace planescope {
 
-/// What a report has before its first recording.
+/// A report without recordings.
 inline report::Report empty_report() {
   report::Report report;
   report.version = "1.2.3";
@@ -33,7 +33,7 @@ inline report::ReportPlane level_plane(int id, double height_m, const std::strin
   return {plane, color};
 }
 
-/// One that has nothing but frames, by the names of their recordings.
+/// A report that contains only frames, given by the names of their recordings.
 inline report::Report report_of_frames(
     const std::vector<std::pair<std::string, std::vector<report::ReportFrame>>>& recordings) {
   report::Report report;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes that every rival is tried on, and what is asked of its answer.
+// Scenes to test every rival on, and checks of its result.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace planescope::test {
 
-/// A floor at z = 0 and, at x = 0.6 m, a wall that stands on it; `noise_m` across both.
+/// A floor at z = 0 and a wall at x = 0.6 m; `noise_m` is perpendicular to both.
 inline std::vector<Vec3f> floor_and_wall(int floor_points, int wall_points, double noise_m = 0) {
   Random random(7);
   std::vector<Vec3f> points;

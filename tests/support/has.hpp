@@ -8,7 +8,7 @@
 
 namespace planescope {
 
-/// Whether `text` holds `part`; the failure shows both.
+/// Whether `text` contains `part`; the failure message shows both.
 inline testing::AssertionResult has(const std::string& text, const std::string& part) {
   const bool holds = text.find(part) != std::string::npos;
   return (holds ? testing::AssertionSuccess() : testing::AssertionFailure())

@@ -1,6 +1,6 @@
 #pragma once
 
-// An octree of (u, v, 1 / z) cells, made by hand: its nodes are frustums.
+// A handmade octree of (u, v, 1 / z) cells, whose nodes are frustums.
 
 #include <algorithm>
 #include <numeric>
@@ -11,7 +11,7 @@
 
 namespace planescope::test {
 
-/// A camera of 64 x 48 px that looks along x, a little to the left and down, off the origin.
+/// A camera of 64 x 48 px, away from the origin, that looks along x, slightly to the left and down.
 inline planes::ImageSpace small_image_space() {
   planes::ImageSpace space{.fx = 60, .fy = 62, .cx = 31, .cy = 23.5, .root_px = 64};
   Mat3d level;  // x right, y down, z forward, as columns
@@ -22,8 +22,8 @@ inline planes::ImageSpace small_image_space() {
   return space;
 }
 
-/// Each pixel of a wall, v, that is farther off at the right, and of a floor, h, below it; divided
-/// until cells hold one of them or are 4 px wide.
+/// Pixels of a wall (v), whose distance increases to the right, and of a floor (h) below it.
+/// Divided until each cell contains only one of them or is 4 px wide.
 inline planes::Octree image_octree() {
   using planes::Case;
   planes::Octree octree;
@@ -63,7 +63,7 @@ inline planes::Octree image_octree() {
   return octree;
 }
 
-/// The octree's points in the order in which they were measured.
+/// The octree's points in their original order.
 inline std::vector<Vec3f> measured_points(const planes::Octree& octree) {
   std::vector<Vec3f> points(octree.points.size());
   for (std::size_t i = 0; i < points.size(); ++i) points[octree.order[i]] = octree.points[i];

@@ -8,7 +8,7 @@
 
 namespace planescope {
 
-/// A JPEG of one colour, as libjpeg writes it.
+/// A JPEG of one color, encoded by libjpeg.
 inline std::vector<unsigned char> encode_jpeg(int width, int height, bool color) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};

@@ -1,7 +1,8 @@
 #pragma once
 
-// As much of JSON Schema (draft 7) as our schemas use: type, const, enum, properties, required,
-// additionalProperties, items, minItems, maxItems, minimum. `pattern` and texts are not checked.
+// The subset of JSON Schema (draft 7) that our schemas use: type, const, enum, properties,
+// required, additionalProperties, items, minItems, maxItems, minimum. Ignores `pattern` and
+// descriptions.
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -18,7 +19,7 @@ inline bool has_schema_type(const nlohmann::json& value, const std::string& type
   return type == "null" && value.is_null();
 }
 
-/// Empty where `value` follows `schema`; else where and how it does not.
+/// Returns an empty string if `value` is valid, otherwise where and how it violates `schema`.
 inline std::string schema_error(const nlohmann::json& schema,
                                 const nlohmann::json& value,
                                 const std::string& at = "") {

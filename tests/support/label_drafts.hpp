@@ -11,7 +11,7 @@
 
 namespace planescope::labels {
 
-/// With planes fitted. Expects of every operation that its edit is the whole difference.
+/// Applies an operation with fitted planes, and expects that its edit is the complete difference.
 template <typename Result, typename... Args>
 FrameLabels edited(const FrameLabels& before,
                    const LabelGrid& grid,

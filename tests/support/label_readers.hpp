@@ -1,7 +1,7 @@
 #pragma once
 
-// Readers of label files written from their projects' published definitions alone, sharing nothing
-// with the code that writes them.
+// Readers of label files, written from the published definitions of the formats. They share no code
+// with the writers.
 
 #include <cstdint>
 #include <cstring>
@@ -43,7 +43,7 @@ inline SemanticKitti read_semantic_kitti(const std::filesystem::path& bin,
   return scan;
 }
 
-/// np.load() of a one-dimensional little-endian int32 array, version 1.0; empty where it is none.
+/// np.load() of a one-dimensional little-endian int32 array, version 1.0; empty for anything else.
 inline std::vector<std::int32_t> load_npy_int32(const std::filesystem::path& path) {
   const std::string bytes = file_text(path);
   if (bytes.substr(0, 8) != std::string("\x93NUMPY\x01\x00", 8)) return {};
@@ -60,7 +60,7 @@ inline std::vector<std::int32_t> load_npy_int32(const std::filesystem::path& pat
   return values;
 }
 
-/// maskApi: counts of zeros and ones in turn, columns first. Returned row by row.
+/// maskApi: alternating counts of zeros and ones in column-major order. Returns row-major order.
 inline std::vector<int> decode_rle(const std::vector<std::uint64_t>& counts, int w, int h) {
   std::vector<int> columns;
   int value = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random polygons with holes, and what is true of convex pieces.
+// Random polygons with holes, and properties of convex pieces.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace planescope::test {
 
-/// A star about `centre`: valid, mostly not convex.
+/// A star around `centre`: valid, usually not convex.
 inline planes::PolygonRing random_star(
     Random& random, const Vec2d& centre, double least_m, double most_m, int corners) {
   planes::PolygonRing ring;
@@ -23,7 +23,7 @@ inline planes::PolygonRing random_star(
   return ring;
 }
 
-/// About 1 m wide, with up to four holes that do not touch each other, but may touch the border.
+/// About 1 m wide, with up to four holes, which may touch the border but not each other.
 inline planes::Polygons random_polygons(Random& random) {
   planes::Polygons polygons = {
       {random_star(random, Vec2d::Zero(), 0.25, 0.55, random.integer(3, 24)), {}}};

@@ -25,10 +25,10 @@ struct Node {
 struct Candidate {
   PlaneFit fit;
   Label label = Label::h;
-  Points points;  // that it is made from
+  Points points;  // points of the plane
 };
 
-/// Criterion 4 of a list's plane and a candidate: their offset [m], if they are coplanar.
+/// Offset [m] between a list's plane and a candidate if they are coplanar by Criterion 4.
 std::optional<double> offset_of_coplanar(const PlaneFit& plane,
                                          const PlaneFit& candidate,
                                          const planes::SegmentOptions& o) {
@@ -102,7 +102,7 @@ class Method {
     return mean / static_cast<double>(set.size());
   }
 
-  /// (X - mu 1)(X - mu 1)^T, from the points.
+  /// (X - mu 1)(X - mu 1)^T, computed from the points.
   Mat3d scatter_of(const Points& set) const {
     const Vec3d mean = mean_of(set);
     Mat3d scatter = Mat3d::Zero();
@@ -159,7 +159,7 @@ class Method {
     }
   }
 
-  /// False: the node must be divided.
+  /// Returns false if the node must be divided.
   bool conquered(const Node& node) {
     int n_h = 0;
     for (const int i : node.points) n_h += has(i, Label::h);

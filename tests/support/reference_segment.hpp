@@ -1,10 +1,10 @@
 #pragma once
 
-// The method of the paper once more, as plainly as it can be written: a pointer octree built by
-// inserting one point after the other, every node with the set of its points (Sun et al. 2023, Sec.
-// IV-A), every covariance computed from the points themselves in two passes, lists instead of
-// sorted arrays. Of core/planes/segment it takes the options alone. What core/planes/segment must
-// agree with, point by point, and what it is timed against.
+// A second implementation of the paper's method, as simple as possible: a pointer octree built by
+// inserting points one by one, with the set of points in every node (Sun et al. 2023, Sec. IV-A),
+// every covariance computed from points in two passes, and lists instead of sorted arrays. It
+// shares only the options with core/planes/segment, which must agree with it point by point and is
+// compared with it in benchmarks.
 
 #include <span>
 #include <vector>
@@ -20,7 +20,7 @@ struct Plane {
 
 struct Result {
   std::vector<int> plane_of;  // per input point: index into planes, -1 none
-  std::vector<Plane> planes;  // in order of founding, those that are left
+  std::vector<Plane> planes;  // remaining planes, in order of founding
 };
 
 Result segment(std::span<const Vec3f> points,

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a call says that is to be refused.
+// Error messages of calls that must fail.
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 namespace planescope {
 
-/// Of the Error that it throws; empty where it throws none.
+/// Message of the Error that an action throws; empty if it throws none.
 inline std::string message_of(const std::function<void()>& action) {
   try {
     action();
@@ -21,7 +21,7 @@ inline std::string message_of(const std::function<void()>& action) {
   return "";
 }
 
-/// That the message is one line and says `part`.
+/// Expects a message of one line that contains `part`.
 inline void expect_refused(const std::function<void()>& action, const std::string& part) {
   const std::string message = message_of(action);
   EXPECT_NE(message.find(part), std::string::npos) << "said: " << message;

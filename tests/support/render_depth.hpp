@@ -17,7 +17,7 @@ struct Parallelogram {
   Vec3d corner, u, v;  // world frame, z up [m]
 };
 
-/// An axis-aligned box turned by `yaw` about the vertical through its corner's foot.
+/// Adds an axis-aligned box, rotated by `yaw` about the vertical through its corner's foot.
 inline void add_box(std::vector<Parallelogram>& scene,
                     const Vec3d& corner,
                     const Vec3d& size,
@@ -70,7 +70,7 @@ inline Frame render_depth(const std::vector<Parallelogram>& scene, const Camera&
   const Pose pose = T_world_camera(camera);
   std::mt19937_64 random(camera.seed);
   std::normal_distribution<double> gauss(0, 1);
-  // Noise on a coarse lattice, interpolated: correlated as a block matcher's is.
+  // Noise on a coarse lattice, interpolated: correlated like that of a block matcher.
   constexpr int kStep = 5;
   const int across = 640 / kStep + 2, down = 480 / kStep + 2;
   std::vector<double> lattice(static_cast<std::size_t>(across) * down);

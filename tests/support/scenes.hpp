@@ -28,7 +28,7 @@ inline planes::Cube cube_around(const std::vector<Vec3f>& points) {
   return cube;
 }
 
-/// Up to six rectangles, level, upright or tilted, with noise, clutter and some wrong labels.
+/// Up to six rectangles, horizontal, vertical or tilted, with noise, clutter and some wrong labels.
 inline LabelledCloud random_cloud(std::uint64_t seed) {
   Random random(seed);
   LabelledCloud cloud;
@@ -40,7 +40,7 @@ inline LabelledCloud random_cloud(std::uint64_t seed) {
     cloud.labels.push_back(flip ? (label == Label::h ? Label::v : Label::h) : label);
   };
   for (int f = 0; f < faces; ++f) {
-    const int kind = random.integer(0, 2);  // level, upright, tilted by up to 30 degrees
+    const int kind = random.integer(0, 2);  // horizontal, vertical, tilted by up to 30 degrees
     const double tilt = kind == 0 ? 0 : kind == 1 ? 1.5707963 : random.uniform(0, 0.5);
     const Mat3d turn = (Eigen::AngleAxisd(random.uniform(0, 6.28), Vec3d::UnitZ()) *
                         Eigen::AngleAxisd(tilt, Vec3d::UnitY()))
@@ -65,8 +65,8 @@ inline LabelledCloud random_cloud(std::uint64_t seed) {
   return cloud;
 }
 
-/// Steps, low and high, some with slanted faces that carry either label, some faces no wider than
-/// the noise; labels near the edges are often wrong.
+/// Low and high steps: some have slanted faces with either label, some have faces as narrow as the
+/// noise. Labels near edges are often wrong.
 inline LabelledCloud random_steps(std::uint64_t seed) {
   Random random(seed);
   LabelledCloud cloud;
@@ -75,7 +75,7 @@ inline LabelledCloud random_steps(std::uint64_t seed) {
   const Mat3d turn = Eigen::AngleAxisd(random.uniform(0, 6.28), Vec3d::UnitZ()).toRotationMatrix();
   Vec3d edge(-0.7, 0, -0.6);
   for (int face = random.integer(3, 9); face > 0; --face) {
-    const int kind = random.integer(0, 4);  // slanted, else level and upright
+    const int kind = random.integer(0, 4);  // 0: slanted, otherwise horizontal and vertical
     const double slope = kind == 0 ? random.uniform(0.4, 1.2) : kind % 2 == 0 ? 0 : 1.5707963;
     const bool is_h = kind == 0 ? random.uniform() < 0.5 : slope == 0;
     const double length =

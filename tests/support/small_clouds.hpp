@@ -1,6 +1,6 @@
 #pragma once
 
-// Small clouds with planes that are known.
+// Small clouds with known planes.
 
 #include <cmath>
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace planescope::test {
 
-/// Which plane of a cloud each point was made on.
+/// A cloud with the true plane of each point.
 struct TrueCloud {
   Frame frame;
   std::vector<int> plane_of;  // from 1
@@ -23,7 +23,7 @@ struct TrueCloud {
       if (plane_of[i] == plane) points.push_back(i);
     return points;
   }
-  /// The point nearest to a place.
+  /// The point nearest to a position.
   std::uint32_t at(const Vec3f& place) const {
     std::uint32_t nearest = 0;
     for (std::uint32_t i = 0; i < grid.pixels(); ++i)
@@ -38,8 +38,8 @@ inline Gravity down() {
   return gravity;
 }
 
-/// Two steps of 1 m width, 0.3 m deep and 0.2 m high before a floor, 2 cm from point to point:
-/// floor 1, risers 2 and 4, treads 3 and 5. `noise_m` is uniform; `hole`: where no point is.
+/// A floor and two steps of 1 m width, 0.3 m depth and 0.2 m height, with points every 2 cm: floor
+/// 1, risers 2 and 4, treads 3 and 5. `noise_m` is uniform; `hole`: a region without points.
 inline TrueCloud stair_cloud(double noise_m = 0.001,
                              const std::function<bool(const Vec3f&)>& hole = {}) {
   TrueCloud cloud;

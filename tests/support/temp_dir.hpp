@@ -9,7 +9,7 @@
 
 namespace planescope {
 
-/// A folder of this process alone: tests run side by side, each a process of its own.
+/// A folder for this process only, because tests run in parallel, each in its own process.
 inline const std::filesystem::path& temp_dir() {
   struct Folder {
     std::filesystem::path path =

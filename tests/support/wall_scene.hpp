@@ -1,6 +1,6 @@
 #pragma once
 
-// Depth images of what stands before a camera that looks level, for what is decided on pixels.
+// Depth images of scenes in front of a level camera, for methods that work on pixels.
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,8 @@
 
 namespace planescope::test {
 
-/// `depth_m(x, y)`: of the ray (x, y, 1), x right and y down; 0: none. Noise: of 1/z [1/m].
+/// `depth_m(x, y)`: depth along the ray (x, y, 1), x right and y down; 0: none. Noise is added to
+/// 1/z [1/m].
 inline Frame depth_frame(const std::function<double(double, double)>& depth_m,
                          double noise = 0.002) {
   Frame frame;
@@ -31,7 +32,7 @@ inline Frame depth_frame(const std::function<double(double, double)>& depth_m,
   return frame;
 }
 
-/// Floor 60 cm below the camera, a wall 1.2 m before it: the crease is at y = 0.5.
+/// A floor 60 cm below the camera and a wall 1.2 m ahead; their crease is at y = 0.5.
 inline Frame floor_and_wall() {
   return depth_frame([](double, double y) { return std::min(1.2, 0.6 / std::max(y, 1e-3)); });
 }
@@ -50,7 +51,7 @@ inline planes::FrameResult result_of(
   return planes::run_frame(frame, options, planes::make_pca_classifier().get());
 }
 
-/// With every decision that led to it.
+/// Includes all decisions that led to the result.
 inline std::pair<planes::FrameResult, planes::Trace> traced_result_of(const Frame& frame,
                                                                       int threads = 1) {
   planes::PipelineOptions options = wall_options();
@@ -61,7 +62,7 @@ inline std::pair<planes::FrameResult, planes::Trace> traced_result_of(const Fram
   return {std::move(result), std::move(trace)};
 }
 
-/// The plane of a pixel, 0 none.
+/// Plane of a pixel; 0: none.
 inline int plane_at(const planes::FrameResult& result, int u, int v) {
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)
     if (result.cloud.source[i] == static_cast<std::uint32_t>(v * 640 + u))

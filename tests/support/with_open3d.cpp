@@ -1,4 +1,4 @@
-// In test programs that have what `planescope` has of Open3D.
+// Registers Open3D in test programs, as `planescope` does.
 
 #include "core/io/open3d/install.hpp"
 

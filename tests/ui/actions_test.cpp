@@ -1,4 +1,4 @@
-// Actions as functions of the state, and scripts of them.
+// Actions as functions of the state, and scripts made of actions.
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 const planes::TraceEvent& event_of(const State& state) { return *state.event(); }
 
-TEST(Actions, HaveNamesAndKeysOfTheirOwn) {
+TEST(Actions, HaveUniqueNamesAndKeys) {
   std::set<std::string> names, keys;  // keys: with their mode
   for (const Action& action : action_table()) {
     EXPECT_TRUE(names.insert(action.name).second) << action.name;
@@ -44,9 +44,9 @@ TEST(Actions, HaveNamesAndKeysOfTheirOwn) {
   }
 }
 
-TEST(Actions, TakeAnyArgumentWithoutACrashWhetherAFrameIsOpenOrNot) {
+TEST(Actions, AcceptAnyArgumentWithOrWithoutAFrame) {
   State open = run_state();
-  open.document.recordings[0].label_dir = scratch_dir();  // the sample's stay as they are
+  open.document.recordings[0].label_dir = scratch_dir();  // do not change the sample's labels
   for (const State& fresh : {State(), open})
     for (const Action& action : action_table())
       for (const std::string argument : {"", "0", "1", "-1", "99999999", "nonsense", "1,2",
@@ -60,7 +60,7 @@ TEST(Actions, TakeAnyArgumentWithoutACrashWhetherAFrameIsOpenOrNot) {
       }
 }
 
-TEST(Stepping, GoesForwardsAndBackAndStopsAtTheEnds) {
+TEST(Stepping, GoesForwardAndBackAndStopsAtTheEnds) {
   State state = run_state();
   apply(state, {"step.previous"});
   EXPECT_EQ(state.view.step, 0);
@@ -76,7 +76,7 @@ TEST(Stepping, GoesForwardsAndBackAndStopsAtTheEnds) {
   EXPECT_EQ(state.view.step, 0);
 }
 
-TEST(Stepping, ToTheNextNodeOfThisCaseVisitsThemAllAndComesBack) {
+TEST(Stepping, ToTheNextNodeOfThisCaseVisitsAllAndReturns) {
   State state = run_state();
   apply(state, {"step.goto", "2"});  // the root's decision
   const auto wanted = event_of(state).node_case;
@@ -141,7 +141,7 @@ TEST(Stepping, ByNodeOrPlaneVisitsEachOfThemOnce) {
         EXPECT_EQ(forwards.size(), 1 + run.octree().nodes.size());
         continue;
       }
-      std::set<std::int32_t> alive;  // changes at these steps alone
+      std::set<std::int32_t> alive;  // changes only at these steps
       std::size_t at = 0;
       for (std::int32_t step = 1; step < run.steps(); ++step) {
         std::set<std::int32_t> now;
@@ -203,7 +203,7 @@ TEST(Breakpoints, StopARunInBothDirections) {
   EXPECT_EQ(state.view.step, state.run()->steps());
 }
 
-TEST(Options, AreUndoneGestureByGesture) {
+TEST(Options, AreUndonePerGesture) {
   State state = run_state();
   const int before = state.document.options.segment.theta_n_out;
   for (const char* value : {"6", "7", "8", "9"})
@@ -220,7 +220,7 @@ TEST(Options, AreUndoneGestureByGesture) {
   EXPECT_EQ(state.document.options.segment.theta_n_out, 9);
 }
 
-TEST(Options, ThatAreOutOfRangeChangeNothingAndResetIsToTheDefaultOfTheirProfile) {
+TEST(Options, OutOfRangeChangeNothingAndResetToTheProfilesDefault) {
   State state = open_state();
   EXPECT_THROW(apply(state, {"option.set", "theta_coplane=7"}), Error);
   EXPECT_THROW(apply(state, {"option.set", "theta_coplan=0.7"}), Error);
@@ -243,7 +243,7 @@ TEST(Marking, GathersTheVoxelsOfARectangle) {
   EXPECT_TRUE(state.document.marked.empty());
 }
 
-TEST(Bookmarks, BringBackStepSelectionAndFilter) {
+TEST(Bookmarks, RestoreStepSelectionAndFilter) {
   State state = run_state();
   apply(state, {"filter.set", "merge"});
   apply(state, {"filter.next"});
@@ -257,7 +257,7 @@ TEST(Bookmarks, BringBackStepSelectionAndFilter) {
   EXPECT_EQ(state.view.search.text, "merge");
 }
 
-TEST(Pinning, KeepsTheColorsThatAreShownWhenTheStripGoesOnWithOtherOptions) {
+TEST(Pinning, KeepsColorsWhenTheStripRunsWithOtherOptions) {
   State state = run_state();
   auto view = std::make_shared<RunView>(*state.results.current);
   const auto colored = [&](int shift) {
@@ -276,14 +276,14 @@ TEST(Pinning, KeepsTheColorsThatAreShownWhenTheStripGoesOnWithOtherOptions) {
   EXPECT_EQ(colors_of_planes(state, *state.results.pinned), shown);
 }
 
-/// The place of an action among what the palette offers.
+/// Position of an action in the palette's list.
 std::ptrdiff_t place_of(const std::string& name, const std::string& typed) {
   const std::vector<Offer> found = palette_offers({}, typed);
   return std::ranges::find_if(found, [&](const Offer& o) { return o.action->name == name; }) -
          found.begin();
 }
 
-TEST(Palette, FindsActionsByTheBeginningsOfTheirWords) {
+TEST(Palette, FindsActionsByTheStartsOfTheirWords) {
   const State state;
   const auto first = [&](const std::string& typed) {
     return palette_offers(state, typed).front().action->name;
@@ -302,7 +302,7 @@ TEST(Palette, FindsActionsByTheBeginningsOfTheirWords) {
                                   [](const Action& a) { return a.mode == KeyMode::anywhere; })));
 }
 
-TEST(Palette, FindsActionsByTheWordsThatPeopleUse) {
+TEST(Palette, FindsActionsBySynonyms) {
   for (const char* word : {"grey", "gray", "why", "lost"})
     EXPECT_LT(place_of("lost.show", word), 4);
   EXPECT_LT(place_of("option.undo", "undo"), 4);
@@ -310,22 +310,22 @@ TEST(Palette, FindsActionsByTheWordsThatPeopleUse) {
   EXPECT_LT(place_of("intrinsics.edit", "calibration"), 4);
 }
 
-TEST(Palette, HasWholeWordsBeforeStartsOfWordsBeforeWhatStandsWithinOne) {
+TEST(Palette, RanksWholeWordsBeforeStartsBeforeInnerMatches) {
   const struct {
     const char *typed, *first, *later;
   } cases[] = {{"plane", "select.plane", "planes.sort"},
-               // "steppable" only starts with it.
+               // "steppable" only starts with it
                {"step", "step.next", "color.steppable"},
-               // "mark" starts "Bookmark" nowhere.
+               // "mark" is not the start of a word in "Bookmark"
                {"mark", "mark.toggle", "bookmark.add"},
                {"mar", "mark.clear", "bookmark.add"},
-               // The worst of the words decides.
+               // The worst match of the words decides.
                {"fix marked", "fix.marked", "fix.plane"}};
   for (const auto& [typed, first, later] : cases)
     EXPECT_LT(place_of(first, typed), place_of(later, typed)) << typed;
 }
 
-TEST(Camera, OrbitsAtTheSameDistanceAndNeverTurnsOver) {
+TEST(Camera, OrbitsAtTheSameDistanceAndStaysUpright) {
   render::Camera camera;
   camera.eye = Vec3d(-2, 0, 1);
   for (int i = 0; i < 40; ++i) camera = orbited(camera, 13, 7);
@@ -345,7 +345,7 @@ struct Scripts : OpenDesktop {
   }
 };
 
-TEST_F(Scripts, DoActionsAndExpectFacts) {
+TEST_F(Scripts, PerformActionsAndExpectFacts) {
   play(R"("step.first", {"do": "step.next"}, {"expect": {"step": 1}})");
   EXPECT_THROW(play(R"({"expect": {"step": 7}})"), ExpectationFailed);
 }
@@ -357,13 +357,13 @@ TEST_F(Scripts, PressKeysAndTypeText) {
   EXPECT_FALSE(state().view.show_palette);
 }
 
-TEST_F(Scripts, AKeyWhoseActionNeedsAnArgumentAsksForIt) {
+TEST_F(Scripts, AKeyPromptsForTheArgumentOfItsAction) {
   play(R"({"key": "G"}, {"type": "17"}, {"key": "Enter"}, {"expect": {"step": 17}})");
   EXPECT_FALSE(state().view.show_palette);
   EXPECT_NE(refusal(R"("step.goto")"), "") << "a script has nobody to ask";
 }
 
-TEST_F(Scripts, ThatAreWrongNameTheActionAndWhatIsNear) {
+TEST_F(Scripts, WithErrorsReportTheActionAndTheNearestName) {
   EXPECT_TRUE(has(refusal(R"("step.nxt")"), "step.next"));
   EXPECT_TRUE(has(refusal(R"("step.next", {"click": "tab.histogram"})"), "tab.histograms"));
   EXPECT_TRUE(has(refusal(R"("step.next", {"click": "x"})"), "action 2"));

@@ -1,4 +1,5 @@
-// What is changed while jobs run: their results are for what was wanted, not for what is by now.
+// Changes while jobs run: results belong to the state at the start of the job, not to the current
+// one.
 
 #include <nlohmann/json.hpp>
 
@@ -17,7 +18,7 @@ struct Changes : OpenDesktop {
     shell.perform({action, argument});
     ASSERT_FALSE(state().view.message_is_error) << state().view.message;
   }
-  /// Some frames, as quick as they come: jobs are at it all the while.
+  /// Draws frames as fast as possible while jobs are running.
   void draw(int frames) {
     for (int i = 0; i < frames; ++i) {
       stage.draw_frame();
@@ -66,7 +67,7 @@ TEST_F(Changes, OfTheRecordingFillItsOwnStrip) {
   perform("frame.show", "2");
   rest();
   perform("option.set", "theta_n_in=8");
-  while (results().strip_done == 3) draw(1);  // until it is filled anew
+  while (results().strip_done == 3) draw(1);  // wait until it is filled again
   open_cloud();
   draw(1);
   perform("recording.show", "0");
@@ -100,12 +101,12 @@ TEST_F(Changes, OfAnOptionKeepTheComparisonWithItsRuns) {
   expect_whole_strip();
 }
 
-TEST_F(Changes, OfBAreShownInTheStripInTheColoursOfA) {
+TEST_F(Changes, OfBAppearInTheStripInTheColorsOfA) {
   rest();
   perform("option.set", "profile=refined");
   rest();
   perform("run.pin");
-  perform("option.set", "max_range_m=2");  // the largest planes are gone
+  perform("option.set", "max_range_m=2");  // without the largest planes
   rest();
   FrameTools tools;
   ColorBook book;
@@ -124,7 +125,7 @@ TEST_F(Changes, OfBAreShownInTheStripInTheColoursOfA) {
   expect_whole_strip();
 }
 
-TEST_F(Changes, OfTheFrameWhileAIsFlashedKeepNothingOfIt) {
+TEST_F(Changes, OfTheFrameWhileAIsFlashedDiscardIt) {
   rest();
   perform("run.pin");
   perform("option.set", "voxel_size_m=0.05");  // a smaller tree
@@ -157,7 +158,7 @@ TEST_F(Changes, OfTheTargetSearchForTheLastOne) {
   EXPECT_EQ(results().fix.target.name, "true plane 2");
 }
 
-TEST_F(Changes, SensitivitiesComeBackAfterASearch) {
+TEST_F(Changes, SensitivitiesReturnAfterASearch) {
   perform("tab.tool", "criteria");
   rest();
   const std::size_t all = results().sensitivity.size();
@@ -171,7 +172,7 @@ TEST_F(Changes, SensitivitiesComeBackAfterASearch) {
   EXPECT_EQ(results().sensitivity.size(), all);
 }
 
-TEST_F(Changes, OfTheFrameOnTheWayToABookmarkCallItOff) {
+TEST_F(Changes, OfTheFrameCancelAJumpToABookmark) {
   rest();
   perform("step.goto", "10");
   perform("bookmark.add", "here");
@@ -188,7 +189,7 @@ TEST_F(Changes, OfTheFrameOnTheWayToABookmarkCallItOff) {
   EXPECT_EQ(state().view.step, 10);
 }
 
-TEST_F(Changes, LeaveABookmarkOfALongerRecordingWhereItIs) {
+TEST_F(Changes, KeepABookmarkOfALongerRecording) {
   perform("frame.show", "2");
   rest();
   perform("bookmark.add", "there");
@@ -200,7 +201,7 @@ TEST_F(Changes, LeaveABookmarkOfALongerRecordingWhereItIs) {
   EXPECT_FALSE(state().view.arrival);
 }
 
-TEST_F(Changes, PlayingGoesOnHoweverSlowItIs) {
+TEST_F(Changes, PlayingContinuesAtAnySpeed) {
   rest();
   perform("step.first");
   perform("step.rate", "20");
@@ -213,7 +214,7 @@ TEST_F(Changes, PlayingGoesOnHoweverSlowItIs) {
   EXPECT_EQ(state().view.playing.direction, 0);
 }
 
-TEST_F(Changes, WhatTheFileSystemRefusesIsSaid) {
+TEST_F(Changes, FileSystemErrorsAreReported) {
   shell.perform({"recording.open", std::string(5000, 'x')});
   EXPECT_TRUE(state().view.message_is_error);
   shell.perform({"session.open", std::string(5000, 'x')});

@@ -21,7 +21,7 @@ struct OctreeRows : testing::Test {
   }
 };
 
-TEST_F(OctreeRows, HoldWhatWaitsAndNothingOfTheFuture) {
+TEST_F(OctreeRows, ContainQueuedNodesAndNoFutureOnes) {
   for (std::int32_t step = 0; step <= run.steps(); step += 97) {
     const std::vector<std::int32_t> nodes = nodes_at(step);
     const std::set<std::int32_t> shown(nodes.begin(), nodes.end());
@@ -35,21 +35,21 @@ TEST_F(OctreeRows, HoldWhatWaitsAndNothingOfTheFuture) {
   }
 }
 
-TEST_F(OctreeRows, FoldWhatIsSettled) {
+TEST_F(OctreeRows, FoldSettledNodes) {
   EXPECT_EQ(nodes_at(run.steps()), std::vector<std::int32_t>{0});
   const auto opened = octree_rows(run, run.steps(), -1, {{0, true}});
   EXPECT_EQ(opened.size(), 1u + run.octree().nodes[0].child_count);
   EXPECT_EQ(octree_rows(run, 40, -1, {{0, false}}).size(), 1u);
 }
 
-TEST_F(OctreeRows, LeadToTheSelectedNode) {
+TEST_F(OctreeRows, UnfoldTheSelectedNode) {
   const auto last = static_cast<std::int32_t>(run.octree().nodes.size()) - 1;
   const auto nodes = nodes_at(run.steps(), last);
   for (std::int32_t n = last; n >= 0; n = run.octree().nodes[static_cast<std::size_t>(n)].parent)
     EXPECT_EQ(std::count(nodes.begin(), nodes.end(), n), 1) << n;
 }
 
-TEST_F(OctreeRows, FindNodesByNumberAndByWhatHasHappened) {
+TEST_F(OctreeRows, FindNodesByNumberAndByEvent) {
   debug::FilterProblem problem;
   ASSERT_EQ(octree_matches(run, run.steps(), "41", problem).size(), 1u);
   EXPECT_TRUE(octree_matches(run, 0, "41", problem).empty()) << "not born yet";
@@ -62,7 +62,7 @@ TEST_F(OctreeRows, FindNodesByNumberAndByWhatHasHappened) {
   EXPECT_FALSE(problem.message.empty());
 }
 
-TEST_F(OctreeRows, CountWhatIsBelow) {
+TEST_F(OctreeRows, CountDescendants) {
   for (const std::int32_t step : {1, 200, run.steps()})
     for (std::int32_t top = 0; top < 60; ++top) {
       SubtreeCounts expected = {};
@@ -79,7 +79,7 @@ TEST_F(OctreeRows, CountWhatIsBelow) {
     }
 }
 
-TEST(TimelineColumns, HoldEveryEventOnce) {
+TEST(TimelineColumns, ContainEveryEventOnce) {
   const State state = run_state();
   const planescope::debug::Run& run = *state.run();
   const debug::StepRange all{0, run.steps()};
@@ -125,7 +125,7 @@ TEST(StepAxis, ZoomsAboutAStepAndStaysWithinTheTrace) {
   EXPECT_EQ(moved({100, 199}, 5000, 1000), (debug::StepRange{901, 1000}));
 }
 
-TEST(StepAxis, ScrollsToTheCursorOnlyWhereItIsOutside) {
+TEST(StepAxis, ScrollsToTheCursorOnlyIfItIsOutside) {
   const debug::StepRange shown{100, 199};
   EXPECT_EQ(scrolled_to(shown, 199, 1000), shown);
   for (const std::int32_t step : {200, 99, 700, 0, 1000}) {
@@ -136,7 +136,7 @@ TEST(StepAxis, ScrollsToTheCursorOnlyWhereItIsOutside) {
   EXPECT_GE(scrolled_to(shown, 200, 1000).last, 205) << "what comes next is in sight, too";
 }
 
-TEST(HistogramAxis, SharesAndValuesAreEachOthersInverse) {
+TEST(HistogramAxis, SharesAndValuesAreInverse) {
   debug::Histogram histogram;
   histogram.quantity = "mse";
   histogram.logarithmic = true;
@@ -149,7 +149,7 @@ TEST(HistogramAxis, SharesAndValuesAreEachOthersInverse) {
   EXPECT_EQ(filter_between(histogram, 2.0 / 3, 1.0 / 3), "mse>=0.01 && mse<0.1");
 }
 
-TEST(HistogramAxis, TicksAreRoundAndStandAcrossTheAxis) {
+TEST(HistogramAxis, TicksAreRoundAndCoverTheAxis) {
   debug::Histogram linear;
   for (int i = 0; i < 20; ++i) linear.bins.push_back({0.17 * i, 0.17 * (i + 1)});
   const std::vector<double> ticks = axis_ticks(linear);
@@ -165,7 +165,7 @@ TEST(HistogramAxis, TicksAreRoundAndStandAcrossTheAxis) {
   decades.logarithmic = true;
   decades.bins = {{0, 0.001}, {0.001, 0.01}, {0.01, 0.1}, {0.1, 7}};
   EXPECT_EQ(axis_ticks(decades), (std::vector<double>{0, 0.0001, 0.001, 0.01, 0.1}));
-  debug::Histogram narrow;  // no round value within: its ends say what it shows
+  debug::Histogram narrow;  // without a round value, its ends are labeled
   narrow.bins = {{3.1, 3.2}};
   EXPECT_EQ(axis_ticks(narrow), (std::vector<double>{3.1, 3.2}));
   EXPECT_TRUE(axis_ticks({}).empty());

@@ -1,7 +1,7 @@
 #pragma once
 
-// A desktop on the sample recording: its state alone, or the whole shell with no window, in the
-// debugger or in the label mode with labels in a folder of the test's own.
+// A desktop with the sample recording: only its state, or the whole shell without a window, in the
+// debugger or in label mode with the test's own label folder.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -25,14 +25,14 @@ inline std::filesystem::path sample_path() {
   return std::filesystem::path(PLANESCOPE_SOURCE_DIR) / "assets" / "sample";
 }
 
-/// A copy of the sample's labels that tests may write to, for as long as the process runs.
+/// A copy of the sample's labels that tests may change, removed when the process ends.
 inline std::filesystem::path sample_labels() {
   namespace fs = std::filesystem;
   struct Copy {
     const fs::path dir =
         fs::path(testing::TempDir()) / ("planescope_sample_labels." + std::to_string(::getpid()));
     Copy() {
-      fs::remove_all(dir);  // of one that was killed
+      fs::remove_all(dir);  // left by a killed process
       fs::copy(labels::default_label_dir(sample_path()), dir);
     }
     ~Copy() {
@@ -44,18 +44,18 @@ inline std::filesystem::path sample_labels() {
   return copy.dir;
 }
 
-/// The sample is open; nothing has been run yet.
+/// A state with the sample open, before any run.
 inline State open_state(planes::Profile profile = planes::Profile::paper) {
   State state;
   state.document.options.segment = planes::profile_options(profile);
-  state.document.options.classifier = "pca";  // quicker than the network where a sanitizer looks
+  state.document.options.classifier = "pca";  // faster than the network under a sanitizer
   state.document.recordings.push_back(
       {sample_path(), io::open_recording(sample_path(), {}), sample_labels()});
   state.document.recording = 0;
   return state;
 }
 
-/// Everything jobs would hand in for the frame, made at once.
+/// A state with all results that jobs would deliver for the frame.
 inline State run_state(planes::Profile profile = planes::Profile::paper) {
   State state = open_state(profile);
   const io::Recording& recording = *state.document.current()->recording;
@@ -74,7 +74,7 @@ inline State run_state(planes::Profile profile = planes::Profile::paper) {
   return state;
 }
 
-/// A synthetic walk is written and opened: small frames without color images.
+/// Writes a synthetic walk and opens it: small frames without color images.
 inline State open_walk(const std::filesystem::path& to, lab::SequenceOptions options) {
   options.width = 160;
   options.height = 120;
@@ -85,7 +85,7 @@ inline State open_walk(const std::filesystem::path& to, lab::SequenceOptions opt
   return state;
 }
 
-/// Draws nowhere.
+/// A stage that draws nothing.
 class NoStage : public Stage {
  public:
   NoStage(Shell& shell, int width = 1440, int height = 900)
@@ -107,7 +107,7 @@ inline std::filesystem::path scratch_dir() {
   return dir;
 }
 
-/// `actions`: the elements of a script's list. `dir`: where the script is put.
+/// `actions`: elements of a script's list. `dir`: folder for the script.
 inline void play_actions(Shell& shell,
                          Stage& stage,
                          const std::filesystem::path& dir,
@@ -117,7 +117,7 @@ inline void play_actions(Shell& shell,
   Script::read(path).play(shell, stage, {});
 }
 
-/// A window that is drawn nowhere.
+/// A window that is not drawn.
 struct Desk {
   Shell shell;
   NoStage stage{shell};
@@ -127,19 +127,19 @@ struct Desk {
   const std::string& message() const { return state().view.message; }
   bool shown(const std::string& widget) const { return shell.widgets().contains(widget); }
   void rest(bool background = true) { settle(shell, stage, {}, background); }
-  /// As a key or a click does it: what is wrong stands in the status bar.
+  /// Performs an action like a key or a click: errors appear in the status bar.
   void perform(const std::string& action, const std::string& argument = {}) {
     shell.perform({action, argument});
     rest();
   }
-  /// As a script does it: what is wrong is thrown.
+  /// Performs an action like a script: errors are thrown.
   void run(const std::string& action, const std::string& argument = {}) {
     shell.perform({action, argument}, true);
     rest();
   }
 };
 
-/// The sample, or what else is opened, has been run.
+/// Opens the sample, or another recording, and runs it.
 struct OpenDesktop : testing::Test, Desk {
   const std::filesystem::path dir = scratch_dir();
 
@@ -148,17 +148,17 @@ struct OpenDesktop : testing::Test, Desk {
   void play(const std::string& actions) { play_actions(shell, stage, dir, actions); }
 };
 
-/// The same with the profile that finds all of the sample's planes.
+/// The same, with the profile that finds all planes of the sample.
 struct RefinedDesktop : OpenDesktop {
   RefinedDesktop() : OpenDesktop(opened()) {}
   static State opened() {
     State state = open_state(planes::Profile::refined);
-    state.view.tool_tab = "histograms";  // needs no curves along sliders
+    state.view.tool_tab = "histograms";  // has no sensitivity curves at sliders
     return state;
   }
 };
 
-/// A script's step: a click of the mouse on a pixel "U,V" of the sample's image.
+/// A script step: a mouse click on pixel "U,V" of the sample's image.
 inline std::string click_on(const std::string& pixel) {
   const auto comma = pixel.find(',');
   return fmt::format(R"({{"click": "image", "at": [{}, {}]}})",
@@ -173,7 +173,7 @@ inline State open_state_with_labels(const std::filesystem::path& label_dir,
   return state;
 }
 
-/// A window that is labelling.
+/// A window in label mode.
 struct LabelWindow : Desk {
   explicit LabelWindow(const std::filesystem::path& label_dir,
                        const std::filesystem::path& recording = sample_path())
@@ -192,7 +192,7 @@ struct LabelWindow : Desk {
     finish();
     return state().view.message_is_error ? state().view.message : "";
   }
-  /// What was begun, but for what goes on in the background: thumbnails, curves along sliders.
+  /// Waits for all jobs except background jobs (thumbnails, curves at sliders).
   void finish() { rest(/*background=*/false); }
   bool shows(const std::string& widget) const { return shown(widget); }
 };
@@ -202,7 +202,7 @@ struct LabelDesktop : testing::Test {
   const std::filesystem::path label_dir = dir / "labels";
   LabelWindow window;
 
-  /// `recording`: given the test's folder.
+  /// `recording` receives the test's folder.
   explicit LabelDesktop(std::filesystem::path (*recording)(const std::filesystem::path&) =
                             [](const std::filesystem::path&) { return sample_path(); })
       : window(label_dir, recording(dir)) {}
@@ -215,7 +215,7 @@ struct LabelDesktop : testing::Test {
   std::size_t pixels_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
   void play(const std::string& actions) { play_actions(window.shell, window.stage, dir, actions); }
   void choose(int plane) { window.run("label.plane", std::to_string(plane)); }
-  /// The labels' folder as it is now, for another window.
+  /// A copy of the labels' current folder, for another window.
   std::filesystem::path copy_of_labels() const {
     std::filesystem::copy(label_dir, dir / "copy", std::filesystem::copy_options::recursive);
     return dir / "copy";

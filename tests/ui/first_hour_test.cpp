@@ -1,4 +1,4 @@
-// A new user's first hour, as one script: nothing in it is a dead end.
+// A new user's first hour as one script, without dead ends.
 
 #include <fmt/format.h>
 
@@ -48,7 +48,7 @@ struct FirstHour : testing::Test {
   }
 };
 
-TEST_F(FirstHour, LeadsFromTheFirstFrameToAReportWithoutADeadEnd) {
+TEST_F(FirstHour, GoesFromTheFirstFrameToAReportWithoutDeadEnds) {
   rest();
   run("recording.open", recording.string());
   ASSERT_TRUE(state().run());
@@ -89,7 +89,7 @@ TEST_F(FirstHour, LeadsFromTheFirstFrameToAReportWithoutADeadEnd) {
   run("measure.end", "plane 2");
   run("select.none");
 
-  // What would mend it; A against B.
+  // Fixes; comparison of A and B.
   run("mark.pixels", "300,300,340,340");
   run("fix.marked");
   EXPECT_TRUE(state().results.fix.finished);
@@ -104,7 +104,7 @@ TEST_F(FirstHour, LeadsFromTheFirstFrameToAReportWithoutADeadEnd) {
   EXPECT_EQ(io::read_png_rgb(dir / "window.png").width, 1280);
   run("session.save", (dir / "session.json").string());
 
-  // Label a frame by the wand, review it, leave.
+  // Label a frame with the wand, review it, leave.
   run("label.mode");
   run("label.annotator", "new");
   for (const char* pixel : {"160,407", "210,225", "152,101"}) {
@@ -131,7 +131,7 @@ TEST_F(FirstHour, LeadsFromTheFirstFrameToAReportWithoutADeadEnd) {
   EXPECT_EQ(state().document.frame, 0);
   window.reset();
 
-  // What was labelled, elsewhere; and a report of all of it.
+  // Labels on the command line, and a report of everything.
   command({"labels", "check", recording.string()});
   command(
       {"labels", "export", recording.string(), "--format", "ply", "-o", (dir / "ply").string()});

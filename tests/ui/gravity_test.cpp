@@ -1,4 +1,4 @@
-// Gravity that nobody knows, and clicks on floors and walls that say where things fall.
+// Unknown gravity, and clicks on floors and walls that define its direction.
 
 #include <fmt/format.h>
 
@@ -20,11 +20,11 @@ double angle_deg(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::min(1.0, a.normalized().dot(b.normalized()))) * 180 / std::numbers::pi;
 }
 
-/// The sample, whose estimate is refused as no tilt of the camera is allowed.
+/// The sample with a rejected estimate, because no camera tilt is allowed.
 State without_gravity(const std::filesystem::path& label_dir) {
   State state = open_state_with_labels(label_dir);
   state.document.options.gravity.max_tilt_deg = 0;
-  state.view.tool_tab = "histograms";  // no sliders to be swept
+  state.view.tool_tab = "histograms";  // no sensitivity curves at sliders
   return state;
 }
 
@@ -44,7 +44,7 @@ struct GravityClicks : OpenDesktop {
     return *labels::read_frame_labels(labels::default_label_dir(sample_path()),
                                       state().document.frame, "");
   }
-  /// A measured pixel well inside the largest true plane that is asked for and has one.
+  /// A measured pixel well inside the largest true plane that satisfies a condition.
   std::string pixel_of(const std::function<bool(const LabelPlane&)>& asked) const {
     const FrameLabels labels = truth();
     const Image16& depth = state().run()->subject->frame.depth;
@@ -73,9 +73,9 @@ struct GravityClicks : OpenDesktop {
   std::string pixel_of(Label label) const {
     return pixel_of([label](const LabelPlane& plane) { return plane.label == label; });
   }
-  /// A click of the mouse on that pixel.
+  /// Clicks that pixel with the mouse.
   void click(const std::string& pixel) { play(click_on(pixel)); }
-  /// A click by its pixel that is refused for a reason.
+  /// Clicks a pixel and expects an error with this reason.
   void expect_refused(const std::string& action, const std::string& pixel, const char* why) {
     run(action, pixel);
     EXPECT_TRUE(state().view.message_is_error) << pixel;
@@ -83,7 +83,7 @@ struct GravityClicks : OpenDesktop {
   }
 };
 
-TEST_F(GravityClicks, AFrameWithoutGravityShowsItsPlanesAndWhatToClick) {
+TEST_F(GravityClicks, AFrameWithoutGravityShowsPlanesAndSuggestsClicks) {
   ASSERT_TRUE(state().run()) << state().results.refusal;
   EXPECT_EQ(state().results.refusal, "");
   EXPECT_FALSE(gravity().known());
@@ -99,7 +99,7 @@ TEST_F(GravityClicks, AFrameWithoutGravityShowsItsPlanesAndWhatToClick) {
   for (const char* by : {"color.labels", "color.margins", "color.cases"}) run(by);
 }
 
-TEST_F(GravityClicks, OneClickOnAFloorTellsIt) {
+TEST_F(GravityClicks, OneClickOnAFloorDefinesIt) {
   run("camera.orbit", "20,5");
   play(R"({"click": "button.gravity.click.floor"}, {"expect": {"click": "floor"}})");
   click(pixel_of(Label::h));
@@ -116,7 +116,7 @@ TEST_F(GravityClicks, OneClickOnAFloorTellsIt) {
   EXPECT_FALSE(gravity().known()) << "of that frame alone";
 }
 
-TEST_F(GravityClicks, ForAllFramesItHoldsOnTheNextAndAfterARestart) {
+TEST_F(GravityClicks, ForAllFramesApplyToTheNextAndAfterARestart) {
   run("gravity.all_frames");
   run("gravity.floor", pixel_of(Label::h));
   const Vec3d picked = gravity().direction;
@@ -131,19 +131,19 @@ TEST_F(GravityClicks, ForAllFramesItHoldsOnTheNextAndAfterARestart) {
   EXPECT_EQ(state.document.recordings[0].picked.recording->direction, picked);
 }
 
-TEST_F(GravityClicks, OnOneWallTurnItAndOnTheSameAgainSayNothingMore) {
+TEST_F(GravityClicks, OnOneWallRotateItAndOnTheSameAgainAddNothing) {
   run("gravity.wall", pixel_of(Label::v));
   ASSERT_EQ(gravity().source, GravitySource::picked) << message();
   const Vec3d normal = state().document.current()->picked.frames.at(0).walls[0];
   EXPECT_NEAR(normal.dot(gravity().direction), 0, 1e-6);
   EXPECT_TRUE(has(message(), "one wall"));
-  // The same wall again says nothing more.
+  // The same wall again adds no information.
   const Vec3d before = gravity().direction;
   expect_refused("gravity.wall", pixel_of(Label::v), "parallel");
   EXPECT_EQ(gravity().direction, before);
 }
 
-TEST_F(GravityClicks, OnTwoWallsTellItWithoutAFloor) {
+TEST_F(GravityClicks, OnTwoWallsDefineItWithoutAFloor) {
   run("frame.show", "2");
   const Vec3d truly = truth().gravity.direction;
   run("gravity.wall", pixel_of(Label::v));
@@ -160,7 +160,7 @@ TEST_F(GravityClicks, OnTwoWallsTellItWithoutAFloor) {
   EXPECT_EQ(state().document.current()->picked.frames.at(2).walls.size(), 1u);
 }
 
-TEST_F(GravityClicks, UndoAndRedoGoThroughThemAndForgettingIsAStepToo) {
+TEST_F(GravityClicks, CanBeUndoneRedoneAndForgotten) {
   run("gravity.floor", pixel_of(Label::h));
   const Vec3d picked = gravity().direction;
   run("gravity.forget");
@@ -178,13 +178,13 @@ TEST_F(GravityClicks, UndoAndRedoGoThroughThemAndForgettingIsAStepToo) {
   EXPECT_TRUE(std::filesystem::exists(file));
 }
 
-TEST_F(GravityClicks, BadOnesSaySoInOneLineAndChangeNothing) {
+TEST_F(GravityClicks, BadOnesAreReportedInOneLineAndChangeNothing) {
   run("gravity.click.floor");
   for (const char* argument : {"0,0", "9999,3", "-1,3", "a,b", "3", "", "voxel 99999999", "voxel x",
                                "plane 0", "plane 9999", "nothing"}) {
     run("gravity.floor", argument);
     EXPECT_TRUE(state().view.message_is_error) << argument;
-    EXPECT_TRUE(message().starts_with("gravity is as it was: ")) << message();
+    EXPECT_TRUE(message().starts_with("gravity is unchanged: ")) << message();
     EXPECT_FALSE(has(message(), "\n"));
     EXPECT_FALSE(gravity().known()) << argument;
   }
@@ -195,12 +195,12 @@ TEST_F(GravityClicks, BadOnesSaySoInOneLineAndChangeNothing) {
   EXPECT_EQ(state().view.click, Click::selects);
 }
 
-TEST_F(GravityClicks, AFloorIsNoWall) {
+TEST_F(GravityClicks, AFloorIsNotAWall) {
   run("gravity.floor", pixel_of(Label::h));
   expect_refused("gravity.wall", pixel_of(Label::h), "is it a floor?");
 }
 
-TEST_F(GravityClicks, WinOverTheOptionAndGiveItBackOnUndo) {
+TEST_F(GravityClicks, OverrideTheOptionAndRestoreItOnUndo) {
   run("option.set", "gravity=1,0,0");
   ASSERT_EQ(gravity().source, GravitySource::option);
   run("gravity.floor", pixel_of(Label::h));
@@ -213,7 +213,7 @@ TEST_F(GravityClicks, WinOverTheOptionAndGiveItBackOnUndo) {
   EXPECT_EQ(gravity().source, GravitySource::option) << "forgetting changes no option";
 }
 
-TEST_F(GravityClicks, DoNotGoBeforeTheRecordingsOwn) {
+TEST_F(GravityClicks, DoNotOverrideTheRecording) {
   const std::filesystem::path copy = dir / "sample";
   std::filesystem::copy(sample_path(), copy, std::filesystem::copy_options::recursive);
   auto sidecar = nlohmann::json::parse(std::ifstream(copy / "planescope.json"));
@@ -226,7 +226,7 @@ TEST_F(GravityClicks, DoNotGoBeforeTheRecordingsOwn) {
   EXPECT_FALSE(std::filesystem::exists(labels::default_label_dir(copy) / "gravity.json"));
 }
 
-TEST_F(GravityClicks, OfAFolderThatCannotBeWrittenChangeNothing) {
+TEST_F(GravityClicks, InAReadOnlyFolderChangeNothing) {
   std::ofstream(label_dir) << "a file where the folder should be";
   run("gravity.floor", pixel_of(Label::h));
   EXPECT_TRUE(state().view.message_is_error);
@@ -234,7 +234,7 @@ TEST_F(GravityClicks, OfAFolderThatCannotBeWrittenChangeNothing) {
   EXPECT_TRUE(state().undo.empty());
 }
 
-TEST_F(GravityClicks, ThatCannotBeReadAreToldOfAndTheRecordingOpens) {
+TEST_F(GravityClicks, ThatCannotBeReadAreReportedAndTheRecordingOpens) {
   std::filesystem::create_directories(label_dir);
   std::ofstream(file) << "{}";
   State state = without_gravity(label_dir);
@@ -244,7 +244,7 @@ TEST_F(GravityClicks, ThatCannotBeReadAreToldOfAndTheRecordingOpens) {
   EXPECT_TRUE(has(state.view.message, "gravity.json"));
 }
 
-TEST_F(GravityClicks, DoNotReplaceAFileThatWasRefused) {
+TEST_F(GravityClicks, DoNotReplaceARejectedFile) {
   const std::filesystem::path copy = dir / "sample", kept = dir / "sample.labels/gravity.json";
   std::filesystem::copy(sample_path(), copy, std::filesystem::copy_options::recursive);
   std::filesystem::create_directories(kept.parent_path());
@@ -255,7 +255,7 @@ TEST_F(GravityClicks, DoNotReplaceAFileThatWasRefused) {
   EXPECT_EQ(nlohmann::json::parse(std::ifstream(kept)).at("schema"), "planescope.gravity/2");
 }
 
-TEST_F(GravityClicks, InThePanelSayWhereItIsFrom) {
+TEST_F(GravityClicks, ShowTheirSourceInThePanel) {
   run("tab.tool", "criteria");
   run("option.show", "gravity");
   for (const char* widget : {"gravity.source", "gravity.this_frame", "gravity.all_frames"})
@@ -266,9 +266,9 @@ TEST_F(GravityClicks, InThePanelSayWhereItIsFrom) {
   EXPECT_FALSE(state().view.gravity_of_recording);
 }
 
-TEST_F(GravityClicks, OnACloudTakeThePlaneOfThePoint) {
+TEST_F(GravityClicks, OnACloudUseThePlaneOfThePoint) {
   PointSet set;
-  for (int i = 0; i < 8000; ++i)  // the floor lies in x = 0, seen from +x
+  for (int i = 0; i < 8000; ++i)  // the floor is the plane x = 0, seen from +x
     set.points.push_back(Vec3f(-1, 0.01f * static_cast<float>(i % 80) + 0.1f,
                                0.01f * static_cast<float>(i / 80) + 0.1f));
   io::write_ply(dir / "cloud.ply", set);

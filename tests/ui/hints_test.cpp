@@ -1,4 +1,4 @@
-// Hints go once what they ask for is done; what was marked is told and seen.
+// Hints disappear once their suggestion is followed; markings are reported and visible.
 
 #include <algorithm>
 
@@ -9,12 +9,12 @@ namespace planescope::desktop {
 namespace {
 
 struct Hint {
-  Command asks;               // what brings the hint
-  std::string says;           // a part of it
-  std::vector<Command> does;  // what it asks for
+  Command asks;               // shows the hint
+  std::string says;           // part of its text
+  std::vector<Command> does;  // follows its suggestion
 };
 
-TEST(Hints, GoOnceWhatTheyAskForIsDone) {
+TEST(Hints, DisappearOnceTheirSuggestionIsFollowed) {
   State fresh = run_state();
   fresh.document.recordings[0].label_dir = scratch_dir();
   apply(fresh, {"step.last"});
@@ -38,7 +38,7 @@ TEST(Hints, GoOnceWhatTheyAskForIsDone) {
     EXPECT_FALSE(state.view.message_is_error);
     apply(state, {"step.goto", "3"});
     apply(state, {"select.none"});
-    if (hint.asks.action == "measure.end") continue;  // Escape leaves it, which is done, too
+    if (hint.asks.action == "measure.end") continue;  // Escape also leaves it
     State other = fresh;
     apply(other, hint.asks);
     apply(other, {"theme.toggle"});
@@ -48,7 +48,7 @@ TEST(Hints, GoOnceWhatTheyAskForIsDone) {
   }
 }
 
-TEST_F(OpenDesktop, AHintOfARunGoesOnceTheRunIsThere) {
+TEST_F(OpenDesktop, AHintAboutARunDisappearsWithTheRun) {
   run("run.pin");
   EXPECT_EQ(state().view.message, "A pinned: change an option to make B");
   run("option.set", "theta_n_in=40");
@@ -56,7 +56,7 @@ TEST_F(OpenDesktop, AHintOfARunGoesOnceTheRunIsThere) {
   EXPECT_FALSE(has(state().view.message, "A pinned"));
 }
 
-TEST(Hints, OfAFixNameNoLabelsWhereThereAreNone) {
+TEST(Hints, AboutAFixMentionLabelsOnlyIfThereAreAny) {
   State state = open_state();
   state.document.recordings[0].label_dir = scratch_dir();  // without labels
   Desk desk(std::move(state));
@@ -72,10 +72,10 @@ TEST(Hints, OfAFixNameNoLabelsWhereThereAreNone) {
   EXPECT_TRUE(desk.state().results.fix.finished);
 }
 
-TEST(Marking, BeyondTheRangeSaysHowMuchAndWhatToRaise) {
+TEST(Marking, BeyondTheRangeReportsThePixelsAndTheOption) {
   State state = run_state();
   const debug::Subject& subject = *state.run()->subject;
-  // A row of the image in which something beyond the range follows on something within.
+  // A row of the image in which a pixel beyond the range follows a pixel within.
   const Image16& depth = subject.frame.depth;
   int v = 0, from = -1, to = -1;
   for (int y = 0; y < depth.height && to < 0; ++y)
@@ -102,7 +102,7 @@ TEST(Marking, BeyondTheRangeSaysHowMuchAndWhatToRaise) {
   EXPECT_TRUE(state.document.marked.empty());
 }
 
-TEST(Marking, IsSeenInBothViewsWhateverTheColours) {
+TEST(Marking, IsVisibleInBothViewsWithAnyColors) {
   State state = run_state();
   apply(state, {"step.last"});
   for (const char* color : {"color.planes", "color.depth", "color.camera"}) {

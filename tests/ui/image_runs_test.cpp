@@ -1,4 +1,4 @@
-// The debugger on a depth image whose planes are found on its pixels: every tab, at every kind of
+// The debugger on a depth image whose planes are found on pixels: every tab, at every kind of
 // event.
 
 #include "app/desktop/panels.hpp"
@@ -11,7 +11,8 @@ struct ImageRuns : OpenDesktop {
   ImageRuns() : OpenDesktop(opened()) {}
   static State opened() {
     State state = RefinedDesktop::opened();
-    state.document.options.segment.objective.worth_px = 14000;  // not all are listed
+    // so that some planes are not listed
+    state.document.options.segment.objective.worth_px = 14000;
     return state;
   }
 };
@@ -28,14 +29,14 @@ TEST_F(ImageRuns, EveryTabShowsEveryKindOfEvent) {
   }
 }
 
-TEST_F(ImageRuns, APixelTellsItsLifeAtEveryStep) {
+TEST_F(ImageRuns, APixelShowsItsHistoryAtEveryStep) {
   for (const char* step : {"0", "100", "1000", "2000"})
     play(fmt::format(R"("step.goto {}", {}, "tab.inspector point", "point.life")", step,
                      click_on("320,400")));
   EXPECT_GE(state().view.selected.voxel, 0);
 }
 
-TEST_F(ImageRuns, AJoinShowsWhatItCostsAndWhoseThresholdThatIs) {
+TEST_F(ImageRuns, AJoinShowsItsCostAndTheOptionOfItsThreshold) {
   play(R"("filter.set stage==join", "step.first", "filter.next", "tab.inspector inspector")");
   const planes::TraceEvent& event = *state().event();
   const std::string into = debug::plane_name(*state().run(), event.other);

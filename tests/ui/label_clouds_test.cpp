@@ -1,4 +1,4 @@
-// The label mode on a cloud: tools in space, no image, undo, review, what is refused.
+// Label mode on a cloud: tools in space, no image, undo, review, errors.
 
 #include "app/desktop/look.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Two steps behind a floor, as a file.
+/// A file with two steps behind a floor.
 const fs::path& stair_file() {
   static const fs::path path = [] {
     const fs::path file = fs::path(testing::TempDir()) /
@@ -30,7 +30,7 @@ struct LabelClouds : LabelDesktop {
   }
   static void TearDownTestSuite() { fs::remove(stair_file()); }
 
-  /// Where a place of the cloud is seen in a view of 800x800, as an argument.
+  /// Screen position of a point of the cloud in a view of 800x800, as an argument.
   std::string seen(const Vec3f& place) const {
     const LabelFrame& frame = *state().label_frame();
     const render::View view = render::make_view(scene_camera(state(), 1), 800, 800);
@@ -41,7 +41,7 @@ struct LabelClouds : LabelDesktop {
   void wand_at(const Vec3f& place) { window.run("label.wand", "space:800x800 " + seen(place)); }
 };
 
-TEST_F(LabelClouds, AreDrawnInSpaceAloneAndTheWandTakesATread) {
+TEST_F(LabelClouds, AreDrawnOnlyInSpaceAndTheWandSelectsATread) {
   EXPECT_FALSE(window.shows("panel.image"));
   EXPECT_TRUE(window.shows("panel.view3d"));
   wand_at({0.5f, 1.15f, 0.2f});
@@ -52,7 +52,7 @@ TEST_F(LabelClouds, AreDrawnInSpaceAloneAndTheWandTakesATread) {
   EXPECT_NE(state().view.message.find(" points"), std::string::npos) << state().view.message;
 }
 
-TEST(LabelSparseClouds, AClickBetweenTheirPointsMeansThemAndNotWhatIsSeenThroughTheGaps) {
+TEST(LabelSparseClouds, AClickBetweenTheirPointsSelectsThemInsteadOfPointsBehind) {
   PointSet set;
   const auto add_sheet = [&](float z, float step) {
     for (float x = 0; x < 1; x += step)
@@ -74,7 +74,7 @@ TEST(LabelSparseClouds, AClickBetweenTheirPointsMeansThemAndNotWhatIsSeenThrough
   EXPECT_EQ(window.state().view.label.wand.found->pixels.size(), sparse);
 }
 
-TEST_F(LabelClouds, ALassoTakesWhatIsSeenAndThroughTakesWhatIsBelow) {
+TEST_F(LabelClouds, ALassoSelectsVisiblePointsAndThroughSelectsHiddenOnes) {
   const auto lasso = "space:800x800 over " + seen({0.1f, 0.7f, 0}) + " " + seen({0.9f, 0.7f, 0}) +
                      " " + seen({0.9f, 1.25f, 0.2f}) + " " + seen({0.1f, 1.25f, 0.2f});
   window.run("label.tool.lasso");
@@ -88,7 +88,7 @@ TEST_F(LabelClouds, ALassoTakesWhatIsSeenAndThroughTakesWhatIsBelow) {
   EXPECT_GT(pixels_of(1), seen_points) << "the riser below the nosing, too";
 }
 
-TEST_F(LabelClouds, ABrushACutAndTheFinishingGesturesAreEachOneStepOfUndo) {
+TEST_F(LabelClouds, BrushCutAndFinishingGesturesAreOneStepOfUndoEach) {
   window.run("label.stroke",
              "space:800x800 20 " + seen({0.3f, 0.5f, 0}) + " " + seen({0.7f, 0.5f, 0}));
   const std::size_t stroke = pixels_of(1);
@@ -103,7 +103,7 @@ TEST_F(LabelClouds, ABrushACutAndTheFinishingGesturesAreEachOneStepOfUndo) {
   EXPECT_TRUE(labels().planes.empty());
 }
 
-TEST_F(LabelClouds, SayInOneLineWhatCloudsHaveNot) {
+TEST_F(LabelClouds, ReportUnsupportedActionsInOneLine) {
   EXPECT_EQ(window.refusal("label.wand", "3,4"), "a cloud has no image; expected space:WxH");
   EXPECT_EQ(window.refusal("label.area", "image over 1,1 5,1 5,5"),
             "a cloud has no image; expected space:WxH");

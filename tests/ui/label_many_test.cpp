@@ -1,4 +1,4 @@
-// Labeling many frames: carrying on, chains of a plane, learning from what was reviewed, saving.
+// Labeling many frames: carrying labels, chains of planes, learning from reviewed frames, saving.
 
 #include <algorithm>
 #include <fstream>
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The camera stands still over four frames, then shows something else.
+/// The camera is at rest for four frames, then shows another scene.
 fs::path still_recording(const fs::path& dir) {
   fs::copy(sample_path(), dir / "still", fs::copy_options::recursive);
   for (const char* folder : {"depth", "color"}) {
@@ -39,7 +39,7 @@ struct ManyFrames : LabelDesktop {
   }
 };
 
-TEST_F(ManyFrames, AreCarriedOverAsManyAsAreAskedFor) {
+TEST_F(ManyFrames, AreCarriedOverTheRequestedNumber) {
   ASSERT_EQ(state().document.current()->recording->frame_count(), 5);
   window.run("label.carry", "2");
   EXPECT_EQ(state().document.frame, 2);
@@ -47,10 +47,10 @@ TEST_F(ManyFrames, AreCarriedOverAsManyAsAreAskedFor) {
   EXPECT_TRUE(has(2, 1));
   EXPECT_FALSE(has(3, 1));
   EXPECT_EQ(state().view.message, "carried over 2 frames");
-  EXPECT_EQ(store().undo_count(), 3u);  // one step a frame
+  EXPECT_EQ(store().undo_count(), 3u);  // one step per frame
 }
 
-TEST_F(ManyFrames, AreCarriedOverUntilTheyShowSomethingElse) {
+TEST_F(ManyFrames, AreCarriedOverUntilTheSceneChanges) {
   window.run("label.carry.doubt");
   EXPECT_EQ(state().document.frame, 4);
   EXPECT_TRUE(has(3, 1));
@@ -58,16 +58,17 @@ TEST_F(ManyFrames, AreCarriedOverUntilTheyShowSomethingElse) {
   EXPECT_FALSE(state().results.label.carry.running);
 }
 
-TEST_F(ManyFrames, APlaneInDoubtEndsIt) {
-  window.run("label.stroke", "image over 12 60,60 90,90");  // over the edge of the wall: no plane
+TEST_F(ManyFrames, ADoubtfulPlaneEndsIt) {
+  // across the edge of the wall: not a plane
+  window.run("label.stroke", "image over 12 60,60 90,90");
   window.run("label.carry", "3 doubt 1");
   EXPECT_EQ(state().document.frame, 1);
   EXPECT_NE(state().view.message.find("doubtful: P"), std::string::npos) << state().view.message;
   EXPECT_EQ(window.refusal("label.carry", "3 until"),
-            "action label.carry: '3 until', expected [FRAMES] [doubt [SHARE]]");
+            "action label.carry: '3 until'; expected [FRAMES] [doubt [SHARE]]");
 }
 
-TEST_F(ManyFrames, AClassOrARemovalGoesAlongTheChainOneStepOfUndoAFrame) {
+TEST_F(ManyFrames, AClassOrARemovalAppliesToTheChainWithOneUndoStepPerFrame) {
   window.run("label.carry", "3");
   window.run("frame.show", "1");
   window.run("label.plane", "1");
@@ -83,7 +84,7 @@ TEST_F(ManyFrames, AClassOrARemovalGoesAlongTheChainOneStepOfUndoAFrame) {
   for (int frame = 0; frame < 4; ++frame) EXPECT_FALSE(has(frame, 1)) << frame;
 }
 
-TEST_F(ManyFrames, TheNextOneWithoutLabelsIsFoundAndProgressIsTold) {
+TEST_F(ManyFrames, TheNextUnlabeledOneIsFoundAndProgressIsShown) {
   window.run("label.carry");
   EXPECT_EQ(progress_of(state()).labelled, 2);
   EXPECT_EQ(progress_of(state()).frames, 5);
@@ -94,27 +95,28 @@ TEST_F(ManyFrames, TheNextOneWithoutLabelsIsFoundAndProgressIsTold) {
   EXPECT_EQ(state().document.frame, 0);
 }
 
-TEST_F(ManyFrames, ThePicturesOfTheStripAreThereWithoutRunningTheMethod) {
+TEST_F(ManyFrames, TheStripHasPicturesWithoutRunningTheMethod) {
   settle(window.shell, window.stage, {});
   ASSERT_EQ(state().results.strip.size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_TRUE(state().results.strip[i].ready);
     EXPECT_FALSE(state().results.strip[i].image.empty());
-    if (static_cast<int>(i) == state().document.frame) continue;  // its run may have come already
+    // its run may have finished already
+    if (static_cast<int>(i) == state().document.frame) continue;
     EXPECT_EQ(state().results.strip[i].planes, -1) << i;
   }
-  window.run("label.mode");  // in the debugger they are run
+  window.run("label.mode");  // the debugger runs them
   settle(window.shell, window.stage, {});
   for (const Thumbnail& thumbnail : state().results.strip) EXPECT_GT(thumbnail.planes, 0);
 }
 
-TEST_F(ManyFrames, AStepThatDoesNothingSaysSo) {
+TEST_F(ManyFrames, AStepWithoutEffectSaysSo) {
   testing::internal::CaptureStderr();
   play_actions(window.shell, window.stage, dir,
                R"({"do": "label.fill", "with": "P1"}, "label.cancel", "label.accept")");
   const std::string told = testing::internal::GetCapturedStderr();
   EXPECT_NE(told.find("action 3"), std::string::npos) << told;
-  EXPECT_NE(told.find("nothing was done: nothing to accept"), std::string::npos) << told;
+  EXPECT_NE(told.find("had no effect: nothing to accept"), std::string::npos) << told;
 }
 
 struct CarriedPlanes : LabelDesktop {
@@ -122,7 +124,7 @@ struct CarriedPlanes : LabelDesktop {
   void SetUp() override { window.run("label.take"); }
 };
 
-TEST_F(CarriedPlanes, GoOnToTheNextFrameAsOneGesture) {
+TEST_F(CarriedPlanes, AreCarriedToTheNextFrameAsOneGesture) {
   const std::size_t planes = labels().planes.size();
   window.run("label.carry");
   EXPECT_EQ(state().document.frame, 1);
@@ -139,14 +141,14 @@ TEST_F(CarriedPlanes, GoOnToTheNextFrameAsOneGesture) {
   EXPECT_TRUE(labels().planes.empty());
 }
 
-TEST_F(CarriedPlanes, StayWhereTheyAreOnceItIsCancelled) {
+TEST_F(CarriedPlanes, DoNotChangeIfItIsCanceled) {
   window.shell.perform({"label.carry", ""}, true);
   window.run("label.cancel");
   EXPECT_EQ(state().document.frame, 1);
   EXPECT_TRUE(labels().planes.empty());
 }
 
-TEST_F(CarriedPlanes, AreRefusedWhereTheNextFrameShowsSomethingElse) {
+TEST_F(CarriedPlanes, AreRejectedIfTheNextFrameShowsAnotherScene) {
   window.run("frame.show", "3");
   window.run("label.take");
   EXPECT_NE(window.refusal("label.carry").find("overlap too little"), std::string::npos);
@@ -156,12 +158,12 @@ TEST_F(CarriedPlanes, AreRefusedWhereTheNextFrameShowsSomethingElse) {
   EXPECT_NE(window.refusal("label.carry").find("last"), std::string::npos);
 }
 
-// A classifier that learns from the frames that were reviewed, and the order of doubt.
+// A classifier that learns from reviewed frames, and the order of doubt.
 
 struct Learner : LabelDesktop {
   const Learning& learning() const { return state().results.label.learning; }
 
-  /// Its planes are what the algorithm finds; that is how a user begins, too.
+  /// Its planes are those found by the algorithm, as for a new user.
   void review_frame(int frame) {
     window.run("frame.show", std::to_string(frame));
     window.run("label.take");
@@ -175,12 +177,12 @@ TEST_F(Learner, WithoutAReviewedFrameThereIsNothingToLearn) {
   EXPECT_EQ(window.refusal("label.learn"),
             "no frame is reviewed: Shift+D marks a frame to learn from");
   EXPECT_EQ(window.refusal("label.learn", "0"),
-            "action label.learn: 0 is out of range, expected 1 to 1000000");
+            "action label.learn: 0 is out of range; expected 1 to 1000000");
   EXPECT_EQ(window.refusal("label.learn", "1 2 3"),
-            "action label.learn: '1 2 3', expected [STEPS [CLOUDS]]");
+            "action label.learn: '1 2 3'; expected [STEPS [CLOUDS]]");
 }
 
-TEST_F(Learner, LearnsFromWhatWasReviewedAndIsTakenForWhatComesNext) {
+TEST_F(Learner, LearnsFromReviewedFramesAndIsUsedForTheNext) {
   review_frame(0);
   window.run("label.learn", "2 1");
   const fs::path file = learnt_weights(label_dir);
@@ -221,7 +223,7 @@ TEST_F(Learner, AReviewedFrameWithoutALabelMeasuresNothing) {
   EXPECT_EQ(learning().learnt->since.frames, 0u);
 }
 
-TEST_F(Learner, ATrainingThatIsStoppedLeavesTheClassifierAsItWas) {
+TEST_F(Learner, AStoppedTrainingKeepsTheOldClassifier) {
   review_frame(0);
   window.shell.perform({"label.learn", "1000000 1"}, true);
   window.run("label.learn.stop");
@@ -229,7 +231,7 @@ TEST_F(Learner, ATrainingThatIsStoppedLeavesTheClassifierAsItWas) {
   EXPECT_EQ(state().document.options.classifier, "pca");
 }
 
-TEST_F(Learner, GoesThroughTheFramesThatAreNotReviewedTheMostDoubtfulFirst) {
+TEST_F(Learner, VisitsUnreviewedFramesInOrderOfDoubt) {
   review_frame(0);
   window.run("label.next.doubtful");
   const std::vector<int> order = by_doubt(state());
@@ -249,7 +251,7 @@ TEST_F(Learner, GoesThroughTheFramesThatAreNotReviewedTheMostDoubtfulFirst) {
   EXPECT_TRUE(learning().doubt.of_frame.empty()) << "another classifier has other doubts";
 }
 
-// What is labelled is written, or said not to be.
+// Labels are written, or reported as unwritten.
 
 using LabelSafety = LabelDesktop;
 
@@ -273,7 +275,7 @@ TEST_F(LabelSafety, ClosingTheWindowSaves) {
   EXPECT_TRUE(fs::exists(other / "000000.json"));
 }
 
-TEST_F(LabelSafety, ASaveThatFailsSaysSoKeepsTheLabelsAndBarsNoWay) {
+TEST_F(LabelSafety, AFailedSaveIsReportedKeepsTheLabelsAndBlocksNothing) {
   window.run("label.take");
   const std::size_t planes = labels().planes.size();
   fs::create_directories(label_dir / "000000.plane.png.part" / "in the way");
@@ -289,7 +291,7 @@ TEST_F(LabelSafety, ASaveThatFailsSaysSoKeepsTheLabelsAndBarsNoWay) {
   EXPECT_TRUE(fs::exists(label_dir / "000000.plane.png"));
 }
 
-TEST_F(LabelSafety, ASecondWindowReadsOnlyAndSaysWho) {
+TEST_F(LabelSafety, ASecondWindowIsReadOnlyAndNamesTheFirst) {
   window.run("label.take");
   LabelWindow second(label_dir);
   EXPECT_NE(second.store().read_only().find("held by"), std::string::npos);
@@ -302,7 +304,7 @@ TEST_F(LabelSafety, ASecondWindowReadsOnlyAndSaysWho) {
   EXPECT_TRUE(second.shows("status.right"));
 }
 
-TEST_F(LabelSafety, ASessionLeavesTheModeAndTheFolderOfTheLabels) {
+TEST_F(LabelSafety, ASessionDoesNotChangeTheModeOrTheLabelFolder) {
   window.run("label.take");
   window.run("session.save", (dir / "a.session").string());
   window.run("session.open", (dir / "a.session").string());
@@ -313,7 +315,7 @@ TEST_F(LabelSafety, ASessionLeavesTheModeAndTheFolderOfTheLabels) {
   EXPECT_FALSE(labels().planes.empty());
 }
 
-TEST_F(LabelSafety, FramesLabelledEarlierAreMarkedOnceTheModeIsEntered) {
+TEST_F(LabelSafety, FramesLabeledEarlierAreMarkedInLabelMode) {
   window.run("frame.show", "1");
   window.run("label.take");
   window.run("label.save");
@@ -322,7 +324,7 @@ TEST_F(LabelSafety, FramesLabelledEarlierAreMarkedOnceTheModeIsEntered) {
   EXPECT_FALSE(again.shows("frame.2.labels"));
 }
 
-TEST_F(LabelSafety, WhatOthersChangedIsTold) {
+TEST_F(LabelSafety, ChangesByOthersAreReported) {
   window.run("label.take");
   window.run("label.save");
   const fs::path copy = copy_of_labels();

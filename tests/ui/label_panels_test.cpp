@@ -1,5 +1,5 @@
-// The panels of the label mode and their actions: planes, labels that go on to the next frame,
-// review, checks, statistics.
+// Panels and actions of label mode: planes, carrying labels to the next frame, review, checks,
+// statistics.
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ struct LabelPlanes : LabelDesktop {
   void SetUp() override { window.run("label.take"); }
 };
 
-TEST_F(LabelPlanes, StartFromTheAlgorithmInOneUndoStep) {
+TEST_F(LabelPlanes, CanStartFromTheAlgorithmInOneUndoStep) {
   const planes::Segmentation& found = state().run()->segmentation;
   ASSERT_GE(found.planes.size(), 3u);
   EXPECT_EQ(labels().planes.size(), found.planes.size());
@@ -47,7 +47,7 @@ TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
   EXPECT_EQ(labelled(), before);
 }
 
-TEST_F(LabelPlanes, ThatAreLockedRefuseInOneLine) {
+TEST_F(LabelPlanes, ThatAreLockedRejectGesturesInOneLine) {
   window.run("label.lock", "2");
   const std::uint64_t version = store().version(0);
   EXPECT_NE(window.refusal("label.remove", "2").find("P2 is locked"), std::string::npos);
@@ -58,7 +58,7 @@ TEST_F(LabelPlanes, ThatAreLockedRefuseInOneLine) {
   EXPECT_NE(window.refusal("label.lock", "77").find("no plane P77"), std::string::npos);
 }
 
-TEST_F(LabelPlanes, ThatAreHiddenAreCountedUntilAllAreShown) {
+TEST_F(LabelPlanes, HiddenOnesAreCountedUntilAllAreShown) {
   EXPECT_FALSE(window.shows("planes.hidden"));
   window.run("label.hide", "1");
   EXPECT_TRUE(window.shows("planes.hidden"));
@@ -68,7 +68,7 @@ TEST_F(LabelPlanes, ThatAreHiddenAreCountedUntilAllAreShown) {
   EXPECT_FALSE(window.shows("planes.hidden"));
 }
 
-TEST_F(LabelPlanes, AreChosenLockedAndLookedAtInTheList) {
+TEST_F(LabelPlanes, AreSelectedLockedAndCenteredInTheList) {
   play(R"({"click": "planes.2"})");
   EXPECT_EQ(view().plane, 2);
   play(R"({"click": "planes.2.lock"}, {"click": "planes.3.hide"})");
@@ -80,7 +80,7 @@ TEST_F(LabelPlanes, AreChosenLockedAndLookedAtInTheList) {
   EXPECT_TRUE(state().view.camera.has_value());
 }
 
-TEST_F(LabelPlanes, WithoutOneTheKeyIsForWhatIsPaintedNext) {
+TEST_F(LabelPlanes, WithoutOneTheKeySetsTheClassOfTheNext) {
   choose(0);
   window.run("label.class.h");
   EXPECT_EQ(view().paints, Paints::h_only);
@@ -89,7 +89,7 @@ TEST_F(LabelPlanes, WithoutOneTheKeyIsForWhatIsPaintedNext) {
 }
 
 struct LabelReview : LabelDesktop {
-  /// The algorithm's labels but for a plane that was removed, under review.
+  /// Reviews the algorithm's labels without one plane, which was removed.
   void SetUp() override {
     window.run("label.take");
     window.run("label.remove", "2");
@@ -110,7 +110,7 @@ TEST_F(LabelReview, BeginsAtTheLargestDisagreement) {
   EXPECT_TRUE(window.shows("review.0"));
 }
 
-TEST_F(LabelReview, TakingTheAlgorithmsSideEndsTheDisagreement) {
+TEST_F(LabelReview, AcceptingTheAlgorithmEndsTheDisagreement) {
   const labels::PixelSet pixels = chosen().pixels;
   window.run("review.take");
   EXPECT_NE(labels().plane.data[pixels[pixels.size() / 2]], 0);
@@ -124,7 +124,7 @@ TEST_F(LabelReview, TakingTheAlgorithmsSideEndsTheDisagreement) {
   EXPECT_FALSE(window.shows("review.decided.0"));
 }
 
-TEST_F(LabelReview, EnterKeepsTheLabelsAndGoesOn) {
+TEST_F(LabelReview, EnterKeepsTheLabelsAndContinues) {
   const FrameLabels before = labels();
   const std::size_t open = queue().undecided();
   play(R"({"key": "Enter"})");
@@ -132,7 +132,7 @@ TEST_F(LabelReview, EnterKeepsTheLabelsAndGoesOn) {
   EXPECT_EQ(queue().undecided(), open - 1);
 }
 
-TEST_F(LabelReview, EditingGoesThereWithTheBrush) {
+TEST_F(LabelReview, EditingMovesThereWithTheBrush) {
   window.run("review.edit");
   EXPECT_EQ(view().tool, LabelTool::brush);
   EXPECT_EQ(labels().review.at(0).decision, ReviewDecision::edit);
@@ -152,8 +152,8 @@ TEST_F(LabelReview, DecisionsSurviveARestart) {
   EXPECT_EQ(again.labels().review_state, "reviewed");
 }
 
-TEST_F(LabelReview, HasSliversLastAndDecidesThemAtOnce) {
-  for (const LabelPlane& plane : FrameLabels(labels()).planes) {  // borders differ here and there
+TEST_F(LabelReview, ListsSliversLastAndDecidesThemTogether) {
+  for (const LabelPlane& plane : FrameLabels(labels()).planes) {  // borders that differ slightly
     if (!window.refusal("label.smooth", std::to_string(plane.id)).empty()) continue;
     window.run("label.accept");
   }
@@ -185,7 +185,7 @@ TEST_F(LabelReview, IsNotDoneWhileRegionsAreOpen) {
   EXPECT_NE(labels().review_state, "reviewed");
 }
 
-TEST_F(LabelReview, OfTwoAnnotatorsTellsHowMuchTheyAgree) {
+TEST_F(LabelReview, OfTwoAnnotatorsReportsTheirAgreement) {
   const std::filesystem::path other = dir / "other";
   labels::write_frame_labels(other, 0, labels());
   window.run("review.against", other.string());
@@ -199,7 +199,7 @@ TEST_F(LabelReview, OfTwoAnnotatorsTellsHowMuchTheyAgree) {
   EXPECT_FALSE(queue().items.empty());
 }
 
-TEST_F(LabelReview, RefusesLabelsOfAnotherFrame) {
+TEST_F(LabelReview, RejectsLabelsOfAnotherFrame) {
   FrameLabels strange = labels();
   strange.depth_sha256[0] = strange.depth_sha256[0] == '0' ? '1' : '0';
   labels::write_frame_labels(dir / "other", 0, strange);
@@ -209,13 +209,13 @@ TEST_F(LabelReview, RefusesLabelsOfAnotherFrame) {
   EXPECT_EQ(view().compare_with, "");
 }
 
-TEST_F(LabelReview, IsMadeAnewWhenLabelsChange) {
+TEST_F(LabelReview, IsUpdatedWhenLabelsChange) {
   const std::size_t before = queue().items.size();
   window.run("label.undo");
   EXPECT_LT(queue().items.size(), before);
 }
 
-TEST_F(LabelReview, DrawingMovesNoView) {
+TEST_F(LabelReview, DrawingDoesNotMoveTheViews) {
   window.run("review.edit");
   const Vec2d center = state().view.image_center;
   const render::Camera camera = *state().view.camera;
@@ -228,7 +228,7 @@ TEST_F(LabelReview, DrawingMovesNoView) {
   EXPECT_EQ(state().view.camera->eye, camera.eye);
 }
 
-TEST_F(LabelReview, ChecksLeadToTheirPlaces) {
+TEST_F(LabelReview, ChecksOpenTheirLocations) {
   window.run("label.class.v", "1");  // a floor
   window.run("check.next");
   ASSERT_NE(state().results.label.audit, nullptr);
@@ -244,7 +244,7 @@ TEST_F(LabelReview, ChecksLeadToTheirPlaces) {
   EXPECT_EQ(std::to_string(view().finding), index);
 }
 
-TEST_F(LabelReview, StatisticsTellTimeAndGestures) {
+TEST_F(LabelReview, StatisticsShowTimeAndGestures) {
   window.run("tab.label", "statistics");
   EXPECT_TRUE(window.shows("statistics.frame"));
   EXPECT_TRUE(window.shows("statistics.history"));

@@ -1,4 +1,4 @@
-// The label mode's tools: gestures in both views, the wand, keys, what finishes a surface.
+// The tools of label mode: gestures in both views, the wand, keys, finishing a surface.
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ struct LabelTools : LabelDesktop {
     return pixels;
   }
   void key(const std::string& name) { play(R"({"key": ")" + name + R"("})"); }
-  /// The mouse, to a place on the image in shares of it.
+  /// Moves the mouse to a position on the image, in fractions of its size.
   void move(float x, float y) {
     const WidgetRect image = window.shell.widgets().at("image");
     window.shell.input().push({.type = InputEvent::Type::move,
@@ -39,7 +39,7 @@ struct LabelTools : LabelDesktop {
 
 const std::string kStroke = "image over 20 300,330 360,330";
 
-TEST_F(LabelTools, AStrokeMakesAPlaneInOneUndoStepAndGoesOnWithIt) {
+TEST_F(LabelTools, AStrokeCreatesAPlaneInOneUndoStepAndActivatesIt) {
   window.run("label.stroke", kStroke);
   const std::size_t first = pixels_of(1);
   EXPECT_GT(first, 1000u);
@@ -56,7 +56,7 @@ TEST_F(LabelTools, AStrokeMakesAPlaneInOneUndoStepAndGoesOnWithIt) {
   EXPECT_EQ(pixels_of(1), first);
 }
 
-TEST_F(LabelTools, AddingLeavesOtherLabelsAndSubtractingTakesOnlyItsOwn) {
+TEST_F(LabelTools, AddingKeepsOtherLabelsAndSubtractingRemovesOnlyItsOwn) {
   window.run("label.stroke", kStroke);
   const std::size_t first = pixels_of(1);
   window.run("label.plane", "2");
@@ -69,7 +69,7 @@ TEST_F(LabelTools, AddingLeavesOtherLabelsAndSubtractingTakesOnlyItsOwn) {
             "P2 has no pixels to remove");
 }
 
-TEST_F(LabelTools, IgnoreEraseAndAClassAloneArePaintedToo) {
+TEST_F(LabelTools, IgnoreEraseAndClassOnlyCanBePainted) {
   window.run("label.ignore");
   window.run("label.stroke", kStroke);
   EXPECT_GT(pixels_of(kPlaneIgnore), 1000u);
@@ -83,7 +83,7 @@ TEST_F(LabelTools, IgnoreEraseAndAClassAloneArePaintedToo) {
   EXPECT_GT(std::ranges::count(labels().hv.data, 2), 1000);
 }
 
-TEST_F(LabelTools, APreviewIsWhatTheStrokeThenChanges) {
+TEST_F(LabelTools, APreviewShowsTheChangesOfTheStroke) {
   window.run("label.preview", kStroke);
   const labels::PixelSet shown = stroke_pixels();
   window.run("label.stroke", kStroke);
@@ -91,7 +91,7 @@ TEST_F(LabelTools, APreviewIsWhatTheStrokeThenChanges) {
   EXPECT_EQ(labels::pixels_of_plane(labels(), 1), shown);
 }
 
-TEST_F(LabelTools, StrokesInSpaceTakeHiddenPointsOnlyWhenTold) {
+TEST_F(LabelTools, StrokesInSpaceIncludeHiddenPointsOnlyOnRequest) {
   window.run("camera.side");
   const std::string stroke = "space:800x600 over 80 300,400 500,400";
   window.run("label.preview", stroke);
@@ -110,7 +110,7 @@ TEST_F(LabelTools, StrokesInSpaceTakeHiddenPointsOnlyWhenTold) {
   EXPECT_NE(stroke_pixels(), before) << "it follows the camera";
 }
 
-TEST_F(LabelTools, EachWandClickMakesAPlaneUnlessItsFirstHeldShift) {
+TEST_F(LabelTools, EachWandClickCreatesAPlaneUnlessShiftIsHeld) {
   window.run("label.wand", "320,330");
   ASSERT_TRUE(view().wand.found) << view().wand.why_not;
   const labels::PixelSet shown = view().wand.found->pixels;
@@ -132,7 +132,7 @@ TEST_F(LabelTools, EachWandClickMakesAPlaneUnlessItsFirstHeldShift) {
   EXPECT_EQ(view().plane, 2);
 }
 
-TEST_F(LabelTools, TheWandFollowsItsToleranceAndEscapeLeavesIt) {
+TEST_F(LabelTools, TheWandUsesItsToleranceAndEscapeCancelsIt) {
   window.run("label.wand", "320,330");
   ASSERT_TRUE(view().wand.found);
   const auto before = view().wand.found;
@@ -145,7 +145,7 @@ TEST_F(LabelTools, TheWandFollowsItsToleranceAndEscapeLeavesIt) {
   EXPECT_EQ(labelled(), 0u);
 }
 
-TEST_F(LabelTools, APolygonIsClosedByEnterAndLosesCornersOneByOne) {
+TEST_F(LabelTools, EnterClosesAPolygonAndBackspaceRemovesItsCorners) {
   window.run("label.tool", "polygon");
   for (const char* corner : {"image 300,300", "image 360,300", "image 360,360", "image 0,0"})
     window.run("label.corner", corner);
@@ -160,7 +160,7 @@ TEST_F(LabelTools, APolygonIsClosedByEnterAndLosesCornersOneByOne) {
   EXPECT_FALSE(view().polygon);
 }
 
-TEST_F(LabelTools, APolygonInSpaceIsLetGoOfWhereTheViewMoves) {
+TEST_F(LabelTools, APolygonInSpaceIsDiscardedWhenTheViewMoves) {
   for (const char* corner : {"space:800x600 300,300", "space:800x600 500,300"})
     window.run("label.corner", corner);
   window.run("camera.orbit", "30,0");
@@ -168,7 +168,7 @@ TEST_F(LabelTools, APolygonInSpaceIsLetGoOfWhereTheViewMoves) {
   EXPECT_EQ(view().polygon->corners.size(), 1u);
 }
 
-TEST_F(LabelTools, ACutPartsTheActivePlaneInBothViews) {
+TEST_F(LabelTools, ACutSplitsTheActivePlaneInBothViews) {
   window.run("label.area", "image 300,300 360,300 360,360 300,360");
   const std::size_t whole = pixels_of(1);
   window.run("label.cut", "image 330,0 330,479");
@@ -177,7 +177,7 @@ TEST_F(LabelTools, ACutPartsTheActivePlaneInBothViews) {
   EXPECT_NEAR(static_cast<double>(pixels_of(1)), static_cast<double>(whole) / 2,
               static_cast<double>(whole) / 8);
   window.run("label.undo");
-  // The view home is about the camera's own: left and right are the same.
+  // The home view has nearly the camera's direction: left and right are the same.
   window.run("label.cut", "image 330,0 330,1");
   EXPECT_EQ(labels().planes.size(), 2u);
   window.run("label.undo");
@@ -186,7 +186,7 @@ TEST_F(LabelTools, ACutPartsTheActivePlaneInBothViews) {
   EXPECT_EQ(state().view.message, "all of P1 is on one side of the line");
 }
 
-TEST_F(LabelTools, AreChosenByTheirKeys) {
+TEST_F(LabelTools, AreSelectedByTheirKeys) {
   const std::pair<const char*, LabelTool> tools[] = {
       {"B", LabelTool::brush},         {"R", LabelTool::rectangle}, {"L", LabelTool::lasso},
       {"Shift+L", LabelTool::polygon}, {"Shift+S", LabelTool::cut}, {"W", LabelTool::wand}};
@@ -219,7 +219,7 @@ TEST_F(LabelTools, AreChosenByTheirKeys) {
   EXPECT_EQ(view().paints, Paints::plane);
 }
 
-TEST_F(LabelTools, TabGoesToTheNextPlaneAndNotIntoASlider) {
+TEST_F(LabelTools, TabSelectsTheNextPlaneAndDoesNotFocusASlider) {
   window.run("label.stroke", kStroke);
   window.run("label.plane", "2");
   window.run("label.stroke", "image over 20 200,330");
@@ -240,7 +240,7 @@ TEST_F(LabelTools, ABrushDraggedOverTheImagePaints) {
   EXPECT_LT(pixels_of(1), painted / 4);
 }
 
-TEST_F(LabelTools, EscapeLeavesAStrokeThatIsBeingDrawn) {
+TEST_F(LabelTools, EscapeCancelsAStroke) {
   key("B");
   move(0.45f, 0.68f);
   button(true);
@@ -254,7 +254,7 @@ TEST_F(LabelTools, EscapeLeavesAStrokeThatIsBeingDrawn) {
   EXPECT_EQ(labelled(), 0u);
 }
 
-TEST_F(LabelTools, AStrokeLetGoOfWithAnotherToolInHandIsForgotten) {
+TEST_F(LabelTools, AStrokeReleasedWithAnotherToolIsDiscarded) {
   for (const char* away : {"W", "Ctrl+L"}) {
     key("B");
     move(0.45f, 0.68f);
@@ -269,14 +269,14 @@ TEST_F(LabelTools, AStrokeLetGoOfWithAnotherToolInHandIsForgotten) {
   }
 }
 
-TEST_F(LabelTools, ARectangleIsDraggedInSpaceToo) {
+TEST_F(LabelTools, ARectangleCanBeDraggedInSpace) {
   key("R");
   play(R"({"drag": "view3d", "from": [0.45, 0.5], "to": [0.6, 0.65]})");
   EXPECT_GT(labelled(), 500u);
   EXPECT_EQ(store().history(1).front().title, "Rectangle P1");
 }
 
-TEST_F(LabelTools, AClickWithTheWandShowsAPlaneInEitherViewAndADoubleClickMakesIt) {
+TEST_F(LabelTools, AWandClickPreviewsAPlaneAndADoubleClickCreatesIt) {
   play(R"({"click": "image", "at": [0.5, 0.68]})");
   EXPECT_TRUE(view().wand.found) << view().wand.why_not;
   key("Escape");
@@ -288,7 +288,7 @@ TEST_F(LabelTools, AClickWithTheWandShowsAPlaneInEitherViewAndADoubleClickMakesI
   EXPECT_TRUE(view().wand.seeds.empty());
 }
 
-TEST_F(LabelTools, WhereTheMouseIsIsThePixelInBothViews) {
+TEST_F(LabelTools, TheMousePositionIsShownInBothViews) {
   play(R"({"hover": "image", "at": [0.5, 0.68]})");
   EXPECT_NEAR(static_cast<double>(view().hover % 640), 320, 2);
   EXPECT_NEAR(static_cast<double>(view().hover / 640), 326, 2);
@@ -298,7 +298,7 @@ TEST_F(LabelTools, WhereTheMouseIsIsThePixelInBothViews) {
   EXPECT_EQ(view().hover, -1);
 }
 
-TEST_F(LabelTools, TheWheelSizesTheBrushAndZoomsWithCtrlOrAnotherTool) {
+TEST_F(LabelTools, TheWheelChangesTheBrushAndZoomsWithCtrlOrAnotherTool) {
   key("B");
   const double brush = view().brush_px, zoom = state().view.image_zoom;
   play(R"({"wheel": "image", "by": 2})");
@@ -309,18 +309,18 @@ TEST_F(LabelTools, TheWheelSizesTheBrushAndZoomsWithCtrlOrAnotherTool) {
   EXPECT_GT(state().view.image_zoom, zoom);
 }
 
-TEST_F(LabelTools, RefuseGesturesThatAreNone) {
+TEST_F(LabelTools, RejectInvalidGestures) {
   for (const char* text :
        {"", "image", "image over", "screen 1,2", "space:0x5 1,2", "space:9 1,2", "image 1,2,3",
         "image up 1,2", "image over -3 1,2", "image over 8 nan,1", "space:99999999x2 1,2"})
     EXPECT_THROW(window.run("label.stroke", text), Error) << text;
   EXPECT_THROW(window.run("label.area", "image 1,2 3,4"), Error);
   EXPECT_THROW(window.run("label.wand", "9999,1"), Error);
-  EXPECT_THROW(window.run("label.cut", "image 1,2 3,4"), Error);  // no plane is active
+  EXPECT_THROW(window.run("label.cut", "image 1,2 3,4"), Error);  // no active plane
   EXPECT_EQ(labelled(), 0u);
 }
 
-TEST_F(LabelTools, TakeAnyArgumentWithoutACrash) {
+TEST_F(LabelTools, AcceptAnyArgumentWithoutACrash) {
   window.run("label.stroke", kStroke);
   const State fresh = state();
   for (const Action& action : action_table()) {
@@ -337,10 +337,10 @@ TEST_F(LabelTools, TakeAnyArgumentWithoutACrash) {
   }
 }
 
-// Gestures that finish a surface: each shown first, each one step of undo.
+// Gestures that finish a surface: each has a preview and is one step of undo.
 
 struct LabelFinish : LabelDesktop {
-  /// The floor of the sample by the wand, with a hole of 20 x 20 pixels in it.
+  /// Labels the floor of the sample with the wand, with a hole of 20 x 20 pixels.
   void floor_with_a_hole() {
     window.run("label.wand", "320,330");
     window.run("label.accept");
@@ -351,7 +351,7 @@ struct LabelFinish : LabelDesktop {
   }
 };
 
-TEST_F(LabelFinish, HolesAreShownThenFilledInOneStepOfUndo) {
+TEST_F(LabelFinish, HolesArePreviewedThenFilledInOneStepOfUndo) {
   floor_with_a_hole();
   const std::size_t before = pixels_of(1), steps = store().undo_count();
   window.run("label.fill");
@@ -386,7 +386,7 @@ TEST_F(LabelFinish, AStrokeGrowsToTheBorderOfItsSurface) {
               0.1 * static_cast<double>(wand));
 }
 
-TEST_F(LabelFinish, SpecksBelowASizeGoAndThePlaneStays) {
+TEST_F(LabelFinish, SpecksBelowASizeAreRemovedAndThePlaneStays) {
   floor_with_a_hole();
   window.run("label.plane", "2");
   window.run("label.stroke", "image over 20 150,330");
@@ -416,7 +416,7 @@ TEST_F(LabelFinish, TheWandStaysInItsLassoUntilItsPlaneIsAccepted) {
   EXPECT_EQ(view().bound, nullptr);
 }
 
-TEST_F(LabelFinish, AltAndADragDrawTheLassoWithTheWandInHand) {
+TEST_F(LabelFinish, AltDragDrawsTheLassoOfTheWand) {
   const auto camera = state().view.camera;
   play(R"({"drag": "image", "from": [0.4, 0.6], "to": [0.6, 0.8], "hold": "Alt"})");
   EXPECT_EQ(state().view.camera.has_value(), camera.has_value());
@@ -443,7 +443,7 @@ TEST_F(LabelFinish, DistancesToTheActivePlaneAreShownWithTheirScale) {
     if (d > 0.3 && d < 1) before += tints[i].r > tints[i].b;
     if (d < -0.3 && d > -1) behind += tints[i].b > tints[i].r;
     if (std::abs(d) > 1) {
-      EXPECT_GT(tints[i].a, 0);  // its own: to be trimmed
+      EXPECT_GT(tints[i].a, 0);  // pixels of the plane itself, to be trimmed
     }
   }
   EXPECT_GT(before, 10u);

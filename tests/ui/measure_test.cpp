@@ -1,4 +1,4 @@
-// Measuring by clicks in the views.
+// Measuring by clicking in the views.
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@ namespace {
 struct Measuring : RefinedDesktop {
   const std::vector<debug::MeasureEnd>& ends() const { return state().view.measured; }
   std::string fact(const char* name) const { return state_facts(state(), true).at(name); }
-  /// A pixel of a level plane of the result, the lowest first.
+  /// A pixel of a level plane of the result, lowest first.
   std::string pixel_of_level(int which) const {
     const debug::Run& run = *state().run();
     std::vector<const planes::PlaneRegion*> level;
@@ -35,7 +35,7 @@ struct Measuring : RefinedDesktop {
   void click(const std::string& pixel) { play(click_on(pixel)); }
 };
 
-TEST_F(Measuring, TwoClicksOnPointsSayHowFarApartTheyAre) {
+TEST_F(Measuring, TwoClicksOnPointsMeasureTheirDistance) {
   const std::string low = pixel_of_level(0), high = pixel_of_level(1);
   play(R"({"key": "U"}, {"expect": {"click": "point"}})");
   EXPECT_TRUE(shown("measure.line"));
@@ -55,7 +55,7 @@ TEST_F(Measuring, TwoClicksOnPointsSayHowFarApartTheyAre) {
   EXPECT_GE(state().view.selected.source, 0) << "clicks select again";
 }
 
-TEST_F(Measuring, BetweenTreadsIsTheRiseOfTheFlight) {
+TEST_F(Measuring, TheDistanceOfTreadsIsTheRiseOfTheFlight) {
   play(R"({"key": "Shift+U"}, {"expect": {"click": "plane"}})");
   click(pixel_of_level(1));
   click(pixel_of_level(2));
@@ -67,14 +67,14 @@ TEST_F(Measuring, BetweenTreadsIsTheRiseOfTheFlight) {
   EXPECT_TRUE(has(measured.text, " above P"));
 }
 
-TEST_F(Measuring, APlaneByItsNumberAndAPointOfTheScene) {
+TEST_F(Measuring, MeasuresFromAPlaneByNumberToAPoint) {
   play(R"({"do": "measure.end", "with": "plane 1"}, {"do": "measure.end", "with": "voxel 5"})");
   ASSERT_EQ(ends().size(), 2u) << state().view.message;
   EXPECT_TRUE(has(fact("measured"), " P1: "));
   play(R"("select.none", {"expect": {"measured": ""}})");
 }
 
-TEST_F(Measuring, StaysWhereItWasThroughOptionsAndEndsWithTheFrame) {
+TEST_F(Measuring, SurvivesOptionsAndEndsWithTheFrame) {
   play(R"({"do": "measure.end", "with": "voxel 5"}, {"do": "measure.end", "with": "voxel 900"})");
   const std::string before = fact("measured");
   play(
@@ -83,7 +83,7 @@ TEST_F(Measuring, StaysWhereItWasThroughOptionsAndEndsWithTheFrame) {
   play(R"({"key": "U"}, "frame.next", {"expect": {"measured": "", "click": ""}})");
 }
 
-TEST_F(Measuring, WhatIsNoPlaceIsToldInOneLineAndChangesNothing) {
+TEST_F(Measuring, InvalidPositionsAreReportedInOneLineAndChangeNothing) {
   play(R"({"do": "measure.end", "with": "voxel 5"})");
   for (const char* bad : {"nothing", "9999,3", "plane 999999", "voxel -1", "here"}) {
     play(fmt::format(R"({{"do": "measure.end", "with": "{}"}})", bad));
@@ -102,7 +102,7 @@ TEST_F(Measuring, APlaneHasNoDistanceToItself) {
   EXPECT_EQ(ends().size(), 1u);
 }
 
-TEST_F(Measuring, OtherUsesOfAClickTakeItsPlace) {
+TEST_F(Measuring, OtherClickModesReplaceIt) {
   play(
       R"({"key": "U"}, {"key": "M"}, {"expect": {"click": ""}}, {"key": "U"}, {"expect": {"click": "point"}})");
   EXPECT_FALSE(state().view.marking);

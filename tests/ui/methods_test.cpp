@@ -1,4 +1,4 @@
-// Other methods than ours in the debugger: their planes, beside ours, and the way back.
+// Other methods in the debugger: their planes, comparison with ours, and returning to ours.
 
 #include <nlohmann/json.hpp>
 
@@ -56,7 +56,7 @@ TEST_F(Methods, OursAndARivalAreComparedPlaneByPlane) {
   EXPECT_EQ(state().run()->segmentation.plane_of, planes) << "ours again, as it was";
 }
 
-TEST_F(Methods, ItsOptionsTakeThePlaceOfOurs) {
+TEST_F(Methods, ItsOptionsReplaceOurs) {
   PLANESCOPE_NEEDS_OPEN3D();
   perform("method.choose", "ransac");
   EXPECT_TRUE(shown("criteria.ransac_theta_pf_m.slider"));
@@ -86,7 +86,7 @@ TEST_F(Methods, EveryPanelAndEveryKeyWorksWithARival) {
   }
 }
 
-TEST(MethodsInLabels, FirstLabelsCanBeARivals) {
+TEST(MethodsInLabels, FirstLabelsCanBeFromARival) {
   PLANESCOPE_NEEDS_OPEN3D();
   LabelWindow window(scratch_dir() / "labels");
   window.run("method.choose", "ransac");
@@ -95,7 +95,7 @@ TEST(MethodsInLabels, FirstLabelsCanBeARivals) {
   EXPECT_EQ(window.labels().planes.size(), window.state().run()->segmentation.planes.size());
 }
 
-TEST(MethodsAtFirst, OursIsClassifiedThoughTheWindowOpenedWithARival) {
+TEST(MethodsAtFirst, OursIsClassifiedAfterOpeningWithARival) {
   PLANESCOPE_NEEDS_OPEN3D();
   State first = open_state();
   first.document.options.method = planes::Method::ransac;

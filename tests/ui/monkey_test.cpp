@@ -1,8 +1,8 @@
-// A monkey at the window: random actions, clicks, drags and keys, most of them nonsense. Nothing
-// that it does may end the program, and memory and files that are open must level off. What it did
-// stands in monkey.json, to be replayed by `planescope view --offscreen --script`.
+// A monkey at the window: random actions, clicks, drags and keys, mostly nonsense. Nothing may end
+// the program, and memory and the number of open files must level off. It records its steps in
+// monkey.json, which `planescope view --offscreen --script` can replay.
 //
-// PLANESCOPE_MONKEY=COUNT[,SEED]: how many; the default is what CI has time for.
+// PLANESCOPE_MONKEY=COUNT[,SEED]: number of steps; the default fits into CI.
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -30,7 +30,7 @@ auto one_of(Random& random, const Items& items) {
   return items[static_cast<std::size_t>(random.integer(0, static_cast<int>(items.size()) - 1))];
 }
 
-/// Mostly within what a frame of 640x480 and its run have, now and then far outside.
+/// Usually valid for a frame of 640x480 and its run, sometimes far outside.
 std::string number(Random& random) {
   static const std::vector<std::string> kOdd = {
       "-1", "0", "1e9", "-0.5", "nan", "inf", "99999999999999999999", "x", ""};
@@ -53,11 +53,11 @@ std::string pixels(Random& random, int most) {
 class Monkey {
  public:
   Monkey(fs::path dir, std::uint64_t seed) : dir_(std::move(dir)), random_(seed) {
-    // Labels of what it opens are saved beside it.
+    // Labels of opened recordings are saved beside them.
     fs::copy(sample_path(), dir_ / "sample", fs::copy_options::recursive);
   }
 
-  /// The next step of a script. Some of what it asks for is not there.
+  /// The next step of a script. Its targets may be missing.
   Json step(const Widgets& widgets) {
     const int kind = random_.integer(0, 99);
     if (kind < 65 || widgets.empty()) return action();
@@ -83,7 +83,7 @@ class Monkey {
     static const std::vector<Action> all = [] {
       std::vector<Action> kept;
       for (const Action& action : action_table())
-        // Played at a low rate, a run takes as long as it does for a person.
+        // At a low rate, playing takes as long as it does for a user.
         if (action.name != "quit" && action.name != "step.rate") kept.push_back(action);
       return kept;
     }();
@@ -150,8 +150,8 @@ class Monkey {
 };
 
 struct Held {
-  double memory_mb = 0;  // resident: with what malloc keeps for later
-  double in_use_mb = 0;  // of it, what is allocated
+  double memory_mb = 0;  // resident, including memory that malloc keeps
+  double in_use_mb = 0;  // the allocated part of it
   int files = 0;
 };
 
@@ -165,7 +165,7 @@ Held held_now() {
   return held;
 }
 
-TEST(Monkey, FindsNothingThatEndsTheWindowAndNothingThatGrows) {
+TEST(Monkey, FindsNoCrashAndNoGrowth) {
   int count = 120;
   std::uint64_t seed = 1;
   if (const char* asked = std::getenv("PLANESCOPE_MONKEY")) {
@@ -193,7 +193,7 @@ TEST(Monkey, FindsNothingThatEndsTheWindowAndNothingThatGrows) {
     try {
       play_actions(window->shell(), *window, dir, step.dump(-1, ' ', true));
     } catch (const Error&) {
-      ++refused;  // told in a line, the state unchanged
+      ++refused;  // an error of one line, with the state unchanged
     }
     if (i == count / 2) warm = held_now();
     if (count >= 2000 && i % 500 == 0)

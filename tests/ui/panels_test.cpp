@@ -1,4 +1,4 @@
-// Panels of the debugger by scripted clicks, with no window and no GL.
+// Panels of the debugger, tested with scripted clicks without a window or GL.
 
 #include <fmt/format.h>
 
@@ -36,7 +36,7 @@ struct Panels : OpenDesktop {
     button(false);
     settle(shell, stage, {});
   }
-  /// Down and up before a frame is drawn, as a quick finger does it.
+  /// Presses and releases a key before a frame is drawn, like a fast tap.
   void tap(Key key, int times = 1) {
     for (; times > 0; --times)
       for (const bool down : {true, false})
@@ -63,7 +63,7 @@ TEST_F(Panels, TabsFollowClicksAndActions) {
   EXPECT_TRUE(shown("criteria.theta_n_out"));
 }
 
-TEST_F(Panels, DraggingASliderRunsTheFrameAgainAndIsOneUndo) {
+TEST_F(Panels, DraggingASliderRunsTheFrameAndIsOneUndoStep) {
   perform("step.goto", "30");
   const int node = state().view.selected.node;
   const auto before = state().results.current;
@@ -84,7 +84,7 @@ TEST_F(Panels, DraggingASliderRunsTheFrameAgainAndIsOneUndo) {
   EXPECT_EQ(state().run()->trace.events.size(), before->run->trace.events.size());
 }
 
-TEST_F(Panels, AValueIsTypedIntoAnOption) {
+TEST_F(Panels, AValueCanBeTypedIntoAnOption) {
   click("criteria.theta_n_out");
   type("9");
   tap(Key::enter);
@@ -102,7 +102,7 @@ TEST_F(Panels, KeysTypedIntoATextAreNotShortcuts) {
   EXPECT_EQ(state().view.playing.direction, 0);
 }
 
-TEST_F(Panels, ACriterionLeadsToItsSlider) {
+TEST_F(Panels, ACriterionShowsItsSlider) {
   shell.perform({"tab.tool", "histograms"});
   perform("step.goto", "2");
   click("check.node.0");
@@ -110,7 +110,7 @@ TEST_F(Panels, ACriterionLeadsToItsSlider) {
   EXPECT_TRUE(shown("criteria.theta_n_out"));
 }
 
-TEST_F(Panels, ASplitterMovesItsShareAndNoPanelVanishes) {
+TEST_F(Panels, ASplitterMovesAndNoPanelVanishes) {
   const ImVec2 at = middle("splitter.right");
   const float before = shell.widgets().at("panel.inspector").min.x;
   move(at);
@@ -126,7 +126,7 @@ TEST_F(Panels, ASplitterMovesItsShareAndNoPanelVanishes) {
   }
 }
 
-TEST_F(Panels, ThePaletteClosesWithEscapeWhileOneTypes) {
+TEST_F(Panels, EscapeClosesThePaletteWhileTyping) {
   perform("palette");
   type("x");
   ASSERT_TRUE(shown("palette.text"));
@@ -135,7 +135,7 @@ TEST_F(Panels, ThePaletteClosesWithEscapeWhileOneTypes) {
   EXPECT_FALSE(shown("palette.text"));
 }
 
-TEST_F(Panels, EscapeClosesTheMenuThatIsOpenAndNothingElse) {
+TEST_F(Panels, EscapeClosesOnlyTheOpenMenu) {
   perform("select.node", "3");
   click("menu.Step");
   EXPECT_TRUE(shown("menu.step.first"));
@@ -146,7 +146,7 @@ TEST_F(Panels, EscapeClosesTheMenuThatIsOpenAndNothingElse) {
   EXPECT_EQ(state().view.selected.node, -1);
 }
 
-TEST_F(Panels, ADialogStaysOpenOnAWrongPathWithTheReason) {
+TEST_F(Panels, ADialogStaysOpenWithTheReasonForAWrongPath) {
   perform("recording.open");
   play(R"({"type": "/there/is/nothing"}, {"key": "Enter"})");
   EXPECT_TRUE(state().view.show_palette);
@@ -154,7 +154,7 @@ TEST_F(Panels, ADialogStaysOpenOnAWrongPathWithTheReason) {
   EXPECT_EQ(state().document.recordings.size(), 1u);
 }
 
-TEST_F(Panels, APathIsCompletedFromWhatIsThere) {
+TEST_F(Panels, APathIsCompletedFromExistingFiles) {
   std::filesystem::create_directories(dir / "recording_one");
   std::ofstream(dir / "other.txt") << "";
   perform("palette.ask", "recording.open");
@@ -192,32 +192,32 @@ struct SearchPanels : OpenDesktop {
   }
 };
 
-TEST_F(SearchPanels, AFilterIsTypedAndEnterGoesToItsNextMatch) {
+TEST_F(SearchPanels, EnterInAFilterGoesToItsNextMatch) {
   play(R"("step.first", {"click": "events.filter"}, {"type": "case==IV"}, {"key": "Enter"})");
   ASSERT_FALSE(state().view.search.matches.empty());
   EXPECT_EQ(state().view.step, state().view.search.matches.front());
   EXPECT_TRUE(shown("events.step." + std::to_string(state().view.step)));
 }
 
-TEST_F(SearchPanels, TabTakesTheCompletionThatIsChosen) {
+TEST_F(SearchPanels, TabInsertsTheSelectedCompletion) {
   play(R"({"click": "events.filter"}, {"type": "dep"}, {"key": "Tab"}, {"type": ">3"})");
   EXPECT_EQ(state().view.search.text, "depth>3");
   EXPECT_TRUE(state().view.search.filter.has_value());
 }
 
-TEST_F(SearchPanels, AClickedCompletionIsTakenAndTypingGoesOnBehindIt) {
+TEST_F(SearchPanels, AClickedCompletionIsInsertedAndTypingContinuesAfterIt) {
   play(R"({"click": "events.filter"}, {"type": "merge && off"},
           {"click": "events.filter.completion.offset"}, {"type": ">0.01"})");
   EXPECT_EQ(state().view.search.text, "merge && offset>0.01");
 }
 
-TEST_F(SearchPanels, AFilterThatIsSetElsewhereShowsInTheBoxBeingTypedIn) {
+TEST_F(SearchPanels, AFilterSetElsewhereAppearsInTheFocusedBox) {
   play(R"({"click": "events.filter"}, {"type": "dep"}, "filter.set merge", "filter.focus",
           {"key": "End"}, {"type": "||found"})");
   EXPECT_EQ(state().view.search.text, "merge||found");
 }
 
-TEST_F(SearchPanels, AWrongFilterSaysWhereFindsNothingAndTheListStaysWhole) {
+TEST_F(SearchPanels, AnInvalidFilterIsReportedAndTheListStaysComplete) {
   play(R"("filter.only", {"click": "events.filter"}, {"type": "dpeth>3"})");
   EXPECT_FALSE(state().view.search.problem.message.empty());
   EXPECT_TRUE(state().view.search.matches.empty());
@@ -235,13 +235,13 @@ TEST_F(SearchPanels, OnlyMatchesShowsNothingElse) {
     EXPECT_TRUE(std::binary_search(matches.begin(), matches.end(), step));
 }
 
-TEST_F(SearchPanels, OfThousandsOfEventsOnlyThoseInSightAreDrawn) {
+TEST_F(SearchPanels, OnlyVisibleEventsAreDrawn) {
   ASSERT_GT(run().steps(), 3000);
   EXPECT_LT(numbers_of("events.step.").size(), 60u);
   EXPECT_LT(numbers_of("octree.node.").size(), 60u);
 }
 
-TEST_F(SearchPanels, ManyEventsOfAKindAreOneLineThatOpensBelowTheirStage) {
+TEST_F(SearchPanels, ManyEventsOfAKindAreOneFoldableLine) {
   const debug::Run& run = *state().run();
   const std::vector<EventRow> rows = event_groups(run);
   ASSERT_LT(rows.size(), static_cast<std::size_t>(run.steps()));
@@ -251,7 +251,7 @@ TEST_F(SearchPanels, ManyEventsOfAKindAreOneLineThatOpensBelowTheirStage) {
   ASSERT_NE(group, rows.end());
   EXPECT_GE(group->last - group->first, 2);
   EXPECT_TRUE(has(group_text(run, *group), " points "));
-  std::int32_t next = 1;  // every step once, in order
+  std::int32_t next = 1;  // each step once, in order
   for (const EventRow& row : rows) {
     if (row.kind == EventRow::Kind::stage) continue;
     EXPECT_EQ(row.first, next);
@@ -280,27 +280,27 @@ TEST_F(SearchPanels, ARowGoesToItsStepAndItsGutterSetsABreakpoint) {
   EXPECT_TRUE(state().document.breakpoints.empty());
 }
 
-TEST_F(SearchPanels, BreakpointsAreSwitchedOffAndRemovedInTheirLine) {
+TEST_F(SearchPanels, BreakpointsAreDisabledAndRemovedInTheirLine) {
   play(R"("break.on merge", {"click": "events.breakpoint.0"})");
   EXPECT_FALSE(state().document.breakpoints[0].enabled);
   play(R"({"click": "events.breakpoint.0.remove"})");
   EXPECT_TRUE(state().document.breakpoints.empty());
 }
 
-TEST_F(SearchPanels, ANodeIsSelectedByAClickAndSoughtOutByTwo) {
+TEST_F(SearchPanels, AClickSelectsANodeAndADoubleClickCentersIt) {
   play(R"("step.first", "octree.search 0", {"click": "octree.node.0", "double": true})");
   EXPECT_EQ(state().view.selected.node, 0);
   EXPECT_EQ(state().view.step, run().timeline.decided_at()[0]);
 }
 
-TEST_F(SearchPanels, ANodeSelectedElsewhereComesIntoSight) {
+TEST_F(SearchPanels, ANodeSelectedElsewhereIsScrolledIntoView) {
   play(R"("step.last", "select.node 300")");
   EXPECT_TRUE(shown("octree.node.300"));
   play(R"({"click": "octree.search"}, {"type": "7"})");
   EXPECT_EQ(numbers_of("octree.node."), std::vector<std::int32_t>{7});
 }
 
-TEST_F(SearchPanels, ATriangleOpensAndClosesANodeUntilASelectionLeadsThroughIt) {
+TEST_F(SearchPanels, ATriangleFoldsANodeUntilASelectionUnfoldsIt) {
   play(R"("step.last", "select.node 0", {"click": "octree.fold.0"})");
   EXPECT_TRUE(shown("octree.node.1"));
   play(R"({"click": "octree.fold.0"})");
@@ -309,10 +309,10 @@ TEST_F(SearchPanels, ATriangleOpensAndClosesANodeUntilASelectionLeadsThroughIt) 
   EXPECT_TRUE(shown("octree.node.900"));
 }
 
-TEST_F(SearchPanels, ReadyFiltersAreUnderstoodByBothProfiles) {
+TEST_F(SearchPanels, BuiltInFiltersAreValidForBothProfiles) {
   for (const char* profile : {"paper", "refined"}) {
     play(fmt::format(R"({{"do": "option.set", "with": "profile={}"}})", profile));
-    for (int i = 0; i < 7; ++i) {  // the last is about ground truth
+    for (int i = 0; i < 7; ++i) {  // the last one requires ground truth
       play(fmt::format(R"({{"click": "events.ready"}}, {{"click": "events.ready.{}"}})", i));
       EXPECT_TRUE(state().view.search.filter) << profile << i;
       EXPECT_TRUE(state().view.search.problem.message.empty())
@@ -329,7 +329,7 @@ struct AnalysisPanels : Panels {
   }
 };
 
-TEST_F(AnalysisPanels, ALineOfALifeLeadsToItsStepAndTheLifeStays) {
+TEST_F(AnalysisPanels, ALineOfAHistoryGoesToItsStepAndTheHistoryStays) {
   play(R"({"do": "select.pixel", "with": "320,300"}, "point.life")");
   const std::size_t source = 300 * 640 + 320;
   const std::vector<debug::HistoryEvent> life = debug::history_of(*state().run(), source);
@@ -340,7 +340,7 @@ TEST_F(AnalysisPanels, ALineOfALifeLeadsToItsStepAndTheLifeStays) {
   EXPECT_EQ(state().view.step, life[4].step);
 }
 
-/// A voxel in no plane that some change of one option brings into one, selected.
+/// Selects a voxel without a plane that a change of one option would assign to a plane.
 const debug::Fix& select_lost(OpenDesktop& desktop) {
   const debug::Run& run = *desktop.state().run();
   for (std::uint32_t voxel = 0; voxel < run.subject->voxel_count(); voxel += 7) {
@@ -354,13 +354,13 @@ const debug::Fix& select_lost(OpenDesktop& desktop) {
   throw std::runtime_error("no lost point comes back");
 }
 
-TEST_F(AnalysisPanels, AClickOnWhatIsInNoPlaneTellsWhyAndWhatWouldBringItBack) {
+TEST_F(AnalysisPanels, AClickOnAPointWithoutAPlaneShowsTheReasonAndFixes) {
   const debug::Fix fix = select_lost(*this);
   const std::uint32_t voxel = state().results.fix.asked->voxel;
   EXPECT_TRUE(shown("answer.cause") || shown("answer.effect"));
   ASSERT_TRUE(shown("fix.apply.0"));
   const auto run = state().results.current;
-  // Shown while the button is held, and not a change of options.
+  // A preview while the button is held, which does not change options.
   move(middle("fix.preview.0"));
   button(true);
   rest();
@@ -381,7 +381,7 @@ TEST_F(AnalysisPanels, AClickOnWhatIsInNoPlaneTellsWhyAndWhatWouldBringItBack) {
   EXPECT_FALSE(shown("fix.apply.0")) << "it is in a plane";
 }
 
-TEST_F(AnalysisPanels, ASearchThatWasStoppedCanBeAskedForAgain) {
+TEST_F(AnalysisPanels, AStoppedSearchCanBeRepeated) {
   select_lost(*this);
   shell.perform({"fix.far"});
   perform("fix.cancel");
@@ -390,7 +390,7 @@ TEST_F(AnalysisPanels, ASearchThatWasStoppedCanBeAskedForAgain) {
   EXPECT_TRUE(state().results.fix.finished);
 }
 
-TEST_F(AnalysisPanels, WhatWasFoundGoesWithTheVoxelsThatItIsAbout) {
+TEST_F(AnalysisPanels, ResultsDisappearWithTheirVoxels) {
   select_lost(*this);
   play(R"("tab.tool fix", {"do": "option.set", "with": "voxel_size_m=0.04"})");
   EXPECT_FALSE(state().results.fix.of);
@@ -398,7 +398,7 @@ TEST_F(AnalysisPanels, WhatWasFoundGoesWithTheVoxelsThatItIsAbout) {
   EXPECT_FALSE(state().results.fix.finished) << "there is nothing to search farther for";
 }
 
-TEST_F(AnalysisPanels, AReasonOfTheSummaryMarksItsPointsAndAnswersForThem) {
+TEST_F(AnalysisPanels, AReasonInTheSummaryMarksItsPointsAndExplainsThem) {
   perform("select.none");
   const debug::FrameSummary& summary = state().results.current->summary;
   const auto lost = std::ranges::find_if(
@@ -410,20 +410,20 @@ TEST_F(AnalysisPanels, AReasonOfTheSummaryMarksItsPointsAndAnswersForThem) {
   EXPECT_EQ(state().results.fix.asked->voxel, lost->middle);
   EXPECT_TRUE(state().results.fix.finished);
   EXPECT_TRUE(shown("answer.cause"));
-  // The link of a decision keeps the point.
+  // The link to a decision keeps the point.
   play(R"({"click": "answer.cause"})");
   EXPECT_LT(state().view.step, state().run()->steps());
   EXPECT_EQ(state().view.selected.voxel, lost->middle);
 }
 
-TEST_F(AnalysisPanels, AChangeOfAnOptionIsToldWithWhatItDid) {
+TEST_F(AnalysisPanels, AChangeOfAnOptionIsReportedWithItsEffect) {
   play(R"({"do": "option.set", "with": "theta_n_in=40"})");
   const std::string message = state().view.message;
   EXPECT_TRUE(message.starts_with("Fewest inliers 5 → 40 · planes ")) << message;
   EXPECT_TRUE(has(message, " · Ctrl+Z"));
 }
 
-TEST_F(AnalysisPanels, WhatShouldBecomeOfAPlaneIsAskedInItsMenu) {
+TEST_F(AnalysisPanels, WishesForAPlaneAreInItsMenu) {
   const debug::Run& run = *state().run();
   const auto in_plane = std::ranges::find(run.segmentation.plane_of, 1);
   const auto voxel = in_plane - run.segmentation.plane_of.begin();

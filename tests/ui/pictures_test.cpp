@@ -22,7 +22,7 @@
 namespace planescope::desktop {
 namespace {
 
-/// Share of the pixels in which two pictures differ.
+/// Share of pixels that differ between two pictures.
 double difference(const Image8& a, const Image8& b) {
   if (a.width != b.width || a.height != b.height) return 1;
   std::size_t differing = 0;
@@ -34,7 +34,7 @@ double difference(const Image8& a, const Image8& b) {
   return static_cast<double>(differing) * 3 / static_cast<double>(a.data.size());
 }
 
-/// A window of its own, and what it shows after some actions.
+/// A separate window, and its picture after some actions.
 struct Window {
   explicit Window(State state) : offscreen(std::move(state), 1280, 800, 1) {
     settle(offscreen.shell(), offscreen, {});
@@ -66,7 +66,7 @@ constexpr double kSame = 0.0005;  // share of pixels that may differ
 
 struct Pictures : testing::Test {};
 
-TEST_F(Pictures, OfTheReadmesTourAreWhatItsCommandsDraw) {
+TEST_F(Pictures, OfTheReadmesTourMatchItsCommands) {
   const std::filesystem::path docs = std::filesystem::path(PLANESCOPE_SOURCE_DIR) / "docs";
   int pictures = 0;
   for (const auto& entry : std::filesystem::directory_iterator(docs / "tour")) {
@@ -81,7 +81,7 @@ TEST_F(Pictures, OfTheReadmesTourAreWhatItsCommandsDraw) {
     Offscreen offscreen(app::view_state(args), args.width, args.height, 1);
     settle(offscreen.shell(), offscreen, {});
     Script::read(entry.path()).play(offscreen.shell(), offscreen, {});
-    settle(offscreen.shell(), offscreen, {});  // the strip's pictures, too
+    settle(offscreen.shell(), offscreen, {});  // including the strip's pictures
     EXPECT_LE(difference(offscreen.picture(), io::read_png_rgb(drawn)), kSame)
         << drawn << " is old: scripts/tour draws it again";
     ++pictures;
@@ -89,7 +89,7 @@ TEST_F(Pictures, OfTheReadmesTourAreWhatItsCommandsDraw) {
   EXPECT_EQ(pictures, 6);
 }
 
-TEST_F(Pictures, OfAStepDoNotTellHowItWasReached) {
+TEST_F(Pictures, OfAStepDoNotDependOnThePathToIt) {
   Window straight, detour;
   straight.after({{"step.goto", "120"}, {"color.planes"}});
   detour.after({{"step.goto", "700"},
@@ -98,7 +98,7 @@ TEST_F(Pictures, OfAStepDoNotTellHowItWasReached) {
                 {"step.goto", "121"},
                 {"step.previous"},
                 {"color.planes"}});
-  // The lists below keep their own place in what is scrolled and unfolded.
+  // The lists below keep their own scroll position and unfolded rows.
   for (const char* panel : {"view3d", "image", "timeline", "inspector"})
     EXPECT_LE(difference(straight.panel(panel), detour.panel(panel)), kSame) << panel;
 }
@@ -123,7 +123,7 @@ TEST_F(Pictures, OfAStepAreNotDrawnAsAWhole) {
   }
 }
 
-TEST_F(Pictures, ShowTheThemeAndInBothViewsTheStep) {
+TEST_F(Pictures, ShowTheThemeAndTheStepInBothViews) {
   Window window;
   EXPECT_GT(difference(window.picture(), Window(render::Theme::light).picture()), 0.3);
   const Image8 scene = window.panel("view3d"), image = window.panel("image");
@@ -132,7 +132,7 @@ TEST_F(Pictures, ShowTheThemeAndInBothViewsTheStep) {
   EXPECT_GT(difference(image, window.panel("image")), 0.05);
 }
 
-TEST_F(Pictures, ShowTheMapWhateverIsSelected) {
+TEST_F(Pictures, ShowTheMapWithAnySelection) {
   State state = open_walk(scratch_dir() / "walk", {.frames = 40});
   state.view.strip_stopped = true;
   Window window(std::move(state));
@@ -168,7 +168,7 @@ TEST_F(Pictures, TheStripHasTheColorsOfTheReport) {
   EXPECT_GT(distinct.size(), 3u);
 }
 
-TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {
+TEST_F(Pictures, ShowFootholdsStairsAndSteppablePlanes) {
   Window window;
   window.after(
       {{"option.set", "profile=refined"}, {"option.set", "foot_radius_m=0.08"}, {"color.planes"}});
@@ -177,7 +177,7 @@ TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {
     window.after({{layer, ""}});
     EXPECT_GT(difference(plain, window.panel("view3d")), 0.005) << layer;
     window.after({{layer, ""}});
-    EXPECT_LT(difference(plain, window.panel("view3d")), 0.005) << layer;  // but for its button
+    EXPECT_LT(difference(plain, window.panel("view3d")), 0.005) << layer;  // except for its button
   }
   const Image8 image = window.panel("image");
   window.after({{"color.steppable"}});
@@ -185,7 +185,7 @@ TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {
   EXPECT_GT(difference(image, window.panel("image")), 0.1);
 }
 
-/// Where the points of the scene are, as shares of the panel: what differs without them.
+/// Where points of the scene are drawn, as shares of the panel: pixels that differ without them.
 struct Covered {
   double width = 0, height = 0;
 };
@@ -207,7 +207,7 @@ Covered covered(Window& window) {
           static_cast<double>(bottom - top) / (with.height - 40)};
 }
 
-TEST_F(Pictures, ShowTheFrameAsLargeAsItsRoomAllows) {
+TEST_F(Pictures, ShowTheFrameAsLargeAsPossible) {
   for (const char* views : {"both", "scene"}) {
     Window window;
     window.after({{"views.show", views}});
@@ -217,7 +217,7 @@ TEST_F(Pictures, ShowTheFrameAsLargeAsItsRoomAllows) {
   }
 }
 
-TEST_F(Pictures, ShowAnIsolatedPlaneAlone) {
+TEST_F(Pictures, ShowOnlyAnIsolatedPlane) {
   Window window;
   window.after({{"color.planes"}, {"show.names"}, {"select.plane", "1"}});
   const Covered all = covered(window);
@@ -231,7 +231,7 @@ TEST_F(Pictures, ShowAnIsolatedPlaneAlone) {
   EXPECT_GT(all.width, 0.3);
 }
 
-/// The columns of two pictures that are the same, below the buttons and badges.
+/// Whether the columns of two pictures are equal, below the buttons and badges.
 bool same_columns(const Image8& a, const Image8& b, int from, int to) {
   std::size_t differing = 0;
   for (int y = 90; y < a.height - 4; ++y)
@@ -256,14 +256,14 @@ TEST_F(Pictures, WipeFromAToB) {
   }
 }
 
-/// The colour of the bar's pixel for a value.
+/// Color of the bar's pixel for a value.
 std::array<int, 3> on_bar(const Image8& bar, const render::ValueRange& range, double value_m) {
   const double share = (value_m - range.low_m) / (range.high_m - range.low_m);
   const int x = std::clamp(static_cast<int>(share * bar.width), 0, bar.width - 1);
   return {bar.at(x, bar.height / 2, 0), bar.at(x, bar.height / 2, 1), bar.at(x, bar.height / 2, 2)};
 }
 
-TEST_F(Pictures, HaveTheColoursOfTheBarWherePointsMeasureItsValues) {
+TEST_F(Pictures, HaveTheColorsOfTheBarForTheValuesOfPoints) {
   for (const render::Theme theme : {render::Theme::dark, render::Theme::light}) {
     Window window(theme);
     window.after({{"color.depth"},
@@ -277,7 +277,7 @@ TEST_F(Pictures, HaveTheColoursOfTheBarWherePointsMeasureItsValues) {
     const Image8 image = part_of(window.picture(), shell.widgets().at("image"));
     const Image16& depth = run.subject->frame.depth;
     const render::ValueRange range = render::color_scale(run, look_of(shell.state())).range;
-    // The nearest and the farthest that the image shows, and some between.
+    // The nearest and farthest visible pixels, and some between.
     int compared = 0;
     for (int v = depth.height / 2; v < depth.height; v += 31)
       for (int u = 20; u < depth.width - 20; u += 37) {
@@ -299,7 +299,7 @@ TEST_F(Pictures, HaveTheColoursOfTheBarWherePointsMeasureItsValues) {
   }
 }
 
-TEST_F(Pictures, OfColoursAlongAScaleHaveItsBarInWhicheverViewIsShown) {
+TEST_F(Pictures, OfColorScalesHaveTheirBarInEveryView) {
   Window window;
   for (const char* views : {"both", "scene", "image"})
     for (const char* color : {"depth", "height", "rms", "distance"}) {
@@ -313,7 +313,7 @@ TEST_F(Pictures, OfColoursAlongAScaleHaveItsBarInWhicheverViewIsShown) {
   EXPECT_TRUE(window.offscreen.shell().widgets().contains("scale.absent"));
 }
 
-TEST_F(Pictures, OfTheWindowAreSavedAsTheyAreShown) {
+TEST_F(Pictures, OfTheWindowAreSavedAsDisplayed) {
   const std::filesystem::path dir = scratch_dir(), saved = dir / "a.png";
   Window window;
   window.offscreen.shell().tell("", false);
@@ -327,7 +327,7 @@ TEST_F(Pictures, OfTheWindowAreSavedAsTheyAreShown) {
   EXPECT_TRUE(has(window.offscreen.shell().state().view.message, "none"));
 }
 
-TEST_F(Pictures, OfSmallerPointsLeaveMoreOfTheGroundFree) {
+TEST_F(Pictures, OfSmallerPointsShowMoreBackground) {
   Window window;
   window.after({{"show.planes"}, {"show.names"}, {"show.points"}});
   const Image8 ground = window.panel("view3d");
@@ -346,7 +346,7 @@ TEST_F(Pictures, OfSmallerPointsLeaveMoreOfTheGroundFree) {
   EXPECT_EQ(window.offscreen.shell().state().view.point_size, kMostPointSize);
 }
 
-TEST_F(Pictures, OfAFrameAtFirstHaveNoBoxesNoQueueAndNothingThatStandsOut) {
+TEST_F(Pictures, OfANewFrameHaveNoBoxesQueueOrHighlights) {
   for (const render::Theme theme : {render::Theme::dark, render::Theme::light}) {
     Window window(theme);
     const Image8 first = window.panel("view3d"), image = window.panel("image");
@@ -361,7 +361,7 @@ TEST_F(Pictures, OfAFrameAtFirstHaveNoBoxesNoQueueAndNothingThatStandsOut) {
   }
 }
 
-TEST_F(Pictures, OfStepsAreSavedAsOneAnimationThatBeginsWithThePictureOfItsFirst) {
+TEST_F(Pictures, OfStepsAreSavedAsAnAnimationThatStartsAtTheFirst) {
   const std::filesystem::path dir = scratch_dir(), single = dir / "a.png", steps = dir / "b c.png";
   Window window;
   window.offscreen.shell().tell("", false);
@@ -380,7 +380,7 @@ TEST_F(Pictures, OfStepsAreSavedAsOneAnimationThatBeginsWithThePictureOfItsFirst
   EXPECT_GT(difference(apng.frames[0], apng.frames[3]), 0.005);
 }
 
-TEST_F(Pictures, OfStepsThatAreGivenUpLeaveNoFile) {
+TEST_F(Pictures, OfCanceledStepsLeaveNoFile) {
   const std::filesystem::path dir = scratch_dir(), steps = dir / "steps.png";
   Window window;
   Shell& shell = window.offscreen.shell();
@@ -403,7 +403,7 @@ TEST_F(Pictures, OfStepsThatAreGivenUpLeaveNoFile) {
   EXPECT_TRUE(std::filesystem::is_empty(dir));
 }
 
-TEST_F(Pictures, OfAScriptMayShowAPanelAlone) {
+TEST_F(Pictures, OfAScriptCanShowASinglePanel) {
   Window window;
   const std::filesystem::path drawn = scratch_dir() / "a.png";
   window.play(fmt::format(R"({{"screenshot": "{}", "of": "panel.view3d"}})", drawn.string()));
@@ -411,7 +411,7 @@ TEST_F(Pictures, OfAScriptMayShowAPanelAlone) {
   EXPECT_THROW(window.play(R"({"screenshot": "b.png", "of": "panel.view3"})"), Error);
 }
 
-TEST_F(Pictures, AClickInTheSceneSelectsWhatIsThere) {
+TEST_F(Pictures, AClickInTheSceneSelectsTheVisibleObject) {
   Window window;
   const Selection& selected = window.offscreen.shell().state().view.selected;
   window.play(R"({"click": "view3d", "at": [0.5, 0.6]})");

@@ -1,5 +1,5 @@
-// What the window tells about finished planes: room for a foot, what carries one, stairs; by
-// scripted input with no GL.
+// Finished planes in the window: footholds, steppable planes, stairs; tested with scripted input
+// without GL.
 
 #include <algorithm>
 #include <limits>
@@ -17,7 +17,7 @@ namespace {
 /// The sample's stairs, with the profile that finds all of them.
 struct Planes : RefinedDesktop {
   void give_foot() { play(R"({"do": "option.set", "with": "foot_radius_m=0.08"})"); }
-  /// The largest plane of a class, as the trace names it.
+  /// The largest plane of a class, by its number in the trace.
   std::int32_t largest(Label label) const {
     const debug::Run& run = *state().run();
     for (const planes::PlaneRegion& plane : run.segmentation.planes)
@@ -31,7 +31,7 @@ struct Planes : RefinedDesktop {
   }
 };
 
-TEST_F(Planes, HaveTrueOutlinesOnceAFrameIsShown) {
+TEST_F(Planes, HaveOutlinesOnceAFrameIsShown) {
   const auto scene = look_of(state()).planes;
   ASSERT_TRUE(scene);
   ASSERT_EQ(scene->shapes.size(), state().run()->segmentation.planes.size());
@@ -43,7 +43,7 @@ TEST_F(Planes, HaveTrueOutlinesOnceAFrameIsShown) {
   EXPECT_FALSE(state().run_view()->outlines->shapes.at(0).rings.empty()) << "with the run itself";
 }
 
-TEST_F(Planes, AreWhatAFrameOpensOnWithNothingElse) {
+TEST_F(Planes, AreTheOnlyLayerOfANewFrame) {
   const render::StepLook look = look_of(state());
   EXPECT_EQ(look.step, state().run()->steps());
   EXPECT_EQ(look.color_by, render::ColorBy::planes);
@@ -59,7 +59,7 @@ TEST_F(Planes, AreWhatAFrameOpensOnWithNothingElse) {
   EXPECT_TRUE(shown.show_normals && shown.show_settled && !shown.show_names && !shown.show_points);
 }
 
-TEST_F(Planes, OfAFootOrOfStairsChangeNoRun) {
+TEST_F(Planes, FootAndStairOptionsDoNotChangeARun) {
   const auto run = state().run_view()->run;
   EXPECT_TRUE(look_of(state()).planes->foot.empty());
   give_foot();
@@ -74,7 +74,7 @@ TEST_F(Planes, OfAFootOrOfStairsChangeNoRun) {
   play(R"("option.undo", {"expect": {"flights": 1}})");
 }
 
-TEST_F(Planes, LayersAreSwitchedByKeyMenuAndButtonAndRemembered) {
+TEST_F(Planes, LayersAreToggledByKeyMenuAndButtonAndRemembered) {
   EXPECT_FALSE(look_of(state()).show_foot);
   play(
       R"({"key": "Shift+F"}, {"click": "view3d.more"}, {"click": "more.show.stairs"}, {"key": "7"})");
@@ -91,7 +91,7 @@ TEST_F(Planes, LayersAreSwitchedByKeyMenuAndButtonAndRemembered) {
   EXPECT_FALSE(look_of(state()).show_foot);
 }
 
-TEST_F(Planes, OptionsOfAFootAndOfStairsAreInThePanel) {
+TEST_F(Planes, FootAndStairOptionsAreInThePanel) {
   play(R"({"do": "tab.tool", "with": "criteria"},
           {"do": "option.show", "with": "foot_radius_m"})");
   EXPECT_TRUE(shown("criteria.section.foot"));
@@ -105,7 +105,7 @@ TEST_F(Planes, OptionsOfAFootAndOfStairsAreInThePanel) {
   EXPECT_TRUE(shown("criteria.foot_max_rough_m"));
 }
 
-TEST_F(Planes, TellWhyTheyCarryNoFoot) {
+TEST_F(Planes, ShowWhyTheyAreNotSteppable) {
   const std::int32_t floor = largest(Label::h), wall = largest(Label::v);
   EXPECT_EQ(verdict_text(state(), floor), "") << "no foot is given";
   give_foot();
@@ -118,7 +118,7 @@ TEST_F(Planes, TellWhyTheyCarryNoFoot) {
   EXPECT_TRUE(has(rough, "mm rough, limit 0.1"));
 }
 
-TEST_F(Planes, AVoxelTellsItsPlanesVerdictWhereThatIsAsked) {
+TEST_F(Planes, AVoxelShowsItsPlanesVerdictOnRequest) {
   give_foot();
   const auto& plane_of = state().run()->segmentation.plane_of;
   const int wall = state().run()->timeline.result_of_plane(largest(Label::v));
@@ -129,7 +129,7 @@ TEST_F(Planes, AVoxelTellsItsPlanesVerdictWhereThatIsAsked) {
   EXPECT_TRUE(has(describe_voxel(state(), voxel), "not steppable: upright"));
 }
 
-TEST_F(Planes, TheInspectorHasWhatAFinishedPlaneIsWorth) {
+TEST_F(Planes, TheInspectorShowsMeasuresOfAFinishedPlane) {
   give_foot();
   const std::int32_t floor = largest(Label::h);
   play(R"({"do": "select.plane", "with": ")" + debug::plane_name(*state().run(), floor) + "\"}");
@@ -147,7 +147,7 @@ TEST_F(Planes, TheInspectorHasWhatAFinishedPlaneIsWorth) {
   EXPECT_TRUE(plane_lines(state(), floor).empty()) << "nothing of the future";
 }
 
-TEST_F(Planes, AFlightIsListedWithItsStepsAndLeadsToItsPlanes) {
+TEST_F(Planes, AFlightIsListedWithItsStepsAndSelectsItsPlanes) {
   play(R"({"click": "tab.stairs"})");
   EXPECT_TRUE(shown("stairs.0"));
   const StairsEntry flight = stairs_entries(state()).at(0);
@@ -160,7 +160,7 @@ TEST_F(Planes, AFlightIsListedWithItsStepsAndLeadsToItsPlanes) {
   EXPECT_EQ(state().view.selected.plane, flight.planes[1]);
 }
 
-TEST_F(Planes, ALevelThatNoStepLeadsUpToSaysWhy) {
+TEST_F(Planes, ALevelWithoutAStepShowsTheReason) {
   play(R"({"do": "option.set", "with": "stairs_rise_max_m=0.1"})");
   std::size_t told = 0;
   for (std::int32_t p = 0; p < state().run()->timeline.plane_count(); ++p)
@@ -172,7 +172,7 @@ TEST_F(Planes, ALevelThatNoStepLeadsUpToSaysWhy) {
   EXPECT_GT(told, 0u);
 }
 
-TEST_F(Planes, TellOfTheFootThatIsSetAlsoWhereAnotherWasTriedInPassing) {
+TEST_F(Planes, UseTheFinalFootAfterQuickChanges) {
   give_foot();
   play(R"({"do": "option.set", "with": "foot_radius_m=0.3", "wait": false},
           {"frames": 1, "wait": false},
@@ -180,14 +180,14 @@ TEST_F(Planes, TellOfTheFootThatIsSetAlsoWhereAnotherWasTriedInPassing) {
   EXPECT_EQ(state().planes()->key, planes_key(state().document.options));
 }
 
-TEST_F(Planes, HaveTheSameFootInBothOfTwoRunsAndKeepItWhereOptionsGoBackToThoseOfA) {
+TEST_F(Planes, HaveTheSameFootInBothRunsAndWhenOptionsReturnToA) {
   give_foot();
   play(R"("run.pin", {"do": "option.set", "with": "theta_n_out=9"}, "run.restore")");
   EXPECT_EQ(state().document.options.segment.theta_n_out, 5);
   EXPECT_EQ(state().document.options.foot.radius_m, 0.08);
 }
 
-TEST_F(Planes, OfAPinnedRunAreKnownWhileItIsFlashed) {
+TEST_F(Planes, OfAPinnedRunAreAnalyzedWhileItIsFlashed) {
   play(R"("run.pin", {"do": "option.set", "with": "theta_n_out=9"})");
   const auto b = look_of(state()).planes;
   play(R"("run.flash")");
@@ -198,7 +198,7 @@ TEST_F(Planes, OfAPinnedRunAreKnownWhileItIsFlashed) {
   EXPECT_EQ(look_of(state()).planes, b) << "kept";
 }
 
-TEST_F(Planes, StandInATableThatIsSortedFilteredAndLinkedWithTheScene) {
+TEST_F(Planes, AreListedInASortableFilterableTableLinkedToTheScene) {
   play(R"({"do": "tab.inspector", "with": "planes"})");
   const std::size_t all = state().run()->segmentation.planes.size();
   ASSERT_EQ(plane_rows(state()).size(), all);

@@ -1,4 +1,4 @@
-// Recordings that were opened before, and those that are dropped on the window.
+// Recently opened recordings, and recordings dropped on the window.
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -26,13 +26,13 @@ std::vector<std::string> offered(const State& state, const std::string& typed) {
   return titles;
 }
 
-TEST(Recent, RecordingsStandTheLatestFirstOnceEachAndTenAtMost) {
+TEST(Recent, RecordingsAreListedLatestFirstWithoutDuplicatesUpToTen) {
   Document document;
   for (int i = 0; i < 14; ++i) note_recent(document, fmt::format("/data/{}.bag", i));
   EXPECT_EQ(document.recent.size(), 10u);
   EXPECT_EQ(document.recent.front(), "/data/13.bag");
   EXPECT_EQ(document.recent.back(), "/data/4.bag");
-  note_recent(document, "/data/here/../7.bag");  // however it is typed
+  note_recent(document, "/data/here/../7.bag");  // in any spelling
   EXPECT_EQ(document.recent.size(), 10u);
   EXPECT_EQ(document.recent.front(), "/data/7.bag");
   note_recent(document, "/data/7.bag/");
@@ -51,7 +51,7 @@ TEST(Recent, RecordingsAreOfferedByNameInThePalette) {
   EXPECT_EQ(first.argument, (dir / "lost tread").string());
 }
 
-TEST(Recent, RecordingsThatAreGoneAreForgottenWithALine) {
+TEST(Recent, MissingRecordingsAreRemovedWithAMessage) {
   const fs::path dir = scratch_dir();
   State state = open_state();
   note_recent(state.document, dir / "gone.bag");
@@ -61,7 +61,7 @@ TEST(Recent, RecordingsThatAreGoneAreForgottenWithALine) {
   } catch (const Error& error) {
     const std::string message = error.what();
     EXPECT_TRUE(has(message, "gone.bag"));
-    EXPECT_TRUE(has(message, "no longer among the recent ones"));
+    EXPECT_TRUE(has(message, "removed from the recent recordings"));
     EXPECT_FALSE(has(message, "\n"));
   }
   EXPECT_TRUE(state.document.recent.empty());
@@ -81,7 +81,7 @@ TEST_F(OpenDesktop, TheOpenDialogListsRecentRecordingsAndAClickOpensOne) {
   EXPECT_FALSE(shown("palette.recent.0")) << "paths are completed now";
 }
 
-TEST_F(OpenDesktop, WhatIsDroppedIsOpened) {
+TEST_F(OpenDesktop, DroppedFilesAreOpened) {
   const fs::path other = copy_of_sample(dir / "other");
   play(fmt::format(R"({{"drop": "{0}"}}, {{"expect": {{"recording": "{0}"}}}})", other.string()));
   ASSERT_EQ(state().document.recordings.size(), 2u);

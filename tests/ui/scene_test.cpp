@@ -1,5 +1,4 @@
-// The scene and the image: from where they are looked at, what a click on them means, what shares
-// the room, what is shown alone, and A beside B.
+// The scene and the image: viewpoints, clicks, layout, isolation, and comparison of A and B.
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -22,8 +21,8 @@ struct Scene : RefinedDesktop {
   std::string facts(const std::string& name) const {
     return state_facts(state(), true).at(name).dump();
   }
-  /// How far the frame's points reach from the middle of the view towards its borders, all but one
-  /// in fifty.
+  /// How far the frame's points extend from the center of the view toward its borders, without the
+  /// outermost 2 %.
   double filled(double aspect) const {
     const int height = 500, width = static_cast<int>(500 * aspect);
     const render::View view = render::make_view(scene_camera(state(), aspect), width, height);
@@ -35,7 +34,7 @@ struct Scene : RefinedDesktop {
     std::ranges::sort(reach);
     return reach[reach.size() * 49 / 50];
   }
-  /// A pixel of which nothing is known, nor of those around it.
+  /// An unmeasured pixel with unmeasured neighbors.
   std::string empty_pixel() const {
     const debug::Subject& subject = *state().run()->subject;
     const auto is_empty = [&](int u, int v) {
@@ -53,7 +52,7 @@ struct Scene : RefinedDesktop {
 
 // ---- Framing ----
 
-TEST_F(Scene, HomeAndTheViewsFromItsSidesFillTheViewAtEveryShape) {
+TEST_F(Scene, HomeAndSideViewsFillTheViewAtEveryAspectRatio) {
   for (const char* facing : {"camera.home", "camera.top", "camera.side", "camera.front"})
     for (const bool flat : {false, true}) {
       run(facing);
@@ -65,14 +64,14 @@ TEST_F(Scene, HomeAndTheViewsFromItsSidesFillTheViewAtEveryShape) {
     }
 }
 
-TEST_F(Scene, FromAboveIsAlongGravity) {
+TEST_F(Scene, TheTopViewLooksAlongGravity) {
   run("camera.top");
   EXPECT_NEAR((camera().eye - camera().target).normalized().z(), 1, 1e-6);
   run("camera.front");
   EXPECT_NEAR((camera().eye - camera().target).normalized().z(), 0, 1e-6);
 }
 
-TEST_F(Scene, WithoutPerspectiveAsMuchIsSeenAtTheTarget) {
+TEST_F(Scene, TheOrthographicViewHasTheSameScaleAtTheTarget) {
   const render::Camera before = scene_camera(state(), 1.5);
   run("camera.set", "0,0,1,2,0,0");
   run("camera.orthographic");
@@ -84,7 +83,7 @@ TEST_F(Scene, WithoutPerspectiveAsMuchIsSeenAtTheTarget) {
   EXPECT_NEAR(scene_camera(state(), 1.5).ortho_height_m, flat.ortho_height_m / 2, 1e-9);
 }
 
-TEST_F(Scene, LookingAtWhatIsSelectedHoldsItAndTurnsNothing) {
+TEST_F(Scene, CenteringTheSelectionDoesNotRotateTheView) {
   const Vec3d looked = (camera().target - camera().eye).normalized();
   const auto holds = [&](const std::vector<Vec3f>& points) {
     const double aspect = state().view.scene_aspect;
@@ -120,7 +119,7 @@ TEST_F(Scene, LookingAtWhatIsSelectedHoldsItAndTurnsNothing) {
   EXPECT_FALSE(selected_points(state()).empty());
 }
 
-TEST_F(Scene, TheCameraIsTakenBackByWholeDrags) {
+TEST_F(Scene, CameraUndoRevertsWholeDrags) {
   const render::Camera home = camera();
   play(R"({"drag": "view3d", "by": [80, 10]})");
   const render::Camera turned = camera();
@@ -135,12 +134,12 @@ TEST_F(Scene, TheCameraIsTakenBackByWholeDrags) {
   EXPECT_TRUE(same_camera(camera(), turned));
 }
 
-TEST_F(Scene, AClickMovesNoCameraAndIsNoStepOfIt) {
+TEST_F(Scene, AClickDoesNotMoveTheCameraAndIsNotUndone) {
   play(R"({"click": "view3d", "at": [0.5, 0.6]})");
   EXPECT_FALSE(find_action("camera.undo").can_run(state()));
 }
 
-TEST_F(Scene, ButtonsWithoutRoomAreInAMenu) {
+TEST_F(Scene, ButtonsThatDoNotFitAreInAMenu) {
   EXPECT_FALSE(shown("button.camera.top"));
   play(R"({"click": "view3d.more"}, {"click": "more.camera.top"})");
   EXPECT_EQ(state().view.facing, Facing::top);
@@ -152,9 +151,9 @@ TEST_F(Scene, ButtonsWithoutRoomAreInAMenu) {
   EXPECT_FALSE(shown("view3d.more"));
 }
 
-// ---- What shares the room ----
+// ---- Layout ----
 
-TEST(Arrange, ViewsStandAsTheRoomAndThePictureAsk) {
+TEST(Arrange, ViewsAreArrangedByPanelAndImageShape) {
   const auto views = [](Rect room, double picture) {
     return arrange(room, picture, Views::both, 0.4, 30, 4);
   };
@@ -169,7 +168,7 @@ TEST(Arrange, ViewsStandAsTheRoomAndThePictureAsk) {
   EXPECT_EQ(views({0, 0, 1000, 400}, 0).scene->w, 1000);
 }
 
-TEST_F(Scene, OneViewAloneHasAllOfTheRoom) {
+TEST_F(Scene, ASingleViewFillsThePanel) {
   const auto width = [&](const char* panel) {
     const WidgetRect& rect = shell.widgets().at(panel);
     return rect.max.x - rect.min.x;
@@ -186,7 +185,7 @@ TEST_F(Scene, OneViewAloneHasAllOfTheRoom) {
   EXPECT_TRUE(shown("panel.image") && shown("panel.view3d"));
 }
 
-TEST(Cloud, GivesTheSceneAllOfTheRoom) {
+TEST(Cloud, LetsTheSceneFillThePanel) {
   const std::filesystem::path dir = scratch_dir(), path = dir / "floor.ply";
   std::ofstream file(path);
   file << "ply\nformat ascii 1.0\nelement vertex 2500\nproperty float x\nproperty float y\n"
@@ -204,9 +203,9 @@ TEST(Cloud, GivesTheSceneAllOfTheRoom) {
   EXPECT_EQ(scene.max.x - scene.min.x, below.max.x - below.min.x);
 }
 
-// ---- What is clicked ----
+// ---- Clicks ----
 
-TEST_F(Scene, AClickOnAnEmptySpotOfTheImageAsksWhyNothingIsThere) {
+TEST_F(Scene, AClickOnAnEmptyPixelExplainsWhyItIsEmpty) {
   const std::string pixel = empty_pixel();
   ASSERT_NE(pixel, "");
   play(click_on(pixel));
@@ -217,7 +216,7 @@ TEST_F(Scene, AClickOnAnEmptySpotOfTheImageAsksWhyNothingIsThere) {
   EXPECT_NEAR(static_cast<double>(source % 640), std::stod(pixel), 3);
 }
 
-TEST_F(Scene, AnEmptySpotOfTheSceneIsAPixelWithoutAPoint) {
+TEST_F(Scene, AnEmptySceneLocationIsAPixelWithoutAPoint) {
   const debug::Subject& subject = *state().run()->subject;
   const render::View view = render::make_view(scene_camera(state(), 1.5), 600, 400);
   int found = 0;
@@ -228,12 +227,12 @@ TEST_F(Scene, AnEmptySpotOfTheSceneIsAPixelWithoutAPoint) {
         ASSERT_EQ(subject.voxel_of_source(*pixel), planes::kNoVoxel);
       }
   EXPECT_GT(found, 0);
-  // Where a point is seen that its own pixel sees, too, nothing is empty.
+  // A position with a visible point whose own pixel sees it is not empty.
   const auto seen = render::project(view, subject.prepared.voxels.points[5000]);
   ASSERT_TRUE(seen);
 }
 
-TEST_F(Scene, TheRightButtonOpensAMenuOfWhatCanBeDone) {
+TEST_F(Scene, TheRightButtonOpensAContextMenu) {
   play(R"({"click": "image", "at": [0.5, 0.65], "button": "right"})");
   for (const char* entry : {"select", "why", "isolate", "frame", "measure", "bookmark", "copy"})
     EXPECT_TRUE(shown(std::string("context.") + entry)) << entry;
@@ -260,7 +259,7 @@ TEST_F(Scene, EveryEntryOfEveryMenuCanBeRun) {
     EXPECT_GE(entries.size(), 2u);
     EXPECT_NE(context_title(state(), thing), "");
     for (const ContextEntry& entry : entries) {
-      if (entry.name == "floor" || entry.name == "wall") continue;  // they are written down
+      if (entry.name == "floor" || entry.name == "wall") continue;  // they write a file
       for (const Command& command : entry.commands) {
         if (!find_action(command.action).can_run(state())) continue;
         EXPECT_NO_THROW(shell.perform(command, true)) << entry.title;
@@ -269,7 +268,7 @@ TEST_F(Scene, EveryEntryOfEveryMenuCanBeRun) {
   }
 }
 
-TEST_F(Scene, APlaneIsChosenAndCopiedFromItsMenu) {
+TEST_F(Scene, APlaneIsSelectedAndCopiedFromItsMenu) {
   const std::vector<ContextEntry> entries =
       context_entries(state(), {{render::Picked::Kind::plane, 2}, -1});
   for (const ContextEntry& entry : entries)
@@ -297,7 +296,7 @@ TEST_F(Scene, EveryKindOfStepHasItsRowInTheTree) {
   EXPECT_TRUE(without.empty());
 }
 
-TEST_F(Scene, IsolatedIsForThisSessionAlone) {
+TEST_F(Scene, IsolationIsNotSaved) {
   play(R"({"key": "Z"})");
   EXPECT_TRUE(look_of(state()).isolated);
   EXPECT_EQ(facts("isolated"), "true");
@@ -310,7 +309,7 @@ TEST_F(Scene, IsolatedIsForThisSessionAlone) {
 
 // ---- Colors of planes ----
 
-TEST_F(Scene, PlanesThatDoNotLastLookLikeNoneThatLasts) {
+TEST_F(Scene, TemporaryPlanesHaveColorsOfTheirOwn) {
   const debug::Timeline& timeline = state().run()->timeline;
   const std::vector<int> colors = colors_of_planes(state(), *state().run_view());
   std::set<int> lasting, others;
@@ -322,7 +321,7 @@ TEST_F(Scene, PlanesThatDoNotLastLookLikeNoneThatLasts) {
   for (const int color : others) EXPECT_FALSE(lasting.contains(color)) << color;
 }
 
-TEST_F(Scene, TruePlanesLookLikeThePlanesThatTheyMatch) {
+TEST_F(Scene, TruePlanesHaveTheColorsOfMatchingPlanes) {
   run("color.truth");
   const render::StepLook look = look_of(state());
   const std::vector<int> found = state().run_view()->colors.planes->own_colors();
@@ -348,7 +347,7 @@ struct Compared : Scene {
   }
 };
 
-TEST_F(Compared, PlanesThatMatchShareTheirColourAndNothingIsSelected) {
+TEST_F(Compared, MatchingPlanesShareTheirColorAndNothingIsSelected) {
   EXPECT_EQ(state().view.selected.node, -1);
   EXPECT_EQ(state().view.selected.plane, -1);
   const std::vector<int> colors = colors_of_planes(state(), *state().results.current);
@@ -373,7 +372,7 @@ TEST_F(Compared, PlanesThatMatchShareTheirColourAndNothingIsSelected) {
   EXPECT_GT(matched, 2);
 }
 
-TEST_F(Compared, ItIsSaidEverywhereWhichOfThemIsShown) {
+TEST_F(Compared, EveryPanelShowsWhichRunIsDisplayed) {
   for (const char* side : {"view3d.side", "image.side", "frames.side"}) EXPECT_TRUE(shown(side));
   EXPECT_EQ(facts("shown"), "\"B\"");
   play(R"({"key": "Space"})");
@@ -386,7 +385,7 @@ TEST_F(Compared, ItIsSaidEverywhereWhichOfThemIsShown) {
   EXPECT_FALSE(state().view.wiper);
 }
 
-TEST_F(Compared, TheDividerIsDragged) {
+TEST_F(Compared, TheDividerCanBeDragged) {
   EXPECT_FALSE(shown("wiper"));
   run("run.wiper");
   ASSERT_TRUE(shown("wiper") && shown("wiper.image"));
@@ -400,7 +399,7 @@ TEST_F(Compared, TheDividerIsDragged) {
   EXPECT_EQ(state().view.wiper_at, 1);
 }
 
-TEST_F(Compared, TheOtherRunIsShownAtTheSamePlace) {
+TEST_F(Compared, TheOtherRunIsShownAtTheSameStep) {
   run("run.wiper");
   EXPECT_EQ(other_look_of(state()).step, state().results.pinned->run->steps());
   run("select.voxel", "100");

@@ -31,7 +31,7 @@ std::string refusal(State state, const std::string& where) {
   return "";
 }
 
-TEST(Session, BringsBackTheViewOnAnotherMachine) {
+TEST(Session, RestoresTheViewOnAnotherMachine) {
   const fs::path dir = scratch_dir();
   fs::create_directories(dir / "here");
   fs::create_directories(dir / "there");
@@ -70,7 +70,7 @@ TEST(Session, BringsBackTheViewOnAnotherMachine) {
   EXPECT_TRUE(has(refusal(run_state(), (dir / "there" / "s.json").string() + "#none"), "none"));
 }
 
-TEST(Session, KeepsProjectionAndFromWhereAllIsLookedAt) {
+TEST(Session, KeepsProjectionAndCameras) {
   const fs::path dir = scratch_dir();
   State state = run_state();
   apply(state, {"camera.orthographic"});
@@ -95,11 +95,11 @@ TEST(Session, KeepsProjectionAndFromWhereAllIsLookedAt) {
   EXPECT_FALSE(state.view.camera);
 }
 
-TEST(Session, SelectsThePlaneThatWasSelected) {
+TEST(Session, RestoresTheSelectedPlane) {
   const fs::path dir = scratch_dir();
   State state = run_state(planes::Profile::refined);
   const debug::Timeline& timeline = state.run()->timeline;
-  std::int32_t place = 0;  // of a plane whose number does not follow from that
+  std::int32_t place = 0;  // of a plane whose id does not follow from its position
   while (timeline.number_of_plane(place) == place + 1) ++place;
   const std::int32_t number = timeline.number_of_plane(place);
   apply(state, {"step.last"});
@@ -115,7 +115,7 @@ TEST(Session, SelectsThePlaneThatWasSelected) {
   EXPECT_EQ(now.run()->timeline.number_of_plane(now.view.selected.plane), number);
 }
 
-TEST(Session, ThatIsDamagedIsRefusedInOneLineAndChangesNothing) {
+TEST(Session, ThatIsDamagedIsRejectedInOneLineAndChangesNothing) {
   const fs::path dir = scratch_dir();
   const State state = run_state();
   save_session(state, dir / "good.json");
@@ -136,7 +136,7 @@ TEST(Session, ThatIsDamagedIsRefusedInOneLineAndChangesNothing) {
   bad(old);
   EXPECT_EQ(refusal(state, (dir / "bad.json").string()),
             (dir / "bad.json").string() +
-                ": planescope.session/1 is no longer readable; expected planescope.session/2");
+                ": planescope.session/1 is no longer supported; expected planescope.session/2");
   std::string no_cursor = good;
   no_cursor.replace(no_cursor.find("\"cursor\""), 8, "\"curser\"");
   bad(no_cursor);
@@ -146,13 +146,13 @@ TEST(Session, ThatIsDamagedIsRefusedInOneLineAndChangesNothing) {
     const std::size_t begin = frame + 8, end = good.find_first_of(",}\n", begin);
     return good.substr(0, begin) + value + good.substr(end);
   };
-  bad(with_frame("4294967296"));  // 0 in the lowest bits
+  bad(with_frame("4294967296"));  // 0 in the lowest 32 bits
   bad(with_frame("0.5"));
   bad(with_frame("99999999999999999999"));
   EXPECT_NE(refusal(state, (dir / "absent.json").string()), "");
 }
 
-TEST(Session, WithPlacesThatDoNotExistLeadsToWhereOneIs) {
+TEST(Session, WithMissingTargetsKeepsTheCurrentPosition) {
   const fs::path dir = scratch_dir();
   State state = run_state();
   apply(state, {"bookmark.add", "far"});
@@ -183,7 +183,7 @@ TEST(Session, WithPlacesThatDoNotExistLeadsToWhereOneIs) {
   desk.shell.perform({"run.back"}, true);
 }
 
-TEST(Session, OfAnotherRecordingIsRefused) {
+TEST(Session, OfAnotherRecordingIsRejected) {
   const fs::path dir = scratch_dir();
   const State state = run_state();
   save_session(state, dir / "s.json");
@@ -191,7 +191,7 @@ TEST(Session, OfAnotherRecordingIsRefused) {
   const std::size_t at = text.find("frame_sha256\": \"") + 16;
   text[at] = text[at] == '0' ? '1' : '0';
   write(dir / "s.json", text);
-  EXPECT_TRUE(has(refusal(state, (dir / "s.json").string()), "another recording"));
+  EXPECT_TRUE(has(refusal(state, (dir / "s.json").string()), "is not the session's recording"));
   const std::size_t path = text.find("\"path\": \"") + 9;
   text.replace(path, text.find('"', path) - path, "nowhere/at/all");
   write(dir / "s.json", text);
@@ -204,12 +204,12 @@ TEST(Session, ThatCannotBeWrittenLosesNothing) {
   EXPECT_THROW(save_session(state, dir / "no" / "such" / "folder.json"), Error);
   save_session(state, dir / "s.json");
   const std::string before = text_of(dir / "s.json");
-  fs::create_directory(dir / "s.json.part");  // the place to stage it is taken
+  fs::create_directory(dir / "s.json.part");  // the name of its temporary file is taken
   EXPECT_THROW(save_session(state, dir / "s.json"), Error);
   EXPECT_EQ(text_of(dir / "s.json"), before);
 }
 
-TEST(Settings, SurviveDamageAndComeBackAsTheyWere) {
+TEST(Settings, SurviveDamageAndAreRestored) {
   const fs::path dir = scratch_dir();
   setenv("XDG_STATE_HOME", dir.c_str(), 1);
   EXPECT_EQ(load_settings().width, Settings{}.width);

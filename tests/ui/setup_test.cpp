@@ -1,5 +1,4 @@
-// What a recording needs before its frames can be run, what was assumed about it, and the keyboard
-// without a mouse.
+// Missing camera data of a recording, assumptions about it, and keyboard use without a mouse.
 
 #include <fmt/format.h>
 
@@ -16,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The sample's first frame in a folder without intrinsics, in a scratch folder of its own.
+/// A scratch folder with the sample's first frame, without intrinsics.
 struct Folder {
   fs::path dir = scratch_dir(), path = dir / "walk";
   fs::path beside = dir / "walk.planescope.json";
@@ -40,7 +39,7 @@ struct UnknownCamera : testing::Test, Folder, Desk {
   io::RecordingInfo info() const { return state().document.current()->recording->info(); }
 };
 
-TEST_F(UnknownCamera, IsAskedForAndTheFrameRunsOnceItIsKnown) {
+TEST_F(UnknownCamera, IsRequestedAndTheFrameRunsOnceItIsKnown) {
   EXPECT_FALSE(state().run());
   EXPECT_TRUE(shown("setup.fx"));
   EXPECT_EQ(state().results.strip.at(0).refusal, "") << "the strip shows the picture";
@@ -63,7 +62,7 @@ TEST_F(UnknownCamera, IsRememberedBesideTheRecordingForEveryCommand) {
   EXPECT_EQ(again->info().intrinsics_source, "walk.planescope.json");
 }
 
-TEST_F(UnknownCamera, TypedNumbersAreTakenAndBadOnesAreNot) {
+TEST_F(UnknownCamera, ValidNumbersAreAcceptedAndInvalidOnesRejected) {
   play(R"({"click": "setup.fx"}, {"type": "400"}, {"click": "setup.fy"}, {"type": "four"})");
   EXPECT_FALSE(state().run());
   play(R"({"click": "setup.apply"})");
@@ -78,7 +77,7 @@ TEST_F(UnknownCamera, TypedNumbersAreTakenAndBadOnesAreNot) {
   EXPECT_EQ(info().depth_unit_m, 0.002);
 }
 
-TEST_F(UnknownCamera, AChosenCameraBringsItsDepthUnitAndIsNamedAsNominal) {
+TEST_F(UnknownCamera, ASelectedCameraSetsItsDepthUnitAndIsShownAsNominal) {
   const auto choices = io::camera_choices(info());
   const auto tum = std::ranges::find(choices, "TUM RGB-D", &io::CameraChoice::name);
   ASSERT_NE(tum, choices.end());
@@ -91,11 +90,11 @@ TEST_F(UnknownCamera, AChosenCameraBringsItsDepthUnitAndIsNamedAsNominal) {
       all, [](const Assumption& one) { return one.text.starts_with("Intrinsics nominal ("); }));
 }
 
-TEST_F(UnknownCamera, MapsAreRefusedInOneLine) {
+TEST_F(UnknownCamera, MapsAreRejectedInOneLine) {
   EXPECT_THROW(shell.perform({"map.make", ""}, true), Error);
 }
 
-TEST(CameraFile, KeepsWhatElseItHasAndADamagedOneStays) {
+TEST(CameraFile, KeepsOtherFieldsAndIsNotReplacedIfDamaged) {
   const Folder folder;
   std::ofstream(folder.beside) << R"({"gravity": [0, 1, 0], "note": "mine"})";
   io::RecordingOptions options;
@@ -112,7 +111,7 @@ TEST(CameraFile, KeepsWhatElseItHasAndADamagedOneStays) {
   EXPECT_EQ(fs::file_size(folder.beside), 1u);
 }
 
-TEST(CameraFile, BesideAFolderGoesBeforeTheOneInside) {
+TEST(CameraFile, BesideAFolderOverridesTheOneInside) {
   const Folder folder;
   std::ofstream(folder.path / "planescope.json")
       << R"({"intrinsics": {"fx": 300, "fy": 300, "cx": 320, "cy": 240}, "gravity": [0, 1, 0]})";
@@ -123,7 +122,7 @@ TEST(CameraFile, BesideAFolderGoesBeforeTheOneInside) {
   EXPECT_TRUE(recording->frame(0).gravity) << "from the one inside";
 }
 
-TEST(CameraChoices, AreFilesNearTheRecordingThenCamerasOfItsSize) {
+TEST(CameraChoices, AreNearbyFilesThenCamerasOfItsSize) {
   const Folder folder;
   fs::create_directories(folder.dir / "calibration");
   fs::create_directories(folder.dir / "other_walk");
@@ -154,7 +153,7 @@ struct Assumptions : OpenDesktop {
   std::vector<Assumption> all_;
 };
 
-TEST_F(Assumptions, AShortRangeIsNamedAndOneClickWidensIt) {
+TEST_F(Assumptions, AShortRangeIsReportedAndOneClickExtendsIt) {
   play(R"("option.set max_range_m=0.7")");
   const Assumption* range = with_action("option.set");
   ASSERT_TRUE(range);
@@ -165,7 +164,7 @@ TEST_F(Assumptions, AShortRangeIsNamedAndOneClickWidensIt) {
   EXPECT_FALSE(with_action("option.set")) << "nothing is beyond 4 m";
 }
 
-TEST_F(Assumptions, TheyStayAwayOnceDismissed) {
+TEST_F(Assumptions, TheyDoNotReturnOnceDismissed) {
   play(R"("option.set max_range_m=0.7", {"click": "assumption.hide"}, {"frames": 2})");
   EXPECT_TRUE(assumptions_of(state()).empty());
   EXPECT_FALSE(shown("panel.assumptions"));
@@ -173,7 +172,7 @@ TEST_F(Assumptions, TheyStayAwayOnceDismissed) {
 
 // ---- Keyboard ----------------------------------------------------------------------------------
 
-TEST_F(OpenDesktop, TabGivesTheKeyboardToPanelsAndEscapeBackToStepping) {
+TEST_F(OpenDesktop, TabFocusesPanelsAndEscapeReturnsToStepping) {
   play(R"("step.first", {"key": "Tab"}, {"frames": 2})");
   EXPECT_EQ(state().view.keyboard, "frames");
   play(R"({"key": "Right"}, {"key": "Right"})");
@@ -185,11 +184,11 @@ TEST_F(OpenDesktop, TabGivesTheKeyboardToPanelsAndEscapeBackToStepping) {
   EXPECT_EQ(state().view.step, 1);
 }
 
-TEST_F(OpenDesktop, AButtonIsReachedAndPressedByKeysAlone) {
+TEST_F(OpenDesktop, AButtonCanBePressedWithTheKeyboard) {
   play(R"("step.first", {"key": "Tab"}, {"key": "Tab"}, {"key": "Tab"}, {"key": "Tab"},
           {"frames": 3})");
   ASSERT_EQ(state().view.keyboard, "timeline");
-  // The first key shows where the keyboard is; the buttons are first, previous, play, next, last.
+  // The first key shows the keyboard focus; the buttons are first, previous, play, next, last.
   play(
       R"({"key": "Right"}, {"frames": 2}, {"key": "Right"}, {"frames": 2}, {"key": "Right"}, {"frames": 2}, {"key": "Right"},
           {"frames": 2}, {"key": "Space"}, {"frames": 2})");

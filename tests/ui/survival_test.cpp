@@ -1,4 +1,4 @@
-// What must not bring the window down: odd frames, and real recordings.
+// Inputs that must not crash the window: odd frames and real recordings.
 
 #include <algorithm>
 #include <cstdlib>
@@ -21,7 +21,7 @@ State state_of(const fs::path& path, planes::Profile profile = planes::Profile::
   return state;
 }
 
-/// Every panel once, with the cursor at both ends and in the middle.
+/// Opens every panel, with the cursor at both ends and in the middle.
 void look_around(Desk& desk) {
   desk.rest();
   for (const char* tab : {"inspector", "point", "bookmarks"})
@@ -45,7 +45,7 @@ fs::path depth_folder(const fs::path& dir, std::uint16_t value) {
   return dir;
 }
 
-TEST(Survival, AFrameWithNoValidDepthShowsItself) {
+TEST(Survival, AFrameWithNoValidDepthIsShown) {
   Desk desk(state_of(depth_folder(scratch_dir(), 0)));
   look_around(desk);
   ASSERT_TRUE(desk.state().run() || !desk.state().results.refusal.empty());
@@ -54,7 +54,7 @@ TEST(Survival, AFrameWithNoValidDepthShowsItself) {
   }
 }
 
-TEST(Survival, AFrameWithoutPlanesShowsItself) {
+TEST(Survival, AFrameWithoutPlanesIsShown) {
   State state = state_of(depth_folder(scratch_dir(), 1200));
   apply(state, {"option.set", "theta_n_in=100000"});
   Desk desk(std::move(state));
@@ -63,7 +63,7 @@ TEST(Survival, AFrameWithoutPlanesShowsItself) {
   EXPECT_EQ(desk.state().run()->segmentation.planes.size(), 0u);
 }
 
-TEST(Survival, ARecordingThatDisappearsIsSaidSo) {
+TEST(Survival, ADisappearingRecordingIsReported) {
   const fs::path dir = scratch_dir() / "gone";
   fs::copy(sample_path(), dir, fs::copy_options::recursive);
   Desk desk(state_of(dir));
@@ -82,7 +82,7 @@ TEST(Survival, ClosingWhileAJobRunsWaitsForNothing) {
   }
 }
 
-TEST(Survival, TwoHundredThousandPointsInOneVoxelCubeOnATwoMillimetreGrid) {
+TEST(Survival, AGridOfTwoMillimetersWithTwoHundredThousandPointsIsShown) {
   const fs::path path = scratch_dir() / "dense.ply";
   PointSet set;
   std::uint32_t random = 1;
@@ -112,13 +112,14 @@ TEST(Survival, ALongRecordingShowsItsFrameAtOnceAndItsStripCanBeStopped) {
   ASSERT_EQ(frames, 300);
   while (!desk.state().run() && desk.state().results.refusal.empty()) desk.stage.draw_frame();
   EXPECT_LT(desk.state().results.strip_done, frames);
-  while (desk.state().results.strip_done < 3) desk.stage.draw_frame();  // it fills by itself
+  // it fills without user input
+  while (desk.state().results.strip_done < 3) desk.stage.draw_frame();
   desk.perform("strip.cancel");
   EXPECT_LT(desk.state().results.strip_done, frames);
   EXPECT_TRUE(desk.state().results.strip[0].ready);
 }
 
-TEST(Survival, ATinyWindowAndAHugeOneDrawEveryPanel) {
+TEST(Survival, TinyAndHugeWindowsDrawEveryPanel) {
   Desk desk(open_state());
   desk.rest();
   for (const char* share : {"0.3", "0", "0.9"})
@@ -134,12 +135,12 @@ TEST(Survival, ATinyWindowAndAHugeOneDrawEveryPanel) {
 
 struct Real {
   const char* path;
-  const char* gravity = "";  // found by itself
+  const char* gravity = "";  // empty: estimated
 };
 
 struct RealRecordings : testing::TestWithParam<Real> {};
 
-TEST_P(RealRecordings, AreSteppedThroughAndSearched) {
+TEST_P(RealRecordings, CanBeSteppedThroughAndSearched) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const std::filesystem::path path = std::filesystem::path(data) / GetParam().path;

@@ -1,4 +1,4 @@
-// Planes that are followed over the frames of a walk: the timeline, where a gap leads, colours.
+// Planes tracked over the frames of a walk: the timeline, targets of gaps, colors.
 
 #include <set>
 
@@ -12,7 +12,7 @@
 namespace planescope::desktop {
 namespace {
 
-/// A walk past a kerb and boxes; a camera that is covered for a while.
+/// A walk past a kerb and boxes, with the camera covered for a while.
 std::filesystem::path walk() {
   static const std::filesystem::path dir = [] {
     const auto made = std::filesystem::path(testing::TempDir()) /
@@ -34,7 +34,7 @@ struct Tracks : OpenDesktop {
   }
   void follow() { play(R"({"do": "map.make"})"); }
   const MapView& map() const { return *state().map(); }
-  /// A track that is in the map, and was missed in a frame.
+  /// A track of the map that was missed in a frame.
   const world::Track& missed() const {
     const auto& all = map().tracker().tracks();
     const auto at = std::ranges::find_if(all, [](const world::Track& track) {
@@ -48,7 +48,7 @@ struct Tracks : OpenDesktop {
   }
 };
 
-TEST_F(Tracks, AreFollowedFromTheButtonAndShownARowEach) {
+TEST_F(Tracks, AreStartedByAButtonAndShownInOneRowEach) {
   play(R"({"click": "tab.tracks"})");
   EXPECT_FALSE(state().map());
   play(R"({"click": "button.map.make"})");
@@ -56,11 +56,11 @@ TEST_F(Tracks, AreFollowedFromTheButtonAndShownARowEach) {
   EXPECT_TRUE(is_fresh(map(), state().document));
   EXPECT_GT(track_rows(state()).size(), 5u);
   EXPECT_TRUE(shown("tracks.1"));
-  // The window's own run has the planes of the map.
+  // The window's own run has the same planes as the map.
   EXPECT_EQ(map().told(0)->listed, std::ssize(state().run()->segmentation.planes));
 }
 
-TEST_F(Tracks, KeepTheirColourFromFrameToFrame) {
+TEST_F(Tracks, KeepTheirColorFromFrameToFrame) {
   follow();
   const auto color_of = [&](int track) {
     const auto& told = map().told(state().document.frame)->track_of;
@@ -75,14 +75,14 @@ TEST_F(Tracks, KeepTheirColourFromFrameToFrame) {
   play(R"({"do": "frame.show", "with": "7"})");
   EXPECT_EQ(before, 1);
   EXPECT_EQ(color_of(1), 1);
-  // Other options, other planes: the map's colours no longer fit them.
+  // Other options give other planes, which the map's colors do not fit.
   play(R"({"do": "option.set", "with": "voxel_size_m=0.03"})");
   EXPECT_FALSE(is_fresh(map(), state().document));
   EXPECT_FALSE(state().run_view()->colors.of_tracks);
 }
 
-TEST_F(Tracks, WithoutAMapPlanesKeepTheirColorsFromFrameToFrameInTheStripAndInTheViews) {
-  shell.perform({"frame.show", "5"});  // before the strip has come by
+TEST_F(Tracks, WithoutAMapPlanesKeepTheirColorsInStripAndViews) {
+  shell.perform({"frame.show", "5"});  // before the strip reaches it
   rest();
   const std::vector<Thumbnail> strip = state().results.strip;
   ASSERT_EQ(std::ranges::count_if(strip, &Thumbnail::ready), std::ssize(strip));
@@ -107,8 +107,8 @@ TEST_F(Tracks, WithoutAMapPlanesKeepTheirColorsFromFrameToFrameInTheStripAndInTh
   EXPECT_GT(kept, 0.98 * pixels);
 }
 
-TEST_F(Tracks, AGapLeadsToTheDecisionThatLostThePlane) {
-  play(R"({"do": "option.set", "with": "filled=0.95"})");  // few cells are a plane
+TEST_F(Tracks, AGapOpensTheDecisionThatLostThePlane) {
+  play(R"({"do": "option.set", "with": "filled=0.95"})");  // few cells are planar
 
   follow();
   const world::Track& track = missed();
@@ -122,7 +122,7 @@ TEST_F(Tracks, AGapLeadsToTheDecisionThatLostThePlane) {
   EXPECT_TRUE(has(state().view.message, "unassigned at step"));
   EXPECT_LT(state().view.step, state().run()->steps());
   EXPECT_FALSE(state().document.marked.empty()) << "its place";
-  // The same place in the frame before, where the plane was seen.
+  // The same position in the previous frame, where the plane was seen.
   play(R"({"key": "Alt+PageUp"})");
   const int seen = state().document.frame;
   EXPECT_LT(seen, frame);
@@ -139,7 +139,7 @@ TEST_F(Tracks, AClickOnTheTimelineGoesToTheFrame) {
   EXPECT_EQ(state().view.tracks.track, 1);
 }
 
-TEST_F(Tracks, TheSceneIsSeenFromTheSamePlaceOfTheWorld) {
+TEST_F(Tracks, TheSceneKeepsItsViewpointInTheWorld) {
   follow();
   play(
       R"({"do": "camera.top"}, {"do": "camera.zoom", "with": "2"}, {"do": "track.show", "with": "1"})");
@@ -157,7 +157,7 @@ TEST_F(Tracks, TheMapGrowsWithTheFrames) {
   EXPECT_GT(look_of(state()).map->size(), at_first);
 }
 
-TEST_F(Tracks, AreFiltered) {
+TEST_F(Tracks, CanBeFiltered) {
   follow();
   const std::size_t all = track_rows(state()).size();
   play(R"({"do": "track.filter", "with": "gap && length>3"})");
@@ -170,7 +170,7 @@ TEST_F(Tracks, AreFiltered) {
   EXPECT_EQ(track_rows(state()).size(), all) << "a filter that is none hides nothing";
 }
 
-TEST_F(Tracks, FollowingCanBeStoppedAndCloudsAreRefused) {
+TEST_F(Tracks, TrackingCanBeStoppedAndCloudsAreRejected) {
   shell.perform({"map.make", ""}, true);
   stage.draw_frame();
   run("map.stop");
@@ -203,23 +203,23 @@ TEST_F(LabelOnce, TheFloorOfOneFrameIsTheFloorOfOthers) {
   const std::size_t proposed = labelled();
   EXPECT_GT(proposed, 8u) << state().view.message;
   EXPECT_TRUE(has(state().view.message, fmt::format("proposed in {} frames", proposed - 1)));
-  // Its confidence is kept with it.
+  // Its confidence is stored with it.
   const auto next = window.store().labels(1);
   ASSERT_TRUE(next);
   ASSERT_FALSE(next->planes.empty());
   EXPECT_EQ(next->planes[0].origin, LabelOrigin::carried);
   EXPECT_GT(next->planes[0].confidence, 0.8);
-  // The frames are gone through, the most doubtful first.
+  // Frames are visited in order of doubt.
   window.run("label.spread.next");
   EXPECT_EQ(state().document.frame, state().results.label.spread.doubtful.front().first);
-  // One step of undo takes all of it back, wherever one is.
+  // One step of undo reverts all of it, from any frame.
   window.run("label.undo");
   EXPECT_EQ(labelled(), 1u) << state().view.message;
   window.run("label.redo");
   EXPECT_EQ(labelled(), proposed);
 }
 
-TEST_F(LabelOnce, ATrackOfTheMapIsAPlaneOfAllFramesThatSeeIt) {
+TEST_F(LabelOnce, ATrackOfTheMapLabelsAllFramesThatSeeIt) {
   window.run("label.wand", "80,100");
   window.run("label.accept");
   const auto by_hand = window.store().labels(0);
@@ -240,7 +240,7 @@ TEST_F(LabelOnce, ATrackOfTheMapIsAPlaneOfAllFramesThatSeeIt) {
     EXPECT_EQ(labels->planes.back().label, track.label);
   }
   EXPECT_GT(frames, 8u) << state().view.message;
-  // What was drawn by hand is as it was.
+  // Hand-drawn labels are unchanged.
   EXPECT_EQ(labels::pixels_of_plane(*window.store().labels(0), 1),
             labels::pixels_of_plane(*by_hand, 1));
   window.run("label.undo");

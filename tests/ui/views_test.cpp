@@ -1,4 +1,4 @@
-// The 3D view, the image, the timeline and the frame strip, by scripted input with no GL.
+// The 3D view, the image, the timeline and the frame strip, tested with scripted input without GL.
 
 #include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/look.hpp"
@@ -77,7 +77,7 @@ TEST_F(Views, ADoubleClickFitsAPhaseOrShowsEverything) {
   EXPECT_EQ(shown_steps(state()), all);
 }
 
-TEST_F(Views, StepsByNodeAreChosenBesideTheArrows) {
+TEST_F(Views, StepsByNodeAreSelectedBesideTheArrows) {
   play(R"("step.first", {"click": "timeline.unit"}, {"click": "timeline.unit.node"},
           {"key": "Right"}, {"key": "Right"})");
   ASSERT_EQ(state().view.step_unit, debug::StepUnit::node);
@@ -103,7 +103,7 @@ TEST_F(Views, ScrubbingStopsPlaying) {
   EXPECT_EQ(state().view.playing.direction, 0);
 }
 
-TEST_F(Views, AClickInTheImageSelectsThePixelAndWhatItIsIn) {
+TEST_F(Views, AClickInTheImageSelectsThePixelAndItsPlane) {
   play(R"({"click": "image", "at": [0.5, 0.65]})");
   const std::int64_t source = state().view.selected.source;
   EXPECT_NEAR(static_cast<double>(source % 640), 320, 3);
@@ -136,7 +136,7 @@ TEST_F(Views, ADragInTheImageMarksOnlyWhileMarkingIsOn) {
   EXPECT_GT(state().document.marked.size(), 20u);
 }
 
-TEST_F(Views, TheSceneTurnsAboutItsTargetMovesAndComesNearer) {
+TEST_F(Views, TheSceneOrbitsPansAndZooms) {
   const render::Camera home = camera_of(state());
   play(R"({"drag": "view3d", "by": [60, 10]})");
   const render::Camera turned = camera_of(state());
@@ -149,13 +149,13 @@ TEST_F(Views, TheSceneTurnsAboutItsTargetMovesAndComesNearer) {
   EXPECT_LT(camera_distance(), 0.9 * before);
 }
 
-TEST_F(Views, AFrameOfTheStripIsShown) {
+TEST_F(Views, AClickOnTheStripShowsItsFrame) {
   play(R"({"click": "frame.1"})");
   EXPECT_EQ(state().document.frame, 1);
   EXPECT_EQ(state().run()->subject->frame.index, 1);
 }
 
-TEST(Look, WhatTheCursorIsOnIsNoChoiceOfTheUsers) {
+TEST(Look, HoveringDoesNotChangeTheSelection) {
   State state = run_state();
   go_to_step(state, 12);
   EXPECT_GE(state.view.selected.node, 0);

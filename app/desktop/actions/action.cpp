@@ -15,7 +15,8 @@ namespace {
 
 bool is_letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 
-/// 3: a whole word of the text, 2: the start of one, 1: somewhere in it, 0: nowhere.
+/// Returns 3 if the word is a whole word of the text, 2 if a prefix of one, 1 if anywhere in it, 0
+/// otherwise.
 int fit_of_word(const std::string& word, const std::string& text) {
   int best = 0;
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
@@ -27,7 +28,7 @@ int fit_of_word(const std::string& word, const std::string& text) {
   return best;
 }
 
-/// The worst of the words decides, then all of them; -1: not even their letters are there in order.
+/// Ranks by the worst word, then by all words; -1: not even the letters occur in order.
 int fit_of(const std::vector<std::string>& words, const std::string& text) {
   int least = 3, sum = 0;
   for (const std::string& word : words) {
@@ -49,13 +50,13 @@ void check_whole(const std::string& action, int value, const Range& range) {
   if (value >= range.low && value <= range.high) return;
   throw Error(range.high < range.low
                   ? fmt::format("action {}: no item {}: the list is empty", action, value)
-                  : fmt::format("action {}: {} is out of range, expected {} to {}", action, value,
+                  : fmt::format("action {}: {} is out of range; expected {} to {}", action, value,
                                 range.low, range.high));
 }
 
 }  // namespace
 
-// ---- The table ---------------------------------------------------------------------------------
+// ---- Table -------------------------------------------------------------------------------------
 
 const std::vector<Action>& action_table() {
   static const std::vector<Action> table = [] {
@@ -79,9 +80,9 @@ const Action& find_action(const std::string& name) {
     names.push_back(action.name);
   }
   const std::string near = nearest_name(name, names);
-  throw Error("action '" + name + "' does not exist" +
-              (near.empty() ? std::string(", `planescope view --actions` lists what there is")
-                            : ", did you mean '" + near + "'?"));
+  throw Error("unknown action '" + name + "'" +
+              (near.empty() ? std::string("; `planescope view --actions` lists all actions")
+                            : "; did you mean '" + near + "'?"));
 }
 
 bool needs_argument(const Action& action) {
@@ -111,8 +112,8 @@ std::string first_key(const Action& action) { return action.keys.substr(0, actio
 void apply(State& state, const Command& command) {
   const Action& action = find_action(command.action);
   if (action.takes.empty() && !command.argument.empty())
-    throw Error(fmt::format("action {}: takes no argument, but '{}' was given", action.name,
-                            command.argument));
+    throw Error(
+        fmt::format("action {}: '{}'; expected no argument", action.name, command.argument));
   if (!action.can_run(state)) throw Error(fmt::format("action {}: not available now", action.name));
   action.run(state, command);
   drop_done_hint(state);
@@ -177,7 +178,7 @@ int choice_argument(const std::string& action,
                     const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i] == text) return static_cast<int>(i);
-  throw Error(fmt::format("action {}: '{}' is unknown, expected {}", action, text,
+  throw Error(fmt::format("action {}: '{}' is unknown; expected {}", action, text,
                           fmt::join(names, " or ")));
 }
 
@@ -201,12 +202,12 @@ std::vector<double> numbers_argument(const std::string& action,
   std::vector<double> numbers;
   for (const std::string& part : split(text, ',')) numbers.push_back(number_argument(action, part));
   if (numbers.size() != count)
-    throw Error(fmt::format("action {}: '{}' has {} numbers, expected {}", action, text,
+    throw Error(fmt::format("action {}: '{}' has {} numbers; expected {}", action, text,
                             numbers.size(), count));
   return numbers;
 }
 
-// ---- The status bar ----------------------------------------------------------------------------
+// ---- Status bar --------------------------------------------------------------------------------
 
 bool has_run(const State& state) { return state.run() != nullptr; }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Every action by subject, the types of their arguments, and what several of them share.
+// All actions by topic, their argument types, and shared helpers.
 
 #include <algorithm>
 #include <any>
@@ -17,16 +17,16 @@ namespace planescope::desktop {
 
 // ---- Commands ----------------------------------------------------------------------------------
 
-/// An action with its argument: a value of the type that the action takes or, from outside the
-/// program, text: "filter.set" with "case==III".
+/// An action with its argument, either as a value of the action's type or, from outside the
+/// program, as text: "filter.set" with "case==III".
 struct Command {
   std::string action;
   std::string argument = {};
   std::any value = {};
 };
 
-/// `value` as actions take it: whole numbers as int, other numbers as double, text as std::string,
-/// everything else as it is.
+/// Converts `value` for actions: integers to int, other numbers to double, text to std::string;
+/// other types are unchanged.
 template <typename T>
 Command command(std::string action, const T& value) {
   if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>)
@@ -43,7 +43,8 @@ Command command(std::string action, const T& value) {
 
 // ---- Actions -----------------------------------------------------------------------------------
 
-/// In which mode an action and its key work. A key of one mode goes before one that works anywhere.
+/// The mode in which an action and its key work. Keys of a mode take precedence over keys that work
+/// anywhere.
 enum class KeyMode : std::uint8_t { anywhere, debugger, labels };
 
 using Condition = std::function<bool(const State&)>;
@@ -51,49 +52,49 @@ using Condition = std::function<bool(const State&)>;
 struct Action {
   std::string name;   // "step.next"
   std::string title;  // "Step forward"
-  std::string menu;   // "Step"; empty: in no menu
-  std::string keys;   // "Right", "Shift+F5"; several separated by spaces; empty: none
-  std::string takes;  // the argument, in brackets where it is optional; empty: none
-  std::string words;  // that people look it up by besides title and name
+  std::string menu;   // "Step"; empty: not in a menu
+  std::string keys;   // "Right", "Shift+F5", separated by spaces; empty: none
+  std::string takes;  // the argument, in brackets if optional; empty: none
+  std::string words;  // search words in addition to title and name
   std::function<void(State&, const Command&)> run;
   Condition enabled;  // empty: always
-  Condition checked;  // empty: not a switch
+  Condition checked;  // empty: not a toggle
   KeyMode mode = KeyMode::anywhere;
-  bool key_is_argument = false;  // "3" runs it with "3"
+  bool key_is_argument = false;  // key "3" runs it with argument "3"
 
   bool can_run(const State& state) const { return !enabled || enabled(state); }
   bool is_on(const State& state) const { return checked && checked(state); }
 };
 
 const std::vector<Action>& action_table();
-/// Throws Error naming the nearest existing action.
+/// Throws Error that suggests the most similar action.
 const Action& find_action(const std::string& name);
-/// Whether a key or menu must ask for its argument first.
+/// Whether keys and menus must ask for an argument first.
 bool needs_argument(const Action& action);
-/// Null where no action has this key ("Ctrl+P") in that mode.
+/// Null if no action has this key ("Ctrl+P") in this mode.
 const Action* action_of_key(const std::string& key, Mode mode);
-/// The action can be used in that mode.
+/// Whether the action is available in this mode.
 bool fits(const Action& action, Mode mode);
-/// The first of its keys, as menus show it; empty where it has none.
+/// Its first key, as shown in menus; empty if there is none.
 std::string first_key(const Action& action);
 
-/// Changes the state. Throws Error on an unknown action or an invalid argument, the state
-/// unchanged.
+/// Changes the state. On an unknown action or an invalid argument, throws Error and leaves the
+/// state unchanged.
 void apply(State& state, const Command& command);
 
-/// What the palette offers: actions, and recent recordings to open.
+/// An entry of the palette: an action, or a recent recording to open.
 struct Offer {
   const Action* action = nullptr;
   std::string argument, title;
 };
-/// Those whose titles or names fit what was typed, best first: those with each word of it as a
-/// whole word, then as the start of one, then anywhere; last those with its letters in order.
+/// Entries whose titles or names match the typed words, best first: whole words, then prefixes,
+/// then substrings; last, titles that contain the letters in order.
 std::vector<Offer> palette_offers(const State& state, const std::string& typed);
 
 // ---- Arguments ---------------------------------------------------------------------------------
 
-/// A type of argument: how lists show it, how it is read from text, and which values are valid now.
-/// Both functions throw Error naming the action and what was expected.
+/// An argument type: its text in lists, its parser, and its currently valid values. Both functions
+/// throw Error with the action and the expected value.
 template <typename T>
 struct Takes {
   std::string text;  // "NODE"
@@ -103,7 +104,7 @@ struct Takes {
 
 Takes<std::string> text(std::string shown);
 Takes<double> number(std::string shown);
-/// "U0,V0,U1,V1": as many numbers as the type holds.
+/// "U0,V0,U1,V1": exactly `count` numbers.
 template <std::size_t count>
 Takes<std::array<double, count>> numbers(std::string shown);
 
@@ -111,7 +112,7 @@ struct Range {
   int low = 0, high = 0;
 };
 Takes<int> whole(std::string shown, std::function<Range(const State&)> range);
-/// The index of an item of a list.
+/// An index into a list.
 template <typename Items>
 Takes<int> item(std::string shown, Items&& items) {
   return whole(std::move(shown), [items](const State& s) {
@@ -125,7 +126,7 @@ int choice_argument(const std::string& action,
                     const std::string& text,
                     const std::vector<std::string>& names);
 std::vector<std::string> names_of(const std::string& choices);
-/// The same as an enumeration of that order.
+/// The same for an enumeration in this order.
 template <typename Enum>
 Takes<Enum> choice(std::string names) {
   return {names, [all = names_of(names)](const State&, const std::string& action,
@@ -134,7 +135,7 @@ Takes<Enum> choice(std::string names) {
           }};
 }
 
-/// An argument with one text that means "none".
+/// An argument for which one text means "none".
 template <typename T>
 Takes<std::optional<T>> or_none(Takes<T> takes, std::string none = "none") {
   Takes<std::optional<T>> some;
@@ -150,20 +151,20 @@ Takes<std::optional<T>> or_none(Takes<T> takes, std::string none = "none") {
     };
   return some;
 }
-/// An argument that may be left out.
+/// An optional argument.
 template <typename T>
 Takes<std::optional<T>> maybe(Takes<T> takes) {
   takes.text = "[" + takes.text + "]";
   return or_none(std::move(takes), "");
 }
 
-// Text that several types are read from. All throw Error naming the action and what was expected.
+// Parsers shared by several types. All throw Error with the action and the expected value.
 
 int whole_argument(const std::string& action, const std::string& text, int low, int high);
 /// "3" or "P3".
 int plane_number_argument(const std::string& action, const std::string& text, int low, int high);
 double number_argument(const std::string& action, const std::string& text);
-/// "12.5,3,7" as exactly `count` numbers.
+/// Parses exactly `count` numbers, e.g. "12.5,3,7".
 std::vector<double> numbers_argument(const std::string& action,
                                      const std::string& text,
                                      std::size_t count);
@@ -178,9 +179,9 @@ Takes<std::array<double, count>> numbers(std::string shown) {
           }};
 }
 
-// ---- Tables of actions -------------------------------------------------------------------------
+// ---- Action tables -----------------------------------------------------------------------------
 
-/// The value of a command. Throws where a panel hands over another type, which is a defect.
+/// Returns the value of a command. A panel that passes another type is a bug, which throws.
 template <typename T>
 T value_in(const std::any& value, const Takes<T>&) {
   return std::any_cast<T>(value);
@@ -191,17 +192,17 @@ std::optional<T> value_in(const std::any& value, const Takes<std::optional<T>>&)
   return given ? *given : std::any_cast<std::optional<T>>(value);
 }
 
-/// A row of a table, while it is being added.
+/// A table row being added.
 class ActionRow {
  public:
   ActionRow(Action& action, std::string menu) : action_(action), menu_(std::move(menu)) {}
 
-  /// In the table's menu, with these keys.
+  /// Adds it to the table's menu with these keys.
   ActionRow& key(std::string keys) {
     action_.keys = std::move(keys);
     return menu(menu_);
   }
-  /// In the table's menu, without a key.
+  /// Adds it to the table's menu without a key.
   ActionRow& menu() { return menu(menu_); }
   ActionRow& menu(std::string name) {
     action_.menu = std::move(name);
@@ -211,7 +212,7 @@ class ActionRow {
     action_.words = std::move(more);
     return *this;
   }
-  /// When it can run, in place of the table's condition.
+  /// Sets the condition for running, in place of the group's.
   ActionRow& when(Condition enabled) {
     action_.enabled = std::move(enabled);
     return *this;
@@ -224,7 +225,7 @@ class ActionRow {
     action_.key_is_argument = true;
     return *this;
   }
-  /// When the switch is on.
+  /// Sets the condition under which the toggle is on.
   ActionRow& on(Condition checked) {
     action_.checked = std::move(checked);
     return *this;
@@ -246,8 +247,8 @@ class ActionRow {
     };
     return *this;
   }
-  /// A switch: runs by flipping a flag of the view, `&ViewState::marking` or what a generic
-  /// function of the view returns.
+  /// Makes it a toggle of a flag in the view: `&ViewState::marking`, or the result of a generic
+  /// function of the view.
   template <typename Flag>
   ActionRow& flips(Flag flag) {
     on([flag](const State& s) { return std::invoke(flag, s.view); });
@@ -259,7 +260,7 @@ class ActionRow {
   std::string menu_;
 };
 
-/// Actions that share a menu, a mode and when they can run.
+/// Actions with the same menu, mode and condition.
 struct ActionGroup {
   std::vector<Action>& all;
   KeyMode mode = KeyMode::anywhere;
@@ -278,12 +279,12 @@ struct ActionGroup {
 
 struct RunArrival;
 
-// Tables, in the order of menus and lists; each adds its rows.
+// Tables in the order of menus and lists. Each function adds its rows.
 void add_document_actions(std::vector<Action>& all);
-void add_label_mode_actions(std::vector<Action>& all);  // in and out, history, saving
+void add_label_mode_actions(std::vector<Action>& all);  // entering and leaving, history, saving
 void add_view_actions(std::vector<Action>& all);
 void add_camera_actions(std::vector<Action>& all);
-void add_step_actions(std::vector<Action>& all);    // and which steps the timeline shows
+void add_step_actions(std::vector<Action>& all);    // and the range of the timeline
 void add_search_actions(std::vector<Action>& all);  // filter, breakpoints
 void add_selection_actions(std::vector<Action>& all);
 void add_option_actions(std::vector<Action>& all);
@@ -293,20 +294,20 @@ void add_label_draw_actions(std::vector<Action>& all);
 void add_label_plane_actions(std::vector<Action>& all);
 void add_review_actions(std::vector<Action>& all);  // queue, checks
 void add_learning_actions(std::vector<Action>& all);
-void add_gravity_actions(std::vector<Action>& all);  // floors and walls that are clicked
+void add_gravity_actions(std::vector<Action>& all);  // clicked floors and walls
 void add_measure_actions(std::vector<Action>& all);  // and the table of planes
 void add_track_actions(std::vector<Action>& all);
 
-/// What most actions of the debugger need: a frame was segmented.
+/// Condition of most debugger actions: the frame has been segmented.
 bool has_run(const State& state);
 
-// ---- Types of arguments ------------------------------------------------------------------------
+// ---- Argument types ----------------------------------------------------------------------------
 
-/// A plane of the run, as the trace counts it. Text: "3" or "P3".
+/// A plane by its index in the trace. Text: "3" or "P3".
 struct PlaneRef {
   std::int32_t plane = -1;
 };
-/// A place on the depth image [px]. Text: "U,V".
+/// A position in the depth image [px]. Text: "U,V".
 struct Pixel {
   double u = 0, v = 0;
 };
@@ -314,19 +315,19 @@ struct Pixel {
 inline Pixel pixel_of(std::int64_t source, int width) {
   return {static_cast<double>(source % width), static_cast<double>(source / width)};
 }
-/// What a click in a view hits. Text: "U,V", "voxel N", "plane N" or "nothing".
+/// The item clicked in a view. Text: "U,V", "voxel N", "plane N" or "nothing".
 struct Clicked {
   enum class On : std::uint8_t { nothing, pixel, voxel, plane } on = On::nothing;
   Pixel pixel = {};
   std::int32_t index = -1;  // voxel, or plane of the trace
-  std::string why = {};     // text that names nothing is a click on nothing, for this reason
+  std::string why = {};     // reason for text that matches nothing
 };
-/// What should become of the selected point. Text: "plane", "own", "none" or "with VOXEL".
+/// The desired result for the selected point. Text: "plane", "own", "none" or "with VOXEL".
 struct PointWish {
   debug::Wish wish = debug::Wish::plane;
   int with = -1;  // a voxel
 };
-/// An option and its value as the table of options reads it. Text: "NAME=VALUE".
+/// An option and its value as text for the option table. Text: "NAME=VALUE".
 struct OptionValue {
   std::string name, value;
 };
@@ -350,12 +351,12 @@ struct CameraEntry {
   std::optional<double> depth_unit_m = {};
   bool remember = false;  // beside the recording
 };
-/// What points are colored by: the action that chooses it, by its key, and its name in lists.
+/// A color mode of points: the action that selects it, its key, and its name in lists.
 struct ColorChoice {
   render::ColorBy by;
   const char *action, *title, *key, *name;
 };
-/// By render::ColorBy.
+/// In the order of render::ColorBy.
 inline constexpr ColorChoice kColorChoices[] = {
     {render::ColorBy::cases, "color.cases", "Color by case", "1", "case"},
     {render::ColorBy::planes, "color.planes", "Color by plane", "2", "plane"},
@@ -370,105 +371,106 @@ inline constexpr ColorChoice kColorChoices[] = {
     {render::ColorBy::rms, "color.rms", "Color by RMS", "0", "RMS"},
     {render::ColorBy::distance, "color.distance", "Color by distance to a plane", "Shift+0",
      "distance"}};
-/// What all tools of the label mode do to slivers.
+/// Actions on slivers, available with all label tools.
 enum class SliverAction : std::uint8_t { show, keep, take, ignore };
 
-/// Pixel v * width + u, or point of a cloud, of the selected point; nothing where none is selected.
+/// The selected point as pixel v * width + u, or as an index into a cloud; nullopt without a
+/// selection.
 std::optional<std::size_t> source_of(const Selection& selected, const debug::Subject& subject);
-/// The switch of what a click in a view does.
+/// Adds a toggle that sets what a click in a view does.
 ActionRow add_click(
     const ActionGroup& group, const char* name, const char* title, const char* key, Click what);
-/// What a click in a view is handed to; null where it selects.
+/// The action that receives clicks in a view; null if they select.
 const char* click_action(Click click);
 Takes<Clicked> clicked();
-/// The pixel v * width + u, or the index. Throws Error, a phrase, where nothing is there.
+/// The pixel v * width + u, or the index. Throws Error with a phrase if nothing was hit.
 std::int64_t expect_clicked(const State& state, const Clicked& clicked);
 
 // ---- The cursor --------------------------------------------------------------------------------
 
-/// Moves the cursor, and selects what its event is about.
+/// Moves the cursor and selects the item of its event.
 void go_to_step(State& state, std::int32_t step);
-/// Moves the cursor as stepping and playing do: by so many events, nodes or changes of planes, back
-/// where `count` is negative. Stepping back into the traversal colors by case.
+/// Moves the cursor like stepping and playback, by `count` events, nodes or plane changes; negative
+/// is backwards. Stepping back into the traversal switches to colors by case.
 void step_by(State& state, int count);
-/// Evaluates the search on the run that is shown.
+/// Evaluates the search on the shown run.
 void refresh_matches(State& state);
 void set_filter(State& state, const std::string& text);
-/// What a breakpoint stops at, in the language of filters.
+/// The condition of a breakpoint as a filter.
 std::string filter_of(const Breakpoint& breakpoint);
-/// Every step at which one of the breakpoints that are enabled (or are not) stops, ascending.
+/// All steps at which enabled (or disabled) breakpoints stop, ascending.
 std::vector<std::int32_t> breakpoint_steps(const debug::Run& run,
                                            const std::vector<Breakpoint>& all,
                                            bool enabled = true);
-/// A result has arrived, or a flash begun: cursor and selection move to the same node and event.
+/// Call when a result has arrived or flashing began: moves the cursor and selection to the same
+/// node and event.
 void follow_run(State& state, const debug::Run& before);
-/// Goes to where a run's story begins, and selects what it is about.
+/// Goes to the start of an arrival and selects its item.
 void show_arrival(State& state, const RunArrival& arrival);
-/// Selects a track's plane in the run looked at, or goes to the decision that lost it.
+/// Selects a track's plane in the current run, or goes to the decision that lost it.
 void go_to_track(State& state, const TrackPlace& place);
-/// Shows B again where A is flashed.
+/// Shows B again if A is flashed.
 void unflash(State& state);
-/// Starts the search for fixes that a click asks for, unless it runs or has ended already.
+/// Starts the search for fixes for a clicked point, unless it is running or finished.
 void ask_of_point(State& state, const PointAsked& asked, bool far = false);
 
 // ---- The camera --------------------------------------------------------------------------------
 
-/// Looks from elsewhere; nothing: at all of the frame. An undo step of the camera's, but for what
-/// moves it while it is held.
+/// Moves the camera; nullopt shows the whole frame. Adds a camera undo step, except for motion
+/// while the camera is held.
 void move_camera(State& state,
                  const std::optional<render::Camera>& camera,
                  Facing facing = Facing::home);
-/// Back to the frame's own view where the world is another one.
+/// Returns to the frame's default view when world coordinates have changed.
 void forget_cameras(State& state);
 
 // ---- The document ------------------------------------------------------------------------------
 
-/// The nearest frame there is; drops what belonged to the one before.
+/// Shows the nearest existing frame and drops the previous frame's data.
 void show_frame(State& state, int frame);
-/// Goes on to the next frame once this one has been looked at; stops at the last.
+/// Advances to the next frame when this one has been shown long enough; stops at the last.
 void play_frames(State& state, double seconds);
-/// Where one is, without a name.
+/// The current location as a bookmark without a name.
 Bookmark bookmark_here(const State& state);
-/// Throws Error where the recording has no such frame, the state unchanged.
+/// Throws Error, leaving the state unchanged, if the recording has no such frame.
 void go_to_bookmark(State& state, const Bookmark& bookmark);
-/// New options as an undo step of their own.
+/// Sets new options as a separate undo step.
 void change_options(State& state, const planes::PipelineOptions& after);
-/// Reads the gravity that was picked for a recording being opened. A file that cannot be used is
-/// reported, and the recording opens without it.
+/// Reads the picked gravity of a recording being opened. An unusable file is reported and ignored.
 void read_picked(State& state, OpenRecording& open);
-/// Keeps the gravity picked for an open recording, in its label folder and in the document. Throws
-/// Error, nothing changed, where it cannot be written.
+/// Stores the picked gravity of an open recording in its label folder and in the document. If it
+/// cannot be written, throws Error and changes nothing.
 void keep_picked(State& state,
                  const std::filesystem::path& recording,
                  const io::PickedGravity& picked);
 
 // ---- Labels ------------------------------------------------------------------------------------
 
-/// Saves, and goes back to the debugger.
+/// Saves labels and returns to the debugger.
 void leave_label_mode(State& state);
-/// Drops what was drawn on the frame but is no label yet.
+/// Drops uncommitted drawings on the frame.
 void let_go(LabelView& view);
-/// An undo step: into the journal and onto the screen. Throws Error where the frame is not ready or
-/// the folder is read-only.
+/// Commits an undo step to the journal and shows it. Throws Error if the frame is not ready or the
+/// folder is read-only.
 void commit_labels(State& state, const labels::LabelEdit& edit);
-/// The same of a draft of the frame's labels, whose planes are fitted first.
+/// The same for a draft of the frame's labels, after fitting its planes.
 labels::LabelEdit commit_labels(State& state, const std::string& title, labels::LabelDraft& draft);
-/// Opens the label folder of the recording looked at. Throws Error where it cannot be used.
+/// Opens the label folder of the current recording. Throws Error if it is unusable.
 void open_labels(State& state);
-/// Writes the label files where something is not written yet. Throws Error where that fails.
+/// Writes modified label files. Throws Error on failure.
 void save_labels(State& state);
-/// The same where leaving must not be blocked: a failure is reported, and the journal has
+/// The same when leaving must not be blocked: a failure is only reported, because the journal has
 /// everything.
 void save_labels_if_possible(State& state);
 
-// ---- The status bar ----------------------------------------------------------------------------
+// ---- Status bar --------------------------------------------------------------------------------
 
 void say(State& state, std::string message, bool is_error = false);
-/// Suggests what could be done next, until it is done.
+/// Suggests a next action until `done` returns true.
 void say_hint(State& state, std::string hint, std::function<bool(const State&)> done);
 /// Removes a hint that is done.
 void drop_done_hint(State& state);
-/// Shows why nothing was changed; scripts print it to stderr.
+/// Explains why nothing changed; scripts print it to stderr.
 void say_nothing_done(State& state, std::string why, bool is_error = false);
 
 }  // namespace planescope::desktop

@@ -1,4 +1,4 @@
-// The options with their undo history, A/B, and what would fix this.
+// Actions on options and their undo history, A/B comparison, and fixes.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -22,7 +22,8 @@ OptionValue read_option(const State&, const std::string& action, const std::stri
   return {text.substr(0, at), text.substr(at + 1)};
 }
 
-/// An undo step, which goes on while the gesture is the same; `gesture` empty: a step of its own.
+/// Adds an undo step, or extends the last one of the same gesture; an empty `gesture` always adds
+/// one.
 void change_by(State& state, const planes::PipelineOptions& after, const std::string& gesture) {
   constexpr std::size_t kMostUndo = 200;
   const bool goes_on =
@@ -55,9 +56,9 @@ void move_change(State& state,
                  std::vector<OptionChange>& to,
                  bool back) {
   if (const auto& gravity = from.back().gravity) {
-    // First: it may not be writable. It may be of another recording than is looked at.
+    // Do this first, because the file may not be writable. It may belong to another recording.
     keep_picked(state, gravity->recording, back ? gravity->before : gravity->after);
-    say(state, fmt::format("gravity of {} is as it was {} the click",
+    say(state, fmt::format("gravity of {} restored to its value {} the click",
                            gravity->recording.filename().string(), back ? "before" : "after"));
   }
   to.push_back(from.back());
@@ -74,7 +75,7 @@ bool has_truth(const State& state) {
   return has_current(state) && state.results.current->run->subject->voxel_truth.known();
 }
 
-/// Options of foot and stairs stay: they change no run, so A and B share them.
+/// Keeps foot and stairs options: they do not affect runs, so A and B share them.
 void restore(State& state) {
   planes::PipelineOptions after = state.results.pinned->run->options;
   after.foot = state.document.options.foot;
@@ -99,13 +100,13 @@ void unpin(State& state) {
   if (state.view.against == Against::pinned) state.view.against = Against::nothing;
 }
 
-/// `profile`: a name, or a file of one's own. What is looked at becomes A.
+/// `profile` is a name or a file. The current run becomes A.
 void compare_profile(State& state, const std::string& profile) {
   planes::PipelineOptions after = state.document.options;
   planes::set_profile(after, profile);
   pin(state);
   change_options(state, after);
-  say(state, fmt::format("A is as it was, B has the profile {}", profile));
+  say(state, fmt::format("A has the previous options, B has profile {}", profile));
 }
 
 void flash(State& state) {
@@ -121,7 +122,7 @@ void go_to_difference(State& state) {
   const debug::Comparison& c = *state.results.comparison;
   const std::int32_t step = state.view.flash ? c.diverging_step_a : c.diverging_step_b;
   if (step == planes::kNever)
-    return say(state, "A and B decide alike from the first event to the last");
+    return say(state, "A and B make the same decisions from the first event to the last");
   go_to_step(state, step);
 }
 
@@ -129,7 +130,7 @@ void go_to_difference(State& state) {
 
 void search_fix(State& state) {
   const debug::Run& run = *state.results.current->run;
-  if (!run.is_ours()) return say(state, "fixes are sought among the options of method ours");
+  if (!run.is_ours()) return say(state, "fixes are available only for method ours");
   FixSearch begun;
   const bool labelled = run.subject->voxel_truth.known();
   begun.target = labelled && state.view.truth_plane > 0
@@ -157,7 +158,7 @@ PointWish read_wish(const State& state, const std::string& action, const std::st
   if (text == "own") return {debug::Wish::own_plane};
   if (text == "none") return {debug::Wish::no_plane};
   if (text.empty() || text == "plane") return {};
-  throw Error("action fix.point: '" + text + "': expected plane, own, none or with VOXEL");
+  throw Error("action fix.point: '" + text + "'; expected plane, own, none or with VOXEL");
 }
 
 void ask_of_selected(State& state, const PointWish& wish) {
@@ -193,9 +194,9 @@ void ask_of_point(State& state, const PointAsked& asked, bool far) {
   state.view.preview.reset();
   const std::shared_ptr<const RunView>& current = state.results.current;
   if (!current || !current->run->is_ours())
-    return say(state, "fixes are sought among the options of method ours");
+    return say(state, "fixes are available only for method ours");
   if (state.run() != current->run.get())
-    return say(state, "A is shown: fixes are sought for B (Space)");
+    return say(state, "fixes are available for B, but A is shown (Space switches)");
   const bool is_asked =
       fix.running ? !fix.begun || fix.of == current : fix.finished && fix.of == current;
   if (is_asked && fix.asked == asked && fix.target.far == far) return;

@@ -1,4 +1,4 @@
-// Recordings, frames, bookmarks and session files.
+// Actions on recordings, frames, bookmarks and session files.
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ bool has_recording(const State& state) { return state.document.current() != null
 
 // ---- Recordings and frames ---------------------------------------------------------------------
 
-/// Drops what belonged to the frame before; the view stays.
+/// Drops the data of the previous frame but keeps the view.
 void leave_frame(State& state) {
   save_labels_if_possible(state);
   unflash(state);  // the selection is A's
@@ -48,7 +48,7 @@ void leave_frame(State& state) {
   if (state.view.against == Against::pinned) state.view.against = Against::nothing;
 }
 
-/// Labels of a recording that is newly shown; leaves the label mode if they cannot be opened.
+/// Opens the labels of a newly shown recording; leaves label mode on failure.
 void open_labels_of_mode(State& state) {
   if (state.view.mode != Mode::labels) return;
   try {
@@ -87,7 +87,7 @@ void open_recording(State& state, const std::string& text) {
     recording = io::open_recording(path, options_to_open(document.recording_options));
   } catch (const Error& error) {
     if (!forget_recent(document, path)) throw;
-    throw Error(std::string(error.what()) + "; it is no longer among the recent ones");
+    throw Error(std::string(error.what()) + "; removed from the recent recordings");
   }
   document.recordings.push_back({path, recording, labels::default_label_dir(path)});
   note_recent(document, path);
@@ -105,13 +105,13 @@ CameraEntry read_camera(const State&, const std::string& action, const std::stri
   CameraEntry entry;
   entry.remember = words.size() == 3 && words[2] == "remember";
   if (numbers.size() != 4 || words.size() > (entry.remember ? 3 : 2))
-    throw Error("action intrinsics.set: '" + text + "' found, expected " + kIntrinsicsTake);
+    throw Error("action intrinsics.set: '" + text + "'; expected " + kIntrinsicsTake);
   for (std::size_t i = 0; i < 4; ++i) entry.intrinsics[i] = number_argument(action, numbers[i]);
   if (words.size() > 1) entry.depth_unit_m = number_argument(action, words[1]);
   return entry;
 }
 
-/// Reads the recording again, with other intrinsics.
+/// Reopens the recording with other intrinsics.
 void set_intrinsics(State& state, const CameraEntry& entry) {
   OpenRecording& open = *state.document.current();
   io::RecordingOptions options = state.document.recording_options;
@@ -149,7 +149,7 @@ void add_bookmark(State& state, const std::string& name) {
   state.view.inspector_tab = "bookmarks";
 }
 
-/// By name or number.
+/// Finds a bookmark by name or number.
 int read_bookmark(const State& state, const std::string& action, const std::string& text) {
   const std::vector<Bookmark>& all = state.document.bookmarks;
   const auto named = std::ranges::find(all, text, &Bookmark::name);
@@ -185,7 +185,7 @@ void play_frames(State& state, double seconds) {
       !state.results.loading && (!state.results.refusal.empty() ||
                                  (run && run->subject->frame.index == state.document.frame));
   if (!shown) return;
-  constexpr double kShown_s = 0.2;  // long enough to be looked at
+  constexpr double kShown_s = 0.2;  // minimum display time
   view.frame_due += seconds;
   if (view.frame_due < kShown_s) return;
   view.frame_due = 0;

@@ -1,4 +1,4 @@
-// Gravity from floors and walls that are clicked.
+// Actions that derive gravity from clicked floors and walls.
 
 #include "core/planes/cloud/gravity.hpp"
 
@@ -16,15 +16,14 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr double kLeastArea_m2 = 0.01;  // smaller surfaces do not tell a direction to a degree ...
-constexpr double kMostRoughness =
-    0.04;                             // ... nor do those whose RMS is more than this of their size
-constexpr double kMostTilt_deg = 60;  // a floor that is tilted more is worth a word
+constexpr double kLeastArea_m2 = 0.01;   // minimum for a direction within a degree
+constexpr double kMostRoughness = 0.04;  // likewise, maximum RMS as a fraction of the size
+constexpr double kMostTilt_deg = 60;     // warn about floors with a larger tilt
 
-/// A surface that was clicked; its normal is unit, faces the sensor and is in the sensor's frame.
+/// A clicked surface; its unit normal faces the sensor, in sensor coordinates.
 struct ClickedSurface {
   Vec3d normal;
-  double area_m2 = 0;  // 0: not known
+  double area_m2 = 0;  // 0: unknown
   double rms_m = 0;
 };
 
@@ -32,7 +31,7 @@ const debug::Subject& subject_of(const State& state) {
   return *state.results.current->run->subject;
 }
 
-/// The surface around a pixel as the plane wand finds it: robustly, at any distance.
+/// The surface around a pixel found by the plane wand, which is robust at any distance.
 ClickedSurface surface_at_pixel(const debug::Subject& subject, std::uint32_t pixel) {
   const labels::LabelGrid grid = labels::make_label_grid(subject.frame, subject.prepared.gravity);
   std::string why_not;
@@ -68,7 +67,7 @@ ClickedSurface surface_at_voxel(const State& state, int voxel) {
   return surface_of_plane(state, plane);
 }
 
-/// Throws Error with a phrase why there is no surface.
+/// Throws Error with a phrase if there is no surface.
 ClickedSurface clicked_surface(const State& state, const Clicked& clicked) {
   const std::int64_t at = expect_clicked(state, clicked);
   if (clicked.on == Clicked::On::voxel) return surface_at_voxel(state, clicked.index);
@@ -81,8 +80,8 @@ std::string surface_text(const ClickedSurface& surface) {
   return fmt::format("{:.2f} m2, RMS {:.1f} mm", surface.area_m2, 1000 * surface.rms_m);
 }
 
-/// Throws Error where a click would have no effect: a file that could not be read is not replaced,
-/// and gravity that the recording itself tells goes before a pick.
+/// Throws Error if a click would have no effect: an unreadable file is not replaced, and gravity in
+/// the recording takes precedence over picked gravity.
 void expect_effect(const State& state) {
   if (const std::string& why = state.document.current()->picked_refused; !why.empty())
     throw Error(why + "; move the file away first");
@@ -96,7 +95,7 @@ void expect_effect(const State& state) {
                   who));
 }
 
-/// What was picked so far for this frame, or for the recording where clicks are about all of it.
+/// Previously picked gravity of this frame, or of the recording if clicks apply to all frames.
 const io::PickedDirection* picked_before(const State& state) {
   const io::PickedGravity& picked = state.document.current()->picked;
   if (state.view.gravity_of_recording) return picked.recording ? &*picked.recording : nullptr;
@@ -104,7 +103,7 @@ const io::PickedDirection* picked_before(const State& state) {
   return own == picked.frames.end() ? nullptr : &own->second;
 }
 
-/// An undo step: what is picked, and the options with it.
+/// Adds an undo step with picked gravity and options.
 void change_picked(State& state,
                    const io::PickedGravity& after,
                    const planes::PipelineOptions& options) {
@@ -117,8 +116,7 @@ void change_picked(State& state,
   state.document.options = options;
 }
 
-/// Labels that were drawn while nobody knew gravity get their classes, as an undo step of their
-/// own.
+/// Sets the classes of labels drawn while gravity was unknown, as a separate undo step.
 void tell_labels(State& state, const Gravity& gravity) {
   const labels::LabelStore* store = state.document.current()->labels.get();
   const std::shared_ptr<const FrameLabels> labels = state.labels();
@@ -138,13 +136,13 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
   const bool all = state.view.gravity_of_recording;
   if (all) {
     after.recording = picked;
-    after.frames.erase(frame);  // this frame is one of all
+    after.frames.erase(frame);  // the recording's direction applies to this frame too
   } else {
     after.frames[frame] = picked;
   }
   planes::PipelineOptions options = state.document.options;
   options.gravity.mode =
-      planes::GravityMode::automatic;  // a direction that they give would hide it
+      planes::GravityMode::automatic;  // a direction in the options would override it
   change_picked(state, after, options);
   state.view.click = Click::selects;
   std::string text = said;
@@ -154,7 +152,7 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
     text += fmt::format(", the camera is tilted by {:.0f}°", tilt_deg);
     if (tilt_deg > kMostTilt_deg) text += " (was that the right surface?)";
   }
-  say(state, fmt::format("gravity {} {}: kept in {}", text,
+  say(state, fmt::format("gravity {} {}, stored in {}", text,
                          all ? "for all frames"
                          : open.recording->frame_count() == 1
                              ? "for this frame"
@@ -162,7 +160,7 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
                          (open.label_dir / "gravity.json").string()));
   try {
     tell_labels(state, {picked.direction, GravitySource::picked, 1, picked.note});
-  } catch (const Error& error) {  // gravity is picked all the same
+  } catch (const Error& error) {  // the picked gravity remains
     say(state, error.what(), true);
   }
 }
@@ -182,7 +180,7 @@ void pick_wall(State& state, const Clicked& clicked) {
   io::PickedDirection picked;
   if (const io::PickedDirection* before = picked_before(state)) picked.walls = before->walls;
   picked.walls.push_back(surface.normal);
-  // Known so far, or where the camera's own lower edge points.
+  // Known gravity, or the direction of the image's lower edge.
   const Vec3d before = subject_of(state).prepared.gravity.direction;
   std::string why_not;
   const auto direction = planes::gravity_of_walls(picked.walls, before, &why_not);
@@ -191,7 +189,8 @@ void pick_wall(State& state, const Clicked& clicked) {
   const std::size_t walls = picked.walls.size();
   const std::string what = walls == 1 ? "one wall" : fmt::format("{} walls", walls);
   picked.note = "picked: " + what;
-  const char* open_angle = " (a floor, or a wall across, would settle the angle along it)";
+  const char* open_angle =
+      " (the angle along it is uncertain; click a floor, or a wall at an angle to it)";
   keep_direction(state, picked, "from " + what + (walls == 1 ? open_angle : ""));
 }
 
@@ -201,7 +200,7 @@ void try_pick(State& state, const Clicked& clicked) {
   try {
     pick(state, clicked);
   } catch (const Error& error) {
-    say(state, fmt::format("gravity is as it was: {}", error.what()), true);
+    say(state, fmt::format("gravity is unchanged: {}", error.what()), true);
   }
 }
 
@@ -240,7 +239,7 @@ void keep_picked(State& state,
   if (open == all.end()) return;
   io::write_picked_gravity(open->label_dir, picked);
   open->picked = picked;
-  forget_cameras(state);  // it stands in a world that turns
+  forget_cameras(state);  // world coordinates rotate with gravity
 }
 
 void add_gravity_actions(std::vector<Action>& all) {

@@ -1,5 +1,4 @@
-// The label mode: in and out, history, saving; and what is in the user's hand: the tool, what it
-// paints, how large it is.
+// Actions of label mode: entering and leaving, history, saving, and settings of the current tool.
 
 #include <fmt/format.h>
 
@@ -26,7 +25,7 @@ void enter(State& state) {
   state.view.playing.direction = 0;
 }
 
-/// One step of the history, on the frame where it was made; a step on several frames from anywhere.
+/// Undoes or redoes one step on its own frame; steps on several frames work from any frame.
 void travel(State& state, bool back) {
   labels::LabelStore& store = *store_of(state);
   const std::vector<int> frames = back ? store.undo_frames() : store.redo_frames();
@@ -56,7 +55,7 @@ void save(State& state) {
   save_labels(state);
 }
 
-// ---- What is in hand ---------------------------------------------------------------------------
+// ---- Current tool ------------------------------------------------------------------------------
 
 constexpr double kLeastBrush_px = 1, kLargestBrush_px = 200;
 
@@ -71,7 +70,7 @@ void choose_plane(State& state, int plane) {
   state.view.label.paints = Paints::plane;
 }
 
-/// In the order of ids, from the last one on to the first.
+/// Steps through planes in order of ids, wrapping around.
 void step_plane(State& state, int by) {
   const std::vector<LabelPlane>& planes = state.labels()->planes;
   if (planes.empty())
@@ -90,7 +89,7 @@ void step_plane(State& state, int by) {
   choose_plane(state, planes[static_cast<std::size_t>((index + count) % count)].id);
 }
 
-/// Asked for a second time, strokes paint planes again.
+/// Choosing the same effect twice returns to painting planes.
 void paint(State& state, Paints what) {
   LabelView& view = state.view.label;
   view.paints = view.paints == what ? Paints::plane : what;
@@ -100,7 +99,7 @@ void set_brush(State& state, double radius_px) {
   state.view.label.brush_px = std::clamp(radius_px, kLeastBrush_px, kLargestBrush_px);
 }
 
-/// The brush, or the wand's tolerance.
+/// Resizes the brush, or changes the wand's tolerance.
 void resize(State& state, double factor) {
   const LabelView& view = state.view.label;
   if (view.tool == LabelTool::wand)
@@ -156,7 +155,7 @@ void commit_labels(State& state, const labels::LabelEdit& edit) {
   labels::LabelStore* store = store_of(state);
   if (!store || !state.labels()) throw Error("the frame is not ready yet");
   if (!store->read_only().empty()) throw Error(store->read_only());
-  state.view.label.finish.reset();  // was of the labels before
+  state.view.label.finish.reset();  // belongs to the previous labels
   store->commit(edit);
 }
 
@@ -171,7 +170,7 @@ void open_labels(State& state) {
   OpenRecording& open = *state.document.current();
   if (!open.labels) open.labels = std::make_shared<labels::LabelStore>(open.label_dir);
   const labels::LabelStore& store = *open.labels;
-  state.results.label.save_problem.clear();  // was another recording's
+  state.results.label.save_problem.clear();  // of another recording
   if (!store.notices().empty())
     say(state, store.notices().front(), true);
   else if (!store.read_only().empty())
@@ -188,7 +187,7 @@ void save_labels(State& state) {
   try {
     store->save_all();
     if (store->notices().size() > shown) {
-      state.view.label.finish.reset();  // files from outside were taken over, perhaps
+      state.view.label.finish.reset();  // external files may have been adopted
       say(state, store->notices().back(), true);
     }
     problem.clear();

@@ -1,5 +1,5 @@
-// Strokes, areas, cuts and the plane wand, on the image or in space. What is shown but is no label
-// yet is accepted or canceled.
+// Actions for strokes, areas, cuts and the plane wand, in the image or in 3D. Previews are accepted
+// or canceled.
 
 #include <fmt/format.h>
 
@@ -35,7 +35,7 @@ void stroke(State& state, LabelGesture gesture) {
 }
 
 void area(State& state, const LabelGesture& gesture) {
-  if (gesture.radius_px) throw Error("action label.area: an area takes no radius");
+  if (gesture.radius_px) throw Error("action label.area: an area has no radius");
   switch (state.view.label.tool) {
     case LabelTool::rectangle:
       return draw(state, "Rectangle", gesture);
@@ -46,7 +46,7 @@ void area(State& state, const LabelGesture& gesture) {
   }
 }
 
-/// Along the line from the first place to the last one.
+/// Cuts along the line from the first to the last position.
 void cut(State& state, const LabelGesture& gesture) {
   const int plane = state.view.label.plane;
   if (plane == 0) throw Error("no plane is active: choose one to cut");
@@ -63,7 +63,7 @@ void cut(State& state, const LabelGesture& gesture) {
   commit_and_say(state, "Cut " + name, draft, "all of " + name + " is on one side of the line");
 }
 
-/// Begins another polygon where the corner is in another view than those before.
+/// Starts another polygon if the corner is in a different view from the previous ones.
 void add_corner(State& state, const LabelGesture& gesture) {
   const labels::Vec2f size(static_cast<float>(gesture.width), static_cast<float>(gesture.height));
   const render::Camera camera = camera_of(state);
@@ -118,7 +118,7 @@ void begin(State& state, const LabelGesture& where) {
   grow(state);
 }
 
-/// Adds a fragment to the plane that is shown; where none is, to the active one.
+/// Adds a fragment to the previewed plane, or to the active one without a preview.
 void add(State& state, const LabelGesture& where) {
   const std::uint32_t seed = seed_at(state, "label.wand.add", where);
   WandPreview& wand = state.view.label.wand;
@@ -134,7 +134,7 @@ void add(State& state, const LabelGesture& where) {
   }
 }
 
-/// A plane that is shown already grows anew within it.
+/// Limits the wand to a lasso and regrows an existing preview.
 void bound_wand(State& state, const std::optional<LabelGesture>& lasso) {
   LabelView& view = state.view.label;
   view.bound = nullptr;
@@ -158,8 +158,8 @@ void bound_wand(State& state, const std::optional<LabelGesture>& lasso) {
            [](const State& s) { return !s.view.label.bound; });
 }
 
-/// The wand makes a plane at each click, unless one was chosen that has no pixels yet, or the first
-/// click held Shift.
+/// Each click of the wand creates a plane, unless an empty plane is active or the first click held
+/// Shift.
 labels::Paint paint_of_wand(const State& state) {
   const LabelView& view = state.view.label;
   labels::Paint paint = paint_in_hand(state);
@@ -209,7 +209,7 @@ void accept(State& state) {
   say_nothing_done(state, "nothing to accept");
 }
 
-/// Cancels what was begun last, one thing at a time.
+/// Cancels the latest unfinished gesture, one at a time.
 void cancel(State& state) {
   LabelView& view = state.view.label;
   const bool begun =

@@ -1,5 +1,5 @@
-// The planes of the label mode: the active one's class, locks, joins and splits; gestures that
-// finish it; first labels from the algorithm, labels for other frames.
+// Actions on planes in label mode: class, locks, joins and splits of the active plane; cleanup
+// gestures; initial labels from the algorithm; labels for other frames.
 
 #include <fmt/format.h>
 
@@ -18,9 +18,9 @@
 namespace planescope::desktop {
 namespace {
 
-// ---- Finishing: each gesture shows what it would change, Enter does it in one step of undo ------
+// ---- Cleanup: each gesture previews its change; Enter commits it as one undo step ---------------
 
-/// `nothing`: completes the message for a plane without it.
+/// `nothing` completes the message for a plane to which the gesture does not apply.
 void show_finish(State& state,
                  int plane,
                  const std::string& title,
@@ -58,9 +58,9 @@ void drop_specks(State& state, const std::optional<double>& typed_cm2) {
               labels::drop_specks(*work.labels, work.frame.grid, plane, 1e-4 * least_cm2));
 }
 
-// ---- The active plane --------------------------------------------------------------------------
+// ---- Active plane ------------------------------------------------------------------------------
 
-/// Sets the class of the active plane, or of what is painted next if there is none.
+/// Sets the class of the active plane, or of the next painted one if none is active.
 void set_class(State& state, const std::optional<int>& chosen, Label label) {
   const char* name = to_string(label);
   LabelView& view = state.view.label;
@@ -136,13 +136,13 @@ void look(State& state, const std::optional<int>& chosen) {
   look_at_pixels(state, labels::pixels_of_plane(*work.labels, plane));
 }
 
-/// The run of the frame looked at; null while it is made.
+/// The run of the current frame; null while it is being made.
 const debug::Run* run_of_frame(const State& state) {
   const debug::Run* run = state.run();
   return run && run->subject->frame.index == state.document.frame ? run : nullptr;
 }
 
-/// How much of the frame the algorithm was not shown: labels there have to be drawn.
+/// The share of the frame outside the algorithm's range, where labels must be drawn manually.
 std::string beyond_text(const debug::Run& run, const labels::LabelGrid& grid) {
   if (grid.is_cloud()) return "";
   const double range_m = run.options.cloud.max_range_m;
@@ -173,7 +173,7 @@ void take(State& state) {
   state.view.label.wand = {};
 }
 
-/// "[FRAMES] [doubt [SHARE]]": one frame, or so many, or until a plane is less sure than the share.
+/// "[FRAMES] [doubt [SHARE]]": one frame, this many, or until a plane's confidence is below SHARE.
 CarryJob read_carry(const State&, const std::string& action, const std::string& text) {
   constexpr int kMostFrames = 1'000'000;
   CarryJob plan;
@@ -190,11 +190,11 @@ CarryJob read_carry(const State&, const std::string& action, const std::string& 
     if (!counts) frames = kMostFrames;
     plan.least_share = is_number() ? number_argument(action, words[next++]) : labels::kSure;
     if (!(plan.least_share > 0 && plan.least_share <= 1))
-      throw Error(
-          fmt::format("action label.carry: a share of {}, expected 0 to 1", plan.least_share));
+      throw Error(fmt::format("action label.carry: share {} is out of range; expected 0 to 1",
+                              plan.least_share));
   }
   if (next < words.size())
-    throw Error(fmt::format("action label.carry: '{}', expected [FRAMES] [doubt [SHARE]]", text));
+    throw Error(fmt::format("action label.carry: '{}'; expected [FRAMES] [doubt [SHARE]]", text));
   plan.left = frames - 1;
   return plan;
 }
@@ -202,14 +202,14 @@ CarryJob read_carry(const State&, const std::string& action, const std::string& 
 void show_next(State& state, const char* what, bool (*is_wanted)(const FrameMark&)) {
   const int frame = state.document.frame;
   const int frames = state.document.current()->recording->frame_count();
-  for (int step = 1; step < frames; ++step) {  // on from here, and round the end
+  for (int step = 1; step < frames; ++step) {  // forward from here, wrapping around
     const int next = (frame + step) % frames;
     if (is_wanted(frame_mark(state, next))) return show_frame(state, next);
   }
   say_nothing_done(state, fmt::format("no other frame is {}", what));
 }
 
-/// The next frame with proposed labels that are not reviewed.
+/// Shows the next frame with proposed labels that are not reviewed.
 void show_next_doubtful(State& state) {
   for (const auto& [frame, share] : state.results.label.spread.doubtful)
     if (frame != state.document.frame && !frame_mark(state, frame).reviewed)
@@ -217,15 +217,15 @@ void show_next_doubtful(State& state) {
   say_nothing_done(state, "no other frame has proposed labels to review");
 }
 
-// ---- A plane on all frames that it was carried over: one step of undo on each ------------------
+// ---- A plane on all frames that it was carried over: one undo step per frame -------------------
 
 bool is_carried(const FrameLabels& labels, int plane) {
   const LabelPlane* found = labels::find_plane(labels, plane);
   return found && found->origin == LabelOrigin::carried;
 }
 
-/// The frames that the plane was carried over, this one among them, ascending: back while it came
-/// from the frame before, on while it went to the next one.
+/// Frames that the plane was carried over, including this one, ascending: backwards while it came
+/// from the previous frame, forwards while it continued to the next one.
 std::vector<int> chain_of(const OpenRecording& open, int frame, int plane) {
   std::vector<int> chain{frame};
   for (int at = frame; at > 0; --at) {
@@ -243,8 +243,7 @@ std::vector<int> chain_of(const OpenRecording& open, int frame, int plane) {
 
 using ChangePlane = void (*)(labels::LabelDraft&, int);
 
-/// Locked planes are left as they are, and counted. The frame looked at is the last step, so that
-/// undo begins there.
+/// Skips and counts locked planes. Changes the current frame last, so that undo starts there.
 void change_chain(State& state,
                   const std::string& verb,
                   const std::string& what,
@@ -292,7 +291,7 @@ void add_label_plane_actions(std::vector<Action>& all) {
     planes.add(name, title).key(key).run(plane, [=](State& s, const std::optional<int>& chosen) {
       const LabelWork work = label_work(s);
       const int id = active_plane(s, chosen);
-      // The wand's tolerance holds, its lasso does not.
+      // Uses the wand's tolerance but not its lasso.
       show_finish(s, id, fmt::format("{} P{}", verb, id), nothing,
                   finish(*work.labels, work.frame.grid, id, s.view.label.wand_options));
     });

@@ -1,4 +1,5 @@
-// Selecting nodes, planes and points; measuring between them; the table of planes.
+// Actions to select nodes, planes and points, to measure between them, and to sort the table of
+// planes.
 
 #include <fmt/format.h>
 
@@ -30,7 +31,7 @@ Pixel read_pixel(const State&, const std::string& action, const std::string& tex
   return {uv[0], uv[1]};
 }
 
-/// Pixel v * width + u; -1 outside of the image.
+/// Pixel v * width + u; -1 outside the image.
 std::int64_t source_at(const State& state, const Pixel& at) {
   const Image16& depth = state.run()->subject->frame.depth;
   const bool inside = at.u >= 0 && at.v >= 0 && at.u < depth.width && at.v < depth.height;
@@ -68,7 +69,7 @@ void select_node(State& state, std::int32_t node) {
   state.view.selected.node = node;
 }
 
-/// Where the result has no plane, the search for what would bring one begins.
+/// If the result has no plane at the point, starts the search for options that produce one.
 void ask_about(State& state, std::int32_t voxel) {
   const std::shared_ptr<const RunView>& view = state.results.current;
   if (!view || state.run() != view->run.get() || !view->run->is_ours()) return;
@@ -110,13 +111,13 @@ void select_none(State& state) {
   const bool leaves = view.click != Click::selects || view.marking || !view.measured.empty();
   view.click = Click::selects;
   view.marking = false;
-  if (!view.measured.empty()) view.message.clear();  // what was measured
+  if (!view.measured.empty()) view.message.clear();  // the measurement
   view.measured.clear();
   if (!leaves) view.selected = {};
 }
 
-/// Goes to where the selected point and another one came to be in one plane, and asks what would
-/// have kept them apart.
+/// Goes to the step at which the selected point and another one were joined in one plane, and
+/// starts the search for options that keep them apart.
 void show_meeting(State& state, std::int32_t other) {
   const debug::Run& run = *state.run();
   const Selection selected = state.view.selected;
@@ -177,11 +178,11 @@ void show_lost(State& state, int index) {
 
 // ---- Marking -----------------------------------------------------------------------------------
 
-/// Why a rectangle marked nothing new.
+/// Explains why a rectangle marked nothing new.
 std::string what_is_wrong_with_a_box(std::size_t measured, std::size_t beyond) {
   if (measured == 0) return "nothing was marked: nothing was measured there";
   if (beyond == measured)
-    return "nothing was marked: all of it is beyond the range, raise max_range_m";
+    return "nothing was marked: all of it is beyond the range; increase max_range_m";
   return "all of that is marked already";
 }
 
@@ -222,7 +223,7 @@ void mark_pixels(State& state, const std::array<double, 4>& box) {
 
 // ---- Measuring ---------------------------------------------------------------------------------
 
-/// The point that was clicked, or the plane that it is on.
+/// The clicked point, or the plane that contains it.
 debug::MeasureEnd end_at(const State& state, const Clicked& clicked) {
   const debug::Run& run = *state.run();
   const std::int64_t index = expect_clicked(state, clicked);
@@ -237,12 +238,12 @@ debug::MeasureEnd end_at(const State& state, const Clicked& clicked) {
   const std::uint32_t voxel = is_pixel
                                   ? run.subject->voxel_of_source(static_cast<std::size_t>(index))
                                   : static_cast<std::uint32_t>(at);
-  if (voxel == planes::kNoVoxel) throw Error("no plane there, it is out of range");
+  if (voxel == planes::kNoVoxel) throw Error("no plane there: out of range");
   const std::int32_t plane = run.timeline.point_at(static_cast<std::int32_t>(voxel), step).plane;
   return debug::measured_plane(run, plane, step, &point);
 }
 
-/// A click that hits nothing changes nothing and says so. A third end begins anew.
+/// A click that hits nothing changes nothing and says so. A third click starts a new measurement.
 void add_end(State& state, const Clicked& clicked) {
   std::vector<debug::MeasureEnd>& ends = state.view.measured;
   try {
@@ -260,7 +261,7 @@ void add_end(State& state, const Clicked& clicked) {
   say(state, debug::measure(*state.run()->subject, ends[0], ends[1]).text);
 }
 
-// ---- The table of planes -----------------------------------------------------------------------
+// ---- Table of planes ---------------------------------------------------------------------------
 
 void sort_planes(State& state, int column) {
   PlanesView& view = state.view.planes;
@@ -311,7 +312,7 @@ std::int64_t expect_clicked(const State& state, const Clicked& clicked) {
     throw Error(clicked.why.empty() ? "nothing was measured there" : clicked.why);
   if (clicked.on != Clicked::On::pixel) return clicked.index;
   const Image16& depth = state.run()->subject->frame.depth;
-  if (depth.empty()) throw Error("a cloud has no pixels, click a point of it in space");
+  if (depth.empty()) throw Error("a cloud has no pixels; click one of its points in space");
   const std::int64_t source = source_at(state, clicked.pixel);
   if (source < 0)
     throw Error(fmt::format("{},{} is outside the {} x {} image", clicked.pixel.u, clicked.pixel.v,

@@ -1,4 +1,5 @@
-// Moving through the trace: the cursor, the steps that the timeline shows, pictures of steps.
+// Actions that move through the trace: the cursor, the range of the timeline, and pictures of
+// steps.
 
 #include <fmt/format.h>
 
@@ -15,7 +16,7 @@ namespace planescope::desktop {
 
 namespace {
 
-/// The root; -1 where a frame without points has none.
+/// The root; -1 for a frame without points.
 std::int32_t root_of(const debug::Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
 
 /// Scrolls the timeline to the cursor.
@@ -25,7 +26,7 @@ void keep_cursor_shown(State& state) {
     state.view.shown_steps = scrolled_to(shown, state.view.step, state.run()->steps());
 }
 
-/// The colors after the user has stepped back from a step.
+/// Switches colors after the user has stepped back from a step.
 void color_traversal(State& state, std::int32_t from) {
   ViewState& view = state.view;
   if (view.case_colors != CaseColors::ready || view.color_by != render::ColorBy::planes) return;
@@ -47,7 +48,7 @@ void stop_and_step(State& state, int count) {
   step_by(state, count);
 }
 
-/// The case of the node that was decided at the step, or else last before it.
+/// Case of the node decided at the step, or of the last one before it.
 planes::Case case_at(const debug::Run& run, std::int32_t step) {
   for (; step > 0; --step)
     if (const planes::TraceEvent* event = run.event_at(step);
@@ -95,14 +96,14 @@ void play(State& state, int direction) {
 
 // ---- Pictures of steps -------------------------------------------------------------------------
 
-constexpr int kMostPictures = 500;  // unless the argument gives the distance in steps
+constexpr int kMostPictures = 500;  // unless the argument sets the interval
 constexpr const char* kSaveTakes = "PATH.png [FROM-TO [EVERY [PICTURES_PER_SECOND]]]";
 
 [[noreturn]] void refuse_saving(const std::string& text) {
-  throw Error("action steps.save: '" + text + "' is not as expected, " + kSaveTakes);
+  throw Error("action steps.save: '" + text + "'; expected " + kSaveTakes);
 }
 
-/// Behind the path, which may have spaces: "200-600 2 12".
+/// Parses the words after the path, which may contain spaces: "200-600 2 12".
 void read_steps(const std::string& text, const std::vector<std::string>& words, StepsSaving& to) {
   const int steps = to.last;
   if (words.size() > 3) refuse_saving(text);
@@ -117,7 +118,7 @@ void read_steps(const std::string& text, const std::vector<std::string>& words, 
   if (words.size() > 2) to.per_s = whole_argument("steps.save", words[2], 1, 60);
 }
 
-/// From the cursor to the end; from there, all of them.
+/// The default range is from the cursor to the end, or all steps if the cursor is at the end.
 void save_steps(State& state, const std::string& text) {
   std::size_t end = std::string::npos;
   for (const std::string ending : {".png", ".apng"})
@@ -126,8 +127,8 @@ void save_steps(State& state, const std::string& text) {
       if (const std::size_t after = at + ending.size(); after == text.size() || text[after] == ' ')
         end = std::min(end, after);
   if (end == std::string::npos)
-    throw Error("action steps.save: '" + text + "' is no PNG, expected a name.png");
-  if (state.view.saving) throw Error("action steps.save: steps are being written, Esc stops that");
+    throw Error("action steps.save: '" + text + "'; expected a name that ends in .png");
+  if (state.view.saving) throw Error("action steps.save: already saving steps; Esc stops it");
   const std::int32_t steps = state.run()->steps(), at = state.view.step;
   StepsSaving saving{.path = text.substr(0, end),
                      .run = state.run_view()->run,
@@ -137,17 +138,17 @@ void save_steps(State& state, const std::string& text) {
   std::error_code failed;
   const std::filesystem::path folder = std::filesystem::absolute(saving.path).parent_path();
   if (!std::filesystem::is_directory(folder, failed))
-    throw Error(saving.path.string() + ": cannot be written, " + folder.string() +
+    throw Error(saving.path.string() + ": cannot be written: " + folder.string() +
                 " is not a folder");
   if (std::filesystem::is_directory(saving.path, failed))
-    throw Error(saving.path.string() + ": cannot be written, it is a folder");
+    throw Error(saving.path.string() + ": is a folder; expected a file");
   say(state, "");
   state.view.saving = saving;
 }
 
-// ---- The timeline ------------------------------------------------------------------------------
+// ---- Timeline ----------------------------------------------------------------------------------
 
-/// About the cursor if it is shown, else about the middle.
+/// Zooms around the cursor if it is visible, otherwise around the middle.
 void zoom_by(State& state, double factor) {
   const debug::StepRange shown = shown_steps(state);
   const std::int32_t cursor = state.view.step;
@@ -155,7 +156,7 @@ void zoom_by(State& state, double factor) {
   state.view.shown_steps = zoomed(shown, about, factor, state.run()->steps());
 }
 
-/// Shows the phase that the cursor is in. The first one begins before its first event.
+/// Shows the phase of the cursor. The first phase includes the step before its first event.
 void show_phase(State& state) {
   for (const debug::Phase& phase : debug::phases_of(*state.run())) {
     if (phase.steps.last < state.view.step) continue;
@@ -170,14 +171,14 @@ debug::StepRange read_range(const State& state,
                             const std::string& text) {
   const std::vector<std::string> ends = split(text, '-');
   if (ends.size() != 2)
-    throw Error(fmt::format("action {}: '{}' is no range, expected FIRST-LAST", action, text));
+    throw Error(fmt::format("action {}: '{}' is not a range; expected FIRST-LAST", action, text));
   const int first = whole_argument(action, ends[0], 0, state.run()->steps());
   return {first, whole_argument(action, ends[1], first, state.run()->steps())};
 }
 
 }  // namespace
 
-// ---- The cursor --------------------------------------------------------------------------------
+// ---- Cursor ------------------------------------------------------------------------------------
 
 void go_to_step(State& state, std::int32_t step) {
   const debug::Run* run = state.run();
@@ -192,7 +193,7 @@ void go_to_step(State& state, std::int32_t step) {
   Selection selected;
   if (!event) {
     selected.node = root_of(*run);
-  } else if (state.view.step < run->steps()) {  // among finished planes nothing stands out
+  } else if (state.view.step < run->steps()) {  // at the end, nothing is highlighted
     selected.node = debug::node_at_step(*run, state.view.step);
     selected.plane = event->plane;
     selected.voxel = event->point;
@@ -308,7 +309,7 @@ void add_step_actions(std::vector<Action>& all) {
            [](State& s, const debug::StepRange& range) { s.view.shown_steps = range; });
 }
 
-// The filter, breakpoints, and running to what matters.
+// ---- Filter, breakpoints, and running to events ------------------------------------------------
 
 namespace {
 
@@ -317,7 +318,7 @@ void hint_at_filter(State& state) {
            [](const State& s) { return s.view.search.filter.has_value(); });
 }
 
-/// The nearest of some steps ahead of the cursor or behind it; nothing where there is none.
+/// The nearest step before or after the cursor; nullopt if there is none.
 std::optional<std::int32_t> next_of(const std::vector<std::int32_t>& steps,
                                     std::int32_t cursor,
                                     int direction) {
@@ -332,11 +333,11 @@ void to_match(State& state, int direction) {
   if (!search.filter) return hint_at_filter(state);
   const auto& matches = search.matches;
   if (matches.empty()) return say(state, "no event matches " + search.text);
-  // Round the ends: a frame opens at its last step.
+  // Wrap around at the ends, because a frame opens at its last step.
   const auto next = next_of(matches, state.view.step, direction);
   if (!next)
-    say(state, direction > 0 ? "no later event matches: from the beginning"
-                             : "no earlier event matches: from the end");
+    say(state, direction > 0 ? "no later event matches; continued from the beginning"
+                             : "no earlier event matches; continued from the end");
   stop_and_go(state, next.value_or(direction > 0 ? matches.front() : matches.back()));
 }
 

@@ -1,4 +1,4 @@
-// What is shown, and how; where the scene is looked at from.
+// Actions on colors, panels, display settings and the camera.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -25,7 +25,7 @@ ColorRange read_color_range(const State&, const std::string& action, const std::
   const std::vector<double> ends = numbers_argument(action, text, 2);
   const render::ValueRange range{ends[0], ends[1]};
   if (!render::is_range(range))
-    throw Error("action color.range: '" + text + "' is no range, expected its lower end first");
+    throw Error("action color.range: '" + text + "' is not a range; expected the lower end first");
   return range;
 }
 
@@ -76,7 +76,7 @@ void scale_points(State& state, double factor) {
   say(state, fmt::format("points of {:.2f} voxels", state.view.point_size));
 }
 
-// ---- The camera --------------------------------------------------------------------------------
+// ---- Camera ------------------------------------------------------------------------------------
 
 CameraPlace place_of(const State& state) { return {state.view.camera, state.view.facing}; }
 
@@ -93,7 +93,7 @@ void go_to(State& state, std::vector<CameraPlace>& from, std::vector<CameraPlace
   from.pop_back();
 }
 
-/// What the mouse took hold of and let go without moving it is no step.
+/// Releasing the camera without having moved it adds no undo step.
 void hold_camera(State& state, bool holds) {
   CameraHistory& history = state.view.cameras;
   history.held = holds;
@@ -105,12 +105,12 @@ void hold_camera(State& state, bool holds) {
 void look_at_selected(State& state) {
   const std::vector<Vec3f> points = selected_points(state);
   if (points.empty())
-    return say_hint(state, "nothing is selected that could be looked at: click it first",
+    return say_hint(state, "nothing is selected to look at: click something first",
                     [](const State& s) { return s.run() && !selected_points(s).empty(); });
   move_camera(state, camera_on(state, points));
 }
 
-/// Notches of the wheel in a row are one step.
+/// Consecutive wheel notches are one undo step.
 void zoom_camera(State& state, double factor) {
   const render::Camera nearer = zoomed(camera_of(state), factor);
   CameraHistory& history = state.view.cameras;
@@ -144,7 +144,7 @@ void forget_cameras(State& state) {
 
 void add_view_actions(std::vector<Action>& all) {
   const ActionGroup view{all, KeyMode::anywhere, "View"};
-  const ActionGroup shows{all, KeyMode::debugger, "View"};  // what is drawn in the debugger alone
+  const ActionGroup shows{all, KeyMode::debugger, "View"};  // only drawn in the debugger
   for (const ColorChoice& choice : kColorChoices)
     view.add(choice.action, choice.title)
         .key(choice.key)
@@ -263,7 +263,7 @@ void add_view_actions(std::vector<Action>& all) {
       .run(text("ACTION"), [](State& s, const std::string& name) {
         s.view.palette_asks = find_action(name).name;
         s.view.show_palette = true;
-        say(s, "");  // a reason that is shown there is of what is typed there
+        say(s, "");  // clear a reason that refers to earlier input
       });
   constexpr double kPointStep = 1.25;
   shows.add("points.larger", "Larger points").key("=").run([](State& s) {
@@ -278,7 +278,7 @@ void add_view_actions(std::vector<Action>& all) {
       .words("screenshot export png")
       .run(text("PATH"), [](State& s, const std::string& path) {
         if (!path.ends_with(".png"))
-          throw Error("action picture.save: '" + path + "' is no PNG, expected a name.png");
+          throw Error("action picture.save: '" + path + "'; expected a name that ends in .png");
         s.view.picture_to = path;
       });
   view.add("keys", "Keyboard shortcuts")

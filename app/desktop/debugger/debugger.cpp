@@ -20,19 +20,19 @@ namespace planescope::desktop {
 
 namespace {
 
-constexpr std::int32_t kLeastGroup = 3;  // two lines are read as quickly as one
+constexpr std::int32_t kLeastGroup = 3;  // two lines are as readable as one group
 
 bool is_leftover(const planes::TraceEvent& event) {
   return event.point >= 0 &&
          (event.type == planes::EventType::assign || event.type == planes::EventType::drop);
 }
 
-/// Whether the second goes on with what the first does.
+/// Whether `b` continues the group of `a`.
 bool same_kind(const planes::TraceEvent& a, const planes::TraceEvent& b) {
   if (a.stage != b.stage || a.point < 0 || b.point < 0) return false;
   if (is_leftover(a)) return is_leftover(b);
   if (a.type != planes::EventType::refine || b.type != a.type) return false;
-  // What looks at pixels goes by place, not plane by plane.
+  // Pixel stages go by position instead of plane by plane.
   return planes::info_of(a.stage)->on_pixels || (a.plane == b.plane && a.other == b.other);
 }
 
@@ -61,7 +61,7 @@ std::vector<EventRow> opened(const std::vector<EventRow>& groups,
   for (const EventRow& row : groups) {
     rows.push_back(row);
     if (row.kind != EventRow::Kind::group) continue;
-    // At its end all of it has happened, and one line tells that.
+    // At its end the whole group has happened and is shown as one line.
     const bool inside = step >= row.first && step < row.last;
     if (!inside && !open.contains(row.first)) continue;
     for (std::int32_t at = row.first; at <= row.last; ++at)
@@ -103,16 +103,16 @@ std::string group_text(const debug::Run& run, const EventRow& group) {
   return text;
 }
 
-// ---- The octree ---------------------------------------------------------------------------------
+// ---- Octree -------------------------------------------------------------------------------------
 
 namespace {
 
-/// Per node, the step from which on it and everything below it are settled.
+/// Per node, the step from which it and all nodes below it are settled.
 std::vector<std::int32_t> settled_below(const debug::Run& run) {
   const auto decided = run.timeline.decided_at();
   std::vector<std::int32_t> settled(decided.begin(), decided.end());
   const std::vector<planes::OctreeNode>& nodes = run.octree().nodes;
-  for (std::size_t n = nodes.size(); n-- > 1;) {  // children stand behind their parents
+  for (std::size_t n = nodes.size(); n-- > 1;) {  // children come after their parents
     std::int32_t& parent = settled[static_cast<std::size_t>(nodes[n].parent)];
     parent = std::max(parent, settled[n]);
   }
@@ -149,7 +149,7 @@ std::vector<OctreeRow> octree_rows(const debug::Run& run,
   if (nodes.empty()) return rows;
   const std::vector<std::int32_t> settled = settled_below(run);
   const std::vector<std::uint8_t> on_path = path_to(run, selected);
-  std::vector<std::int32_t> next = {0};  // a stack: what is to come, the first at its top
+  std::vector<std::int32_t> next = {0};  // a stack of remaining nodes, the next one on top
   while (!next.empty()) {
     const std::int32_t index = next.back();
     const auto n = static_cast<std::size_t>(index);
@@ -198,7 +198,7 @@ std::vector<OctreeRow> octree_matches(const debug::Run& run,
 }
 
 SubtreeCounts count_subtree(const debug::Run& run, std::int32_t step, std::int32_t node) {
-  // Nodes are in breadth-first order: those of one depth below a node stand side by side.
+  // Nodes are in breadth-first order, so those of one depth below a node are contiguous.
   const std::vector<planes::OctreeNode>& nodes = run.octree().nodes;
   SubtreeCounts counts = {};
   std::int32_t begin = node, end = node + 1;
@@ -222,7 +222,8 @@ SubtreeCounts count_subtree(const debug::Run& run, std::int32_t step, std::int32
 
 namespace {
 
-/// Bins grow by ratio on a logarithmic axis, but for the part of the first one below its edge.
+/// Whether the bin is scaled by ratio: on logarithmic axes, except for the part of the first bin
+/// below its edge.
 bool by_ratio(const debug::Histogram& histogram, const debug::HistogramBin& bin) {
   return histogram.logarithmic && bin.low > 0;
 }
@@ -237,7 +238,7 @@ double SliderScale::share(double value) const {
 
 double SliderScale::value(double share) const {
   const double value = logarithmic ? low * std::pow(high / low, share) : low + share * (high - low);
-  // Three digits: what a hand can mean.
+  // Three significant digits, the precision of a drag.
   if (value == 0) return 0;
   const double unit = std::pow(10, std::floor(std::log10(std::abs(value))) - 2);
   return std::round(value / unit) * unit;
@@ -250,7 +251,7 @@ SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile
                       : info.kind == planes::OptionKind::whole ? 10
                                                                : 0.02;
   const bool of_size = info.unit == "m" || info.unit == "m2";
-  if (info.range.max <= 90 && !of_size) {  // shares, angles, levels: all of it
+  if (info.range.max <= 90 && !of_size) {  // fractions, angles, levels: the full range
     scale.low = info.range.min;
     scale.high = info.range.max;
   } else if (info.kind == planes::OptionKind::whole) {
@@ -260,7 +261,7 @@ SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile
     scale.logarithmic = true;
     scale.low = std::max(info.range.min, base / 20);
     scale.high = std::min(info.range.max, base * 20);
-  } else {  // 0 says "off": a linear scale can reach it
+  } else {  // 0 means off, so use a linear scale, which includes it
     scale.high = std::min(info.range.max, 5 * base);
   }
   return scale;
@@ -294,7 +295,7 @@ double HistogramAxis::value(double share) const {
 std::vector<double> axis_ticks(const debug::Histogram& histogram) {
   const auto& bins = histogram.bins;
   if (bins.empty()) return {};
-  // The last bin takes what lies far out: its end says little.
+  // The last bin contains all outliers, so its upper end means little.
   const double low = bins.front().low, high = bins.back().low;
   std::vector<double> ticks;
   if (histogram.logarithmic) {
@@ -315,7 +316,7 @@ std::string filter_between(const debug::Histogram& histogram, double from, doubl
   if (histogram.quantity.empty()) return {};
   const HistogramAxis axis(histogram);
   const double low = axis.value(std::min(from, to)), high = axis.value(std::max(from, to));
-  if (histogram.unit == "points")  // whole numbers
+  if (histogram.unit == "points")  // integers
     return fmt::format("{0}>={1:.0f} && {0}<{2:.0f}", histogram.quantity, std::floor(low),
                        std::ceil(high));
   return fmt::format("{0}>={1:.3g} && {0}<{2:.3g}", histogram.quantity, low, high);
@@ -327,7 +328,7 @@ constexpr int kShownCompletions = 9;
 
 bool has_problem(const FilterBox& box) { return box.problem && !box.problem->message.empty(); }
 
-/// Nothing where the word is whole and nothing else begins with it.
+/// Empty if the word is complete and no other word begins with it.
 std::vector<debug::Completion> completions_at(const std::string& text, int cursor) {
   std::vector<debug::Completion> all =
       debug::complete_filter(text, static_cast<std::size_t>(cursor));
@@ -345,7 +346,7 @@ const debug::Completion* chosen_of(const std::vector<debug::Completion>& all,
   return &all[static_cast<std::size_t>(std::clamp(memory.chosen, 0, last))];
 }
 
-/// Tab takes the chosen completion, Up and Down choose another.
+/// Tab inserts the chosen completion; Up and Down choose another.
 int on_input(ImGuiInputTextCallbackData* data) {
   auto& memory = *static_cast<FilterBoxMemory*>(data->UserData);
   if (data->EventFlag == ImGuiInputTextFlags_CallbackCompletion) {
@@ -374,7 +375,7 @@ int on_input(ImGuiInputTextCallbackData* data) {
   return 0;
 }
 
-/// A wavy line under the part that is wrong.
+/// Draws a wavy line under the invalid part.
 void underline(const Ui& ui, const FilterBoxMemory& memory, const debug::FilterProblem& problem) {
   const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
   const ImGuiInputTextState* input = ImGui::GetInputTextState(ImGui::GetItemID());
@@ -423,7 +424,7 @@ void draw_popup(const Ui& ui, const FilterBox& box, FilterBoxMemory& memory) {
   const float height =
       static_cast<float>(rows) * line + 2 * ImGui::GetStyle().WindowPadding.y - ui.px(2);
   const bool above = max.y + line + height > ImGui::GetIO().DisplaySize.y;
-  const float below = max.y + (has_problem(box) ? line : 0) + ui.px(2);  // what is wrong stays read
+  const float below = max.y + (has_problem(box) ? line : 0) + ui.px(2);  // keep the error visible
   float widest = 0;
   for (const debug::Completion& completion : all)
     widest = std::max(widest, ImGui::CalcTextSize(completion.meaning.c_str()).x);

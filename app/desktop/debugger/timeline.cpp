@@ -10,13 +10,13 @@
 
 namespace planescope::desktop {
 
-// ---- Which steps, and where ---------------------------------------------------------------------
+// ---- Range and positions ------------------------------------------------------------------------
 
 namespace {
 
-constexpr std::int32_t kFewestSteps = 10;  // that can be zoomed to
+constexpr std::int32_t kFewestSteps = 10;  // minimum range when zooming
 
-/// As long as `range`, and within the trace.
+/// A range of `count` steps, moved into the trace.
 debug::StepRange within(std::int32_t first, std::int32_t count, std::int32_t steps) {
   count = std::clamp(count, 1, steps + 1);
   first = std::clamp(first, 0, steps + 1 - count);
@@ -37,7 +37,7 @@ debug::StepRange zoomed(const debug::StepRange& range,
                         double factor,
                         std::int32_t steps) {
   std::int32_t count = static_cast<std::int32_t>(std::lround(range.count() * factor));
-  if (factor > 1) count = std::max(count, range.count() + 1);  // a few steps are zoomed, too
+  if (factor > 1) count = std::max(count, range.count() + 1);  // zoom even with few steps
   if (factor < 1) count = std::min(count, range.count() - 1);
   count = std::clamp(count, std::min(kFewestSteps, steps + 1), steps + 1);
   const double share = (about - range.first + 0.5) / range.count();
@@ -106,19 +106,19 @@ std::vector<TimelineColumn> timeline_columns(const debug::Run& run,
   return columns;
 }
 
-// ---- What is drawn ------------------------------------------------------------------------------
+// ---- Drawing ------------------------------------------------------------------------------------
 
 namespace {
 
 using planes::EventType;
 
-/// Columns where steps are narrower than this, boxes where they are wider [px at scale 1].
+/// Draw boxes for steps at least this wide, columns for narrower ones [px at scale 1].
 constexpr float kLeastBox = 2;
 constexpr float kLeastGap = 4;  // narrower boxes touch
 
 ImU32 case_fill(planes::Case c) { return to_imgui(render::case_color(c)); }
 
-/// In the middle of a box, if it has room.
+/// Draws text in the middle of a box, if it fits.
 void draw_in_box(
     const Ui& ui, ImDrawList* draw, ImVec2 min, ImVec2 max, ImU32 color, const char* text) {
   const float size = ui.px(12);
@@ -138,10 +138,10 @@ void draw_case_columns(const TimelineRows& rows,
   const TimelineColumn* last = nullptr;
   for (auto column = columns.begin(); column != end; ++column) {
     if (settles(*column)) last = &*column;
-    if (!last) continue;  // a decision reaches to the next one
+    if (!last) continue;  // a decision extends to the next one
     const float x = rows.axis.x + static_cast<float>(column - columns.begin());
     float y = rows.cases;
-    for (int c = 1; c <= 4; ++c) {  // shares of the column's height
+    for (int c = 1; c <= 4; ++c) {  // fractions of the column's height
       const float height = (rows.planes - 2 - rows.cases) *
                            static_cast<float>(last->cases[static_cast<std::size_t>(c)]) /
                            static_cast<float>(last->decided());
@@ -152,7 +152,7 @@ void draw_case_columns(const TimelineRows& rows,
   }
 }
 
-/// Planes founded stand tallest; merges, assignments and changes less so.
+/// New planes are tallest; merges, assignments and changes are lower.
 void draw_plane_columns(const TimelineRows& rows,
                         const std::vector<TimelineColumn>& columns,
                         const render::StepLook& look,
@@ -172,8 +172,8 @@ void draw_plane_columns(const TimelineRows& rows,
   }
 }
 
-/// Nodes stand higher and planes lower, as in columns, but no two boxes are above each other: both
-/// have room for a name.
+/// Nodes are at the top and planes at the bottom, as in columns, but no two boxes overlap
+/// horizontally, so both have room for a name.
 void draw_boxes(const Ui& ui,
                 const TimelineRows& rows,
                 const render::StepLook& look,
@@ -209,7 +209,7 @@ void draw_boxes(const Ui& ui,
   }
 }
 
-/// The marks of steps that are shown; one per pixel at most, however many there are.
+/// Calls `mark` for visible steps, at most once per pixel.
 template <typename Mark>
 void for_shown(const TimelineRows& rows, const std::vector<std::int32_t>& steps, const Mark& mark) {
   float last = -1;
@@ -376,7 +376,7 @@ void draw_overview(const Ui& ui, const TimelineRows& rows) {
   const float cursor = whole.middle(ui.state.view.step);
   draw->AddLine(ImVec2(cursor, rows.overview), ImVec2(cursor, rows.bottom), ui.colors.text,
                 ui.px(1.5f));
-  if (rows.axis.steps.count() > ui.state.run()->steps()) return;  // all of them are shown
+  if (rows.axis.steps.count() > ui.state.run()->steps()) return;  // all steps are visible
   const float from = whole.begin(rows.axis.steps.first);
   const float to = std::max(whole.begin(rows.axis.steps.last + 1), from + ui.px(4));
   const ImU32 shade = with_alpha(ui.colors.panel, 170);

@@ -1,4 +1,5 @@
-// Background jobs of the debugger: searching for fixes, checking their effect, sensitivity curves.
+// Background jobs of the debugger: search for fixes, check their effects, and compute sensitivity
+// curves.
 
 #include <algorithm>
 
@@ -10,7 +11,7 @@
 namespace planescope::desktop {
 namespace {
 
-/// Voxels of the surface at one, ascending; empty where there is no plane.
+/// Voxels of the surface around a voxel, ascending; empty if there is no plane.
 std::vector<std::uint32_t> surface_at(const debug::Run& run,
                                       const labels::LabelGrid& grid,
                                       std::uint32_t voxel) {
@@ -20,8 +21,8 @@ std::vector<std::uint32_t> surface_at(const debug::Run& run,
   return surface ? subject.voxels_of_sources(surface->pixels) : std::vector<std::uint32_t>();
 }
 
-/// What a click asks of the search for fixes. Its surface is the label wand's: some 50 ms for a
-/// depth image.
+/// Target of the search for fixes after a click. Finds the surface with the label wand, which takes
+/// about 50 ms for a depth image.
 debug::FixTarget fix_target(const debug::Run& run, const PointAsked& asked) {
   if (asked.wish == debug::Wish::no_plane)
     return debug::target_of_click(run, asked.voxel, asked.wish);
@@ -67,7 +68,7 @@ class AnalysisJobs : public JobGroup {
 
   FrameTools& tools_;
   std::function<bool()> frame_is_run_;
-  Request<View> search_;  // last: their threads use the above
+  Request<View> search_;  // last: their threads use the members above
   Request<debug::Fix> check_;
   Request<View> curves_;
 };
@@ -117,7 +118,7 @@ void AnalysisJobs::pursue_search(State& state) {
       refuse_fixes);
 }
 
-/// The effect of a fix on every labeled frame of the recording.
+/// Computes the effect of a fix on every labeled frame of the recording.
 void AnalysisJobs::pursue_check(State& state) {
   FixSearch& fix = state.results.fix;
   if (check_.key() && !(fix.checked >= 0 && fix.check_begun)) check_.drop();
@@ -142,25 +143,26 @@ void AnalysisJobs::pursue_check(State& state) {
             effect.frame = i;
             turn.deliver([effect](State& s) { s.results.fix.effects.push_back(effect); });
           } catch (const std::exception&) {
-            // A frame that cannot be run has nothing to break; its own place in the strip says why.
+            // A frame that cannot be processed cannot be broken by a fix; the strip shows its
+            // error.
           }
         }
       },
       refuse_fixes);
 }
 
-/// How the score follows each option that steers the run, for the sliders. Waits for everything
-/// else.
+/// Computes the score as a function of each option that affects the run, for the sliders. Waits for
+/// all other work.
 void AnalysisJobs::pursue_curves(State& state) {
   const View& view = state.results.current;
-  if (state.view.mode == Mode::labels) {  // shows no sliders
+  if (state.view.mode == Mode::labels) {  // has no sliders
     if (curves_.pending()) curves_.drop();
     return;
   }
   if (curves_.key() == view || state.view.tool_tab != "criteria") return;
   if (frame_is_run_() || search_.pending() || check_.pending()) return;
   std::vector<std::string> shown;
-  if (view && view->run->is_ours())  // what steers other methods takes too long to sweep
+  if (view && view->run->is_ours())  // options of other methods take too long to sweep
     for (const planes::OptionInfo& info : planes::option_table())
       if (info.is_number() && info.steers_segmentation() &&
           !planes::is_idle(info, state.document.options, view->run->is_on_image()) &&

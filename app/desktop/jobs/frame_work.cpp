@@ -1,4 +1,4 @@
-// Work on one frame for jobs: loading, running, scoring, thumbnails and plane colors.
+// Work on one frame for jobs: loading, processing, scoring, thumbnails and plane colors.
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ namespace planescope::desktop {
 namespace {
 
 constexpr render::Rgba kBackground = {30, 33, 38, 255};
-constexpr double kCutOff = 0.01;  // of the voxels, on each side: strays do not set the scale
+constexpr double kCutOff = 0.01;  // of the voxels on each side, ignored as outliers
 
 struct Range {
   double low = 0, high = 0;
@@ -35,9 +35,9 @@ Range range_of(const std::vector<Vec3f>& points, int axis) {
   return {render::quantile(values, kCutOff), render::quantile(values, 1 - kCutOff)};
 }
 
-/// A small picture of a frame that has no image: its voxels from above, in the colours of their
-/// planes. width x 3/4 width pixels, x of the world to the right, y upwards; the highest voxel of a
-/// pixel shows. The outermost percent of the voxels on each side may be cut off.
+/// Thumbnail of a cloud: its voxels from above in the colors of their planes, width x 3/4 width
+/// pixels, with world x to the right and y up. Each pixel shows its highest voxel. The outermost
+/// percent of the voxels on each side may be cut off.
 Image8 cloud_thumbnail(const debug::Run& run, const render::StepLook& look, int width) {
   const planes::VoxelCloud& voxels = run.subject->prepared.voxels;
   const int height = 3 * width / 4;
@@ -53,7 +53,7 @@ Image8 cloud_thumbnail(const debug::Run& run, const render::StepLook& look, int 
   if (voxels.points.empty()) return image;
 
   const Range x = range_of(voxels.points, 0), y = range_of(voxels.points, 1);
-  // A voxel at least, so that a single one does not divide by zero.
+  // At least one voxel, so that a single voxel does not cause a division by zero.
   const double least = std::max(voxels.size_m, 1e-3);
   const double scale =
       0.94 * std::min(width / std::max(x.extent(), least), height / std::max(y.extent(), least));
@@ -82,7 +82,7 @@ Image8 cloud_thumbnail(const debug::Run& run, const render::StepLook& look, int 
 
 constexpr int kThumbnailWidth = 200;  // [px]
 
-/// Of a weights file, what is another once it was written anew, as by a training; else nothing.
+/// Changes whenever a weights file is rewritten, e.g. by training; empty for other classifiers.
 std::string stamp_of(const std::string& classifier) {
   if (!planes::names_weights_file(classifier)) return "";
   std::error_code absent;
@@ -102,7 +102,7 @@ std::string options_key(const planes::PipelineOptions& options, bool preparing) 
   return key;
 }
 
-/// By plane id - 1; empty where the run's planes are not those that were followed.
+/// By plane id - 1; empty if the run's planes are not the tracked ones.
 std::vector<int> track_colors(const Wanted& wanted, const debug::Run& run) {
   const MapView* map = wanted.map.get();
   if (!map || map->key != wanted.key() || map->picked != wanted.picked) return {};
@@ -114,7 +114,7 @@ std::optional<debug::QuickScore> score_of(const debug::Run& run) {
   return debug::quick_score(run.segmentation.plane_of, run.subject->voxel_truth);
 }
 
-/// Of true planes that are found as one, the one with the greatest IoU is matched with it.
+/// If several true planes match the same found plane, the one with the greatest IoU gets it.
 TruePlanes true_planes_of(const debug::Run& run, const debug::QuickScore& score) {
   const debug::VoxelTruth& truth = run.subject->voxel_truth;
   TruePlanes true_planes;
@@ -230,7 +230,7 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
 }
 
 std::shared_ptr<const render::ColoredPlanes> ColorBook::nearest(const Wanted& wanted) const {
-  constexpr int kOtherOptions = 3;  // frames by which one with other options counts as farther
+  constexpr int kOtherOptions = 3;  // distance in frames added for other options
   const std::lock_guard lock(mutex_);
   if (recording_ != wanted.recording) return nullptr;
   const std::string key = wanted.key();
@@ -338,7 +338,7 @@ Thumbnail picture_of(const Wanted& wanted) {
   return thumbnail;
 }
 
-// ---- What a run's planes are worth -------------------------------------------------------------
+// ---- Analysis of a run's planes ----------------------------------------------------------------
 
 std::shared_ptr<const render::PlaneScene> outlines_of_run(const debug::Run& run) {
   const planes::FrameResult result = result_of(run);
@@ -349,7 +349,7 @@ std::shared_ptr<const render::PlaneScene> outlines_of_run(const debug::Run& run)
     scene->shapes = render::plane_shapes(planes::outlines_of(run.subject->frame, result, cell_m),
                                          result.cloud.origin);
   } catch (const Error&) {
-    return nullptr;  // planes_of_run() says why
+    return nullptr;  // planes_of_run() reports the reason
   }
   return scene;
 }

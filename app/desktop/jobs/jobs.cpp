@@ -1,4 +1,4 @@
-// Background jobs: starting and collecting them; loading, running and comparing frames.
+// Starts and collects background jobs; loads, runs and compares frames.
 
 #include "app/desktop/jobs/jobs.hpp"
 
@@ -19,18 +19,19 @@ namespace {
 
 using View = std::shared_ptr<const RunView>;
 
-/// In a world that was turned, nodes and voxels differ: none of them can be found again.
+/// Whether world coordinates are equal. Otherwise, after a change of gravity, the octrees differ,
+/// and nodes and voxels do not correspond.
 bool same_world(const debug::Subject& a, const debug::Subject& b) {
   return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
 }
 
-/// A slider is held, and not one of a foot or of stairs.
+/// Whether a slider is being dragged that affects the run (not a foot or stairs option).
 bool drags_a_run(const State& state) {
   const std::string gesture = state.undo.empty() ? "" : state.undo.back().gesture;
   return !gesture.empty() && !is_about_planes(planes::find_option(gesture));
 }
 
-/// Planes of `b` that more than half of a plane of `a` is in, and that are more than half in it.
+/// Number of planes in `b` that overlap a plane in `a` by more than half of both.
 int planes_kept(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) {
   const planes::TruthOverlap overlap = planes::count_truth_overlap(a, b);
   int kept = 0;
@@ -41,8 +42,8 @@ int planes_kept(const std::vector<std::int32_t>& a, const std::vector<std::int32
   return kept;
 }
 
-/// "merge_cost 10 → 7: planes 17 → 20 (+4 −1)": what a change of options did to a frame's planes.
-/// Empty where it is another frame, or no option of the segmentation changed.
+/// Describes the effect of changed options on a frame's planes: "merge_cost 10 → 7: planes 17 → 20
+/// (+4 −1)". Empty for another frame, or if no segmentation option changed.
 std::string change_text(const debug::Run& before, const debug::Run& after) {
   if (before.subject != after.subject) return {};
   std::vector<const planes::OptionInfo*> changed;
@@ -60,7 +61,7 @@ std::string change_text(const debug::Run& before, const debug::Run& after) {
   return fmt::format("{} · planes {} → {} (+{} −{})", what, a, b, b - kept, a - kept);
 }
 
-/// Only of a change that the user has just made: not of one taken back, or shown for a while.
+/// Reports only a change just made by the user, not an undo or a preview.
 void tell_of_change(State& state, const RunView* before, const RunView& now) {
   if (!before || state.view.preview || state.undo.empty()) return;
   const OptionChange& last = state.undo.back();
@@ -71,7 +72,7 @@ void tell_of_change(State& state, const RunView* before, const RunView& now) {
   if (!text.empty()) say(state, text + " · Ctrl+Z");
 }
 
-/// The colors in which the frame shown has its planes: A's where there is one. Null: none yet.
+/// The displayed colors of the current frame's planes: A's if pinned. Null: none yet.
 std::shared_ptr<const render::ColoredPlanes> planes_shown(const State& state) {
   const Results& results = state.results;
   const RunView* view = results.pinned ? results.pinned.get() : results.current.get();
@@ -91,12 +92,12 @@ void show_run(State& state, const View& view) {
   state.results.sensitivity.clear();
   tell_of_change(state, before.get(), *view);
   FixSearch& fix = state.results.fix;
-  if (other_subject) {  // voxels are numbered anew
+  if (other_subject) {  // voxels are renumbered
     fix = {};
     state.view.preview.reset();
     state.document.marked.clear();
   } else if (fix.of && run_key(fix.of->run->options) == run_key(view->run->options)) {
-    fix.of = view;  // the same again, as after a preview
+    fix.of = view;  // the same run again, e.g. after a preview
   }
   std::erase_if(state.document.marked,
                 [&](std::uint32_t voxel) { return voxel >= view->run->subject->voxel_count(); });
@@ -106,7 +107,7 @@ void show_run(State& state, const View& view) {
     go_to_bookmark(state, arrival);
   } else if (other_frame || (turned && !state.view.flash)) {
     go_to_step(state, view->run->steps());
-    state.view.shown_steps.reset();  // on the traversal: there are the decisions to look for
+    state.view.shown_steps.reset();  // show the traversal, where the decisions are
     refresh_matches(state);
   } else if (!state.view.flash) {
     follow_run(state, *before->run);
@@ -130,7 +131,7 @@ class FrameJobs : public JobGroup {
  public:
   FrameJobs(Courier& courier, FrameTools& tools)
       : tools_(tools),
-        runs_(courier, Request<Wanted>::Late::taken),  // a slider shows what it went over
+        runs_(courier, Request<Wanted>::Late::taken),  // a slider shows intermediate results
         planes_(courier),
         comparisons_(courier),
         strip_(courier) {}
@@ -154,12 +155,12 @@ class FrameJobs : public JobGroup {
   };
   struct ComparisonKey {
     Against against = Against::nothing;
-    View a, b;  // null `a`: the truth
+    View a, b;  // `a` null: the ground truth
     bool operator==(const ComparisonKey&) const = default;
   };
   struct StripKey {
     Wanted wanted;
-    bool plain = false;  // pictures alone, as the label mode needs them
+    bool plain = false;  // only pictures, for label mode
     bool operator==(const StripKey&) const = default;
   };
   using Like = const render::ColoredPlanes*;  // as in ColorBook::colors()
@@ -177,19 +178,19 @@ class FrameJobs : public JobGroup {
 
   FrameTools& tools_;
   ColorBook colors_;
-  // Touched by the thread of runs only.
+  // Used only by the thread of runs.
   std::optional<Wanted> loaded_;
   std::shared_ptr<const debug::Subject> subject_;
   render::Home home_;
-  // The strip's, touched by the window's thread only.
-  std::optional<StripKey> strip_next_;  // what it is to be filled with once the options have rested
+  // State of the strip, used only by the window's thread.
+  std::optional<StripKey> strip_next_;  // pending strip, started once options have settled
   std::chrono::steady_clock::time_point strip_due_;
   bool strip_waits_ = false;
   std::shared_ptr<const io::Recording> strip_of_;
-  std::optional<Wanted> strip_ran_as_;   // what the frames were run as ...
-  std::vector<std::uint8_t> strip_ran_;  // ... those that were
+  std::optional<Wanted> strip_ran_as_;   // settings of the processed frames ...
+  std::vector<std::uint8_t> strip_ran_;  // ... and which frames were processed
 
-  Request<Wanted> runs_;  // last: their threads use the above
+  Request<Wanted> runs_;  // last: their threads use the members above
   Request<PlanesKey> planes_;
   Request<ComparisonKey> comparisons_;
   Request<StripKey> strip_;
@@ -210,8 +211,8 @@ View FrameJobs::view_of(const Wanted& wanted, Like like, std::string& refused_la
   return view_run(std::move(run), home_, wanted, std::move(of_planes));
 }
 
-/// Null where the frame cannot be run with these options, and `problems` says why; B is shown all
-/// the same.
+/// Null if the frame cannot be processed with these options, with the reason in `problems`; B is
+/// still shown.
 View FrameJobs::run_a(const Turn& turn, const Wanted& wanted, Like like, std::string& problems) {
   try {
     const View view = view_of(wanted, like, problems);
@@ -227,7 +228,7 @@ View FrameJobs::run_a(const Turn& turn, const Wanted& wanted, Like like, std::st
   }
 }
 
-/// `place`: where the window is to stand then, null to leave that to the view.
+/// `place` is the location to show afterwards; null keeps the view.
 void FrameJobs::run_frame(const Turn& turn,
                           const Wanted& wanted,
                           Like like,
@@ -275,8 +276,8 @@ void FrameJobs::pursue_run(State& state) {
 
 // ---- Planes and comparisons --------------------------------------------------------------------
 
-/// Not while a frame is run, or may be run again at once: a slider that is dragged has the machine
-/// for itself.
+/// Waits while a frame is or may soon be processed, so that dragging a slider has the machine to
+/// itself.
 void FrameJobs::pursue_planes(State& state) {
   Results& results = state.results;
   std::erase_if(results.planes, [&](const auto& planes) {
@@ -315,12 +316,12 @@ void FrameJobs::pursue_comparison(State& state) {
   });
 }
 
-// ---- The strip ---------------------------------------------------------------------------------
+// ---- Strip -------------------------------------------------------------------------------------
 
 void FrameJobs::pursue_strip(State& state) {
   using Clock = std::chrono::steady_clock;
-  // Options must stay the same for this long before all frames are run with them: that must not
-  // compete with a slider being dragged.
+  // Wait until options have been stable for this long before processing all frames with them, so
+  // that this does not compete with a slider being dragged.
   constexpr std::chrono::milliseconds kDelay{300};
   strip_waits_ = false;
   if (!state.document.current() || state.results.loading || runs_.busy()) return;
@@ -347,7 +348,7 @@ void FrameJobs::pursue_strip(State& state) {
     strip_ran_.assign(count, 0);
   }
   if (!same_recording && key.plain) strip_ran_as_.reset();
-  std::vector<std::uint8_t> has = strip_ran_;  // what need not be made
+  std::vector<std::uint8_t> has = strip_ran_;  // frames to skip
   if (key.plain) {
     has.clear();
     for (const Thumbnail& thumbnail : state.results.strip) has.push_back(thumbnail.ready);
@@ -355,8 +356,8 @@ void FrameJobs::pursue_strip(State& state) {
   state.results.strip_done = static_cast<int>(std::ranges::count(has, std::uint8_t{1}));
   strip_.ask(key, [this, key, first = static_cast<std::size_t>(state.document.frame), count,
                    like = planes_shown(state), has = std::move(has)](const Turn& turn) {
-    // From the frame shown to the last, then backwards to the first: the neighbor of each has its
-    // colors by then.
+    // From the current frame to the last, then backwards to the first, so that a neighbor of each
+    // frame already has its colors.
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t index = i < count - first ? first + i : count - 1 - i;
       if (has[index]) continue;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Work that the window does not wait for: reading frames, running them, thumbnails, searches. The
-// state says what is wanted; pursue() starts what is missing, collect() hands over what is done.
+// Background work: reading and processing frames, thumbnails, searches. The state describes
+// wanted work; pursue() starts missing work and collect() delivers results.
 
 #include <filesystem>
 #include <functional>
@@ -18,13 +18,13 @@
 
 namespace planescope::desktop {
 
-// What jobs do to a frame: reading, preparing and running it, for the views and for the strip.
+// Work on one frame: reading, preparing and processing it, for the views and the strip.
 
-/// What frames have in common and is made once: the classifier, as a network is read from its file,
-/// and what is known of gravity over the recording. Any thread.
+/// Resources shared by frames and created once: classifiers loaded from files, and gravity over the
+/// recording. Thread-safe.
 class FrameTools {
  public:
-  /// Null: the labels of the ground truth, or a method that needs none.
+  /// Null for labels of the ground truth, and for methods without a classifier.
   std::shared_ptr<const planes::Classifier> classifier(const planes::PipelineOptions& options);
   std::shared_ptr<const world::SequenceGravity> gravity(
       const std::shared_ptr<const io::Recording>& recording, const planes::GravityOptions& options);
@@ -38,16 +38,16 @@ class FrameTools {
   std::shared_ptr<const world::SequenceGravity> gravity_;
 };
 
-/// What is wanted of a frame.
+/// The inputs that determine a frame's result.
 struct Wanted {
   std::shared_ptr<const io::Recording> recording;
   std::filesystem::path label_dir;
   int frame = 0;
   planes::PipelineOptions options;
   io::PickedGravity picked = {};
-  int labels_version = 0;                   // truth is read from label files
-  std::shared_ptr<const MapView> map = {};  // whose gravity the frame is to have
-  std::string prepare_key, segment_key;     // of the options: equal texts, equal results
+  int labels_version = 0;                   // ground truth is read from label files
+  std::shared_ptr<const MapView> map = {};  // provides gravity
+  std::string prepare_key, segment_key;     // of the options: equal texts give equal results
 
   std::string key() const { return prepare_key + segment_key; }  // run_key() of the options
 
@@ -59,26 +59,26 @@ struct Wanted {
   bool operator==(const Wanted& other) const {
     return same_subject(other) && segment_key == other.segment_key;
   }
-  /// The frame is still looked at: a result of another one must not take its place.
+  /// Whether the frame is still current; otherwise its result must not replace the shown one.
   bool is_shown(const Document& document) const {
     return document.current() && document.current()->recording == recording &&
            document.frame == frame;
   }
 };
 Wanted wanted_of(const Document& document, int frame);
-/// The same with the map that its planes were followed in, if they were.
+/// The same with the map in which its planes were tracked, if any.
 Wanted wanted_in(const State& state, int frame);
-/// Of the options that runs go by: equal texts, equal runs.
+/// Key of the options that affect a run: equal texts give equal runs.
 std::string run_key(const planes::PipelineOptions& options);
 Wanted with_options(Wanted wanted, const planes::PipelineOptions& options);
 
-/// Colors of the planes of a recording's frames. The strip fills it, outwards from the frame that
-/// it begins with, and each frame takes over the colors of the nearest one in the book. A frame
-/// opened before the strip reaches it gets colors the same way, but they are not kept. Any thread.
+/// Colors of planes by frame. The strip fills it outwards from its first frame, and each frame
+/// continues the colors of the nearest one in the book. A frame opened before the strip reaches it
+/// gets its colors the same way, but they are not stored. Thread-safe.
 class ColorBook {
  public:
-  /// `like`: the same frame as it is shown so far, whose colors planes keep; null: the nearest one
-  /// in the book. Where a map follows the planes, their tracks decide.
+  /// `like` is the currently shown version of the frame, whose colors are kept; null: use the
+  /// nearest frame in the book. If a map tracks the planes, their tracks decide.
   FrameColors colors(const Wanted& wanted,
                      const debug::Run& run,
                      const render::ColoredPlanes* like = nullptr) const;
@@ -92,10 +92,10 @@ class ColorBook {
   std::map<int, FrameColors> of_frame_;
 };
 
-// All throw what reading and preparing throw.
-/// A frame whose gravity cannot be told is prepared without h and v.
-/// `refused_labels`: takes why label files cannot be ground truth, and the frame goes without;
-/// where it is null, that is thrown.
+// These functions throw the errors of reading and preparing.
+/// A frame with unknown gravity is prepared without h and v. `refused_labels` receives the reason
+/// why label files cannot serve as ground truth, and the frame is loaded without them; if it is
+/// null, the error is thrown.
 std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
                                                    FrameTools& tools,
                                                    std::string* refused_labels = nullptr);
@@ -104,48 +104,49 @@ std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const Wanted& wanted,
                                         FrameColors colors);
 render::Home home_of(const debug::Run& run);
-/// A frame that cannot be run says why. The book keeps the colors of its planes. `like`: as in
-/// ColorBook::colors().
+/// The thumbnail of a frame that cannot be processed contains the reason. Stores its plane colors
+/// in the book. See ColorBook::colors() for `like`.
 Thumbnail thumbnail_of(const Wanted& wanted,
                        FrameTools& tools,
                        ColorBook& book,
                        const render::ColoredPlanes* like = nullptr);
-/// The camera's picture alone, or shaded depth: nothing is run for it.
+/// Only the camera image or shaded depth, without processing the frame.
 Thumbnail picture_of(const Wanted& wanted);
 
-// What a run's planes are worth: their outlines at once, room for a foot and stairs a little later.
+// Analysis of a run's planes: outlines immediately, footholds and stairs later.
 
-/// The outlines alone, without fills: they take a few milliseconds. Null where GEOS refuses them.
+/// Computes only outlines, without fills, in a few milliseconds. Null if GEOS fails.
 std::shared_ptr<const render::PlaneScene> outlines_of_run(const debug::Run& run);
 
-/// Everything; of the options, what does not steer the run. Throws Error.
+/// Computes everything, using the options that do not affect the run. Throws Error.
 std::shared_ptr<const RunPlanes> planes_of_run(const std::shared_ptr<const RunView>& view,
                                                const planes::PipelineOptions& options);
 
-/// Of options: equal texts, and planes_of_run() tells the same of a run.
+/// Key of the options that affect planes_of_run(): equal texts give equal results.
 std::string planes_key(const planes::PipelineOptions& options);
-/// Whether an option is about finished planes, and changes no run.
+/// Whether an option applies to finished planes and does not affect runs.
 bool is_about_planes(const planes::OptionInfo& info);
 
-// Pictures of steps, written into an animated PNG while the window goes on: it draws one step after
-// the other, a thread packs and writes them. The file is there once it is whole, and not before.
+// Writes pictures of steps to an animated PNG in the background: the window draws one step after
+// another, and a thread compresses and writes them. The file appears only when complete.
 
 class StepsFile;
 
 class StepsSaver {
  public:
-  /// `wake`: called from another thread whenever a picture was written.
+  /// `wake` is called from another thread after each written picture.
   explicit StepsSaver(std::function<void()> wake);
-  ~StepsSaver();  // what is not whole is not left behind
+  ~StepsSaver();  // removes an incomplete file
 
-  /// The next step is in the state, to be drawn and handed to add(). False where none is wanted or
-  /// there is no room for it yet. Says what became of the file once that is known.
+  /// Sets the state to the next step, which must be drawn and passed to add(). Returns false if no
+  /// picture is wanted or there is no room for it yet. Reports the result when the file is
+  /// finished.
   bool begin(State& state, bool still_at_work);
   void add(State& state, Image8 picture);
-  /// Pictures are wanted, or being written.
+  /// Whether pictures are wanted or being written.
   bool active(const State& state) const { return state.view.saving || file_; }
   bool has_room() const;
-  /// Called for each frame that is drawn: where none of them takes pictures, the file is given up.
+  /// Call for each drawn frame. If drawn frames take no pictures, the file is abandoned.
   void note_frame(State& state);
 
  private:
@@ -158,38 +159,38 @@ class StepsSaver {
 
 class Jobs {
  public:
-  /// `wake`: called from other threads whenever there is something to collect.
+  /// `wake` is called from other threads when there is something to collect.
   explicit Jobs(std::function<void()> wake);
-  ~Jobs() { courier_.end(); }  // all of it at once, then each is waited for
+  ~Jobs() { courier_.end(); }  // stops all work first, then waits for each thread
   Jobs(const Jobs&) = delete;
   Jobs& operator=(const Jobs&) = delete;
 
   void pursue(State& state);
-  /// True where the state has changed.
+  /// Returns true if the state has changed.
   bool collect(State& state);
-  /// Something is under way whose result is not handed over yet. `background`: also what only fills
-  /// the frame strip and sweeps the sliders.
+  /// Whether work is running or its result is not delivered yet. `background` includes work for the
+  /// frame strip and the sliders' curves.
   bool busy(bool background = true) const;
 
  private:
   Courier courier_;
   FrameTools tools_;
-  std::vector<std::unique_ptr<JobGroup>> groups_;  // last: their threads use the above
+  std::vector<std::unique_ptr<JobGroup>> groups_;  // last: their threads use the members above
 };
 
-// The groups. Courier and tools outlive them.
+// Job groups. The courier and tools must outlive them.
 
-/// Frames: their runs, planes, comparisons and the strip.
+/// Frames: runs, planes, comparisons and the strip.
 std::unique_ptr<JobGroup> make_frame_jobs(Courier& courier, FrameTools& tools);
-/// Runs with other options: the search for fixes, the check of one on all labeled frames, and the
-/// curves in the sliders. One at a time, a later one replaces an earlier one; curves wait while
-/// `frame_is_run`.
+/// Runs with other options: the search for fixes, the check of a fix on all labeled frames, and the
+/// sliders' curves. One at a time: a later job replaces an earlier one, and curves wait while
+/// `frame_is_run` returns true.
 std::unique_ptr<JobGroup> make_analysis_jobs(Courier& courier,
                                              FrameTools& tools,
                                              std::function<bool()> frame_is_run);
-/// What the label mode needs of a frame: its grid, the review's queue, checks, labels carried on.
+/// Label mode: the frame's grid, the review queue, checks, and carrying labels.
 std::unique_ptr<JobGroup> make_label_jobs(Courier& courier);
-/// What goes over all frames of a recording: following planes, proposing labels, learning.
+/// Work over a whole recording: tracking planes, proposing labels, training.
 std::unique_ptr<JobGroup> make_recording_jobs(Courier& courier, FrameTools& tools);
 
 }  // namespace planescope::desktop

@@ -1,4 +1,4 @@
-// Background jobs of the label mode: opening frames, review, audit, and carrying labels over.
+// Background jobs of label mode: opening frames, review, audit, and carrying labels.
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 namespace planescope::desktop {
 namespace {
 
-/// What cannot be read is refused when the frame is opened; here it is a frame with labels.
+/// An unreadable file counts as labels here; opening the frame reports the error.
 FrameMark mark_of(const std::filesystem::path& path) {
   FrameMark mark;
   std::error_code gone;
@@ -30,8 +30,8 @@ FrameMark mark_of(const std::filesystem::path& path) {
   return mark;
 }
 
-/// Which frames of a recording have labels, from the label files. Long recordings have many: where
-/// it was stopped, there are fewer marks than frames.
+/// Finds labeled frames by their label files. Long recordings have many; if stopped, returns fewer
+/// marks than frames.
 std::vector<FrameMark> marks_in(const std::filesystem::path& dir,
                                 int frames,
                                 const std::stop_token& stop) {
@@ -48,7 +48,7 @@ std::shared_ptr<const LabelFrame> make_label_frame(std::shared_ptr<const io::Rec
   made->sha256 = recording->frame_hash(made->frame);
   made->grid = labels::make_label_grid(subject.frame, subject.prepared.gravity);
   made->T_world_sensor = subject.prepared.cloud.T_world_sensor;
-  if (made->grid.is_cloud())  // from points about their origin to the scene's, about another
+  if (made->grid.is_cloud())  // convert from the cloud's origin to the scene's
     made->T_world_sensor.translation() =
         made->T_world_sensor.linear() * made->grid.origin - subject.prepared.cloud.origin;
   const Eigen::Isometry3f T = made->T_world_sensor.cast<float>();
@@ -58,7 +58,7 @@ std::shared_ptr<const LabelFrame> make_label_frame(std::shared_ptr<const io::Rec
   return made;
 }
 
-/// The store may refuse what is there; the frame is shown all the same.
+/// Shows the frame even if the store rejects its labels.
 void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
   const OpenRecording* open = state.document.current();
   if (!open || open->recording != made->recording || state.document.frame != made->frame) return;
@@ -77,7 +77,7 @@ void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
   }
 }
 
-/// A finding that is still there stays chosen; once it is mended, the next one is chosen.
+/// Keeps the selected finding if it still exists, otherwise selects the next one.
 void take_audit(State& state,
                 std::shared_ptr<const Audit> audit,
                 std::vector<labels::WorkTime> work) {
@@ -96,12 +96,12 @@ void take_audit(State& state,
   }
   label.audit = std::move(audit);
   label.work = std::move(work);
-  if (!is_first || chosen < 0) return;  // otherwise it was asked for before it was known
+  if (!is_first || chosen < 0) return;  // otherwise it was requested before the audit was available
   chosen = -1;
   if (state.view.label.tab == "checks") apply(state, {"check.next"});
 }
 
-/// The motion to the frame looked at, where planes were followed and it is known.
+/// Uses the known motion to the current frame if planes were tracked.
 labels::CarryOptions carry_options(const State& state) {
   labels::CarryOptions options;
   const MapView* map = state.map();
@@ -112,7 +112,7 @@ labels::CarryOptions carry_options(const State& state) {
   return options;
 }
 
-/// The plane that is least sure, where that is less than the share; empty: none, or none is asked.
+/// Describes the plane with the lowest confidence if it is below the share; otherwise empty.
 std::string doubt_in(const labels::CarriedLabels& carried, double least_share) {
   if (carried.planes.empty() || least_share == 0) return "";
   const labels::CarriedPlane& worst = *std::ranges::min_element(
@@ -123,13 +123,13 @@ std::string doubt_in(const labels::CarriedLabels& carried, double least_share) {
   return fmt::format("P{} is {:.0f} % sure", worst.id, 100 * worst.confidence);
 }
 
-/// Commits what was carried, and goes on to the next frame where that is wanted.
+/// Commits carried labels and continues with the next frame if requested.
 void take_carried(State& state,
                   const std::shared_ptr<const FrameLabels>& existing,
                   const std::shared_ptr<const labels::CarriedLabels>& carried) {
   CarryJob& carry = state.results.label.carry;
   if (!carry.running) return;
-  if (state.labels() != existing) {  // labelled meanwhile: once more, around that
+  if (state.labels() != existing) {  // labeled in the meantime: carry again around the new labels
     carry.begun = false;
     return;
   }
@@ -199,12 +199,12 @@ class LabelJobs : public JobGroup {
   Request<std::shared_ptr<const io::Recording>> marks_;
   Request<ReviewSides> reviews_;
   Request<std::shared_ptr<const FrameLabels>> audits_;
-  Request<int> carries_;  // by the frame that they are carried to
+  Request<int> carries_;  // by target frame
 };
 
 void LabelJobs::pursue_frame(State& state) {
   const RunView* view = state.run_view();
-  if (!view) return;  // its refusal is shown
+  if (!view) return;  // its error is shown
   const std::shared_ptr<const debug::Subject>& subject = view->run->subject;
   const Gravity& known = subject->prepared.gravity;
   const FrameKey key{state.document.current()->recording, state.document.frame,
@@ -279,7 +279,7 @@ void LabelJobs::pursue_audit(State& state) {
     try {
       work = labels::work_times(dir);
     } catch (const Error&) {
-      // A journal that cannot be read is reported where the store is opened.
+      // An unreadable journal is reported when the store is opened.
     }
     turn.deliver([labels, audit, work = std::move(work)](State& s) {
       if (s.labels() == labels) take_audit(s, audit, work);

@@ -1,4 +1,4 @@
-// Background jobs over a whole recording: maps, spreading labels, training and doubtful frames.
+// Background jobs over a whole recording: maps, proposing labels, training and doubtful frames.
 
 #include <fmt/format.h>
 
@@ -20,17 +20,17 @@
 namespace planescope::desktop {
 namespace {
 
-// ---- Labels of one frame proposed in all others that see its planes ----------------------------
+// ---- Proposing labels of one frame in all others that see its planes ---------------------------
 
-/// What the job reads, none of which changes meanwhile.
+/// Inputs of the job, immutable while it runs.
 struct SpreadInputs {
   std::shared_ptr<const MapView> map;
   std::filesystem::path label_dir;
-  std::map<int, std::shared_ptr<const FrameLabels>> at_hand;  // of frames that are open
+  std::map<int, std::shared_ptr<const FrameLabels>> at_hand;  // of open frames
   int from = 0, track = 0, frames = 0;
 };
 
-/// Those in the window or on disk; nothing: the frame has none.
+/// Labels in the window or on disk; nullopt if the frame has none.
 std::optional<FrameLabels> labels_of(const SpreadInputs& wanted, int index) {
   if (const auto known = wanted.at_hand.find(index); known != wanted.at_hand.end())
     return *known->second;
@@ -51,13 +51,13 @@ labels::SpreadFrame open_frame(const SpreadInputs& wanted, int index) {
   return made;
 }
 
-/// 0: the frame has no labels.
+/// 0 if the frame has no labels.
 int highest_id(const SpreadInputs& wanted, int index) {
   const std::optional<FrameLabels> labels = labels_of(wanted, index);
   return labels && !labels->planes.empty() ? labels->planes.back().id : 0;
 }
 
-/// The track as one plane, of an id that no frame has, where nothing is labelled yet.
+/// Proposes the track as one plane with a new id, where nothing is labeled yet.
 std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
                                             const std::stop_token& stop,
                                             const std::function<void(int, int)>& progress) {
@@ -72,7 +72,7 @@ std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
     if (stop.stop_requested()) throw Cancelled();
     try {
       if (sees(i)) paint.plane = std::max(paint.plane, highest_id(wanted, i) + 1);
-    } catch (const Error&) {  // a damaged frame says why where it is opened
+    } catch (const Error&) {  // a damaged frame is reported when it is opened
     }
   }
   if (paint.plane >= kPlaneIgnore) throw Error("no plane id is free in all frames");
@@ -98,7 +98,7 @@ std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
   return proposals;
 }
 
-/// Commits what is proposed, as one step. Frames that were labelled meanwhile are left alone.
+/// Commits proposals as one step. Skips frames that were labeled in the meantime.
 void take_proposals(State& state,
                     const SpreadInputs& wanted,
                     std::vector<labels::Proposal>& proposals) {
@@ -122,7 +122,7 @@ void take_proposals(State& state,
     edits.push_back(std::move(proposal.edit));
   }
   std::ranges::stable_sort(spread.doubtful, std::greater(), &std::pair<int, double>::second);
-  state.view.label.finish.reset();  // was of the labels before
+  state.view.label.finish.reset();  // belongs to the previous labels
   open->labels->commit(edits);
   std::string text = fmt::format("proposed in {}, {} doubtful pixels stay unlabeled",
                                  counted(edits.size(), "frame"), doubtful);
@@ -152,9 +152,9 @@ std::vector<labels::Proposal> propose(const SpreadInputs& wanted, const Turn& tu
   return labels::spread_labels(job);
 }
 
-// ---- Learning ----------------------------------------------------------------------------------
+// ---- Training ----------------------------------------------------------------------------------
 
-/// What is found from now on is found with the weights that were trained.
+/// Switches to the trained weights for all further runs.
 void take_weights(State& state, const LearningSource& source) {
   const std::string done =
       fmt::format("classifier trained on {}", counted(source.reviewed.size(), "reviewed frame"));
@@ -166,12 +166,12 @@ void take_weights(State& state, const LearningSource& source) {
   say(state, done + "; planes now use it");
 }
 
-/// Of frames that nobody has reviewed yet; `wants`: by frame.
+/// Estimates doubt for unreviewed frames; `wants` is by frame.
 void find_doubt(Wanted wanted,
                 const std::vector<std::uint8_t>& wants,
                 FrameTools& tools,
                 const Turn& turn) {
-  // The objective asks no classifier about depth images.
+  // The objective does not use a classifier for depth images.
   wanted.options.segment = planes::profile_options(planes::Profile::paper);
   for (std::size_t i = 0; i < wants.size(); ++i) {
     if (!wants[i]) continue;
@@ -182,7 +182,7 @@ void find_doubt(Wanted wanted,
       std::string refused_labels;
       share = doubt_of(*load_subject(wanted, tools, &refused_labels));
     } catch (const std::exception&) {
-      // A frame that cannot be read says why where it is opened.
+      // An unreadable frame is reported when it is opened.
     }
     turn.deliver([i, share](State& s) {
       s.results.label.learning.doubt.of_frame[i] = share;
@@ -228,7 +228,7 @@ class RecordingJobs : public JobGroup {
   struct MeasuredKey {
     Of recording;
     std::vector<int> reviewed;
-    int trainings = 0;  // that ended: their weights are to be measured
+    int trainings = 0;  // finished trainings whose weights must be evaluated
     bool operator==(const MeasuredKey&) const = default;
   };
 
@@ -239,8 +239,8 @@ class RecordingJobs : public JobGroup {
   void pursue_doubt(State& state);
 
   FrameTools& tools_;
-  int trained_ = 0;   // how often; touched by the window's thread only
-  Request<Of> maps_;  // last: their threads use the above
+  int trained_ = 0;   // number of trainings; used only by the window's thread
+  Request<Of> maps_;  // last: their threads use the members above
   Request<Of> spreads_;
   Request<Of> trainings_;
   Request<MeasuredKey> measurements_;
@@ -270,7 +270,7 @@ void RecordingJobs::pursue_map(State& state) {
         made->recording = recording;
         made->picked = picked;
         made->key = run_key(options);
-        job.alone = true;  // the window shows how each frame finds its planes
+        job.alone = true;  // the window shows planes found in each frame alone
         made->map = world::map_recording(job);
         complete(*made);
         turn.deliver([made](State& s) {
@@ -373,7 +373,7 @@ void RecordingJobs::pursue_doubt(State& state) {
   if (known && (known->recording != wanted.recording || known->prepare_key != wanted.prepare_key ||
                 !(known->picked == wanted.picked))) {
     const bool wants_more = doubt.running && !doubt.begun;
-    doubts_.drop();  // of another classifier or recording: no longer true
+    doubts_.drop();  // outdated: from another classifier or recording
     doubt = {};
     doubt.running = wants_more;
   }

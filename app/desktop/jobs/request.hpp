@@ -1,7 +1,7 @@
 #pragma once
 
-// Background work by request: the state says what is wanted, as a key; a request begins the work
-// when the key changes, and drops what is still delivered for an earlier one.
+// Background work by request. The state describes wanted work as a key; a request starts the work
+// when the key changes and drops late deliveries for earlier keys.
 
 #include <condition_variable>
 #include <functional>
@@ -18,13 +18,13 @@
 
 namespace planescope::desktop {
 
-/// A change of the state that a job hands in.
+/// A change to the state delivered by a job.
 using Delivery = std::function<void(State&)>;
 
-/// Carries deliveries from any thread to the window's.
+/// Passes deliveries from any thread to the window's thread.
 class Courier {
  public:
-  /// `wake`: called from other threads whenever there is something to collect.
+  /// `wake` is called from other threads when there is something to collect.
   explicit Courier(std::function<void()> wake) : wake_(std::move(wake)) {}
 
   void wake() const { wake_(); }
@@ -43,7 +43,7 @@ class Courier {
     const std::lock_guard lock(mutex_);
     return waiting_.empty();
   }
-  /// `stop` is called before anything waits for the work that is under way.
+  /// `stop` is called on all jobs before waiting for any of them.
   void at_end(std::function<void()> stop) { stops_.push_back(std::move(stop)); }
   void end() {
     for (const auto& stop : stops_) stop();
@@ -56,12 +56,13 @@ class Courier {
   std::vector<std::function<void()>> stops_;
 };
 
-/// A thread that does one piece of work after the other and forgets what is no longer wanted.
+/// A thread that does one piece of work at a time and discards outdated work.
 class Worker {
  public:
   using Work = std::function<void(std::stop_token)>;
 
-  /// `rested`: called from the thread after each piece of work, when busy() no longer counts it.
+  /// `rested` is called from the thread after each piece of work, when busy() no longer includes
+  /// it.
   explicit Worker(std::function<void()> rested)
       : rested_(std::move(rested)), thread_([this](std::stop_token stop) { loop(stop); }) {}
   ~Worker() {
@@ -70,13 +71,13 @@ class Worker {
     wake_.notify_all();
   }
 
-  /// Replaces whatever is waiting; the work in progress goes on. It throws nothing.
+  /// Replaces waiting work; the work in progress continues. `work` must not throw.
   void replace(Work work) {
     const std::lock_guard lock(mutex_);
     waiting_ = std::move(work);
     wake_.notify_all();
   }
-  /// Asks the work in progress to stop, and drops what is waiting.
+  /// Requests the work in progress to stop and drops waiting work.
   void cancel() {
     const std::lock_guard lock(mutex_);
     waiting_ = nullptr;
@@ -111,19 +112,19 @@ class Worker {
   Work waiting_;  // null: none
   std::stop_source current_;
   bool working_ = false;
-  std::jthread thread_;  // last: it uses all of the above
+  std::jthread thread_;  // last: it uses the members above
 };
 
-/// What a piece of work is given.
+/// The context of a piece of work.
 struct Turn {
   std::stop_token stop;
-  std::function<void(Delivery)> deliver;  // to the window's thread, unless it comes too late
+  std::function<void(Delivery)> deliver;  // to the window's thread, unless outdated
 
-  /// Throws Cancelled where the work is no longer wanted.
+  /// Throws Cancelled if the work is no longer wanted.
   void expect_wanted() const {
     if (stop.stop_requested()) throw Cancelled();
   }
-  /// Shows how much of it is done.
+  /// Reports progress.
   void progress(Asked& (*of)(State&), int done, int total, const std::string& stage = {}) const {
     deliver([=](State& state) {
       Asked& asked = of(state);
@@ -134,11 +135,12 @@ struct Turn {
   }
 };
 
-/// Work of one kind, one piece at a time. All but the work itself runs in the window's thread.
+/// Work of one kind, one piece at a time. Everything except the work itself runs in the window's
+/// thread.
 template <typename Key>
 class Request {
  public:
-  /// What becomes of deliveries for an earlier key.
+  /// Handling of deliveries for an earlier key.
   enum class Late : std::uint8_t { dropped, taken };
   using Work = std::function<void(const Turn&)>;
   using Failed = std::function<void(State&, const std::string& why)>;
@@ -150,10 +152,10 @@ class Request {
   Request(const Request&) = delete;
   Request& operator=(const Request&) = delete;
 
-  /// The key asked for last; nothing before the first, and once it was dropped.
+  /// The latest key; nullopt before the first and after drop().
   const std::optional<Key>& key() const { return key_; }
-  /// Begins the work for a key. Where it throws, `failed` is called with the reason; by default the
-  /// status bar shows it. Work that was cancelled is not reported.
+  /// Starts work for a key. If it throws, `failed` is called with the reason; by default the status
+  /// bar shows it. Canceled work is not reported.
   void ask(Key key, Work work, Failed failed = tell) {
     drop();
     key_ = std::move(key);
@@ -176,24 +178,24 @@ class Request {
       });
     });
   }
-  /// Whether what the state asks for is to begin now. What was called off is dropped.
+  /// Whether the requested work should start now. Drops work that is no longer requested.
   bool begins(Asked& asked, bool possible = true) {
     if (key_ && !asked.running) drop();
     if (!asked.running || asked.begun || !possible) return false;
     return asked.begun = true;
   }
-  /// Stops the work in progress; its key stays.
+  /// Stops the work in progress but keeps its key.
   void stop() { worker_.cancel(); }
-  /// The same, and drops its key and what it still delivers.
+  /// Stops the work, drops its key and its pending deliveries.
   void drop() {
     worker_.cancel();
     key_.reset();
     pending_ = false;
     ++number_;
   }
-  /// Not everything was delivered yet that was asked for last.
+  /// Whether the latest work has not been delivered completely.
   bool pending() const { return pending_; }
-  /// Something is under way, whoever asked for it.
+  /// Whether any work is running.
   bool busy() const { return worker_.busy(); }
 
  private:
@@ -203,17 +205,17 @@ class Request {
   Late late_;
   std::optional<Key> key_;
   bool pending_ = false;
-  int number_ = 0;  // of the latest
-  Worker worker_;   // last: its thread uses all of the above
+  int number_ = 0;  // number of the latest request
+  Worker worker_;   // last: its thread uses the members above
 };
 
-/// Jobs of one subject.
+/// Jobs on one topic.
 class JobGroup {
  public:
   virtual ~JobGroup() = default;
-  /// Begins what the state wants and nobody works on yet.
+  /// Starts wanted work that is not running yet.
   virtual void pursue(State& state) = 0;
-  /// `background`: also what only fills the frame strip and the sliders.
+  /// `background` includes work for the frame strip and the sliders' curves.
   virtual bool busy(bool background) const = 0;
 };
 

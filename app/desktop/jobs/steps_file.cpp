@@ -1,4 +1,4 @@
-// Writes the animation of a run's steps on a thread of its own.
+// Writes the animation of a run's steps in a background thread.
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 
 namespace planescope::desktop {
 
-/// The thread that writes, and the few pictures that wait for it.
+/// The writing thread and its short queue of pictures.
 class StepsFile {
  public:
   StepsFile(const StepsSaving& saving, std::function<void()> wake)
@@ -28,9 +28,9 @@ class StepsFile {
 
   struct Progress {
     int written = 0;       // pictures
-    bool has_room = true;  // for the next one
+    bool has_room = true;  // for another picture
     bool ended = false;
-    std::string failure;  // why it ended before it was whole
+    std::string failure;  // why it ended early
   };
   Progress progress() const {
     constexpr std::size_t kMostWaiting = 2;
@@ -77,7 +77,7 @@ class StepsFile {
       if (picture.width != width || picture.height != height)
         throw Error("steps not saved: the window was resized");
       file->add(picture);
-      if (!out) return;  // the disk is full: write_file_stream() says so
+      if (!out) return;  // disk full: reported by write_file_stream()
       lock.lock();
       ++written_;
       lock.unlock();
@@ -96,7 +96,7 @@ class StepsFile {
   int written_ = 0;
   bool ended_ = false;
   std::string failure_;
-  std::jthread thread_;  // last: it uses all of the above
+  std::jthread thread_;  // last: it uses the members above
 };
 
 StepsSaver::StepsSaver(std::function<void()> wake) : wake_(std::move(wake)) {}
@@ -149,7 +149,7 @@ bool StepsSaver::begin(State& state, bool still_at_work) {
 }
 
 void StepsSaver::add(State& state, Image8 picture) {
-  if (!state.view.saving || !file_) return;  // ended meanwhile
+  if (!state.view.saving || !file_) return;  // ended in the meantime
   state.view.saving->hidden = false;
   ++state.view.saving->taken;
   file_->add(std::move(picture));

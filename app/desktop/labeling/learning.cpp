@@ -1,4 +1,4 @@
-// Training on reviewed frames: source data, measured gain, doubtful frames and actions.
+// Trains and evaluates a classifier on reviewed frames, and ranks frames by doubt.
 
 #include "app/desktop/labeling/learning.hpp"
 
@@ -18,13 +18,13 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr float kSureMargin = 0.5f;  // of the two probabilities: 75 % against 25 %
+constexpr float kSureMargin = 0.5f;  // difference between the two probabilities: 75 % against 25 %
 
 std::filesystem::path shipped_weights() {
   return app::find_asset("classifier.safetensors", "the initial weights are");
 }
 
-/// The reviewed frames with what they have to teach.
+/// Reads the reviewed frames as training data.
 std::vector<app::LabelledFrame> read_reviewed(const LearningSource& source,
                                               const LearningProgress& progress) {
   std::vector<app::LabelledFrame> frames;
@@ -78,7 +78,7 @@ void learn(const LearningSource& source, const Lesson& lesson, const LearningPro
   args.recipe.train.steps = lesson.steps;
   app::limit_clouds(args.recipe, lesson.clouds, &args.validation_clouds);
   const planes::NetworkWeights weights = app::teach(args, std::move(frames), progress);
-  progress("weights", 1, 1);  // the last moment at which it can be stopped
+  progress("weights", 1, 1);  // last chance to stop
   planes::write_weights(learnt_weights(source.label_dir), weights);
 }
 
@@ -101,7 +101,7 @@ std::shared_ptr<const Learnt> measure_learnt(const LearningSource& source,
   learnt->frames = known.size();
   std::vector<planes::LabelledCloud> kept, since;
   for (app::LabelledFrame& frame : read_reviewed(source, progress)) {
-    if (frame.cloud.points.empty()) continue;  // nothing in it to score
+    if (frame.cloud.points.empty()) continue;  // nothing to score
     const auto at = std::ranges::find(known, frame.sha256);
     if (at == known.end())
       since.push_back(std::move(frame.cloud));
@@ -147,7 +147,7 @@ Lesson read_lesson(const State&, const std::string& action, const std::string& t
   Lesson lesson;
   const std::vector<std::string> words = words_of(text);
   if (words.size() > 2)
-    throw Error(fmt::format("action label.learn: '{}', expected [STEPS [CLOUDS]]", text));
+    throw Error(fmt::format("action label.learn: '{}'; expected [STEPS [CLOUDS]]", text));
   if (!words.empty()) lesson.steps = whole_argument(action, words[0], 1, kMost);
   if (words.size() > 1) lesson.clouds = whole_argument(action, words[1], 1, kMost);
   return lesson;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The classifier learns from reviewed frames, is measured on those reviewed since, and says which
-// frames it is in doubt about. No thread of its own: jobs call this.
+// Trains a classifier on reviewed frames, evaluates it on frames reviewed since, and finds frames
+// about which it is in doubt. Called by jobs; starts no threads.
 
 #include <filesystem>
 #include <functional>
@@ -14,40 +14,40 @@
 
 namespace planescope::desktop {
 
-/// Weights that were trained on a recording's labels, beside them.
+/// Weights trained on a recording's labels, stored beside them.
 std::filesystem::path learnt_weights(const std::filesystem::path& label_dir);
 
-/// The frames to learn from, or to be measured on, and how they are read.
+/// Frames for training or evaluation, and how to read them.
 struct LearningSource {
   std::shared_ptr<const io::Recording> recording;
   io::PickedGravity picked;
   std::filesystem::path label_dir;
-  std::vector<int> reviewed;  // and saved
+  std::vector<int> reviewed;  // reviewed and saved
   planes::PipelineOptions options;
 };
 LearningSource learning_source(const State& state);
 
-/// Says what is done of what; may throw to stop.
+/// Reports progress; may throw to stop.
 using LearningProgress = std::function<void(const char* stage, int done, int all)>;
 
-/// Trains the weights that ship on the reviewed frames, beside synthetic clouds, and writes them
-/// to learnt_weights(). Throws Error where nothing can be learnt from these frames.
+/// Fine-tunes the bundled weights on the reviewed frames plus synthetic clouds, and writes them to
+/// learnt_weights(). Throws Error if nothing can be learned from these frames.
 void learn(const LearningSource& source, const Lesson& lesson, const LearningProgress& progress);
 
-/// What the weights beside the labels have learnt, and how much better than the weights that ship
-/// they are on frames that they have not learnt from; null where there are no such weights.
-/// Throws Error where they cannot be read.
+/// Evaluates the weights beside the labels: their training record, and their gain over the bundled
+/// weights on frames that were not used for training. Null if there are no such weights. Throws
+/// Error if they are unreadable.
 std::shared_ptr<const Learnt> measure_learnt(const LearningSource& source,
                                              const LearningProgress& progress);
 
-/// The share of a frame's points that its classifier is less than 75 % sure of; nothing where its
-/// points are not labelled.
+/// Fraction of a frame's points for which the classifier is less than 75 % sure; nullopt if its
+/// points are not labeled.
 std::optional<double> doubt_of(const debug::Subject& subject);
 
-/// Frames that are not reviewed and whose doubt is known, the most doubtful first.
+/// Unreviewed frames with known doubt, most doubtful first.
 std::vector<int> by_doubt(const State& state);
-/// Shows the frame after this one in that order, the first where this one has no place in it;
-/// begins the search where nothing is known yet. Throws Error where there is no doubt to know.
+/// Shows the next frame in that order, or the first if this frame is not in it; starts the search
+/// if nothing is known yet. Throws Error if doubt is not available.
 void show_doubtful_frame(State& state);
 
 }  // namespace planescope::desktop

@@ -1,4 +1,4 @@
-// Review queue of the label mode: building it, choosing items, and applying decisions.
+// Review queue of label mode: building it, choosing items, and applying decisions.
 
 #include "app/desktop/labeling/review.hpp"
 
@@ -26,7 +26,7 @@ FrameLabels read_other(const ReviewSides& sides) {
   return std::move(*other);
 }
 
-/// Where the queue has the region of an item of an earlier one; -1: nowhere.
+/// Index of the same region in a newer queue; -1: none.
 int place_in(const ReviewQueue& queue, const labels::Disagreement& item) {
   const auto same = std::ranges::find_if(queue.items, [&](const labels::Disagreement& one) {
     return one.kind == item.kind && one.pixel == item.pixel;
@@ -34,7 +34,7 @@ int place_in(const ReviewQueue& queue, const labels::Disagreement& item) {
   return same == queue.items.end() ? -1 : static_cast<int>(same - queue.items.begin());
 }
 
-/// Decided items stand behind those that are left.
+/// Moves decided items behind undecided ones.
 void undecided_first(ReviewQueue& queue) {
   std::ranges::stable_partition(queue.items,
                                 [](const labels::Disagreement& one) { return !one.note; });
@@ -51,7 +51,7 @@ std::string title_of(const labels::Disagreement& item, ReviewDecision decision) 
   return title;
 }
 
-/// Throws Error where the labels of an item are no longer those that the queue was made of.
+/// Throws Error if the labels of an item have changed since the queue was built.
 void expect_unchanged(const State& state, const labels::Disagreement& item) {
   const FrameLabels &before = *state.results.label.review->labels, &now = *state.labels();
   for (const std::uint32_t pixel : item.pixels)
@@ -60,7 +60,7 @@ void expect_unchanged(const State& state, const labels::Disagreement& item) {
       throw Error("the labels there have changed; the list is being updated");
 }
 
-/// Throws Error where an item of the queue belongs to locked or hidden planes.
+/// Throws Error if the item belongs to locked or hidden planes.
 void decide_on_item(const State& state,
                     labels::LabelDraft& draft,
                     labels::Disagreement& item,
@@ -70,7 +70,7 @@ void decide_on_item(const State& state,
   item.note = draft.labels.review.back();
 }
 
-/// One undo step; `next`: the queue with its decided items.
+/// Commits one undo step. `next` is the queue with its decided items.
 void commit_decisions(State& state,
                       const std::string& title,
                       labels::LabelDraft& draft,
@@ -79,12 +79,12 @@ void commit_decisions(State& state,
   const bool is_current = next->labels == state.labels();
   commit_and_say(state, title, draft, "already decided that way");
   next->labels_decided = decision == ReviewDecision::take || decision == ReviewDecision::ignore;
-  if (!next->labels_decided && is_current) next->labels = state.labels();  // no label differs
+  if (!next->labels_decided && is_current) next->labels = state.labels();  // no label changed
   undecided_first(*next);
   state.results.label.review = next;
 }
 
-/// Chooses the item to decide next, after the one at `place`.
+/// Chooses the next item to decide after index `place`.
 void go_on(State& state, int place) {
   const ReviewQueue& queue = *state.results.label.review;
   const int left = static_cast<int>(queue.undecided());
@@ -131,7 +131,7 @@ void take_queue(State& state, const std::shared_ptr<const ReviewQueue>& queue) {
   }
   const int left = static_cast<int>(queue->undecided());
   const bool goes_on = before->labels_decided && chosen >= 0 && left > 0;
-  // Otherwise the view stays where it is: somebody may be drawing in it.
+  // Otherwise keep the view, because the user may be drawing in it.
   goes_on ? choose_item(state, std::min(chosen, left - 1)) : choose_item(state, -1);
 }
 
@@ -243,7 +243,7 @@ void step_item(State& state, int by) {
   choose_item(state, now < 0 ? (by > 0 ? 0 : count - 1) : std::clamp(now + by, 0, count - 1));
 }
 
-/// `index` nothing: on the chosen item.
+/// Without an `index`, decides on the chosen item.
 void decide_on(State& state, ReviewDecision decision, const std::optional<int>& index) {
   if (index) state.view.label.review_item = *index;
   decide(state, decision);
@@ -276,7 +276,7 @@ SliverAction read_sliver_action(const State&, const std::string&, const std::str
   const auto at = std::ranges::find(names, text);
   if (at != names.end()) return static_cast<SliverAction>(at - names.begin());
   throw Error(
-      fmt::format("action review.slivers: '{}', expected show, keep, take or ignore", text));
+      fmt::format("action review.slivers: '{}'; expected show, keep, take or ignore", text));
 }
 
 void finish_review(State& state) {
@@ -295,7 +295,7 @@ void finish_review(State& state) {
 
 void compare_with(State& state, const std::string& folder) {
   const LabelWork work = label_work(state);
-  if (!folder.empty()) {  // so that a folder that cannot be compared with is refused at once
+  if (!folder.empty()) {  // reject an unusable folder immediately
     const auto other = labels::read_frame_labels(folder, work.frame.frame, work.frame.sha256);
     if (!other) throw Error(fmt::format("{}: no labels of frame {}", folder, work.frame.frame));
   }
@@ -363,7 +363,7 @@ void add_review_actions(std::vector<Action>& all) {
       .when(nullptr)
       .run(number("CM2"), [](State& s, double cm2) {
         if (!(cm2 >= 0 && cm2 <= kLargestRegion_cm2))
-          throw Error(fmt::format("action review.smallest: {} cm2, expected 0 to {:g}", cm2,
+          throw Error(fmt::format("action review.smallest: {} cm2; expected 0 to {:g}", cm2,
                                   kLargestRegion_cm2));
         s.view.label.review_smallest_cm2 = cm2;
       });

@@ -21,12 +21,12 @@
 namespace planescope::desktop {
 namespace {
 
-// ---- The mouse ---------------------------------------------------------------------------------
+// ---- Mouse -------------------------------------------------------------------------------------
 
-constexpr float kStep = 1.5f;    // [px] of a path
-constexpr double kNotch = 1.15;  // of the wheel
+constexpr float kStep = 1.5f;    // [px] between points of a path
+constexpr double kNotch = 1.15;  // factor per wheel notch
 
-/// With Alt or Ctrl the wand draws the lasso that it is to stay in.
+/// Whether the tool draws. With Alt or Ctrl, the wand draws a lasso that limits it.
 bool draws(const Ui& ui) {
   const LabelTool tool = ui.state.view.label.tool;
   const ImGuiIO& io = ImGui::GetIO();
@@ -34,7 +34,7 @@ bool draws(const Ui& ui) {
   return tool != LabelTool::polygon;
 }
 
-/// Window managers like to keep drags with Alt to themselves: Ctrl takes off, too.
+/// Ctrl subtracts like Alt, because many window managers intercept Alt-drag.
 labels::PaintMode mode_of(const ImGuiIO& io) {
   return io.KeyShift               ? labels::PaintMode::add
          : io.KeyAlt || io.KeyCtrl ? labels::PaintMode::subtract
@@ -57,7 +57,7 @@ LabelGesture gesture_of(const Ui& ui, const DrawingSurface& surface, const Label
   return gesture;
 }
 
-/// True where the path has changed.
+/// Returns true if the path has changed.
 bool follow(const DrawingSurface& surface, LabelTool tool, LabelDrag& drag) {
   const labels::Vec2f at = surface.to_view(ImGui::GetIO().MousePos);
   if ((at - drag.path.back()).norm() * surface.scale < kStep) return false;
@@ -129,7 +129,7 @@ void click_tool(const Ui& ui, const DrawingSurface& surface) {
   ui.act(drag.mode == labels::PaintMode::add ? "label.wand.add" : "label.wand", gesture);
 }
 
-/// What is under the mouse in either view is a depth pixel, in a cloud a point.
+/// The item under the mouse is a depth pixel, or in a cloud a point.
 void click_gravity(const Ui& ui) {
   const LabelFrame* frame = ui.state.label_frame();
   if (!frame || !ImGui::IsItemHovered() || !ImGui::IsMouseReleased(0)) return;
@@ -167,7 +167,7 @@ void point(const Ui& ui, const DrawingSurface& surface) {
   ui.act("label.hover", gesture);
 }
 
-// ---- What lies over the view -------------------------------------------------------------------
+// ---- Overlays ----------------------------------------------------------------------------------
 
 constexpr ImU32 kInk = IM_COL32(255, 255, 255, 255), kHalo = IM_COL32(0, 0, 0, 190);
 
@@ -182,9 +182,8 @@ void draw_names(const Ui& ui, const DrawingSurface& surface) {
   const int active = ui.state.view.label.plane;
   std::stable_partition(places.begin(), places.end(),
                         [&](const render::LabelPlace& one) { return one.plane == active; });
-  // Names on top of each other are of no use: where there is no room for all, zooming in makes
-  // room.
-  std::vector<ImVec4> drawn;  // from x, y to z, w
+  // Names must not overlap. If there is no room for all of them, zoom in.
+  std::vector<ImVec4> drawn;  // as x, y, z, w: left, top, right, bottom
   for (const render::LabelPlace& place : places) {
     const std::optional<ImVec2> at = surface.screen_of_pixel(place.pixel);
     if (!at) continue;
@@ -224,7 +223,7 @@ void draw_circle(const Ui& ui, ImVec2 middle, float radius) {
   draw->AddCircle(middle, radius, kInk, 0, ui.px(1.5f));
 }
 
-/// The path of a drag, and the circle that the brush covers.
+/// Draws the path of a drag, and the circle of the brush.
 void draw_drag(const Ui& ui, const DrawingSurface& surface) {
   const LabelView& view = ui.state.view.label;
   const LabelDrag& drag = ui.memory.label_drag;
@@ -242,7 +241,7 @@ void draw_drag(const Ui& ui, const DrawingSurface& surface) {
   draw_line(ui, line, view.tool != LabelTool::cut);
 }
 
-/// With the line that a click would add.
+/// Includes the line that a click would add.
 void draw_polygon(const Ui& ui, const DrawingSurface& surface) {
   const std::optional<OpenPolygon>& open = ui.state.view.label.polygon;
   if (!open || open->where != surface.where) return;
@@ -253,7 +252,7 @@ void draw_polygon(const Ui& ui, const DrawingSurface& surface) {
   draw_line(ui, line, line.size() > 2);
 }
 
-/// The lasso that the wand stays in, in the view that it was drawn in.
+/// Draws the lasso that limits the wand, in the view in which it was drawn.
 void draw_bound(const Ui& ui, const DrawingSurface& surface) {
   const std::shared_ptr<const WandBound>& bound = ui.state.view.label.bound;
   if (!bound || bound->drawn.where != surface.where) return;
@@ -266,7 +265,7 @@ void draw_bound(const Ui& ui, const DrawingSurface& surface) {
   draw_line(ui, line, true);
 }
 
-/// Where the mouse is in the other view.
+/// Draws the mouse position in the other view.
 void draw_pointed(const Ui& ui, const DrawingSurface& surface) {
   const std::int64_t pixel = ui.state.view.label.hover;
   if (pixel < 0 || ui.memory.label_pointing.where == surface.where) return;
@@ -330,7 +329,7 @@ std::string pointed_text(const State& state) {
   return text;
 }
 
-/// What the colours of distances mean.
+/// Draws the scale of residual colors.
 void draw_residual_scale(const Ui& ui, const DrawingSurface& surface) {
   if (const std::optional<render::Residual> residual = residual_of(ui.state))
     draw_scale_bar(
@@ -343,7 +342,7 @@ void draw_residual_scale(const Ui& ui, const DrawingSurface& surface) {
         surface.min, surface.max);
 }
 
-/// In a corner on the left of the view that the mouse is or was over, away from it.
+/// Drawn in a left corner of the view that the mouse is or was last over, away from the mouse.
 void draw_facts(const Ui& ui, const DrawingSurface& surface) {
   const LabelPointing& pointing = ui.memory.label_pointing;
   if (pointing.where != surface.where) return;
@@ -394,7 +393,7 @@ bool wheel_sizes(const Ui& ui) {
 }
 
 void use_label_tool(const Ui& ui, const DrawingSurface& surface) {
-  // Released while another tool or mode was in hand: must not be finished when this one is back.
+  // Forget a drag that was released under another tool or mode, so that it is not completed later.
   if (!ImGui::IsMouseDown(0) && !ImGui::IsMouseReleased(0)) ui.memory.label_drag.on = false;
   if (tells_gravity(ui.state.view.click)) {
     click_gravity(ui);

@@ -1,7 +1,7 @@
 #pragma once
 
-// A view of the label mode in which tools work: what the mouse does there, and what lies over the
-// view: planes' names, the shape being drawn, what is under the mouse, what the wand found.
+// A label view in which tools work: mouse handling and overlays (plane names, the shape being
+// drawn, the item under the mouse, the wand's result).
 
 #include <functional>
 #include <optional>
@@ -12,14 +12,14 @@
 
 namespace planescope::desktop {
 
-/// A view that tools work in, as it lies on screen.
+/// Position and scale of a view in which tools work.
 struct DrawingSurface {
   DrawnIn where = DrawnIn::image;
-  int width = 0, height = 0;  // of the view in space
-  ImVec2 min, max;            // of the room
-  ImVec2 origin;              // of the view's places ...
-  float scale = 1;            // ... and their size on screen
-  std::function<std::optional<ImVec2>(std::uint32_t)> screen_of_pixel;  // where it can be seen
+  int width = 0, height = 0;  // of the 3D view
+  ImVec2 min, max;            // area on screen
+  ImVec2 origin;              // screen position of the view's origin ...
+  float scale = 1;            // ... and screen pixels per view pixel
+  std::function<std::optional<ImVec2>(std::uint32_t)> screen_of_pixel;  // nullopt if not visible
 
   labels::Vec2f to_view(ImVec2 at) const {
     return {(at.x - origin.x) / scale, (at.y - origin.y) / scale};
@@ -29,16 +29,16 @@ struct DrawingSurface {
   }
 };
 
-/// Follows the mouse over the ImGui item drawn last, and draws with the tool in hand.
+/// Tracks the mouse over the last drawn item and applies the current tool.
 void use_label_tool(const Ui& ui, const DrawingSurface& surface);
-/// Sizes the tool in hand by the wheel, over the item drawn last. True where it did: then the wheel
-/// does not zoom.
+/// Changes the current tool's size with the wheel over the last drawn item. Returns true if it did;
+/// the wheel then must not zoom.
 bool wheel_sizes(const Ui& ui);
-/// Whether the left button moves the view: the tool in hand does not drag.
+/// Whether the left button pans the view, because the current tool does not use drags.
 bool left_button_moves(const Ui& ui);
 
 void draw_label_overlay(const Ui& ui, const DrawingSurface& surface);
-/// A few words in a box with its upper left corner at `at`; returns its height.
+/// Draws a short text in a box with its upper left corner at `at`; returns its height.
 float draw_badge(const Ui& ui, ImVec2 at, const std::string& text, ImU32 ground, ImU32 ink);
 
 }  // namespace planescope::desktop

@@ -21,7 +21,7 @@ namespace planescope::desktop {
 
 namespace {
 
-constexpr double kRoom = 2;  // what is around a region says where it is
+constexpr double kRoom = 2;  // shows the surroundings of a region
 
 void look_on_image(ViewState& view,
                    const labels::LabelGrid& grid,
@@ -40,7 +40,7 @@ void look_on_image(ViewState& view,
   view.image_center = Vec2d((u0 + u1) / 2.0 / grid.width, (v0 + v1) / 2.0 / grid.height);
 }
 
-/// Looks at the pixels from the direction in which the camera stands now.
+/// Moves the camera to the pixels, keeping its direction.
 render::Camera camera_at(render::Camera camera,
                          const LabelFrame& frame,
                          std::span<const std::uint32_t> pixels) {
@@ -318,9 +318,9 @@ LabelGesture read_gesture(const std::string& action,
   return gesture;
 }
 
-constexpr float kReach_px = 4;    // of a click
+constexpr float kReach_px = 4;    // around a click
 constexpr float kGap_px = 20;     // to the points around a gap in a sparse surface
-constexpr float kBefore = 0.97f;  // of the depth of what is seen through it
+constexpr float kBefore = 0.97f;  // fraction of the depth of a point seen through it
 
 render::Camera camera_in_force(const State& state, int width, int height) {
   return scene_camera(state, static_cast<double>(width) / height);
@@ -340,8 +340,8 @@ labels::SpaceView space_view(const LabelFrame& frame,
   return space;
 }
 
-/// The frame's points in a view of that size, through the camera in force. Kept in the state until
-/// the camera, the size, the frame or what is hidden changes. The frame and its labels are there.
+/// The frame's points in a view of this size from the current camera. Cached in the state until the
+/// camera, size, frame or hidden planes change. Requires a frame and its labels.
 const labels::SeenPoints& sight(State& state, int width, int height) {
   const std::shared_ptr<const LabelFrame>& frame = state.results.label.frame;
   const std::shared_ptr<const FrameLabels> labels = state.labels();
@@ -363,7 +363,7 @@ const labels::SeenPoints& sight(State& state, int width, int height) {
   return state.view.label.sight->points;
 }
 
-/// The point of a cloud that is drawn over a place, before all others; -1 where none is.
+/// The frontmost cloud point drawn over a position; -1: none.
 std::int64_t point_drawn_at(const labels::SeenPoints& seen, const labels::Vec2f& place) {
   std::int64_t front = -1;
   for (std::size_t i = 0; i < seen.radius_px.size(); ++i) {
@@ -374,8 +374,8 @@ std::int64_t point_drawn_at(const labels::SeenPoints& seen, const labels::Vec2f&
   return front;
 }
 
-/// Where points before `drawn` lie all around the place, their surface is meant, through whose gaps
-/// it is seen: the nearest of them to the place; else `drawn` itself.
+/// A point seen through a gap in a nearer surface: if points in front of `drawn` surround the
+/// position, returns the nearest of them to the position, otherwise `drawn`.
 std::int64_t point_meant_at(const labels::SeenPoints& seen,
                             const labels::Vec2f& place,
                             std::int64_t drawn) {
@@ -395,7 +395,7 @@ std::int64_t point_meant_at(const labels::SeenPoints& seen,
   return sides == 0xF ? best : drawn;
 }
 
-/// The point that is seen at a place, as its pixel; -1 where there is none nearby.
+/// The pixel of the point visible at a position; -1 if there is none nearby.
 std::int64_t pixel_seen_at(const labels::SeenPoints& seen, const labels::Vec2f& place) {
   if (const std::int64_t front = point_drawn_at(seen, place); front >= 0)
     return point_meant_at(seen, place, front);

@@ -1,4 +1,4 @@
-// The menu of what was clicked with the right button: what can be done with it.
+// Context menu of right-clicked items.
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ std::string pixel_text(const Pixel& at) { return fmt::format("{},{}", at.u, at.v
 
 std::string key_of(const char* action) { return first_key(find_action(action)); }
 
-/// A thing that is selected first, and then what is done with it.
+/// Entries that select the item first and then run an action.
 struct Menu {
   const State& state;
   Command select;
@@ -27,11 +27,11 @@ struct Menu {
   void add(const std::string& name, const std::string& title, Commands commands) {
     entries.push_back({name, title, "", std::move(commands)});
   }
-  /// An action on what is selected.
+  /// Adds an action on the selected item.
   void act(const std::string& name, const std::string& title, const char* action) {
     entries.push_back({name, title, key_of(action), {select, {action}}});
   }
-  /// `click`: what a click on it would hit; nothing: nothing that can be measured.
+  /// `click` is the result of a click on the item; nothing: it cannot be measured.
   void add_common(const Clicked& click, const std::string& copied) {
     Commands isolate = {select};
     if (!state.view.isolated) isolate.push_back({"isolate"});
@@ -149,7 +149,7 @@ std::vector<ContextEntry> context_entries(const State& state, const PointedAt& a
 
 namespace {
 
-/// A run may have come in since the menu was opened.
+/// A new run may have arrived since the menu was opened.
 bool is_there(const State& state, const PointedAt& at) {
   const debug::Run& run = *state.run();
   const auto below = [&](std::size_t size) {

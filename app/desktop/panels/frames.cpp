@@ -1,4 +1,4 @@
-// The recordings that are open, and the frames of the one looked at.
+// Panels of open recordings and of the current recording's frames, and the status bar.
 
 #include <fmt/format.h>
 
@@ -47,7 +47,7 @@ void draw_progress(const Ui& ui) {
   action_button(ui, "strip.cancel", "stop");
 }
 
-/// A cheap hash that changes with the picture: it samples a few of its bytes.
+/// A cheap hash that detects changes by sampling some of the bytes.
 std::uint64_t version_of(const Image8& image) {
   std::uint64_t hash = 1469598103934665603u ^ image.data.size();
   for (std::size_t i = 0; i < image.data.size(); i += 97)
@@ -57,7 +57,8 @@ std::uint64_t version_of(const Image8& image) {
 
 constexpr ImU32 kFlagGround = IM_COL32(16, 18, 22, 215);
 
-/// A few words on a thumbnail with a coloured edge on the left; `corner` is the upper right one.
+/// Draws a short text on a thumbnail, with a colored edge on the left and the upper right corner at
+/// `corner`.
 WidgetRect draw_flag(
     const Ui& ui, ImVec2 corner, const std::string& text, ImU32 edge, float indent) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -70,8 +71,8 @@ WidgetRect draw_flag(
   return {from, to};
 }
 
-/// Planes labeled in a frame of clouds, in the label mode; nullopt otherwise, or where it was not
-/// opened.
+/// Number of planes labeled in a frame of clouds, in label mode; nullopt in other modes and for
+/// unopened frames.
 std::optional<std::size_t> labeled_planes(const Ui& ui, int frame) {
   const labels::LabelStore* store = ui.state.document.current()->labels.get();
   const LabelFrame* shown = ui.state.label_frame();
@@ -82,8 +83,8 @@ std::optional<std::size_t> labeled_planes(const Ui& ui, int frame) {
   return labels->planes.size();
 }
 
-/// What became of the frame, in the thumbnail's corner: found of the true planes, labeled of the
-/// found ones, or just found.
+/// Draws the result in the thumbnail's corner: planes found out of the true ones, labeled out of
+/// the found ones, or just found.
 void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, int frame, ImVec2 corner) {
   if (thumbnail.planes < 0 && thumbnail.refusal.empty()) return;
   std::string text = counted(static_cast<std::size_t>(std::max(0, thumbnail.planes)), "plane");
@@ -157,7 +158,7 @@ void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
     const TextureId texture =
         ui.canvas->picture(fmt::format("frame.{}.{}", ui.state.document.recording, frame),
                            thumbnail.image, version_of(thumbnail.image));
-    // As wide as there is room, or as high: pictures keep their proportions.
+    // Fit the picture, keeping its aspect ratio.
     const float scale = std::min(size.x / static_cast<float>(thumbnail.image.width),
                                  size.y / static_cast<float>(thumbnail.image.height));
     const float w = scale * static_cast<float>(thumbnail.image.width);
@@ -191,14 +192,14 @@ void draw_strip(const Ui& ui) {
   const float width = ImGui::GetContentRegionAvail().x;
   const ImVec2 size(width, std::round(0.75f * width));
   const float row = size.y + ImGui::GetStyle().ItemSpacing.y;
-  // The frame looked at is kept in view when it changes, not when one scrolls away from it.
+  // Scroll to the current frame when it changes, but let the user scroll away from it.
   double& shown = ui.memory.numbers["frames.shown"];
   const auto wanted = static_cast<double>(1 + ui.state.document.frame);
   if (shown != wanted && count > 0) {
     const float top = row * static_cast<float>(ui.state.document.frame);
     const float scroll = ImGui::GetScrollY(), height = ImGui::GetWindowHeight();
     if (top < scroll || top + row > scroll + height) ImGui::SetScrollY(top - (height - row) / 2);
-    // A list that is new has its length, and can be scrolled, from its second frame on.
+    // A new list can only be scrolled from its second frame on.
     if (ImGui::GetScrollMaxY() > 0 || row * static_cast<float>(count) <= height) shown = wanted;
   }
   ImGuiListClipper clipper;
@@ -219,11 +220,11 @@ void draw_frames(const Ui& ui) {
 
 namespace {
 
-/// The recording and the frame that is looked at, with its gravity.
+/// The current recording and frame, and its gravity.
 std::string left_text(const State& state) {
   const OpenRecording* open = state.document.current();
   if (!open) return "No recording is open";
-  // Numbered from 0, as everywhere.
+  // Frames are numbered from 0 everywhere.
   const int frames = open->recording->frame_count();
   std::string text = fmt::format("{}  ·  frame {} ({} frame{})", open->path.filename().string(),
                                  state.document.frame, frames, frames == 1 ? "" : "s");
@@ -240,7 +241,7 @@ std::string left_text(const State& state) {
   return text;
 }
 
-/// The state of the labels: what keeps them from being saved comes first.
+/// State of the labels; anything that prevents saving comes first.
 std::string label_text(const State& state) {
   const labels::LabelStore* store = state.document.current()->labels.get();
   if (!store) return "";
@@ -276,7 +277,7 @@ std::string right_text(const State& state) {
   return text;
 }
 
-/// Above the status bar, wrapped.
+/// Draws a wrapped message above the status bar.
 void draw_long_message(const Ui& ui, const std::string& message, ImU32 color) {
   const ImVec2 bar = ImGui::GetWindowPos();
   const float margin = ui.px(8), width = std::min(ui.px(640), ImGui::GetWindowWidth() - 2 * margin);

@@ -1,4 +1,4 @@
-// What lists actions: the menu bar, the palette, the key sheet.
+// Lists of actions: the menu bar, the palette and the key sheet.
 
 #include <fmt/format.h>
 
@@ -12,11 +12,11 @@
 
 namespace planescope::desktop {
 
-// ---- The menu bar -------------------------------------------------------------------------------
+// ---- Menu bar -----------------------------------------------------------------------------------
 
 namespace {
 
-/// Actions of a group stand together: mostly by what their names begin with.
+/// Group of an action within a menu, mostly the prefix of its name.
 std::string group_of(const Action& action) {
   static const std::map<std::string, std::string> also = {
       {"image", "show"},   {"compare", "run"},   {"point", "select"}, {"zoom", "theme"},
@@ -29,7 +29,7 @@ std::string group_of(const Action& action) {
 }  // namespace
 
 void draw_menu(const Ui& ui) {
-  // In the order in which the table first names each menu.
+  // Menus in order of their first appearance in the table.
   std::vector<std::string> menus;
   for (const Action& action : action_table())
     if (!action.menu.empty() && fits(action, ui.state.view.mode) &&
@@ -55,13 +55,13 @@ void draw_menu(const Ui& ui) {
   }
 }
 
-// ---- The palette --------------------------------------------------------------------------------
+// ---- Palette ------------------------------------------------------------------------------------
 
 namespace {
 
 constexpr int kMostShown = 14;
 
-/// "Ctrl+Shift+Z / Ctrl+Y": all keys of an action.
+/// All keys of an action: "Ctrl+Shift+Z / Ctrl+Y".
 std::string keys_text(const Action& action) {
   std::string text;
   for (const char c : action.keys) text += c == ' ' ? std::string(" / ") : std::string(1, c);
@@ -74,7 +74,7 @@ void close(const Ui& ui) {
   ui.act("palette");
 }
 
-/// Of a folder that cannot be read there is nothing.
+/// Returns nothing for unreadable folders.
 std::vector<std::string> completed_paths(const std::string& typed) {
   namespace fs = std::filesystem;
   constexpr std::size_t kMost = 8;
@@ -95,7 +95,7 @@ std::vector<std::string> completed_paths(const std::string& typed) {
   return found;
 }
 
-/// What there is that begins with what was typed; a click, or Tab where it is the first, takes it.
+/// Lists existing paths that begin with the typed text. Click to insert one; Tab inserts the first.
 void draw_paths(const Ui& ui) {
   std::string& text = ui.memory.palette_text;
   const std::vector<std::string> found = completed_paths(text);
@@ -105,11 +105,11 @@ void draw_paths(const Ui& ui) {
     ui.name(fmt::format("palette.path.{}", i));
     if (!clicked && !(tab && i == 0)) continue;
     text = found[i];
-    ImGui::ClearActiveID();  // the box takes the text anew, and the keyboard in the next frame
+    ImGui::ClearActiveID();  // makes the box reload its text
   }
 }
 
-/// Recordings that were Recent, dim where they are no longer there.
+/// Lists recent recordings; missing ones are dimmed.
 void draw_recent(const Ui& ui) {
   const std::vector<std::filesystem::path>& recent = ui.state.document.recent;
   if (!recent.empty()) ImGui::TextDisabled("Recent");
@@ -125,7 +125,7 @@ void draw_recent(const Ui& ui) {
   }
 }
 
-/// The argument of one action, typed: a path, most of the time.
+/// Asks for the argument of an action, usually a path.
 void draw_question(const Ui& ui, const Action& action, bool entered) {
   ImGui::TextDisabled(
       action.takes == "PATH" ? "Path, then Enter; Esc cancels" : "%s, then Enter; Esc cancels",
@@ -139,7 +139,7 @@ void draw_question(const Ui& ui, const Action& action, bool entered) {
     draw_recent(ui);
   else if (action.takes.starts_with("PATH"))
     draw_paths(ui);
-  // It closes once the action could take that.
+  // The palette closes once the action accepts the argument.
   if (entered && !ui.memory.palette_text.empty())
     ui.commands.push_back({action.name, ui.memory.palette_text});
 }
@@ -169,7 +169,7 @@ void draw_palette(const Ui& ui) {
       "##typed", asked ? asked->title.c_str() : "Find an action: step, filter, camera, theme …",
       &memory.palette_text, ImGuiInputTextFlags_EnterReturnsTrue);
   ui.name("palette.text");
-  // While one types, Escape belongs to the text box and triggers no action.
+  // While typing, Escape belongs to the text box and triggers no action.
   if (ImGui::IsItemDeactivated() && went_down(ImGuiKey_Escape)) close(ui);
   if (asked) {
     draw_question(ui, *asked, entered);
@@ -207,13 +207,13 @@ void draw_palette(const Ui& ui) {
   if (entered && shown > 0) chosen = &found[static_cast<std::size_t>(memory.palette_index)];
   if (chosen) {
     close(ui);
-    // What needs an argument opens the palette again and asks.
+    // An action with an argument opens the palette again to ask for it.
     ui.commands.push_back({chosen->action->name, chosen->argument});
   }
   ImGui::End();
 }
 
-// ---- The key sheet ------------------------------------------------------------------------------
+// ---- Key sheet ----------------------------------------------------------------------------------
 
 namespace {
 
@@ -244,7 +244,7 @@ std::span<const Gesture> gestures(Mode mode) {
   return kDebuggerMouse;
 }
 
-/// In lines of as many as there is room for.
+/// Wraps gestures to the available width.
 void draw_gestures(const Ui& ui) {
   colored(ui.colors.accent, "Mouse");
   ui.name("keys.mouse");
@@ -259,7 +259,7 @@ void draw_gestures(const Ui& ui) {
   }
 }
 
-/// The first of its keys that means this action and no other here; empty where none does.
+/// The first key that triggers this action and no other in this mode; empty if there is none.
 std::string key_here(const Action& action, Mode mode) {
   if (action.key_is_argument) {
     const std::string& keys = action.keys;
@@ -294,7 +294,7 @@ std::size_t lines_of(const Column& column) {
   return lines;
 }
 
-/// Menus from top to bottom, in columns of about the same length.
+/// Distributes menus over columns of about equal length.
 std::vector<Column> columns(Mode mode) {
   std::vector<Section> all = sections(mode);
   const std::size_t each = lines_of(all) / kColumns;
@@ -308,7 +308,7 @@ std::vector<Column> columns(Mode mode) {
   return columns;
 }
 
-/// The width of the widest text of a column's actions.
+/// Width of the widest text in a column.
 template <typename TextOf>
 float widest(const Column& column, const TextOf& text_of) {
   float width = 0;
@@ -324,7 +324,7 @@ void draw_column(const Ui& ui, const Column& column, float title_at) {
     for (const Action* action : section.actions) {
       ImGui::TextUnformatted(key_here(*action, ui.state.view.mode).c_str());
       ui.name("keys." + action->name);
-      ImGui::SameLine(title_at);  // from the group's left
+      ImGui::SameLine(title_at);  // relative to the group's left
       ImGui::TextDisabled("%s", action->title.c_str());
     }
     ImGui::Dummy(ImVec2(1, ui.px(4)));

@@ -1,5 +1,4 @@
-// What a recording needs before its frames can be run, what was assumed about it, and where gravity
-// is from.
+// Panels for missing intrinsics, assumptions about a recording, and gravity.
 
 #include <fmt/format.h>
 
@@ -31,7 +30,7 @@ void fill_in(const Ui& ui, const Intrinsics& k, double depth_unit_m) {
   ui.memory.texts[kUnit] = fmt::format("{:g}", depth_unit_m);
 }
 
-/// Choices and fields of this recording, found once.
+/// Camera choices and fields of this recording, computed once.
 const std::vector<io::CameraChoice>& choices_of(const Ui& ui, const OpenRecording& open) {
   CameraForm& form = ui.memory.camera_form;
   if (form.of != open.recording) {
@@ -44,11 +43,11 @@ const std::vector<io::CameraChoice>& choices_of(const Ui& ui, const OpenRecordin
   return form.choices;
 }
 
-/// A labeled box in a table; its number, if that is above 0.
+/// Draws a labeled input box in a table; returns its number if it is above 0.
 std::optional<double> draw_field(const Ui& ui, const char* title, const std::string& widget) {
   std::string& text = ui.memory.texts[widget];
   ImGui::TableNextColumn();
-  ImGui::AlignTextToFramePadding();  // all titles at one height
+  ImGui::AlignTextToFramePadding();  // aligns all titles
   ImGui::TextDisabled("%s", title);
   ImGui::SetNextItemWidth(-1);
   ImGui::InputText(("##" + widget).c_str(), &text);
@@ -95,7 +94,7 @@ bool draw_camera_setup(const Ui& ui) {
                               "them, or choose a camera.",
                               open->path.filename().string(), info.width, info.height));
   ImGui::Spacing();
-  std::string wrong;  // the first field without a number above 0
+  std::string wrong;  // the first field whose value is not above 0
   CameraEntry entry;
   const float width = std::min(ui.px(560), ImGui::GetContentRegionAvail().x);
   if (ImGui::BeginTable("fields", width < ui.px(420) ? 3 : 5, ImGuiTableFlags_SizingStretchSame,
@@ -170,23 +169,23 @@ namespace {
 
 constexpr double kFarShare = 0.1;         // of the measured points
 constexpr double kLeastConfidence = 0.5;  // of estimated gravity
-constexpr double kPointsPerEdge = 2.5;    // along a voxel: fewer are not too coarse
+constexpr double kPointsPerEdge = 2.5;    // along a voxel edge; fewer are not too coarse
 
-/// The next range worth a try; 0: none.
+/// The next wider range to try; 0: none.
 double wider_range(double range_m) {
   for (const double wider : {4.0, 10.0})
     if (range_m < 0.99 * wider) return wider;
   return 0;
 }
 
-/// Distance between neighboring points, as if each voxel held a square of surface.
+/// Distance between neighboring points, assuming that each voxel contains a square of surface.
 double spacing_m(const debug::Subject& subject) {
   const auto points = static_cast<double>(subject.prepared.cloud.points.size());
   const auto voxels = static_cast<double>(subject.voxel_count());
   return voxels > 0 ? subject.prepared.voxels.size_m / std::sqrt(points / voxels) : 0;
 }
 
-/// The finest of the usual sizes that still holds some points.
+/// The smallest of the usual sizes that still contains several points.
 double voxel_for(double spacing_m) {
   for (const double size : {0.002, 0.005, 0.01})
     if (size > kPointsPerEdge * spacing_m) return size;
@@ -229,7 +228,7 @@ std::vector<Assumption> assumptions_of(const State& state) {
   if (gravity.known() && gravity.confidence < kLeastConfidence)
     all.push_back({fmt::format("Gravity uncertain ({:.0f} %)", 100 * gravity.confidence),
                    "click the floor",
-                   "Gravity was estimated from the scene. A click on a floor or a wall settles it.",
+                   "Gravity was estimated from the scene. Click a floor or a wall to set it.",
                    {"gravity.click.floor"}});
   if (subject.frame.is_cloud()) {
     const double size = subject.prepared.voxels.size_m, spacing = spacing_m(subject);
@@ -244,8 +243,8 @@ std::vector<Assumption> assumptions_of(const State& state) {
   if (info.color_note.starts_with("assumed aligned") && subject.frame.color.channels == 3)
     all.push_back({"Color assumed aligned",
                    "check",
-                   "Color and depth have the same size, and nothing says that they are aligned. "
-                   "Edges of depth over color show whether they are.",
+                   "Color and depth have the same size, but the recording does not declare them "
+                   "aligned. Compare the depth edges with the color image to check.",
                    {"image.edges"}});
   return all;
 }
@@ -282,7 +281,7 @@ void draw_click_line(const Ui& ui) {
       "Gravity is unknown, so nothing is horizontal or vertical. Click a floor or a wall:";
   if (click == Click::floor) text = "Click a floor. Esc cancels.";
   if (click == Click::wall) text = "Click a wall. Esc cancels.";
-  ImGui::AlignTextToFramePadding();  // beside the buttons, where there is room
+  ImGui::AlignTextToFramePadding();  // align with the buttons beside it
   paragraph(ui.colors.warning, text);
   ui.name("gravity.line");
   same_line_if_fits("floor  wall  ");

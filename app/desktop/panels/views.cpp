@@ -1,4 +1,4 @@
-// The scene and the camera's image at the cursor, and what is measured over them.
+// The scene view and the image view at the cursor, and measurements drawn over them.
 
 #include "app/desktop/views.hpp"
 
@@ -16,7 +16,7 @@
 
 namespace planescope::desktop {
 
-// ---- The scene: drags turn and move it, a click selects, a right click opens a menu -------------
+// ---- Scene: drag to orbit and pan, click to select, right-click for a menu ----------------------
 
 namespace {
 
@@ -62,7 +62,7 @@ render::Picked seen_at_mouse(const Ui& ui, const ScenePlacement& placed) {
                          static_cast<int>(mouse.y - placed.min.y), static_cast<int>(ui.px(4)));
 }
 
-/// What is seen at the mouse or, where nothing is, the depth pixel of that place.
+/// The visible item under the mouse or, if there is none, the depth pixel in that direction.
 PointedAt pointed_at(const Ui& ui, const ScenePlacement& placed) {
   PointedAt found{.what = seen_at_mouse(ui, placed)};
   if (found.what.kind != render::Picked::Kind::nothing) return found;
@@ -136,7 +136,7 @@ void draw_view3d(const Ui& ui) {
   if (ImGui::IsItemHovered() && here_below) {
     const bool pressed = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
     const bool released = ImGui::IsMouseReleased(0) && !was_dragged();
-    const bool playing = ui.state.view.playing.direction != 0;  // nobody reads that fast
+    const bool playing = ui.state.view.playing.direction != 0;  // too fast to read
     if (ImGui::IsMouseReleased(1) && !was_dragged(1)) clicked = pointed_at(ui, *placed);
     if (!pressed && !clicked && (released || !playing)) {
       if (released)
@@ -151,11 +151,11 @@ void draw_view3d(const Ui& ui) {
   draw_sides(ui, "view3d", placed->min, placed->max);
 }
 
-// ---- The image: a click selects, a drag moves it or marks a region ------------------------------
+// ---- Image: click to select, drag to pan or to mark a region ------------------------------------
 
 namespace {
 
-/// The rectangle that is being marked.
+/// Handles marking a rectangle.
 void mark_by_mouse(const Ui& ui, const ImagePlacement& placed) {
   const ImGuiIO& io = ImGui::GetIO();
   if (ImGui::IsItemActive()) {
@@ -169,7 +169,7 @@ void mark_by_mouse(const Ui& ui, const ImagePlacement& placed) {
   ui.act("mark.pixels", std::array{whole(from.x), whole(from.y), whole(to.x + 1), whole(to.y + 1)});
 }
 
-/// What is at the mouse; nothing off the image.
+/// The item under the mouse; nullopt outside the image.
 std::optional<PointedAt> pointed_at(const State& state, const ImagePlacement& placed) {
   const ImVec2 uv = placed.to_image(ImGui::GetIO().MousePos);
   if (!placed.holds(uv)) return std::nullopt;
@@ -182,7 +182,7 @@ std::optional<PointedAt> pointed_at(const State& state, const ImagePlacement& pl
   return at;
 }
 
-/// What was clicked with the right button.
+/// Handles the mouse; returns the right-clicked item.
 std::optional<PointedAt> handle_mouse(const Ui& ui, const ImagePlacement& placed) {
   zoom_image(ui, placed);
   const bool dragged = was_dragged();
@@ -206,7 +206,7 @@ std::optional<PointedAt> handle_mouse(const Ui& ui, const ImagePlacement& placed
   return ImGui::IsMouseReleased(1) && !was_dragged(1) ? at : std::nullopt;
 }
 
-/// "u 320, v 240: 1.234 m" and what is known of the voxel.
+/// "u 320, v 240: 1.234 m" and the voxel's description.
 std::string readout(const State& state, ImVec2 uv) {
   const debug::Subject& subject = *state.run()->subject;
   const int u = static_cast<int>(uv.x), v = static_cast<int>(uv.y);
@@ -268,14 +268,14 @@ void draw_image(const Ui& ui) {
   draw_sides(ui, "image", placed->area_min, placed->area_max);
 }
 
-// ---- What is measured between two clicks, in words and over the views ---------------------------
+// ---- Measurements, in words and over the views --------------------------------------------------
 
 namespace {
 
-/// Where a place in the sensor's axes is on screen; nothing where it is not.
+/// Projects a point in sensor coordinates to the screen; nullopt if it is not visible.
 using ToScreen = std::function<std::optional<ImVec2>(const Vec3d&)>;
 
-/// Legs shorter than this say nothing of their own.
+/// Shorter legs are not worth showing.
 constexpr double kLeastLeg_m = 0.01;
 
 void draw_line(const Ui& ui, const ToScreen& to_screen, const Vec3d& a, const Vec3d& b, float px) {
@@ -294,7 +294,7 @@ void draw_end(const Ui& ui, const ToScreen& to_screen, const Vec3d& at) {
   draw->AddCircleFilled(*middle, ui.px(3.5f), ui.colors.warning);
 }
 
-/// Beside the middle of a line, on the side that is given: -1 left, 1 right.
+/// Draws text beside the middle of a line, on the given side: -1 left, 1 right.
 void draw_text(const Ui& ui,
                const ToScreen& to_screen,
                const Vec3d& middle,
@@ -318,7 +318,7 @@ void draw_over(const Ui& ui, const ToScreen& to_screen) {
   if (ends.size() < 2) return draw_end(ui, to_screen, ends[0].point);
   const debug::Measurement measured = debug::measure(*ui.state.run()->subject, ends[0], ends[1]);
   const auto& [from, to, corner] = std::tie(measured.from, measured.to, measured.corner);
-  // Up and across apart, where the line is neither.
+  // Show horizontal and vertical legs of a slanted line.
   const double up_m = std::abs(measured.height_m.value_or(0));
   const bool has_legs = up_m >= kLeastLeg_m && (corner - from).norm() >= kLeastLeg_m;
   if (has_legs) {
@@ -370,7 +370,7 @@ void draw_measured(const Ui& ui, const ImagePlacement& placed) {
   const Intrinsics& k = ui.state.run()->subject->frame.intrinsics;
   draw_over(ui, [&](const Vec3d& at) -> std::optional<ImVec2> {
     if (at.z() <= 0) return std::nullopt;
-    // Of lenses that distort a little beside the pixel.
+    // Slightly off the pixel for lenses with distortion.
     return placed.to_screen(static_cast<float>(k.fx * at.x() / at.z() + k.cx + 0.5),
                             static_cast<float>(k.fy * at.y() / at.z() + k.cy + 0.5));
   });

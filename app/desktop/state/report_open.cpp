@@ -1,4 +1,5 @@
-// From a line of a report to its recording and run, and to where in the run the window begins.
+// Opens a location in a report: finds its recording and run, and the step at which the window
+// starts.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -25,9 +26,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where a file that was typed when the report was made may be, those that are there: from here,
-/// from the report's folder on, beside the report, and from the folders above on, where reports are
-/// mostly run. Not the report itself.
+/// Existing paths for a file typed when the report was created: relative to the current folder, to
+/// the report's folder and to its parents, where reports are usually started, or beside the report.
+/// The report itself is excluded.
 std::vector<fs::path> places_of(const fs::path& typed, const fs::path& report) {
   const fs::path folder = fs::absolute(report).parent_path();
   const fs::path name = typed.has_filename() ? typed.filename() : typed.parent_path().filename();
@@ -47,8 +48,8 @@ const report::ReportRecording& recording_of(const report::Report& report,
                                             const report::ReportTarget& target) {
   const auto count = report.recordings.size();
   if (static_cast<std::size_t>(target.recording) > count)
-    throw Error(fmt::format("{}: r{} is not in it, it has {}", target.file.string(),
-                            target.recording, counted(count, "recording")));
+    throw Error(fmt::format("{}: has no r{}; it has {}", target.file.string(), target.recording,
+                            counted(count, "recording")));
   return report.recordings[static_cast<std::size_t>(target.recording) - 1];
 }
 
@@ -62,22 +63,22 @@ const report::ReportFrame& frame_of(const report::ReportRecording& recording,
   constexpr std::size_t kMost = 12;
   const bool more = numbers.size() > kMost;
   if (more) numbers.resize(kMost);
-  throw Error(fmt::format("{}: f{} is not in it, of {} it has frame {}{}", target.file.string(),
+  throw Error(fmt::format("{}: has no f{}; its frames of {} are {}{}", target.file.string(),
                           std::max(0, target.frame), recording.name, fmt::join(numbers, ", "),
                           more ? ", ..." : ""));
 }
 
-/// `file`: whose frame it is.
+/// `file` is the report that contains the frame.
 void expect_plane(const report::ReportFrame& frame,
                   const report::ReportTarget& target,
                   const fs::path& file) {
   const char* letters = target.of_baseline ? "was" : "p";
   const auto count = frame.planes.size();
   if (!frame.refused.empty())
-    throw Error(fmt::format("{}: {}{} is not in it, frame {} was refused: {}", file.string(),
-                            letters, target.plane, frame.index, frame.refused));
+    throw Error(fmt::format("{}: has no {}{}: frame {} was rejected: {}", file.string(), letters,
+                            target.plane, frame.index, frame.refused));
   if (static_cast<std::size_t>(target.plane) > count)
-    throw Error(fmt::format("{}: {}{} is not in it, frame {} has {}", file.string(), letters,
+    throw Error(fmt::format("{}: has no {}{}: frame {} has {}", file.string(), letters,
                             target.plane, frame.index, counted(count, "plane")));
 }
 
@@ -85,8 +86,8 @@ void add_note(std::string& note, const std::string& more) {
   note += (note.empty() ? "" : "; ") + more;
 }
 
-/// The options of the report's run. Throws Error where they can no longer be had; `note` says what
-/// may differ.
+/// Returns the options of the report's run. Throws Error if they are no longer available; `note`
+/// describes possible differences.
 planes::PipelineOptions options_from(const report::Report& report,
                                      const fs::path& file,
                                      std::string& note) {
@@ -95,44 +96,44 @@ planes::PipelineOptions options_from(const report::Report& report,
   try {
     options = report::options_of(report, unknown);
   } catch (const Error& error) {
-    throw Error(file.string() + ": its options cannot be taken: " + error.what());
+    throw Error(file.string() + ": its options cannot be used: " + error.what());
   }
   if (!unknown.empty())
-    add_note(note, fmt::format("{} has options that are no more: {}", file.filename().string(),
+    add_note(note, fmt::format("{} has options that no longer exist: {}", file.filename().string(),
                                fmt::join(unknown, ", ")));
   if (report.weights_sha256().empty() || options.method != planes::Method::ours) return options;
   if (!planes::names_weights_file(options.classifier)) {
     const fs::path shipped =
         app::find_asset("classifier.safetensors", "the weights of classifier gcn are");
     if (sha256_hex_of_file(shipped) != report.weights_sha256())
-      add_note(note, fmt::format("the weights of {} are not those of {}", options.classifier,
+      add_note(note, fmt::format("the weights of {} differ from those of {}", options.classifier,
                                  file.filename().string()));
     return options;
   }
   const std::vector<fs::path> places = places_of(options.classifier, file);
   if (places.empty())
-    throw Error(fmt::format("{}: its weights {} are neither there nor in or above its folder",
+    throw Error(fmt::format("{}: its weights {} were not found there, in its folder, or above it",
                             file.string(), options.classifier));
   const auto same = std::ranges::find(places, report.weights_sha256(), sha256_hex_of_file);
   if (same == places.end())
-    throw Error(fmt::format("{}: are other weights than those of {}, SHA-256 differs",
-                            places[0].string(), file.string()));
+    throw Error(fmt::format("{}: not the weights of {}: SHA-256 differs", places[0].string(),
+                            file.string()));
   options.classifier = same->string();
   return options;
 }
 
-/// Why it is not the report's recording; empty: it is.
+/// Returns why this is not the report's recording; empty if it is.
 std::string why_other(const OpenRecording& open,
                       const report::ReportFrame& frame,
                       const fs::path& report) {
   const std::string other =
-      fmt::format("{}: is another recording than that of {}", open.path.string(), report.string());
+      fmt::format("{}: not the recording of {}", open.path.string(), report.string());
   const int count = open.recording->frame_count();
   if (frame.index >= count)
-    return fmt::format("{}: it has {} frames, expected frame {}", other, count, frame.index);
+    return fmt::format("{}: {} frames; expected frame {}", other, count, frame.index);
   const std::string found = open.recording->frame_hash(frame.index);
   if (!frame.sha256.empty() && found != frame.sha256)
-    return fmt::format("{}: frame {} has SHA-256 {}, expected {}", other, frame.index, found,
+    return fmt::format("{}: frame {} has SHA-256 {}; expected {}", other, frame.index, found,
                        frame.sha256);
   return "";
 }
@@ -162,7 +163,7 @@ std::vector<Candidate> candidates_of(const State& state,
   return candidates;
 }
 
-/// The first that is the report's recording. Throws Error.
+/// Opens the first candidate that is the report's recording. Throws Error.
 OpenRecording open_recorded(const State& state,
                             const report::ReportRecording& recorded,
                             const report::ReportFrame& frame,
@@ -170,7 +171,7 @@ OpenRecording open_recorded(const State& state,
                             const fs::path& report) {
   std::string refusal;
   for (Candidate& candidate : candidates_of(state, recorded, link, report)) {
-    // The report says what is wrong with a damaged frame; the others can still be seen.
+    // The report describes damaged frames; the others can still be shown.
     candidate.options.damaged_frames_later = true;
     OpenRecording open{candidate.path, io::open_recording(candidate.path, candidate.options),
                        candidate.label_dir};
@@ -179,10 +180,10 @@ OpenRecording open_recorded(const State& state,
     if (refusal.empty()) refusal = why;
   }
   if (!refusal.empty()) throw Error(refusal);
-  throw Error(fmt::format(
-      "{}: its recording {} is neither there nor in or above the report's folder; give it: "
-      "planescope view RECORDING --open {}",
-      report.string(), recorded.info.path.string(), report.string()));
+  throw Error(
+      fmt::format("{}: its recording {} was not found there, in the report's folder, or above it; "
+                  "specify it: planescope view RECORDING --open {}",
+                  report.string(), recorded.info.path.string(), report.string()));
 }
 
 bool same_options(const planes::PipelineOptions& a, const planes::PipelineOptions& b) {
@@ -191,7 +192,7 @@ bool same_options(const planes::PipelineOptions& a, const planes::PipelineOption
   });
 }
 
-/// The baseline of a report, where there is one.
+/// A report's baseline.
 struct Baseline {
   fs::path file;
   report::Report report;
@@ -204,8 +205,9 @@ std::optional<Baseline> baseline_of(const report::Report& report,
   const fs::path& typed = link.baseline.empty() ? report.baseline : link.baseline;
   if (typed.empty()) {
     if (target.of_baseline)
-      throw Error(fmt::format("{}: was{} is of a baseline, but it names none; give --baseline FILE",
-                              target.file.string(), target.plane));
+      throw Error(fmt::format(
+          "{}: was{} belongs to a baseline, but the report names none; use --baseline FILE",
+          target.file.string(), target.plane));
     return {};
   }
   const std::vector<fs::path> places =
@@ -213,10 +215,10 @@ std::optional<Baseline> baseline_of(const report::Report& report,
   if (places.empty()) {
     if (target.of_baseline)
       throw Error(
-          fmt::format("{}: its baseline {} is neither there nor in or above its folder; "
-                      "give --baseline FILE",
+          fmt::format("{}: its baseline {} was not found there, in its folder, or above it; use "
+                      "--baseline FILE",
                       target.file.string(), typed.string()));
-    add_note(note, fmt::format("no A: the baseline {} is not there; give --baseline FILE",
+    add_note(note, fmt::format("no A: the baseline {} was not found; use --baseline FILE",
                                typed.string()));
     return {};
   }
@@ -226,12 +228,13 @@ std::optional<Baseline> baseline_of(const report::Report& report,
   Baseline baseline{file, report::read_report(file)};
   if (target.of_baseline && baseline.report.created_utc == report.created_utc &&
       baseline.report.command == report.command)
-    throw Error(fmt::format("{}: is {} itself, approved since: was{} was of an earlier baseline",
-                            file.string(), target.file.string(), target.plane));
+    throw Error(
+        fmt::format("{}: is {} itself, approved since then; was{} belongs to an earlier baseline",
+                    file.string(), target.file.string(), target.plane));
   return baseline;
 }
 
-/// The frame as the baseline has it, and what became of the plane.
+/// Finds the frame in the baseline and the fate of the plane.
 void find_fate(const Baseline& baseline,
                const report::Report& report,
                const report::ReportFrame& frame,
@@ -241,9 +244,9 @@ void find_fate(const Baseline& baseline,
   const auto same = std::ranges::find(comparison.frames, &frame, &report::FrameComparison::now);
   const bool usable = same->baseline && same->fate != report::FrameFate::other_input;
   if (target.of_baseline && !usable)
-    throw Error(fmt::format("{}: was{} is not in it, {} frame {} {}", baseline.file.string(),
-                            target.plane, same->recording, frame.index,
-                            same->baseline ? "is of another input there" : "is not there"));
+    throw Error(fmt::format(
+        "{}: has no was{}: {} frame {} {}", baseline.file.string(), target.plane, same->recording,
+        frame.index, same->baseline ? "has a different input there" : "is not in the baseline"));
   if (!usable) return;
   if (target.of_baseline) expect_plane(*same->baseline, target, baseline.file);
   place.baseline = *same->baseline;
@@ -259,7 +262,7 @@ bool is_report(const std::string& where) {
   using Json = nlohmann::json;
   const std::string path = where.substr(0, where.rfind('#'));
   std::ifstream file = open_to_read(path);
-  // A report may be large: nothing of it is kept but what stands at its top.
+  // A report may be large: keep only its top level.
   const auto keep = [&](int depth, Json::parse_event_t, const Json&) {
     check_depth(depth, path);
     return depth <= 1;
@@ -316,7 +319,7 @@ namespace {
 
 using Voxels = std::vector<std::uint32_t>;
 
-/// Where a report has no samples: a disk about the plane's centre, as large as the plane.
+/// Fallback without samples: a disk around the plane's center with the plane's area.
 Voxels voxels_about(const planes::PlaneSummary& plane, const debug::Subject& subject) {
   constexpr double kThickness = 0.02;  // [m]
   const double radius2 = std::max(plane.area_m2, 1e-4) / 3.14159;
@@ -330,14 +333,14 @@ Voxels voxels_about(const planes::PlaneSummary& plane, const debug::Subject& sub
   return voxels;
 }
 
-/// Planes of a report, and where they are in run B.
+/// Planes of a report and their voxels in run B.
 struct Region {
   const report::ReportFrame& frame;
   std::vector<int> planes;
   Voxels voxels = {};
 };
 
-/// The voxels of the planes' samples, ascending. `whole`: of all pixels that a sample stands for.
+/// The voxels of the planes' samples, ascending. `whole` includes all pixels of a sample's cell.
 Voxels voxels_of(const Region& region, const debug::Subject& subject, bool whole = false) {
   const auto& [frame, planes, in_b] = region;
   const report::RegionSample& sample = frame.regions;
@@ -367,7 +370,7 @@ Voxels voxels_of(const Region& region, const debug::Subject& subject, bool whole
 
 std::string plane_name_of(std::int32_t plane) { return fmt::format("P{}", plane); }
 
-/// To where the plane of the result was founded.
+/// Goes to the step that created the plane.
 void go_to_founding(const debug::Run& run, std::int32_t plane, RunArrival& arrival) {
   arrival.plane = run.segmentation.planes[static_cast<std::size_t>(plane) - 1].founded;
   arrival.step = run.timeline.changes_of_plane(arrival.plane).front().step;
@@ -375,7 +378,7 @@ void go_to_founding(const debug::Run& run, std::int32_t plane, RunArrival& arriv
 
 struct Guide {
   const ReportPlace& place;
-  const debug::Run* a;  // null: there is no such run
+  const debug::Run* a;  // null if there is no such run
   const debug::Run& b;
 
   RunArrival to_plane_of_now() const {
@@ -385,7 +388,7 @@ struct Guide {
     RunArrival arrival;
     if (plane == 0) {
       arrive_at_loss(region, fmt::format("plane {}", place.plane), arrival);
-      arrival.message += ": this version does not find it";
+      arrival.message += ": not found by this version";
       return arrival;
     }
     go_to_founding(b, plane, arrival);
@@ -414,12 +417,12 @@ struct Guide {
       std::erase_if(region.voxels,
                     [&](std::uint32_t voxel) { return b.segmentation.plane_of[voxel] == plane; });
       arrive_at_loss(
-          region, fmt::format("{} was split, {} is its largest part", name, plane_name_of(plane)),
+          region, fmt::format("{} was split; {} is its largest part", name, plane_name_of(plane)),
           arrival);
     } else if (plane > 0) {
       go_to_founding(b, plane, arrival);
       arrival.message =
-          is(report::PlaneFate::lost) ? "the report lost it, this version does not: " : "";
+          is(report::PlaneFate::lost) ? "lost in the report, but not by this version: " : "";
       arrival.message += fmt::format("{} is {}", name, plane_name_of(plane));
     } else {
       arrive_at_loss(region, name + " is lost", arrival);
@@ -440,7 +443,7 @@ struct Guide {
       arrive_at(region, debug::joining_of_region(b, voxels), "merged at", arrival);
   }
 
-  /// Where the planes that are one now became one.
+  /// Goes to the step that merged the planes.
   void arrive_at_merge(RunArrival& arrival) const {
     Region region{*place.baseline, place.fate->others};
     region.planes.push_back(place.fate->baseline);
@@ -448,8 +451,8 @@ struct Guide {
     arrive_at(region, debug::joining_of_region(b, region.voxels), "merged at", arrival);
   }
 
-  /// Where B first decided otherwise than A, or A did what B never asked. Where neither is so for
-  /// more than a tenth of the region: at `otherwise`.
+  /// Goes to the first decision in B that differs from A, or to the first one in A that B never
+  /// made. If neither affects more than a tenth of the region, goes to `otherwise`.
   void arrive_at(const Region& region,
                  const debug::RegionDecision& otherwise,
                  const char* verb,
@@ -460,12 +463,12 @@ struct Guide {
     if (a) {
       const debug::RegionDecision in_b = debug::first_difference(b, *a, region.voxels);
       if (counts(in_b, region.voxels))
-        return stand_at(in_b, region.voxels, "A and B part at", arrival);
+        return stand_at(in_b, region.voxels, "A and B diverge at", arrival);
       const Voxels there = voxels_of(region, *a->subject);
       const debug::RegionDecision in_a = debug::first_difference(*a, b, there);
       if (counts(in_a, there)) {
         arrival.in_a = true;
-        return stand_at(in_a, there, "A alone has", arrival);
+        return stand_at(in_a, there, "only A has", arrival);
       }
     }
     if (otherwise.step > 0) stand_at(otherwise, region.voxels, verb, arrival);

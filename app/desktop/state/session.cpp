@@ -1,4 +1,4 @@
-// Sessions and window settings: saving to JSON, reading and restoring.
+// Sessions and window settings: saves, reads and restores them as JSON.
 
 #include "app/desktop/state/session.hpp"
 
@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSessionSchema = "planescope.session/2";
 constexpr const char* kSettingsSchema = "planescope.desktop/1";
 
-// ---- Parts of both -----------------------------------------------------------------------------
+// ---- Shared ------------------------------------------------------------------------------------
 
 const std::vector<std::string> kFacings = {"home", "top", "side", "front"};
 
@@ -77,7 +77,8 @@ static void color_range_field(Fields& fields, auto& range) {
   }
 }
 
-/// Panels, colors, theme, layout: what is not the cursor. Missing fields leave what `view` has.
+/// Panels, colors, theme and layout: everything except the cursor. Missing fields keep their value
+/// in `view`.
 void visit_fields(auto& fields, Same<ViewState> auto& view) {
   fields.clamped("color_by", view.color_by, 0, render::kColorBys - 1, kOptional);
   color_range_field(fields, view.range);
@@ -126,16 +127,16 @@ Json options_json(const planes::PipelineOptions& options) {
   const planes::PipelineOptions defaults;
   for (const planes::OptionInfo& info : planes::option_table()) {
     const std::string value = info.get(options);
-    // Builds without a rival do not know its options: they are written only where they are changed.
+    // Builds without a rival do not know its options, so write them only if they were changed.
     if (info.section != "rivals" || value != info.get(defaults)) json[info.name] = value;
   }
   return json;
 }
 
-/// Throws Error. The profile first: it sets what the others then change.
+/// Reads the profile first, because it sets options that the others then override. Throws Error.
 planes::PipelineOptions options_of(const JsonPlace& place, const planes::PipelineOptions& now) {
   planes::PipelineOptions options = now;
-  options.method = planes::Method::ours;  // sessions from before there were others do not name it
+  options.method = planes::Method::ours;  // sessions from before rivals do not name a method
   options.rivals = {};
   const auto set = [&](const std::string& name) {
     planes::set_option(options, name, place.at(name.c_str()).text());
@@ -146,20 +147,20 @@ planes::PipelineOptions options_of(const JsonPlace& place, const planes::Pipelin
   return options;
 }
 
-/// Where the session's recording is: as it says, from the session file on, or beside it.
+/// Finds the session's recording: at its path, relative to the session file, or beside the file.
 fs::path find_recording(const fs::path& session, const fs::path& written) {
   const fs::path folder = fs::absolute(session).parent_path();
   for (const fs::path& path :
        {written.is_absolute() ? written : folder / written, folder / written.filename()})
     if (fs::exists(path)) return path;
-  throw Error(fmt::format("{}: its recording {} is neither there nor beside the session",
+  throw Error(fmt::format("{}: its recording {} was not found there or next to the session",
                           session.string(), written.string()));
 }
 
-/// Everything of a session, read and checked before anything of the state is touched.
+/// Contents of a session, read and validated before the state is changed.
 struct Session {
   OpenRecording recording;
-  std::string path, frame_sha256;  // of the recording, and of the frame it shows
+  std::string path, frame_sha256;  // of the recording; of the frame shown
   int frame = 0;
   planes::PipelineOptions options;
   Bookmark cursor;
@@ -169,7 +170,7 @@ struct Session {
   std::vector<std::uint32_t> marked;
 };
 
-/// All but the options, when it is read.
+/// Everything except the options, which are read separately.
 template <typename Fields>
 void visit_fields(Fields& fields, Same<Session> auto& session) {
   fields.object("recording", kPlain, [&](auto& of) {
@@ -190,7 +191,7 @@ Session read_session(const State& state, const fs::path& path) {
   session.view = state.view;
   session.view.flash = session.view.marking = false;
   session.view.playing.direction = 0;
-  session.view.case_colors = CaseColors::ready;  // its own colors stay
+  session.view.case_colors = CaseColors::ready;  // keep the session's own colors
   if (session.view.against == Against::pinned) session.view.against = Against::nothing;
   read_place(path, read_json<Json>(path), [&](const JsonPlace& place) {
     place.schema({kSessionSchema});
@@ -204,10 +205,10 @@ Session read_session(const State& state, const fs::path& path) {
   open.label_dir = labels::default_label_dir(open.path);
   const int count = open.recording->frame_count();
   if (session.frame < 0 || session.frame >= count)
-    throw Error(fmt::format("{}: it shows frame {}, but {} has {} frames", path.string(),
+    throw Error(fmt::format("{}: shows frame {}, but {} has {} frames", path.string(),
                             session.frame, open.path.string(), count));
   if (session.frame_sha256 != open.recording->frame_hash(session.frame))
-    throw Error(fmt::format("{}: {} is another recording than the session's, frame {} differs",
+    throw Error(fmt::format("{}: {} is not the session's recording; frame {} differs",
                             path.string(), open.path.string(), session.frame));
   return session;
 }
@@ -227,7 +228,7 @@ void take_recording(State& state, OpenRecording taken, int frame) {
     return fs::equivalent(open.path, taken.path, gone);
   };
   for (const OpenRecording& open : document.recordings)
-    if (same(open)) {  // its labels stay where they are being made
+    if (same(open)) {  // keep the label folder in use
       taken.label_dir = open.label_dir;
       taken.labels = open.labels;
     }
@@ -280,7 +281,7 @@ void open_session(State& state, const std::string& where) {
   }
   const int count = session.recording.recording->frame_count();
   if (arrival.frame < 0 || arrival.frame >= count)
-    throw Error(fmt::format("{}: it leads to frame {}, but {} has {} frames", path.string(),
+    throw Error(fmt::format("{}: points to frame {}, but {} has {} frames", path.string(),
                             arrival.frame, session.recording.path.string(), count));
 
   session.view.mode = Mode::debugger;
@@ -351,7 +352,7 @@ void save_settings(const Settings& settings) {
   json.update(json_of(settings));
   try {
     write_file_text(path, json_text(json, 2));
-  } catch (const Error&) {  // nobody asked for them to be kept
+  } catch (const Error&) {  // settings are optional
   }
 }
 

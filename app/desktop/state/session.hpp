@@ -1,6 +1,6 @@
 #pragma once
 
-// What of the state is kept in files, as JSON: sessions, and what the window remembers.
+// The parts of the state that are saved as JSON: sessions and window settings.
 
 #include <cstdint>
 #include <filesystem>
@@ -18,90 +18,89 @@ namespace planescope::desktop {
 
 // ---- Sessions ----------------------------------------------------------------------------------
 
-// A session brings the view back on another machine. Recording by path and hash, options, cursor,
-// camera, filter, breakpoints, bookmarks. Schema planescope.session/2.
+// A session restores the view on another machine: recording by path and hash, options, cursor,
+// camera, filter, breakpoints and bookmarks. Schema planescope.session/2.
 
-/// Throws Error where the file cannot be written; a file that was there stays as it was then.
+/// Throws Error if the file cannot be written; an existing file is then unchanged.
 void save_session(const State& state, const std::filesystem::path& path);
 
-/// `where`: a file, or file#bookmark. The recording is looked for where the session says, and
-/// beside the session file. Throws Error that names the file and what is wrong with it, the state
-/// unchanged: damaged JSON, a recording that is missing or is another one, an unknown option.
+/// `where` is a file, or file#bookmark. The recording is opened from the session's path or beside
+/// the session file. On failure, throws Error with the file and the problem and leaves the state
+/// unchanged: damaged JSON, a missing or different recording, an unknown option.
 void open_session(State& state, const std::string& where);
 
-/// Shows the frame of a recording that was reopened, in place of what was open of it. Earlier
-/// results are dropped.
+/// Shows a frame of a reopened recording in place of its previous version. Drops earlier results.
 void take_recording(State& state, OpenRecording taken, int frame);
 
-/// How the window opens recordings: it asks for intrinsics that one lacks.
+/// Options for opening recordings in the window, which asks for missing intrinsics.
 io::RecordingOptions options_to_open(io::RecordingOptions options);
 
-/// Every setting of the view that sessions and the window's memory keep, by key.
+/// All view settings kept in sessions and window settings, by key.
 nlohmann::ordered_json view_json(const ViewState& view);
 
 // ---- Settings ----------------------------------------------------------------------------------
 
-/// What the window remembers from one time to the next.
+/// Window settings that persist between runs.
 struct Settings {
   int width = 1440, height = 900;  // of the window [px]
   bool maximized = false;
   std::filesystem::path last_recording;  // empty: none yet
   int last_frame = 0;
-  std::vector<std::filesystem::path> recent;  // as the document's
-  std::optional<render::Camera> camera;       // on that recording
-  ViewState view;                             // panels, colours, theme, layout
+  std::vector<std::filesystem::path> recent;  // as in Document
+  std::optional<render::Camera> camera;       // for that recording
+  ViewState view;                             // panels, colors, theme, layout
 };
 
-/// $XDG_STATE_HOME/planescope/desktop.json; ~/.local/state where that is not set.
+/// $XDG_STATE_HOME/planescope/desktop.json; ~/.local/state if it is not set.
 std::filesystem::path settings_path();
 
-/// Settings that are missing, damaged or of another version are ignored: a window opens in any
-/// case.
+/// Missing, damaged or incompatible settings are ignored, so that the window always opens.
 Settings load_settings();
-/// Does nothing where the folder cannot be written to.
+/// Does nothing if the folder is not writable.
 void save_settings(const Settings& settings);
 
-// From a report's line to the window: the recording, the options of both runs, the plane, and where
-// in a run the window begins.
+// Opens a location in a report: the recording, the options of both runs, the plane, and the step at
+// which the window starts.
 
-/// Whether `where`, without what follows '#', is a report. False for what cannot be read.
+/// Whether `where`, up to '#', is a report. False for unreadable files.
 bool is_report(const std::string& where);
 
 struct ReportLink {
-  std::string target;                              // report_target.hpp
-  std::filesystem::path baseline;                  // empty: the one that the report names
-  std::optional<std::filesystem::path> label_dir;  // nothing: beside the recording
-  bool only_given = false;                         // the recording is one of those that are open
+  std::string target;                              // see report_target.hpp
+  std::filesystem::path baseline;                  // empty: the one named in the report
+  std::optional<std::filesystem::path> label_dir;  // nullopt: beside the recording
+  bool only_given = false;                         // use only open recordings
 };
 
-/// Options of the report become those of run B, of its baseline those of run A. The recording is
-/// looked for among those open, as it was typed, beside the report, and from its folder and those
-/// above on: the first whose frame has the same SHA-256. A damaged frame does not keep the
-/// others from being shown. Throws Error that names the file and what is wrong, the state
-/// unchanged: a place that the report does not have, a recording or weights that are others.
+/// Sets the options of the report for run B and those of its baseline for run A. The recording is
+/// looked up among the open ones, at its typed path, beside the report, and relative to the
+/// report's folder and its parents: the first whose frame has the same SHA-256 is used. A damaged
+/// frame does not prevent showing the others. On failure, throws Error with the file and the
+/// problem and leaves the state unchanged: a location that is not in the report, or a different
+/// recording or weights.
 void open_report(State& state, const ReportLink& link);
 
-/// A place in a report, with what is known of it there.
+/// A location in a report, with the report's data about it.
 struct ReportPlace {
   int frame = 0;
-  int plane = 0;             // 0: the frame alone
-  bool of_baseline = false;  // whose plane it is
+  int plane = 0;             // 0: only the frame
+  bool of_baseline = false;  // whether the plane is the baseline's
   report::ReportFrame now;
-  std::optional<report::ReportFrame> baseline;  // where it has the same input
+  std::optional<report::ReportFrame> baseline;  // if it has the same input
   std::optional<report::PlaneComparison> fate;  // of the plane since the baseline
   std::optional<planes::PipelineOptions> options_a;
-  std::string note;  // what is not as it was, one line
+  std::string note;  // differences from the report, one line
 };
 
 struct RunArrival {
   std::int32_t step = -1;  // -1: the last
   std::int32_t plane = -1, voxel = -1;
-  bool in_a = false;                  // all of this is of run A
-  std::vector<std::uint32_t> marked;  // voxels of the plane that is no more
+  bool in_a = false;                  // everything refers to run A
+  std::vector<std::uint32_t> marked;  // voxels of the lost plane
   std::string message;
 };
 
-/// The decision that made the plane what it is, or that lost it. `a` null: there is no such run.
+/// Finds the decision that created or lost the plane. `a` may be null.
 RunArrival arrival_at(const ReportPlace& place, const debug::Run* a, const debug::Run& b);
 
 }  // namespace planescope::desktop

@@ -110,9 +110,9 @@ std::shared_ptr<const FrameLabels> State::labels() const {
 
 namespace {
 
-/// However it was typed.
+/// Normalizes a path, so that different spellings compare equal.
 std::filesystem::path full_path(const std::filesystem::path& path) {
-  std::error_code gone;  // the folder that it is relative to
+  std::error_code gone;  // the folder that a relative path starts from
   const std::filesystem::path full = std::filesystem::absolute(path, gone).lexically_normal();
   return full.has_filename() ? full : full.parent_path();
 }

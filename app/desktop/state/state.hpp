@@ -1,8 +1,7 @@
 #pragma once
 
-// The desktop in plain data: the document (what is worked on), the results (immutable, made by
-// jobs) and the view (what is looked at). Panels read it; apply() in actions.hpp is all that
-// changes it, besides the jobs that hand in results.
+// The desktop as plain data: the document being worked on, immutable results of jobs, and the view.
+// Panels read the state; only apply() in actions.hpp and jobs that deliver results change it.
 
 #include <cstdint>
 #include <filesystem>
@@ -42,24 +41,25 @@ struct State;
 struct OpenRecording {
   std::filesystem::path path;
   std::shared_ptr<const io::Recording> recording;
-  std::filesystem::path label_dir;                  // may not exist
-  std::shared_ptr<labels::LabelStore> labels = {};  // null before the label mode was entered on it
-  io::PickedGravity picked = {};                    // as it lies in label_dir
-  std::string picked_refused = {};                  // why it is left alone; empty: it could be read
+  std::filesystem::path label_dir;                  // may be missing
+  std::shared_ptr<labels::LabelStore> labels = {};  // null until label mode is first entered
+  io::PickedGravity picked = {};                    // contents of the file in label_dir
+  std::string picked_refused = {};                  // why that file is ignored; empty: it is valid
 };
 
-/// Where running stops. Kept by what it means, so that it outlives a run.
+/// A condition that stops playback. Stored by meaning rather than by step, so that it survives
+/// reruns.
 struct Breakpoint {
   enum class Kind : std::uint8_t { filter, node, point };
   Kind kind = Kind::filter;
   std::string filter;       // for filter: its text
-  std::int32_t index = -1;  // for node, and for point: a voxel
+  std::int32_t index = -1;  // for node; for point: a voxel
   bool enabled = true;
 
   bool operator==(const Breakpoint&) const = default;
 };
 
-/// From where all of the frame is looked at. Home: from where most is seen.
+/// Direction from which the whole frame is shown. Home is the one that shows most of it.
 enum class Facing : std::uint8_t { home, top, side, front };
 
 struct Bookmark {
@@ -67,79 +67,78 @@ struct Bookmark {
   int frame = 0;
   std::int32_t step = 0;
   std::int32_t node = -1, voxel = -1;
-  std::int32_t plane = -1;  // what it is called by: 3 is P3
+  std::int32_t plane = -1;  // its displayed number: 3 for P3
   std::string filter;
   render::Camera camera;
-  std::optional<Facing> facing;  // all of the frame, from there; nothing: as the camera stands
+  std::optional<Facing> facing;  // the whole frame from this direction; nullopt: as in `camera`
   bool orthographic = false;
 };
 
 struct Document {
   std::vector<OpenRecording> recordings;
-  int recording = -1;  // the one looked at; -1: none
+  int recording = -1;  // current one; -1: none
   int frame = 0;
   io::RecordingOptions recording_options;
   planes::PipelineOptions options;
   std::vector<Breakpoint> breakpoints;
   std::vector<Bookmark> bookmarks;
-  std::vector<std::uint32_t> marked;          // voxels of the region that the user marked
-  bool labels_written = false;                // since the label mode was entered ...
-  int labels_version = 0;                     // ... and as the debugger's ground truth was read
-  std::filesystem::path session;              // the file that it was read from or written to last
-  std::vector<std::filesystem::path> recent;  // recordings that were opened, the latest first
+  std::vector<std::uint32_t> marked;          // voxels of the region marked by the user
+  bool labels_written = false;                // since label mode was entered ...
+  int labels_version = 0;                     // ... and when ground truth was last read
+  std::filesystem::path session;              // last read or written session file
+  std::vector<std::filesystem::path> recent;  // recently opened recordings, latest first
 
   const OpenRecording* current() const;
   OpenRecording* current();
 };
 
 inline constexpr std::size_t kMostRecent = 10;
-/// The recording was opened: it is the latest.
+/// Moves an opened recording to the top of the list.
 void note_recent(Document& document, const std::filesystem::path& recording);
-/// It could not be opened. True where it was among the recent ones.
+/// Removes a recording that could not be opened. Returns whether it was in the list.
 bool forget_recent(Document& document, const std::filesystem::path& recording);
 
 // ---- Results -----------------------------------------------------------------------------------
 
-/// Colors of a frame's planes; those of its neighbors follow from them.
+/// Colors of a frame's planes; neighboring frames continue them.
 struct FrameColors {
-  std::shared_ptr<const render::ColoredPlanes> planes;  // null: the frame was not run
+  std::shared_ptr<const render::ColoredPlanes> planes;  // null: the frame was not processed
   std::string key;                                      // run_key() of the options
-  bool of_tracks = false;                               // a map's tracks decided
+  bool of_tracks = false;                               // taken from a map's tracks
 };
 
-/// True planes that a frame shows, numbered from 1 on.
+/// True planes visible in a frame, numbered from 1.
 struct TruePlanes {
   render::PlaneImage image;
   std::vector<int> ids;       // in the ground truth, ascending
-  std::vector<int> found_of;  // the found plane that each was matched with, 0 none
+  std::vector<int> found_of;  // the found plane matched with each, 0: none
 };
 
-/// A frame as the strip shows it.
+/// A frame in the strip.
 struct Thumbnail {
   bool ready = false;
-  Image8 image;    // planes over the camera's image; empty where the frame was refused
-  int planes = 0;  // -1: none were looked for, a picture is all that labeling needs
-  std::optional<debug::QuickScore> score;  // where it has ground truth
-  std::string refusal;                     // why there is none
+  Image8 image;    // planes over the camera image; empty if the frame was refused
+  int planes = 0;  // -1: not computed; labeling only needs the picture
+  std::optional<debug::QuickScore> score;  // with ground truth
+  std::string refusal;                     // why there is no result
   FrameColors colors;                      // of its planes
 };
 
-/// A run with what panels show of it.
+/// A run and its derived data for panels.
 struct RunView {
   std::shared_ptr<const debug::Run> run;
   std::vector<debug::Histogram> histograms;
   debug::FrameSummary summary;
   std::optional<debug::QuickScore> score;
-  render::Home home;  // the frame's own, the same for all runs on it
-  std::shared_ptr<const render::PlaneScene> outlines = {};  // of its planes; null: there are none
-  std::shared_ptr<const MapView> map = {};  // whose gravity the frame has; null: its own
-  std::shared_ptr<const std::vector<render::DrawLines>> map_lines = {};  // its planes in the scene
+  render::Home home;  // of the frame, the same for all of its runs
+  std::shared_ptr<const render::PlaneScene> outlines = {};  // of its planes; null: none
+  std::shared_ptr<const MapView> map = {};  // the map that provides gravity; null: the frame's own
+  std::shared_ptr<const std::vector<render::DrawLines>> map_lines = {};  // its planes
   FrameColors colors = {};
   TruePlanes truth = {};  // empty: no ground truth
 };
 
-/// What is found out about a run's planes a little later, and by options that leave the run as it
-/// is.
+/// Analysis of a run's planes, computed later, with options that do not affect the run.
 struct RunPlanes {
   std::shared_ptr<const RunView> of;
   std::string key;  // of these options
@@ -147,45 +146,45 @@ struct RunPlanes {
   std::shared_ptr<const render::PlaneScene> scene;
 };
 
-/// What a click asks: what should become of the surface at a voxel.
+/// The question behind a click: the desired result for the surface at a voxel.
 struct PointAsked {
   std::uint32_t voxel = 0;
   debug::Wish wish = debug::Wish::plane;
-  std::int32_t with = -1;  // a voxel of the other surface: `joined` with it, `own_plane` without it
+  std::int32_t with = -1;  // voxel of the other surface, for `joined` and `own_plane`
 
   bool operator==(const PointAsked&) const = default;
 };
 
 struct FixSearch : Asked {
-  std::shared_ptr<const RunView> of;  // whose fixes they are
-  std::optional<PointAsked> asked;    // by a click: the job makes the target of it
+  std::shared_ptr<const RunView> of;  // the run to fix
+  std::optional<PointAsked> asked;    // from a click; the job derives the target from it
   debug::FixTarget target;
-  bool finished = false;  // fixes is what there is
-  bool granted = false;   // it is so already
+  bool finished = false;  // fixes are complete
+  bool granted = false;   // already fulfilled
   std::vector<debug::Fix> fixes;
-  int checked = -1;                       // the fix whose effect is shown
-  bool check_begun = false;               // the job knows of that, too
-  std::vector<debug::FixEffect> effects;  // of it, on the labelled frames of the recording
+  int checked = -1;                       // fix whose effect is shown
+  bool check_begun = false;               // a job has started the check
+  std::vector<debug::FixEffect> effects;  // of the fix, on the labeled frames of the recording
 };
 
-/// Planes that are followed over all frames of a recording.
+/// Tracks of planes over all frames of a recording.
 struct MapResults : Asked {
-  std::shared_ptr<const MapView> made;  // the latest; it may be another recording's
+  std::shared_ptr<const MapView> made;  // the latest; may belong to another recording
 };
 
 struct Results {
-  std::shared_ptr<const RunView> current;  // B, what the options give; null before the first
+  std::shared_ptr<const RunView> current;  // B, with the current options; null before the first run
   std::shared_ptr<const RunView> pinned;   // A ...
-  FrameColors pinned_colors;               // ... and the colors that it was shown in
-  std::vector<std::shared_ptr<const RunPlanes>> planes;  // of these two, as far as they are known
+  FrameColors pinned_colors;               // ... and its displayed colors
+  std::vector<std::shared_ptr<const RunPlanes>> planes;  // of these two, if known
   std::shared_ptr<const debug::Comparison> comparison;   // A with B, or truth with B
-  std::shared_ptr<const RunView> compared_a;             // what it compares: `current` may be newer
-  std::shared_ptr<const RunView> compared_b;             // `compared_a` null: the truth
-  std::string refusal;                                   // why the frame could not be run, one line
-  bool loading = false;                                  // a frame is read and prepared
-  std::vector<Thumbnail> strip;                          // of the recording looked at
+  std::shared_ptr<const RunView> compared_a;             // compared runs: `current` may be newer
+  std::shared_ptr<const RunView> compared_b;             // `compared_a` null: the ground truth
+  std::string refusal;                                   // why the frame was refused, one line
+  bool loading = false;                                  // a frame is being read and prepared
+  std::vector<Thumbnail> strip;                          // of the current recording
   int strip_done = 0;
-  std::map<std::string, debug::Sensitivity> sensitivity;  // by option; of `current`
+  std::map<std::string, debug::Sensitivity> sensitivity;  // by option, for `current`
   FixSearch fix;
   MapResults map;
   LabelResults label;
@@ -195,22 +194,22 @@ struct Results {
 
 struct Selection {
   std::int32_t node = -1;
-  std::int32_t plane = -1;  // of the trace
+  std::int32_t plane = -1;  // index in the trace
   std::int32_t voxel = -1;
-  std::int64_t source = -1;  // pixel v * width + u that was picked, -1 where it is the voxel itself
+  std::int64_t source = -1;  // picked pixel v * width + u; -1: the voxel itself
 };
 
-/// Shares of the window, dragged at the splitters.
+/// Fractions of the window, changed by dragging the splitters.
 struct Layout {
   double left = 0.135;   // recordings and frames
   double right = 0.285;  // inspector and tools
   double bottom = 0.34;  // octree and events
-  double image = 0.55;   // of the middle, at most: the image view is no larger than its picture
+  double image = 0.55;   // of the middle, at most; no larger than its picture
   double octree = 0.40;  // of the bottom
   double tools = 0.48;   // of the right: criteria and the other tools
 };
 
-/// What shares the middle of the window.
+/// Views in the middle of the window.
 enum class Views : std::uint8_t { both, scene, image };
 
 struct LayoutPart {
@@ -223,70 +222,69 @@ inline constexpr LayoutPart kLayoutParts[] = {
 
 /// The table of planes.
 struct PlanesView {
-  std::string filter;  // words that a row has
-  int sorted_by = 0;   // of plane_columns()
+  std::string filter;  // words that a row must contain
+  int sorted_by = 0;   // column of plane_columns()
   bool descending = false;
 };
 
 struct Search {
   std::string text;
-  debug::FilterProblem problem;         // message empty: the text is a filter
-  std::optional<debug::Filter> filter;  // of text; nothing where it is empty or wrong
-  std::vector<std::int32_t> matches;    // steps of the run shown
+  debug::FilterProblem problem;         // message empty: the filter is valid
+  std::optional<debug::Filter> filter;  // parsed text; nullopt if it is empty or invalid
+  std::vector<std::int32_t> matches;    // matching steps of the shown run
 };
 
 /// Automatic playback of the trace.
 struct Playing {
-  int direction = 0;  // 0: stands still
+  int direction = 0;  // 0: paused
   double steps_per_s = 60;
-  double due = 0;  // fraction of a step not taken yet
+  double due = 0;  // accumulated fraction of a step
 };
 
-/// Where the camera is.
+/// A camera position.
 struct CameraPlace {
-  std::optional<render::Camera> camera;  // nothing: all of the frame fills the view
-  Facing facing = Facing::home;          // then from there
+  std::optional<render::Camera> camera;  // nullopt: show the whole frame ...
+  Facing facing = Facing::home;          // ... from this direction
 };
-/// Where it was, for its own undo and redo.
+/// Camera undo and redo.
 struct CameraHistory {
   std::vector<CameraPlace> before, after;
-  bool held = false;   // what moves it is part of the step that is there
-  bool zooms = false;  // the latest step is of the wheel, whose next notch is part of it
+  bool held = false;   // further motion belongs to the latest undo step
+  bool zooms = false;  // the latest step is a wheel zoom, which the next notch extends
 };
 
-/// Points are colored by case while the user steps back through the traversal, in place of by
-/// plane.
+/// Colors points by case instead of by plane while the user steps back through the traversal.
 enum class CaseColors : std::uint8_t {
-  ready,     // they come with the next step back
+  ready,     // shown at the next step back
   shown,     // until the cursor is at the end again
-  declined,  // the user chose other colors meanwhile
+  declined,  // the user chose other colors
 };
 
 enum class TrackColor : std::uint8_t { track, area, rms };
-/// A track's place in a frame, to go to once its run is there. `camera`: in the map's world;
-/// nothing: as it stands.
+/// A track in a frame, shown once the frame's run is available. `camera` is in map coordinates;
+/// nullopt keeps the current one.
 struct TrackPlace {
   int track = 0, frame = 0;
   std::optional<render::Camera> camera = {};
 };
-/// The timeline of tracks.
+/// State of the track timeline.
 struct TracksView {
   int track = 0;               // selected; 0: none
   std::string filter;          // of rows ...
-  std::string filter_problem;  // ... why it is none
+  std::string filter_problem;  // ... and why it is invalid
   TrackColor color_by = TrackColor::track;
   std::optional<TrackPlace> place;
 };
 
-/// Pictures of steps that are being written into one file.
+/// Pictures of steps being written to one file.
 struct StepsSaving {
   std::filesystem::path path;
   std::weak_ptr<const debug::Run> run;
-  std::int32_t first = 0, last = 0, every = 1;  // the last one in any case
+  std::int32_t first = 0, last = 0, every = 1;  // the last step is always included
   int per_s = 10;
-  int taken = 0, written = 0;  // pictures
-  bool hidden = false;         // nothing is told of it while the picture is drawn
-  bool cancelled = false;      // to be given up
+  int taken = 0, written = 0;  // number of pictures
+  bool hidden = false;         // hide progress messages while a picture is drawn
+  bool cancelled = false;      // requested by the user
 
   int count() const { return (last - first + every - 1) / every + 1; }
   std::int32_t step(int picture) const {
@@ -295,8 +293,8 @@ struct StepsSaving {
 };
 
 enum class Against : std::uint8_t { nothing, pinned, truth };
-/// What a click in a view does: selects, picks a floor or a wall from which gravity follows, or
-/// measures from a point or a plane.
+/// Effect of a click in a view: select, pick a floor or wall to derive gravity, or measure from a
+/// point or plane.
 enum class Click : std::uint8_t { selects, floor, wall, point, plane };
 inline bool tells_gravity(Click click) { return click == Click::floor || click == Click::wall; }
 inline bool measures(Click click) { return click == Click::point || click == Click::plane; }
@@ -313,72 +311,71 @@ struct ViewState : render::StepChoices {
   LabelView label;
   std::int32_t step = 0;
   debug::StepUnit step_unit = debug::StepUnit::event;
-  std::optional<debug::StepRange> shown_steps;  // on the timeline; nothing: the traversal
+  std::optional<debug::StepRange> shown_steps;  // on the timeline; nullopt: the traversal
   CaseColors case_colors = CaseColors::ready;
   Selection selected;
   Search search;
   PlanesView planes;
   TracksView tracks;
   Playing playing;
-  bool playing_frames =
-      false;             // of the recording, one after the other, each once it has its planes
-  double frame_due = 0;  // seconds that the frame has been shown
+  bool playing_frames = false;  // play the recording's frames, waiting for the planes of each
+  double frame_due = 0;         // how long the frame has been shown
 
-  // 3D and image.
-  std::optional<render::Camera> camera;  // nothing: all of the frame fills the view ...
-  Facing facing = Facing::home;          // ... from there
+  // 3D and image views.
+  std::optional<render::Camera> camera;  // nullopt: show the whole frame ...
+  Facing facing = Facing::home;          // ... from this direction
   CameraHistory cameras;
   bool orthographic = false;
-  double scene_aspect = 4.0 / 3;  // width by height of the room it has, as drawn last
-  bool show_map = false;          // of the planes that were seen up to this frame
+  double scene_aspect = 4.0 / 3;  // aspect ratio of the 3D view in the last frame
+  bool show_map = false;          // planes seen up to this frame
   render::Backdrop backdrop = render::Backdrop::color;
   double overlay_opacity = 0.55;
   double image_zoom = 1;
-  Vec2d image_center = Vec2d(0.5, 0.5);  // of the view, as a share of the image
+  Vec2d image_center = Vec2d(0.5, 0.5);  // center of the view, as a fraction of the image
 
   // Panels.
-  double zoom = 1;  // of everything, on top of the screen's own scale
+  double zoom = 1;  // of the whole interface, on top of the screen scale
   Layout layout;
   Views views = Views::both;
   std::string inspector_tab = "inspector";  // inspector | planes | point | stairs | bookmarks
   std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
   std::string list_tab = "events";          // events | tracks
   std::string octree_search;
-  bool only_matches = false;  // the event list shows what the filter finds
+  bool only_matches = false;  // the event list shows only matches
   bool show_keys = false, show_palette = false, show_timing = false;
   bool marking = false;  // dragging in the image marks a region
   Click click = Click::selects;
-  std::vector<debug::MeasureEnd> measured;  // one end, or two
-  bool gravity_of_recording = false;  // what is clicked holds for all frames, not this one alone
+  std::vector<debug::MeasureEnd> measured;  // none, one or two ends
+  bool gravity_of_recording = false;        // clicks apply to all frames instead of only this one
   Against against = Against::nothing;
-  bool flash = false;     // A is shown in place of B
+  bool flash = false;     // show A instead of B
   bool wiper = false;     // A left of a divider and B right of it, in both views ...
-  double wiper_at = 0.5;  // ... which is at this share of their width
+  double wiper_at = 0.5;  // ... at this fraction of their width
   struct Preview {
     std::string option, value;
   };
   std::optional<Preview> preview;  // of a fix, while its button is held
-  std::int32_t truth_plane = 0;    // that `what would fix this` is about; 0: the marked region
+  std::int32_t truth_plane = 0;    // target of `what would fix this`; 0: the marked region
 
-  std::string palette_asks;  // the palette asks for this action's argument; empty: for an action
-  std::optional<Bookmark> arrival;                  // where to go once the frame's run is there
-  std::shared_ptr<const ReportPlace> report_place;  // likewise; A is run, too
+  std::string palette_asks;         // action whose argument the palette asks for; empty: none
+  std::optional<Bookmark> arrival;  // shown once the frame's run is ready
+  std::shared_ptr<const ReportPlace> report_place;  // likewise; run A is needed too
   bool strip_stopped = false;
-  std::string focus;     // widget that takes the keyboard in the next frame
-  std::string keyboard;  // panel whose widgets the keyboard moves through; empty: keys are actions'
-  std::string message;   // status bar, until the next
+  std::string focus;     // widget to focus in the next frame
+  std::string keyboard;  // panel with keyboard focus; empty: keys trigger actions
+  std::string message;   // in the status bar, until the next one
   bool message_is_error = false;
-  bool did_nothing = false;                     // it says that what was asked for changed nothing
-  std::function<bool(const State&)> hint_done;  // it is a hint, until this holds
-  std::string picture_to;                       // where the next frame is written as a picture
+  bool did_nothing = false;                     // the last action had no effect
+  std::function<bool(const State&)> hint_done;  // the message is a hint until this returns true
+  std::string picture_to;                       // path for a picture of the next frame
   std::optional<StepsSaving> saving;
-  std::string to_clipboard;       // the window takes it in the next frame
-  bool edits_intrinsics = false;  // the form is shown although the recording has intrinsics
-  std::filesystem::path assumptions_hidden;  // recording whose assumptions the user dismissed
+  std::string to_clipboard;                  // copied by the window in the next frame
+  bool edits_intrinsics = false;             // show the form even if the recording has intrinsics
+  std::filesystem::path assumptions_hidden;  // recording with dismissed assumptions
   bool quit = false;
 };
 
-/// What was picked for a recording before and after a click.
+/// Picked gravity of a recording before and after a click.
 struct GravityChange {
   std::filesystem::path recording;
   io::PickedGravity before, after;
@@ -387,8 +384,8 @@ struct GravityChange {
 /// One undo step: the options before and after a gesture.
 struct OptionChange {
   planes::PipelineOptions before, after;
-  std::string gesture;                   // same gesture, same step
-  std::optional<GravityChange> gravity;  // of one that picked or forgot gravity
+  std::string gesture;                   // changes with the same gesture are one step
+  std::optional<GravityChange> gravity;  // if the gesture picked or cleared gravity
 };
 
 struct State {
@@ -397,34 +394,34 @@ struct State {
   ViewState view;
   std::vector<OptionChange> undo, redo;
 
-  /// The run that is looked at: B, or A while it is flashed. Null before the first.
+  /// The shown run: B, or A while it is flashed. Null before the first run.
   const debug::Run* run() const;
   const RunView* run_view() const;
-  /// A where B is looked at and the other way round, while both are shown; null: only one is.
+  /// The other run, if A and B are both shown; otherwise null.
   const RunView* other_view() const;
-  /// What is known of a run's planes; null while it is found out.
+  /// Analysis of a run's planes; null until available.
   const RunPlanes* planes(const RunView* of) const;
   const RunPlanes* planes() const { return planes(run_view()); }
-  /// What is drawn of a run's planes; null: nothing is known yet.
+  /// Outlines of a run's planes; null until available.
   std::shared_ptr<const render::PlaneScene> plane_scene(const RunView* of) const;
-  /// Of the recording looked at; null: its planes were not followed.
+  /// Map of the current recording; null if its planes were not tracked.
   const MapView* map() const;
-  /// "A", "B", both as "A | B"; empty where there is no A to tell apart.
+  /// "A", "B", or "A | B" for both; empty without A.
   std::string shown_side() const;
-  /// The frame looked at as labels are drawn on it; null while it is made, or cannot be.
+  /// The current frame in label mode; null while loading or if it cannot be labeled.
   const LabelFrame* label_frame() const;
-  /// Its labels; null where label_frame() is.
+  /// Its labels; null if label_frame() is null.
   std::shared_ptr<const FrameLabels> labels() const;
-  /// The event that led to the cursor; null at step 0.
+  /// The event before the cursor; null at step 0.
   const planes::TraceEvent* event() const;
 };
 
-// ---- Facts, for scripts that expect something and for whoever waits for the window -------------
+// ---- Facts, for scripts and for tests that wait for the window ---------------------------------
 
-/// {"recording", "frame", "step", "steps", "event", "node", "case", "planes", "matches", ...}; what
-/// docs/desktop.md lists.
+/// {"recording", "frame", "step", "steps", "event", "node", "case", "planes", "matches", ...}; see
+/// docs/desktop.md.
 nlohmann::ordered_json state_facts(const State& state, bool idle);
-/// The same as text for a file. Bytes that are not UTF-8, as in a path, are replaced.
+/// The same as text for a file. Bytes that are not valid UTF-8, e.g. in paths, are replaced.
 std::string state_text(const State& state, bool idle);
 
 }  // namespace planescope::desktop

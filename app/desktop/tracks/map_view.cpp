@@ -1,4 +1,4 @@
-// Tracked planes of a recording as the window shows them, and the actions that use them.
+// Tracked planes of a recording in the window, and the actions that use them.
 
 #include "app/desktop/tracks/map_view.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 
 using world::Moment;
 
-/// The voxels of a run at which it measures the track, ascending.
+/// The voxels of a run on the track, ascending.
 std::vector<std::uint32_t> voxels_of(const MapView& view,
                                      world::Track track,
                                      const debug::Run& run) {
@@ -193,7 +193,7 @@ RunArrival arrival_at_track(const MapView& view, int id, const debug::Run& run) 
   return arrival;
 }
 
-// ---- Actions: following planes, going to where one is or is missing -----------------------------
+// ---- Actions: tracking planes, going to frames where one is seen or missed ----------------------
 
 namespace {
 
@@ -204,7 +204,9 @@ bool has_track(const State& state) {
 void follow_planes(State& state) {
   const OpenRecording* open = state.document.current();
   if (open->recording->info().width == 0)
-    throw Error("action map.make: the recording is of clouds, planes are followed in depth images");
+    throw Error(
+        "action map.make: the recording contains clouds; planes can be tracked only in depth "
+        "images");
   if (!open->recording->info().knows_camera())
     throw Error("action map.make: the recording has no camera intrinsics");
   static_cast<Asked&>(state.results.map) = {.running = true, .stage = "begins"};
@@ -216,14 +218,14 @@ void stop_following(State& state) {
   say(state, "tracking canceled");
 }
 
-/// In another world, which stands upright as well.
+/// Transforms a camera between two upright worlds.
 render::Camera carried(render::Camera camera, const Pose& T) {
   camera.eye = T * camera.eye;
   camera.target = T * camera.target;
   return camera;
 }
 
-/// Shows a track in a frame, from where the scene is looked at now.
+/// Shows a track in a frame from the current camera position.
 void show_track(State& state, int id, int frame) {
   const RunView* view = state.run_view();
   std::optional<render::Camera> camera;
@@ -288,7 +290,7 @@ void add_track_actions(std::vector<Action>& all) {
       .run(follow_planes);
   map.add("map.stop", "Stop tracking").key("Alt+K").when(running).run(stop_following);
 
-  // To another frame of the selected track.
+  // Goes to another frame of the selected track.
   const auto add_way = [&](const char* name, const char* title, const char* key, Find find,
                            int direction, const char* none) {
     track.add(name, title).key(key).when(has_track).run([=](State& s) {

@@ -34,7 +34,7 @@ struct Check {
 struct NodeReport {
   std::int32_t node = -1;
   std::vector<Check> checks;  // in evaluation order; not_evaluated if never computed
-  std::string stopped;        // "stopped at Criterion 1: no PCA was made" / "all passed"
+  std::string stopped;        // "stopped at Criterion 1: PCA was not computed" / "all passed"
   std::string outcome;        // "case III: divided into 5", "case IV: candidate merged into P3"
   std::vector<std::int32_t> outcome_steps;  // steps of the resulting found / merge / wait events
 };

@@ -114,8 +114,9 @@ std::string stopped_on_image(const NodeReport& report) {
 std::string stopped_at(const NodeReport& report) {
   for (const Check& check : report.checks) {
     if (check.verdict != Verdict::fail || check.criterion[0] != 'C') continue;
-    const std::string consequence =
-        check.criterion == "Criterion 3" ? "the inliers are not on one plane" : "no PCA was made";
+    const std::string consequence = check.criterion == "Criterion 3"
+                                        ? "the inliers are not on one plane"
+                                        : "PCA was not computed";
     return fmt::format("Stopped at {}: {}", check.criterion, consequence);
   }
   return "All passed: plane candidate";

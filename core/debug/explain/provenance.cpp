@@ -159,9 +159,8 @@ Cause outlier(const Run& run, std::int32_t node, std::int32_t voxel) {
 /// For a node of an image's octree that was not divided.
 Cause left_on_image(const Run& run, std::int32_t node) {
   const NodeFacts& facts = run.facts[node];
-  Cause cause{
-      fmt::format("node {} ({}) creates no region, and no region within reach took the point", node,
-                  decision_text(run, node))};
+  Cause cause{fmt::format("node {} ({}) creates no region, and no nearby region claimed the point",
+                          node, decision_text(run, node))};
   if (run.octree().nodes[node].decided == planes::Case::III) {
     const std::string flat = rounded_up(facts.e_n);
     cause.remedy = {fmt::format("flat >= {} would make node {} a plane", flat, node), "flat", flat};
@@ -177,8 +176,7 @@ Cause dropped(const Run& run, const planes::TraceEvent& event) {
   const std::string why = filled_in(planes::info_of(event.stage)->why_dropped, run, event);
   Cause cause{fmt::format("{} was dropped ({}){}{}", plane_name(run, event.plane),
                           planes::to_string(event.stage), why.empty() ? "" : ": ", why)};
-  if (event.stage == planes::Stage::grow)
-    cause.text += ", and no region within reach took the point";
+  if (event.stage == planes::Stage::grow) cause.text += ", and no nearby region claimed the point";
   if (event.stage == planes::Stage::list) {
     const char* option = run.is_on_image() ? "worth_px" : "plane_cost";
     const std::string worth = rounded_down(event.value);
@@ -450,8 +448,8 @@ std::optional<Absence> absence_of(const Run& run, std::size_t source) {
                     fmt::format("{:.2f}", std::ceil(range * 20) / 20)}};
   const double edge_m = subject.prepared.cloud.cube.edge_m;
   return Absence{fmt::format("cropped: outside the octree's cube of {:g} m", edge_m),
-                 {fmt::format("cube_edge_m > {:g} may hold it", options.cube_edge_m), "cube_edge_m",
-                  fmt::format("{:g}", 2 * edge_m)}};
+                 {fmt::format("cube_edge_m > {:g} may contain it", options.cube_edge_m),
+                  "cube_edge_m", fmt::format("{:g}", 2 * edge_m)}};
 }
 
 WhyNot why_not(const Run& run, std::size_t source) {

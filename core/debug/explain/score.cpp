@@ -112,7 +112,7 @@ std::string reason_of(const Run& run,
   }
   const planes::OctreeNode& node = run.octree().nodes[left.node];
   if (node.decided == planes::Case::I || node.decided == planes::Case::IV)
-    return was_assigned ? "too far from any plane" : "no region within reach";
+    return was_assigned ? "too far from any plane" : "no region nearby";
   return std::string("case ") + planes::to_string(node.decided);
 }
 

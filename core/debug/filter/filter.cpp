@@ -1,5 +1,5 @@
-// Recursive descent parser with one function per grammar rule of docs/filter.md. Each returns the
-// type of the parsed term and a formula that evaluates it.
+// Recursive descent parser of the filters of docs/filter.md. Each rule returns the type of the
+// parsed term and a formula that evaluates it.
 
 #include "core/debug/filter/filter.hpp"
 
@@ -90,6 +90,14 @@ std::string meant_by(std::string_view name) {
   return nearest_name(name, names);
 }
 
+/// One function per rule of the grammar:
+///   any        = all { "||" all }
+///   all        = negation { "&&" negation }
+///   negation   = "!" negation | comparison
+///   comparison = sum [ ( "==" | "!=" | "<" | "<=" | ">" | ">=" ) sum ]
+///   sum        = product { ( "+" | "-" ) product }
+///   product    = factor { ( "*" | "/" ) factor }
+///   factor     = number | name | "-" factor | "(" any ")"
 class Parser {
  public:
   Parser(std::string_view text, std::vector<FilterToken> tokens)
@@ -210,7 +218,7 @@ class Parser {
     const std::string near = meant_by(token.text);
     fail_filter(token, near.empty()
                            ? fmt::format("'{}' is unknown", token.text)
-                           : fmt::format("'{}' is unknown, did you mean '{}'?", token.text, near));
+                           : fmt::format("'{}' is unknown; did you mean '{}'?", token.text, near));
   }
 
   FilterFormula compared(Term& left, const FilterToken& sign, const Operator& op, Term& right) {
@@ -264,7 +272,7 @@ class Parser {
   void need(const Term& term, FilterType type) const {
     if (term.type == type) return;
     fail_filter(term, fmt::format("'{}' is {}{}", text_of(term), to_string(term.type),
-                                  type == FilterType::number ? ", expected a number"
+                                  type == FilterType::number ? "; expected a number"
                                                              : ": compare it with a value"));
   }
   void need_equality(const Term& term, const FilterToken& sign) const {
@@ -310,7 +318,7 @@ PointTrack track_of(double number, const Run& run) {
   return track;
 }
 
-/// Grammar: docs/filter.md. Throws a FilterProblem.
+/// Throws a FilterProblem.
 ParsedFilter parse_filter(std::string_view text) {
   std::optional<FilterProblem> problem;
   std::vector<FilterToken> tokens = filter_tokens(text, problem);

@@ -1,7 +1,7 @@
 #pragma once
 
 // Filter language for events: `case==III && depth>=5 && mse>0.8*theta_mse`, `plane==7`,
-// `point==1234`, `merge && offset>0.02`, `truth.mixed`. Grammar: docs/filter.md.
+// `point==1234`, `merge && offset>0.02`, `truth.mixed`. Syntax: docs/filter.md.
 
 #include <cstddef>
 #include <memory>

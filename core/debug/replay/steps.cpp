@@ -12,8 +12,8 @@ namespace {
 using planes::EventType;
 using planes::Stage;
 
-/// The last step of the traversal, including the effects of its last node; 0 if no node
-/// was dequeued.
+/// The last step of the traversal, including the effects of its last node; 0 if no node was
+/// dequeued.
 std::int32_t end_of_traversal(const Run& run) {
   std::int32_t last = run.steps();
   const auto is_of_node = [&](std::int32_t step) {

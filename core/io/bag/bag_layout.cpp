@@ -1,4 +1,4 @@
-// What each topic of a recording is used for, and gravity from its accelerometer.
+// Finds out the use of each topic of a recording, and gravity from its accelerometer.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,7 +16,7 @@
 namespace planescope::io {
 namespace {
 
-/// The first message of a topic through `parse`; nullopt where there is none that can be read.
+/// Passes the first message of a topic to `parse`; nullopt if there is no readable message.
 template <typename Parse>
 auto first_message(const MessageLog& bag, const std::string& topic, Parse parse)
     -> std::optional<decltype(parse(Message{}))> {
@@ -39,7 +39,7 @@ bool starts_with_token(const std::string& text, const std::string& token, std::s
 
 // --- RealSense SDK: /device_0/sensor_0/Depth_0/image/data ---
 
-/// Prefixes such as "/device_0/sensor_1/Color_0" of topics that end in `suffix`.
+/// Prefixes of the topics that end in `suffix`, such as "/device_0/sensor_1/Color_0".
 std::vector<std::string> sdk_streams(const MessageLog& bag,
                                      const std::string& kind,
                                      const std::string& suffix) {
@@ -145,7 +145,7 @@ std::optional<BagLayout> sdk_layout(const MessageLog& bag, const std::string& wa
 
 // --- realsense-ros: /camera/depth/image_rect_raw, 4.x: /camera/camera/depth/image_rect_raw ---
 
-/// Those that are not compressed first, then those that surely keep depth.
+/// Uncompressed topics first, then those that are known to preserve depth.
 std::vector<std::string> image_topics(const MessageLog& bag) {
   std::vector<std::string> topics;
   for (const auto& [topic, type] : bag.topics()) {
@@ -158,13 +158,13 @@ std::vector<std::string> image_topics(const MessageLog& bag) {
   return topics;
 }
 
-/// The topic's folder, without the transport that stands behind an image.
+/// The topic's folder, without the transport name at the end of an image topic.
 std::string image_folder(const std::string& topic) {
   const std::string image = ros::without_transport(topic);
   return image.substr(0, image.rfind('/'));
 }
 
-/// The folder above the image's, the same for all images of a camera.
+/// The parent of the image's folder, which all images of a camera share.
 std::string camera_of(const std::string& topic) {
   const std::string folder = image_folder(topic);
   return folder.substr(0, folder.rfind('/'));
@@ -178,7 +178,7 @@ std::string image_topic_in(const std::vector<std::string>& topics, const std::st
   return {};
 }
 
-/// Of the image's own namespace, as some ROS 2 recorders have it, or beside the image.
+/// The image's own camera_info, as some ROS 2 recorders write it, else the one beside the image.
 std::string info_of(const MessageLog& bag, const std::string& topic) {
   const std::string own = first_topic(bag, {ros::without_transport(topic) + "/camera_info"});
   return own.empty() ? image_folder(topic) + "/camera_info" : own;
@@ -189,7 +189,7 @@ std::string frame_id(const MessageLog& bag, const std::string& topic) {
   return header ? header->frame_id : "";
 }
 
-/// T_to_from along the static transforms, whichever way each of them points.
+/// T_to_from along the static transforms, in whichever direction each of them points.
 std::optional<Pose> static_transform(const MessageLog& bag,
                                      const std::string& to,
                                      const std::string& from) {
@@ -235,7 +235,7 @@ void use_depth_topic(const MessageLog& bag, const std::string& topic, BagLayout&
   layout.T_color_depth = pose.value_or(Pose::Identity());
 }
 
-/// Color of the camera, else of any.
+/// The color topic of the camera, else of any camera.
 std::string color_topic(const std::vector<std::string>& topics,
                         const std::string& camera,
                         bool of_any) {
@@ -258,7 +258,7 @@ std::optional<BagLayout> ros_layout(const MessageLog& bag,
   layout.format = "realsense-ros " + bag.kind();
   layout.color = color_topic(topics, camera_of(native.empty() ? aligned : native), wanted.empty());
   if (!layout.color.empty()) layout.color_info = info_of(bag, layout.color);
-  // Native pixels are the truth; the aligned copy serves where colour could not be placed else.
+  // Prefer native depth pixels; use the aligned copy only if color has no extrinsics otherwise.
   use_depth_topic(bag, native.empty() ? aligned : native, layout);
   if (!native.empty() && !aligned.empty() && !layout.color.empty() && !layout.has_extrinsics) {
     use_depth_topic(bag, aligned, layout);
@@ -275,7 +275,7 @@ std::optional<BagLayout> ros_layout(const MessageLog& bag,
 
 // --- Point clouds ---
 
-/// The accelerometer may be in any namespace around the clouds, but must be placed by transforms.
+/// The accelerometer may be in any namespace around the clouds, but transforms must locate it.
 BagLayout cloud_layout(const MessageLog& bag, const std::string& topic) {
   BagLayout layout;
   layout.format = "point clouds in a " + bag.kind();
@@ -293,8 +293,8 @@ BagLayout cloud_layout(const MessageLog& bag, const std::string& topic) {
   return layout;
 }
 
-/// Images of depth by the names of stream, folder or image; for each the topic that is read, out of
-/// all transports.
+/// Depth image topics, recognized by the name of the stream, folder or image. For each image, only
+/// the transport that will be read.
 std::vector<std::string> depth_topics(const std::vector<std::string>& images) {
   std::vector<std::string> topics;
   std::set<std::string> known;
@@ -307,7 +307,7 @@ std::vector<std::string> depth_topics(const std::vector<std::string>& images) {
   return topics;
 }
 
-/// A few of them, with how many more there are.
+/// A few of the topics, and the number of the others.
 std::string listed(const std::vector<std::string>& topics) {
   constexpr std::size_t kMost = 10;
   const std::size_t shown = std::min(kMost, topics.size());
@@ -353,23 +353,23 @@ BagLayout find_bag_layout(const MessageLog& bag, const std::string& wanted) {
     for (const std::string& warning : bag.warnings()) found += " (" + warning + ")";
     throw Error(bag.path().string() + ": no depth images: found " + found +
                 "; expected /device_*/sensor_*/Depth_*/image/data or */depth/image_rect_raw, or "
-                "--topic with the name of another topic");
+                "--topic with the name of a different topic");
   }
   std::erase(topics, layout->depth);
   topics.insert(topics.begin(), layout->depth);
   layout->topics = std::move(topics);
   const std::size_t sources = layout->is_cloud ? clouds.size() : cameras.size();
   if (wanted.empty() && sources > 1)
-    layout->warnings.push_back(fmt::format(
-        "{} {}; reading {}, choose another with --topic", sources,
-        layout->is_cloud ? "topics of point clouds" : "cameras with depth", layout->depth));
+    layout->warnings.push_back(
+        fmt::format("{} {}; reading {}; use --topic to choose a different one", sources,
+                    layout->is_cloud ? "point cloud topics" : "depth cameras", layout->depth));
   return *layout;
 }
 
 namespace {
 
 constexpr std::size_t kMaxSamples = 64;
-// Samples are spread over the recording, and each compressed chunk they lie in is unpacked.
+// Samples are spread over the recording, and each of their compressed chunks must be unpacked.
 constexpr std::size_t kMaxCost = 4 << 20;
 
 }  // namespace
@@ -385,7 +385,7 @@ std::optional<Gravity> gravity_near(const MessageLog& bag,
       std::lower_bound(accel.begin(), accel.end(), time_ns,
                        [](const MessageRef& m, std::uint64_t t) { return m.time_ns < t; }) -
       accel.begin());
-  std::size_t before = after;  // [before, after) are the samples taken
+  std::size_t before = after;                                // samples used: [before, after)
   std::set<std::pair<std::uint32_t, std::uint32_t>> chunks;  // file, number
   std::size_t cost = 0;
   Vec3d sum = Vec3d::Zero();
@@ -404,7 +404,7 @@ std::optional<Gravity> gravity_near(const MessageLog& bag,
     } catch (OutOfBytes) {
       continue;
     } catch (const Error&) {
-      continue;  // a damaged chunk; the others decide
+      continue;  // a damaged chunk; use the others
     }
     widest_ns = gap_ns(i);
     ++count;

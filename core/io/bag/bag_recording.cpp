@@ -1,4 +1,4 @@
-// Recordings of the RealSense SDK and of realsense-ros, whatever contains them.
+// Recordings of the RealSense SDK and of realsense-ros, in any container.
 
 #include <fmt/format.h>
 
@@ -51,10 +51,10 @@ class BagRecording : public Recording {
   RecordingInfo info_;
   Sidecar sidecar_;
   bool reads_color_ = true;
-  bool unit_is_given_ = false;  // by option or sidecar: wins over what single frames say
+  bool unit_is_given_ = false;  // by option or sidecar; overrides the units of single frames
   Intrinsics color_intrinsics_;
   std::vector<MessageRef> depth_;
-  std::vector<MessageRef> metadata_;  // texts beside them
+  std::vector<MessageRef> metadata_;  // SDK texts beside depth
   std::vector<MessageRef> color_;
   std::vector<MessageRef> accel_;
   double color_period_s_ = 0;
@@ -82,14 +82,15 @@ void check_depth_encoding(const ros::Image& image,
                           const std::string& topic) {
   const std::string what = fmt::format("{}: depth images on {} are ", bag.string(), topic);
   if (image.lossy)
-    throw Error(what + "JPEG, which does not keep depth; expected compressedDepth, PNG or zstd");
+    throw Error(what +
+                "JPEG, which does not preserve depth; expected compressedDepth, PNG or zstd");
   if (image.encoding != "mono16" && image.encoding != "16UC1" && image.encoding != kMeters)
     throw Error(fmt::format(
-        "{}encoded as \"{}\", expected mono16 or 16UC1 (16-bit counts), or 32FC1 (meters)", what,
+        "{}encoded as \"{}\"; expected mono16 or 16UC1 (16-bit counts), or 32FC1 (meters)", what,
         image.encoding));
 }
 
-/// The pixels without what is behind each row. Throws OutOfBytes when the image is not whole.
+/// The pixels without the padding after each row. Throws OutOfBytes if the image is incomplete.
 template <typename T>
 std::vector<T> pixels_of(const ros::Image& image) {
   const std::size_t row_bytes = sizeof(T) * image.width;
@@ -104,12 +105,12 @@ std::vector<T> pixels_of(const ros::Image& image) {
   return pixels;
 }
 
-/// rgb8, bgr8, rgba8, bgra8, mono8, 8UC1. Throws Error on any other encoding.
+/// Supports rgb8, bgr8, rgba8, bgra8, mono8 and 8UC1. Throws Error on any other encoding.
 Image8 to_rgb(const ros::Image& image, const std::filesystem::path& bag, const std::string& topic) {
   const PixelLayout layout = layout_of(image.encoding);
   if (layout.channels == 0)
     throw Error(
-        fmt::format("{}: color images on {} are encoded as \"{}\", expected rgb8, bgr8, "
+        fmt::format("{}: color images on {} are encoded as \"{}\"; expected rgb8, bgr8, "
                     "rgba8, bgra8 or mono8",
                     bag.string(), topic, image.encoding));
   const std::size_t row_bytes = std::size_t(layout.channels) * image.width;
@@ -127,7 +128,7 @@ Image8 to_rgb(const ros::Image& image, const std::filesystem::path& bag, const s
   return rgb;
 }
 
-/// Reads a message, or the first bytes of it, through `parse`.
+/// Reads a message, or its first bytes, and passes it to `parse`.
 template <typename Parse>
 auto parse_message(const MessageLog& bag,
                    const MessageRef& message,
@@ -159,7 +160,7 @@ Intrinsics to_intrinsics(const ros::CameraInfo& camera,
                     camera.k(0, 2), camera.k(1, 2), Distortion::none, {}};
   if (!set_distortion(camera.distortion_model, camera.d, result)) {
     warnings.push_back(topic + ": lens distortion \"" + camera.distortion_model +
-                       "\" is not supported and ignored");
+                       "\" is not supported and is ignored");
   }
   return result;
 }
@@ -187,7 +188,7 @@ BagRecording::BagRecording(std::unique_ptr<MessageLog> log,
   color_period_s_ = median_period_s(color_);
   if (!info_.warnings.empty())
     info_.warnings.front() +=
-        fmt::format(", among them {} depth and {} color images", depth_.size(), color_.size());
+        fmt::format(", including {} depth and {} color images", depth_.size(), color_.size());
   info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
   read_camera(options);
   read_color_camera();
@@ -197,8 +198,8 @@ BagRecording::BagRecording(std::unique_ptr<MessageLog> log,
   bag_.expect_whole();
 }
 
-/// Frames come in the order of the sensor's clock. The recording order is the same in practice;
-/// it is checked where that needs no unpacking of the whole file.
+/// Frames are sorted by the sensor's clock. In practice that is the recording order; it is checked
+/// only where that does not require unpacking the whole file.
 void BagRecording::order_by_stamp() {
   constexpr std::size_t kCheapMessages = 64;
   bool suspicious = false;
@@ -216,7 +217,7 @@ void BagRecording::order_by_stamp() {
       order.emplace_back(header.stamp_s, header.seq.value_or(0), i);
     }
   } catch (const Error&) {
-    return;  // a damaged frame: it is reported when it is asked for, the order stays
+    return;  // a damaged frame: reported when it is read; keep the order
   }
   std::sort(order.begin(), order.end());
   std::vector<MessageRef> sorted;
@@ -235,7 +236,7 @@ ros::CameraInfo BagRecording::read_camera_info(const MessageRef& message,
                        layout_.is_sdk ? ros::parse_sdk_camera_info : ros::parse_camera_info);
 }
 
-/// What the SDK wrote beside a depth image, at the same time.
+/// The metadata that the SDK recorded with a depth image, at the same time.
 ros::SdkFrameFacts BagRecording::facts_beside(const MessageRef& depth) const {
   const auto found = std::lower_bound(metadata_.begin(), metadata_.end(), depth.time_ns,
                                       [](const MessageRef& m, auto t) { return m.time_ns < t; });
@@ -255,7 +256,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
     } catch (const OutOfBytes&) {
       // Reported when the frame is read.
     }
-    parsed.data = {};  // only the header is kept
+    parsed.data = {};  // keep only the header
     return parsed;
   });
   check_depth_encoding(image, bag_.path(), layout_.depth);
@@ -281,12 +282,12 @@ void BagRecording::read_camera(const RecordingOptions& options) {
     facts.depth_unit_source = "depth messages of the bag";
   } else if (image.encoding == "16UC1") {
     facts.depth_unit_m = 0.001;
-    facts.depth_unit_source = "ROS convention (16UC1 is millimeters)";
+    facts.depth_unit_source = "ROS convention (16UC1 is in millimeters)";
   }
   settle_camera(options, sidecar_, facts, info_);
 }
 
-/// Colour in an encoding that we cannot show must not make the depth frames unreadable.
+/// Color in an unsupported encoding must not make the depth frames unreadable.
 void BagRecording::drop_unreadable_color() {
   if (color_.empty()) return;
   try {
@@ -313,8 +314,8 @@ void BagRecording::read_color_camera() {
   }
   const auto& infos = bag_.messages(layout_.color_info);
   if (infos.empty() || !layout_.has_extrinsics) {
-    info_.color_note = infos.empty() ? "shown only: the bag has no color intrinsics"
-                                     : "shown only: the bag has no depth-to-color extrinsics";
+    info_.color_note = infos.empty() ? "display only: the bag has no color intrinsics"
+                                     : "display only: the bag has no depth-to-color extrinsics";
     return;
   }
   const auto camera = read_camera_info(infos.front(), layout_.color_info);
@@ -328,8 +329,8 @@ double BagRecording::color_gap_s(std::size_t color, double depth_stamp_s) const 
   return std::abs(header.stamp_s - depth_stamp_s);
 }
 
-/// The colour image whose stamp is nearest to that of the depth image. The search starts at the
-/// nearest recording time, so that few chunks need unpacking. Null where none is near.
+/// The color image whose stamp is nearest to that of the depth image; null if there is none nearby.
+/// The search starts at the nearest recording time, so that few chunks need unpacking.
 const MessageRef* BagRecording::nearest_color(const MessageRef& depth, double stamp_s) const {
   if (color_.empty()) return nullptr;
   const auto recorded_gap_s = [&](std::size_t i) {
@@ -372,7 +373,7 @@ void BagRecording::add_color(const MessageRef& depth, double stamp_s, Frame& fra
   frame.T_color_depth = layout_.T_color_depth;
 }
 
-/// Name, time and unit of frame i, whose unit is already set where the image tells it.
+/// Sets name, time and unit of frame i. The unit is already set if the image contains it.
 void BagRecording::name_frame(int i, const ros::Header& header, Frame& frame) const {
   const ros::SdkFrameFacts facts = facts_beside(depth_.at(i));
   frame.name = facts.number.value_or(std::to_string(header.seq.value_or(i)));
@@ -386,12 +387,12 @@ BagRecording::DepthMessage BagRecording::read_depth(int i) const {
     const ros::HeldImage unpacked = image_of(bytes, layout_.depth);
     const ros::Image& image = unpacked.image;
     if (image.width != info_.width || image.height != info_.height)
-      throw Error(fmt::format("{}: depth frame {} is {}x{}, expected {}x{} as the first one",
+      throw Error(fmt::format("{}: depth frame {} is {}x{}; expected {}x{}, like the first frame",
                               bag_.path().string(), i, image.width, image.height, info_.width,
                               info_.height));
     check_depth_encoding(image, bag_.path(), layout_.depth);
     if ((image.encoding == kMeters) != info_.rounded)
-      throw Error(fmt::format("{}: depth frame {} is encoded as \"{}\", the first one is not",
+      throw Error(fmt::format("{}: depth frame {} is encoded as \"{}\", but the first frame is not",
                               bag_.path().string(), i, image.encoding));
     DepthMessage result{image.header, std::nullopt, Image16(image.width, image.height), {}};
     if (info_.rounded) {

@@ -30,15 +30,15 @@ class CloudTopicRecording : public Recording {
     info_.path = log_->path();
     info_.format = layout_.format;
     info_.depth_unit_m = 1;
-    info_.depth_unit_source = "meters, as ROS has them";
-    info_.color_note = "in the cloud, where it has any";
+    info_.depth_unit_source = "meters (ROS convention)";
+    info_.color_note = "in the cloud, if it has any";
     info_.topic = options.topic;
     info_.topics = layout_.topics;
     info_.times_source =
         tells_times(sidecar_) ? sidecar_.path.filename().string() : "message headers";
     info_.warnings = log_->warnings();
     info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
-    read_cloud(0, nullptr);  // fields that cannot be used are reported before work starts
+    read_cloud(0, nullptr);  // report unusable fields before work starts
     log_->expect_whole();
   }
 

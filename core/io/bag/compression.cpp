@@ -1,4 +1,4 @@
-// Decompression of LZ4, bzip2 and zstd data, including blocks that are cut off.
+// Decompresses LZ4, bzip2 and zstd data, including truncated blocks.
 
 #include <bzlib.h>
 #include <fcntl.h>
@@ -25,7 +25,7 @@ namespace planescope::io {
 namespace {
 
 constexpr std::size_t kStepBytes = 1 << 20;
-// LZ4 cannot pack tighter than 255:1, so what is declared beyond that need not be reserved.
+// LZ4 cannot compress better than 255:1, so declared sizes beyond that are not reserved.
 constexpr std::size_t kMaxLz4Ratio = 255;
 
 /// Continues an LZ4 block whose end is missing: copies literals and matches until the input runs
@@ -52,11 +52,11 @@ void unpack_cut_lz4_block(ByteReader in, std::size_t max_bytes, std::vector<std:
       }
     }
   } catch (OutOfBytes) {
-    // The cut: what came before it is what we wanted.
+    // The block is cut here: keep the output so far.
   }
 }
 
-/// The blocks of an LZ4 frame, the last one as far as it is there.
+/// The blocks of an LZ4 frame. The last one may be incomplete.
 std::vector<std::byte> unpack_cut_lz4(Bytes stored, std::size_t max_bytes) {
   std::vector<std::byte> out;
   ByteReader in(stored);
@@ -80,7 +80,7 @@ std::vector<std::byte> unpack_cut_lz4(Bytes stored, std::size_t max_bytes) {
       if (flags & 16) in.take(4);  // block checksum
     }
   } catch (OutOfBytes) {
-    // The cut.
+    // The frame is cut here.
   }
   return out;
 }
@@ -94,7 +94,7 @@ Unpacked unpack_lz4(Bytes stored, std::uint64_t raw_bytes) {
   auto& out = result.bytes;
   out.reserve(std::min<std::size_t>(raw_bytes, stored.size() * kMaxLz4Ratio));
   Bytes in = stored;
-  std::size_t expected = 1;  // 0 once the frame has ended and its checksum was right
+  std::size_t expected = 1;  // 0 after the end of a frame with a correct checksum
   while (!in.empty() && expected != 0) {
     const std::size_t before = out.size();
     std::size_t produced = std::min<std::size_t>(kStepBytes, raw_bytes - before);
@@ -151,7 +151,7 @@ Unpacked unpack_zstd(Bytes stored, std::uint64_t at_most) {
   Unpacked result;
   auto& out = result.bytes;
   ZSTD_inBuffer in{stored.data(), stored.size(), 0};
-  std::size_t expected = 1;  // 0 once a frame has ended and its checksum was right
+  std::size_t expected = 1;  // 0 after the end of a frame with a correct checksum
   while (out.size() < at_most && (in.pos < in.size || expected != 0)) {
     const std::size_t before = out.size();
     out.resize(before + std::min<std::uint64_t>(kStepBytes, at_most - before));
@@ -197,8 +197,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Depth shrinks to a third at most, and what is all zeros is no recording: more is not written to
-// disk.
+// Compression shrinks depth to a third at best, and only worthless data such as all zeros shrinks a
+// thousandfold: refuse to write more than this to disk.
 constexpr std::uint64_t kMostGrowth = 1000, kAlwaysAllowed = std::uint64_t{1} << 28;
 
 FileDescriptor make_nameless_file(const fs::path& of) {
@@ -208,7 +208,7 @@ FileDescriptor make_nameless_file(const fs::path& of) {
   std::string name = (folder / "planescope-XXXXXX").string();
   FileDescriptor file(::mkostemp(name.data(), O_CLOEXEC));
   if (!file.is_open())
-    throw Error(fmt::format("{}: cannot be unpacked into {}: {}", of.string(), folder.string(),
+    throw Error(fmt::format("{}: cannot be decompressed into {}: {}", of.string(), folder.string(),
                             error_text(errno)));
   ::unlink(name.c_str());
   return file;
@@ -229,16 +229,16 @@ void unpack_into(const FileDescriptor& file, const MappedFile& packed) {
     const std::size_t result = ZSTD_decompressStream(context.get(), &out, &in);
     more = ZSTD_isError(result) == 0 && (out.pos > 0 || in.pos > was);
     if (written + out.pos > most)
-      throw Error(fmt::format("{}: unpacks to more than {} bytes, expected a recording",
+      throw Error(fmt::format("{}: decompresses to more than {} bytes; expected a recording",
                               packed.path().string(), most));
     const auto bytes = std::span(piece).first(out.pos);
     if (const int error = write_fully(file, bytes, static_cast<off_t>(written)); error != 0)
-      throw Error(fmt::format("{}: cannot be unpacked into the folder for temporary files: {}",
+      throw Error(fmt::format("{}: cannot be decompressed into the folder for temporary files: {}",
                               packed.path().string(), error_text(error)));
     written += out.pos;
   }
   if (written == 0)
-    throw Error(packed.path().string() + ": is damaged, expected a file that zstd unpacks");
+    throw Error(packed.path().string() + ": damaged; expected a zstd-compressed file");
 }
 
 }  // namespace
@@ -249,7 +249,7 @@ fs::path name_within(const fs::path& path) {
 }
 
 std::string first_bytes_within(const fs::path& path, std::size_t count) {
-  constexpr std::size_t kEnough = 1 << 18;  // to unpack a block of zstd from
+  constexpr std::size_t kEnough = 1 << 18;  // enough to unpack a zstd block
   const FileDescriptor file = open_file(path, O_RDONLY | O_NONBLOCK);
   if (!file.is_open()) throw Error(path.string() + ": cannot be read: " + error_text(errno));
   std::vector<unsigned char> bytes(kEnough);

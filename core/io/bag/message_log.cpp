@@ -1,4 +1,4 @@
-// What all containers of ROS recordings share, and recordings that were split into several files.
+// Code shared by all containers of ROS recordings, and recordings split into several files.
 
 #include "core/io/bag/message_log.hpp"
 
@@ -27,8 +27,8 @@ void MessageLog::sort_messages() {
 
 void MessageLog::warn_of_encodings(const std::map<std::string, int>& topics) {
   for (const auto& [encoding, count] : topics)
-    warnings_.push_back(fmt::format(
-        "{} topics are serialized as \"{}\", expected cdr; they are left out", count, encoding));
+    warnings_.push_back(
+        fmt::format("{} topics are skipped: serialized as \"{}\"; expected cdr", count, encoding));
 }
 
 void expect_start(const MappedFile& file,
@@ -54,8 +54,8 @@ Message cdr_message(HeldBytes held, Bytes bytes, std::size_t at_most, const std:
   const std::uint64_t limit = std::min<std::uint64_t>(at_most, read_limit_bytes());
   Unpacked unpacked = unpack_zstd(bytes, limit);
   if (!unpacked.whole && at_most == kWholeMessage)
-    throw Error(fmt::format("{} is damaged: {} bytes could be unpacked of its zstd frame", what,
-                            unpacked.bytes.size()));
+    throw Error(fmt::format("{} is damaged: only {} bytes of its zstd frame could be decompressed",
+                            what, unpacked.bytes.size()));
   held = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
   return {held, *held, Wire::cdr};
 }
@@ -64,7 +64,7 @@ Message cdr_message(HeldBytes held, Bytes bytes, std::size_t at_most, const std:
 
 namespace {
 
-/// A walk finds at most so many messages, and one more for each byte of the file.
+/// A walk may find this many messages, plus one for each byte of the file.
 constexpr std::uint64_t kMostMessages = 1 << 20;
 constexpr std::size_t kCachedChunks = 8, kCachedBytes = 64 << 20;
 
@@ -90,7 +90,7 @@ void ChunkIndex::warn_of_loss(const std::string& what,
   std::string text = fmt::format("{}; found {}", what, chunks.size());
   if (declared_chunks > 0) text += fmt::format(" of {}", declared_chunks);
   text += " chunks";
-  if (cut > 0) text += fmt::format(", {} of them cut", cut);
+  if (cut > 0) text += fmt::format(", {} of them truncated", cut);
   if (missing_bytes > 0) text += fmt::format(" ({} bytes short)", missing_bytes);
   if (damaged_bytes > 0) text += fmt::format("; {} bytes are unreadable", damaged_bytes);
   warnings.push_back(text + fmt::format("; {} messages recovered", found_messages));
@@ -133,9 +133,9 @@ Message ChunkedLog::read(const MessageRef& message, std::size_t at_most) const {
       return cdr_message(held, bytes, at_most, path_.string() + ": message at " + where);
     }
   } catch (OutOfBytes) {
-    // The same to the user as a record of another kind.
+    // Reported like a record of another kind.
   }
-  throw Error(path_.string() + ": no message at " + where + ", where its index places one");
+  throw Error(path_.string() + ": no message at " + where + ", where the index expects one");
 }
 
 std::size_t ChunkedLog::unpacking_cost(const MessageRef& message) const {
@@ -159,16 +159,16 @@ HeldBytes ChunkedLog::unpacked(std::uint32_t number) const {
   const std::string name = fmt::format("{}: chunk {}", path_.string(), number);
   if (!chunk.cut) expect_within_read_limit(static_cast<double>(chunk.raw_bytes), name);
   if (chunk.compression == Compression::unknown)
-    throw Error(name + " is compressed in an unknown way, expected none, lz4, bz2 or zstd");
+    throw Error(name + " has an unknown compression; expected none, lz4, bz2 or zstd");
   file_.prefetch(chunk.stored);
   // Unpacked outside the lock, so that threads unpack different chunks at the same time.
   Unpacked unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
   if (!unpacked.whole && !chunk.cut)
-    throw Error(fmt::format("{} is damaged: {} of {} bytes could be unpacked", name,
+    throw Error(fmt::format("{} is damaged: only {} of {} bytes could be decompressed", name,
                             unpacked.bytes.size(), chunk.raw_bytes));
   if (chunk.crc != 0 && !chunk.cut &&
       libdeflate_crc32(0, unpacked.bytes.data(), unpacked.bytes.size()) != chunk.crc)
-    throw Error(name + " is damaged: its checksum is another one");
+    throw Error(name + " is damaged: its checksum does not match");
   const auto bytes = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
   const std::lock_guard lock(mutex_);
   cache_.emplace_back(number, bytes);
@@ -187,7 +187,7 @@ namespace {
 
 class SplitLog : public MessageLog {
  public:
-  /// `files`: in their order.
+  /// `files`: in recording order.
   SplitLog(const fs::path& folder, const std::vector<fs::path>& files) : MessageLog(folder) {
     for (const fs::path& file : files) {
       logs_.push_back(open_message_log(file));
@@ -223,7 +223,7 @@ constexpr std::uintmax_t kMostYamlBytes = 1 << 22;
 
 std::vector<std::string> names_in(const fs::path& metadata) {
   if (fs::file_size(metadata) > kMostYamlBytes)
-    throw Error(metadata.string() + ": is larger than a list of files, expected one of ros2 bag");
+    throw Error(metadata.string() + ": file too large; expected ros2 bag metadata");
   const auto bytes = read_file_bytes(metadata);
   std::vector<std::string> names;
   try {
@@ -231,25 +231,25 @@ std::vector<std::string> names_in(const fs::path& metadata) {
     const YAML::Node list = root["rosbag2_bagfile_information"]["relative_file_paths"];
     for (const YAML::Node& name : list) names.push_back(name.as<std::string>());
   } catch (const YAML::Exception& error) {
-    throw Error(metadata.string() + ": is no metadata of ros2 bag: " + error.what());
+    throw Error(metadata.string() + ": not ros2 bag metadata: " + error.what());
   }
   if (names.empty())
     throw Error(metadata.string() +
-                ": lists no files, expected rosbag2_bagfile_information.relative_file_paths");
+                ": lists no files; expected rosbag2_bagfile_information.relative_file_paths");
   return names;
 }
 
-/// The files that the metadata.yaml of a folder lists, in its order. Throws Error where it cannot
-/// be read, names none, or one of them is not there.
+/// The files that the metadata.yaml of a folder lists, in its order. Throws Error if the file
+/// cannot be read, lists nothing, or lists a missing file.
 std::vector<fs::path> files_of_metadata(const fs::path& folder) {
   const fs::path metadata = folder / "metadata.yaml";
   std::vector<fs::path> files;
   for (const std::string& name : names_in(metadata)) {
-    fs::path file = folder / fs::path(name).filename();  // once with the folder before it
+    fs::path file = folder / fs::path(name).filename();  // some versions prepend the folder
     if (file.extension() == ".zstd" && fs::exists(fs::path(file).replace_extension()))
-      file.replace_extension();  // unpacked since
+      file.replace_extension();  // has been unpacked since
     if (!fs::is_regular_file(file))
-      throw Error(metadata.string() + ": lists " + name + ", which is not there");
+      throw Error(metadata.string() + ": lists " + name + ", which does not exist");
     files.push_back(file);
   }
   return files;

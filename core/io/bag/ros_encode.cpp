@@ -1,4 +1,4 @@
-// Encodes messages by their definitions, and those of a camera. CDR:
+// Encodes messages as CDR by their definitions, and builds the messages of a camera. CDR:
 // https://www.omg.org/spec/DDSI-RTPS/2.5, 10.
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 #include "core/model/json.hpp"
 #include "core/model/text.hpp"
 
-// packaging/ros2/ros_messages.txt and planescope_msgs: each definition below a line with its name.
+// packaging/ros2/ros_messages.txt and planescope_msgs: a line with each name, then its definition.
 extern "C" const char planescope_asset_ros_messages_txt[];
 extern "C" const char planescope_asset_ros_messages_txt_end[];
 
@@ -28,14 +28,14 @@ struct Definition {
   struct Field {
     std::string type, name;
     bool is_list = false;
-    std::size_t count = 0;           // of a list with a fixed size
+    std::size_t count = 0;           // of lists with a fixed size
     const Definition* of = nullptr;  // null: a number, bool or string
   };
   std::string text;
   std::vector<Field> fields;
 };
 
-/// Reads "float64[9] k  # row by row". Comments, empty lines and constants give nothing.
+/// Reads "float64[9] k  # row by row". nullopt for comments, empty lines and constants.
 std::optional<Definition::Field> read_field(std::string line, const std::string& package) {
   line.resize(std::min(line.find('#'), line.size()));
   const std::vector<std::string> words = words_of(line);
@@ -70,13 +70,13 @@ std::map<std::string, Definition> read_definitions() {
   return all;
 }
 
-/// "sensor_msgs/Image" of "sensor_msgs/msg/Image".
+/// Accepts "sensor_msgs/Image" and "sensor_msgs/msg/Image".
 const Definition& definition_of(const std::string& type) {
   static const std::map<std::string, Definition> all = read_definitions();
   std::string name = type;
   if (const std::size_t at = name.find("/msg/"); at != std::string::npos) name.erase(at, 4);
   const auto found = all.find(name);
-  if (found == all.end()) throw Error(type + ": this message is not supported");
+  if (found == all.end()) throw Error(type + ": unsupported message type");
   return found->second;
 }
 
@@ -126,7 +126,7 @@ class CdrWriter {
 
   void write_field(const Definition::Field& field, const Json& json, const std::string& where) {
     const auto fail = [&] {
-      throw Error(fmt::format("{}.{} is no {}", where, field.name, field.type));
+      throw Error(fmt::format("{}.{} is not of type {}", where, field.name, field.type));
     };
     if (!field.is_list) return write_value(field, json, fail);
     const std::size_t given = json.is_binary() ? json.get_binary().size() : json.size();

@@ -1,4 +1,4 @@
-// Reads messages, those of the RealSense SDK in either ROS, and images compressed in any way.
+// Reads messages of ROS 1 and 2, of the RealSense SDK in either of them, and compressed images.
 
 #include "core/io/bag/ros_messages.hpp"
 
@@ -17,9 +17,8 @@
 namespace planescope::io::ros {
 namespace {
 
-/// Reads the fields of a message in their order, whichever ROS wrote it. Throws OutOfBytes where
-/// they end early.
-/// CDR: https://www.omg.org/spec/DDSI-RTPS/2.5, 10. Plain CDR alone, which ROS 2 writes.
+/// Reads the fields of a ROS 1 or ROS 2 message in order. Throws OutOfBytes if they end early. CDR:
+/// https://www.omg.org/spec/DDSI-RTPS/2.5, 10. Supports only plain CDR, which ROS 2 writes.
 class FieldReader {
  public:
   explicit FieldReader(const Message& message)
@@ -50,7 +49,7 @@ class FieldReader {
     const Bytes all = bytes();
     const std::string_view view(reinterpret_cast<const char*>(all.data()), all.size());
     if (!is_cdr_) return view;
-    return view.substr(0, view.find('\0'));  // CDR ends it with one
+    return view.substr(0, view.find('\0'));  // CDR strings end with a null
   }
   std::vector<double> doubles() {
     const auto count = read<std::uint32_t>();
@@ -164,7 +163,7 @@ PointCloud parse_point_cloud(const Message& message) {
   for (std::uint32_t i = 0; i < fields; ++i) {
     PointCloud::Field field{std::string(reader.text()), reader.read<std::uint32_t>(),
                             reader.read<std::uint8_t>()};
-    reader.read<std::uint32_t>();  // values in the field: the first one is used
+    reader.read<std::uint32_t>();  // values per field: only the first one is used
     cloud.fields.push_back(std::move(field));
   }
   cloud.big_endian = reader.read<std::uint8_t>() != 0;
@@ -202,7 +201,7 @@ std::vector<NamedTransform> parse_tf_message(const Message& message) {
 }
 
 Pose parse_extrinsics(const Message& message) {
-  // Older messages start with a header: 9 + 3 doubles end both.
+  // Older messages start with a header, but all of them end with 9 + 3 doubles.
   constexpr std::size_t kBytes = 12 * sizeof(double);
   if (message.bytes.size() < kBytes) throw OutOfBytes{};
   FieldReader reader({message.held, message.bytes.last(kBytes)});
@@ -228,7 +227,7 @@ double to_number(const std::string& text) {
   return *value;
 }
 
-/// The values of a text "key=value;key=value".
+/// Values of a text "key=value;key=value".
 class Texts {
  public:
   explicit Texts(const Message& message) : pairs_(split(text_of(message), ';')) {}
@@ -250,7 +249,7 @@ class Texts {
     if (!value) throw OutOfBytes{};
     return *value;
   }
-  /// Numbers with commas between.
+  /// Comma-separated numbers.
   std::vector<double> numbers(const std::string& key) const {
     std::string text = find(key).value_or("");
     std::ranges::replace(text, ',', ' ');
@@ -276,7 +275,7 @@ CameraInfo parse_sdk_camera_info(const Message& message) {
   CameraInfo info;
   info.width = to_side(texts.required("width"));
   info.height = to_side(texts.required("height"));
-  const double fx = texts.required("fx"), fy = texts.required("fy");  // any may throw
+  const double fx = texts.required("fx"), fy = texts.required("fy");  // throws if a key is missing
   const double cx = texts.required("ppx"), cy = texts.required("ppy");
   info.k << fx, 0, cx, 0, fy, cy, 0, 0, 1;
   info.distortion_model = texts.find("model").value_or("");
@@ -320,7 +319,7 @@ SdkFrameFacts parse_sdk_metadata(const Message& message) {
   return facts;
 }
 
-// ---- Compressed images: what image_transport_plugins write, compressed_image_transport,
+// ---- Compressed images, as written by compressed_image_transport,
 // compressed_depth_image_transport and zstd_image_transport ----
 
 namespace {
@@ -343,7 +342,7 @@ int read_image_side(ByteReader& in) {
   return static_cast<int>(side);
 }
 
-/// Takes the pixels of `decoded`.
+/// Takes over the pixels of `decoded`.
 template <typename T>
 void take_pixels(const planescope::Image<T>& decoded, const char* encoding, HeldImage& to) {
   const auto bytes = std::as_bytes(std::span(decoded.data));
@@ -362,9 +361,9 @@ void take_png(Bytes png, const std::string& what, HeldImage& to) {
   take_pixels(decode_png_rgb(as_chars(png), what), "rgb8", to);
 }
 
-/// Wilson, Fast Lossless Depth Image Compression, 2017: runs of zeros and of others in turn, each
-/// other as its difference to the one before; all numbers in nibbles of three bits and a sign that
-/// more follow, eight nibbles in a word, the first in its highest bits.
+/// Wilson, Fast Lossless Depth Image Compression, 2017: alternating runs of zeros and of other
+/// values, each value as the difference from the previous one. All numbers are split into nibbles:
+/// three bits and a continuation bit, eight nibbles per word, the first one in the highest bits.
 class RvlReader {
  public:
   explicit RvlReader(Bytes words) : in_(words) {}
@@ -410,7 +409,7 @@ Image16 decode_rvl(Bytes bytes, const std::string& what) {
     const std::uint32_t others = in.number();
     if (others > depth.data.size() - at) throw OutOfBytes{};
     for (std::uint32_t i = 0; i < others; ++i) {
-      const std::uint32_t turned = in.number();  // 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
+      const std::uint32_t turned = in.number();  // zigzag: 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
       before += (turned >> 1) ^ (0u - (turned & 1));
       depth.data[at++] = static_cast<std::uint16_t>(before);
     }
@@ -419,10 +418,10 @@ Image16 decode_rvl(Bytes bytes, const std::string& what) {
 }
 
 void take_depth(Bytes data, const std::string& encoding, const std::string& what, HeldImage& to) {
-  constexpr std::size_t kConfig = 12;  // a format, and how floats were turned into counts
+  constexpr std::size_t kConfig = 12;  // format, and quantization parameters of floats
   if (encoding.starts_with("32FC1"))
     throw Error(what +
-                " is depth of floats (32FC1), which were rounded when they were compressed; "
+                " is floating-point depth (32FC1), which was rounded during compression; "
                 "expected 16UC1");
   if (is_png(data)) return take_png(data, what, to);
   if (data.size() < kConfig) throw OutOfBytes{};
@@ -466,7 +465,7 @@ HeldImage read_image(const Message& message, const std::string& type, const std:
     take_zstd(data, what, result);
   else
     throw Error(what + " is compressed as \"" + format +
-                "\", expected compressedDepth, PNG, JPEG or zstd");
+                "\"; expected compressedDepth, PNG, JPEG or zstd");
   return result;
 }
 

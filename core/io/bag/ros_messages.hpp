@@ -1,7 +1,7 @@
 #pragma once
 
-// The messages of ROS 1 and 2 that recordings of depth cameras use, and what each topic of a
-// recording is used for. Internal to core/io.
+// ROS 1 and 2 messages that recordings of depth cameras contain, and the use of each topic of a
+// recording. Internal to core/io.
 
 #include <filesystem>
 #include <optional>
@@ -15,18 +15,18 @@
 
 namespace planescope::io::ros {
 
-// Every function throws OutOfBytes when the bytes end early.
+// Every function throws OutOfBytes if the bytes end early.
 
 inline constexpr std::uint32_t kMaxSide = 1 << 15;  // of an image [px]
 
 struct Header {
-  std::optional<std::uint32_t> seq;  // ROS 1 alone
+  std::optional<std::uint32_t> seq;  // ROS 1 only
   double stamp_s = 0;
-  std::int64_t stamp_ns = 0;  // the same, exactly
+  std::int64_t stamp_ns = 0;  // the same, exact
   std::string frame_id;
 };
 Header parse_header(const Message& message);
-inline constexpr std::size_t kHeaderBytes = 4096;  // a header ends before
+inline constexpr std::size_t kHeaderBytes = 4096;  // maximum size of a header
 
 struct Image {
   Header header;
@@ -37,7 +37,7 @@ struct Image {
   std::size_t step = 0;  // bytes per row
   Bytes data;
   std::optional<float> depth_unit_m;  // trailing field of RealSense SDK 2.49 and later
-  bool lossy = false;                 // its pixels are not those that were measured
+  bool lossy = false;                 // pixels differ from the measured ones
 };
 
 struct CameraInfo {
@@ -54,7 +54,7 @@ struct PointCloud {
   struct Field {
     std::string name;
     std::uint32_t offset = 0;  // in a point's bytes
-    std::uint8_t type = 0;     // as the message numbers them, from 1: INT8, UINT8, ... FLOAT64
+    std::uint8_t type = 0;     // as in the message, from 1: INT8, UINT8, ... FLOAT64
   };
   Header header;
   std::size_t width = 0, height = 0;
@@ -65,7 +65,7 @@ struct PointCloud {
 };
 PointCloud parse_point_cloud(const Message& message);
 
-/// The acceleration that a sensor_msgs/Imu has [m/s2].
+/// Linear acceleration of a sensor_msgs/Imu [m/s2].
 Vec3d parse_imu(const Message& message);
 
 struct NamedTransform {
@@ -78,22 +78,22 @@ std::vector<NamedTransform> parse_tf_message(const Message& message);
 /// realsense2_camera/Extrinsics: rotation column-major, then translation.
 Pose parse_extrinsics(const Message& message);
 
-/// A float as the decimal number that was meant: 0.001f becomes 0.001, not 0.0010000000475.
+/// Converts a float to the decimal number it was written as: 0.001f to 0.001, not 0.0010000000475.
 double decimal(float value);
 
-// What the RealSense SDK says of its streams: in messages of ROS 1, or in ROS 2 in texts such as
-// "width=640;height=480;fx=390.4". Every function takes either, and throws OutOfBytes where the
-// message ends early or does not hold what it should.
+// Properties of the RealSense SDK's streams: ROS 1 messages, or in ROS 2 texts such as
+// "width=640;height=480;fx=390.4". Every function accepts both, and throws OutOfBytes if the
+// message ends early or lacks a value.
 
 CameraInfo parse_sdk_camera_info(const Message& message);
 /// The depth unit [m].
 double parse_sdk_option(const Message& message);
 /// T_stream_reference.
 Pose parse_sdk_extrinsics(const Message& message);
-/// The value of `key` in a message about the device; nullopt where it is about another.
+/// The value of `key` in a message about the device; nullopt if the message contains another key.
 std::optional<std::string> parse_sdk_info(const Message& message, const std::string& key);
 
-/// What the SDK writes beside every frame in ROS 2.
+/// Metadata that the SDK records with every frame in ROS 2.
 struct SdkFrameFacts {
   std::optional<std::string> number;
   std::optional<double> timestamp_s;  // in the camera's clock
@@ -101,35 +101,35 @@ struct SdkFrameFacts {
 };
 SdkFrameFacts parse_sdk_metadata(const Message& message);
 
-/// An image, and its pixels where they do not lie in the message.
+/// An image. `held` owns its pixels unless they are part of the message.
 struct HeldImage {
   Image image;
   HeldBytes held;
 };
 
-/// An image of any type that is_image_type() knows. sensor_msgs/CompressedImage is unpacked:
-/// `compressedDepth` (PNG or RVL) and PNG of 16 bits to "16UC1", PNG and JPEG to "rgb8", `zstd` to
-/// what it packs; a JPEG has `lossy` set. `what` names the message in errors. Throws Error where a
-/// picture in it is damaged, OutOfBytes where the message is.
+/// Reads an image of any type that is_image_type() accepts. Unpacks sensor_msgs/CompressedImage:
+/// `compressedDepth` (PNG or RVL) and 16-bit PNG to "16UC1", other PNG and JPEG to "rgb8", `zstd`
+/// to the original encoding. Sets `lossy` for JPEG. `what` names the message in errors. Throws
+/// Error if the compressed picture is damaged, OutOfBytes if the message is.
 HeldImage read_image(const Message& message, const std::string& type, const std::string& what);
 
 bool is_image_type(const std::string& type);
-/// A topic without the transport that image_transport puts behind it:
-/// "/camera/depth/image_rect_raw" for ".../image_rect_raw/compressedDepth".
+/// A topic without the transport that image_transport appends: "/camera/depth/image_rect_raw" for
+/// ".../image_rect_raw/compressedDepth".
 std::string without_transport(const std::string& topic);
 
 }  // namespace planescope::io::ros
 
 namespace planescope::io {
 
-/// What each topic of a recording is used for. Names are empty where there is no such topic.
+/// Use of each topic of a recording. Names are empty if there is no such topic.
 struct BagLayout {
   std::string format;   // "RealSense SDK bag", "realsense-ros ROS 2 bag (MCAP)", ...
   bool is_sdk = false;  // else realsense-ros
   std::string device;
   std::string depth, depth_info;
   bool is_cloud = false;            // `depth` is a topic of point clouds
-  std::vector<std::string> topics;  // with frames, that of `depth` first
+  std::vector<std::string> topics;  // topics with frames, that of `depth` first
   std::string color, color_info;
   bool color_aligned = false;
   bool has_extrinsics = false;
@@ -144,7 +144,7 @@ struct BagLayout {
 inline constexpr const char* kPointCloudType = "sensor_msgs/PointCloud2";
 
 /// `wanted`: the topic with the frames; empty: the first with depth images or, without any, point
-/// clouds. Throws Error that lists the topics found when there is no such topic.
+/// clouds. Throws Error that lists the topics found if there is no such topic.
 BagLayout find_bag_layout(const MessageLog& bag, const std::string& wanted);
 
 /// Frames from a topic of point clouds.
@@ -152,9 +152,9 @@ std::unique_ptr<Recording> open_cloud_topic(std::unique_ptr<MessageLog> log,
                                             BagLayout layout,
                                             const RecordingOptions& options);
 
-/// Gravity from the accelerometer samples recorded nearest to `time_ns`: at rest it measures the
-/// reaction to gravity, so things fall along the negative of their mean. nullopt where there are
-/// no samples or their mean is not near 1 g (shaken, or damaged). `accel` is sorted by time.
+/// Gravity from the accelerometer samples recorded nearest to `time_ns`: at rest they measure the
+/// reaction to gravity, so gravity is the negative of their mean. nullopt if there are no samples
+/// or their mean is not near 1 g (shaken, or damaged). `accel` is sorted by time.
 std::optional<Gravity> gravity_near(const MessageLog& bag,
                                     const std::vector<MessageRef>& accel,
                                     std::uint64_t time_ns,

@@ -1,5 +1,5 @@
-// ROS 1 bags: http://wiki.ros.org/Bags/Format/2.0. Read by the index at their end, or by walking
-// their chunks where that is missing, cut or damaged.
+// ROS 1 bags: http://wiki.ros.org/Bags/Format/2.0. Read from the index at the end, or by walking
+// the chunks if the index is missing, truncated or damaged.
 
 #include <fmt/format.h>
 
@@ -24,8 +24,8 @@ enum class Op : std::uint8_t {
   connection = 7,
 };
 
-/// The header of a record: `name=value` fields. Throws OutOfBytes where it is damaged, a field is
-/// missing, or a number is of another size.
+/// The header of a record: `name=value` fields. Throws OutOfBytes if it is damaged, a field is
+/// missing, or a number has the wrong size.
 class Fields {
  public:
   explicit Fields(Bytes header) : header_(header) {}
@@ -56,7 +56,7 @@ struct Record {
   Bytes data;
 };
 
-/// Reads one whole record. Throws OutOfBytes when it is not all there.
+/// Reads one whole record. Throws OutOfBytes if it is incomplete.
 Record read_record(ByteReader& reader) {
   const Bytes header = reader.take_sized();
   return {Fields(header), reader.take_sized()};
@@ -68,7 +68,7 @@ Record read_record_of(Op op, ByteReader& reader) {
   return record;
 }
 
-/// ROS time as the bag writes it: seconds in the low, nanoseconds in the high half.
+/// Converts a ROS time as bags store it: seconds in the low half, nanoseconds in the high half.
 std::uint64_t nanoseconds(std::uint64_t time) {
   return (time & 0xffffffffu) * 1'000'000'000u + (time >> 32);
 }
@@ -85,7 +85,7 @@ Chunk chunk_of(const Record& record) {
   return {parse_compression(record.header.text("compression")), record.data, raw_bytes};
 }
 
-/// The messages that an INDEX_DATA record places in a chunk. Throws OutOfBytes when it is damaged.
+/// The messages of a chunk that an INDEX_DATA record lists. Throws OutOfBytes if it is damaged.
 std::vector<MessageRef> index_entries(const Record& record,
                                       std::uint32_t chunk,
                                       std::uint64_t raw_bytes) {
@@ -101,7 +101,7 @@ std::vector<MessageRef> index_entries(const Record& record,
   return messages;
 }
 
-/// Throws OutOfBytes when any of the index at the end of the bag is missing or does not add up.
+/// Throws OutOfBytes if any of the index at the end of the bag is missing or inconsistent.
 ChunkIndex read_index(Bytes file) {
   ChunkIndex index;
   ByteReader start(file);
@@ -127,7 +127,7 @@ ChunkIndex read_index(Bytes file) {
     const auto parts = info.header.get<std::uint32_t>("count");  // one per connection
     for (std::uint32_t part = 0; part < parts; ++part) {
       const Record entries = read_record_of(Op::index_data, at_chunk);
-      // Chunks that overlap could share their entries: there is room for each once.
+      // Overlapping chunks could share their entries: allow only as many bytes as the file has.
       entry_bytes += entries.data.size();
       if (entry_bytes > file.size()) throw OutOfBytes{};
       std::ranges::copy(
@@ -140,15 +140,15 @@ ChunkIndex read_index(Bytes file) {
 
 // ---- Without an index ---------------------------------------------------------------------------
 
-/// The walk through a bag whose index is missing, cut or damaged. Unpacks only chunks that tell
-/// nothing otherwise.
+/// Walks a bag whose index is missing, truncated or damaged. Unpacks only chunks without usable
+/// index records.
 class Scan {
  public:
   explicit Scan(Bytes file) : file_(file) {}
 
-  /// Says in `warnings` what is missing.
+  /// Reports missing data in `warnings`.
   ChunkIndex index() {
-    std::uint64_t damaged_bytes = 0;  // passed over, no record could be read there
+    std::uint64_t damaged_bytes = 0;  // skipped because they contain no readable record
     std::size_t position = kMagic.size();
     while (position < file_.size()) {
       ByteReader reader(file_.subspan(position));
@@ -167,7 +167,7 @@ class Scan {
   }
 
  private:
-  /// Handles the record at the reader and moves behind it. Throws OutOfBytes on damage.
+  /// Processes the record at the reader and moves past it. Throws OutOfBytes on damage.
   void take_record(ByteReader& reader) {
     const Record record = read_record(reader);
     switch (record.header.op()) {
@@ -183,7 +183,7 @@ class Scan {
         index_.chunks.push_back(chunk_of(record));
         if (!take_index_records(reader)) walk_chunk();
         break;
-      case Op::index_data:  // of a chunk that was walked
+      case Op::index_data:  // of a walked chunk
       case Op::chunk_info:
       case Op::message:
         break;
@@ -205,9 +205,9 @@ class Scan {
         });
   }
 
-  /// Uses the INDEX_DATA records that follow the last chunk, which spares unpacking it. They must
-  /// be all there (another record follows) and name only known connections, else nothing is taken.
-  /// Moves the reader behind them.
+  /// Uses the INDEX_DATA records after the last chunk, which avoids unpacking it. They are used
+  /// only if all of them are present (another record follows) and name only known connections.
+  /// Moves the reader past them.
   bool take_index_records(ByteReader& reader) {
     const auto number = static_cast<std::uint32_t>(index_.chunks.size() - 1);
     std::vector<std::pair<std::uint32_t, std::vector<MessageRef>>> found;
@@ -228,8 +228,8 @@ class Scan {
     return !found.empty();
   }
 
-  /// The chunk whose record starts here though its end is missing: the last one of a recording that
-  /// was interrupted (declares no size yet) or cut. The rest of the file is taken for its content.
+  /// Adds a chunk record at this position whose end is missing: the last one of a recording that
+  /// was interrupted (no size declared yet) or truncated. Its content is the rest of the file.
   bool take_cut_chunk(ByteReader reader) {
     try {
       const Fields header(reader.take_sized());
@@ -248,7 +248,7 @@ class Scan {
     return true;
   }
 
-  /// Where the next chunk behind `from` may start: its header begins with two lengths and
+  /// Possible start of the next chunk after `from`: its header begins with two lengths and
   /// `compression=`.
   std::size_t find_chunk(std::size_t from) const {
     const std::string_view text(reinterpret_cast<const char*>(file_.data()), file_.size());
@@ -258,17 +258,17 @@ class Scan {
 
   std::string what_is_missing() const {
     const std::uint64_t size = file_.size(), at = index_position_;
-    if (at == 0) return "the recording was never closed, it has no index";
-    if (at <= size) return "the index is cut or damaged";
+    if (at == 0) return "the recording was never closed and has no index";
+    if (at <= size) return "the index is truncated or damaged";
     return fmt::format(
-        "the file is cut: it ends at byte {}, its index would start at byte {}, so "
+        "the file is truncated: it ends at byte {}, but its index starts at byte {}, so "
         "more than {} bytes are missing",
         size, at, at - size);
   }
 
   Bytes file_;
   ChunkIndex index_;
-  std::uint64_t index_position_ = 0;  // where the bag header places the index, 0 = never written
+  std::uint64_t index_position_ = 0;  // index position in the bag header; 0: never written
   std::uint32_t declared_chunks_ = 0;
 };
 

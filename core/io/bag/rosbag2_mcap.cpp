@@ -1,4 +1,4 @@
-// ROS 2 recordings in MCAP: https://mcap.dev/spec. Opening reads the summary and the index behind
+// ROS 2 recordings in MCAP: https://mcap.dev/spec. Opening reads the summary and the index after
 // each chunk, never the messages; files without a summary are walked.
 
 #include <algorithm>
@@ -26,7 +26,7 @@ enum class Op : std::uint8_t {
 constexpr std::size_t kMessageHeader = 2 + 4 + 8 + 8;  // channel, sequence, two times
 
 struct McapIndex : ChunkIndex {
-  std::map<std::uint16_t, std::string> schemas;  // types of messages
+  std::map<std::uint16_t, std::string> schemas;  // message types
 };
 
 struct Record {
@@ -34,13 +34,13 @@ struct Record {
   Bytes content;
 };
 
-/// Reads one whole record. Throws OutOfBytes when it is not all there.
+/// Reads one whole record. Throws OutOfBytes if it is incomplete.
 Record read_record(ByteReader& reader) {
   const auto op = static_cast<Op>(reader.read<std::uint8_t>());
   return {op, reader.take(reader.read<std::uint64_t>())};
 }
 
-/// Adds a schema or a channel; passes over other records.
+/// Adds a schema or a channel; ignores other records.
 void add_names(const Record& record, McapIndex& index) {
   if (record.op != Op::schema && record.op != Op::channel) return;
   ByteReader in(record.content);
@@ -56,13 +56,13 @@ void add_names(const Record& record, McapIndex& index) {
                               std::string(in.read_text())});
 }
 
-/// Adds a chunk, whose record may end early; returns how many bytes it declares that are missing.
+/// Adds a chunk whose record may end early. Returns the number of declared bytes that are missing.
 std::uint64_t add_chunk(Bytes content, McapIndex& index) {
   ByteReader in(content);
   in.take(16);  // times of the first and the last message
   Chunk chunk;
   chunk.raw_bytes = in.read<std::uint64_t>();
-  chunk.crc = in.read<std::uint32_t>();  // checked where it is unpacked
+  chunk.crc = in.read<std::uint32_t>();  // checked when it is unpacked
   chunk.compression = parse_compression(in.read_text());
   const auto stored_bytes = in.read<std::uint64_t>();
   const std::size_t there = std::min<std::uint64_t>(stored_bytes, in.left());
@@ -74,7 +74,7 @@ std::uint64_t add_chunk(Bytes content, McapIndex& index) {
 
 // ---- By the summary ----
 
-/// Where a chunk is, and the index records behind it.
+/// Location of a chunk and of the index records after it.
 struct ChunkPlace {
   std::uint64_t start = 0, length = 0, index_bytes = 0;
 };
@@ -83,13 +83,13 @@ ChunkPlace read_chunk_index(Bytes content) {
   ByteReader in(content);
   in.take(16);
   ChunkPlace place{in.read<std::uint64_t>(), in.read<std::uint64_t>(), 0};
-  in.take(in.read<std::uint32_t>());  // where the index of each channel is
+  in.take(in.read<std::uint32_t>());  // offset of each channel's index
   place.index_bytes = in.read<std::uint64_t>();
   return place;
 }
 
-/// Adds what the index records behind a chunk say; returns how many messages. Throws OutOfBytes
-/// when they do not add up.
+/// Adds the entries of the index records after a chunk and returns the number of messages. Throws
+/// OutOfBytes if the records are inconsistent.
 std::uint64_t add_indexed_chunk(Bytes file, const ChunkPlace& place, McapIndex& index) {
   ByteReader at(file);
   at.take(place.start);
@@ -116,7 +116,7 @@ std::uint64_t add_indexed_chunk(Bytes file, const ChunkPlace& place, McapIndex& 
   return count;
 }
 
-/// Where the summary begins, 0 where there is none. Nothing where the file has no end.
+/// Start of the summary, 0 if there is none. nullopt if the file has no footer.
 std::optional<std::uint64_t> summary_start(Bytes file) {
   constexpr std::size_t kFooter = 1 + 8 + 8 + 8 + 4;
   if (file.size() < kFooter + 2 * kMcapMagic.size()) return std::nullopt;
@@ -140,13 +140,13 @@ McapIndex read_summary(Bytes file, std::uint64_t start) {
     if (record.op == Op::statistics) declared = ByteReader(record.content).read<std::uint64_t>();
     if (record.op != Op::chunk_index) continue;
     const ChunkPlace place = read_chunk_index(record.content);
-    // Chunks that overlap could share their entries: there is room for each once.
+    // Overlapping chunks could share their entries: allow only as many bytes as the file has.
     index_bytes += std::min<std::uint64_t>(place.index_bytes, file.size());
     if (!positions.insert(place.start).second || index_bytes > file.size()) throw OutOfBytes{};
     found += add_indexed_chunk(file, place, index);
   }
-  // Messages outside chunks, and those of chunks without an index, are found by walking alone;
-  // without statistics nothing says whether there are any.
+  // Only walking finds messages outside chunks and in chunks without an index. Without statistics,
+  // it is unknown whether there are any.
   if (declared != found) throw OutOfBytes{};
   for (const auto& [channel, messages] : index.messages)
     if (!index.channels.contains(channel)) throw OutOfBytes{};
@@ -155,7 +155,7 @@ McapIndex read_summary(Bytes file, std::uint64_t start) {
 
 // ---- By walking ----
 
-/// Takes a schema, channel or message at `offset` of a chunk or the file.
+/// Adds a schema, channel or message at `offset` of a chunk or the file.
 void take_record(
     McapIndex& index, Bytes file, const Record& record, std::uint32_t chunk, std::uint64_t offset) {
   add_names(record, index);
@@ -163,7 +163,7 @@ void take_record(
   if (record.content.size() < kMessageHeader) throw OutOfBytes{};
   ByteReader in(record.content);
   const auto channel = in.read<std::uint16_t>();
-  in.take(4);  // its number in the channel
+  in.take(4);  // sequence number
   const MessageRef message{in.read<std::uint64_t>(), 0, chunk, offset};
   index.add_found(channel, {&message, 1}, file);
 }
@@ -176,12 +176,12 @@ void walk_chunk(McapIndex& index, Bytes file, Bytes content) {
                    });
 }
 
-/// `has_end`: whether the file has one.
+/// `has_end`: whether the file has a footer.
 McapIndex walk_records(Bytes file, bool has_end) {
   McapIndex index;
   ByteReader reader(file);
   reader.take(kMcapMagic.size());
-  bool ended = false;  // the record that ends the data was reached
+  bool ended = false;  // the end of the data was reached
   while (!reader.done() && !ended) {
     ByteReader at = reader;
     try {
@@ -193,7 +193,7 @@ McapIndex walk_records(Bytes file, bool has_end) {
       else
         take_record(index, file, record, kNoChunk, offset);
     } catch (OutOfBytes) {
-      try {  // the end of a chunk may be missing, or even of its head
+      try {  // the chunk may end early, or even within its header
         if (static_cast<Op>(at.read<std::uint8_t>()) == Op::chunk) {
           at.take(8);
           walk_chunk(index, file, at.take(at.left()));
@@ -206,7 +206,7 @@ McapIndex walk_records(Bytes file, bool has_end) {
   const bool whole = ended && std::ranges::none_of(index.chunks, &Chunk::cut);
   if (!whole || !has_end)
     index.warn_of_loss(has_end ? "the file is damaged"
-                               : "the file has no end: it is cut or was never closed");
+                               : "the file has no footer: it is truncated or was never closed");
   return index;
 }
 
@@ -215,7 +215,7 @@ McapIndex index_of(Bytes file) {
   if (start && *start > 0) try {
       return read_summary(file, *start);
     } catch (OutOfBytes) {
-      // Walked instead.
+      // Walk the file instead.
     }
   return walk_records(file, start.has_value());
 }

@@ -1,6 +1,5 @@
-// ROS 2 recordings in SQLite: https://www.sqlite.org/fileformat2.html,
-// and the tables that `ros2 bag` makes. Opening reads numbers and
-// times of messages, never the blobs.
+// ROS 2 recordings in SQLite: https://www.sqlite.org/fileformat2.html, with the tables of `ros2
+// bag`. Opening reads only the ids and times of messages, never the blobs.
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -24,16 +23,16 @@ std::uint64_t big_endian(Bytes bytes) {
   return value;
 }
 
-/// A SQLite database read out of a mapped file, so that nothing is ever written, locked or made
-/// beside it, and a file that is cut opens as far as its pages are whole.
+/// A SQLite database read from a mapped file. Nothing is ever written, locked or created beside it,
+/// and truncated files open as far as their pages are complete.
 class MappedSqlite {
  public:
-  /// Throws Error when the file is no SQLite file.
+  /// Throws Error if the file is not a SQLite file.
   explicit MappedSqlite(const std::filesystem::path& path);
 
   const MappedFile& file() const { return file_; }
   sqlite3* database() const { return database_.get(); }
-  /// Bytes that the header promises; 0 where the last writer did not keep that.
+  /// Size that the header declares; 0 if the last writer did not maintain it.
   std::uint64_t promised_bytes() const { return promised_bytes_; }
   bool is_cut() const { return promised_bytes_ > file_.bytes().size(); }
   std::size_t page_bytes() const { return page_bytes_; }
@@ -57,11 +56,11 @@ MappedSqlite::MappedSqlite(const std::filesystem::path& path) : file_(map_conten
   if (page_bytes_ == 1) page_bytes_ = 65536;
   if (page_bytes_ < 512 || !std::has_single_bit(page_bytes_))
     throw Error(fmt::format(
-        "{}: a SQLite file with pages of {} bytes, expected a power of two from 512 to 65536",
+        "{}: a SQLite file with pages of {} bytes; expected a power of two from 512 to 65536",
         path.string(), page_bytes_));
   const bool is_kept = big_endian(bytes.subspan(24, 4)) == big_endian(bytes.subspan(92, 4));
   if (is_kept) promised_bytes_ = page_bytes_ * big_endian(bytes.subspan(28, 4));
-  // A log of writes ahead would be a file beside: what it holds is not asked for.
+  // A write-ahead log would be a separate file: clear the flag that makes SQLite look for it.
   for (const std::size_t version : {18, 19})
     if (bytes[version] == std::byte{2}) file_.overwrite(version, std::byte{1});
 
@@ -76,16 +75,16 @@ MappedSqlite::MappedSqlite(const std::filesystem::path& path) : file_(map_conten
         sqlite3_deserialize(opened, "main", content, whole, whole, SQLITE_DESERIALIZE_READONLY);
   if (status != SQLITE_OK)
     throw Error(path.string() + ": cannot be opened by SQLite: " + sqlite3_errstr(status));
-  // A schema from anybody runs nothing, and a file shorter than its header says opens all the same.
+  // Never run code from an untrusted schema, and open files shorter than their header declares.
   sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(opened, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
   sqlite3_limit(opened, SQLITE_LIMIT_LENGTH,
                 static_cast<int>(std::min<std::uint64_t>(read_limit_bytes(), 1'000'000'000)));
 }
 
-constexpr std::uint64_t kLeastRowBytes = 8;  // no message takes less of the file
+constexpr std::uint64_t kLeastRowBytes = 8;  // minimum size of a message in the file
 
-/// A statement that is finished with its owner.
+/// A statement, finalized with its owner.
 class Rows {
  public:
   Rows(sqlite3* database, const char* sql) {
@@ -101,7 +100,7 @@ class Rows {
     if (status_ == SQLITE_ROW) status_ = sqlite3_step(statement_);
     return status_ == SQLITE_ROW;
   }
-  /// Whether next() came to the end, not to damage.
+  /// Whether next() reached the end rather than damage.
   bool is_whole() const { return status_ == SQLITE_DONE; }
   std::int64_t number(int column) const { return sqlite3_column_int64(statement_, column); }
   std::string text(int column) const {
@@ -135,7 +134,7 @@ class SqliteLog : public MessageLog {
   mutable std::mutex mutex_;  // a connection serves one thread at a time
   std::map<std::int64_t, std::string> topic_of_;
   std::uint64_t count_ = 0;
-  std::string damage_;  // what could not be indexed, for people
+  std::string damage_;  // rows that could not be indexed, for messages
 };
 
 SqliteLog::SqliteLog(const std::filesystem::path& path) : MessageLog(path), file_(path) {
@@ -146,7 +145,7 @@ SqliteLog::SqliteLog(const std::filesystem::path& path) : MessageLog(path), file
 }
 
 void SqliteLog::read_topics() {
-  // Tables proper: a view or a virtual table of these names would compute.
+  // Real tables only: a view or virtual table of these names would run code.
   Rows tables(file_.database(),
               "SELECT name FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND "
               "name IN ('topics', 'messages')");
@@ -155,9 +154,9 @@ void SqliteLog::read_topics() {
   if (found < 2) {
     throw Error(path_.string() + ": a SQLite file that " +
                 (tables.is_whole()
-                     ? "has no tables \"topics\" and \"messages\", expected a recording of "
-                       "ros2 bag or of the RealSense SDK"
-                     : "is cut or damaged where its tables are named"));
+                     ? "has no tables \"topics\" and \"messages\"; expected a recording by "
+                       "ros2 bag or the RealSense SDK"
+                     : "is truncated or damaged in its list of tables"));
   }
   Rows topics(file_.database(), "SELECT id, name, type, serialization_format FROM topics");
   std::map<std::string, int> others;
@@ -170,17 +169,17 @@ void SqliteLog::read_topics() {
     topics_.emplace(topics.text(1), ros_type(topics.text(2)));
   }
   if (!topics.is_whole() && topics_.empty()) {
-    throw Error(path_.string() + ": its table of topics is cut or damaged");
+    throw Error(path_.string() + ": its topics table is truncated or damaged");
   }
-  if (!topics.is_whole()) damage_ = "; its table of topics is cut or damaged";
+  if (!topics.is_whole()) damage_ = "; its topics table is truncated or damaged";
   warn_of_encodings(others);
 }
 
-/// Walks the table from its start, and from its end where it is damaged between.
+/// Walks the table from its start, and also from its end if it is damaged in between.
 void SqliteLog::read_index() {
   const auto take = [&](const Rows& row) {
     if (++count_ > file_.file().bytes().size() / kLeastRowBytes)
-      throw Error(path_.string() + ": more messages than bytes, it is damaged");
+      throw Error(path_.string() + ": damaged: more messages than bytes");
     const auto topic = topic_of_.find(row.number(1));
     if (topic == topic_of_.end()) return;
     const auto time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(row.number(2), 0));
@@ -200,15 +199,15 @@ void SqliteLog::read_index() {
       take(back);
       first = back.number(0);
     }
-    if (!file_.is_cut()) damage_ += "; a part of the table of messages is damaged";
+    if (!file_.is_cut()) damage_ += "; part of the messages table is damaged";
     if (first != std::numeric_limits<std::int64_t>::max() && last >= 0) {
-      damage_ += ", " + std::to_string(first - last - 1) + " messages in it are lost";
+      damage_ += ", " + std::to_string(first - last - 1) + " messages are lost";
     }
   }
   sort_messages();
 }
 
-/// The last messages before a cut are listed though their blobs are behind it.
+/// The last messages before the cut may be listed although their blobs are missing.
 void SqliteLog::drop_cut_messages() {
   if (!file_.is_cut()) return;
   std::vector<std::int64_t> ids;
@@ -217,8 +216,8 @@ void SqliteLog::drop_cut_messages() {
       ids.push_back(static_cast<std::int64_t>(message.offset));
   }
   std::sort(ids.begin(), ids.end());
-  // A blob that takes pages of its own was written after all before it: once one is there, they
-  // are.
+  // A blob with pages of its own was written after all earlier ones: if it is complete,
+  // so are they.
   std::vector<std::int64_t> lost;
   for (std::size_t bytes = 0; !ids.empty() && bytes <= file_.page_bytes(); ids.pop_back()) {
     if (!can_be_read(ids.back(), bytes)) lost.push_back(ids.back());
@@ -233,7 +232,7 @@ void SqliteLog::drop_cut_messages() {
 void SqliteLog::warn_of_loss() {
   std::string text;
   if (file_.is_cut()) {
-    text = fmt::format("the file is cut: it has {} bytes, its header says {}",
+    text = fmt::format("the file is truncated: it has {} bytes, but its header declares {}",
                        file_.file().bytes().size(), file_.promised_bytes());
   } else if (!damage_.empty()) {
     text = "the file is damaged";
@@ -248,13 +247,13 @@ void SqliteLog::warn_of_loss() {
     const auto bytes = std::filesystem::file_size(beside, ignored);
     if (ignored || bytes == 0) continue;
     warnings_.push_back(fmt::format(
-        "the recording was never closed: {} holds {} bytes that are not in it yet and are not "
-        "read; sqlite3 {} \"PRAGMA wal_checkpoint(TRUNCATE)\" takes them in",
+        "the recording was never closed: {} contains {} bytes that are not in it yet and are not "
+        "read; to add them, run sqlite3 {} \"PRAGMA wal_checkpoint(TRUNCATE)\"",
         beside.filename().string(), bytes, path_.filename().string()));
   }
 }
 
-/// A blob that is closed with its owner; null where it cannot be opened.
+/// A blob, closed with its owner; null if it cannot be opened.
 struct BlobCloser {
   void operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
 };
@@ -285,7 +284,7 @@ Message SqliteLog::read(const MessageRef& message, std::size_t at_most) const {
   {
     const std::lock_guard lock(mutex_);
     const Blob blob = open_blob(file_.database(), id);
-    if (!blob) throw Error(what + " is cut or damaged");
+    if (!blob) throw Error(what + " is truncated or damaged");
     const auto size = static_cast<std::size_t>(sqlite3_blob_bytes(blob.get()));
     if (size > file_.file().bytes().size()) throw Error(what + " is damaged: longer than the file");
     const auto read_to = [&](std::size_t end) {
@@ -293,11 +292,11 @@ Message SqliteLog::read(const MessageRef& message, std::size_t at_most) const {
       bytes.resize(end);
       if (sqlite3_blob_read(blob.get(), bytes.data() + from, static_cast<int>(end - from),
                             static_cast<int>(from)) != SQLITE_OK) {
-        throw Error(what + " is cut or damaged");
+        throw Error(what + " is truncated or damaged");
       }
     };
     read_to(std::min(size, at_most));
-    if (is_zstd(bytes)) read_to(size);  // no part of it can be unpacked alone
+    if (is_zstd(bytes)) read_to(size);  // a zstd frame can only be unpacked as a whole
   }
   const auto held = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
   return cdr_message(held, *held, at_most, what);

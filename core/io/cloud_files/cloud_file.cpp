@@ -1,4 +1,4 @@
-// Recordings of clouds, points that readers collect, and what is written.
+// Recordings of point clouds, collection of points for readers, and writers.
 
 #include "core/io/cloud_files/cloud_file.hpp"
 
@@ -34,8 +34,8 @@ class CloudRecording : public Recording {
       : instance_field_(std::move(instance_field)), sidecar_(read_sidecar(path)) {
     info_.path = path;
     info_.depth_unit_m = 1;
-    info_.depth_unit_source = "meters, as clouds have it";
-    info_.color_note = "in the cloud, where it has any";
+    info_.depth_unit_source = "meters (convention for clouds)";
+    info_.color_note = "in the cloud, if it has any";
     if (tells_times(sidecar_)) info_.times_source = sidecar_.path.filename().string();
     std::error_code ignored;
     const bool folder = fs::is_directory(path, ignored);
@@ -103,12 +103,13 @@ void take_instances(PointSet& set, const CloudExtras& extras, const std::string&
   const std::string& field = extras.names[0];
   const std::vector<double>& values = extras.values[0];
   if (values.size() != set.points.size())
-    throw Error(fmt::format("{}: points have no field '{}' to take plane ids from", what, field));
+    throw Error(
+        fmt::format("{}: points have no field '{}'; expected plane ids in it", what, field));
   set.instance.clear();
   for (const double value : values) {
     if (!(value == std::floor(value) && std::abs(value) <= 1e9))
-      throw Error(fmt::format("{}: field '{}' has {}, expected plane ids: whole numbers", what,
-                              field, value));
+      throw Error(fmt::format("{}: field '{}' contains {}; expected plane ids (whole numbers)",
+                              what, field, value));
     set.instance.push_back(std::max(0, static_cast<std::int32_t>(value)));
   }
 }
@@ -127,11 +128,11 @@ std::unique_ptr<Recording> open_clouds(const fs::path& path, const RecordingOpti
   return std::make_unique<CloudRecording>(path, options.instance_field);
 }
 
-// ---- Read ----
+// ---- Reading ----
 
 namespace {
 
-// Beyond this a float no longer resolves hundredths of a millimetre: coordinates get an origin.
+// Beyond this, a float no longer resolves hundredths of a millimeter: coordinates get an origin.
 constexpr double kFar_m = 100;
 
 template <typename T>
@@ -142,7 +143,7 @@ T saturate(double value) {
   return static_cast<T>(std::clamp(value, kMin, kMax));
 }
 
-/// Zero for a cloud near zero; else the middle of its bounds, rounded to metres.
+/// Zero for a cloud near zero; else the middle of its bounds, rounded to meters.
 Vec3d choose_origin(const std::vector<Vec3d>& points) {
   const Vec3d origin = bulk_origin(points);
   return origin.norm() <= kFar_m ? Vec3d::Zero() : origin;
@@ -180,7 +181,7 @@ CloudBuilder::CloudBuilder(const std::filesystem::path& path,
   if (std::any_of(xyz_.begin(), xyz_.end(), [](int i) { return i < 0; })) {
     std::string names;
     for (const CloudField& field : fields_) names += (names.empty() ? "" : " ") + field.name;
-    throw Error(path.string() + ": points have the fields \"" + names + "\", expected x, y and z");
+    throw Error(path.string() + ": points have the fields \"" + names + "\"; expected x, y and z");
   }
   if (std::any_of(rgb_.begin(), rgb_.end(), [](int i) { return i < 0; })) rgb_.fill(-1);
 }
@@ -210,7 +211,7 @@ void CloudBuilder::add_color(std::span<const double> values) {
   if (rgb_[0] >= 0) {
     for (const int field : rgb_) set_.rgb.push_back(color_value(values[field], field));
   } else if (packed_ >= 0) {
-    // Four bytes b g r a; a float's bits are meant, not its value.
+    // Four bytes b g r a. For floats, use the bits instead of the value.
     const double value = values[packed_];
     const auto bits = fields_[packed_].type == Scalar::f32
                           ? std::bit_cast<std::uint32_t>(static_cast<float>(value))
@@ -234,7 +235,7 @@ PointSet CloudBuilder::finish() {
   set_.origin = choose_origin(points_);
   set_.points.reserve(points_.size());
   for (const Vec3d& point : points_) {
-    // (0, 0, 0) is "no measurement" and must stay recognisable beside an origin.
+    // (0, 0, 0) is "no measurement" and must stay recognizable beside an origin.
     const bool none = point.isZero(0);
     set_.points.push_back(none ? Vec3f(0, 0, 0) : Vec3f((point - set_.origin).cast<float>()));
   }
@@ -242,20 +243,20 @@ PointSet CloudBuilder::finish() {
   return std::move(set_);
 }
 
-// ---- Written ----
+// ---- Writing ----
 
 namespace {
 
 constexpr std::size_t kAtOnce = 256;  // points whose records stay in the cache
 
-/// The records of some points, one behind the other. Field by field, so that what a record has is
-/// asked once and not for each point.
+/// Consecutive records of some points. Written field by field, so that the fields are selected once
+/// instead of for each point.
 class Records {
  public:
   Records(unsigned char* at, std::size_t record_bytes, std::size_t first, std::size_t last)
       : at_(at), record_bytes_(record_bytes), first_(first), last_(last) {}
 
-  /// The next field of every record.
+  /// Appends a field to every record.
   template <typename ValueOf>
   void append(const ValueOf& value_of) {
     unsigned char* at = at_;
@@ -282,7 +283,7 @@ void check_sizes([[maybe_unused]] const PointSet& set,
   for ([[maybe_unused]] const IntField& field : more) assert(field.values.size() == count);
 }
 
-// The fields' own pointers: a vector's might change with what is written, for all a compiler knows.
+// Data pointers instead of vectors: the compiler must assume that writes might change a vector's.
 
 void append_points(Records& records, const PointSet& set) {
   using Doubles = std::array<double, 3>;
@@ -340,7 +341,7 @@ std::string pcd_header(const PointSet& set, std::span<const IntField> more) {
          "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
 }
 
-/// `header`, and behind it a record of each point; `color_of`: what tells a point's colour there.
+/// `header`, followed by a record of each point. `color_of`: returns a point's color.
 template <typename ColorOf>
 std::vector<unsigned char> bytes_of(const std::string& header,
                                     const PointSet& set,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Point clouds as files: PLY and PCD, read and written, and formats that programs add.
+// Point cloud files: PLY and PCD, read and written, and formats that programs add.
 
 #include <array>
 #include <filesystem>
@@ -15,37 +15,37 @@
 
 namespace planescope::io {
 
-/// Fields of a cloud file to be read unchanged, besides those that PointSet keeps.
+/// Fields of a cloud file to read unchanged, besides those in PointSet.
 struct CloudExtras {
   std::vector<std::string> names;
-  std::vector<std::vector<double>> values;  // by name: one per point, or empty where it has none
+  std::vector<std::vector<double>> values;  // by name: one per point; empty if the field is missing
 };
 
-/// Reads a .ply or .pcd cloud with its colours and its `label` / `instance` fields (any integer
-/// type). The header is checked against the file's size before anything is allocated. For formats
-/// that were added, `extras` gets nothing.
+/// Reads a .ply or .pcd cloud with its colors and its `label` / `instance` fields (any integer
+/// type). The header is checked against the file's size before anything is allocated. Added formats
+/// do not fill `extras`.
 PointSet read_cloud_file(const std::filesystem::path& path, CloudExtras* extras = nullptr);
 
-/// Plane ids from the only extra field; below 1 is no plane, as in labels by others. Throws Error
-/// that begins with `what` where the points do not have it.
+/// Plane ids from the only extra field; values below 1 are no plane, as in other tools' labels.
+/// Throws Error that begins with `what` if the points lack this field.
 void take_instances(PointSet& set, const CloudExtras& extras, const std::string& what);
 
-/// Of the coordinates: Recording::frame_hash() of a cloud.
+/// Hash of the coordinates: Recording::frame_hash() of a cloud.
 std::string sha256_of_cloud(const PointSet& set);
 
 /// A format of cloud files; both functions throw Error naming the file.
 struct CloudFormat {
   std::string extension;  // lower case, with its dot
   PointSet (*read)(const std::filesystem::path&, CloudExtras*);
-  /// Checks the header against the file's size, reading nothing else. Null for formats that are not
-  /// io's own.
+  /// Checks the header against the file's size without reading anything else. Null for added
+  /// formats.
   void (*check)(const std::filesystem::path&) = nullptr;
 };
-/// .ply and .pcd, then those that were added, as open3d::install() does before any recording is
+/// .ply and .pcd, then the added formats. open3d::install() adds them before any recording is
 /// opened.
 const std::vector<CloudFormat>& cloud_formats();
 void add_cloud_format(const CloudFormat& format);
-/// By extension; null where it is none.
+/// By extension; null if it is unknown.
 const CloudFormat* cloud_format_of(const std::filesystem::path& path);
 
 /// A field of type int beside those of PointSet, one value per point.
@@ -54,22 +54,22 @@ struct IntField {
   std::vector<std::int32_t> values;
 };
 
-/// Binary little-endian PLY: float x y z (double when set.origin is not zero), then uchar red
-/// green blue where set.rgb is given, uchar label and int instance where given, then `more`.
+/// Binary little-endian PLY: float x y z (double if set.origin is not zero), then uchar red green
+/// blue, uchar label and int instance if they are present, then `more`.
 std::vector<unsigned char> ply_bytes(const PointSet& set, std::span<const IntField> more = {});
 void write_ply(const std::filesystem::path& path, const PointSet& set);
 
-/// The same fields as binary PCD, colour as PCL packs it.
+/// The same fields as binary PCD, with color packed as PCL does.
 std::vector<unsigned char> pcd_bytes(const PointSet& set, std::span<const IntField> more = {});
 
-// ---- Of readers ----
+// ---- For readers ----
 
 /// Number types of cloud files.
 enum class Scalar : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
 std::size_t size_of(Scalar type);
 /// The value at `bytes`, which hold at least size_of(type).
 double load(Scalar type, const std::byte* bytes, bool big_endian = false);
-/// A count as decimal digits only.
+/// Parses a count of decimal digits only.
 std::optional<std::uint64_t> parse_count(std::string_view text);
 
 struct CloudField {
@@ -77,11 +77,11 @@ struct CloudField {
   Scalar type = Scalar::f32;
 };
 
-/// Collects points whose fields come in any order and of any type, and keeps what we use of them:
-/// x y z, colours (red green blue, or packed rgb), label and instance.
+/// Collects points from fields in any order and of any type, and keeps those of PointSet: x y z,
+/// colors (red green blue, or packed rgb), label and instance.
 class CloudBuilder {
  public:
-  /// Throws Error naming the file when x, y or z is missing. `extras` may be null.
+  /// Throws Error naming the file if x, y or z is missing. `extras` may be null.
   CloudBuilder(const std::filesystem::path& path,
                std::span<const CloudField> fields,
                CloudExtras* extras = nullptr);
@@ -102,12 +102,12 @@ class CloudBuilder {
   int label_ = -1;
   int instance_ = -1;
   CloudExtras* extras_;
-  std::vector<int> extra_;  // field of each of extras_->names, -1 where there is none
+  std::vector<int> extra_;  // field of each of extras_->names, -1 if missing
   std::vector<Vec3d> points_;
   PointSet set_;
 };
 
-/// Each checks the header against the file's size, reading nothing else. Throws Error.
+/// Each checks the header against the file's size without reading anything else. Throws Error.
 void check_ply(const std::filesystem::path& path);
 void check_pcd(const std::filesystem::path& path);
 PointSet read_ply(const std::filesystem::path& path, CloudExtras* extras = nullptr);

@@ -1,7 +1,7 @@
 // Reads PLY (http://paulbourke.net/dataformats/ply/) and PCD
-// (https://pointclouds.org/documentation/tutorials/pcd_file_format.html), by our own code: Open3D's
-// readers trust the header (a padding field of another size than its namesake, or a short
-// compressed block, makes them read outside their buffers).
+// (https://pointclouds.org/documentation/tutorials/pcd_file_format.html). Not through Open3D: its
+// readers trust the header, and a padding field of the wrong size or a short compressed block makes
+// them read out of bounds.
 
 #include <fmt/format.h>
 
@@ -42,7 +42,7 @@ constexpr ScalarRow row_of(std::string_view name, std::string_view other) {
   return {{name, other}, kind, sizeof(T), load_as<T>};
 }
 
-/// By Scalar.
+/// Indexed by Scalar.
 constexpr ScalarRow kScalars[] = {
     row_of<std::int8_t>("char", "int8"),    row_of<std::uint8_t>("uchar", "uint8"),
     row_of<std::int16_t>("short", "int16"), row_of<std::uint16_t>("ushort", "uint16"),
@@ -69,20 +69,20 @@ std::string_view text_of(Bytes bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// The lines of a text header in front of data that may be binary.
+/// The lines of a text header before data that may be binary.
 class HeaderLines {
  public:
   /// `what`: "PLY" or "PCD".
   HeaderLines(const fs::path& path, Bytes file, const char* what)
       : path_(path), file_(file), what_(what) {}
 
-  /// The words of the next line. Throws Error naming the file where the header never ends.
+  /// The words of the next line. Throws Error naming the file if the header never ends.
   Words next() {
     constexpr std::size_t kMaxHeaderBytes = 1 << 16;
     const std::string_view text = text_of(file_.subspan(position_));
     const std::size_t end = text.substr(0, kMaxHeaderBytes).find('\n');
     if (end == std::string_view::npos || position_ > kMaxHeaderBytes)
-      throw Error(fmt::format("{}: {} bytes in which the header of a cloud file never ends",
+      throw Error(fmt::format("{}: the header of the cloud file is unterminated ({} bytes)",
                               path_.string(), file_.size()));
     position_ += end + 1;
     std::string_view line = text.substr(0, end);
@@ -131,7 +131,7 @@ class Body {
 struct Property {
   std::string name;
   Scalar type = Scalar::f32;
-  std::optional<Scalar> count_type = std::nullopt;  // of a list
+  std::optional<Scalar> count_type = std::nullopt;  // of lists
 };
 
 struct Element {
@@ -167,7 +167,7 @@ Property property_of(const Words& words, const HeaderLines& lines) {
 PlyHeader ply_header(const fs::path& path, Bytes file) {
   HeaderLines lines(path, file, "PLY");
   const Words magic = lines.next();
-  if (magic.size() != 1 || magic[0] != "ply") lines.fail("expected \"ply\" as its first line");
+  if (magic.size() != 1 || magic[0] != "ply") lines.fail("its first line is not \"ply\"");
   PlyHeader header;
   while (true) {
     const Words words = lines.next();
@@ -180,7 +180,7 @@ PlyHeader ply_header(const fs::path& path, Bytes file) {
         lines.fail(fmt::format("unknown format \"{}\"", words[1]));
     } else if (words[0] == "element" && words.size() == 3) {
       const auto count = parse_count(words[2]);
-      if (!count) lines.fail(fmt::format("\"{}\" is no number of elements", words[2]));
+      if (!count) lines.fail(fmt::format("\"{}\" is not a number of elements", words[2]));
       header.elements.push_back({std::string(words[1]), *count, {}});
     } else if (words[0] == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(property_of(words, lines));
@@ -192,20 +192,20 @@ PlyHeader ply_header(const fs::path& path, Bytes file) {
   return header;
 }
 
-/// Throws Error when the elements that the header promises cannot be in the bytes that are left.
+/// Throws Error if the remaining bytes cannot hold the elements that the header declares.
 void check_promise(const fs::path& path, const Element& element, bool is_text, std::size_t left) {
-  std::uint64_t each = 0;  // the fewest bytes that one can take
+  std::uint64_t each = 0;  // minimum bytes per element
   for (const Property& property : element.properties)
     each += is_text ? 2 : size_of(property.count_type.value_or(property.type));
-  // The last number of a text file needs nothing after it.
+  // The last number of a text file needs no separator.
   const std::uint64_t slack = is_text ? 1 : 0;
   if (element.count > 0 && (each == 0 || element.count > (left + slack) / each))
     throw Error(fmt::format(
-        "{}: its header promises {} \"{}\" of at least {} bytes, but only {} bytes follow",
+        "{}: its header declares {} \"{}\" of at least {} bytes, but only {} bytes follow",
         path.string(), element.count, element.name, each, left));
 }
 
-/// Reads one element's numbers; lists are read past.
+/// Reads one element's numbers; skips lists.
 void read_element(Body& body, const Element& element, std::vector<double>& values) {
   values.clear();
   for (const Property& property : element.properties) {
@@ -223,7 +223,7 @@ void read_element(Body& body, const Element& element, std::vector<double>& value
 const Element& vertices_of(const fs::path& path, const PlyHeader& header) {
   const auto found = std::ranges::find(header.elements, "vertex", &Element::name);
   if (found == header.elements.end())
-    throw Error(path.string() + ": its header has no \"vertex\" element, expected points");
+    throw Error(path.string() + ": its header has no \"vertex\" element; expected points");
   return *found;
 }
 
@@ -249,8 +249,9 @@ PointSet read_ply_bytes(const fs::path& path, Bytes file, CloudExtras* extras) {
       if (wanted) break;
     }
   } catch (OutOfBytes) {
-    throw Error(fmt::format("{}: cut or damaged after {} of {} points that its header promises",
-                            path.string(), done, vertices.count));
+    throw Error(
+        fmt::format("{}: truncated or damaged after {} of {} points that its header declares",
+                    path.string(), done, vertices.count));
   }
   return builder.finish();
 }
@@ -273,7 +274,7 @@ struct PcdHeader {
 
 PcdHeader pcd_header(const fs::path& path, Bytes file) {
   constexpr std::uint64_t kMaxFieldCount = 1 << 16;
-  constexpr const char* kBadPoints = "its header has a damaged number of points";
+  constexpr const char* kBadPoints = "its header has an invalid number of points";
   constexpr std::string_view kKeys[] = {"FIELDS", "SIZE",   "TYPE",    "COUNT",     "WIDTH",
                                         "HEIGHT", "POINTS", "VERSION", "VIEWPOINT", "DATA"};
   HeaderLines lines(path, file, "PCD");
@@ -297,7 +298,7 @@ PcdHeader pcd_header(const fs::path& path, Bytes file) {
               &counts = all["COUNT"];
   if (names.empty() || sizes.size() != names.size() || types.size() != names.size() ||
       (!counts.empty() && counts.size() != names.size()))
-    lines.fail("FIELDS, SIZE, TYPE and COUNT of its header do not go together");
+    lines.fail("FIELDS, SIZE, TYPE and COUNT in its header do not match");
   PcdHeader header;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto type = find_scalar([&](const ScalarRow& row) {
@@ -310,7 +311,7 @@ PcdHeader pcd_header(const fs::path& path, Bytes file) {
     header.point_bytes += *count * size_of(*type);
   }
   if (points && (width || height) && *points != width.value_or(1) * height.value_or(1))
-    lines.fail("POINTS of its header is not WIDTH times HEIGHT");
+    lines.fail("POINTS in its header is not WIDTH times HEIGHT");
   header.points = points.value_or(width.value_or(0) * height.value_or(1));
   if (header.points > 0xffffffffu) lines.fail(kBadPoints);
   header.data = all["DATA"][0];
@@ -325,7 +326,7 @@ struct CompressedSizes {
   std::uint32_t raw = 0;
 };
 
-/// Throws Error when the points that the header promises cannot be in the file.
+/// Throws Error if the file cannot hold the points that the header declares.
 void check_promise(const fs::path& path, const PcdHeader& header, Bytes body) {
   std::uint64_t least = header.points * header.point_bytes;
   if (header.data == "ascii") {
@@ -335,20 +336,20 @@ void check_promise(const fs::path& path, const PcdHeader& header, Bytes body) {
   } else if (header.data == "binary_compressed") {
     const auto sizes = body.size() >= 8 ? ByteReader(body).read<CompressedSizes>()
                                         : CompressedSizes{0xffffffffu, 0};
-    // LZF packs at most 264 bytes into 3.
+    // LZF compresses at most 264 bytes into 3.
     if (sizes.raw == least && sizes.stored <= body.size() - 8 && least / 88 <= sizes.stored) return;
     throw Error(fmt::format(
-        "{}: its header promises {} points of {} bytes, but its compressed block of {} bytes does "
-        "not hold them",
+        "{}: its header declares {} points of {} bytes, but its compressed block of {} bytes does "
+        "not contain them",
         path.string(), header.points, header.point_bytes, body.size()));
   }
   if (least > body.size())
     throw Error(fmt::format(
-        "{}: its header promises {} points in at least {} bytes, but only {} bytes follow",
+        "{}: its header declares {} points in at least {} bytes, but only {} bytes follow",
         path.string(), header.points, least, body.size()));
 }
 
-/// LZF as liblzf writes it. Throws OutOfBytes unless exactly `raw_bytes` come out.
+/// LZF as written by liblzf. Throws OutOfBytes unless exactly `raw_bytes` come out.
 std::vector<std::byte> unpack_lzf(Bytes stored, std::size_t raw_bytes) {
   std::vector<std::byte> out;
   out.reserve(raw_bytes);
@@ -370,7 +371,7 @@ std::vector<std::byte> unpack_lzf(Bytes stored, std::size_t raw_bytes) {
   return out;
 }
 
-/// Only the first value of a field with several is kept: none of ours has more.
+/// Keeps only the first value of fields with several: none of the fields in use has more.
 void read_ascii(const PcdHeader& header, Bytes bytes, CloudBuilder& builder) {
   Body body(bytes, true);
   std::vector<double> values(header.fields.size());
@@ -383,7 +384,7 @@ void read_ascii(const PcdHeader& header, Bytes bytes, CloudBuilder& builder) {
   }
 }
 
-/// Points one after the other, or (compressed) all points' values of a field after the other.
+/// Points one after another, or (compressed) one field after another, with all points' values.
 void read_binary(const PcdHeader& header, Bytes body, bool by_field, CloudBuilder& builder) {
   std::vector<double> values(header.fields.size());
   for (std::uint64_t point = 0; point < header.points; ++point) {
@@ -404,7 +405,7 @@ PointSet read_pcd_bytes(const fs::path& path, Bytes file, CloudExtras* extras) {
   check_promise(path, header, body);
   std::vector<CloudField> fields;
   for (PcdField& field : header.fields) {
-    // A packed colour is four bytes whatever it is called: as float its bits may be no number.
+    // A packed color is four bytes whatever its declared type: as a float, its bits may be NaN.
     const bool packed = field.field.name == "rgb" || field.field.name == "rgba";
     if (packed && header.data != "ascii" && field.field.type == Scalar::f32)
       field.field.type = Scalar::u32;
@@ -425,8 +426,8 @@ PointSet read_pcd_bytes(const fs::path& path, Bytes file, CloudExtras* extras) {
       read_binary(header, raw, true, builder);
     }
   } catch (OutOfBytes) {
-    throw Error(fmt::format("{}: its points are cut or damaged, expected {} of them", path.string(),
-                            header.points));
+    throw Error(fmt::format("{}: its points are truncated or damaged; expected {} of them",
+                            path.string(), header.points));
   }
   return builder.finish();
 }

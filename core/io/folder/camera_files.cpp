@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::uintmax_t kMaxTextBytes = 1 << 16;
-constexpr std::uintmax_t kMaxJsonBytes = 1 << 20;  // of XML as well
+constexpr std::uintmax_t kMaxJsonBytes = 1 << 20;  // also for XML
 
 bool has_word(const std::string& text, std::initializer_list<const char*> words) {
   return std::ranges::any_of(
@@ -31,7 +31,7 @@ bool name_has(const fs::path& path, std::initializer_list<const char*> words) {
   return has_word(path.filename().string(), words);
 }
 
-/// The numbers of `intrinsic_matrix`: nine in a row or three rows of three.
+/// The numbers of `intrinsic_matrix`: a row of nine, or three rows of three.
 std::vector<double> matrix_numbers(const json& value) {
   std::vector<double> numbers;
   if (!value.is_array()) return numbers;
@@ -56,10 +56,10 @@ std::optional<Intrinsics> json_intrinsics(const json& object, const fs::path& pa
     const json& matrix = object["intrinsic_matrix"];
     const auto m = matrix_numbers(matrix);
     if (m.size() != 9)
-      throw Error(fmt::format("{}: \"intrinsic_matrix\" has {} numbers, expected 9", path.string(),
+      throw Error(fmt::format("{}: \"intrinsic_matrix\" has {} numbers; expected 9", path.string(),
                               m.size()));
-    // Open3D writes columns one after the other; three rows of three, and what has its principal
-    // point in the first row, are rows.
+    // Open3D stores the matrix column by column. Three rows of three, and a matrix with its
+    // principal point in the first row, are stored row by row.
     const bool rows = matrix[0].is_array() || (m[6] == 0 && m[2] != 0);
     k.fx = m[0], k.fy = m[4], k.cx = rows ? m[2] : m[6], k.cy = rows ? m[5] : m[7];
   } else {
@@ -76,7 +76,7 @@ std::optional<Intrinsics> json_intrinsics(const json& object, const fs::path& pa
   return k;
 }
 
-/// Nullopt where it is larger.
+/// nullopt if the file is larger.
 std::optional<std::string> small_text(const fs::path& path, std::uintmax_t most_bytes) {
   std::error_code ignored;
   if (fs::file_size(path, ignored) > most_bytes) return std::nullopt;
@@ -91,7 +91,7 @@ std::vector<fs::path> files_of(const fs::path& folder, std::initializer_list<con
   return files;
 }
 
-/// Of a text of numbers alone; nullopt where it is none, or has more than `most`.
+/// All numbers of a text; nullopt if it contains anything else, or more than `most` numbers.
 std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t most) {
   std::vector<double> numbers;
   for (const TextLine& line : text_lines(text))
@@ -110,7 +110,7 @@ struct Candidate {
   CameraFacts facts;
 };
 
-/// Of several files, which one is for depth and which for colour is in their names.
+/// Chooses the files for depth and for color by their names.
 CameraFiles choose(const std::vector<Candidate>& candidates) {
   const auto find = [&](auto wanted) {
     return std::find_if(candidates.begin(), candidates.end(),
@@ -152,7 +152,7 @@ std::optional<CameraFacts> camera_from_json(const fs::path& path) {
   facts.intrinsics = intrinsics;
   facts.intrinsics_source = path.filename().string();
   if (document.contains("depth_scale") && document["depth_scale"].is_number()) {
-    // RealSense writes metres per count (0.001), Open3D counts per metre (1000).
+    // RealSense writes meters per count (0.001), Open3D counts per meter (1000).
     const double scale = document["depth_scale"].get<double>();
     if (scale > 0) {
       facts.depth_unit_m = scale >= 1 ? 1 / scale : scale;
@@ -180,7 +180,7 @@ std::optional<CameraFacts> camera_from_text(const fs::path& path) {
   CameraFacts facts;
   Intrinsics k;
   const auto take = [&](std::size_t fy, std::size_t cx, std::size_t cy) {
-    // A negative fy (ICL-NUIM) turns the image's y axis; the depth itself has y down as ours.
+    // A negative fy (ICL-NUIM) flips the image's y axis; the depth itself has y down as ours.
     k.fx = n[0], k.fy = std::abs(n[fy]), k.cx = n[cx], k.cy = n[cy];
   };
   if (n.size() == 4) {
@@ -225,8 +225,8 @@ namespace {
 
 using Matrices = std::map<std::string, std::vector<double>>;
 
-/// The matrices that OpenCV's FileStorage writes, by name: an element <NAME
-/// type_id="opencv-matrix"> with <rows>, <cols> and <data>. Of equal names the first.
+/// The matrices in a file of OpenCV's FileStorage, by name: an element <NAME
+/// type_id="opencv-matrix"> with <rows>, <cols> and <data>. For equal names, the first.
 Matrices matrices_in(const pugi::xml_document& document) {
   Matrices matrices;
   for (const pugi::xpath_node& found : document.select_nodes("//*[@type_id='opencv-matrix'][data]"))
@@ -244,8 +244,8 @@ bool is_camera_matrix(const std::vector<double>& m) {
 constexpr std::initializer_list<const char*> kDepthNames = {"IR", "Depth", "depth"};
 constexpr std::initializer_list<const char*> kColorNames = {"RGB", "Color", "color", "rgb"};
 
-/// Intrinsics under a name with one of the words (any name where there are none), with the
-/// distortion coefficients of the same words.
+/// The intrinsics whose name contains one of the words (any name if there are no words), and the
+/// distortion coefficients with the same words.
 std::optional<Intrinsics> intrinsics_of(const Matrices& matrices,
                                         std::initializer_list<const char*> words) {
   const auto wanted = [&](const std::string& name) {
@@ -264,7 +264,7 @@ std::optional<Intrinsics> intrinsics_of(const Matrices& matrices,
   return std::nullopt;
 }
 
-/// Rotation and translation (millimetres, as OpenCV calibrations of depth cameras have them).
+/// Rotation and translation (millimeters, as in OpenCV calibrations of depth cameras).
 std::optional<Pose> stereo_pose(const Matrices& matrices) {
   const auto rotation = matrices.find("Rotation");
   const auto translation = matrices.find("Translation");
@@ -303,12 +303,12 @@ std::optional<CameraFiles> camera_from_opencv_xml(const fs::path& path) {
 
 namespace {
 
-/// Nominal values; each camera's own differ by a percent or two.
+/// Nominal values; each camera differs from them by a percent or two.
 struct Preset {
   const char* name;
   int width, height;
   double f, cx, cy;             // [px]
-  double depth_unit_m = 0.001;  // m per count
+  double depth_unit_m = 0.001;  // meters per count
 };
 constexpr Preset kPresets[] = {
     {"RealSense D435, D455", 424, 240, 212, 211.5, 119.5},
@@ -329,7 +329,7 @@ constexpr Preset kPresets[] = {
     {"Azure Kinect, wide, binned", 512, 512, 252, 255.5, 255.5},
 };
 
-constexpr std::size_t kMostFolders = 50;  // searched
+constexpr std::size_t kMostFolders = 50;  // to search
 
 bool is_named_calibration(const fs::path& folder) {
   const std::string name = lower_case(folder.filename().string());
@@ -337,8 +337,8 @@ bool is_named_calibration(const fs::path& folder) {
          name.find("camera") != std::string::npos;
 }
 
-/// The folder that holds the recording, the folders in the recording, and those beside it whose
-/// names speak of calibration: others may be of other recordings.
+/// The folder that contains the recording, the folders in the recording, and those beside it with a
+/// name for calibration. Others may belong to other recordings.
 std::vector<fs::path> folders_near(const fs::path& recording) {
   std::error_code failed;
   const fs::path parent = fs::absolute(path_beside(recording, ""), failed).parent_path();
@@ -378,7 +378,7 @@ std::vector<CameraChoice> camera_choices(const RecordingInfo& info) {
       add((failed ? file : shown).string(), *found.depth.intrinsics, true,
           found.depth.depth_unit_m.value_or(info.depth_unit_m));
     } catch (const Error&) {
-      // Nobody said that this file belongs to the recording.
+      // Damaged, but it may not belong to this recording at all.
     }
   }
   for (const Preset& preset : kPresets)
@@ -403,7 +403,7 @@ void remember_camera(const RecordingInfo& info) {
   std::error_code failed;
   nlohmann::ordered_json document = {{"schema", "planescope.recording/1"}};
   if (fs::exists(file, failed)) {
-    read_sidecar(info.path);  // throws if it is damaged: it is not ours to repair
+    read_sidecar(info.path);  // throws if it is damaged: never repair the user's file
     document = read_json<nlohmann::ordered_json>(file);
   }
   document["intrinsics"] = intrinsics_json(info.intrinsics);

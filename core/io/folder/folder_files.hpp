@@ -1,8 +1,7 @@
 #pragma once
 
-// What a folder of images has in its files: which image is which, when it was taken, what the
-// accelerometer measured, and calibration. But for camera_choices() and what follows it, internal
-// to core/io.
+// Contents of a folder of images: which image is which, timestamps, accelerometer samples, and
+// calibration. Internal to core/io, except camera_choices() and the functions after it.
 
 #include <filesystem>
 #include <map>
@@ -15,75 +14,76 @@
 
 namespace planescope::io {
 
-/// Which images of a folder are depth, and which colour belongs to each.
+/// The depth images of a folder, and the color image for each.
 struct FolderLayout {
   std::vector<std::filesystem::path> depth;  // in natural order
-  std::vector<std::filesystem::path> color;  // one per depth image, empty path where none
+  std::vector<std::filesystem::path> color;  // one per depth image; empty path if there is none
   bool tum = false;                          // depth.txt and rgb.txt beside the folders
-  /// Per depth image, its time from a list or a file name: its own, else that of its color image.
+  /// Time of each depth image from a list or a file name: its own, else that of its color image.
   std::vector<std::optional<double>> time_s;
   std::string times_source;  // "depth.txt", "file names"; empty: unknown
   std::vector<std::string> warnings;
   bool has_color() const;
 };
 
-/// Depth are PNGs or, before them, dumps. Looks for depth/ with color/ or rgb/, else for names such
-/// as 000_depth.png and 000_color.png in the folder itself, else for 16-bit grey PNGs there. No
-/// depth images: an empty layout. Throws Error where a list of images beside them is damaged.
+/// Depth images are PNGs, or dumps, which take precedence. Looks for depth/ with color/ or rgb/,
+/// then for names such as 000_depth.png and 000_color.png in the folder itself, then for 16-bit
+/// gray PNGs there. The layout is empty if there are no depth images. Throws Error if a list of
+/// images beside them is damaged.
 FolderLayout find_folder_layout(const std::filesystem::path& folder);
 
-/// Whether its name is that of depth counts without a header, as rs-convert -r of the RealSense SDK
-/// writes them: PREFIX_Depth_TIME.raw.
+/// Whether the name is PREFIX_Depth_TIME.raw, as rs-convert -r of the RealSense SDK names depth
+/// counts without a header.
 bool is_depth_dump(const std::filesystem::path& path);
 
-/// A point of time in a file name: the last number of it when it has at least ten digits before
-/// the point, the first not 0 (seconds, milli-, micro- or nanoseconds since 1970). [s]
+/// Time in a file name [s]: its last number, if it has at least ten digits before the decimal point
+/// and does not start with 0 (seconds, milli-, micro- or nanoseconds since 1970).
 std::optional<double> timestamp_in_name(const std::filesystem::path& path);
 
-// ---- Times and gravity: text files beside the images, as TUM's RGB-D recordings have them ----
+// ---- Times and gravity: text files beside the images, as in TUM's RGB-D recordings ----
 
 /// The file NAME in the folder of the images, or beside a folder named `depth`; empty: none.
 std::filesystem::path file_beside_images(const std::filesystem::path& folder, const char* name);
 
-/// What lists of images say of their times.
+/// Image times from lists.
 struct ListedTimes {
   struct Time {
     double s = 0;
     std::string list;  // file name
   };
-  std::map<std::filesystem::path, Time> of_image;  // images as the caller names them
+  std::map<std::filesystem::path, Time> of_image;  // images as named by the caller
   std::vector<std::string> warnings;
 };
 
-/// Reads depth.txt and rgb.txt (`timestamp file` a line) and associations.txt (two of these a line,
-/// either first). A file that names none of the images is not such a list. Throws Error naming file
-/// and line where another line of a list is damaged, or gives an image a second time.
+/// Reads depth.txt and rgb.txt (`timestamp file` per line) and associations.txt (two such pairs per
+/// line, in either order). Ignores files that name none of the images. Throws Error naming file and
+/// line if another line of a list is damaged or names an image twice.
 ListedTimes listed_times(const std::filesystem::path& folder,
                          const std::vector<std::filesystem::path>& depth,
                          const std::vector<std::filesystem::path>& color);
 
-/// The times of poses.tum, whose line i is of frame i; empty where there is no such file, its times
-/// are all 0, or, with a warning, where it has another number of poses. Throws Error naming file
+/// The times in poses.tum, whose line i belongs to frame i. Empty if there is no such file, if its
+/// times are all 0, or, with a warning, if the number of poses differs. Throws Error naming file
 /// and line.
 std::vector<double> times_of_poses(const std::filesystem::path& folder,
                                    std::size_t frames,
                                    std::vector<std::string>& warnings);
 
-/// accelerometer.txt: `timestamp ax ay az` [s, m/s2], as TUM publishes it of the Kinect.
+/// accelerometer.txt: `timestamp ax ay az` [s, m/s2], as TUM publishes it for the Kinect.
 class Accelerometer {
  public:
-  /// Without samples where there is no such file. Throws Error naming file and line.
+  /// No samples if the file does not exist. Throws Error naming file and line.
   explicit Accelerometer(const std::filesystem::path& folder);
 
-  /// Whether there are samples about `time_s`.
+  /// Whether there are samples near `time_s`.
   bool covers(double time_s) const { return !about(time_s).empty(); }
-  /// In the frame of the camera, from the mean of the samples about `time_s`; nullopt where there
-  /// is none, or the mean is not near 1 g.
+  /// In the camera frame, from the mean of the samples near `time_s`; nullopt if there are none, or
+  /// their mean is not near 1 g.
   std::optional<Gravity> gravity_at(double time_s) const;
 
   static constexpr const char* kFile = "accelerometer.txt";
-  /// Samples count that are so near to the frame [s]. Shorter windows let the shaking of a hand
-  /// through, longer ones its turns.
+  /// Use samples within this time of the frame [s]. Shorter windows include the shaking of a hand,
+  /// longer ones its rotation.
   static constexpr double kReach_s = 0.2;
 
  private:
@@ -100,40 +100,40 @@ class Accelerometer {
 
 struct CameraFiles {
   CameraFacts depth;
-  std::optional<Intrinsics> color;  // only where a file tells them apart from those of depth
+  std::optional<Intrinsics> color;  // only if a file distinguishes them from depth's
   std::optional<Pose> T_color_depth;
 };
 
-/// Reads what calibration the folder has: JSON with `intrinsic_matrix` (and `depth_scale`), OpenCV
-/// XML, or a text file of numbers. Throws Error when a file named as intrinsics is damaged.
+/// Reads the calibration in the folder: JSON with `intrinsic_matrix` (and `depth_scale`), OpenCV
+/// XML, or a text file of numbers. Throws Error if a file named as intrinsics is damaged.
 CameraFiles find_camera_files(const std::filesystem::path& folder);
 
-// One per format; nullopt where the file is of another kind.
+// One per format; nullopt if the file has another format.
 std::optional<CameraFacts> camera_from_json(const std::filesystem::path& path);
 std::optional<CameraFiles> camera_from_opencv_xml(const std::filesystem::path& path);
 std::optional<CameraFacts> camera_from_text(const std::filesystem::path& path);
 
 // ---- Intrinsics for a recording whose files have none ----
 
-/// Intrinsics that may be those of a recording.
+/// Possible intrinsics of a recording.
 struct CameraChoice {
-  std::string name;  // the file that has them, or the camera
+  std::string name;  // the file that contains them, or the camera
   Intrinsics intrinsics;
-  double depth_unit_m = 0.001;  // m per count
+  double depth_unit_m = 0.001;  // meters per count
   bool from_file = false;
 };
 
-/// Intrinsics for depth images of the recording's size: those in files of neighboring folders
-/// first, then nominal values of common cameras. Damaged files are skipped.
+/// Intrinsics for depth images of the recording's size: first those in files of neighboring
+/// folders, then nominal values of common cameras. Skips damaged files.
 std::vector<CameraChoice> camera_choices(const RecordingInfo& info);
 
-/// The camera whose nominal values these are; empty: none.
+/// The camera with these nominal values; empty: none.
 std::string nominal_camera(const Intrinsics& intrinsics);
 
 /// `<recording>.planescope.json` beside the recording.
 std::filesystem::path camera_file(const RecordingInfo& info);
-/// Stores the recording's intrinsics and depth unit in camera_file(), and keeps what else that
-/// file has. Throws Error.
+/// Stores the recording's intrinsics and depth unit in camera_file(), and keeps the other contents
+/// of that file. Throws Error.
 void remember_camera(const RecordingInfo& info);
 
 }  // namespace planescope::io

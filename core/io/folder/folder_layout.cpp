@@ -28,7 +28,7 @@ bool is_picture(const fs::path& path) {
   return is_png(path) || extension(path) == ".jpg" || extension(path) == ".jpeg";
 }
 
-/// Takes `word` out of `text`, with one separator beside it; false where it is not in there.
+/// Removes `word` and one adjacent separator from `text`. False if `text` does not contain it.
 bool remove_word(std::string& text, const std::string& word) {
   const std::size_t at = text.find(word);
   if (at == std::string::npos) return false;
@@ -44,7 +44,7 @@ bool remove_word(std::string& text, const std::string& word) {
   return true;
 }
 
-/// What a depth image and its colour image have in common: the name without the word for each.
+/// The common part of the names of a depth image and its color image: without the word for each.
 std::string pairing_key(const fs::path& path) {
   std::string key = lower_case(path.stem().string());
   if (remove_word(key, "depth")) return key;
@@ -70,7 +70,7 @@ void pair_by_time(const std::vector<fs::path>& color, const TimeOf& time_of, Fol
   }
 }
 
-/// Same name first, then nearest time, then the same place in the order.
+/// Match by name, then by nearest time, then by index.
 void pair_color(const std::vector<fs::path>& color, const TimeOf& time_of, FolderLayout& layout) {
   if (color.empty()) return;
   std::map<std::string, fs::path> by_key;
@@ -92,11 +92,11 @@ void pair_color(const std::vector<fs::path>& color, const TimeOf& time_of, Folde
   if (without > 0) {
     layout.warnings.push_back(std::to_string(without) + " of " +
                               std::to_string(layout.depth.size()) +
-                              " depth images have no color image of their name or time");
+                              " depth images have no color image with the same name or time");
   }
 }
 
-/// Pairs depth with color, and finds when it was taken.
+/// Pairs depth with color images, and finds the times.
 void settle(const fs::path& folder, const std::vector<fs::path>& color, FolderLayout& layout) {
   ListedTimes listed = listed_times(folder, layout.depth, color);
   layout.warnings = std::move(listed.warnings);
@@ -116,7 +116,7 @@ void settle(const fs::path& folder, const std::vector<fs::path>& color, FolderLa
       const auto at = listed.of_image.find(image);
       sources.insert(at != listed.of_image.end() ? at->second.list : "file names");
     }
-    if (!sources.empty()) break;  // else times of the color images will do
+    if (!sources.empty()) break;  // else use the times of the color images
   }
   layout.times_source = fmt::format("{}", fmt::join(sources, ", "));
   const auto missing = std::ranges::count_if(layout.time_s, [](const auto& time) { return !time; });
@@ -125,7 +125,7 @@ void settle(const fs::path& folder, const std::vector<fs::path>& color, FolderLa
                                           layout.time_s.size(), layout.times_source));
 }
 
-/// The subfolder of one of these names, whatever its case; empty where there is none.
+/// The subfolder with one of these names, ignoring case; empty if there is none.
 fs::path subfolder(const fs::path& folder, std::initializer_list<const char*> names) {
   std::vector<fs::path> found;
   std::error_code error;
@@ -152,7 +152,7 @@ bool named_depth(const fs::path& path) {
   return is_png(path) && lower_case(path.stem().string()).find("depth") != std::string::npos;
 }
 
-/// Dumps where there are any: the PNGs beside them are pictures of depth.
+/// Dumps if there are any, since the PNGs beside dumps are pictures of depth.
 std::vector<fs::path> depth_among(const std::vector<fs::path>& files,
                                   bool (*png)(const fs::path&)) {
   const std::vector<fs::path> dumps = only(files, is_depth_dump);
@@ -235,7 +235,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 28;
 
-/// Which image a list means by a name: one of the path, else the only one of the file name.
+/// Resolves image names in a list: by path, else by file name if only one image has it.
 class ImagesByName {
  public:
   ImagesByName(const fs::path& list, std::initializer_list<const std::vector<fs::path>*> images)
@@ -248,7 +248,7 @@ class ImagesByName {
       }
   }
 
-  /// Null: none; `ambiguous` is set where several have this name.
+  /// Null if there is none. Sets `ambiguous` if several images have this name.
   const fs::path* find(const std::string& name, bool& ambiguous) const {
     if (const auto at = by_path_.find((folder_ / name).lexically_normal()); at != by_path_.end())
       return at->second;
@@ -271,7 +271,7 @@ void read_list(const fs::path& list,
                ListedTimes& listed) {
   const ImagesByName by_name(list, images);
   std::map<fs::path, std::pair<double, int>> found;  // time and line
-  std::optional<Error> damage;                       // counts where the file turns out to be a list
+  std::optional<Error> damage;                       // thrown only if this is a list
   bool ambiguous = false;
   for (const TextLine& line : read_text_lines(list, kMostBytes)) {
     if (line.words.empty()) continue;
@@ -286,7 +286,7 @@ void read_list(const fs::path& list,
         const auto [at, is_new] = found.emplace(*image, std::pair(time_s, line.number));
         if (!is_new && at->second.first != time_s)
           fail_at(list, line,
-                  fmt::format("{} was listed with another time in line {}",
+                  fmt::format("{} is listed with a different time in line {}",
                               one_line(line.words[2 * column + 1]), at->second.second));
       }
     } catch (const Error& error) {
@@ -295,8 +295,8 @@ void read_list(const fs::path& list,
   }
   if (ambiguous)
     listed.warnings.push_back(list.string() +
-                              ": ignored, as depth and color images have the same names; expected "
-                              "names with their folders");
+                              ": ignored, because depth and color images have the same names; "
+                              "expected names that include their folders");
   if (found.empty() || ambiguous) return;
   if (damage) throw Error(*damage);
   for (const auto& [image, time] : found)
@@ -324,7 +324,7 @@ ListedTimes listed_times(const fs::path& folder,
   if (const fs::path list = file_beside_images(folder, "rgb.txt"); !list.empty())
     read_list(list, 1, "a time and a color image", {&color}, listed);
   if (const fs::path list = file_beside_images(folder, "associations.txt"); !list.empty())
-    read_list(list, 2, "a time and an image, twice", {&depth, &color}, listed);
+    read_list(list, 2, "two pairs of a time and an image", {&depth, &color}, listed);
   return listed;
 }
 
@@ -340,7 +340,7 @@ std::vector<double> times_of_poses(const fs::path& folder,
           numbers_in(file, line, 8, "the eight numbers timestamp tx ty tz qx qy qz qw")[0]);
   if (std::ranges::all_of(times, [](double time_s) { return time_s == 0; })) return {};
   if (times.size() == frames) return times;
-  warnings.push_back(fmt::format("{}: {} for {}: expected as many, to take their times",
+  warnings.push_back(fmt::format("{}: {} for {}; expected one pose per frame, to use their times",
                                  file.string(), counted(times.size(), "pose"),
                                  counted(frames, "frame")));
   return {};
@@ -369,7 +369,7 @@ std::optional<Gravity> Accelerometer::gravity_at(double time_s) const {
   if (samples.empty()) return std::nullopt;
   Vec3d sum = Vec3d::Zero();
   for (const Sample& sample : samples) sum += sample.m_s2;
-  // As published, samples at rest point where things fall, not along the reaction.
+  // In published files, samples at rest point along gravity, not along the reaction to it.
   std::optional<Gravity> gravity = gravity_of_accelerometer(
       -sum / static_cast<double>(samples.size()), samples.size(), kReach_s);
   if (gravity) gravity->note += std::string(", ") + kFile;

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Counts of 2 bytes without a header.
+/// 16-bit counts without a header.
 Image16 read_counts(const fs::path& path, int width, int height) {
   const MappedFile file(path);
   Image16 depth(width, height);
@@ -30,8 +30,8 @@ Image16 read_counts(const fs::path& path, int width, int height) {
   return depth;
 }
 
-/// The size that a calibration gives or, without one, the mode of a RealSense camera with as many
-/// pixels: no two have the same number. Throws Error where neither fits.
+/// The size in the calibration or, without one, the RealSense camera mode with this number of
+/// pixels: no two modes have the same number. Throws Error if neither fits.
 PngInfo dump_info(const fs::path& path, const Intrinsics& known) {
   constexpr std::pair<int, int> kModes[] = {{1280, 800}, {1280, 720}, {1024, 768}, {848, 480},
                                             {640, 480},  {640, 400},  {640, 360},  {480, 270},
@@ -45,7 +45,7 @@ PngInfo dump_info(const fs::path& path, const Intrinsics& known) {
   if (fits(known.width, known.height)) return {known.width, known.height, 1, 16};
   for (const auto& [width, height] : kModes)
     if (known.width == 0 && fits(width, height)) return {width, height, 1, 16};
-  throw Error(fmt::format("{}: {} bytes, expected 2 for each pixel of {}", path.string(), bytes,
+  throw Error(fmt::format("{}: {} bytes; expected 2 for each pixel of {}", path.string(), bytes,
                           known.width > 0 ? fmt::format("{}x{}", known.width, known.height)
                                           : "a RealSense depth mode, or a calibration file with "
                                             "width and height"));
@@ -75,12 +75,12 @@ class FolderRecording : public Recording {
   void settle_times();
   Image16 read_depth(int i) const;
 
-  fs::path folder_;  // with the images and the files about them; empty: a single image
-  std::size_t first_ = 0, in_folder_ = 0;  // depth images: index of the first frame; count
+  fs::path folder_;                        // of the images and their lists; empty: a single image
+  std::size_t first_ = 0, in_folder_ = 0;  // of depth images: index of the first frame; count
   FolderLayout layout_;
   std::vector<double> time_s_;  // by frame; 0 where unknown
   std::optional<Accelerometer> accelerometer_;
-  std::map<int, std::string> damaged_;  // frame, and what is wrong with it
+  std::map<int, std::string> damaged_;  // frame, and description of the damage
   RecordingInfo info_;
   Sidecar sidecar_;
   bool reads_color_ = true, color_aligned_ = false;
@@ -101,7 +101,7 @@ FolderRecording::FolderRecording(const fs::path& path, const RecordingOptions& o
   settle_color(camera);
 }
 
-/// The images of a folder, or the single depth image given with the colour it has in its folder.
+/// Finds the images of a folder, or a single depth image with its color image in the same folder.
 void FolderRecording::find_images(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
@@ -118,7 +118,7 @@ void FolderRecording::find_images(const fs::path& path) {
   layout_.time_s = {std::nullopt};
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (sidecar_.path.empty()) sidecar_ = read_sidecar(folder);
-  // Of depth/000.png the colour lies in a folder beside depth/.
+  // The color image for depth/000.png is in a folder beside depth/.
   const bool in_depth_folder =
       fs::absolute(folder, ignored).lexically_normal().filename() == "depth";
   for (const fs::path& root : {in_depth_folder ? folder / ".." : folder, folder}) {
@@ -146,13 +146,13 @@ void FolderRecording::tell_of_missing_depth() {
     if (!present.contains(facts.name)) missing.push_back(facts.name);
   if (!missing.empty())
     layout_.warnings.push_back(
-        fmt::format("{} of the {} in {} have no depth image, the first is {}", missing.size(),
+        fmt::format("{} of the {} in {} have no depth image; the first is {}", missing.size(),
                     counted(sidecar_.frames.size(), "frame"), sidecar_.path.filename().string(),
                     missing.front()));
 }
 
-/// Times come from the sidecar, lists or file names, else from poses.tum; with them gravity comes
-/// from the accelerometer.
+/// Times come from the sidecar, lists or file names, else from poses.tum; they select the
+/// accelerometer samples for gravity.
 void FolderRecording::settle_times() {
   const bool by_sidecar = tells_times(sidecar_);
   for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
@@ -172,24 +172,24 @@ void FolderRecording::settle_times() {
   }
   if (file_beside_images(folder_, Accelerometer::kFile).empty()) return;
   const auto ignore = [&](const std::string& why) {
-    layout_.warnings.push_back(fmt::format("{}: ignored, {}", Accelerometer::kFile, why));
+    layout_.warnings.push_back(fmt::format("{}: ignored: {}", Accelerometer::kFile, why));
   };
-  if (info_.times_source.empty()) return ignore("as the frames have no times");
+  if (info_.times_source.empty()) return ignore("the frames have no times");
   Accelerometer read(folder_);
   if (std::ranges::none_of(time_s_, [&](double time_s) { return read.covers(time_s); }))
     return ignore(fmt::format("no sample is within {} s of a frame", Accelerometer::kReach_s));
   accelerometer_ = std::move(read);
 }
 
-/// Looks at the ends of every file, so that what cannot be used is known before work starts.
+/// Checks the start and end of every file, so that unusable files are reported before work starts.
 void FolderRecording::check_images(bool later, const Intrinsics& known) {
   const auto check_depth = [&](const fs::path& path) {
     const bool is_dump = is_depth_dump(path);
     const PngInfo image = is_dump ? dump_info(path, known) : png_info(path);
     if (image.channels != 1 || image.bit_depth != 16)
       throw Error(
-          fmt::format("{}: PNG of {} channel(s) with {} bits, expected depth as 1 channel "
-                      "with 16 bits (a picture of depth holds no distances{})",
+          fmt::format("{}: PNG with {} channel(s) of {} bits; expected depth in 1 channel "
+                      "of 16 bits (a picture of depth contains no distances{})",
                       path.string(), image.channels, image.bit_depth,
                       lower_case(path.stem().string()).find("_depth_") == std::string::npos
                           ? ""
@@ -200,7 +200,7 @@ void FolderRecording::check_images(bool later, const Intrinsics& known) {
       info_.height = image.height;
     }
     if (image.width != info_.width || image.height != info_.height)
-      throw Error(fmt::format("{}: depth image of {}x{}, expected {}x{} as the first one",
+      throw Error(fmt::format("{}: depth image of {}x{}; expected {}x{}, like the first one",
                               path.string(), image.width, image.height, info_.width, info_.height));
   };
   for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
@@ -217,7 +217,7 @@ void FolderRecording::check_images(bool later, const Intrinsics& known) {
   if (damaged_.size() == layout_.depth.size()) throw Error(damaged_.begin()->second);
 }
 
-/// Calibration lies beside the images or one folder up.
+/// Looks for calibration beside the images and one folder up.
 CameraFiles FolderRecording::find_camera(const fs::path& path) const {
   std::vector<fs::path> folders = {path, layout_.depth.front().parent_path()};
   std::error_code ignored;
@@ -251,10 +251,10 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
   const bool same_size = color.width == info_.width && color.height == info_.height;
   if (sidecar_.color_aligned && *sidecar_.color_aligned) {
     if (!same_size)
-      throw Error(
-          fmt::format("{}: color of {}x{}, expected {}x{} since {} calls it aligned with depth",
-                      first->string(), color.width, color.height, info_.width, info_.height,
-                      sidecar_.path.filename().string()));
+      throw Error(fmt::format(
+          "{}: color image of {}x{}; expected {}x{}, because {} declares it aligned with depth",
+          first->string(), color.width, color.height, info_.width, info_.height,
+          sidecar_.path.filename().string()));
     color_aligned_ = true;
     info_.color_note = "aligned";
   } else if (sidecar_.color_intrinsics || (camera.color && camera.T_color_depth)) {
@@ -267,7 +267,7 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
     color_aligned_ = true;
     info_.color_note = "assumed aligned (same size, one set of intrinsics)";
   } else {
-    info_.color_note = fmt::format("shown only: color of {}x{} without extrinsics to depth",
+    info_.color_note = fmt::format("display only: color of {}x{} without extrinsics to depth",
                                    color.width, color.height);
   }
   if (color_aligned_) color_intrinsics_ = info_.intrinsics;
@@ -316,8 +316,8 @@ std::unique_ptr<Recording> open_image_folder(const fs::path& path,
   return std::make_unique<FolderRecording>(path, options);
 }
 
-// ---- Snapshots of the RealSense Viewer: headerless 16-bit little-endian counts in X.raw, what
-// they are in X_metadata.csv. The picture X.png beside them is coloured, no depth ----
+// ---- Snapshots of the RealSense Viewer: headerless 16-bit little-endian counts in X.raw,
+// described in X_metadata.csv. The picture X.png beside them is colored, not depth ----
 
 namespace {
 
@@ -345,7 +345,7 @@ class Metadata {
     const auto value = parse_number(text(key));
     if (!value)
       throw Error(
-          fmt::format("{}: \"{}\" is \"{}\", expected a number", path_.string(), key, text(key)));
+          fmt::format("{}: \"{}\" is \"{}\"; expected a number", path_.string(), key, text(key)));
     return *value;
   }
 
@@ -363,7 +363,7 @@ class RawRecording : public Recording {
     info_.color_note = "none";
     if (files_.empty())
       throw Error(path.string() +
-                  ": no depth of the RealSense Viewer: expected X.raw with X_metadata.csv of type "
+                  ": no RealSense Viewer depth; expected X.raw with X_metadata.csv of type "
                   "Depth and format Z16");
     CameraFacts facts;
     for (const RawFile& file : files_) facts = check(file);
@@ -395,7 +395,7 @@ class RawRecording : public Recording {
   static double time_of(const RawFile& file) {
     return 1e-3 * parse_number(Metadata(file.csv).text("Timestamp (ms)")).value_or(0);
   }
-  /// Sizes of one snapshot against each other and against the first.
+  /// Checks the sizes of a snapshot against each other and against the first one.
   CameraFacts check(const RawFile& file) {
     const Metadata metadata(file.csv);
     const double width = metadata.number("Resolution x"), height = metadata.number("Resolution y");
@@ -403,7 +403,7 @@ class RawRecording : public Recording {
     const std::uintmax_t bytes = fs::file_size(file.raw, error);
     const bool sane = width >= 1 && height >= 1 && width <= 1 << 15 && height <= 1 << 15;
     if (error || !sane || static_cast<double>(bytes) != 2 * width * height)
-      throw Error(fmt::format("{}: {} bytes, expected {}x{} counts of 2 bytes as {} says",
+      throw Error(fmt::format("{}: {} bytes; expected {}x{} counts of 2 bytes, according to {}",
                               file.raw.string(), bytes, metadata.text("Resolution x"),
                               metadata.text("Resolution y"), file.csv.filename().string()));
     if (info_.width == 0) {
@@ -411,7 +411,7 @@ class RawRecording : public Recording {
       info_.height = static_cast<int>(height);
     }
     if (info_.width != width || info_.height != height)
-      throw Error(file.raw.string() + ": of another size than the first snapshot in its folder");
+      throw Error(file.raw.string() + ": size differs from the first snapshot in its folder");
     const auto number = [&](const char* key) { return metadata.number(key); };
     CameraFacts facts;
     facts.intrinsics = {info_.width,   info_.height,  number("Fx"),     number("Fy"),

@@ -1,4 +1,5 @@
-// jpeglib.h needs stdio's FILE and must come after it.
+// JPEG through libjpeg, WebP through libwebp. jpeglib.h needs stdio's FILE, which fmt/format.h
+// includes before it.
 
 #include "core/io/image/photo.hpp"
 
@@ -18,7 +19,7 @@
 namespace planescope::io {
 namespace {
 
-/// libjpeg's state. Its errors longjmp: the steps below hold plain values only.
+/// libjpeg's state. Its errors longjmp, so the steps below hold only trivial values.
 struct JpegDecoder {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -37,7 +38,7 @@ void on_error(j_common_ptr jpeg) {
   longjmp(decoder->jump, 1);
 }
 
-// libjpeg only warns about a file that is cut short and paints the rest grey; to us it is an error.
+// libjpeg only warns about a truncated file and fills the rest with gray; treat that as an error.
 // Stray bytes between markers, which some cameras write, are harmless.
 void on_message(j_common_ptr jpeg, int level) {
   if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA) on_error(jpeg);
@@ -78,10 +79,10 @@ Image8 decode_jpeg_rgb(std::span<const unsigned char> bytes, const std::string& 
   const auto fail = [&] { throw Error(name + ": not a readable JPEG (" + decoder.message + ")"); };
   if (bytes.empty() || !read_jpeg_header(decoder)) fail();
   // A JPEG block of 64 pixels takes at least a few bits: an image far larger than its file allows
-  // is damaged, and is refused before it is allocated.
+  // is damaged, and is rejected before it is allocated.
   const std::uint64_t pixels = std::uint64_t(decoder.jpeg.image_width) * decoder.jpeg.image_height;
   if (pixels > bytes.size() * std::uint64_t{4096})
-    throw Error(fmt::format("{}: promises {}x{} pixels, more than its {} bytes can hold", name,
+    throw Error(fmt::format("{}: declares {}x{} pixels, more than its {} bytes can contain", name,
                             decoder.jpeg.image_width, decoder.jpeg.image_height, bytes.size()));
   expect_within_read_limit(3.0 * static_cast<double>(pixels), name + ": its pixels");
   Image8 image(static_cast<int>(decoder.jpeg.image_width),

@@ -1,6 +1,6 @@
 #pragma once
 
-// Pictures that lose a little: JPEG, which recordings have, and WebP, which reports have.
+// Lossy images: JPEG, in recordings, and WebP, in reports.
 
 #include <filesystem>
 #include <span>
@@ -11,16 +11,16 @@
 
 namespace planescope::io {
 
-/// Reads a JPEG as RGB. Throws Error naming the file when it is cut short or is no JPEG.
+/// Reads a JPEG as RGB. Throws Error naming the file if it is truncated or not a JPEG.
 Image8 read_jpeg_rgb(const std::filesystem::path& path);
-/// Likewise of a JPEG in memory; `name` is what messages call it.
+/// The same for a JPEG in memory; `name` identifies it in messages.
 Image8 decode_jpeg_rgb(std::span<const unsigned char> bytes, const std::string& name);
 
-/// Lossy WebP of an RGB image: half the bytes of a JPEG that looks as well. `quality`: 0 to 100.
-/// Throws Error where the image is larger than WebP allows, 16383 pixels a side.
+/// Encodes an RGB image as lossy WebP: half the size of a JPEG of the same visual quality.
+/// `quality`: 0 to 100. Throws Error for more than 16383 pixels per side, WebP's limit.
 std::vector<unsigned char> encode_webp(const Image8& image, float quality);
 
-/// Throws Error naming the file when it is cut short or is no WebP.
+/// Throws Error naming the file if it is truncated or not a WebP.
 Image8 read_webp_rgb(const std::filesystem::path& path);
 
 }  // namespace planescope::io

@@ -1,4 +1,4 @@
-// Decoded by libpng where png_rows.cpp does not, and written by libdeflate.
+// PNG: uses libpng to decode files that png_rows.cpp does not support, and libdeflate to write.
 
 #include "core/io/image/png.hpp"
 
@@ -23,11 +23,11 @@ namespace {
 constexpr std::uint32_t kMaxSide = 1 << 15;
 constexpr std::size_t kSignatureBytes = 8;
 constexpr std::size_t kHeaderBytes = 33;  // signature and IHDR chunk
-// Deflate never packs tighter than 1032:1, so a small file cannot ask for a large image.
+// Deflate never compresses better than 1032:1, so a small file cannot request a large image.
 constexpr std::uint64_t kMaxDeflateRatio = 1040;
 
-/// libpng's state. Its errors longjmp: nothing with a destructor may live in a frame that a jump
-/// leaves, so all of it lives here and the steps below hold plain values only.
+/// libpng's state. Its errors longjmp: nothing with a destructor may be in a frame that a jump
+/// leaves, so this struct owns everything and the steps below hold only trivial values.
 struct Decoder {
   png_structp png = nullptr;
   png_infop info = nullptr;
@@ -109,7 +109,7 @@ int channels_of(int color_type) {
   throw Error(path.string() + ": not a readable PNG (" + decoder.message + ")");
 }
 
-/// Throws Error if the bytes do not start as a PNG or its header is damaged.
+/// Throws Error if the bytes do not start as a PNG or the header is damaged.
 PngInfo open(Decoder& decoder,
              std::span<const unsigned char> bytes,
              const std::filesystem::path& path) {
@@ -118,7 +118,7 @@ PngInfo open(Decoder& decoder,
   decoder.left = bytes.size();
   decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
   if (decoder.png) decoder.info = png_create_info_struct(decoder.png);
-  if (!decoder.info) throw Error(path.string() + ": libpng could not be started");
+  if (!decoder.info) throw Error(path.string() + ": libpng could not be initialized");
   png_set_read_fn(decoder.png, &decoder, on_read);
   if (!guarded(decoder, read_header)) fail(path, decoder);
   return {static_cast<int>(png_get_image_width(decoder.png, decoder.info)),
@@ -127,7 +127,7 @@ PngInfo open(Decoder& decoder,
           png_get_bit_depth(decoder.png, decoder.info)};
 }
 
-/// From memory's order to PNG's, which has the high byte of 16 bits first, and back.
+/// Converts between memory order and PNG order, which has the high byte of 16 bits first.
 void swap_order(std::span<std::uint16_t> values) {
   for (std::uint16_t& value : values) value = static_cast<std::uint16_t>(value << 8 | value >> 8);
 }
@@ -142,7 +142,7 @@ Image<T> decode(Decoder& decoder,
                 const std::filesystem::path& path) {
   const std::uint64_t packed_bits = std::uint64_t(info.width) * info.height * info.bit_depth;
   if (packed_bits / 8 > file.size() * kMaxDeflateRatio)
-    throw Error(fmt::format("{}: promises {}x{} pixels, more than its {} bytes can hold",
+    throw Error(fmt::format("{}: declares {}x{} pixels, more than its {} bytes can contain",
                             path.string(), info.width, info.height, file.size()));
   expect_within_read_limit(static_cast<double>(info.width) * info.height * channels * sizeof(T),
                            path.string() + ": its pixels");
@@ -156,7 +156,7 @@ Image<T> decode(Decoder& decoder,
   }
   if (!guarded(decoder, set_transforms)) fail(path, decoder);
   if (png_get_rowbytes(decoder.png, decoder.info) != row_bytes) {
-    throw Error(path.string() + ": PNG of an unexpected pixel layout");
+    throw Error(path.string() + ": PNG with an unexpected pixel layout");
   }
   std::vector<png_bytep> rows(info.height);
   for (int y = 0; y < info.height; ++y) {
@@ -173,9 +173,8 @@ Image<T> decode_grey(std::span<const unsigned char> bytes, const std::filesystem
   const PngInfo info = open(decoder, bytes, path);
   const int bits = 8 * sizeof(T);
   if (info.channels != 1 || info.bit_depth != bits)
-    throw Error(
-        fmt::format("{}: PNG of {} channel(s) with {} bits, expected 1 channel with {} bits",
-                    path.string(), info.channels, info.bit_depth, bits));
+    throw Error(fmt::format("{}: PNG with {} channel(s) of {} bits; expected 1 channel of {} bits",
+                            path.string(), info.channels, info.bit_depth, bits));
   return decode<T>(decoder, info, bytes, 1, path);
 }
 
@@ -185,19 +184,19 @@ PngInfo png_info(const std::filesystem::path& path) {
   std::array<unsigned char, kHeaderBytes> head{};
   std::ifstream file = open_to_read(path);
   file.read(reinterpret_cast<char*>(head.data()), head.size());
-  if (std::memcmp(head.data(), "version ", 8) == 0) read_file_bytes(path);  // Git LFS: throws
+  if (std::memcmp(head.data(), "version ", 8) == 0) read_file_bytes(path);  // Git LFS pointer
   return png_info(std::span(head).first(static_cast<std::size_t>(file.gcount())), path.string());
 }
 
 PngInfo png_info(std::span<const unsigned char> head, const std::string& name) {
   require_signature(head, name);
   if (head.size() < kHeaderBytes || std::memcmp(&head[12], "IHDR", 4) != 0) {
-    throw Error(name + ": not a readable PNG (its header is cut or damaged)");
+    throw Error(name + ": not a readable PNG (its header is truncated or damaged)");
   }
   const std::uint32_t width = number_32(&head[16]), height = number_32(&head[20]);
   if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide)
-    throw Error(fmt::format("{}: PNG of {}x{} pixels, expected 1 to {} a side", name, width, height,
-                            kMaxSide));
+    throw Error(fmt::format("{}: PNG of {}x{} pixels; expected 1 to {} per side", name, width,
+                            height, kMaxSide));
   return {static_cast<int>(width), static_cast<int>(height), channels_of(head[25]), head[24]};
 }
 
@@ -210,7 +209,7 @@ bool png_is_cut(const std::filesystem::path& path) {
     file.read(tail.data(), kEndBytes);
     if (std::memcmp(&tail[4], "IEND", 4) == 0) return false;
   }
-  // Some writers leave something behind the end: only decoding can tell.
+  // Some writers append data after the end: only decoding shows whether the file is complete.
   const auto bytes = read_file_bytes(path);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return text.rfind("IEND") == std::string_view::npos;
@@ -257,7 +256,7 @@ PngBytes png_start(int width, int height, int bits, PngColor color) {
   append_32(header, static_cast<std::uint32_t>(height));
   header.push_back(static_cast<unsigned char>(bits));
   header.push_back(static_cast<unsigned char>(color));
-  header.insert(header.end(), {0, 0, 0});  // the only compression and filters, no Adam7
+  header.insert(header.end(), {0, 0, 0});  // default methods, no interlacing
   PngBytes out = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   append_chunk(out, "IHDR", header);
   return out;
@@ -283,7 +282,7 @@ PngBytes deflated(std::span<const unsigned char> bytes, int level) {
 
 namespace {
 
-constexpr int kQuickLevel = 1;  // files are little larger
+constexpr int kQuickLevel = 1;  // files are only slightly larger
 
 template <typename T>
 std::vector<unsigned char> encode(const Image<T>& image) {
@@ -295,13 +294,13 @@ std::vector<unsigned char> encode(const Image<T>& image) {
   std::vector<unsigned char> rows((row_bytes + 1) * static_cast<std::size_t>(image.height));
   const std::size_t row_values = row_bytes / sizeof(T);
   const auto channels_before = static_cast<std::size_t>(channels);
-  std::vector<T> plain(channels_before + row_values);  // a row, and a black pixel before it
+  std::vector<T> plain(channels_before + row_values);  // a row, preceded by a black pixel
   for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y) {
     const std::span row_of(plain.data() + channels_before, row_values);
     std::ranges::copy(std::span(image.data).subspan(y * row_values, row_values), row_of.begin());
     swap_order(row_of);
     unsigned char* row = rows.data() + y * (row_bytes + 1);
-    *row++ = kSub;  // cheap, and helps
+    *row++ = kSub;  // fast, and improves compression
     const auto* const before = reinterpret_cast<const unsigned char*>(plain.data());
     const unsigned char* const at = before + pixel_bytes;
     for (std::size_t i = 0; i < row_bytes; ++i)

@@ -1,6 +1,6 @@
 #pragma once
 
-// PNG: read, written, and animated.
+// PNG: reading, writing and animation.
 
 #include <cstdint>
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace planescope::io {
 
-/// What a PNG holds, read from its header without decoding it.
+/// Properties of a PNG, read from its header without decoding it.
 struct PngInfo {
   int width = 0;
   int height = 0;
@@ -22,36 +22,36 @@ struct PngInfo {
   int bit_depth = 0;
 };
 
-/// All readers throw Error naming the file, what was found and what was expected: not a PNG, cut
-/// short, wrong number of channels or bits. Sizes are checked before anything is allocated.
+/// All readers throw Error that names the file, what was found and what was expected: not a PNG,
+/// truncated, wrong number of channels or bits. Sizes are checked before anything is allocated.
 PngInfo png_info(const std::filesystem::path& path);
-/// Whether the chunk that ends every PNG is missing; looks at the end of the file only.
+/// Whether the chunk that ends every PNG is missing. Normally reads only the end of the file.
 bool png_is_cut(const std::filesystem::path& path);
 Image16 read_png_16(const std::filesystem::path& path);   // exactly one channel of 16 bits
 Image8 read_png_grey(const std::filesystem::path& path);  // exactly one channel of 8 bits
-Image8 read_png_rgb(const std::filesystem::path& path);   // anything 8- or 16-bit, turned into RGB
+Image8 read_png_rgb(const std::filesystem::path& path);   // any 8- or 16-bit PNG, converted to RGB
 
-/// Likewise of a PNG in memory; `name` is what messages call it.
+/// The same for a PNG in memory; `name` identifies it in messages.
 PngInfo png_info(std::span<const unsigned char> bytes, const std::string& name);
 Image16 decode_png_16(std::span<const unsigned char> bytes, const std::string& name);
 Image8 decode_png_rgb(std::span<const unsigned char> bytes, const std::string& name);
 
-/// Writers: 16-bit grey; or 8-bit with 1, 3 or 4 channels. The same image gives the same bytes.
+/// Write 16-bit gray, or 8-bit with 1, 3 or 4 channels. The same image gives the same bytes.
 void write_png(const std::filesystem::path& path, const Image16& image);
 void write_png(const std::filesystem::path& path, const Image8& image);
 std::vector<unsigned char> encode_png(const Image8& image);
 std::vector<unsigned char> encode_png(const Image16& image);
 
-// ---- Animated PNG: any browser shows the animation, and every other viewer its first frame ----
+// ---- Animated PNG: every browser plays it; other viewers show the first frame ----
 
-/// How a frame is stored: as a whole, or as the rectangle in which it differs from the one before.
+/// How to store a frame: whole, or only the rectangle that differs from the previous frame.
 enum class ApngStores : std::uint8_t { whole, difference };
 
-/// Writes one RGB frame after the other, without loss; only one is in memory, two of differences.
-/// The stream's owner checks it for errors.
+/// Writes RGB frames one after another, losslessly. Keeps one frame in memory, or two for
+/// differences. The stream's owner checks it for errors.
 class ApngWriter {
  public:
-  /// `frames`: how many add() will be called with, at least one.
+  /// `frames`: the number of add() calls that will follow, at least one.
   ApngWriter(std::ostream& out,
              int width,
              int height,
@@ -70,31 +70,31 @@ class ApngWriter {
   std::uint32_t sequence_ = 0;
 };
 
-// ---- Internal to core/io: chunks, and how pixels are packed (PNG, third edition, W3C 2025) ----
+// ---- Internal to core/io: chunks and compression of pixels (PNG, third edition, W3C 2025) ----
 
 using PngBytes = std::vector<unsigned char>;
 
 enum class PngColor : unsigned char { grey = 0, rgb = 2, rgba = 6 };
 
-/// By what a row's bytes are predicted; only what they differ by is packed.
+/// How to predict the bytes of a row; only the differences are compressed.
 enum PngFilter : unsigned char { kNone, kSub, kUp, kAverage, kPaeth, kFilters };
 
-std::uint32_t number_32(const unsigned char* at);  // big-endian, as these
+std::uint32_t number_32(const unsigned char* at);  // big-endian, as below
 void append_32(PngBytes& bytes, std::uint32_t value);
 void append_16(PngBytes& bytes, int value);
 
-/// What every PNG begins with: signature and IHDR.
+/// Start of every PNG: signature and IHDR.
 PngBytes png_start(int width, int height, int bits, PngColor color);
 void append_chunk(PngBytes& out, std::string_view type, std::span<const unsigned char> content);
 
-/// A zlib stream; `level`: 1, quick, to 12, small. The same bytes give the same stream.
+/// Compresses to a zlib stream. `level`: 1 (fast) to 12 (small). Deterministic.
 PngBytes deflated(std::span<const unsigned char> bytes, int level);
 
-/// Unpacks a file that is whole and nothing but pixels: grey or RGB of 8 or 16 bits, not
-/// interlaced, no chunk beside IHDR, IDAT and IEND. False for any other, and where anything is
-/// wrong with it: libpng then reads it, or says what is wrong. Several times as quick as libpng,
-/// which goes row by row and inflates with zlib. pixels: [height x row], as in the
-/// file: 16 bits with the high byte first.
+/// Decodes the pixels of a complete file with nothing else in it: gray or RGB of 8 or 16 bits, not
+/// interlaced, no chunks beside IHDR, IDAT and IEND. Returns false for any other file and on any
+/// error, so that libpng can read it or report the error. Several times as fast as libpng, which
+/// goes row by row and inflates with zlib. pixels: [height x row], as in the file: 16 bits with the
+/// high byte first.
 bool unpack_plain_png(std::span<const unsigned char> file,
                       const PngInfo& info,
                       std::span<unsigned char> pixels);

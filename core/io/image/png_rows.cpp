@@ -1,5 +1,5 @@
-// PNG, third edition (W3C 2025): the filters of rows (9), undone for files that are nothing but
-// pixels and chosen for animations, whose chunks acTL, fcTL and fdAT are here as well.
+// PNG row filters (third edition, W3C 2025, Sec. 9): undone for files with nothing but pixels, and
+// chosen for animations, whose chunks acTL, fcTL and fdAT are also written here.
 
 #include <libdeflate.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using ByteSpan = std::span<const unsigned char>;
 
-/// That of the three neighbours which is nearest to left + up - corner.
+/// The neighbor that is nearest to left + up - corner.
 int paeth(int left, int up, int corner) {
   const int guess = left + up - corner;
   const int by_left = std::abs(guess - left), by_up = std::abs(guess - up);
@@ -27,8 +27,8 @@ int paeth(int left, int up, int corner) {
   return by_up <= by_corner ? up : corner;
 }
 
-/// Calls use(predict), where `predict` makes a byte of those to the left, above, and above on the
-/// left. False where there is no such filter.
+/// Calls use(predict). `predict` computes a byte from those to the left, above, and above left.
+/// Returns false if there is no such filter.
 template <typename Use>
 bool with_filter(int filter, const Use& use) {
   if (filter == kNone) use([](int, int, int) { return 0; });
@@ -39,9 +39,9 @@ bool with_filter(int filter, const Use& use) {
   return filter >= 0 && filter < kFilters;
 }
 
-// ---- Read ----
+// ---- Reading ----
 
-constexpr std::size_t kChunksFrom = 8;  // behind the signature
+constexpr std::size_t kChunksFrom = 8;  // after the signature
 constexpr std::size_t kAroundContent = 12;
 constexpr std::size_t kHeaderContent = 13;
 
@@ -50,7 +50,7 @@ struct PlainChunk {
   ByteSpan content;
 };
 
-/// The chunk that `rest` begins with, which it loses. Without a type where it is cut or damaged.
+/// Removes the first chunk from `rest`. Returns a chunk without a type if it is cut or damaged.
 PlainChunk take_chunk(ByteSpan& rest) {
   if (rest.size() < kAroundContent) return {};
   const std::size_t size = number_32(rest.data());
@@ -62,14 +62,14 @@ PlainChunk take_chunk(ByteSpan& rest) {
   return {{reinterpret_cast<const char*>(checked.data()), 4}, checked.subspan(4)};
 }
 
-/// Grey or RGB, and not interlaced.
+/// Gray or RGB, and not interlaced.
 bool is_plain(ByteSpan header) {
   constexpr std::size_t kColor = 9, kInterlace = 12;
   return header.size() == kHeaderContent && (header[kColor] == 0 || header[kColor] == 2) &&
          header[kInterlace] == 0;
 }
 
-/// What all IDAT hold together; empty where the file is not plain.
+/// The joined content of all IDAT chunks; empty if the file is not plain.
 std::vector<unsigned char> packed_pixels(ByteSpan file) {
   if (file.size() < kChunksFrom) return {};
   ByteSpan rest = file.subspan(kChunksFrom);
@@ -84,8 +84,8 @@ std::vector<unsigned char> packed_pixels(ByteSpan file) {
   return packed;
 }
 
-/// A zlib stream of exactly this many bytes. False for windows of less than 32 KiB as well:
-/// libdeflate does not look whether the stream keeps to them.
+/// Inflates a zlib stream of exactly `size` bytes. Returns false also for windows of less than 32
+/// KiB, because libdeflate does not check that the stream respects them.
 bool inflate_exactly(ByteSpan packed, unsigned char* out, std::size_t size) {
   constexpr unsigned char kWindow32K = 0x78;
   if (packed.empty() || packed[0] != kWindow32K) return false;
@@ -98,7 +98,7 @@ bool inflate_exactly(ByteSpan packed, unsigned char* out, std::size_t size) {
          used == packed.size();
 }
 
-/// Adds to each byte what is predicted of it.
+/// Adds the prediction to each byte.
 template <typename Predict>
 void unfilter(const unsigned char* __restrict in,
               const unsigned char* __restrict above,
@@ -113,12 +113,12 @@ void unfilter(const unsigned char* __restrict in,
         static_cast<unsigned char>(in[i] + predict(out[i - pixel], above[i], above[i - pixel]));
 }
 
-/// The running sums of two bytes a pixel, four pixels at a time: in the lanes of a product with a 1
-/// in each of them. Of the high bytes apart from the low ones, so that none spills over. Returns
-/// how many bytes are done.
+/// Prefix sums of two-byte pixels, four pixels at a time: multiplication by a 1 in each lane adds
+/// up the lanes. High and low bytes are summed separately, so that none overflows into another.
+/// Returns the number of finished bytes.
 std::size_t add_up_pairs(const unsigned char* in, std::size_t size, unsigned char* out) {
   constexpr std::uint64_t kOnes = 0x0001000100010001, kLow = 0x00ff00ff00ff00ff;
-  std::uint64_t before_high = 0, before_low = 0;  // of the file: the high byte comes first
+  std::uint64_t before_high = 0, before_low = 0;  // in the file: the high byte comes first
   std::size_t i = 0;
   for (; i + 8 <= size; i += 8) {
     std::uint64_t pixels;
@@ -143,7 +143,7 @@ void unfilter_sub(const unsigned char* in,
   for (; i < size; ++i) out[i] = static_cast<unsigned char>(in[i] + out[i - pixel]);
 }
 
-/// `in`: a row behind the byte that names its filter. False where there is no such filter.
+/// `in`: a row after its filter byte. Returns false if there is no such filter.
 bool unfilter_row(int filter,
                   const unsigned char* in,
                   const unsigned char* above,
@@ -179,7 +179,7 @@ bool unpack_plain_png(ByteSpan file, const PngInfo& info, std::span<unsigned cha
   return true;
 }
 
-// ---- Animations ----
+// ---- Animation ----
 
 namespace {
 
@@ -197,7 +197,7 @@ void write_chunk(std::ostream& out, std::string_view type, const PngBytes& conte
   write(out, chunk);
 }
 
-/// A row as it differs from what the filter predicts. `above`: zeros where there is none.
+/// Stores the differences of a row from the prediction. `above`: zeros for the first row.
 void filter_row(int filter,
                 const unsigned char* row,
                 const unsigned char* above,
@@ -212,7 +212,7 @@ void filter_row(int filter,
   });
 }
 
-/// Sum of a filtered row's bytes as distances from 0: what usually is small compresses well.
+/// Sum of a filtered row's bytes as distances from 0: small values usually compress well.
 long cost_of(std::span<const unsigned char> filtered) {
   long cost = 0;
   for (const unsigned char byte : filtered) cost += std::min<int>(byte, 256 - byte);
@@ -247,7 +247,7 @@ struct Part {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
-/// What differs; one pixel where nothing does, as no frame may be empty.
+/// The rectangle that differs; one pixel if nothing does, since no frame may be empty.
 Part difference(const Image8& a, const Image8& b) {
   Part part{b.width, b.height, 0, 0};
   const int stride = kChannels * b.width;
@@ -286,7 +286,7 @@ ApngWriter::ApngWriter(
   write(out_, png_start(width, height, 8, PngColor::rgb));
   PngBytes control;
   append_32(control, static_cast<std::uint32_t>(frames));
-  append_32(control, 0);  // again and again
+  append_32(control, 0);  // loop forever
   write_chunk(out_, "acTL", control);
 }
 
@@ -301,7 +301,7 @@ void ApngWriter::add(const Image8& image) {
     append_32(control, static_cast<std::uint32_t>(value));
   append_16(control, 1);  // shown for 1 / frames_per_second s
   append_16(control, frames_per_second_);
-  append_16(control, 0);  // left as it is, and drawn over
+  append_16(control, 0);  // dispose and blend: draw over the previous frame
   write_chunk(out_, "fcTL", control);
   const PngBytes pixels =
       deflated(parts ? filtered_rows(cut(image, part)) : filtered_rows(image), kSmallLevel);

@@ -1,4 +1,4 @@
-// Files that Open3D reads and io does not, and what the programs are handed of Open3D.
+// Reads more file formats through Open3D, and wraps the Open3D algorithms that the programs use.
 
 #include "core/io/open3d/install.hpp"
 
@@ -38,17 +38,17 @@ namespace fs = std::filesystem;
 using ::open3d::geometry::PointCloud;
 using ::open3d::geometry::TriangleMesh;
 
-// Our types as Open3D's and back.
+// Conversions between our types and Open3D's.
 
 constexpr std::uint16_t kNoCount = 65535;
 
 ::open3d::camera::PinholeCameraIntrinsic to_open3d(const Intrinsics& k) {
   if (k.distortion != Distortion::none)
-    throw Error("intrinsics: lens distortion, which Open3D's camera does not have");
+    throw Error("intrinsics: lens distortion is not supported by Open3D's camera");
   return {k.width, k.height, k.fx, k.fy, k.cx, k.cy};
 }
 
-/// Depth as floats [m], 0 where nothing was measured; color where it lies on the depth.
+/// Depth as floats [m], 0 for no measurement; with color if it is aligned to depth.
 ::open3d::geometry::RGBDImage to_open3d(const Frame& frame) {
   ::open3d::geometry::RGBDImage image;
   const Image16& depth = frame.depth;
@@ -88,19 +88,19 @@ PointSet from_open3d(const PointCloud& cloud) {
 constexpr double kPointsPerSquareMetre = 1e4;
 constexpr double kFewestPoints = 1e4, kMostPoints = 2e6;
 
-/// Open3D and what it reads with throw whatever they like.
+/// Calls `read` and converts whatever Open3D and its libraries throw to Error.
 template <typename Read>
 void read_or_throw(const fs::path& path, const char* what, Read read) {
-  std::string why = "nothing that Open3D can read";
+  std::string why = "no data that Open3D can read";
   try {
     if (read()) return;
   } catch (const std::exception& error) {
     why = error.what();
   }
-  throw Error(fmt::format("{}: {}, expected {}", path.string(), why, what));
+  throw Error(fmt::format("{}: {}; expected {}", path.string(), why, what));
 }
 
-/// Open3D makes room for as many points as the first line says. Throws Error for read_or_throw().
+/// Open3D allocates as many points as the first line declares. Throws Error for read_or_throw().
 void check_pts_count(const fs::path& path) {
   std::ifstream file = open_to_read(path);
   double count = 0;
@@ -108,7 +108,7 @@ void check_pts_count(const fs::path& path) {
   constexpr double kFewestBytes = 6;  // "0 0 0\n"
   const std::uintmax_t bytes = fs::file_size(path);
   if (!file || !(count >= 0 && count * kFewestBytes <= static_cast<double>(bytes)))
-    throw Error(fmt::format("a first line that does not count the points of {} bytes", bytes));
+    throw Error(fmt::format("its first line is not the number of points in {} bytes", bytes));
 }
 
 double area_m2(const TriangleMesh& mesh, const Eigen::Vector3i& triangle) {
@@ -119,7 +119,7 @@ double area_m2(const TriangleMesh& mesh, const Eigen::Vector3i& triangle) {
   return std::isfinite(area) ? area : 0;
 }
 
-/// Not Open3D's own sampling, which draws from a random sequence that all its users share.
+/// Open3D's own sampling draws from one random sequence that all its users share, so avoid it.
 PointCloud sampled(const TriangleMesh& mesh, double surface_m2) {
   const double count =
       std::clamp(std::round(kPointsPerSquareMetre * surface_m2), kFewestPoints, kMostPoints);
@@ -144,9 +144,9 @@ PointCloud sampled(const TriangleMesh& mesh, double surface_m2) {
   return cloud;
 }
 
-/// .xyz: x y z on every line. .pts: a count, then x y z, intensity and colour on every line.
+/// .xyz: x y z on every line. .pts: a count, then x y z, intensity and color on every line.
 PointSet read_points(const fs::path& path, io::CloudExtras*) {
-  constexpr const char* kExpected = "a text of points, x y z on each line";
+  constexpr const char* kExpected = "a text file of points, x y z on each line";
   PointCloud cloud;
   read_or_throw(path, kExpected, [&] {
     if (io::extension(path) == ".pts") check_pts_count(path);
@@ -155,13 +155,12 @@ PointSet read_points(const fs::path& path, io::CloudExtras*) {
   return from_open3d(cloud);
 }
 
-/// .obj, .stl, .off: a mesh in metres as points on its triangles, one per square centimetre (at
-/// least 10 000, at most two million), with the vertices' colours. The same file gives the same
-/// points.
+/// .obj, .stl, .off: samples a mesh in meters, one point per square centimeter (at least 10 000, at
+/// most two million), with the vertices' colors. Deterministic.
 PointSet read_mesh(const fs::path& path, io::CloudExtras*) {
   TriangleMesh mesh;
   double surface_m2 = 0;
-  read_or_throw(path, "a mesh of triangles", [&] {
+  read_or_throw(path, "a triangle mesh", [&] {
     if (!::open3d::io::ReadTriangleMesh(path.string(), mesh)) return false;
     for (const Eigen::Vector3i& triangle : mesh.triangles_) surface_m2 += area_m2(mesh, triangle);
     return surface_m2 > 0;
@@ -193,7 +192,7 @@ class Fusion : public SurfaceFusion {
 
  private:
   double voxel_m_, max_range_m_;
-  // Of the kind that the first image asks for: a volume has colour or has none.
+  // Created for the first image: a volume either has color or does not.
   std::unique_ptr<ScalableTSDFVolume> volume_;
   bool colored_ = false;
 };
@@ -265,8 +264,8 @@ std::unique_ptr<SurfaceFusion> make_surface_fusion(double voxel_m, double max_ra
 namespace planescope::open3d {
 namespace {
 
-/// Open3D's RANSAC shares its iterations out among OpenMP threads, which take random numbers in
-/// whatever order they come. The setting is the calling thread's own, others keep theirs.
+/// Open3D's RANSAC divides its iterations among OpenMP threads, which draw random numbers in any
+/// order. The setting applies only to the calling thread.
 class OneThread {
  public:
   OneThread() { omp_set_num_threads(1); }
@@ -290,18 +289,18 @@ planes::FoundPlanes find_planes_ransac(std::span<const Vec3f> points,
   ::open3d::geometry::PointCloud rest;
   rest.points_.reserve(points.size());
   for (const Vec3f& p : points) rest.points_.push_back(p.cast<double>());
-  std::vector<std::size_t> index(points.size());  // in `points`, of each point of `rest`
+  std::vector<std::size_t> index(points.size());  // index in `points` of each point of `rest`
   std::iota(index.begin(), index.end(), std::size_t{0});
 
   std::vector<std::int32_t> group(points.size(), 0);
   const std::size_t min_points = std::max(options.min_points, 3);
   for (std::int32_t id = 1; rest.points_.size() >= min_points; ++id) {
-    // With a probability below 1 it would stop once it is that sure of its plane; the paper's
-    // speed (3.1 frames a second) is that of all the iterations.
+    // A probability below 1 would stop the search early. The paper's speed (3.1 frames per second)
+    // includes all iterations.
     constexpr double kProbability = 1;
     const auto [plane, inliers] =
         rest.SegmentPlane(options.theta_pf_m, 3, options.iterations, kProbability);
-    const bool spans_plane = !plane.isZero(0);  // points on one line: none, and all are inliers
+    const bool spans_plane = !plane.isZero(0);  // points on one line: no plane, all inliers
     if (!spans_plane || inliers.size() < min_points) break;
 
     std::vector<bool> taken(index.size(), false);

@@ -1,7 +1,6 @@
 #pragma once
 
-// What the program takes from Open3D. Without -DPLANESCOPE_OPEN3D=ON there is none of it
-// (absent.cpp).
+// The program's use of Open3D. Builds without -DPLANESCOPE_OPEN3D=ON use absent.cpp instead.
 
 #include <filesystem>
 #include <functional>
@@ -14,34 +13,34 @@
 
 namespace planescope::open3d {
 
-/// Hands over the rival `ransac` (core/planes/rivals/rivals.hpp) and the cloud formats .xyz, .pts,
-/// .obj, .stl and .off. Call it once, before any recording, method or option is asked for.
+/// Registers the rival `ransac` (core/planes/rivals/rivals.hpp) and the cloud formats .xyz, .pts,
+/// .obj, .stl and .off. Call once, before any recording, method or option is used.
 void install();
 
-/// The surfaces of many depth images as one mesh. The same images in the same order make the same
-/// mesh.
+/// Fuses the surfaces of many depth images into one mesh. Deterministic for the same images in the
+/// same order.
 class SurfaceFusion {
  public:
   virtual ~SurfaceFusion() = default;
-  /// Throws Error where the camera has lens distortion, which Open3D's does not.
+  /// Throws Error if the camera has lens distortion, which Open3D does not support.
   virtual void add(const Frame& frame, const Pose& T_world_camera) = 0;
-  /// The mesh so far, PLY; colored where the first image has color that lies on its depth, black
-  /// where a later one has none. Whole or not at all. False, and nothing written, where there is
-  /// none. Throws Error naming the file.
+  /// Writes the mesh so far as PLY, completely or not at all. The mesh is colored if the first
+  /// image has color aligned to depth; surfaces from later images without color are black. Returns
+  /// false, and writes nothing, if there is no mesh. Throws Error naming the file.
   virtual bool write_ply(const std::filesystem::path& file) const = 0;
 };
-/// ScalableTSDFVolume, truncated at four voxels. `voxel_m`: edge of a voxel. `max_range_m`: depth
-/// beyond it is left out; 0: none. Throws Error in builds without Open3D.
+/// ScalableTSDFVolume, truncated at four voxels. `voxel_m`: edge of a voxel. `max_range_m`: ignore
+/// depth beyond it; 0: no limit. Throws Error in builds without Open3D.
 std::unique_ptr<SurfaceFusion> make_surface_fusion(double voxel_m, double max_range_m);
 
-/// SegmentPlane, under one thread and the seed so that it repeats; calls wait for each other, since
-/// Open3D has one random sequence for the whole process. Ends with the first plane that has too few
+/// SegmentPlane with one thread and a fixed seed, so that it is repeatable. Calls wait for each
+/// other, since Open3D has one random sequence per process. Stops at the first plane with too few
 /// points. Not in builds without Open3D.
 planes::FoundPlanes find_planes_ransac(std::span<const Vec3f> points,
                                        const planes::RansacOptions& options);
 
-// Stages that ours are timed beside, each with its input in Open3D's own types: what is returned
-// runs the stage alone. Empty functions in builds without Open3D.
+// Stages to time against ours, each with its input converted to Open3D's types: the returned
+// function runs the stage alone. Empty functions in builds without Open3D.
 
 /// VoxelDownSample of the cloud's kept points.
 std::function<void()> voxel_down_sample(const planes::Cloud& cloud, double voxel_size_m);

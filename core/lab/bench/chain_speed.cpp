@@ -1,4 +1,4 @@
-// What is timed of the chain from a frame to its planes, and of whole commands.
+// Times the stages from a frame to its planes, and whole commands.
 
 #include "core/lab/bench/chain_speed.hpp"
 
@@ -57,7 +57,7 @@ struct ChainStage {
   std::function<void()> run;
 };
 
-/// Of frame `i`; what goes into each is computed here. The frames must outlive them.
+/// The stages of frame `i`; their inputs are computed here. The frames must outlive them.
 std::vector<ChainStage> stages_of(const SpeedSubject& subject,
                                   std::size_t i,
                                   const SpeedTools& tools) {
@@ -116,7 +116,7 @@ std::vector<StageRow> measure_stages(const SpeedSubject& subject, const SpeedToo
     tools.before(subject.name);
     of_frames.push_back(stages_of(subject, i, tools));
   }
-  // Frames differ in whether their gravity is known; what one has not, all leave out.
+  // Frames differ in whether their gravity is known; omit stages that any of them lacks.
   const auto in_all = [&](const ChainStage& stage) {
     return std::ranges::all_of(of_frames, [&](const std::vector<ChainStage>& stages) {
       return std::ranges::count(stages, stage.name, &ChainStage::name) == 1;
@@ -182,7 +182,7 @@ std::vector<Duel> duels_of(const SpeedSubject& subject, std::size_t i, const Spe
                      [prepared, voxel_m] { planes::voxelize(prepared->cloud, voxel_m); },
                      tools.open3d_voxels(prepared->cloud, voxel_m)});
   if (tools.open3d_octree) {
-    // Ours leaves most nodes unmade; theirs has them all.
+    // Ours skips most nodes; Open3D's creates all of them.
     const auto every_node = [prepared] {
       const planes::Cube& cube = prepared->cloud.cube;
       planes::Octree octree =
@@ -263,13 +263,12 @@ std::vector<ChainMethod> methods_of(const SpeedSubject& subject, const SpeedTool
   return methods;
 }
 
-/// What the process has resident more than before, at the most, while `work` runs; 0 where the
-/// system does not tell.
+/// Peak increase in resident memory while `work` runs; 0 if the system does not report it.
 double peak_of(const std::function<void()>& work) {
 #if defined(__GLIBC__)
-  malloc_trim(0);  // what is free already would hide what is needed
+  malloc_trim(0);  // free memory would hide the memory that `work` needs
 #endif
-  std::ofstream("/proc/self/clear_refs") << "5";  // the peak is what is there now
+  std::ofstream("/proc/self/clear_refs") << "5";  // resets the peak to the current value
   const ResidentMemory before = resident_memory("/proc/self/status");
   work();
   const double more = resident_memory("/proc/self/status").peak_mib - before.now_mib;
@@ -282,7 +281,7 @@ double peak_of(const std::function<void()>& work) {
 std::vector<MethodRow> measure_methods(const SpeedSubject& subject, const SpeedTools& tools) {
   const std::vector<ChainMethod> methods = methods_of(subject, tools);
   std::vector<std::vector<double>> planes(methods.size());
-  // What Open3D, PCL and CGAL would do on other threads counts as well.
+  // Include CPU time of other threads of Open3D, PCL and CGAL.
   const auto ms = interleaved_ms(
       methods.size(), tools.rounds, [&] { tools.before(subject.name); },
       [&](std::size_t m, int round) {
@@ -293,8 +292,7 @@ std::vector<MethodRow> measure_methods(const SpeedSubject& subject, const SpeedT
       },
       Clock::process_cpu);
   std::vector<MethodRow> rows;
-  for (std::vector<double>& found : planes)
-    found.erase(found.begin());  // of the round that warms up
+  for (std::vector<double>& found : planes) found.erase(found.begin());  // of the warm-up round
   for (std::size_t m = 0; m < methods.size(); ++m)
     rows.push_back({.method = methods[m].name,
                     .ms = times_of(ms[m]),
@@ -321,8 +319,8 @@ double in_ms(const timeval& time) {
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_usec) * 1e-3;
 }
 
-/// The most that a child has had resident, looked at every millisecond until it ends. (What wait4
-/// tells begins with what this process has: a child that is spawned starts in its memory.)
+/// Peak resident memory of a child, polled every millisecond until it ends. (wait4 would report at
+/// least this process's memory, because a spawned child starts in it.)
 double followed_peak_mib(pid_t child) {
   double peak_mib = 0;
   siginfo_t ended{};
@@ -335,7 +333,7 @@ double followed_peak_mib(pid_t child) {
   return peak_mib;
 }
 
-/// Runs it to its end and returns what it used; its peak of memory where that is asked for.
+/// Runs the command to its end and returns its resource usage, and its peak memory if requested.
 rusage run_to_end(const TimedCommand& command, double* peak_mib = nullptr) {
   std::vector<char*> args;
   for (const std::string& arg : command.args) args.push_back(const_cast<char*>(arg.c_str()));
@@ -345,8 +343,8 @@ rusage run_to_end(const TimedCommand& command, double* peak_mib = nullptr) {
   posix_spawn_file_actions_addopen(&quiet, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&quiet, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&quiet, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  // A group and signals of its own: who stops this program with Ctrl+C ends no child half-way,
-  // which would look as if it had failed.
+  // A separate group without blocked signals: Ctrl+C stops only this program. A child stopped
+  // half-way would look like a failure.
   posix_spawnattr_t apart;
   posix_spawnattr_init(&apart);
   posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
@@ -364,9 +362,10 @@ rusage run_to_end(const TimedCommand& command, double* peak_mib = nullptr) {
   rusage used{};
   while (wait4(child, &status, 0, &used) < 0)
     if (errno != EINTR)
-      throw Error(fmt::format("{}: was lost: {}", command.args[0], std::strerror(errno)));
+      throw Error(
+          fmt::format("{}: waiting for it failed: {}", command.args[0], std::strerror(errno)));
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw Error(fmt::format("{} ended with {}, expected success", fmt::join(command.args, " "),
+    throw Error(fmt::format("{} ended with {}; expected success", fmt::join(command.args, " "),
                             WIFEXITED(status) ? fmt::format("exit code {}", WEXITSTATUS(status))
                                               : fmt::format("signal {}", WTERMSIG(status))));
   return used;
@@ -381,7 +380,7 @@ std::vector<CommandRow> measure_commands(std::span<const TimedCommand> commands,
   std::vector<CommandRow> rows(commands.size());
   for (std::size_t c = 0; c < commands.size(); ++c) {
     before();
-    run_to_end(commands[c], &rows[c].peak_mib);  // apart: looking takes time
+    run_to_end(commands[c], &rows[c].peak_mib);  // separate run, because polling takes time
   }
   const auto wall_ms = interleaved_ms(commands.size(), rounds, before, [&](std::size_t c, int) {
     const rusage used = run_to_end(commands[c]);
@@ -390,7 +389,7 @@ std::vector<CommandRow> measure_commands(std::span<const TimedCommand> commands,
   for (std::size_t c = 0; c < commands.size(); ++c) {
     rows[c].name = commands[c].name;
     rows[c].wall_ms = times_of(wall_ms[c]);
-    cpu_ms[c].erase(cpu_ms[c].begin());  // of the first round, which does not count
+    cpu_ms[c].erase(cpu_ms[c].begin());  // of the warm-up round
     rows[c].cpu_ms = times_of(cpu_ms[c]);
   }
   return rows;

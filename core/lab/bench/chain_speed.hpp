@@ -1,7 +1,7 @@
 #pragma once
 
-// How fast everything from a recording's frame to the planes of its pixels is: each stage beside
-// its floor, whole frames beside other methods, and what they allocate.
+// Speed of everything from a recording's frame to the planes of its pixels: each stage compared
+// with its floor, whole frames compared with other methods, and their allocations.
 
 #include <cstdint>
 #include <functional>
@@ -20,12 +20,12 @@ namespace planescope::lab {
 /// Frames of one recording or set, held in memory.
 struct SpeedSubject {
   std::string name;
-  std::vector<Frame> frames;               // at least one; a round takes the next
-  std::function<Frame(std::size_t)> load;  // reads frames[i] anew; empty where they were made
+  std::vector<Frame> frames;               // at least one; each round uses the next
+  std::function<Frame(std::size_t)> load;  // reads frames[i] again; empty if generated
   planes::PipelineOptions options;         // its gravity, range and voxels
 };
 
-/// Work whose allocations are counted, on the calling thread.
+/// Allocations of some work on the calling thread.
 struct Allocations {
   std::uint64_t calls = 0, bytes = 0;
 };
@@ -35,30 +35,30 @@ void visit_fields(auto& fields, Same<Allocations> auto& allocations) {
 }
 using CountAllocations = std::function<Allocations(const std::function<void()>&)>;
 
-/// What all parts share.
+/// Settings shared by all parts.
 struct SpeedTools {
   std::shared_ptr<const planes::Classifier> gcn, pca;
   planes::NetworkConfig network;  // of gcn
   planes::PcaClassifierOptions pca_options;
   Peaks peaks;
   int rounds = 20;
-  int threads = 1;              // the most that scaling is measured with
-  int most_points = 1'000'000;  // likewise
-  /// Those of Open3D, ready to run on a frame's points; empty where the program has none.
+  int threads = 1;              // maximum for measuring scaling
+  int most_points = 1'000'000;  // the same
+  /// Prepare Open3D's versions for a frame's points; empty if the program lacks Open3D.
   std::function<std::function<void()>(const planes::Cloud&, double)> open3d_voxels;
   std::function<std::function<void()>(std::span<const Vec3f>, const planes::Cube&)> open3d_octree;
-  CountAllocations count_allocations;  // empty: this build cannot count
-  /// Called before each turn with what is measured; may throw to stop. Never empty.
+  CountAllocations count_allocations;  // empty: not available in this build
+  /// Called before each turn with a description of the measurement; may throw to stop. Never empty.
   std::function<void(const std::string&)> before;
 };
 
 struct StageRow {
   std::string stage;
   Times ms = {};
-  Work work = {};                               // of the frame in the middle, by floor
-  Floor floor = {};                             // likewise
+  Work work = {};                               // of the middle frame, by its floor
+  Floor floor = {};                             // the same
   double ratio = 0;                             // median of ms / floor, round by round
-  std::optional<Allocations> allocations = {};  // of one frame; of the memory part alone
+  std::optional<Allocations> allocations = {};  // of one frame; only in the memory part
 };
 void visit_fields(auto& fields, Same<StageRow> auto& row) {
   fields("stage", row.stage);
@@ -71,7 +71,7 @@ void visit_fields(auto& fields, Same<StageRow> auto& row) {
   fields("allocations", row.allocations);
 }
 
-/// Every stage on what the stages before it made, one thread, all in turn.
+/// Runs every stage on the output of the previous stages, interleaved, on one thread.
 std::vector<StageRow> measure_stages(const SpeedSubject& subject, const SpeedTools& tools);
 
 struct DuelRow {
@@ -87,8 +87,8 @@ void visit_fields(auto& fields, Same<DuelRow> auto& row) {
   fields("ratio", row.ratio);
 }
 
-/// The voxel grid against Open3D's, the octree, every node of it made, against Open3D's of
-/// pointers, and PCA normals against nanoflann's neighbours and Eigen's normals; one thread.
+/// Compares on one thread: the voxel grid with Open3D's, the octree with all nodes with Open3D's
+/// pointer octree, and PCA normals with nanoflann's neighbors and Eigen's normals.
 std::vector<DuelRow> measure_duels(const SpeedSubject& subject, const SpeedTools& tools);
 
 struct MethodRow {
@@ -97,7 +97,7 @@ struct MethodRow {
   double ratio = 0;  // median of this / region growing, side by side
   double planes = 0;
   std::optional<Allocations> allocations = {};
-  double peak_mib = 0;  // more than the process had resident before the frame; 0: not known
+  double peak_mib = 0;  // above the process's resident memory before the frame; 0: unknown
 };
 void visit_fields(auto& fields, Same<MethodRow> auto& row) {
   fields("method", row.method);
@@ -108,28 +108,28 @@ void visit_fields(auto& fields, Same<MethodRow> auto& row) {
   fields("peak_mib", row.peak_mib);
 }
 
-/// A frame in memory to the planes of its pixels, one thread: ours with either profile and either
-/// classifier, and every rival that this program has and that takes such frames. Region growing on
-/// 20 px cells, as CAPE does it, is first, and what others are told against.
+/// Times a frame from memory to the planes of its pixels, on one thread: ours with either profile
+/// and either classifier, and every available rival for such frames. Region growing on 20 px cells,
+/// as in CAPE, comes first and is the reference for the others.
 std::vector<MethodRow> measure_methods(const SpeedSubject& subject, const SpeedTools& tools);
 
-// On the subject's first frame, after it ran twice: what is kept from frame to frame is there.
-// Stages and methods with their `allocations`, methods with `peak_mib`; no times.
+// On the subject's first frame after two warm-up runs, so that buffers kept between frames exist.
+// Stages and methods with `allocations`, methods with `peak_mib`; no times.
 std::vector<StageRow> measure_stage_memory(const SpeedSubject& subject, const SpeedTools& tools);
 std::vector<MethodRow> measure_method_memory(const SpeedSubject& subject, const SpeedTools& tools);
 
-// What these share: ours on one thread, and what work allocates the third time, nullopt where the
-// tools cannot count.
+// Shared by both: our options on one thread, and the allocations of the third run of `work`,
+// nullopt if the tools cannot count.
 planes::PipelineOptions ours_with(const SpeedSubject& subject, planes::Profile profile);
 std::optional<Allocations> steady_allocations(const SpeedSubject& subject,
                                               const SpeedTools& tools,
                                               const std::function<void()>& work);
 
-// ---- How long whole programs take, from their start to their end ----
+// ---- Duration of whole programs, from start to end ----
 
 struct TimedCommand {
   std::string name;               // in the tables
-  std::vector<std::string> args;  // the program's path first
+  std::vector<std::string> args;  // starts with the program's path
 };
 
 struct CommandRow {
@@ -144,8 +144,8 @@ void visit_fields(auto& fields, Same<CommandRow> auto& row) {
   fields("peak_mib", row.peak_mib);
 }
 
-/// Each command once in every round, in turn. What they print is dropped. Throws Error where one
-/// cannot be started or fails. `before`: as in interleaved_ms().
+/// Runs each command once per round, interleaved. Discards their output. Throws Error if one cannot
+/// be started or fails. `before`: as in interleaved_ms().
 std::vector<CommandRow> measure_commands(std::span<const TimedCommand> commands,
                                          int rounds,
                                          const std::function<void()>& before);

@@ -95,7 +95,7 @@ std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifier
   return rows;
 }
 
-// ---- The planes that follow ----
+// ---- The resulting planes ----
 
 std::vector<ChainRow> measure_chain(std::span<const NamedClassifier> classifiers,
                                     const planes::SegmentOptions& segment,
@@ -107,7 +107,7 @@ std::vector<ChainRow> measure_chain(std::span<const NamedClassifier> classifiers
   pipeline.cloud.voxel_size_m = 0;
 
   const auto count = static_cast<std::size_t>(options.count), n = classifiers.size() + 1;
-  // [noises][labels][stairs], so that those of a row lie side by side
+  // [noises][labels][stairs], so that those of a row are adjacent
   std::vector<planes::Metrics> of_stairs(std::size(kNoiseCm) * n * count);
   const auto measure = [&](int number) {
     const auto work = static_cast<std::size_t>(number);
@@ -144,7 +144,7 @@ namespace {
 using Points = std::vector<Vec3f>;
 
 constexpr int kSizes[] = {2048, 4096, 8192};
-constexpr int kStairs = 3;  // taken in turn
+constexpr int kStairs = 3;  // used alternately
 
 /// The instruction sets of this machine, the widest last.
 std::vector<Simd> instruction_sets() {
@@ -210,7 +210,7 @@ ReferenceRow race_reference(const BenchNetwork& network,
   const planes::NetworkConfig& config = network.weights.config;
   const Simd simd = best_simd();
   const planes::NeighbourGrid grid(cloud, config.neighbours + 1);
-  const std::span<const Vec3f> points = grid.points();  // the order in which pooling counts
+  const std::span<const Vec3f> points = grid.points();  // pooling depends on this order
   const PlainGraph plain_graph = make_plain_graph(points, config);
   const PlainNetwork<float> plain{config, network.weights.tensors};
   planes::gcn::Graph graph;

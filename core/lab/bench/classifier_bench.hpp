@@ -1,8 +1,8 @@
 #pragma once
 
-// What `planescope-lab bench classifier` measures: how many labels classifiers get right on clouds
-// that no training has seen, and what becomes of the planes of staircases that are segmented by
-// those labels; how quick classifiers are; and how long whole frames of a recording take.
+// Measurements of `planescope-lab bench classifier`: accuracy of classifiers on clouds not used in
+// any training, quality of the planes of staircases segmented by their labels, speed of
+// classifiers, and times of whole frames of a recording.
 
 #include <cstdint>
 #include <functional>
@@ -34,7 +34,7 @@ struct NamedClassifier {
 struct LabelBenchOptions {
   std::uint64_t seed = 960001;
   int count = 100;      // clouds of each set
-  double tilt_deg = 0;  // also measured on clouds tilted by this much
+  double tilt_deg = 0;  // also measure on clouds tilted by this angle
   int threads = 1;
 };
 
@@ -42,38 +42,38 @@ struct LabelRow {
   std::string set;
   std::string classifier;
   planes::LabelAccuracy level;
-  // Against the labels of the level cloud; nothing counted without tilt_deg.
+  // Against the labels of the level cloud; empty without tilt_deg.
   planes::LabelAccuracy tilted;
 };
 
-/// Stairs of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, and scans of composed scenes and of
-/// the named ones: a row for each set and classifier. The same for any number of threads.
-/// `progress` as in work_through().
+/// Stairs of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, and scans of composed and named
+/// scenes: a row for each set and classifier. Independent of the number of threads. `progress` as
+/// in work_through().
 std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifiers,
                                      const LabelBenchOptions& options,
                                      const std::function<void(int, int)>& progress = {});
 
-/// The cloud turned by exactly `angle_deg` about a level axis of random direction.
+/// Rotates the cloud by exactly `angle_deg` about a horizontal axis of random direction.
 planes::LabelledCloud tilted(const planes::LabelledCloud& cloud,
                              double angle_deg,
                              std::uint64_t seed);
 
-/// The planes of staircases whose points a classifier labelled.
+/// Planes of staircases labeled by a classifier.
 struct ChainRow {
   double noise_cm = 0;
   std::string labels;       // "truth", or a classifier's name
   planes::Metrics metrics;  // mean_of() all staircases
 };
 
-/// Staircases of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, as measure_labels() has them,
-/// through the whole pipeline without a voxel grid: a row for each noise and classifier, the true
-/// labels first. The same for any number of threads.
+/// The staircases of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise of measure_labels(), through
+/// the whole pipeline without a voxel grid: a row for each noise and classifier, the true labels
+/// first. Independent of the number of threads.
 std::vector<ChainRow> measure_chain(std::span<const NamedClassifier> classifiers,
                                     const planes::SegmentOptions& segment,
                                     const LabelBenchOptions& options,
                                     const std::function<void(int, int)>& progress = {});
 
-// ---- Speed: networks on every instruction set against PCA normals, and written plainly ----
+// ---- Speed of networks on every instruction set, PCA normals, and a plain implementation ----
 
 struct BenchNetwork {
   std::string name;  // in the tables
@@ -82,16 +82,16 @@ struct BenchNetwork {
 
 struct SpeedBenchOptions {
   std::uint64_t seed = 960001;
-  int rounds = 20;  // whose median counts
+  int rounds = 20;  // for the median
   int threads = 1;  // "all cores": measured with one and with these
 };
 
-/// One staircase after the other with 0.1 cm of noise, from points to labels and margins.
+/// Different staircases with 0.1 cm of noise, from points to labels and margins.
 struct SpeedRow {
   std::string network;
   int points = 0, threads = 1;
   std::vector<std::pair<Simd, double>> network_ms;  // the widest instruction set last
-  double nanoflann_ms = 0, pca_ms = 0;              // PCA with 16 neighbours, nanoflann's and ours
+  double nanoflann_ms = 0, pca_ms = 0;              // PCA with 16 neighbors, nanoflann's and ours
   double nanoflann_ratio = 0, pca_ratio = 0;        // as multiples of the network's time
 };
 void visit_fields(auto& fields, Same<SpeedRow> auto& row) {
@@ -107,14 +107,14 @@ void visit_fields(auto& fields, Same<SpeedRow> auto& row) {
   fields("own_pca_by_network", row.pca_ratio);
 }
 
-/// On one thread. The plain forward is given its neighbours: nothing of it is a search.
+/// On one thread. The plain forward pass gets its neighbors and does not search.
 struct ReferenceRow {
   std::string network;
   int points = 0;
-  double whole_ms = 0;    // neighbour search and forward pass
-  double forward_ms = 0;  // the forward pass on a graph already built
+  double whole_ms = 0;    // neighbor search and forward pass
+  double forward_ms = 0;  // the forward pass on an existing graph
   double plain_ms = 0;
-  double whole_ratio = 0, forward_ratio = 0;  // how much longer the plain one takes
+  double whole_ratio = 0, forward_ratio = 0;  // time of the plain one as a multiple
 };
 void visit_fields(auto& fields, Same<ReferenceRow> auto& row) {
   fields("network", row.network);
@@ -131,23 +131,23 @@ struct SpeedBench {
   std::vector<ReferenceRow> reference;  // of the first network
 };
 
-/// 2048, 4096 and 8192 points. All of a row take turns in the same run. `progress` is called with
-/// how many of all turns are done; it may be empty and may throw to stop.
+/// 2048, 4096 and 8192 points. All contestants of a row run interleaved. `progress` is called with
+/// the number of finished turns and of all turns; it may be empty and may throw to stop.
 SpeedBench measure_speed(std::span<const BenchNetwork> networks,
                          const SpeedBenchOptions& options,
                          const std::function<void(int, int)>& progress = {});
 
-// ---- Whole frames, as in the paper's table IV ----
+// ---- Whole frames, as in Table IV of the paper ----
 
 /// Medians over runs of frames.
 struct FrameRow {
   int threads = 1;
-  int frames = 0, runs = 0;  // different frames, and how often one was run
-  double points = 0;         // measured, within range or not
+  int frames = 0, runs = 0;  // distinct frames, and runs in total
+  double points = 0;         // measured, including those out of range
   double voxels = 0, planes = 0;
   planes::FrameTimings ms;
-  double fps = 0;        // as the paper's: of t_d + t_c + t_b + t_s; 0 if nothing is within range
-  double whole_fps = 0;  // of these, back-projection and cropping; not of loading
+  double fps = 0;        // as in the paper, from t_d + t_c + t_b + t_s; 0 if nothing is in range
+  double whole_fps = 0;  // including back-projection and cropping, but not loading
 };
 void visit_fields(auto& fields, Same<FrameRow> auto& row) {
   fields("threads", row.threads);
@@ -161,10 +161,10 @@ void visit_fields(auto& fields, Same<FrameRow> auto& row) {
   fields("fps_with_cloud", row.whole_fps);
 }
 
-/// Up to `runs` of `frames`, evenly spread; where there are fewer, each is run several times. Some
-/// warm-up runs do not count. Frames are loaded anew for each run. `options.threads` as given.
-/// Throws Error where a frame cannot be read or has no gravity. `progress` is called before each
-/// run with its number and that of all; it may be empty and may throw to stop.
+/// Up to `runs` of `frames`, evenly spaced; if there are fewer, each is run several times. Excludes
+/// a few warm-up runs. Loads frames again for each run. `options.threads` as given. Throws Error if
+/// a frame cannot be read or has no gravity. `progress` is called before each run with its number
+/// and the total; it may be empty and may throw to stop.
 FrameRow measure_frames(const io::Recording& recording,
                         const std::vector<int>& frames,
                         const planes::PipelineOptions& options,

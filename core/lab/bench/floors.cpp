@@ -14,31 +14,31 @@ namespace {
 
 constexpr double kPoint = 12, kIndex = 4, kByte = 1;  // bytes
 
-// ---- What the machine can do ----
+// ---- Peak rates of the machine ----
 
 double copied_bytes_per_s() {
-  constexpr std::size_t kBytes = std::size_t{64} << 20;  // more than caches hold
+  constexpr std::size_t kBytes = std::size_t{64} << 20;  // larger than caches
   std::vector<char> from(kBytes, 1), to(kBytes, 0);
   double best_ms = 1e30;
   for (int run = 0; run < 8; ++run)
     best_ms = std::min(best_ms, thread_ms([&] {
                          std::memcpy(to.data(), from.data(), kBytes);
-                         from[static_cast<std::size_t>(run)] = to[kBytes / 2];  // it was needed
+                         from[static_cast<std::size_t>(run)] = to[kBytes / 2];  // keeps the copy
                        }));
   return 2.0 * kBytes / (best_ms * 1e-3);
 }
 
-// As many sums side by side as hide the latency of the units, each in a register: s = s * a + b.
+// Enough independent sums to hide the latency of the units, each in a register: s = s * a + b.
 
 constexpr int kChains = 12;
 constexpr long kSteps = 1'000'000;
-constexpr float kFactor = 0.999f, kAddend = 0.001f;  // s stays about 1
+constexpr float kFactor = 0.999f, kAddend = 0.001f;  // s stays near 1
 
 typedef float Lanes4 __attribute__((vector_size(16)));
 typedef float Lanes8 __attribute__((vector_size(32)));
 typedef float Lanes16 __attribute__((vector_size(64)));
 
-/// Vectors by hand: loops of the compiler would not keep all sums in registers.
+/// Explicit vectors: compiler loops would not keep all sums in registers.
 template <typename Lanes>
 __attribute__((always_inline)) inline float sums() {
   const Lanes zero = {};
@@ -84,7 +84,7 @@ Floor floor_of(const Work& work, const Peaks& peaks) {
   return {std::max(bytes_ms, flops_ms), bytes_ms >= flops_ms};
 }
 
-// ---- What the stages have to do ----
+// ---- Minimum work of the stages ----
 
 namespace {
 
@@ -123,8 +123,8 @@ Work gcn_work(std::size_t points, const planes::NetworkConfig& network) {
     const double neighbours = std::max(0.0, std::min<double>(network.neighbours, n - 1));
     width = 0;
     for (const int out : network.levels[l]) {
-      // Centre and supports of every point; the angle with every neighbour, and its product with
-      // the neighbour's feature, which the surface convolution has not.
+      // Center and supports of every point; the angle with every neighbor, and its product with the
+      // neighbor's feature, which the surface convolution lacks.
       work.flops += 2 * n * in * (supports + 1) * out;
       work.flops += n * neighbours * supports * out * (in > 0 ? 6 : 5);
       in = out;

@@ -1,6 +1,6 @@
 #pragma once
 
-// How the laboratory measures times: on what machine, in turns, by medians.
+// Timing in the laboratory: the machine, interleaved runs, and medians.
 
 #include <functional>
 #include <span>
@@ -12,22 +12,22 @@
 
 namespace planescope::lab {
 
-/// What timings were measured on.
+/// The machine of the timings.
 struct Machine {
-  std::string cpu;  // as the kernel names it, "unknown" where it does not
-  int cores = 1;    // that the program may use
+  std::string cpu;  // from the kernel, "unknown" if missing
+  int cores = 1;    // available to the program
   Simd simd = Simd::plain;
 };
 Machine this_machine();
 
-/// What a process has resident; zeros where its status file (/proc/self/status) does not tell.
+/// A process's resident memory; zeros if its status file (/proc/self/status) lacks it.
 struct ResidentMemory {
   double now_mib = 0, peak_mib = 0;
 };
 ResidentMemory resident_memory(const std::string& status_file);
 
-/// Which time counts. CPU time is hardly touched by what else the machine is busy with; the wall's
-/// is what a user waits for, and what threads shorten.
+/// Type of time. CPU time hardly depends on the machine's other load; wall time is the time that
+/// users wait, and that threads shorten.
 enum class Clock { wall, thread_cpu, process_cpu };
 const char* to_string(Clock clock);  // "wall clock", "CPU time of the thread", ...
 
@@ -37,9 +37,9 @@ inline double thread_ms(const std::function<void()>& work) {
   return spent_ms(Clock::thread_cpu, work);
 }
 
-/// Milliseconds of every contestant, [contestants][rounds]. In each round each of them runs once,
-/// so that all share what the machine was busy with; who begins changes from round to round, and a
-/// first round is not counted. `before()` is called before each turn and not counted;
+/// Milliseconds of every contestant, [contestants][rounds]. Each contestant runs once per round, so
+/// that all are affected by the same load. The first contestant changes from round to round, and a
+/// warm-up round is not counted. `before()` is called before each turn and not counted;
 /// `body(contestant, round)`.
 std::vector<std::vector<double>> interleaved_ms(std::size_t contestants,
                                                 int rounds,
@@ -47,10 +47,10 @@ std::vector<std::vector<double>> interleaved_ms(std::size_t contestants,
                                                 const std::function<void(std::size_t, int)>& body,
                                                 Clock clock = Clock::wall);
 
-/// The middle value, the mean of the middle two where the count is even. At least one value.
+/// The middle value, or the mean of the middle two for an even count. At least one value.
 double median(std::vector<double> values);
 
-/// What is printed of several runs of one thing [ms].
+/// Summary of repeated runs [ms].
 struct Times {
   double median = 0, least = 0, greatest = 0;
 };
@@ -62,8 +62,8 @@ void visit_fields(auto& fields, Same<Times> auto& times) {
 /// At least one value.
 Times times_of(const std::vector<double>& values);
 
-/// The median of numerators[i] / denominators[i]: of values that were measured side by side, so
-/// that what slowed one down slowed the other.
+/// The median of numerators[i] / denominators[i], for values measured side by side, so that both
+/// were slowed down equally.
 double median_ratio(std::span<const double> numerators, std::span<const double> denominators);
 
 }  // namespace planescope::lab

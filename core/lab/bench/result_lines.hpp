@@ -1,7 +1,7 @@
 #pragma once
 
-// The numbers of an experiment as JSON lines: the first tells the run, each of the others one
-// measurement. scripts/typeset makes tables, plots and documents of them.
+// The numbers of an experiment as JSON lines: the first describes the run, each other line one
+// measurement. scripts/typeset makes tables, plots and documents from them.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -16,8 +16,8 @@ class ResultLines {
  public:
   using Json = nlohmann::ordered_json;
 
-  /// `command` measures the same again; `weights`: of the network, an empty file where there is
-  /// none; `facts`: more members of the first line.
+  /// `command` reproduces the measurement; `weights`: of the network, with an empty file if there
+  /// is none; `facts`: more members of the first line.
   ResultLines(const std::string& experiment,
               const std::string& command,
               const planes::WeightsRecord& weights,
@@ -25,7 +25,7 @@ class ResultLines {
 
   /// {"kind": kind, ...fields}.
   void add(const char* kind, const Json& fields);
-  /// Lines that are there already.
+  /// Appends existing lines.
   void append(const std::string& lines) { text_ += lines; }
   const std::string& text() const { return text_; }
 
@@ -33,7 +33,7 @@ class ResultLines {
   std::string text_;
 };
 
-/// One line of JSON with its end. What is not UTF-8 is replaced.
+/// One line of JSON including its line end. Replaces invalid UTF-8.
 std::string result_line(const char* kind, const nlohmann::ordered_json& fields);
 
 /// `fields` and all values of the metrics, NaN as null.

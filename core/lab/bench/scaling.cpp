@@ -26,7 +26,7 @@ double fitted_exponent(std::span<const double> x, std::span<const double> y) {
     xx += dx * dx;
     xy += dx * (std::log(y[i]) - mean_y);
   }
-  // What is left of equal x by rounding is no slope.
+  // For equal x, rounding errors must not become a slope.
   return xx > 1e-12 ? xy / xx : std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -42,7 +42,7 @@ Frame scaled_frame(const Frame& frame, double scale) {
   const double sy = static_cast<double>(camera.height) / frame.depth.height;
   camera.fx *= sx;
   camera.fy *= sy;
-  camera.cx = (camera.cx + 0.5) * sx - 0.5;  // pixel centres are whole numbers
+  camera.cx = (camera.cx + 0.5) * sx - 0.5;  // pixel centers are whole numbers
   camera.cy = (camera.cy + 0.5) * sy - 0.5;
   result.depth = Image16(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y)
@@ -58,7 +58,7 @@ namespace {
 
 using ScalingRuns = std::vector<std::pair<const char*, std::function<void()>>>;
 
-/// One more x: all curves in turn, on the scaling's clock.
+/// Adds an x: runs all curves interleaved, on the scaling's clock.
 void add_x(
     Scaling& scaling, double x, const ScalingRuns& runs, int rounds, const SpeedTools& tools) {
   const std::string what = fmt::format("scaling, {} {:.4g}", scaling.x_name, x);
@@ -77,7 +77,7 @@ Scaling fitted(Scaling scaling) {
   return scaling;
 }
 
-/// Large inputs repeat themselves well enough, and take long.
+/// Large inputs take long and vary little, so fewer rounds suffice.
 int rounds_for(std::size_t points, int rounds) {
   constexpr double kUsualPoints = 50'000;
   const double fewer = rounds * std::min(1.0, kUsualPoints / static_cast<double>(points));
@@ -91,7 +91,7 @@ planes::PipelineOptions refined_of(const SpeedSubject& subject, int threads) {
   return options;
 }
 
-/// Points as the method gets them.
+/// Points in the form that methods take.
 struct ScalingCloud {
   planes::Cloud cloud;
   std::vector<Label> labels;
@@ -198,7 +198,7 @@ Scaling over_images(const SpeedSubject& subject, const SpeedTools& tools) {
   growing.method = planes::Method::region_growing;
   for (const double scale : {0.25, 0.5, 1.0, 2.0}) {
     Frame frame = scaled_frame(subject.frames[0], scale);
-    // Once for all: estimates are a stage of their own.
+    // Resolve once: estimation is a separate stage.
     const Gravity gravity = planes::resolve_gravity(subject.frames[0], refined.gravity);
     frame.gravity = gravity;
     const planes::Cloud cloud = planes::make_cloud(frame, gravity, refined.cloud);
@@ -215,7 +215,7 @@ Scaling over_images(const SpeedSubject& subject, const SpeedTools& tools) {
   return fitted(std::move(scaling));
 }
 
-/// 1, 2, 4, ... and the most there may be.
+/// 1, 2, 4, ... and the maximum.
 std::vector<int> thread_counts(int most) {
   std::vector<int> counts;
   for (int threads = 1; threads < most; threads *= 2) counts.push_back(threads);

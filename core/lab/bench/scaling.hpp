@@ -1,6 +1,6 @@
 #pragma once
 
-// How times grow: with points, planes, voxels, the size of the image, and threads.
+// Growth of times with points, planes, voxels, image size, and threads.
 
 #include <functional>
 #include <span>
@@ -39,17 +39,16 @@ void visit_fields(auto& fields, Same<Scaling> auto& scaling) {
   fields("curves", scaling.curves);
 }
 
-/// The e of y = c x^e, by least squares of log y over log x; NaN where there are less than two
-/// different x. All values above 0.
+/// The e of y = c x^e, by least squares of log y over log x; NaN for fewer than two different x.
+/// All values must be positive.
 double fitted_exponent(std::span<const double> x, std::span<const double> y);
 
-/// The frame with edges `scale` times as long, by the nearest pixel, without colour; the camera
-/// sees as much as before.
+/// The frame with edges `scale` times as long, by the nearest pixel, without color. The field of
+/// view stays the same.
 Frame scaled_frame(const Frame& frame, double scale);
 
-/// Points: a staircase. Planes: tiles of 50,000 points (both: as many as
-/// the tools allow). Voxels and image sizes: the subject's first
-/// frame; of a cloud no image sizes. Threads: all of its frames.
+/// Points: a staircase. Planes: tiles of 50,000 points (both up to the tools' limit). Voxels and
+/// image sizes: the subject's first frame; no image sizes for clouds. Threads: all of its frames.
 std::vector<Scaling> measure_scaling(const SpeedSubject& subject, const SpeedTools& tools);
 
 }  // namespace planescope::lab

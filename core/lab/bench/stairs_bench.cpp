@@ -14,11 +14,11 @@
 
 namespace planescope::lab {
 
-// ---- What a frame shows of its stairs ----
+// ---- Visible part of a frame's stairs ----
 
 namespace {
 
-/// Where the ground before a nosing is.
+/// Location of the ground before a nosing.
 struct Before {
   Vec3d middle, uphill, across;
   double going_m = 0, half_width_m = 0;
@@ -97,7 +97,7 @@ std::string true_stairs_json(const std::string& set,
   return json.dump(1) + "\n";
 }
 
-// ---- What is found of them ----
+// ---- Detection ----
 
 namespace {
 

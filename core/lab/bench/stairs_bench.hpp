@@ -1,6 +1,6 @@
 #pragma once
 
-// How much of its stairs a synthetic depth frame shows, and how well they are found.
+// Visibility of the stairs in a synthetic depth frame, and quality of their detection.
 
 #include <cstdint>
 #include <functional>
@@ -13,10 +13,10 @@
 
 namespace planescope::lab {
 
-/// A step is seen where the tread behind its nosing has so many measured pixels, and the level
-/// before it as many within one going of the nosing, and as wide as that.
+/// A step is visible if the tread behind its nosing has this many measured pixels, and so does the
+/// level before it within one going of the nosing, at the same width.
 inline constexpr int kSeenPixels = 500;
-/// With so many it is seen for certain; with fewer than these nobody can see it.
+/// Above the first limit a step is certainly visible; below the second it is certainly not.
 inline constexpr int kSurelySeenPixels = 1000, kBarelySeenPixels = 100;
 
 struct SeenStep {
@@ -24,13 +24,13 @@ struct SeenStep {
   int least_px() const { return tread_px < before_px ? tread_px : before_px; }
 };
 
-/// Of each step of the frame's stairs, what was measured within a depth.
+/// Measured pixels of each step of the frame's stairs, within a range.
 std::vector<SeenStep> seen_steps(const EvaluationFrame& frame, double max_range_m);
 
-/// The most steps in sequence that have `least_px` of either.
+/// The longest sequence of steps with at least `least_px` on both sides.
 int steps_in_sequence(const std::vector<SeenStep>& seen, int least_px);
 
-/// The stairs of a set's frame, as JSON tells them.
+/// The stairs of a set's frame, for JSON.
 struct ToldStairs {
   std::string frame;
   TrueStairs stairs;
@@ -49,13 +49,13 @@ struct StairsBenchOptions {
 
 struct StairsFrame {
   std::string name;
-  // Steps in sequence that are seen: with kSeenPixels, kSurelySeenPixels, kBarelySeenPixels.
+  // Visible steps in sequence: with kSeenPixels, kSurelySeenPixels, kBarelySeenPixels.
   int seen = 0, seen_least = 0, seen_most = 0;
-  int found = 0;                               // steps of the flight that has most
+  int found = 0;                               // steps of the longest flight
   int flights = 0;                             // found
   double rise_error_m = 0, going_error_m = 0;  // of that flight; NaN without one
   double true_rise_m = 0, true_going_m = 0;
-  bool has_stairs = false;  // at least two steps are seen for certain: there is a flight to find
+  bool has_stairs = false;  // at least two steps are certainly visible: a flight can be found
   bool right() const {
     const int least = seen_least < 2 ? 0 : seen_least, most = seen_most < 2 ? 0 : seen_most;
     return found >= least && found <= most;
@@ -81,7 +81,7 @@ struct StairsOfSet {
   std::vector<StairsFrame> frames;
 };
 
-/// Frames of depth_stairs, depth_descent, depth_boxes with the D435's errors. The same for any
+/// Frames of depth_stairs, depth_descent, depth_boxes with the D435's errors. Independent of the
 /// number of threads. `progress(done, all)` may be empty and may throw to stop.
 std::vector<StairsOfSet> measure_stairs(const StairsBenchOptions& options,
                                         const planes::Classifier& classifier,

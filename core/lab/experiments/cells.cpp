@@ -30,14 +30,14 @@ class Plan {
   void add(const CellKey& key) {
     if (std::ranges::find(keys_, key) == keys_.end()) keys_.push_back(key);
   }
-  /// What the paper's tables show of ours: every profile with every source of labels, and without.
+  /// Our methods in the paper's tables: every profile with every source of labels, and without.
   void add_profiles(const CellKey& frames) {
     for (const std::string& profile : kProfiles) {
       for (const std::string& labels : kLabels) add(with_ours(frames, profile, labels));
       add(with_ours(frames, profile, "none"));
     }
   }
-  /// What the stricter tables compare.
+  /// Contestants of the stricter tables.
   void add_methods(const CellKey& frames) {
     for (const std::string& labels : kLabels)
       if (labels == "gcn" || !is_depth(frames))  // on depth images, labels are not used
@@ -46,13 +46,13 @@ class Plan {
       add(with_rival(frames, method));
       if (method == "ransac") add(with_rival(frames, method, kRansacCoarse));
     }
-    // The oracle needs to know where planes end, which is not known of a real frame.
+    // The oracle needs the plane boundaries, which are unknown for real frames.
     if (frames.seed != 0) add(with_rival(frames, "oracle"));
   }
   void add_ablation(const CellKey& frames) {
     for (const CellKey& key : ablations(frames, is_depth(frames))) add(key);
   }
-  /// What a claim is made of, on the frames that were tuned on.
+  /// Methods compared by a claim, on the tuning frames.
   void add_tuned(const CellKey& frames) {
     add(with_ours(frames, "refined", "gcn"));
     add(with_rival(frames, "oracle"));
@@ -101,7 +101,7 @@ bool same_frames(const CellKey& a, const CellKey& b) {
 }
 
 std::vector<CellKey> ablations(const CellKey& frames, bool of_depth) {
-  // By the options that are 0 then.
+  // Named by the options that are set to 0.
   static const std::vector<std::string> depth = {"bow", "lateral_px", "hidden_share", "worth_px"};
   static const std::vector<std::string> clouds = {"bow", "label_sigma", "plane_cost"};
   std::vector<CellKey> keys;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Cells: which frames are segmented, and how; and which of them the paper's experiments consist of.
+// Cells, each of which is a set of frames and a method, and the plan of cells for the paper.
 
 #include <cstdint>
 #include <string>
@@ -12,17 +12,17 @@
 
 namespace planescope::lab {
 
-/// Which frames were segmented, and how.
+/// A set of frames, and the method that segments them.
 struct CellKey {
   std::string set = {};         // of evaluation_sets(), or "icl_nuim"
   std::uint64_t seed = 0;       // 0: not from a seed
   int points = 0;               // of clouds
   double noise_cm = 0;          // of clouds
   std::string errors = {};      // of depth images: "clean", "noise", "d435"
-  std::string method = {};      // "ours", "ransac", ... as --method has it, or "oracle"
+  std::string method = {};      // "ours", "ransac", ... as in --method, or "oracle"
   std::string profile = {};     // of ours: "paper", "paper-closest", "refined"
   std::string classifier = {};  // of ours: "truth", "gcn", "pca", "none" (all points one label)
-  std::string setting = {};     // what is not as usual: "theta_pf 0.02", "without bow"
+  std::string setting = {};     // deviation from the defaults: "theta_pf 0.02", "without bow"
 
   bool operator==(const CellKey&) const = default;
 };
@@ -45,29 +45,29 @@ struct Cell {
   planes::Metrics metrics;
 };
 
-/// The other threshold that the paper tries with RANSAC, 0.02 m.
+/// The other threshold in the paper for RANSAC, 0.02 m.
 inline constexpr const char* kRansacCoarse = "theta_pf 0.02";
 
-// What the sets' names and conditions are in cells.
-inline constexpr const char* kRealLabelled = "icl_nuim";  // the labelled frame of $PLANESCOPE_DATA
+// Names of sets and conditions in cells.
+inline constexpr const char* kRealLabelled = "icl_nuim";  // the labeled frame of $PLANESCOPE_DATA
 const std::vector<std::string>& depth_sets();
 
-/// Keys without a method: which frames are segmented.
+/// Keys without a method: only the frames.
 CellKey clouds_of(const std::string& set, std::uint64_t seed, int points, double noise_cm);
 CellKey depth_of(const std::string& set, std::uint64_t seed, const std::string& errors);
 
-/// The same frames with a method, or with another one.
+/// The same frames with another method.
 CellKey with_ours(CellKey frames,
                   const std::string& profile,
                   const std::string& classifier,
                   const std::string& setting = "");
 CellKey with_rival(CellKey frames, const std::string& method, const std::string& setting = "");
 
-/// Whether both are of the same frames.
+/// Whether both have the same frames.
 bool same_frames(const CellKey& a, const CellKey& b);
 
-/// Ours in profile refined with labels by gcn, without one term of its objective at a time.
-/// `of_depth`: on depth images, otherwise on clouds.
+/// Ours in profile refined with labels by gcn, each without one term of its objective. `of_depth`:
+/// for depth images, otherwise for clouds.
 std::vector<CellKey> ablations(const CellKey& frames, bool of_depth);
 
 /// "stairs, 8192 points, 0.1 cm", "depth_boxes, d435"
@@ -75,20 +75,20 @@ std::string frames_name(const CellKey& key);
 /// "ours refined gcn", "ransac theta_pf 0.02"
 std::string contestant_name(const CellKey& key);
 
-/// The options that a cell's frames are run with: method, profile, setting; one thread. Of methods
-/// that the product lacks (find_library_rival()), all but the method.
+/// The options for a cell's frames: method, profile, setting; one thread. For methods outside the
+/// product (find_library_rival()), everything except the method.
 planes::PipelineOptions cell_options(const CellKey& key);
 
 struct PaperPlan {
   std::uint64_t seed = 1, tuning_seed = 1001;
   std::vector<std::string> sets = {};  // empty: all
-  int count = 0;                       // frames of a set at most; 0: all that it has
-  bool quick = false;                  // fewer conditions of the sets that the paper lacks
-  bool real_labelled = false;          // with the labelled frame
+  int count = 0;                       // maximum frames of a set; 0: no limit
+  bool quick = false;                  // fewer conditions of the sets that are not in the paper
+  bool real_labelled = false;          // with the labeled frame
 };
-/// In the order of the tables, none twice; cells of the same frames lie side by side.
+/// In the order of the tables, unique; cells of the same frames are adjacent.
 std::vector<CellKey> planned_cells(const PaperPlan& plan);
-/// How many frames of its set a cell is the mean of.
+/// Number of frames of a set in a cell's mean.
 int planned_frames(const PaperPlan& plan, const std::string& set);
 
 }  // namespace planescope::lab

@@ -14,7 +14,7 @@ namespace planescope::lab {
 planes::SourceTruth truth_of(const EvaluationFrame& frame) {
   planes::SourceTruth truth = frame.labels ? planes::truth_of_labels(*frame.labels)
                                            : *planes::truth_of_cloud(*frame.frame.cloud);
-  if (!frame.normals.empty()) truth.normals = frame.normals;  // exact ones, where they are known
+  if (!frame.normals.empty()) truth.normals = frame.normals;  // exact normals if they are known
   return truth;
 }
 
@@ -42,7 +42,7 @@ const planes::PreparedFrame& Contest::prepared(const std::string& labels, const 
   const auto [at, is_new] =
       prepared_.try_emplace({labels, planes::is_found_on_pixels(frame_, of_labels)});
   if (!is_new) return at->second;
-  const planes::Classifier* classifier =  // without labels: any will do, they are not used
+  const planes::Classifier* classifier =  // without labels: any classifier, it is not used
       labels == "gcn"   ? labellers_.gcn.get()
       : labels == "pca" ? labellers_.pca.get()
                         : nullptr;
@@ -66,7 +66,7 @@ struct HalfSpace {
   double at(const Vec3d& p) const { return normal.dot(p) - offset; }
 };
 
-/// A polygon as the plane it lies in and the half-spaces of its edges.
+/// A polygon as its plane and the half-spaces of its edges.
 struct Region {
   std::span<const Vec3d> corners;
   HalfSpace plane;
@@ -78,7 +78,7 @@ Region region_of(const TruePolygon& polygon) {
   Region region{polygon.corners, {Vec3d::Zero()}, {}};
   const std::vector<Vec3d>& corners = polygon.corners;
   const auto after = [&](std::size_t i) { return corners[(i + 1) % corners.size()]; };
-  // Newell: twice the area, whichever corners lie in line.
+  // Newell: twice the area, even if some corners are in line.
   for (std::size_t i = 0; i < corners.size(); ++i)
     region.plane.normal += (corners[i] - corners[0]).cross(after(i) - corners[0]);
   region.plane.normal.normalize();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Methods against each other on one frame.
+// Runs competing methods on one frame.
 
 #include <functional>
 #include <map>
@@ -26,19 +26,19 @@ struct Labellers {
 /// Ground truth of a frame, from its labels or from the fields of its cloud.
 planes::SourceTruth truth_of(const EvaluationFrame& frame);
 
-/// One frame and all methods that find planes in it. Points are labelled once for all profiles.
+/// One frame and all methods that find planes in it. Labels points once for all profiles.
 class Contest {
  public:
-  /// `truth`: of the frame, for keys with true labels; may be null. `max_range_m`: another one than
-  /// cell_options() has. All of them outlive the contest.
+  /// `truth`: of the frame, for keys with true labels; may be null. `max_range_m`: overrides
+  /// cell_options(). All of them must outlive the contest.
   Contest(const Frame& frame,
           const Labellers& labellers,
           const planes::SourceTruth* truth,
           std::optional<double> max_range_m = {});
 
-  /// With cell_options(key); all methods but the oracle.
+  /// Runs with cell_options(key); supports all methods except the oracle.
   planes::FrameResult run(const CellKey& key);
-  /// The frame with labels of "gcn", "pca", "truth" or "none", as the key's profile takes it.
+  /// The frame with labels from "gcn", "pca", "truth" or "none", prepared for the key's profile.
   const planes::PreparedFrame& prepared(const std::string& labels, const CellKey& key);
 
  private:
@@ -52,8 +52,9 @@ class Contest {
   std::map<std::pair<std::string, bool>, planes::PreparedFrame> prepared_;
 };
 
-/// measure(frame), a value for each method, of all frames; by method, then by frame. The same for
-/// any number of threads. `progress(done, all)` may be empty and may throw to stop.
+/// Calls measure(frame), which returns a value for each method, for all frames. Results by method,
+/// then by frame. Independent of the number of threads. `progress(done, all)` may be empty and may
+/// throw to stop.
 template <typename Value>
 std::vector<std::vector<Value>> of_methods(std::size_t methods,
                                            int frames,
@@ -70,19 +71,19 @@ std::vector<std::vector<Value>> of_methods(std::size_t methods,
   return by_method;
 }
 
-// The oracle is the best that geometry alone can do: each point to its nearest true plane, where
-// that plane ends as the generator made it.
+// The oracle is the upper bound for geometry alone: it assigns each point to the nearest true
+// plane, within the plane's true boundary from the generator.
 
 /// Distance from a point to the nearest point of the polygon [m].
 double distance_m(const TruePolygon& polygon, const Vec3d& point);
 
-/// Per point the plane of the polygon that is nearest to it (of equally near ones the first), 0
-/// where that is something curved.
+/// The plane of the polygon nearest to each point (the first of equally near ones), 0 if that
+/// polygon is part of a curved surface.
 std::vector<std::int32_t> oracle_planes(std::span<const Vec3f> points,
                                         std::span<const TruePolygon> polygons);
 
-/// The oracle as a method, to be scored like all others: every voxel to the nearest of the polygons
-/// (in the frame's own coordinates), planes fitted to their voxels by least squares.
+/// The oracle as a method, to be scored like the others: assigns every voxel to the nearest polygon
+/// (in the frame's own coordinates) and fits planes to their voxels by least squares.
 planes::FrameResult oracle_result(const planes::PreparedFrame& prepared,
                                   std::span<const TruePolygon> polygons);
 

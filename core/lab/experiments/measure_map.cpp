@@ -27,15 +27,15 @@
 namespace planescope::lab {
 namespace {
 
-constexpr double kOnPlane_m = 0.03, kBeside_m = 0.03;  // a place of the map is on a true plane
+constexpr double kOnPlane_m = 0.03, kBeside_m = 0.03;  // of map points from a true plane
 constexpr double kSamePlane_deg = 10;
 constexpr double kGhost_m2 = 0.01;
 constexpr double kAgain = 0.2;        // share of a map plane that another one covers
-constexpr double kInSight_m2 = 0.04;  // of a true plane in a frame, to be missed there
+constexpr double kInSight_m2 = 0.04;  // visible area in a frame for a true plane to count as missed
 constexpr double kSeen_m = 0.02;
 constexpr double kWithin_m = 0.005, kWithin_deg = 0.5;
 
-/// The walk, made once and held in memory.
+/// The walk, generated once and held in memory.
 class Walk : public io::Recording {
  public:
   explicit Walk(const MapBenchOptions& options, const std::function<void(int)>& progress)
@@ -81,12 +81,12 @@ PlaceKey place_key(const Vec3d& p, double cell_m) {
           static_cast<int>(std::floor(p.z() / cell_m))};
 }
 
-/// What happened to one true plane so far.
+/// History of one true plane.
 struct TrueTrack {
-  int last_seen = -2;                  // frame in which it was found
-  int track = 0;                       // then
-  bool missed = false;                 // in sight since, and not found
-  std::set<std::pair<int, int>> seen;  // places on it within range, squares of kSeen_m
+  int last_seen = -2;                  // last frame in which it was found
+  int track = 0;                       // its track then
+  bool missed = false;                 // visible since then, but not found
+  std::set<std::pair<int, int>> seen;  // points on it within range, in squares of kSeen_m
 };
 
 class Scoring {
@@ -114,7 +114,7 @@ class Scoring {
         if (u % 4 == 0 && v % 4 == 0)
           see(id, *sample.T_world_camera, Vec3d((u - k.cx) / k.fx, (v - k.cy) / k.fy, 1));
       }
-    // The largest found plane stands for a true one.
+    // The largest found plane represents a true one.
     struct Found {
       int track = 0, pixels = 0;
     };
@@ -163,7 +163,7 @@ class Scoring {
     return *std::ranges::find(walk_.sequence.scene.surfaces, plane, &Surface::plane);
   }
 
-  /// Where a ray of the camera meets the true plane.
+  /// Records the intersection of a camera ray with the true plane.
   void see(int id, const Pose& T_world_camera, const Vec3d& ray) {
     const Surface& surface = surface_of(id);
     const Vec3d to = surface.corners[0] - T_world_camera.translation(),
@@ -175,7 +175,7 @@ class Scoring {
                            static_cast<int>(std::floor(basis.v.dot(p) / kSeen_m)));
   }
 
-  /// The true plane that a place is on; 0: none.
+  /// The true plane at a point; 0: none.
   int true_plane_at(const Vec3d& p, const Vec3d& normal) const {
     for (const Surface& s : walk_.sequence.scene.surfaces) {
       if (s.plane == 0 || std::abs(s.normal.dot(p - s.corners[0])) > kOnPlane_m) continue;
@@ -294,7 +294,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
 // Smaller planes of the map are ignored.
 constexpr double kLeastArea_m2 = 0.04;
-// A face is in view when its center is near the optical axis and it is not seen edge-on.
+// A face is in view if its center is near the optical axis and it is not seen edge-on.
 constexpr double kView_deg = 30, kMostIncidence_deg = 75;
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
@@ -351,7 +351,7 @@ Vec3d vector_of(const Json& json) {
 }
 
 Error not_a_map(const fs::path& file, const Json::exception& problem) {
-  return Error(fmt::format("{}: {}, expected what planescope map wrote", file.string(),
+  return Error(fmt::format("{}: {}; expected output of planescope map", file.string(),
                            json_problem(problem)));
 }
 
@@ -371,7 +371,7 @@ std::vector<MapPlane> read_planes(const fs::path& file) {
   return planes;
 }
 
-/// T_world_camera of the frames that went into the first segment.
+/// T_world_camera of the frames in the first segment.
 std::vector<Pose> read_poses(const fs::path& map) {
   const fs::path file = map / "tracks.json";
   const Json json = read_json<Json>(file, kMostBytes);
@@ -406,7 +406,7 @@ std::vector<Cuboid> read_cuboids(const fs::path& file) {
     if (!(box.half.minCoeff() > 0)) fail_at(file, line, "a half size is not above 0");
   }
   if (cuboids.empty())
-    throw Error(file.string() + ": holds no cuboid, expected lines of x y z yaw and half sizes");
+    throw Error(file.string() + ": contains no cuboid; expected lines of x y z yaw and half sizes");
   return cuboids;
 }
 

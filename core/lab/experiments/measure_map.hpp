@@ -1,7 +1,7 @@
 #pragma once
 
-// Tracks and maps against a synthetic walk whose planes and poses are known exactly; and maps of
-// real recordings against cuboids that were measured in the world of the camera's poses.
+// Scores tracks and maps on a synthetic walk with exact planes and poses, and maps of real
+// recordings against cuboids measured in the world frame of the camera's poses.
 
 #include <array>
 #include <filesystem>
@@ -17,30 +17,30 @@
 namespace planescope::lab {
 
 struct MapScore {
-  int frames = 0, plane_frames = 0;  // found planes that stand for a true one, over all frames
-  // A true plane, found in two frames in a row, has changed its track; or, found again after frames
-  // without it, has not kept it.
+  int frames = 0, plane_frames = 0;  // found planes that match a true one, over all frames
+  // switches: a true plane found in two consecutive frames changed its track. not_known_again: a
+  // plane found again after a gap lost its track.
   int switches = 0, not_known_again = 0;
-  int true_tracks = 0;  // true planes in sight, one time each
-  int breaks = 0;  // frames in a row in which one is in sight and not found, found on both sides
-  // The map. A true plane counts where more than kLeastSeen of it was in sight.
+  int true_tracks = 0;  // visible true planes, each counted once
+  int breaks = 0;       // gaps in which a plane is visible but not found
+  // The map. A true plane counts if more than kLeastSeen_m2 of it was visible.
   static constexpr double kLeastSeen_m2 = 0.04;
   int true_planes = 0;
-  std::vector<std::array<double, 2>> missing;  // ids, and how much was in sight [m2]
-  int twice = 0;   // map planes that cover again what a larger one covers
-  int ghosts = 0;  // map planes over 100 cm2 that are on no true plane
+  std::vector<std::array<double, 2>> missing;  // ids, and visible areas [m2]
+  int twice = 0;   // map planes on an area that a larger one already covers
+  int ghosts = 0;  // map planes over 100 cm2 on no true plane
   struct Plane {
     int track = 0, truth = 0;                         // ids; truth 0: a ghost
-    double area_m2 = 0, offset_m = 0, angle_deg = 0;  // from the true one, at its centroid
+    double area_m2 = 0, offset_m = 0, angle_deg = 0;  // relative to the true one, at its centroid
   };
-  std::vector<Plane> planes;  // of the map, those that are there at the end
+  std::vector<Plane> planes;  // of the map, at the end
   struct Change {
     int truth = 0, frame = 0, before = 0, now = 0;
     bool in_a_row = false;
   };
-  std::vector<Change> changes;    // of tracks, what `switches` and `not_known_again` count
+  std::vector<Change> changes;    // of tracks, counted by `switches` and `not_known_again`
   int within = 0;                 // 5 mm and 0.5 degrees
-  double way_m = 0, drift_m = 0;  // of the camera; where it was thought to be at the end
+  double way_m = 0, drift_m = 0;  // length of the camera's path; error of its final position
 };
 
 void visit_fields(auto& fields, Same<MapScore::Plane> auto& plane) {
@@ -82,7 +82,7 @@ struct MapBenchOptions {
   bool odometry = false;  // else the true poses
 };
 
-/// Throws Cancelled when stopped.
+/// Throws Cancelled if stopped.
 MapScore measure_map(const MapBenchOptions& options,
                      const planes::Classifier& classifier,
                      const std::function<void(int done, int all)>& progress = {});
@@ -97,7 +97,7 @@ struct Cuboid {
 };
 
 /// Reads one cuboid per line: x y z, yaw and three half sizes. Throws Error naming the file and
-/// line, also where the file holds no cuboid.
+/// line, also if the file contains no cuboid.
 std::vector<Cuboid> read_cuboids(const std::filesystem::path& file);
 
 /// A plane of the map matches a face within these limits.
@@ -106,11 +106,11 @@ inline constexpr double kNearFace_m = 0.15, kNearFace_deg = 10;
 /// How a map represents the floor or one face of a cuboid.
 struct FaceScore {
   std::string name;      // "floor", "cuboid 1 +x"
-  int frames = 0;        // in which its center is in view; floor: all
-  int planes = 0;        // of the map that match it
-  double area_m2 = 0;    // of them
+  int frames = 0;        // with its center in view; floor: all
+  int planes = 0;        // matching planes of the map
+  double area_m2 = 0;    // of these planes
   double offset_m = 0;   // of the largest one, outwards, at its centroid
-  double angle_deg = 0;  // likewise
+  double angle_deg = 0;  // the same
   bool is_missing() const { return frames >= kLeastFrames && planes == 0; }
   static constexpr int kLeastFrames = 3;
 };
@@ -129,9 +129,8 @@ struct MapTruthScore {
   int elsewhere = 0;  // planes of the map that match no face
 };
 
-/// Reads map.json, tracks.json and poses.tum of a folder that planescope map wrote; only the first
-/// segment counts.
-/// Throws Error naming the file that is missing or damaged.
+/// Reads map.json, tracks.json and poses.tum of a folder written by `planescope map`; only the
+/// first segment counts. Throws Error naming the missing or damaged file.
 MapTruthScore measure_map_truth(const std::filesystem::path& map, std::span<const Cuboid> cuboids);
 
 }  // namespace planescope::lab

@@ -60,11 +60,11 @@ class TrueScene {
     return {(static_cast<double>(pixel % k.width) - k.cx) / k.fx,
             (static_cast<double>(pixel / k.width) - k.cy) / k.fy, 1};
   }
-  /// Where a pixel's ray meets a plane; negative: behind the camera.
+  /// Depth of a pixel's ray at a plane; negative: behind the camera.
   double depth_m(int id, std::size_t pixel) const {
     return planes_[id].offset_m / planes_[id].normal.dot(ray(pixel));
   }
-  /// What a pixel covers of a plane; where the ray all but misses it no more than 0.01 m2.
+  /// Area of a plane covered by a pixel, at most 0.01 m2 for grazing rays.
   double pixel_m2(int id, std::size_t pixel) const {
     constexpr double kMost = 0.01;
     const Intrinsics& k = frame_.labels->intrinsics;
@@ -77,7 +77,7 @@ class TrueScene {
     const Vec3d in_cube = cloud.T_world_sensor * p - cloud.origin - cloud.cube.min_corner;
     return in_cube.minCoeff() < 0 || in_cube.maxCoeff() >= cloud.cube.edge_m;
   }
-  /// The band at the left edge that the right imager does not see at this depth.
+  /// The band at the left edge that the right imager cannot see at this depth.
   bool is_left_of_right_eye(std::size_t pixel, double z) const {
     const Intrinsics& k = frame_.labels->intrinsics;
     return static_cast<double>(pixel % k.width) < k.fx * D435Model().baseline_m / z;
@@ -96,13 +96,13 @@ class TrueScene {
     return both / either;
   }
 
-  /// From the nearest surface.
+  /// Whether the point is off the nearest surface.
   bool is_off(const Vec3d& p) const {
     return std::ranges::none_of(frame_.polygons, [&](const TruePolygon& polygon) {
       return distance_m(polygon, p) <= kOffM;
     });
   }
-  /// Whether a surface that is more than 2 cm above the plane through `p` hides it.
+  /// Whether a surface more than 2 cm above the plane through `p` hides it.
   bool is_hidden(const Vec3d& p, const Vec3d& normal) const {
     const Intrinsics& k = frame_.labels->intrinsics;
     const int u = static_cast<int>(std::lround(k.fx * p.x() / p.z() + k.cx));
@@ -120,7 +120,7 @@ class TrueScene {
   int width_ = 0;
   static constexpr std::int32_t kUnseen = -1;
   std::vector<LabelPlane> planes_;      // by id
-  std::vector<std::int32_t> in_range_;  // per pixel, the true plane; kUnseen: by one eye alone
+  std::vector<std::int32_t> in_range_;  // per pixel, the true plane; kUnseen: in one imager only
   std::vector<double> visible_m2_;      // by id, in range
 };
 
@@ -168,7 +168,7 @@ void add_space(const planes::FootSpace& space, FootScore& score) {
   score.least_covered = std::min(score.least_covered, covered_m2 / space.area_m2);
 }
 
-/// Whether the foot stands off every surface, or where something hides it.
+/// Counts whether a foot would be off every surface, or at a hidden place.
 void add_place(const TrueScene& scene,
                const Outline& outline,
                const Vec2d& centre,
@@ -211,7 +211,7 @@ void add_places(const TrueScene& scene,
     }
 }
 
-/// As if the true planes had been found, with all the pixels that were measured on them.
+/// A result in which the true planes were found, with all pixels measured on them.
 FrameResult drawn_result(const TrueScene& scene, const FrameResult& found) {
   FrameResult drawn = found;
   const Pose& T_world_sensor = found.cloud.T_world_sensor;

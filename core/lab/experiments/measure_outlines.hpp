@@ -1,6 +1,6 @@
 #pragma once
 
-// Outlines, certainty and places for a foot against synthetic truth.
+// Scores outlines, certainty and foot placements against synthetic truth.
 
 #include <array>
 #include <vector>
@@ -9,13 +9,13 @@
 
 namespace planescope::lab {
 
-/// A true plane in view, its visible part within the range of the run.
+/// A visible true plane: the part of it within the range of the run.
 struct OutlineScore {
   double true_m2 = 0;
-  int found = 0;   // id, 0: no plane stands for it
-  double iou = 0;  // of what the outline covers, holes and what is unknown left out; 0: not found
-  double drawn_iou = 0;  // likewise, where the planes found were the true ones, pixel by pixel
-  // Of the found plane, by how much the true one is off, in its sigmas: the two tilts, the offset.
+  int found = 0;   // id, 0: no matching plane
+  double iou = 0;  // of the outline's covered area, without holes and unknown area; 0: not found
+  double drawn_iou = 0;  // the same, for true planes, pixel by pixel, as input
+  // Errors of the found plane in its sigmas: the two tilts, and the offset.
   std::array<double, 3> off_sigmas{};
   double range_m = 0, voxels = 0;
 };
@@ -29,14 +29,14 @@ void visit_fields(auto& fields, Same<OutlineScore> auto& plane) {
   fields("voxels", plane.voxels);
 }
 
-/// Every 2 cm a place where the foot's centre may go, on planes that are called steppable.
+/// Foot centers in a 2 cm grid, on planes reported as steppable.
 struct FootScore {
   int steppable = 0;  // planes
   int places = 0;
-  int off = 0;      // the foot's centre or rim is over a hole, or more than 2 cm off any surface
-  int hidden = 0;   // something stands between it and the camera
+  int off = 0;      // the foot's center or rim is over a hole, or more than 2 cm off any surface
+  int hidden = 0;   // occluded from the camera
   int spaces = 0;   // planes with room for the foot, steppable or not
-  int invalid = 0;  // of these, area not valid or a piece not convex or not inside
+  int invalid = 0;  // of these, area invalid or a piece not convex or not inside
   double area_m2 = 0, covered_m2 = 0;  // of these, and of their pieces
   int pieces = 0;
   double least_covered = 1;  // share, of a plane

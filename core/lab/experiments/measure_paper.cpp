@@ -21,8 +21,8 @@ namespace planescope::lab {
 
 namespace {
 
-/// Leaves out planes that are hidden or too small to be scored: points assigned to one of them
-/// would make a plane that no true plane stands for.
+/// Omits planes that are hidden or too small to be scored: points assigned to them would form a
+/// plane without a true match.
 std::vector<TruePolygon> polygons_in_view(const EvaluationFrame& frame,
                                           const planes::SourceTruth& truth,
                                           const planes::PreparedFrame& prepared,
@@ -87,7 +87,7 @@ std::vector<Cell> measure_cells(std::span<const CellKey> keys,
   return cells;
 }
 
-// ---- The labelled frame ----
+// ---- The labeled frame ----
 
 // One frame of ICL-NUIM (Handa et al. 2014), with the plane labels of EVOPS (Kornilova et al.
 // 2022).

@@ -1,7 +1,6 @@
 #pragma once
 
-// Measures what `planescope-lab bench paper` reports: runs and scores the contestants of cells, and
-// times them.
+// Measurements of `planescope-lab bench paper`: runs, scores and times the contestants of cells.
 
 #include <filesystem>
 #include <functional>
@@ -19,36 +18,36 @@ namespace planescope::lab {
 inline constexpr int kMinTruthVoxels = 20;
 
 struct CellTools : Labellers {
-  std::optional<EvaluationFrame> real_labelled;  // where a plan asks for it
+  std::optional<EvaluationFrame> real_labelled;  // if a plan includes it
   int threads = 1;                               // over frames
 };
 
 /// Frame `index` of a cell's set.
 EvaluationFrame cell_frame(const CellKey& key, int index, const CellTools& tools);
 
-/// Cells of the same frames, of which there are `frames`: each frame is made once for all. The same
-/// for any number of threads. `progress(done, all)` counts frames; it may be empty and may throw to
-/// stop.
+/// Measures cells with the same `frames` frames, each of which is generated once for all.
+/// Independent of the number of threads. `progress(done, all)` counts frames; it may be empty and
+/// may throw to stop.
 std::vector<Cell> measure_cells(std::span<const CellKey> keys,
                                 int frames,
                                 const CellTools& tools,
                                 const std::function<void(int, int)>& progress = {});
 
-/// The labelled frame of ICL-NUIM's living room below a folder of recordings, nullopt where it is
-/// not there. Throws Error where it is damaged.
+/// The labeled frame of ICL-NUIM's living room below a folder of recordings; nullopt if it is
+/// missing. Throws Error if it is damaged.
 std::optional<EvaluationFrame> read_real_labelled(const std::filesystem::path& data);
 
-/// How long it takes: the paper's table II, and the frames a second beside table V.
+/// Options of the timings: the paper's Table II, and the frames per second beside Table V.
 struct TimingOptions {
   std::uint64_t seed = 1;             // of the stairs
-  int rounds = 20;                    // whose median counts: one staircase after the other
-  int threads = 1;                    // classifiers are measured on one thread and on these
+  int rounds = 20;                    // for the median, each with another staircase
+  int threads = 1;                    // classifiers are timed on one thread and on these
   std::function<void()> before_turn;  // may be empty and may throw to stop
 };
 
 /// Adds lines "classifier_time".
 void time_classifiers(const CellTools& tools, const TimingOptions& options, ResultLines& lines);
-/// On one thread, each frame from its points to its planes: lines "method_time".
+/// On one thread, from a frame's points to its planes: lines "method_time".
 void time_methods(const CellTools& tools, const TimingOptions& options, ResultLines& lines);
 
 }  // namespace planescope::lab

@@ -48,7 +48,7 @@ std::vector<MethodScores> with_names(const std::vector<CellKey>& methods,
   return named;
 }
 
-/// What a method finds in a frame of a recording.
+/// A method's result for a frame of a recording.
 struct Seen {
   PixelPlanes planes;
   FloorPieces floor;
@@ -64,8 +64,9 @@ EvaluationFrame read_listed(const ListedFrame& listed,
   const LabelledName& name = listed.name;
   const auto recording = io::open_recording(data / name.recording, listed.reading.recording);
   if (name.frame >= recording->frame_count())
-    throw Error(fmt::format("{}: {} is frame {}, found {} frames", (data / name.recording).string(),
-                            name.name, name.frame, recording->frame_count()));
+    throw Error(fmt::format("{}: {} is frame {}, but the recording has {} frames",
+                            (data / name.recording).string(), name.name, name.frame,
+                            recording->frame_count()));
   EvaluationFrame out;
   out.name = name.name;
   out.frame = recording->frame(name.frame);
@@ -73,7 +74,7 @@ EvaluationFrame read_listed(const ListedFrame& listed,
   const std::filesystem::path dir = labels / name.name;
   out.labels = labels::read_frame_labels(dir, name.frame, recording->frame_hash(name.frame));
   if (!out.labels)
-    throw Error(fmt::format("{}: no labels of frame {}, expected {:06}.json", dir.string(),
+    throw Error(fmt::format("{}: no labels for frame {}; expected {:06}.json", dir.string(),
                             name.frame, name.frame));
   return out;
 }
@@ -146,10 +147,10 @@ namespace {
 
 constexpr double kNearM = 0.03;        // at least
 constexpr double kNearPerM2 = 0.01;    // [1/m], times the square of the depth
-constexpr double kHeightStepM = 0.01;  // of the heights' histogram
+constexpr double kHeightStepM = 0.01;  // of the histogram of heights
 constexpr int kFits = 5;
 
-/// The height [m] that most points lie within 3 cm of, of those below the sensor. NaN: none does.
+/// The height [m] below the sensor with the most points within 3 cm. NaN: no points.
 double most_common_height(const planes::Cloud& cloud) {
   std::vector<int> bins;  // downwards from the sensor
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {

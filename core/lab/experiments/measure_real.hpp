@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs methods on labelled frames of real recordings, on depth sets and on neighbouring frames of a
+// Runs methods on labeled frames of real recordings, on depth sets and on neighboring frames of a
 // recording, and scores them by pixel.
 
 #include <array>
@@ -17,17 +17,17 @@
 
 namespace planescope::lab {
 
-/// True planes of labelled frames with fewer scored pixels are not scored.
+/// True planes of labeled frames with fewer scored pixels are not scored.
 inline constexpr int kLeastTruePixels = 200;
 
-/// What a labelled frame is for: to tune a method on, or to print its figures.
+/// Purpose of a labeled frame: tuning a method, or published results.
 enum class Half : std::uint8_t { tuning, printed };
 constexpr std::array<const char*, 2> names_of(Half) { return {"tuning", "printed"}; }
 inline const char* to_string(Half half) { return names_of(half)[static_cast<std::size_t>(half)]; }
 
-/// Which frame of which recording.
+/// A frame of a recording.
 struct LabelledName {
-  std::string name;  // of the folder that its labels lie in
+  std::string name;  // of the folder with its labels
   Half half = Half::tuning;
   std::string recording;  // below the folder of recordings
   int frame = 0;
@@ -39,76 +39,77 @@ void visit_fields(auto& fields, Same<LabelledName> auto& name) {
   fields("frame", name.frame);
 }
 
-/// How a method did on each of some frames.
+/// Scores of a method on each of several frames.
 struct MethodScores {
-  CellKey method;  // of no frames
+  CellKey method;  // without frames
   std::vector<planes::Metrics> of_frames;
 };
 
-/// How frames of a recording are read and cropped.
+/// Settings for reading and cropping frames of a recording.
 struct Reading {
   io::RecordingOptions recording;
   planes::GravityOptions gravity;
   double max_range_m = planes::CloudOptions{}.max_range_m;
 };
 
-/// A frame of a list of labelled ones.
+/// A frame in a list of labeled frames.
 struct ListedFrame {
   LabelledName name;
   Reading reading;
 };
 
-/// A frame and its labels: LABELS/NAME holds label files as `planescope view --labels` writes them,
-/// DATA/RECORDING the recording. Throws Error where either is missing or damaged.
+/// Reads a frame and its labels: LABELS/NAME contains label files of `planescope view --labels`,
+/// DATA/RECORDING is the recording. Throws Error if either is missing or damaged.
 EvaluationFrame read_listed(const ListedFrame& listed,
                             const std::filesystem::path& data,
                             const std::filesystem::path& labels);
 
-// All are the same for any number of threads. `progress(done, all)` may be empty and may throw to
+// All are independent of the number of threads. `progress(done, all)` may be empty and may throw to
 // stop.
 
 /// Ours in its profiles, refined without each term of its objective, and every other method of this
 /// build with its defaults.
 std::vector<CellKey> real_methods();
 
-/// real_methods(). `frames[i]` is what was read of `listed[i]`.
+/// Scores real_methods(). `frames[i]` was read from `listed[i]`.
 std::vector<MethodScores> measure_labelled(std::span<const ListedFrame> listed,
                                            std::span<const EvaluationFrame> frames,
                                            const CellTools& tools,
                                            const std::function<void(int, int)>& progress = {});
 
-/// The same methods, but of our profiles refined alone, on the first `count` frames of a depth set,
-/// 0: all that it has. True planes of fewer voxels than kMinTruthVoxels are not scored.
+/// The same methods, except that ours use only the profile refined, on the first `count` frames of
+/// a depth set, 0: all frames. True planes with fewer voxels than kMinTruthVoxels are not scored.
 std::vector<MethodScores> measure_set(const CellKey& set,
                                       int count,
                                       const CellTools& tools,
                                       const std::function<void(int, int)>& progress = {});
 
-// ---- From frame to frame: the same planes again, and the floor as one ----
+// ---- Between frames: repeated planes, and the floor as one plane ----
 
 /// Smaller planes, and smaller parts of the floor, do not count [px].
 inline constexpr std::uint64_t kLeastRepeatPixels = 500;
-/// Planes of neighbouring frames are partners from this IoU on.
+/// Minimum IoU of partner planes in neighboring frames.
 inline constexpr double kPartnerIou = 0.5;
 
 /// The planes found in a depth frame, by pixel.
 struct PixelPlanes {
   std::vector<std::int32_t> plane_of;          // by pixel v * width + u: plane id, 0 none
   std::vector<PlaneFit> fits;                  // by id - 1, about the sensor, z up [m]
-  std::vector<planes::Certainty> certainties;  // likewise
+  std::vector<planes::Certainty> certainties;  // the same
 };
 PixelPlanes pixel_planes(const planes::FrameResult& result);
 
-/// What became of the planes of a frame in the next one. The camera's own movement is in all of it,
-/// the same for every method.
+/// Changes of a frame's planes in the next frame. They include the camera's motion, which is the
+/// same for every method.
 struct Neighbours {
   int planes = 0;    // of at least kLeastRepeatPixels, in the first frame
   int partners = 0;  // of those, with a partner in the next
-  // Of partners.
+  // For partners.
   std::vector<double> offset_jumps_m;
   std::vector<double> normal_jumps_deg;
-  // Of two of them that stand 60 degrees and more to each other: how much the angle between them
-  // changed, which no movement of the camera does, by what the certainty of all four tells.
+  // For pairs of partners at an angle of at least 60 degrees: change of that angle, which is
+  // independent of the camera's motion, in standard deviations from the certainty of all four
+  // planes.
   std::vector<double> angle_jumps_sigmas;
 };
 void visit_fields(auto& fields, Same<Neighbours> auto& n) {
@@ -118,21 +119,21 @@ void visit_fields(auto& fields, Same<Neighbours> auto& n) {
   fields("normal_jumps_deg", n.normal_jumps_deg);
   fields("angle_jumps_sigmas", n.angle_jumps_sigmas);
 }
-/// Both frames have as many pixels. A pixel is the same in both, wherever the camera went.
+/// Compares pixels at equal positions, regardless of camera motion. The images have the same size.
 Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next);
 
-/// The floor of a depth frame, found from its pixels alone, whatever the method: the level below
-/// the camera that most pixels lie within 3 cm of, then a plane fitted to the pixels near it, five
-/// times. A pixel is near within 3 cm, and within 1 cm x z^2 where its depth z [m] makes that more,
-/// as a stereo camera's noise grows. Of each pixel, whether it is the floor's: 1, else 0.
+/// The floor of a depth frame, found from its pixels alone, independent of the method: the level
+/// below the camera with the most pixels within 3 cm, then a plane fitted to nearby pixels, five
+/// times. Nearby means within 3 cm, or within 1 cm x z^2 at depth z [m] if that is more, like the
+/// noise of a stereo camera. Per pixel: 1 for the floor, else 0.
 std::vector<std::uint8_t> floor_pixels(const planes::PreparedFrame& frame);
 
-/// How whole the floor is in what was found.
+/// Fragmentation of the floor in a result.
 struct FloorPieces {
   std::uint64_t pixels = 0;  // of the floor
-  int pieces = 0;      // planes with at least kLeastRepeatPixels on it, at least half of their own
-  double largest = 0;  // % of the floor's pixels that lie in any plane: in its largest piece
-  double missing = 0;  // % of the floor's pixels: in no plane
+  int pieces = 0;            // planes with kLeastRepeatPixels and half of their pixels on it
+  double largest = 0;        // % of the floor's pixels in planes that are in its largest piece
+  double missing = 0;        // % of the floor's pixels: in no plane
 };
 void visit_fields(auto& fields, Same<FloorPieces> auto& floor) {
   fields("pixels", floor.pixels);
@@ -142,14 +143,14 @@ void visit_fields(auto& fields, Same<FloorPieces> auto& floor) {
 }
 FloorPieces floor_pieces(std::span<const std::uint8_t> floor, const PixelPlanes& found);
 
-/// Of a method on frames of a recording.
+/// A method's scores on frames of a recording.
 struct RepeatScores {
   CellKey method;
   std::vector<Neighbours> neighbours;  // frames i and i + step
   std::vector<FloorPieces> floor;      // by frame
 };
-/// On the first `count` frames of a recording, 0: all that it has. Each is compared with the one
-/// `step` frames later.
+/// Runs on the first `count` frames of a recording, 0: all frames. Compares each with the frame
+/// `step` later.
 std::vector<RepeatScores> measure_repeat(const io::Recording& recording,
                                          const Reading& reading,
                                          std::span<const CellKey> methods,

@@ -1,4 +1,4 @@
-// Measures the stability of planes under irrelevant changes and from frame to frame.
+// Measures the stability of planes under irrelevant changes and between frames.
 
 #include "core/lab/experiments/steady.hpp"
 
@@ -97,7 +97,7 @@ std::vector<std::int32_t> warp_planes(std::span<const std::int32_t> first_planes
     const double y = std::nearbyint(p.y() / p.z() * to.fy + to.cy);
     if (!(x >= 0 && x < to.width && y >= 0 && y < to.height)) continue;
     const std::size_t at = static_cast<std::size_t>(y) * to.width + static_cast<std::size_t>(x);
-    // Of several pixels that land on one, the last counts.
+    // If several pixels project to the same one, the last counts.
     if (depths_agree(p.z(), second.depth_m[at])) warped[at] = first_planes[i];
   }
   return warped;
@@ -127,7 +127,7 @@ struct SteadyChange {
   SteadyPart part = SteadyPart::gravity;
   std::string name;
   int draws = 1;
-  double fx = 1, fy = 1;  // of part focal: factors
+  double fx = 1, fy = 1;  // for part focal: factors
 };
 
 std::vector<SteadyChange> changes_of(const SteadyJob& job) {
@@ -145,7 +145,7 @@ std::vector<SteadyChange> changes_of(const SteadyJob& job) {
   return wanted;
 }
 
-/// The same numbers for every method: of a draw of a frame.
+/// Seed of a draw of a frame: the same numbers for every method.
 std::uint64_t seed_of(int frame, int draw) {
   return 5 + static_cast<std::uint64_t>(frame) * 1000 + static_cast<std::uint64_t>(draw);
 }
@@ -177,14 +177,14 @@ void apply(const SteadyChange& change, int draw, const Gravity& gravity, Frame& 
   }
 }
 
-/// The planes of a frame; none where the method refused it.
+/// The planes of a frame; empty if the method refused it.
 struct FoundBySteady {
   std::string refused;
   Gravity gravity;
   std::vector<std::int32_t> plane_of;  // by pixel
   std::vector<planes::PlaneRegion> planes;
   std::vector<std::uint8_t> undecided;  // by id - 1
-  report::ReportFrame report;           // where it was asked for
+  report::ReportFrame report;           // if requested
 };
 
 FoundBySteady find_planes(const Frame& frame,
@@ -215,7 +215,7 @@ FoundBySteady find_planes(const Frame& frame,
   return found;
 }
 
-/// Errors of the built-in rules, with `first` as the baseline.
+/// Number of errors by the built-in rules, with `first` as the baseline.
 int report_errors(const report::ReportFrame& first, const report::ReportFrame& second) {
   report::Report baseline, now;
   baseline.recordings.resize(1);
@@ -233,7 +233,7 @@ double from_limit_deg(const planes::PlaneRegion& plane) {
   return std::abs(planes::plane_angle_deg(plane.fit.normal, Vec3d::UnitZ()) - kLabelLimit_deg);
 }
 
-/// `first_plane_of`: of the first frame's planes, brought onto the second's pixels.
+/// `first_plane_of`: the first frame's planes, warped to the second's pixels.
 SteadyPair pair_of(const FoundBySteady& first,
                    std::span<const std::int32_t> first_plane_of,
                    const FoundBySteady& second) {
@@ -252,7 +252,7 @@ SteadyPair pair_of(const FoundBySteady& first,
   return pair;
 }
 
-/// A frame under every change, by one method.
+/// A frame with all changes, processed by one method.
 class SteadyUnit {
  public:
   SteadyUnit(const SteadyJob& job, const SteadyMethod& method, int frame)
@@ -262,12 +262,12 @@ class SteadyUnit {
 
   const std::string& refused() const { return first_.refused; }
 
-  /// Empty where the change cannot be made.
+  /// Empty if the change is impossible.
   std::vector<SteadyPair> measure(const SteadyChange& change) const {
     if (change.part == SteadyPart::next) return next_pairs();
     if (change.part == SteadyPart::gravity && !first_.gravity.known()) return {};
     planes::PipelineOptions options = method_.options;
-    if (change.part == SteadyPart::gravity)  // that of the frame counts
+    if (change.part == SteadyPart::gravity)  // use the frame's gravity
       options.gravity.mode = planes::GravityMode::automatic;
     std::vector<SteadyPair> pairs;
     for (int draw = 0; draw < change.draws; ++draw) {
@@ -398,9 +398,10 @@ SteadyScores measure_steady(const SteadyJob& job) {
       any |= !row.frames.empty();
     }
   if (!any)
-    throw Error(info.path.string() +
-                ": nothing to measure: part gravity needs a frame with known gravity, part next a "
-                "frame with a next one");
+    throw Error(
+        info.path.string() +
+        ": nothing to measure: part gravity requires a frame with known gravity, part next a "
+        "frame that has a next frame");
   return scores;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// How steady methods are: how many planes of a frame are kept under a change that means nothing,
-// and in the next frame. Counted by pixel.
+// Stability of methods: the number of planes kept after an irrelevant change, and in the next
+// frame. Counted by pixel.
 
 #include <array>
 #include <cstdint>
@@ -27,14 +27,14 @@ namespace planescope::lab {
 
 /// A plane's partner is the plane of the other image with the greatest IoU, if above this.
 inline constexpr double kSteadyPartnerIou = 0.5;
-/// Planes are the same from this IoU on.
+/// Minimum IoU of planes that count as the same.
 inline constexpr double kSamePlaneIou = 0.99;
 /// A plane with at least this many compared pixels is big.
 inline constexpr std::uint64_t kBigPlanePixels = 3000;
 /// Two frames see the same surface if their depths differ by less than this share.
 inline constexpr double kDepthAgreement = 0.03;
 
-/// How planes of the first image are found again in the second.
+/// Planes of the first image found again in the second.
 struct KeptPlanes {
   int planes = 0;      // of the first image, with at least one compared pixel
   int partners = 0;    // of those, with a partner
@@ -51,7 +51,7 @@ void visit_fields(auto& fields, Same<KeptPlanes> auto& kept) {
 
 struct Agreement {
   KeptPlanes all;
-  KeptPlanes decided;        // the same, of the first image's decided planes only
+  KeptPlanes decided;        // the same, only for the first image's decided planes
   int second_planes = 0;     // of the second image, with at least one compared pixel
   int changed = 0;           // planes of the first image with no plane of IoU >= kSamePlaneIou
   std::vector<int> partner;  // by id - 1 of the first image; 0: none
@@ -71,7 +71,7 @@ struct DepthMeters {
 DepthMeters depth_meters(const Frame& frame, double max_range_m);
 
 /// The first image's plane ids at the pixels where the second image sees the same surface; -1 at
-/// all others. Lens distortion is ignored. `T_second_first`: between the cameras.
+/// all others. Ignores lens distortion. `T_second_first`: between the cameras.
 std::vector<std::int32_t> warp_planes(std::span<const std::int32_t> first_planes,
                                       const DepthMeters& first,
                                       const DepthMeters& second,
@@ -85,20 +85,20 @@ std::vector<std::int32_t> planes_in_place(std::span<const std::int32_t> first_pl
 // ---- Measurements ----
 
 enum class SteadyPart : std::uint8_t { gravity, focal, rounded, dither, next };
-/// As --only has them, in the order of the table.
+/// Values of --only, in the order of the table.
 constexpr std::array<const char*, 5> names_of(SteadyPart) {
   return {"gravity", "focal", "rounded", "dither", "next"};
 }
 
-/// A frame against itself after a change, or against the next frame.
+/// A frame compared with itself after a change, or with the next frame.
 struct SteadyPair {
   Agreement planes;
-  int count_difference = 0;  // planes found in the one and not in the other, without sign
-  // Partners of which one is h and the other v: how many, and the sum of the angles between their
-  // normals (those of the first image) and the limit between h and v [deg].
+  int count_difference = 0;  // absolute difference of the numbers of planes
+  // Partners of different class (h and v): their number, and the sum of the angles between their
+  // normals (in the first image) and the limit between h and v [deg].
   int label_changes = 0;
   double label_changes_deg = 0;
-  int report_errors = 0;  // that `report --baseline` prints with its built-in rules
+  int report_errors = 0;  // reported by `report --baseline` with its built-in rules
 };
 void visit_fields(auto& fields, Same<SteadyPair> auto& pair) {
   fields("all", pair.planes.all);
@@ -111,7 +111,7 @@ void visit_fields(auto& fields, Same<SteadyPair> auto& pair) {
   fields("report_errors", pair.report_errors);
 }
 
-/// A method under one change, by frame: the pairs of a frame are its draws.
+/// A method with one change, by frame: the pairs of a frame are its draws.
 struct SteadyRow {
   SteadyPart part = SteadyPart::gravity;
   std::string change;  // "fx x (1 + 1e-7)"
@@ -123,19 +123,19 @@ struct SteadyRow {
   std::vector<OfFrame> frames;
 };
 
-/// A recording.
+/// Results for a recording.
 struct SteadyScores {
   std::vector<SteadyRow> rows;       // by change, then by method
-  std::vector<std::string> refused;  // a line for each frame and method that was left out
+  std::vector<std::string> refused;  // one line for each skipped frame and method
 };
 
-/// By frame of the recording; empty where it has no poses at all.
+/// By frame of the recording; empty if it has no poses at all.
 using FramePoses = std::vector<std::optional<world::CameraPose>>;
 
 /// The recording's own poses.
 FramePoses own_poses(const io::Recording& recording);
 
-/// A method with its options; `name` as tables show it.
+/// A method with its options; `name` is for tables.
 struct SteadyMethod {
   std::string name;
   planes::PipelineOptions options;
@@ -150,19 +150,19 @@ struct SteadyJob {
   std::set<SteadyPart> parts;
   FramePoses poses;
   int turns = 20;   // of gravity, for each frame
-  int threads = 1;  // frames and methods side by side
+  int threads = 1;  // for frames and methods
   std::function<void(int done, int all)> progress = {};
   std::stop_token stop = {};
 };
 
-/// The same for any number of threads. Frames on which a method cannot work are left out and
-/// listed. Throws Error if the recording is not of depth images, a frame cannot be read, or no
-/// frame can be worked on; Cancelled on stop.
+/// Independent of the number of threads. Frames that a method refuses are skipped and listed.
+/// Throws Error if the recording is not of depth images, a frame cannot be read, or all frames are
+/// refused; Cancelled on stop.
 SteadyScores measure_steady(const SteadyJob& job);
 
 // The changes, for tests.
 
-/// Turns a unit vector by `angle_deg` about an axis perpendicular to it, `around_deg` about itself.
+/// Rotates a unit vector by `angle_deg` about a perpendicular axis; `around_deg` selects that axis.
 Vec3d turned(const Vec3d& direction, double angle_deg, double around_deg);
 /// fx, fy, cx, cy to six significant digits.
 Intrinsics rounded_to_six_digits(const Intrinsics& intrinsics);

@@ -1,4 +1,4 @@
-// The rivals of CGAL 5.5, whose shape detection and normal estimation are under the GPL.
+// Rival methods from CGAL 5.5. Its shape detection and normal estimation are under the GPL.
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Random.h>
@@ -19,7 +19,7 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 struct OrientedPoint {
   Kernel::Point_3 point;
   Kernel::Vector_3 normal;
-  std::size_t index = 0;  // where it came from: CGAL reorders
+  std::size_t index = 0;  // original index: CGAL reorders points
 };
 using OrientedPoints = std::vector<OrientedPoint>;
 
@@ -57,7 +57,7 @@ planes::FoundPlanes cgal_ransac(std::span<const Vec3f> points, bool by_point) {
   OrientedPoints oriented = with_normals(points, 12);
 
   using Traits = detection::Efficient_RANSAC_traits<Kernel, OrientedPoints, PointMap, NormalMap>;
-  // CGAL draws from one sequence for each thread.
+  // CGAL draws from one sequence per thread.
   CGAL::get_default_random() = CGAL::Random(1);
   detection::Efficient_RANSAC<Traits> ransac;
   ransac.set_input(oriented);

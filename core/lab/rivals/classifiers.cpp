@@ -1,4 +1,5 @@
-// Jose Luis Blanco, Pranjal Kumar Rai: nanoflann, a C++ header-only fork of FLANN (2014).
+// Reference classifiers: PCA with nanoflann (Blanco and Rai 2014, a C++ header-only fork of FLANN),
+// and a plain 3D-GCN.
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -14,7 +15,7 @@
 namespace planescope::lab {
 namespace {
 
-/// The interface through which nanoflann reads a cloud.
+/// nanoflann's interface to a cloud.
 struct CloudView {
   std::span<const Vec3f> points;
 
@@ -69,7 +70,7 @@ class NanoflannPcaClassifier final : public planes::Classifier {
     planes::Classification result;
     result.labels.resize(points.size());
     result.margins.resize(points.size());
-    // In the tree's order, so that one search finds in the cache what the last one read.
+    // In tree order, so that consecutive searches share the cache.
     parallel_for(points.size(), threads, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t> found(neighbours_);
       std::vector<float> distances(neighbours_);
@@ -136,7 +137,7 @@ std::array<Real, 3> direction(const Vec3f& from, const Vec3f& to) {
   return {x / length, y / length, z / length};
 }
 
-/// Columns of a [3 x columns] tensor, of unit length.
+/// Normalized columns of a [3 x columns] tensor.
 template <typename Real>
 std::vector<std::array<Real, 3>> unit_columns(const std::vector<Real>& tensor) {
   const std::size_t columns = tensor.size() / 3;
@@ -154,8 +155,8 @@ Real relu(Real x) {
   return x > 0 ? x : 0;
 }
 
-/// Sum over supports of the maximum over neighbours of relu(direction . support) * feature; the
-/// feature is 1 where `features` is empty. `features` has the supports side by side.
+/// Sum over supports of the maximum over neighbors of relu(direction . support) * feature. The
+/// feature is 1 if `features` is empty. `features` has the supports side by side.
 template <typename Real>
 Matrix<Real> support_features(const PlainGraph::Level& level,
                               std::span<const Vec3f> points,
@@ -223,7 +224,7 @@ void activate(Matrix<Real>& x) {
     for (Real& value : row) value = relu(value);
 }
 
-/// Of every rate-th point the maximum over its neighbours; its own where it has none.
+/// For every rate-th point, the maximum over its neighbors, or its own value if it has none.
 template <typename Real>
 Matrix<Real> pool(const PlainGraph::Level& level, const Matrix<Real>& x, int rate) {
   Matrix<Real> pooled;

@@ -1,4 +1,4 @@
-// The rivals of the Point Cloud Library.
+// Rival methods from the Point Cloud Library.
 
 #include <pcl/features/integral_image_normal.h>
 #include <pcl/features/normal_3d.h>
@@ -20,12 +20,12 @@ namespace {
 using Points = pcl::PointCloud<pcl::PointXYZ>;
 using Normals = pcl::PointCloud<pcl::Normal>;
 
-// Of the multi-plane segmentation.
-constexpr float kNormalPx = 20;             // edge of the square that a normal is computed from
-constexpr float kLargestDepthStep = 0.02F;  // for a normal across it, as a part of the depth
+// For the multi-plane segmentation.
+constexpr float kNormalPx = 20;             // edge of the square for a normal
+constexpr float kLargestDepthStep = 0.02F;  // within a normal's square, relative to depth
 constexpr unsigned kFewestPixels = 300;     // of a plane, before refinement
-constexpr double kNeighboursDeg = 2.5;      // between neighbours' normals
-constexpr double kNeighboursM = 0.02;       // between neighbours' plane offsets, at a depth of 1 m
+constexpr double kNeighboursDeg = 2.5;      // between neighbors' normals
+constexpr double kNeighboursM = 0.02;       // between neighbors' plane offsets, at a depth of 1 m
 constexpr double kMostCurvature = 0.03;     // of a region: least eigenvalue / sum of all
 constexpr float kRefineM = 0.01F;           // of a pixel that joins a plane beside it
 
@@ -38,8 +38,8 @@ Points::Ptr unordered_cloud(std::span<const Vec3f> points) {
   return cloud;
 }
 
-/// Pixel by pixel in the camera's axes, NaN where nothing was measured. The roll about the optical
-/// axis is arbitrary: nothing asks for it.
+/// An organized cloud in the camera's axes, NaN for unmeasured pixels. The roll about the optical
+/// axis is arbitrary, since nothing depends on it.
 Points::Ptr organised_cloud(const planes::PixelPoints& input) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   auto cloud = pcl::make_shared<Points>(static_cast<std::uint32_t>(input.width),

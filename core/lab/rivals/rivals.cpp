@@ -1,4 +1,4 @@
-// List of PCL and CGAL methods, and running any method by name.
+// Table of the PCL and CGAL methods, and running any method by name.
 
 #include "core/lab/rivals/rivals.hpp"
 
@@ -41,7 +41,7 @@ planes::FrameResult run_method(const Frame& frame,
   if (!rival) return planes::run_frame(frame, options, classifier);
   if (rival->on_pixels && frame.is_cloud())
     throw Error(std::string("method ") + rival->name +
-                " is for depth images, this frame is a cloud");
+                " supports only depth images, but this frame is a cloud");
   planes::PipelineOptions unlabelled = options;
   unlabelled.method = planes::Method::region_growing;
   planes::FrameResult result{planes::prepare_frame(frame, unlabelled, nullptr), {}, {}};

@@ -20,8 +20,8 @@ enum Stream : std::uint64_t {
   kBlind = 7
 };
 
-/// One pass of the binomial kernel 1 4 6 4 1 along rows of `stride` 1 or columns. Values within
-/// two pixels of the border are left alone: callers cut the border off.
+/// One pass of the binomial kernel 1 4 6 4 1 along rows of `stride` 1 or columns. Does not change
+/// values within two pixels of the border, which callers crop.
 void blur(std::vector<float>& field, int width, int height, bool along_rows) {
   const std::vector<float> in = field;
   const int step = along_rows ? 1 : width;
@@ -35,7 +35,7 @@ void blur(std::vector<float>& field, int width, int height, bool along_rows) {
   }
 }
 
-/// Sum of squares of the kernel that `passes` passes amount to: what the variance shrinks by.
+/// Sum of squares of the kernel after `passes` passes: the factor by which the variance shrinks.
 double kernel_energy(int passes) {
   std::vector<double> kernel = {1};
   for (int pass = 0; pass < passes; ++pass) {
@@ -50,8 +50,8 @@ double kernel_energy(int passes) {
   return energy;
 }
 
-/// Gaussian noise of unit variance, correlated over a few pixels: white noise after `passes` of the
-/// blur.
+/// Gaussian noise of unit variance, correlated over a few pixels: white noise blurred `passes`
+/// times.
 std::vector<float> correlated_normal(
     int width, int height, int passes, std::uint64_t seed, Stream stream) {
   const int margin = 2 * passes;
@@ -73,7 +73,7 @@ std::vector<float> correlated_normal(
 }
 
 /// Value noise of unit variance: Gaussian at the corners of a grid of cells `cell_px` wide,
-/// interpolated smoothly between them.
+/// smoothly interpolated between them.
 class SmoothNormal {
  public:
   SmoothNormal(int width, int cell_px, std::uint64_t seed, Stream stream)
@@ -106,15 +106,15 @@ bool is_over(const SmoothNormal& noise, double limit, int x, int y) {
   return limit < D435Model::kNever && noise.at(x, y) > limit;
 }
 
-/// 0 below the start of the grazing angles, 1 above their end, smooth between.
+/// 0 below the start of the grazing angles, 1 above their end, smooth in between.
 double grazing(double cos_incidence, const D435Model& model) {
   const double start = cos_deg(model.grazing_start_deg), end = cos_deg(model.grazing_end_deg);
   const double t = std::clamp((start - cos_incidence) / (start - end), 0.0, 1.0);
   return t * t * (3 - 2 * t);
 }
 
-/// The disparity of another surface, more than 1.5 px off, within the matching window around a
-/// pixel; the pixel's own where there is none.
+/// The disparity of another surface, at least 1.5 px different, within the matching window around a
+/// pixel; the pixel's own if there is none.
 double beyond_jump(const std::vector<double>& disparity, const Intrinsics& k, int x, int y) {
   constexpr int kReach = 2;
   const double here = disparity[y * k.width + x];
@@ -176,9 +176,9 @@ Image16 measure_depth(const TrueView& view, const D435Model& model, std::uint64_
       const std::size_t i = static_cast<std::size_t>(y) * k.width + x;
       const double true_disparity = disparity[i];
       if (true_disparity <= 0 || !view.in_both_eyes[i]) continue;
-      // The band at the left edge lies outside the right image.
+      // The band at the left edge is outside the right image.
       if (x - true_disparity < 0 || true_disparity > model.max_disparity_px) continue;
-      // Matching fails in patches: rarely anywhere, often at jumps and at grazing angles.
+      // Matching fails in patches: rarely elsewhere, often at jumps and at grazing angles.
       double threshold = 3.3 - 5.5 * grazing(view.cos_incidence[i], model);
       const double beyond = beyond_jump(disparity, k, x, y);
       if (beyond != true_disparity) threshold -= 2.6;

@@ -1,7 +1,8 @@
 #pragma once
 
-// A model of how the Intel RealSense D435 errs: depth comes from noisy, quantised disparity, so
-// noise and steps grow with the square of depth, and what only one imager sees is lost.
+// A model of the depth errors of the Intel RealSense D435. Depth comes from noisy, quantized
+// disparity, so noise and steps grow with the square of depth, and pixels visible to only one
+// imager are lost.
 
 #include <cstdint>
 #include <limits>
@@ -16,38 +17,38 @@ Intrinsics d435_intrinsics(int width, int height);
 
 struct D435Model {
   Intrinsics intrinsics = d435_intrinsics(640, 480);  // of the left imager = of the depth image
-  double depth_unit_m = 0.001;                        // metres per count
-  double baseline_m = 0.05;                           // the right imager stands at +x
+  double depth_unit_m = 0.001;                        // meters per count
+  double baseline_m = 0.05;                           // the right imager is at +x
   double disparity_sigma_px = 0.08;                   // standard deviation of the matching error
-  int correlation_px = 2;                             // radius over which that error is smoothed
+  int correlation_px = 2;                             // smoothing radius of that error
   double disparity_step_px = 1.0 / 32;                // the matcher's sub-pixel steps
   double max_disparity_px = 126;                      // nearer: no measurement
   double max_range_m = 10;                            // farther: no measurement
   double grazing_start_deg = 74;  // angle of incidence at which pixels start to drop out
   double grazing_end_deg = 86;    // ... and at which nearly all do
-  // Errors of real cameras that the evaluation sets leave out:
+  // Errors of real cameras that the evaluation sets omit:
   double bow_sigma_px = 0;  // standard deviation of an error correlated over bow_px
   int bow_px = 40;
-  // Where a smooth field of Gaussian noise exceeds so many sigma:
-  double flying_from = kNever;  // at depth jumps, pixels lie between the two surfaces
-  double blind_from = kNever;   // nothing is measured, as on black, shiny, plain patches
+  // Thresholds in sigma for a smooth field of Gaussian noise:
+  double flying_from = kNever;  // at depth jumps, pixels between the two surfaces
+  double blind_from = kNever;   // no measurement, as on black, shiny, plain patches
   static constexpr double kNever = std::numeric_limits<double>::infinity();
   bool noise = true;  // false: exact depth, rounded to counts, wherever a ray hits
-  bool color = true;  // false: frames without a colour image (quicker)
+  bool color = true;  // false: frames without a color image (faster)
 };
 
-/// Standard deviation of measured depth at depth z: z^2 sigma_disparity / (f b), and the matcher's
-/// steps.
+/// Standard deviation of measured depth at depth z: from z^2 sigma_disparity / (f b) and the
+/// matcher's steps.
 double depth_sigma_m(const D435Model& model, double z_m);
 
-/// What the left imager sees, per pixel.
+/// The left imager's exact view, per pixel.
 struct TrueView {
   std::vector<double> depth_m;       // 0: nothing
   std::vector<float> cos_incidence;  // between ray and surface normal, 0..1
-  std::vector<bool> in_both_eyes;    // the right imager sees it too
+  std::vector<bool> in_both_eyes;    // also visible to the right imager
 };
 
-/// Depth counts as the camera measures them; 0 where it does not.
+/// Depth counts measured by the camera; 0 for no measurement.
 Image16 measure_depth(const TrueView& view, const D435Model& model, std::uint64_t seed);
 
 /// Exact depth plus independent, nearly Gaussian noise of standard deviation depth_sigma_m() at

@@ -1,4 +1,4 @@
-// What the evaluation sets show, put together at random.
+// Random scenes of the evaluation sets.
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 #include "core/lab/synthetic/scenes.hpp"
 
 namespace planescope::lab {
-// ---- Whole objects, of which points are sampled on every face there is ----
+// ---- Whole objects, with points sampled on all of their faces ----
 
 namespace {
 
-/// `count` ranges one after another from 0, with gaps between them.
+/// `count` consecutive ranges starting at 0, separated by gaps.
 std::vector<Range> in_a_row(int count, const Range& size, const Range& gap, Random& random) {
   std::vector<Range> row;
   double at = 0;
@@ -35,7 +35,7 @@ void build_side_walls(Scene& scene, Random& random) {
   const bool both = random.uniform() < 0.5;
   add_polygon(scene, level(before, steps.y, 0), {});
   add_steps(scene, steps);
-  // Walls show above the ground and above each tread.
+  // Walls are visible above the ground and above each tread.
   int left = 0, right = 0;
   for (int i = 0; i <= steps.count; ++i) {
     const double end = i * steps.length_m;
@@ -52,7 +52,7 @@ void build_open_risers(Scene& scene, Random& random) {
   const int treads = random.integer(3, 6);
   const double length = random.uniform(0.22, 0.32), height = random.uniform(0.15, 0.22);
   const double width = random.uniform(0.5, 1.2), thickness = random.uniform(0.03, 0.05);
-  const double nosing = random.uniform(0, 0.04);  // by which treads overlap
+  const double nosing = random.uniform(0, 0.04);  // overlap of treads
   for (int i = 0; i < treads; ++i) {
     const Vec3d foot((i + 0.5) * length, 0, (i + 1) * height - thickness);
     add_box(scene, foot, {length + nosing, width, thickness}, 0, {});
@@ -84,7 +84,7 @@ void build_spiral(Scene& scene, Random& random) {
                 {});
     add_curved(scene, upright(pole_a, pole_b, {z, pole_top}), {});
   }
-  // The side of the pole that no step hides.
+  // The side of the pole not hidden by steps.
   const double start_deg = steps * step_deg;
   const int facets = static_cast<int>(std::ceil((360 - start_deg) / 30));
   for (int i = 0; i < facets; ++i) {
@@ -142,12 +142,12 @@ void build_kerbs(Scene& scene, Random& random) {
     add_polygon(scene, upright({0, pavement.low}, {x.high, pavement.low}, {0, height}), {});
 }
 
-// ---- Views: something on the ground, 0.5 to 1.1 m before a camera that stands 0.6 to 1 m high and
-// is pitched down by 25 to 45 degrees. How much of it shows is left to chance. ----
+// ---- Views: something on the ground, 0.5 to 1.1 m before a camera that is 0.6 to 1 m high and
+// pitched down by 25 to 45 degrees. How much of it is visible is random. ----
 
 const Footprint kGround{{-kFarM, kFarM}, {-kFarM, kFarM}};
 
-/// Where things begin, before the camera.
+/// Places the camera and returns the distance at which objects begin.
 double place_camera(Scene& scene, Random& random) {
   scene.camera.position = {0, 0, random.uniform(0.6, 1.0)};
   scene.camera.pitch_deg = random.uniform(25, 45);
@@ -156,14 +156,14 @@ double place_camera(Scene& scene, Random& random) {
   return random.uniform(0.5, 1.1);
 }
 
-/// More or less in the middle of the view.
+/// Near the middle of the view.
 Range place_across(double width, Random& random) {
   const double middle = random.uniform(-0.25, 0.25);
   return {middle - width / 2, middle + width / 2};
 }
 
-/// Turned about the point of its front before the camera, so that it stays as far away, and put on
-/// the ground.
+/// Rotates the scene about its front point, so that the distance stays the same, and adds the
+/// ground.
 void set_down(Scene& scene, double front, double max_angle_deg, Random& random) {
   turn(scene, {front, 0, 0}, random.uniform(-max_angle_deg, max_angle_deg));
   add_ground(scene, kGround);
@@ -202,7 +202,7 @@ void build_boxes_view(Scene& scene, Random& random) {
   const double front = place_camera(scene, random);
   const int boxes = random.integer(3, 6);
   std::vector<Disc> taken;
-  constexpr int kMaxTries = 500;  // big boxes may leave no room for all
+  constexpr int kMaxTries = 500;  // large boxes may not leave room for all
   for (int i = 0; i < kMaxTries && std::ssize(taken) < boxes; ++i) {
     const double length = random.uniform(0.12, 0.5), width = random.uniform(0.12, 0.5);
     const double height = random.uniform(0.08, 0.4), yaw_deg = random.uniform(0, 90);
@@ -218,7 +218,7 @@ void build_boxes_view(Scene& scene, Random& random) {
   add_ground(scene, kGround);
 }
 
-/// A ramp that stands alone, leads up to a pavement, or runs beside one.
+/// A ramp that is isolated, leads up to a pavement, or runs beside one.
 void build_slopes_view(Scene& scene, Random& random) {
   const double front = place_camera(scene, random);
   const double width = random.uniform(0.4, 1.2), angle_deg = random.uniform(5, 35);

@@ -1,4 +1,4 @@
-// Evaluation sets: their names, and building each frame from a seed.
+// Evaluation sets: their names, and generation of each frame from a seed.
 
 #include "core/lab/synthetic/evaluation_sets.hpp"
 
@@ -37,7 +37,7 @@ const char* to_string(DepthErrors errors) {
 DepthErrors parse_depth_errors(const std::string& text) {
   for (const DepthErrors errors : kAllErrors)
     if (text == to_string(errors)) return errors;
-  throw Error("depth errors \"" + text + "\" are not known, expected one of clean, noise, d435");
+  throw Error("unknown depth errors \"" + text + "\"; expected one of clean, noise, d435");
 }
 
 const std::vector<EvaluationSet>& evaluation_sets() {
@@ -70,14 +70,14 @@ const EvaluationSet& find_evaluation_set(const std::string& name) {
     if (set.name == name) return set;
     known += (known.empty() ? "" : ", ") + set.name;
   }
-  throw Error("evaluation set \"" + name + "\" is not known, expected one of " + known);
+  throw Error("unknown evaluation set \"" + name + "\"; expected one of " + known);
 }
 
 // ---- Their frames ----
 
 namespace {
 
-/// The seed of a frame, from its set's name: a set stays the same when others are added or removed.
+/// The seed of a frame depends on its set's name, so adding a set does not change others.
 std::uint64_t seed_of(const EvaluationSet& set, int index, std::uint64_t seed) {
   std::uint64_t stream = 0;
   for (const char c : set.name) stream = mix_bits(stream ^ static_cast<unsigned char>(c));
@@ -116,7 +116,7 @@ void fill_stairs(EvaluationFrame& out, int index, const EvaluationOptions& optio
   out.frame.gravity = exact_gravity(-Vec3d::UnitZ());
 }
 
-/// Its faces as triangles, and the surface that each is of.
+/// Faces as triangles, and the surface of each.
 struct Triangles {
   std::vector<Rectangle> faces;
   std::vector<std::uint32_t> surface;
@@ -135,7 +135,7 @@ Triangles triangles_of(const Scene& scene) {
   return triangles;
 }
 
-/// Points on a scene's surfaces, as stairs have them.
+/// Points sampled on a scene's surfaces, as for stairs.
 PointSet sample_cloud(const Scene& scene, const EvaluationOptions& options, Random& random) {
   const Triangles triangles = triangles_of(scene);
   const SurfacePoints sampled = sample_surface(
@@ -162,7 +162,7 @@ void fill_cloud(EvaluationFrame& out,
   out.frame.cloud = sample_cloud(scene, o, random);
 }
 
-/// Whether a quick look, at a quarter of the resolution, finds at least three planes nearby.
+/// Whether a quarter-resolution preview finds at least three planes nearby.
 bool shows_enough(const Scene& scene, const D435Model& model) {
   constexpr double kNearM = 1.5;
   constexpr int kPlanes = 3, kPixels = 160, kShrink = 4;

@@ -1,7 +1,8 @@
 #pragma once
 
-// The sets that methods are measured on: the paper's stairs, harder whole objects that the paper
-// lacks, and depth frames through the camera model. All from seeds, the same bytes everywhere.
+// The sets on which methods are measured: the paper's stairs, harder whole objects that are not in
+// the paper, and depth frames through the camera model. All come from seeds, with the same bytes
+// everywhere.
 
 #include <cstdint>
 #include <filesystem>
@@ -32,28 +33,28 @@ struct EvaluationSet {
 /// stairs; side_walls, open_risers, equal_boxes, ramps, kerbs, spiral; depth_stairs, depth_boxes,
 /// depth_slopes, depth_descent.
 const std::vector<EvaluationSet>& evaluation_sets();
-/// Throws Error naming the sets there are.
+/// Throws Error that lists the sets.
 const EvaluationSet& find_evaluation_set(const std::string& name);
 
 struct EvaluationOptions {
   std::uint64_t seed = 1;
   int points = 8192;                        // clouds: farthest point sampling; 0 = dense
-  double noise_m = 0;                       // clouds: Gaussian, added after the sampling
+  double noise_m = 0;                       // clouds: Gaussian, added after sampling
   DepthErrors errors = DepthErrors::clean;  // depth images
 };
 
 /// A frame and its exact ground truth, in its own coordinates (sensor axes for depth images).
 struct EvaluationFrame {
   std::string name;                   // "open_risers_003"
-  Frame frame;                        // knows its gravity; clouds carry label and instance
+  Frame frame;                        // with known gravity; clouds have label and instance
   std::optional<FrameLabels> labels;  // depth images: by pixel
   std::vector<Vec3d> normals;         // exact, by plane id - 1
   std::vector<TruePolygon> polygons;
   std::optional<TrueStairs> stairs;  // depth_stairs, depth_descent
 };
 
-/// Frame `index` of a set, whatever was made before it. The geometry of depth sets does not depend
-/// on `errors`.
+/// Frame `index` of a set, independent of previous calls. The geometry of depth sets does not
+/// depend on `errors`.
 EvaluationFrame make_evaluation_frame(const EvaluationSet& set,
                                       int index,
                                       const EvaluationOptions& options);

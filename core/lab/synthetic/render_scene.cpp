@@ -18,7 +18,7 @@ namespace planescope::lab {
 
 namespace {
 
-/// A scene's polygons as half-spaces: exact ray casting, quick enough for some dozens of them.
+/// A scene's polygons as half-spaces: exact ray casting, fast enough for a few dozen polygons.
 struct CastScene {
   struct HalfSpace {
     Vec3d normal;  // inside: normal . x >= offset
@@ -37,7 +37,7 @@ struct Hit {
   double t = 0;      // origin + t * direction
 };
 
-// Rays at a seam of two polygons hit one of them in spite of rounding.
+// Despite rounding, rays at a seam of two polygons must hit one of them.
 constexpr double kSeamM = 1e-9;
 
 bool is_inside(const CastScene& scene, const CastScene::Polygon& polygon, const Vec3d& point) {
@@ -48,7 +48,7 @@ bool is_inside(const CastScene& scene, const CastScene::Polygon& polygon, const 
   return true;
 }
 
-/// Parameter of the crossing with the polygon's plane; negative where there is none.
+/// Parameter of the intersection with the polygon's plane; negative if there is none.
 double crossing(const CastScene::HalfSpace& plane, const Vec3d& origin, const Vec3d& direction) {
   const double approach = plane.normal.dot(direction);
   if (approach == 0) return -1;
@@ -87,7 +87,7 @@ Hit first_hit(const CastScene& scene, const Vec3d& origin, const Vec3d& directio
   return hit;
 }
 
-/// Whether something stands strictly between two points; `from` may lie on a surface.
+/// Whether something is strictly between two points; `from` may be on a surface.
 bool is_blocked(const CastScene& scene, const Vec3d& from, const Vec3d& to) {
   constexpr double kEnd = 1e-6;
   const Vec3d direction = to - from;
@@ -167,15 +167,16 @@ double pattern(Texture texture, double u, double v, std::uint64_t stream) {
              0.03 * value_noise(150 * u, 6 * v, stream + 1);
     case Texture::brick:
       return bricks(u, v, stream);
-    case Texture::rubber:  // ribs across the way up
+    case Texture::rubber:  // ribs across the slope
       return v - 0.05 * std::floor(v / 0.05) < 0.012 ? 0.55 : 1.0;
   }
   return 1;
 }
 
-/// Linear albedo of a surface at a point on it: its material's colour with a procedural pattern.
+/// Linear albedo at a point on a surface: its material's color with a procedural pattern.
 Vec3d textured_albedo(const Surface& surface, int surface_index, const Vec3d& point) {
-  // Patterns follow the first edge; levels all follow x, so that parts of one floor join.
+  // Patterns follow the first edge; on level surfaces they follow x, so that parts of one floor
+  // join.
   const Vec3d u = (surface.corners[1] - surface.corners[0]).normalized();
   const Vec3d v = surface.normal.cross(u);
   const Vec3d local = point - surface.corners[0];
@@ -187,10 +188,10 @@ Vec3d textured_albedo(const Surface& surface, int surface_index, const Vec3d& po
 // ---- Light ----
 
 constexpr double kLampDistanceM = 20;
-constexpr double kContactM = 0.35;  // how far a neighbouring surface darkens
+constexpr double kContactM = 0.35;  // distance at which a neighboring surface darkens
 
-/// Ambient occlusion: the share of light from all around that reaches a point on a surface, 0..1,
-/// less beside surfaces that rise above it.
+/// Ambient occlusion: the share of ambient light that reaches a point on a surface, 0..1, less
+/// beside higher surfaces.
 double openness(const Scene& scene, const CastScene& cast, int surface, const Vec3d& point) {
   // One short ray along each of a few directions.
   static const Vec3d kDirections[] = {{0.8, 0, 0.6},    {-0.8, 0, 0.6},   {0, 0.8, 0.6},
@@ -209,8 +210,8 @@ double openness(const Scene& scene, const CastScene& cast, int surface, const Ve
   return total > 0 ? open / total : 1;
 }
 
-/// Linear RGB of a point on a surface: its texture under a lamp that casts shadows, and under the
-/// light of the sky and the ground as far as the point is open to it.
+/// Linear RGB of a point on a surface: its texture under a lamp that casts shadows, and under
+/// ambient light from sky and ground, scaled by the openness of the point.
 Vec3d shade(
     const Scene& scene, const CastScene& cast, int surface, const Vec3d& point, double open) {
   const Surface& s = scene.surfaces[surface];
@@ -239,7 +240,7 @@ std::array<std::uint8_t, 3> to_display(const Vec3d& linear) {
 
 namespace {
 
-/// Nine digits: far below any measurement error, and printed alike on every machine.
+/// Nine digits: far below any measurement error, and printed identically on every machine.
 double rounded(double x) { return std::round(x * 1e9) / 1e9; }
 Vec3d rounded(const Vec3d& v) { return {rounded(v.x()), rounded(v.y()), rounded(v.z())}; }
 
@@ -254,7 +255,7 @@ LabelPlane plane_in_view(const Surface& surface, const Pose& T_world_camera) {
   return plane;
 }
 
-/// RMS distance of the measured pixels of each plane from it.
+/// RMS distance of each plane's measured pixels from it.
 void set_rms(const Frame& frame, const Image16& ids, std::map<int, LabelPlane>& planes) {
   struct Sum {
     double squares = 0;
@@ -315,7 +316,7 @@ FrameLabels true_labels(const Scene& scene,
 
 namespace {
 
-/// Direction of a pixel, in the world frame, of depth 1.
+/// World direction of a pixel, scaled to depth 1.
 Vec3d ray(const Intrinsics& k, const Pose& T_world_camera, double x, double y) {
   return T_world_camera.linear() * Vec3d((x - k.cx) / k.fx, (y - k.cy) / k.fy, 1);
 }
@@ -348,7 +349,7 @@ SceneView look(const Scene& scene,
   return view;
 }
 
-/// Linear light along a ray. `near` is a hit close by, whose openness serves for its surface.
+/// Linear light along a ray. `near` is a nearby hit, whose openness is used for its surface.
 Vec3d light_along(const Scene& scene,
                   const CastScene& cast,
                   const Vec3d& eye,
@@ -363,7 +364,7 @@ Vec3d light_along(const Scene& scene,
   return shade(scene, cast, hit.surface, point, open);
 }
 
-/// Each pixel is the mean of four rays: edges and fine patterns come out smooth.
+/// Each pixel is the mean of four rays, which smooths edges and fine patterns.
 Image8 paint(const Scene& scene,
              const CastScene& cast,
              const Pose& T_world_camera,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes as a camera sees and measures them, with their exact truth.
+// Renders a scene as seen and measured by a camera, with exact truth.
 
 #include <cstdint>
 #include <span>
@@ -13,31 +13,31 @@
 
 namespace planescope::lab {
 
-/// A scene as the left imager sees it, before the camera measures: exact.
+/// The left imager's exact view of a scene, before measurement.
 struct SceneView {
   TrueView depth;
   std::vector<int> surfaces;  // per pixel, index in Scene::surfaces; -1 nothing
 };
-/// What the right imager sees too is known only where the model has noise.
+/// The right imager's visibility is computed only if the model has noise.
 SceneView view_scene(const Scene& scene, const CameraPose& camera, const D435Model& model);
 
-/// A scene through the camera: depth, and colour aligned to it. The seed drives the noise alone;
-/// the same arguments give the same frame on every machine. The frame knows no gravity.
+/// Renders a scene through the camera: depth, and aligned color. The seed affects only the noise;
+/// the same arguments give the same frame on every machine. The frame has no gravity.
 ///
-/// `truth`, where given, becomes the frame's exact ground truth: the plane of every pixel whose ray
-/// hits one, measured or not (0: nothing or something curved), h/v by the true normal, the planes
-/// in view with normals towards the camera, and the true direction of gravity.
+/// `truth`, if given, becomes the frame's exact ground truth: the plane of every pixel whose ray
+/// hits one, measured or not (0: nothing or a curved surface), h/v by the true normal, the visible
+/// planes with normals towards the camera, and the true direction of gravity.
 Frame render_scene(const Scene& scene,
                    const CameraPose& camera,
                    const D435Model& model,
                    std::uint64_t seed,
                    FrameLabels* truth = nullptr);
 
-/// SHA-256 of a depth image as little-endian counts: what Recording::frame_hash gives for it.
+/// SHA-256 of a depth image as little-endian counts, equal to its Recording::frame_hash.
 std::string depth_sha256(const Image16& depth);
 
-/// Ground truth of a frame where it is known what every pixel sees: `surfaces` per pixel, indices
-/// in scene.surfaces, -1 nothing.
+/// Ground truth of a frame from the surface at every pixel: `surfaces` contains indices in
+/// scene.surfaces, -1 nothing.
 FrameLabels true_labels(const Scene& scene,
                         const Pose& T_world_camera,
                         std::span<const int> surfaces,

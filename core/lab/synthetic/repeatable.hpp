@@ -1,9 +1,9 @@
 #pragma once
 
-// Random numbers, sines and rotations that are the same to the last bit on every machine, which the
-// distributions of <random> and the functions of libm do not promise. Random numbers are
-// counter-based: a value depends on its seed, stream and index alone, so images can be filled in
-// any order (random.hpp has the plain sequence).
+// Random numbers, sines and rotations that are bitwise equal on every machine, which the
+// distributions of <random> and the functions of libm do not guarantee. Random numbers are
+// counter-based: a value depends only on its seed, stream and index, so images can be filled in any
+// order (random.hpp has a plain sequence).
 
 #include <cmath>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace planescope::lab {
 
-/// Splitmix64's finaliser: 64 well mixed bits of any 64 bits.
+/// Splitmix64's finalizer: maps 64 bits to 64 well-mixed bits.
 constexpr std::uint64_t mix_bits(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -43,8 +43,8 @@ constexpr double random_normal(std::uint64_t seed, std::uint64_t stream, std::ui
   return (static_cast<double>(sum) - kMean) * kInverseDeviation;
 }
 
-/// Results of libm may differ in the last bit between machines, and so would the pixels that
-/// follow: rounded to 2^-40 (1e-12) they are the same everywhere.
+/// Results of libm may differ in the last bit between machines, which would change pixels. Rounded
+/// to 2^-40 (1e-12), they are the same everywhere.
 inline double repeatable(double x) { return std::round(x * 0x1p40) * 0x1p-40; }
 inline double sin_deg(double degrees) { return repeatable(std::sin(degrees * M_PI / 180)); }
 inline double cos_deg(double degrees) { return repeatable(std::cos(degrees * M_PI / 180)); }

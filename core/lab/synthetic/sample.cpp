@@ -26,7 +26,7 @@
 
 namespace planescope::lab {
 
-// ---- Any synthetic folder ----
+// ---- Common to synthetic folders ----
 
 namespace {
 
@@ -41,7 +41,7 @@ std::string frame_name(std::size_t index) {
   return name;
 }
 
-/// Throws Error if a folder holds anything that this sample would not overwrite.
+/// Throws Error if a folder contains anything that this sample would not overwrite.
 void check_folder(const fs::path& dir, const std::set<std::string>& expected) {
   std::error_code error;
   if (!fs::exists(dir, error)) return;
@@ -51,7 +51,7 @@ void check_folder(const fs::path& dir, const std::set<std::string>& expected) {
   for (const auto& entry : entries) {
     const std::string name = entry.path().filename().string();
     if (!expected.contains(name)) {
-      throw Error(dir.string() + ": holds " + name +
+      throw Error(dir.string() + ": contains " + name +
                   ", which is not part of this sample; expected a new or empty folder");
     }
   }
@@ -75,7 +75,7 @@ void check_target(const fs::path& dir, const SampleFolder& folder) {
 void make_folder(const fs::path& dir) {
   std::error_code error;
   fs::create_directories(dir, error);
-  if (error) throw Error(dir.string() + ": cannot be made a folder: " + error.message());
+  if (error) throw Error(dir.string() + ": folder cannot be created: " + error.message());
 }
 
 Json sidecar_of(const SampleFolder& folder, const Frame& first) {
@@ -138,12 +138,12 @@ constexpr std::size_t kMaxFrames = 10000;
 void check_options(const SampleOptions& options) {
   if (options.scenes.empty() || options.scenes.size() > kMaxFrames) {
     throw Error("synth sample: " + std::to_string(options.scenes.size()) +
-                " scenes, expected 1 to " + std::to_string(kMaxFrames));
+                " scenes; expected 1 to " + std::to_string(kMaxFrames));
   }
   for (const std::string& scene : options.scenes) make_scene(scene, options.seed);
   for (const int side : {options.width, options.height}) {
     if (side < kMinSide || side > kMaxSide) {
-      throw Error("synth sample: " + std::to_string(side) + " pixels, expected " +
+      throw Error("synth sample: " + std::to_string(side) + " pixels; expected " +
                   std::to_string(kMinSide) + " to " + std::to_string(kMaxSide));
     }
   }
@@ -176,7 +176,7 @@ void write_sample(const std::filesystem::path& dir, const SampleOptions& options
 namespace {
 
 constexpr double kImuNoise_deg = 0.3;
-constexpr double kWalk_deg = 1.2;     // what the walk's own accelerations turn gravity by, at most
+constexpr double kWalk_deg = 1.2;     // maximum error from the walk's accelerations
 constexpr double kStepRate_hz = 1.6;  // of walking
 constexpr double kBob_m = 0.006, kBob_deg = 0.5;
 constexpr double kWalk_s = 20;
@@ -188,12 +188,12 @@ struct Walkway {
   double x = 4, half_width = 0.8, rise = 0.15, going = 0.3, landing = 0.9;
   int steps = 4;
   double top() const { return rise * steps; }
-  double landing_begin() const { return x + going * (steps - 1); }  // the last tread is its part
+  double landing_begin() const { return x + going * (steps - 1); }  // includes the last tread
   double down() const { return landing_begin() + going + landing; }
   double end() const { return down() + going * (steps - 1); }
 };
 
-/// Stairs up along x, a landing, stairs down: solid, its two sides a plane each.
+/// Stairs up along x, a landing, stairs down: solid, each of the two sides one plane.
 void add_walkway(Scene& scene, const Walkway& way) {
   const Material concrete{Vec3d(0.6, 0.6, 0.58), Texture::concrete};
   const Range y{-way.half_width, way.half_width};
@@ -222,13 +222,13 @@ double varied(std::uint64_t seed, std::uint64_t stream, double value) {
   return value * (1 + 0.04 * (2 * random_uniform(seed, stream, 0) - 1));
 }
 
-/// `with_box`: the one that can go.
+/// `with_box`: include the removable box.
 Scene make_world(std::uint64_t seed, const Walkway& way, bool with_box) {
   Scene scene;
   scene.name = "walk";
   const Range x{-1.5, way.end() + 3}, y{-2.2, 2.2};
   const Footprint stairs{{way.x, way.end()}, {-way.half_width, way.half_width}};
-  // As of a real one, its grain tells how far one has gone.
+  // Like on a real floor, the grain shows the motion.
   add_ground(scene, {x, y}, std::span(&stairs, 1), {Vec3d(0.52, 0.51, 0.48), Texture::concrete});
   add_walkway(scene, way);
   add_box(scene, {1.7, -1.0, 0}, {varied(seed, 1, 3.6), 0.35, varied(seed, 2, 0.12)}, 0,
@@ -239,18 +239,18 @@ Scene make_world(std::uint64_t seed, const Walkway& way, bool with_box) {
   const Material brick{Vec3d(0.6, 0.35, 0.3), Texture::brick};
   add_polygon(scene, upright({x.low, y.high}, {x.high, y.high}, {0, 2.2}), brick);
   add_polygon(scene, upright({x.high, y.high}, {x.high, y.low}, {0, 2.2}), brick);
-  // The last, so that all others keep their ids without it.
+  // The last one, so that all others keep their ids without it.
   if (with_box) add_box(scene, {3.1, 0.55, 0}, {0.4, 0.35, varied(seed, 5, 0.3)}, 35, board);
   return scene;
 }
 
-// ---- The way ----
+// ---- The camera's path ----
 
 struct WayPoint {
   double x = 0, y = 0, ground = 0, yaw_deg = 0, pitch_deg = 32;
 };
 
-/// Catmull and Rom's curve through four values.
+/// Catmull-Rom curve through four values.
 double curve(double a, double b, double c, double d, double t) {
   return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
@@ -269,7 +269,7 @@ WayPoint on_way(std::span<const WayPoint> way, double share) {
           mixed(&WayPoint::yaw_deg), mixed(&WayPoint::pitch_deg)};
 }
 
-/// Equally far apart in time.
+/// Equally spaced in time.
 std::vector<WayPoint> way_points(const Walkway& w) {
   const double middle = (w.landing_begin() + w.down()) / 2, top = w.top(), end = w.end();
   return {{-0.4, 0, 0, 0, 32},
@@ -307,7 +307,7 @@ std::vector<CameraPose> cameras_of(const SequenceOptions& options, const Walkway
   return cameras;
 }
 
-/// Of a walking camera's accelerometer: the direction in which things seem to fall.
+/// Gravity as measured by a walking camera's accelerometer.
 Vec3d told_gravity(const SequenceOptions& options, const Vec3d& down, std::size_t index) {
   const double share = static_cast<double>(index) / std::max(1, options.frames - 1);
   const double turn = 360 * kStepRate_hz * kWalk_s * share;
@@ -325,7 +325,7 @@ Sequence make_sequence(const SequenceOptions& options) {
   constexpr int kMostFrames = 100000;
   if (options.frames < 2 || options.frames > kMostFrames)
     throw Error(
-        fmt::format("synth sequence: {} frames, expected 2 to {}", options.frames, kMostFrames));
+        fmt::format("synth sequence: {} frames; expected 2 to {}", options.frames, kMostFrames));
   Walkway way;
   way.rise = varied(options.seed, 10, way.rise);
   way.going = varied(options.seed, 11, way.going);
@@ -333,7 +333,7 @@ Sequence make_sequence(const SequenceOptions& options) {
   sequence.scene = make_world(options.seed, way, true);
   sequence.change = static_cast<std::size_t>(options.frames);
   if (options.moved) {
-    // Where it is gone the camera still sees its place.
+    // After the removal, the camera still sees the box's place.
     sequence.later = make_world(options.seed, way, false);
     sequence.later.planes = sequence.scene.planes;
     sequence.change = static_cast<std::size_t>(options.frames) * 22 / 100;
@@ -373,7 +373,7 @@ void write_sequence(const std::filesystem::path& dir,
   const Sequence sequence = make_sequence(options);
   SampleFolder folder{"planescope synth sequence", options.seed, sequence.cameras.size(),
                       options.color, false};
-  // Frames are made a few at a time, side by side.
+  // Frames are generated in small parallel batches.
   std::vector<SampleFrame> made;
   std::size_t first = 0;
   write_sample_folder(dir, folder, [&](std::size_t i) {

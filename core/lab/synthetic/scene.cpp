@@ -20,7 +20,7 @@ Pose pose_of(const CameraPose& camera) {
   const double sy = sin_deg(camera.yaw_deg), cy = cos_deg(camera.yaw_deg);
   const double sp = sin_deg(camera.pitch_deg), cp = cos_deg(camera.pitch_deg);
   const double sr = sin_deg(camera.roll_deg), cr = cos_deg(camera.roll_deg);
-  // Level camera: right and down follow from the direction it looks in.
+  // Level camera: right and down follow from the forward direction.
   const Vec3d forward(cy * cp, sy * cp, -sp);
   const Vec3d right(sy, -cy, 0);
   const Vec3d down = forward.cross(right);
@@ -98,7 +98,7 @@ void add_ground(Scene& scene,
   for (const Footprint& hole : holes) cuts.insert(cuts.end(), {hole.x.low, hole.x.high});
   std::sort(cuts.begin(), cuts.end());
   int plane = 0;
-  // Strips between the cuts, each with what is left of it beside the holes.
+  // Strips between the cuts, each without its parts in the holes.
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
     const Range x{cuts[i], cuts[i + 1]};
     if (x.size() <= 0) continue;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Worlds of polygons, and what they are put together from.
+// Worlds of polygons, and their building blocks.
 
 #include <cstdint>
 #include <optional>
@@ -14,7 +14,7 @@ namespace planescope::lab {
 
 inline constexpr double kFarM = 6;  // beyond the range of every view
 
-/// How a surface is painted; colours only, depth does not depend on it.
+/// Color texture of a surface; does not affect depth.
 enum class Texture : std::uint8_t { plain, concrete, asphalt, planks, cardboard, brick, rubber };
 
 struct Material {
@@ -22,22 +22,22 @@ struct Material {
   Texture texture = Texture::plain;
 };
 
-/// A convex planar polygon in the world frame (x forward, y left, z up; metres), its corners
+/// A convex planar polygon in the world frame (x forward, y left, z up; meters), with corners
 /// counter-clockwise seen from outside.
 struct Surface {
   std::vector<Vec3d> corners;
   Vec3d normal = Vec3d::UnitZ();  // unit, outward
-  int plane = 0;                  // true plane id from 1; 0: part of something curved
+  int plane = 0;                  // true plane id from 1; 0: part of a curved surface
   Material material;
 };
 
 /// A piece of a true plane; several may share their plane.
 struct TruePolygon {
   std::vector<Vec3d> corners;  // convex, [m]
-  int plane = 0;               // id from 1; 0: part of something curved
+  int plane = 0;               // id from 1; 0: part of a curved surface
 };
 
-/// Where the camera stands. All angles 0: looking along +x, upright.
+/// The camera's pose. All angles 0: looking along +x, upright.
 struct CameraPose {
   Vec3d position = Vec3d(0, 0, 0.8);  // [m]
   double yaw_deg = 0;                 // to the left
@@ -45,8 +45,7 @@ struct CameraPose {
   double roll_deg = 0;                // clockwise, seen from behind the camera
 };
 
-/// A step of a scene's stairs: its nosing, seen by who goes up, and the planes before and behind
-/// it.
+/// A step of a scene's stairs: its nosing, seen when going up, and the planes before and behind it.
 struct TrueStep {
   Vec3d right = Vec3d::Zero(), left = Vec3d::Zero();  // [m]
   int before = 0, tread = 0;                          // plane ids
@@ -65,20 +64,20 @@ struct Scene {
   std::vector<Surface> surfaces;
   int planes = 0;                         // ids in use: 1..planes
   Vec3d light = Vec3d(-0.4, -0.5, 0.77);  // unit, towards the light
-  CameraPose camera;                      // a pose that sees the scene well
+  CameraPose camera;                      // a pose with a good view of the scene
   std::optional<TrueStairs> stairs;
 };
 
 /// Sensor axes: x right, y down, z forward.
 Pose pose_of(const CameraPose& camera);
 
-/// Adds a polygon and returns its plane id: `plane` where it is positive (parts of one plane share
-/// their id), else a new one; `curved` surfaces have none.
+/// Adds a polygon and returns its plane id: `plane` if it is positive (parts of one plane share
+/// their id), else a new one. Curved surfaces have no id.
 int add_polygon(Scene& scene, std::vector<Vec3d> corners, const Material& material, int plane = 0);
 void add_curved(Scene& scene, std::vector<Vec3d> corners, const Material& material);
 
-/// A box standing on z = base.z(): its four sides and its top, each a plane of its own.
-/// `base` is the centre of its foot, `size` along its own x, y, z, turned by yaw.
+/// A box on z = base.z(): four sides and a top, each a separate plane. `base` is the center of its
+/// bottom face, `size` along its own x, y, z, rotated by yaw.
 void add_box(
     Scene& scene, const Vec3d& base, const Vec3d& size, double yaw_deg, const Material& material);
 
@@ -86,19 +85,19 @@ void add_box(
 void add_cylinder(
     Scene& scene, const Vec3d& base, double radius_m, double height_m, const Material& material);
 
-// ---- Parts of scenes: corners of faces for add_polygon(), and things of several faces ----
+// ---- Parts of scenes: corners of faces for add_polygon(), and objects with several faces ----
 
 struct Range {
   double low = 0, high = 0;
   double size() const { return high - low; }
 };
 
-/// A rectangle that faces up.
+/// A rectangle facing up.
 std::vector<Vec3d> level(const Range& x, const Range& y, double z);
-/// A rectangle that stands on the way from a to b and faces its right-hand side.
+/// An upright rectangle from a to b that faces the right side of that direction.
 std::vector<Vec3d> upright(const Vec2d& a, const Vec2d& b, const Range& z);
 
-/// Level ground at z = 0 as one plane, apart from what stands on it.
+/// Level ground at z = 0 as one plane, except under the objects on it.
 struct Footprint {
   Range x, y;
 };
@@ -118,10 +117,10 @@ struct Steps {
 };
 /// Returns the treads' planes.
 std::vector<int> add_steps(Scene& scene, const Steps& steps);
-/// Both sides of steps that are solid down to the ground, each one plane.
+/// Both sides of solid steps, each one plane.
 void add_flanks(Scene& scene, const Steps& steps);
 
-/// A ramp up along x, on to a level landing (none where that is 0), its sides and back.
+/// A ramp up along x to a level landing (none if its length is 0), with its sides and back.
 struct Ramp {
   double x = 0;
   Range y;
@@ -131,7 +130,7 @@ struct Ramp {
 };
 void add_ramp(Scene& scene, const Ramp& ramp);
 
-/// Turns everything added so far about the vertical through a point.
+/// Rotates everything added so far about the vertical through a point.
 void turn(Scene& scene, const Vec3d& center, double angle_deg);
 
 }  // namespace planescope::lab

@@ -72,7 +72,7 @@ void add_left(
   add_polygon(scene, upright({x0, y}, {x1, y}, {z0, z1}), material);
 }
 
-/// Four treads between a wall and an open side, the last one a landing before a wall.
+/// Four treads between a wall and an open side; the last one is a landing before a wall.
 void build_stairs(Scene& scene, Variation& vary) {
   constexpr int kTreads = 4;
   const double rise = vary.about(0.15), going = vary.about(0.25);
@@ -98,7 +98,7 @@ void build_stairs(Scene& scene, Variation& vary) {
   scene.camera = vary.camera(-0.05, 0.92, 3, 32);
 }
 
-/// A road, a kerb of 12 cm with a ramp laid against it, the pavement and a garden wall.
+/// A road, a kerb of 12 cm with a ramp against it, the pavement and a garden wall.
 void build_kerb(Scene& scene, Variation& vary) {
   const double height = 0.12, kerb = vary.about(0.86), wall = kerb + vary.about(0.52);
   const double kerb_stone = 0.13, wide = 3, wall_height = vary.about(0.55);
@@ -120,7 +120,7 @@ void build_kerb(Scene& scene, Variation& vary) {
   scene.camera = vary.camera(0.08, 0.82, -4, 35);
 }
 
-/// A ramp of 15 degrees up to a platform along a wall, the floor beside it.
+/// A ramp of 15 degrees up to a platform along a wall, with the floor beside it.
 void build_ramp(Scene& scene, Variation& vary) {
   const double start = vary.about(0.52), run = 0.75, rise = run * sin_deg(15) / cos_deg(15);
   const double right = -vary.about(0.02), left = right + vary.about(0.7), back = start + run + 0.34;
@@ -138,13 +138,13 @@ void build_ramp(Scene& scene, Variation& vary) {
   scene.camera = vary.camera(-0.2, 0.84, 5, 33);
 }
 
-/// Boxes of several heights, each turned its own way, on a floor before a wall.
+/// Boxes of several heights and orientations on a floor before a wall.
 void build_boxes(Scene& scene, Variation& vary) {
   const double wall = vary.about(1.5);
   add_level(scene, -1, wall, -2.5, 2.5, 0, kFloorboards);
   add_front(scene, wall, -2.5, 2.5, 0, 2.6, kPlaster);
   const auto box = [&](double x, double y, const Vec3d& size, double yaw_deg, const Material& m) {
-    // Drawn one statement at a time: arguments are evaluated in any order.
+    // One statement at a time, because the evaluation order of arguments is unspecified.
     const double scale = vary.between(0.95, 1.05);
     const double turn_deg = vary.between(-5, 5);
     add_box(scene, Vec3d(x, y, 0), scale * size, yaw_deg + turn_deg, m);
@@ -157,7 +157,7 @@ void build_boxes(Scene& scene, Variation& vary) {
   scene.camera = vary.camera(0, 0.86, 0, 34);
 }
 
-/// Two walls that meet in a corner, a floor, a bin (curved, hence without a plane) and a low box.
+/// Two walls that meet in a corner, a floor, a bin (curved, so without a plane) and a low box.
 void build_corner(Scene& scene, Variation& vary) {
   const double back = vary.about(1.35), left = vary.about(0.42);
   add_level(scene, -1, back, -3, left, 0, kConcrete);
@@ -199,7 +199,7 @@ Scene make_scene(const std::string& name, std::uint64_t seed) {
     }
     known += (known.empty() ? "" : ", ") + std::string(named.name);
   }
-  throw Error("scene \"" + name + "\" is not known, expected one of " + known);
+  throw Error("unknown scene \"" + name + "\"; expected one of " + known);
 }
 
 // ---- Composed scenes ----
@@ -212,7 +212,7 @@ struct Prism {
   double right = 0, left = 0;
 };
 
-/// Adds surfaces to a scene, turned about the vertical through a point.
+/// Adds surfaces to a scene, rotated about the vertical through a point.
 class Turned {
  public:
   Turned(Scene& scene, const Vec3d& center, double angle_deg)
@@ -226,7 +226,7 @@ class Turned {
     add_polygon(scene_, std::move(corners), {});
   }
 
-  /// All faces of a prism but those that lie on the floor.
+  /// All faces of a prism except those on the floor.
   void add(const Prism& prism) {
     const auto at = [](const Vec2d& p, double y) { return Vec3d(p.x(), y, p.y()); };
     std::vector<Vec3d> right_side, left_side;
@@ -250,7 +250,7 @@ class Turned {
 struct Place {
   double right = 0, left = 0;
 };
-/// Something of this width stands more or less in the middle of the view.
+/// Range of an object of this width near the middle of the view.
 Place place(double width, Random& random) {
   const double middle = random.uniform(-0.3, 0.3);
   return {middle - width / 2, middle + width / 2};
@@ -337,7 +337,7 @@ Scene compose_scene(std::uint64_t seed) {
   add_polygon(scene,
               {{-kFarM, -kFarM, 0}, {kFarM, -kFarM, 0}, {kFarM, kFarM, 0}, {-kFarM, kFarM, 0}}, {});
   const double front = random.uniform(0.3, 1.5);
-  // Turned about the point of its front before the camera, so that it stays as far away.
+  // Rotated about its front point, so that its distance from the camera stays the same.
   Turned thing(scene, {front, 0, 0}, random.uniform(-25, 25));
   switch (random.integer(0, 4)) {
     case 0:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Whole scenes: some by name, made by hand, and any number that are composed at random.
+// Whole scenes: hand-made ones by name, and any number of random compositions.
 
 #include <cstdint>
 #include <string>
@@ -11,21 +11,21 @@
 
 namespace planescope::lab {
 
-/// What make_scene knows: "stairs", "kerb", "ramp", "boxes", "corner".
+/// Names for make_scene(): "stairs", "kerb", "ramp", "boxes", "corner".
 const std::vector<std::string>& scene_names();
 
-/// A scene as a walking robot's or a cane's camera sees it: 0.6 to 1 m above the ground, pitched
+/// A scene as seen by the camera of a walking robot or a cane: 0.6 to 1 m above the ground, pitched
 /// down by 25 to 40 degrees, most of it within 1.5 m of depth. The seed varies its dimensions by a
-/// few per cent and the camera's pose. Throws Error naming the scenes there are.
+/// few percent and the camera's pose. Throws Error that lists the scenes.
 Scene make_scene(const std::string& name, std::uint64_t seed);
 
-/// How a scene of an evaluation set is put together; of all sets but "stairs".
+/// Builds a scene of an evaluation set; for all sets except "stairs".
 using BuildScene = void (*)(Scene&, Random&);
 BuildScene build_of_set(const std::string& set);
 
-/// A scene put together at random: a floor, and on it stairs, boxes, a kerb, a ramp or slab, walls,
-/// in sizes from the paper's ranges (Sec. III). The camera stands 0.4 to 1.2 m high, 0.3 to 1.5 m
-/// before the first of them, pitched down by 15 to 60 degrees and rolled by up to 10.
+/// A random scene: a floor with stairs, boxes, a kerb, a ramp or slab, and walls, in sizes from the
+/// paper's ranges (Sec. III). The camera is 0.4 to 1.2 m high, 0.3 to 1.5 m before the first
+/// object, pitched down by 15 to 60 degrees and rolled by up to 10.
 Scene compose_scene(std::uint64_t seed);
 
 }  // namespace planescope::lab

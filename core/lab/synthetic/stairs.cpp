@@ -17,8 +17,8 @@ namespace planescope::lab {
 
 namespace {
 
-/// A kd-tree that keeps, for every node, the point farthest from all chosen ones. A new choice
-/// changes only leaves that are nearer to it than to every earlier one: a few.
+/// A kd-tree that stores, for every node, the point farthest from all chosen ones. A new choice
+/// changes only the few leaves that are nearer to it than to all earlier choices.
 class FarthestTree {
  public:
   explicit FarthestTree(std::span<const Vec3f> points)
@@ -73,8 +73,7 @@ class FarthestTree {
     build(points, middle, end);
   }
 
-  /// Rounding is monotonic: no point of the box comes out nearer than this, so nothing that is
-  /// skipped would have changed.
+  /// Rounding is monotonic: no point in the box can be nearer than this, so skipping is exact.
   static float box_distance2(const Node& node, const Vec3f& p) {
     const Vec3f d = (node.min - p).cwiseMax(p - node.max).cwiseMax(0.f);
     return d.x() * d.x() + d.y() * d.y() + d.z() * d.z();
@@ -104,9 +103,9 @@ class FarthestTree {
     }
   }
 
-  std::vector<std::uint32_t> order_;  // point at each place of sorted_
+  std::vector<std::uint32_t> order_;  // point at each index of sorted_
   std::vector<Vec3f> sorted_;         // leaf by leaf
-  std::vector<float> distance2_;      // from the nearest chosen point, as sorted_
+  std::vector<float> distance2_;      // from the nearest chosen point, in the order of sorted_
   std::vector<Node> nodes_;
 };
 
@@ -132,7 +131,7 @@ SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
                              Random& random) {
   double area = 0;
   for (const Rectangle& r : rectangles) area += r.area();
-  // Dense: four times what is asked for, at least 32768 points, spread evenly by area.
+  // Dense: four times the requested number, at least 32768 points, spread evenly by area.
   const std::size_t dense = std::max<std::size_t>(32768, 4 * count);
   SurfacePoints all;
   for (std::size_t k = 0; k < rectangles.size(); ++k) {
@@ -173,7 +172,7 @@ Mat3d turn_of(const Stairs& stairs) {
   return Eigen::AngleAxisd(stairs.yaw_rad, Vec3d::UnitZ()).toRotationMatrix();
 }
 
-/// Riser, tread, riser, ... before the staircase is turned.
+/// Riser, tread, riser, ... before the staircase is rotated.
 std::vector<Rectangle> faces_of(const Stairs& stairs) {
   std::vector<Rectangle> faces;
   for (int s = 0; s < stairs.steps; ++s) {

@@ -1,5 +1,5 @@
-// A checkpoint is a safetensors file: of each tensor its value and Adam's two moments, the rest as
-// JSON in its metadata.
+// A checkpoint is a safetensors file with each tensor's value and Adam's two moments; its metadata
+// contains the rest as JSON.
 
 #include "core/lab/training/checkpoint.hpp"
 
@@ -31,7 +31,7 @@ std::vector<Group> groups(TrainState& state) {
   return {{"value", state.weights.tensors}, {"mean", state.mean}, {"variance", state.variance}};
 }
 
-/// What has to be the same for a training to go on.
+/// Settings that must match to resume a training.
 Json identity(const TrainOptions& o, const TrainingPurpose& purpose) {
   Json json = {{"network", o.network.name},
                {"parameters", planes::parameter_count(o.network)},
@@ -53,10 +53,10 @@ void expect_identity(const nlohmann::json& found, const Json& expected, const st
   };
   for (const auto& [name, value] : expected.items()) {
     const auto there = found.is_object() ? found.find(name) : found.end();
-    if (there == found.end()) throw Error(fmt::format("{}: does not say its {}", what, name));
+    if (there == found.end()) throw Error(fmt::format("{}: does not contain its {}", what, name));
     if (const std::string is = shown(*there), wanted = shown(value); is != wanted)
-      throw Error(fmt::format("{}: belongs to another training: {} {}, expected {}", what, name, is,
-                              wanted));
+      throw Error(fmt::format("{}: belongs to a different training run: {} {}; expected {}", what,
+                              name, is, wanted));
   }
 }
 
@@ -73,7 +73,7 @@ Json progress_of(const TrainState& state) {
 
 std::uint64_t count_of(const nlohmann::json& set, std::size_t index) {
   return static_cast<std::uint64_t>(whole_number(
-      set.at(index), 0, std::numeric_limits<std::int64_t>::max(), "a count of validation"));
+      set.at(index), 0, std::numeric_limits<std::int64_t>::max(), "a validation count"));
 }
 
 void read_progress(const nlohmann::json& json, TrainState& state) {
@@ -89,7 +89,7 @@ void read_progress(const nlohmann::json& json, TrainState& state) {
   }
 }
 
-/// Whether the counts can be those of a training of so many steps.
+/// Whether the counts are possible for a training of `steps` steps.
 bool is_possible(const TrainState& state, int steps) {
   int last = 0;
   for (const Epoch& epoch : state.epochs) {
@@ -126,7 +126,7 @@ TrainState read_checkpoint(const std::filesystem::path& path,
                            const TrainingPurpose& purpose) {
   planes::TensorFile file = planes::read_safetensors(path);
   if (file.metadata["format"] != kFormat)
-    throw Error(path.string() + ": is no checkpoint of a training");
+    throw Error(path.string() + ": not a training checkpoint");
   expect_identity(parse_json<nlohmann::json>(file.metadata["options"], path.string()),
                   identity(options, purpose), path.string());
   TrainState state = begin_training(options);
@@ -139,7 +139,7 @@ TrainState read_checkpoint(const std::filesystem::path& path,
                        [&](const planes::Tensor& tensor) { return tensor.name == name; });
       if (found == file.tensors.end() || found->values.size() != group.tensors[t].size())
         throw Error(
-            fmt::format("{}: tensor {} is missing or of another size", path.string(), name));
+            fmt::format("{}: tensor {} is missing or has the wrong size", path.string(), name));
       if (!std::all_of(found->values.begin(), found->values.end(),
                        [](float value) { return std::isfinite(value); }))
         throw Error(
@@ -179,7 +179,7 @@ std::string loss_chart(const TrainingSummary& summary) {
 
 std::string edge_chart(const TrainingSummary& summary) {
   report::LineChart chart =
-      chart_over(summary.epochs, "Right labels near edges over the steps, per cent");
+      chart_over(summary.epochs, "Correct labels near edges over the steps, percent");
   for (std::size_t s = 0; s < summary.validation_sets.size(); ++s) {
     report::Curve& curve = chart.curves.emplace_back(report::Curve{summary.validation_sets[s], {}});
     for (const Epoch& epoch : summary.epochs)
@@ -213,10 +213,10 @@ std::string training_page(const TrainingSummary& summary) {
     page += "<p>No epoch is complete yet.</p>\n";
   } else {
     page += "<h2>Loss</h2>\n" + loss_chart(summary);
-    page += "<h2>Right labels within 2 cm of another label [%]</h2>\n" + edge_chart(summary);
+    page += "<h2>Correct labels within 2 cm of another label [%]</h2>\n" + edge_chart(summary);
     page +=
-        "<h2>Epochs</h2>\n<p class=\"soft\">Right labels within 2 cm of another label / elsewhere "
-        "[%]</p>\n" +
+        "<h2>Epochs</h2>\n<p class=\"soft\">Correct labels within 2 cm of another label / "
+        "elsewhere [%]</p>\n" +
         table(summary);
   }
   return report::plain_page(summary.title, page);

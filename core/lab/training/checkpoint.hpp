@@ -1,6 +1,6 @@
 #pragma once
 
-// What is written of a training while it goes on: its state, and a page of its curves.
+// Output of a running training: its state, and a page of its curves.
 
 #include <filesystem>
 #include <map>
@@ -12,24 +12,24 @@
 
 namespace planescope::lab {
 
-/// What a training was asked to do beyond its options, by name: it can be resumed only with the
-/// same.
+/// Settings of a training beyond its options, by name. It can be resumed only with the same
+/// settings.
 using TrainingPurpose = std::map<std::string, std::string>;
 
-/// All of a training's state, so that it can go on where it was stopped and end in the same bytes.
-/// Replaces the file as a whole or not at all.
+/// Writes all of a training's state, so that it can be resumed and end in the same bytes. Replaces
+/// the file completely or not at all.
 void write_checkpoint(const std::filesystem::path& path,
                       const TrainState& state,
                       const TrainOptions& options,
                       const TrainingPurpose& purpose);
 
-/// Throws Error where the file is damaged, or belongs to a training with other options or another
-/// purpose: the message names the first that differs.
+/// Throws Error if the file is damaged, or belongs to a training with other options or another
+/// purpose: the message names the first difference.
 TrainState read_checkpoint(const std::filesystem::path& path,
                            const TrainOptions& options,
                            const TrainingPurpose& purpose);
 
-/// What a training's page says.
+/// Content of a training's page.
 struct TrainingSummary {
   std::string title;                                       // of the page
   std::vector<std::pair<std::string, std::string>> facts;  // name, value
@@ -37,8 +37,8 @@ struct TrainingSummary {
   std::vector<Epoch> epochs;
 };
 
-/// One HTML page that needs nothing beside it: the loss and the edge accuracy of every validation
-/// set over the steps as SVG curves, and the same as a table.
+/// A self-contained HTML page: the loss and the edge accuracy of every validation set over the
+/// steps as SVG curves, and as a table.
 std::string training_page(const TrainingSummary& summary);
 
 }  // namespace planescope::lab

@@ -13,8 +13,8 @@
 
 namespace planescope::lab {
 
-// ---- Back-propagation through forward(): a maximum hands its gradient to the candidate that won
-// it, and relu(x) has slope 0 at x <= 0 ----
+// ---- Backpropagation through forward(): a maximum passes its gradient to the winning candidate,
+// and relu(x) has slope 0 at x <= 0 ----
 
 namespace {
 
@@ -39,7 +39,7 @@ void add_columns(const float* y, std::size_t n, int columns, float* sums) {
     for (int c = 0; c < columns; ++c) sums[c] += y[i * columns + c];
 }
 
-/// For y = x w: the gradient of w, and that of x added to what is there.
+/// For y = x w: computes the gradient of w, and adds that of x to the existing values.
 void product_backward(const planes::gcn::Kernels& kernels,
                       std::size_t n,
                       ConstView x,
@@ -78,7 +78,7 @@ struct Backward {
   planes::gcn::Layers gradients;
   std::vector<Buffer> features;  // gradients of Activations::Level::features
 
-  /// Down to the head's first sums, before their ReLU: [n x head[0].out].
+  /// Back to the head's first sums, before their ReLU: [n x head[0].out].
   Buffer through_head(const Buffer& logits) {
     const std::size_t n = graph.levels[0].n;
     Buffer dy(logits.size());
@@ -249,8 +249,8 @@ planes::NetworkWeights random_weights(const planes::NetworkConfig& config, std::
   Random random(seed);
   double bound = 0;
   for (const planes::TensorSpec& spec : planes::tensor_specs(config)) {
-    // conv_*: one over the root of all columns. conv1d_block.*: of the inputs, for the bias as for
-    // the weight before it.
+    // conv_*: 1 / sqrt(columns). conv1d_block.*: 1 / sqrt(inputs), for the bias as for the weight
+    // before it.
     if (spec.name.starts_with("conv1d_block")) {
       if (spec.shape.size() > 1) bound = 1 / std::sqrt(spec.shape[1]);
     } else {
@@ -333,7 +333,7 @@ CloudGradient cloud_gradient(const planes::LabelledCloud& cloud,
   Buffer gradient(logits.size(), 0);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (point_weight[i] == 0) continue;
-    // Cross-entropy of two classes: softplus of how far the wrong logit is ahead.
+    // Cross-entropy of two classes: softplus of the wrong logit minus the right one.
     const std::size_t right = labels[i] == Label::h ? 0 : 1, wrong = 1 - right;
     const double ahead = double{logits[i * width + wrong]} - logits[i * width + right];
     const double p_wrong = 1 / (1 + std::exp(-ahead));
@@ -379,7 +379,7 @@ double train_step(
   loss /= static_cast<double>(batch);
   if (!std::isfinite(loss))
     throw Error("training: the loss of step " + std::to_string(state.step) +
-                " is not a finite number, expected a smaller learning rate or other weights");
+                " is not a finite number; use a smaller learning rate or different weights");
 
   const double rate = learning_rate(options, state.step);
   const double correction1 = 1 - std::pow(kBeta1, state.step + 1);

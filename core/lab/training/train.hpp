@@ -1,7 +1,7 @@
 #pragma once
 
-// Training of a 3D-GCN: Adam on a cross-entropy that weighs points near the other label more and,
-// if asked to, balances the two classes.
+// Training of a 3D-GCN: Adam on a cross-entropy that gives more weight to points near the other
+// label and optionally balances the two classes.
 
 #include <cstdint>
 #include <functional>
@@ -23,18 +23,18 @@ struct TrainOptions {
   int batch = 4;                // clouds in a step
   double learning_rate = 2e-3;  // of Adam; warms up, then falls to 0 along a cosine
   int warm_up_steps = 50;
-  bool balance_classes = false;  // h and v weigh the same in each cloud
-  double edge_weight = 4;        // weight of a point that has a neighbour of the other label
+  bool balance_classes = false;  // h and v have the same weight in each cloud
+  double edge_weight = 4;        // weight of a point that has a neighbor of the other label
   int epoch_steps = 2500;        // steps between validations
 };
 
 struct Epoch {
   int step = 0;           // steps done
-  double train_loss = 0;  // mean over the epoch's steps, weighted as the training is
+  double train_loss = 0;  // mean over the epoch's steps, weighted as in training
   std::vector<planes::LabelAccuracy> validation;  // by validation set
 };
 
-/// All that a step depends on: continuing from a copy gives what an uninterrupted run gives.
+/// The complete state: continuing from a copy gives the same result as an uninterrupted run.
 struct TrainState {
   planes::NetworkWeights weights;
   std::vector<std::vector<float>> mean, variance;  // Adam's moments, by tensor
@@ -43,18 +43,18 @@ struct TrainState {
   std::vector<Epoch> epochs;
 };
 
-/// Weights drawn as the official code and PyTorch draw them: uniform within 1 / sqrt(inputs) for
-/// the head, 1 / sqrt(outputs) for the graph convolutions.
+/// Initial weights as in the official code and PyTorch: uniform within 1 / sqrt(inputs) for the
+/// head, 1 / sqrt(outputs) for the graph convolutions.
 planes::NetworkWeights random_weights(const planes::NetworkConfig& config, std::uint64_t seed);
 
 /// Begins with random_weights() and moments of 0.
 TrainState begin_training(const TrainOptions& options);
 
-/// `draw(number)`: the cloud of that number; clouds step * batch .. + batch - 1 make a step. Called
-/// from several threads.
+/// `draw(number)`: returns the cloud of that number; clouds step * batch .. + batch - 1 make a
+/// step. Called from several threads.
 using DrawCloud = std::function<planes::LabelledCloud(std::uint64_t number)>;
 
-/// One step; returns its loss. The same for any thread count and instruction set.
+/// One step; returns its loss. Independent of the number of threads and the instruction set.
 double train_step(TrainState& state,
                   const TrainOptions& options,
                   const DrawCloud& draw,
@@ -67,9 +67,9 @@ planes::LabelAccuracy score_network(const planes::NetworkWeights& weights,
                                     int threads,
                                     Simd simd = best_simd());
 
-/// Gradients of all layers, given those of the logits ([n x out of the last layer], zero in padded
-/// columns) and what forward() kept with its winners. On one thread, sums in the order of the
-/// points.
+/// Gradients of all layers, from those of the logits ([n x out of the last layer], zero in padded
+/// columns) and the activations that forward() kept with its winners. On one thread, with sums in
+/// the order of the points.
 planes::gcn::Layers backward(const planes::gcn::Graph& graph,
                              const planes::gcn::Layers& layers,
                              const planes::gcn::Activations& activations,

@@ -47,7 +47,7 @@ D435Model varied_camera(std::uint64_t seed) {
   return model;
 }
 
-/// Half of them with what real cameras add.
+/// Half of them with additional errors of real cameras.
 D435Model real_camera(std::uint64_t seed) {
   D435Model model = varied_camera(seed);
   if (random_uniform(seed, kCamera, 2) < 0.5) return model;
@@ -62,12 +62,12 @@ constexpr double kRange_m = planes::CloudOptions{}.max_range_m;
 
 double usual_range_m(std::uint64_t /*seed*/) { return kRange_m; }
 
-/// One in two as commands crop by default, the others farther.
+/// Half of them with the default crop of commands, the others farther.
 double real_range_m(std::uint64_t seed) {
   return std::max(kRange_m, 4 * random_uniform(seed, kCamera, 7) - 0.5);
 }
 
-/// The first view of a composed scene that is worth learning.
+/// The first useful view of a composed scene.
 planes::LabelledCloud scan_composed_scene(std::uint64_t seed,
                                           double voxel_size_m,
                                           D435Model (*camera)(std::uint64_t),
@@ -154,7 +154,7 @@ std::vector<planes::LabelledCloud> make_test_scans(std::uint64_t seed,
 
 namespace {
 
-// Clean and axis-aligned, their sizes drawn uniformly from the paper's ranges.
+// Clean and axis-aligned, with sizes drawn uniformly from the paper's ranges.
 
 planes::LabelledCloud sampled(const char* kind,
                               std::span<const Rectangle> faces,
@@ -193,8 +193,8 @@ planes::LabelledCloud make_stairs_shape(std::uint64_t seed, int points) {
   return cloud;
 }
 
-/// Length and width 0.1-2 m, height 0.08-0.3 m: a top and four sides. The paper does not say what
-/// boxes stand on: `on_floor` lays floor around it, 10-50 cm wide.
+/// Length and width 0.1-2 m, height 0.08-0.3 m: a top and four sides. The paper does not mention a
+/// floor below boxes: `on_floor` adds a frame of floor around the box, 10-50 cm wide.
 planes::LabelledCloud make_box_shape(std::uint64_t seed, int points, bool on_floor) {
   Random random(seed);
   const double length = random.uniform(0.1, 2), width = random.uniform(0.1, 2);
@@ -356,14 +356,14 @@ enum RecipeStream : std::uint64_t { kIsScan = 101, kWhich, kVariation, kIsUnifor
 
 TrainingRecipe planescope_recipe() {
   TrainingRecipe recipe;
-  // 1 cm would bury the smallest objects in noise: nothing could be learnt from them.
+  // 1 cm would bury the smallest objects in noise, so that nothing could be learned from them.
   recipe.objects.uniform_noise_m = 0.004;
   recipe.objects.gaussian_noise_m = 0.004;
   recipe.objects.tilt_deg = 2;
   recipe.objects.thinning = 0.5;
   recipe.scans = recipe.objects;
-  // Scans keep what the app will see: the camera's own noise, the grid's density, and the world's x
-  // axis where the camera looks.
+  // Scans stay like the app's input: the camera's own noise, the grid's density, and the world's x
+  // axis in the viewing direction.
   recipe.scans.uniform_noise_m = recipe.scans.gaussian_noise_m = 0;
   recipe.scans.thinning = 1;
   recipe.scans.yaw_deg = 15;
@@ -404,7 +404,7 @@ TrainingRecipe make_recipe(const std::string& name) {
   } else if (name == "paper") {
     recipe = paper_recipe();
   } else {
-    throw Error(fmt::format("recipe \"{}\" is not known, expected one of {}", name,
+    throw Error(fmt::format("unknown recipe \"{}\"; expected one of {}", name,
                             fmt::join(recipe_names(), ", ")));
   }
   recipe.name = name;

@@ -1,8 +1,8 @@
 #pragma once
 
-// What the classifier learns from: the paper's staircases, boxes and planes (Sec. III), and views
-// of scenes made of the same shapes through the camera model; and recipes, how it is trained from
-// beginning to end: on what, how that is varied, by which loss.
+// Training data of the classifier: the paper's staircases, boxes and planes (Sec. III), and views
+// of scenes of the same shapes through the camera model; and recipes, which define a whole
+// training: its data, augmentation and loss.
 
 #include <cstdint>
 #include <functional>
@@ -19,11 +19,10 @@ namespace planescope::lab {
 
 // ---- Scans ----
 
-/// What the classifier is given of a scene: its view through the camera with the scene's pose,
-/// levelled by the true gravity, within `max_range_m` of depth, on a voxel grid. A voxel has the
-/// label of most of its pixels; voxels of curved surfaces are left out. With `mark_edges` it is
-/// also known which lie near an edge: within 2 cm of a measured pixel of the other label. The seed
-/// drives the noise alone.
+/// The classifier's input for a scene: its view through the camera with the scene's pose, leveled
+/// by the true gravity, within `max_range_m` of depth, on a voxel grid. A voxel has the label of
+/// most of its pixels; voxels of curved surfaces are omitted. `mark_edges` also marks voxels near
+/// an edge, within 2 cm of a measured pixel of the other label. The seed affects only the noise.
 planes::LabelledCloud make_scan(const Scene& scene,
                                 const D435Model& model,
                                 double voxel_size_m,
@@ -31,15 +30,15 @@ planes::LabelledCloud make_scan(const Scene& scene,
                                 bool mark_edges = false,
                                 double max_range_m = planes::CloudOptions{}.max_range_m);
 
-/// A view of a composed scene with a camera more or less noisy than the usual one; with
-/// `real_errors` half of those that err have bows, flying pixels and holes, and half of all reach
-/// farther than the usual crop. Views that show next to nothing, or one label only, are rejected.
+/// A view of a composed scene with varying camera noise. With `real_errors`, half of the noisy
+/// views have bows, flying pixels and holes, and half of all views reach farther than the usual
+/// crop. Views that show next to nothing, or only one label, are rejected.
 planes::LabelledCloud make_training_scan(std::uint64_t seed,
                                          double voxel_size_m,
                                          bool real_errors = false);
 
-/// Held out from training, through the camera as it is: a view of a composed scene such as training
-/// has them, and one of the named scenes, in turn by `index`.
+/// Held out from training, with the unmodified camera: a view of a composed scene like those in
+/// training, and one of the named scenes, cycling by `index`.
 planes::LabelledCloud make_composed_test_scan(std::uint64_t seed,
                                               int index,
                                               double voxel_size_m = 0.02);
@@ -56,17 +55,17 @@ std::vector<planes::LabelledCloud> make_test_scans(std::uint64_t seed,
 struct TrainingSetOptions {
   std::uint64_t seed = 1;
   int stairs = 200, boxes = 200, planes = 200;  // whole objects, the paper's ranges
-  double boxes_on_floor = 0.5;                  // share of boxes that stand on a piece of floor
+  double boxes_on_floor = 0.5;                  // share of boxes on a piece of floor
   int scans = 300;                              // views through the camera, on a voxel grid
   int points = 8192;                            // of each object, evenly spread
   double voxel_size_m = 0.02;                   // of the scans
-  bool real_errors = false;  // of the scans: what real cameras add, and farther views
+  bool real_errors = false;  // of the scans: errors of real cameras, and farther views
 
   int count() const { return stairs + boxes + planes + scans; }
 };
 
-/// Clean axis-aligned objects, then noisy scans, in the order of the options: each depends on the
-/// seed, its kind and its number alone. `progress(done, all)` is called on the caller's thread; it
+/// Clean axis-aligned objects, then noisy scans, in the order of the options. Each depends only on
+/// the seed, its kind and its number. `progress(done, all)` is called on the caller's thread; it
 /// may be empty and may throw to stop.
 std::vector<planes::LabelledCloud> make_training_set(
     const TrainingSetOptions& options,
@@ -74,18 +73,18 @@ std::vector<planes::LabelledCloud> make_training_set(
     const std::function<void(int, int)>& progress = {});
 
 struct AugmentOptions {
-  double uniform_noise_m = 0.01;  // up to, either way, on every coordinate; the paper's +-1 cm
-  double gaussian_noise_m = 0;    // standard deviation up to, drawn for each cloud
-  int clusters = 4;               // up to so many round holes, as long as half of the points remain
-  double cluster_radius_m = 0.1;  // up to
-  double tilt_deg = 0;            // off level, up to, about a random horizontal axis
-  int points = 2048;              // kept at most: the nearest ones to a random point; 0 all
+  double uniform_noise_m = 0.01;  // maximum, either way, on every coordinate; the paper's +-1 cm
+  double gaussian_noise_m = 0;    // maximum standard deviation, drawn for each cloud
+  int clusters = 4;               // maximum number of round holes, while half of the points remain
+  double cluster_radius_m = 0.1;  // maximum
+  double tilt_deg = 0;            // maximum angle off level, about a random horizontal axis
+  int points = 2048;              // maximum kept: the nearest ones to a random point; 0 all
   double thinning = 1;            // keeps a random share of the points, at least this one
-  double yaw_deg = 180;           // turned about z, up to, either way
+  double yaw_deg = 180;           // maximum rotation about z, either way
 };
 
-/// A new version of a cloud for one step of training, in its order; every point keeps its label.
-/// The same for the same seed.
+/// A new version of a cloud for one step of training, in the same order; every point keeps its
+/// label. Deterministic for a seed.
 planes::LabelledCloud augment(const planes::LabelledCloud& cloud,
                               const AugmentOptions& options,
                               std::uint64_t seed);
@@ -96,25 +95,25 @@ struct TrainingRecipe {
   std::string name;
   TrainOptions train;
   TrainingSetOptions set;
-  AugmentOptions objects;  // how a cloud is varied each time that it is seen
+  AugmentOptions objects;  // variation of a cloud each time it is drawn
   AugmentOptions scans;
-  double scan_share = 0;     // of the clouds seen
-  double uniform_share = 1;  // of the objects seen: with uniform noise, the others with Gaussian
+  double scan_share = 0;     // of the clouds drawn
+  double uniform_share = 1;  // of the objects drawn: with uniform noise, the others with Gaussian
 
   const AugmentOptions& augmentation_of(const planes::LabelledCloud& cloud) const {
     return cloud.kind == "scan" ? scans : objects;
   }
 };
 
-/// "planescope", the default: more than half of it scans, mixed noise, a loss that weighs points
-/// near edges more. "real-camera": that, with scans that err as real cameras do, also beyond the
-/// crop. "paper": the text of Sec. III, objects alone, plain cross-entropy.
+/// "planescope", the default: more than half of it scans, mixed noise, and a loss with more weight
+/// near edges. "real-camera": the same, with errors of real cameras in scans, also beyond the crop.
+/// "paper": the text of Sec. III, only objects, plain cross-entropy.
 const std::vector<std::string>& recipe_names();
 
-/// Throws Error naming the recipes there are.
+/// Throws Error that lists the recipes.
 TrainingRecipe make_recipe(const std::string& name);
 
-/// A cloud of the recipe's set as the step that draws cloud `number` sees it.
+/// Varies a cloud of the recipe's set for the step that draws cloud `number`.
 planes::LabelledCloud vary(const TrainingRecipe& recipe,
                            const planes::LabelledCloud& cloud,
                            std::uint64_t number);
@@ -124,7 +123,7 @@ planes::LabelledCloud draw_cloud(const TrainingRecipe& recipe,
                                  const std::vector<planes::LabelledCloud>& set,
                                  std::uint64_t number);
 
-/// What no recipe trains on.
+/// Clouds that no recipe trains on.
 struct ValidationSet {
   std::string name;
   std::vector<planes::LabelledCloud> clouds;

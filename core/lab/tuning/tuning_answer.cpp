@@ -161,7 +161,7 @@ using Point = std::pair<double, double>;
 
 Point point_of(const PricedTrial& trial) { return {trial.ms, trial.pq}; }
 
-/// Without the worst and the slowest tenth of the trials: they would dominate the axes.
+/// Omits the worst and the slowest tenth of the trials, which would dominate the axes.
 std::vector<PricedTrial> worth_a_look(std::vector<PricedTrial> trials) {
   const std::size_t left_out = trials.size() / 10;
   std::ranges::stable_sort(trials, std::greater<>(), &PricedTrial::pq);
@@ -173,10 +173,10 @@ std::vector<PricedTrial> worth_a_look(std::vector<PricedTrial> trials) {
 
 std::string pareto_chart(const TuningAnswer& answer) {
   report::ScatterChart chart{.title = "Accuracy of the tuning half against time",
-                             .x_name = "CPU time per frame [ms]; vertical: PQ [%]",
+                             .x_name = "x: CPU time per frame [ms]; y: PQ [%]",
                              .groups = {}};
   report::Scatter trials{"trials", {}, 6, 2}, start{"start", {}, 1, 6}, tuned{"tuned", {}, 2, 6};
-  report::Scatter front{"best for its time", {}, 0, 3.5, true};
+  report::Scatter front{"Pareto front", {}, 0, 3.5, true};
   for (const PricedTrial& trial : worth_a_look(answer.priced))
     trials.points.push_back(point_of(trial));
   for (const PricedTrial& trial : pareto_front(answer.priced))

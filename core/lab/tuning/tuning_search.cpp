@@ -14,13 +14,13 @@
 
 namespace planescope::lab {
 
-// ---- What is tried ----
+// ---- Values to try ----
 
 namespace {
 
-constexpr double kWidestRange = 100;  // whose end a number leaves by a quarter of it
+constexpr double kWidestRange = 100;  // numbers at the end of a wider range stay there
 
-/// Readable, as a number of a profile should be.
+/// Readable numbers for profiles.
 double rounded(double value) {
   return parse_number(fmt::format("{:.4g}", value), "a number of tuning");
 }
@@ -37,7 +37,7 @@ std::vector<double> numbers_to_try(const planes::OptionInfo& info, double now, d
   return {};
 }
 
-/// A whole number moves by one at least.
+/// A whole number moves by at least one.
 double moved(const planes::OptionInfo& info, double now, double value) {
   if (info.kind != planes::OptionKind::whole || std::round(value) != now) return rounded(value);
   return value < now ? now - 1 : now + 1;
@@ -82,7 +82,7 @@ std::vector<std::string> values_to_try(const planes::OptionInfo& info,
 namespace {
 
 constexpr double kLeastGain = 0.05;    // points of the score
-constexpr double kLeastErrors = 1.25;  // one frame alone makes 1, two alike make 1.4 and more
+constexpr double kLeastErrors = 1.25;  // a single frame gives 1, two equal ones give 1.4 or more
 
 Setting changed(Setting setting, const std::string& option, const std::string& value) {
   setting[option] = value;
@@ -95,7 +95,7 @@ class Search {
 
   Tuned run() {
     Tuned tuned;
-    limited_ = false;  // whatever the limits, the start is scored
+    limited_ = false;  // always score the start, whatever the limits
     tuned.base = best_ = scored({Setting{}}).front();
     asked_ = 1;
     limited_ = true;
@@ -119,7 +119,7 @@ class Search {
     double gain = 0;
   };
 
-  /// Throws TuningSpent where more are asked for than may be; those before are scored all the same.
+  /// Throws TuningSpent if there are not enough trials left; still scores those within the limit.
   std::vector<Trial> scored(std::vector<Setting> settings) {
     const int left = search_.trials - asked_;
     const bool spent = limited_ && std::cmp_greater(settings.size(), left);
@@ -131,7 +131,7 @@ class Search {
     return trials;
   }
 
-  /// Whether anything was taken.
+  /// Returns whether any value was taken.
   bool step(double factor) {
     const planes::PipelineOptions now = with_setting(search_.base, best_.setting);
     std::vector<Promising> tried;
@@ -151,7 +151,7 @@ class Search {
     std::ranges::stable_sort(promising, std::greater<>(), &Promising::gain);
     std::vector<std::string> taken;
     for (const auto& [option, value, gain] : promising) {
-      if (std::ranges::find(taken, option) != taken.end()) continue;  // its better value
+      if (std::ranges::find(taken, option) != taken.end()) continue;  // has a better value
       const Trial trial = scored({normal(changed(best_.setting, option, value))}).front();
       if (!gain_of(trial, best_).counts()) continue;
       best_ = trial;
@@ -179,7 +179,7 @@ class Search {
     }
   }
 
-  /// Without what is as the search began with.
+  /// Without options equal to those at the start of the search.
   Setting normal(Setting setting) const {
     std::erase_if(setting, [&](const auto& one) {
       return planes::find_option(one.first).get(search_.base) == one.second;

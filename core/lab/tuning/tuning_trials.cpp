@@ -31,7 +31,7 @@ double thread_cpu_ms() {
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
 }
 
-/// Whether points or their labels are other ones with this setting.
+/// Whether this setting changes points or their labels.
 bool changes_points(const Setting& setting) {
   return std::ranges::any_of(setting, [](const auto& one) {
     const std::string& section = planes::find_option(one.first).section;
@@ -62,7 +62,7 @@ TuningSet::TuningSet(std::vector<TuningFrame> frames,
     : frames_(std::move(frames)), classifier_(std::move(classifier)) {
   for (TuningFrame& frame : frames_) {
     frame.options.threads = 1;
-    // Which points lie near another label takes most of a score, and says nothing about planes.
+    // Points near another label take most of the scoring time and say nothing about planes.
     planes::SourceTruth& planes = planes_.emplace_back(frame.truth);
     std::ranges::fill(planes.values.label, std::uint8_t{0});
   }
@@ -144,7 +144,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kJournalSchema = "planescope.tuning-journal/1";
 
-/// Whole lines; a last one that was cut is taken off the file.
+/// Complete lines; truncates an incomplete last one from the file.
 std::vector<std::string> whole_lines(const fs::path& file) {
   std::vector<std::string> lines;
   std::uintmax_t bytes = 0;
@@ -197,7 +197,7 @@ bool TuningJournal::read(const TuningPurpose& purpose) {
       if (i > 0) {
         Trial trial = trial_of(json);
         if (!trials_.empty() && trial.scores.size() != trials_[0].scores.size())
-          throw Error(fmt::format("{}: found {} scores, expected {}", where, trial.scores.size(),
+          throw Error(fmt::format("{}: found {} scores; expected {}", where, trial.scores.size(),
                                   trials_[0].scores.size()));
         place_.emplace(trial.setting, trials_.size());
         trials_.push_back(std::move(trial));
@@ -206,18 +206,19 @@ bool TuningJournal::read(const TuningPurpose& purpose) {
           throw Error(fmt::format("{}: its schema is not {}", where, kJournalSchema));
         for (const auto& [name, value] : purpose)
           if (json.at(name) != value)
-            throw Error(fmt::format(
-                "{}: is of a search with other {}: take another folder, or remove it to begin anew",
-                file_.string(), name));
+            throw Error(
+                fmt::format("{}: belongs to a search with different {}; use a different folder, or "
+                            "delete it to start over",
+                            file_.string(), name));
       }
     } catch (const Json::exception& problem) {
-      throw Error(where + ": is no trial that can be read: " + json_problem(problem));
+      throw Error(where + ": not a readable trial: " + json_problem(problem));
     }
   }
   return !lines.empty();
 }
 
-/// Times are of no account: what cannot be read of them is not known.
+/// Times are optional: ignores invalid ones.
 void TuningJournal::read_times() {
   for (const std::string& line : whole_lines(times_file_)) {
     const Json json = Json::parse(line, nullptr, false);

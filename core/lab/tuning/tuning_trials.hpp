@@ -1,7 +1,7 @@
 #pragma once
 
-// The labelled frames of a search and what a setting reaches on them; and the journal of trials as
-// they are made, so that a search can be stopped at any moment and go on.
+// The labeled frames of a search and the scores of settings on them, and the journal of trials,
+// with which a search can be stopped at any time and resumed.
 
 #include <filesystem>
 #include <functional>
@@ -24,10 +24,10 @@ struct TuningFrame {
   std::string hash;  // of the frame and its labels
   Frame frame;
   planes::SourceTruth truth;
-  planes::PipelineOptions options;  // to begin with: those of the search, and its recording's own
+  planes::PipelineOptions options;  // at the start: those of the search, and its recording's own
 };
 
-/// A trial, and the CPU time of a frame [ms]: of labelling and planes, by one thread.
+/// A trial, and the CPU time of a frame [ms]: labeling and planes, on one thread.
 struct TimedTrial {
   Trial trial;
   double ms = 0;
@@ -35,15 +35,15 @@ struct TimedTrial {
 
 class TuningSet {
  public:
-  /// `classifier` null: truth labels the points, or nothing does.
+  /// `classifier` null: points have true labels or none.
   TuningSet(std::vector<TuningFrame> frames, std::shared_ptr<const planes::Classifier> classifier);
 
   const std::vector<TuningFrame>& frames() const { return frames_; }
 
-  /// Panoptic quality [%] of each setting on each frame, handed to `take` in the order of the
-  /// settings as soon as they are there. A frame that cannot be run with a setting has 0. The same
-  /// for any number of threads. What is thrown by `take`, or by `progress(frames done, all)`, stops
-  /// the rest.
+  /// Computes panoptic quality [%] of each setting on each frame. Passes it to `take` in the order
+  /// of the settings as soon as it is available. A frame that cannot be run with a setting has 0.
+  /// Independent of the number of threads. Exceptions from `take` or `progress(frames done, all)`
+  /// stop the rest.
   void score(std::span<const Setting> settings,
              int threads,
              const std::function<void(const TimedTrial&)>& take,
@@ -53,7 +53,7 @@ class TuningSet {
   struct Scored {
     double pq = 0, ms = 0;
   };
-  struct Labelled;  // a frame up to its labels, with the options to begin with
+  struct Labelled;  // a frame up to its labels, with the options at the start
   Scored score_one(std::size_t frame, const Setting& setting) const;
   const Labelled& labelled(std::size_t frame) const;
 
@@ -63,21 +63,20 @@ class TuningSet {
   std::vector<std::shared_ptr<Labelled>> labelled_;  // of the first frames
 };
 
-/// What a search is of, by name: it can go on only with the same.
+/// Identity of a search, by name: it can be resumed only with the same values.
 using TuningPurpose = std::vector<std::pair<std::string, std::string>>;
 
-/// DIR/journal.jsonl: the purpose, then a line for each trial, in the order in which they were
-/// made; the same bytes whatever the number of threads, and however often it was stopped.
-/// DIR/times.jsonl: what each took.
+/// DIR/journal.jsonl: the purpose, then a line for each trial, in the order of the trials; the same
+/// bytes for any number of threads and of interruptions. DIR/times.jsonl: the time of each.
 class TuningJournal {
  public:
-  /// Reads what is there, or begins. A last line that was cut is dropped. Throws Error where the
-  /// journal is damaged, cannot be written, or is of another purpose: the message names the first
-  /// that differs.
+  /// Reads an existing journal, or begins one. Drops an incomplete last line. Throws Error if the
+  /// journal is damaged, cannot be written, or has another purpose: the message names the first
+  /// difference.
   TuningJournal(const std::filesystem::path& dir, const TuningPurpose& purpose);
 
   std::optional<Trial> find(const Setting& setting) const;
-  /// CPU time of a frame [ms]; nothing where it is not known.
+  /// CPU time of a frame [ms]; nullopt if unknown.
   std::optional<double> time_of(const Setting& setting) const;
   /// Appends the trial. Throws Error.
   void add(const Trial& trial, double ms);
@@ -85,7 +84,7 @@ class TuningJournal {
   const std::vector<Trial>& trials() const { return trials_; }
 
  private:
-  bool read(const TuningPurpose& purpose);  // whether anything is there
+  bool read(const TuningPurpose& purpose);  // returns whether a journal exists
   void read_times();
 
   std::filesystem::path file_, times_file_;

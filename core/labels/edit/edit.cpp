@@ -34,7 +34,7 @@ std::vector<LabelPlaneChange> changed_planes(const FrameLabels& before, const Fr
   return changes;
 }
 
-/// Keeps the list in order of id.
+/// Keeps the list sorted by id.
 void set_plane(std::vector<LabelPlane>& planes, int id, const std::optional<LabelPlane>& plane) {
   const auto at = std::ranges::lower_bound(planes, id, {}, &LabelPlane::id);
   const bool is_listed = at != planes.end() && at->id == id;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What one gesture changed: applied forwards to redo, backwards to undo, written to the journal.
-// Tools write into a draft (operations.hpp), which keeps their edit.
+// The changes of one gesture: applied forward to redo, backward to undo, written to the journal.
+// Tools write into a draft (operations.hpp), which records their edit.
 
 #include <cstdint>
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace planescope::labels {
 
-/// Consecutive pixels that had one label and get one label.
+/// Consecutive pixels that had the same label and get the same label.
 struct LabelRun {
   std::uint32_t first = 0, count = 0;
   std::uint16_t plane_before = 0, plane_after = 0;
@@ -28,7 +28,7 @@ struct LabelPlaneChange {
   bool operator==(const LabelPlaneChange&) const = default;
 };
 
-/// The rest of FrameLabels that edits change.
+/// The other members of FrameLabels that edits change.
 struct LabelNotes {
   Gravity gravity;
   std::string annotator;
@@ -43,7 +43,7 @@ struct NotesChange {
 
 struct LabelEdit {
   int frame = 0;
-  std::string title;                     // "Brush P3", as the undo list names it
+  std::string title;                     // for the undo list: "Brush P3"
   std::vector<LabelRun> runs;            // ascending, disjoint
   std::vector<LabelPlaneChange> planes;  // by id
   std::optional<NotesChange> notes;
@@ -52,13 +52,13 @@ struct LabelEdit {
   std::size_t changed_pixels() const;
 };
 
-/// Labels while a gesture changes them. Pixels are changed by set(), which remembers them: the edit
-/// consists of those, no image is compared. Planes and notes may be changed in place.
+/// Labels while a gesture changes them. Change pixels through set(), which records them, so that
+/// edit() need not compare images. Planes and notes may be changed in place.
 class LabelDraft {
  public:
   /// `before` must outlive the draft.
   explicit LabelDraft(const FrameLabels& before) : labels(before), before_(before) {}
-  /// Of labels that no tool made: their images are compared. Both of the same frame (asserted).
+  /// For labels not made by a tool: compares the images. Both must be of one frame (asserted).
   LabelDraft(const FrameLabels& before, FrameLabels after);
   void set(std::uint32_t pixel, int plane, std::uint8_t hv);
   LabelEdit edit(int frame, std::string title) const;
@@ -68,19 +68,19 @@ class LabelDraft {
 
  private:
   const FrameLabels& before_;
-  std::vector<std::uint32_t> changed_;  // in the order of their changes
+  std::vector<std::uint32_t> changed_;  // in order of change
 };
 
-/// For labels that no tool made: from a file, or carried from another frame.
+/// For labels not made by a tool: from a file, or carried from another frame.
 LabelEdit make_edit(int frame,
                     std::string title,
                     const FrameLabels& before,
                     const FrameLabels& after);
-/// Undoes it when applied.
+/// Returns an edit that undoes this one.
 LabelEdit reversed(LabelEdit edit);
-/// The labels are those before the edit (asserted).
+/// The labels must be those before the edit (asserted).
 void apply_edit(FrameLabels& labels, const LabelEdit& edit);
-/// Whether they are, for edits that come from a file.
+/// Checks this, for edits read from a file.
 bool can_apply(const FrameLabels& labels, const LabelEdit& edit);
 
 }  // namespace planescope::labels

@@ -21,7 +21,7 @@ LabelPlane& editable_plane(FrameLabels& labels, int id) {
   return const_cast<LabelPlane&>(labels::editable_plane(std::as_const(labels), id));
 }
 
-/// What a pixel has, or is given.
+/// The current or new label of a pixel.
 struct Value {
   std::uint16_t plane = 0;
   std::uint8_t hv = 0;
@@ -50,7 +50,7 @@ const LabelPlane* find_plane(const FrameLabels& labels, int id) {
 
 const LabelPlane& editable_plane(const FrameLabels& labels, int id) {
   const LabelPlane* plane = find_plane(labels, id);
-  if (!plane) throw Error("there is no plane P" + std::to_string(id));
+  if (!plane) throw Error("no plane P" + std::to_string(id));
   if (plane->locked) throw Error("P" + std::to_string(id) + " is locked");
   return *plane;
 }
@@ -62,7 +62,7 @@ int free_plane_id(const FrameLabels& labels) {
   int free = 1;
   for (const int id : ids)
     if (id == free) ++free;
-  if (free >= kPlaneIgnore) throw Error("there are 65534 planes already, no more are possible");
+  if (free >= kPlaneIgnore) throw Error("there are already 65534 planes, the maximum");
   return free;
 }
 
@@ -88,13 +88,13 @@ std::size_t paint(LabelDraft& draft,
   assert(labels.plane.pixels() == grid.pixels());
   LabelPlane* plane = plane_in(labels, paint.plane);
   if (plane && plane->locked) return 0;
-  std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, 0);  // its pixels, by plane
+  std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, 0);  // by plane: 1 if its pixels are protected
   for (const LabelPlane& each : labels.planes) keeps[each.id] = each.locked || each.hidden;
   Value value{static_cast<std::uint16_t>(paint.plane),
               static_cast<std::uint8_t>(plane ? plane->label : paint.label)};
   if (paint.plane == kPlaneIgnore) value.hv = kHvIgnore;
   PixelSet changed;
-  bool moves = false;  // between planes, rather than between classes
+  bool moves = false;  // changes planes, not only classes
   for (const std::uint32_t pixel : pixels) {
     const Value was{labels.plane.data[pixel], labels.hv.data[pixel]};
     if (!grid.measured[pixel] || keeps[was.plane]) continue;
@@ -114,7 +114,7 @@ std::size_t paint(LabelDraft& draft,
     value.hv = static_cast<std::uint8_t>(made.label);
     plane = &add_plane(labels, made);
   }
-  if (plane && moves) plane->confidence = 1;  // somebody has looked at it
+  if (plane && moves) plane->confidence = 1;  // a person has looked at it
   if (mode == PaintMode::subtract) value = {};
   for (const std::uint32_t pixel : changed) draft.set(pixel, value.plane, value.hv);
   return changed.size();
@@ -152,12 +152,12 @@ void join_planes(LabelDraft& draft, int into, int from) {
   plane.confidence = 1;
   for (const std::uint32_t pixel : pixels_of_plane(draft.labels, from))
     draft.set(pixel, into, static_cast<std::uint8_t>(plane.label));
-  draft.unfitted.insert(draft.unfitted.end(), {into, from});  // even without a pixel
+  draft.unfitted.insert(draft.unfitted.end(), {into, from});  // even without pixels
 }
 
 void set_flag(LabelDraft& draft, int id, PlaneFlag flag, bool on) {
   LabelPlane* plane = plane_in(draft.labels, id);
-  if (!plane) throw Error("there is no plane P" + std::to_string(id));
+  if (!plane) throw Error("no plane P" + std::to_string(id));
   (flag == PlaneFlag::locked ? plane->locked : plane->hidden) = on;
 }
 
@@ -172,7 +172,7 @@ void take_segmentation(LabelDraft& draft,
   for (const LabelPlane& plane : labels.planes) kept[plane.id] = plane.locked || plane.hidden;
   std::erase_if(labels.planes, [&](const LabelPlane& plane) { return !kept[plane.id]; });
 
-  // Ids as the segmentation has them, but for those that are taken.
+  // Keep the segmentation's ids, except those already in use.
   const std::size_t planes = label_of_plane.size();
   std::vector<int> id_of(planes + 1, 0);
   std::vector<PixelSet> pixels(planes + 1);
@@ -188,7 +188,7 @@ void take_segmentation(LabelDraft& draft,
       if (plane.label == Label::unknown) plane.label = class_of_pixels(grid, pixels[k]);
       plane.origin = LabelOrigin::algorithm;
       add_plane(labels, plane);
-      draft.unfitted.push_back(plane.id);  // also where it replaces one of the same pixels
+      draft.unfitted.push_back(plane.id);  // also if it replaces one with the same pixels
     }
   for (std::size_t k = 0; k <= planes; ++k) {
     const LabelPlane* plane = find_plane(labels, id_of[k]);
@@ -197,11 +197,11 @@ void take_segmentation(LabelDraft& draft,
   }
 }
 
-// Planes cut in two or more.
+// Planes cut into two or more parts.
 
 namespace {
 
-/// Gives the pixels of each group from 1 on a plane of its own; group 0 keeps the id.
+/// Moves the pixels of each group from 1 on to a new plane; group 0 keeps the id.
 void split(LabelDraft& draft,
            int id,
            std::span<const std::uint32_t> pixels,
@@ -221,11 +221,11 @@ void split(LabelDraft& draft,
     draft.set(pixels[i], id_of[group[i]], draft.labels.hv.data[pixels[i]]);
 }
 
-/// The large part that each small one lies nearest to, in pixels.
+/// The large part nearest to each small part, in pixels.
 std::vector<int> nearest_large_part(const LabelGrid& grid,
                                     const std::vector<PixelSet>& parts,
                                     const std::vector<std::uint8_t>& large) {
-  // Rings grow from all large parts at once, over whatever lies between.
+  // Rings grow from all large parts at once, over any pixels in between.
   std::vector<int> owner(grid.pixels(), -1);
   std::vector<std::uint32_t> front;
   for (std::size_t k = 0; k < parts.size(); ++k)

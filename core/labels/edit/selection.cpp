@@ -11,11 +11,11 @@
 
 namespace planescope::labels {
 
-// Drawn shapes onto pixels, row by row.
+// Rasterizes drawn shapes, row by row.
 
 namespace {
 
-/// Sets the pixels of a row whose centres lie in [from, to].
+/// Sets the pixels of a row with centers in [from, to].
 void fill(Image8& mask, int row, float from, float to) {
   const float last = static_cast<float>(mask.width) - 0.5f;
   if (!(from <= last) || !(to >= 0.5f)) return;
@@ -24,7 +24,7 @@ void fill(Image8& mask, int row, float from, float to) {
   for (int x = first_x; x <= last_x; ++x) mask.at(x, row) = 1;
 }
 
-/// Rows of the picture whose centres lie in [from, to]: first and one past the last.
+/// Rows of the picture with centers in [from, to]: first and one past the last.
 std::pair<int, int> rows_between(const Image8& mask, float from, float to) {
   const float height = static_cast<float>(mask.height);
   if (!(from < height) || !(to > 0)) return {0, 0};
@@ -32,8 +32,8 @@ std::pair<int, int> rows_between(const Image8& mask, float from, float to) {
           static_cast<int>(std::floor(std::min(to, height - 0.5f) - 0.5f)) + 1};
 }
 
-/// Everything within `radius` of the line from a to b. That is convex: one span per row, the hull
-/// of what the two discs and the rectangle between them have of it.
+/// Fills everything within `radius` of the line from a to b. The capsule is convex, so each row has
+/// one span: the hull of its parts in the two discs and the rectangle between them.
 void fill_capsule(Image8& mask, const Vec2f& a, const Vec2f& b, float radius) {
   const auto [first, end] =
       rows_between(mask, std::min(a.y(), b.y()) - radius, std::max(a.y(), b.y()) + radius);
@@ -65,7 +65,7 @@ void fill_capsule(Image8& mask, const Vec2f& a, const Vec2f& b, float radius) {
   }
 }
 
-/// Even-odd, the path closed.
+/// Even-odd rule; the path is closed.
 void fill_area(Image8& mask, const std::vector<Vec2f>& path) {
   float top = std::numeric_limits<float>::max(), bottom = -top;
   for (const Vec2f& p : path) {
@@ -106,11 +106,11 @@ Image8 mask_of(const DrawnShape& shape, int width, int height) {
 
 namespace {
 
-constexpr float kNoises = 4;  // a point this far behind the nearest surface is still part of it ...
+constexpr float kNoises = 4;  // a point this far behind the nearest surface still belongs to it ...
 constexpr float kSplats = 1.5f;  // ... or this many splat diameters: surfaces seen at a slant
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
-/// A point as the view draws it.
+/// A point as drawn in the view.
 struct Splat {
   Vec2f place;        // [view px]
   float depth_m = 0;  // along the view
@@ -121,13 +121,13 @@ struct Splat {
 class Projection {
  public:
   explicit Projection(const SpaceView& view) : view_(view) {
-    // Depth along the view in metres: w where perspective, the scaled z where orthographic.
+    // Depth along the view in meters: w for perspective, the scaled z for orthographic.
     const int row = view.orthographic ? 2 : 3;
     const float scale = view.clip_from_sensor.block<1, 3>(row, 0).norm();
     depth_row_ = view.clip_from_sensor.row(row) / (scale > 0 ? scale : 1.0f);
   }
 
-  /// False where it is outside of the view.
+  /// False if it is outside the view.
   bool project(const Vec3f& point, Splat& splat) const {
     const Eigen::Vector4f clip = view_.clip_from_sensor * point.homogeneous();
     const float w = clip.w();
@@ -180,7 +180,7 @@ class DepthBuffer {
  private:
   static constexpr float kSquare_px = 1.5f;  // smaller splats are drawn as squares
 
-  /// Pixels whose centres lie within `reach` of a place: the first and one past the last.
+  /// Pixels with centers within `reach` of a position: the first and one past the last.
   static std::pair<int, int> covered(float place, float reach, int size) {
     const float first = place - reach + 0.5f, end = place + reach + 0.5f;
     return {std::max(0, static_cast<int>(first)), std::min(size, static_cast<int>(end))};

@@ -1,5 +1,5 @@
-// COCO (https://cocodataset.org/#format-data). What it has no field for is in each annotation's
-// "plane", which other readers of COCO ignore.
+// COCO (https://cocodataset.org/#format-data). Data without a field in COCO is stored in each
+// annotation's "plane", which other readers of COCO ignore.
 
 #include <fmt/format.h>
 
@@ -30,14 +30,14 @@ constexpr int kMaxCocoSide = 1 << 16;  // of an image [px]
 constexpr const char* kCategoryNames[] = {"h", "v", "unknown", "ignore"};  // ids from 1 on
 constexpr std::uint8_t kCategoryLabels[] = {1, 2, 0, kHvIgnore};
 
-// Masks: runs of 0 and 1 in turn, the pixels column by column.
+// Masks: alternating runs of 0 and 1, in column order.
 
-/// Consecutive pixels in column order u * height + v that are inside.
+/// Consecutive pixels inside a mask, in column order u * height + v.
 struct MaskRun {
   std::uint64_t first = 0, count = 0;
 };
 
-/// `sorted`: u * height + v, ascending, none twice.
+/// `sorted`: u * height + v, ascending and unique.
 std::vector<std::uint64_t> mask_counts(const std::vector<std::uint64_t>& sorted,
                                        std::uint64_t pixels) {
   std::vector<std::uint64_t> counts;
@@ -65,11 +65,12 @@ std::vector<MaskRun> mask_runs(const std::vector<std::uint64_t>& counts,
     if (i % 2 == 1 && counts[i] > 0) runs.push_back({at, counts[i]});
     at += counts[i];
   }
-  if (at != pixels) place.fail_kind(fmt::format("runs over {} pixels, these cover {}", pixels, at));
+  if (at != pixels)
+    place.fail_kind(fmt::format("runs over {} pixels (these cover {})", pixels, at));
   return runs;
 }
 
-/// Pixels whose centre is inside the polygon (even-odd); (0, 0) is the upper left pixel's corner.
+/// Pixels with centers inside the polygon (even-odd); (0, 0) is the upper left pixel's corner.
 std::vector<MaskRun> polygon_runs(const std::vector<std::pair<double, double>>& corners,
                                   int width,
                                   int height) {
@@ -98,7 +99,7 @@ std::vector<MaskRun> polygon_runs(const std::vector<std::pair<double, double>>& 
   return runs;
 }
 
-/// A whole number, however it is written: 4.0, too.
+/// A whole number, also if it is written as 4.0.
 int whole_of(const JsonPlace& place, int low, int high) {
   const double value = place.number();
   if (!(value >= low && value <= high) || value != std::floor(value))
@@ -106,7 +107,7 @@ int whole_of(const JsonPlace& place, int low, int high) {
   return static_cast<int>(value);
 }
 
-/// Ids may be numbers or text: as they are written.
+/// Ids may be numbers or text; compare their JSON.
 std::string id_of(const JsonPlace& place, const char* key) { return place.at(key).json().dump(); }
 
 void plane_fields(auto& fields, Same<LabelPlane> auto& plane) {
@@ -142,7 +143,7 @@ class CocoReader {
     return whole_of(annotation.at("plane").at("id"), 0, kPlaneIgnore);
   }
 
-  /// Annotations of other tools have no plane: each is one.
+  /// Other tools' annotations have no plane id: each becomes a plane.
   int plane_id(const JsonPlace& annotation) {
     if (annotation.has("plane")) return own_plane_id(annotation);
     while (used_.contains(next_)) ++next_;
@@ -160,7 +161,7 @@ class CocoReader {
         std::vector<std::pair<double, double>> corners;
         for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
           if (std::max(std::abs(numbers[i]), std::abs(numbers[i + 1])) > kMaxCocoSide)
-            polygon.fail_kind("corners near the image");
+            polygon.fail_kind("corners in or near the image");
           corners.emplace_back(numbers[i], numbers[i + 1]);
         }
         const auto more = polygon_runs(corners, width_, height_);
@@ -224,7 +225,7 @@ class CocoReader {
   }
 
   int width_ = 0, height_ = 0;
-  std::map<std::string, std::uint8_t> label_of_category_;  // by the id as it is written
+  std::map<std::string, std::uint8_t> label_of_category_;  // by the JSON of its id
   std::set<int> used_;
   int next_ = 1;
   std::vector<std::int32_t> instance_;
@@ -258,8 +259,8 @@ std::map<std::pair<int, int>, Mask> masks_of(const LabelledPoints& points) {
 
 }  // namespace
 
-// As rleFrString of pycocotools: groups of five bits, the lowest first, 48 added; from the fourth
-// on counts are differences to the one before the last.
+// Like rleFrString of pycocotools: groups of five bits, the lowest first, plus 48. From the fourth
+// count on, counts are differences from the one before the last.
 std::optional<std::vector<std::uint64_t>> counts_of_text(const std::string& text) {
   std::vector<std::uint64_t> counts;
   for (std::size_t i = 0; i < text.size();) {
@@ -297,11 +298,11 @@ CocoFile::CocoFile(io::Bytes file, const std::string& where) {
     std::map<std::string, std::size_t> image_of_id;
     root.at("images").each([&](const JsonPlace& image) {
       if (!image_of_id.emplace(id_of(image, "id"), names_.size()).second)
-        image.at("id").fail_kind("an id that no other image has");
+        image.at("id").fail_kind("a unique id");
       names_.push_back(image.has("file_name") ? image.at("file_name").text() : "");
     });
     parsed->annotations.resize(names_.size());
-    if (!root.has("annotations")) return;  // points() says so
+    if (!root.has("annotations")) return;  // points() reports it
     std::size_t at = 0;
     root.at("annotations").each([&](const JsonPlace& annotation) {
       const auto image = image_of_id.find(id_of(annotation, "image_id"));
@@ -340,7 +341,7 @@ LabelledPoints CocoFile::points(std::size_t image) const {
 LabelledPoints parse_coco(io::Bytes bytes, const std::string& where) {
   const CocoFile file(bytes, where);
   if (file.names().size() != 1)
-    throw Error(where + ": " + std::to_string(file.names().size()) + " images, expected one");
+    throw Error(where + ": " + std::to_string(file.names().size()) + " images; expected one");
   return file.points(0);
 }
 
@@ -398,7 +399,7 @@ Image8 coco_picture(const LabelGrid& grid) {
     if (grid.measured[i]) depths.push_back(grid.points[i].z());
   Image8 picture(grid.width, grid.height, 1);
   if (depths.empty()) return picture;
-  // 2 % at either end are left out: a few far pixels must not make the rest of it white.
+  // Ignore 2 % at either end: a few far pixels must not turn the rest white.
   const auto quantile = [&](double share) {
     const auto at = depths.begin() +
                     static_cast<std::ptrdiff_t>(share * static_cast<double>(depths.size() - 1));

@@ -1,4 +1,4 @@
-// The table of formats, and labels of points from a frame and back onto it.
+// The table of formats, and conversion between labels of a frame and labeled points.
 
 #include "core/labels/exchange/exchange.hpp"
 
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 io::Bytes as_bytes(const FileBytes& bytes) { return std::as_bytes(std::span(bytes)); }
 
 fs::path with_extension(const fs::path& stem, const char* extension) {
-  fs::path path = stem;  // not replace_extension(): a stem may have dots
+  fs::path path = stem;  // not replace_extension(): a stem may contain dots
   path += extension;
   return path;
 }
@@ -72,11 +72,11 @@ FileBytes voxel_file(const LabelledPoints& points, const fs::path&, double voxel
 struct Format {
   const char* name;
   Needs needs;
-  LabelledPoints (*read)(const fs::path&);  // null: not read back
-  std::array<FileOfFormat, 2> files;        // one or two; read by the last one's name
+  LabelledPoints (*read)(const fs::path&);  // null: write-only
+  std::array<FileOfFormat, 2> files;        // one or two; the last one is opened to read
 };
 
-/// By LabelFormat.
+/// Indexed by LabelFormat.
 constexpr Format kFormats[] = {
     {"evops", Needs::ids, read_whole<parse_evops>, {{{".npy", bytes_of<evops_bytes>}}}},
     {"ply", Needs::coordinates, read_labelled_cloud, {{{".ply", bytes_of<labelled_ply_bytes>}}}},
@@ -99,8 +99,8 @@ void check_needs(const LabelledPoints& points, const Format& format, const fs::p
   if (format.needs == Needs::pixels && !has_pixels)
     lacks = "pixels and the size of the depth image";
   if (lacks)
-    throw Error(fmt::format("{}: {} needs {}, which these labels come without", stem.string(),
-                            format.name, lacks));
+    throw Error(fmt::format("{}: format {} requires {}, which these labels do not contain",
+                            stem.string(), format.name, lacks));
 }
 
 }  // namespace
@@ -118,8 +118,8 @@ LabelFormat parse_label_format(const std::string& name) {
     if (name == to_string(format)) return format;
     known.emplace_back(to_string(format));
   }
-  throw Error(fmt::format("label format '{}' does not exist, expected one of {}", name,
-                          fmt::join(known, ", ")));
+  throw Error(
+      fmt::format("unknown label format '{}'; expected one of {}", name, fmt::join(known, ", ")));
 }
 
 LabelFormat label_format_of(const fs::path& path) {
@@ -132,7 +132,8 @@ LabelFormat label_format_of(const fs::path& path) {
       if (!last.empty()) known += (known.empty() ? "" : ", ") + last;
       last = file.extension;
     }
-  throw Error(fmt::format("{}: expected a name that ends in {} or {}", path.string(), known, last));
+  throw Error(fmt::format("{}: unknown extension; expected a name that ends in {} or {}",
+                          path.string(), known, last));
 }
 
 const char* to_string(LabelFormat format) { return format_of(format).name; }
@@ -147,7 +148,7 @@ LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid
   LabelledPoints points;
   points.planes = labels.planes;
   points.T_world_sensor = planes::world_from_gravity(labels.gravity.direction, !grid.is_cloud());
-  if (grid.is_cloud()) {  // all of them: other tools count along with the cloud's own file
+  if (grid.is_cloud()) {  // all of them: other tools match them to the cloud's own file
     points.points = grid.points;
     points.origin = grid.origin;
     points.rgb = grid.color.data;
@@ -182,7 +183,7 @@ std::vector<fs::path> write_labelled(const fs::path& stem,
          fits(points.label.size(), 1) && fits(points.pixel.size(), 1));
   check_needs(points, format_of(format), stem);
   std::vector<fs::path> paths;
-  std::vector<FileBytes> bytes;  // all, before one is written
+  std::vector<FileBytes> bytes;  // encode all before writing any
   for (const FileOfFormat& file : format_of(format).files) {
     if (!file.extension) continue;
     paths.push_back(with_extension(stem, file.extension));
@@ -194,19 +195,18 @@ std::vector<fs::path> write_labelled(const fs::path& stem,
 
 LabelledPoints read_labelled(const fs::path& path, LabelFormat format) {
   if (!format_of(format).read)
-    throw Error(path.string() +
-                ": labels of voxels are made from labels of points and not read back");
+    throw Error(path.string() + ": voxel labels can be written from point labels, but not read");
   return format_of(format).read(path);
 }
 
-// Labels of points back onto the pixels of a frame.
+// Transfers labels of points back to the pixels of a frame.
 
 namespace {
 
-// Coordinates that went through another tool are this close to what they were. Only the distance
-// from the sensor is compared: a tool may well have turned the points, upright for example.
+// Coordinates that went through another tool are accurate to this. Only the distance from the
+// sensor is compared, since a tool may have rotated the points, for example upright.
 constexpr double kSameDistance_m = 0.001;
-constexpr double kFloatStep = 2e-7;  // of its distance: as exact as a float is far from 0
+constexpr double kFloatStep = 2e-7;  // of its distance: precision of a float far from 0
 
 std::vector<std::uint32_t> pixels_by_name(const LabelledPoints& points,
                                           const LabelGrid& grid,
@@ -216,11 +216,11 @@ std::vector<std::uint32_t> pixels_by_name(const LabelledPoints& points,
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const DepthPixel pixel = points.pixel[i];
     if (pixel.u >= grid.width || pixel.v >= grid.height)
-      throw Error(fmt::format("{}: pixel ({}, {}), the frame's depth is {}x{}", where, pixel.u,
-                              pixel.v, grid.width, grid.height));
+      throw Error(fmt::format("{}: pixel ({}, {}) is outside the frame's depth image of {}x{}",
+                              where, pixel.u, pixel.v, grid.width, grid.height));
     const auto index = static_cast<std::uint32_t>(pixel.v * grid.width + pixel.u);
     if (taken[index])
-      throw Error(fmt::format("{}: pixel ({}, {}) is there twice", where, pixel.u, pixel.v));
+      throw Error(fmt::format("{}: pixel ({}, {}) appears twice", where, pixel.u, pixel.v));
     taken[index] = true;
     indices[i] = index;
   }
@@ -232,11 +232,11 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabelledPoints& points,
                                                   const std::string& where) {
   const bool all = points.size() == grid.pixels();
   if (!all && points.size() != grid.measured_count && grid.is_cloud())
-    throw Error(fmt::format("{}: labels of {} points, the frame's cloud has {}", where,
+    throw Error(fmt::format("{}: labels of {} points, but the frame's cloud has {}", where,
                             points.size(), grid.pixels()));
   if (!all && points.size() != grid.measured_count)
     throw Error(
-        fmt::format("{}: {} points, expected {}, one per pixel with depth, or {}, one per pixel",
+        fmt::format("{}: {} points; expected {}, one per pixel with depth, or {}, one per pixel",
                     where, points.size(), grid.measured_count, grid.pixels()));
   std::vector<std::uint32_t> indices;
   indices.reserve(points.size());
@@ -245,7 +245,7 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabelledPoints& points,
   return indices;
 }
 
-/// Labels of another frame would fit the image just as well; their points do not fit its depth.
+/// Labels of another frame would fit the image just as well, but their points do not fit its depth.
 void check_points(const LabelledPoints& points,
                   const LabelGrid& grid,
                   std::span<const std::uint32_t> indices,
@@ -257,13 +257,13 @@ void check_points(const LabelledPoints& points,
     const double expected = (grid.origin + grid.points[indices[i]].cast<double>()).norm();
     if (std::abs(found - expected) <= std::max(kSameDistance_m, kFloatStep * expected)) continue;
     throw Error(
-        fmt::format("{}: point {} is {:.3f} m from the sensor, the frame has {:.3f} m there: these "
-                    "are labels of another frame",
+        fmt::format("{}: point {} is {:.3f} m from the sensor, but {:.3f} m in the frame; these "
+                    "are labels of a different frame",
                     where, i, found, expected));
   }
 }
 
-/// The planes that the image names, with the class that most of their pixels have.
+/// The planes in the image, each with the class of most of its pixels.
 std::vector<LabelPlane> planes_of(const FrameLabels& labels) {
   std::vector<std::array<std::size_t, 3>> votes(kPlaneIgnore);
   std::vector<bool> named(kPlaneIgnore, false);
@@ -286,8 +286,8 @@ std::vector<LabelPlane> planes_of(const FrameLabels& labels) {
   return planes;
 }
 
-/// Where the format tells planes only, each takes the class of its tilt, and none where nobody
-/// knows gravity.
+/// Classifies each plane by its tilt if the format contains only planes. Planes without known
+/// gravity get no class.
 void classify_by_tilt(FrameLabels& labels) {
   std::vector<std::uint8_t> class_of(kPlaneIgnore + 1, 0);
   class_of[kPlaneIgnore] = kHvIgnore;
@@ -306,11 +306,11 @@ FrameLabels labels_of_points(const LabelledPoints& points,
                              const std::string& depth_sha256,
                              const std::string& where) {
   if (grid.is_cloud() && (points.width > 0 || !points.pixel.empty()))
-    throw Error(where + ": labels of the pixels of a depth image, the frame is a cloud");
+    throw Error(where + ": labels of a depth image, but the frame is a cloud");
   if (points.width > 0 && (points.width != grid.width || points.height != grid.height))
-    throw Error(fmt::format("{}: labels of a depth image of {}x{}, the frame's is {}x{}", where,
+    throw Error(fmt::format("{}: labels of {}x{}, but the frame's depth image is {}x{}", where,
                             points.width, points.height, grid.width, grid.height));
-  // A format that lists labelled pixels alone may list none: that is not raster order.
+  // A format that lists only labeled pixels may list none: that is not raster order.
   const bool by_name =
       points.pixel.size() == points.size() && (points.size() > 0 || points.width > 0);
   const std::vector<std::uint32_t> indices =

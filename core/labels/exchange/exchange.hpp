@@ -1,10 +1,10 @@
 #pragma once
 
-// Labels in other tools' formats (docs/labels.md tells each one's layout).
+// Labels in other tools' formats (docs/labels.md describes each layout).
 //
 //   evops     .npy      int32 plane id per measured pixel in raster order, 0 none
 //   ply, pcd            x y z [rgb] label instance u v; 1 point per measured pixel
-//                       of a cloud without u v; 1 point per point, in the cloud's order, as in all
+//                       clouds (in all formats): 1 point per point, in their order; no u v
 //   kitti     .bin + .label   float32 x y z remission; uint32 instance << 16 | class
 //   npz                 arrays points, [rgb,] label, instance, pixel, depth_size
 //   coco      .json     one annotation per plane: run-length mask, box, area, plane parameters;
@@ -24,14 +24,14 @@
 namespace planescope::labels {
 
 enum class LabelFormat : std::uint8_t { evops, ply, pcd, kitti, npz, coco, voxels };
-/// All, or those that are read back alone.
+/// All formats, or only the readable ones.
 std::vector<LabelFormat> label_formats(bool read_back);
-/// Throws Error that lists them.
+/// Throws Error that lists the formats.
 LabelFormat parse_label_format(const std::string& name);
 /// By a file's extension; a .ply is `ply`, and .bin and .label are both `kitti`. Throws Error.
 LabelFormat label_format_of(const std::filesystem::path& path);
 const char* to_string(LabelFormat format);
-const char* extension_of(LabelFormat format);  // ".npy"; of the file that it is read by
+const char* extension_of(LabelFormat format);  // ".npy"; of the file to read
 
 /// Column and row in the depth image.
 struct DepthPixel {
@@ -40,57 +40,56 @@ struct DepthPixel {
   bool operator==(const DepthPixel&) const = default;
 };
 
-/// Points with labels, however they are kept: what every format is read into and written from.
+/// Points with labels, independent of format: the input and output of every format.
 struct LabelledPoints {
-  std::vector<Vec3f> points;           // sensor frame [m]; empty where the format has none
-  Vec3d origin = Vec3d::Zero();        // of a cloud far from 0: what points are about
-  std::vector<std::uint8_t> rgb;       // 3 per point, or empty
-  std::vector<std::uint8_t> label;     // 0 unknown, 1 h, 2 v, kHvIgnore; empty where it has none
-  std::vector<std::int32_t> instance;  // plane id, 0 none, kPlaneIgnore
-  std::vector<DepthPixel> pixel;       // empty where the format has none
-  int width = 0, height = 0;           // of the depth image, 0 where the format does not say
-  std::vector<LabelPlane> planes;      // where the format carries them
-  Pose T_world_sensor = Pose::Identity();  // z up; what `voxels` are written in
+  std::vector<Vec3f> points;               // sensor frame [m]; empty if the format has none
+  Vec3d origin = Vec3d::Zero();            // of clouds far from 0: origin of the points
+  std::vector<std::uint8_t> rgb;           // 3 per point, or empty
+  std::vector<std::uint8_t> label;         // 0 unknown, 1 h, 2 v, kHvIgnore; may be empty
+  std::vector<std::int32_t> instance;      // plane id, 0 none, kPlaneIgnore
+  std::vector<DepthPixel> pixel;           // empty if the format has none
+  int width = 0, height = 0;               // of the depth image, 0 if unknown
+  std::vector<LabelPlane> planes;          // if the format contains them
+  Pose T_world_sensor = Pose::Identity();  // z up; frame of `voxels`
 
   std::size_t size() const { return instance.size(); }
 };
 
 LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid);
 
-/// `stem`: the path without extension; one or two files are written, each whole or not at all.
-/// Returns their paths. `voxel_size_m`: of `voxels` only.
+/// `stem`: the path without extension. Writes one or two files, each completely or not at all, and
+/// returns their paths. `voxel_size_m`: only for `voxels`.
 std::vector<std::filesystem::path> write_labelled(const std::filesystem::path& stem,
                                                   LabelFormat format,
                                                   const LabelledPoints& points,
                                                   double voxel_size_m = 0.02);
-/// `path`: one of the files. Throws Error naming the file, what was found and what was expected;
-/// `voxels`, which were points once, are not read.
+/// `path`: one of the files. Throws Error naming the file, what was found and what was expected.
+/// `voxels` are averages of points and cannot be read.
 LabelledPoints read_labelled(const std::filesystem::path& path, LabelFormat format);
 
-/// Onto the pixels of a frame, or one by one onto the points of a cloud: by `pixel` where the
-/// format has it, otherwise one by one in raster order of measured pixels (or of all pixels, where
-/// there are as many). Planes are fitted anew; without `label` a plane's class is that of its tilt.
-/// Pixels without depth keep no label. Throws Error naming `where` when counts or sizes do not
-/// match, or the points are not as far from the sensor as the frame's; nothing is resized or
-/// guessed.
+/// Transfers labels to the pixels of a frame, or to the points of a cloud: by `pixel` if the format
+/// has it, otherwise one by one in raster order of measured pixels (or of all pixels, if the number
+/// matches). Planes are fitted again; without `label`, planes are classified by tilt. Pixels
+/// without depth get no label. Throws Error naming `where` if counts or sizes do not match, or the
+/// points' distances from the sensor differ from the frame's; nothing is resized or guessed.
 FrameLabels labels_of_points(const LabelledPoints& points,
                              const LabelGrid& grid,
                              const std::string& depth_sha256,
                              const std::string& where);
 
-// Files of COCO: one for all frames of a recording.
+// COCO files: one for all frames of a recording.
 
 /// The file of an export with all frames, and the folder with their pictures.
 inline constexpr const char* kCocoFileName = "annotations.json";
 inline constexpr const char* kCocoPictures = "images";
 
-/// A file that was read, of any number of images. Throws Error naming `where` when it is damaged.
+/// A parsed file with any number of images. Throws Error naming `where` if it is damaged.
 class CocoFile {
  public:
   CocoFile(io::Bytes file, const std::string& where);
 
   const std::vector<std::string>& names() const { return names_; }  // file_name of each image
-  /// The image whose file is named 000123 and any ending; nullopt where there is none.
+  /// The image with a file named 000123 and any extension; nullopt if there is none.
   std::optional<std::size_t> image_of_frame(int frame) const;
   LabelledPoints points(std::size_t image) const;
 
@@ -115,7 +114,7 @@ class CocoWriter {
   std::unique_ptr<Made> made_;
 };
 
-/// What annotations are drawn on: aligned color, else depth in gray, near is bright.
+/// Picture under the annotations: aligned color, else depth in gray, bright for near.
 Image8 coco_picture(const LabelGrid& grid);
 
 }  // namespace planescope::labels

@@ -1,5 +1,5 @@
-// What the formats share, and those that are a list of points: EVOPS, PLY, PCD, SemanticKITTI,
-// voxels.
+// Code shared by the formats, and the formats that are lists of points: EVOPS, PLY, PCD,
+// SemanticKITTI and voxels.
 
 #include "core/labels/exchange/formats.hpp"
 
@@ -12,7 +12,7 @@ namespace planescope::labels {
 
 void check_count(std::uint64_t points, const std::string& where) {
   if (points > kMaxLabelledPoints)
-    throw Error(where + ": " + std::to_string(points) + " points, expected at most " +
+    throw Error(where + ": " + std::to_string(points) + " points; expected at most " +
                 std::to_string(kMaxLabelledPoints));
 }
 
@@ -31,16 +31,16 @@ std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::
   auto classes = whole_numbers<std::uint8_t>(values, 0, kHvIgnore, where + ": class");
   for (std::size_t i = 0; i < classes.size(); ++i)
     if (classes[i] > 2 && classes[i] != kHvIgnore)
-      throw Error(where + ": class " + std::to_string(classes[i]) + " at place " +
-                  std::to_string(i) + ", expected 0 (unknown), 1 (h), 2 (v) or 255 (ignore)");
+      throw Error(where + ": class " + std::to_string(classes[i]) + " at index " +
+                  std::to_string(i) + "; expected 0 (unknown), 1 (h), 2 (v) or 255 (ignore)");
   return classes;
 }
 
 // EVOPS (https://github.com/MobileRoboticsSkoltech/EVOPS): a NumPy array with one plane id per
-// point, 0 where there is none.
+// point, 0 for none.
 
 FileBytes evops_bytes(const LabelledPoints& points) {
-  // To every other reader 65535 would be one more plane.
+  // Other readers would treat 65535 as another plane.
   std::vector<std::int32_t> ids = points.instance;
   for (std::int32_t& id : ids)
     if (id == kPlaneIgnore) id = 0;
@@ -50,8 +50,8 @@ FileBytes evops_bytes(const LabelledPoints& points) {
 LabelledPoints parse_evops(io::Bytes file, const std::string& where) {
   const NpyArray array = parse_npy(file, where);
   if (array.shape.size() != 1)
-    throw Error(where + ": an array of " + std::to_string(array.shape.size()) +
-                " dimensions, expected one plane id per point");
+    throw Error(where + ": an array with " + std::to_string(array.shape.size()) +
+                " dimensions; expected one plane id per point");
   check_count(array.size(), where);
   LabelledPoints points;
   points.instance = instances_of(array.values(), where);
@@ -93,12 +93,12 @@ FileBytes labelled_pcd_bytes(const LabelledPoints& points) {
 }
 
 LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
-  // label and instance exactly as in the file: PointSet's are clamped to what fits.
+  // label and instance exactly as in the file; PointSet clamps them.
   io::CloudExtras extras{{"label", "instance", "u", "v"}, {}};
   PointSet set = io::read_cloud_file(path, &extras);
   const std::string where = path.string();
   if (extras.values[1].empty() && !set.points.empty())
-    throw Error(where + ": its points have no field \"instance\", expected plane ids there");
+    throw Error(where + ": its points have no field \"instance\"; expected plane ids in it");
   LabelledPoints points;
   points.label = classes_of(extras.values[0], where);
   points.instance = instances_of(extras.values[1], where);
@@ -112,8 +112,8 @@ LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
   return points;
 }
 
-// SemanticKITTI (http://semantic-kitti.org/dataset.html): points as float32 x y z remission, and
-// for each a uint32, class in the lower and instance in the upper 16 bits.
+// SemanticKITTI (http://semantic-kitti.org/dataset.html): points as float32 x y z remission, and a
+// uint32 per point: class in the lower and instance in the upper 16 bits.
 
 namespace {
 
@@ -130,7 +130,7 @@ FileBytes bytes_of(const std::vector<T>& values) {
 
 void check_whole(io::Bytes file, std::size_t each, const std::string& what) {
   if (file.size() % each != 0)
-    throw Error(what + ": " + std::to_string(file.size()) + " bytes, expected a multiple of " +
+    throw Error(what + ": " + std::to_string(file.size()) + " bytes; expected a multiple of " +
                 std::to_string(each));
 }
 
@@ -161,7 +161,7 @@ LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& wh
   const std::size_t count = label.size() / sizeof(std::uint32_t);
   check_count(count, where + ".label");
   if (!bin.empty() && bin.size() / sizeof(KittiPoint) != count)
-    throw Error(where + ".label: labels of " + std::to_string(count) + " points, " + where +
+    throw Error(where + ".label: labels of " + std::to_string(count) + " points, but " + where +
                 ".bin has " + std::to_string(bin.size() / sizeof(KittiPoint)));
   LabelledPoints points;
   std::vector<double> classes(count), instances(count);
@@ -181,12 +181,12 @@ LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& wh
   return points;
 }
 
-// What a segmenter that works on voxels should have found: the voxels that ours makes, upright,
-// with the majority of their points' labels (0 has no vote).
+// Reference for segmenters that work on voxels: the same upright voxels as our segmenter's, with
+// the majority of their points' labels (0 has no vote).
 
 FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
   if (!(voxel_size_m > 0) || !std::isfinite(voxel_size_m))
-    throw Error("voxel size " + std::to_string(voxel_size_m) + ", expected more than 0 m");
+    throw Error("voxel size " + std::to_string(voxel_size_m) + "; expected more than 0 m");
   planes::Cloud cloud;
   cloud.T_world_sensor = points.T_world_sensor;
   const Eigen::Isometry3f T_world_sensor = points.T_world_sensor.cast<float>();
@@ -202,7 +202,7 @@ FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
     extent_m = std::max(extent_m, static_cast<double>(cloud.points.back().cwiseAbs().maxCoeff()));
   }
   cloud.kept.assign(cloud.points.size(), 1);  // labels are not cropped by range
-  // About the sensor as the segmenter's cube, and doubled as that is, so that the grids agree.
+  // Centered on the sensor and doubled like the segmenter's cube, so that the grids agree.
   while (cloud.cube.edge_m <= 2 * extent_m) cloud.cube.edge_m *= 2;
   cloud.cube.min_corner = Vec3d::Constant(-cloud.cube.edge_m / 2);
 

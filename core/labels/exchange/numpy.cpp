@@ -1,5 +1,5 @@
-// NumPy's files: an array (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html),
-// and an archive of them.
+// NumPy files: an array (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html),
+// and an archive of arrays.
 
 #include <zip.h>
 
@@ -46,7 +46,7 @@ class NpyHeader {
       }
     }
     if (!has_type || !has_order || !has_shape) fail("lacks descr, fortran_order or shape");
-    if (fortran_ && array.shape.size() > 1) fail("says Fortran order, expected C order");
+    if (fortran_ && array.shape.size() > 1) fail("declares Fortran order; expected C order");
   }
 
  private:
@@ -65,15 +65,15 @@ class NpyHeader {
     return true;
   }
   void expect(char c) {
-    if (!take(c)) fail(std::string("is damaged, expected '") + c + "'");
+    if (!take(c)) fail(std::string("is damaged; expected '") + c + "'");
   }
 
   std::string_view quoted() {
     skip_space();
     const char quote = rest_.empty() ? ' ' : rest_.front();
-    if (quote != '\'' && quote != '"') fail("is damaged, expected a string");
+    if (quote != '\'' && quote != '"') fail("is damaged; expected a string");
     const std::size_t end = rest_.find(quote, 1);
-    if (end == std::string_view::npos) fail("has a string without an end");
+    if (end == std::string_view::npos) fail("has an unterminated string");
     const std::string_view text = rest_.substr(1, end - 1);
     rest_.remove_prefix(end + 1);
     return text;
@@ -92,7 +92,7 @@ class NpyHeader {
     expect('(');
     while (!take(')')) {
       std::string_view digits = word();
-      if (digits.ends_with('L')) digits.remove_suffix(1);  // as Python 2 wrote them
+      if (digits.ends_with('L')) digits.remove_suffix(1);  // written by Python 2
       const auto length = io::parse_count(digits);
       if (!length || lengths.size() == kMaxDimensions) fail("has a damaged shape");
       lengths.push_back(*length);
@@ -117,7 +117,7 @@ class NpyHeader {
       array.big_endian = text[0] == '>';
       return;
     }
-    fail("says values of type \"" + printable(text) + "\", expected whole numbers or floats");
+    fail("declares values of type \"" + printable(text) + "\"; expected whole numbers or floats");
   }
 
   std::string_view rest_;
@@ -141,17 +141,17 @@ NpyArray parse_npy(io::Bytes file, const std::string& where) {
   try {
     const io::Bytes magic = reader.take(kMagic.size());
     if (!std::equal(magic.begin(), magic.end(), reinterpret_cast<const std::byte*>(kMagic.data())))
-      throw Error(where + ": not an NPY file, expected it to begin with \"\\x93NUMPY\"");
+      throw Error(where + ": not an NPY file; expected it to begin with \"\\x93NUMPY\"");
     const int major = reader.read<std::uint8_t>(), minor = reader.read<std::uint8_t>();
     if (major != 1 && major != 2)
       throw Error(where + ": NPY version " + std::to_string(major) + "." + std::to_string(minor) +
-                  ", expected 1.0 or 2.0");
+                  "; expected 1.0 or 2.0");
     const std::uint32_t length =
         major == 1 ? reader.read<std::uint16_t>() : reader.read<std::uint32_t>();
     const io::Bytes header = reader.take(length);
     text = {reinterpret_cast<const char*>(header.data()), header.size()};
   } catch (io::OutOfBytes) {
-    throw Error(where + ": not a readable NPY: cut within its header");
+    throw Error(where + ": not a readable NPY: truncated within its header");
   }
   NpyHeader(text, where).parse(array);
   std::uint64_t bytes = io::size_of(array.type);
@@ -159,10 +159,9 @@ NpyArray parse_npy(io::Bytes file, const std::string& where) {
   for (const std::uint64_t length : array.shape)
     too_large = __builtin_mul_overflow(bytes, length, &bytes) || too_large;
   if (too_large || bytes != reader.left())
-    throw Error(where + ": its header promises " +
-                (too_large ? "more bytes than there are numbers for"
-                           : std::to_string(bytes) + " bytes of values") +
-                ", " + std::to_string(reader.left()) + " follow");
+    throw Error(where + ": its header declares " +
+                (too_large ? "too many bytes" : std::to_string(bytes) + " bytes of values") +
+                ", but " + std::to_string(reader.left()) + " follow");
   array.data = reader.take(bytes);
   return array;
 }
@@ -198,7 +197,7 @@ std::vector<unsigned char> npy_bytes(const std::string& type,
 
 namespace {
 
-constexpr std::uint16_t kFirstDosDate = 1 << 5 | 1;  // 1980-01-01: the same input, the same bytes
+constexpr std::uint16_t kFirstDosDate = 1 << 5 | 1;  // 1980-01-01: same input, same bytes
 
 [[noreturn]] void fail(const std::string& where, zip_error_t& error) {
   const std::string reason = zip_error_strerror(&error);
@@ -214,7 +213,7 @@ struct Discard {
 using Archive = std::unique_ptr<zip_t, Discard>;
 using Source = std::unique_ptr<zip_source_t, Discard>;
 
-/// `bytes` must outlive the archive. The source is kept by the archive too.
+/// `bytes` must outlive the archive. The archive also keeps the source.
 Archive open_archive(zip_source_t* source, int flags, const std::string& where) {
   zip_error_t error;
   zip_error_init(&error);
@@ -232,7 +231,7 @@ Source make_source(const void* bytes, std::size_t count, const std::string& wher
   return source;
 }
 
-/// nullopt where the archive has no such member.
+/// nullopt if the archive has no such member.
 std::optional<FileBytes> read_member(zip_t* archive,
                                      const std::string& name,
                                      const std::string& where) {
@@ -242,7 +241,7 @@ std::optional<FileBytes> read_member(zip_t* archive,
   const std::unique_ptr<zip_file_t, Discard> file(
       zip_fopen_index(archive, static_cast<zip_uint64_t>(index), 0));
   if (!file) throw Error(member + " cannot be read: " + zip_strerror(archive));
-  // Piece by piece: the size that the archive claims is not trusted.
+  // Read in pieces: the archive's declared size is not trusted.
   FileBytes bytes;
   constexpr std::size_t kPiece = 1 << 20;
   while (true) {
@@ -256,7 +255,7 @@ std::optional<FileBytes> read_member(zip_t* archive,
   }
 }
 
-/// The values of an array, empty where there is none. `columns`: 1 is a list.
+/// The values of an array; empty if it is missing. `columns`: 1 for a list.
 std::vector<double> read_array(zip_t* archive,
                                const std::string& name,
                                std::uint64_t columns,
@@ -268,15 +267,15 @@ std::vector<double> read_array(zip_t* archive,
   const bool fits =
       columns == 1 ? array.shape.size() == 1 : array.shape.size() == 2 && array.shape[1] == columns;
   if (!fits)
-    throw Error(array_name + ": an array of " + std::to_string(array.shape.size()) +
-                " dimensions, expected " +
+    throw Error(array_name + ": an array with " + std::to_string(array.shape.size()) +
+                " dimensions; expected " +
                 (columns == 1 ? "a list" : std::to_string(columns) + " values per point"));
   check_count(array.shape[0], array_name);
   expect_within_read_limit(static_cast<double>(array.size()) * sizeof(double), array_name);
   return array.values();
 }
 
-/// The archive being written: members' bytes are kept until it is closed.
+/// Writes an archive; keeps the members' bytes until it is closed.
 class NpzWriter {
  public:
   explicit NpzWriter(const std::string& where)
@@ -294,7 +293,7 @@ class NpzWriter {
     const zip_int64_t index =
         zip_file_add(archive_.get(), (name + ".npy").c_str(), source.get(), ZIP_FL_ENC_UTF_8);
     if (index < 0) fail(where_, *zip_get_error(archive_.get()));
-    (void)source.release();  // the archive's now
+    (void)source.release();  // the archive owns it now
     const auto at = static_cast<zip_uint64_t>(index);
     if (zip_set_file_compression(archive_.get(), at, ZIP_CM_STORE, 0) < 0 ||
         zip_file_set_dostime(archive_.get(), at, 0, kFirstDosDate, 0) < 0)
@@ -352,14 +351,14 @@ LabelledPoints parse_npz(io::Bytes file, const std::string& where) {
   LabelledPoints points;
   const auto instance = read_array(archive.get(), "instance", 1, where);
   if (instance.empty() && zip_name_locate(archive.get(), "instance.npy", 0) < 0)
-    throw Error(where + ": it has no array \"instance\", expected plane ids there");
+    throw Error(where + ": no array \"instance\"; expected plane ids in it");
   points.instance = instances_of(instance, where + ": instance");
   const std::size_t count = points.size();
   const auto read = [&](const char* name, std::uint64_t columns) {
     auto values = read_array(archive.get(), name, columns, where);
     if (!values.empty() && values.size() != columns * count)
       throw Error(where + ": " + name + " has " + std::to_string(values.size() / columns) +
-                  " rows, instance has " + std::to_string(count));
+                  " rows, but instance has " + std::to_string(count));
     return values;
   };
   points.label = classes_of(read("label", 1), where + ": label");
@@ -375,7 +374,7 @@ LabelledPoints parse_npz(io::Bytes file, const std::string& where) {
                                                 1, 65536, where + ": depth_size");
   if (!size.empty() && size.size() != 2)
     throw Error(where + ": depth_size has " + std::to_string(size.size()) +
-                " values, expected width and height");
+                " values; expected width and height");
   if (!size.empty()) {
     points.width = size[0];
     points.height = size[1];

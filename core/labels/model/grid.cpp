@@ -1,6 +1,6 @@
 // Normals after Holzer et al. 2012 ("Adaptive neighborhood selection for real-time surface normal
-// estimation"): summed-area tables make any window cost the same, and the distance to the next
-// depth edge says how large it may be. The windows here are fitted in inverse depth.
+// estimation"): summed-area tables make the cost independent of window size, and the distance to
+// the next depth edge limits that size. Here the windows are fitted in inverse depth.
 
 #include "core/labels/model/grid.hpp"
 
@@ -21,8 +21,8 @@
 namespace planescope::labels {
 namespace {
 
-/// On a plane inverse depth is linear in the ray (x, y, 1), and stereo measures it equally well at
-/// any range.
+/// On a plane, inverse depth is linear in the ray (x, y, 1), and stereo measures it with the same
+/// accuracy at any range.
 struct InverseDepth {
   int width = 0, height = 0;
   std::vector<Vec2d> rays;    // per pixel
@@ -31,22 +31,22 @@ struct InverseDepth {
 
 struct DepthSurface {
   double noise = 0;            // standard deviation of the measured inverse depth [1/m]
-  std::vector<Vec3f> normals;  // unit, towards the sensor; zero where too little is measured around
+  std::vector<Vec3f> normals;  // unit, towards the sensor; zero if too little is measured nearby
 };
 
 constexpr int kBlock_px = 48;  // stereo noise is correlated over some 20 pixels
 constexpr int kBlockStep_px = 16;
 constexpr double kLeastNoise = 0.0005;  // [1/m]
-constexpr double kMostNoise = 0.012;    // what is rougher is shape, not noise [1/m]
-constexpr double kUsualNoise = 0.004;   // where the image has no block to measure it on
-constexpr double kLeastFill = 0.6;      // of a block must be measured
-constexpr std::size_t kSmoothPart = 5;  // one block in five shows nothing but a smooth surface
-constexpr int kLeastReach_px = 2;       // of a normal's window from its middle
-constexpr int kWanted_px = 4;           // reach where there is hardly any noise
-constexpr double kReachNoises = 6;      // reach in space: tilts the fit by some ten degrees
+constexpr double kMostNoise = 0.012;    // anything rougher is shape, not noise [1/m]
+constexpr double kUsualNoise = 0.004;   // if the image has no block to measure it
+constexpr double kLeastFill = 0.6;      // share of a block that must be measured
+constexpr std::size_t kSmoothPart = 5;  // assume one block in five is entirely smooth
+constexpr int kLeastReach_px = 2;       // of a normal's window from its center
+constexpr int kWanted_px = 4;           // radius with hardly any noise
+constexpr double kReachNoises = 6;      // radius in space: tilts the fit by about ten degrees
 constexpr int kMostReach_px = 24;
-constexpr int kGap_px = 8;  // without a measurement, across which an edge is still looked for
-constexpr double kEdgeRatio = 0.025;   // of depth: a greater step from pixel to pixel is an edge
+constexpr int kGap_px = 8;             // unmeasured gap across which edges are detected
+constexpr double kEdgeRatio = 0.025;   // of depth: a greater step between pixels is an edge
 constexpr double kEdgeNoises = 5;      // and at least this many times the noise
 constexpr std::uint8_t kFarAway = 64;  // from any edge [px]
 
@@ -74,7 +74,7 @@ class SummedArea {
       }
     }
   }
-  /// Of [u0, u1) x [v0, v1).
+  /// Sums over [u0, u1) x [v0, v1).
   Sums window(int u0, int v0, int u1, int v1) const {
     const Sums &a = at(u0, v0), &b = at(u1, v0), &c = at(u0, v1), &d = at(u1, v1);
     Sums sums;
@@ -114,13 +114,13 @@ Fit fit(const Sums& s) {
   return result;
 }
 
-/// Whether the surface breaks off between two pixels in a row or column, `steps` apart.
+/// Whether there is a depth edge between two pixels of a row or column, `steps` apart.
 bool is_edge(double w0, double w1, int steps, double noise) {
   return std::abs(w1 - w0) >
          std::max(kEdgeNoises * noise, kEdgeRatio * std::min(w0, w1) * std::min(steps, 3));
 }
 
-/// Pixels to the nearest depth edge, diagonals as long as sides; 0 on both sides of one.
+/// Distance to the nearest depth edge in pixels, diagonals count as 1; 0 on both sides of an edge.
 std::vector<std::uint8_t> distance_to_edge(const InverseDepth& depth, double noise) {
   const int width = depth.width, height = depth.height;
   std::vector<std::uint8_t> distance(depth.per_m.size(), kFarAway);
@@ -161,7 +161,7 @@ std::vector<std::uint8_t> distance_to_edge(const InverseDepth& depth, double noi
   return distance;
 }
 
-/// No window fits beside an edge: such pixels take the normals of their neighbours farther from it.
+/// No window fits beside an edge: these pixels copy normals from neighbors farther from the edge.
 void spread_towards_edges(const InverseDepth& depth,
                           double noise,
                           const std::vector<std::uint8_t>& distance,
@@ -195,14 +195,14 @@ double noise_of(const InverseDepth& depth, const SummedArea& sums) {
       if (const Fit f = fit(block); f.solved) roughness.push_back(f.rms);
     }
   if (roughness.empty()) return kUsualNoise;
-  // Most blocks show edges and clutter; the smoothest ones show the noise.
+  // Most blocks contain edges and clutter; the smoothest ones show the noise.
   const auto smooth =
       roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / kSmoothPart);
   std::nth_element(roughness.begin(), smooth, roughness.end());
   return std::clamp(*smooth, kLeastNoise, kMostNoise);
 }
 
-/// The normals' windows end at depth edges and grow with the noise.
+/// The windows of normals end at depth edges and grow with the noise.
 DepthSurface measure_surface(const InverseDepth& depth, double focal_px) {
   const SummedArea sums(depth);
   DepthSurface surface;
@@ -230,7 +230,7 @@ DepthSurface measure_surface(const InverseDepth& depth, double focal_px) {
 
 constexpr double kLeastCosine = 0.05;  // bounds the area of a surface seen edge-on
 
-/// Some files have a field of colour that is the same everywhere: surfaces cannot be told by it.
+/// Some files have a constant color field, which cannot distinguish surfaces.
 bool has_colors(const PointSet& set) {
   if (set.rgb.size() != 3 * set.points.size()) return false;
   for (std::size_t i = 3; i < set.rgb.size(); ++i)
@@ -317,8 +317,8 @@ double LabelGrid::pixel_area_m2(std::uint32_t pixel, const Vec3d* normal) const 
   const Vec3d point = points[pixel].cast<double>();
   const Vec3d facing = normal ? *normal : normals[pixel].cast<double>();
   if (facing.isZero()) return 0;
-  // A pixel's cone cuts z^2 / (fx fy) out of a surface that faces along z, and out of another one
-  // more by 1 / (normal . ray), where the ray is (x, y, 1).
+  // A pixel's cone cuts z^2 / (fx fy) out of a surface facing along z. On a slanted surface the
+  // area is larger by 1 / (normal . ray), where the ray is (x, y, 1).
   const double slant = std::abs(facing.dot(point)) / point.z();
   const double least = kLeastCosine * point.norm() / point.z();
   return point.z() * point.z() / (std::abs(intrinsics.fx * intrinsics.fy) * std::max(slant, least));
@@ -355,14 +355,14 @@ FrameLabels empty_labels(const LabelGrid& grid, const std::string& depth_sha256)
 // A plane through points of the grid.
 namespace {
 
-/// The middle of the scatter's eigenvalues over the largest: below it the points are in a line.
+/// Middle over largest eigenvalue of the scatter: below it, the points are in a line.
 constexpr double kLine = 1e-6;
 
 }  // namespace
 
 FittedPlane fit_plane(const LabelGrid& grid, std::span<const std::uint32_t> pixels) {
   FittedPlane plane;
-  // About one of the points, so that nothing cancels.
+  // Relative to one of the points, to avoid cancellation.
   Vec3d origin = Vec3d::Zero();
   Moments moments;
   for (const std::uint32_t pixel : pixels) {
@@ -385,7 +385,7 @@ FittedPlane fit_plane(const LabelGrid& grid, std::span<const std::uint32_t> pixe
   }
   plane.normal = facing->normal;
   plane.offset_m = facing->offset_m();
-  if (grid.is_cloud() && plane.normal.dot(grid.gravity.direction) > 0) {  // no sensor is known
+  if (grid.is_cloud() && plane.normal.dot(grid.gravity.direction) > 0) {  // no known sensor
     plane.normal = -plane.normal;
     plane.offset_m = -plane.offset_m;
   }
@@ -413,7 +413,7 @@ Label class_of_tilt(double tilt_deg) {
 
 void refit_planes(FrameLabels& labels, const LabelGrid& grid, std::span<const int> ids) {
   assert(labels.plane.pixels() == grid.pixels());
-  std::vector<int> slot(kPlaneIgnore + 1, -1);  // in the list of planes, of those to be fitted
+  std::vector<int> slot(kPlaneIgnore + 1, -1);  // index in the list of planes to fit
   for (std::size_t k = 0; k < labels.planes.size(); ++k) {
     const int id = labels.planes[k].id;
     if (ids.empty() || std::ranges::find(ids, id) != ids.end()) slot[id] = static_cast<int>(k);

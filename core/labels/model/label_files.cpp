@@ -30,31 +30,34 @@ std::string size_of(const Image<T>& image) {
 void check_sizes(const FrameLabels& labels, const std::string& where) {
   const Intrinsics& k = labels.intrinsics;
   if (labels.plane.empty() || labels.plane.channels != 1 || labels.hv.channels != 1)
-    throw Error(where + ": expected a plane image and an h/v image of one channel each");
+    throw Error(
+        where +
+        ": invalid label images; expected a plane image and an h/v image of one channel each");
   if (labels.hv.width != labels.plane.width || labels.hv.height != labels.plane.height)
-    throw Error(fmt::format("{}: the plane image is {}, the h/v image {}", where,
+    throw Error(fmt::format("{}: the plane image is {}, but the h/v image is {}", where,
                             size_of(labels.plane), size_of(labels.hv)));
   if (labels.plane.width != k.width || labels.plane.height != k.height)
-    throw Error(fmt::format("{}: the label images are {}, the intrinsics are for {}x{}", where,
+    throw Error(fmt::format("{}: the label images are {}, but the intrinsics are for {}x{}", where,
                             size_of(labels.plane), k.width, k.height));
 }
 
-/// Throws Error where the labels were made for another depth image or cloud.
+/// Throws Error if the labels were made for another depth image or cloud.
 void check_frame(const FrameLabels& labels,
                  const ExpectedFrame& expected,
                  const std::string& where) {
   const auto points = static_cast<std::size_t>(labels.intrinsics.width);
   if (labels.is_cloud() && expected.points > 0 && points != expected.points)
-    throw Error(fmt::format("{}: made for a cloud of {} points, this recording's frame has {}",
-                            where, points, expected.points));
+    throw Error(
+        fmt::format("{}: created for a cloud of {} points, but this recording's frame has {}",
+                    where, points, expected.points));
   if (!expected.sha256.empty() && labels.depth_sha256 != expected.sha256)
     throw Error(fmt::format(
-        "{}: made for {} with SHA-256 {:.12}, this recording's frame has {:.12}", where,
+        "{}: created for {} with SHA-256 {:.12}, but this recording's frame has {:.12}", where,
         labels.is_cloud() ? fmt::format("a cloud of {} points", points) : "a depth image",
         labels.depth_sha256, expected.sha256));
 }
 
-/// The points of a cloud as an image that any viewer opens.
+/// Converts the points of a cloud to an image that any viewer opens.
 template <typename T>
 Image<T> in_rows(const Image<T>& points) {
   Image<T> image(std::min(points.width, kPointsInRow),
@@ -63,12 +66,12 @@ Image<T> in_rows(const Image<T>& points) {
   return image;
 }
 
-/// The reverse. Throws Error where something is behind the last point.
+/// The reverse. Throws Error if there is data after the last point.
 template <typename T>
 Image<T> in_one_row(Image<T> image, int points, const std::string& where) {
   const auto end = image.data.begin() + points;
   if (std::any_of(end, image.data.end(), [](T value) { return value != 0; }))
-    throw Error(fmt::format("{}: labels behind the last of {} points", where, points));
+    throw Error(fmt::format("{}: labels after the last of {} points", where, points));
   image.data.resize(static_cast<std::size_t>(points));
   image.width = points;
   image.height = 1;
@@ -87,10 +90,10 @@ void check_numbers(const FrameLabels& labels, const std::string& where) {
   if (!finite) throw Error(where + ": a number is not finite");
   for (const LabelPlane& plane : labels.planes) {
     if (plane.confidence < 0 || plane.confidence > 1)
-      throw Error(fmt::format("{}: plane {} has confidence {:f}, expected 0..1", where, plane.id,
+      throw Error(fmt::format("{}: plane {} has confidence {:f}; expected 0 to 1", where, plane.id,
                               plane.confidence));
     if (plane.fragments < 0)
-      throw Error(fmt::format("{}: plane {} has {} fragments, expected 0 or more", where, plane.id,
+      throw Error(fmt::format("{}: plane {} has {} fragments; expected 0 or more", where, plane.id,
                               plane.fragments));
   }
 }
@@ -99,10 +102,10 @@ void check_review(const FrameLabels& labels, const std::string& where) {
   const std::size_t pixels = labels.plane.pixels();
   for (const ReviewNote& note : labels.review) {
     if (note.pixel >= pixels || note.pixels > pixels)
-      throw Error(fmt::format("{}: a review note about {} pixels at pixel {}, the image has {}",
+      throw Error(fmt::format("{}: a review note about {} pixels at pixel {}, but the image has {}",
                               where, note.pixels, note.pixel, pixels));
     if (note.label_plane < 0 || note.other_plane < 0)
-      throw Error(fmt::format("{}: a review note about planes {} and {}, expected 0 or more", where,
+      throw Error(fmt::format("{}: a review note about planes {} and {}; expected 0 or more", where,
                               note.label_plane, note.other_plane));
   }
 }
@@ -114,20 +117,21 @@ void check_ids(const FrameLabels& labels, const std::string& where) {
     throw Error(fmt::format("{}: {} {}{}", where, what, value, why));
   };
   for (const LabelPlane& plane : labels.planes) {
-    if (plane.id < 1 || plane.id >= kPlaneIgnore) fail("plane id", plane.id, ", expected 1..65534");
+    if (plane.id < 1 || plane.id >= kPlaneIgnore)
+      fail("plane id", plane.id, "; expected 1 to 65534");
     if (listed[plane.id]) fail("plane id", plane.id, " is listed twice");
     listed[plane.id] = true;
   }
   for (const std::uint16_t id : labels.plane.data)
     if (!listed[id]) fail("plane id", id, " is in the image but not in the list of planes");
   for (const std::uint8_t value : labels.hv.data)
-    if (value > 2 && value != kHvIgnore) fail("h/v value", value, ", expected 0, 1, 2 or 255");
+    if (value > 2 && value != kHvIgnore) fail("h/v value", value, "; expected 0, 1, 2 or 255");
 }
 
-/// Throws Error unless the images have one channel, the same size and that of the intrinsics, the
-/// plane ids are distinct and in 1..65534, every id in the image is listed, the h/v values are
-/// known ones, all numbers are finite, confidences are 0..1 and review notes are about pixels of
-/// the image. `where` opens the message.
+/// Throws Error unless the images have one channel and the size of the intrinsics, the plane ids
+/// are distinct and in 1..65534, every id in the image is listed, the h/v values are known, all
+/// numbers are finite, confidences are 0..1 and review notes refer to pixels of the image. The
+/// message begins with `where`.
 void check_labels(const FrameLabels& labels, const std::string& where) {
   check_sizes(labels, where);
   check_numbers(labels, where);
@@ -161,7 +165,7 @@ LabelFileBytes encode_label_files(const fs::path& dir, int frame_index, const Fr
 void write_label_files(const fs::path& dir, int frame_index, const LabelFileBytes& bytes) {
   std::error_code error;
   fs::create_directories(dir, error);
-  if (error) throw Error(dir.string() + ": cannot be made a folder: " + error.message());
+  if (error) throw Error(dir.string() + ": folder cannot be created: " + error.message());
   const auto paths = label_file_paths(dir, frame_index);
   for (std::size_t i = 0; i < kLabelFiles; ++i) write_file_bytes(paths[i], bytes[i], Durable::yes);
 }
@@ -185,12 +189,12 @@ std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
   const int width = labels.is_cloud() ? std::min(points, kPointsInRow) : labels.intrinsics.width;
   const int height =
       labels.is_cloud() ? (points + kPointsInRow - 1) / kPointsInRow : labels.intrinsics.height;
-  // The headers first: images that would be refused for their size are not decoded.
+  // Headers first, so that images of the wrong size are never decoded.
   for (const fs::path& path : {plane_path, hv_path}) {
     const io::PngInfo info = io::png_info(path);
     if (info.width != width || info.height != height)
-      throw Error(fmt::format("{}: {}x{} pixels, its frame has {}x{}", path.string(), info.width,
-                              info.height, width, height));
+      throw Error(fmt::format("{}: {}x{} pixels, but its frame has {}x{}", path.string(),
+                              info.width, info.height, width, height));
   }
   labels.plane = io::read_png_16(plane_path);
   labels.hv = io::read_png_grey(hv_path);
@@ -210,11 +214,11 @@ std::optional<FrameLabels> read_labels_of_frame(const std::filesystem::path& dir
   if (!labels) return labels;
   const std::string where = fmt::format("{}: labels of frame {}", dir.string(), frame.index);
   if (labels->is_cloud() != frame.is_cloud())
-    throw Error(where + (frame.is_cloud() ? " are of a depth image, the frame is a cloud"
-                                          : " are of a cloud, the frame is a depth image"));
+    throw Error(where + (frame.is_cloud() ? " are for a depth image, but the frame is a cloud"
+                                          : " are for a cloud, but the frame is a depth image"));
   if (!frame.is_cloud() &&
       (labels->plane.width != frame.depth.width || labels->plane.height != frame.depth.height))
-    throw Error(where + " are " + size_of(labels->plane) + ", its depth is " +
+    throw Error(where + " are " + size_of(labels->plane) + ", but its depth image is " +
                 size_of(frame.depth));
   return labels;
 }
@@ -229,12 +233,12 @@ std::optional<planes::SourceTruth> frame_truth(const Frame& frame,
   return std::nullopt;
 }
 
-// The JSON among the label files.
+// The JSON part of the label files.
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLargestUnit_m = 1;  // of a count
+constexpr double kLargestUnit_m = 1;  // per count
 constexpr const char* kSchema = "planescope.labels/1";
 
 void intrinsics_fields(auto& fields, auto& k) {
@@ -260,7 +264,7 @@ void gravity_fields(Fields& fields, auto& gravity) {
   fields("note", gravity.note);
 }
 
-/// Values that most planes share are left out.
+/// Omits values that most planes share.
 void plane_fields(auto& fields, auto& plane) {
   const LabelPlane usual;
   fields("id", plane.id);
@@ -333,7 +337,7 @@ FrameLabels parse_label_json(const std::string& text, int frame_index, const std
   return read_place(where, parse_json<Json>(text, where), [&](const JsonPlace& place) {
     place.schema({kSchema});
     if (const int frame = place.at("frame").whole(0); frame != frame_index)
-      throw Error(fmt::format("labels of frame {}, expected frame {}", frame, frame_index));
+      throw Error(fmt::format("labels of frame {}; expected frame {}", frame, frame_index));
     FrameLabels labels;
     FieldReader fields(place);
     label_fields(fields, labels);

@@ -50,15 +50,15 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
     return flooded_parts(pixels, grid, part_of,
                          [&](std::uint32_t, std::uint32_t to) { return own[to] != 0; });
   }
-  // The pixels grow into the gaps, ring by ring; where two meet on a path short enough they are
-  // one. `steps` is the distance into the gap.
+  // The parts grow into the gaps, ring by ring, and join if they meet within a short enough path.
+  // `steps` is the distance into the gap.
   std::vector<std::uint16_t> steps(grid.pixels(), kFar);
   DisjointSets sets(grid.pixels());
   std::vector<std::uint32_t> reached(pixels.begin(), pixels.end());
   for (const std::uint32_t pixel : reached) steps[pixel] = 0;
   for (std::size_t k = 0; k < reached.size(); ++k) {
     const std::uint32_t pixel = reached[k];
-    if (2 * steps[pixel] >= gap_px) break;  // from here on the other side meets it half way
+    if (2 * steps[pixel] >= gap_px) break;  // the other side covers the rest
     for_neighbours(pixel, grid.width, grid.height, [&](std::uint32_t other) {
       if (grid.measured[other] || steps[other] != kFar) return;
       steps[other] = static_cast<std::uint16_t>(steps[pixel] + 1);
@@ -88,7 +88,7 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
 namespace {
 
 std::uint32_t deepest_in_image(std::span<const std::uint32_t> pixels, int width, int height) {
-  // Steps to the outside, by one pass down and one up; a frame of zeros around the image.
+  // Distance to the outside in one pass down and one up, with a border of zeros around the image.
   const int stride = width + 2;
   std::vector<int> steps(static_cast<std::size_t>(stride) * (height + 2), 0);
   const auto place = [&](std::uint32_t pixel) {
@@ -112,7 +112,7 @@ std::vector<std::uint8_t> near_in_image(std::span<const std::uint32_t> pixels,
                                         int width,
                                         int height,
                                         int distance_px) {
-  // Along the rows, then along the columns: a square is both.
+  // Along the rows, then along the columns: a separable square.
   const auto image = static_cast<std::size_t>(width) * height;
   std::vector<std::uint8_t> along(image, 0), near(image, 0);
   for (const std::uint32_t pixel : pixels) {
@@ -198,7 +198,7 @@ std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
 std::vector<PixelSet> parts_apart(std::span<const std::uint32_t> pixels,
                                   const LabelGrid& grid,
                                   int gap_px) {
-  // Grown by half of the gap, parts that are nearer touch.
+  // Grown by half the gap, parts closer than the gap touch.
   const auto grown = pixels_near(pixels, grid, std::max(0, gap_px / 2 - 1));
   std::vector<int> part_of;
   return flooded_parts(pixels, grid, part_of,
@@ -210,7 +210,7 @@ std::vector<std::uint32_t> flood(const std::vector<std::uint8_t>& passable,
                                  int height,
                                  std::span<const std::uint32_t> start,
                                  std::vector<std::uint8_t>& region) {
-  // Row by row: a run is filled whole, and the rows above and below are searched along it.
+  // Scanline fill: fill a whole run, then search the rows above and below it.
   std::vector<std::uint32_t> added;
   std::vector<std::uint32_t> open(start.begin(), start.end());
   const auto free = [&](std::size_t i) { return passable[i] && !region[i]; };
@@ -281,7 +281,7 @@ std::vector<PixelSet> small_holes(const std::vector<std::uint8_t>& region,
       }
       closed = closed && hole.size() <= static_cast<std::size_t>(most);
     }
-    // What was too large is left half visited; whatever touches it is no hole either.
+    // Holes that are too large remain partly visited; anything that touches them is no hole either.
     for (const std::uint32_t i : hole) seen[i] = closed ? kRegion : kNoHole;
     if (closed) holes.push_back(hole);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Sets of pixels of an image: their connected parts, distances within them, growing and filling.
+// Pixel sets of an image: connected parts, distances, growing and filling.
 
 #include <cstdint>
 #include <span>
@@ -11,11 +11,11 @@
 
 namespace planescope::labels {
 
-/// Connected parts (four neighbours; of a cloud, its own) of every value in an image, by value; as
-/// long as the largest value needs.
+/// Connected parts (four neighbors, or the graph of a cloud) of every value in an image, indexed by
+/// value up to the largest one.
 std::vector<int> count_fragments(const Image16& image, const LabelGrid* grid = nullptr);
 
-/// Calls visit(neighbour) for the eight pixels around one, fewer at the image's border.
+/// Calls visit(neighbor) for the eight pixels around one, fewer at the image's border.
 template <typename Visit>
 void for_neighbours(std::uint32_t pixel, int width, int height, const Visit& visit) {
   const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
@@ -24,7 +24,7 @@ void for_neighbours(std::uint32_t pixel, int width, int height, const Visit& vis
       if (u != x || v != y) visit(static_cast<std::uint32_t>(v * width + u));
 }
 
-/// The same for the up to four pixels at its sides.
+/// The same for up to four pixels at its sides.
 template <typename Visit>
 void for_sides(std::uint32_t pixel, int width, int height, const Visit& visit) {
   const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
@@ -34,8 +34,8 @@ void for_sides(std::uint32_t pixel, int width, int height, const Visit& visit) {
   if (y + 1 < height) visit(pixel + static_cast<std::uint32_t>(width));
 }
 
-/// Grows from `front` ring by ring, `rings` of them at most: reach(pixel, next) adds the pixels
-/// that it takes to `next`.
+/// Grows from `front` ring by ring, up to `rings` of them: reach(pixel, next) appends the pixels
+/// that it adds to `next`.
 template <typename Reach>
 void grow_rings(std::vector<std::uint32_t> front, int rings, const Reach& reach) {
   std::vector<std::uint32_t> next;
@@ -46,16 +46,16 @@ void grow_rings(std::vector<std::uint32_t> front, int rings, const Reach& reach)
   }
 }
 
-/// for_neighbours() on a grid, whose neighbours are a cloud's own where it is one.
+/// for_neighbours() on a grid: of the image, or of a cloud's graph.
 template <typename Visit>
 void for_neighbours(std::uint32_t pixel, const LabelGrid& grid, const Visit& visit) {
   if (!grid.is_cloud()) return for_neighbours(pixel, grid.width, grid.height, visit);
   for (const std::uint32_t next : grid.graph.around(pixel)) visit(next);
 }
 
-/// Parts of a set: two pixels are in one part where steps to one of eight neighbours, each allowed
-/// by `joins(from, to)`, lead from one to the other, over pixels of the set or not. In order of
-/// their first pixels. `part_of`: per pixel of the image the part that reached it, -1 none.
+/// Parts of a set: two pixels are in one part if a path of neighbor steps, each allowed by
+/// `joins(from, to)`, connects them, within the set or not. Ordered by first pixel. `part_of`: per
+/// pixel of the image, the part that reached it, -1 none.
 template <typename Joins>
 std::vector<PixelSet> flooded_parts(std::span<const std::uint32_t> pixels,
                                     const LabelGrid& grid,
@@ -85,50 +85,50 @@ std::vector<PixelSet> flooded_parts(std::span<const std::uint32_t> pixels,
   return parts;
 }
 
-/// Eight neighbours; parts that at most `gap_px` pixels without a measurement keep apart are one.
-/// Of a cloud, its own neighbours. In order of their first pixels.
+/// Parts by eight neighbors, or by the graph of a cloud. Parts separated by at most `gap_px`
+/// unmeasured pixels are joined. Ordered by first pixel.
 std::vector<PixelSet> connected_parts(const LabelGrid& grid,
                                       std::span<const std::uint32_t> pixels,
                                       int gap_px);
 
-/// The pixel of a set that is farthest from all that is not in it; of several the first. The
-/// image's border counts as outside. Of a cloud the point most steps from all that is not in the
-/// set; of several the one nearest to their middle. `pixels` is not empty.
+/// The pixel of a set farthest from everything outside it, or the first of several. Outside the
+/// image counts as outside. In a cloud, the point with the most steps to the outside, or of several
+/// the one nearest to their middle. `pixels` must not be empty.
 std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, const LabelGrid& grid);
 
-/// Per pixel: 1 where one of the set is at most `distance_px` columns and rows away; of a cloud, at
-/// most about as many spacings.
+/// Per pixel: 1 if a pixel of the set is at most `distance_px` columns and rows away; in a cloud,
+/// at most about as many spacings.
 std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
                                       const LabelGrid& grid,
                                       int distance_px);
 
-/// Parts of a set that lie at least `gap_px` (even) columns or rows apart, of a cloud about as many
-/// spacings, whatever lies between.
+/// Parts of a set that are at least `gap_px` (even) columns or rows apart, or in a cloud about as
+/// many spacings, whatever is between them.
 std::vector<PixelSet> parts_apart(std::span<const std::uint32_t> pixels,
                                   const LabelGrid& grid,
                                   int gap_px);
 
-/// Steps from each point of a region of a cloud to what is outside of it, 1 beside it; of a region
-/// with no outside very many. `region_of`: per point, below 0 in none.
+/// Steps from each point of a cloud's region to the outside, 1 at the border; a very large number
+/// if there is no outside. `region_of`: per point, negative for none.
 std::vector<int> steps_to_outside(const LabelGrid& cloud, std::span<const int> region_of);
 
-/// Adds to `region` (1) what can be reached from `start` over pixels where `passable` is not 0,
-/// by sides. Returns the pixels added.
+/// Adds to `region` (1) all pixels reachable from `start` through sides over pixels with nonzero
+/// `passable`. Returns the added pixels.
 std::vector<std::uint32_t> flood(const std::vector<std::uint8_t>& passable,
                                  int width,
                                  int height,
                                  std::span<const std::uint32_t> start,
                                  std::vector<std::uint8_t>& region);
 
-/// Adds to `region` what lies within `reach` steps of it, of pixels where `passable` is not 0.
+/// Adds to `region` all pixels within `reach` steps of it through pixels with nonzero `passable`.
 void spread(const std::vector<std::uint8_t>& passable,
             int width,
             int height,
             int reach,
             std::vector<std::uint8_t>& region);
 
-/// The holes of a region with at most `most` pixels each, by their first pixels; none of them
-/// touches the image's border.
+/// The holes of a region with at most `most` pixels each, ordered by first pixel. Holes never touch
+/// the image's border.
 std::vector<PixelSet> small_holes(const std::vector<std::uint8_t>& region,
                                   int width,
                                   int height,

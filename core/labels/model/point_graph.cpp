@@ -1,4 +1,4 @@
-// Which points of a cloud are neighbors, and what the surface around each is like.
+// Neighbors of the points of a cloud, and the surface around each point.
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -15,16 +15,16 @@
 namespace planescope::labels {
 namespace {
 
-constexpr std::size_t kNearestPlaces = 12;  // places around each
-constexpr std::size_t kLeastFit = 5;        // of a normal
-constexpr double kFlat = 0.35;              // thickness over width of what has a normal
-constexpr std::size_t kSmoothestPart = 5;  // one point in five lies on nothing but a smooth surface
+constexpr std::size_t kNearestPlaces = 12;  // around each place
+constexpr std::size_t kLeastFit = 5;        // for a normal
+constexpr double kFlat = 0.35;              // maximum thickness over width for a normal
+constexpr std::size_t kSmoothestPart = 5;   // assume one point in five is on a smooth surface
 constexpr double kLeastNoise_m = 0.0005, kMostNoise_m = 0.05;
 
-/// Points at the same place, as a mesh has its corners, are one place.
+/// Points at the same position, such as corners of a mesh, are one place.
 struct Places {
   std::vector<std::uint32_t> first;     // the first point of each, ascending
-  std::vector<std::uint32_t> place_of;  // per point; kNone where it is not measured
+  std::vector<std::uint32_t> place_of;  // per point; kNone if not measured
   std::vector<std::uint32_t> count;     // points at each
 
   static constexpr std::uint32_t kNone = ~0u;
@@ -60,7 +60,7 @@ Places places_of(std::span<const Vec3f> points, std::span<const std::uint8_t> me
   return places;
 }
 
-/// The interface through which nanoflann reads places.
+/// nanoflann's interface to places.
 struct PlacesView {
   std::span<const Vec3f> points;
   std::span<const std::uint32_t> first;
@@ -81,10 +81,10 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<fl
 
 struct LocalSurface {
   Vec3f normal = Vec3f::Zero();
-  double rms_m = -1;  // -1: not known
+  double rms_m = -1;  // -1: unknown
 };
 
-/// By principal components of a place and those around it.
+/// By principal components of a place and its neighbors.
 LocalSurface local_surface(std::span<const Vec3f> points,
                            const Places& places,
                            std::span<const std::uint32_t> found,
@@ -102,7 +102,7 @@ LocalSurface local_surface(std::span<const Vec3f> points,
   return surface;
 }
 
-/// Both ways, from places to points: those at one place are neighbours of the first of them.
+/// Symmetric, from places to points: the points at a place are neighbors of its first point.
 PointGraph graph_of(const Places& places,
                     const std::vector<std::array<std::uint32_t, kNearestPlaces>>& nearest,
                     const std::vector<std::uint8_t>& nearest_count) {
@@ -170,8 +170,7 @@ PointSurface surface_of_points(std::span<const Vec3f> points,
   std::vector<float> areas(count, 0);
   std::vector<double> roughness;
   for (std::size_t n = 0; n < count; ++n) {
-    const std::uint32_t p =
-        tree.vAcc[n];  // so that one search finds in the cache what the last read
+    const std::uint32_t p = tree.vAcc[n];  // in tree order, so that searches share the cache
     const Vec3f& point = points[places.first[p]];
     std::array<std::uint32_t, kNearestPlaces + 1> found;
     std::array<float, kNearestPlaces + 1> squared;

@@ -16,26 +16,25 @@ namespace planescope::labels {
 namespace {
 
 constexpr double kOutlierSigmas = 4;
-constexpr double kLeastPlanar = 0.5;  // of a region without a label: below it, it is clutter
+constexpr double kLeastPlanar = 0.5;  // of an unlabeled region; below it, the region is clutter
 constexpr double kSameCamera = 1e-3;  // of a focal length or a unit
 constexpr double kSameCentre_px = 0.5;
-// Strips along the borders of labels are no region: one has a pixel this far from any label.
+// Ignore strips along the borders of labels: a region needs a pixel this far from any label.
 constexpr int kStrip_px = 2;
-constexpr std::size_t kSpeck_px =
-    32;  // smaller parts are crumbs along ragged edges, not parts of a plane
+constexpr std::size_t kSpeck_px = 32;  // smaller parts are specks along ragged edges
 
-/// In square metres where that is the handier number.
+/// In square meters unless the area is small.
 std::string area_text(double area_m2) {
   return area_m2 < 0.1 ? fmt::format("{:.0f} cm2", 1e4 * area_m2)
                        : fmt::format("{:.2f} m2", area_m2);
 }
 
-/// What is known of one plane's pixels.
+/// Pixels of a plane and their distances.
 struct Surface {
   const LabelPlane& plane;
   PixelSet pixels;
   std::vector<double> distance_m;  // of each pixel from the plane
-  std::vector<double> noise_m;     // expected of it: a good plane's own, and the depth's
+  std::vector<double> noise_m;     // expected: a good plane's own, and the depth's
   double mean_range_m = 0, area_m2 = 0;
 };
 
@@ -47,7 +46,7 @@ Surface measure(const LabelPlane& plane,
   for (const std::uint32_t pixel : surface.pixels) {
     const Vec3d point = grid.points[pixel].cast<double>();
     const double range_m = point.norm();
-    // Depth errors act along the ray: a plane seen edge-on is hardly moved by them.
+    // Depth errors act along the ray: a plane seen edge-on hardly moves.
     const double slant = grid.is_cloud() ? 1 : std::abs(plane.normal.dot(point)) / range_m;
     const double across = slant * grid.sigma_m[pixel];
     surface.distance_m.push_back(std::abs(plane.normal.dot(point) - plane.offset_m));
@@ -104,7 +103,7 @@ class Audit {
     const double value = 1000 * rms(s.distance_m), limit = 1000 * 2 * rms(s.noise_m);
     if (value <= limit) return;
     add(FindingKind::rms, s.plane.id, s.pixels, value, limit,
-        fmt::format("RMS {:.1f} mm, expected at most {:.1f} mm at {:.1f} m", value, limit,
+        fmt::format("RMS {:.1f} mm; expected at most {:.1f} mm at {:.1f} m", value, limit,
                     s.mean_range_m));
   }
 
@@ -117,7 +116,7 @@ class Audit {
     const double limit = 100 * options_.max_outlier_share;
     if (value <= limit) return;
     add(FindingKind::outliers, s.plane.id, std::move(far), value, limit,
-        fmt::format("{:.1f} % of its {}s lie off it, expected at most {:.1f} %", value, sample(),
+        fmt::format("{:.1f} % of its {}s are off it; expected at most {:.1f} %", value, sample(),
                     limit));
   }
 
@@ -135,15 +134,15 @@ class Audit {
     std::sort(smaller.begin(), smaller.end());
     const std::size_t pixels = smaller.size();
     add(FindingKind::parts, s.plane.id, std::move(smaller), value, 1,
-        fmt::format("{:.0f} parts that lie apart, expected 1 ({} {}s in the smaller ones)", value,
-                    pixels, sample()));
+        fmt::format("{:.0f} separate parts; expected 1 ({} {}s in the smaller ones)", value, pixels,
+                    sample()));
   }
 
   void check_area(const Surface& s) {
     const double value = 1e4 * s.area_m2, limit = 1e4 * options_.min_area_m2;
     if (value >= limit) return;
     add(FindingKind::tiny, s.plane.id, s.pixels, value, limit,
-        fmt::format("{:.1f} cm2, expected at least {:.1f} cm2", value, limit));
+        fmt::format("{:.1f} cm2; expected at least {:.1f} cm2", value, limit));
   }
 
   void check_class(const Surface& s) {
@@ -154,11 +153,11 @@ class Audit {
     const double limit = is_h ? options_.max_class_tilt_deg : 90 - options_.max_class_tilt_deg;
     if (is_h ? tilt_deg <= limit : tilt_deg >= limit) return;
     add(FindingKind::class_normal, s.plane.id, s.pixels, tilt_deg, limit,
-        fmt::format("labeled {} and tilted {:.0f} degrees, expected at {} {:.0f}",
+        fmt::format("labeled {} and tilted {:.0f} degrees; expected at {} {:.0f}",
                     to_string(s.plane.label), tilt_deg, is_h ? "most" : "least", limit));
   }
 
-  /// Labels keep what they were drawn with: with another camera planes lie elsewhere.
+  /// Labels store their camera: with another one, planes are elsewhere.
   void check_camera() {
     const Intrinsics &ours = labels_.intrinsics, &k = grid_.intrinsics;
     const auto name = [&](const char* what, double was, double is) {
@@ -169,7 +168,7 @@ class Audit {
            {},
            was,
            is,
-           fmt::format("drawn with {} {:.6g}, the frame has {:.6g}", what, was, is)});
+           fmt::format("drawn with {} {:.6g}, but the frame has {:.6g}", what, was, is)});
     };
     const auto differ = [](double a, double b) {
       return std::abs(a - b) > kSameCamera * std::max(std::abs(a), std::abs(b));
@@ -184,7 +183,7 @@ class Audit {
     if (std::abs(ours.cy - k.cy) > kSameCentre_px) name("cy", ours.cy, k.cy);
   }
 
-  /// Somebody has looked at about as much, and kept it without a plane.
+  /// A reviewer has kept a region of similar size without a plane.
   bool is_decided(const PixelSet& region) const {
     return std::ranges::any_of(labels_.review, [&](const ReviewNote& note) {
       return note.kind == DisagreementKind::invented && note.decision == ReviewDecision::keep &&
@@ -193,7 +192,7 @@ class Audit {
     });
   }
 
-  /// Of a region's pixels, on the plane that holds most of them. Clutter lies on none.
+  /// Share of a region's pixels on the plane that contains most of them. Small for clutter.
   double share_on_a_plane(const PixelSet& region) const {
     if (!field_) field_.emplace(make_wand_field(grid_, nullptr, {}));
     LocalFitOptions all_alike;
@@ -233,7 +232,7 @@ class Audit {
       if (share < kLeastPlanar || share * value < limit) continue;
       const std::size_t pixels = region.size();
       add(FindingKind::unlabelled, 0, std::move(region), value, limit,
-          fmt::format("{} without a label ({} {}s), expected less than {}", area_text(1e-4 * value),
+          fmt::format("{} without a label ({} {}s); expected less than {}", area_text(1e-4 * value),
                       pixels, sample(), area_text(1e-4 * limit)));
     }
   }
@@ -242,7 +241,7 @@ class Audit {
   const LabelGrid& grid_;
   const AuditOptions& options_;
   std::vector<Finding> findings_;
-  mutable std::optional<WandField> field_;  // made when it is needed
+  mutable std::optional<WandField> field_;  // created on demand
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Labels carried to another frame, or proposed in all frames of known pose.
+// Carries labels to another frame, or proposes them in all frames with known poses.
 
 #include "core/labels/review/carry.hpp"
 
@@ -20,16 +20,16 @@ namespace {
 constexpr double kSameNoises = 4;  // of depth, within which both frames see the same surface ...
 constexpr double kSameLeast_m = 0.015;  // ... and at least this
 constexpr int kRefits = 3;
-constexpr std::size_t kLeastPixels = 25;  // of a plane, to be fitted
-constexpr double kMostTurn_deg = 20;      // of a plane when it is fitted anew
+constexpr std::size_t kLeastPixels = 25;  // minimum size of a plane to fit
+constexpr double kMostTurn_deg = 20;      // of a plane when it is fitted again
 constexpr int kExtend_px = 8;
-constexpr double kSamePlane_deg = 10;  // an existing plane of the same number is the same one
-constexpr double kRegistering = 0.7;   // of the whole work
+constexpr double kSamePlane_deg = 10;  // to be the same plane as one with this id
+constexpr double kRegistering = 0.7;   // of the whole progress
 constexpr double kSpeck_m2 = 0.001;    // smaller parts of a carried plane are dropped
 constexpr int kHole_px = 100;          // smaller holes of a carried plane are filled
 constexpr std::uint32_t kUnseen = 0xffffffff;
 
-/// What the other frame's labels say about each pixel of this one.
+/// Labels of the other frame, projected to each pixel of this one.
 struct Expected {
   std::vector<std::uint16_t> plane;
   std::vector<std::uint8_t> hv;
@@ -59,8 +59,7 @@ Expected warped(const LabelGrid& from,
   return expected;
 }
 
-/// The plane where it is expected, fitted to what was measured there; nullopt where there is no
-/// plane.
+/// A plane fitted to the measurements where it is expected; nullopt if there is none.
 std::optional<Sheet> fitted(const WandField& field, const Sheet& start, const PixelSet& pixels) {
   const float least_cosine = static_cast<float>(std::cos(kMostTurn_deg * std::numbers::pi / 180));
   Sheet sheet = start;
@@ -84,11 +83,11 @@ Sheet moved(const LabelPlane& plane, const Pose& T_to_from) {
           static_cast<float>(plane.offset_m + normal.dot(T_to_from.translation()))};
 }
 
-/// A plane on its way into the new frame.
+/// A plane being carried into the new frame.
 struct Carried {
-  int id = 0;  // there
+  int id = 0;  // in the old frame
   Sheet sheet;
-  std::vector<std::uint8_t> open;  // per pixel of the new frame, 1 where it may extend
+  std::vector<std::uint8_t> open;  // per pixel of the new frame, 1 if it may extend there
 };
 
 class Carrying {
@@ -132,7 +131,7 @@ class Carrying {
     result_.planes.push_back(report);
   }
 
-  /// Pixels in no plane: a class alone, or "do not score".
+  /// Pixels without a plane: a class alone, or "do not score".
   void carry_mark(std::uint32_t pixel, std::uint16_t plane, std::uint8_t hv) {
     result_.labels.plane.data[pixel] = plane;
     result_.labels.hv.data[pixel] = hv;
@@ -157,8 +156,8 @@ class Carrying {
     });
   }
 
-  /// Grows each plane, as the wand would from within its parts, over what the other frame did not
-  /// see; then fills small holes, evens out ragged borders and drops specks.
+  /// Grows each plane, like the wand would from within its parts, over pixels that the other frame
+  /// did not see; then fills small holes, smooths ragged borders and drops specks.
   void grow_and_clean() {
     refit();
     for (const Carried& plane : carried_) {
@@ -168,7 +167,7 @@ class Carrying {
       change(plane.id, grow_to_border(result_.labels, to_, plane.id, {.within = within}));
       change(plane.id, fill_small_holes(result_.labels, to_, plane.id, {}, kHole_px));
       Finish smooth = smooth_border(result_.labels, to_, plane.id, {});
-      smooth.takes.clear();  // narrow parts stay as they were drawn
+      smooth.takes.clear();  // keep narrow parts as drawn
       change(plane.id, smooth);
       Finish specks = drop_specks(result_.labels, to_, plane.id, kSpeck_m2);
       std::erase_if(specks.takes,
@@ -188,8 +187,8 @@ class Carrying {
   }
 
  private:
-  /// Not where the other frame saw the plane and it was left without a label: there the labeler
-  /// drew its border.
+  /// Closed where the other frame saw the plane but has no label: there the labeler drew its
+  /// border.
   std::vector<std::uint8_t> open_to(const LabelPlane& plane) const {
     const Sheet sheet{plane.normal.cast<float>(), static_cast<float>(plane.offset_m)};
     std::vector<std::uint8_t> open(to_.pixels(), 0);
@@ -214,8 +213,8 @@ class Carrying {
     }
   }
 
-  /// The number a plane gets in the new frame: its own, where that is free or is the same plane
-  /// already. 0: it is locked there.
+  /// Id of a plane in the new frame: its own, if that is free or already the same plane. 0: that
+  /// plane is locked.
   int place_for(const LabelPlane& plane, const Sheet& sheet, double confidence) {
     LabelPlane copy = plane;
     if (const LabelPlane* there = find_plane(result_.labels, plane.id)) {
@@ -248,7 +247,7 @@ class Carrying {
   std::vector<Carried> carried_;
 };
 
-/// Throws Error where it has to be found, and the frames show too little of the same.
+/// Throws Error if the motion is unknown and the frames overlap too little to register.
 Registration motion_between(const Frame& from_frame,
                             const LabelGrid& from,
                             const Frame& to_frame,
@@ -266,7 +265,7 @@ Registration motion_between(const Frame& from_frame,
   });
   if (motion.fitness < options.min_fitness)
     throw Error(fmt::format(
-        "frames {} and {}: only {:.0f} % of the points match, expected at least {:.0f} %: the "
+        "frames {} and {}: only {:.0f} % of the points match; expected at least {:.0f} %; the "
         "frames "
         "overlap too little",
         from_frame.name, to_frame.name, 100 * motion.fitness, 100 * options.min_fitness));
@@ -319,13 +318,13 @@ CarriedLabels carry_labels(const Frame& from_frame,
 
 namespace {
 
-/// Whose labels can be carried on.
+/// A frame to carry labels from.
 struct Source {
   SpreadFrame at;
   Pose T_world_camera = Pose::Identity();
 };
 
-/// The labels of planes that `labels` does not have yet.
+/// The labels of planes that are missing in `labels`.
 FrameLabels without_those_of(const FrameLabels& all, const FrameLabels& labels) {
   LabelDraft rest(all);
   for (const LabelPlane& plane : labels.planes)
@@ -340,7 +339,7 @@ class Spreading {
     if (!pose) throw Error(fmt::format("frame {} has no pose", job.from));
     first_ = {job.open(job.from), *pose};
     if (first_.at.labels.planes.empty())
-      throw Error(fmt::format("frame {} has no planes that could be proposed", job.from));
+      throw Error(fmt::format("frame {} has no planes to propose", job.from));
   }
 
   std::vector<Proposal> run() {
@@ -357,7 +356,7 @@ class Spreading {
   }
 
  private:
-  /// The frame with what is proposed; nothing where it cannot be labelled.
+  /// The frame with its proposal; nullopt if it cannot be labeled.
   std::optional<Source> propose(const Source& before, int frame) {
     const auto pose = job_.T_world_camera(frame);
     if (!pose) return std::nullopt;
@@ -366,7 +365,7 @@ class Spreading {
     try {
       here.at = job_.open(frame);
     } catch (const Error&) {
-      return std::nullopt;  // says why where it is opened
+      return std::nullopt;  // open() reports the reason
     }
     std::size_t doubtful = 0;
     FrameLabels labels = carry(before, here, before.at.labels, here.at.labels, doubtful);

@@ -1,8 +1,8 @@
 #pragma once
 
-// Labels carried from one frame to the next: motion by RGB-D odometry or ICP, then each plane is
-// fitted to the new frame's own points. Where the camera's poses are known, labels of one frame are
-// proposed in all that see its planes.
+// Carries labels from one frame to the next: finds the motion by RGB-D odometry or ICP, then fits
+// each plane to the new frame's points. If the camera's poses are known, labels of one frame are
+// proposed in all frames that see its planes.
 
 #include <functional>
 #include <optional>
@@ -15,18 +15,18 @@
 
 namespace planescope::labels {
 
-/// A carried plane of less confidence is in doubt.
+/// Carried planes with less confidence are doubtful.
 inline constexpr double kSure = 0.8;
 
 struct CarriedPlane {
-  int id = 0;             // in the new frame: another one where its own is taken there
-  double confidence = 0;  // share of the pixels it was expected on that lie on its fitted plane
+  int id = 0;             // in the new frame: a new one if its own is in use
+  double confidence = 0;  // share of its expected pixels that are on its fitted plane
   std::size_t pixels = 0, doubtful = 0;
 };
 
 struct CarriedLabels {
   FrameLabels labels;                 // of the new frame; confidence per plane, origin carried
-  std::vector<std::uint8_t> doubt;    // per pixel: 1 a label was expected, and left to the user
+  std::vector<std::uint8_t> doubt;    // per pixel: 1 if a label was expected but left to the user
   std::vector<CarriedPlane> planes;   // by id
   Pose T_to_from = Pose::Identity();  // sensor frames
   std::string method;                 // "RGB-D odometry", "ICP", "poses"
@@ -35,15 +35,15 @@ struct CarriedLabels {
 };
 
 struct CarryOptions {
-  std::optional<Pose> T_to_from;  // where it is known; else the frames are registered
+  std::optional<Pose> T_to_from;  // if known; else the frames are registered
   double min_fitness = 0.3;
-  double min_confidence = 0.3;  // a plane below it is left out, all its pixels doubtful
+  double min_confidence = 0.3;  // planes below it are skipped, all their pixels doubtful
 };
 
-/// Of depth images. `existing`: the new frame's labels, kept where they are; what is carried fills
-/// the rest. Planes grow over what the first frame did not see, but not over borders that were
-/// drawn in it; small holes are filled and specks dropped. Throws Error where the frames do not
-/// overlap, Cancelled when stopped. Repeats bit by bit.
+/// For depth images. `existing`: the new frame's labels, which are kept; carried labels fill the
+/// rest. Planes grow over pixels that the first frame did not see, but not over borders drawn in
+/// it; small holes are filled and specks dropped. Throws Error if the frames do not overlap,
+/// Cancelled if stopped. Bitwise repeatable.
 CarriedLabels carry_labels(const Frame& from_frame,
                            const LabelGrid& from,
                            const FrameLabels& labels,
@@ -61,22 +61,23 @@ struct Registration {
   bool used_color = false;
   double fitness = 0;  // share of points with a partner
   double rms_m = 0;    // of partners, across the surface
-  /// What the partners say of a turn about the axes of `to` and a shift along them, rotation first,
-  /// as if each were independent of the others.
+  /// Information about a rotation about the axes of `to` and a translation along them, rotation
+  /// first, from all partners as if they were independent.
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
   double partners = 0;
 };
 
-/// Point-to-plane from coarse to fine, each point against what is seen where it falls in the other
-/// image; where both frames have aligned colour, brightness counts as well. Starts from
-/// `T_to_from`. Throws Cancelled when stopped. Sums run in one order: the same bits on every run.
+/// Point-to-plane registration from coarse to fine. Each point is compared with the surface at its
+/// projection in the other image; if both frames have aligned color, brightness counts as well.
+/// Starts from `T_to_from`. Throws Cancelled if stopped. Sums have a fixed order, so the result is
+/// bitwise repeatable.
 Registration register_frames(const LabelGrid& from,
                              const LabelGrid& to,
                              std::stop_token stop,
                              const std::function<void(double)>& progress,
                              const Pose& T_to_from = Pose::Identity());
 
-/// A frame as it is before labels are proposed in it.
+/// A frame before labels are proposed in it.
 struct SpreadFrame {
   Frame frame;
   LabelGrid grid;
@@ -84,29 +85,29 @@ struct SpreadFrame {
 };
 
 struct SpreadJob {
-  int from = 0;    // whose labels are proposed
-  int frames = 0;  // of the recording
-  /// Throws Error where the frame cannot be labelled: it is left out.
+  int from = 0;    // source of the labels
+  int frames = 0;  // in the recording
+  /// Throws Error if the frame cannot be labeled: it is skipped.
   std::function<SpreadFrame(int frame)> open;
-  /// Nothing: no pose is known, the frame is left out.
+  /// nullopt: pose unknown, the frame is skipped.
   std::function<std::optional<Pose>(int frame)> T_world_camera;
   std::stop_token stop = {};
   std::function<void(int done, int all)> progress = {};
 };
 
-/// What is proposed in a frame.
+/// Labels proposed in a frame.
 struct Proposal {
-  LabelEdit edit;            // of the frame's labels as they were
-  FrameLabels blank;         // of the frame, without images: what it is
-  std::size_t doubtful = 0;  // pixels that are left open
+  LabelEdit edit;            // relative to the frame's current labels
+  FrameLabels blank;         // the frame's properties, without images
+  std::size_t doubtful = 0;  // pixels left without a label
 };
 
 Proposal proposal_of(LabelEdit edit, const FrameLabels& before);
 
-/// Goes on from the labelled frame to both ends, each frame from the one before it and, for planes
-/// that were out of sight there, from the labelled frame: cut to the frame's own depth, around
-/// labels that are there. Frames in which nothing is proposed are left out. By frame. Throws Error
-/// where `from` has no pose or no planes, Cancelled when stopped.
+/// Proceeds from the labeled frame to both ends. Each frame gets labels from the previous one and,
+/// for planes not visible there, from the labeled frame: cut to the frame's own depth, around
+/// existing labels. Skips frames without proposals. Sorted by frame. Throws Error if `from` has no
+/// pose or no planes, Cancelled if stopped.
 std::vector<Proposal> spread_labels(const SpreadJob& job);
 
 }  // namespace planescope::labels

@@ -1,6 +1,6 @@
 // Iterative closest points with projective association (Rusinkiewicz and Levoy 2001) and the hybrid
-// term of RGB-D odometry (Park et al. 2017). Open3D has both, but its sums depend on the number of
-// threads: 60 000 points gave other last bits with two threads than with one (0.16).
+// term of RGB-D odometry (Park et al. 2017). Open3D implements both, but its sums depend on the
+// number of threads: for 60 000 points, the last bits differed between one and two threads (0.16).
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -22,7 +22,7 @@ using Mat6d = Eigen::Matrix<double, 6, 6>;
 struct Level {
   int stride_px;   // between points, in each direction
   int blur_px;     // of the brightness, to each side
-  double reach_m;  // partners are no farther
+  double reach_m;  // maximum distance of partners
   int most_rounds;
 };
 constexpr std::array kLevels{Level{8, 6, 0.30, 20}, Level{4, 3, 0.15, 15}, Level{2, 1, 0.05, 10}};
@@ -30,7 +30,7 @@ constexpr float kFacing = 0.7f;       // cosine between the normals of partners
 constexpr double kColorSigma = 0.06;  // of brightness, 0..1
 constexpr double kHuber = 1.5;        // standard deviations
 constexpr double kPrior =
-    4;  // weight of "no motion" per radian^2 and metre^2: where nothing else decides
+    4;  // weight of "no motion" per radian^2 and meter^2, for undetermined directions
 constexpr double kSettled = 1e-6;         // of a step [rad, m]
 constexpr double kPartnerNoises = 4;      // of the final count of partners ...
 constexpr double kPartnerLeast_m = 0.01;  // ... and at least this
@@ -63,7 +63,7 @@ std::vector<float> brightness(const LabelGrid& grid, int blur_px) {
   return result;
 }
 
-/// The least-squares step, as it adds up; rotation first.
+/// Normal equations of a least-squares step; rotation first.
 struct Step {
   Mat6d a = Mat6d::Identity() * kPrior;
   Vec6d b = Vec6d::Zero();
@@ -87,7 +87,7 @@ Pose motion_of(const Vec6d& step) {
   return motion;
 }
 
-/// What a point meets in the other image.
+/// The surface at a point's projection in the other image.
 struct Partner {
   std::size_t pixel = 0;
   double distance_m = 0;  // across the partner's surface
@@ -132,7 +132,7 @@ class Registering {
     to_gray_ = brightness(to_, level.blur_px);
   }
 
-  /// One round; returns how far it moved.
+  /// One round; returns the size of its step.
   double improve() {
     Step step;
     const Mat3d rotation = pose_.linear();
@@ -185,7 +185,7 @@ class Registering {
     const int u = static_cast<int>(pixel) % width, v = static_cast<int>(pixel) / width;
     if (u < reach || v < reach || u + reach >= width || v + reach >= to_.height) return;
     const Intrinsics& k = to_.intrinsics;
-    // The picture is taken as a pinhole's here: lens distortion hardly changes its slope.
+    // Uses the gradient of a pinhole camera: lens distortion hardly changes it.
     const double span = 2.0 * reach;
     const double du = (to_gray_[pixel + reach] - to_gray_[pixel - reach]) / span * k.fx;
     const double dv = (to_gray_[pixel + static_cast<std::size_t>(reach) * width] -

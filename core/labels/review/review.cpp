@@ -1,4 +1,4 @@
-// How far two labelings agree, and the regions where they do not.
+// Measures the agreement of two labelings, and finds the regions where they disagree.
 
 #include "core/labels/review/review.hpp"
 
@@ -13,7 +13,7 @@
 namespace planescope::labels {
 namespace {
 
-/// Places of ids in an ascending list of those that occur; -1 for the others.
+/// Index of each id in an ascending list of the existing ids; -1 for others.
 struct Places {
   std::vector<int> ids, place;
 
@@ -34,7 +34,7 @@ constexpr double kLeastIou = 0.5;
 
 double pairs_of(double n) { return n * (n - 1) / 2; }
 
-/// Hubert and Arabie 1985: 1 the same partition, 0 as much alike as two random ones.
+/// Hubert and Arabie 1985: 1 for equal partitions, 0 for the agreement of two random ones.
 double adjusted_rand_index(const PlaneOverlap& overlap) {
   const std::size_t rows = overlap.ids_a.size(), columns = overlap.ids_b.size();
   std::vector<double> sum_a(rows, 0), sum_b(columns, 0);
@@ -153,15 +153,15 @@ Agreement agreement_of(const FrameLabels& a, const FrameLabels& b) {
 
 namespace {
 
-/// Connected pixels (eight neighbours) of the same pair of planes.
+/// Connected pixels (eight neighbors) with the same pair of planes.
 struct PairRegions {
   std::vector<int> of_pixel;      // -1 none
-  std::vector<PixelSet> pixels;   // of each
+  std::vector<PixelSet> pixels;   // of each region
   std::vector<int> thickness_px;  // edge of the largest square inside
   std::vector<std::uint32_t> deepest;
 };
 
-/// The same of a cloud's regions.
+/// The same for a cloud's regions.
 void measure_depth(PairRegions& regions, const LabelGrid& cloud) {
   const std::size_t count = regions.pixels.size();
   regions.thickness_px.assign(count, 0);
@@ -172,12 +172,12 @@ void measure_depth(PairRegions& regions, const LabelGrid& cloud) {
     const auto deepest =
         std::ranges::max_element(pixels, {}, [&](std::uint32_t i) { return steps[i]; });
     regions.deepest[k] = *deepest;
-    // A point beside the outside may be as far from it as a step goes, on both sides.
+    // A point at the border may be up to one step away from the outside, on both sides.
     regions.thickness_px[k] = 2 * kSpacingsOfStep * steps[*deepest] - 1;
   }
 }
 
-/// Thickness and deepest pixel of all regions at once: a pass down and one up.
+/// Thickness and deepest pixel of all regions at once, in one pass down and one up.
 void measure_depth(PairRegions& regions, int width) {
   const std::size_t count = regions.pixels.size(), pixels = regions.of_pixel.size();
   regions.thickness_px.assign(count, 0);
@@ -207,7 +207,7 @@ void measure_depth(PairRegions& regions, int width) {
   }
 }
 
-/// `pairs`: per pixel a number for the pair of planes that disagree there, 0 where none do.
+/// `pairs`: per pixel a number for the pair of planes that disagree there, 0 for none.
 PairRegions regions_of_pairs(const std::vector<std::uint64_t>& pairs, const LabelGrid& grid) {
   PixelSet disagreeing;
   for (std::uint32_t i = 0; i < pairs.size(); ++i)
@@ -220,7 +220,7 @@ PairRegions regions_of_pairs(const std::vector<std::uint64_t>& pairs, const Labe
   return regions;
 }
 
-/// What is compared, pixel by pixel: planes of the labels, none, or nothing to say.
+/// Compared value of each pixel: plane of the labels, 0 for none, or negative to skip it.
 std::vector<std::int32_t> compared_planes(const FrameLabels& labels, const LabelGrid& grid) {
   std::vector<std::int32_t> planes = other_of(labels).plane;
   for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -229,10 +229,10 @@ std::vector<std::int32_t> compared_planes(const FrameLabels& labels, const Label
   return planes;
 }
 
-/// Which planes of both are meant to be the same, by id; 0: none.
+/// Matching planes of the two labelings, by id; 0: none.
 struct Partners {
   std::vector<int> of_label, of_other;  // matched one to one
-  std::vector<int> home_of_other;       // the labelled plane that most of it lies on
+  std::vector<int> home_of_other;       // the labeled plane that contains most of it
 
   Partners(std::span<const std::int32_t> labels, const OtherLabels& other) {
     const auto size = [](std::span<const std::int32_t> planes) {
@@ -262,7 +262,7 @@ Label class_of(const OtherLabels& other, int plane) {
   return plane > 0 && place < other.label.size() ? other.label[place] : Label::unknown;
 }
 
-/// The classes of two planes differ, and both have one.
+/// Whether both planes have a class and the classes differ.
 bool differ(Label a, Label b) { return a != b && a != Label::unknown && b != Label::unknown; }
 
 DisagreementKind kind_of(int label, int other, const Partners& partners) {
@@ -273,7 +273,7 @@ DisagreementKind kind_of(int label, int other, const Partners& partners) {
                                                 : DisagreementKind::merged;
 }
 
-/// A pair of planes that disagree, as one number; 0 where both say the same.
+/// A pair of planes that disagree, as one number; 0 if they agree.
 std::uint64_t pair_key(int label, int other) {
   return static_cast<std::uint64_t>(label) << 32u | static_cast<std::uint32_t>(other);
 }
@@ -298,7 +298,7 @@ std::vector<std::uint64_t> disagreeing_pairs(std::span<const std::int32_t> plane
   return pairs;
 }
 
-/// The latest decision about a region of this kind that lay here and was about as large.
+/// The latest decision about a region of this kind at this position and of similar size.
 std::optional<ReviewNote> note_about(const Disagreement& region,
                                      const std::vector<ReviewNote>& notes) {
   const auto size = static_cast<double>(region.pixels.size());
@@ -360,7 +360,7 @@ void paint_there(LabelDraft& draft,
   fit_planes(draft, grid);
 }
 
-/// The region as the other has it: on the labelled plane that is the other's, or on a new one.
+/// Copies the region from the other labels: to the plane that matches the other's, or to a new one.
 void take_other(LabelDraft& draft,
                 const LabelGrid& grid,
                 const Disagreement& about,

@@ -1,7 +1,7 @@
 #pragma once
 
-// How two labelings of the same pixels share them, and where labels and an algorithm, or two
-// annotators, disagree: regions, the largest first.
+// Agreement between two labelings of the same pixels, and the regions where labels and an
+// algorithm, or two annotators, disagree, the largest first.
 
 #include <cstdint>
 #include <optional>
@@ -14,15 +14,15 @@
 
 namespace planescope::labels {
 
-/// What labels are compared with, on the same pixels.
+/// Labels to compare with, on the same pixels.
 struct OtherLabels {
-  std::vector<std::int32_t> plane;  // per pixel, 0 none, -1 knows nothing here (cropped, ignored)
+  std::vector<std::int32_t> plane;  // per pixel, 0 none, -1 unknown (cropped, ignored)
   std::vector<Label> label;         // of a plane, by id - 1
 };
 OtherLabels other_of(const FrameLabels& labels);
 
 struct PlaneOverlap {
-  std::vector<int> ids_a, ids_b;           // of planes with pixels that are scored, ascending
+  std::vector<int> ids_a, ids_b;           // of planes with scored pixels, ascending
   std::vector<double> pixels_a, pixels_b;  // of each
   std::vector<double> shared;              // row-major, a x b
   std::size_t pixels = 0;                  // scored
@@ -33,21 +33,21 @@ struct PlaneOverlap {
   }
 };
 
-/// Ids > 0 are planes, 0 is none; where either is negative a pixel is not scored.
+/// Ids > 0 are planes, 0 is none; pixels with a negative id in either are not scored.
 PlaneOverlap overlap_of(std::span<const std::int32_t> a, std::span<const std::int32_t> b);
 
-/// Planes matched one to one for the greatest total of IoUs; of pairs with at least `least_iou`.
+/// Planes matched one to one for the greatest total IoU, among pairs with at least `least_iou`.
 struct PlanePair {
-  std::size_t a = 0, b = 0;  // places in the overlap's lists
+  std::size_t a = 0, b = 0;  // indices in the overlap's lists
 };
 std::vector<PlanePair> matched_planes(const PlaneOverlap& overlap, double least_iou);
 
 /// Agreement of two labelings of the same pixels.
 struct Agreement {
   double mean_iou = 0;         // of planes matched one to one, over all planes of both
-  double adjusted_rand = 0;    // over pixels that both label with a plane
-  double label_accuracy = 0;   // same h/v, of pixels where both have one
-  double pixel_agreement = 0;  // of labelled by either: same matched plane
+  double adjusted_rand = 0;    // over pixels with a plane in both
+  double label_accuracy = 0;   // same h/v, of pixels with a class in both
+  double pixel_agreement = 0;  // of pixels labeled by either: same matched plane
   int planes_a = 0, planes_b = 0, matched = 0;  // matched: IoU of at least 0.5
   std::size_t pixels = 0;                       // scored: ignored by neither
 };
@@ -63,23 +63,23 @@ struct Disagreement {
 };
 
 struct ReviewOptions {
-  double min_area_m2 = 0.0005;  // smaller regions are no question
+  double min_area_m2 = 0.0005;  // ignore smaller regions
   int boundary_px = 3;          // a region nowhere thicker than this is a boundary
 };
 
-/// missed: labelled, and no plane of the other there. invented: the reverse. split: the other cuts
-/// a labelled plane, this is the smaller part. merged: the other's plane runs on over another
-/// labelled plane. class_flip: matched planes of different class. boundary: a thin strip of any of
-/// these. Unlabelled pixels that are not ignored count as labelled "no plane". Undecided first,
-/// of these boundaries last, then by area.
+/// missed: labeled, but without a plane in the other. invented: the reverse. split: the other
+/// splits a labeled plane, and this is the smaller part. merged: the other's plane continues on
+/// another labeled plane. class_flip: matched planes of different class. boundary: a thin strip of
+/// any of these. Unlabeled pixels that are not ignored count as labeled "no plane". Ordered by
+/// undecided first, among these boundaries last, then by area.
 std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
                                              const OtherLabels& other,
                                              const LabelGrid& grid,
                                              const ReviewOptions& options = {});
 
-/// Adds the note of a decision; `take` gives the region the other's labels, `ignore` marks it as
-/// not scored, `keep` and `edit` leave it. Throws Error, before anything changes, if the region
-/// belongs to locked or hidden planes.
+/// Adds the note of a decision. `take` copies the other's labels to the region, `ignore` excludes
+/// it from scoring, `keep` and `edit` do not change it. Throws Error, before anything changes, if
+/// the region belongs to locked or hidden planes.
 void decide(LabelDraft& draft,
             const LabelGrid& grid,
             const Disagreement& about,

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kAnyVersion = "planescope.journal/";
 constexpr std::string_view kHeader = "planescope.journal/1\n";
-constexpr std::size_t kHead = 8;           // of a record: size and checksum, the lowest byte first
+constexpr std::size_t kHead = 8;           // of a record: size and checksum, little-endian
 constexpr std::size_t kChunk = 1u << 20u;  // bytes read at a time
 
 void put_32(unsigned char* to, std::uint32_t value) {
@@ -53,7 +53,7 @@ void add_record(JournalBytes& to, std::span<const unsigned char> content) {
   to.insert(to.end(), content.begin(), content.end());
 }
 
-/// What a record holds, from all its bytes; empty where it is damaged.
+/// The content of a complete record; empty if it is damaged.
 std::span<const unsigned char> content_of(std::span<const unsigned char> record) {
   const auto content = record.subspan(kHead);
   if (get_32(record.data()) != content.size()) return {};
@@ -61,7 +61,7 @@ std::span<const unsigned char> content_of(std::span<const unsigned char> record)
   return content;
 }
 
-/// The size of the file is known, so this is a disk error, not a damaged journal.
+/// The size of the file is known, so a failure is a disk error, not a damaged journal.
 void read_or_throw(const fs::path& path,
                    const FileDescriptor& file,
                    std::span<unsigned char> bytes,
@@ -76,7 +76,7 @@ class FileWindow {
   FileWindow(const fs::path& path, const FileDescriptor& file, std::uint64_t size)
       : path_(path), file_(file), size_(size) {}
 
-  /// Fewer than `count` where the file ends.
+  /// Fewer than `count` bytes at the end of the file.
   std::span<const unsigned char> at(std::uint64_t offset, std::size_t count) {
     const std::uint64_t end = std::min<std::uint64_t>(offset + count, size_);
     if (offset < start_ || end > start_ + bytes_.size()) {
@@ -96,28 +96,28 @@ class FileWindow {
   std::vector<unsigned char> bytes_;
 };
 
-/// Throws Error where another version of planescope wrote it.
+/// Throws Error if another version of planescope wrote it.
 bool has_header(const fs::path& path, std::span<const unsigned char> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text == kHeader) return true;
   if (text.size() == kHeader.size() && text.starts_with(kAnyVersion))
     throw Error(path.string() + ": journal of version " +
                 std::string(text.substr(kAnyVersion.size(), 1)) +
-                ", expected 1: made by a later version of planescope");
+                "; expected 1 (written by a later version of planescope)");
   return false;
 }
 
 }  // namespace
 
-/// Makes what was written to a file survive a loss of power, without the writer waiting for it.
+/// Makes written data survive a power failure, without blocking the writer.
 class Journal::BackgroundSync {
  public:
-  /// Takes a descriptor of its own.
+  /// Duplicates the descriptor.
   explicit BackgroundSync(const FileDescriptor& file)
       : file_(::fcntl(file.get(), F_DUPFD_CLOEXEC, 0)),
         thread_([this](std::stop_token stop) { loop(stop); }) {}
 
-  /// As soon as possible; requests that arrive in the meantime are combined.
+  /// Syncs as soon as possible; requests that arrive in the meantime are combined.
   void request() {
     {
       const std::lock_guard lock(mutex_);
@@ -125,7 +125,7 @@ class Journal::BackgroundSync {
     }
     wake_.notify_one();
   }
-  /// The errno of the first request that failed, reported once, as the system does; 0: none failed.
+  /// The errno of the first failed request, reported once, as the system does; 0: none failed.
   int take_error() { return error_.exchange(0); }
 
  private:
@@ -157,7 +157,7 @@ Journal::Journal(fs::path path, Access access, const Visitor& visit) : path_(std
   }
   struct stat status = {};
   if (::fstat(file_.get(), &status) != 0 || !S_ISREG(status.st_mode))
-    throw Error(path_.string() + ": no regular file, expected a journal of labels");
+    throw Error(path_.string() + ": not a regular file; expected a label journal");
   size_ = static_cast<std::uint64_t>(status.st_size);
   scan(visit);
 }
@@ -178,8 +178,8 @@ void Journal::scan(const Visitor& visit) {
     try {
       if (!visit({end_, bytes}, content)) return;
     } catch (const Error& error) {
-      // Its checksum is right, so this is what was written.
-      throw Error(path_.string() + ": made by a later version of planescope? At byte " +
+      // Its checksum is correct, so the content is as written.
+      throw Error(path_.string() + ": written by a later version of planescope? At byte " +
                   std::to_string(end_) + ": " + error.what());
     }
     end_ += kHead + bytes;
@@ -192,8 +192,8 @@ fs::path Journal::set_damaged_aside() {
   fs::path aside = unused_path(path_.string() + ".damaged-");
   write_file_bytes(aside, rest, Durable::yes);
   if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0 || ::fsync(file_.get()) != 0)
-    throw Error(path_.string() + ": cannot be cut to its undamaged part (" + error_text(errno) +
-                ")");
+    throw Error(path_.string() + ": cannot be truncated to its undamaged part (" +
+                error_text(errno) + ")");
   size_ = end_;
   return aside;
 }
@@ -216,7 +216,7 @@ std::vector<JournalPlace> Journal::append(std::span<const JournalBytes> records)
     created_ = true;
   }
   if (const int error = write_fully(file_, bytes, static_cast<off_t>(end_))) {
-    // Were this to fail as well, the next append would write over what is left.
+    // If this failed as well, the next append would overwrite the remainder.
     if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0) fail(errno);
     fail(error);
   }
@@ -232,7 +232,7 @@ void Journal::sync() {
   int error = background_ ? background_->take_error() : 0;
   if (!error && unsynced_ && ::fdatasync(file_.get()) != 0) error = errno;
   if (!error && created_) error = sync_folder(path_.parent_path());
-  if (error) throw Error(path_.string() + ": cannot be made durable (" + error_text(error) + ")");
+  if (error) throw Error(path_.string() + ": cannot be synced to disk (" + error_text(error) + ")");
   unsynced_ = created_ = false;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// An append-only file of records, each with a checksum: it keeps a label folder's history; and the
-// records, byte by byte as docs/formats.md has them (journal_records.cpp).
+// An append-only file of records with checksums, which stores a label folder's history, and the
+// records themselves in the format of docs/formats.md (journal_records.cpp).
 
 #include <array>
 #include <cstdint>
@@ -18,10 +18,10 @@
 
 namespace planescope::labels {
 
-/// A record in the file.
+/// Position of a record in the file.
 struct JournalPlace {
-  std::uint64_t offset = 0;  // where it starts; never 0
-  std::uint32_t bytes = 0;   // of what it holds
+  std::uint64_t offset = 0;  // start of the record; never 0
+  std::uint32_t bytes = 0;   // of its content
 };
 
 using JournalBytes = std::vector<unsigned char>;
@@ -31,25 +31,25 @@ class Journal {
   enum class Access : std::uint8_t { read, write };
   using Visitor = std::function<bool(const JournalPlace&, std::span<const unsigned char>)>;
 
-  /// Calls `visit` for one record after the other, up to the end, the first that is damaged or the
-  /// first that is refused with false: what follows is `damaged`. A missing file has no records; it
-  /// is made by the first append(). Throws Error where the file cannot be read or is of a later
+  /// Calls `visit` for one record after another, up to the end, the first damaged record, or the
+  /// first one for which it returns false: the rest is `damaged`. A missing file has no records;
+  /// the first append() creates it. Throws Error if the file cannot be read or is of a later
   /// version.
   Journal(std::filesystem::path path, Access access, const Visitor& visit);
   ~Journal();
 
   const std::filesystem::path& path() const { return path_; }
-  /// Bytes behind the last good record.
+  /// Bytes after the last good record.
   std::uint64_t damaged() const { return size_ - end_; }
-  /// Moves them into a file beside it, and returns its path.
+  /// Moves the damaged bytes to a file beside the journal, and returns its path.
   std::filesystem::path set_damaged_aside();
 
-  /// All of these or none. Survives a crash of this process at once, a loss of power a moment later
-  /// or after sync().
-  /// Throws Error where it cannot be written; the journal is then as it was.
+  /// Appends all of these or none. Survives a crash of this process at once, and a power failure a
+  /// moment later or after sync(). Throws Error if the file cannot be written; the journal is then
+  /// unchanged.
   std::vector<JournalPlace> append(std::span<const JournalBytes> records);
   void sync();
-  /// Throws Error where the record is not as it was written.
+  /// Throws Error if the record has changed since it was written.
   JournalBytes read(const JournalPlace& place) const;
 
  private:
@@ -59,10 +59,10 @@ class Journal {
 
   std::filesystem::path path_;
   FileDescriptor file_;
-  std::uint64_t end_ = 0;   // behind the last good record
+  std::uint64_t end_ = 0;   // after the last good record
   std::uint64_t size_ = 0;  // of the file
   bool unsynced_ = false;
-  bool created_ = false;                        // and its name not yet made durable
+  bool created_ = false;                        // but its name is not durable yet
   std::unique_ptr<BackgroundSync> background_;  // from the first append() on
 };
 
@@ -70,12 +70,12 @@ enum class RecordKind : std::uint8_t {
   base = 1,  // the frame's labels before the first edit
   edit,
   undo,     // of the latest edit that is done, in any frame
-  redo,     // of the latest that was undone
-  saving,   // label files are about to hold the labels as they are now
-  written,  // and they do
+  redo,     // of the latest undone edit
+  saving,   // label files are about to be written with the current labels
+  written,  // and were written
 };
 
-/// How every record opens.
+/// Start of every record.
 struct RecordHead {
   RecordKind kind = RecordKind::base;
   int frame = 0;
@@ -83,7 +83,7 @@ struct RecordHead {
   std::string annotator;
 };
 
-/// SHA-256 of each of a frame's label files; empty where one is missing.
+/// SHA-256 of each of a frame's label files; empty if the file is missing.
 using LabelDigests = std::array<std::string, kLabelFiles>;
 
 JournalBytes base_record(const RecordHead& head, const FrameLabels& labels);
@@ -99,11 +99,11 @@ struct HistoryEntry {
   std::size_t pixels = 0;
 };
 
-// All throw Error where the bytes are no such record, as of a later version.
+// All throw Error if the bytes are not such a record, for example of a later version.
 RecordHead read_head(std::span<const unsigned char> record);
 FrameLabels read_base(std::span<const unsigned char> record);
 HistoryEntry read_history_entry(std::span<const unsigned char> record);
-/// `pixels`: of the frame; no run reaches beyond them.
+/// `pixels`: in the frame; throws if a run exceeds them.
 LabelEdit read_edit(std::span<const unsigned char> record, std::size_t pixels);
 LabelDigests read_saving(std::span<const unsigned char> record);
 

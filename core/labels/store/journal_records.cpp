@@ -1,5 +1,5 @@
-// What the journal's records hold. Each kind is named once, in the order of its bytes, for writing
-// and for reading.
+// Content of the journal's records. Each kind lists its fields once, in byte order, for both
+// writing and reading.
 
 #include <algorithm>
 #include <bit>
@@ -11,15 +11,15 @@
 namespace planescope::labels {
 namespace {
 
-constexpr std::uint64_t kMaxPixels = 1u << 28u;  // of a frame, where it is read
+constexpr std::uint64_t kMaxPixels = 1u << 28u;  // of a frame, when reading
 
-// Values as bytes and back, the same on every machine: whole numbers in groups of seven bits, the
-// lowest first; floating point as its eight bytes, the lowest first; text after its length.
+// Machine-independent encoding of values: whole numbers in groups of seven bits, the lowest first;
+// floating point as eight bytes, little-endian; text after its length.
 class RecordWriter {
  public:
   static constexpr bool kReads = false;
 
-  /// Numbers, enums and switches; `most` is of the reader.
+  /// Numbers, enums and switches; only the reader uses `most`.
   template <typename Value>
   void whole(const Value& value, std::uint64_t /*most*/ = UINT64_MAX) {
     auto rest = static_cast<std::uint64_t>(value);
@@ -49,7 +49,7 @@ class RecordWriter {
   JournalBytes bytes_;
 };
 
-/// Throws Error where the bytes do not hold what is asked for.
+/// Throws Error if the bytes do not contain the requested value.
 class RecordReader {
  public:
   static constexpr bool kReads = true;
@@ -89,10 +89,10 @@ class RecordReader {
   bool at_end() const { return bytes_.empty(); }
 
  private:
-  /// How many things of at least a byte each follow.
+  /// The number of items that follow, of at least one byte each.
   std::size_t count() {
     std::uint64_t value = 0;
-    whole(value);  // taken before it is compared with what is left
+    whole(value);  // before comparing it with the remaining size
     if (value > bytes_.size()) fail();
     return static_cast<std::size_t>(value);
   }
@@ -103,7 +103,7 @@ class RecordReader {
     return byte;
   }
   [[noreturn]] static void fail() {
-    throw Error("a record of labels does not hold what its kind needs");
+    throw Error("a label record does not contain the fields of its kind");
   }
 
   std::span<const unsigned char> bytes_;
@@ -140,7 +140,7 @@ void plane_fields(auto& fields, auto& plane) {
   fields.whole(plane.hidden, 1);
 }
 
-/// Of LabelNotes, and of the labels that have them.
+/// Fields of LabelNotes, which labels also have.
 void notes_fields(auto& fields, auto& notes) {
   vector_fields(fields, notes.gravity.direction);
   fields.whole(notes.gravity.source, last(kLastGravitySource));
@@ -166,7 +166,7 @@ void head_fields(auto& fields, auto& head) {
   fields.text(head.annotator);
 }
 
-/// Each run as pixels without a change before it, then its own.
+/// Each run as the number of unchanged pixels before it, then the run itself.
 template <typename Fields>
 void run_fields(Fields& fields, auto& runs, std::size_t pixels) {
   std::uint64_t end = 0;
@@ -183,7 +183,7 @@ void run_fields(Fields& fields, auto& runs, std::size_t pixels) {
   });
 }
 
-/// As runs of equal pixels: how many, plane, h/v.
+/// As runs of equal pixels: length, plane, h/v.
 template <typename Fields>
 void image_fields(Fields& fields, auto& plane, auto& hv) {
   const std::size_t pixels = plane.data.size();
@@ -215,7 +215,7 @@ void base_fields(Fields& fields, auto& labels) {
   fields.whole(width, kMaxPixels);
   fields.whole(height, kMaxPixels / static_cast<std::uint64_t>(std::max(width, 1)));
   if constexpr (Fields::kReads) {
-    expect_within_read_limit(3.0 * width * height, "a record of labels: its frame");
+    expect_within_read_limit(3.0 * width * height, "a label record: its frame");
     labels.plane = Image16(width, height);
     labels.hv = Image8(width, height);
   }
@@ -225,7 +225,7 @@ void base_fields(Fields& fields, auto& labels) {
   fields.real(labels.depth_unit_m);
 }
 
-/// `pixels`: of the frame.
+/// `pixels`: in the frame.
 void edit_fields(auto& fields, auto& edit, std::size_t pixels) {
   fields.text(edit.title);
   std::size_t changed = edit.changed_pixels();  // for the history
@@ -243,7 +243,7 @@ void edit_fields(auto& fields, auto& edit, std::size_t pixels) {
   });
 }
 
-/// Reads the head, and leaves the rest.
+/// Reads the head, and returns a reader of the rest.
 RecordReader after_head(std::span<const unsigned char> record, RecordHead& head) {
   RecordReader in(record);
   head_fields(in, head);

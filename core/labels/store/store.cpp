@@ -1,4 +1,4 @@
-// A store's journal and what was done; the label files beside it are in store_files.cpp.
+// The store's journal and history; store_files.cpp has the label files.
 
 #include "core/labels/store/store.hpp"
 
@@ -20,15 +20,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNotKept = ": the gesture is not kept";
+constexpr const char* kNotKept = "; the edit is not saved";
 
-constexpr double kLongestGapS = 60;  // a longer pause was spent on something else
+constexpr double kLongestGapS = 60;  // longer pauses count only this much
 
 bool is_gesture(RecordKind kind) {
   return kind == RecordKind::edit || kind == RecordKind::undo || kind == RecordKind::redo;
 }
 
-/// Why nothing can be created in a folder that may not exist yet; empty where it can.
+/// Why nothing can be created in a folder that may not exist yet; empty if it is possible.
 std::string why_not_writable(const fs::path& folder) {
   std::error_code error;
   fs::path nearest = fs::absolute(folder, error);
@@ -64,7 +64,7 @@ LabelStore::LabelStore(fs::path dir, LabelStoreOptions options)
   std::error_code error;
   const auto status = fs::status(dir_, error);
   if (fs::exists(status) && !fs::is_directory(status))
-    throw Error(dir_.string() + ": a file, expected the folder of a recording's labels");
+    throw Error(dir_.string() + ": a file; expected the folder of a recording's labels");
   if (fs::exists(status)) {
     attach();
   } else if (const std::string why = why_not_writable(dir_); !why.empty()) {
@@ -87,32 +87,31 @@ void LabelStore::attach() {
     if (head.kind == RecordKind::saving) digests = read_saving(record);
     return history_.add(place, head, digests);
   });
-  // What another instance is about to write is not damaged.
+  // A record that another instance is writing is not damaged.
   if (journal_->damaged() == 0 || lock_.is_held_by_other()) return;
-  const std::string found =
-      path.string() + ": its last " + std::to_string(journal_->damaged()) + " bytes are damaged";
+  const std::string found = path.string() + ": its last " + std::to_string(journal_->damaged()) +
+                            " bytes are damaged; everything before them is ";
   try {
     if (!read_only_.empty()) throw Error(read_only_);
     const fs::path aside = journal_->set_damaged_aside();
-    notices_.push_back(found + ": everything before them is kept, they are in " +
-                       aside.filename().string());
+    notices_.push_back(found + "kept, and the damaged bytes are in " + aside.filename().string());
   } catch (const Error& error) {
     if (read_only_.empty()) read_only_ = std::string("read-only: ") + error.what();
-    notices_.push_back(found + ": everything before them is shown");
+    notices_.push_back(found + "shown");
   }
 }
 
 void LabelStore::create_folder() {
   std::error_code error;
   fs::create_directories(dir_, error);
-  if (error) throw Error(dir_.string() + ": cannot be made a folder (" + error.message() + ")");
+  if (error) throw Error(dir_.string() + ": folder cannot be created (" + error.message() + ")");
   attach();
-  if (!lock_.is_held() && !lock_.is_held_by_other()) {  // a full disk, perhaps: may pass
+  if (!lock_.is_held() && !lock_.is_held_by_other()) {  // possibly a full disk: may be temporary
     journal_.reset();
     throw Error(std::exchange(read_only_, ""));
   }
   if (read_only_.empty() && !history_.frames().empty())
-    read_only_ = "read-only: another instance made labels meanwhile; open the recording again";
+    read_only_ = "read-only: another instance has changed the labels; open the recording again";
   require_writable();
   sync_folder(dir_.parent_path());
 }
@@ -181,7 +180,7 @@ void LabelStore::keep(const std::vector<Entry>& entries, const NextLabels& next)
 void LabelStore::commit(std::span<const LabelEdit> edits) {
   NextLabels next;
   std::vector<Entry> entries;
-  // A moment of its own: edits of one moment are one step.
+  // A distinct time, because edits of the same time are one step.
   std::int64_t now_ms = options_.now_ms();
   if (!history_.done().empty() && history_.done().back().time_ms == now_ms) ++now_ms;
   for (const LabelEdit& edit : edits) {
@@ -193,7 +192,7 @@ void LabelStore::commit(std::span<const LabelEdit> edits) {
     for (Entry& base : base_entries(edit.frame)) entries.push_back(std::move(base));
   }
   if (next.empty()) return;
-  // Side by side, as undo finds them.
+  // Consecutive, as undo expects them.
   for (const LabelEdit& edit : edits) {
     if (edit.empty()) continue;
     RecordHead head = entry(RecordKind::edit, edit.frame).head;
@@ -225,7 +224,7 @@ void LabelStore::put(FrameLabels& labels, const JournalPlace& place, RecordKind 
   if (direction == RecordKind::undo) edit = reversed(std::move(edit));
   if (!can_apply(labels, edit))
     throw Error(journal_->path().string() + ": the edit at byte " + std::to_string(place.offset) +
-                " is not one of the labels that the records before it give");
+                " does not apply to the labels of the records before it");
   apply_edit(labels, edit);
 }
 
@@ -346,7 +345,7 @@ const LabelHistory::FrameTrack* LabelHistory::find(int frame) const {
 
 std::vector<WorkTime> work_times(const std::filesystem::path& dir) {
   std::map<std::pair<int, std::string>, WorkTime> times;
-  std::map<std::string, std::int64_t> latest_ms;  // gesture of an annotator
+  std::map<std::string, std::int64_t> latest_ms;  // time of each annotator's latest gesture
   const Journal journal(
       dir / "journal", Journal::Access::read, [&](const JournalPlace&, auto record) {
         const RecordHead head = read_head(record);

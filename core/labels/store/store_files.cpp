@@ -1,4 +1,4 @@
-// The label files beside a journal: read, compared with what the journal has, written.
+// Reads and writes the label files beside a journal, and compares them with it.
 
 #include <fmt/format.h>
 
@@ -19,16 +19,16 @@ void require_same_depth(const FrameLabels& labels,
                         const FrameLabels& expected,
                         const std::string& where) {
   if (labels.is_cloud() && expected.is_cloud() && labels.plane.width != expected.plane.width)
-    throw Error(fmt::format("{}: labels of a cloud of {} points, the frame has {}", where,
+    throw Error(fmt::format("{}: labels of a cloud of {} points, but the frame has {}", where,
                             labels.plane.width, expected.plane.width));
   if (labels.depth_sha256 != expected.depth_sha256)
     throw Error(fmt::format(
-        "{}: labels of a {} with SHA-256 {:.12}, this recording's frame has {:.12}", where,
+        "{}: labels of a {} with SHA-256 {:.12}, but this recording's frame has {:.12}", where,
         labels.is_cloud() ? "cloud" : "depth image", labels.depth_sha256, expected.depth_sha256));
   const Image16 &image = labels.plane, &frame = expected.plane;
   if (image.width != frame.width || image.height != frame.height)
-    throw Error(fmt::format("{}: labels of {}x{} pixels, the frame has {}x{}", where, image.width,
-                            image.height, frame.width, frame.height));
+    throw Error(fmt::format("{}: labels of {}x{} pixels, but the frame has {}x{}", where,
+                            image.width, image.height, frame.width, frame.height));
 }
 
 std::string name_of(int frame) { return "frame " + std::to_string(frame); }
@@ -43,8 +43,8 @@ LabelDigests LabelStore::digests_of_files(int frame) const {
   return digests;
 }
 
-/// Whether each of the files is one that we wrote or began with. They need not belong together:
-/// a crash may have come between replacing one and the next.
+/// Whether each of the files is one that we wrote or started from. They may be from different
+/// saves, since a crash may have happened between replacing two of them.
 bool LabelStore::is_ours(int frame, const LabelDigests& digests) const {
   const auto* track = history_.find(frame);
   const auto is_known = [&](std::size_t i) {
@@ -64,7 +64,7 @@ LabelStore::OpenFrame LabelStore::first_labels(int frame, const FrameLabels& bla
   if (found) require_same_depth(*found, blank, label_file_paths(dir_, frame).back().string());
   FrameLabels labels = blank;
   if (found) labels = std::move(*found);
-  if (labels.depth_unit_m == 0) labels.depth_unit_m = blank.depth_unit_m;  // of an older file
+  if (labels.depth_unit_m == 0) labels.depth_unit_m = blank.depth_unit_m;  // from an older file
   labels.origin = blank.origin;
   if (!found && labels.annotator.empty()) labels.annotator = options_.annotator;
   std::ranges::sort(labels.planes, {}, &LabelPlane::id);
@@ -76,7 +76,7 @@ LabelStore::OpenFrame& LabelStore::opened(int frame, const FrameLabels* blank) {
   if (const auto at = frames_.find(frame); at != frames_.end()) {
     if (!blank) return at->second;
     require_same_depth(*at->second.labels, *blank, dir_.string());
-    // Nobody drew on it yet: it is as blank as the one at hand, whose gravity may be a better one.
+    // Unedited: use the new blank, whose gravity may be better.
     if (!history_.find(frame) && at->second.base_files == LabelDigests{}) {
       const std::uint64_t version = at->second.version;
       at->second = first_labels(frame, *blank);
@@ -110,7 +110,7 @@ void LabelStore::compare_with_files(int frame) {
   if (!is_ours(frame, digests)) {
     take_over(frame, digests);
   } else if (digests == LabelDigests{}) {
-    if (saves.empty()) open.in_files = 0;  // nothing was ever written: a blank frame lacks no file
+    if (saves.empty()) open.in_files = 0;  // nothing was ever written, so no files are missing
   } else {
     const auto same = std::find_if(saves.rbegin(), saves.rend(),
                                    [&](const auto& save) { return save.digests == digests; });
@@ -118,7 +118,7 @@ void LabelStore::compare_with_files(int frame) {
   }
 }
 
-/// Records what others wrote as an edit, so that both states are kept. False where their files
+/// Records changes by others as an edit, so that both states are kept. Returns false if the files
 /// cannot be read.
 bool LabelStore::take_over(int frame, const LabelDigests& digests) {
   OpenFrame& open = frames_.at(frame);
@@ -127,7 +127,7 @@ bool LabelStore::take_over(int frame, const LabelDigests& digests) {
     files = read_frame_labels(dir_, frame, "");
   } catch (const Error& error) {
     notice(std::string(error.what()) + ": the journal's labels of " + name_of(frame) +
-           " are kept, saving sets the files aside");
+           " are kept; saving renames the files to *.outside-N");
     return false;
   }
   require_same_depth(*files, *open.labels, label_file_paths(dir_, frame).back().string());
@@ -140,7 +140,7 @@ bool LabelStore::take_over(int frame, const LabelDigests& digests) {
   if (!edit.empty()) {
     commit(edit);
     notice(dir_.string() + ": the label files of " + name_of(frame) +
-           " were changed outside planescope: taken over, undo takes that back");
+           " were changed outside planescope; they are loaded, and undo reverts this");
   }
   auto entries = base_entries(frame);
   entries.push_back(saving(frame, digests));
@@ -155,7 +155,7 @@ void LabelStore::set_files_aside(int frame) const {
     if (!is_there(path)) continue;
     std::error_code error;
     fs::rename(path, unused_path(path.string() + ".outside-"), error);
-    if (error) throw Error(path.string() + ": cannot be set aside (" + error.message() + ")");
+    if (error) throw Error(path.string() + ": cannot be renamed (" + error.message() + ")");
   }
 }
 
@@ -181,8 +181,8 @@ void LabelStore::save(int frame) {
       set_files_aside(frame);
       open.in_files.reset();
     } else if (has_news) {
-      // Both states stay in the history: the other's, and on it what is saved now.
-      commit(make_edit(frame, "kept over changes from outside", *open.labels, *ours));
+      // The history keeps both states: the other's, followed by the one saved now.
+      commit(make_edit(frame, "kept over changes outside planescope", *open.labels, *ours));
     }
   }
   if (!unsaved(frame)) return;
@@ -191,7 +191,7 @@ void LabelStore::save(int frame) {
   LabelDigests digests;
   std::transform(bytes.begin(), bytes.end(), digests.begin(),
                  [](const auto& file) { return sha256_hex(std::as_bytes(std::span(file))); });
-  // In the journal first: should the process end between two of the files, they are recognised as
+  // Journal first: if the process ends between writing two of the files, they are recognized as
   // ours.
   auto entries = base_entries(frame);
   entries.push_back(saving(frame, digests));

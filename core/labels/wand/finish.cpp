@@ -1,4 +1,4 @@
-// What finishes a labelled plane.
+// Gestures that finish a labeled plane.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -16,16 +16,16 @@ namespace planescope::labels {
 namespace {
 
 constexpr int kSmooth_px = 3;          // radius of the disc whose majority counts
-constexpr std::size_t kMostParts = 8;  // of a plane, that it grows from
-constexpr float kSameCosine = 0.98f;   // of the plane that grows, to that which was labelled
-constexpr int kPartsGap_px = 2;        // without a measurement, that keeps parts not apart
+constexpr std::size_t kMostParts = 8;  // of a plane, to grow from
+constexpr float kSameCosine = 0.98f;   // of the growing plane to the labeled one
+constexpr int kPartsGap_px = 2;        // unmeasured gap that does not separate parts
 
-/// One plane of the labels, and what could be added to it.
+/// A labeled plane and its candidates for growth.
 struct Plane {
-  WandField field;  // allowed: measured, unlabelled, of no other plane
+  WandField field;  // allowed: measured, unlabeled, in no other plane
   Sheet sheet;
   PixelSet pixels;
-  std::vector<std::uint8_t> region;  // per pixel, 1 its own
+  std::vector<std::uint8_t> region;  // per pixel, 1 if it belongs to the plane
 
   bool takes(std::uint32_t i, float times = 1) const {
     return field.allowed[i] && !region[i] && field.lies_on(sheet, i, times);
@@ -44,15 +44,15 @@ Plane plane_of(const FrameLabels& labels,
               pixels_of_plane(labels, id),
               std::vector<std::uint8_t>(grid.pixels(), 0)};
   for (std::size_t i = 0; i < grid.pixels(); ++i)
-    if (labels.hv.data[i] != 0) plane.field.allowed[i] = 0;  // a class alone is a label, too
+    if (labels.hv.data[i] != 0) plane.field.allowed[i] = 0;  // a class alone is also a label
   for (const std::uint32_t i : plane.pixels) plane.region[i] = 1;
   return plane;
 }
 
-constexpr double kRasterSpacings = 2;  // edge of the cells that a cloud's holes are found in
+constexpr double kRasterSpacings = 2;  // edge of the cells in which a cloud's holes are found
 constexpr int kMostCells = 4000;       // cells along a side
 
-/// A cloud's plane as cells, so that its holes are those of an image.
+/// A cloud's plane as cells, so that its holes can be found like those of an image.
 class Raster {
  public:
   Raster(const LabelGrid& grid, const Sheet& sheet, const PixelSet& pixels) : grid_(grid) {
@@ -64,7 +64,7 @@ class Raster {
     edge_m_ = std::max(
         {static_cast<float>(kRasterSpacings * grid.spacing_m), extent / kMostCells, 1e-6f});
     if (!bounds.isEmpty()) corner_ = bounds.min() - Vec2f::Constant(edge_m_);
-    size_ = static_cast<int>(extent / edge_m_) + 4;  // a border each side, and one for rounding
+    size_ = static_cast<int>(extent / edge_m_) + 4;  // a border on each side, and one for rounding
     own_.assign(static_cast<std::size_t>(size_) * size_, 0);
     for (const std::uint32_t i : pixels)
       if (const int at = cell_of(i); at >= 0) own_[at] = 1;
@@ -73,8 +73,7 @@ class Raster {
       for (const std::uint32_t cell : hole) inside_[cell] = 1;
   }
 
-  /// Within the plane's outline: not in a cell that the outline runs through. The cells' border is
-  /// empty.
+  /// Inside the plane's outline, and not in a cell on the outline. The outermost cells are empty.
   bool holds(std::uint32_t pixel) const {
     const int at = cell_of(pixel);
     return at >= 0 && inside_[at] && inside_[at - 1] && inside_[at + 1] && inside_[at - size_] &&
@@ -99,7 +98,7 @@ class Raster {
   std::vector<std::uint8_t> own_, inside_;
 };
 
-/// Own points minus others, of what lies on the plane within two steps of a point of a cloud.
+/// Own points minus others, among points on the plane within two steps of a cloud's point.
 int majority_in_cloud(const Plane& plane, const LabelGrid& grid, std::uint32_t point) {
   PixelSet disc{point};
   for (std::size_t k = 0, end = 1; k < end; ++k)
@@ -115,8 +114,8 @@ int majority_in_cloud(const Plane& plane, const LabelGrid& grid, std::uint32_t p
   return balance;
 }
 
-/// Own pixels minus others in a disc around a pixel. Opposite places count together or not at all,
-/// so that neither the image's border nor what was not measured tips a straight border.
+/// Own pixels minus others in a disc around a pixel. Opposite pixels count together or not at all,
+/// so that neither the image's border nor unmeasured pixels bias a straight border.
 int majority(const Plane& plane, const LabelGrid& grid, std::uint32_t pixel) {
   const int u = static_cast<int>(pixel) % grid.width, v = static_cast<int>(pixel) / grid.width;
   const auto at = [&](int x, int y) -> std::int64_t {
@@ -190,7 +189,7 @@ Finish grow_to_border(const FrameLabels& labels,
                       int id,
                       const WandOptions& options) {
   const Plane plane = plane_of(labels, grid, id, options);
-  // The wand, from within each part: what it finds is bounded as its own planes are.
+  // Run the wand from within each part; its rules for planes bound the result.
   std::vector<PixelSet> parts = connected_parts(grid, plane.pixels, kPartsGap_px);
   std::ranges::stable_sort(parts, std::ranges::greater{}, &PixelSet::size);
   if (parts.size() > kMostParts) parts.resize(kMostParts);

@@ -1,6 +1,6 @@
-// A local fit at the click, then growth over connected inliers. What lies within tolerance but on
-// another surface (the foot of a wall next to a floor) is cut off at the end, when the plane is
-// known well.
+// Fits a plane at the click, then grows over connected inliers. Pixels within tolerance but on
+// another surface (the foot of a wall next to a floor) are cut off at the end, when the plane is
+// known accurately.
 
 #include "core/labels/wand/wand.hpp"
 
@@ -16,26 +16,25 @@ namespace planescope::labels {
 namespace {
 
 constexpr std::size_t kLeastPixels = 25;  // of a plane
-constexpr int kSpeck_px = 100;            // in smaller holes, what may lie on the plane is taken
-constexpr int kHole_px = 5000;            // and in those up to here, if most of it does
+constexpr int kSpeck_px = 100;            // smaller holes are filled as far as pixels fit the plane
+constexpr int kHole_px = 5000;            // larger holes up to here, only if most pixels do
 constexpr double kMostOfHole = 0.8;
 constexpr int kNearClick_px = 4;     // by which a click may miss the surface
 constexpr int kLeastWindow_px = 10;  // of the fit at the click, to each side
 constexpr int kMostWindow_px = 40;
 constexpr double kWindowTolerances = 2.5;  // and at least this many tolerances in space
-constexpr double kLeastShare = 0.45;       // of the weights around the click must be on a plane
-constexpr int kGap_px = 4;                 // without a measurement that a region may cross
+constexpr double kLeastShare = 0.45;       // of the weights near the click that must be on a plane
+constexpr int kGap_px = 4;                 // unmeasured gap that a region may cross
 constexpr std::uint8_t kCrossed = 2;
-constexpr int kTurned_px = 24;  // from an edge: normals nearer to it may be wrong
+constexpr int kTurned_px = 24;  // from an edge: nearer normals may be wrong
 constexpr int kFirstReach_px = 20;
-constexpr double kLeastFacing =
-    0.3;                            // of what lies on the plane; below it normals are useless here
-constexpr int kManyPixels = 20000;  // of a box; above it every fourth is enough
-constexpr int kMargin_px = 40;      // by which a region may still grow, once it is fitted
+constexpr double kLeastFacing = 0.3;  // of pixels on the plane; below it, normals are useless here
+constexpr int kManyPixels = 20000;    // of a box; above it, use every fourth
+constexpr int kMargin_px = 40;        // by which a fitted region may still grow
 constexpr int kMostRounds = 4;
 constexpr double kSettled = 0.02;  // of the pixels
 
-/// Which pixels of a box lie on the sheet (1), and which of these also face as it does (2).
+/// Marks pixels of a box on the sheet (1), and those that also face like it (2).
 void mark_inliers(const WandField& field,
                   const Sheet& sheet,
                   const PixelBox& box,
@@ -54,7 +53,7 @@ std::vector<std::uint8_t> passable(const WandField& field,
   const LabelGrid& grid = field.grid;
   std::vector<std::uint8_t> pass(grid.pixels(), 0);
   for_pixels(grid, box, [&](std::uint32_t i) { pass[i] = on[i] >= least; });
-  // `gap`: pixels without a measurement since the last inlier of the row or column; -1 no inlier.
+  // `gap`: unmeasured pixels since the last inlier of the row or column; -1 no inlier.
   const auto cross = [&](std::uint32_t i, int& gap, std::uint32_t step) {
     if (pass[i] == 1) {
       for (; gap > 0; --gap) pass[i - static_cast<std::uint32_t>(gap) * step] = kCrossed;
@@ -75,7 +74,7 @@ std::vector<std::uint8_t> passable(const WandField& field,
   return pass;
 }
 
-/// Passable pixels that a click means.
+/// Passable pixels that a click may refer to.
 PixelSet starts_at(const LabelGrid& grid,
                    std::uint32_t click,
                    const std::vector<std::uint8_t>& pass) {
@@ -111,7 +110,7 @@ bool touches(const LabelGrid& grid, const std::vector<std::uint8_t>& region, con
   return false;
 }
 
-/// The region's pixels, with a margin around.
+/// Bounding box of the region, with a margin.
 PixelBox bounds_of(const LabelGrid& grid, const std::vector<std::uint8_t>& region, int margin) {
   PixelBox box{grid.width, grid.height, 0, 0};
   for (int v = 0; v < grid.height; ++v) {
@@ -129,7 +128,7 @@ PixelBox bounds_of(const LabelGrid& grid, const std::vector<std::uint8_t>& regio
           std::min(grid.width, box.u1 + margin), std::min(grid.height, box.v1 + margin)};
 }
 
-/// Over connected inliers; gaps that were not measured are crossed.
+/// Grows over connected inliers, crossing unmeasured gaps.
 class ImageGrowth : public Growth {
  public:
   explicit ImageGrowth(const WandField& field)
@@ -137,7 +136,7 @@ class ImageGrowth : public Growth {
 
   std::optional<std::uint32_t> free_pixel(std::uint32_t click) const override;
   std::optional<Sheet> plane_at(std::uint32_t click) const override;
-  /// In ever larger boxes.
+  /// Grows in increasingly large boxes.
   bool begin(std::uint32_t click, const Sheet& start) override;
   bool complete(const std::vector<std::uint32_t>& clicks) override;
   PixelSet reach_from(std::uint32_t click, std::vector<std::uint8_t>& reached) const override;
@@ -146,12 +145,11 @@ class ImageGrowth : public Growth {
   void regrow(const std::vector<std::uint32_t>& clicks, const PixelBox& box);
   void grow_on(const std::vector<std::uint32_t>& clicks);
 
-  PixelBox box_;                  // holds the region
-  std::vector<std::uint8_t> on_;  // 1 on the sheet, 2 and facing as it does
+  PixelBox box_;                  // contains the region
+  std::vector<std::uint8_t> on_;  // 1 on the sheet, 2 if also facing like it
 };
 
-/// Fills holes that are the depth's own, as a surface that bows has them: nothing else is seen
-/// there.
+/// Fills holes in the depth, for example of a curved surface, if no other surface is visible there.
 void fill_holes(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region) {
   const LabelGrid& grid = field.grid;
   for (const PixelSet& hole : small_holes(region, grid.width, grid.height, kHole_px)) {
@@ -214,7 +212,7 @@ bool ImageGrowth::begin(std::uint32_t click, const Sheet& start) {
 void ImageGrowth::grow_on(const std::vector<std::uint32_t>& clicks) {
   const PixelBox whole{0, 0, grid_.width, grid_.height};
   PixelBox box = clicks.size() > 1 ? whole : bounds_of(grid_, region_, kMargin_px);
-  // A better fit finds more, and more makes a better fit.
+  // A better fit finds more pixels, and more pixels improve the fit.
   for (int round = 0; round < kMostRounds; ++round) {
     const auto before = static_cast<double>(std::ranges::count(region_, 1));
     regrow(clicks, box);
@@ -229,7 +227,7 @@ void ImageGrowth::grow_on(const std::vector<std::uint32_t>& clicks) {
 
 bool ImageGrowth::complete(const std::vector<std::uint32_t>& clicks) {
   grow_on(clicks);
-  // What lies on the plane but faces elsewhere, as normals beside an edge do.
+  // Add pixels on the plane that face elsewhere, like normals beside an edge.
   spread(on_, grid_.width, grid_.height, kTurned_px, region_);
   fill_holes(field_, sheet_, region_);
   cut_at_creases(field_, sheet_, box_, region_);
@@ -257,7 +255,7 @@ void ImageGrowth::regrow(const std::vector<std::uint32_t>& clicks, const PixelBo
   for_pixels(grid_, box, [&](std::uint32_t i) { region_[i] = region_[i] && on_[i]; });
 }
 
-/// Whether a later click means the same plane.
+/// Whether a later click is on the same plane.
 bool is_part(const WandField& field, const Growth& growth, std::uint32_t click) {
   const auto there = growth.plane_at(click);
   if (!there || !field.lies_on(growth.sheet(), click, 2)) return false;
@@ -285,8 +283,8 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   if (!click)
     return refuse(!grid.measured[seeds[0]] ? "nothing was measured there"
                   : !options.within.empty() && !options.within[seeds[0]]
-                      ? "it is outside of the lasso"
-                      : "it has a label already");
+                      ? "it is outside the lasso"
+                      : "it already has a label");
   const auto start = growth->plane_at(*click);
   if (!start || !growth->begin(*click, *start)) return refuse("no plane there");
 
@@ -299,7 +297,7 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
     }
   if (!growth->complete(clicks)) return refuse("no plane there");
 
-  // Drops what is no longer connected to a click.
+  // Drop pixels no longer connected to a click.
   WandResult result;
   result.fragment_pixels.resize(seeds.size(), 0);
   std::vector<std::uint8_t> reached(grid.pixels(), 0);

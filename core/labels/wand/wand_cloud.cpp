@@ -1,6 +1,6 @@
-// The plane wand in a cloud: as in an image a local fit at the click, then growth over connected
-// inliers, but over each point's nearest neighbours. What ends a surface here is its normals and
-// what lies off the plane; there is no image in which a surface stands before another.
+// The plane wand in a cloud. Like in an image, it fits a plane at the click and grows over
+// connected inliers, but over each point's nearest neighbors. Surfaces end only at normals and
+// points off the plane, since nothing occludes them.
 
 #include <algorithm>
 #include <cmath>
@@ -13,18 +13,17 @@ namespace planescope::labels {
 namespace {
 
 constexpr std::size_t kLeastPoints = 12;   // of a plane
-constexpr std::size_t kPatch = 100;        // points around a click that its plane is fitted to
-constexpr double kLeastPatchShare = 0.45;  // of their weights must be on it
-constexpr double kHalf = 3;                // spacings from the click at which a point counts half
-constexpr int kFirstSteps = 6;             // of the growth; then three times as many
-constexpr int kTurnedSteps = 2;  // from what faces as the plane: normals at edges are mixed
+constexpr std::size_t kPatch = 100;        // points around a click to which its plane is fitted
+constexpr double kLeastPatchShare = 0.45;  // of their weights that must be on it
+constexpr double kHalf = 3;                // spacings from the click to half weight
+constexpr int kFirstSteps = 6;             // of the growth; tripled each time
+constexpr int kTurnedSteps = 2;  // from points that face like the plane: normals at edges are mixed
 constexpr int kMostRefits = 6;
-constexpr double kSettledShare = 0.01;  // of the points
-constexpr double kLeastFacingShare =
-    0.3;  // of what lies on the plane; below it normals are useless
+constexpr double kSettledShare = 0.01;     // of the points
+constexpr double kLeastFacingShare = 0.3;  // of points on the plane; below it, normals are useless
 constexpr int kSpeckRounds = 3;
 
-/// The points nearest to one, by steps, that are free to take or not.
+/// The points nearest to one, by steps, that are available.
 PixelSet patch_around(const LabelGrid& grid, std::uint32_t point) {
   PixelSet patch{point};
   std::vector<std::uint8_t> seen(grid.pixels(), 0);
@@ -65,8 +64,8 @@ class CloudGrowth : public Growth {
     return grow({click});
   }
 
-  /// Adds what lies on the plane but faces elsewhere, as points beside an edge do; and what is off
-  /// it by noise alone, with the plane all around.
+  /// Adds points on the plane that face elsewhere, like those beside an edge, and points that are
+  /// off the plane only through noise, surrounded by it.
   bool complete(const std::vector<std::uint32_t>& clicks) override {
     if (clicks.size() > 1 && !grow(clicks)) return false;
     if (facing_) spread(kTurnedSteps);
@@ -89,8 +88,8 @@ class CloudGrowth : public Growth {
   }
 
  private:
-  /// In ever longer reaches about the clicks, the plane fitted anew each time, until all is reached
-  /// and nothing changes. False where that ends in nothing.
+  /// Grows by increasingly more steps from the clicks and fits the plane again each time, until the
+  /// region is complete and settled. Returns false if nothing is left.
   bool grow(const std::vector<std::uint32_t>& clicks) {
     decide_facing(clicks);
     std::size_t before = 0;
@@ -115,7 +114,7 @@ class CloudGrowth : public Growth {
     return field_.allowed[i] && field_.lies_on(sheet_, i) && (!facing_ || field_.faces(sheet_, i));
   }
 
-  /// Whether points were left for want of steps.
+  /// Returns whether the step limit excluded any points.
   bool regrow(const std::vector<std::uint32_t>& clicks, int steps) {
     std::ranges::fill(region_, std::uint8_t{0});
     taken_.clear();
@@ -167,14 +166,14 @@ class CloudGrowth : public Growth {
     taken_.insert(taken_.end(), specks.begin(), specks.end());
   }
 
-  /// By three in four of its neighbours.
+  /// By three quarters of its neighbors.
   bool is_surrounded(std::uint32_t point) const {
     const auto around = grid_.graph.around(point);
     const auto in = std::ranges::count_if(around, [&](std::uint32_t j) { return region_[j] != 0; });
     return 4 * static_cast<std::size_t>(in) >= 3 * around.size();
   }
 
-  PixelSet taken_;  // the region, as it grew
+  PixelSet taken_;  // the region, in order of growth
 };
 
 }  // namespace

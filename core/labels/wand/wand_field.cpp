@@ -1,4 +1,4 @@
-// Planes through a few pixels, and where a region of the wand ends.
+// Fits planes to a few pixels, and finds the borders of the wand's regions.
 
 #include "core/labels/wand/wand_field.hpp"
 
@@ -31,7 +31,7 @@ std::optional<Sheet> sheet_through(const Vec3f& a, const Vec3f& b, const Vec3f& 
   return Sheet{normal / length, normal.dot(a) / length};
 }
 
-/// Weights of what lies on the sheet, falling with the distance from it.
+/// Sum of weights of pixels on the sheet, decreasing with the distance from it.
 float score(const WandField& field, const std::vector<Weighted>& all, const Sheet& sheet) {
   float sum = 0;
   for (const auto& [pixel, weight] : all) {
@@ -107,7 +107,7 @@ WandField make_wand_field(const LabelGrid& grid,
   for (std::size_t i = 0; i < grid.pixels(); ++i)
     field.noise[i] = grid.is_cloud()
                          ? grid.sigma_m[i]
-                         : grid.sigma_m[i] / grid.points[i].norm();  // NaN where not measured
+                         : grid.sigma_m[i] / grid.points[i].norm();  // NaN if not measured
   for (std::size_t i = 0; i < options.within.size(); ++i)
     if (!options.within[i]) field.allowed[i] = 0;
   if (!labels) return field;
@@ -162,11 +162,11 @@ std::optional<LocalFit> fit_through(const WandField& field,
   return fit_weighted(field, all, weights, options);
 }
 
-// Where a region of the wand ends.
+// Borders of the wand's regions.
 
 // Creases. Where two surfaces meet at an angle, points near the edge are within tolerance of both
-// planes. The other surface continues outside of the region: its plane is fitted there, tile by
-// tile along the border, and each pixel near the border goes to the nearer of the two planes.
+// planes. The other surface continues outside the region: its plane is fitted there, tile by tile
+// along the border, and each pixel near the border is assigned to the nearer plane.
 
 namespace {
 
@@ -174,19 +174,19 @@ constexpr int kTile_px = 16;
 constexpr int kLeastCrease_px = 12;  // beyond the tile, to each side
 constexpr int kMostCrease_px = 80;
 constexpr std::size_t kLeastContact_px = 3;  // of a tile's pixels
-constexpr double kLeastCreaseShare = 0.3;    // of what is beyond lies on the other surface
-constexpr double kLeastSine = 0.12;          // of the angle: flatter creases are no creases
-constexpr double kFlatSine = 0.35;      // below it noise decides unless it is averaged over more
-constexpr float kLeaves = 1.8f;         // tolerances from the sheet: a surface, not a bump
-constexpr double kLeastLeaving = 0.2;   // of the other surface's pixels are that far
-constexpr int kLong_px = 60;            // a window so large ...
-constexpr double kLeastLong = 0.3;      // ... is filled by the other surface to this share
-constexpr int kMostSurfaces = 2;        // that meet the region in one tile
-constexpr std::size_t kRemembered = 6;  // surfaces, for the tiles that follow
+constexpr double kLeastCreaseShare = 0.3;    // of pixels beyond, that must be on the other surface
+constexpr double kLeastSine = 0.12;          // of the angle: flatter creases are ignored
+constexpr double kFlatSine = 0.35;           // below it, average over more pixels against noise
+constexpr float kLeaves = 1.8f;              // tolerances from the sheet: a surface, not a bump
+constexpr double kLeastLeaving = 0.2;        // of the other surface's pixels that must be that far
+constexpr int kLong_px = 60;                 // in a window this large, ...
+constexpr double kLeastLong = 0.3;           // ... minimum share of the other surface
+constexpr int kMostSurfaces = 2;             // that meet the region in one tile
+constexpr std::size_t kRemembered = 6;       // surfaces, for the following tiles
 
 using Tile = std::vector<std::uint32_t>;
 
-/// Pixels just outside of the region that continue it without a step in depth, by tile.
+/// Pixels just outside the region that continue it without a step in depth, by tile.
 std::vector<Tile> contacts_by_tile(const WandField& field,
                                    const Sheet& sheet,
                                    const PixelBox& box,
@@ -246,8 +246,8 @@ class CreaseCut {
  private:
   double sine_to(const Sheet& other) const { return other.normal.cross(sheet_.normal).norm(); }
 
-  /// The surface that continues outside of the region at `middle`. The flatter the crease, the
-  /// larger the window that is needed to tell the two apart.
+  /// The surface that continues outside the region at `middle`. Flatter creases need a larger
+  /// window to separate the two.
   std::optional<Sheet> surface_beyond(std::uint32_t middle, double tolerance_px) {
     for (const double tolerances : {2.0, 5.0}) {
       const int beyond =
@@ -276,7 +276,7 @@ class CreaseCut {
     known_.push_back(other);
   }
 
-  /// Not a bump in the region's own surface: it is farther off than noise explains, or it is large.
+  /// Not a bump in the region's own surface: it exceeds the noise, or is large.
   bool is_surface(const Sheet& other, const PixelBox& box) const {
     int all = 0, on = 0, far = 0;
     for (int v = box.v0; v < box.v1; v += 2)
@@ -290,7 +290,7 @@ class CreaseCut {
     return far > kLeastLeaving * on || (box.u1 - box.u0 > kLong_px && on > kLeastLong * all);
   }
 
-  /// Into the region from where the other surface touches it, `deep` pixels at most.
+  /// Grows into the region from where the other surface touches it, by at most `deep` pixels.
   void take(const Sheet& other, Tile front, int deep, int blur) {
     grow_rings(std::move(front), deep, [&](std::uint32_t i, auto& next) {
       for_sides(i, grid_.width, grid_.height, [&](std::uint32_t j) {
@@ -301,14 +301,14 @@ class CreaseCut {
     });
   }
 
-  /// Nearer to the other plane than to the sheet, by the mean of the pixels around.
+  /// Nearer to the other plane than to the sheet, by the mean of the surrounding pixels.
   bool is_nearer(const Sheet& other, std::uint32_t pixel, int blur) const {
     const float middle = sheet_.distance_m(grid_.points[pixel]);
     const float most = field_.tolerance_m(sheet_, pixel);
     float to_sheet = 0, to_other = 0;
     for_pixels(grid_, box_around(grid_, pixel, blur), [&](std::uint32_t i) {
       const float d = sheet_.distance_m(grid_.points[i]);
-      if (!(std::abs(d - middle) <= most)) return;  // also where not measured
+      if (!(std::abs(d - middle) <= most)) return;  // also if not measured
       to_sheet += d;
       to_other += other.distance_m(grid_.points[i]);
     });
@@ -319,9 +319,9 @@ class CreaseCut {
   const LabelGrid& grid_;
   const Sheet& sheet_;
   std::vector<std::uint8_t>& region_;
-  std::vector<std::uint8_t> outside_;  // measured, and none of the region
+  std::vector<std::uint8_t> outside_;  // measured, but not in the region
   std::vector<std::uint8_t> goes_;     // to another surface
-  std::vector<Sheet> known_;           // other surfaces, met in the last tiles
+  std::vector<Sheet> known_;           // other surfaces, from the last tiles
 };
 
 }  // namespace
@@ -336,17 +336,17 @@ void cut_at_creases(const WandField& field,
   cut.finish();
 }
 
-// Colour. Depth images are ragged at the borders of objects, colour images are not. Border pixels
-// whose depth leaves it open go to the side whose colour nearby is more like theirs.
+// Color. Depth images are ragged at the borders of objects, color images are not. Border pixels
+// with ambiguous depth are assigned to the side whose color nearby is more similar.
 
 namespace {
 
 constexpr int kStrip_px = 3;          // of the border, to each side
-constexpr int kAround_px = 6;         // where the two sides' colours are taken from
+constexpr int kAround_px = 6;         // where the colors of the two sides are sampled
 constexpr int kLeastColorPixels = 8;  // of each side
 constexpr float kContrast = 36;       // between them, of 255 per channel
 constexpr float kClearly = 0.6f;      // nearer to one than to the other
-constexpr float kDoubtful = 0.6f;     // of the tolerance: what fits worse inside may be wrong
+constexpr float kDoubtful = 0.6f;     // of the tolerance: beyond it, inner pixels may be wrong
 
 struct MeanColor {
   Vec3f sum = Vec3f::Zero();

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the parts of the wand share. Internal to core/labels.
+// Code shared by the parts of the wand. Internal to core/labels.
 
 #include <algorithm>
 #include <cmath>
@@ -40,22 +40,22 @@ struct Sheet {
 
   float distance_m(const Vec3f& point) const { return normal.dot(point) - offset_m; }
 };
-/// nullopt where there are too few points, or all in a line. Moments about the sensor are exact
-/// enough: a few metres in doubles.
+/// nullopt for too few points, or points in a line. Moments about the sensor are accurate enough: a
+/// few meters in doubles.
 std::optional<Sheet> sheet_through(const Moments& moments);
 
-constexpr float kLoosely = 1.5f;  // tolerances: within holes, and at borders that colour decides
+constexpr float kLoosely = 1.5f;  // tolerances: in holes, and at borders decided by color
 
-/// A frame, and how far from a plane its pixels may lie.
+/// A frame, and the tolerance of its pixels to a plane.
 struct WandField {
   const LabelGrid& grid;
   WandOptions options;
-  std::vector<float> noise;  // across a sheet at 1 m of offset, per pixel; of a cloud at any [m]
-  std::vector<std::uint8_t> allowed;  // measured, and free to take
+  std::vector<float> noise;  // across a sheet at 1 m offset, per pixel; in a cloud at any [m]
+  std::vector<std::uint8_t> allowed;  // measured and available
   float least_cosine = 0;             // between normals that face the same way
 
-  /// At close range the option itself. Where noise is more than it allows for it grows in that
-  /// ratio, but a tolerance that is large already does not grow with noise that it covers.
+  /// At close range, the option itself. Grows in proportion to noise above the expected level, but
+  /// a large tolerance does not grow with noise that it already covers.
   float tolerance_m(const Sheet& sheet, std::uint32_t pixel) const {
     constexpr double kCloseNoise_m = 0.0023;
     const auto tolerance = static_cast<float>(options.tolerance_m);
@@ -66,7 +66,7 @@ struct WandField {
   bool lies_on(const Sheet& sheet, std::uint32_t pixel, float times = 1) const {
     return std::abs(sheet.distance_m(grid.points[pixel])) <= times * tolerance_m(sheet, pixel);
   }
-  /// True also where the normal is not known.
+  /// True also if the normal is unknown.
   bool faces(const Sheet& sheet, std::uint32_t pixel) const {
     const Vec3f& normal = grid.normals[pixel];
     const float cosine = normal.dot(sheet.normal);
@@ -78,30 +78,30 @@ WandField make_wand_field(const LabelGrid& grid,
                           const WandOptions& options);
 
 struct LocalFitOptions {
-  double half_px = 4;              // distance from the middle at which a pixel counts half
+  double half_px = 4;              // distance from the center at which a pixel has half weight
   int samples = 64;                // a fixed series of random ones
-  int most_pixels = 256;           // looked at, spread evenly
-  std::span<const Sheet> hints{};  // tried first: no search where one holds most of the pixels
+  int most_pixels = 256;           // tested, spread evenly
+  std::span<const Sheet> hints{};  // tried first: no search if one contains most of the pixels
 };
 struct LocalFit {
   Sheet sheet;
   double share = 0;  // of the weights, on the sheet
 };
-/// The plane that most of the pixels in `box` lie on, of those where `usable` is not 0; the nearer
-/// to the pixel `middle`, the more they count.
+/// The plane with most of the pixels in `box`, among those with nonzero `usable`. Pixels count more
+/// the nearer they are to `middle`.
 std::optional<LocalFit> fit_around(const WandField& field,
                                    const std::vector<std::uint8_t>& usable,
                                    const PixelBox& box,
                                    std::uint32_t middle,
                                    const LocalFitOptions& options = {});
 
-/// The same of points of a cloud, the first of them the middle; `half_px` is in spacings.
+/// The same for points of a cloud, of which the first is the center; `half_px` is in spacings.
 std::optional<LocalFit> fit_through(const WandField& field,
                                     std::span<const std::uint32_t> pixels,
                                     const LocalFitOptions& options = {});
 
-/// A region and the plane under it, as it grows from clicks: in an image over pixels (wand.cpp), in
-/// a cloud over each point's neighbours (wand_cloud.cpp).
+/// A region and its plane, growing from clicks: in an image over pixels (wand.cpp), in a cloud over
+/// each point's neighbors (wand_cloud.cpp).
 class Growth {
  public:
   Growth(const WandField& field, std::size_t least)
@@ -110,15 +110,15 @@ class Growth {
   Growth(const Growth&) = delete;
   Growth& operator=(const Growth&) = delete;
 
-  /// The nearest free pixel to a click that may have hit a hole.
+  /// The free pixel nearest to a click that may have hit a hole.
   virtual std::optional<std::uint32_t> free_pixel(std::uint32_t click) const = 0;
   virtual std::optional<Sheet> plane_at(std::uint32_t click) const = 0;
-  /// From a click and the plane there, the plane fitted anew as the region grows. False where that
-  /// ends in nothing.
+  /// Grows from a click and the plane there, fitting the plane again as the region grows. Returns
+  /// false if nothing is left.
   virtual bool begin(std::uint32_t click, const Sheet& start) = 0;
-  /// With further clicks, until nothing changes, and to the region's border.
+  /// Grows from further clicks until nothing changes, up to the region's border.
   virtual bool complete(const std::vector<std::uint32_t>& clicks) = 0;
-  /// Adds to `reached` what is connected to a click within the region. Returns the pixels added.
+  /// Adds to `reached` the pixels connected to a click within the region. Returns the added pixels.
   virtual PixelSet reach_from(std::uint32_t click, std::vector<std::uint8_t>& reached) const = 0;
 
   const Sheet& sheet() const { return sheet_; }
@@ -135,21 +135,21 @@ class Growth {
   const WandField& field_;
   const LabelGrid& grid_;
   Sheet sheet_;
-  // Strips narrower than the normals' windows have no normals: there distance alone decides.
+  // Strips narrower than the normals' windows have no normals: there, only distance decides.
   bool facing_ = true;
   std::vector<std::uint8_t> region_;
 };
 std::unique_ptr<Growth> growth_in_cloud(const WandField& field);
 
-/// Takes pixels off `region` that lie on another surface which meets the sheet at a crease. All of
-/// `region` is within tolerance of the sheet; where the other surface lies is told by its part
-/// outside of the region. `box` holds the region.
+/// Removes pixels from `region` that belong to another surface meeting the sheet at a crease. All
+/// of `region` is within tolerance of the sheet; the part of the other surface outside the region
+/// shows its plane. `box` contains the region.
 void cut_at_creases(const WandField& field,
                     const Sheet& sheet,
                     const PixelBox& box,
                     std::vector<std::uint8_t>& region);
 
-/// Lets colour decide at the border of the region where depth leaves it open.
+/// Assigns pixels at the border of the region by color if their depth is ambiguous.
 void settle_border_by_color(const WandField& field,
                             const Sheet& sheet,
                             const PixelBox& box,

@@ -98,10 +98,10 @@ class PcaClassifier final : public Classifier {
   explicit PcaClassifier(const PcaClassifierOptions& options) : options_(options) {
     if (options.neighbours < 3 || options.neighbours > 1024)
       throw Error("pca_neighbours is " + std::to_string(options.neighbours) +
-                  ", expected 3 to 1024");
+                  "; expected 3 to 1024");
     if (!(options.max_angle_deg > 0 && options.max_angle_deg < 90))
       throw Error("pca max_angle_deg is " + std::to_string(options.max_angle_deg) +
-                  ", expected a number between 0 and 90");
+                  "; expected a number between 0 and 90");
   }
 
   std::string name() const override { return "pca"; }

@@ -287,8 +287,8 @@ Surroundings::Block& Surroundings::find(const Place& place, int level) {
 
 /// The 3x3x3 cells are contained in 2x2x2 cells of the next level.
 void Surroundings::find_ranges(Block& block, int level) const {
-  constexpr std::array<std::uint8_t, 3> kLower{0x55, 0x33, 0x0f};  // per axis: the lower half of
-                                                                   // eight siblings
+  // Per axis, the lower half of eight siblings.
+  constexpr std::array<std::uint8_t, 3> kLower{0x55, 0x33, 0x0f};
   struct Part {
     Siblings siblings;
     unsigned wanted;

@@ -84,7 +84,7 @@ void check_layout(std::vector<Entry>& entries, std::uint64_t data_bytes, const f
                               data_bytes));
     if (entry.begin != filled)
       throw Error(
-          fmt::format("{} begins at byte {} of the data, expected {}", what, entry.begin, filled));
+          fmt::format("{} begins at byte {} of the data; expected {}", what, entry.begin, filled));
     if (bytes_of(entry.shape, data_bytes) != entry.end - entry.begin)
       throw Error(fmt::format("{} has {} bytes, which does not match shape [{}] in F32", what,
                               entry.end - entry.begin, fmt::join(entry.shape, ", ")));
@@ -98,14 +98,14 @@ void check_layout(std::vector<Entry>& entries, std::uint64_t data_bytes, const f
 std::string_view header_of(std::span<const unsigned char> bytes, const fs::path& path) {
   if (bytes.size() < kLengthBytes)
     throw Error(
-        fmt::format("{}: {} bytes, expected a safetensors file", path.string(), bytes.size()));
+        fmt::format("{}: {} bytes; expected a safetensors file", path.string(), bytes.size()));
   std::uint64_t length = 0;
   std::memcpy(&length, bytes.data(), kLengthBytes);
   const std::uint64_t most = std::min<std::uint64_t>(bytes.size() - kLengthBytes, kMaxHeaderBytes);
   if (length > most)
     throw Error(
-        fmt::format("{}: header of {} bytes, expected at most {}: truncated, or not a safetensors "
-                    "file",
+        fmt::format("{}: header of {} bytes; expected at most {} (truncated, or not a safetensors "
+                    "file)",
                     path.string(), length, most));
   return {reinterpret_cast<const char*>(bytes.data()) + kLengthBytes, length};
 }
@@ -211,7 +211,7 @@ NetworkConfig network_config(const std::string& name) {
             .neighbours = 50,
             .global_feature = true,
             .head = {512, 512}};
-  throw Error("network '" + name + "' is unknown, expected compact, small or official");
+  throw Error("network '" + name + "' is unknown; expected compact, small or official");
 }
 
 std::vector<TensorSpec> tensor_specs(const NetworkConfig& config) {
@@ -294,7 +294,7 @@ const std::string& metadata(const TensorFile& file, const char* key, const fs::p
   const auto found = file.metadata.find(key);
   if (found == file.metadata.end())
     throw Error(
-        fmt::format("{}: metadata has no '{}', expected the metadata of a {} file: "
+        fmt::format("{}: metadata has no '{}'; expected the metadata of a {} file; "
                     "docs/classifier.md shows how to write one",
                     path.string(), key, kFormat));
   return found->second;
@@ -305,7 +305,7 @@ void expect_metadata(const TensorFile& file,
                      const char* value,
                      const fs::path& path) {
   if (const std::string& found = metadata(file, key, path); found != value)
-    throw Error(fmt::format("{}: {} {}, expected \"{}\"", path.string(), key, shown(found), value));
+    throw Error(fmt::format("{}: {} {}; expected \"{}\"", path.string(), key, shown(found), value));
 }
 
 /// Moves the values of `spec` out of the file.
@@ -318,11 +318,11 @@ std::vector<float> extract(TensorFile& file, const TensorSpec& spec, const std::
   if (!std::equal(
           spec.shape.begin(), spec.shape.end(), found->shape.begin(), found->shape.end(),
           [](int expected, std::size_t is) { return static_cast<std::size_t>(expected) == is; }))
-    throw Error(fmt::format("{}: tensor {} is [{}], its configuration requires [{}]", what,
+    throw Error(fmt::format("{}: tensor {} is [{}], but its configuration requires [{}]", what,
                             spec.name, fmt::join(found->shape, ", "), fmt::join(spec.shape, ", ")));
   for (std::size_t i = 0; i < found->values.size(); ++i)
     if (!std::isfinite(found->values[i]))
-      throw Error(fmt::format("{}: tensor {}: value {} is {}, expected finite numbers", what,
+      throw Error(fmt::format("{}: tensor {}: value {} is {}; expected finite numbers", what,
                               spec.name, i, found->values[i]));
   std::vector<float> values = std::move(found->values);
   file.tensors.erase(found);

@@ -44,9 +44,9 @@ void write_safetensors(const std::filesystem::path& path, const TensorFile& file
 /// convolution except the last. Default: `compact`.
 struct NetworkConfig {
   std::string name = "compact";
-  std::vector<std::vector<int>> levels = {{32, 32}, {64, 64}};  // output channels of
-                                                                // each convolution
-  int supports = 1;                                             // per kernel
+  /// Output channels of each convolution, by level.
+  std::vector<std::vector<int>> levels = {{32, 32}, {64, 64}};
+  int supports = 1;              // per kernel
   int neighbours = 16;           // per convolution, excluding the point itself
   int pool_rate = 4;             // one in this many points continues to the next level
   int pool_neighbours = 4;       // neighbors in each max pooling

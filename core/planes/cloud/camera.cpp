@@ -59,11 +59,11 @@ void check_camera(const Frame& frame) {
   const Intrinsics& k = frame.intrinsics;
   if (k.width != depth.width || k.height != depth.height)
     throw Error("frame " + frame.name + ": depth is " + std::to_string(depth.width) + "x" +
-                std::to_string(depth.height) + ", its intrinsics are for " +
+                std::to_string(depth.height) + ", but its intrinsics are for " +
                 std::to_string(k.width) + "x" + std::to_string(k.height));
   if (!(k.fx != 0) || !(k.fy != 0) || !(frame.depth_unit_m > 0))
     throw Error("frame " + frame.name +
-                ": focal length or depth unit is zero, expected both from the recording or from "
+                ": focal length or depth unit is zero; expected both from the recording or from "
                 "--intrinsics and --depth-unit");
 }
 

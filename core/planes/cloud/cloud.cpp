@@ -22,12 +22,12 @@ constexpr int kDeepestOctree = 21;  // three coordinates of 21 bits make a 64-bi
 void check(const CloudOptions& options) {
   if (!(options.max_range_m > 0))
     throw Error("max_range_m is " + std::to_string(options.max_range_m) +
-                ", expected a number above 0");
+                "; expected a number above 0");
   if (!(options.cube_edge_m > 0) || !std::isfinite(options.cube_edge_m))
     throw Error("cube_edge_m is " + std::to_string(options.cube_edge_m) +
-                ", expected a finite number above 0");
+                "; expected a finite number above 0");
   if (options.base_depth < 1 || options.base_depth > kDeepestOctree)
-    throw Error("base_depth is " + std::to_string(options.base_depth) + ", expected 1 to 21");
+    throw Error("base_depth is " + std::to_string(options.base_depth) + "; expected 1 to 21");
 }
 
 /// The smallest cube_edge * 2^k that contains `extent_m`; at most the largest cube whose leaves
@@ -239,8 +239,8 @@ Cloud cloud_of_points(const Frame& frame, const Gravity& gravity, const CloudOpt
   crop(cloud, within_range);
   if (cloud.counts.outside_cube > cloud.counts.kept)
     throw Error(fmt::format(
-        "frame {}: {} of {} points lie outside the largest supported cube, {:.1f} m around their "
-        "center: expected coordinates in meters",
+        "frame {}: {} of {} points are outside the largest supported cube, {:.1f} m around their "
+        "center; expected coordinates in meters",
         frame.name, cloud.counts.outside_cube, within.size(), cloud.cube.edge_m));
   return cloud;
 }

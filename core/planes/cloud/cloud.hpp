@@ -30,12 +30,12 @@ struct CloudOptions {
               &O::range_for_clouds);
     rows.group.images = false;
     rows.number("cube_edge_m", "Octree cube", "m",
-                "Smallest edge of the octree's cube; doubled until it contains the range",
+                "Minimum edge of the octree cube; doubled until it contains the range",
                 &O::cube_edge_m, {0.01, 10000});
     rows.number("voxel_size_m", "Voxel size", "m", "Voxel edge; 0 makes every point a voxel",
                 &O::voxel_size_m, {0, 10});
     rows.number("base_depth", "Octree depth", "levels",
-                "Octree depth of a cube of cube_edge_m: 8 gives leaves of 1.25 cm in 3.2 m",
+                "Octree depth for a cube of cube_edge_m: 8 gives leaves of 1.25 cm in 3.2 m",
                 &O::base_depth, {1, 16});
   }
 };

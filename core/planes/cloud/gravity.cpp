@@ -39,7 +39,7 @@ GravityOptions parse_gravity(const std::string& text) {
   if (in.fail() || comma1 != ',' || comma2 != ',' || in >> rest || !direction.allFinite() ||
       !(direction.norm() > 0))
     throw Error("gravity is \"" + text +
-                "\", expected auto, imu, estimate, none or a direction X,Y,Z that is not zero");
+                "\"; expected auto, imu, estimate, none or a direction X,Y,Z that is not zero");
   options.mode = GravityMode::fixed;
   options.direction = direction;
   return options;
@@ -104,7 +104,7 @@ WhyUnknown why_unknown(const Frame& frame, double max_range_m) {
             false};
   if (max_range_m > 0 && nearest * frame.depth_unit_m > max_range_m)
     return {fmt::format("all depths are between {:.4g} and {:.4g} m, beyond --max-range {:.6g} m: "
-                        "is --depth-unit {:.6g} right?",
+                        "is --depth-unit {:.6g} correct?",
                         nearest * frame.depth_unit_m, farthest * frame.depth_unit_m, max_range_m,
                         frame.depth_unit_m),
             false};
@@ -150,7 +150,8 @@ Gravity resolve_gravity(const Frame& frame, const GravityOptions& options, doubl
     Gravity gravity;
     // Scale first, so that squares of tiny components do not underflow.
     const Vec3d scaled = options.direction / options.direction.cwiseAbs().maxCoeff();
-    if (!scaled.allFinite()) throw Error("gravity is not a direction: expected X,Y,Z not all zero");
+    if (!scaled.allFinite())
+      throw Error("gravity is not a direction; expected X,Y,Z, not all zero");
     gravity.direction = scaled.normalized();
     gravity.source = GravitySource::option;
     gravity.note = "given by the user";
@@ -188,7 +189,7 @@ std::optional<Vec3d> of_one_wall(const Vec3d& normal, const Vec3d& before, std::
   const double upright_deg = in_degrees(std::acos(std::min(1.0, std::abs(normal.dot(before)))));
   if (upright_deg < kLeastUpright_deg) {
     why_not = "that surface is only " + whole_degrees(upright_deg) +
-              " from level, expected a wall: is it a floor?";
+              " from level; expected a wall; is it a floor?";
     return std::nullopt;
   }
   return Vec3d(before - before.dot(normal) * normal).normalized();

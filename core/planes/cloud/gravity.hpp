@@ -24,7 +24,7 @@ struct GravityOptions {
   static void describe(Rows& rows) {
     using O = GravityOptions;
     rows.number("gravity_max_tilt_deg", "Largest camera tilt", "deg",
-                "Largest camera tilt that the gravity estimate allows", &O::max_tilt_deg,
+                "Maximum camera tilt that the gravity estimate allows", &O::max_tilt_deg,
                 {0, 90, true});
   }
 };

@@ -269,7 +269,7 @@ std::string reasons_against(Label label,
   if (label == Label::v)
     reasons.emplace_back("upright, v");
   else if (std::isnan(surface.slope_deg))
-    reasons.emplace_back("slope unknown: gravity is not known");
+    reasons.emplace_back("slope unknown: gravity is unknown");
   else if (surface.slope_deg > limits.max_slope_deg)
     reasons.push_back(
         fmt::format("slope {:.1f} deg, limit {}", surface.slope_deg, limits.max_slope_deg));

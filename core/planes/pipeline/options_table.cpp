@@ -30,7 +30,7 @@ void check_range(double value, const OptionRange& range, const std::string& name
   if (!low && value <= range.max) return;
   const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
   throw Error(fmt::format(
-      "option {}: {} is out of range, expected {}", name, value,
+      "option {}: {} is out of range; expected {}", name, value,
       std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
 }
 
@@ -114,7 +114,7 @@ class OptionRows {
     row.set = [of = stage_, field, values, name](PipelineOptions& o, const std::string& text) {
       const auto found = std::ranges::find(values, text);
       if (found == values.end())
-        throw Error(fmt::format("option {}: '{}' is unknown, expected {}", name, text,
+        throw Error(fmt::format("option {}: '{}' is unknown; expected {}", name, text,
                                 fmt::join(values, " or ")));
       of(o).*field = static_cast<T>(found - values.begin());
     };
@@ -172,8 +172,8 @@ OptionInfo gravity_row() {
           .title = "Gravity",
           .unit = "auto/X,Y,Z/imu/estimate/none",
           .meaning =
-              "Gravity direction in the frame of the sensor or cloud; none: without horizontal and "
-              "vertical",
+              "Gravity direction in the frame of the sensor or cloud; none: do not distinguish "
+              "horizontal from vertical",
           .section = "gravity",
           .get = [](const PipelineOptions& o) { return gravity_text(o.gravity); },
           .set =
@@ -185,22 +185,23 @@ OptionInfo gravity_row() {
 }
 
 OptionInfo classifier_row() {
-  return {
-      .name = "classifier",
-      .title = "Classifier",
-      .unit = "gcn/pca/truth/FILE",
-      .meaning = "Labels points horizontal or vertical: a network, PCA normals, or ground truth",
-      .section = "classifier",
-      .get = [](const PipelineOptions& o) { return o.classifier; },
-      .set =
-          [](PipelineOptions& o, const std::string& text) {
-            if (text != "gcn" && text != "pca" && text != "truth" && !names_weights_file(text))
-              throw Error("classifier '" + text +
-                          "' does not exist, expected gcn, pca, truth or a weights file");
-            o.classifier = text;
-          },
-      .images = false,
-      .method = Method::ours};
+  return {.name = "classifier",
+          .title = "Classifier",
+          .unit = "gcn/pca/truth/FILE",
+          .meaning =
+              "Classifier that labels points horizontal or vertical: a network, PCA normals, or "
+              "ground truth",
+          .section = "classifier",
+          .get = [](const PipelineOptions& o) { return o.classifier; },
+          .set =
+              [](PipelineOptions& o, const std::string& text) {
+                if (text != "gcn" && text != "pca" && text != "truth" && !names_weights_file(text))
+                  throw Error("unknown classifier '" + text +
+                              "'; expected gcn, pca, truth or a weights file");
+                o.classifier = text;
+              },
+          .images = false,
+          .method = Method::ours};
 }
 
 OptionInfo method_row() {
@@ -209,7 +210,7 @@ OptionInfo method_row() {
   return {.name = "method",
           .title = "Method",
           .unit = fmt::format("{}", fmt::join(names, "/")),
-          .meaning = "Method that finds planes: ours, or a rival",
+          .meaning = "Method that finds planes: ours, or one to compare with",
           .section = "method",
           .get = [](const PipelineOptions& o) { return to_string(o.method); },
           .set = [](PipelineOptions& o, const std::string& text) { o.method = parse_method(text); },
@@ -221,7 +222,7 @@ OptionInfo profile_row() {
   return {.name = "profile",
           .title = "Profile",
           .unit = "paper/paper-closest/refined",
-          .meaning = "Sets all options below to the defaults of a profile",
+          .meaning = "Set all options below to the defaults of a profile",
           .section = "criteria",
           .get = [](const PipelineOptions& o) { return to_string(o.segment.profile); },
           .set = [](PipelineOptions& o,
@@ -374,8 +375,8 @@ const OptionInfo& find_option(const std::string& name) {
                               removed.by.empty() ? "" : "; see ", removed.by));
   const std::string near = nearest_name(name, names);
   throw Error("option '" + name + "' is unknown" +
-              (near.empty() ? std::string(", `planescope options` lists all options")
-                            : ", did you mean '" + near + "'?"));
+              (near.empty() ? std::string("; `planescope options` lists all options")
+                            : "; did you mean '" + near + "'?"));
 }
 
 std::string default_value(const OptionInfo& info, Profile profile) {
@@ -424,7 +425,7 @@ void set_profile(PipelineOptions& options, const std::string& name_or_file) {
   if (!names_file(name_or_file)) {
     const std::vector<std::string>& names = find_option("profile").choices;
     if (std::ranges::count(names, name_or_file) == 0)
-      throw Error(fmt::format("profile '{}' is unknown, expected {} or a FILE that exists",
+      throw Error(fmt::format("unknown profile '{}'; expected {} or the path of a file",
                               name_or_file, fmt::join(names, ", ")));
     options.segment = profile_options(parse_profile(name_or_file));
     return;

@@ -96,8 +96,8 @@ void set_option(PipelineOptions& options, const std::string& name, const std::st
 /// A user-defined profile: a file with the differences from a built-in profile.
 struct ProfileFile {
   Profile base = Profile::refined;
-  std::vector<std::pair<std::string, std::string>> options;  // name, value as expected
-                                                             // by set_option()
+  /// Names and values for set_option().
+  std::vector<std::pair<std::string, std::string>> options;
 };
 
 /// Throws Error naming the file, what was found and what was expected, including for options that

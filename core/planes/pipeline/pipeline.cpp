@@ -55,12 +55,12 @@ Method parse_method(const std::string& text) {
   for (const auto& [method, name] : kMethods) {
     const char* missing = missing_option(method);
     if (text == name && missing)
-      throw Error("method '" + text + "' is not part of this build: configure it with -D" +
-                  missing + "=ON, see docs/method.md");
+      throw Error("method '" + text + "' is not part of this build; configure it with -D" +
+                  missing + "=ON (see docs/method.md)");
     if (text == name) return method;
     if (!missing) known += (known.empty() ? "" : ", ") + std::string(name);
   }
-  throw Error("method '" + text + "' is unknown, expected one of " + known);
+  throw Error("method '" + text + "' is unknown; expected one of " + known);
 }
 
 // ---- Classifiers ----
@@ -214,16 +214,16 @@ namespace {
 /// Throws Error if the planes do not match this depth image.
 void check_given(const GivenPlanes& given, const DepthInput& input) {
   if (given.plane_of.width != input.image.width || given.plane_of.height != input.image.height)
-    throw Error(fmt::format("stored planes are {}x{}, expected {}x{}", given.plane_of.width,
+    throw Error(fmt::format("stored planes are {}x{}; expected {}x{}", given.plane_of.width,
                             given.plane_of.height, input.image.width, input.image.height));
   for (std::size_t i = 0; i < given.plane_of.data.size(); ++i) {
     if (given.plane_of.data[i] > given.margins.size())
-      throw Error(fmt::format("stored planes contain plane {}, expected at most {}",
+      throw Error(fmt::format("stored planes contain plane {}; expected at most {}",
                               given.plane_of.data[i], given.margins.size()));
     if (given.plane_of.data[i] > 0 && !(input.image.rho[i] > 0))
       throw Error(
-          "stored planes do not match the depth: were frames added or removed since the map "
-          "was made?");
+          "stored planes do not match the depth; were frames added or removed since the map "
+          "was created?");
   }
 }
 
@@ -301,7 +301,8 @@ FoundRegions find_regions(const Frame& frame,
                           std::span<const KnownPlane> known) {
   FoundRegions found;
   if (is_found_on_pixels(frame, options) != prepared.of_pixels)
-    throw Error("the frame was prepared for another profile, expected that of the options");
+    throw Error(
+        "the frame was prepared for a different profile; expected the profile of the options");
   if (prepared.of_pixels) {
     Stopwatch watch;
     const DepthInput input = depth_input(frame, prepared, known);

@@ -37,7 +37,7 @@ FoundPlanes found_planes(std::span<const Vec3f> points,
 }
 
 void refuse_absent_rival(const char* name, const char* option) {
-  throw Error(std::string("method ") + name + " is not part of this build: configure it with -D" +
+  throw Error(std::string("method ") + name + " is not part of this build; configure it with -D" +
               option + "=ON");
 }
 

@@ -39,10 +39,10 @@ struct RansacOptions {
     using O = RansacOptions;
     rows.number("ransac_theta_pf_m", "Inlier distance", "m", "RANSAC: inlier distance",
                 &O::theta_pf_m, {0, 100, true});
-    rows.number("ransac_iterations", "Iterations", "tries", "RANSAC: most iterations per plane",
-                &O::iterations, {1, 1e6});
-    rows.number("ransac_min_points", "Fewest points", "points", "RANSAC: fewest points of a plane",
-                &O::min_points, {3, 1e9});
+    rows.number("ransac_iterations", "Iterations", "tries",
+                "RANSAC: maximum number of iterations per plane", &O::iterations, {1, 1e6});
+    rows.number("ransac_min_points", "Fewest points", "points",
+                "RANSAC: minimum number of points in a plane", &O::min_points, {3, 1e9});
     rows.number("ransac_seed", "Random seed", "1", "RANSAC: random seed", &O::seed);
   }
 };
@@ -78,10 +78,10 @@ struct RegionGrowingOptions {
     rows.number("region_voxel_size_m", "Cell of clouds", "m",
                 "Region growing: cell edge in unordered clouds", &O::voxel_size_m, {0, 100, true});
     rows.number("region_threshold_m2", "Planarity threshold", "m2",
-                "Region growing: threshold of planar region identification",
+                "Region growing: threshold for planar region identification",
                 &O::region_threshold_m2);
     rows.number("region_merge_threshold", "Merge threshold", "1",
-                "Region growing: smallest cosine between the normals of merged regions",
+                "Region growing: minimum cosine between the normals of merged regions",
                 &O::merge_threshold, {-1, 1});
     rows.flag("region_refine_boundaries", "Refine boundaries",
               "Region growing: refine points along the borders of regions", &O::refine_boundaries);

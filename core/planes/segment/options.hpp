@@ -60,8 +60,8 @@ struct ObjectiveOptions {
   static void describe(Rows& rows) {
     using O = ObjectiveOptions;
     rows.number("flat", "Cell flatness", "1",
-                "Criterion 3: largest variance of a cell, relative to the expected", &O::flat,
-                {0, 1e6, true});
+                "Criterion 3: maximum variance of a cell, relative to the expected variance",
+                &O::flat, {0, 1e6, true});
     rows.number("bow", "Bow allowed", "1",
                 "low-frequency error of depth, relative to the measured one", &O::bow, {0, 100});
     rows.number("merge_cost", "Merge cost", "1",
@@ -69,7 +69,7 @@ struct ObjectiveOptions {
                 {0, 1e6});
     rows.group.images = true;
     rows.number("two_planes", "Two-plane split", "share",
-                "depth images, Criterion 1: largest cost of one plane rather than two, as a share "
+                "depth images, Criterion 1: maximum cost of one plane rather than two, as a share "
                 "of merge_cost",
                 &O::two_planes, {0, 1e6});
     rows.number("filled", "Least filled share", "share",
@@ -93,12 +93,12 @@ struct ObjectiveOptions {
                 {0, 1e6});
     rows.group.images = false;
     rows.number("resolution", "Spacing noise", "spacings",
-                "clouds: minimum noise sigma, in spacings of points", &O::resolution, {0, 100});
+                "clouds: minimum noise sigma, in point spacings", &O::resolution, {0, 100});
     rows.number("point_reach_sigma", "Cost of unexplained points", "sigma",
                 "clouds: cost of an unassigned point, as a distance", &O::point_reach_sigma,
                 {0, 1000});
     rows.number("label_sigma", "Label penalty", "sigma",
-                "clouds: extra distance of a point from a plane of the other label",
+                "clouds: extra distance of a point from a plane with the other label",
                 &O::label_sigma, {0, 1000});
     rows.number("plane_cost", "Plane cost", "sigma2", "clouds: cost of a plane", &O::plane_cost,
                 {0, 1e9});
@@ -139,40 +139,42 @@ struct SegmentOptions {
   static void describe(Rows& rows) {
     using O = SegmentOptions;
     rows.group.images = false;  // the objective uses Criteria 1 and 2 for clouds
-    rows.number("theta_n_out", "Most outliers", "points", "Criterion 1: most outliers of a node",
-                &O::theta_n_out)
+    rows.number("theta_n_out", "Most outliers", "points",
+                "Criterion 1: maximum number of outliers in a node", &O::theta_n_out)
         .symbol = "θ_Nout";
     rows.number("theta_r_out", "Largest outlier share", "share",
-                "Criterion 1: largest share of outliers in a node", &O::theta_r_out, {0, 1})
+                "Criterion 1: maximum share of outliers in a node", &O::theta_r_out, {0, 1})
         .symbol = "θ_rout";
-    rows.number("theta_n_in", "Fewest inliers", "points", "Criterion 2: fewest inliers of a node",
-                &O::theta_n_in, {3, 1e9})
+    rows.number("theta_n_in", "Fewest inliers", "points",
+                "Criterion 2: minimum number of inliers in a node", &O::theta_n_in, {3, 1e9})
         .symbol = "θ_Nin";
     rows.group.images = {};
     rows.group.objective = false;
     rows.number("theta_e_n_m2", "Largest fit error", "m2",
-                "Criterion 3: largest error e_n of the inliers' plane fit", &O::theta_e_n_m2)
+                "Criterion 3: maximum error e_n of the inliers' plane fit", &O::theta_e_n_m2)
         .symbol = "θ_en";
-    rows.choice("mse_normalization", "Fit error is over", {"scatter", "mean"},
-                "e_n is the smallest eigenvalue of the scatter as printed, or divided by N",
-                &O::mse_normalization);
+    rows.choice(
+        "mse_normalization", "Fit error is over", {"scatter", "mean"},
+        "e_n is the smallest eigenvalue of the scatter matrix, as in the paper, or divided by N",
+        &O::mse_normalization);
     rows.number("theta_coplane", "Least coplanarity", "1",
-                "Criterion 4: smallest coplanarity of two merged candidates", &O::theta_coplane,
+                "Criterion 4: minimum coplanarity of two merged candidates", &O::theta_coplane,
                 {0, 1})
         .symbol = "θ_coplane";
     rows.flag("criterion4_n2", "Ask for the third line",
               "Criterion 4: also evaluate its third line, with the candidate's normal",
               &O::criterion4_n2);
     rows.number("merge_offset_m", "Largest merge offset", "m",
-                "Criterion 4: largest |n . dmu|; 0 disables the test", &O::merge_offset_m);
+                "Criterion 4: maximum |n . dmu|; 0 disables the test", &O::merge_offset_m);
     rows.choice("merge_partner", "Merge partner", {"first", "best"},
                 "Coplanar plane that a candidate is merged into", &O::merge_partner);
     rows.number("leftover_distance_m", "Assignment distance", "m",
-                "Largest distance at which an unassigned point is assigned to a plane",
+                "Maximum distance at which an unassigned point is assigned to a plane",
                 &O::leftover_distance_m);
     rows.group.images = false;
     rows.group.objective = {};
-    rows.flag("use_labels", "Use labels", "Off: all points have one label, the paper's \"w/o PC\"",
+    rows.flag("use_labels", "Use labels",
+              "Use h and v labels; off: one label for all points, the paper's \"w/o PC\"",
               &O::use_labels);
     rows.choice("cube_anchor", "Cube anchor", {"center", "min_corner"},
                 "Cube centered by the cloud stage, or starting at the minimum corner of the points",

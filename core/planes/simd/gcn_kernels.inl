@@ -1,6 +1,6 @@
-// Included by kernels_{plain,avx2,avx512}.cpp, which define PLANESCOPE_LANES (floats in a register)
-// and PLANESCOPE_TILE (rows of a matrix product that share its weights). With the registers that every
-// processor has the network takes 1.9 times as long as with AVX-512, with AVX2 1.4 times.
+// Included by kernels_{plain,avx2,avx512}.cpp, which define PLANESCOPE_LANES (floats per register)
+// and PLANESCOPE_TILE (rows of a matrix product that share its weights). Compared with AVX-512, the
+// network takes 1.9 times as long with baseline registers and 1.4 times with AVX2.
 
 #include "core/planes/simd/gcn_kernels.hpp"
 
@@ -44,7 +44,7 @@ void direct(const DirectionArgs& a) {
   }
 }
 
-// kGroup registers of channels at a time, from channel c.
+// Processes kGroup registers of channels at a time, starting at channel c.
 template <int kGroup, bool kSurface, bool kWinners>
 inline void support_group(const SupportArgs& a, std::size_t i, int c) {
   const int all_channels = a.supports * a.channels;

@@ -1,10 +1,10 @@
-// Included by kernels_{plain,avx2,avx512}.cpp, which define PLANESCOPE_LANES (floats in a register).
-// Without AVX-512 back-projection takes 1.5 times as long, the estimate of gravity 1.15 times and the
-// figures of planes 1.2 times, together 3 % of `segment` (640x480, one core of an AMD EPYC).
+// Included by kernels_{plain,avx2,avx512}.cpp, which define PLANESCOPE_LANES (floats per register).
+// Without AVX-512, back-projection takes 1.5 times as long, the gravity estimate 1.15 times and the
+// measurements of planes 1.2 times, together 3 % of `segment` (640x480, one core of an AMD EPYC).
 
 #include "core/planes/simd/pixel_kernels.hpp"
 
-#pragma GCC diagnostic ignored "-Wunknown-pragmas"  // clang does not know ivdep
+#pragma GCC diagnostic ignored "-Wunknown-pragmas"  // clang does not support ivdep
 
 namespace planescope::planes {
 namespace {
@@ -29,14 +29,14 @@ inline Doubles load_counts(const std::uint16_t* p) {
 }
 
 void project(const ProjectArgs& args) {
-  const ProjectArgs a = args;  // of which what is written can be no part
+  const ProjectArgs a = args;  // a copy that the output cannot alias
   const auto& t = a.turn;
   float *const x = a.x, *const y = a.y, *const z = a.z;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < a.count; ++i) {
     const double ahead = a.depth[i] * a.unit_m;
     const double right = a.ray_x[i] * ahead, down = a.ray_y[i] * ahead;
-    // Added up as Eigen does in the product of a matrix and a vector.
+    // The same order of additions as in Eigen's matrix-vector product.
     x[i] = static_cast<float>((t[0][0] * right + t[0][1] * down) + t[0][2] * ahead);
     y[i] = static_cast<float>((t[1][0] * right + t[1][1] * down) + t[1][2] * ahead);
     z[i] = static_cast<float>(t[2][0] * right + (t[2][1] * down + t[2][2] * ahead));
@@ -45,9 +45,9 @@ void project(const ProjectArgs& args) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < a.count; ++i) {
     const int counts = a.depth[i];
-    // Each 1 only where the one before is: a pixel's fate is how many of them are.
+    // Each flag is 1 only if the previous one is, so their sum is the pixel's fate.
     const int is_measured = counts != 0;
-    // What a float does not hold is not seen: x - x is 0 of finite numbers alone.
+    // Coordinates that overflow float make a pixel invalid: x - x is 0 only for finite numbers.
     const int is_seen = is_measured & (counts != 65535) & (x[i] - x[i] == 0) &
                         (y[i] - y[i] == 0) & (z[i] - z[i] == 0);
     const int is_near = is_seen & (counts <= a.most_counts);
@@ -74,7 +74,7 @@ void add_to_patches(const PatchArgs& a) {
       const std::size_t at = i * a.patches + p;
       const Doubles z = load_counts(a.depth + at) * a.unit_m;
       const auto counts = (z > 0) & (z <= a.max_depth_m);
-      // What does not count adds 0, which changes no sum.
+      // Ignored pixels add 0, which does not change the sums.
       const Doubles w = counts ? one / z : zero, n = counts ? one : zero;
       const Doubles x = counts ? load_doubles(a.ray_x + at) : zero;
       const Doubles y = counts ? load_doubles(a.ray_y + at) : zero;

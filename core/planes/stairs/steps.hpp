@@ -64,10 +64,9 @@ std::optional<StepDecision> misfit(const SingleStep& last,
                                    const StairsOptions& options);
 double going_between(const SingleStep& last, const SingleStep& next);
 
-/// The best row of at least two seen steps, beginning with one, without two consecutive unseen
-/// treads. Minor levels only occur at its ends, and at least one of its
-/// steps has none. Empty if there
-/// is no such row.
+/// The best row of at least two seen steps, starting with one, without two consecutive unseen
+/// treads. Minor levels occur only at its ends, and at least one of its steps has none. Empty if
+/// there is no such row.
 StepRow longest_row(std::span<const SingleStep> steps,
                     std::span<const Level> levels,
                     const StairsOptions& options);

@@ -20,9 +20,9 @@
 namespace planescope::report {
 namespace {
 
-constexpr double kLeastIou = 0.3;      // of two planes that are one
-constexpr double kMostOfPart = 0.5;    // a part lies for the most part in the whole
-constexpr double kLeastOfWhole = 0.1;  // and is not a mere scrap of it
+constexpr double kLeastIou = 0.3;                           // of two planes to match
+constexpr double kMostOfPart = 0.5;                         // a part is mostly inside the whole
+constexpr double kLeastOfWhole = 0.1;                       // and covers at least this much of it
 constexpr double kSameCentroidM = 0.1, kSameAngleDeg = 20;  // without samples
 
 double angle_deg(const planes::PlaneSummary& a, const planes::PlaneSummary& b) {
@@ -168,7 +168,7 @@ class PlaneComparer {
   const std::vector<ReportPlane>& now_;
   const FateLimits& limits_;
   planes::TruthOverlap overlap_;
-  std::vector<std::uint8_t> taken_;  // by id of now
+  std::vector<std::uint8_t> taken_;  // by new id
   std::vector<PlaneComparison> result_;
 };
 
@@ -197,7 +197,7 @@ std::vector<std::string> differences_of(const Report& baseline, const Report& no
     left.erase(option.name);
   }
   for (const auto& [name, value] : left) add_difference(differences, "option " + name, value, "");
-  // How many threads it ran on changes nothing.
+  // The number of threads never changes results.
   std::erase_if(differences,
                 [](const std::string& d) { return d.rfind("option threads:", 0) == 0; });
   return differences;
@@ -206,7 +206,7 @@ std::vector<std::string> differences_of(const Report& baseline, const Report& no
 FrameFate fate_of(const ReportFrame* before, const ReportFrame* after) {
   if (!before) return FrameFate::added;
   if (!after) return FrameFate::missing;
-  // A frame that cannot be read has no hash.
+  // An unreadable frame has no hash.
   if (before->refused.empty() && !after->refused.empty() && after->sha256.empty())
     return FrameFate::refused;
   if (before->sha256 != after->sha256) return FrameFate::other_input;
@@ -215,8 +215,8 @@ FrameFate fate_of(const ReportFrame* before, const ReportFrame* after) {
   return after->refused.empty() ? FrameFate::compared : FrameFate::refused;
 }
 
-/// The baseline's recording of the same name; of several with this name the one at the same place
-/// among them. Null: none.
+/// The baseline's recording of the same name; if several have this name, the one with the same
+/// index among them. Null: none.
 const ReportRecording* partner_of(const ReportRecording& recording,
                                   const Report& among,
                                   const Report& in) {
@@ -232,7 +232,7 @@ std::vector<const ReportFrame*> match_frames(const std::vector<ReportFrame>& bas
                                              const std::vector<ReportFrame>& now) {
   std::vector<const ReportFrame*> partners(now.size(), nullptr);
   std::set<const ReportFrame*> matched;
-  // Frames whose keys are equal, in order; an empty key matches nothing.
+  // Frames with equal keys, in order; an empty key matches nothing.
   const auto match_by = [&](const auto& key_of) {
     std::map<std::string, std::deque<const ReportFrame*>> open;
     for (const ReportFrame& frame : baseline)
@@ -262,8 +262,8 @@ std::vector<const ReportFrame*> match_frames(const std::vector<ReportFrame>& bas
   return partners;
 }
 
-/// Whether only a part of the recording was asked for, and it is no shorter than it was: frames of
-/// the baseline that are not there were then left out.
+/// Whether only a part of the recording was requested and the recording is no shorter than before:
+/// the baseline's other frames were then left out on purpose.
 bool is_part(const ReportRecording& baseline, const ReportRecording& now) {
   return now.frames_asked < now.frame_count && now.frame_count >= baseline.frame_count;
 }
@@ -336,29 +336,29 @@ ReportComparison compare_reports(const Report& baseline,
   return comparison;
 }
 
-// ---- What one can stand on ----
+// ---- Terrain ----
 
 namespace {
 
-/// Null: not known.
+/// Null: unknown.
 const Terrain* terrain_of(const ReportFrame* frame) {
   return frame && frame->terrain ? &*frame->terrain : nullptr;
 }
 
-/// Of a plane by its id; null where there is none, or no foot was given.
+/// By plane id; null if there is no such plane, or no foot was given.
 const FootRoom* foot_of(const ReportFrame& frame, int id) {
   if (id < 1) return nullptr;
   const std::optional<Footing>& footing = frame.planes.at(static_cast<std::size_t>(id) - 1).footing;
   return footing && footing->foot ? &*footing->foot : nullptr;
 }
 
-/// Empty: nothing became of it.
+/// Empty: unchanged.
 std::string steppable_change(const FrameComparison& frame, const PlaneComparison& plane) {
   const FootRoom* was = foot_of(*frame.baseline, plane.baseline);
   const FootRoom* is = foot_of(*frame.now, plane.now);
   const bool then = was && was->steppable, now = is && is->steppable;
   if (then == now) return "";
-  if (now) return fmt::format("plane {} is steppable, which it was not", plane.now);
+  if (now) return fmt::format("plane {} is now steppable", plane.now);
   if (!is)
     return fmt::format("the baseline's plane {}, which was steppable, is gone", plane.baseline);
   return fmt::format("plane {} is no longer steppable: {}", plane.now, is->why_not);
@@ -385,7 +385,7 @@ std::string sentence(const std::string& start, const std::string& text) {
 }
 
 std::string without_gravity(const ReportFrame& frame) {
-  return frame.gravity.known() ? "" : ": gravity is not known";
+  return frame.gravity.known() ? "" : ": gravity is unknown";
 }
 
 }  // namespace

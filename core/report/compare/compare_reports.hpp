@@ -1,6 +1,6 @@
 #pragma once
 
-// What became of each frame, and of its planes, since an earlier report: the baseline.
+// Changes of each frame and its planes since an earlier report, the baseline.
 
 #include <cstdint>
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace planescope::report {
 
-/// `same` to `split` describe a plane of the baseline, `gained` one that is new.
+/// `same` to `split` describe a plane of the baseline, `gained` a new one.
 enum class PlaneFate : std::uint8_t { same, resized, moved, lost, merged, split, gained };
 const char* to_string(PlaneFate fate);
 
-/// The least change by which a plane counts as moved or resized.
+/// Minimum change of a plane that counts as moved or resized.
 struct FateLimits {
   double offset_m = 0.005;
   double angle_deg = 1;
@@ -23,71 +23,71 @@ struct FateLimits {
 
 struct PlaneComparison {
   PlaneFate fate = PlaneFate::same;
-  int baseline = 0, now = 0;  // plane ids, 0: none; of a split plane `now` is its largest part
-  std::vector<int> others;    // merged: baseline's planes that went into `now` as well; split: its
+  int baseline = 0, now = 0;  // plane ids, 0: none; for a split plane `now` is its largest part
+  std::vector<int> others;    // merged: other planes of the baseline merged into `now`; split: the
                               // other parts
   double iou = 0;             // of the samples on them
-  double offset_m = 0;        // from the one plane to the centroid of the other, the larger of two
+  double offset_m = 0;        // from one plane to the other's centroid, the larger of both
   double angle_deg = 0;
   double area_ratio = 0;   // now / baseline
-  bool undecided = false;  // one of these planes is, in its run
+  bool undecided = false;  // at least one of the planes is undecided in its run
 };
 
-/// Of frames of the same input: baseline's planes by their ids, then those gained. Where the
-/// samples are not of the same pixels or points, as in reports that have none, and for planes
-/// without samples, centroids and normals decide.
+/// Compares frames of the same input. Returns the baseline's planes by id, then the gained ones.
+/// Planes without samples are matched by centroids and normals, and so are all planes if the
+/// samples are missing or of different pixels or points.
 std::vector<PlaneComparison> compare_planes(const ReportFrame& baseline,
                                             const ReportFrame& now,
                                             const FateLimits& limits = {});
 
 enum class FrameFate : std::uint8_t {
   compared,
-  other_input,  // its pixels or points are not those of the baseline's frame
+  other_input,  // its pixels or points differ from the baseline's frame
   refused,      // processed in the baseline, now refused
   mended,       // refused in the baseline, now processed
   both_refused,
   added,    // not in the baseline
-  missing,  // in the baseline alone
+  missing,  // only in the baseline
 };
 const char* to_string(FrameFate fate);
 
 struct FrameComparison {
   FrameFate fate = FrameFate::compared;
   std::string recording;
-  int index = 0;                          // of a missing frame in the baseline
+  int index = 0;                          // for a missing frame, in the baseline
   std::string name;                       // may be empty
-  const ReportFrame* baseline = nullptr;  // of the reports that were compared; null: not there
+  const ReportFrame* baseline = nullptr;  // points into the compared reports; null: missing
   const ReportFrame* now = nullptr;
-  std::vector<PlaneComparison> planes;  // where it was compared
+  std::vector<PlaneComparison> planes;  // if it was compared
 
   int count(PlaneFate fate_of_plane) const;
 };
 
 struct ReportComparison {
-  /// Everything else that is not the same: "option voxel_size_m: 0.02 -> 0.04", "weights: ...".
+  /// All other differences: "option voxel_size_m: 0.02 -> 0.04", "weights: ...".
   std::vector<std::string> differences;
-  std::vector<FrameComparison> frames;  // in the new report's order, then those that it lacks
-  /// Parts of the baseline that the new report was not asked for, which are not missing:
+  std::vector<FrameComparison> frames;  // in the new report's order, then the missing ones
+  /// Parts of the baseline that were not requested for the new report and so are not missing:
   /// "stairs: 35 of 40 frames", "hall".
   std::vector<std::string> left_out;
 };
 
-/// Matches recordings by name (those of one name by order), and their frames by pixels, by name and
-/// by time, in this order. Frame numbers decide only where names are unknown: they shift when a
-/// frame is removed. The result points into both reports.
+/// Matches recordings by name (in order, if several have the same name), and their frames by
+/// pixels, by name and by time, in this order. Frame numbers are used only if names are unknown,
+/// because they shift when a frame is removed. The result points into both reports.
 ReportComparison compare_reports(const Report& baseline,
                                  const Report& now,
                                  const FateLimits& limits = {});
 
-// What became of what one can stand on, in words.
+// Changes of terrain as text.
 
-/// "4 steps up, rise 170 mm, going 289 mm in the baseline, 3 steps up, ... now"; empty: both tell
-/// of the same, or one is not known.
+/// "4 steps up, rise 170 mm, going 289 mm in the baseline, 3 steps up, ... now"; empty: unchanged,
+/// or unknown in one report.
 std::string flights_change(const FrameComparison& frame);
-/// "0.43 m2 in the baseline, 0.12 m2 now", and each plane that is no longer steppable, and why, or
-/// has become so; empty as above, and where one was without a foot.
+/// "0.43 m2 in the baseline, 0.12 m2 now", and each plane that became steppable, or is no longer,
+/// with the reason. Empty as above, and if either report has no foot.
 std::vector<std::string> steppable_changes(const FrameComparison& frame);
-/// All of it, with kerbs and ramps: a sentence each.
+/// All of these, with kerbs and ramps: one sentence each.
 std::vector<std::string> terrain_changes(const FrameComparison& frame);
 
 /// "3 of 5 planes are steppable"; "no stairs are found".

@@ -27,7 +27,7 @@ std::string where(const Breach& breach) {
                      frame_text(breach.frame, breach.name));
 }
 
-/// Of each recording the frames that the baseline has not.
+/// Frames of each recording that are not in the baseline.
 std::vector<std::string> added_frames(const ReportComparison& comparison) {
   struct Count {
     std::string recording;
@@ -136,12 +136,12 @@ ReportGuard::ReportGuard(std::filesystem::path baseline,
   const bool is_there = std::filesystem::exists(baseline_file_);
   if (!baseline_file_.empty() && !is_there && !may_be_first)
     throw Error(baseline_file_.string() +
-                ": no such baseline; add --approve to make this report the first one");
+                ": no such baseline; add --approve to make this report the first baseline");
   is_first_ = may_be_first && !is_there;
   if (!baseline_file_.empty() && !is_first_) baseline_ = read_report(baseline_file_);
   if (baseline_ && baseline_->partial)
     throw Error(baseline_file_.string() +
-                ": is of a run that was stopped, expected a whole report");
+                ": from a run that was stopped; expected a complete report");
   if (!rules.empty())
     rules_ = read_rules(rules);
   else if (baseline_)
@@ -179,14 +179,15 @@ void ReportGuard::check_merge(const Report& report) const {
   if (keeps_others) read_report_head(baseline_file_);  // throws if an earlier version wrote it
   for (const std::string& difference : comparison.differences)
     if (keeps_others && !difference.starts_with("version"))
-      refuse("has recordings that were made differently (" + difference + ")");
+      refuse("has recordings that were processed differently (" + difference + ")");
   for (const ReportRecording& recording : report.recordings) {
     const auto before =
         std::ranges::find(baseline_->recordings, recording.name, &ReportRecording::name);
     if (before != baseline_->recordings.end() && recording.frames_asked < recording.frame_count &&
         std::cmp_less(recording.frames_asked, before->frames.size()))
-      refuse(fmt::format("has {} of {}, this report {}", counted(before->frames.size(), "frame"),
-                         recording.name, recording.frames_asked));
+      refuse(fmt::format("has {} of {}, but this report has {}",
+                         counted(before->frames.size(), "frame"), recording.name,
+                         recording.frames_asked));
   }
 }
 
@@ -196,7 +197,7 @@ void ReportGuard::approve(const std::filesystem::path& report_json, bool only) c
   };
   if (only || is_first_) return replace();
   Json merged = read_json<Json>(report_json), before = read_json<Json>(baseline_file_);
-  std::map<std::size_t, std::size_t> place_now;  // of recordings that stay, by their place before
+  std::map<std::size_t, std::size_t> place_now;  // new index of remaining recordings, by old index
   for (std::size_t r = 0; r < before["recordings"].size(); ++r) {
     const Json& kept = before["recordings"][r];
     const auto is_same = [&](const Json& recording) { return recording["name"] == kept["name"]; };
@@ -210,7 +211,7 @@ void ReportGuard::approve(const std::filesystem::path& report_json, bool only) c
       timing["recording"] = place->second;
       merged["timings"].push_back(timing);
     }
-  // The figures of this report alone; nobody compares with them.
+  // These figures describe only this report and are never compared.
   merged.erase("totals");
   merged.erase("verdict");
   write_file_text(baseline_file_, json_text(merged), Durable::yes);

@@ -1,5 +1,5 @@
-// What rules are about: what became of planes and frames since the baseline, and the figures of a
-// frame, from the one table that the page and frames.csv take them from as well.
+// Metrics for rules: changes of planes and frames since the baseline, and figures of a frame from
+// the same table as for the page and frames.csv.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -26,13 +26,13 @@ double of_tracks(const ReportFrame& frame) {
 
 std::string flights_now(const FrameComparison& frame) { return flights_text(*frame.now); }
 
-/// None of frames that are not there, were refused, or have no such value.
+/// nullopt for frames that are missing, refused, or have no such value.
 std::optional<double> value_in(const FrameMetric& metric, const ReportFrame* frame) {
   const double value = frame && frame->refused.empty() ? metric.value(*frame) : kNone;
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
 
-/// The rules on a frame's figure: on its value and, where it has one, on its change.
+/// Adds the rules for a frame's figure: its value and, if there is one, its change.
 void add_rules(const FrameMetric& m, std::vector<RuleMetric>& all) {
   all.push_back({.name = m.name,
                  .unit = m.unit,
@@ -58,7 +58,7 @@ void add_rules(const FrameMetric& m, std::vector<RuleMetric>& all) {
                  .why = m.change.why});
 }
 
-/// Adds "plane 3 of the baseline (margin 0.02)" for those of the planes that are undecided.
+/// Adds "plane 3 of the baseline (margin 0.02)" for each undecided plane of these.
 void add_undecided(const ReportFrame& frame,
                    const std::vector<int>& ids,
                    const char* of,
@@ -113,14 +113,14 @@ RuleMetric planes_with(PlaneFate fate, const char* name, const char* sentence, c
           .undecided = undecided};
 }
 
-/// The largest change of planes that are in both runs. `scale`: from the member's unit to `unit`.
+/// The largest change of planes in both runs. `scale`: from the member's unit to `unit`.
 RuleMetric farthest(double PlaneComparison::*change,
                     double scale,
                     const char* name,
                     const char* unit,
                     const char* verb) {
   const auto most_of = [change](const FrameComparison& frame, bool all) {
-    const PlaneComparison* most = nullptr;  // none has any change
+    const PlaneComparison* most = nullptr;  // null: no plane has changed
     for (const PlaneComparison& plane : frame.planes)
       if (plane.fate <= PlaneFate::moved && (all || !plane.undecided) &&
           plane.*change > (most ? most->*change : 0))
@@ -173,7 +173,7 @@ std::optional<bool> has_fate(const FrameComparison& frame) {
   return frame.baseline ? std::optional(frame.fate == kFate) : std::nullopt;
 }
 
-/// Without labels no metric that needs them could fail.
+/// Without labels, metrics that need them could never fail.
 std::optional<bool> lost_labels(const FrameComparison& frame) {
   const ReportFrame *before = frame.baseline, *now = frame.now;
   if (!before || !now || !before->refused.empty() || !now->refused.empty()) return std::nullopt;

@@ -1,4 +1,4 @@
-// Report rules: built-in ones, rules from a file, and the check of each against its limits.
+// Report rules: built-in ones, rules from a file, and checking them.
 
 #include "core/report/compare/rules.hpp"
 
@@ -35,14 +35,14 @@ double folded(const std::vector<double>& values, RuleFold fold) {
   return sum / static_cast<double>(values.size());
 }
 
-/// The values that are held to one limit together: of a frame, of a recording, or of all.
+/// Values compared together with one limit: of a frame, of a recording, or of all.
 struct Group {
   std::string recording;
   int frame = -1;
   const FrameComparison* first = nullptr;  // of its frames
   std::vector<double> values;              // of its frames
-  std::vector<double> with_undecided;      // likewise; empty: nothing of it is about planes
-  double total = 0;                        // that a percentage of its values refers to
+  std::vector<double> with_undecided;      // the same; empty: not about planes
+  double total = 0;                        // reference of a percentage of its values
 };
 
 bool is_of(const Rule& rule, const FrameComparison& frame) {
@@ -94,7 +94,7 @@ Breach breach_of(const Rule& rule, const Group& group, double value, std::string
           percent_of(value, group)};
 }
 
-/// Where undecided planes make the difference, a rule is not broken.
+/// A rule is not broken if only undecided planes exceed the limit.
 void add_breaches(const Rule& rule,
                   const ReportComparison& comparison,
                   std::vector<Breach>& breaches) {
@@ -155,12 +155,13 @@ Rule rule_of(const JsonPlace& place) {
     place.fail_kind("a rule with \"at_least\", \"at_most\" or \"at_most_percent\"");
   if (place.has("at_most_percent")) {
     if (place.has("at_least") || place.has("at_most"))
-      place.at("at_most_percent").fail_kind("no other limit beside it");
+      place.at("at_most_percent").fail_kind("no other limit next to it");
     if (!find_metric(rule.metric).total)
-      place.at("at_most_percent").fail_kind("at_most: " + rule.metric + " is not a count");
+      place.at("at_most_percent").fail_kind("at_most, because " + rule.metric + " is not a count");
   }
   if (rule.at_least > rule.at_most)
-    place.fail_kind(fmt::format("at_least {} not above at_most {}", rule.at_least, rule.at_most));
+    place.fail_kind(
+        fmt::format("at_least ({}) not above at_most ({})", rule.at_least, rule.at_most));
   if (find_metric(rule.metric).need != RuleNeed::timing) return rule;
   if (!place.has("level")) rule.level = RuleLevel::warn;
   if (rule.level == RuleLevel::error)
@@ -169,7 +170,7 @@ Rule rule_of(const JsonPlace& place) {
   return rule;
 }
 
-/// How far the value is past its limit, as a share of the limit.
+/// How far the value exceeds its limit, as a share of the limit.
 double excess_of(const Breach& breach) {
   const bool low = breach.value < breach.rule.at_least;
   const bool percent = is_percentage(breach.rule);
@@ -181,22 +182,24 @@ double excess_of(const Breach& breach) {
   return std::isfinite(excess) ? excess : 0;
 }
 
-/// Why no frame has a value of it; empty: there may be one another time.
+/// Why no frame has a value; empty: a later run may have one.
 std::string why_no_value(const RuleMetric& metric, bool by_name, bool compared) {
   if (metric.needs_baseline && compared) {
-    if (metric.need == RuleNeed::tracks) return "the runs do not both follow planes (--tracks)";
-    if (metric.need == RuleNeed::foot) return "the runs do not both have a foot (--foot 0.08)";
+    if (metric.need == RuleNeed::tracks)
+      return "at least one of the runs does not track planes (use --tracks)";
+    if (metric.need == RuleNeed::foot)
+      return "at least one of the runs has no foot (use --foot 0.08)";
   }
-  // A rule on a change since the baseline may wait for a baseline, unless it names its frames.
+  // A rule about changes may wait for a baseline, unless it names its frames.
   if (metric.needs_baseline && !by_name) return "";
-  if (metric.need == RuleNeed::truth) return "none of these frames has labels";
+  if (metric.need == RuleNeed::truth) return "these frames have no labels";
   if (metric.need == RuleNeed::foot) return "no foot (use --foot 0.08)";
-  if (metric.need == RuleNeed::stairs) return "none of these frames has stairs";
-  if (metric.need == RuleNeed::tracks) return "planes are not followed (use --tracks)";
-  return "none of these frames has a value";
+  if (metric.need == RuleNeed::stairs) return "these frames have no stairs";
+  if (metric.need == RuleNeed::tracks) return "planes are not tracked (use --tracks)";
+  return "these frames have no value";
 }
 
-/// Why the rule holds nothing; empty: it holds something, or there is nothing yet that it is about.
+/// Why the rule checks nothing; empty: it does, or has nothing to check yet.
 std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool has_baseline) {
   const RuleMetric& metric = find_metric(rule.metric);
   const bool needs_baseline = metric.needs_baseline;
@@ -211,7 +214,7 @@ std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool 
     has_value |= metric.value(frame).has_value();
     compared |= frame.fate == FrameFate::compared;
   }
-  if (!has_recording) return "no recording of this name";
+  if (!has_recording) return "no recording with this name";
   if (!has_frame) return "no such frame";
   if (has_value) return "";
   const bool by_name = !rule.recording.empty() || rule.frame >= 0;
@@ -257,7 +260,7 @@ std::vector<Rule> read_rules(const std::filesystem::path& file) {
   if (std::vector<Rule> ready = built_in_rules(file.string()); !ready.empty()) return ready;
   if (!std::filesystem::exists(file))
     throw Error(file.string() +
-                ": no such file, expected strict, default, lenient or a rules file");
+                ": no such file; expected strict, default, lenient or a rules file");
   return read_place(
       file, read_json<nlohmann::ordered_json>(file, kMostBytes), [](const JsonPlace& place) {
         place.schema({kSchema});
@@ -276,7 +279,7 @@ std::string rules_json(const std::vector<Rule>& rules) {
 
 namespace {
 
-/// In as many digits as it is worth: three, and whole numbers in full.
+/// Rounded to significant digits; whole numbers in full.
 std::string digits_of(double value, int digits) {
   const bool is_whole = value == std::round(value) && std::abs(value) < 1e9;
   const double size = std::abs(value);
@@ -328,7 +331,7 @@ std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
   std::vector<Breach> breaches;
   for (const Rule& rule : rules)
     if (rule.level != RuleLevel::off) add_breaches(rule, comparison, breaches);
-  // Frames that break most rules first; of those that break as many, the one that breaks them most.
+  // Frames that break the most rules first; for equal numbers, the one that breaks them most.
   std::map<std::pair<std::string, int>, std::pair<int, double>> weights;
   for (const Breach& breach : breaches) {
     auto& [errors, excess] = weights[{breach.recording, breach.frame}];

@@ -1,4 +1,4 @@
-// One frame of report.json: docs/report.md says what each field means.
+// One frame of report.json: docs/report.md describes each field.
 
 #include <fmt/format.h>
 
@@ -49,7 +49,7 @@ void segmentation_fields(auto& fields, auto& frame) {
   fields("noise", frame.noise);
 }
 
-/// Those of planes.json, without polygons.
+/// The fields of planes.json, without polygons.
 template <typename Fields>
 void footing_fields(Fields& fields, auto& footing) {
   fields("outline_area_m2", footing.outline_area_m2, kCompared | kRounded);
@@ -118,7 +118,7 @@ void terrain_fields(Fields& fields, auto& terrain) {
               [](auto& of, auto& ramp) { planes::ramp_fields(of, ramp); });
 }
 
-/// `id`: the one that the plane must have.
+/// `id`: the expected id of the plane.
 void plane_fields(auto& fields, auto& plane, int id) {
   auto& s = plane.summary;
   fields.whole("id", s.id, kCompared, id, id);
@@ -138,7 +138,7 @@ void plane_fields(auto& fields, auto& plane, int id) {
                       [&](auto& of, auto& footing) { footing_fields(of, footing); });
 }
 
-/// `runs`: plane id and how many samples have it, one after the other.
+/// `runs`: pairs of plane id and number of samples, flattened.
 Json runs_json(const RegionSample& sample) {
   Json runs = Json::array();
   for (const RegionSample::Run& run : sample.runs) {
@@ -161,11 +161,11 @@ void read_runs(const JsonPlace& place, int planes, RegionSample& sample) {
   if (is_count || samples != size) place.fail_kind(fmt::format("runs of {} samples", size));
 }
 
-/// `planes`: how many the frame has.
+/// `planes`: number of planes in the frame.
 template <typename Fields>
 void regions_fields(Fields& fields, auto& sample, [[maybe_unused]] std::size_t planes) {
   fields.whole("step", sample.step, kCompared, 1, 1 << 16);
-  // The positions that it samples must fit into an int.
+  // The sampled positions must fit into an int.
   fields.whole("columns", sample.columns, kCompared, 0,
                std::min(kMostSamples, std::numeric_limits<int>::max() / 2 / sample.step));
   fields.whole("rows", sample.rows, kCompared, 0, kMostSamples / std::max(1, sample.columns));
@@ -175,7 +175,7 @@ void regions_fields(Fields& fields, auto& sample, [[maybe_unused]] std::size_t p
     fields.json()["runs"] = runs_json(sample);
 }
 
-/// Trailing zeros are left out: most of the counts are in the first bins.
+/// Omits trailing zeros, since most of the counts are in the first bins.
 template <typename Fields>
 void histogram_fields(Fields& fields, auto& histogram) {
   fields("name", histogram.name);
@@ -216,7 +216,7 @@ void timings_fields(auto& fields, auto& frame) {
   fields("reference_ms", frame.reference_ms);
 }
 
-/// Whether it was processed: if not, nothing else is known of it.
+/// Whether the frame was processed; if not, it has no other data.
 template <typename Fields>
 bool status_fields(Fields& fields, auto& frame) {
   if constexpr (Fields::kReads) {
@@ -242,7 +242,7 @@ void tracks_fields(Fields& fields, auto& tracks) {
   fields("offset_jitter_m", tracks.offset_jitter_m, kCompared | kRounded | kOrNull);
 }
 
-/// `ours`: whether to write what the octree's traversal tells.
+/// `ours`: whether to write data from the octree's traversal.
 template <typename Fields>
 void frame_fields(Fields& fields, auto& frame, bool ours) {
   fields("index", frame.index, kCompared);

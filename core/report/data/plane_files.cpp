@@ -1,4 +1,4 @@
-// A frame's planes in the formats of other tools, and all files of it.
+// Writes a frame's planes in other tools' formats, and all output files of a frame.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -89,7 +89,7 @@ std::string geojson_text(const planes::FramePlanes& found) {
 
 std::string obj_text(const planes::FramePlanes& found) {
   std::string text;
-  int first = 1;  // vertices are counted over the whole file
+  int first = 1;  // vertices are numbered across the whole file
   for (std::size_t k = 0; k < found.summaries.size(); ++k) {
     const planes::PlaneSummary& plane = found.summaries[k];
     const planes::Mesh mesh = planes::mesh_of(found.outlines[k]);
@@ -140,7 +140,7 @@ Json with_holes_json(const Polygon& polygon) {
           {"holes", list_json(polygon.holes, points_json)}};
 }
 
-/// Coordinates on the plane: the pose takes them to the world, z along the normal.
+/// Coordinates on the plane: the pose transforms them to the world, with z along the normal.
 Json pose_json(const Outline& outline) {
   Mat3d axes;
   axes << outline.basis.u, outline.basis.v, outline.basis.u.cross(outline.basis.v);
@@ -157,7 +157,7 @@ Json box_json(const PolygonRing& ring) {
           {"max_y", rounded(box.max().y())}};
 }
 
-/// A region for each part of a plane: the message has one boundary.
+/// One region for each part of a plane, since the message has one boundary.
 std::string planar_terrain_text(const planes::FramePlanes& found) {
   Json regions = Json::array();
   for (std::size_t k = 0; k < found.outlines.size(); ++k) {
@@ -244,7 +244,7 @@ std::string ros_json(const Frame& frame,
   return plane_array(frame, result, found, {.stamp_ns = io::ros_stamp(frame.timestamp_s)}).dump();
 }
 
-// ---- What `planescope segment` writes ----
+// ---- Output of `planescope segment` ----
 
 std::filesystem::path frame_folder(int frame_index) {
   return std::filesystem::path("frames") / fmt::format("{:06}", frame_index);
@@ -270,12 +270,12 @@ Image16 track_image(const Frame& frame,
 PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result) {
   const planes::Cloud& cloud = result.cloud;
   const std::size_t n = frame.is_cloud() ? frame.cloud->points.size() : cloud.points.size();
-  // World coordinates close to zero fit a float; an origin far away is written as doubles.
+  // World coordinates near zero fit a float; with a distant origin they are written as doubles.
   const bool far_away = cloud.origin.norm() > 100;
   PointSet set;
   if (far_away) set.origin = cloud.origin;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  set.points.assign(n, Vec3f(kNan, kNan, kNan));  // what was no measurement stays none
+  set.points.assign(n, Vec3f(kNan, kNan, kNan));  // invalid measurements stay invalid
   set.label.assign(n, 0);
   const std::uint32_t* const place_of = frame.is_cloud() ? cloud.source.data() : nullptr;
   const auto place = [place_of](std::size_t i) { return place_of ? place_of[i] : i; };

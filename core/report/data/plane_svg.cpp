@@ -16,9 +16,9 @@ using planes::Foothold;
 using planes::Outline;
 using planes::PolygonRing;
 
-// A panel: lines of text, the plane, and below it a cut through it.
+// A panel: lines of text, the plane, and below it a cross-section.
 constexpr double kWidthPx = 320, kTextPx = 78, kPlanePx = 240, kCutPx = 96, kGapPx = 20;
-constexpr double kPanelPx = kTextPx + kPlanePx + kCutPx, kBandPx = 34;  // half of the cut's height
+constexpr double kPanelPx = kTextPx + kPlanePx + kCutPx, kBandPx = 34;  // half the section's height
 constexpr int kColumns = 3;
 constexpr double kDeg = 180 / M_PI;
 
@@ -45,7 +45,7 @@ std::string written(const Vec2d& at, const std::string& text, const char* kind =
                      at.y(), text);
 }
 
-/// The longest round length that is at most `most`: 1, 2 or 5 times a power of ten.
+/// The largest round length up to `most`: 1, 2 or 5 times a power of ten.
 double round_length(double most) {
   const double ten = std::pow(10, std::floor(std::log10(most)));
   return ten * (most >= 5 * ten ? 5 : most >= 2 * ten ? 2 : 1);
@@ -58,7 +58,7 @@ std::string path_of(const std::vector<Vec2d>& corners) {
   return text;
 }
 
-/// From a plane to its place in the panel: all of it, as large as there is room, v upwards.
+/// Maps a plane to its panel: fitted to the panel, with v up.
 class View {
  public:
   View(const Outline& outline, const Vec2d& corner) : corner_(corner) {
@@ -66,7 +66,7 @@ class View {
       for (const Vec2d& p : part.outer) box_.extend(p);
     if (box_.isEmpty()) return;
     const Vec2d size = box_.sizes().cwiseMax(1e-6);
-    scale_ = std::min(kWidthPx / size.x(), (kPlanePx - 30) / size.y());  // the scale is below it
+    scale_ = std::min(kWidthPx / size.x(), (kPlanePx - 30) / size.y());  // space for the scale
   }
   double px(double metres) const { return metres * scale_; }
   Vec2d at(const Vec2d& p) const {
@@ -110,7 +110,7 @@ std::string foot_svg(const View& view, const planes::FootSpace& space) {
   return drawn("foot", foot) + drawn("piece", pieces);
 }
 
-/// The circle at the best place, and the line along which the plane is cut.
+/// The circle at the best place, and the line of the cross-section.
 std::string marks_svg(const View& view, const Outline& outline, const Foothold& foothold) {
   const auto on_plane = [&](const Vec3d& v) {
     return Vec2d(outline.basis.u.dot(v), outline.basis.v.dot(v));
@@ -125,7 +125,7 @@ std::string marks_svg(const View& view, const Outline& outline, const Foothold& 
                                      view.at(towards * foothold.cut.back().x())}));
 }
 
-/// Measured places from the side, and between which heights the true plane is: 2 sigma.
+/// Measured points from the side, and the 2 sigma range of the true plane's height.
 std::string cut_svg(const Foothold& foothold, const Vec2d& corner) {
   const std::vector<Vec2d>& cut = foothold.cut;
   if (cut.size() < 2) return {};
@@ -160,7 +160,7 @@ std::string cut_svg(const Foothold& foothold, const Vec2d& corner) {
   return svg + drawn("rule", path_of({top, bottom})) +
          written(
              corner + Vec2d(0, 92),
-             fmt::format("cut of {:.0f} cm, heights {:.0f} times as large; rule on the right: "
+             fmt::format("section of {:.0f} cm, heights enlarged {:.0f} times; scale bar: "
                          "{:g} mm",
                          length_m * 100, kBandPx / most_m / (kWidthPx / length_m), rule_m * 1e3));
 }
@@ -175,7 +175,7 @@ std::string facts_svg(const planes::FramePlanes& found, std::size_t k, const Vec
       fmt::format("Plane {}, {}, {:.2f} m2", s.id, to_string(s.label), found.outlines[k].area_m2),
       "title");
   if (foothold.space) {
-    // Reasons that are too long for the panel: how many, the first in full.
+    // If the reasons are too long for the panel: the first in full, and the number of the others.
     constexpr std::size_t kMostLetters = 58;
     std::string why = foothold.why_not;
     if (why.size() > kMostLetters) {
@@ -186,7 +186,7 @@ std::string facts_svg(const planes::FramePlanes& found, std::size_t k, const Vec
         written(corner + Vec2d(0, 30), foothold.steppable ? "steppable" : "not steppable: " + why);
   }
   const std::string slope = std::isnan(surface.slope_deg)
-                                ? std::string("slope not known")
+                                ? std::string("slope unknown")
                                 : fmt::format("slope {:.1f} deg", surface.slope_deg);
   svg +=
       written(corner + Vec2d(0, 44),
@@ -212,18 +212,18 @@ std::string plane_svg(const planes::FramePlanes& found, std::size_t k, const Vec
 
 constexpr double kEntryPx = 170, kEntryRowPx = 18;
 
-/// What the colours are, in as many columns as there is room for.
+/// Legend of the colors, in as many columns as fit.
 std::string legend_svg(const Vec2d& corner, int columns) {
   constexpr std::array<std::array<const char*, 2>, 9> kEntries = {
-      {{"covers", "what the plane covers"},
+      {{"covers", "area of the plane"},
        {"hole", "hole: something else seen"},
        {"unknown", "unknown: not measured"},
        {"foot", "for the foot's center"},
        {"piece", "convex pieces of it"},
        {"best", "largest circle"},
-       {"cut", "where it is cut; the plane"},
-       {"place", "measured, in the cut"},
-       {"band", "the true plane: 2 sigma"}}};
+       {"cut", "section; fitted plane"},
+       {"place", "places in the section"},
+       {"band", "true plane, 2 sigma"}}};
   std::string svg;
   for (std::size_t i = 0; i < kEntries.size(); ++i) {
     const Vec2d at = corner + Vec2d(kEntryPx * static_cast<double>(i % columns),

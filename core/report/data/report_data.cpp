@@ -27,7 +27,7 @@ std::string in_report_folder(const ReportPicture& picture, const char* ending) {
 }
 
 constexpr int kBins = 40;
-constexpr double kRoom = 4;  // bins end at this many thresholds: that is where decisions are near
+constexpr double kRoom = 4;  // bins end at this many thresholds, since close decisions are near it
 
 class HistogramCounter {
  public:
@@ -48,7 +48,7 @@ class HistogramCounter {
 };
 
 ValueHistogram outliers(const planes::Octree& octree, const planes::SegmentOptions& options) {
-  // Bins as wide as whole numbers.
+  // The bin width is a whole number.
   const double width = std::max(1.0, std::ceil(kRoom * options.theta_n_out / kBins));
   HistogramCounter counter("n_out", kBins * width, options.theta_n_out);
   for (const planes::OctreeNode& node : octree.nodes)
@@ -169,7 +169,7 @@ std::vector<ReportOption> make_report_options(const planes::PipelineOptions& opt
 
 planes::PipelineOptions options_of(const Report& report, std::vector<std::string>& unknown) {
   planes::PipelineOptions options;
-  // The profile sets what the others then change.
+  // The profile first: the others change its values.
   for (const ReportOption& option : report.options)
     if (option.name == "profile") planes::set_option(options, option.name, option.value);
   for (const ReportOption& option : report.options) {
@@ -246,7 +246,7 @@ void add(const std::vector<Thing>& things,
   all.push_back(fmt::format("{}: {}", counted(things.size(), noun), fmt::join(each, separator)));
 }
 
-/// Minor planes have no id of their own.
+/// Minor planes have no id.
 void add_listed(const planes::LevelPlanes& planes, std::vector<int>& ids) {
   std::ranges::copy_if(planes, std::back_inserter(ids), [](int id) { return id > 0; });
 }

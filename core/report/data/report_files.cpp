@@ -41,7 +41,7 @@ std::string csv_number(double value) {
   return std::isnan(value) ? std::string() : fmt::format("{:.6g}", value);
 }
 
-/// What a frame does not have is empty.
+/// Missing values are empty.
 std::string csv_line(const ReportRecording& recording, const ReportFrame& frame) {
   const std::string start = fmt::format(
       "{},{},{},{},{}", quoted(recording.info.path.string()), frame.index, quoted(frame.name),
@@ -58,7 +58,7 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
   std::string metrics = frame.metrics ? std::to_string(frame.metrics->planes_truth) : "";
   for (const char* name : kCsvMetrics)
     metrics += "," + csv_number(find_frame_metric(name).value(frame));
-  // Of the flight of most steps.
+  // The flight with the most steps.
   const bool has_flight = frame.terrain && !frame.terrain->flights.empty();
   const FlightFigures flight = has_flight ? frame.terrain->flights.front() : FlightFigures();
   return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
@@ -69,7 +69,7 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
                              has_flight ? csv_number(flight.going_m) : "", frame.planes_undecided);
 }
 
-// junit.xml, valid against the schema of Ant's JUnit task and within what Jenkins and GitLab read.
+// junit.xml, valid against the schema of Ant's JUnit task and readable by Jenkins and GitLab.
 
 /// XML 1.0 does not allow most control characters, not even escaped.
 std::string xml_text(const std::string& text) {
@@ -91,8 +91,7 @@ struct JunitSuite {
     cases += outcome.empty() ? "/>\n" : ">\n" + outcome + "  </testcase>\n";
   }
   std::string xml(int id, const std::string& created_utc) const {
-    // ISO 8601 without a zone, as the schema has it. The report does not say which machine it ran
-    // on.
+    // ISO 8601 without a zone, as the schema requires. The report does not contain a host name.
     return fmt::format(
         " <testsuite id=\"{}\" name=\"{}\" package=\"planescope\" hostname=\"localhost\" "
         "timestamp=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" "
@@ -117,8 +116,7 @@ std::string failure(const std::vector<const Breach*>& breaches,
                      xml_text(breaches[0]->text()), xml_text(breaches[0]->rule.metric), text);
 }
 
-/// What undecided planes changed, for whoever looks into a suite that passes. `recording` empty: of
-/// all.
+/// Changes of undecided planes, for readers of a passing suite. `recording` empty: of all.
 std::string notes_of(const Report& report, const std::string& recording) {
   std::string text;
   if (!report.judgement) return text;
@@ -130,8 +128,8 @@ std::string notes_of(const Report& report, const std::string& recording) {
   return text;
 }
 
-/// Errors of one frame, or with frame -1 of the whole recording: recording, whether the frame is
-/// missing, number.
+/// Errors of one frame, or with frame -1 of the whole recording. Keys: recording, whether the frame
+/// is missing, frame number.
 using Broken = std::map<std::tuple<std::string, bool, int>, std::vector<const Breach*>>;
 
 Broken broken_by_frame(const Report& report) {
@@ -163,7 +161,7 @@ void add_frame(JunitSuite& suite,
   if (found != broken.end()) broken.erase(found);
 }
 
-/// What belongs to no frame of this report: rules over many frames, frames that are missing.
+/// Errors of no single frame in this report: rules over many frames, and missing frames.
 void add_rest(JunitSuite& suite, Broken& broken, bool of_any) {
   for (auto at = broken.begin(); at != broken.end();) {
     const auto& [recording, is_missing, frame] = at->first;
@@ -265,7 +263,7 @@ ReportFrame read_frame_record(const fs::path& dir) {
 }
 
 void write_report_files(const std::filesystem::path& dir, const Report& report) {
-  // A link in the folder is replaced, not followed.
+  // Replace links in the folder instead of following them.
   for (const char* name : {"frames.csv", "junit.xml", "index.html", "report.json"})
     if (fs::is_symlink(dir / name)) fs::remove(dir / name);
   write_file_text(dir / "frames.csv", frames_csv(report));

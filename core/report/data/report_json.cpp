@@ -1,4 +1,4 @@
-// docs/report.md says what each field means.
+// Writes and reads report.json; docs/report.md describes each field.
 
 #include "core/report/data/report_json.hpp"
 
@@ -24,8 +24,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kReportSchema = "planescope.report/4";
 
-/// A report.json without its frames, which need not fit into memory: each is passed to `on_frame`
-/// with its recording's position as it is read, and then dropped.
+/// Reads a report.json without its frames, which may not fit into memory: each is passed to
+/// `on_frame` with its recording's index as it is parsed, and then dropped.
 Json read_report_json(
     const std::filesystem::path& file,
     const std::function<void(std::size_t recording, const JsonPlace& frame)>& on_frame) {
@@ -66,12 +66,12 @@ Json read_report_json(
   read_place(file, json, [](const JsonPlace& place) {
     place.schema({"planescope.report/3", kReportSchema});
   });
-  if (times_there > 1) throw Error(file.string() + ": has \"recordings\" twice");
+  if (times_there > 1) throw Error(file.string() + ": \"recordings\" appears twice");
   if (!first_error.empty()) throw Error(file.string() + ": " + first_error);
   return json;
 }
 
-/// kCompared: what tells whether the command line said it, and what it said (options_of()).
+/// kCompared: fields that show the camera options on the command line (options_of()).
 void depth_fields(auto& fields, auto& info) {
   fields.whole("width", info.width, kPlain, 1);
   fields.whole("height", info.height, kPlain, 1);
@@ -89,7 +89,7 @@ void depth_fields(auto& fields, auto& info) {
   });
 }
 
-/// All but its frames.
+/// All fields except its frames.
 template <typename Fields>
 void recording_fields(Fields& fields, auto& recording) {
   auto& info = recording.info;
@@ -164,7 +164,7 @@ void record_fields(Fields& fields, auto& report) {
   });
 }
 
-/// The report but for its recordings and what is counted from them.
+/// The report's fields except its recordings and the totals computed from them.
 void head_fields(auto& fields, auto& report) {
   fields("created_utc", report.created_utc, kCompared);
   fields("partial", report.partial, kCompared);
@@ -185,7 +185,7 @@ Json totals_json(const Report& report) {
           {"metrics", totals.metrics ? metrics_json(*totals.metrics) : Json()}};
 }
 
-/// A list, or an object, that is written as it is made: a long recording's would fill the memory.
+/// Writes a list or object incrementally, since a long recording's would fill the memory.
 class Stream {
  public:
   Stream(std::ostream& out, int depth, char open, char close)
@@ -199,7 +199,7 @@ class Stream {
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  /// What stands before the next item, or before its name.
+  /// Writes the separator before the next item or its name.
   void next() {
     if (!empty_) out_ << ',';
     empty_ = false;
@@ -221,7 +221,7 @@ class Stream {
  private:
   void new_line(int depth) { out_ << '\n' << std::string(static_cast<std::size_t>(depth), ' '); }
   void value(const Json& json) {
-    // No string of a dump holds a line break of its own.
+    // A line break in a dump is never part of a string.
     for (const char c : json.dump(1, ' ', false, Json::error_handler_t::replace))
       if (c == '\n')
         new_line(depth_ + 1);
@@ -262,7 +262,7 @@ void write_timings(std::ostream& out, const Report& report) {
     }
 }
 
-/// All that is left of the file once its frames are read; its recordings may be there already.
+/// The rest of the file after its frames; the recordings may exist already.
 void read_head(const JsonPlace& place, Extent extent, Report& report) {
   FieldReader fields(place, extent);
   head_fields(fields, report);
@@ -286,12 +286,12 @@ void read_reference_time(const JsonPlace& place, Report& report) {
   frame->reference_ms = timed.reference_ms;
 }
 
-/// The name becomes that of a folder.
+/// The name becomes a folder name.
 void expect_file_name(const JsonPlace& place) {
   const std::string name = place.text();
   if (name.empty() || name == "." || name == ".." ||
       name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
-    place.fail_kind("a file's name");
+    place.fail_kind("a file name");
 }
 
 }  // namespace
@@ -315,7 +315,7 @@ void write_report_json(std::ostream& out, const Report& report) {
 
 std::string report_json(const Report& report) {
   std::ostringstream out;
-  out.exceptions(std::ios::badbit);  // it would leave out what it has no memory for
+  out.exceptions(std::ios::badbit);  // otherwise it would silently truncate when out of memory
   write_report_json(out, report);
   return out.str();
 }
@@ -346,7 +346,7 @@ ReportHead read_report_head(const std::filesystem::path& file) {
   read_place(file, json, [&](const JsonPlace& place) {
     place.schema({kReportSchema});
     read_head(place, Extent::whole, head.report);
-    planes::parse_method(head.report.method);  // throws where this build has none such
+    planes::parse_method(head.report.method);  // throws for methods that this build does not have
     place.at("recordings").each([](const JsonPlace& recording) {
       expect_file_name(recording.at("name"));
     });
@@ -368,10 +368,10 @@ ReportTarget parse_report_target(const std::string& text) {
   if (matches && parts[1].matched) target.recording = std::stoi(parts[1]);
   if (matches && parts[4].matched) target.plane = std::stoi(parts[4]);
   if (!matches || target.recording < 1 || (parts[4].matched && target.plane < 1))
-    throw Error(fmt::format(
-        "{}: '{}' is no place in a report, expected f<frame>, f<frame>/p<plane> or "
-        "f<frame>/was<plane of the baseline>, after r<n>/ where it has several recordings",
-        target.file.string(), place));
+    throw Error(
+        fmt::format("{}: '{}' is not a place in a report; expected f<frame>, f<frame>/p<plane> or "
+                    "f<frame>/was<plane of the baseline>, after r<n>/ if it has several recordings",
+                    target.file.string(), place));
   target.frame = std::stoi(parts[2]);
   target.of_baseline = parts[3] == "was";
   return target;

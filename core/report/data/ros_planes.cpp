@@ -46,7 +46,7 @@ Json ros_polygons(const Outline& outline, const std::vector<PolygonRing>& rings)
   return list_of(rings, [&](const PolygonRing& ring) { return ros_polygon(outline, ring); });
 }
 
-/// Minor planes are in no message.
+/// Messages do not contain minor planes.
 Json ros_ids(const planes::LevelPlanes& planes) {
   Json ids = Json::array();
   for (const int id : planes)
@@ -159,12 +159,12 @@ Json color_json(std::uint32_t hue, double alpha = 1) {
   return {{"r", share(16)}, {"g", share(8)}, {"b", share(0)}, {"a", alpha}};
 }
 
-/// A MarkerArray that begins with the deletion of all earlier markers.
+/// A MarkerArray that begins by deleting all earlier markers.
 class Markers {
  public:
   explicit Markers(std::int64_t stamp_ns) : stamp_ns_(stamp_ns) {}
 
-  /// Markers that follow are in this coordinate frame.
+  /// Sets the coordinate frame of the following markers.
   void begin_frame(const std::string& frame_id) {
     header_ = ros_header(stamp_ns_, frame_id);
     if (list_.empty()) list_.push_back({{"header", header_}, {"action", kDeleteAll}});
@@ -301,10 +301,10 @@ io::RosMessage markers_message(const Frame&,
 // ---- sensor_msgs/PointCloud2 ----
 
 enum PointFieldType : std::uint8_t { kUint32 = 6, kFloat32 = 7 };
-constexpr std::uint32_t kUnseenHue = 0x808080;  // of points that the color camera does not see
+constexpr std::uint32_t kUnseenHue = 0x808080;  // of points outside the color camera's view
 constexpr double kFarthest_m = 10e3;            // floats resolve 1 mm up to there
 
-/// Calls add(0xRRGGBB) for each point of the cloud. Whether there are colors.
+/// Calls add(0xRRGGBB) for each point of the cloud. Returns whether there are colors.
 template <typename Add>
 bool for_each_color(const Frame& frame, const planes::Cloud& cloud, const Add& add) {
   const auto packed = [](const std::uint8_t* rgb) {
@@ -340,8 +340,8 @@ io::RosMessage points_message(const Frame& frame,
   const planes::Cloud& cloud = result.cloud;
   if (cloud.origin.norm() > kFarthest_m)
     throw Error(
-        fmt::format("frame {}: its points are about {:.0f} km from the origin, where the floats of "
-                    "sensor_msgs/PointCloud2 are wrong by more than 1 mm; expected at most 10 km",
+        fmt::format("frame {}: its points are about {:.0f} km from the origin, where floats in "
+                    "sensor_msgs/PointCloud2 have errors above 1 mm; expected at most 10 km",
                     frame.index, cloud.origin.norm() / 1000));
   std::vector<std::uint32_t> colors;
   colors.reserve(cloud.points.size());
@@ -354,7 +354,7 @@ io::RosMessage points_message(const Frame& frame,
     step += 4;
   };
   for (const char* axis : {"x", "y", "z"}) field(axis, kFloat32);
-  if (has_color) field("rgb", kFloat32);  // its bits, as PCL has them
+  if (has_color) field("rgb", kFloat32);  // the bits of the color, as in PCL
   field("plane", kUint32);
   if (found.tracks) field("track", kUint32);
   std::vector<std::uint32_t> words;
@@ -383,7 +383,7 @@ io::RosMessage points_message(const Frame& frame,
 
 // ---- tf2_msgs/TFMessage ----
 
-/// The camera is the parent of the upright frame: elsewhere it may have a parent of its own.
+/// The camera is the parent of the upright frame, because another program may define its parent.
 io::RosMessage poses_message(const Frame& frame,
                              const planes::FrameResult& result,
                              const planes::FramePlanes&,

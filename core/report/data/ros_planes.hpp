@@ -1,6 +1,6 @@
 #pragma once
 
-// A frame's planes as messages of ROS 2: for programs, for RViz and Foxglove, and as lines of JSON.
+// A frame's planes as ROS 2 messages: for programs, for RViz and Foxglove, and as lines of JSON.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -11,12 +11,12 @@
 
 namespace planescope::report {
 
-/// When and where a frame was taken, and the coordinate frames of its messages.
+/// Time and pose of a frame, and the coordinate frames of its messages.
 struct RosPlace {
   std::int64_t stamp_ns = 0;
   std::string camera = io::kDepthFrame;
-  std::string world = "planescope_world";  // z up, the sensor at its origin; of clouds, their own
-  std::string map = {};                    // the root; empty: other programs place the camera
+  std::string world = "planescope_world";  // z up, the sensor at its origin; for clouds, their own
+  std::string map = {};                    // the root; empty: other programs locate the camera
   Pose T_map_camera = Pose::Identity();
 };
 
@@ -37,12 +37,12 @@ nlohmann::ordered_json plane_array(const Frame& frame,
                                    const planes::FramePlanes& found,
                                    const RosPlace& place);
 
-/// A plane as markers show it.
+/// A plane for markers.
 struct MarkedPlane {
   int id = 0;
   std::uint32_t hue = 0;  // 0xRRGGBB
   std::string name, frame_id;
-  Vec3d normal = Vec3d::UnitZ(), at = Vec3d::Zero();  // where name and normal are
+  Vec3d normal = Vec3d::UnitZ(), at = Vec3d::Zero();  // position of name and normal
   const planes::Outline* outline = nullptr;
 };
 /// visualization_msgs/msg/MarkerArray of the planes of a map.
@@ -50,7 +50,7 @@ io::RosMessage ros_map_markers(const std::string& topic,
                                std::int64_t stamp_ns,
                                const std::vector<MarkedPlane>& planes);
 
-/// A camera's way: nav_msgs/msg/Path.
+/// A camera's trajectory: nav_msgs/msg/Path.
 struct RosPose {
   std::int64_t stamp_ns = 0;
   Pose T_map_camera = Pose::Identity();

@@ -1,7 +1,7 @@
 #pragma once
 
-// What `planescope segment` writes about a frame. Nothing but timings.json depends on time or on
-// the number of threads.
+// Output files of `planescope segment` for a frame. Only timings.json depends on time; nothing
+// depends on the number of threads.
 
 #include <filesystem>
 #include <span>
@@ -13,12 +13,12 @@
 
 namespace planescope::report {
 
-/// "frames/000123", the place of a frame's files below the output folder.
+/// "frames/000123", the folder of a frame's files in the output folder.
 std::filesystem::path frame_folder(int frame_index);
 
 /// Plane id per depth pixel, 0 none. For depth frames.
 Image16 plane_image(const Frame& frame, const planes::FrameResult& result);
-/// Track per depth pixel instead, `tracks` by plane id - 1.
+/// The same for tracks; `tracks` by plane id - 1.
 Image16 track_image(const Frame& frame,
                     const planes::FrameResult& result,
                     std::span<const int> tracks);
@@ -27,9 +27,9 @@ Image16 track_image(const Frame& frame,
 /// the file) in the world frame, with label (0 unknown, 1 h, 2 v) and instance (plane id, 0 none).
 PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result);
 
-/// Writes planes.json, timings.json, cloud.ply, for depth frames planes.png and, where tracks are
-/// known, tracks.png, and `also` those of plane_formats() into `dir`, which exists. Throws Error
-/// naming the file that cannot be written.
+/// Writes planes.json, timings.json, cloud.ply, planes.png for depth frames, tracks.png if tracks
+/// are known, and the formats in `also` into the existing folder `dir`. Throws Error naming the
+/// file that cannot be written.
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
                          const planes::FrameResult& result,
@@ -37,10 +37,10 @@ void write_segment_files(const std::filesystem::path& dir,
                          const planes::PipelineOptions& options,
                          const std::vector<std::string>& also = {});
 
-// A frame's planes in the formats of other tools, in the world frame: z up, metres.
+// A frame's planes in the formats of other tools, in the world frame: z up, meters.
 
 struct PlaneFormat {
-  const char* name;  // as --also has it
+  const char* name;  // value of --also
   const char* file;
   const char* holds;  // one phrase
   std::string (*text)(const planes::FramePlanes&);
@@ -48,18 +48,17 @@ struct PlaneFormat {
 /// geojson, obj, ply, planar-terrain, csv, svg.
 const std::vector<PlaneFormat>& plane_formats();
 
-/// Those of these formats, by name, into `dir`, which exists. Throws Error naming the file that
+/// Writes these formats, by name, into the existing folder `dir`. Throws Error naming the file that
 /// cannot be written.
 void write_plane_files(const std::filesystem::path& dir,
                        const std::vector<std::string>& formats,
                        const planes::FramePlanes& found);
 
-/// A picture of each plane, seen against its normal: what it covers, holes, what is unknown, where
-/// a foot may go with its convex pieces, and the largest circle.
+/// A picture of each plane, seen against its normal: covered area, holes, unknown area, foot space
+/// with its convex pieces, and the largest circle.
 std::string planes_svg(const planes::FramePlanes& found);
 
-/// planescope_msgs/PlaneArray as one line of JSON, with the message's fields, all of them, and no
-/// others.
+/// planescope_msgs/PlaneArray as one line of JSON, with exactly the message's fields.
 std::string ros_json(const Frame& frame,
                      const planes::FrameResult& result,
                      const planes::FramePlanes& found);

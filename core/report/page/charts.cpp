@@ -18,7 +18,7 @@ using kainjow::mustache::html_escape;
 
 constexpr int kWidth = 760, kHeight = 320;
 constexpr int kLeft = 52, kRight = 176, kTop = 14, kBottom = 44;  // margins
-constexpr int kColors = 10;                                       // .curve0 ... of the style
+constexpr int kColors = 10;                                       // .curve0 ... in the style
 
 struct Axis {
   double low = 0, high = 1;
@@ -60,13 +60,13 @@ std::string y_grid(const Axis& axis) {
   return svg;
 }
 
-/// The SVG element up to what it holds; it ends with "</svg>\n".
+/// Start of the SVG element, which ends with "</svg>\n".
 std::string begin_svg(const std::string& title) {
   return fmt::format("<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
                      kWidth, kHeight, html_escape(title));
 }
 
-/// Lowest and highest of all values but NaN; 0 and 1 where there are none.
+/// Lowest and highest value, ignoring NaN; 0 and 1 if there are none.
 struct Range {
   double low = 0, high = 1;
 };
@@ -81,7 +81,7 @@ Range range_of(std::span<const Curve> curves) {
   return std::isnan(range.low) ? Range{} : range;
 }
 
-constexpr std::size_t kMostDots = 60;  // with more points the line alone is clearer
+constexpr std::size_t kMostDots = 60;  // with more points, the line alone is clearer
 
 double x_of(const Axis& axis, double value) {
   return kLeft + axis.share(value) * (kWidth - kLeft - kRight);
@@ -110,8 +110,8 @@ std::string mark(const LineChart& chart, const Axis& axis) {
       x, kTop, kHeight - kBottom, x + 6, kHeight - kBottom - 8, html_escape(chart.mark_name));
 }
 
-/// Path data through the values that are not NaN. The first point is there twice, so that a curve
-/// of one point shows as a dot.
+/// Path data through the values, skipping NaN. The first point is repeated, so that a curve of one
+/// point shows as a dot.
 std::string path_of(const LineChart& chart, const Curve& curve, const Axis& x, const Axis& y) {
   std::string path;
   for (std::size_t i = 0; i < chart.x.size(); ++i) {
@@ -181,8 +181,8 @@ std::string scatter_chart(const ScatterChart& chart) {
 }
 
 std::string line_chart_style() {
-  // Colours that all kinds of colour vision tell apart (Okabe and Ito), lighter on dark pages. The
-  // last three are for charts with more than seven curves.
+  // Colors that are distinct with all kinds of color vision (Okabe and Ito), lighter on dark pages.
+  // The last three are for charts with more than seven curves.
   constexpr const char* kOnLight[kColors] = {"#0072b2", "#d55e00", "#009e73", "#b65c94", "#b98500",
                                              "#3f9fd0", "#555555", "#7a3fb0", "#6b8e23", "#a3261b"};
   constexpr const char* kOnDark[kColors] = {"#4ba3dd", "#f08a4b", "#2fc79a", "#e39cc4", "#e9b93d",

@@ -1,6 +1,5 @@
-// index.html, from the templates in assets/report, written piece by piece: a page of a thousand
-// frames is larger than what one wants to hold in memory. Its plan, and its text, numbers and
-// links.
+// Writes index.html from the templates in assets/report, piece by piece, because a page of a
+// thousand frames is too large for memory. Contains its plan, and its text, numbers and links.
 
 #include "core/report/page/page.hpp"
 
@@ -44,8 +43,8 @@ namespace {
 
 constexpr std::size_t kMostWorst = 10;
 constexpr std::size_t kEmbeddedFirst = 12, kEmbeddedWorst = 12;
-constexpr std::size_t kFramesOpen = 3;  // of longer pages
-constexpr std::size_t kFewFrames = 3;   // without rules no list of the worst for so few
+constexpr std::size_t kFramesOpen = 3;  // in longer pages
+constexpr std::size_t kFewFrames = 3;   // no list of the worst for this few frames without rules
 
 Standing standing_of(const PageFrame& frame, bool is_judged) {
   Standing standing = is_judged ? Standing::passed : Standing::none;
@@ -56,8 +55,8 @@ Standing standing_of(const PageFrame& frame, bool is_judged) {
   return std::max(standing, frame.frame->unreadable ? Standing::failed : Standing::warned);
 }
 
-/// Orders frames that no rule tells apart: the smaller the share of labels on the right planes, or
-/// without labels the more signs of trouble, the worse.
+/// Orders frames that rules do not rank: by the smaller share of labels on the right planes, or
+/// without labels by more signs of trouble.
 double doubt(const PageFrame& frame) {
   if (!frame.frame || frame.is_refused()) return std::numeric_limits<double>::infinity();
   if (frame.frame->metrics) return 1 - frame.frame->metrics->mean_iou / 100;
@@ -120,7 +119,7 @@ void rank_frames(PagePlan& plan, std::vector<std::size_t> order, bool is_judged)
 }
 
 constexpr double kSliver_m = 0.04;       // radius
-constexpr double kFloorHeight_m = 0.03;  // a step is higher, and a piece of the floor is not
+constexpr double kFloorHeight_m = 0.03;  // a step is higher, a piece of the floor is not
 constexpr double kLeastSupport = 0.9;
 
 bool is_plain(char c) {
@@ -216,7 +215,7 @@ std::string safe_color(const std::string& color) {
 std::string gravity_text(const Gravity& gravity) {
   switch (gravity.source) {
     case GravitySource::option:
-      return "given on the command line";
+      return "specified on the command line";
     case GravitySource::sidecar:
       return "from the recording\u2019s files";
     case GravitySource::imu:
@@ -247,7 +246,7 @@ double Signs::weight() const { return slivers + 3 * floor_pieces + 2 * low_suppo
 std::string Signs::text() const {
   std::vector<std::string> signs;
   if (floor_pieces > 0) signs.push_back(fmt::format("the floor in {} pieces", floor_pieces + 1));
-  if (low_support > 0) signs.push_back(counted(low_support, "plane") + " of low support");
+  if (low_support > 0) signs.push_back(counted(low_support, "plane") + " with low support");
   if (slivers > 0) signs.push_back(counted(slivers, "sliver"));
   return fmt::format("{}{}{:.1f} % of the points on planes", fmt::join(signs, ", "),
                      signs.empty() ? "" : "; ", 100 * (1 - off_planes));
@@ -279,7 +278,7 @@ constexpr const char* kEndOfRows = "</tbody>\n</table>\n</div>\n</section>\n";
 
 using Data = kainjow::mustache::data;
 
-/// As page.hpp says that templates take it.
+/// In the form for templates that page.hpp describes.
 Data data_of(const PageJson& json) {
   if (json.is_object()) {
     Data object;
@@ -308,7 +307,7 @@ class Template {
     if (!mustache_.is_valid()) throw Error("report template: " + mustache_.error_message());
   }
   void write(std::ostream& out, const PageJson& json) {
-    // Into a string: a stream would leave out what it has no memory for.
+    // Render to a string: a stream would silently truncate when out of memory.
     std::string text;
     mustache_.render(data_of(json), [&](const std::string& piece) { text += piece; });
     out << valid_text(text);
@@ -323,7 +322,7 @@ std::string page_title(const Report& report) {
   return fmt::format("{} recordings", report.recordings.size());
 }
 
-/// What the browser holds the script to: "sha256-...".
+/// The script's hash for the content security policy: "sha256-...".
 std::string hash_source(const std::string& script) {
   const std::string hex = sha256_hex(script);
   std::vector<unsigned char> digest;
@@ -340,7 +339,7 @@ std::vector<std::string> columns_of(const PageSource& page) {
   return names;
 }
 
-/// The smallest of the files that the page links: whether its folder is there.
+/// The smallest file that the page links, to check whether its folder exists.
 std::string picture_beside(const Report& report) {
   for (const ReportRecording& recording : report.recordings)
     for (const ReportFrame& frame : recording.frames)

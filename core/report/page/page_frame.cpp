@@ -1,4 +1,4 @@
-// One frame: what became of its planes since the baseline, its pictures and its figures.
+// One frame of the page: changes of its planes since the baseline, its pictures and its figures.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -30,7 +30,7 @@ ComparedInks inks_of(const PageFrame& frame) {
   return compared_inks(frame.comparison->planes, frame.comparison->baseline->planes.size(), colors);
 }
 
-/// Those that changed first, the worst of them in front.
+/// Changed planes first, the worst at the front.
 std::vector<const PlaneComparison*> by_change(const FrameComparison& frame) {
   std::vector<const PlaneComparison*> planes;
   for (const PlaneFate fate : kChanges)
@@ -64,7 +64,7 @@ std::string place_of(const PageFrame& frame, const PlaneComparison& plane) {
                        : fmt::format("{}/was{}", frame.anchor, plane.baseline);
 }
 
-/// One for each plane that changed, where the frame fails.
+/// One command for each plane that changed, if the frame fails.
 std::vector<std::string> commands_of(const PageFrame& frame) {
   std::vector<std::string> commands;
   if (frame.standing != Standing::failed) return commands;
@@ -98,7 +98,7 @@ PageJson fate_data(const PageFrame& frame, const PlaneComparison& plane, const C
           {"undecided", plane.undecided}};
 }
 
-/// Why frames are not compared, for people.
+/// Why frames are not compared, for display.
 const char* not_compared(FrameFate fate) {
   constexpr const char* kTexts[] = {
       "",
@@ -111,9 +111,9 @@ const char* not_compared(FrameFate fate) {
   return kTexts[static_cast<std::size_t>(fate)];
 }
 
-/// In words beside the picture: in it they would be too small to read.
+/// As text beside the picture, because in the picture it would be too small to read.
 PageJson legend_data(const ReportPicture& picture) {
-  constexpr std::size_t kMost = 12;  // more than a table of planes tells better
+  constexpr std::size_t kMost = 12;  // for more planes, use the table
   PageJson legend = PageJson::array();
   for (const LegendMark& mark : picture.legend | std::views::take(kMost)) {
     const char* shape = mark.shape == "dot"           ? "dot"
@@ -124,7 +124,7 @@ PageJson legend_data(const ReportPicture& picture) {
   return legend;
 }
 
-/// Pictures inside the page, and links to those that are not.
+/// Pictures embedded in the page, and links to the others.
 void set_pictures(const PageSource& page, const PageFrame& frame, PageJson& data) {
   PageJson pictures = PageJson::array(), files = PageJson::array();
   for (const ReportPicture& picture : frame.frame->pictures) {
@@ -227,8 +227,8 @@ void set_nodes(const Report& report, const ReportFrame& frame, PageJson& data) {
                              {"cells", cells}});
   }
   std::string text = fmt::format(
-      "{} nodes visited, {} plane candidates, {} merges. Voxels left over by the traversal: {}; {} "
-      "of these joined a plane afterwards. Voxels in no plane at the end: {}.",
+      "{} nodes visited, {} plane candidates, {} merges. Voxels unassigned after the traversal: "
+      "{}; {} of these were assigned to a plane afterwards. Voxels in no plane at the end: {}.",
       grouped(counts.nodes_visited), grouped(counts.candidates), grouped(counts.merges),
       grouped(counts.leftovers), grouped(counts.assigned), grouped(counts.unassigned));
   if (frame.noise.estimated)
@@ -279,7 +279,7 @@ PageJson metrics_data(const planes::Metrics& m) {
   return rows;
 }
 
-// ---- What one can stand on ----
+// ---- Terrain ----
 
 constexpr const char* kNone = "\u2013";
 
@@ -313,7 +313,7 @@ PageJson footing_data(const PageFrame& frame, const ReportPlane& plane) {
   return row;
 }
 
-/// A line for each of what leads up; lengths that it does not have are empty.
+/// A line for each flight, kerb and ramp; lengths that do not apply are empty.
 PageJson ways_data(const Terrain& terrain) {
   PageJson ways = PageJson::array();
   const auto mm = [](double m) { return fmt::format("{:.0f}", 1000 * m); };
@@ -339,8 +339,7 @@ PageJson ways_data(const Terrain& terrain) {
   return ways;
 }
 
-/// What planes are like to stand on, stairs, kerbs and ramps, what became of them since the
-/// baseline.
+/// Properties of planes to stand on, stairs, kerbs and ramps, and their changes since the baseline.
 void set_terrain(const PageFrame& of, PageJson& data) {
   if (of.is_compared()) data["terrain_changes"] = terrain_changes(*of.comparison);
   if (of.is_refused()) return;
@@ -356,7 +355,7 @@ void set_terrain(const PageFrame& of, PageJson& data) {
 
 // ---- The frame ----
 
-/// What a frame says of the baseline's, beside its figures.
+/// Adds the comparison with the baseline's frame to the frame's figures.
 void set_comparison(const PageSource& page, const PageFrame& frame, PageJson& data) {
   if (!page.has_baseline()) return;
   if (!frame.is_compared()) {

@@ -1,5 +1,5 @@
-// The page's top and end: whether the report holds, what to look at first, and the totals; how near
-// to their thresholds decisions fell; what one needs to make the report again.
+// The page's top and end: the verdict, frames to review first, and totals; decisions near their
+// thresholds; facts to reproduce the report.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -22,7 +22,7 @@ std::string range_text(int fewest, int most) {
   return fewest == most ? std::to_string(most) : fmt::format("{}\u2013{}", fewest, most);
 }
 
-/// What told h from v, as HTML.
+/// The classifier of h and v, as HTML.
 std::string classifier_text(const Report& report) {
   if (!report.is_ours()) return "the tilt of each plane";
   if (report.weights)
@@ -32,7 +32,7 @@ std::string classifier_text(const Report& report) {
   return "the ground truth";
 }
 
-/// Where gravity is from and what told h from v, as HTML.
+/// The source of gravity and the classifier of h and v, as HTML.
 std::string gravity_sentence(const Report& report) {
   std::size_t known = 0, unknown = 0;
   for (const ReportRecording& recording : report.recordings)
@@ -81,7 +81,7 @@ double median_pipeline_ms(const Report& report) {
   return values[values.size() / 2];
 }
 
-/// Planes of all compared frames by what became of them.
+/// Planes of all compared frames, counted by fate.
 std::string all_changes(const PagePlan& plan) {
   return changes_text([&](PlaneFate fate) {
     std::size_t count = 0;
@@ -149,7 +149,7 @@ void set_banner(const PageSource& page, PageJson& data) {
   set(judgement->warnings() > 0 ? "warning" : "passed", "\u2713", "Passed", text + ".");
 }
 
-/// "option voxel_size_m: 0.02 -> 0.04" as its name and what it says.
+/// Splits "option voxel_size_m: 0.02 -> 0.04" into name and values.
 PageJson differences_of(const Judgement& judgement) {
   PageJson list = PageJson::array();
   for (const std::string& difference : judgement.differences()) {
@@ -290,7 +290,7 @@ std::string cumulative_chart(const ValueHistogram& histogram) {
   return line_chart(chart);
 }
 
-/// File, hash and the training record's plain facts, as HTML.
+/// File, hash and basic facts of the training record, as HTML.
 std::string weights_text(const planes::WeightsRecord& weights) {
   std::string text = fmt::format("{} ({}), SHA-256 <code>{}</code>", escaped(weights.file),
                                  escaped(weights.network), escaped(weights.sha256));
@@ -395,9 +395,9 @@ PageJson histograms_data(const Report& report) {
 /// One phrase per case of the paper's figure.
 PageJson cases_data(const Report& report) {
   constexpr const char* kMeanings[] = {"", "mixed labels (fails Criterion 1): divided",
-                                       "too few points (fails Criterion 2): left over",
+                                       "too few points (fails Criterion 2): unassigned",
                                        "one label but not planar (fails Criterion 3): divided",
-                                       "planar: a candidate, its outliers left over"};
+                                       "planar: a candidate; its outliers are unassigned"};
   PageJson cases = PageJson::array();
   for (int c = 1; c <= 4; ++c)
     cases.push_back({{"numeral", planes::to_string(static_cast<planes::Case>(c))},

@@ -1,4 +1,4 @@
-// A recording: its facts, how its frames go, and a line for each of them.
+// A recording on the page: its facts, charts over its frames, and a line for each frame.
 
 #include <fmt/format.h>
 
@@ -40,7 +40,7 @@ PageJson figures_of(const PageSource& page, const ReportFrame& frame) {
   return cells;
 }
 
-/// Kinds of changes are weighted by what they cost: sorting puts lost planes before moved ones.
+/// Changes weighted by severity, so that sorting puts lost planes before moved ones.
 double weight_of(const FrameComparison& frame) {
   if (frame.fate != FrameFate::compared) return frame.fate == FrameFate::added ? 0.5 : 1e6;
   double weight = 0;
@@ -77,8 +77,7 @@ PageJson facts(const ReportRecording& recording) {
   return result;
 }
 
-/// A figure of each of these frames now and, where there is one, in the baseline; empty: none has
-/// it.
+/// A figure of each of these frames now and, if available, in the baseline; empty: no frame has it.
 std::string trend(const FrameMetric& metric,
                   const std::vector<const PageFrame*>& frames,
                   bool has_baseline) {

@@ -22,10 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Source pixels from `first` on that a target pixel covers, and how much of it each is.
+/// Source pixels covered by a target pixel, from `first` on, and the share of each.
 struct Span {
   int first = 0;
-  std::vector<double> shares;  // their sum is 1
+  std::vector<double> shares;  // sum: 1
 };
 std::vector<Span> spans(int source, int target) {
   std::vector<Span> result;
@@ -42,7 +42,7 @@ std::vector<Span> spans(int source, int target) {
   return result;
 }
 
-/// The mean of the rows of a target row, at the source's width.
+/// The mean of the source rows of a target row, at the source's width.
 void mean_of_rows(const Image8& image, const Span& rows, std::vector<float>& mean) {
   std::ranges::fill(mean, 0.0f);
   int y = rows.first;
@@ -53,9 +53,9 @@ void mean_of_rows(const Image8& image, const Span& rows, std::vector<float>& mea
   }
 }
 
-constexpr int kCell = 4;         // pixels per sample, so that hatches and outlines have room
-constexpr int kMostWidth = 480;  // of many small samples fewer pixels
-constexpr int kHatch = 8;        // pixels from stroke to stroke
+constexpr int kCell = 4;         // pixels per sample, leaving room for hatches and outlines
+constexpr int kMostWidth = 480;  // with many samples, fewer pixels each
+constexpr int kHatch = 8;        // pixels between strokes
 
 using Rgba8 = std::array<std::uint8_t, 4>;
 constexpr Rgba8 kNothing = {0, 0, 0, 0}, kNoPlane = {128, 134, 142, 90};
@@ -125,14 +125,14 @@ class Map {
 constexpr int kOverviewWidth = 480;
 constexpr std::size_t kMostFrames = 200;
 constexpr int kFramesPerSecond = 5;
-constexpr int kShades = 32;  // per channel: noise of the camera costs most of the bytes
+constexpr int kShades = 32;  // per channel: most of the file would be camera noise
 
 const ReportPicture* overlay_of(const ReportFrame& frame) {
   const auto found = std::ranges::find(frame.pictures, "overlay", &ReportPicture::name);
   return found == frame.pictures.end() ? nullptr : &*found;
 }
 
-/// The copies that are there, of long recordings evenly chosen ones.
+/// The existing copies; for long recordings, evenly spaced ones.
 std::vector<fs::path> chosen_copies(const fs::path& dir, const ReportRecording& recording) {
   std::vector<fs::path> copies;
   for (const ReportFrame& frame : recording.frames)
@@ -146,7 +146,7 @@ std::vector<fs::path> chosen_copies(const fs::path& dir, const ReportRecording& 
   return chosen;
 }
 
-/// Of `width` x `height`: cut off or filled up where the frame is of another shape.
+/// Crops or pads the image to `width` x `height` if the frame has another shape.
 Image8 fitted(const Image8& image, int width, int height) {
   Image8 result(width, height, 3);
   const int columns = 3 * std::min(width, image.width);
@@ -167,7 +167,7 @@ void write_overview(const fs::path& file, const std::vector<fs::path>& copies) {
   for (std::size_t k = 0; k < copies.size() && image.empty(); ++k) try {
       image = small_copy(copies[k]);
     } catch (const Error&) {
-      // Damaged: the next one's size counts.
+      // Damaged: use the size of the next one.
     }
   if (image.empty()) return;
   const int width = image.width, height = image.height;
@@ -177,7 +177,7 @@ void write_overview(const fs::path& file, const std::vector<fs::path>& copies) {
       try {
         image = fitted(small_copy(copy), width, height);
       } catch (const Error&) {
-        // Damaged: the frame before stays.
+        // Damaged: repeat the previous frame.
       }
       writer.add(image);
     }

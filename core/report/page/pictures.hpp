@@ -1,6 +1,6 @@
 #pragma once
 
-// Pictures for pages: smaller copies, as what a page embeds, and maps of where planes are.
+// Pictures for pages: reduced copies, their encoding for embedding, and maps of planes.
 
 #include <string>
 #include <vector>
@@ -10,27 +10,27 @@
 
 namespace planescope::report {
 
-/// The image shrunk to at most `max_width` pixels, each the mean of what it covers (never
-/// enlarged).
+/// Shrinks the image to at most `max_width` pixels, each the mean of the covered pixels (never
+/// enlarges).
 Image8 shrink(const Image8& image, int max_width);
 
 std::string base64(const std::vector<unsigned char>& bytes);
 
-// Which plane is where in an image, drawn from the samples that a report keeps: available even
-// where the pictures of an earlier run are gone.
+// A map of the planes in an image, drawn from the samples in a report: available even if the
+// pictures of an earlier run are gone.
 
-/// How a plane stands out.
+/// Style of a plane on the map.
 struct PlaneInk {
   std::string color = "#888888";  // "#rrggbb"
-  bool marked = false;            // hatched and outlined strongly
+  bool marked = false;            // hatched, with a strong outline
 };
 
-/// RGBA: what was not measured is transparent, what is in no plane faint. `inks`: by plane id - 1.
-/// Empty for clouds, whose samples are in no rows.
+/// RGBA: unmeasured samples are transparent, samples outside planes faint. `inks`: by plane id - 1.
+/// Empty for clouds, whose samples are not in rows.
 Image8 draw_plane_map(const RegionSample& sample, const std::vector<PlaneInk>& inks);
 
-/// A plane that is in both has one colour in both, that of `colors_now`; lost and gained planes are
-/// marked, lost ones in a dark grey.
+/// A plane in both has the same color in both, from `colors_now`. Lost and gained planes are
+/// marked, lost ones in dark gray.
 struct ComparedInks {
   std::vector<PlaneInk> baseline, now;
 };

@@ -303,12 +303,12 @@ void take_map(const JsonPlace& place,
               KnownMap& map) {
   const std::string name = recording.path.filename().string(), found = place.at("recording").text();
   if (found != name)
-    throw Error(fmt::format("belongs to recording {}, expected {}", shown(found), shown(name)));
+    throw Error(fmt::format("belongs to recording {}; expected {}", shown(found), shown(name)));
   PlanesFrom from;
   for (const auto& item : place.at("pipeline").json().items())
     from[item.key()] = place.at("pipeline").at(item.key().c_str()).text();
   if (const std::string other = difference(from, planes_from(options, recording)); !other.empty())
-    throw Error("made with different options: " + other);
+    throw Error("created with different options: " + other);
   FieldReader fields(place);
   fields.list("gravity", map.gravity, kPlain, [](auto& of, SharedGravity& shared) {
     of("source", shared.source);
@@ -399,7 +399,7 @@ std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recordin
 const std::vector<int>& tracks_of(const KnownMap& map, int frame, std::size_t planes) {
   const std::vector<int>& tracks = map.planes_of.at(frame).tracks;
   if (tracks.size() != planes)
-    throw Error(fmt::format("frame {}: has {}, expected the {} of {}", frame,
+    throw Error(fmt::format("frame {}: has {}; expected the {} of {}", frame,
                             counted(planes, "plane"), tracks.size(),
                             (map.dir / "tracks.json").string()));
   return tracks;

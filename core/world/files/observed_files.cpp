@@ -177,7 +177,7 @@ ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom&
     if (json.at("schema") != kSchema) throw std::out_of_range("the schema");
     if (const std::string other = difference(json.at("from").get<PlanesFrom>(), expected);
         !other.empty())
-      throw Error(file.string() + ": made with different options: " + other);
+      throw Error(file.string() + ": created with different options: " + other);
     ObservedFrame frame;
     Exchange(true)(json, frame);
     for (std::size_t i = 0; i < frame.planes.size(); ++i)

@@ -412,8 +412,7 @@ bool Tracker::merge_equal(int frame, const std::function<bool(const Track&)>& ha
       if (small == large || small->state != TrackState::alive || large->state != TrackState::alive)
         continue;
       if (small->known > 0 && large->known > 0)
-        continue;  // the earlier pass distinguished them
-                   // with more data
+        continue;  // the earlier pass distinguished them with more data
       const double angle = planes::plane_angle_deg(small->fit.normal, large->fit.normal);
       if (angle > most_angle_deg(options_, small->sigma_tilt_deg(), large->sigma_tilt_deg(),
                                  std::min(small->width_m(), large->width_m())))

@@ -386,8 +386,8 @@ PixelsOfTrack pixels_of_track(const Track& track,
                               const labels::LabelGrid& grid,
                               const Pose& T_world_camera) {
   PixelsOfTrack found;
-  const Vec3d normal = T_world_camera.linear().transpose() * track.fit.normal;  // in the
-                                                                                // camera frame
+  // In the camera frame.
+  const Vec3d normal = T_world_camera.linear().transpose() * track.fit.normal;
   for (std::uint32_t i = 0; i < grid.pixels(); ++i) {
     if (!grid.measured[i]) continue;
     const Vec3d seen = grid.points[i].cast<double>();

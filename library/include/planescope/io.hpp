@@ -1,6 +1,7 @@
 #pragma once
 
-// Recordings: RealSense and ROS bags (1 and 2), folders of PNGs, RealSense Viewer .raw, clouds.
+// Reads recordings: RealSense and ROS bags (1 and 2), folders of PNGs, RealSense Viewer .raw,
+// clouds. Also makes maps of them.
 
 #include <iterator>
 #include <map>
@@ -10,42 +11,42 @@
 #include "planescope/core.hpp"
 
 namespace planescope {
-#ifdef PLANESCOPE_LIBRARY_SOURCE  // which has types of the same names, in planescope itself
+#ifdef PLANESCOPE_LIBRARY_SOURCE  // planescope itself has types of the same names
 namespace v0 {
 #else
 inline namespace v0 {
 #endif
-/// What the caller says about a recording; wins over what its files say.
+/// Settings for a recording that override its files.
 struct RecordingOptions {
   std::optional<std::array<double, 4>> intrinsics;  // fx fy cx cy of the depth image [px]
-  std::optional<double> depth_unit_m;               // metres per count
-  bool color = true;                                // false: depth alone, and quicker
+  std::optional<double> depth_unit_m;               // meters per count
+  bool color = true;                                // false: depth only, which is faster
 };
 
 struct RecordingInfo {
   std::string path;
   std::string format;       // "RealSense SDK bag", "folder", ...
-  std::string device;       // as the file says, or empty
+  std::string device;       // from the file; may be empty
   Camera camera;            // of depth images; width 0: clouds
-  double depth_unit_m = 0;  // metres per count
+  double depth_unit_m = 0;  // meters per count
   bool has_color = false;
-  std::vector<std::string> warnings;  // what was lost or odd, one line each
+  std::vector<std::string> warnings;  // losses and oddities, one line each
 };
 
 struct Map;
 struct MapOptions;
 
-/// Opened once, its frames read in any order. Never written to.
+/// A recording, opened once, whose frames can be read in any order. Never writes to it.
 class PLANESCOPE_API Recording {
  public:
   explicit Recording(const std::string& path, const RecordingOptions& options = {});
   RecordingInfo info() const;
-  int size() const;  // frames
+  int size() const;  // number of frames
   Frame operator[](int i) const;
-  /// Frame::timestamp_s() of one, mostly without reading it.
+  /// Frame::timestamp_s() of a frame, usually without reading it.
   double timestamp_s(int i) const;
 
-  /// Of a recording that outlives it.
+  /// Valid as long as its recording.
   class Iterator {
    public:
     using iterator_category = std::input_iterator_tag;
@@ -79,25 +80,25 @@ class PLANESCOPE_API Recording {
 };
 
 struct MapOptions {
-  std::string poses;        // a file: TUM, KITTI, Open3D's .log or .json; empty: as the recording
-                            // says, else from its images
-  double window_m = 0;      // edge of the cube about the camera that the map is held in; 0: none
+  std::string poses;        // file: TUM, KITTI, Open3D's .log or .json; empty: poses from the
+                            // recording or, without any, from its images
+  double window_m = 0;      // edge of the map's cube around the camera; 0: unlimited
   std::vector<int> frames;  // ascending; empty: all
   std::map<int, Transform> T_world_camera;  // by frame, instead of a file of poses
 };
 
-/// Planes of the world, and which plane of which frame is which. World: z up [m].
+/// Planes in the world, and the tracks that connect them to the planes of frames. World: z up [m].
 struct Map {
-  std::string map_json, tracks_json, poses_tum;  // as `planescope map` writes them, byte by byte
-  std::vector<int> pose_frames;                  // whose pose is known
-  std::vector<Transform> T_world_camera;         // of these
-  std::vector<std::string> told;                 // what was odd, one line each
-  // By frame, the file planes/000000.png: 16 bit, per pixel the id of the plane that `tracks_json`
-  // counts. Empty for methods that do not find planes on pixels: those find the same ones again.
+  std::string map_json, tracks_json, poses_tum;  // as `planescope map` writes them, byte for byte
+  std::vector<int> pose_frames;                  // frames with a known pose
+  std::vector<Transform> T_world_camera;         // of pose_frames
+  std::vector<std::string> warnings;             // one line each
+  // planes/000000.png by frame: 16 bits, with the plane id per pixel that `tracks_json` uses. Empty
+  // for methods that do not find planes on pixels; these find the same planes again.
   std::map<int, std::string> planes_png;
 };
-/// The same for any number of the segmenter's threads. Throws Error where the recording is of
-/// clouds, or no frame has a pose.
+/// The result does not depend on the segmenter's threads. Throws Error if the recording contains
+/// clouds or no frame has a pose.
 PLANESCOPE_API Map make_map(const Recording& recording,
                             const Segmenter& segmenter = Segmenter(),
                             const MapOptions& options = MapOptions());
@@ -110,18 +111,18 @@ struct MappedFrame {
   bool set_aside = false;    // depth and pose do not fit the map; the map ignores the frame
 };
 
-/// A map of frames as they arrive, each with the pose of its camera in a world whose z points up.
+/// A map of frames as they arrive, each with the camera's pose in a world whose z points up.
 /// Earlier frames help to find the planes of later ones. Copies share the map; threads take turns.
 class PLANESCOPE_API Mapper {
  public:
-  /// `window_m`: edge of the cube about the camera that the map is held in; 0: no limit.
+  /// `window_m`: edge of the map's cube around the camera; 0: unlimited.
   explicit Mapper(const Segmenter& segmenter = Segmenter(), double window_m = 0);
   /// Throws Error if the frame is a cloud, the pose is not rigid, or the first frame clearly shows
   /// that gravity does not point along -z.
   MappedFrame add(const Frame& frame, const Transform& T_world_camera);
-  int size() const;  // frames
-  /// The map of all frames so far, numbered in the order of add(). Error: there are none.
-  /// Its planes_png is empty.
+  int size() const;  // number of frames
+  /// The map of all frames so far, numbered in the order of add(), with an empty planes_png. Throws
+  /// Error if there are no frames.
   Map map() const;
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 
-// Open3D's types in, planes as Open3D's types out. This header alone: nothing of Open3D is compiled
-// into planescope's libraries, so that any version of it does.
+// Converts Open3D's types to frames, and planes to Open3D's types. Header only: planescope's
+// libraries contain no Open3D code, so any version works.
 
 #include <open3d/camera/PinholeCameraIntrinsic.h>
 #include <open3d/geometry/Image.h>
@@ -14,7 +14,7 @@
 #include "planescope/core.hpp"
 
 namespace planescope {
-#ifdef PLANESCOPE_LIBRARY_SOURCE  // which has types of the same names, in planescope itself
+#ifdef PLANESCOPE_LIBRARY_SOURCE  // planescope itself has types of the same names
 namespace v0 {
 #else
 inline namespace v0 {
@@ -23,7 +23,7 @@ namespace detail {
 inline Eigen::Vector3d to_eigen(const Vec3& p) { return {p[0], p[1], p[2]}; }
 }  // namespace detail
 
-/// `gravity`: in the cloud's frame; nothing: -z.
+/// `gravity`: in the cloud's frame; nullopt: -z.
 inline Frame from_open3d(const open3d::geometry::PointCloud& cloud,
                          const std::optional<Vec3>& gravity = {}) {
   PointCloud points;
@@ -41,7 +41,7 @@ inline Frame from_open3d(const open3d::geometry::PointCloud& cloud,
   return points;
 }
 
-/// Depth of one channel: 16-bit counts of `unit_m`, or floats [m].
+/// Single-channel depth: 16-bit counts of `unit_m`, or floats [m].
 inline Frame from_open3d(const open3d::geometry::Image& depth,
                          const open3d::camera::PinholeCameraIntrinsic& camera,
                          double unit_m = 0.001,
@@ -50,11 +50,11 @@ inline Frame from_open3d(const open3d::geometry::Image& depth,
       (depth.bytes_per_channel_ != 2 && depth.bytes_per_channel_ != 4))
     throw Error("Open3D image: " + std::to_string(depth.num_of_channels_) + " channels of " +
                 std::to_string(depth.bytes_per_channel_) +
-                " bytes, expected one of 16-bit counts or of floats");
+                " bytes; expected one channel of 16-bit counts or floats");
   if (depth.width_ != camera.width_ || depth.height_ != camera.height_)
-    throw Error("Open3D image: it is " + std::to_string(depth.width_) + "x" +
-                std::to_string(depth.height_) + ", its camera " + std::to_string(camera.width_) +
-                "x" + std::to_string(camera.height_));
+    throw Error("Open3D image: " + std::to_string(depth.width_) + "x" +
+                std::to_string(depth.height_) + ", but its camera is " +
+                std::to_string(camera.width_) + "x" + std::to_string(camera.height_));
   DepthImage image;
   const auto focal = camera.GetFocalLength();
   const auto centre = camera.GetPrincipalPoint();
@@ -73,7 +73,7 @@ inline Frame from_open3d(const open3d::geometry::Image& depth,
   return image;
 }
 
-/// By id - 1: the measurements on each plane with its normal, world.
+/// Measurements on each plane with its normal, world; by id - 1.
 inline std::vector<open3d::geometry::PointCloud> planes_to_open3d(const Result& result) {
   const std::vector<Plane>& planes = result.planes();
   std::vector<open3d::geometry::PointCloud> clouds(planes.size());
@@ -88,7 +88,7 @@ inline std::vector<open3d::geometry::PointCloud> planes_to_open3d(const Result& 
   return clouds;
 }
 
-/// What planes cover, as triangles with the plane's normal, world.
+/// Regions covered by the planes, as triangles with the plane's normal, world.
 inline open3d::geometry::TriangleMesh mesh_to_open3d(const Result& result) {
   open3d::geometry::TriangleMesh mesh;
   for (const Plane& plane : result.planes()) {
@@ -104,7 +104,7 @@ inline open3d::geometry::TriangleMesh mesh_to_open3d(const Result& result) {
   return mesh;
 }
 
-/// All rings of the planes' outlines, holes and what is unknown too, world.
+/// All rings of the planes' outlines, including holes and unknown areas, world.
 inline open3d::geometry::LineSet outlines_to_open3d(const Result& result) {
   open3d::geometry::LineSet lines;
   for (const Plane& plane : result.planes()) {

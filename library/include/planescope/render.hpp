@@ -1,22 +1,22 @@
 #pragma once
 
-// Pictures without a window: OpenGL 3.3 through EGL, on a GPU or in software.
+// Renders pictures without a window: OpenGL 3.3 through EGL, on a GPU or in software.
 
 #include "planescope/core.hpp"
 
 namespace planescope {
-#ifdef PLANESCOPE_LIBRARY_SOURCE  // which has types of the same names, in planescope itself
+#ifdef PLANESCOPE_LIBRARY_SOURCE  // planescope itself has types of the same names
 namespace v0 {
 #else
 inline namespace v0 {
 #endif
 enum class Picture : std::uint8_t {
-  planes,     // in space: voxels in the colours of their planes, outlines, normals
+  planes,     // in space: voxels in the colors of their planes, outlines, normals
   labels,     // in space: h and v
   cases,      // in space: octree nodes by the paper's cases I to IV
-  leftovers,  // in space: what is in no plane
-  overlay,    // planes over the colour image or shaded depth, in its own size; clouds: in space
-  depth,      // the depth image, in its own size; clouds: height, in space
+  leftovers,  // in space: points without a plane
+  overlay,    // planes over the color image or shaded depth, at its size; clouds: in space
+  depth,      // the depth image, at its size; clouds: height, in space
 };
 enum class Theme : std::uint8_t { light, dark };
 
@@ -25,10 +25,10 @@ struct Image {
   std::vector<std::uint8_t> rgb;  // [height * width * 3], row 0 at the top
 };
 
-/// Belongs to the thread that made it, and leaves its own OpenGL context current there.
+/// Use it only on the thread that created it. Leaves its own OpenGL context current there.
 class PLANESCOPE_API Renderer {
  public:
-  /// Throws Error with what each attempt said where there is no OpenGL.
+  /// Throws Error with the result of each attempt if OpenGL is unavailable.
   Renderer();
   ~Renderer();
   Renderer(const Renderer&) = delete;
@@ -38,7 +38,7 @@ class PLANESCOPE_API Renderer {
              int width = 1280,
              int height = 960,
              Theme theme = Theme::light);
-  /// The state at a step: nodes by case, the queue, what the step is about.
+  /// The state at a step: nodes by case, the queue, and a highlight of the step's subject.
   Image draw(
       const Trace& trace, int step, int width = 1280, int height = 960, Theme theme = Theme::light);
   std::string description() const;  // "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6, EGL device"

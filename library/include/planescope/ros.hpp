@@ -1,7 +1,7 @@
 #pragma once
 
-// Planes for ROS 2 without ROS: serialized messages in, serialized messages out. The node of
-// packaging/ros2/planescope_ros subscribes and publishes.
+// Planes for ROS 2 without linking ROS: serialized messages in, serialized messages out. The node
+// in packaging/ros2/planescope_ros subscribes and publishes.
 
 #include <functional>
 #include <memory>
@@ -11,13 +11,13 @@
 #include "planescope/core.hpp"
 
 namespace planescope {
-#ifdef PLANESCOPE_LIBRARY_SOURCE  // which has types of the same names, in planescope itself
+#ifdef PLANESCOPE_LIBRARY_SOURCE  // planescope itself has types of the same names
 namespace v0 {
 #else
 inline namespace v0 {
 #endif
 
-/// A topic that is published: "planes", "markers" and "points" of the node, and "/tf".
+/// A published topic: the node's "planes", "markers" and "points", and "/tf".
 struct RosTopic {
   std::string name;
   std::string type;  // "visualization_msgs/msg/MarkerArray"
@@ -28,7 +28,7 @@ struct RosMessage {
   std::vector<std::uint8_t> cdr;
 };
 
-/// Depth images of one camera become planes. Results are those of `planescope segment -o X.mcap`.
+/// Finds planes in depth images of one camera, as `planescope segment -o X.mcap` does.
 class PLANESCOPE_API RosSegmenter {
  public:
   /// `world_frame`: the upright coordinate frame with its origin at the camera.
@@ -39,16 +39,16 @@ class PLANESCOPE_API RosSegmenter {
   static std::vector<RosTopic> topics();
 
   /// sensor_msgs/msg/CameraInfo of the depth images. Throws Error if it is damaged, has no focal
-  /// length or a distortion that planescope does not support.
+  /// length, or has a distortion that planescope does not support.
   void set_camera_info(View<std::uint8_t> cdr);
   bool has_camera_info() const;
-  /// Keeps the camera. Throws Error as Segmenter does.
+  /// Keeps the camera. Throws Error like Segmenter's constructor.
   void set_options(const Options& options, int threads = 1);
 
-  /// sensor_msgs/msg/Image: 16UC1 or mono16 [mm], or 32FC1 [m], which is stored as
-  /// DepthImage::meters are. The messages, with the stamp of the image, on the topics that `wanted`
-  /// chooses; null: all. Throws Error if there is no camera, it does not fit the image, or the
-  /// image is damaged.
+  /// Segments a sensor_msgs/msg/Image: 16UC1 or mono16 [mm], or 32FC1 [m], stored like
+  /// DepthImage::meters. Returns messages with the image's stamp, on the topics that `wanted`
+  /// accepts; null: all topics. Throws Error if there is no camera, it does not fit the image, or
+  /// the image is damaged.
   std::vector<RosMessage> segment(
       View<std::uint8_t> cdr, const std::function<bool(const RosTopic&)>& wanted = nullptr) const;
 

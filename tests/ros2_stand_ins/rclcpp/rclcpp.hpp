@@ -1,6 +1,6 @@
 #pragma once
-// Stand-ins for what planescope_ros uses of rclcpp (Humble): the same signatures, with as much
-// behind them as a test needs to send and receive. Each names the page that documents it.
+// Stand-ins for the parts of rclcpp (Humble) that planescope_ros uses: the same signatures, with
+// enough behavior for tests to send and receive. Each links to its documentation.
 
 #include <cstdint>
 #include <cstdio>
@@ -14,7 +14,7 @@
 #include "rcl_interfaces/msg/parameter_descriptor.hpp"
 #include "rcl_interfaces/msg/set_parameters_result.hpp"
 
-/// https://docs.ros2.org/galactic/api/rcutils/structrcutils__uint8__array__t.html
+/// https://docs.ros.org/en/humble/p/rcutils/generated/structrcutils__uint8__array__t.html
 struct rcl_serialized_message_t {
   std::uint8_t* buffer = nullptr;
   std::size_t buffer_length = 0, buffer_capacity = 0;
@@ -88,7 +88,7 @@ struct OnSetParametersCallbackHandle {
 };
 }  // namespace node_interfaces
 
-/// https://docs.ros2.org/galactic/api/rclcpp/create__generic__publisher_8hpp.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/program_listing_file_include_rclcpp_create_generic_publisher.hpp.html
 inline std::shared_ptr<GenericPublisher> create_generic_publisher(
     node_interfaces::NodeTopicsInterface::SharedPtr topics_interface,
     const std::string& topic_name,
@@ -100,7 +100,7 @@ inline std::shared_ptr<GenericPublisher> create_generic_publisher(
   topics_interface->publishers.push_back(made);
   return made;
 }
-/// https://docs.ros2.org/galactic/api/rclcpp/create__generic__subscription_8hpp.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/program_listing_file_include_rclcpp_create_generic_subscription.hpp.html
 inline std::shared_ptr<GenericSubscription> create_generic_subscription(
     node_interfaces::NodeTopicsInterface::SharedPtr topics_interface,
     const std::string& topic_name,
@@ -113,7 +113,7 @@ inline std::shared_ptr<GenericSubscription> create_generic_subscription(
   return made;
 }
 
-/// https://docs.ros2.org/galactic/api/rclcpp/namespacerclcpp.html
+/// https://docs.ros.org/en/humble/p/rclcpp/generated/namespace_rclcpp.html
 enum class ParameterType : std::uint8_t {
   PARAMETER_NOT_SET = 0,
   PARAMETER_BOOL = 1,
@@ -167,7 +167,7 @@ struct Clock {
 };
 }  // namespace rclcpp
 
-// https://docs.ros2.org/galactic/api/rclcpp/logging_8hpp.html
+// https://docs.ros.org/en/humble/p/rclcpp/generated/file_include_rclcpp_logging.hpp.html
 #define RCLCPP_ERROR(logger, ...) (logger).log(__VA_ARGS__)
 #define RCLCPP_WARN_THROTTLE(logger, clock, duration, ...) \
   (static_cast<void>(clock), static_cast<void>(duration), (logger).log(__VA_ARGS__))

@@ -1,5 +1,5 @@
-// What the guard is for: mistakes such as a change of the code may bring are made in one frame of
-// the labelled sample, or in all, and the report held against one without them must name them.
+// Faults that a change of the code might cause are injected into one or all frames of the labeled
+// sample. A report compared with a baseline without faults must report them.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ using Json = nlohmann::json;
 
 constexpr int kFrame = 1;
 
-/// A frame before it is run, as a fault may find it.
+/// Input of a frame's run, which a fault may change.
 struct Run {
   Frame frame;
   planes::PipelineOptions options;
@@ -116,7 +116,7 @@ const fs::path& baseline() {
 
 class ReportFault : public testing::TestWithParam<Fault> {};
 
-TEST_P(ReportFault, InOneFrameIsAnErrorThatNamesItFirst) {
+TEST_P(ReportFault, InOneFrameIsAnErrorThatReportsItFirst) {
   const Outcome outcome = report(baseline(), &GetParam(), kFrame);
   EXPECT_EQ(outcome.exit_code, 1);
   ASSERT_FALSE(outcome.verdict["breaches"].empty());
@@ -137,7 +137,7 @@ std::string name_of(const testing::TestParamInfo<Fault>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Ten, ReportFault, testing::ValuesIn(kFaults), name_of);
 
-TEST(ReportGuard, TenUnchangedRerunsBreakNothing) {
+TEST(ReportGuard, TenUnchangedRerunsPass) {
   for (int i = 0; i < 10; ++i) {
     const Outcome outcome = report(baseline());
     EXPECT_EQ(outcome.exit_code, 0);

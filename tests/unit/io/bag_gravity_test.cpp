@@ -37,7 +37,7 @@ void add_ros_depth(BagWriter& bag, const std::string& camera) {
   bag.add(camera + "/depth/image_rect_raw", "sensor_msgs/Image", 20, image_message(depth));
 }
 
-TEST(ImuGravity, ALevelSdkRecordingFallsAlongPlusY) {
+TEST(ImuGravity, ALevelSdkRecordingHasGravityAlongY) {
   BagWriter bag = sdk_bag({});
   add_imu(bag, kSdkAccel + "/imu/data", 40, Vec3d(0, -kG, 0));
   const auto gravity = gravity_of(bag);
@@ -48,7 +48,7 @@ TEST(ImuGravity, ALevelSdkRecordingFallsAlongPlusY) {
   EXPECT_NE(gravity->note.find("40 accelerometer samples"), std::string::npos) << gravity->note;
 }
 
-TEST(ImuGravity, ATiltedCameraAndTheSensorsOwnAxesAreHonoured) {
+TEST(ImuGravity, ATiltedCameraAndTheSensorsAxesAreRespected) {
   const Vec3d down = Vec3d(0.1, 0.8, 0.5).normalized();
   Pose T_accel_reference = Pose::Identity();
   T_accel_reference.linear() =
@@ -76,7 +76,7 @@ TEST(ImuGravity, RosTopicsOfBothGenerationsAreFound) {
   }
 }
 
-TEST(ImuGravity, RosStaticTransformsTurnItIntoTheDepthFrame) {
+TEST(ImuGravity, RosStaticTransformsRotateItToTheDepthFrame) {
   Pose T_link_depth = Pose::Identity();
   T_link_depth.linear() = Eigen::AngleAxisd(0.7, Vec3d::UnitX()).toRotationMatrix();
   Pose T_link_imu = Pose::Identity();
@@ -92,7 +92,7 @@ TEST(ImuGravity, RosStaticTransformsTurnItIntoTheDepthFrame) {
   EXPECT_NEAR((gravity->direction - T_link_depth.linear().transpose() * down_link).norm(), 0, 1e-6);
 }
 
-TEST(ImuGravity, EachFrameTakesTheSamplesAroundIt) {
+TEST(ImuGravity, EachFrameUsesTheSamplesAroundIt) {
   BagWriter bag;
   add_sdk_statics(bag, {});
   for (int i = 0; i < 2; ++i) {
@@ -108,7 +108,7 @@ TEST(ImuGravity, EachFrameTakesTheSamplesAroundIt) {
   EXPECT_NEAR(recording->frame(1).gravity->direction.x(), 1, 1e-6);
 }
 
-TEST(ImuGravity, AShakenOrBrokenSensorGivesNone) {
+TEST(ImuGravity, AShakingOrBrokenSensorGivesNone) {
   for (const Vec3d& mean : {Vec3d(0, -2, 0), Vec3d(0, -30, 0), Vec3d(NAN, NAN, NAN)}) {
     BagWriter bag = sdk_bag({});
     add_imu(bag, kSdkAccel + "/imu/data", 10, mean);
@@ -118,7 +118,7 @@ TEST(ImuGravity, AShakenOrBrokenSensorGivesNone) {
   EXPECT_FALSE(gravity_of(without));
 }
 
-TEST(ImuGravity, ASidecarWins) {
+TEST(ImuGravity, ASidecarOverridesIt) {
   BagWriter bag = sdk_bag({});
   add_imu(bag, kSdkAccel + "/imu/data", 10, Vec3d(0, -kG, 0));
   const auto path = temp_folder() / "imu.bag";

@@ -40,7 +40,7 @@ TEST(Bag, EveryCompressionGivesTheSameFrames) {
   }
 }
 
-TEST(Bag, SdkFactsAreRead) {
+TEST(Bag, SdkMetadataIsRead) {
   const auto recording = open_bytes(sdk_bag({}).finish());
   const RecordingInfo& info = recording->info();
   EXPECT_EQ(info.format, "RealSense SDK bag");
@@ -73,7 +73,7 @@ TEST(Bag, DepthUnitComesFromItsTopicUnderEitherName) {
             "bag topic /device_0/sensor_0/option/Depth_Units/value");
 }
 
-TEST(Bag, TheFourBytesBehindThePixelsAreTheFramesOwnUnit) {
+TEST(Bag, TheFourBytesAfterThePixelsAreTheFramesUnit) {
   SdkBag options;
   options.sdk_2_49 = true;
   BagWriter bag;
@@ -93,7 +93,7 @@ TEST(Bag, TheFourBytesBehindThePixelsAreTheFramesOwnUnit) {
   EXPECT_EQ(open_bytes(bytes, by_hand)->frame(1).depth_unit_m, 0.002);
 }
 
-TEST(Bag, FramesComeInTheOrderOfTheSensorsClock) {
+TEST(Bag, FramesAreInTheOrderOfTheSensorsClock) {
   BagWriter bag;
   add_sdk_statics(bag, {});
   for (const int i : {3, 0, 2, 1}) {
@@ -104,10 +104,10 @@ TEST(Bag, FramesComeInTheOrderOfTheSensorsClock) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(recording->frame(i).name, std::to_string(100 + i));
 }
 
-TEST(Bag, ColourIsPairedByTheSensorsTimeNotByNumber) {
+TEST(Bag, ColorIsPairedByTheSensorsTimeNotByNumber) {
   BagWriter bag;
   add_sdk_statics(bag, {});
-  // Depth at 0, 33, 66, ... ms; colour at half the rate and recorded 60 ms late.
+  // Depth at 0, 33, 66, ... ms; color at half the rate, recorded 60 ms late.
   for (int i = 0; i < 10; ++i) {
     const double stamp_s = 500 + i * kDepthPeriod_s;
     const auto time_ns = static_cast<std::uint64_t>(1e9 * i * kDepthPeriod_s) + 1000;
@@ -118,13 +118,13 @@ TEST(Bag, ColourIsPairedByTheSensorsTimeNotByNumber) {
   }
   const auto recording = open_bytes(bag.finish());
   for (int i = 0; i < 10; ++i) {
-    // Between two colour images the later one is 4 ms nearer.
+    // Between two color images, the later one is 4 ms nearer.
     const int nearest = i % 2 == 1 && i < 9 ? i + 1 : i / 2 * 2;
     EXPECT_EQ(recording->frame(i).color.at(0, 0, 0), 50 + nearest) << "frame " << i;
   }
 }
 
-TEST(Bag, ColourFarFromTheFrameIsNotShownWithIt) {
+TEST(Bag, ColorTooFarInTimeIsNotPaired) {
   BagWriter bag;
   add_sdk_statics(bag, {});
   add_color(bag, 10, color_message(1, 5));
@@ -136,7 +136,7 @@ TEST(Bag, ColourFarFromTheFrameIsNotShownWithIt) {
   EXPECT_TRUE(recording->frame(1).color.empty());
 }
 
-TEST(Bag, EveryColourEncodingBecomesRgb) {
+TEST(Bag, EveryColorEncodingIsConvertedToRgb) {
   const std::pair<const char*, ByteVector> encodings[] = {
       {"rgb8", {1, 2, 3}}, {"bgr8", {3, 2, 1}}, {"rgba8", {1, 2, 3, 9}}, {"bgra8", {3, 2, 1, 9}}};
   for (const auto& [encoding, pixel] : encodings) {
@@ -157,7 +157,7 @@ TEST(Bag, EveryColourEncodingBecomesRgb) {
   }
 }
 
-TEST(Bag, ColourOfAnUnknownEncodingIsLeftOutWithAWarning) {
+TEST(Bag, ColorOfUnknownEncodingIsSkippedWithAWarning) {
   BagWriter bag;
   add_sdk_statics(bag, {});
   auto color = color_message(1, 5);
@@ -170,7 +170,7 @@ TEST(Bag, ColourOfAnUnknownEncodingIsLeftOutWithAWarning) {
   expect_one_line_with(recording->info().warnings[0], {"yuv422", "rgb8"});
 }
 
-TEST(Bag, BigEndianAndPaddedDepthIsReadRight) {
+TEST(Bag, BigEndianAndPaddedDepthIsReadCorrectly) {
   BagWriter bag;
   add_sdk_statics(bag, {});
   auto depth = depth_message(100, 5);
@@ -193,7 +193,7 @@ TEST(Bag, SensorNumbersMayDiffer) {
   EXPECT_EQ(open_bytes(bag.finish())->frame_count(), 1);
 }
 
-TEST(Bag, OfSeveralDepthStreamsTheFirstIsReadAndTheOthersAreNamed) {
+TEST(Bag, TheFirstOfSeveralDepthStreamsIsReadAndTheOthersAreReported) {
   SdkBag options;
   BagWriter bag = sdk_bag(options);
   bag.add("/device_1/sensor_0/Depth_0/image/data", "sensor_msgs/Image", 11,
@@ -202,10 +202,10 @@ TEST(Bag, OfSeveralDepthStreamsTheFirstIsReadAndTheOthersAreNamed) {
   EXPECT_EQ(recording->frame_count(), 6);
   ASSERT_EQ(recording->info().warnings.size(), 1u);
   expect_one_line_with(recording->info().warnings[0],
-                       {"2 cameras with depth", kSdkDepth.c_str(), "--topic"});
+                       {"2 depth cameras", kSdkDepth.c_str(), "--topic"});
 }
 
-TEST(Bag, NonZeroDistortionIsKeptAndAnUnknownModelIsWarnedAbout) {
+TEST(Bag, DistortionIsKeptAndAnUnknownModelCausesAWarning) {
   const auto with_model = [&](const std::string& model) {
     BagWriter bag;
     bag.add(kSdkDepth + "/info/camera_info", "sensor_msgs/CameraInfo", 1,
@@ -244,7 +244,7 @@ TEST(Bag, ManyThreadsReadTheSameFrames) {
   }
 }
 
-TEST(Bag, WhatIsNoBagIsNamed) {
+TEST(Bag, FilesThatAreNotBagsAreReported) {
   const auto path = temp_folder() / "letter.bag";
   write_text(path, "Dear reader, this is not a recording.");
   expect_refused(path, {"letter.bag", "not a ROS bag"});
@@ -252,14 +252,14 @@ TEST(Bag, WhatIsNoBagIsNamed) {
   expect_refused(path, {"letter.bag", "not a ROS bag"});
 }
 
-TEST(Bag, WithoutDepthTheTopicsFoundAreNamed) {
+TEST(Bag, WithoutDepthTheFoundTopicsAreListed) {
   BagWriter bag;
   bag.add("/usb_cam/image", "sensor_msgs/Image", 10, image_message(color_message(1, 5)));
   expect_one_line_with(message_of([&] { open_bytes(bag.finish()); }),
                        {"recording.bag", "no depth images", "/usb_cam/image", "Depth_*"});
 }
 
-TEST(Bag, DepthOfTheWrongEncodingOrSizeIsRefused) {
+TEST(Bag, DepthOfTheWrongEncodingOrSizeIsRejected) {
   BagWriter wrong;
   add_sdk_statics(wrong, {});
   auto depth = depth_message(100, 5);
@@ -274,7 +274,7 @@ TEST(Bag, DepthOfTheWrongEncodingOrSizeIsRefused) {
   expect_one_line_with(message_of([&] { open_bytes(resized.finish()); }), {"24x16", "640x480"});
 }
 
-TEST(Bag, WithoutIntrinsicsTheOptionIsNamed) {
+TEST(Bag, WithoutIntrinsicsTheOptionIsSuggested) {
   BagWriter bag;
   add_depth(bag, 11, depth_message(100, 5));
   const ByteVector bytes = bag.finish();

@@ -1,7 +1,7 @@
 #pragma once
 
-// Recordings of ROS 1 and 2, whole and broken ones, written from the specifications and
-// independently of the reader; and samples of both.
+// Writes recordings of ROS 1 and 2, intact and damaged, from the specifications and independently
+// of the reader; and samples of both.
 
 #include <array>
 #include <cstdint>
@@ -18,11 +18,11 @@ namespace planescope::testing_bags {
 
 using ByteVector = std::vector<unsigned char>;
 
-/// As ROS 1 lays out fields, or ROS 2 (CDR): each at a multiple of its size, counted behind the
-/// first four bytes; the latter from a little- or big-endian machine.
+/// Layout of fields: ROS 1, or ROS 2 (CDR), which aligns fields to multiples of their size, counted
+/// after the first four bytes, little- or big-endian.
 enum class Wire { ros1, cdr, cdr_big };
 
-/// Fields one after the other; of ROS 1 also as bags and MCAP files have them.
+/// Fields in sequence; for ROS 1 also as in bags and MCAP files.
 class Fields {
  public:
   explicit Fields(Wire wire = Wire::ros1) : wire_(wire) {
@@ -60,11 +60,12 @@ class Fields {
 
 struct BagFormat {
   std::string compression = "none";  // none, lz4, bz2
-  bool index = true;                 // the index section at the end and its place in the header
-  bool chunk_index = true;           // the INDEX_DATA records behind each chunk
-  bool close_last_chunk = true;      // false: its sizes were never written, as after a power cut
+  // write the index section at the end, and its position in the header
+  bool index = true;
+  bool chunk_index = true;       // write INDEX_DATA records after each chunk
+  bool close_last_chunk = true;  // false: its sizes are missing, as after a power failure
   int messages_per_chunk = 8;
-  int named_times = 1;  // each chunk in the index
+  int named_times = 1;  // number of times that the index lists each chunk
 };
 
 /// Writes ROS 1 bags.
@@ -75,9 +76,9 @@ class BagWriter {
            const std::string& type,
            std::uint64_t time_ns,
            const ByteVector& message);
-  /// The whole file.
+  /// The complete file.
   ByteVector finish();
-  /// For uncompressed bags: the byte behind each message on `topic`, in order.
+  /// For uncompressed bags: the position after each message on `topic`, in order.
   const std::vector<std::size_t>& ends_of(const std::string& topic) { return ends_[topic]; }
 
  private:
@@ -103,14 +104,14 @@ class BagWriter {
   std::map<std::string, std::vector<std::size_t>> ends_;
 };
 
-// Messages as bytes.
+// Messages.
 struct ImageMessage {
   std::uint32_t seq = 0;
   double stamp_s = 0;
   std::string frame_id = "0";
   std::string encoding = "mono16";
   int width = 0, height = 0;
-  int row_padding = 0;  // bytes behind each row
+  int row_padding = 0;  // bytes after each row
   bool big_endian = false;
   ByteVector pixels;
   std::optional<float> depth_unit_m;  // the four extra bytes of SDK 2.49
@@ -143,10 +144,10 @@ inline constexpr int kWidth = 24;
 inline constexpr int kHeight = 16;
 inline constexpr double kDepthPeriod_s = 1.0 / 30;
 
-/// What depth frame `seq` holds: noise, so that it is different in each and packs badly.
+/// Contents of depth frame `seq`: noise, which differs between frames and compresses badly.
 Image16 depth_of(std::uint32_t seq);
 ByteVector pixels_of(const Image16& image);
-/// Colour of one value everywhere, by its number.
+/// A color image of one value.
 ByteVector plain_color(std::uint8_t red, std::uint8_t green, std::uint8_t blue);
 
 ImageMessage depth_message(std::uint32_t seq, double stamp_s);
@@ -155,7 +156,7 @@ ImageMessage color_message(std::uint32_t seq, double stamp_s);
 struct SdkBag {
   int frames = 6;
   BagFormat format;
-  bool sdk_2_49 = false;  // unit behind the pixels, frame_id "1", Depth_Units
+  bool sdk_2_49 = false;  // unit after the pixels, frame_id "1", Depth_Units
   float unit_m = 0.001f;
 };
 
@@ -163,12 +164,12 @@ inline const std::string kSdkDepth = "/device_0/sensor_0/Depth_0";
 inline const std::string kSdkColor = "/device_0/sensor_1/Color_0";
 inline const std::string kSdkAccel = "/device_0/sensor_2/Accel_0";
 
-/// An image of the SDK's stream.
+/// Adds an image of the SDK's stream.
 void add_depth(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image);
 void add_color(BagWriter& bag, std::uint64_t time_ns, const ImageMessage& image);
-/// What the SDK writes before the first frame, at time 1 ns.
+/// Adds the messages that the SDK writes before the first frame, at time 1 ns.
 void add_sdk_statics(BagWriter& bag, const SdkBag& options);
-/// A bag as the RealSense SDK records it, depth frames 100, 101, ... with a colour image each.
+/// A bag as recorded by the RealSense SDK: depth frames 100, 101, ... with a color image each.
 BagWriter sdk_bag(const SdkBag& options);
 
 // ---- ROS 2 ----
@@ -181,24 +182,24 @@ struct Ros2Message {
 };
 using Ros2Messages = std::vector<Ros2Message>;
 
-/// Columns, rows, and counts as Wilson packs them (RVL, 2017).
+/// Width, height, and counts compressed by RVL (Wilson 2017).
 ByteVector rvl_packed(const Image16& depth);
-/// With what compressedDepth puts before a picture.
+/// Prepends the header of compressedDepth to an image.
 ByteVector with_config(const ByteVector& picture);
-/// As zstd_image_transport packs an image of counts.
+/// An image of counts as compressed by zstd_image_transport.
 ByteVector zstd_transport(const Image16& depth);
 
 ByteVector zstd_packed(const ByteVector& bytes);
-/// Each message a zstd frame of its own.
+/// Compresses each message as a separate zstd frame.
 Ros2Messages packed(Ros2Messages messages);
 
-/// As `ros2 bag` makes it: tables `topics` and `messages`.
+/// A database as written by `ros2 bag`: tables `topics` and `messages`.
 void write_db3(const std::filesystem::path& path, const Ros2Messages& messages, int page = 4096);
 
-/// How an MCAP file holds them.
+/// Options of an MCAP file.
 struct McapForm {
   std::string compression;   // "", "lz4" or "zstd"
-  std::size_t in_chunk = 5;  // messages in each; 0: no chunks
+  std::size_t in_chunk = 5;  // messages per chunk; 0: no chunks
   bool summary = true;
   std::string encoding = "cdr";
   bool statistics = true;  // in the summary
@@ -207,9 +208,11 @@ void write_mcap(const std::filesystem::path& path,
                 const Ros2Messages& messages,
                 const McapForm& form = {});
 
-/// As the RealSense SDK records: texts, depth frames 100, 101, ... with colour, as sdk_bag().
+/// Messages as recorded by the RealSense SDK: strings, depth frames 100, 101, ... with color, like
+/// sdk_bag().
 Ros2Messages sdk_messages(int frames);
-/// As realsense-ros records under `camera`, depth_of(100), depth_of(101), ... with colour.
+/// Messages as recorded by realsense-ros under `camera`: depth_of(100), depth_of(101), ... with
+/// color.
 Ros2Messages realsense_ros_messages(int frames, const std::string& camera = "/camera/camera");
 
 }  // namespace planescope::testing_bags

@@ -16,7 +16,7 @@ class BrokenBag : public testing::Test {
     write_anew(path_, bytes);
     return open_recording(path_);
   }
-  /// The depth frames that can be opened are the first ones, unharmed.
+  /// The readable depth frames are the first ones, and intact.
   void expect_first_frames(const Recording& recording) {
     for (int i = 0; i < recording.frame_count(); ++i) {
       const Frame frame = recording.frame(i);
@@ -28,7 +28,7 @@ class BrokenBag : public testing::Test {
   std::filesystem::path path_;
 };
 
-TEST_F(BrokenBag, ACutFileGivesTheFramesBeforeTheCutAndCountsWhatIsMissing) {
+TEST_F(BrokenBag, ATruncatedFileGivesTheFramesBeforeTheEndAndCountsMissingOnes) {
   SdkBag options;
   options.frames = 8;
   BagWriter bag = sdk_bag(options);
@@ -52,14 +52,14 @@ TEST_F(BrokenBag, ACutFileGivesTheFramesBeforeTheCutAndCountsWhatIsMissing) {
   }
 }
 
-TEST_F(BrokenBag, TheWarningNamesBytesAndChunksThatAreMissing) {
+TEST_F(BrokenBag, TheWarningReportsMissingBytesAndChunks) {
   const ByteVector bytes = sdk_bag({}).finish();
   const auto recording = open(std::span(bytes).first(bytes.size() / 2));
-  expect_one_line_with(recording->info().warnings.at(0),
-                       {"the file is cut: it ends at byte", "bytes are missing", "of 3 chunks"});
+  expect_one_line_with(recording->info().warnings.at(0), {"the file is truncated: it ends at byte",
+                                                          "bytes are missing", "of 3 chunks"});
 }
 
-TEST_F(BrokenBag, CompressedChunksAreRecoveredUpToTheCut) {
+TEST_F(BrokenBag, CompressedChunksAreRecoveredUpToTheTruncation) {
   for (const char* compression : {"lz4", "bz2"}) {
     SCOPED_TRACE(compression);
     SdkBag options;
@@ -85,8 +85,8 @@ TEST_F(BrokenBag, CompressedChunksAreRecoveredUpToTheCut) {
   }
 }
 
-TEST_F(BrokenBag, AnLz4ChunkIsRecoveredBeyondItsLastWholeBlock) {
-  // All in one chunk and one block: cut in the middle, about half of the frames must come out.
+TEST_F(BrokenBag, AnLz4ChunkIsRecoveredBeyondItsLastCompleteBlock) {
+  // One chunk with one block, truncated in the middle: about half of the frames must be recovered.
   SdkBag options;
   options.frames = 20;
   options.format = {"lz4", true, true, true, 1000};
@@ -96,7 +96,7 @@ TEST_F(BrokenBag, AnLz4ChunkIsRecoveredBeyondItsLastWholeBlock) {
   expect_first_frames(*recording);
 }
 
-TEST_F(BrokenBag, ABagThatWasNeverClosedIsReadWhole) {
+TEST_F(BrokenBag, ABagThatWasNeverClosedIsReadCompletely) {
   for (const char* compression : {"none", "lz4", "bz2"}) {
     for (const bool chunk_index : {true, false}) {
       for (const bool close_last_chunk : {true, false}) {
@@ -113,12 +113,13 @@ TEST_F(BrokenBag, ABagThatWasNeverClosedIsReadWhole) {
   }
 }
 
-TEST_F(BrokenBag, DamageInTheMiddleIsPassedOver) {
+TEST_F(BrokenBag, DamageInTheMiddleIsSkipped) {
   SdkBag options;
   options.format.index = false;
   options.format.messages_per_chunk = 4;
   ByteVector bytes = sdk_bag(options).finish();
-  // Length of a record in the middle: the walk loses its place and finds the next chunk.
+  // Length of a record in the middle: the reader loses its position and continues at the next
+  // chunk.
   const std::string mark = "compression=";
   const auto first =
       std::search(bytes.begin() + bytes.size() / 2, bytes.end(), mark.begin(), mark.end());
@@ -130,7 +131,7 @@ TEST_F(BrokenBag, DamageInTheMiddleIsPassedOver) {
   expect_one_line_with(recording->info().warnings.at(0), {"bytes are unreadable"});
 }
 
-TEST_F(BrokenBag, ADamagedChunkCostsItsFramesOnly) {
+TEST_F(BrokenBag, ADamagedChunkLosesOnlyItsFrames) {
   SdkBag options;
   options.frames = 70;
   options.format.compression = "lz4";

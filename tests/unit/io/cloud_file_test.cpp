@@ -31,11 +31,11 @@ std::string error_of_reading(const std::string& name, const std::string& text) {
   write_text(path, text);
   const std::string opened = message_of([&] { open_recording(path); });
   const std::string read = message_of([&] { read_cloud_file(path); });
-  // What can be known from the header is known on opening.
+  // Errors in the header are reported on opening.
   return opened.empty() ? read : opened;
 }
 
-TEST(Ply, WhatIsWrittenComesBack) {
+TEST(Ply, WrittenCloudsAreReadBack) {
   PointSet set;
   set.points = {{1, 2, 3}, {0, 0, 0}, {NAN, 1, 2}, {-4, 5.5f, -6}};
   set.rgb = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 255};
@@ -54,7 +54,7 @@ TEST(Ply, WhatIsWrittenComesBack) {
   EXPECT_TRUE(back.origin.isZero());
 }
 
-TEST(Ply, CoordinatesFarFromZeroKeepTheirMillimetres) {
+TEST(Ply, CoordinatesFarFromZeroKeepTheirMillimeters) {
   PointSet set;
   set.origin = Vec3d(4'500'000, -300'000, 120);
   set.points = {{0.001f, 0.002f, 0.003f}, {-1, 1, 0.5f}};
@@ -107,7 +107,7 @@ TEST(Ply, LabelsOfEveryIntegerTypeAreKeptInEveryFormat) {
   }
 }
 
-TEST(Ply, OtherElementsAndListsAreReadPast) {
+TEST(Ply, OtherElementsAndListsAreSkipped) {
   const PointSet set =
       read_text("mesh.ply",
                 "ply\r\nformat ascii 1.0\r\nelement camera 1\r\n"
@@ -139,7 +139,7 @@ TEST(Ply, AHeaderThatPromisesMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
                        {"none.ply", "odd"});
 }
 
-TEST(Ply, ATextThatEndsEarlySaysHowFarItGot) {
+TEST(Ply, ATruncatedTextReportsHowFarItWasRead) {
   expect_one_line_with(
       error_of_reading("short.ply",
                        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
@@ -151,7 +151,7 @@ TEST(Ply, DamagedHeadersAreNamed) {
   const std::pair<const char*, const char*> cases[] = {
       {"", "header"},
       {"plyx\n", "\"ply\""},
-      {"ply\nformat ascii 1.0\n", "never ends"},
+      {"ply\nformat ascii 1.0\n", "unterminated"},
       {"ply\nformat morse 1.0\nend_header\n", "morse"},
       {"ply\nformat ascii 1.0\nelement vertex -3\nend_header\n", "-3"},
       {"ply\nformat ascii 1.0\nelement face 1\nproperty int a\nend_header\n1\n", "vertex"},
@@ -174,7 +174,7 @@ std::string pcd_header(const std::string& fields,
          data + "\n";
 }
 
-/// LZF of literals only, and a match for a run of equal bytes.
+/// LZF with literals only, and a match for a run of equal bytes.
 std::string lzf(const std::string& text) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
@@ -204,7 +204,7 @@ TEST(Pcd, EveryKindOfDataGivesTheSamePoints) {
     const std::string values[] = {raw(static_cast<float>(i)),
                                   raw(2.0f),
                                   raw(-1.5f),
-                                  raw(std::uint32_t{0xff0a141e}),  // as a float this is a NaN
+                                  raw(std::uint32_t{0xff0a141e}),  // NaN as a float
                                   raw(std::uint8_t(i)),
                                   raw(std::int16_t(300 + i))};
     for (int f = 0; f < 6; ++f) {
@@ -233,7 +233,7 @@ TEST(Pcd, EveryKindOfDataGivesTheSamePoints) {
   }
 }
 
-TEST(Pcd, PaddingFieldsAreReadPast) {
+TEST(Pcd, PaddingFieldsAreSkipped) {
   std::string body;
   for (int i = 0; i < 2; ++i) {
     body += std::string(3, '\x7f') + raw(1.0) + raw(2.0) + raw(double(i)) + std::string(8, '\x7f');
@@ -251,13 +251,13 @@ TEST(Pcd, AHeaderThatPromisesMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
                                                           "1 2 3\n"),
                          {"huge.pcd", "promises 4000000000 points", "6 bytes follow"});
   }
-  // A compressed block that claims to unpack to gigabytes.
+  // A compressed block that claims to expand to gigabytes.
   expect_one_line_with(
       error_of_reading(
           "huge.pcd",
           pcd_header("x y z", "4 4 4", "F F F", "1 1 1", 300'000'000, "binary_compressed") +
               raw(std::uint32_t{16}) + raw(std::uint32_t{3'600'000'000}) + std::string(16, '\0')),
-      {"huge.pcd", "promises 300000000 points", "does not hold them"});
+      {"huge.pcd", "declares 300000000 points", "does not contain them"});
 }
 
 TEST(Pcd, DamagedHeadersAreNamed) {
@@ -265,7 +265,7 @@ TEST(Pcd, DamagedHeadersAreNamed) {
   expect_one_line_with(
       error_of_reading("bad.pcd",
                        pcd_header("x y z", "4 4", "F F F", "1 1 1", 1, "ascii") + "1 2 3\n"),
-      {"do not go together"});
+      {"do not match"});
   expect_one_line_with(
       error_of_reading("bad.pcd",
                        pcd_header("x y z", "4 4 3", "F F F", "1 1 1", 1, "ascii") + "1 2 3\n"),
@@ -304,7 +304,7 @@ TEST(CloudFiles, AnyChangedByteNeverCrashes) {
     expect_no_harm_by_damage(folder / name, good, 600, [&] { read_cloud_file(folder / name); });
 }
 
-TEST(CloudRecording, AFolderOfCloudsIsARecordingOfSeveral) {
+TEST(CloudRecording, AFolderOfCloudsIsARecording) {
   const fs::path folder = temp_folder();
   fs::create_directories(folder / "below");
   PointSet set;

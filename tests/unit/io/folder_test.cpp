@@ -30,7 +30,7 @@ void write_color(const fs::path& path, std::uint8_t red, int width = kW, int hei
   write_png(path, image);
 }
 
-/// depth/ and color/ with three frames 1, 2, 10, counts 1001, 1002, 1010, red 1, 2, 10.
+/// depth/ and color/ with three frames 1, 2, 10, with counts 1001, 1002, 1010 and red 1, 2, 10.
 fs::path sample_folder() {
   const fs::path folder = temp_folder();
   for (const int i : {1, 2, 10}) {
@@ -41,12 +41,12 @@ fs::path sample_folder() {
   return folder;
 }
 
-/// Opens it, with intrinsics.
+/// Opens a folder with intrinsics.
 std::unique_ptr<Recording> open_known(const fs::path& folder) {
   return open_recording(folder, kKnown);
 }
 
-TEST(Folder, FramesAreInTheOrderOfTheirNumbersWithTheirColour) {
+TEST(Folder, FramesAreInNumericOrderWithTheirColor) {
   const fs::path folder = sample_folder();
   write_text(folder / "camera_intrinsic.json", kOpen3dJson);
   const auto recording = open_recording(folder);
@@ -67,7 +67,7 @@ TEST(Folder, FramesAreInTheOrderOfTheirNumbersWithTheirColour) {
   EXPECT_EQ(recording->info().depth_unit_source, "assumed (RealSense default)");
 }
 
-TEST(Folder, ImplausibleCamerasAndDepthUnitsAreWarnedOf) {
+TEST(Folder, WarnsAboutImplausibleCamerasAndDepthUnits) {
   const fs::path folder = sample_folder();
   const auto warnings = [&](const std::string& text, double depth_unit_m = 0.001) {
     write_text(folder / "camera.txt", text);
@@ -91,14 +91,14 @@ TEST(Folder, ImplausibleCamerasAndDepthUnitsAreWarnedOf) {
   expect(warnings("10 10 6 4"), "distortion moves the image corner");
 }
 
-TEST(Folder, AGitLfsPointerIsNamed) {
+TEST(Folder, AGitLfsPointerIsReported) {
   const fs::path folder = sample_folder();
   write_text(folder / "depth" / "1.png",
              "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 12345\n");
   expect_refused(folder, {"1.png", "a Git LFS pointer instead of the file"});
 }
 
-TEST(Folder, EveryWayToWriteIntrinsicsIsUnderstood) {
+TEST(Folder, EveryFormatOfIntrinsicsIsRead) {
   const std::pair<const char*, const char*> files[] = {
       {"intrinsic.json", R"({"intrinsic_matrix": [[10, 0, 6], [0, 11, 4], [0, 0, 1]]})"},
       {"my_camera.json", R"({"fx": 10, "fy": 11, "ppx": 6, "ppy": 4, "other": []})"},
@@ -140,7 +140,7 @@ TEST(Folder, DepthScaleIsReadInEitherConvention) {
   }
 }
 
-TEST(Folder, IntrinsicsOfSevenNumbersTellTheUnitAndTheImageSize) {
+TEST(Folder, IntrinsicsOfSevenNumbersIncludeUnitAndImageSize) {
   const fs::path folder = sample_folder();
   write_text(folder / "intrinsics.txt", "10 11 6 4 0.0002 12 8\n");
   const RecordingInfo info = open_recording(folder)->info();
@@ -150,7 +150,7 @@ TEST(Folder, IntrinsicsOfSevenNumbersTellTheUnitAndTheImageSize) {
   expect_refused(folder, {"12x8", "intrinsics.txt", "640x480"});
 }
 
-TEST(Folder, OptionsWinOverFiles) {
+TEST(Folder, OptionsOverrideFiles) {
   const fs::path folder = sample_folder();
   write_text(folder / "intrinsic.json",
              R"({"intrinsic_matrix": [10,0,0,0,11,0,6,4,1], "depth_scale": 1000})");
@@ -162,7 +162,7 @@ TEST(Folder, OptionsWinOverFiles) {
   EXPECT_EQ(info.depth_unit_m, 0.0005);
 }
 
-TEST(Folder, SeparateIntrinsicsForColourMeanThatItIsNotAligned) {
+TEST(Folder, ColorWithItsOwnIntrinsicsIsNotAligned) {
   const fs::path folder = sample_folder();
   write_text(folder / "color_intrinsics.json", R"({"fx": 20, "fy": 20, "cx": 6, "cy": 4})");
   write_text(folder / "depth_intrinsics.json", R"({"fx": 10, "fy": 11, "cx": 6, "cy": 4})");
@@ -172,7 +172,7 @@ TEST(Folder, SeparateIntrinsicsForColourMeanThatItIsNotAligned) {
   EXPECT_FALSE(recording->frame(0).color.empty());
 }
 
-TEST(Folder, ColourOfAnotherSizeIsShownOnly) {
+TEST(Folder, ColorOfAnotherSizeIsOnlyDisplayed) {
   const fs::path folder = temp_folder();
   write_depth(folder / "0000_depth.png", 1000);
   write_color(folder / "0000_color.png", 7, 48, 27);
@@ -199,7 +199,7 @@ TEST(Folder, FlatFoldersPairNamesAndIgnoreOtherPictures) {
   EXPECT_EQ(recording->frame(1).color.at(0, 0, 0), 41);
 }
 
-TEST(Folder, ColourIsPairedByTheTimesInItsNames) {
+TEST(Folder, ColorIsPairedByTheTimesInItsNames) {
   const fs::path folder = temp_folder();
   for (const char* name : {"1305031102.160", "1305031102.194", "1305031102.226"}) {
     write_depth(folder / "depth" / (std::string(name) + ".png"), 5000, 640, 480);
@@ -218,7 +218,7 @@ TEST(Folder, ColourIsPairedByTheTimesInItsNames) {
   EXPECT_EQ(recording->frame(2).color.at(0, 0, 0), 2);
 }
 
-TEST(Folder, TimesInNamesAreSecondsWhateverTheirUnit) {
+TEST(Folder, TimesInNamesAreConvertedToSeconds) {
   EXPECT_NEAR(*timestamp_in_name("0003_1580908153638.png"), 1580908153.638, 1e-6);
   EXPECT_NEAR(*timestamp_in_name("1305031102.160.png"), 1305031102.160, 1e-6);
   EXPECT_NEAR(*timestamp_in_name("1580908153638000000.png"), 1580908153.638, 1e-3);
@@ -228,7 +228,7 @@ TEST(Folder, TimesInNamesAreSecondsWhateverTheirUnit) {
   EXPECT_FALSE(timestamp_in_name("depth.png"));
 }
 
-/// Of the three frames, and where they come from.
+/// Times of the three frames, and their source.
 std::string times_in(const fs::path& folder) {
   const auto recording = open_known(folder);
   std::string text = recording->info().times_source + ":";
@@ -264,11 +264,11 @@ TEST(Folder, ListsOfImagesGiveFramesTheirTimes) {
   EXPECT_EQ(times_in(folder), ": 0 0 0");
 }
 
-TEST(Folder, ADamagedListOfImagesIsNamedWithItsLine) {
+TEST(Folder, ADamagedListOfImagesIsReportedWithItsLine) {
   const std::pair<const char*, const char*> cases[] = {
       {"1 depth/1.png\nstep depth/2.png\n", "line 2: 'step' is not a number"},
       {"1 depth/1.png\n2 depth/2.png 3\n", "line 2: 3 words"},
-      {"1 depth/1.png\n2 depth/1.png\n", "line 2: depth/1.png was listed with another time"}};
+      {"1 depth/1.png\n2 depth/1.png\n", "line 2: depth/1.png is listed with a different time"}};
   for (const auto& [text, part] : cases) {
     const fs::path folder = sample_folder();
     write_text(folder / "depth.txt", text);
@@ -287,7 +287,7 @@ TEST(Folder, ADamagedListOfImagesIsNamedWithItsLine) {
   expect_one_line_with(ambiguous->info().warnings[0], {"associations.txt: ignored"});
 }
 
-TEST(Folder, PosesOfAsManyFramesGiveTheirTimesAlone) {
+TEST(Folder, PosesForEveryFrameProvideOnlyTheirTimes) {
   const fs::path folder = sample_folder();
   write_text(folder / "poses.tum", "1 0 0 0 0 0 0 1\n# a\n3 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n");
   EXPECT_EQ(times_in(folder), "poses.tum: 1 3 2");
@@ -309,9 +309,9 @@ TEST(Folder, PosesOfAsManyFramesGiveTheirTimesAlone) {
   expect_refused(folder, kKnown, {"poses.tum, line 2: 'NaN' is not a number"});
 }
 
-TEST(Folder, TheKinectsAccelerometerTellsGravityOfFramesWithTimes) {
+TEST(Folder, TheKinectsAccelerometerProvidesGravityOfFramesWithTimes) {
   const fs::path folder = sample_folder();
-  // Of the frames at 5 s and 6 s the middle of what shakes; that of 9 s is shaken too much.
+  // The frames at 5 s and 6 s use the mean of a shaking sensor; that of 9 s shakes too much.
   write_text(folder / "accelerometer.txt",
              "# timestamp ax ay az\n6.0 0.2 9.8 -3\n4.9 0.5 9 -3\n5.1 -0.5 9 -3\n9 0 30 0\n");
   const auto without = open_known(folder);
@@ -333,7 +333,7 @@ TEST(Folder, TheKinectsAccelerometerTellsGravityOfFramesWithTimes) {
   expect_refused(folder, kKnown, {"accelerometer.txt, line 2: 'inf' is not a number"});
 }
 
-TEST(Folder, MissingColourImagesAreCounted) {
+TEST(Folder, MissingColorImagesAreCounted) {
   const fs::path folder = sample_folder();
   fs::remove(folder / "color" / "2.png");
   const auto recording = open_known(folder);
@@ -343,7 +343,7 @@ TEST(Folder, MissingColourImagesAreCounted) {
   EXPECT_FALSE(recording->frame(2).color.empty());
 }
 
-TEST(Folder, TheSidecarGivesWhatTheSampleWriterWrites) {
+TEST(Folder, TheSidecarContainsTheSampleWritersData) {
   const fs::path folder = sample_folder();
   write_text(folder / "planescope.json", R"({
     "schema": "planescope.recording/1",
@@ -366,7 +366,7 @@ TEST(Folder, TheSidecarGivesWhatTheSampleWriterWrites) {
   EXPECT_EQ(recording->frame(2).gravity->direction, Vec3d(0, 1, 0));
 }
 
-TEST(Folder, AUnitVectorOfGravityIsReadToTheBit) {
+TEST(Folder, AUnitVectorOfGravityIsReadExactly) {
   const fs::path folder = sample_folder();
   for (int i = 1; i < 60; ++i) {
     const Vec3d unit = Vec3d(std::sin(i), 1 + std::cos(3 * i), 0.1 * i).normalized();
@@ -388,7 +388,7 @@ TEST(Folder, GravityMayBeOfAnyLength) {
   }
 }
 
-TEST(Folder, ADamagedSidecarIsNamedWithItsKey) {
+TEST(Folder, ADamagedSidecarIsReportedWithItsKey) {
   const std::pair<const char*, const char*> cases[] = {
       {"{\"gravity\": [0, 0, 0]}", "gravity"},
       {"{\"gravity\": [1, 2]}", "gravity"},
@@ -410,16 +410,16 @@ TEST(Folder, ADamagedSidecarIsNamedWithItsKey) {
   }
 }
 
-TEST(Folder, PicturesOfDepthAreRefused) {
+TEST(Folder, PicturesOfDepthAreRejected) {
   const fs::path eight = sample_folder();
   write_png(eight / "depth" / "2.png", Image8(kW, kH));
-  expect_refused(eight, kKnown, {"2.png", "1 channel(s) with 8 bits", "16 bits"});
+  expect_refused(eight, kKnown, {"2.png", "1 channel(s) of 8 bits", "16 bits"});
   const fs::path three = sample_folder();
   write_color(three / "depth" / "10.png", 1);
-  expect_refused(three, kKnown, {"10.png", "3 channel(s) with 8 bits"});
+  expect_refused(three, kKnown, {"10.png", "3 channel(s) of 8 bits"});
 }
 
-TEST(Folder, SizesThatDoNotAgreeAreRefused) {
+TEST(Folder, InconsistentSizesAreRejected) {
   const fs::path folder = sample_folder();
   write_text(folder / "camera_intrinsic.json",
              R"({"width": 640, "height": 480, "intrinsic_matrix": [10,0,0,0,11,0,6,4,1]})");
@@ -429,7 +429,7 @@ TEST(Folder, SizesThatDoNotAgreeAreRefused) {
   expect_refused(mixed, kKnown, {"2.png", "14x8", "12x8"});
 }
 
-TEST(Folder, APngCutInHalfIsNoticedOnOpening) {
+TEST(Folder, ATruncatedPngIsNoticedOnOpening) {
   for (const char* name : {"depth/2.png", "color/10.png"}) {
     const fs::path folder = sample_folder();
     auto bytes = read_file_bytes(folder / name);
@@ -439,7 +439,7 @@ TEST(Folder, APngCutInHalfIsNoticedOnOpening) {
   }
 }
 
-TEST(Folder, UnusableIntrinsicsAreRefused) {
+TEST(Folder, UnusableIntrinsicsAreRejected) {
   expect_one_line_with(
       message_of([&] { open_recording(sample_folder(), with_intrinsics(0, 10, 6, 4)); }), {"fx 0"});
   const fs::path folder = sample_folder();
@@ -451,7 +451,7 @@ TEST(Folder, UnusableIntrinsicsAreRefused) {
   expect_refused(folder, {"intrinsic.json", "JSON"});
 }
 
-TEST(Folder, ASingleDepthImageOpensWithIntrinsicsAndItsColour) {
+TEST(Folder, ASingleDepthImageOpensWithIntrinsicsAndColor) {
   const fs::path folder = sample_folder();
   const auto recording = open_recording(folder / "depth" / "10.png", with_intrinsics(9, 9, 6, 4));
   ASSERT_EQ(recording->frame_count(), 1);
@@ -469,19 +469,20 @@ TEST(Folder, HashesAreOfTheCounts) {
             "30ace33963fd17c4816fce834fd7f47ea5ffb8235734f58e2ed78422bb24436f");
 }
 
-TEST(Open, WhatIsNoRecordingGetsOneLineThatSaysWhatWasFound) {
+TEST(Open, OtherFilesAreRejectedInOneLineWithTheirKind) {
   const fs::path folder = temp_folder();
   expect_refused(folder / "nothing", {"nothing", "no such file or folder"});
-  expect_refused(folder, {folder.c_str(), "no files", "expected a .bag, .db3 or .mcap"});
+  expect_refused(folder,
+                 {folder.c_str(), "no files", "expected a RealSense or ROS .bag, .db3 or .mcap"});
   write_text(folder / "notes.txt", "hello");
   write_text(folder / "more.txt", "hello");
   expect_refused(folder, {"2 .txt"});
-  expect_refused(folder / "notes.txt", {"notes.txt", "not a recording"});
+  expect_refused(folder / "notes.txt", {"notes.txt", "not a supported recording"});
   fs::create_directories(folder / "depth");
   expect_refused(folder, {"no recording"});
 }
 
-TEST(ViewerRaw, SizesAreCheckedAgainstTheMetadata) {
+TEST(ViewerRaw, SizesAreComparedWithTheMetadata) {
   const fs::path folder = temp_folder();
   const std::string csv =
       "Frame Info: \nType,Depth\nFormat,Z16\nFrame Number,531\nTimestamp (ms),1000.5\n"
@@ -503,7 +504,7 @@ TEST(ViewerRaw, SizesAreCheckedAgainstTheMetadata) {
   expect_refused(folder / "a.raw", {"a.raw", "_metadata.csv"});
 }
 
-// ---- What other tools write ----
+// ---- Output of other tools ----
 
 void write_dump(const fs::path& path, std::uint16_t count, std::size_t pixels) {
   std::string bytes;
@@ -514,7 +515,7 @@ void write_dump(const fs::path& path, std::uint16_t count, std::size_t pixels) {
   write_text(path, bytes);
 }
 
-TEST(RsConvert, RawDepthIsReadWithTheColorPicturesBesideIt) {
+TEST(RsConvert, RawDepthIsReadWithItsColorPictures) {
   const fs::path folder = temp_folder();
   for (const int i : {0, 1, 2}) {
     const auto time_ms = [&](double offset) {
@@ -522,7 +523,7 @@ TEST(RsConvert, RawDepthIsReadWithTheColorPicturesBesideIt) {
     };
     write_dump(folder / ("walk_Depth_" + time_ms(0) + ".raw"), static_cast<std::uint16_t>(900 + i),
                424 * 240);
-    // -p writes pictures of depth, which are not depth.
+    // -p writes pictures of depth, which are not depth images.
     write_color(folder / ("walk_Depth_" + time_ms(0) + ".png"), 99, 424, 240);
     write_color(folder / ("walk_Color_" + time_ms(4) + ".png"), static_cast<std::uint8_t>(i), 640,
                 480);
@@ -543,7 +544,7 @@ TEST(RsConvert, RawDepthIsReadWithTheColorPicturesBesideIt) {
   EXPECT_EQ(single->frame(0).color.at(0, 0, 0), 1);
 }
 
-TEST(RsConvert, ASizeThatNoCameraHasComesFromTheCalibration) {
+TEST(RsConvert, AnUnusualSizeIsReadFromTheCalibration) {
   const fs::path folder = temp_folder();
   write_dump(folder / "a_Depth_1600000000000.5.raw", 1001, kW * kH);
   expect_refused(folder, kKnown, {"192 bytes", "RealSense depth mode", "calibration"});
@@ -553,13 +554,13 @@ TEST(RsConvert, ASizeThatNoCameraHasComesFromTheCalibration) {
   expect_refused(folder, {"a_Depth_1600000000000.5.raw: 192 bytes", "12x9"});
 }
 
-TEST(RsConvert, PicturesOfDepthAloneAreRefusedWithTheOptionThatWritesDepth) {
+TEST(RsConvert, OnlyPicturesOfDepthAreRejectedWithTheOptionThatWritesDepth) {
   const fs::path folder = temp_folder();
   write_color(folder / "a_Depth_1600000000000.50000000000000.png", 9);
-  expect_refused(folder, kKnown, {"picture of depth holds no distances", "-r"});
+  expect_refused(folder, kKnown, {"picture of depth contains no distances", "-r"});
 }
 
-TEST(Open3dRecorders, FoldersOfAllOfThemAreReadWithCameraAndColor) {
+TEST(Open3dRecorders, AllFoldersAreReadWithCameraAndColor) {
   // azure_kinect_mkv_reader, realsense_recorder, RGBDVideoReader::SaveFrames.
   const std::tuple<const char*, const char*, const char*> recorders[] = {
       {"{:05}", "intrinsic.json",

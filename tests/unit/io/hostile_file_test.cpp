@@ -1,4 +1,4 @@
-// Small files that ask for much, and files that change while they are read.
+// Small files that require large resources, and files that change while they are read.
 
 #include "core/io/byte_reader.hpp"
 #include "core/io/image/png.hpp"
@@ -12,14 +12,14 @@ namespace {
 using namespace testing_bags;
 namespace fs = std::filesystem;
 
-/// While it lives, files may unpack to little.
+/// Lowers the limit of decompressed data for its lifetime.
 struct SmallReadLimit {
   std::uint64_t before = read_limit_bytes();
   explicit SmallReadLimit(std::uint64_t bytes) { set_read_limit_bytes(bytes); }
   ~SmallReadLimit() { set_read_limit_bytes(before); }
 };
 
-TEST(HostileFile, AnImageIsRefusedBeforeMoreThanTheLimitIsTaken) {
+TEST(HostileFile, AnImageIsRejectedBeforeExceedingTheLimit) {
   const fs::path path = temp_folder() / "large.png";
   write_png(path, Image8(600, 600, 3, 7));
   EXPECT_EQ(read_png_rgb(path).width, 600);
@@ -28,7 +28,7 @@ TEST(HostileFile, AnImageIsRefusedBeforeMoreThanTheLimitIsTaken) {
                        {"large.png", "expected at most 1", "--read-limit"});
 }
 
-TEST(HostileFile, AChunkIsRefusedBeforeMoreThanTheLimitIsUnpacked) {
+TEST(HostileFile, AChunkIsRejectedBeforeDecompressingMoreThanTheLimit) {
   for (const char* compression : {"lz4", "bz2"})
     for (const bool index : {true, false}) {
       SCOPED_TRACE(compression);
@@ -42,7 +42,7 @@ TEST(HostileFile, AChunkIsRefusedBeforeMoreThanTheLimitIsUnpacked) {
       ASSERT_LT(bytes.size(), 1U << 18);
       EXPECT_EQ(open_recording(path)->frame_count(), 6);
       const SmallReadLimit limit(1 << 20);
-      // With its index the chunk is refused; without, what comes before the limit is there.
+      // With its index the chunk is rejected; without, the part before the limit is read.
       if (index)
         expect_one_line_with(message_of([&] { open_recording(path)->frame(0); }),
                              {"bomb.bag", "chunk 0", "--read-limit"});
@@ -51,7 +51,7 @@ TEST(HostileFile, AChunkIsRefusedBeforeMoreThanTheLimitIsUnpacked) {
     }
 }
 
-TEST(HostileFile, AnIndexThatNamesItsChunksAgainAndAgainIsNotTaken) {
+TEST(HostileFile, AnIndexThatRepeatsItsChunksIsRejected) {
   SdkBag options;
   options.frames = 40;
   options.format.named_times = 1000;
@@ -59,30 +59,30 @@ TEST(HostileFile, AnIndexThatNamesItsChunksAgainAndAgainIsNotTaken) {
   write_anew(path, sdk_bag(options).finish());
   const auto recording = open_recording(path);
   EXPECT_EQ(recording->frame_count(), 40);
-  expect_one_line_with(recording->info().warnings.at(0), {"the index is cut or damaged"});
+  expect_one_line_with(recording->info().warnings.at(0), {"the index is truncated or damaged"});
   EXPECT_EQ(recording->frame(39).depth.data, depth_of(139).data);
 }
 
-TEST(HostileFile, AMappingOfAFileThatIsCutReadsZerosAndSaysSo) {
+TEST(HostileFile, AMappingOfATruncatedFileReadsZerosAndReportsIt) {
   const fs::path path = temp_folder() / "cut.bin";
   const std::vector<unsigned char> ones(1 << 16, 1);
   write_anew(path, ones);
   const MappedFile whole(path);
   const MappedFile file(path);
   const auto sum = [&] {
-    volatile int total = 0;  // or nothing is read where nobody asks for it
+    volatile int total = 0;  // volatile, so that the read is not optimized away
     for (const std::byte byte : file.bytes()) total = total + std::to_integer<int>(byte);
     return static_cast<int>(total);
   };
   EXPECT_EQ(io::guarded(file, sum), 1 << 16);
   fs::resize_file(path, 8192);
   expect_one_line_with(message_of([&] { io::guarded(file, sum); }),
-                       {"cut.bin", "was cut while it was read", "65536 bytes"});
+                       {"cut.bin", "truncated while it was read", "65536 bytes"});
   EXPECT_EQ(sum(), 8192);
   EXPECT_EQ(message_of([&] { whole.expect_whole(); }), "") << "nothing of it was looked at";
 }
 
-TEST(HostileFile, ARecordingThatIsCutWhileItIsOpenEndsItsFramesOnly) {
+TEST(HostileFile, ARecordingTruncatedWhileOpenLosesOnlyItsFrames) {
   SdkBag options;
   options.frames = 400;
   const fs::path path = temp_folder() / "open.bag", other = temp_folder() / "other.bag";
@@ -93,7 +93,7 @@ TEST(HostileFile, ARecordingThatIsCutWhileItIsOpenEndsItsFramesOnly) {
   EXPECT_EQ(recording->frame(3).depth.data, depth_of(103).data);
   fs::resize_file(path, bytes.size() / 2);
   expect_one_line_with(message_of([&] { recording->frame(399); }),
-                       {"open.bag", "was cut while it was read"});
+                       {"open.bag", "truncated while it was read"});
   write_anew(other, bytes);
   EXPECT_EQ(open_recording(other)->frame(399).depth.data, depth_of(499).data);
 }

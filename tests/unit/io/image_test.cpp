@@ -1,4 +1,4 @@
-// Tests of PNG, JPEG, WebP and APNG images, whole and damaged.
+// Tests of PNG, JPEG, WebP and APNG images, intact and damaged.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ Image<T> noise_image(int width, int height, int channels, unsigned seed) {
   return image;
 }
 
-/// Rewrites the size in a PNG's header, checksum included.
+/// Changes the size in a PNG's header, including its checksum.
 void forge_size(std::vector<unsigned char>& png, std::uint32_t width, std::uint32_t height) {
   const auto put = [&](std::size_t at, std::uint32_t value) {
     for (int i = 0; i < 4; ++i) png[at + i] = static_cast<unsigned char>(value >> (24 - 8 * i));
@@ -38,7 +38,7 @@ void forge_size(std::vector<unsigned char>& png, std::uint32_t width, std::uint3
   put(29, test::crc_of(std::string(png.begin() + 12, png.begin() + 29)));
 }
 
-TEST(Png, SixteenBitDepthComesBackAsWritten) {
+TEST(Png, SixteenBitDepthSurvivesARoundTrip) {
   const auto image = noise_image<std::uint16_t>(37, 23, 1, 1);
   const auto path = temp_file("depth16.png");
   write_png(path, image);
@@ -50,7 +50,7 @@ TEST(Png, SixteenBitDepthComesBackAsWritten) {
   EXPECT_EQ(info.bit_depth, 16);
 }
 
-TEST(Png, EightBitImagesComeBackAsWritten) {
+TEST(Png, EightBitImagesSurviveARoundTrip) {
   const auto grey = noise_image<std::uint8_t>(19, 5, 1, 2);
   const auto rgb = noise_image<std::uint8_t>(19, 5, 3, 3);
   write_png(temp_file("grey.png"), grey);
@@ -59,7 +59,7 @@ TEST(Png, EightBitImagesComeBackAsWritten) {
   EXPECT_EQ(read_png_rgb(temp_file("rgb.png")).data, rgb.data);
 }
 
-TEST(Png, AnyKindOfColourBecomesRgb) {
+TEST(Png, AnyKindOfColorIsConvertedToRgb) {
   const auto rgba = noise_image<std::uint8_t>(7, 4, 4, 4);
   write_png(temp_file("rgba.png"), rgba);
   const Image8 rgb = read_png_rgb(temp_file("rgba.png"));
@@ -72,7 +72,7 @@ TEST(Png, AnyKindOfColourBecomesRgb) {
   EXPECT_NEAR(from_grey.at(2, 2, 2), grey16.at(2, 2) / 257.0, 0.51);
 }
 
-TEST(Png, WrongBitsOrChannelsAreNamed) {
+TEST(Png, WrongBitsOrChannelsAreReported) {
   const auto path = temp_file("eight.png");
   write_png(path, noise_image<std::uint8_t>(4, 4, 1, 7));
   const std::string eight = message_of([&] { read_png_16(path); });
@@ -83,7 +83,7 @@ TEST(Png, WrongBitsOrChannelsAreNamed) {
   EXPECT_NE(three.find("3 channel(s)"), std::string::npos) << three;
 }
 
-TEST(Png, AFileCutAnywhereIsAnError) {
+TEST(Png, ATruncatedFileIsAnError) {
   const auto bytes = encode_png(noise_image<std::uint16_t>(40, 30, 1, 9));
   const auto path = temp_file("cut.png");
   for (std::size_t cut = 0; cut < bytes.size(); cut += cut < 64 ? 1 : 37) {
@@ -93,7 +93,7 @@ TEST(Png, AFileCutAnywhereIsAnError) {
   }
 }
 
-TEST(Png, ATinyFileThatPromisesAHugeImageIsRefusedBeforeAllocation) {
+TEST(Png, ATinyFileThatClaimsAHugeImageIsRejectedBeforeAllocation) {
   auto bytes = encode_png(noise_image<std::uint16_t>(16, 12, 1, 12));
   forge_size(bytes, 30000, 30000);
   write_file_bytes(temp_file("huge.png"), bytes);
@@ -109,14 +109,14 @@ TEST(Png, DamagedBytesNeverCrash) {
   });
 }
 
-TEST(Png, MissingFilesAndUnwritablePathsAreNamed) {
+TEST(Png, MissingFilesAndUnwritablePathsAreReported) {
   const std::string missing = message_of([&] { read_png_16(temp_file("not_there.png")); });
   EXPECT_NE(missing.find("not_there.png"), std::string::npos);
   const auto unwritable = temp_file("no_such_folder") / "x.png";
   EXPECT_NE(message_of([&] { write_png(unwritable, Image16(2, 2)); }), "");
 }
 
-TEST(WebP, KeepsAPictureWithinItsLoss) {
+TEST(WebP, ImagesAreReadBackWithinTheExpectedLoss) {
   Image8 image(120, 80, 3, 230);
   for (int y = 20; y < 60; ++y)
     for (int x = 30; x < 90; ++x) image.at(x, y, 1) = 60;
@@ -130,7 +130,7 @@ TEST(WebP, KeepsAPictureWithinItsLoss) {
   EXPECT_THROW(encode_webp(Image8(20'000, 1, 3), 72), Error);
 }
 
-TEST(WebP, DamageIsTold) {
+TEST(WebP, DamageIsReported) {
   const auto file = temp_file("damaged.webp");
   const auto bytes = encode_webp(noise_image<std::uint8_t>(64, 48, 3, 1), 72);
   for (const std::size_t kept : {std::size_t{0}, std::size_t{11}, bytes.size() / 2}) {
@@ -143,7 +143,7 @@ TEST(WebP, DamageIsTold) {
 
 const std::filesystem::path kPath = temp_dir() / "image.jpg";
 
-TEST(Jpeg, ColourIsReadAsRgb) {
+TEST(Jpeg, ColorIsReadAsRgb) {
   write_file_bytes(kPath, encode_jpeg(50, 20, true));
   const Image8 image = read_jpeg_rgb(kPath);
   ASSERT_EQ(image.width, 50);
@@ -154,14 +154,14 @@ TEST(Jpeg, ColourIsReadAsRgb) {
   EXPECT_NEAR(image.at(25, 10, 2), 30, 3);
 }
 
-TEST(Jpeg, GreyBecomesRgb) {
+TEST(Jpeg, GrayIsConvertedToRgb) {
   write_file_bytes(kPath, encode_jpeg(16, 16, false));
   const Image8 image = read_jpeg_rgb(kPath);
   ASSERT_EQ(image.channels, 3);
   EXPECT_NEAR(image.at(8, 8, 2), 200, 3);
 }
 
-TEST(Jpeg, AFileCutShortIsAnError) {
+TEST(Jpeg, AFileThatEndsEarlyIsAnError) {
   const auto bytes = encode_jpeg(200, 200, true);
   for (std::size_t cut : {std::size_t{0}, std::size_t{1}, std::size_t{30}, bytes.size() / 2}) {
     std::filesystem::remove(kPath);
@@ -198,11 +198,11 @@ TEST(Apng, ShowsItsFirstFrameInEveryViewer) {
   EXPECT_EQ(read_png_rgb(animation({picture(0), picture(1)})).data, picture(0).data);
 }
 
-TEST(Apng, KeepsEveryFramesPixelsHoweverTheyAreStored) {
+TEST(Apng, KeepsThePixelsOfEveryFrame) {
   std::vector<Image8> frames = {picture(0), picture(0), picture(0), picture(9)};
   frames[1].at(2, 1, 1) ^= 0xff;
-  frames[1].at(6, 4, 2) ^= 1;  // the last
-  frames[2] = frames[1];       // the same once more
+  frames[1].at(6, 4, 2) ^= 1;  // the last pixel
+  frames[2] = frames[1];       // an identical frame
   for (const ApngStores stores : {ApngStores::whole, ApngStores::difference}) {
     const test::Apng apng = test::read_apng(animation(frames, stores));
     EXPECT_EQ(apng.frames_told, 4);
@@ -213,7 +213,7 @@ TEST(Apng, KeepsEveryFramesPixelsHoweverTheyAreStored) {
   }
 }
 
-TEST(Apng, OfDifferencesIsSmallWhereLittleChanges) {
+TEST(Apng, OfDifferencesIsSmallIfLittleChanges) {
   const std::vector<Image8> frames(20, picture(0));
   const auto whole = std::filesystem::file_size(animation(frames));
   EXPECT_LT(std::filesystem::file_size(animation(frames, ApngStores::difference)), 4 * whole / 5);

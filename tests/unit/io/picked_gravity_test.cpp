@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Four frames of depth; one carries an IMU's gravity.
+/// Four depth frames, one with gravity from an IMU.
 class Frames : public Recording {
  public:
   const RecordingInfo& info() const override { return info_; }
@@ -49,7 +49,7 @@ struct Picked : testing::Test {
   }
 };
 
-TEST_F(Picked, ComesBackAsItWasWritten) {
+TEST_F(Picked, IsReadBackAsWritten) {
   PickedGravity picked;
   picked.recording = direction(1, Vec3d(0, 0.6, 0.8));
   picked.recording->walls = {Vec3d::UnitX(), Vec3d(0, 0.8, -0.6)};
@@ -62,7 +62,7 @@ TEST_F(Picked, ComesBackAsItWasWritten) {
   write_picked_gravity(dir, {});  // nothing to remove
 }
 
-TEST_F(Picked, HoldsForItsFrameFirstAndNeverBeforeTheRecordingsOwn) {
+TEST_F(Picked, AppliesToItsFrameFirstAndNeverOverridesTheRecording) {
   PickedGravity picked;
   picked.recording = direction(0, Vec3d(0, 0.6, 0.8));
   picked.frames[2] = direction(2, Vec3d(0, 0.8, 0.6));
@@ -74,22 +74,22 @@ TEST_F(Picked, HoldsForItsFrameFirstAndNeverBeforeTheRecordingsOwn) {
   EXPECT_EQ(with->frame_hash(2), "hash2");
 }
 
-TEST_F(Picked, OnAnotherRecordingIsRefused) {
+TEST_F(Picked, OfAnotherRecordingIsRejected) {
   PickedGravity picked;
   picked.recording = direction(1, Vec3d::UnitY());
   write_picked_gravity(dir, picked);
   recording.salt = "other";
-  EXPECT_NE(refusal().find("gravity.json: was picked on another recording"), std::string::npos)
+  EXPECT_NE(refusal().find("gravity.json: was picked on a different recording"), std::string::npos)
       << refusal();
   recording.salt = "hash";
   recording.damaged = 1;
   EXPECT_EQ(refusal(), "") << "a damaged frame is told of where it is read";
   picked.recording->frame = 9;
   write_picked_gravity(dir, picked);
-  EXPECT_NE(refusal().find("another recording"), std::string::npos);
+  EXPECT_NE(refusal().find("a different recording"), std::string::npos);
 }
 
-TEST_F(Picked, AFileThatCannotBeUsedIsRefusedByName) {
+TEST_F(Picked, AnInvalidFileIsRejectedByName) {
   const auto file = [](const std::string& all, const std::string& frames) {
     return R"({"schema": "planescope.gravity/1", "recording": )" + all + R"(, "frames": )" +
            frames + "}";

@@ -11,7 +11,7 @@
 namespace planescope::io {
 namespace {
 
-/// Opens a recording of the real-data folder; skips the test where there is none.
+/// Opens a recording in PLANESCOPE_DATA; skips the test if it is missing.
 class RealRecordings : public testing::Test {
  protected:
   void SetUp() override {
@@ -54,7 +54,7 @@ TEST_F(RealRecordings, RealSenseSdkBag) {
   EXPECT_FALSE(frame.gravity);
 }
 
-TEST_F(RealRecordings, TheSdksDb3GivesThePixelsOfTheBagItWasMadeOf) {
+TEST_F(RealRecordings, TheSdksDb3HasThePixelsOfItsBag) {
   const auto bag = open("realsense_sdk_bag/single_depth_color_640x480.bag");
   for (const std::string dialect : {"plain", "zstd"}) {
     SCOPED_TRACE(dialect);
@@ -63,7 +63,7 @@ TEST_F(RealRecordings, TheSdksDb3GivesThePixelsOfTheBagItWasMadeOf) {
     EXPECT_EQ(db3->info().depth_unit_m, bag->info().depth_unit_m);
     EXPECT_EQ(db3->info().color_note, bag->info().color_note);
     EXPECT_TRUE(db3->info().warnings.empty());
-    // The SDK's texts have six digits.
+    // The SDK's strings have six digits.
     EXPECT_NEAR(db3->info().intrinsics.fx, bag->info().intrinsics.fx, 5e-4);
     EXPECT_NEAR(db3->info().intrinsics.cy, bag->info().intrinsics.cy, 5e-4);
     ASSERT_EQ(db3->frame_count(), bag->frame_count());
@@ -80,7 +80,7 @@ TEST_F(RealRecordings, TheSdksDb3GivesThePixelsOfTheBagItWasMadeOf) {
   }
 }
 
-TEST_F(RealRecordings, McapOfRos2BagOpensAsFarAsItsTopicsAndHasNoDepth) {
+TEST_F(RealRecordings, McapOfRos2BagListsItsTopicsAndHasNoDepth) {
   const auto refusal = [&](const std::string& name) {
     return message_of([&] { open("ros2_containers/" + name); });
   };
@@ -99,7 +99,7 @@ TEST_F(RealRecordings, McapOfRos2BagOpensAsFarAsItsTopicsAndHasNoDepth) {
   }
 }
 
-TEST_F(RealRecordings, ViewerExportOpensByEachOfItsPaths) {
+TEST_F(RealRecordings, ViewerExportOpensByEachOfItsFiles) {
   for (const char* path :
        {"rs_viewer_raw_export_848x480", "rs_viewer_raw_export_848x480/001_big_depth.raw",
         "rs_viewer_raw_export_848x480/001_big_depth_metadata.csv"}) {
@@ -112,7 +112,7 @@ TEST_F(RealRecordings, ViewerExportOpensByEachOfItsPaths) {
   }
   const std::string message =
       message_of([&] { open("rs_viewer_raw_export_848x480/001_big_depth.png"); });
-  EXPECT_NE(message.find("3 channel(s) with 8 bits"), std::string::npos) << message;
+  EXPECT_NE(message.find("3 channel(s) of 8 bits"), std::string::npos) << message;
 }
 
 TEST_F(RealRecordings, OpencvCalibrationWithDistortionAndExtrinsics) {

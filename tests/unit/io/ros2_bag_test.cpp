@@ -1,4 +1,4 @@
-// Tests of ROS 2 bags, both SQLite and MCAP, whole and damaged.
+// Tests of ROS 2 bags, both SQLite and MCAP, intact and damaged.
 
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -26,8 +26,8 @@ class Ros2Bag : public testing::Test {
     write_db3(folder_ / "a.db3", messages, page);
     return open_recording(folder_ / "a.db3");
   }
-  /// Cuts the file after every `step` bytes: each part has at least the frames of the one before,
-  /// unharmed, and warns with `warning` and their count. Returns how many the last one has.
+  /// Truncates the file at every `step` bytes: each part has at least the frames of the previous
+  /// one, intact, and warns with `warning` and their number. Returns the number for the last part.
   int frames_before_cuts(const std::string& name, std::size_t step, const char* warning) {
     const auto bytes = read_file_bytes(folder_ / name);
     const auto path = folder_ / ("cut_" + name);
@@ -44,7 +44,7 @@ class Ros2Bag : public testing::Test {
       }
       const int found = recording->frame_count();
       EXPECT_GE(found, last);
-      // 24x16 pixels of 2 and of 3 bytes, their facts, and what a page or a chunk takes.
+      // 24x16 pixels of 2 and 3 bytes, their metadata, and the overhead of a page or chunk.
       if (step == 700) {
         EXPECT_GE(found, static_cast<int>(cut) / 2900 - 4);
       }
@@ -73,7 +73,7 @@ void expect_sdk_frames(const Recording& recording, int frames) {
   }
 }
 
-TEST_F(Ros2Bag, TheSdksTextsTellCameraUnitAndTimesOfEachFrame) {
+TEST_F(Ros2Bag, TheSdksStringsContainCameraUnitAndTimesOfEachFrame) {
   for (const bool is_packed : {false, true}) {
     const Ros2Messages messages = sdk_messages(4);
     const auto recording = open_db3(is_packed ? packed(messages) : messages);
@@ -95,7 +95,7 @@ TEST_F(Ros2Bag, TheSdksTextsTellCameraUnitAndTimesOfEachFrame) {
   }
 }
 
-TEST_F(Ros2Bag, RealsenseRosTopicsAreReadWithTheirColourAndGravity) {
+TEST_F(Ros2Bag, RealsenseRosTopicsAreReadWithColorAndGravity) {
   for (const char* camera : {"/camera", "/camera/camera", "/robot1/D455_1"}) {
     const auto recording = open_db3(realsense_ros_messages(3, camera));
     EXPECT_EQ(recording->info().format, "realsense-ros ROS 2 bag (SQLite)");
@@ -110,12 +110,12 @@ TEST_F(Ros2Bag, RealsenseRosTopicsAreReadWithTheirColourAndGravity) {
     EXPECT_EQ(frame.color.at(0, 0, 0), 12);
     EXPECT_NEAR(frame.T_color_depth.translation().x(), -0.015, 1e-12);
     ASSERT_TRUE(frame.gravity);
-    // Up is z of the accelerometer, whose z is -y of the depth camera: down is y.
+    // The accelerometer's z points up, which is -y of the depth camera, so gravity is y.
     EXPECT_TRUE(frame.gravity->direction.isApprox(Vec3d(0, 1, 0), 1e-9));
   }
 }
 
-TEST_F(Ros2Bag, DepthAlignedToColourServesWhereThereIsNoOther) {
+TEST_F(Ros2Bag, DepthAlignedToColorIsUsedIfThereIsNoOther) {
   Ros2Messages messages = realsense_ros_messages(2);
   for (Ros2Message& message : messages) {
     const auto at = message.topic.find("/depth/");
@@ -138,7 +138,7 @@ TEST_F(Ros2Bag, MessagesOfABigEndianMachineAreRead) {
   EXPECT_EQ(open_db3(messages)->frame(0).depth.data, depth_of(100).data);
 }
 
-TEST_F(Ros2Bag, AFileWithoutDepthSaysWhatItHolds) {
+TEST_F(Ros2Bag, AFileWithoutDepthListsItsTopics) {
   Ros2Messages messages = realsense_ros_messages(1);
   std::erase_if(messages, [](const Ros2Message& message) {
     return message.topic.find("depth") != std::string::npos;
@@ -147,7 +147,7 @@ TEST_F(Ros2Bag, AFileWithoutDepthSaysWhatItHolds) {
                        {"a.db3: no depth images", "/camera/camera/color/image_raw", "expected"});
 }
 
-/// realsense-ros with depth and colour sent as image_transport packs them.
+/// realsense-ros with depth and color compressed by image_transport.
 Ros2Messages transported(int frames,
                          const std::string& transport,
                          const std::function<ByteVector(const Image16&)>& pack,
@@ -171,7 +171,7 @@ Ros2Messages transported(int frames,
   return messages;
 }
 
-TEST_F(Ros2Bag, DepthOfEveryImageTransportIsReadBitForBit) {
+TEST_F(Ros2Bag, DepthOfEveryImageTransportIsReadExactly) {
   const auto png = [](const Image16& depth) { return encode_png(depth); };
   const auto headed = [&](const Image16& depth) { return with_config(encode_png(depth)); };
   const auto rvl = [](const Image16& depth) { return with_config(rvl_packed(depth)); };
@@ -214,16 +214,16 @@ TEST_F(Ros2Bag, CompressedImagesOfTheSdkAreRead) {
   expect_sdk_frames(*open_db3(messages), 2);
 }
 
-TEST_F(Ros2Bag, JpegOnDepthIsRefusedAndDamageInAPictureIsTold) {
+TEST_F(Ros2Bag, JpegDepthIsRejectedAndDamagedImagesAreReported) {
   const auto jpeg = [](const Image16&) { return encode_jpeg(kWidth, kHeight, true); };
   expect_one_line_with(
       message_of([&] { open_db3(transported(2, "compressed", jpeg, "mono16; jpeg compressed")); }),
-      {"a.db3: depth images on", "are JPEG, which does not keep depth", "expected"});
+      {"a.db3: depth images on", "are JPEG, which does not preserve depth", "expected"});
   const auto floats = [](const Image16&) { return ByteVector(40, 1); };
   expect_one_line_with(
       message_of(
           [&] { open_db3(transported(2, "compressedDepth", floats, "32FC1; compressedDepth")); }),
-      {"a.db3", "depth of floats (32FC1)"});
+      {"a.db3", "floating-point depth (32FC1)"});
   expect_one_line_with(message_of([&] { open_db3(transported(2, "compressed", floats, "qoi")); }),
                        {"a.db3", "compressed as \"qoi\"", "expected"});
   const auto packs = {std::pair<const char*, std::function<ByteVector(const Image16&)>>{
@@ -245,7 +245,7 @@ TEST_F(Ros2Bag, JpegOnDepthIsRefusedAndDamageInAPictureIsTold) {
   }
 }
 
-TEST_F(Ros2Bag, OpeningWritesNothingBesideTheFileAndChangesItsBytesNot) {
+TEST_F(Ros2Bag, OpeningWritesNoFilesAndDoesNotChangeTheBag) {
   write_db3(folder_ / "a.db3", sdk_messages(3));
   const auto before = read_file_bytes(folder_ / "a.db3");
   std::filesystem::permissions(
@@ -261,7 +261,7 @@ TEST_F(Ros2Bag, OpeningWritesNothingBesideTheFileAndChangesItsBytesNot) {
   EXPECT_EQ(read_file_bytes(folder_ / "a.db3"), before);
 }
 
-TEST_F(Ros2Bag, ADatabaseWithWriteAheadLoggingOpensAndALogThatIsLeftIsTold) {
+TEST_F(Ros2Bag, ADatabaseWithWriteAheadLoggingOpensAndALeftoverLogIsReported) {
   write_db3(folder_ / "a.db3", sdk_messages(3));
   auto bytes = read_file_bytes(folder_ / "a.db3");
   bytes[18] = bytes[19] = 2;
@@ -274,7 +274,7 @@ TEST_F(Ros2Bag, ADatabaseWithWriteAheadLoggingOpensAndALogThatIsLeftIsTold) {
   expect_one_line_with(recording->info().warnings[0], {"never closed", "a.db3-wal holds 21 bytes"});
 }
 
-TEST_F(Ros2Bag, ADatabaseOfSomethingElseIsRefused) {
+TEST_F(Ros2Bag, AnUnrelatedDatabaseIsRejected) {
   write_text(folder_ / "text.db3", "no database");
   expect_refused(folder_ / "text.db3", {"text.db3: not a SQLite file (11 bytes"});
   write_db3(folder_ / "a.db3", {});
@@ -289,14 +289,14 @@ TEST_F(Ros2Bag, ADatabaseOfSomethingElseIsRefused) {
                  {"a.db3: a SQLite file that has no tables \"topics\" and \"messages\""});
 }
 
-TEST_F(Ros2Bag, WhatIsCutGivesTheFramesBeforeTheCutAndSaysWhatItLacks) {
+TEST_F(Ros2Bag, ATruncatedFileGivesItsFramesAndReportsMissingOnes) {
   write_db3(folder_ / "a.db3", sdk_messages(30), 512);
-  EXPECT_GE(frames_before_cuts("a.db3", 700, "the file is cut: it has"), 28);
+  EXPECT_GE(frames_before_cuts("a.db3", 700, "the file is truncated: it has"), 28);
   for (const char* compression : {"", "lz4"}) {
     SCOPED_TRACE(compression);
     write_mcap(folder_ / "a.mcap", sdk_messages(20), {compression, 7, true, "cdr"});
     const std::size_t step = std::filesystem::file_size(folder_ / "a.mcap") / 40 + 1;
-    EXPECT_GE(frames_before_cuts("a.mcap", step, "has no end"), 19);
+    EXPECT_GE(frames_before_cuts("a.mcap", step, "has no footer"), 19);
   }
 }
 
@@ -322,9 +322,10 @@ TEST_F(Ros2Bag, McapInEveryFormHasTheFramesOfTheDatabase) {
         }
 }
 
-TEST_F(Ros2Bag, AFolderWithItsMetadataIsOneRecordingOfAllItsFiles) {
+TEST_F(Ros2Bag, AFolderWithMetadataIsOneRecordingOfAllItsFiles) {
   const Ros2Messages all = sdk_messages(12);
-  const std::size_t parts = 12, size = all.size() / parts;  // 2 before 10
+  // so many that 2 must be sorted before 10
+  const std::size_t parts = 12, size = all.size() / parts;
   for (const std::string kind : {".mcap", ".db3"}) {
     SCOPED_TRACE(kind);
     const auto dir = folder_ / kind.substr(1);
@@ -335,7 +336,7 @@ TEST_F(Ros2Bag, AFolderWithItsMetadataIsOneRecordingOfAllItsFiles) {
       const auto path = dir / ("rec_" + std::to_string(part) + kind);
       kind == ".mcap" ? write_mcap(path, some, {"zstd", 3, true, "cdr"}) : write_db3(path, some);
     }
-    expect_refused(dir, {"a folder with 12 recordings, expected the path of one of them"});
+    expect_refused(dir, {"a folder with 12 recordings; expected the path of one of them"});
     std::string list = "rosbag2_bagfile_information:\n  version: 7\n  relative_file_paths:\n";
     for (std::size_t part = 0; part < parts; ++part)
       list += "    - rec_" + std::to_string(part) + kind + "\n";
@@ -348,7 +349,7 @@ TEST_F(Ros2Bag, AFolderWithItsMetadataIsOneRecordingOfAllItsFiles) {
     write_text(dir / ("rec_3" + kind), "not one");
     expect_refused(dir, {("rec_3" + kind).c_str()});
     std::filesystem::remove(dir / ("rec_3" + kind));
-    expect_refused(dir, {"metadata.yaml: lists rec_3", "which is not there"});
+    expect_refused(dir, {"metadata.yaml: lists rec_3", "which does not exist"});
     write_text(dir / ("rec_3" + kind + ".zstd"), "packed");
     write_text(dir / "metadata.yaml",
                list.replace(list.find("rec_3" + kind), 5 + kind.size(), "rec_3" + kind + ".zstd"));
@@ -361,8 +362,7 @@ TEST_F(Ros2Bag, AFolderWithItsMetadataIsOneRecordingOfAllItsFiles) {
   }
 }
 
-/// The seed mcap/ros_plain of the fuzzers, copied message by message with npm's @mcap/core 2.
-TEST_F(Ros2Bag, AFileThatIsCompressedAsAWholeIsReadAsItWas) {
+TEST_F(Ros2Bag, ACompressedFileIsReadLikeTheOriginal) {
   for (const std::string kind : {".mcap", ".db3"}) {
     SCOPED_TRACE(kind);
     const auto dir = folder_ / kind.substr(1), plain = folder_ / ("plain" + kind);
@@ -384,9 +384,9 @@ TEST_F(Ros2Bag, AFileThatIsCompressedAsAWholeIsReadAsItWas) {
       expect_sdk_frames(*recording, 6);
       EXPECT_EQ(recording->frame_hash(2), open_recording(plain)->frame_hash(2));
     }
-    // Nothing is left where it was unpacked, nor beside it.
+    // No temporary files remain, neither in their folder nor beside the file.
     EXPECT_EQ(files_in(dir).size(), 2U);
-    // What lies before a cut is read, and the cut is told.
+    // Frames before a truncation are read, and the truncation is reported.
     ByteVector bytes = zstd_packed(whole);
     for (std::size_t cut = 1; cut < 20; ++cut) {
       const ByteVector part(bytes.begin(), bytes.begin() + bytes.size() * cut / 20);
@@ -403,12 +403,13 @@ TEST_F(Ros2Bag, AFileThatIsCompressedAsAWholeIsReadAsItWas) {
     write_file_bytes(packed_file, bytes);
     expect_refused(packed_file, {packed_file.filename().c_str()});
   }
-  // Of zeros without end not more than a recording would be.
+  // Endless zeros are read only up to the limit of a recording.
   const auto bomb = folder_ / "bomb.db3.zstd";
   write_file_bytes(bomb, zstd_packed(ByteVector(std::size_t{300} << 20)));
-  expect_refused(bomb, {"bomb.db3.zstd: unpacks to more than", "expected a recording"});
+  expect_refused(bomb, {"bomb.db3.zstd: decompresses to more than", "expected a recording"});
 }
 
+// The seed mcap/ros_plain of the fuzzers, copied message by message with npm's @mcap/core 2.
 TEST_F(Ros2Bag, McapOfAnotherWriterIsRead) {
   const auto recording = open_recording(std::filesystem::path(PLANESCOPE_SOURCE_DIR) /
                                         "tests/unit/io/data/mcap_core.mcap");
@@ -416,11 +417,11 @@ TEST_F(Ros2Bag, McapOfAnotherWriterIsRead) {
   ASSERT_EQ(recording->frame_count(), 4);
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(recording->frame(i).depth.data, depth_of(100).data);
-    EXPECT_EQ(recording->frame(i).color.at(0, 0, 0), 10);  // all are of one time
+    EXPECT_EQ(recording->frame(i).color.at(0, 0, 0), 10);  // all have the same time
   }
 }
 
-TEST_F(Ros2Bag, McapIsKnownByItsContentAndOtherFilesAreRefused) {
+TEST_F(Ros2Bag, McapIsRecognizedByItsContentAndOtherFilesAreRejected) {
   write_mcap(folder_ / "a.bin", sdk_messages(2));
   EXPECT_EQ(open_recording(folder_ / "a.bin")->frame_count(), 2);
   write_text(folder_ / "text.mcap", "no container");
@@ -429,7 +430,7 @@ TEST_F(Ros2Bag, McapIsKnownByItsContentAndOtherFilesAreRefused) {
   expect_refused(folder_ / "a.mcap", {"a.mcap", "no depth images"});
 }
 
-TEST_F(Ros2Bag, AChunkWithAnotherChecksumOrAnUnknownCompressionIsRefused) {
+TEST_F(Ros2Bag, AChunkWithAWrongChecksumOrUnknownCompressionIsRejected) {
   const auto path = folder_ / "a.mcap";
   const auto changed = [&](const std::string& from, const std::string& to) {
     write_mcap(path, sdk_messages(2), {"lz4", 100, true, "cdr"});
@@ -443,10 +444,10 @@ TEST_F(Ros2Bag, AChunkWithAnotherChecksumOrAnUnknownCompressionIsRefused) {
   const std::string none(4, '\0'), name("\x03\0\0\0lz4", 7);
   expect_one_line_with(changed(none + name, "abcd" + name), {"a.mcap: chunk 0 is damaged"});
   expect_one_line_with(changed(name, std::string("\x03\0\0\0foo", 7)),
-                       {"a.mcap: chunk 0 is compressed in an unknown way"});
+                       {"a.mcap: chunk 0 has an unknown compression"});
 }
 
-TEST_F(Ros2Bag, McapWithADamagedIndexIsWalkedAndDamageNeverEndsTheProgram) {
+TEST_F(Ros2Bag, McapWithADamagedIndexIsScannedAndDamageNeverCrashes) {
   write_mcap(folder_ / "a.mcap", sdk_messages(6), {"zstd", 5, true, "cdr"});
   const auto bytes = read_file_bytes(folder_ / "a.mcap");
   int whole = 0;
@@ -466,7 +467,7 @@ TEST_F(Ros2Bag, McapWithADamagedIndexIsWalkedAndDamageNeverEndsTheProgram) {
   EXPECT_GT(whole, 0);
 }
 
-TEST_F(Ros2Bag, ADamagedPageCostsWhatLiesThereOnly) {
+TEST_F(Ros2Bag, ADamagedPageLosesOnlyItsMessages) {
   const int frames = 40;
   write_db3(folder_ / "a.db3", sdk_messages(frames), 512);
   auto bytes = read_file_bytes(folder_ / "a.db3");
@@ -501,7 +502,7 @@ TEST(RosMessage, IsEncodedByItsDefinition) {
   EXPECT_TRUE(has(ros_definition("planescope_msgs/msg/PlaneArray"), "MSG: geometry_msgs/Point32"));
 }
 
-TEST(RosMessage, RefusesFieldsThatItsDefinitionLacks) {
+TEST(RosMessage, RejectsUnknownFields) {
   const auto refusal = [](const char* type, const Json& json) {
     try {
       ros_message("topic", type, json);
@@ -518,8 +519,7 @@ TEST(RosMessage, RefusesFieldsThatItsDefinitionLacks) {
             "sensor_msgs/msg/PointField.datatype is no uint8");
   EXPECT_EQ(refusal("sensor_msgs/msg/CameraInfo", {{"k", {1, 2}}}),
             "sensor_msgs/msg/CameraInfo.k is no float64");
-  EXPECT_EQ(refusal("std_msgs/msg/String", {}),
-            "std_msgs/msg/String: this message is not supported");
+  EXPECT_EQ(refusal("std_msgs/msg/String", {}), "std_msgs/msg/String: unsupported message type");
 }
 
 }  // namespace planescope::io

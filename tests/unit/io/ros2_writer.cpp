@@ -133,10 +133,10 @@ void write_mcap(const std::filesystem::path& path,
   Fields file, summary;
   file.raw(magic).raw(record(1, Fields().text("ros2").text("a writer of tests")));
   std::map<std::string, std::uint16_t> ids;
-  Fields chunk;  // what is written next into it
+  Fields chunk;  // contents of the next chunk
   std::map<std::uint16_t, Fields> entries;
   std::size_t in_chunk = 0, chunks = 0;
-  std::uint64_t first_ns = 0, last_ns = 0;  // of the chunk; messages come in their order
+  std::uint64_t first_ns = 0, last_ns = 0;  // of the chunk; messages are in order
   const auto end_chunk = [&] {
     if (in_chunk == 0) return;
     const ByteVector stored = mcap_packed(chunk.out, form.compression);
@@ -222,7 +222,7 @@ Ros2Messages sdk_messages(int frames) {
   say(kSdkColor + "/camera_info", 0, camera_info("fx=30;ppx=13;fy=31;ppy=9"));
   say(kSdkDepth + "/tf/ref_0", 0,
       "rotation=1.0,0.0,0.0,0.0,1.0,0.0,0.0,0.0,1.0;translation=0.0,0.0,0.0");
-  // A turn by 90 degrees about z, column by column.
+  // A rotation by 90 degrees about z, in column-major order.
   say(kSdkColor + "/tf/ref_0", 0,
       "rotation=0.0,1.0,0.0,-1.0,0.0,0.0,0.0,0.0,1.0;translation=0.015,0.001,-0.002");
   for (int i = 0; i < frames; ++i) {

@@ -48,7 +48,7 @@ void add_native_and_color(BagWriter& bag, const std::string& camera) {
   }
 }
 
-TEST(RosBag, NativeDepthIsInMillimetresAndColourIsProjectedByTheExtrinsicsTopic) {
+TEST(RosBag, NativeDepthIsInMillimetersAndColorUsesTheExtrinsicsTopic) {
   for (const char* camera : {"/camera", "/camera/camera", "/robot/front"}) {
     SCOPED_TRACE(camera);
     BagWriter bag;
@@ -58,7 +58,7 @@ TEST(RosBag, NativeDepthIsInMillimetresAndColourIsProjectedByTheExtrinsicsTopic)
     const auto recording = open_bag_of(bag);
     EXPECT_EQ(recording->info().format, "realsense-ros bag");
     EXPECT_EQ(recording->info().depth_unit_m, 0.001);
-    EXPECT_EQ(recording->info().depth_unit_source, "ROS convention (16UC1 is millimeters)");
+    EXPECT_EQ(recording->info().depth_unit_source, "ROS convention (16UC1 is in millimeters)");
     ASSERT_EQ(recording->frame_count(), 3);
     const Frame frame = recording->frame(1);
     EXPECT_EQ(frame.depth.data, depth_of(1).data);
@@ -84,11 +84,11 @@ TEST(RosBag, ExtrinsicsMayComeFromStaticTransforms) {
   EXPECT_TRUE(recording->frame(0).T_color_depth.isApprox(some_pose(), 1e-9));
 }
 
-TEST(RosBag, WithoutExtrinsicsTheAlignedTopicIsUsedElseColourIsOnlyShown) {
+TEST(RosBag, WithoutExtrinsicsTheAlignedTopicIsUsedElseColorIsOnlyDisplayed) {
   BagWriter shown;
   add_native_and_color(shown, "/camera");
   EXPECT_EQ(open_bag_of(shown)->info().color_note,
-            "shown only: the bag has no depth-to-color extrinsics");
+            "display only: the bag has no depth-to-color extrinsics");
   BagWriter bag;
   add_native_and_color(bag, "/camera");
   add_stream(bag, "/camera/aligned_depth_to_color", "image_raw", depth_message(90, 1000), "16UC1",
@@ -100,13 +100,13 @@ TEST(RosBag, WithoutExtrinsicsTheAlignedTopicIsUsedElseColourIsOnlyShown) {
   EXPECT_EQ(recording->frame(0).intrinsics.fx, 30);
 }
 
-TEST(RosBag, DepthInAnotherEncodingIsRefusedWithThoseThatAreRead) {
+TEST(RosBag, DepthInAnUnsupportedEncodingIsRejectedWithTheSupportedOnes) {
   BagWriter bag;
   add_stream(bag, "/camera/depth", "image", depth_message(1, 1000), "64FC1", "f", 20);
   expect_one_line_with(message_of([&] { open_bag_of(bag); }), {"64FC1", "16UC1", "32FC1"});
 }
 
-TEST(RosBag, CompressedDepthIsReadAndTheRawTopicPreferred) {
+TEST(RosBag, CompressedDepthIsReadButTheRawTopicIsPreferred) {
   BagWriter bag;
   const std::string depth = "/camera/depth";
   for (int i = 0; i < 2; ++i) {

@@ -27,7 +27,7 @@ std::string png_frame(std::uint32_t seq) {
   return text_of(Fields().sized(encode_png(depth_of(seq))).out);
 }
 
-/// Reads what is written into a pipe: `use` gets the stream.
+/// Writes bytes to a pipe and passes the stream that reads them to `use`.
 void with_stream(const std::string& bytes,
                  const std::function<void(FrameStream&)>& use,
                  const RecordingOptions& options = {},
@@ -36,7 +36,7 @@ void with_stream(const std::string& bytes,
   ASSERT_EQ(::pipe(ends), 0);
   const FileDescriptor from(ends[0]);
   std::thread writer([&bytes, to = ends[1]] {
-    // Smaller than a frame: it arrives in pieces.
+    // Smaller than a frame, so that frames arrive in pieces.
     for (std::size_t at = 0; at < bytes.size();) {
       const ssize_t wrote =
           ::write(to, bytes.data() + at, std::min<std::size_t>(100, bytes.size() - at));
@@ -68,7 +68,7 @@ std::string message_of_stream(const std::string& bytes, const RecordingOptions& 
   });
 }
 
-TEST(Stream, FramesAreReadAsTheyCome) {
+TEST(Stream, FramesAreReadAsTheyArrive) {
   for (const bool is_png : {false, true}) {
     std::string bytes = header(is_png ? "png" : "raw", R"(, "gravity": [0, 2, 0])");
     for (int i = 0; i < 3; ++i) bytes += is_png ? png_frame(i) : raw_frame(i);
@@ -85,7 +85,7 @@ TEST(Stream, FramesAreReadAsTheyCome) {
         EXPECT_EQ(frame.gravity->direction, Vec3d(0, 1, 0));
       }
       EXPECT_FALSE(stream.wait_for_frame({}));
-      EXPECT_EQ(stream.frame(0).depth.data, depth_of(0).data);  // all are kept
+      EXPECT_EQ(stream.frame(0).depth.data, depth_of(0).data);  // all frames are kept
     });
   }
 }
@@ -102,7 +102,7 @@ TEST(Stream, AStopEndsTheWait) {
   EXPECT_FALSE(stream->wait_for_frame(stop.get_token()));
 }
 
-TEST(Stream, OptionsGoBeforeTheHeaderAndIntrinsicsMustBeKnown) {
+TEST(Stream, OptionsOverrideTheHeaderAndIntrinsicsAreRequired) {
   const std::string bare =
       R"({"schema": "planescope.stream/1", "width": 24, "height": 16, "format": "raw"})"
       "\n";
@@ -110,15 +110,15 @@ TEST(Stream, OptionsGoBeforeTheHeaderAndIntrinsicsMustBeKnown) {
   EXPECT_EQ(message_of_stream(bare + raw_frame(1), with_intrinsics(20, 20, 12, 8)), "");
 }
 
-TEST(Stream, DamageIsNamedWithItsFrame) {
+TEST(Stream, DamageIsReportedWithItsFrame) {
   const std::string raw = header("raw") + raw_frame(0), png = header("png") + png_frame(0);
   const std::string wrong_size = text_of(Fields().sized(encode_png(Image16(16, 24, 1, 1000))).out);
   const std::string picture = text_of(Fields().sized(encode_png(Image8(24, 16, 3, 7))).out);
   const std::tuple<std::string, std::string, std::string> cases[] = {
-      {raw + raw_frame(1).substr(0, 700), "frame 1 is cut", "700 of 768 bytes"},
-      {png + png_frame(1).substr(0, 300), "frame 1 is cut", "296 of"},
-      {png + png_frame(1).substr(0, 4), "frame 1 is cut", "0 of"},
-      {png + png_frame(1).substr(0, 2), "frame 1 is cut", "2 of 4 bytes of its length"},
+      {raw + raw_frame(1).substr(0, 700), "frame 1 is truncated", "700 of 768 bytes"},
+      {png + png_frame(1).substr(0, 300), "frame 1 is truncated", "296 of"},
+      {png + png_frame(1).substr(0, 4), "frame 1 is truncated", "0 of"},
+      {png + png_frame(1).substr(0, 2), "frame 1 is truncated", "2 of 4 bytes of its length"},
       {png + std::string("\xff\xff\xff\x7f", 4), "frame 1", "a PNG of 2147483647 bytes"},
       {png + std::string(4, '\0'), "frame 1", "a PNG of 0 bytes"},
       {png + std::string("\x05\0\0\0hello", 9), "frame 1", "PNG"},

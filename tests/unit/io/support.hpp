@@ -16,7 +16,7 @@
 
 namespace planescope::io {
 
-/// An empty folder of the test that is running.
+/// An empty folder for the running test.
 inline std::filesystem::path temp_folder() {
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();
   const auto folder = temp_dir() / "planescope_recording" /
@@ -31,15 +31,15 @@ inline void write_text(const std::filesystem::path& path, const std::string& tex
   write_file_bytes(path, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
 }
 
-/// Writes a file anew. Overwriting one that exists makes some file systems wait for the disk, which
-/// loops over damaged files would feel.
+/// Writes a new file. Overwriting an existing file makes some file systems wait for the disk, which
+/// slows down loops over damaged files.
 inline void write_anew(const std::filesystem::path& path, std::span<const unsigned char> bytes) {
   std::filesystem::remove(path);
   write_file_bytes(path, bytes);
 }
 
-/// Reads copies of a file with a few changed bytes, some of them cut: each is read, or refused by
-/// an Error of one line.
+/// Reads copies of a file with a few changed bytes, some of them truncated: each is either read or
+/// rejected by an Error of one line.
 template <typename Read>
 void expect_no_harm_by_damage(const std::filesystem::path& path,
                               const std::vector<unsigned char>& good,

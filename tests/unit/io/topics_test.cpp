@@ -24,7 +24,7 @@ RecordingOptions with_topic(const std::string& topic) {
   return options;
 }
 
-/// The same messages in each container.
+/// Calls the function with the same messages in each container.
 void in_every_container(const Ros2Messages& messages,
                         const std::function<void(const fs::path&)>& check) {
   const fs::path folder = temp_folder();
@@ -44,13 +44,13 @@ Ros2Messages two_cameras() {
   return both;
 }
 
-TEST(Topics, OfTwoCamerasTheFirstIsReadWithAWarningAndTheOtherWhereItIsNamed) {
+TEST(Topics, TheFirstOfTwoCamerasIsReadWithAWarningAndTheOtherByName) {
   in_every_container(two_cameras(), [](const fs::path& path) {
     const auto first = open_recording(path);
     EXPECT_EQ(first->frame_count(), 3);
     ASSERT_EQ(first->info().warnings.size(), 1U);
     expect_one_line_with(first->info().warnings[0],
-                         {"2 cameras with depth; reading /front/depth/image_rect_raw", "--topic"});
+                         {"2 depth cameras; reading /front/depth/image_rect_raw", "--topic"});
     EXPECT_EQ(first->info().topics, (std::vector<std::string>{"/front/depth/image_rect_raw",
                                                               "/rear/depth/image_rect_raw"}));
     const auto second = open_recording(path, with_topic("/rear/depth/image_rect_raw"));
@@ -75,7 +75,7 @@ TEST(Topics, RecordingsWithoutTopicsAreRefused) {
   expect_refused(folder / "a.ply", with_topic("/depth"), {"cloud, which has no topics"});
 }
 
-TEST(Topics, AStreamOfTheSdkIsChosenByItsTopic) {
+TEST(Topics, AStreamOfTheSdkIsSelectedByItsTopic) {
   SdkBag options;
   BagWriter bag = sdk_bag(options);
   const std::string other = "/device_1/sensor_0/Depth_0";
@@ -88,10 +88,10 @@ TEST(Topics, AStreamOfTheSdkIsChosenByItsTopic) {
   ASSERT_EQ(recording->frame_count(), 1);
   EXPECT_EQ(recording->info().intrinsics.fx, 40);
   EXPECT_EQ(recording->frame(0).depth.data, depth_of(7).data);
-  EXPECT_FALSE(recording->info().has_color);  // that is the other device's
+  EXPECT_FALSE(recording->info().has_color);  // color belongs to the other device
 }
 
-TEST(Topics, ADepthTopicOfAnyNameIsReadWhereItIsNamed) {
+TEST(Topics, ADepthTopicOfAnyNameIsReadIfSelected) {
   Ros2Messages messages = realsense_ros_messages(2, "/camera");
   for (Ros2Message& message : messages)
     if (message.topic.starts_with("/camera/depth/"))
@@ -113,7 +113,7 @@ ByteVector bytes_of(const std::vector<float>& values) {
   return bytes;
 }
 
-/// Millimeters of depth_of(100) in meters, then what is not a distance.
+/// Millimeters of depth_of(100) in meters, followed by invalid values.
 std::vector<float> meters() {
   std::vector<float> values;
   for (const std::uint16_t mm : depth_of(100).data) values.push_back(0.001f * mm);
@@ -201,7 +201,7 @@ TEST(DepthInMeters, IsRoundedToAFifthOfAMillimeterAndHashedByItsBytes) {
     });
 }
 
-TEST(DepthInMeters, OfABagOfRos1IsReadAndACutImageIsRefused) {
+TEST(DepthInMeters, OfARos1BagIsReadAndATruncatedImageIsRejected) {
   for (const std::size_t missing : {0, 4}) {
     BagWriter bag;
     ImageMessage image = depth_message(100, 1000);
@@ -227,12 +227,12 @@ TEST(DepthInMeters, OfABagOfRos1IsReadAndACutImageIsRefused) {
 struct CloudMessage {
   std::string frame_id = "camera_depth_optical_frame";
   std::size_t width = 4, height = 3;
-  std::size_t padding = 8;  // bytes behind a row
+  std::size_t padding = 8;  // bytes after each row
   std::uint32_t offset_of_z = 8;
   bool has_z = true;
 };
 
-/// Points (i, 2 i, 1 + i / 8) with a color, as realsense-ros lays them out.
+/// Points (i, 2 i, 1 + i / 8) with a color, in realsense-ros's layout.
 ByteVector cloud_message(const CloudMessage& cloud,
                          testing_bags::Wire wire = testing_bags::Wire::cdr) {
   constexpr std::uint32_t kStep = 20;
@@ -267,7 +267,7 @@ Ros2Messages clouds(const CloudMessage& cloud, int count = 2) {
   return messages;
 }
 
-TEST(CloudTopic, OrganizedAndUnorganizedCloudsAreFramesInTheOrderOfTheirPoints) {
+TEST(CloudTopic, OrganizedAndUnorganizedCloudsKeepTheOrderOfTheirPoints) {
   for (const std::size_t height : {1, 3})
     in_every_container(clouds({.width = 12 / height, .height = height}), [](const fs::path& path) {
       const auto recording = open_recording(path);
@@ -285,7 +285,7 @@ TEST(CloudTopic, OrganizedAndUnorganizedCloudsAreFramesInTheOrderOfTheirPoints) 
     });
 }
 
-TEST(CloudTopic, InAnOpticalFrameYIsDownAndElsewhereZIsUp) {
+TEST(CloudTopic, InAnOpticalFrameYPointsDownAndOtherwiseZPointsUp) {
   const auto gravity_of = [](const std::string& frame_id) {
     const fs::path path = temp_folder() / "a.mcap";
     write_mcap(path, clouds({.frame_id = frame_id}));
@@ -296,7 +296,7 @@ TEST(CloudTopic, InAnOpticalFrameYIsDownAndElsewhereZIsUp) {
   EXPECT_EQ(gravity_of("velodyne").direction, Vec3d(0, 0, -1));
 }
 
-TEST(CloudTopic, GravityComesFromAnAccelerometerThatTransformsPlace) {
+TEST(CloudTopic, GravityComesFromAnAccelerometerWithTransforms) {
   Ros2Messages messages = clouds({});
   Pose T_depth_accel = Pose::Identity();
   T_depth_accel.linear() = Eigen::AngleAxisd(M_PI / 2, Vec3d::UnitX()).toRotationMatrix();
@@ -316,7 +316,7 @@ TEST(CloudTopic, GravityComesFromAnAccelerometerThatTransformsPlace) {
   EXPECT_TRUE(gravity()->direction.isApprox(Vec3d(0, 1, 0), 1e-9));
 }
 
-TEST(CloudTopic, DepthImagesGoBeforeCloudsUnlessTheirTopicIsNamed) {
+TEST(CloudTopic, DepthImagesArePreferredToCloudsUnlessSelected) {
   Ros2Messages messages = realsense_ros_messages(3, "/camera");
   const Ros2Messages more = clouds({});
   messages.insert(messages.end(), more.begin(), more.end());
@@ -331,7 +331,7 @@ TEST(CloudTopic, DepthImagesGoBeforeCloudsUnlessTheirTopicIsNamed) {
   });
 }
 
-TEST(CloudTopic, FieldsThatCannotBeUsedAndCutCloudsAreRefused) {
+TEST(CloudTopic, UnsupportedFieldsAndTruncatedCloudsAreRejected) {
   const fs::path path = temp_folder() / "a.mcap";
   write_mcap(path, clouds({.has_z = false}));
   expect_refused(path, {"cloud 0 on /camera/depth/color/points", "expected x, y and z"});
@@ -351,9 +351,9 @@ TEST(CloudTopic, FieldsThatCannotBeUsedAndCutCloudsAreRefused) {
   }
 }
 
-// ---- MCAP files with a summary that says little, or much ----
+// ---- MCAP files with a minimal or huge summary ----
 
-TEST(McapSummary, WithoutStatisticsTheFileIsWalked) {
+TEST(McapSummary, WithoutStatisticsTheFileIsScanned) {
   const fs::path path = temp_folder() / "a.mcap";
   for (const std::size_t in_chunk : {0, 3}) {
     McapForm form{"", in_chunk, true, "cdr"};
@@ -365,8 +365,8 @@ TEST(McapSummary, WithoutStatisticsTheFileIsWalked) {
   }
 }
 
-/// Work that grows with the square of the channels would take hours.
-TEST(McapSummary, SixtyFiveThousandChannelsAreOpened) {
+/// Quadratic work in the number of channels would take hours.
+TEST(McapSummary, WithSixtyFiveThousandChannelsOpens) {
   const fs::path path = temp_folder() / "a.mcap";
   const Ros2Messages depth = realsense_ros_messages(1, "/camera");
   for (const std::size_t in_chunk : {0, 1000}) {
@@ -377,7 +377,7 @@ TEST(McapSummary, SixtyFiveThousandChannelsAreOpened) {
            kImage, kStart_ns, ByteVector(8, 0)});
     write_mcap(path, messages, {"", in_chunk, true, "cdr"});
     EXPECT_EQ(open_recording(path)->frame(0).depth.data, depth_of(100).data);
-    // An error names a few of them.
+    // The error lists some of them.
     const std::string message =
         message_of([&] { open_recording(path, with_topic("/camera_7/color/image_raw")); });
     expect_one_line_with(message, {"--topic"});

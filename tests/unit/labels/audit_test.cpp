@@ -14,7 +14,7 @@
 namespace planescope::labels {
 namespace {
 
-/// A floor and a wall, seen with a D435's noise, and all of both labelled as it is.
+/// A floor and a wall, seen with a D435's noise and labeled correctly.
 class AuditTest : public testing::Test {
  protected:
   void SetUp() override { look(0.06); }
@@ -51,7 +51,7 @@ class AuditTest : public testing::Test {
         if (const std::size_t i = y * grid.width + x; grid.measured[i]) change(i);
   }
 
-  /// The only finding of the labels.
+  /// Expects a single finding and returns it.
   Finding only() {
     const auto findings = audit_labels(labels, grid);
     EXPECT_EQ(findings.size(), 1u);
@@ -86,10 +86,10 @@ TEST_F(AuditTest, APlaneOverACornerDoesNotFit) {
   EXPECT_EQ(findings[0].plane, 1);
   EXPECT_GT(findings[0].value, 50);
   EXPECT_TRUE(findings[0].text.starts_with("P1: RMS ")) << findings[0].text;
-  EXPECT_NE(findings[0].text.find("mm, expected at most"), std::string::npos);
+  EXPECT_NE(findings[0].text.find("mm; expected at most"), std::string::npos);
 }
 
-TEST_F(AuditTest, AStrokeThatSlippedOntoAnotherSurfaceIsAmongTheOutliers) {
+TEST_F(AuditTest, AStrokeOntoAnotherSurfaceIsAmongTheOutliers) {
   in_box(240, 0, 400, 40, [&](std::size_t i) { set(i, 1, 1); });  // of the wall
   const auto findings = audit_labels(labels, grid);
   const auto outliers = std::ranges::find(findings, FindingKind::outliers, &Finding::kind);
@@ -100,7 +100,7 @@ TEST_F(AuditTest, AStrokeThatSlippedOntoAnotherSurfaceIsAmongTheOutliers) {
   EXPECT_LT(outliers->pixel / 640, 40u);
 }
 
-TEST_F(AuditTest, PartsThatLieApartAreCountedOnlyBeyondTheGap) {
+TEST_F(AuditTest, SeparatePartsAreCountedOnlyBeyondTheGap) {
   in_box(0, 0, 640, 480, [&](std::size_t i) {
     if (labels.plane.data[i] == 2) set(i, 0, kHvIgnore);
   });
@@ -128,7 +128,7 @@ TEST_F(AuditTest, APlaneOfAFewPixelsIsTiny) {
   EXPECT_EQ(finding.pixels.size(), 144u);
 }
 
-TEST_F(AuditTest, AClassThatTheTiltContradictsIsNamed) {
+TEST_F(AuditTest, AClassThatContradictsTheTiltIsReported) {
   labels.planes[0].label = Label::v;
   Finding finding = only();
   EXPECT_EQ(finding.kind, FindingKind::class_normal);
@@ -140,7 +140,7 @@ TEST_F(AuditTest, AClassThatTheTiltContradictsIsNamed) {
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }
 
-TEST_F(AuditTest, AnUnlabelledRegionIsNamedAndStripsAreNot) {
+TEST_F(AuditTest, AnUnlabeledRegionIsReportedAndStripsAreNot) {
   for (int x = 0; x + 3 <= 640; x += 9)
     in_box(x, 0, x + 3, 480, [&](std::size_t i) { set(i, 0, 0); });
   auto findings = audit_labels(labels, grid);
@@ -159,7 +159,7 @@ TEST_F(AuditTest, AnUnlabelledRegionIsNamedAndStripsAreNot) {
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }
 
-TEST_F(AuditTest, WhatWasDrawnWithAnotherCameraIsNamed) {
+TEST_F(AuditTest, LabelsOfAnotherCameraAreReported) {
   labels.intrinsics.fx *= 1.5;
   labels.depth_unit_m = 2 * grid.depth_unit_m;
   const auto findings = audit_labels(labels, grid);
@@ -170,11 +170,11 @@ TEST_F(AuditTest, WhatWasDrawnWithAnotherCameraIsNamed) {
     EXPECT_NE(finding.text.find("drawn with"), std::string::npos) << finding.text;
   }
   labels.intrinsics = grid.intrinsics;
-  labels.depth_unit_m = 0;  // an older file does not say
+  labels.depth_unit_m = 0;  // an older file without this field
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }
 
-TEST_F(AuditTest, ARegionThatAReviewerKeptWithoutAPlaneIsNoHint) {
+TEST_F(AuditTest, ARegionThatAReviewerKeptUnlabeledIsNotReported) {
   in_box(200, 300, 400, 400, [&](std::size_t i) { set(i, 0, 0); });
   const Finding finding = only();
   FrameLabels decided = labels;
@@ -189,8 +189,8 @@ TEST_F(AuditTest, ARegionThatAReviewerKeptWithoutAPlaneIsNoHint) {
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }
 
-TEST(Clutter, IsNoHintWhereNoPlaneHoldsMostOfIt) {
-  // A heap of things before a wall: steps of 5 cm from one to the next.
+TEST(Clutter, IsNotReportedUnlessOnePlaneContainsMostOfIt) {
+  // A pile of objects in front of a wall: steps of 5 cm from one to the next.
   const auto depth = [](bool heap) {
     return [heap](int u, int v) {
       const bool inside = u >= 30 && u < 90 && v >= 20 && v < 80;
@@ -230,7 +230,7 @@ TEST_F(AuditTest, StatisticsCountPixelsPlanesAndArea) {
 }
 
 TEST(PixelDepth, TheDeepestPixelIsFarthestFromTheOutside) {
-  PixelSet ring;  // a 9x9 square in a 12x10 image, its lower right quarter left out
+  PixelSet ring;  // a 9x9 square in a 12x10 image, without its lower right quarter
   for (std::uint32_t y = 0; y < 9; ++y)
     for (std::uint32_t x = 0; x < 9; ++x)
       if (x < 6 || y < 6) ring.push_back(y * 12 + x);
@@ -240,8 +240,8 @@ TEST(PixelDepth, TheDeepestPixelIsFarthestFromTheOutside) {
   EXPECT_EQ(deepest_pixel(one, grid), 119u);
 }
 
-TEST(PixelDepth, PartsNearerThanTheGapAreOne) {
-  const std::vector<std::uint32_t> pixels = {0, 5, 12};  // of a row of 20
+TEST(PixelDepth, PartsCloserThanTheGapAreOne) {
+  const std::vector<std::uint32_t> pixels = {0, 5, 12};  // in a row of 20
   const LabelGrid row = test::wall_grid(20, 1);
   EXPECT_EQ(parts_apart(pixels, row, 4).size(), 3u);
   EXPECT_EQ(parts_apart(pixels, row, 6).size(), 2u);

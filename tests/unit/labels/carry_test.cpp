@@ -1,4 +1,4 @@
-// Labels carried to the next frame, and proposed in all frames whose pose is known.
+// Labels carried to the next frame, and proposed for all frames with a known pose.
 
 #include "core/labels/review/carry.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using test::TrueFrame;
 
-/// Two views of a scene, the second 3 cm and about 1.5 degrees on.
+/// Two views of a scene, which differ by 3 cm and about 1.5 degrees.
 struct Step {
   TrueFrame from, to;
   Pose T_to_from;
@@ -71,7 +71,7 @@ FrameLabels left_half(const Step& step, int& plane, int column) {
                  PaintMode::over);
 }
 
-TEST(Carry, PlanesGrowToTheNewFramesEdgeButNotOverABorderThatWasDrawn) {
+TEST(Carry, PlanesGrowToTheNewFramesEdgeButNotAcrossADrawnBorder) {
   Step step = step_in("corner", false);
   const lab::Scene scene = lab::make_scene("corner", 1);
   lab::CameraPose turned = scene.camera;
@@ -105,7 +105,7 @@ TEST(Carry, PlanesGrowToTheNewFramesEdgeButNotOverABorderThatWasDrawn) {
   EXPECT_LT(beyond, 20u);
 }
 
-TEST(Carry, RepeatsBitByBit) {
+TEST(Carry, IsReproducible) {
   const Step step = step_in("stairs", true);
   const FrameLabels blank = empty_labels(step.to.grid, "");
   const CarriedLabels first = carry(step, step.from.truth, blank);
@@ -116,7 +116,7 @@ TEST(Carry, RepeatsBitByBit) {
   EXPECT_EQ(first.doubt, second.doubt);
 }
 
-TEST(Carry, WhatIsLabelledAlreadyStays) {
+TEST(Carry, ExistingLabelsAreKept) {
   const Step step = step_in("corner", false);
   const FrameLabels blank = empty_labels(step.to.grid, "");
   const PixelSet mine = test::rectangle(step.to.grid, 300, 300, 340, 340);
@@ -127,9 +127,9 @@ TEST(Carry, WhatIsLabelledAlreadyStays) {
   EXPECT_EQ(find_plane(carried.labels, 1)->origin, LabelOrigin::hand);
 }
 
-TEST(Carry, APlaneThatIsNoLongerThereIsLeftToTheUser) {
+TEST(Carry, APlaneThatDisappearedIsLeftToTheUser) {
   Step step = step_in("corner", false);
-  // Something else lies where the plane was: all of its labels are wrong.
+  // Another object is at the plane's position, so all of its labels are wrong.
   FrameLabels labels = empty_labels(step.from.grid, "");
   PixelSet slanted;
   for (const std::uint32_t i : test::rectangle(step.from.grid, 200, 200, 400, 400))
@@ -157,7 +157,7 @@ TEST(Carry, IgnoredPixelsAndClassesWithoutAPlaneAreCarriedToo) {
   EXPECT_GT(std::ranges::count(carried.labels.hv.data, 1), 8000);
 }
 
-TEST(Carry, FramesThatShowDifferentThingsAreRefused) {
+TEST(Carry, FramesOfDifferentScenesAreRejected) {
   Step step = step_in("corner", false);
   const lab::Scene other = lab::make_scene("stairs", 4);
   step.to = test::view_of(other, other.camera, false);
@@ -173,7 +173,7 @@ TEST(Carry, FramesThatShowDifferentThingsAreRefused) {
   }
 }
 
-TEST(Carry, StopsWhenItIsTold) {
+TEST(Carry, CanBeStopped) {
   const Step step = step_in("corner", false);
   std::stop_source stop;
   stop.request_stop();
@@ -182,7 +182,7 @@ TEST(Carry, StopsWhenItIsTold) {
                Cancelled);
 }
 
-/// A camera that goes past boxes; frame 2 has no pose.
+/// A camera that moves past boxes; frame 2 has no pose.
 struct Walk {
   std::vector<TrueFrame> frames;
   std::vector<Pose> poses;
@@ -245,7 +245,7 @@ TEST(Spread, LabelsOfOneFrameLandOnTheirPlanesInAllOthersWithAPose) {
   }
 }
 
-TEST(Spread, LeavesWhatIsLabelledAlreadyAndStops) {
+TEST(Spread, KeepsExistingLabelsAndCanBeStopped) {
   SpreadJob job = walk().job(1);
   const auto open = job.open;
   job.open = [&](int i) {

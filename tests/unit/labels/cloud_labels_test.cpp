@@ -44,7 +44,7 @@ FrameLabels truth_of(const TrueCloud& cloud) {
   return labels;
 }
 
-/// Nothing but P1 on these points.
+/// Labels with only plane P1, on these points.
 FrameLabels one_plane(const TrueCloud& cloud, const PixelSet& points) {
   return painted(empty_labels(cloud.grid, kHash), cloud.grid, points, {.plane = 1},
                  PaintMode::over);
@@ -58,7 +58,7 @@ std::optional<WandResult> wand(const TrueCloud& cloud,
   return grow_plane(cloud.grid, labels, seeds, options);
 }
 
-TEST(CloudGrid, KnowsSpacingNoiseNormalsAndAreas) {
+TEST(CloudGrid, MeasuresSpacingNoiseNormalsAndAreas) {
   const TrueCloud cloud = stair_cloud();
   const LabelGrid& grid = cloud.grid;
   EXPECT_TRUE(grid.is_cloud());
@@ -70,11 +70,11 @@ TEST(CloudGrid, KnowsSpacingNoiseNormalsAndAreas) {
   EXPECT_NEAR(grid.area_m2(cloud.on(1)), 1, 0.1);
 }
 
-TEST(CloudGrid, PointsAtOnePlaceAreNeighboursAndShareTheirArea) {
+TEST(CloudGrid, CoincidentPointsAreNeighborsAndShareTheirArea) {
   TrueCloud cloud = stair_cloud();
   PointSet& set = *cloud.frame.cloud;
   const std::size_t before = set.points.size();
-  const auto once = set.points;  // a mesh has each corner several times
+  const auto once = set.points;  // a mesh contains each corner several times
   for (int times = 0; times < 5; ++times)
     set.points.insert(set.points.end(), once.begin(), once.end());
   const LabelGrid grid = make_label_grid(cloud.frame, test::down());
@@ -89,7 +89,7 @@ TEST(CloudGrid, PointsAtOnePlaceAreNeighboursAndShareTheirArea) {
   EXPECT_GT(test::iou(found->pixels, floor), 0.97);
 }
 
-TEST(CloudGrid, PointsThatAreNoneHaveNoNeighbours) {
+TEST(CloudGrid, InvalidPointsHaveNoNeighbors) {
   TrueCloud cloud = stair_cloud();
   cloud.frame.cloud->points[5] = Vec3f(0, 0, 0);
   cloud.frame.cloud->points[9] = Vec3f::Constant(std::nanf(""));
@@ -119,7 +119,7 @@ TEST(CloudWand, AllowsForTheNoiseOfTheCloud) {
   EXPECT_GT(test::iou(found->pixels, cloud.on(1)), 0.9);
 }
 
-TEST(CloudWand, LeavesLabelledPointsAndWhatIsOutsideOfTheLasso) {
+TEST(CloudWand, KeepsLabeledPointsAndStaysWithinTheLasso) {
   const TrueCloud cloud = stair_cloud();
   PixelSet left;
   for (const std::uint32_t i : cloud.on(1))
@@ -137,7 +137,7 @@ TEST(CloudWand, LeavesLabelledPointsAndWhatIsOutsideOfTheLasso) {
   EXPECT_GT(test::iou(inside->pixels, left), 0.97);
 }
 
-TEST(CloudWand, AFurtherClickAddsAPartOfThePlaneThatIsCutOff) {
+TEST(CloudWand, AnotherClickAddsASeparatePartOfThePlane) {
   const TrueCloud cloud =
       stair_cloud(0.001, [](const Vec3f& p) { return std::abs(p.x() - 0.5f) < 0.1f; });
   const std::uint32_t first = cloud.at({0.2f, 0.5f, 0}), second = cloud.at({0.8f, 0.5f, 0});
@@ -150,7 +150,7 @@ TEST(CloudWand, AFurtherClickAddsAPartOfThePlaneThatIsCutOff) {
   EXPECT_GT(whole->fragment_pixels[1], 100u);
 }
 
-TEST(CloudWand, SaysWhereThereIsNoPlane) {
+TEST(CloudWand, ReportsWhyThereIsNoPlane) {
   TrueCloud cloud;
   Random random(3);
   cloud.frame.cloud.emplace();
@@ -218,13 +218,13 @@ TEST(CloudOperations, PartsBecomePlanesAndFragmentsAreCounted) {
   EXPECT_GT(split.planes[0].normal.z(), 0.99) << "normals of a cloud are on the upper side";
 }
 
-TEST(CloudSelection, VisibleOnlyLeavesWhatLiesBelowTheSurface) {
+TEST(CloudSelection, VisibleOnlyExcludesPointsBelowTheSurface) {
   TrueCloud cloud = stair_cloud();
   const std::size_t floor = cloud.on(1).size();
-  for (const std::uint32_t i : cloud.on(1))  // a ceiling of a cellar
+  for (const std::uint32_t i : cloud.on(1))  // a ceiling below the floor
     cloud.frame.cloud->points.push_back(cloud.grid.points[i] - Vec3f(0, 0, 0.5f));
   const LabelGrid grid = make_label_grid(cloud.frame, test::down());
-  SpaceView view = view_of_points(grid);  // from above: x, y -> the picture, z -> nearer
+  SpaceView view = view_of_points(grid);  // from above: x, y in the picture, larger z is nearer
   view.clip_from_sensor << 1.6f, 0, 0, -0.8f, 0, 1.2f, 0, -0.95f, 0, 0, -0.5f, 0, 0, 0, 0, 1;
   view.width = view.height = 400;
   view.orthographic = true;
@@ -254,7 +254,7 @@ TEST(CloudReview, RegionsAreFoundAndThinOnesAreBoundaries) {
   EXPECT_EQ(found[1].kind, DisagreementKind::boundary);
 }
 
-TEST(CloudAudit, GoodLabelsHaveNoFindingsAndAnUnlabelledTreadIsHintedAt) {
+TEST(CloudAudit, GoodLabelsHaveNoFindingsAndAnUnlabeledTreadIsReported) {
   const TrueCloud cloud = stair_cloud();
   FrameLabels labels = truth_of(cloud);
   EXPECT_TRUE(audit_labels(labels, cloud.grid).empty());
@@ -264,7 +264,7 @@ TEST(CloudAudit, GoodLabelsHaveNoFindingsAndAnUnlabelledTreadIsHintedAt) {
   EXPECT_EQ(findings[0].kind, FindingKind::unlabelled);
 }
 
-TEST(CloudFiles, LabelsAreReadAsTheyWereWrittenAboutTheirOrigin) {
+TEST(CloudFiles, LabelsAreReadBackWithTheirOrigin) {
   TrueCloud cloud = stair_cloud();
   cloud.frame.cloud->origin = Vec3d(500000, 200000, 50);
   cloud.grid = make_label_grid(cloud.frame, test::down());
@@ -287,15 +287,15 @@ TEST(CloudFiles, LabelsAreReadAsTheyWereWrittenAboutTheirOrigin) {
   EXPECT_EQ(store.open(0, empty_labels(cloud.grid, kHash))->origin, cloud.frame.cloud->origin);
 }
 
-TEST(CloudFiles, LabelsOfAnotherCloudAreRefusedWithBothNumbersOfPoints) {
+TEST(CloudFiles, LabelsOfAnotherCloudAreRejectedWithBothNumbersOfPoints) {
   const TrueCloud cloud = stair_cloud();
   const fs::path dir = fresh("other");
   write_frame_labels(dir, 0, truth_of(cloud));
   TrueCloud other = stair_cloud();
   other.frame.cloud->points.pop_back();
   const std::size_t had = cloud.grid.pixels();
-  const std::string expected = "000000.json: made for a cloud of " + std::to_string(had) +
-                               " points, this recording's frame has " + std::to_string(had - 1);
+  const std::string expected = "000000.json: created for a cloud of " + std::to_string(had) +
+                               " points, but this recording's frame has " + std::to_string(had - 1);
   expect_refused([&] { frame_truth(other.frame, dir, kHash); }, expected);
   const LabelGrid grid = make_label_grid(other.frame, test::down());
   LabelStore store(dir, {"ann", {}});
@@ -303,10 +303,11 @@ TEST(CloudFiles, LabelsOfAnotherCloudAreRefusedWithBothNumbersOfPoints) {
   expect_refused([&] { read_frame_labels(dir, 0, std::string(64, 'b')); },
                  "a cloud of " + std::to_string(had) + " points with SHA-256");
   const Frame depth = test::frame_of(40, 30, [](int, int) { return 1.0; });
-  expect_refused([&] { frame_truth(depth, dir, kHash); }, "are of a cloud, the frame is a depth");
+  expect_refused([&] { frame_truth(depth, dir, kHash); },
+                 "are for a cloud, but the frame is a depth");
 }
 
-TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBehindTheLastPointAreRefused) {
+TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBeyondTheLastPointAreRejected) {
   const TrueCloud cloud = stair_cloud();
   const fs::path dir = fresh("damaged");
   const FrameLabels labels = truth_of(cloud);
@@ -314,9 +315,9 @@ TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBehindTheLastPointAreRefused) {
   Image16 image = io::read_png_16(dir / "000000.plane.png");
   image.data.back() = 1;
   io::write_png(dir / "000000.plane.png", image);
-  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "behind the last of");
+  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "after the last of");
   io::write_png(dir / "000000.plane.png", Image16(17, 4));
-  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "17x4 pixels, its frame has 1024x");
+  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "17x4 pixels, but its frame has 1024x");
 }
 
 TEST(CloudExchange, EveryPointHasItsLabelInTheOrderOfTheCloud) {
@@ -345,17 +346,17 @@ TEST(CloudExchange, EveryPointHasItsLabelInTheOrderOfTheCloud) {
       "coco needs pixels");
 }
 
-TEST(CloudExchange, LabelsOfAnotherNumberOfPointsOrOfPixelsAreRefused) {
+TEST(CloudExchange, LabelsOfAnotherNumberOfPointsOrPixelsAreRejected) {
   const TrueCloud cloud = stair_cloud();
   LabelledPoints fewer;
   fewer.instance.assign(12, 1);
-  expect_refused(
-      [&] { labels_of_points(fewer, cloud.grid, kHash, "a.label"); },
-      "a.label: labels of 12 points, the frame's cloud has " + std::to_string(cloud.grid.pixels()));
+  expect_refused([&] { labels_of_points(fewer, cloud.grid, kHash, "a.label"); },
+                 "a.label: labels of 12 points, but the frame's cloud has " +
+                     std::to_string(cloud.grid.pixels()));
   const LabelGrid depth = test::wall_grid();
   const LabelledPoints pixels = points_of_labels(empty_labels(depth, kHash), depth);
   expect_refused([&] { labels_of_points(pixels, cloud.grid, kHash, "a.ply"); },
-                 "labels of the pixels of a depth image, the frame is a cloud");
+                 "labels of a depth image, but the frame is a cloud");
 }
 
 }  // namespace

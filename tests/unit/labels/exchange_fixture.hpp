@@ -1,6 +1,6 @@
 #pragma once
 
-// A small frame with holes, random labels on it, and a folder for their files.
+// A small frame with holes, random labels for it, and a folder for their files.
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ inline LabelGrid random_grid(Random& random, int width = 31, int height = 22) {
   return make_label_grid(frame, gravity);
 }
 
-/// Planes, class alone, "do not score" and nothing, all of it on measured pixels.
+/// Planes, class only, "do not score" and unlabeled, on measured pixels only.
 inline FrameLabels random_labels(const LabelGrid& grid, Random& random) {
   FrameLabels labels = empty_labels(grid, kHash);
   for (int i = 0; i < 15; ++i) labels = after_random_gesture(labels, random);
@@ -63,7 +63,7 @@ struct Exchange : testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(dir); }
 
-  /// Out to files and back onto the frame.
+  /// Writes the labels to files and reads them back for the frame.
   FrameLabels there_and_back(LabelFormat format) {
     const auto paths = write_labelled(dir / "frame", format, points_of_labels(labels, grid));
     return labels_of_points(read_labelled(paths.back(), format), grid, kHash, paths[0].string());

@@ -1,4 +1,4 @@
-// Other tools' formats, there and back; nothing that a damaged or hostile file says is trusted.
+// Other tools' formats: round trips, and damaged or hostile files.
 
 #include "core/labels/exchange/exchange.hpp"
 
@@ -48,7 +48,7 @@ TEST_F(Exchange, AFrameWithoutLabelsComesBackWithoutLabels) {
   }
 }
 
-TEST_F(Exchange, EvopsBringsBackPlanesWithoutAClassWhereNobodyKnowsGravity) {
+TEST_F(Exchange, EvopsRestoresPlanesWithoutAClassIfGravityIsUnknown) {
   grid.gravity.source = GravitySource::none;
   const FrameLabels back = there_and_back(LabelFormat::evops);
   ASSERT_FALSE(back.planes.empty());
@@ -56,7 +56,7 @@ TEST_F(Exchange, EvopsBringsBackPlanesWithoutAClassWhereNobodyKnowsGravity) {
   for (const std::uint8_t hv : back.hv.data) EXPECT_TRUE(hv == 0 || hv == kHvIgnore);
 }
 
-TEST_F(Exchange, EvopsBringsBackPlanesAndTheirClassByTilt) {
+TEST_F(Exchange, EvopsRestoresPlanesAndTheirClassByTilt) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(seed);
     make(seed);
@@ -85,7 +85,7 @@ TEST_F(Exchange, TheSameLabelsMakeTheSameBytes) {
   }
 }
 
-TEST_F(Exchange, SemanticKittiIsAsItsOwnToolsReadIt) {
+TEST_F(Exchange, SemanticKittiIsReadableByItsOwnTools) {
   const auto paths =
       write_labelled(dir / "000007", LabelFormat::kitti, points_of_labels(labels, grid));
   const test::SemanticKitti scan =
@@ -150,7 +150,7 @@ TEST_F(Exchange, CocoHasAMaskABoxAndThePlaneOfEachAnnotation) {
     EXPECT_EQ(seen[i], labels.plane.data[i] || labels.hv.data[i] ? 1 : 0);
 }
 
-TEST_F(Exchange, VoxelsAreUprightAndHaveTheMajorityOfTheirPoints) {
+TEST_F(Exchange, VoxelsAreUprightAndHaveTheMajorityLabelOfTheirPoints) {
   labels = empty_labels(grid, kHash);
   for (std::size_t i = 0; i < grid.pixels(); ++i) {
     if (!grid.measured[i]) continue;
@@ -170,10 +170,10 @@ TEST_F(Exchange, VoxelsAreUprightAndHaveTheMajorityOfTheirPoints) {
       EXPECT_EQ(voxels.label[i], x > 0 ? 2 : 1);
     }
   }
-  expect_refused([&] { read_labelled(paths[0], LabelFormat::voxels); }, "not read back");
+  expect_refused([&] { read_labelled(paths[0], LabelFormat::voxels); }, "but not read");
 }
 
-TEST_F(Exchange, LabelsOfAnotherFrameAreRefused) {
+TEST_F(Exchange, LabelsOfAnotherFrameAreRejected) {
   const LabelGrid other = random_grid(random);
   const LabelGrid larger = random_grid(random, 40, 30);
   const LabelledPoints points = points_of_labels(labels, grid);
@@ -181,39 +181,39 @@ TEST_F(Exchange, LabelsOfAnotherFrameAreRefused) {
     return [&p, &g] { labels_of_points(p, g, kHash, "x.ply"); };
   };
   expect_refused(onto(points, larger),
-                 "x.ply: labels of a depth image of 31x22, the frame's is 40x30");
-  expect_refused(onto(points, other), "labels of another frame");
+                 "x.ply: labels of 31x22, but the frame's depth image is 40x30");
+  expect_refused(onto(points, other), "labels of a different frame");
   LabelledPoints bare = points;
   bare.pixel.clear();
   bare.points.clear();
   bare.width = bare.height = 0;
-  expect_refused(onto(bare, larger), "points, expected");
+  expect_refused(onto(bare, larger), "points; expected");
   LabelledPoints twice = points;
   twice.pixel[5] = twice.pixel[4];
-  expect_refused(onto(twice, grid), "is there twice");
+  expect_refused(onto(twice, grid), "appears twice");
   LabelledPoints outside = points;
   outside.width = 0;
   outside.pixel[5] = {31, 2};
-  expect_refused(onto(outside, grid), "pixel (31, 2), the frame's depth is 31x22");
+  expect_refused(onto(outside, grid), "pixel (31, 2) is outside the frame's depth image of 31x22");
 }
 
-TEST_F(Exchange, PointsThatATurnSetUprightKeepTheirLabels) {
+TEST_F(Exchange, RotatedPointsKeepTheirLabels) {
   LabelledPoints points = points_of_labels(labels, grid);
   for (Vec3f& point : points.points) point = points.T_world_sensor.cast<float>() * point;
   points.pixel.clear();
   expect_same_pixels(labels_of_points(points, grid, kHash, "x"), labels);
 }
 
-TEST_F(Exchange, ListsOfAllPixelsAreTakenToo) {
+TEST_F(Exchange, ListsOfAllPixelsAreAccepted) {
   LabelledPoints points;
   points.instance.assign(labels.plane.data.begin(), labels.plane.data.end());
   points.label = labels.hv.data;
   for (std::size_t i = 0; i < grid.pixels(); ++i)
-    if (!grid.measured[i]) points.instance[i] = 3;  // what has no depth keeps no label
+    if (!grid.measured[i]) points.instance[i] = 3;  // pixels without depth have no label
   expect_same_pixels(labels_of_points(points, grid, kHash, "x"), labels);
 }
 
-TEST_F(Exchange, AFormatThatNeedsMoreThanThereIsSaysWhat) {
+TEST_F(Exchange, AFormatReportsMissingData) {
   LabelledPoints points;
   points.instance = {1, 2, 2};
   expect_refused([&] { write_labelled(dir / "a", LabelFormat::ply, points); },
@@ -221,7 +221,8 @@ TEST_F(Exchange, AFormatThatNeedsMoreThanThereIsSaysWhat) {
   expect_refused([&] { write_labelled(dir / "a", LabelFormat::coco, points); },
                  "coco needs pixels and the size");
   expect_refused([&] { parse_label_format("kiti"); }, "expected one of evops, ply, pcd, kitti");
-  expect_refused([&] { label_format_of("a.txt"); }, "a.txt: expected a name that ends in .npy");
+  expect_refused([&] { label_format_of("a.txt"); },
+                 "a.txt: unknown extension; expected a name that ends in .npy");
   expect_refused([&] { write_labelled(dir / "none/a", LabelFormat::evops, points); },
                  "none/a.npy: cannot be written");
 }
@@ -267,7 +268,7 @@ struct ExchangeDamage : Exchange {
   }
 };
 
-TEST_F(ExchangeDamage, ArraysOfAnyKindOfWholeNumberAreRead) {
+TEST_F(ExchangeDamage, ArraysOfAnyIntegerTypeAreRead) {
   const std::vector<std::int32_t> expected = {1, 0, 7};
   EXPECT_EQ(ids(npy_of("<f8", "3,", raw<double>({1, 0, 7}))), expected);
   EXPECT_EQ(ids(npy_of("<f4", "3", raw<float>({1, 0, 7}))), expected);
@@ -279,33 +280,32 @@ TEST_F(ExchangeDamage, ArraysOfAnyKindOfWholeNumberAreRead) {
             expected);
 }
 
-TEST_F(ExchangeDamage, ArraysThatAreNoPlaneIdsAreRefused) {
-  expect_bad("a.npy", "", "cut within its header");
+TEST_F(ExchangeDamage, ArraysThatAreNotPlaneIdsAreRejected) {
+  expect_bad("a.npy", "", "truncated within its header");
   expect_bad("a.npy", "not NumPy at all", "not an NPY file");
-  expect_bad("a.npy", npy("{}", "", 3), "NPY version 3.0, expected 1.0 or 2.0");
+  expect_bad("a.npy", npy("{}", "", 3), "NPY version 3.0; expected 1.0 or 2.0");
   expect_bad("a.npy", npy("{'descr': '<i4'", ""), "its header is damaged");
   expect_bad("a.npy", npy("{'descr': '<i4', }", ""), "lacks descr, fortran_order or shape");
   expect_bad("a.npy", npy("{'descr': [('x', '<f4')], }", ""), "expected a string");
-  expect_bad("a.npy", npy_of("<c8", "1,", "12345678"), "\"<c8\", expected whole numbers");
+  expect_bad("a.npy", npy_of("<c8", "1,", "12345678"), "\"<c8\"; expected whole numbers");
   expect_bad("a.npy", npy_of("<i4", "3,", "12345678"), "promises 12 bytes of values, 8 follow");
-  expect_bad("a.npy", npy_of("<i4", "4611686018427387904,", ""),
-             "more bytes than there are numbers");
+  expect_bad("a.npy", npy_of("<i4", "4611686018427387904,", ""), "declares too many bytes");
   expect_bad("a.npy", npy_of("<i4", "99999999999999999999999,", ""), "damaged shape");
-  expect_bad("a.npy", npy_of("<i4", "2, 1", "12345678"), "2 dimensions, expected one plane id");
-  expect_bad("a.npy", npy_of("<f8", "2,", raw<double>({1, 1.5})), "1.5 at place 1");
-  expect_bad("a.npy", npy_of("<f8", "1,", raw<double>({NAN})), "nan at place 0");
+  expect_bad("a.npy", npy_of("<i4", "2, 1", "12345678"), "2 dimensions; expected one plane id");
+  expect_bad("a.npy", npy_of("<f8", "2,", raw<double>({1, 1.5})), "1.5 at index 1");
+  expect_bad("a.npy", npy_of("<f8", "1,", raw<double>({NAN})), "nan at index 0");
   expect_bad("a.npy", npy_of("<i4", "1,", raw<int>({-1})),
-             "-1 at place 0, expected a whole number");
-  expect_bad("a.npy", npy_of("<i4", "1,", raw<int>({65536})), "65536 at place 0");
+             "-1 at index 0; expected a whole number");
+  expect_bad("a.npy", npy_of("<i4", "1,", raw<int>({65536})), "65536 at index 0");
   expect_bad("a.npy", npy_of("|u1", "33554433,", std::string(33554433, '\0')),
-             "33554433 points, expected at most 33554432");
+             "33554433 points; expected at most 33554432");
 }
 
-TEST_F(ExchangeDamage, KittiFilesThatDoNotGoTogetherAreRefused) {
+TEST_F(ExchangeDamage, InconsistentKittiFilesAreRejected) {
   write_text(dir / "k.bin", std::string(32, '\0'));
-  expect_bad("k.label", std::string(7, '\0'), "k.label: 7 bytes, expected a multiple of 4");
+  expect_bad("k.label", std::string(7, '\0'), "k.label: 7 bytes; expected a multiple of 4");
   expect_bad("k.label", std::string(4, '\0'), "labels of 1 points");
-  expect_bad("k.label", raw<unsigned>({1, 40}), "class 40 at place 1, expected 0 (unknown)");
+  expect_bad("k.label", raw<unsigned>({1, 40}), "class 40 at index 1; expected 0 (unknown)");
   write_text(dir / "k.bin", std::string(30, '\0'));
   expect_bad("k.label", std::string(8, '\0'), "k.bin: 30 bytes");
   std::filesystem::remove(dir / "k.bin");
@@ -314,19 +314,19 @@ TEST_F(ExchangeDamage, KittiFilesThatDoNotGoTogetherAreRefused) {
   expect_refused([&] { read_labelled(dir / "none.bin", LabelFormat::kitti); }, "none.label");
 }
 
-TEST_F(ExchangeDamage, CloudsWithoutPlaneIdsAreRefused) {
+TEST_F(ExchangeDamage, CloudsWithoutPlaneIdsAreRejected) {
   const auto ply = [](const std::string& type, const std::string& value) {
     return "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
            "property float z\nproperty " +
            type + "\nend_header\n1 2 3 " + value + "\n";
   };
   expect_bad("c.ply", ply("float intensity", "1"), "no field \"instance\"");
-  expect_bad("c.ply", ply("float instance", "0.5"), "plane id: 0.5 at place 0");
-  expect_bad("c.ply", ply("int instance", "70000"), "70000 at place 0");
+  expect_bad("c.ply", ply("float instance", "0.5"), "plane id: 0.5 at index 0");
+  expect_bad("c.ply", ply("int instance", "70000"), "70000 at index 0");
   expect_bad("c.ply", "ply\n", "c.ply");
 }
 
-TEST_F(ExchangeDamage, CocoFilesThatContradictThemselvesAreRefused) {
+TEST_F(ExchangeDamage, InconsistentCocoFilesAreRejected) {
   const auto coco = [](const std::string& segmentation, const std::string& rest = "") {
     return R"({"images":[{"id":1,"width":4,"height":3}],"categories":[{"id":1,"name":"h"}],)"
            R"("annotations":[{"image_id":1,"category_id":1,"segmentation":)" +
@@ -334,31 +334,31 @@ TEST_F(ExchangeDamage, CocoFilesThatContradictThemselvesAreRefused) {
   };
   expect_bad("c.json", "{", "not a COCO file");
   expect_bad("c.json", "{}", "has no \"images\"");
-  expect_bad("c.json", R"({"images":[]})", "0 images, expected one");
+  expect_bad("c.json", R"({"images":[]})", "0 images; expected one");
   expect_bad("c.json", R"({"images":[{"id":1,"width":-4,"height":3}]})",
-             "images[0].width is -4, expected a whole number from 1");
+             "images[0].width is -4; expected a whole number from 1");
   expect_bad("c.json", R"({"images":[{"id":1,"width":60000,"height":60000}]})",
              "3600000000 points");
   expect_bad("c.json",
              R"({"images":[{"id":1,"width":4,"height":3}],"categories":[{"name":"cat"}]})",
-             "categories[0].name is \"cat\", expected one of h, v, unknown, ignore");
+             "categories[0].name is \"cat\"; expected one of h, v, unknown, ignore");
   expect_bad("c.json", coco(R"({"size":[4,3],"counts":[12]})"),
-             "annotations[0].segmentation.size is [4,3], expected [3,4]");
+             "annotations[0].segmentation.size is [4,3]; expected [3,4]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,99]})"),
-             "counts is [2,99], expected runs over 12 pixels");
+             "counts is [2,99]; expected runs over 12 pixels");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,3]})"), "12 pixels, these cover 5");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[-2]})"), "annotations[0]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[4294967308]})"), "counts[0] is 4294967308");
   expect_bad("c.json", coco("[[0,0,1e300,0,1,1]]"), "segmentation[0] is [0,0,1e+300");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":"o"})"),
-             "counts is \"o\", expected a compressed mask");
+             "counts is \"o\"; expected a compressed mask");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[12]})", R"(,"plane":{"id":70000})"),
-             "plane.id is 70000, expected a whole number from 0 to 65535");
+             "plane.id is 70000; expected a whole number from 0 to 65535");
 }
 
 TEST_F(ExchangeDamage, CocoMasksOfOtherToolsAreRead) {
   // Two annotations without planes: a polygon over the upper left 2x2 pixels, and the lower right
-  // pixel as pycocotools compresses the counts 11, 1.
+  // pixel in pycocotools' compressed form of the counts 11, 1.
   write_text(dir / "c.json",
              R"({"images":[{"id":"a","width":4,"height":3}],)"
              R"("categories":[{"id":7,"name":"h"},{"id":9,"name":"v"}],"annotations":[)"
@@ -370,8 +370,8 @@ TEST_F(ExchangeDamage, CocoMasksOfOtherToolsAreRead) {
   EXPECT_EQ(points.pixel, (std::vector<DepthPixel>{{0, 0}, {1, 0}, {0, 1}, {1, 1}, {3, 2}}));
 }
 
-TEST(CocoMask, CompressedCountsAreThoseOfTheirPublishedDefinition) {
-  // rleToString of pycocotools, written out again.
+TEST(CocoMask, CompressedCountsFollowTheirPublishedDefinition) {
+  // A copy of rleToString of pycocotools.
   const auto compress = [](const std::vector<std::uint64_t>& counts) {
     std::string text;
     for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -395,12 +395,12 @@ TEST(CocoMask, CompressedCountsAreThoseOfTheirPublishedDefinition) {
   }
 }
 
-TEST_F(ExchangeDamage, AnArchiveThatIsNoneOrLacksItsIdsIsRefused) {
+TEST_F(ExchangeDamage, AnInvalidOrIncompleteArchiveIsRejected) {
   expect_bad("a.npz", "PK no zip", "not a readable NPZ");
-  expect_bad("a.npz", "", "has no array \"instance\"");
+  expect_bad("a.npz", "", "no array \"instance\"");
 }
 
-TEST_F(ExchangeDamage, CutAndChangedFilesEndInOneLineOrInLabelsThatHoldTogether) {
+TEST_F(ExchangeDamage, DamagedFilesGiveAnErrorOfOneLineOrConsistentLabels) {
   for (const LabelFormat format : label_formats(true)) {
     const auto path = write_labelled(dir / "frame", format, points_of_labels(labels, grid)).back();
     const std::string whole = test::file_text(path);
@@ -409,7 +409,7 @@ TEST_F(ExchangeDamage, CutAndChangedFilesEndInOneLineOrInLabelsThatHoldTogether)
       std::string bytes = whole;
       if (round % 3 == 0) bytes.resize(random.integer(0, static_cast<int>(bytes.size())));
       for (int change = random.integer(0, 6); change > 0 && !bytes.empty(); --change) {
-        // Headers and directories stand at the ends.
+        // Headers and directories are at the ends.
         const int near = random.integer(0, std::min<int>(400, static_cast<int>(bytes.size()) - 1));
         const std::size_t at = random.integer(0, 1) ? near : bytes.size() - 1 - near;
         bytes[at] = static_cast<char>(random.integer(0, 255));

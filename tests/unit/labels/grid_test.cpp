@@ -14,12 +14,12 @@
 namespace planescope::labels {
 namespace {
 
-TEST(LabelGrid, MeasuresWhatTheCloudOfTheFrameHas) {
+TEST(LabelGrid, HasTheMeasurementsOfTheFramesCloud) {
   Frame frame = test::frame_of(24, 18, [](int u, int v) { return 0.5 + 0.02 * u + 0.01 * v; });
   frame.depth.at(3, 4) = 0;
   frame.depth.at(5, 6) = 65535;
   frame.intrinsics.distortion = Distortion::brown_conrady;
-  frame.intrinsics.coefficients = {-0.9, 0.3, 0, 0, 0};  // folds over in the corners
+  frame.intrinsics.coefficients = {-0.9, 0.3, 0, 0, 0};  // folds back in the corners
   const LabelGrid grid = make_label_grid(frame, Gravity{});
   PixelSet measured;
   for (std::size_t i = 0; i < grid.pixels(); ++i)
@@ -30,7 +30,7 @@ TEST(LabelGrid, MeasuresWhatTheCloudOfTheFrameHas) {
   EXPECT_TRUE(grid.normals[4 * 24 + 3].isZero(0));
 }
 
-TEST(LabelGrid, RefusesACloudWithoutPointsAndIntrinsicsOfAnotherSize) {
+TEST(LabelGrid, RejectsAnEmptyCloudAndIntrinsicsOfAnotherSize) {
   Frame cloud;
   cloud.name = "none";
   cloud.cloud = PointSet{};
@@ -40,7 +40,7 @@ TEST(LabelGrid, RefusesACloudWithoutPointsAndIntrinsicsOfAnotherSize) {
   EXPECT_THROW(make_label_grid(frame, Gravity{}), Error);
 }
 
-TEST(LabelGrid, ColorIsTakenWhereItIsAlignedAndNowhereElse) {
+TEST(LabelGrid, OnlyAlignedColorIsUsed) {
   Frame frame = test::frame_of(8, 6, [](int, int) { return 1.0; });
   frame.color = Image8(8, 6, 3, 50);
   EXPECT_TRUE(make_label_grid(frame, Gravity{}).color.empty());
@@ -55,7 +55,7 @@ TEST(LabelGrid, NormalsPointFromTheSurfaceToTheSensor) {
 }
 
 TEST(LabelGrid, NormalsBesideADepthEdgeAreThoseOfTheirOwnSide) {
-  // A wall at 1 m, and in its middle a slanted board before it.
+  // A wall at 1 m, with a slanted board in front of its middle.
   const auto board = [](int u) { return u >= 20 && u < 40; };
   const LabelGrid grid = make_label_grid(
       test::frame_of(60, 40, [&](int u, int) { return board(u) ? 0.5 + 0.004 * (u - 20) : 1.0; }),
@@ -84,7 +84,7 @@ TEST(LabelGrid, NoiseIsMeasuredAndGrowsWithTheSquareOfDepth) {
   }
 }
 
-TEST(LabelGrid, PixelsAddUpToTheAreaOfAWallAndOnASlantedSurfaceStandForMoreOfIt) {
+TEST(LabelGrid, PixelsAddUpToTheAreaOfAWallAndCoverMoreOfASlantedOne) {
   const LabelGrid grid = test::wall_grid();
   EXPECT_NEAR(grid.area_m2(test::rectangle(grid, 0, 0, 40, 30)), 0.4 * 0.3, 1e-4);
   const std::uint32_t middle = test::pixel_at(grid, 20, 15);
@@ -93,7 +93,7 @@ TEST(LabelGrid, PixelsAddUpToTheAreaOfAWallAndOnASlantedSurfaceStandForMoreOfIt)
               1e-6);
 }
 
-TEST(FittedPlane, IsThePlaneOfThePointsTowardsTheSensor) {
+TEST(FittedPlane, FitsThePointsAndFacesTheSensor) {
   const LabelGrid grid = test::wall_grid();
   const FittedPlane plane = fit_plane(grid, test::rectangle(grid, 5, 5, 20, 20));
   EXPECT_LT((plane.normal - Vec3d(0, 0, -1)).norm(), 1e-6);
@@ -105,7 +105,7 @@ TEST(FittedPlane, IsThePlaneOfThePointsTowardsTheSensor) {
   EXPECT_NEAR(plane.distance_m(Vec3f(0, 0, 0.9f)), 0.1, 1e-6);
 }
 
-TEST(FittedPlane, PointsInALineAreNoPlane) {
+TEST(FittedPlane, CollinearPointsAreNotAPlane) {
   const LabelGrid grid = test::wall_grid();
   EXPECT_LT(fit_plane(grid, test::rectangle(grid, 5, 5, 20, 6)).points, 3u);
   EXPECT_EQ(fit_plane(grid, test::rectangle(grid, 5, 5, 7, 6)).points, 2u);

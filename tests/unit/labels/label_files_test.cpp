@@ -53,14 +53,14 @@ struct LabelFiles : testing::Test {
 };
 
 TEST_F(LabelFiles, KeepTheDepthUnitAndOlderOnesAreReadWithoutIt) {
-  write_frame_labels(dir, 0, labels);  // as older files are
+  write_frame_labels(dir, 0, labels);  // as in older files
   EXPECT_EQ(read_frame_labels(dir, 0, "")->depth_unit_m, 0);
   labels.depth_unit_m = 0.0002;
   write_frame_labels(dir, 0, labels);
   EXPECT_EQ(read_frame_labels(dir, 0, "")->depth_unit_m, 0.0002);
 }
 
-TEST_F(LabelFiles, WithoutGravityHaveNoDirection) {
+TEST_F(LabelFiles, HaveNoDirectionWithoutGravity) {
   labels.gravity = {Vec3d::UnitY(), GravitySource::none, 0, "nobody knows"};
   write_frame_labels(dir, 0, labels);
   EXPECT_NE(json_text().find(R"("direction": null)"), std::string::npos);
@@ -89,7 +89,7 @@ TEST_F(LabelFiles, WhatIsWrittenIsReadBackExactly) {
   }
 }
 
-TEST_F(LabelFiles, WhatIsAsUsualIsNotWritten) {
+TEST_F(LabelFiles, DefaultsAreNotWritten) {
   write_frame_labels(dir, 0, labels);
   const std::string text = json_text();
   for (const char* key : {"origin", "locked", "hidden", "\"review\""}) {
@@ -105,7 +105,7 @@ TEST_F(LabelFiles, TheSameLabelsGiveTheSameBytes) {
   }
 }
 
-TEST_F(LabelFiles, AFrameWithoutLabelsIsNoError) {
+TEST_F(LabelFiles, AFrameWithoutLabelsIsNotAnError) {
   EXPECT_FALSE(read_frame_labels(dir, 0, ""));
   write_frame_labels(dir, 1, labels);
   EXPECT_FALSE(read_frame_labels(dir, 0, ""));
@@ -119,19 +119,19 @@ TEST_F(LabelFiles, LabelsAreReplacedAndLeaveNoTemporaryFiles) {
   EXPECT_EQ(std::distance(fs::directory_iterator(dir), fs::directory_iterator()), 3);
 }
 
-TEST_F(LabelFiles, LabelsOfAnotherDepthImageAreRefused) {
+TEST_F(LabelFiles, LabelsOfAnotherDepthImageAreRejected) {
   write_frame_labels(dir, 0, labels);
   EXPECT_TRUE(read_frame_labels(dir, 0, std::string(64, 'a')));
   expect_refused([&] { read_frame_labels(dir, 0, std::string(64, 'b')); }, "bbbbbbbbbbbb");
 }
 
-TEST_F(LabelFiles, ImagesOfAnotherSizeAreRefusedNotResized) {
+TEST_F(LabelFiles, ImagesOfAnotherSizeAreRejectedNotResized) {
   write_frame_labels(dir, 0, labels);
   io::write_png(dir / "000000.hv.png", Image8(6, 8, 1, 0));
   expect_refused([&] { read_frame_labels(dir, 0, ""); }, "6x8");
 }
 
-TEST_F(LabelFiles, AMissingFileOfTheThreeIsNamed) {
+TEST_F(LabelFiles, AMissingFileIsReported) {
   for (const char* name : {"000000.plane.png", "000000.hv.png", "000000.json"}) {
     write_frame_labels(dir, 0, labels);
     fs::remove(dir / name);
@@ -139,7 +139,7 @@ TEST_F(LabelFiles, AMissingFileOfTheThreeIsNamed) {
   }
 }
 
-TEST_F(LabelFiles, EveryCutOfTheJsonIsRefused) {
+TEST_F(LabelFiles, EveryTruncationOfTheJsonIsRejected) {
   write_frame_labels(dir, 0, labels);
   const auto whole = read_file_bytes(dir / "000000.json");
   for (std::size_t size = 0; size + 2 < whole.size(); size += 7) {
@@ -148,7 +148,7 @@ TEST_F(LabelFiles, EveryCutOfTheJsonIsRefused) {
   }
 }
 
-TEST_F(LabelFiles, AnUnknownSchemaAndAnotherFramesFileAreRefused) {
+TEST_F(LabelFiles, AnUnknownSchemaAndAnotherFramesFileAreRejected) {
   write_frame_labels(dir, 0, labels);
   for (const char* suffix : {".plane.png", ".hv.png", ".json"}) {
     fs::copy_file(dir / ("000000" + std::string(suffix)), dir / ("000005" + std::string(suffix)));
@@ -162,13 +162,13 @@ TEST_F(LabelFiles, InconsistentLabelsAreNotWritten) {
   const std::pair<const char*, std::function<void(FrameLabels&)>> cases[] = {
       {"65534", [](FrameLabels& l) { l.planes.pop_back(); }},
       {"twice", [](FrameLabels& l) { l.planes[1].id = 7; }},
-      {"expected 1..65534", [](FrameLabels& l) { l.planes[0].id = 65535; }},
+      {"expected 1 to 65534", [](FrameLabels& l) { l.planes[0].id = 65535; }},
       {"h/v value 3", [](FrameLabels& l) { l.hv.at(0, 0) = 3; }},
       {"finite", [](FrameLabels& l) { l.planes[0].offset_m = std::nan(""); }},
       {"9x6", [](FrameLabels& l) { l.intrinsics.width = 9; }},
-      {"expected 0..1", [](FrameLabels& l) { l.planes[0].confidence = 1.5; }},
+      {"expected 0 to 1", [](FrameLabels& l) { l.planes[0].confidence = 1.5; }},
       {"review note", [](FrameLabels& l) { l.review.emplace_back().pixel = 48; }},
-      // The journal keeps counts as whole numbers from 0 on.
+      // The journal stores counts as unsigned integers.
       {"-1 fragments", [](FrameLabels& l) { l.planes[1].fragments = -1; }},
       {"planes -1 and 0", [](FrameLabels& l) { l.review.emplace_back().label_plane = -1; }}};
   for (const auto& [message, change] : cases) {
@@ -179,7 +179,7 @@ TEST_F(LabelFiles, InconsistentLabelsAreNotWritten) {
   EXPECT_FALSE(fs::exists(dir));
 }
 
-TEST_F(LabelFiles, TheDefaultFolderStandsBesideTheRecording) {
+TEST_F(LabelFiles, TheDefaultFolderIsBesideTheRecording) {
   EXPECT_EQ(default_label_dir("data/walk.bag"), "data/walk.bag.labels");
   EXPECT_EQ(default_label_dir("data/walk/"), "data/walk.labels");
   EXPECT_EQ(default_label_dir("walk"), "walk.labels");

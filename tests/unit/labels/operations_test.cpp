@@ -1,4 +1,4 @@
-// Edits of labels, and what drawn shapes select.
+// Label edits, and selection by drawn shapes.
 
 #include "core/labels/edit/operations.hpp"
 
@@ -29,7 +29,7 @@ class Operations : public testing::Test {
   }
 };
 
-TEST_F(Operations, PaintingMakesAPlaneFittedToItsPixels) {
+TEST_F(Operations, PaintingCreatesAPlaneFittedToItsPixels) {
   const PixelSet pixels = rectangle(grid, 4, 4, 14, 14);
   const FrameLabels labels =
       painted(blank, grid, pixels, {3, Label::unknown, LabelOrigin::wand}, PaintMode::over);
@@ -76,14 +76,14 @@ TEST_F(Operations, PixelsThatWereNotMeasuredKeepNoLabel) {
   EXPECT_EQ(labels.plane.at(7, 6), 1);
 }
 
-TEST_F(Operations, AddingTakesOnlyWhatHadNoLabel) {
+TEST_F(Operations, AddingLabelsOnlyUnlabeledPixels) {
   FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
   labels = painted(labels, grid, rectangle(grid, 5, 0, 15, 10), {2}, PaintMode::add);
   EXPECT_EQ(pixels_of_plane(labels, 1).size(), 100u);
   EXPECT_EQ(pixels_of_plane(labels, 2).size(), 50u);
 }
 
-TEST_F(Operations, SubtractingTakesOffThePaintsOwnLabelAlone) {
+TEST_F(Operations, SubtractingRemovesOnlyThePaintedLabel) {
   FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
   labels = with_plane(labels, 2, rectangle(grid, 10, 0, 20, 10));
   labels = painted(labels, grid, rectangle(grid, 5, 0, 15, 10), {1}, PaintMode::subtract);
@@ -98,7 +98,7 @@ TEST_F(Operations, APlaneWithoutPixelsLeavesTheList) {
   EXPECT_EQ(labels.planes[0].id, 2);
 }
 
-TEST_F(Operations, IgnoredAndClassAloneAreNoPlanes) {
+TEST_F(Operations, IgnoredAndClassOnlyPixelsAreNotPlanes) {
   FrameLabels labels =
       painted(blank, grid, rectangle(grid, 0, 0, 5, 5), {kPlaneIgnore}, PaintMode::over);
   labels = painted(labels, grid, rectangle(grid, 5, 0, 10, 5), {0, Label::h}, PaintMode::over);
@@ -132,7 +132,7 @@ TEST_F(Operations, HiddenPlanesLoseNoPixel) {
   EXPECT_EQ(pixels_of_plane(labels, 2).size(), 100u);
 }
 
-TEST_F(Operations, TouchingACarriedPlaneSettlesIt) {
+TEST_F(Operations, EditingACarriedPlaneConfirmsIt) {
   FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
   labels.planes[0].confidence = 0.4;
   EXPECT_EQ(with_plane(labels, 2, rectangle(grid, 20, 0, 30, 10)).planes[0].confidence, 0.4);
@@ -140,7 +140,7 @@ TEST_F(Operations, TouchingACarriedPlaneSettlesIt) {
   EXPECT_EQ(edited(labels, grid, set_class, 1, Label::h).planes[0].confidence, 1);
 }
 
-TEST_F(Operations, TheSmallestFreeNumberIsGivenAway) {
+TEST_F(Operations, NewPlanesGetTheSmallestFreeNumber) {
   EXPECT_EQ(free_plane_id(blank), 1);
   FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 5, 5));
   labels = with_plane(labels, 3, rectangle(grid, 5, 0, 10, 5));
@@ -181,7 +181,7 @@ TEST_F(Operations, SplittingByPartsKeepsTheNumberForTheLargest) {
   EXPECT_EQ(labels.planes[0].fragments, 1);
 }
 
-TEST_F(Operations, SmallPartsGoWithTheNearestLargeOne) {
+TEST_F(Operations, SmallPartsStayWithTheNearestLargeOne) {
   PixelSet pixels = rectangle(grid, 0, 0, 10, 10);
   for (const std::uint32_t pixel : rectangle(grid, 28, 0, 40, 10)) pixels.push_back(pixel);
   for (const std::uint32_t pixel : rectangle(grid, 12, 4, 14, 6)) pixels.push_back(pixel);
@@ -191,7 +191,7 @@ TEST_F(Operations, SmallPartsGoWithTheNearestLargeOne) {
   EXPECT_EQ(pixels_of_plane(labels, 2).size(), 104u);
 }
 
-TEST_F(Operations, PartsMeetAcrossWhatWasNotMeasured) {
+TEST_F(Operations, PartsConnectAcrossUnmeasuredPixels) {
   const LabelGrid gap = make_label_grid(
       test::frame_of(40, 20, [](int u, int) { return u == 10 || u == 11 ? 0.0 : 1.0; }), Gravity{});
   const FrameLabels labels =
@@ -200,12 +200,13 @@ TEST_F(Operations, PartsMeetAcrossWhatWasNotMeasured) {
   EXPECT_EQ(edited(labels, gap, split_by_parts, gap, 1, 0, 1).planes.size(), 2u);
 }
 
-TEST_F(Operations, ACutTakesWhatLiesToTheRightOfIt) {
+TEST_F(Operations, ACutSplitsOffThePixelsToItsRight) {
   const FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 20, 10));
   const auto down = sides_of_line(grid.width, grid.height, {12, 0}, {12, 20});
   const FrameLabels cut = edited(labels, grid, split_by_side, 1, down);
   EXPECT_EQ(pixels_of_plane(cut, 1), rectangle(grid, 12, 0, 20, 10));
-  EXPECT_EQ(pixels_of_plane(cut, 2), rectangle(grid, 0, 0, 12, 10));  // right of the way down
+  // right, looking down the image
+  EXPECT_EQ(pixels_of_plane(cut, 2), rectangle(grid, 0, 0, 12, 10));
   const auto beside = sides_of_line(grid.width, grid.height, {30, 0}, {30, 20});
   EXPECT_EQ(edited(labels, grid, split_by_side, 1, beside).planes.size(), 1u);
 }
@@ -225,7 +226,7 @@ TEST_F(Operations, ASegmentationReplacesAllButIgnoredPixelsAndLockedAndHiddenPla
   EXPECT_EQ(pixels_of_plane(labels, 1), rectangle(grid, 0, 0, 10, 10));
   EXPECT_EQ(pixels_of_plane(labels, 2).size(), 300 - ignored.size());
   EXPECT_EQ(pixels_of_plane(labels, kPlaneIgnore), ignored);
-  EXPECT_EQ(pixels_of_plane(labels, 3), rectangle(grid, 10, 0, 30, 10));  // 1 was taken
+  EXPECT_EQ(pixels_of_plane(labels, 3), rectangle(grid, 10, 0, 30, 10));  // 1 was in use
   EXPECT_EQ(find_plane(labels, 3)->label, Label::h);
   EXPECT_EQ(find_plane(labels, 2)->label, Label::v);  // by its tilt
   EXPECT_EQ(find_plane(labels, 2)->origin, LabelOrigin::algorithm);
@@ -262,7 +263,7 @@ TEST(LabelEdits, RunsJoinWhereTheLabelsBeforeAndAfterAreTheSame) {
   EXPECT_FALSE(edit.notes);
 }
 
-TEST(LabelEdits, TheOrderInWhichPlanesWereListedIsNoChange) {
+TEST(LabelEdits, TheOrderOfPlanesInTheListIsNotAChange) {
   FrameLabels before = blank_labels(8, 6);
   before.planes = {LabelPlane{.id = 9}, LabelPlane{.id = 2}};
   FrameLabels after = before;
@@ -272,7 +273,7 @@ TEST(LabelEdits, TheOrderInWhichPlanesWereListedIsNoChange) {
 
 int covered(const Image8& mask) { return std::accumulate(mask.data.begin(), mask.data.end(), 0); }
 
-TEST(DrawnShape, ABrushTakesThePixelsWithinItsRadiusOfThePath) {
+TEST(DrawnShape, ABrushSelectsPixelsWithinItsRadiusOfThePath) {
   const DrawnShape shape{DrawnShape::Kind::stroke, {{10, 10}, {30, 16}, {12, 30}}, 5.3f};
   const Image8 mask = mask_of(shape, 48, 40);
   const auto distance = [](const Vec2f& p, const Vec2f& a, const Vec2f& b) {
@@ -289,14 +290,14 @@ TEST(DrawnShape, ABrushTakesThePixelsWithinItsRadiusOfThePath) {
     }
 }
 
-TEST(DrawnShape, ADotIsADiscAndMayHangOverTheBorder) {
+TEST(DrawnShape, ADotIsADiscAndMayExtendBeyondTheBorder) {
   EXPECT_EQ(covered(mask_of({DrawnShape::Kind::stroke, {{8.5f, 8.5f}}, 1}, 20, 20)), 5);
   EXPECT_EQ(covered(mask_of({DrawnShape::Kind::stroke, {{0, 0}}, 2}, 20, 20)), 3);
   EXPECT_EQ(covered(mask_of({DrawnShape::Kind::stroke, {{-50, 4}}, 8}, 20, 20)), 0);
   EXPECT_EQ(covered(mask_of({DrawnShape::Kind::stroke, {}, 8}, 20, 20)), 0);
 }
 
-TEST(DrawnShape, AnAreaTakesThePixelsWhoseCentresAreInside) {
+TEST(DrawnShape, AnAreaSelectsPixelsWhoseCentersAreInside) {
   const Image8 mask =
       mask_of({DrawnShape::Kind::area, {{2, 3}, {7, 3}, {7, 9}, {2, 9}}, 0}, 20, 20);
   EXPECT_EQ(covered(mask), 5 * 6);
@@ -304,7 +305,7 @@ TEST(DrawnShape, AnAreaTakesThePixelsWhoseCentresAreInside) {
   EXPECT_EQ(mask.at(7, 3), 0);
 }
 
-TEST(DrawnShape, WhereALassoCrossesItselfItIsEmptyInTheMiddle) {
+TEST(DrawnShape, ASelfCrossingLassoIsEmptyInTheMiddle) {
   const std::vector<Vec2f> twice{{0, 0}, {20, 0}, {20, 20}, {0, 20}, {0, 0},
                                  {5, 5}, {15, 5}, {15, 15}, {5, 15}, {5, 5}};
   const Image8 mask = mask_of({DrawnShape::Kind::area, twice, 0}, 20, 20);
@@ -312,7 +313,7 @@ TEST(DrawnShape, WhereALassoCrossesItselfItIsEmptyInTheMiddle) {
   EXPECT_EQ(mask.at(10, 10), 0);
 }
 
-TEST(PixelsOnImage, AreMeasuredAndNotUnderAHiddenLabel) {
+TEST(PixelsOnImage, AreMeasuredAndNotHidden) {
   Frame frame = test::frame_of(20, 10, [](int, int) { return 1.0; });
   frame.depth.at(3, 3) = 0;
   const LabelGrid grid = make_label_grid(frame, Gravity{});
@@ -324,14 +325,14 @@ TEST(PixelsOnImage, AreMeasuredAndNotUnderAHiddenLabel) {
   EXPECT_EQ(pixels_on_image(grid, all, shown_pixels(labels)).size(), 99u);
 }
 
-/// A box of 0.2 m at 0.8 m before a wall at 1.2 m, seen from the sensor or from beside it.
+/// A box of 0.2 m at 0.8 m in front of a wall at 1.2 m, seen from the sensor or from the side.
 class BoxBeforeAWall : public testing::Test {
  protected:
   static bool on_box(int u, int v) { return u >= 60 && u < 100 && v >= 40 && v < 80; }
   const LabelGrid grid = make_label_grid(
       test::frame_of(160, 120, [](int u, int v) { return on_box(u, v) ? 0.8 : 1.2; }), Gravity{});
 
-  /// Moved sideways by `x`, looking along +z; shows about what the sensor sees.
+  /// Moved sideways by `x`, looking along +z; shows approximately the sensor's view.
   static SpaceView view_from(float x, bool orthographic = false) {
     SpaceView view;
     view.width = 640;
@@ -366,11 +367,11 @@ TEST_F(BoxBeforeAWall, FromTheSensorNothingIsHidden) {
   EXPECT_GT(selection.pixels.size(), 0.99 * static_cast<double>(grid.measured_count));
 }
 
-TEST_F(BoxBeforeAWall, FromTheSideTheBoxCoversWallThatThroughTakes) {
+TEST_F(BoxBeforeAWall, FromTheSideTheBoxHidesWallThatThroughSelects) {
   for (const bool orthographic : {false, true}) {
     const SpaceView view = view_from(orthographic ? 0.0f : 0.3f, orthographic);
     const SeenPoints seen = see(grid, view);
-    // A shape on the box's left part: from the side, wall that the sensor saw is behind it.
+    // A shape on the box's left part: from the side, the wall that the sensor saw is behind it.
     const Vec2f box = seen.place[test::pixel_at(grid, 66, 60)];
     const DrawnShape shape{DrawnShape::Kind::stroke, {box}, 16};
     const SpaceSelection visible = points_in_space(seen, shape, false);
@@ -384,7 +385,7 @@ TEST_F(BoxBeforeAWall, FromTheSideTheBoxCoversWallThatThroughTakes) {
   }
 }
 
-TEST_F(BoxBeforeAWall, WhatIsNotShownNeitherCoversNorIsSelected) {
+TEST_F(BoxBeforeAWall, HiddenPointsNeitherOccludeNorAreSelected) {
   std::vector<std::uint8_t> shown(grid.pixels(), 1);
   for (int v = 0; v < 120; ++v)
     for (int u = 0; u < 160; ++u) shown[test::pixel_at(grid, u, v)] = !on_box(u, v);
@@ -394,7 +395,7 @@ TEST_F(BoxBeforeAWall, WhatIsNotShownNeitherCoversNorIsSelected) {
   for (const std::uint32_t i : selection.pixels) EXPECT_TRUE(shown[i]);
 }
 
-TEST_F(BoxBeforeAWall, PointsBehindTheEyeOrOutOfViewHaveNoPlace) {
+TEST_F(BoxBeforeAWall, PointsBehindTheEyeOrOutOfViewHaveNoPosition) {
   const SeenPoints seen = see(grid, view_from(5));
   EXPECT_TRUE(points_in_space(seen, everything, true).pixels.empty());
 }

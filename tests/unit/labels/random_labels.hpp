@@ -1,6 +1,6 @@
 #pragma once
 
-// Labels as gestures of any kind may leave them, for what must hold for all of them.
+// Random labels, as any gestures may produce them, for property tests.
 
 #include <gtest/gtest.h>
 
@@ -25,8 +25,8 @@ inline FrameLabels blank_labels(int width, int height, char hash = 'a') {
   return labels;
 }
 
-/// Paints a rectangle with a plane, new or known, or nothing, or "do not score"; at times changes a
-/// plane, drops one with its pixels, or writes notes.
+/// Paints a rectangle with a new or existing plane, no label, or "do not score"; sometimes changes
+/// a plane, removes one with its pixels, or writes notes.
 inline FrameLabels after_random_gesture(FrameLabels labels, Random& random) {
   const int width = labels.plane.width, height = labels.plane.height;
   const auto plane_at = [&](int id) {
@@ -84,7 +84,7 @@ inline FrameLabels after_random_gesture(FrameLabels labels, Random& random) {
   return labels;
 }
 
-/// Nothing at all differs.
+/// Expects equality in every field.
 inline void expect_same(const FrameLabels& a, const FrameLabels& b) {
   ASSERT_EQ(a.plane.data, b.plane.data);
   ASSERT_EQ(a.hv.data, b.hv.data);
@@ -98,7 +98,7 @@ inline void expect_same(const FrameLabels& a, const FrameLabels& b) {
   EXPECT_EQ(a.review, b.review);
 }
 
-// Stores of such labels, each in a folder of its own.
+// Stores of random labels, each in its own folder.
 
 inline std::filesystem::path fresh_dir(const std::string& name) {
   const auto dir = temp_dir() / ("label_store_" + name);
@@ -114,7 +114,7 @@ inline FrameLabels blank(int frame) {
 
 inline LabelStoreOptions by(const std::string& annotator) { return {annotator, {}}; }
 
-/// Frame 0 is open.
+/// A store with frame 0 open.
 struct OpenStore : LabelStore {
   explicit OpenStore(const std::filesystem::path& dir, const std::string& annotator = "ann")
       : LabelStore(dir, by(annotator)) {
@@ -122,7 +122,7 @@ struct OpenStore : LabelStore {
   }
 };
 
-/// A random gesture that changes something, on a frame that is open.
+/// Commits a random gesture that changes something on an open frame.
 inline void gesture(LabelStore& store, int frame, Random& random) {
   const auto before = store.labels(frame);
   LabelEdit edit;

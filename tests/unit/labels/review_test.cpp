@@ -15,7 +15,7 @@
 namespace planescope::labels {
 namespace {
 
-/// A wall at 1 m, each pixel a square centimetre, all measured.
+/// A wall at 1 m, fully measured; each pixel is 1 cm2.
 LabelGrid wall() {
   LabelGrid grid = test::wall_grid(64, 48);
   std::ranges::fill(grid.normals, Vec3f(0, 0, -1));  // exactly
@@ -24,7 +24,7 @@ LabelGrid wall() {
 
 constexpr double kPixelM2 = 1e-4;
 
-/// P1 (v) on the left half, P2 (v) on the right, and an algorithm that says the same.
+/// P1 (v) on the left half and P2 (v) on the right, in the labels and from the algorithm.
 struct Reviews : testing::Test {
   LabelGrid grid = wall();
   FrameLabels labels = empty_labels(grid, std::string(64, 'a'));
@@ -49,7 +49,7 @@ struct Reviews : testing::Test {
   }
   std::vector<Disagreement> found() const { return find_disagreements(labels, other, grid); }
 
-  /// The only one, of this kind, in this box.
+  /// Expects a single disagreement, of this kind and in this box.
   Disagreement only(DisagreementKind kind, int x1, int y1, int x2, int y2) const {
     const auto all = found();
     EXPECT_EQ(all.size(), 1u);
@@ -65,9 +65,9 @@ struct Reviews : testing::Test {
   }
 };
 
-TEST_F(Reviews, TheSameLabelsDisagreeNowhere) { EXPECT_TRUE(found().empty()); }
+TEST_F(Reviews, EqualLabelsHaveNoDisagreements) { EXPECT_TRUE(found().empty()); }
 
-TEST_F(Reviews, AMissedRegionIsLabelledAndTakingItsAbsenceUnlabelsIt) {
+TEST_F(Reviews, AMissedRegionIsLabeledAndAcceptingTheOtherUnlabelsIt) {
   put_other(40, 10, 51, 21, 0);
   const auto region = only(DisagreementKind::missed, 40, 10, 51, 21);
   EXPECT_EQ(region.label_plane, 2);
@@ -76,13 +76,13 @@ TEST_F(Reviews, AMissedRegionIsLabelledAndTakingItsAbsenceUnlabelsIt) {
   EXPECT_EQ(take(region).plane.at(45, 15), 0);
 }
 
-TEST_F(Reviews, AnInventedRegionIsUnlabelledAndTakenIntoThePlaneThatItBelongsTo) {
+TEST_F(Reviews, AnInventedRegionIsUnlabeledAndAcceptedIntoItsPlane) {
   put(5, 5, 12, 12, 0);
   const auto region = only(DisagreementKind::invented, 5, 5, 12, 12);
   EXPECT_EQ(take(region).plane.at(7, 7), 1);
 }
 
-TEST_F(Reviews, AnInventedPlaneOfItsOwnIsTakenAsANewOne) {
+TEST_F(Reviews, AnInventedSeparatePlaneIsAcceptedAsANewOne) {
   put(5, 5, 12, 12, 0);
   put_other(5, 5, 12, 12, 9);
   other.label.resize(9, Label::h);
@@ -93,7 +93,7 @@ TEST_F(Reviews, AnInventedPlaneOfItsOwnIsTakenAsANewOne) {
   EXPECT_EQ(find_plane(taken, 3)->origin, LabelOrigin::algorithm);
 }
 
-TEST_F(Reviews, OfAPlaneThatTheOtherCutsTheSmallerPartIsSplit) {
+TEST_F(Reviews, TheSmallerPartOfAPlaneSplitByTheOtherIsASplit) {
   put_other(0, 0, 10, 48, 3);
   other.label.resize(3, Label::v);
   const auto region = only(DisagreementKind::split, 0, 0, 10, 48);
@@ -101,7 +101,7 @@ TEST_F(Reviews, OfAPlaneThatTheOtherCutsTheSmallerPartIsSplit) {
   EXPECT_EQ(take(region).plane.at(3, 3), 3);
 }
 
-TEST_F(Reviews, WhereTheOthersPlaneRunsOnOverAnotherTheyAreMerged) {
+TEST_F(Reviews, APlaneThatExtendsOverAnotherIsAMerge) {
   put_other(32, 0, 45, 48, 1);
   const auto region = only(DisagreementKind::merged, 32, 0, 45, 48);
   EXPECT_EQ(region.label_plane, 2);
@@ -126,7 +126,7 @@ TEST_F(Reviews, AThinStripIsABoundary) {
   only(DisagreementKind::merged, 32, 0, 36, 48);
 }
 
-TEST_F(Reviews, WhatIsIgnoredNotMeasuredOrUnknownToTheOtherIsNoQuestion) {
+TEST_F(Reviews, IgnoredUnmeasuredAndUnknownPixelsAreNotDisagreements) {
   put_other(40, 10, 60, 30, 0);
   put(40, 10, 60, 20, kPlaneIgnore);
   put_other(40, 20, 60, 25, -1);
@@ -134,7 +134,7 @@ TEST_F(Reviews, WhatIsIgnoredNotMeasuredOrUnknownToTheOtherIsNoQuestion) {
   EXPECT_TRUE(found().empty());
 }
 
-TEST_F(Reviews, SmallRegionsAreNoQuestionAndLargeOnesComeFirst) {
+TEST_F(Reviews, SmallRegionsAreNotDisagreementsAndLargeOnesComeFirst) {
   put_other(2, 2, 4, 4, 0);
   put_other(40, 10, 45, 15, 0);
   put_other(50, 20, 60, 30, 0);
@@ -144,7 +144,7 @@ TEST_F(Reviews, SmallRegionsAreNoQuestionAndLargeOnesComeFirst) {
   EXPECT_EQ(all[1].pixels.size(), 25u);
 }
 
-TEST_F(Reviews, ADecidedRegionIsFoundAgainAfterItChangedALittle) {
+TEST_F(Reviews, ADecidedRegionIsRecognizedAfterSmallChanges) {
   put_other(40, 10, 51, 21, 0);
   put_other(5, 5, 10, 10, 0);
   labels = edited(labels, grid, decide, grid, found()[0], other, ReviewDecision::keep, "bob",
@@ -155,7 +155,7 @@ TEST_F(Reviews, ADecidedRegionIsFoundAgainAfterItChangedALittle) {
   put_other(51, 12, 53, 18, 0);
   auto all = found();
   ASSERT_EQ(all.size(), 2u);
-  EXPECT_FALSE(all[0].note);  // the smaller one, undecided
+  EXPECT_FALSE(all[0].note);  // the smaller one; undecided
   ASSERT_TRUE(all[1].note);
   EXPECT_EQ(all[1].note->decision, ReviewDecision::keep);
   EXPECT_EQ(all[1].note->time_s, 1763750000);
@@ -164,14 +164,14 @@ TEST_F(Reviews, ADecidedRegionIsFoundAgainAfterItChangedALittle) {
       edited(labels, grid, decide, grid, all[1], other, ReviewDecision::edit, "carol", 1763750001);
   ASSERT_EQ(labels.review.size(), 1u);
   EXPECT_EQ(labels.review[0].reviewer, "carol");
-  put_other(32, 0, 64, 48, 0);  // another question altogether
+  put_other(32, 0, 64, 48, 0);  // an unrelated disagreement
   all = found();
   ASSERT_EQ(all.size(), 2u);
   EXPECT_FALSE(all[0].note);
   EXPECT_FALSE(all[1].note);
 }
 
-TEST_F(Reviews, KeepingAndEditingLeaveTheLabelsAndIgnoringTakesThemOffTheScore) {
+TEST_F(Reviews, KeepingAndEditingKeepTheLabelsAndIgnoringUnscoresThem) {
   put_other(40, 10, 51, 21, 0);
   const auto region = found()[0];
   for (const auto decision : {ReviewDecision::keep, ReviewDecision::edit}) {
@@ -186,7 +186,7 @@ TEST_F(Reviews, KeepingAndEditingLeaveTheLabelsAndIgnoringTakesThemOffTheScore) 
   EXPECT_EQ(after.plane.at(39, 15), 2);
 }
 
-TEST_F(Reviews, TakingOrIgnoringWhatIsLockedIsRefused) {
+TEST_F(Reviews, AcceptingOrIgnoringLockedPlanesIsRejected) {
   put_other(40, 10, 51, 21, 0);
   labels.planes[1].locked = true;
   EXPECT_THROW(take(found()[0]), Error);
@@ -195,7 +195,7 @@ TEST_F(Reviews, TakingOrIgnoringWhatIsLockedIsRefused) {
       Error);
 }
 
-TEST_F(Reviews, AfterTakingEveryRegionNothingIsLeft) {
+TEST_F(Reviews, AfterAcceptingEveryRegionNothingIsLeft) {
   Random random(3);
   other.label.resize(6, Label::h);
   for (int i = 0; i < 12; ++i) {
@@ -206,7 +206,7 @@ TEST_F(Reviews, AfterTakingEveryRegionNothingIsLeft) {
   EXPECT_TRUE(found().empty());
 }
 
-/// One row of pixels with these planes.
+/// One row of pixels with these plane ids.
 FrameLabels row(const std::vector<int>& planes) {
   FrameLabels labels;
   labels.plane = Image16(static_cast<int>(planes.size()), 1);
@@ -219,7 +219,7 @@ double rand_index(const std::vector<int>& a, const std::vector<int>& b) {
   return agreement_of(row(a), row(b)).adjusted_rand;
 }
 
-TEST(Agreements, TheAdjustedRandIndexIsAsComputedByHand) {
+TEST(Agreements, TheAdjustedRandIndexMatchesManualComputation) {
   EXPECT_DOUBLE_EQ(rand_index({1, 1, 2, 2}, {7, 7, 3, 3}), 1);
   EXPECT_NEAR(rand_index({1, 1, 2, 2}, {1, 1, 2, 3}), 4.0 / 7, 1e-12);
   EXPECT_NEAR(rand_index({1, 1, 1, 1}, {1, 2, 3, 4}), 0, 1e-12);
@@ -228,11 +228,11 @@ TEST(Agreements, TheAdjustedRandIndexIsAsComputedByHand) {
   EXPECT_NEAR(rand_index({1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3},
                          {1, 1, 1, 1, 1, 2, 1, 2, 2, 2, 2, 3, 1, 1, 3, 3, 3}),
               (20 - 40.0 * 44 / 136) / (42 - 40.0 * 44 / 136), 1e-12);
-  // Pixels without a plane in either do not count.
+  // Ignores pixels without a plane in either.
   EXPECT_NEAR(rand_index({1, 1, 2, 2, 0, 5}, {1, 1, 2, 3, 4, 0}), 4.0 / 7, 1e-12);
 }
 
-TEST(Agreements, TheSameLabelsUnderOtherNumbersAgreeFully) {
+TEST(Agreements, EqualLabelsWithOtherNumbersAgreeFully) {
   FrameLabels a = row({1, 1, 1, 2, 2, 0, kPlaneIgnore}), b = row({9, 9, 9, 4, 4, 0, 4});
   a.hv.data = b.hv.data = {1, 1, 1, 2, 2, 0, kHvIgnore};
   const Agreement agreement = agreement_of(a, b);
@@ -244,7 +244,7 @@ TEST(Agreements, TheSameLabelsUnderOtherNumbersAgreeFully) {
   EXPECT_EQ(agreement.pixels, 6u);
 }
 
-TEST(Agreements, FiguresOfAPartialAgreementAreAsComputedByHand) {
+TEST(Agreements, FiguresOfAPartialAgreementMatchManualComputation) {
   FrameLabels a = row({1, 1, 1, 1, 2, 2, 2, 2, 3, 0}), b = row({1, 1, 1, 2, 2, 2, 2, 0, 0, 5});
   a.hv.data = {1, 1, 1, 1, 2, 2, 2, 2, 1, 0};
   b.hv.data = {1, 1, 2, 2, 2, 2, 2, 0, 0, 1};

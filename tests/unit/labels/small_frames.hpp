@@ -14,7 +14,7 @@
 
 namespace planescope::test {
 
-/// Depth in metres of every pixel, 0 none. Millimetre counts, focal length 100 px.
+/// Depth of every pixel in meters, 0: none. Counts are millimeters, focal length 100 px.
 inline Frame frame_of(int width, int height, const std::function<double(int, int)>& depth_m) {
   Frame frame;
   frame.name = "small";
@@ -27,7 +27,7 @@ inline Frame frame_of(int width, int height, const std::function<double(int, int
   return frame;
 }
 
-/// An upright wall, 1 m before the camera.
+/// A vertical wall, 1 m in front of the camera.
 inline labels::LabelGrid wall_grid(int width = 40, int height = 30) {
   return labels::make_label_grid(frame_of(width, height, [](int, int) { return 1.0; }), Gravity{});
 }
@@ -44,7 +44,7 @@ inline labels::PixelSet rectangle(const labels::LabelGrid& grid, int u0, int v0,
   return pixels;
 }
 
-/// A scene of planescope synth, as the camera model sees it.
+/// A scene of planescope synth, seen by the camera model.
 struct TrueFrame {
   Frame frame;
   FrameLabels truth;  // measured pixels only

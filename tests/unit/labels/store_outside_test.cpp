@@ -1,4 +1,5 @@
-// What others do to the labels of a store: instances, files, a folder or a disk that refuses.
+// External changes to a store's labels: other instances, changed files, a read-only folder or a
+// full disk.
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -35,7 +36,7 @@ struct Outside : LabelStores {
     store.save(0);
     saved = *store.labels(0);
     latest = saved;
-    latest.planes.push_back(LabelPlane{.id = 100});  // which changes all three files
+    latest.planes.push_back(LabelPlane{.id = 100});  // changes all three files
     latest.plane.data[40] = 100;
     latest.hv.data[40] = kHvIgnore;
     store.commit(make_edit(0, "Brush P100", saved, latest));
@@ -45,7 +46,7 @@ struct Outside : LabelStores {
   }
 };
 
-TEST_F(Outside, LabelsThatOthersWroteAreTakenOverOnceAndCanBeUndone) {
+TEST_F(Outside, LabelsWrittenByOthersAreAdoptedOnceAndCanBeUndone) {
   write_frame_labels(dir, 0, others);
   {
     const OpenStore first(dir);
@@ -64,7 +65,7 @@ TEST_F(Outside, LabelsThatOthersWroteAreTakenOverOnceAndCanBeUndone) {
   EXPECT_TRUE(store.unsaved(0));
 }
 
-TEST_F(Outside, FilesThatWerePackedAnewAreNoChange) {
+TEST_F(Outside, RecompressedFilesAreNotAChange) {
   LabelStore(dir, by("ann")).save_all();
   auto bytes = read_file_bytes(dir / kFiles[2]);
   bytes.push_back('\n');
@@ -74,7 +75,7 @@ TEST_F(Outside, FilesThatWerePackedAnewAreNoChange) {
   EXPECT_EQ(store.undo_count(), 3u);
 }
 
-TEST_F(Outside, FilesThatAreGoneAreWrittenAnew) {
+TEST_F(Outside, MissingFilesAreWrittenAgain) {
   for (const char* file : kFiles) fs::remove(dir / file);
   OpenStore store(dir);
   expect_same(*store.labels(0), latest);
@@ -85,7 +86,7 @@ TEST_F(Outside, FilesThatAreGoneAreWrittenAnew) {
   EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, saved.plane.data);
 }
 
-TEST_F(Outside, ASaveThatACrashEndedBetweenTwoFilesIsNoChangeByOthers) {
+TEST_F(Outside, ASaveInterruptedByACrashIsNotAChangeByOthers) {
   std::array<std::vector<unsigned char>, 3> old_files;
   for (int i = 0; i < 3; ++i) old_files[i] = read_file_bytes(dir / kFiles[i]);
   LabelStore(dir, by("ann")).save_all();
@@ -101,7 +102,7 @@ TEST_F(Outside, ASaveThatACrashEndedBetweenTwoFilesIsNoChangeByOthers) {
   }
 }
 
-TEST_F(Outside, SavingOverWhatOthersWroteMeanwhileKeepsBothInTheHistory) {
+TEST_F(Outside, SavingOverChangesByOthersKeepsBothInTheHistory) {
   OpenStore store(dir);
   write_frame_labels(dir, 0, others);
   store.save(0);
@@ -114,7 +115,7 @@ TEST_F(Outside, SavingOverWhatOthersWroteMeanwhileKeepsBothInTheHistory) {
   expect_same(*store.labels(0), latest);
 }
 
-TEST_F(Outside, SavingWithoutNewsTakesOverWhatOthersWroteMeanwhile) {
+TEST_F(Outside, SavingWithoutEditsAdoptsChangesByOthers) {
   OpenStore store(dir);
   store.save(0);
   write_frame_labels(dir, 0, others);
@@ -123,7 +124,7 @@ TEST_F(Outside, SavingWithoutNewsTakesOverWhatOthersWroteMeanwhile) {
   EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, others.plane.data);
 }
 
-TEST_F(Outside, DamagedFilesLeaveTheJournalsLabels) {
+TEST_F(Outside, DamagedFilesDoNotReplaceTheJournalsLabels) {
   write_file_bytes(dir / kFiles[0], std::vector<unsigned char>{1, 2, 3});
   OpenStore store(dir);
   expect_same(*store.labels(0), latest);
@@ -134,7 +135,7 @@ TEST_F(Outside, DamagedFilesLeaveTheJournalsLabels) {
   EXPECT_EQ(read_file_bytes(dir / (kFiles[0] + std::string(".outside-1"))).size(), 3u);
 }
 
-TEST_F(Outside, LabelsOfAnotherDepthImageAreRefusedAndLeftAlone) {
+TEST_F(Outside, LabelsOfAnotherDepthImageAreRejectedAndNotChanged) {
   const auto journal = read_file_bytes(dir / "journal");
   LabelStore store(dir, by("ann"));
   expect_refused([&] { store.open(0, blank(1)); }, "bbbbbbbbbbbb");
@@ -147,7 +148,7 @@ TEST_F(Outside, LabelsOfAnotherDepthImageAreRefusedAndLeftAlone) {
   EXPECT_EQ(read_file_bytes(dir / "journal"), journal);
 }
 
-TEST_F(LabelStores, LabelFilesWithoutAJournalAreWhereTheHistoryBegins) {
+TEST_F(LabelStores, LabelFilesWithoutAJournalStartTheHistory) {
   FrameLabels files = blank(0);
   for (int i = 0; i < 5; ++i) files = after_random_gesture(files, random);
   std::reverse(files.planes.begin(), files.planes.end());
@@ -168,7 +169,7 @@ TEST_F(LabelStores, LabelFilesWithoutAJournalAreWhereTheHistoryBegins) {
   EXPECT_EQ(store.undo_count(), 0u);
 }
 
-TEST_F(LabelStores, FilesThatWerePackedAnewBeforeThereWasAJournalDoItNoHarm) {
+TEST_F(LabelStores, FilesRecompressedBeforeTheFirstJournalDoNoHarm) {
   write_frame_labels(dir, 0, blank(0));
   {
     OpenStore store(dir);
@@ -183,13 +184,13 @@ TEST_F(LabelStores, FilesThatWerePackedAnewBeforeThereWasAJournalDoItNoHarm) {
   EXPECT_EQ(store.undo_count(), 1u);
 }
 
-TEST_F(LabelStores, FilesOfAnotherSizeAreRefused) {
+TEST_F(LabelStores, FilesOfAnotherSizeAreRejected) {
   write_frame_labels(dir, 0, blank_labels(8, 6, 'a'));
   LabelStore store(dir, by("ann"));
   expect_refused([&] { store.open(0, blank(0)); }, "8x6");
 }
 
-TEST_F(Outside, AFrameThatCannotBeSavedKeepsNoOtherFromBeingSaved) {
+TEST_F(Outside, AFrameThatCannotBeSavedDoesNotBlockOthers) {
   OpenStore store(dir);
   store.open(1, blank(1));
   gesture(store, 1, random);
@@ -200,7 +201,7 @@ TEST_F(Outside, AFrameThatCannotBeSavedKeepsNoOtherFromBeingSaved) {
   EXPECT_FALSE(store.unsaved(1));
 }
 
-/// In a process of its own, as another instance would; true where `action` says so.
+/// Runs `action` in another process, like another instance; returns its result.
 bool in_another_process(const std::function<bool()>& action) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -216,7 +217,7 @@ bool in_another_process(const std::function<bool()>& action) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-/// While it lives, no file of this process grows beyond `bytes`: a disk that is full.
+/// For its lifetime, files of this process cannot grow beyond `bytes`, as on a full disk.
 class FullDisk {
  public:
   explicit FullDisk(std::uintmax_t bytes) {
@@ -235,7 +236,7 @@ class FullDisk {
   void (*handler_)(int) = SIG_DFL;
 };
 
-TEST_F(LabelStores, ASecondInstanceReadsOnlyAndSaysWhoHoldsTheLabels) {
+TEST_F(LabelStores, ASecondInstanceIsReadOnlyAndReportsTheFirst) {
   random = Random(31);
   auto store = std::make_unique<LabelStore>(dir, by("ann"));
   store->open(0, blank(0));
@@ -258,7 +259,7 @@ TEST_F(LabelStores, ASecondInstanceReadsOnlyAndSaysWhoHoldsTheLabels) {
   EXPECT_TRUE(in_another_process([&] { return LabelStore(dir, by("bob")).read_only().empty(); }));
 }
 
-TEST_F(LabelStores, TwoThatWereOpenedBeforeThereWasAFolderDoNotMixTheirGestures) {
+TEST_F(LabelStores, TwoStoresOpenedBeforeTheFolderExistedDoNotMixGestures) {
   auto first = std::make_unique<LabelStore>(dir, by("ann"));
   LabelStore second(dir, by("bob"));
   first->open(0, blank(0));
@@ -271,7 +272,7 @@ TEST_F(LabelStores, TwoThatWereOpenedBeforeThereWasAFolderDoNotMixTheirGestures)
   EXPECT_EQ(third.undo_count(), 1u);
 }
 
-TEST_F(LabelStores, GesturesOfAnInstanceThatIsGoneAreNotWrittenOver) {
+TEST_F(LabelStores, GesturesOfAClosedInstanceAreNotOverwritten) {
   OpenStore late(dir, "bob");
   {
     OpenStore first(dir);
@@ -281,24 +282,24 @@ TEST_F(LabelStores, GesturesOfAnInstanceThatIsGoneAreNotWrittenOver) {
   EXPECT_EQ(LabelStore(dir, by("carol")).undo_count(), 1u);
 }
 
-TEST_F(LabelStores, AFileInPlaceOfTheFolderIsNamed) {
+TEST_F(LabelStores, AFileInPlaceOfTheFolderIsReported) {
   std::ofstream(dir) << "a file";
   expect_refused([&] { LabelStore(dir, by("ann")); }, dir.string());
 }
 
-TEST_F(LabelStores, AFolderThatCannotBeMadeIsToldWithTheFirstGesture) {
+TEST_F(LabelStores, AFolderThatCannotBeCreatedIsReportedAtTheFirstGesture) {
   const fs::path blocked = dir;
   LabelStore store(blocked / "labels", by("ann"));
   store.open(0, blank(0));
   std::ofstream(blocked) << "a file";
-  expect_refused([&] { gesture(store, 0, random); }, "the gesture is not kept");
+  expect_refused([&] { gesture(store, 0, random); }, "the edit is not saved");
   expect_same(*store.labels(0), blank(0));
   fs::remove(blocked);
   gesture(store, 0, random);
   EXPECT_EQ(store.undo_count(), 1u);
 }
 
-TEST_F(LabelStores, AFolderThatCannotBeWrittenIsReadAndSaysSo) {
+TEST_F(LabelStores, AReadOnlyFolderIsReadAndReportedAsSuch) {
   FrameLabels labels;
   {
     OpenStore store(dir);
@@ -322,7 +323,7 @@ TEST_F(LabelStores, AFolderThatCannotBeWrittenIsReadAndSaysSo) {
   EXPECT_EQ(read_file_bytes(dir / "journal"), journal);
 }
 
-TEST_F(LabelStores, OnAFullDiskAGestureIsRefusedAndNothingIsLost) {
+TEST_F(LabelStores, OnAFullDiskAGestureIsRejectedAndNothingIsLost) {
   random = Random(36);
   OpenStore store(dir);
   gesture(store, 0, random);
@@ -330,8 +331,8 @@ TEST_F(LabelStores, OnAFullDiskAGestureIsRefusedAndNothingIsLost) {
   const auto journal = read_file_bytes(dir / "journal");
   for (const int room : {0, 1, 7, 15}) {
     const FullDisk full(journal.size() + room);
-    expect_refused([&] { gesture(store, 0, random); }, "File too large): the gesture is not kept");
-    expect_refused([&] { store.undo(); }, "File too large): the gesture is not kept");
+    expect_refused([&] { gesture(store, 0, random); }, "File too large); the edit is not saved");
+    expect_refused([&] { store.undo(); }, "File too large); the edit is not saved");
     expect_same(*store.labels(0), before);
     EXPECT_EQ(store.undo_count(), 1u);
     EXPECT_EQ(read_file_bytes(dir / "journal"), journal);
@@ -340,7 +341,7 @@ TEST_F(LabelStores, OnAFullDiskAGestureIsRefusedAndNothingIsLost) {
   EXPECT_EQ(store.undo_count(), 2u);
 }
 
-TEST_F(LabelStores, OnAFullDiskSavingFailsAndLeavesTheFilesAsTheyWere) {
+TEST_F(LabelStores, OnAFullDiskSavingFailsAndKeepsTheOldFiles) {
   random = Random(37);
   FrameLabels latest;
   {

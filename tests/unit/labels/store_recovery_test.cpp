@@ -1,4 +1,4 @@
-// What is there after a kill, with a damaged journal and with a long one.
+// Recovery after a kill, of a damaged journal, and of a long one.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -21,17 +21,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFrames = 3;
-constexpr int kSeed = 1000, kChoices = 19;  // the first choice is to save
+constexpr int kSeed = 1000, kChoices = 19;  // the first choice is saving
 
-/// A labeling session that goes the same way every time, and what must be there after each of its
-/// steps.
+/// A deterministic labeling session, with the expected labels after each step.
 class Script {
  public:
   Script() {
     for (int frame = 0; frame < kFrames; ++frame) labels_[frame] = blank(frame);
   }
 
-  /// The next step, with a store or without.
+  /// Performs the next step, with or without a store.
   void step(LabelStore* store) {
     Random random(kSeed + steps_++);
     const int choice = random.integer(0, kChoices);
@@ -86,7 +85,7 @@ void open_all(LabelStore& store) {
   for (int frame = 0; frame < kFrames; ++frame) store.open(frame, blank(frame));
 }
 
-/// Goes on with the script until it is killed, and says after each step that it is done.
+/// Continues the script until it is killed, and acknowledges each step.
 [[noreturn]] void work(const std::filesystem::path& dir, Script script, int acknowledge) {
   try {
     LabelStore store(dir, by("ann"));
@@ -102,7 +101,8 @@ void open_all(LabelStore& store) {
   }
 }
 
-/// How many steps were acknowledged before the kill, which comes some time after the first `steps`.
+/// Returns the number of steps acknowledged before the kill, which happens some time after the
+/// first `steps`.
 int work_and_be_killed(const std::filesystem::path& dir,
                        const Script& script,
                        int steps,
@@ -128,13 +128,13 @@ int work_and_be_killed(const std::filesystem::path& dir,
   return count;
 }
 
-TEST(KilledSessions, HaveExactlyTheirAcknowledgedGesturesAfterEachOfAHundredKills) {
+TEST(KilledSessions, KeepExactlyTheirAcknowledgedGesturesAfterAHundredKills) {
   const auto dir = fresh_dir("killed");
   Random random(41);
   Script script;
   int in_progress = 0;
   for (int round = 0; round < 100; ++round) {
-    // Every other time while it saves, which takes longest.
+    // Every other kill happens while saving, which takes longest.
     const bool saves = round % 2 == 1;
     const int steps = saves ? script.steps_before_save() : random.integer(0, 30);
     const auto after_us = static_cast<unsigned>(random.integer(0, saves ? 40000 : 1000));
@@ -147,7 +147,7 @@ TEST(KilledSessions, HaveExactlyTheirAcknowledgedGesturesAfterEachOfAHundredKill
       EXPECT_NE(notice.find("damaged"), std::string::npos) << notice;
     }
     if (!script.is_in(store)) {
-      script.step(nullptr);  // at most the one in progress, whole
+      script.step(nullptr);  // at most the step in progress, completed
       ++in_progress;
     }
     ASSERT_TRUE(script.is_in(store)) << "round " << round << ", step " << script.steps();
@@ -157,7 +157,7 @@ TEST(KilledSessions, HaveExactlyTheirAcknowledgedGesturesAfterEachOfAHundredKill
   EXPECT_GT(script.steps(), 100);
 }
 
-/// A journal of a few gestures, the last of one pixel, and the labels and length after each.
+/// A journal of several gestures, the last of one pixel, with the labels and its length after each.
 struct Session {
   fs::path dir;
   std::vector<FrameLabels> labels = {blank(0)};
@@ -181,8 +181,8 @@ struct Session {
 
   std::vector<unsigned char> bytes() const { return read_file_bytes(dir / "journal"); }
 
-  /// Opens the folder with this journal; it must hold the labels after `kept` gestures, keep what
-  /// was cut off, and go on from there.
+  /// Opens a folder with this journal. Expects the labels after `kept` gestures, a copy of the
+  /// discarded part, and that new gestures can follow.
   void expect_kept(std::span<const unsigned char> journal, std::size_t kept) const {
     fs::remove(dir / "journal.damaged-1");
     write_file_bytes(dir / "journal", journal);
@@ -206,19 +206,19 @@ struct Session {
   }
 };
 
-TEST(DamagedJournals, ACutOrAWrongByteAnywhereInTheLastRecordKeepsAllBefore) {
+TEST(DamagedJournals, DamageInTheLastRecordKeepsAllRecordsBefore) {
   const Session session("last", 6);
   const auto whole = session.bytes();
   for (auto at = session.lengths[5]; at < session.lengths[6]; ++at) {
     auto bytes = whole;
     bytes[at] ^= static_cast<unsigned char>(1 + at % 255);
     ASSERT_NO_FATAL_FAILURE(session.expect_kept(bytes, 5)) << at;
-    if (at == session.lengths[5]) continue;  // cut there, nothing is damaged
+    if (at == session.lengths[5]) continue;  // a truncation there damages nothing
     ASSERT_NO_FATAL_FAILURE(session.expect_kept(std::span(whole).first(at), 5)) << at;
   }
 }
 
-TEST(DamagedJournals, WhatFollowsDamageElsewhereIsSetAside) {
+TEST(DamagedJournals, RecordsAfterDamageElsewhereAreSetAside) {
   const Session session("elsewhere", 6);
   const auto whole = session.bytes();
   auto bytes = whole;
@@ -228,10 +228,10 @@ TEST(DamagedJournals, WhatFollowsDamageElsewhereIsSetAside) {
   bytes = whole;
   bytes.resize(bytes.size() + 4096);  // zeros
   session.expect_kept(bytes, 6);
-  session.expect_kept(std::span(whole).first(5), 0);  // of its first line
+  session.expect_kept(std::span(whole).first(5), 0);  // in its first line
 }
 
-TEST(DamagedJournals, EachIsSetAsideUnderANameOfItsOwn) {
+TEST(DamagedJournals, EachIsSetAsideUnderADifferentName) {
   const Session session("names", 2);
   const auto bytes = session.bytes();
   for (int i = 1; i <= 3; ++i) {
@@ -241,7 +241,7 @@ TEST(DamagedJournals, EachIsSetAsideUnderANameOfItsOwn) {
   }
 }
 
-TEST(DamagedJournals, SavedFilesAreTakenOverWhereTheJournalLostTheirGestures) {
+TEST(DamagedJournals, SavedFilesAreAdoptedIfTheJournalLostTheirGestures) {
   const fs::path dir = fresh_dir("lost_saving");
   Random random(12);
   FrameLabels saved;
@@ -262,7 +262,7 @@ TEST(DamagedJournals, SavedFilesAreTakenOverWhereTheJournalLostTheirGestures) {
   EXPECT_FALSE(store.unsaved(0));
 }
 
-TEST(DamagedJournals, OneThatCannotBeUnderstoodIsRefusedAndLeftAlone) {
+TEST(DamagedJournals, AnUnknownFormatIsRejectedAndNotChanged) {
   const auto expect_left = [](const Session& session, const std::string& message) {
     const auto bytes = session.bytes();
     expect_refused([&] { OpenStore(session.dir); }, message);
@@ -291,7 +291,7 @@ TEST(DamagedJournals, OneThatCannotBeUnderstoodIsRefusedAndLeftAlone) {
   expect_left(other_labels, "the edit at byte");
 }
 
-TEST(DamagedJournals, NoRecordWhateverItHoldsIsReadBeyondItsEnd) {
+TEST(DamagedJournals, NoRecordIsReadBeyondItsEnd) {
   FrameLabels labels = blank(0);
   Random random(13);
   for (int i = 0; i < 20; ++i) labels = after_random_gesture(labels, random);
@@ -319,10 +319,10 @@ TEST(DamagedJournals, NoRecordWhateverItHoldsIsReadBeyondItsEnd) {
   }
 }
 
-TEST(DamagedJournals, ATextThatRunsPastItsRecordIsRefused) {
+TEST(DamagedJournals, ATextBeyondItsRecordIsRejected) {
   auto record = plain_record({RecordKind::written, 0, 5, ""});
-  record.back() = 1;  // of the annotator, whose name is not there
-  expect_refused([&] { read_head(record); }, "does not hold what its kind needs");
+  record.back() = 1;  // length of the annotator's name, which is missing
+  expect_refused([&] { read_head(record); }, "does not contain the fields of its kind");
 }
 
 TEST_F(LabelStores, AJournalOfManyMegabytesIsReplayedExactly) {

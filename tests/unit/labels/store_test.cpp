@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST_F(LabelStores, NothingIsMadeBeforeTheFirstGesture) {
+TEST_F(LabelStores, NothingIsWrittenBeforeTheFirstGesture) {
   LabelStore store(dir, by("ann"));
   EXPECT_EQ(store.read_only(), "");
   expect_same(*store.open(0, blank(0)), blank(0));
@@ -28,7 +28,7 @@ TEST_F(LabelStores, NothingIsMadeBeforeTheFirstGesture) {
   EXPECT_TRUE(store.any_unsaved());
 }
 
-TEST_F(LabelStores, AFrameThatNobodyDrewOnTakesGravityThatIsKnownLater) {
+TEST_F(LabelStores, AnUntouchedFrameAdoptsGravityKnownLater) {
   LabelStore store(dir, by("ann"));
   FrameLabels unknown = blank(0), known = blank(0);
   unknown.gravity.source = GravitySource::none;
@@ -42,9 +42,10 @@ TEST_F(LabelStores, AFrameThatNobodyDrewOnTakesGravityThatIsKnownLater) {
   EXPECT_EQ(store.open(0, unknown), drawn) << "what was drawn keeps the gravity it was drawn with";
 }
 
-TEST_F(LabelStores, UndoAndRedoGoThroughAllFramesAndRestartsWithoutEnd) {
+TEST_F(LabelStores, UndoAndRedoCoverAllFramesAndRestarts) {
   auto store = std::make_unique<LabelStore>(dir, by("ann"));
-  std::vector<std::pair<int, FrameLabels>> before;  // of each gesture: its frame, and that before
+  // per gesture: its frame, and the previous labels
+  std::vector<std::pair<int, FrameLabels>> before;
   for (int i = 0; i < 120; ++i) {
     const int frame = random.integer(0, 2);
     store->open(frame, blank(frame));
@@ -82,7 +83,7 @@ TEST_F(LabelStores, UndoAndRedoGoThroughAllFramesAndRestartsWithoutEnd) {
   EXPECT_TRUE(after.empty());
 }
 
-TEST_F(LabelStores, LabelsHandedOutStayAsTheyWere) {
+TEST_F(LabelStores, ReturnedLabelsDoNotChange) {
   LabelStore store(dir, by("ann"));
   const auto first = store.open(0, blank(0));
   const auto version = store.version(0);
@@ -120,14 +121,14 @@ TEST_F(LabelStores, EditsOfSeveralFramesAreOneStep) {
   EXPECT_EQ(store->redo_frames(), (std::vector{1, 2, 3}));
   store->redo();
   expect_same(*store->labels(2), drawn(2, 7));
-  // What follows at the same moment, on another frame, is a step of its own.
+  // An edit of another frame at the same moment is a separate step.
   store->commit(make_edit(0, "Brush h", drawn(0, 5), drawn(0, 6)));
   EXPECT_EQ(store->undo_frames(), std::vector{0});
   store->undo();
   expect_same(*store->labels(3), drawn(3, 7));
 }
 
-TEST_F(LabelStores, TheHistoryNamesWhoDidWhatWhenTheLatestFirst) {
+TEST_F(LabelStores, TheHistoryListsAuthorActionAndTimeLatestFirst) {
   std::int64_t now_ms = 1000;
   LabelStore store(dir, {"ann", [&] { return now_ms; }});
   store.open(3, blank(3));
@@ -151,7 +152,7 @@ TEST_F(LabelStores, TheHistoryNamesWhoDidWhatWhenTheLatestFirst) {
   EXPECT_EQ(store.history(1).size(), 1u);
 }
 
-TEST_F(LabelStores, SaveAllAlsoWritesFramesThatWereNotOpenedSinceTheRestart) {
+TEST_F(LabelStores, SaveAllIncludesFramesNotOpenedSinceTheRestart) {
   FrameLabels labels;
   {
     OpenStore store(dir);
@@ -166,7 +167,7 @@ TEST_F(LabelStores, SaveAllAlsoWritesFramesThatWereNotOpenedSinceTheRestart) {
   EXPECT_EQ(files->plane.data, labels.plane.data);
 }
 
-TEST_F(LabelStores, LabelsThatBeginHereNameTheirAnnotator) {
+TEST_F(LabelStores, NewLabelsRecordTheirAnnotator) {
   LabelStore store(dir, by("ann"));
   FrameLabels labels = *store.open(0, blank_labels(23, 17));
   labels.hv.data[0] = 1;

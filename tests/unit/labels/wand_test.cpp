@@ -23,7 +23,7 @@ namespace {
 
 using test::TrueFrame;
 
-/// The connected part of a true plane around its pixel in the middle of the list.
+/// The connected part of a true plane that contains the middle pixel of its list.
 PixelSet largest_part(const TrueFrame& view, int plane) {
   const auto parts = connected_parts(view.grid, pixels_of_plane(view.truth, plane), 4);
   return *std::ranges::max_element(parts, {}, &PixelSet::size);
@@ -34,7 +34,7 @@ TrueFrame scene(const std::string& name, std::uint64_t seed = 1) {
   return test::view_of(scene, scene.camera);
 }
 
-TEST(Wand, OneClickTakesAPlaneOfASceneAndLittleElse) {
+TEST(Wand, OneClickSelectsAPlaneAndLittleElse) {
   for (const char* name : {"stairs", "boxes", "corner"}) {
     const TrueFrame view = scene(name);
     for (const LabelPlane& plane : view.truth.planes) {
@@ -73,7 +73,8 @@ std::optional<WandResult> grow(const LabelGrid& grid,
   return grow_plane(grid, labels, std::array{test::pixel_at(grid, u, v)}, options, why_not);
 }
 
-/// A floor that meets a wall at row `crease`, without noise: 0.5 m below a camera 1 m before it.
+/// A floor and a wall that meet at row `crease`, without noise, 0.5 m below and 1 m ahead of the
+/// camera.
 LabelGrid floor_and_wall(int holes_every = 0) {
   return make_label_grid(test::frame_of(160, 120,
                                         [&](int u, int v) {
@@ -92,7 +93,7 @@ TEST(Wand, NeitherSideOfACreaseBleedsOntoTheOther) {
   ASSERT_TRUE(floor && wall);
   EXPECT_EQ(floor->label, Label::h);
   EXPECT_EQ(wall->label, Label::v);
-  // The crease is at row 90; it lies on both.
+  // The crease at row 90 belongs to both.
   EXPECT_GE(floor->pixels.front() / 160, 90u);
   EXPECT_LE(floor->pixels.front() / 160, 91u);
   EXPECT_LE(wall->pixels.back() / 160, 90u);
@@ -101,7 +102,7 @@ TEST(Wand, NeitherSideOfACreaseBleedsOntoTheOther) {
   EXPECT_GT(wall->pixels.size(), 0.97 * 90 * 160);
 }
 
-TEST(Wand, HolesDoNotCutASurfaceIntoPieces) {
+TEST(Wand, HolesDoNotSplitASurface) {
   const LabelGrid grid = floor_and_wall(5);
   const auto wall = grow(grid, 80, 40);
   ASSERT_TRUE(wall);
@@ -126,8 +127,8 @@ TEST(Wand, AClickOnANoisyPixelFindsTheSurfaceAndFillsTheSpeck) {
   EXPECT_EQ(result->pixels.size(), 80u * 60);
 }
 
-// A wall that bows in a dent of 30 x 20 pixels, by less than one and a half tolerances; or a box
-// stands out of it there.
+// A wall with a dent of 30 x 20 pixels, less than one and a half tolerances deep, or with a box
+// there.
 LabelGrid wall_with(double out_m) {
   return make_label_grid(test::frame_of(160, 120,
                                         [=](int u, int v) {
@@ -137,7 +138,7 @@ LabelGrid wall_with(double out_m) {
                          Gravity{});
 }
 
-TEST(Wand, FillsAHoleWhereNothingElseIsSeenAndNoneWhereABoxStands) {
+TEST(Wand, FillsADentButNotTheHoleOfABox) {
   const LabelGrid bowed = wall_with(0.011), box = wall_with(0.02);
   const std::array click{test::pixel_at(bowed, 20, 20)};
   const auto whole = grow_plane(bowed, nullptr, click, {});
@@ -147,8 +148,9 @@ TEST(Wand, FillsAHoleWhereNothingElseIsSeenAndNoneWhereABoxStands) {
   EXPECT_LE(around->pixels.size(), 160u * 120 - 30 * 20);
 }
 
-TEST(Wand, ALargeToleranceDoesNotGrowWithNoiseThatItCovers) {
-  // Noise as of 2 m: three times that of close range. The right half lies 3 cm behind the left.
+TEST(Wand, ALargeToleranceDoesNotGrowWithSmallNoise) {
+  // Noise like that at 2 m, three times that at short range. The right half is 3 cm behind the
+  // left.
   LabelGrid grid = make_label_grid(
       test::frame_of(160, 120, [](int u, int) { return u < 80 ? 2.0 : 2.03; }), Gravity{});
   for (float& sigma : grid.sigma_m) sigma = 0.0069f;
@@ -161,7 +163,7 @@ TEST(Wand, ALargeToleranceDoesNotGrowWithNoiseThatItCovers) {
   EXPECT_LE(found->pixels.size(), 85u * 120);
 }
 
-TEST(Wand, SaysWhyThereIsNoPlane) {
+TEST(Wand, ExplainsWhyThereIsNoPlane) {
   std::string why;
   const LabelGrid hole = make_label_grid(
       test::frame_of(80, 60, [](int u, int) { return u < 40 ? 1.0 : 0.0; }), Gravity{});
@@ -174,7 +176,7 @@ TEST(Wand, SaysWhyThereIsNoPlane) {
   EXPECT_EQ(why, "no plane there");
 }
 
-TEST(Wand, LeavesLabelledPixelsUnlessToldOtherwise) {
+TEST(Wand, KeepsLabeledPixelsByDefault) {
   const LabelGrid grid = test::wall_grid(80, 60);
   const FrameLabels labels = painted(empty_labels(grid, ""), grid,
                                      test::rectangle(grid, 0, 0, 20, 60), {1}, PaintMode::over);
@@ -187,11 +189,11 @@ TEST(Wand, LeavesLabelledPixelsUnlessToldOtherwise) {
   EXPECT_EQ(grow_plane(grid, &locked, click, options)->pixels.size(), 60u * 60);
   std::string why;
   EXPECT_FALSE(grow_plane(grid, &locked, std::array{test::pixel_at(grid, 8, 30)}, options, &why));
-  EXPECT_EQ(why, "it has a label already");
+  EXPECT_EQ(why, "it already has a label");
 }
 
 TEST(Wand, LaterSeedsAddFragmentsOfTheSamePlaneAndNothingElse) {
-  // A pillar before a wall cuts it in two.
+  // A pillar in front of a wall splits it.
   const LabelGrid grid = make_label_grid(
       test::frame_of(120, 60, [](int u, int) { return u >= 50 && u < 70 ? 0.7 : 1.0; }), Gravity{});
   const std::array seeds{test::pixel_at(grid, 20, 30), test::pixel_at(grid, 100, 30),
@@ -202,9 +204,9 @@ TEST(Wand, LaterSeedsAddFragmentsOfTheSamePlaneAndNothingElse) {
   EXPECT_EQ(result->fragment_pixels, (std::vector<std::size_t>{50 * 60, 50 * 60, 0}));
 }
 
-TEST(Wand, ColorDecidesWhereDepthIsRagged) {
-  // A board's right border: 5 columns that neither fit it nor are far off, painted as the board is
-  // in two of them.
+TEST(Wand, ColorDecidesIfDepthIsRagged) {
+  // A board's right border: 5 columns that neither fit it nor are far from it; two of them have the
+  // board's color.
   Frame frame = test::frame_of(120, 80, [](int u, int) {
     return u < 60 ? 1.0 : u < 65 ? 1.012 : 1.3;
   });
@@ -236,13 +238,13 @@ TEST(Wand, StaysWithinTheLassoDrawnAroundIt) {
   EXPECT_EQ(result->pixels, left);
   std::string why;
   EXPECT_FALSE(grow(grid, 30, 15, options, nullptr, &why));
-  EXPECT_EQ(why, "it is outside of the lasso");
+  EXPECT_EQ(why, "it is outside the lasso");
 }
 
 using test::pixel_at;
 using test::rectangle;
 
-/// A wall 1 m away with P1 on those pixels.
+/// A wall at 1 m, with P1 on these pixels.
 struct Wall {
   LabelGrid grid;
   FrameLabels labels;
@@ -258,8 +260,8 @@ PixelSet without(PixelSet pixels, const PixelSet& less) {
   return pixels;
 }
 
-TEST(Finish, HolesAreFilledWithWhatLiesOnThePlaneAndNothingElse) {
-  const auto depth = [](int u, int v) {  // a box stands in the second hole
+TEST(Finish, HolesAreFilledOnlyWithPixelsOnThePlane) {
+  const auto depth = [](int u, int v) {  // a box covers the second hole
     return u >= 24 && u < 30 && v >= 10 && v < 16 ? 0.8 : 1.0;
   };
   const LabelGrid grid = make_label_grid(test::frame_of(40, 30, depth), Gravity{});
@@ -272,7 +274,7 @@ TEST(Finish, HolesAreFilledWithWhatLiesOnThePlaneAndNothingElse) {
   EXPECT_EQ(pixels_of_plane(after, 1).size(), pixels_of_plane(wall.labels, 1).size() + hole.size());
 }
 
-TEST(Finish, AHoleThatHasAnotherLabelKeepsIt) {
+TEST(Finish, AHoleWithAnotherLabelKeepsIt) {
   const LabelGrid grid = test::wall_grid();
   const PixelSet hole = rectangle(grid, 8, 8, 14, 20);
   Wall wall = wall_with(grid, without(rectangle(grid, 2, 2, 38, 28), hole));
@@ -293,10 +295,10 @@ TEST(Finish, ASmoothedBorderLosesItsTeethAndItsNotches) {
   std::ranges::set_intersection(finish.adds, notch, std::back_inserter(filled));
   EXPECT_GE(lost.size(), 4u);
   EXPECT_GE(filled.size(), 3u);
-  EXPECT_LT(finish.takes.size() + finish.adds.size(), 30u);  // and straight borders stay
+  EXPECT_LT(finish.takes.size() + finish.adds.size(), 30u);  // and straight borders do not change
 }
 
-TEST(Finish, APlaneGrowsToWhereAnotherSurfaceBegins) {
+TEST(Finish, APlaneGrowsToTheNextSurface) {
   const auto depth = [](int u, int) { return u < 30 ? 1.0 : 1.3; };  // the wall ends at a step
   const LabelGrid grid = make_label_grid(test::frame_of(40, 30, depth), Gravity{});
   const Wall wall = wall_with(grid, rectangle(grid, 5, 5, 20, 20));
@@ -316,7 +318,7 @@ TEST(Finish, SpecksBelowASizeAreDroppedAndTheLargestPartIsKept) {
   EXPECT_EQ(drop_specks(wall.labels, grid, 1, 1).takes.size(), 4u + 36u);
 }
 
-TEST(Finish, ALockedPlaneIsLeftAlone) {
+TEST(Finish, ALockedPlaneDoesNotChange) {
   const LabelGrid grid = test::wall_grid();
   const Wall wall = wall_with(grid, rectangle(grid, 5, 5, 20, 20));
   const FrameLabels locked = edited(wall.labels, wall.grid, set_flag, 1, PlaneFlag::locked, true);

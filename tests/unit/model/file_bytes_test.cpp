@@ -23,7 +23,7 @@ fs::path fresh_folder(const std::string& name) {
   return folder;
 }
 
-TEST(ReplaceFile, PutsTheNewBytesInPlaceAndLeavesNothingBeside) {
+TEST(ReplaceFile, ReplacesTheBytesAndLeavesNoTemporaryFiles) {
   const fs::path folder = fresh_folder("new");
   const std::vector<unsigned char> first = {1, 2, 3}, second = {4};
   write_file_bytes(folder / "a", first);
@@ -33,7 +33,7 @@ TEST(ReplaceFile, PutsTheNewBytesInPlaceAndLeavesNothingBeside) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
 }
 
-TEST(ReplaceFile, KeepsWhatWasThereWhereItCannotReplaceIt) {
+TEST(ReplaceFile, KeepsTheOldFileIfItCannotReplaceIt) {
   const fs::path folder = fresh_folder("blocked");
   fs::create_directories(folder / "a" / "in the way");
   try {
@@ -46,7 +46,7 @@ TEST(ReplaceFile, KeepsWhatWasThereWhereItCannotReplaceIt) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
 }
 
-TEST(ReplaceFile, ThatFailsHalfwayLeavesTheOldOneWhole) {
+TEST(ReplaceFile, ThatFailsHalfwayKeepsTheOldFile) {
   const fs::path folder = fresh_folder("halfway");
   write_file_text(folder / "a", "old");
   EXPECT_THROW(write_file_stream(folder / "a",
@@ -59,7 +59,7 @@ TEST(ReplaceFile, ThatFailsHalfwayLeavesTheOldOneWhole) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
 }
 
-TEST(ReplaceFile, FollowsALinkAndKeepsWhoMayRead) {
+TEST(ReplaceFile, FollowsALinkAndKeepsPermissions) {
   const fs::path folder = fresh_folder("link");
   write_file_text(folder / "a", "old");
   fs::permissions(folder / "a", fs::perms::owner_read | fs::perms::owner_write);
@@ -70,7 +70,7 @@ TEST(ReplaceFile, FollowsALinkAndKeepsWhoMayRead) {
   EXPECT_EQ(fs::status(folder / "a").permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
-TEST(ReplaceFile, WritesToADeviceAsItIs) {
+TEST(ReplaceFile, WritesDirectlyToADevice) {
   write_file_text("/dev/null", "gone");
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
@@ -82,7 +82,7 @@ TEST(ReplaceFile, WritesToADeviceAsItIs) {
   }
 }
 
-TEST(ExchangeFolder, LeavesTheOldFolderWhereTheNewOneWas) {
+TEST(ExchangeFolder, SwapsTheOldAndNewFolders) {
   const fs::path folder = fresh_folder("exchange");
   for (const char* name : {"new", "old"}) {
     fs::create_directories(folder / name);
@@ -98,13 +98,13 @@ TEST(ExchangeFolder, LeavesTheOldFolderWhereTheNewOneWas) {
   EXPECT_TRUE(fs::exists(folder / "third" / "new")) << "what was there stays";
 }
 
-TEST(Sha256, AFileThatCannotBeReadToItsEndHasNoHash) {
-  // Nothing is mapped at its beginning: reading there is an I/O error.
+TEST(Sha256, AnUnreadableFileHasNoHash) {
+  // Nothing is mapped at its start: reading there is an I/O error.
   if (!fs::is_regular_file("/proc/self/mem")) GTEST_SKIP() << "no /proc here";
   EXPECT_THROW(sha256_hex_of_file("/proc/self/mem"), Error);
 }
 
-TEST(FileDescriptors, AMissingFolderAndAFullDeviceAreToldByTheirErrno) {
+TEST(FileDescriptors, AMissingFolderAndAFullDeviceAreReportedByErrno) {
   EXPECT_EQ(sync_folder("/nonexistent/folder"), ENOENT);
   const FileDescriptor full = open_file("/dev/full", O_WRONLY);
   if (!full.is_open()) GTEST_SKIP() << "no /dev/full here";

@@ -60,7 +60,7 @@ Tree some_tree() {
 
 }  // namespace
 
-TEST(JsonFields, WriteInTheirOrderWhatTheyReadBack) {
+TEST(JsonFields, AreWrittenInOrderAndReadBack) {
   const Tree tree = some_tree();
   const nlohmann::ordered_json json = json_of(tree);
   EXPECT_EQ(json.dump(),
@@ -73,7 +73,7 @@ TEST(JsonFields, WriteInTheirOrderWhatTheyReadBack) {
   EXPECT_EQ(read, tree);
 }
 
-TEST(JsonFields, NameThePlaceWhatWasFoundAndWhatWasExpected) {
+TEST(JsonFields, ReportWhereWhatWasFoundAndWhatWasExpected) {
   const auto refused = [](const char* change, const std::string& expected) {
     nlohmann::ordered_json json = json_of(some_tree());
     json.merge_patch(nlohmann::ordered_json::parse(change));
@@ -87,29 +87,29 @@ TEST(JsonFields, NameThePlaceWhatWasFoundAndWhatWasExpected) {
         "tree.json: " + expected);
   };
   refused(R"({"height_m": null})", "the file has no \"height_m\"");
-  refused(R"({"height_m": "tall"})", "height_m is \"tall\", expected a number");
-  refused(R"({"fruit": "plum"})", "fruit is \"plum\", expected one of apple, pear");
-  refused(R"({"place": [1, 2]})", "place is [1,2], expected three numbers");
+  refused(R"({"height_m": "tall"})", "height_m is \"tall\"; expected a number");
+  refused(R"({"fruit": "plum"})", "fruit is \"plum\"; expected one of apple, pear");
+  refused(R"({"place": [1, 2]})", "place is [1,2]; expected three numbers");
   refused(R"({"leaves": [{"id": 1}, {"id": -1}]})",
-          "leaves[1].id is -1, expected a whole number from 0 to");
-  refused(R"({"limits": [1, 2, 3]})", "limits is [1,2,3], expected 2 values");
-  refused(R"({"seed": 4294967296})", "seed is 4294967296, expected a whole number from 0 to");
+          "leaves[1].id is -1; expected a whole number from 0 to");
+  refused(R"({"limits": [1, 2, 3]})", "limits is [1,2,3]; expected 2 values");
+  refused(R"({"seed": 4294967296})", "seed is 4294967296; expected a whole number from 0 to");
 }
 
-TEST(JsonFields, OfAnEarlierVersionAreRefusedInOneLine) {
+TEST(JsonFields, OfAnEarlierVersionAreRejectedInOneLine) {
   const auto schema = [](const char* found) {
     const nlohmann::ordered_json json = {{"schema", found}};
     return JsonPlace(json).schema({"planescope.tree/2", "planescope.tree/3"});
   };
   EXPECT_EQ(schema("planescope.tree/3"), "planescope.tree/3");
   expect_refused([&] { schema("planescope.tree/1"); },
-                 "planescope.tree/1 is no longer readable; expected planescope.tree/2 or "
+                 "planescope.tree/1 is no longer supported; expected planescope.tree/2 or "
                  "planescope.tree/3");
   expect_refused([&] { schema("planescope.tree/4"); },
-                 "schema is \"planescope.tree/4\", expected planescope.tree/2 or");
+                 "schema is \"planescope.tree/4\"; expected planescope.tree/2 or");
 }
 
-TEST(JsonText, IsReadFromWithinSixtyFourLevelsAndRefusedBelow) {
+TEST(JsonText, IsReadUpToSixtyFourLevelsAndRejectedBeyond) {
   EXPECT_TRUE(parse_json<Json>(nested(65, "[", "]"), "deep.json").is_array());
   for (const int levels : {66, 150000}) {
     expect_refused([&] { parse_json<Json>(nested(levels, "[", "]"), "deep.json"); },
@@ -122,30 +122,30 @@ TEST(JsonText, IsReadFromWithinSixtyFourLevelsAndRefusedBelow) {
   }
 }
 
-TEST(JsonText, SaysWhereItIsDamaged) {
+TEST(JsonText, ReportsWhereItIsDamaged) {
   expect_refused([] { parse_json<Json>("{\"a\": 1,\n\"b\": }", "b.json"); },
                  "b.json: not valid JSON: parse error at line 2, column 6");
   expect_refused([] { parse_json<Json>("", "empty.json"); }, "empty.json: not valid JSON");
   expect_refused([] { parse_json<Json>("[1e999]", "big.json"); }, "big.json: not valid JSON");
 }
 
-TEST(JsonText, RefusesAKeyThatIsThereTwiceInOneObjectOnly) {
+TEST(JsonText, RejectsDuplicateKeysInOneObjectOnly) {
   EXPECT_EQ(parse_json<Json>(R"({"a": {"b": 1}, "b": 2, "c": [{"b": 3}, {"b": 4}]})", "x").size(),
             3U);
   expect_refused([] { parse_json<Json>(R"({"a": {"b": 1, "c": 2, "b": 3}})", "x.json"); },
-                 "x.json: has \"b\" twice in one object");
+                 "x.json: \"b\" appears twice in one object");
 }
 
-TEST(JsonText, AWholeNumberIsOneThatItsTypeHolds) {
+TEST(JsonText, AWholeNumberMustFitItsType) {
   EXPECT_EQ(whole_number(Json(7), 0, 7, "x"), 7);
   EXPECT_EQ(whole_int(Json(-2147483648LL), "x"), -2147483647 - 1);
   for (const char* text : {"8", "-1", "1.5", "7.0", "1e300", "4294967296", "18446744073709551615",
                            "\"1\"", "null", "[1]"})
     expect_refused([&] { whole_number(Json::parse(text), 0, 7, "x"); },
                    "expected a whole number from 0 to 7");
-  expect_refused([] { whole_int(Json(4294967297LL), "its id"); }, "its id is 4294967297, expected");
+  expect_refused([] { whole_int(Json(4294967297LL), "its id"); }, "its id is 4294967297; expected");
 }
 
-TEST(JsonText, MayHoldComments) {
+TEST(JsonText, MayContainComments) {
   EXPECT_EQ(parse_json<Json>("{\"a\": 1 /* metres */} // the end", "x").at("a"), 1);
 }

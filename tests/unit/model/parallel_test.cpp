@@ -24,7 +24,7 @@ TEST(Team, SharesAreConsecutiveAndCoverEverything) {
   }
 }
 
-TEST(Team, WhatWasWrittenBeforeAMeetingIsThereAfterIt) {
+TEST(Team, WritesBeforeABarrierAreVisibleAfterIt) {
   std::vector<int> first(64, 0), second(64, 0);
   run_team(4, [&](TeamMember& member) {
     const auto [begin, end] = member.share(first.size());
@@ -35,7 +35,7 @@ TEST(Team, WhatWasWrittenBeforeAMeetingIsThereAfterIt) {
   for (int i = 0; i < 64; ++i) EXPECT_EQ(second[i], 63 - i);
 }
 
-TEST(Team, AnExceptionOfOneIsRethrownWhenTheOthersAreThrough) {
+TEST(Team, AnExceptionIsRethrownWhenTheOthersHaveFinished) {
   std::atomic<int> through = 0;
   EXPECT_THROW(run_team(3,
                         [&](TeamMember& member) {
@@ -57,7 +57,7 @@ TEST(WorkList, EveryPieceIsDoneOnceByAnyNumberOfThreads) {
   work_through(0, 4, [](int) { FAIL(); });
 }
 
-TEST(WorkList, ProgressIsToldOnTheCallersThread) {
+TEST(WorkList, ProgressIsReportedOnTheCallersThread) {
   const auto caller = std::this_thread::get_id();
   int last = 0;
   work_through(
@@ -80,7 +80,7 @@ TEST(WorkList, AnExceptionStopsTheRest) {
   EXPECT_EQ(begun, 4);
 }
 
-TEST(InOrder, EverythingIsMadeOnceAndTakenInOrderOnTheCallersThread) {
+TEST(InOrder, EverythingIsProducedOnceAndConsumedInOrderOnTheCallersThread) {
   const auto caller = std::this_thread::get_id();
   for (const int threads : {0, 1, 3, 100}) {
     std::vector<int> made(50, 0), taken;
@@ -97,14 +97,14 @@ TEST(InOrder, EverythingIsMadeOnceAndTakenInOrderOnTheCallersThread) {
   }
 }
 
-TEST(InOrder, NothingIsMadeFarAheadOfWhatIsTaken) {
+TEST(InOrder, ProductionDoesNotRunFarAheadOfConsumption) {
   std::atomic<int> taken = 0;
   const auto make = [&](int i) { EXPECT_LE(i, taken + 6); };
   work_in_order(200, 3, make, [&](int) { ++taken; });
   EXPECT_EQ(taken, 200);
 }
 
-TEST(InOrder, TheFirstErrorInOrderIsToldAndWhatCameBeforeItIsTaken) {
+TEST(InOrder, TheFirstErrorInOrderIsReportedAfterConsumingEarlierItems) {
   for (const int threads : {1, 4}) {
     std::vector<int> taken;
     const auto make = [](int i) {
@@ -120,7 +120,7 @@ TEST(InOrder, TheFirstErrorInOrderIsToldAndWhatCameBeforeItIsTaken) {
   }
 }
 
-TEST(InOrder, AnErrorOfTheTakerStopsTheRest) {
+TEST(InOrder, AnErrorOfTheConsumerStopsTheRest) {
   std::atomic<int> made = 0;
   EXPECT_THROW(work_in_order(
                    1000, 2, [&](int) { ++made; }, [](int) { throw std::runtime_error("full"); }),

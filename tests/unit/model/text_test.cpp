@@ -9,7 +9,7 @@
 namespace planescope {
 namespace {
 
-TEST(Text, TheNearestNameIsTheOneThatWasMeant) {
+TEST(Text, TheNearestNameIsTheIntendedOne) {
   const std::vector<std::string> names = {"segment", "report", "info", "eval"};
   EXPECT_EQ(nearest_name("segmnet", names), "segment");
   EXPECT_EQ(nearest_name("reprot", names), "report");
@@ -21,7 +21,7 @@ TEST(Text, TheNearestNameIsTheOneThatWasMeant) {
   EXPECT_EQ(nearest_name("info", {}), "");
 }
 
-TEST(Text, ANumberIsTheWholeTextOrNone) {
+TEST(Text, ANumberMustBeTheWholeText) {
   EXPECT_EQ(parse_number("1.5e-3", "x"), 1.5e-3);
   EXPECT_EQ(parse_number("+2", "x"), 2);
   EXPECT_EQ(parse_number("-0.25", "x"), -0.25);
@@ -38,7 +38,7 @@ TEST(Text, SplittingKeepsEmptyParts) {
   EXPECT_EQ(split("", ':'), (std::vector<std::string>{""}));
 }
 
-TEST(Text, WhatIsSaidOfAFileIsOneLineWhateverItsNamesHold) {
+TEST(Text, MessagesAboutFilesAreOneLineForAnyName) {
   const std::string text = "a\nb\tc\r\x1b[31m \x7f \xc3\xbc \xff";
   const std::string line = "a b c ?[31m ? \xc3\xbc \xff";
   EXPECT_EQ(one_line(text), line);

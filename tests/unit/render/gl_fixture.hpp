@@ -1,7 +1,7 @@
 #pragma once
 
-// Pixel tests need a GL context, but no display server. One context and one renderer serve all of
-// them, so that state left behind by one picture would show in the next.
+// Pixel tests need a GL context, but no display server. All tests share one context and one
+// renderer, so that state left behind by a picture would be visible in the next.
 
 #include <gtest/gtest.h>
 
@@ -35,11 +35,11 @@ class GlTest : public testing::Test {
   Image8 render(const DrawList& list, const Camera& camera, Theme theme = Theme::light) {
     return renderer_->render(list, camera, kWidth, kHeight, theme);
   }
-  /// What a window shows: RGBA, row 0 at the bottom.
+  /// The drawing for a window: RGBA, row 0 at the bottom.
   Image8 draw(const DrawList& list, const Camera& camera) {
     return pixels_of(renderer_->draw(list, camera, kWidth, kHeight, Theme::light), kWidth, kHeight);
   }
-  /// RGBA as GL holds it, row 0 first.
+  /// RGBA as stored by GL, row 0 first.
   static Image8 pixels_of(std::uint32_t texture, int width, int height) {
     Image8 image(width, height, 4);
     glBindTexture(GL_TEXTURE_2D, texture);
@@ -59,7 +59,7 @@ class GlTest : public testing::Test {
   static inline std::string no_context_;
 };
 
-/// Looks along +x from 1 m before the origin, z up: y to the left, z up on screen.
+/// Looks along +x from 1 m in front of the origin, z up: y points left and z up on screen.
 inline Camera front_camera() { return {.eye = Vec3d(-1, 0, 0)}; }
 
 inline DrawList without_overlay() {

@@ -14,15 +14,15 @@ namespace {
 
 struct Context : GlTest {};
 
-TEST_F(Context, DescriptionNamesTheDriverAndTheWayIn) {
+TEST_F(Context, DescriptionContainsDriverAndInterface) {
   EXPECT_NE(context().description().find("EGL"), std::string::npos) << context().description();
 }
 
-TEST_F(Context, TwoContextsLiveSideBySide) {
+TEST_F(Context, TwoContextsCanCoexist) {
   const auto camera = front_camera();
   const Image8 before = render({}, camera);
   {
-    const auto other = make_egl_context();  // current from here on
+    const auto other = make_egl_context();  // current from now on
     Renderer there;
     EXPECT_EQ(there.render({}, camera, kWidth, kHeight, Theme::light).data, before.data);
   }
@@ -60,8 +60,8 @@ TEST(GlfwContext, WithoutADisplayTheErrorSaysSo) {
 
 struct Texture : GlTest {};
 
-// A picture's points are drawn on the CPU, a window's by GL.
-TEST_F(Texture, OfADrawingShowsWhatThePictureShows) {
+// The points of a picture are drawn on the CPU, those of a window by GL.
+TEST_F(Texture, OfADrawingMatchesThePicture) {
   DrawList list;
   list.boxes = {{box_corners(Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f)),
                  {220, 20, 20},
@@ -105,7 +105,7 @@ TEST_F(Texture, OfADrawingFollowsItsSize) {
   EXPECT_EQ(renderer().render({}, camera, 64, 48, Theme::light).data, small.data);
 }
 
-TEST_F(Texture, OfAnImageHoldsItsPixelsAndTakesOthers) {
+TEST_F(Texture, OfAnImageHasItsPixelsAndCanBeReplaced) {
   Image8 image(3, 2, 3);
   for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<std::uint8_t>(i);
   ImageTexture texture(image);
@@ -125,7 +125,7 @@ TEST_F(Texture, OfAnImageHoldsItsPixelsAndTakesOthers) {
 
 // ---- Points on the CPU ----
 
-// What pictures of one frame share is kept from one to the next.
+// Shapes are shared by the pictures of one frame.
 TEST(Splats, OtherColorsDoNotChangeTheShapes) {
   DrawPoints points;
   points.positions.assign(10, Vec3f::Zero());

@@ -32,7 +32,7 @@ TEST(ScaleBar, LengthIsTheLongestRoundOneThatFits) {
   EXPECT_DOUBLE_EQ(round_length_m(0.1, 100), 1000);
 }
 
-TEST(ScaleBar, LengthIsWrittenInItsNaturalUnit) {
+TEST(ScaleBar, LengthIsPrintedInItsNaturalUnit) {
   EXPECT_EQ(length_text(0.005), "5 mm");
   EXPECT_EQ(length_text(0.01), "1 cm");
   EXPECT_EQ(length_text(0.2), "20 cm");
@@ -41,7 +41,7 @@ TEST(ScaleBar, LengthIsWrittenInItsNaturalUnit) {
   EXPECT_EQ(length_text(2000), "2 km");
 }
 
-TEST(ScaleBar, IsAsLongAsItSays) {
+TEST(ScaleBar, HasTheLengthOfItsLabel) {
   DrawList list;
   list.show_axes = false;
   const View view = view_of(900, 720);
@@ -68,7 +68,7 @@ TEST(Overlay, AxesPointAsTheCameraSeesThem) {
   }
 }
 
-TEST(Overlay, EmptyListLeavesThePictureBare) {
+TEST(Overlay, EmptyListHasNoOverlay) {
   DrawList list;
   list.show_axes = list.show_scale_bar = false;
   const Overlay overlay = layout(list);
@@ -103,7 +103,7 @@ TEST(Overlay, LongLegendFlowsIntoColumnsInsideThePicture) {
   EXPECT_LT(rightmost, 800);
 }
 
-TEST(Overlay, ALabelGivesWayToAMoreImportantOneThatItWouldStandOn) {
+TEST(Overlay, ALabelIsHiddenByAnOverlappingMoreImportantOne) {
   DrawList list;
   list.labels = {{{0, 0, 0}, "IV", {}, 14, kNumeralLabel},
                  {{0.01f, 0.01f, 0}, "P7", {}, 14, kPlaneLabel + 900},
@@ -116,7 +116,7 @@ TEST(Overlay, ALabelGivesWayToAMoreImportantOneThatItWouldStandOn) {
   EXPECT_EQ(shown, (std::vector<std::string>{"II", "P3"}));
 }
 
-TEST(Overlay, NoTwoLabelsStandOnEachOther) {
+TEST(Overlay, LabelsNeverOverlap) {
   std::mt19937 random(7);
   const auto number = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
   for (int scene = 0; scene < 50; ++scene) {
@@ -145,7 +145,7 @@ TEST(Overlay, NoTwoLabelsStandOnEachOther) {
   }
 }
 
-TEST(Overlay, ALabelKeepsClearOfWhatLiesOverThePicture) {
+TEST(Overlay, LabelsDoNotOverlapThePanels) {
   DrawList list;
   list.title = "Planes";
   list.legend = {{LegendEntry::Symbol::dot, {0, 0, 0}, "plane 1"}};
@@ -161,11 +161,11 @@ TEST(Overlay, ALabelKeepsClearOfWhatLiesOverThePicture) {
     return !layout_overlay(list, view, theme_colors(Theme::light)).labels.empty();
   };
   EXPECT_TRUE(shown_at(450, 360));
-  for (const OverlayText& text : bare.texts)  // title, legend, names of the axes, length
+  for (const OverlayText& text : bare.texts)  // title, legend, names of axes, length
     EXPECT_FALSE(shown_at(text.x + 4, text.baseline - 4)) << text.text;
 }
 
-TEST(Overlay, IsAsLargeOnADenseScreenAsOnAnOrdinaryOne) {
+TEST(Overlay, HasTheSameSizeOnADenseScreen) {
   DrawList list;
   list.title = "Planes";
   const ThemeColors& colors = theme_colors(Theme::light);
@@ -177,7 +177,7 @@ TEST(Overlay, IsAsLargeOnADenseScreenAsOnAnOrdinaryOne) {
     EXPECT_NEAR(dense.texts[i].size_px, 2 * ordinary.texts[i].size_px, 1e-9);
 }
 
-TEST(Overlay, LabelsBehindTheCameraAreLeftOut) {
+TEST(Overlay, LabelsBehindTheCameraAreSkipped) {
   DrawList list;
   list.labels = {{{-0.5f, -0.5f, 0.5f}, "near", {}, 14},
                  {{1, -0.5f, -1}, "far", {}, 14},
@@ -190,11 +190,11 @@ TEST(Overlay, LabelsBehindTheCameraAreLeftOut) {
 
 // ---- Text ----
 
-TEST(Text, InkCoversTheWidthThatIsReported) {
+TEST(Text, InkCoversTheReportedWidth) {
   Image8 image(400, 60, 3);
   const double advance = draw_text(image, 20, 40, "MnHoM", 24, {255, 255, 255});
   EXPECT_DOUBLE_EQ(advance, text_width("MnHoM", 24));
-  int first = image.width, last = -1;  // columns that hold any ink
+  int first = image.width, last = -1;  // first and last column with ink
   for (int x = 0; x < image.width; ++x)
     for (int y = 0; y < image.height; ++y)
       if (image.at(x, y) > 64) {
@@ -205,7 +205,7 @@ TEST(Text, InkCoversTheWidthThatIsReported) {
   EXPECT_NEAR(last, 20 + advance, 4);
 }
 
-TEST(Text, StandsOnItsBaseline) {
+TEST(Text, IsAlignedToItsBaseline) {
   Image8 image(60, 60, 3);
   draw_text(image, 5, 40, "H", 30, {255, 255, 255});
   EXPECT_GT(image.at(10, 38), 100);  // the left stem of the H
@@ -218,12 +218,12 @@ TEST(Text, HasEveryCharacterOfOurPictures) {
     EXPECT_TRUE(has_glyph(c)) << static_cast<unsigned>(c);
 }
 
-TEST(Text, BrokenUtf8BecomesReplacementCharacters) {
+TEST(Text, BrokenUtf8IsReplaced) {
   EXPECT_EQ(decode_utf8("a\xC3\xA4z").size(), 3u);
   EXPECT_EQ(decode_utf8("a\xC3\xA4z")[1], U'ä');
   EXPECT_EQ(decode_utf8("\xF0\x9F\x98\x80")[0], char32_t{0x1F600});
   EXPECT_EQ(decode_utf8("\xFFz")[0], char32_t{0xFFFD});
-  EXPECT_EQ(decode_utf8("z\xE2\x89").size(), 3u);  // cut short: one per byte
+  EXPECT_EQ(decode_utf8("z\xE2\x89").size(), 3u);  // truncated: one per byte
 }
 
 TEST(Text, IsClippedAtTheImagesEdges) {
@@ -256,7 +256,7 @@ TEST(Text, HaloSurroundsTheGlyph) {
 
 struct OverlayPicture : GlTest {};
 
-TEST_F(OverlayPicture, ManySizesOfTextOutgrowTheAtlasAndAreAllDrawn) {
+TEST_F(OverlayPicture, ManySizesOfTextExceedTheAtlasAndAreAllDrawn) {
   DrawList list = without_overlay();
   for (int i = 0; i < 60; ++i) {
     const auto y = static_cast<float>(i % 10) * 0.08f - 0.4f;
@@ -283,7 +283,7 @@ std::vector<Vec3f> points_in_box(const Vec3f& min, const Vec3f& max, int count) 
   return points;
 }
 
-/// How far the points reach from the middle of the view towards its borders, 1: up to them.
+/// How far the points extend from the center of the view toward its borders; 1: to the border.
 Vec2d reach_in_view(const std::vector<Vec3f>& points, const Camera& camera, double aspect) {
   const int height = 1000, width = static_cast<int>(1000 * aspect);
   const View view = make_view(camera, width, height);
@@ -297,7 +297,7 @@ Vec2d reach_in_view(const std::vector<Vec3f>& points, const Camera& camera, doub
   return most;
 }
 
-TEST(Framing, FillsViewsOfEveryShapeAndCutsNothingOff) {
+TEST(Framing, FillsViewsOfEveryAspectRatioWithoutClipping) {
   const std::vector<Vec3f> points = points_in_box({1, -2, 0}, {4, 2, 1.5}, 5000);
   const std::vector<Vec3f> reach = extent_of(points, 0);
   for (const double aspect : {0.4, 1.0, 4.0 / 3, 2.6})
@@ -324,7 +324,7 @@ TEST(Framing, AnOrthographicViewIsFilledToo) {
   }
 }
 
-TEST(Framing, WhatIsFewAndFarApartIsAside) {
+TEST(Framing, FewDistantPointsAreIgnored) {
   std::vector<Vec3f> points = points_in_box({0, 0, 0}, {2, 2, 0.1F}, 5000);
   const std::vector<Vec3f> speck = points_in_box({9, 9, 3}, {9.3F, 9.3F, 3.1F}, 60);
   const std::vector<Vec3f> wall = points_in_box({5, 0, 0}, {5.1F, 2, 2}, 1000);
@@ -335,7 +335,7 @@ TEST(Framing, WhatIsFewAndFarApartIsAside) {
   for (const Vec3f& point : bulk) EXPECT_LT(point.x(), 6);
 }
 
-TEST(Framing, OfNothingIsFinite) {
+TEST(Framing, WithoutPointsIsFinite) {
   EXPECT_TRUE(extent_of({}, 0.01).empty());
   EXPECT_TRUE(bulk_of({}, 0.1).empty());
   EXPECT_TRUE(camera_fitting({}, {}).eye.allFinite());
@@ -359,7 +359,7 @@ TEST(View, TargetIsInTheMiddleAndUpIsUp) {
   EXPECT_NEAR(above->px.x(), 320, 1e-3);
 }
 
-TEST(View, PixelsPerMetreAtTheTargetAreTrue) {
+TEST(View, PixelsPerMeterAtTheTargetAreCorrect) {
   for (const bool orthographic : {false, true}) {
     Camera camera;
     camera.eye = Vec3d(-2, 0, 0);

@@ -56,7 +56,7 @@ Linear oklab(const Linear& c) {
           0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
 }
 
-/// Distance in OKLab, times 100: about 2 is just noticeable side by side, 10 is hard to confuse.
+/// Distance in OKLab, times 100: about 2 is barely noticeable side by side, 10 is hard to confuse.
 double distance(Rgba a, Rgba b, Eye eye) {
   const Linear x = oklab(seen(a, eye));
   const Linear y = oklab(seen(b, eye));
@@ -84,22 +84,22 @@ void expect_apart(const std::vector<Rgba>& colors) {
       EXPECT_GT(worst_distance(colors[a], colors[b]), 11) << a << " " << b;
 }
 
-TEST(Palette, CasesStayApartFromEachOtherAndFromWhatIsUnassigned) {
+TEST(Palette, CasesDifferFromEachOtherAndFromUnassignedPoints) {
   expect_apart({case_color(planes::Case::I), case_color(planes::Case::II),
                 case_color(planes::Case::III), case_color(planes::Case::IV), leftover_color()});
 }
 
-TEST(Palette, SteppablePlanesStayApartFromOthersAndFromWhatIsUnassigned) {
+TEST(Palette, SteppablePlanesDifferFromOthersAndFromUnassignedPoints) {
   expect_apart({verdict_color(true), verdict_color(false), leftover_color()});
 }
 
-TEST(Palette, LabelsStayApartForColorBlindEyes) {
+TEST(Palette, LabelsDifferForColorBlindVision) {
   EXPECT_GT(worst_distance(label_color(Label::h), label_color(Label::v)), 20);
   EXPECT_GT(worst_distance(label_color(Label::h), label_color(Label::unknown)), 11);
   EXPECT_GT(worst_distance(label_color(Label::v), label_color(Label::unknown)), 11);
 }
 
-TEST(Palette, MarginsGetLighterAndMoreSaturatedUpToTheLabelsColour) {
+TEST(Palette, MarginsGetLighterAndMoreSaturatedUpToTheLabelsColor) {
   for (const Label label : {Label::h, Label::v}) {
     double lightness_before = 0, chroma_before = 0;
     for (int i = 0; i <= 20; ++i) {
@@ -117,7 +117,7 @@ TEST(Palette, MarginsGetLighterAndMoreSaturatedUpToTheLabelsColour) {
   EXPECT_GT(worst_distance(margin_color(Label::h, 0.5), margin_color(Label::v, 0.5)), 11);
 }
 
-TEST(Palette, CasesAndLabelsShowOnBothThemes) {
+TEST(Palette, CasesAndLabelsAreVisibleOnBothThemes) {
   std::vector<Rgba> colors = {leftover_color(), label_color(Label::h), label_color(Label::v)};
   for (const planes::Case c :
        {planes::Case::I, planes::Case::II, planes::Case::III, planes::Case::IV})
@@ -128,11 +128,11 @@ TEST(Palette, CasesAndLabelsShowOnBothThemes) {
   }
 }
 
-// Any two planes may touch: the least distances that the palette reaches are 12.5 for normal eyes
-// and 9.1 for color-blind ones, and those to the grey of what is in no plane 12.0 and 10.0.
+// Any two planes may touch. The palette's smallest distances are 12.5 for normal vision and 9.1 for
+// color-blind vision; to the gray of points without a plane 12.0 and 10.0.
 constexpr double kLeastApart = 12, kLeastApartColorBlind = 9;
 
-TEST(Palette, AnyTwoPlanesAreApartForAllEyes) {
+TEST(Palette, AnyTwoPlanesDifferForAllVision) {
   for (int a = 1; a <= kPlaneColors; ++a) {
     const Rgba color = plane_color(a);
     for (int b = 1; b < a; ++b) {
@@ -182,7 +182,7 @@ TEST(ColorScale, TicksAreRoundInOneUnitAndWithinTheRange) {
   EXPECT_EQ(texts(0, 200), "0 50 100 150 200 m");
 }
 
-TEST(ColorScale, ColoursBeyondTheEndsAreThoseOfTheEnds) {
+TEST(ColorScale, ColorsBeyondTheEndsAreThoseOfTheEnds) {
   ColorScale scale{.what = "", .range = {1, 3}};
   EXPECT_EQ(scale.color(9), ramp_color(1));
   EXPECT_EQ(scale.color(-9), ramp_color(0));

@@ -19,8 +19,8 @@ namespace {
 constexpr int kColumns = 160, kRows = 120, kLeast_px = 50;
 constexpr double kFocal_px = 100;
 
-/// A box-shaped room 4 m wide, 2.4 m high and 3 m deep ahead, with a table and a pillar in it, each
-/// plane by itself; the camera looks along +z of the world, y down.
+/// A box-shaped room, 4 m wide, 2.4 m high and 3 m deep, with a table and a pillar, each a separate
+/// plane. The camera looks along +z of the world, y down.
 struct Wall {
   Vec3d corner, u, v;
 };
@@ -36,12 +36,12 @@ const std::vector<Wall>& room() {
   return walls;
 }
 
-/// What the camera sees: a cloud with the room's planes, numbered by size so that their ids differ
-/// from frame to frame. `hidden`: a plane that is not found.
+/// The camera's view: a cloud with the room's planes, numbered by size, so that their ids differ
+/// between frames. `hidden`: a plane that is not found.
 struct Seen {
   planes::Cloud cloud;
   std::vector<std::int32_t> plane_of;
-  std::vector<int> id_of;  // by wall; 0: not in sight
+  std::vector<int> id_of;  // by wall; 0: not visible
   std::size_t planes = 0;
 
   explicit Seen(const Pose& T_world_camera, int hidden = -1) {
@@ -59,7 +59,7 @@ struct Seen {
         wall_of.push_back(wall == hidden ? -1 : wall);
         if (wall != hidden) ++count[static_cast<std::size_t>(wall)];
       }
-    // A sliver is no plane.
+    // A sliver is not a plane.
     for (int& wall : wall_of)
       if (wall >= 0 && count[static_cast<std::size_t>(wall)] < kLeast_px) wall = -1;
     for (int& px : count)
@@ -103,7 +103,7 @@ Pose pose(double right_m, double yaw_deg, double roll_deg = 0) {
   return T;
 }
 
-/// By wall; 0: not in sight.
+/// By wall; 0: not visible.
 std::vector<int> by_wall(const Seen& seen, const ColoredPlanes& colored) {
   std::vector<int> colors;
   for (const int id : seen.id_of)
@@ -111,7 +111,7 @@ std::vector<int> by_wall(const Seen& seen, const ColoredPlanes& colored) {
   return colors;
 }
 
-TEST(PlaneColors, StayWithTheirSurfacesWhileTheCameraMovesTurnsAndRolls) {
+TEST(PlaneColors, StayOnTheirSurfacesWhileTheCameraMovesTurnsAndRolls) {
   std::vector<int> first(room().size(), 0);
   std::optional<ColoredPlanes> before;
   for (int i = 0; i < 25; ++i) {
@@ -167,7 +167,7 @@ TEST(PlaneColors, AreNotForgottenInAFrameWithoutPlanes) {
   EXPECT_EQ(by_wall(first, color_planes(first.image(), &colored)), before);
 }
 
-TEST(PlaneColors, OfTwoPlanesThatTouchTheLargerKeepsWhatBothWant) {
+TEST(PlaneColors, TheLargerOfTwoTouchingPlanesKeepsItsColor) {
   PlaneImage image;
   image.planes.resize(3);
   for (std::size_t i = 0; i < 3; ++i) image.planes[i].size = 100 * (i + 1);
@@ -180,8 +180,8 @@ TEST(PlaneColors, OfTwoPlanesThatTouchTheLargerKeepsWhatBothWant) {
       << "the first that is neither taken nor kept";
 }
 
-TEST(PlaneColors, PlanesThatTouchDifferHoweverManyThereAre) {
-  // A large new plane among more small ones than there are colors, which have all of them.
+TEST(PlaneColors, TouchingPlanesDifferInAnyNumber) {
+  // A large new plane touches more small ones than there are colors, and they use all colors.
   PlaneImage image;
   image.planes.resize(3 * kPlaneColors);
   std::vector<int> wanted;
@@ -233,7 +233,7 @@ TEST(PlaneImage, OfACloudPlanesTouchInSpace) {
   add({3, 0, 0}, 3);
   const PlaneImage image = plane_image(cloud, plane_of, 3);
   EXPECT_EQ(image.touching, (std::vector<std::pair<int, int>>{{1, 2}}));
-  // The same cloud again, its planes in another order.
+  // The same cloud, with its planes in a different order.
   for (std::int32_t& id : plane_of) id = 4 - id;
   const ColoredPlanes before = color_planes(image);
   const ColoredPlanes now = color_planes(plane_image(cloud, plane_of, 3), &before);

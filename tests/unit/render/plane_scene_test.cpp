@@ -20,7 +20,7 @@ planes::PolygonRing square(double half_m, bool hole) {
   return ring;
 }
 
-/// Upright, across the view of front_camera(): a square of 60 cm with one of 20 cm missing.
+/// A vertical square of 60 cm across the view of front_camera(), with a missing square of 20 cm.
 planes::Outline with_hole(bool known) {
   planes::Outline outline;
   outline.basis.u = Vec3d::UnitY();
@@ -76,13 +76,13 @@ TEST_F(PlaneScenePixels, APlaneIsNotPickedThroughItsHole) {
 
 TEST(PlaneScene, AnOutlineWithoutATriangulationIsDrawnByItsLines) {
   planes::Outline outline = with_hole(true);
-  outline.parts[0].holes.push_back({{0.2, 0.2}, {0.25, 0.2}});  // no ring
+  outline.parts[0].holes.push_back({{0.2, 0.2}, {0.25, 0.2}});  // not a valid ring
   const PlaneShape shape = filled(outline);
   EXPECT_TRUE(shape.triangles.empty());
   EXPECT_FALSE(shape.rings.empty());
 }
 
-TEST(PlaneScene, WhatIsUnknownIsDashedAndNotFilled) {
+TEST(PlaneScene, UnknownAreasAreDashedAndNotFilled) {
   const PlaneShape known = filled(with_hole(true)), unknown = filled(with_hole(false));
   EXPECT_NEAR(length_m(known.rings), 2.4 + 0.8, 1e-5);
   EXPECT_TRUE(known.unknown.empty());
@@ -95,7 +95,7 @@ TEST(PlaneScene, WhatIsUnknownIsDashedAndNotFilled) {
   EXPECT_LT(list.lines[1].colors[0].a, list.lines[0].colors[0].a);
 }
 
-TEST(PlaneScene, StandsAboutTheScenesOrigin) {
+TEST(PlaneScene, IsRelativeToTheScenesOrigin) {
   planes::Outline outline = with_hole(true);
   outline.origin = Vec3d(1000, 2000, 50);
   const PlaneShape shape = plane_shapes(std::span(&outline, 1), Vec3d(1000, 2000, 49))[0];
@@ -105,7 +105,7 @@ TEST(PlaneScene, StandsAboutTheScenesOrigin) {
   }
 }
 
-/// Two planes, of which the second carries no foot.
+/// Two planes; the second is not steppable.
 PlaneScene two_planes() {
   planes::FootSpace space;
   space.area = {{square(0.2, false), {}}};
@@ -118,7 +118,7 @@ PlaneScene two_planes() {
   return plane_scene(std::vector<planes::PlaneRegion>(2), outlines, footholds, {}, Vec3d::Zero());
 }
 
-TEST(PlaneScene, FootSpaceIsGreyWhereNoFootIsCarried) {
+TEST(PlaneScene, FootSpaceIsGrayOnPlanesThatAreNotSteppable) {
   const PlaneScene scene = two_planes();
   EXPECT_EQ(scene.verdict(1), true);
   EXPECT_EQ(scene.verdict(2), false);
@@ -133,7 +133,7 @@ TEST(PlaneScene, FootSpaceIsGreyWhereNoFootIsCarried) {
   EXPECT_NEAR(length_m(list.lines[0].positions), 1.6, 1e-5);
 }
 
-/// Up along x: a riser of 16 cm, a going of 28 cm, a second one of 17 cm.
+/// Up along x: a riser of 16 cm, a going of 28 cm, a second riser of 17 cm.
 planes::Stairs two_steps() {
   planes::Flight flight;
   flight.steps = {{.tread = {2},
@@ -153,7 +153,7 @@ planes::Stairs two_steps() {
   return stairs;
 }
 
-TEST(PlaneScene, StepsTellHowHighAndHowDeepTheyAre) {
+TEST(PlaneScene, StepsShowRiseAndGoing) {
   PlaneScene scene;
   scene.stairs = two_steps();
   scene.origin = Vec3d(1, 0, 0);
@@ -167,7 +167,7 @@ TEST(PlaneScene, StepsTellHowHighAndHowDeepTheyAre) {
   EXPECT_GT(list.arrows[0].to.x(), list.arrows[0].from.x() + 0.5) << "uphill";
 }
 
-TEST(PlaneScene, KerbsAndRampsAreTold) {
+TEST(PlaneScene, KerbsAndRampsAreLabeled) {
   PlaneScene scene;
   scene.centroids = {Vec3f(0, 0, 0), Vec3f(1, 2, 0.3f)};
   planes::Kerb kerb;
@@ -188,7 +188,7 @@ TEST(PlaneScene, KerbsAndRampsAreTold) {
 
 // ---- Pictures on the pixels of a depth frame ----
 
-// A wall 1 m away that fills the image, as plane 1, but for a column of plane 2 at the right.
+// A wall at 1 m that fills the image as plane 1, except for a column of plane 2 at the right.
 struct WallFrame {
   Frame frame;
   planes::FrameResult result;
@@ -210,21 +210,22 @@ struct WallFrame {
   }
 };
 
-TEST(RegionImage, DepthPixelsLeaveNoHolesInALargerColourImage) {
+TEST(RegionImage, DepthPixelsLeaveNoHolesInALargerColorImage) {
   WallFrame wall;
   wall.frame.color = Image8(160, 120, 3, 128);
   wall.frame.color_intrinsics = {160, 120, 130, 130, 80, 60};
   wall.frame.T_color_depth.translation() = Vec3d(0.05, 0, 0);
   const RegionImage regions = regions_on_color(wall.frame, wall.result);
   ASSERT_EQ(regions.width, 160);
-  // The wall spans -0.5 .. 0.475 m and -0.375 .. 0.35 m: in the colour image from u 21.5, v 11.25.
+  // The wall spans -0.5 .. 0.475 m and -0.375 .. 0.35 m; in the color image it starts at u 21.5, v
+  // 11.25.
   int holes = 0;
   for (int v = 14; v < 102; ++v)
     for (int u = 25; u < 145; ++u) holes += regions.at(u, v) == 0;
   EXPECT_EQ(holes, 0);
   EXPECT_EQ(regions.at(5, 60), 0);
   EXPECT_EQ(regions.at(60, 60), 1);
-  EXPECT_EQ(regions.at(140, 60), 2);  // plane 2 begins at (0.25 - 0.0125 + 0.05) * 130 + 80 = 117
+  EXPECT_EQ(regions.at(140, 60), 2);  // plane 2 starts at (0.25 - 0.0125 + 0.05) * 130 + 80 = 117
 }
 
 TEST(RegionImage, TheNearestSurfaceIsInFront) {
@@ -252,7 +253,7 @@ TEST(RegionImage, SmoothingClosesPinholesAndKeepsEdges) {
 
 TEST(RegionImage, InteriorPointsAreDeepInsideTheirRegions) {
   RegionImage regions(60, 40, 1, 0);
-  for (int y = 5; y < 35; ++y)  // an L: its centre of mass is near its inner corner
+  for (int y = 5; y < 35; ++y)  // an L, whose centroid is near its inner corner
     for (int x = 5; x < 55; ++x)
       if (x < 25 || y >= 25) regions.at(x, y) = 1;
   const auto points = interior_points(regions, 2);
@@ -263,7 +264,7 @@ TEST(RegionImage, InteriorPointsAreDeepInsideTheirRegions) {
   EXPECT_EQ(points[1].depth_px, 0);  // plane 2 is not in the image
 }
 
-TEST(ImageOverlay, TintsTheAlignedColourImageAndLeavesTheRest) {
+TEST(ImageOverlay, TintsPlanesOfTheAlignedColorImageOnly) {
   WallFrame wall;
   wall.frame.color = Image8(40, 30, 3, 100);
   wall.frame.color_aligned = true;
@@ -279,14 +280,14 @@ TEST(ImageOverlay, TintsTheAlignedColourImageAndLeavesTheRest) {
   EXPECT_NEAR(image.at(5 * factor, 5 * factor, 2), 100 + 0.4 * (tint.b - 100), 2);
 }
 
-TEST(ImageOverlay, WithoutCalibratedColourTheDepthIsShaded) {
+TEST(ImageOverlay, WithoutCalibratedColorTheDepthIsShaded) {
   WallFrame wall;
   wall.frame.color = Image8(80, 60, 3, 255);  // neither aligned nor calibrated
   const Image8 image = image_overlay(wall.frame, wall.result, {});
   EXPECT_EQ(image.width, 40 * enlargement(40));
 }
 
-TEST(ImageDepth, NearAndFarDifferAndTheUnmeasuredIsGrey) {
+TEST(ImageDepth, NearAndFarDifferAndUnmeasuredPixelsAreGray) {
   WallFrame wall;
   for (int v = 0; v < 30; ++v) {
     for (int u = 0; u < 10; ++u) wall.frame.depth.at(u, v) = 500;
@@ -296,7 +297,7 @@ TEST(ImageDepth, NearAndFarDifferAndTheUnmeasuredIsGrey) {
   const Image8 image = image_depth(wall.frame, 1.5);
   const int factor = enlargement(40);
   ASSERT_GT(image.width, 40 * factor);   // room for the scale
-  ASSERT_GT(image.height, 30 * factor);  // and for the notes
+  ASSERT_GT(image.height, 30 * factor);  // and for the annotations
   const auto brightness = [&](int u, int v) {
     int sum = 0;
     for (int c = 0; c < 3; ++c) sum += image.at(u * factor + 1, v * factor + 1, c);

@@ -18,7 +18,7 @@ constexpr Rgba kRed = {220, 20, 20};
 constexpr Rgba kBlue = {20, 20, 220};
 
 struct RendererTest : GlTest {
-  // What is drawn where nothing is: a background without points, boxes or overlay.
+  // The background without points, boxes or overlay.
   Image8 empty(Theme theme = Theme::light) {
     return render(without_overlay(), front_camera(), theme);
   }
@@ -45,7 +45,7 @@ DrawBox box(Vec3f middle, float edge, Rgba color, BoxStyle style, std::uint32_t 
   return {box_corners(middle - half, middle + half), color, style, id};
 }
 
-// Shading changes lightness a little.
+// Allows for shading, which changes lightness slightly.
 void expect_near(Rgba a, Rgba b) {
   EXPECT_NEAR(a.r, b.r, 12);
   EXPECT_NEAR(a.g, b.g, 12);
@@ -68,7 +68,7 @@ TEST_F(RendererTest, EmptyListGivesTheThemesBackground) {
 
 TEST_F(RendererTest, RowZeroIsTheTopAndLeftOfTheSensorIsLeft) {
   DrawList list = without_overlay();
-  list.points = {one_point({0, 0.2f, 0.2f}, kRed)};  // +y is left of +x, z is up
+  list.points = {one_point({0, 0.2f, 0.2f}, kRed)};  // +y is left of +x, z points up
   const Image8 image = render(list, front_camera());
   const double px_per_m = kHeight / (2 * std::tan(22.5 * M_PI / 180));
   const int offset = static_cast<int>(std::lround(0.2 * px_per_m));
@@ -91,7 +91,7 @@ TEST_F(RendererTest, SizeOnScreenFollowsTheDistanceWithinItsBounds) {
   EXPECT_GE(width_px(100, 100), 1);
 }
 
-TEST_F(RendererTest, NearPointHidesTheFarOneWhateverTheirOrder) {
+TEST_F(RendererTest, NearPointHidesTheFarOneInAnyOrder) {
   const DrawPoints near = one_point({-0.2f, 0, 0}, kRed);
   const DrawPoints far = one_point({0.2f, 0, 0}, kBlue, 0.3f);
   for (const bool near_first : {true, false}) {
@@ -105,7 +105,7 @@ TEST_F(RendererTest, NearPointHidesTheFarOneWhateverTheirOrder) {
 }
 
 TEST_F(RendererTest, StepInACloudIsDarkenedAtItsFoot) {
-  // A wall with a nearer half: the far half is shaded where it meets the near one.
+  // A wall with a nearer half: the far half is darkened next to the near one.
   DrawList list = without_overlay();
   list.points.resize(1);
   list.points[0].max_px = 40;
@@ -127,7 +127,7 @@ TEST_F(RendererTest, StepInACloudIsDarkenedAtItsFoot) {
   EXPECT_GT(image.at(kWidth / 2 - 30, kHeight / 2), 165);
 }
 
-TEST_F(RendererTest, BoxStylesAreToldApart) {
+TEST_F(RendererTest, BoxStylesDiffer) {
   const auto draw = [&](BoxStyle style) {
     DrawList list = without_overlay();
     list.boxes = {box(Vec3f::Zero(), 0.5f, kRed, style)};
@@ -137,7 +137,7 @@ TEST_F(RendererTest, BoxStylesAreToldApart) {
   const Image8 outline = draw(BoxStyle::outline);
   const Image8 tinted = draw(BoxStyle::tinted);
   const Image8 hatched = draw(BoxStyle::hatched);
-  // A 9 x 9 field off the edges: untouched, evenly tinted, striped.
+  // A field of 9 x 9 pixels away from the edges: unchanged, evenly tinted, or striped.
   const auto reds = [](const Image8& image) {
     std::vector<int> values;
     for (int y = 50; y < 59; ++y) {
@@ -166,7 +166,7 @@ TEST_F(RendererTest, SolidBoxHidesTheBoxBehindButNotThePointInIt) {
   EXPECT_TRUE(bluish(pixel(render(list, front_camera()), kWidth / 2, kHeight / 2)));
 }
 
-// Its nearer end is the smaller one; one that were turned inside out would show what is in it.
+// Its near end is smaller; if its faces were inverted, the box inside would be visible.
 TEST_F(RendererTest, AFrustumHidesTheBoxInItFromAllSides) {
   const planes::Octree octree = test::image_octree();
   DrawList list = without_overlay();
@@ -202,13 +202,13 @@ TEST_F(RendererTest, PolygonIsFilledTranslucentlyAndOutlined) {
   EXPECT_TRUE(bluish(pixel(image, kWidth / 2, kHeight / 2 + edge)));
 }
 
-TEST_F(RendererTest, LineIsAsWideAsAskedForAtAnyDistance) {
+TEST_F(RendererTest, LineHasItsWidthAtAnyDistance) {
   const Image8 background = empty();
   for (const float x : {-0.5f, 0.0f, 3.0f}) {
     DrawList list = without_overlay();
     list.lines = {{{{x, -9, 0}, {x, 9, 0}}, {kRed}, 6}};
     const Image8 image = render(list, front_camera());
-    double ink = 0;  // in full pixels
+    double ink = 0;  // sum over full pixels
     for (int y = 0; y < kHeight; ++y) {
       const double paper = background.at(40, y, 1);
       ink += (paper - image.at(40, y, 1)) / (paper - kRed.g);
@@ -217,9 +217,9 @@ TEST_F(RendererTest, LineIsAsWideAsAskedForAtAnyDistance) {
   }
 }
 
-TEST_F(RendererTest, LineThatPassesTheEyeIsCutAtTheNearPlane) {
+TEST_F(RendererTest, LineThatPassesTheEyeIsClippedAtTheNearPlane) {
   DrawList list = without_overlay();
-  list.lines = {{{{-3, 0, -0.3f}, {3, 0, 0.1f}}, {kRed}, 4}};  // from behind the camera
+  list.lines = {{{{-3, 0, -0.3f}, {3, 0, 0.1f}}, {kRed}, 4}};  // starts behind the camera
   const Image8 image = render(list, front_camera());
   EXPECT_GT(differing(image, empty()), 50);
 }
@@ -286,13 +286,13 @@ TEST_F(RendererTest, DegenerateInputIsDrawnWithoutAnError) {
   list.arrows = {{{0, 0, 0}, {0, 0, 0}, kRed, 3}};
   list.labels = {{{-2, 0, 0}, "behind", kRed, 14}, {Vec3f::Zero(), "", kRed, 14}};
   Camera camera = front_camera();
-  camera.up = Vec3d::UnitX();  // along the view
+  camera.up = Vec3d::UnitX();  // parallel to the view
   EXPECT_NO_THROW(render(list, camera));
   camera.eye = camera.target;
   EXPECT_NO_THROW(render(list, camera));
 }
 
-TEST_F(RendererTest, ImpossibleSizeIsRefused) {
+TEST_F(RendererTest, ImpossibleSizeIsRejected) {
   EXPECT_THROW(renderer().render({}, front_camera(), 0, 100, Theme::light), Error);
   EXPECT_THROW(renderer().render({}, front_camera(), 100, 1 << 20, Theme::light), Error);
   EXPECT_THROW(renderer().render_ids({}, front_camera(), -1, 100), Error);
@@ -301,7 +301,7 @@ TEST_F(RendererTest, ImpossibleSizeIsRefused) {
 
 // ---- What changes ----
 
-/// Points, boxes, a plane and labels side by side; `change` of them is another.
+/// Points, boxes, a plane and labels side by side; `change` selects one that differs.
 DrawList row_of_things(int change) {
   DrawList list;
   for (int i = 0; i < 6; ++i) {
@@ -315,7 +315,7 @@ DrawList row_of_things(int change) {
   return list;
 }
 
-TEST_F(RendererTest, DrawsNothingWhereThePictureIsTheSame) {
+TEST_F(RendererTest, DrawsNothingIfThePictureIsUnchanged) {
   draw(row_of_things(0), front_camera());
   EXPECT_FALSE(renderer().changes().empty());
   draw(row_of_things(0), front_camera());
@@ -324,7 +324,7 @@ TEST_F(RendererTest, DrawsNothingWhereThePictureIsTheSame) {
 }
 
 TEST_F(RendererTest, PartsDrawnAgainMakeThePictureDrawnAsAWhole) {
-  int fewer = 0;  // times that not all was drawn: parts side by side become one
+  int fewer = 0;  // number of partial redraws; adjacent parts are merged
   for (int i = 0; i < 6; ++i) {
     draw(row_of_things(5 - i), front_camera());
     draw(row_of_things(5 - i), front_camera());
@@ -333,15 +333,15 @@ TEST_F(RendererTest, PartsDrawnAgainMakeThePictureDrawnAsAWhole) {
     for (const Part& part : renderer().changes()) drawn += part.pixels();
     EXPECT_GT(drawn, 0);
     fewer += drawn < std::int64_t{kWidth} * kHeight;
-    draw({}, Camera{});  // from elsewhere: all is drawn
+    draw({}, Camera{});  // a different view redraws everything
     EXPECT_EQ(draw(row_of_things(i), front_camera()).data, in_parts.data) << i;
   }
   EXPECT_EQ(fewer, 4);
 }
 
-TEST_F(RendererTest, PointsThatComeAndGoLeaveNoShadesBehind) {
+TEST_F(RendererTest, PointsThatAppearAndDisappearLeaveNoShadows) {
   const auto scene =
-      [](int step) {  // large points in steps across the tiles, before a wall of them
+      [](int step) {  // large points that move across the tiles, in front of a wall of points
         DrawList list = without_overlay();
         for (int y = -6; y <= 6; ++y)
           for (int z = -5; z <= 5; ++z)
@@ -379,14 +379,14 @@ DrawPoints cloud(float x, std::vector<std::uint32_t> ids) {
 const std::vector<Vec3f> kTriangle = {
     {-0.5f, -0.2f, -0.2f}, {-0.5f, 0.2f, -0.2f}, {-0.5f, 0, 0.3f}};
 
-TEST_F(Picking, AllThirtyTwoBitsOfAnIdComeBack) {
+TEST_F(Picking, AllThirtyTwoBitsOfAnIdAreReturned) {
   DrawList list;
   EXPECT_EQ(middle(list), 0u);
   list.points = {cloud(0, {0xFEDCBA98u})};
   EXPECT_EQ(middle(list), 0xFEDCBA98u);
 }
 
-TEST_F(Picking, NearestThingIsPicked) {
+TEST_F(Picking, NearestObjectIsPicked) {
   DrawList list;
   list.points = {cloud(0.3f, {1}), cloud(0, {2})};
   EXPECT_EQ(middle(list), 2u);
@@ -396,13 +396,13 @@ TEST_F(Picking, NearestThingIsPicked) {
   EXPECT_EQ(middle(list), 4u);
 }
 
-TEST_F(Picking, PointsWithoutIdsHideWhatLiesBehindThem) {
+TEST_F(Picking, PointsWithoutIdsHideObjectsBehindThem) {
   DrawList list;
   list.points = {cloud(0.3f, {1}), cloud(0, {})};
   EXPECT_EQ(middle(list), 0u);
 }
 
-TEST_F(Picking, BoxesAndPolygonsWithoutAnIdAreLookedThrough) {
+TEST_F(Picking, BoxesAndPolygonsWithoutAnIdAreIgnored) {
   DrawList list;
   list.points = {cloud(0, {7})};
   list.boxes = {box(Vec3f::Zero(), 0.5f, kRed, BoxStyle::tinted)};
@@ -418,7 +418,7 @@ TEST_F(Picking, OpenBoxIsPickedByItsEdgesOnly) {
   EXPECT_GT(std::count(ids.data.begin(), ids.data.end(), 9u), 500);
 }
 
-TEST_F(Picking, IdsLieWhereThePictureShowsTheThing) {
+TEST_F(Picking, IdsMatchThePicture) {
   DrawList list = without_overlay();
   list.points = {cloud(0, {5})};
   list.points[0].positions[0] = {0, 0.2f, 0.3f};

@@ -14,7 +14,7 @@
 namespace planescope::render {
 namespace {
 
-// A floor and a wall behind it as a level depth camera half a metre above the floor sees them.
+// A floor and a wall behind it, seen by a level depth camera half a meter above the floor.
 Frame make_frame() {
   Frame frame;
   frame.depth = Image16(160, 120);
@@ -46,7 +46,7 @@ const planes::FrameResult& corner() {
   return result;
 }
 
-// Divided until nodes are pure: with nodes of several cases.
+// Divided until nodes are pure, so that there are nodes of several cases.
 const planes::FrameResult& divided_corner() {
   static const planes::FrameResult result = run_corner(make_frame(), planes::Profile::paper);
   return result;
@@ -61,7 +61,7 @@ std::size_t boxes_of(const DrawList& list, planes::Case c, BoxStyle style) {
   return count;
 }
 
-TEST(SceneCases, EverySettledNodeHasABoxInItsCasesColour) {
+TEST(SceneCases, EverySettledNodeHasABoxInItsCasesColor) {
   const DrawList list = scene_cases(divided_corner());
   const planes::SegmentCounts& counts = divided_corner().segmentation.counts;
   EXPECT_EQ(list.boxes.size(), counts.nodes_visited);
@@ -78,7 +78,7 @@ TEST(SceneCases, ANodeFittedLabelByLabelIsMarked) {
   EXPECT_GT(std::ranges::count(scene_cases(result).labels, "I*", &DrawLabel::text), 0);
 }
 
-/// Of nodes and their boxes in the coordinates that the octree divides.
+/// For nodes and boxes in the coordinates that the octree divides.
 void expect_boxes_hold_points_in_cells(const planes::Octree& octree, const DrawList& list) {
   ASSERT_EQ(list.boxes.size(), octree.nodes.size());
   for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
@@ -103,12 +103,12 @@ void expect_boxes_hold_points_in_cells(const planes::Octree& octree, const DrawL
   }
 }
 
-TEST(SceneCases, BoxesHoldTheirPointsAndStayInTheirCells) {
+TEST(SceneCases, BoxesContainTheirPointsAndStayInTheirCells) {
   expect_boxes_hold_points_in_cells(divided_corner().segmentation.octree,
                                     scene_cases(divided_corner()));
 }
 
-TEST(SceneCases, NodesOfAnImageAreFrustumsThatHoldTheirPointsAndStayInTheirCells) {
+TEST(SceneCases, NodesOfAnImageAreFrustumsThatContainTheirPoints) {
   planes::FrameResult result;
   result.segmentation.octree = test::image_octree();
   result.voxels.points = test::measured_points(result.segmentation.octree);
@@ -136,7 +136,7 @@ TEST(SceneCases, NodesAtFullDepthAreHatchedAndDividedOnesFaint) {
   EXPECT_EQ(list.boxes[0].style, BoxStyle::outline);
 }
 
-TEST(SceneCases, LargeNodesCarryTheirNumeralAndTheLegendTheCounts) {
+TEST(SceneCases, LargeNodesHaveNumeralsAndTheLegendHasCounts) {
   const DrawList list = scene_cases(divided_corner());
   std::size_t numerals = 0;
   for (const DrawLabel& label : list.labels) numerals += label.text.substr(0, 2) == "IV";
@@ -151,7 +151,7 @@ TEST(SceneCases, LargeNodesCarryTheirNumeralAndTheLegendTheCounts) {
   }
 }
 
-TEST(SceneLabels, EveryVoxelHasTheColourOfItsLabel) {
+TEST(SceneLabels, EveryVoxelHasTheColorOfItsLabel) {
   const DrawList list = scene_labels(corner());
   ASSERT_EQ(list.points.size(), 1u);
   ASSERT_EQ(list.points[0].colors.size(), corner().classification.labels.size());
@@ -159,7 +159,7 @@ TEST(SceneLabels, EveryVoxelHasTheColourOfItsLabel) {
     EXPECT_EQ(list.points[0].colors[i], label_color(corner().classification.labels[i]));
 }
 
-TEST(ScenePlanes, OutlinesLieOnTheirPlanesAndArrowsFollowTheNormals) {
+TEST(ScenePlanes, OutlinesAreOnTheirPlanesAndArrowsFollowTheNormals) {
   const DrawList list = scene_planes(make_frame(), corner(), {});
   const auto& planes = corner().segmentation.planes;
   ASSERT_EQ(planes.size(), 2u);
@@ -175,7 +175,7 @@ TEST(ScenePlanes, OutlinesLieOnTheirPlanesAndArrowsFollowTheNormals) {
   }
 }
 
-TEST(ScenePlanes, ColoursAreThoseAskedFor) {
+TEST(ScenePlanes, ColorsAreTheRequestedOnes) {
   const int colors[] = {7, 4};
   const DrawList list = scene_planes(make_frame(), corner(), colors);
   for (std::size_t i = 0; i < list.points[0].colors.size(); ++i) {
@@ -187,7 +187,7 @@ TEST(ScenePlanes, ColoursAreThoseAskedFor) {
   }
 }
 
-TEST(SceneLeftovers, ShowsExactlyTheVoxelsInNoPlane) {
+TEST(SceneLeftovers, ShowsExactlyTheVoxelsWithoutAPlane) {
   planes::FrameResult result = corner();
   for (std::size_t i = 0; i < 5; ++i) result.segmentation.plane_of[10 * i] = 0;
   const DrawList list = scene_leftovers(result, {});
@@ -201,7 +201,7 @@ TEST(SceneLeftovers, ShowsExactlyTheVoxelsInNoPlane) {
   EXPECT_GE(expected, 5u);
 }
 
-TEST(SceneMargins, VoxelsWearTheirLabelsColourByHowSureItIs) {
+TEST(SceneMargins, VoxelColorsShowLabelAndMargin) {
   planes::FrameResult result = corner();
   planes::Classification& classified = result.classification;
   const std::size_t n = classified.labels.size();
@@ -222,7 +222,7 @@ TEST(SceneMargins, VoxelsWearTheirLabelsColourByHowSureItIs) {
   EXPECT_EQ(list.legend.back().text, "unknown  1");
 }
 
-TEST(Scenes, GravityArrowPointsDownAndSaysWhereItIsAGuessOrUnknown) {
+TEST(Scenes, GravityArrowPointsDownAndReportsEstimates) {
   planes::FrameResult result = corner();
   for (const GravitySource source : {GravitySource::option, GravitySource::estimate}) {
     result.gravity.source = source;
@@ -251,7 +251,7 @@ TEST(Scenes, EmptyFramesGiveEmptyPictures) {
   EXPECT_TRUE(std::isfinite(frame_camera(nothing, 1.5).eye.norm()));
 }
 
-TEST(FrameCamera, HoldsTheKeptPointsAndLooksTheWayTheSensorLooks) {
+TEST(FrameCamera, ContainsTheKeptPointsAndHasTheSensorsDirection) {
   const double aspect = 4.0 / 3;
   const Camera camera = frame_camera(corner(), aspect);
   const Vec3d forward = (camera.target - camera.eye).normalized();
@@ -268,12 +268,12 @@ TEST(FrameCamera, HoldsTheKeptPointsAndLooksTheWayTheSensorLooks) {
     widest = std::max({widest, std::abs(x), std::abs(y)});
   }
   EXPECT_LE(outside, corner().voxels.points.size() / 50);
-  EXPECT_GT(widest, 0.7);       // and the picture is filled
-  EXPECT_GT(forward.x(), 0.5);  // world x is where the sensor looks
+  EXPECT_GT(widest, 0.7);       // and they fill the picture
+  EXPECT_GT(forward.x(), 0.5);  // the sensor looks along world x
   EXPECT_LT(forward.z(), -0.3);
 }
 
-TEST(SceneCloud, CroppedPointsAreLeftOut) {
+TEST(SceneCloud, CroppedPointsAreNotDrawn) {
   Frame frame;
   frame.cloud.emplace();
   for (int i = 0; i < 40; ++i) {
@@ -293,7 +293,7 @@ TEST(SceneCloud, CroppedPointsAreLeftOut) {
   EXPECT_EQ(scene_heights(result).points[0].positions.size(), result.cloud.counts.kept);
 }
 
-TEST(PlaceOnPlane, IsTheCentroidWhereThePlaneIsThereElseAmidMuchOfIt) {
+TEST(PlaceOnPlane, IsTheCentroidOrADensePartOfThePlane) {
   std::vector<Vec3f> whole, ring;
   for (int x = -30; x <= 30; ++x)
     for (int y = -30; y <= 30; ++y) {

@@ -31,7 +31,7 @@ std::shared_ptr<const debug::Run> stairs_run(
       debug::make_subject(std::move(frame), std::nullopt, options, classifier.get()), options);
 }
 
-/// What was known after `step` events, and no more.
+/// The run with only the first `step` events.
 debug::Run stopped_at(const debug::Run& run, std::int32_t step) {
   debug::Run stopped = run;
   planes::Trace& trace = stopped.trace;
@@ -70,7 +70,7 @@ StepLook look_at(std::int32_t step, ColorBy color_by = ColorBy::cases) {
   return look;
 }
 
-/// Without what the last step is about.
+/// The last step, without its highlight.
 StepLook at_end(const debug::Run& run, ColorBy color_by = ColorBy::cases) {
   StepLook look = look_at(run.steps(), color_by);
   look.show_current = false;
@@ -82,13 +82,13 @@ const DrawLabel* label(const DrawList& list, const std::string& text) {
   return found == list.labels.end() ? nullptr : &*found;
 }
 
-/// The scene without what its planes are called: that is their id in the result, from the first.
+/// The scene without names of planes, which show the final id from the start.
 DrawList without_names(DrawList list) {
   for (DrawLabel& label : list.labels) label.text = label.text.starts_with('P') ? "P" : label.text;
   return list;
 }
 
-TEST(StepScene, NothingOfTheFutureIsDrawnButThePlanesNames) {
+TEST(StepScene, OnlyNamesOfPlanesDependOnTheFuture) {
   for (const planes::Profile profile : {planes::Profile::refined, planes::Profile::paper}) {
     const auto run = stairs_run(profile);
     for (int part = 0; part <= 12; ++part) {
@@ -105,13 +105,13 @@ TEST(StepScene, NothingOfTheFutureIsDrawnButThePlanesNames) {
   }
 }
 
-/// The color, or that of a stripe across it.
+/// Whether a color is the expected one or that of its stripes.
 bool is_with_stripes(Rgba color, Rgba expected, const StepLook& look) {
   return color == expected ||
          color == mix(expected, theme_colors(look.theme).background_bottom, 0.5);
 }
 
-TEST(StepScene, BeforeTheFirstEventAllVoxelsWaitInTheRootButThoseMarkedStandOut) {
+TEST(StepScene, BeforeTheFirstEventAllVoxelsWaitAndMarkedOnesAreHighlighted) {
   const auto run = stairs_run();
   StepLook look = look_at(0);
   const DrawList list = scene_step(*run, look);
@@ -128,7 +128,7 @@ TEST(StepScene, BeforeTheFirstEventAllVoxelsWaitInTheRootButThoseMarkedStandOut)
   EXPECT_FALSE(marked[3] == marked[4]);
 }
 
-TEST(StepScene, SettledVoxelsHaveTheColourOfTheirCaseAtTheEnd) {
+TEST(StepScene, SettledVoxelsHaveTheColorOfTheirCaseAtTheEnd) {
   const auto run = stairs_run();
   StepLook look = at_end(*run);
   const DrawList list = scene_step(*run, look);
@@ -140,7 +140,7 @@ TEST(StepScene, SettledVoxelsHaveTheColourOfTheirCaseAtTheEnd) {
   }
 }
 
-TEST(StepScene, PlanesAppearWhenTheyAreFoundedInTheirOwnColour) {
+TEST(StepScene, PlanesAppearWhenFoundedInTheirOwnColor) {
   const auto run = stairs_run();
   const std::int32_t step = first_step(*run, planes::EventType::found);
   EXPECT_TRUE(scene_step(*run, look_at(step - 1)).polygons.empty());
@@ -169,7 +169,7 @@ TEST(StepScene, ADividedNodeShowsItsChildrenWithoutTheWholeQueue) {
   EXPECT_TRUE(scene_step(*run, look).boxes.empty());
 }
 
-TEST(StepScene, PointsNamesAndNormalsAreSwitchedByThemselves) {
+TEST(StepScene, PointsNamesAndNormalsAreSeparateLayers) {
   const auto run = stairs_run();
   StepLook look = at_end(*run);
   const DrawList all = scene_step(*run, look);
@@ -187,7 +187,7 @@ TEST(StepScene, PointsNamesAndNormalsAreSwitchedByThemselves) {
   EXPECT_FALSE(scene_step(*run, look).polygons.empty());
 }
 
-/// What is known of the run's planes: all of one shape, the first one carries a foot.
+/// An analysis of the run's planes: all have the same shape; only the first is steppable.
 std::shared_ptr<const PlaneScene> known_planes(const debug::Run& run) {
   auto scene = std::make_shared<PlaneScene>();
   const std::size_t count = run.segmentation.planes.size();
@@ -211,7 +211,7 @@ bool legend_says(const DrawList& list, const std::string& text) {
   });
 }
 
-TEST(StepScene, FinishedPlanesAreDrawnByWhatTheyCoverAndGrowingOnesByTheirHull) {
+TEST(StepScene, FinishedPlanesAreDrawnByOutlineAndGrowingOnesByHull) {
   const auto run = stairs_run();
   StepLook look = at_end(*run);
   look.planes = known_planes(*run);
@@ -228,7 +228,7 @@ TEST(StepScene, FinishedPlanesAreDrawnByWhatTheyCoverAndGrowingOnesByTheirHull) 
   }
 }
 
-TEST(StepScene, FootSpaceAndStairsAreLayersOfTheirOwn) {
+TEST(StepScene, FootSpaceAndStairsAreSeparateLayers) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps());
   look.planes = known_planes(*run);
@@ -252,7 +252,7 @@ TEST(StepScene, FootSpaceAndStairsAreLayersOfTheirOwn) {
   EXPECT_TRUE(legend_says(none, "no stairs, kerb or ramp"));
 }
 
-TEST(StepScene, VoxelsShowWhetherTheirPlaneCarriesAFoot) {
+TEST(StepScene, VoxelsShowWhetherTheirPlaneIsSteppable) {
   const auto run = stairs_run();
   StepLook look = at_end(*run, ColorBy::steppable);
   EXPECT_TRUE(legend_says(scene_step(*run, look), "computing …"));
@@ -268,7 +268,7 @@ TEST(StepScene, VoxelsShowWhetherTheirPlaneCarriesAFoot) {
   EXPECT_TRUE(legend_says(scene_step(*run, look), "at the last step"));
 }
 
-TEST(StepScene, WithoutAFootTheLegendSaysHowToGiveOne) {
+TEST(StepScene, WithoutAFootTheLegendExplainsHowToSetOne) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps());
   PlaneScene none = *known_planes(*run);
@@ -282,7 +282,7 @@ TEST(StepScene, WithoutAFootTheLegendSaysHowToGiveOne) {
   EXPECT_TRUE(legend_says(scene_step(*run, look), "foot_radius_m"));
 }
 
-TEST(StepScene, WhatIsSelectedHasItsNameAndKeepsItsColourAsTheRestRecedes) {
+TEST(StepScene, TheSelectionIsNamedAndKeepsItsColorWhileTheRestRecedes) {
   const auto run = stairs_run();
   StepLook look = at_end(*run);
   const DrawList plain = scene_step(*run, look);
@@ -306,12 +306,12 @@ TEST(StepScene, WhatIsSelectedHasItsNameAndKeepsItsColourAsTheRestRecedes) {
         run->timeline.point_at(static_cast<std::int32_t>(v), look.step).plane == 0;
     EXPECT_EQ(list.points[0].colors[v] == plain.points[0].colors[v], is_concerned) << v;
   }
-  look.node = 0;  // all of them: nothing recedes
+  look.node = 0;  // the root, so that nothing recedes
   look.voxel = look.plane = -1;
   EXPECT_EQ(scene_step(*run, look).points[0].colors, plain.points[0].colors);
 }
 
-TEST(StepScene, TheNodeOfEveryKindOfStepIsLit) {
+TEST(StepScene, TheNodeOfEveryKindOfStepIsHighlighted) {
   const auto run = stairs_run();
   int kinds = 0;
   for (int type = 0; type <= static_cast<int>(planes::EventType::refine); ++type) {
@@ -342,7 +342,7 @@ TEST(StepScene, TheNodeOfEveryKindOfStepIsLit) {
   EXPECT_GE(kinds, 3);
 }
 
-TEST(StepScene, IsolatedIsDrawnAlone) {
+TEST(StepScene, OnlyTheIsolatedPlaneIsDrawn) {
   const auto run = stairs_run();
   StepLook look = at_end(*run, ColorBy::planes);
   look.isolated = true;
@@ -365,7 +365,7 @@ TEST(StepScene, IsolatedIsDrawnAlone) {
     }
 }
 
-TEST(StepScene, PlanesHaveTheColoursThatAreGiven) {
+TEST(StepScene, PlanesHaveTheGivenColors) {
   const auto run = stairs_run();
   StepLook look = at_end(*run, ColorBy::planes);
   look.color_of_plane.assign(static_cast<std::size_t>(run->timeline.plane_count()), 7);
@@ -396,7 +396,7 @@ TEST(StepImage, PaintsMeasuredPixelsOnly) {
   EXPECT_GT(painted, 10'000);
 }
 
-TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
+TEST(StepImage, SelectedNodeIsVisibleWithoutAnOverlay) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps());
   look.show_planes = look.show_current = false;
@@ -406,7 +406,7 @@ TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
   const planes::OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
   std::set<std::uint32_t> inside(run->octree().order.begin() + node.begin,
                                  run->octree().order.begin() + node.end);
-  std::size_t changed = 0, kept = 0;  // of the pixels inside
+  std::size_t changed = 0, kept = 0;  // number of pixels inside
   for (std::size_t i = 0; i < before.pixels(); ++i) {
     const std::uint32_t voxel = run->subject->voxel_of_source(i);
     if (voxel == planes::kNoVoxel) continue;
@@ -421,7 +421,7 @@ TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
 
 struct StepPicking : GlTest {};
 
-TEST_F(StepPicking, IdsNameVoxelsNodesAndPlanes) {
+TEST_F(StepPicking, IdsIdentifyVoxelsNodesAndPlanes) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps());
   const DrawList list = scene_step(*run, look);
@@ -440,7 +440,7 @@ TEST_F(StepPicking, IdsNameVoxelsNodesAndPlanes) {
   EXPECT_EQ(picked(0).kind, Picked::Kind::nothing);
 }
 
-TEST_F(StepPicking, WhatIsNearestIsPickedButAPointBeforeTheBoxAndThePlaneItIsIn) {
+TEST_F(StepPicking, TheNearestObjectIsPickedButPointsBeforeTheirBoxAndPlane) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps());
   look.show_queue = false;

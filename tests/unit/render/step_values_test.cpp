@@ -18,7 +18,7 @@
 namespace planescope::render {
 namespace {
 
-/// A level floor 1 m below a camera that looks at it, and a step of 20 cm on it.
+/// A level floor 1 m below a camera that looks down at it, and a step of 20 cm on it.
 std::shared_ptr<const debug::Run> step_run(bool knows_gravity = true) {
   std::vector<test::Parallelogram> scene = {{{-1, -2, 0}, {4, 0, 0}, {0, 4, 0}}};
   test::add_box(scene, {0.7, -0.5, 0}, {0.8, 1, 0.2});
@@ -45,7 +45,7 @@ std::vector<float> values_of(const debug::Run& run, const StepLook& look) {
   return voxel_values(step_state(run, look));
 }
 
-TEST(StepState, OfADepthImageShowsThePlanesThatOthersJoined) {
+TEST(StepState, OfADepthImageShowsJoinedPlanes) {
   const auto run = test::box_run();
   StepLook look = look_by(*run, ColorBy::planes);
   for (const std::int32_t plane : step_state(*run, look).plane_of)
@@ -62,7 +62,7 @@ TEST(StepState, OfADepthImageShowsThePlanesThatOthersJoined) {
   }
 }
 
-TEST(StepValues, DepthIsWhatTheCameraMeasuredThere) {
+TEST(StepValues, DepthIsTheCamerasMeasurement) {
   const auto run = step_run();
   const std::vector<float> values = values_of(*run, look_by(*run, ColorBy::depth));
   const Image16& depth = run->subject->frame.depth;
@@ -77,7 +77,7 @@ TEST(StepValues, DepthIsWhatTheCameraMeasuredThere) {
   EXPECT_GT(compared, 500);
 }
 
-TEST(StepValues, HeightTellsHowHighAStepIs) {
+TEST(StepValues, HeightShowsTheRiseOfAStep) {
   const auto run = step_run();
   std::vector<float> values = values_of(*run, look_by(*run, ColorBy::height));
   const auto [low, high] = std::ranges::minmax(values);
@@ -85,7 +85,7 @@ TEST(StepValues, HeightTellsHowHighAStepIs) {
   EXPECT_EQ(why_no_values(*run, look_by(*run, ColorBy::height)), "");
 }
 
-TEST(StepValues, HeightIsUnknownWhereGravityIs) {
+TEST(StepValues, HeightIsUnknownWithoutGravity) {
   const auto run = step_run(false);
   const StepLook look = look_by(*run, ColorBy::height);
   EXPECT_NE(why_no_values(*run, look).find("gravity"), std::string::npos);
@@ -100,7 +100,8 @@ TEST(StepColors, DeadEndsAreStripedAndOtherCasesAreNot) {
   const StepLook look = look_by(*run, ColorBy::cases);
   const StepState state = step_state(*run, look);
   const std::vector<Rgba> colors = voxel_colors(state);
-  std::map<planes::Case, std::array<int, 2>> count;  // of voxels in the case's color, and in others
+  // number of voxels in the case's color, and in others
+  std::map<planes::Case, std::array<int, 2>> count;
   for (std::size_t v = 0; v < colors.size(); ++v) {
     const planes::Case decided = state.case_of[v];
     if (decided != planes::Case::none) ++count[decided][colors[v] == case_color(decided) ? 0 : 1];
@@ -111,7 +112,7 @@ TEST(StepColors, DeadEndsAreStripedAndOtherCasesAreNot) {
   EXPECT_GT(count[planes::Case::IV][0], 0);
 }
 
-TEST(StepValues, RmsIsThatOfThePlaneOfThePoint) {
+TEST(StepValues, RmsIsThatOfThePointsPlane) {
   const auto run = step_run();
   const StepLook look = look_by(*run, ColorBy::rms);
   const StepState state = step_state(*run, look);
@@ -134,7 +135,7 @@ TEST(StepValues, DistanceIsSignedAndToTheSelectedPlane) {
   const auto run = step_run();
   StepLook look = look_by(*run, ColorBy::distance);
   const StepState state = step_state(*run, look);
-  // The lower of the level planes is the floor: what stands on it is before it.
+  // The lower of the level planes is the floor; the step is in front of it.
   std::int32_t floor = -1;
   double lowest = 1e9;
   for (std::int32_t plane = 0; plane < run->timeline.plane_count(); ++plane) {
@@ -147,19 +148,19 @@ TEST(StepValues, DistanceIsSignedAndToTheSelectedPlane) {
   }
   ASSERT_GE(floor, 0);
   for (const float value : values_of(*run, look))  // each to its own plane
-    EXPECT_FALSE(std::abs(value) > 0.05);          // or to none
+    EXPECT_FALSE(std::abs(value) > 0.05);          // or NaN
   look.plane = floor;
   const std::vector<float> values = values_of(*run, look);
   EXPECT_NEAR(*std::ranges::max_element(values), 0.2, 0.02);
   EXPECT_GT(*std::ranges::min_element(values), -0.05);
   EXPECT_NE(color_scale(*run, look).what.find(debug::plane_name(*run, floor)), std::string::npos);
-  // Too far off to be told apart, and not its own: no colour of the map.
+  // Beyond the scale and not on the plane: no color of the scale.
   const std::vector<Rgba> colors = voxel_colors(state);
   const auto top = static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
   EXPECT_EQ(colors[top], highlight_colors(look.theme).waiting);
 }
 
-TEST(StepValues, TheRangeIsTheSameAtEveryStepAndPassesOutliersOver) {
+TEST(StepValues, TheRangeIsTheSameAtEveryStepAndIgnoresOutliers) {
   const auto run = step_run();
   for (const ColorBy by : {ColorBy::depth, ColorBy::height, ColorBy::rms, ColorBy::distance}) {
     StepLook look = look_by(*run, by);
@@ -171,17 +172,16 @@ TEST(StepValues, TheRangeIsTheSameAtEveryStepAndPassesOutliersOver) {
   }
   std::vector<float> values(1000);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5F + 0.001F * static_cast<float>(i);
-  values[0] = 40;  // a stray measurement
+  values[0] = 40;  // an outlier
   values[1] = std::nanf("");
   const ValueRange range = robust_range(values);
   EXPECT_NEAR(range.low_m, 0.5, 0.051);
   EXPECT_NEAR(range.high_m, 1.5, 0.051);
 }
 
-// ---- Labels as they are drawn: colours, what stands out, what is left out ----
+// ---- Label scene: colors, highlights, hidden parts ----
 
-/// A wall of 40 x 30 pixels, one of which was not measured; P1 on its left half, P2 at its right
-/// edge.
+/// A wall of 40 x 30 pixels, one of them unmeasured; P1 on its left half, P2 at its right edge.
 struct LabelScene : testing::Test {
   labels::LabelGrid grid;
   std::vector<Vec3f> world;
@@ -222,7 +222,7 @@ struct LabelScene : testing::Test {
   static std::size_t at(int u, int v) { return static_cast<std::size_t>(v * 40 + u); }
 };
 
-TEST_F(LabelScene, DrawsEveryMeasuredPointAndNamesItsPixel) {
+TEST_F(LabelScene, DrawsEveryMeasuredPointWithItsPixelId) {
   const DrawPoints drawn = points();
   ASSERT_EQ(drawn.positions.size(), grid.measured_count);
   ASSERT_EQ(drawn.colors.size(), drawn.positions.size());
@@ -230,7 +230,7 @@ TEST_F(LabelScene, DrawsEveryMeasuredPointAndNamesItsPixel) {
     EXPECT_EQ(drawn.positions[k], world[drawn.ids[k] - 1]);
 }
 
-TEST_F(LabelScene, LeavesHiddenPlanesOut) {
+TEST_F(LabelScene, SkipsHiddenPlanes) {
   *labels = labels::edited(*labels, grid, labels::set_flag, 2, labels::PlaneFlag::hidden, true);
   EXPECT_EQ(points().positions.size(),
             grid.measured_count - labels::pixels_of_plane(*labels, 2).size());
@@ -238,7 +238,7 @@ TEST_F(LabelScene, LeavesHiddenPlanesOut) {
   EXPECT_EQ(label_places(*labels, grid).size(), 1u);
 }
 
-TEST_F(LabelScene, TellsPlanesApartAndTheActiveOneFromTheOthers) {
+TEST_F(LabelScene, DistinguishesPlanesAndHighlightsTheActiveOne) {
   LabelLook active = look();
   active.plane = 1;
   const std::vector<Rgba> tint = tints(active);
@@ -248,7 +248,7 @@ TEST_F(LabelScene, TellsPlanesApartAndTheActiveOneFromTheOthers) {
   EXPECT_GT(tint[at(5, 5)].a, tint[at(38, 5)].a);
 }
 
-TEST_F(LabelScene, ShowsClassesInTheirColours) {
+TEST_F(LabelScene, ShowsClassesInTheirColors) {
   *labels = labels::edited(*labels, grid, labels::set_class, 1, Label::h);
   LabelLook classes = look();
   classes.show_class = true;
@@ -256,7 +256,7 @@ TEST_F(LabelScene, ShowsClassesInTheirColours) {
   EXPECT_EQ(tints(classes)[at(38, 5)].b, label_color(Label::v).b);
 }
 
-TEST_F(LabelScene, APreviewIsSeenHoweverFaintLabelsAre) {
+TEST_F(LabelScene, APreviewIsVisibleOverFaintLabels) {
   LabelLook shown = look();
   const labels::PixelSet preview{static_cast<std::uint32_t>(at(5, 5)), 99999};
   shown.preview = preview;
@@ -277,7 +277,7 @@ TEST_F(LabelScene, PaintsOutlinesBetweenPlanesButNotAroundHoles) {
   EXPECT_EQ(picture.at(10, 5), ground.at(10, 5));
 }
 
-TEST_F(LabelScene, NamesStandDeepInTheirPlanes) {
+TEST_F(LabelScene, NamesAreWellInsideTheirPlanes) {
   const std::vector<LabelPlace> places = label_places(*labels, grid);
   ASSERT_EQ(places.size(), 2u);
   EXPECT_NEAR(static_cast<double>(places[0].pixel % 40), 10, 5);

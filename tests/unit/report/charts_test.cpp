@@ -38,14 +38,14 @@ TEST(LineChart, DrawsEachCurveWithItsNameOverRoundTicks) {
     EXPECT_NE(svg.find(text), std::string::npos) << text << " in " << svg;
 }
 
-TEST(LineChart, BeginsAtZeroWhereItIsAskedTo) {
+TEST(LineChart, StartsAtZeroOnRequest) {
   report::LineChart chart = accuracy_chart();
   EXPECT_EQ(count(report::line_chart(chart), ">0<"), 1u) << "on the x axis alone";
   chart.from_zero = true;
   EXPECT_EQ(count(report::line_chart(chart), ">0<"), 2u);
 }
 
-TEST(LineChart, ShowsASinglePointAndValuesThatAreAllTheSame) {
+TEST(LineChart, ShowsASinglePointAndConstantValues) {
   report::LineChart chart{.title = "", .x_name = "steps", .x = {3}, .curves = {{"one", {100}}}};
   const std::string point = report::line_chart(chart);
   EXPECT_EQ(point.find("nan"), std::string::npos) << point;
@@ -54,7 +54,7 @@ TEST(LineChart, ShowsASinglePointAndValuesThatAreAllTheSame) {
   EXPECT_EQ(report::line_chart(chart).find("nan"), std::string::npos);
 }
 
-TEST(LineChart, GoesOnAfterAValueThatIsMissing) {
+TEST(LineChart, ContinuesAfterAMissingValue) {
   const std::string svg = report::line_chart(
       {.title = "", .x_name = "", .x = {0, 1, 2}, .curves = {{"a", {1, kNone, 3}}}});
   EXPECT_FALSE(has(svg, "nan"));

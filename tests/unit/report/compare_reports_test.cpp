@@ -12,7 +12,7 @@
 namespace planescope::report {
 namespace {
 
-/// A strip of measurements, `plane_of` each tenth of it, and floors of the heights given.
+/// A strip of measurements with a plane for each tenth, which are floors at the given heights.
 ReportFrame strip(const std::vector<int>& plane_of_tenths, const std::vector<double>& heights_m) {
   ReportFrame result;
   std::vector<int> plane_of;
@@ -31,7 +31,7 @@ const ReportFrame& three_floors() {
   return floors;
 }
 
-TEST(ComparePlanes, OfTheSameRunAllAreTheSame) {
+TEST(ComparePlanes, OfTheSameRunAreUnchanged) {
   const auto found = compare_planes(three_floors(), three_floors());
   ASSERT_EQ(found.size(), 3u);
   for (int k = 1; k <= 3; ++k) {
@@ -44,7 +44,7 @@ TEST(ComparePlanes, OfTheSameRunAllAreTheSame) {
   }
 }
 
-TEST(ComparePlanes, IdsDoNotMatterButPlacesDo) {
+TEST(ComparePlanes, IdsDoNotMatterButPositionsDo) {
   const ReportFrame renumbered = strip({3, 3, 3, 3, 0, 1, 1, 1, 2, 2}, {0.2, 0.4, 0});
   const auto found = compare_planes(three_floors(), renumbered);
   ASSERT_EQ(found.size(), 3u);
@@ -53,7 +53,7 @@ TEST(ComparePlanes, IdsDoNotMatterButPlacesDo) {
   EXPECT_EQ(found[2].now, 2);
 }
 
-TEST(ComparePlanes, ALostPlaneAndAGainedOneAreNamed) {
+TEST(ComparePlanes, LostAndGainedPlanesAreListed) {
   const auto found =
       compare_planes(three_floors(), strip({1, 1, 1, 1, 3, 2, 2, 2, 0, 0}, {0, 0.2, 0.9}));
   ASSERT_EQ(found.size(), 4u);
@@ -64,7 +64,7 @@ TEST(ComparePlanes, ALostPlaneAndAGainedOneAreNamed) {
   EXPECT_EQ(found[3].now, 3);
 }
 
-TEST(ComparePlanes, FiveMillimetresOrOneDegreeAreAMove) {
+TEST(ComparePlanes, FiveMillimetersOrOneDegreeAreAMove) {
   EXPECT_EQ(
       compare_planes(three_floors(), strip({1, 1, 1, 1, 0, 2, 2, 2, 3, 3}, {0, 0.2, 0.404}))[2]
           .fate,
@@ -84,7 +84,7 @@ TEST(ComparePlanes, FiveMillimetresOrOneDegreeAreAMove) {
   EXPECT_NEAR(found[1].angle_deg, 1.5, 1e-9);
 }
 
-TEST(ComparePlanes, AreaTellsWhatGrewOrShrank) {
+TEST(ComparePlanes, AreaShowsGrowthAndShrinkage) {
   ReportFrame shrunk = strip({1, 1, 1, 0, 0, 2, 2, 2, 3, 3}, {0, 0.2, 0.4});
   shrunk.planes[0].summary.area_m2 = 0.75;
   const auto found = compare_planes(three_floors(), shrunk);
@@ -93,7 +93,7 @@ TEST(ComparePlanes, AreaTellsWhatGrewOrShrank) {
   EXPECT_EQ(found[0].iou, 0.75);
 }
 
-TEST(ComparePlanes, ASplitNamesItsPartsAndAMergeThoseItIsMadeOf) {
+TEST(ComparePlanes, ASplitListsItsPartsAndAMergeItsSources) {
   const ReportFrame split = strip({1, 1, 4, 4, 0, 2, 2, 2, 3, 3}, {0, 0.2, 0.4, 0});
   const auto apart = compare_planes(three_floors(), split);
   ASSERT_EQ(apart.size(), 3u) << "parts are not gained";
@@ -110,7 +110,7 @@ TEST(ComparePlanes, ASplitNamesItsPartsAndAMergeThoseItIsMadeOf) {
   EXPECT_EQ(together[1].fate, PlaneFate::same);
 }
 
-TEST(ComparePlanes, OfPlanesWithoutSamplesPlaceAndDirectionDecide) {
+TEST(ComparePlanes, WithoutSamplesPlanesAreMatchedByPositionAndDirection) {
   const ReportFrame before = strip({1, 1, 1, 1, 1, 1, 1, 1, 1, 1}, {0, 0.2});
   ReportFrame after = before;
   after.planes[1].summary.centroid.z() = after.planes[1].summary.offset_m = 0.203;
@@ -122,7 +122,7 @@ TEST(ComparePlanes, OfPlanesWithoutSamplesPlaceAndDirectionDecide) {
   EXPECT_EQ(found[2].fate, PlaneFate::gained);
 }
 
-TEST(ComparePlanes, AReportWithoutSamplesIsComparedByPlaceAndDirection) {
+TEST(ComparePlanes, AReportWithoutSamplesIsComparedByPositionAndDirection) {
   ReportFrame before = three_floors();
   before.regions = {};
   ReportFrame after = three_floors();
@@ -133,14 +133,14 @@ TEST(ComparePlanes, AReportWithoutSamplesIsComparedByPlaceAndDirection) {
   EXPECT_EQ(found[2].fate, PlaneFate::moved);
 }
 
-TEST(ComparePlanes, NothingIsComparedWithNothing) {
+TEST(ComparePlanes, EmptyFramesCanBeCompared) {
   const ReportFrame none = strip(std::vector<int>(10, 0), {});
   EXPECT_TRUE(compare_planes(none, none).empty());
   EXPECT_EQ(compare_planes(none, three_floors()).size(), 3u);
   EXPECT_EQ(compare_planes(three_floors(), none)[0].fate, PlaneFate::lost);
 }
 
-TEST(ComparePlanes, SamplesOfOtherPixelsDecideNothing) {
+TEST(ComparePlanes, SamplesOfOtherPixelsAreIgnored) {
   ReportFrame other = three_floors();
   other.regions = {1, 7, 1, {{1, 7}}};
   for (const PlaneComparison& plane : compare_planes(three_floors(), other)) {
@@ -191,7 +191,7 @@ TEST(CompareReports, FramesAreFoundByRecordingAndNumber) {
   EXPECT_EQ(found.frames[3].index, 0);
 }
 
-TEST(CompareReports, RecordingsOfOneNameGoByTheirOrder) {
+TEST(CompareReports, RecordingsWithTheSameNameAreMatchedInOrder) {
   const Report both = report_of(
       {{"000000.png", {frame_with_floor(0, 0)}}, {"000000.png", {frame_with_floor(0, 1)}}});
   const ReportComparison found = compare_reports(both, both);
@@ -229,7 +229,7 @@ TEST(CompareReports, ARemovedFrameIsMissingAndTheOthersKeepTheirPartners) {
   EXPECT_EQ(compare_reports(baseline, now).frames[4].index, 4) << "without names by number";
 }
 
-TEST(CompareReports, WhatWasNotAskedForIsLeftOutAndNotMissing) {
+TEST(CompareReports, UnselectedFramesAreSkippedAndNotMissing) {
   const Report baseline = report_of(
       {{"a", {frame_with_floor(0, 0), frame_with_floor(1, 0)}}, {"b", {frame_with_floor(2, 0)}}});
   Report now = report_of({{"a", {frame_with_floor(0, 0)}}});
@@ -240,7 +240,7 @@ TEST(CompareReports, WhatWasNotAskedForIsLeftOutAndNotMissing) {
   EXPECT_EQ(part.left_out, (std::vector<std::string>{"a: 1 of 2 frames", "b"}));
 }
 
-TEST(CompareReports, AnotherInputIsNotComparedAndARefusalIsTold) {
+TEST(CompareReports, AnotherInputIsNotComparedAndFailuresAreReported) {
   ReportFrame other = frame_with_floor(0, 0), refused = frame_with_floor(1, 0);
   other.sha256 = "another";
   refused.refused = "no gravity";
@@ -254,7 +254,7 @@ TEST(CompareReports, AnotherInputIsNotComparedAndARefusalIsTold) {
   EXPECT_EQ(compare_reports(bad, bad).frames[1].fate, FrameFate::both_refused);
 }
 
-TEST(CompareReports, WhatIsSetOtherwiseIsNamedButNotTheThreads) {
+TEST(CompareReports, ChangedOptionsAreListedExceptThreads) {
   const Report baseline = report_of({});
   Report now = baseline;
   now.weights->sha256 = "w2";

@@ -21,7 +21,7 @@ namespace {
 using planes::FramePlanes;
 using planes::PlaneSummary;
 
-// A level square of 1 m and an upright one, sampled every centimetre, and a point in no plane.
+// A horizontal and a vertical square of 1 m, sampled every centimeter, and a point without a plane.
 planes::FrameResult two_squares(const Vec3d& origin) {
   planes::FrameResult result;
   result.cloud.origin = origin;
@@ -44,7 +44,7 @@ planes::FrameResult two_squares(const Vec3d& origin) {
   return result;
 }
 
-TEST(PlaneSummary, SizeTiltAndOffsetAreThoseOfTheSurface) {
+TEST(PlaneSummary, SizeTiltAndOffsetMatchTheSurface) {
   const auto summaries = summarize_planes(two_squares(Vec3d(100, 200, 5)), 0.02);
   ASSERT_EQ(summaries.size(), 2u);
   EXPECT_EQ(summaries[0].points, 10000u);
@@ -56,13 +56,13 @@ TEST(PlaneSummary, SizeTiltAndOffsetAreThoseOfTheSurface) {
   EXPECT_NEAR(summaries[1].offset_m, 202, 1e-5);
 }
 
-/// The two squares, the upright one undecided, and everything that files tell about them.
+/// The two squares, the vertical one undecided, with everything that files contain about them.
 struct TwoSquares {
   planes::FrameResult result = two_squares(Vec3d::Zero());
   FramePlanes found;
 
   TwoSquares() {
-    result.cloud.kept.assign(result.cloud.points.size(), 0);  // they are of no image
+    result.cloud.kept.assign(result.cloud.points.size(), 0);  // points are not from an image
     result.segmentation.planes[1].undecided = true;
     result.segmentation.planes[1].margin = 0.03125;
     found.summaries = summarize_planes(result, 0.02);
@@ -72,7 +72,7 @@ struct TwoSquares {
   }
 };
 
-TEST(Undecided, IsInEveryFileWithTheMarginWhereItIsFinite) {
+TEST(Undecided, IsInEveryFileWithAFiniteMargin) {
   const TwoSquares squares;
   const auto planes =
       nlohmann::json::parse(planes_json(Frame{}, squares.result, squares.found, {}))["planes"];
@@ -105,16 +105,16 @@ TEST(PlaneSummary, WithoutGravityNothingIsTilted) {
   EXPECT_TRUE(std::isnan(summarize_planes(result, 0.02)[0].tilt_deg));
 }
 
-TEST(PlaneSummary, AreaDoesNotCountWhatWasNotMeasured) {
+TEST(PlaneSummary, AreaExcludesUnmeasuredParts) {
   planes::FrameResult result = two_squares(Vec3d::Zero());
-  for (std::size_t i = 0; i < result.plane_of.size(); ++i)  // an L: one quarter is missing
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)  // an L, with one quarter missing
     if (result.cloud.points[i].x() > 0.5F && result.cloud.points[i].y() > 0.5F &&
         result.plane_of[i] == 1)
       result.plane_of[i] = 0;
   EXPECT_NEAR(summarize_planes(result, 0.02)[0].area_m2, 0.75, 0.05);
 }
 
-// Only points near the rim are looked at for the hull: it must be that of all of them.
+// Only points near the rim are used for the hull; it must equal the hull of all points.
 TEST(PlaneSummary, HullIsThatOfAllPoints) {
   Random random(5);
   const auto disc = [&](const Vec2d& middle, double radius) {
@@ -172,7 +172,7 @@ TEST(PlaneSummary, HullIsThatOfAllPoints) {
     }
 }
 
-TEST(PlaneSummary, HullLiesInThePlaneAndRunsCounterClockwiseAboutTheNormal) {
+TEST(PlaneSummary, HullIsInThePlaneAndCounterClockwiseAboutTheNormal) {
   for (const PlaneSummary& plane : summarize_planes(two_squares(Vec3d::Zero()), 0.02)) {
     ASSERT_EQ(plane.hull.size(), 4u);
     Vec3d twice_area = Vec3d::Zero();
@@ -234,22 +234,22 @@ INSTANTIATE_TEST_SUITE_P(Profiles,
                                          planes::Profile::paper_closest,
                                          planes::Profile::refined));
 
-TEST_P(ValueHistogramOf, CountsEveryNodeAndWhatWasDecidedOfIt) {
+TEST_P(ValueHistogramOf, CountsEveryNodeByDecision) {
   const Decided decided(GetParam());
   const std::vector<ValueHistogram> histograms = decided.histograms();
   ASSERT_EQ(histograms.size(), 4u);
   const planes::SegmentCounts& counts = decided.segmentation.counts;
   EXPECT_EQ(histograms[0].name, "n_out");
   EXPECT_EQ(histograms[0].total(), counts.nodes_visited);
-  // Pure nodes are within the threshold, all of case I above it or of too large a share.
+  // Pure nodes are within the threshold; nodes of case I are above it or have too many outliers.
   EXPECT_GE(within_threshold(histograms[0]), counts.nodes_visited - counts.nodes_per_case[1]);
   EXPECT_EQ(histograms[1].name, "planarity");
   EXPECT_GE(within_threshold(histograms[1]), counts.nodes_per_case[4]);
   EXPECT_GE(histograms[1].total() - within_threshold(histograms[1]), counts.nodes_per_case[3]);
 }
 
-TEST_P(ValueHistogramOf, HoldsAPairPerCandidateThatHadAPlaneToJoin) {
-  if (GetParam() == planes::Profile::refined) return;  // nothing but the paper asks Criterion 4
+TEST_P(ValueHistogramOf, ContainsAPairPerCandidateWithAPlaneToJoin) {
+  if (GetParam() == planes::Profile::refined) return;  // only the paper profile tests Criterion 4
   const Decided decided(GetParam());
   const std::vector<ValueHistogram> histograms = decided.histograms();
   for (const std::size_t k : {2u, 3u}) {
@@ -262,12 +262,12 @@ TEST_P(ValueHistogramOf, HoldsAPairPerCandidateThatHadAPlaneToJoin) {
 TEST(ValueHistogram, AddsUpOverFrames) {
   ValueHistogram sum{"planarity", 4, 1, {1, 0, 2}};
   add_to(sum, {"planarity", 4, 1, {3, 1, 0}});
-  add_to(sum, {"n_out", 4, 1, {9, 9, 9}});  // of something else
+  add_to(sum, {"n_out", 4, 1, {9, 9, 9}});  // of another frame
   EXPECT_EQ(sum.counts, (std::vector<std::uint32_t>{4, 1, 2}));
   EXPECT_EQ(sum.total(), 7u);
 }
 
-TEST(ValueHistogram, IsNotThereWithoutAnOctree) {
+TEST(ValueHistogram, IsMissingWithoutAnOctree) {
   EXPECT_TRUE(decision_histograms({}, {}, {}).empty());
 }
 

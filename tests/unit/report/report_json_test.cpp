@@ -64,7 +64,7 @@ Report make_compared_report() {
   return report;
 }
 
-TEST(ReadReport, WhatIsReadIsWhatWasWritten) {
+TEST(ReadReport, ReadsBackWrittenReports) {
   const Report now = make_compared_report(), read = read_report(written(report_json(now)));
   EXPECT_EQ(read.commit, now.commit);
   EXPECT_EQ(read.method, "ours");
@@ -92,7 +92,7 @@ TEST(ReadReport, WhatIsReadIsWhatWasWritten) {
   EXPECT_EQ(read.recordings[0].frames[1].refused, "no gravity");
 }
 
-TEST(ReadReport, ThatAPlaneIsUndecidedIsReadBackWithItsMargin) {
+TEST(ReadReport, UndecidedPlanesAreReadBackWithTheirMargin) {
   Report report = make_compared_report();
   PlaneSummary& plane = report.recordings[0].frames[0].planes[1].summary;
   plane.undecided = true;
@@ -129,7 +129,7 @@ TEST(ReadReport, AllPlanesOfAnEarlierVersionAreDecided) {
   EXPECT_TRUE(noted_changes(built_in_rules(), comparison).empty());
 }
 
-TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
+TEST(ReadReport, ErrorsAreReportedWithTheirLocation) {
   const Json good = Json::parse(report_json(make_compared_report()));
   const auto refusal_of = [](const Json& json) {
     const fs::path file = written(json.dump());
@@ -141,22 +141,22 @@ TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
   json["schema"] = "planescope.report/5";
   EXPECT_EQ(
       refusal_of(json),
-      "schema is \"planescope.report/5\", expected planescope.report/3 or planescope.report/4");
+      "schema is \"planescope.report/5\"; expected planescope.report/3 or planescope.report/4");
   json["schema"] = "planescope.report/2";
   EXPECT_EQ(refusal_of(json),
-            "planescope.report/2 is no longer readable; expected planescope.report/3 or "
+            "planescope.report/2 is no longer supported; expected planescope.report/3 or "
             "planescope.report/4");
   json = good;
   json["recordings"][0]["frames"][0]["planes"][1]["normal"] = {1, "x", 3};
   EXPECT_EQ(refusal_of(json),
-            "recordings[0].frames[0].planes[1].normal[1] is \"x\", expected a number");
+            "recordings[0].frames[0].planes[1].normal[1] is \"x\"; expected a number");
   json = good;
   json["recordings"][0]["frames"][0].erase("planes");
   EXPECT_EQ(refusal_of(json), "recordings[0].frames[0] has no \"planes\"");
   json = good;
   json["recordings"][0]["frames"][0]["planes"][0]["id"] = 5;
   EXPECT_EQ(refusal_of(json),
-            "recordings[0].frames[0].planes[0].id is 5, expected a whole number from 1 to 1");
+            "recordings[0].frames[0].planes[0].id is 5; expected a whole number from 1 to 1");
   for (const char* runs : {"[1,7]", "[1,5]", "[1]", "[3,6]", "[1,-1,1,7]", "[0,9e18]", "6"}) {
     json = good;
     json["recordings"][0]["frames"][0]["regions"]["runs"] = Json::parse(runs);
@@ -165,13 +165,13 @@ TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
   json = good;
   json["recordings"][0]["frames"][0]["regions"]["rows"] = 2000000000;
   EXPECT_TRUE(has(refusal_of(json), "regions.rows"));
-  EXPECT_EQ(refusal_of(Json::array()), "the file is [], expected an object");
+  EXPECT_EQ(refusal_of(Json::array()), "the file is []; expected an object");
   EXPECT_TRUE(has(message_of([] { read_report(written("{\"schema\": ")); }), "not valid JSON"));
 }
 
 Report through_a_file(const Report& report) { return read_report(written(report_json(report))); }
 
-/// Another value than the option has.
+/// Sets an option to another value.
 void change(planes::PipelineOptions& options, const planes::OptionInfo& info) {
   const std::string before = info.get(options);
   if (info.kind == planes::OptionKind::on_off) {
@@ -191,7 +191,7 @@ void change(planes::PipelineOptions& options, const planes::OptionInfo& info) {
   }
 }
 
-TEST(RecordedOptions, AreThoseTheReportWasMadeWithToTheLastDigit) {
+TEST(RecordedOptions, MatchTheReportsRunToTheLastDigit) {
   for (const planes::Method method : planes::built_methods()) {
     planes::PipelineOptions options;
     options.method = method;
@@ -213,7 +213,7 @@ TEST(RecordedOptions, AreThoseTheReportWasMadeWithToTheLastDigit) {
   }
 }
 
-TEST(RecordedOptions, OfAnotherVersionAreTakenAsFarAsTheyAreKnown) {
+TEST(RecordedOptions, OfAnotherVersionAreUsedIfKnown) {
   Report report;
   const auto set = [&](const std::string& name, const std::string& value) {
     report.options.emplace_back().name = name;
@@ -232,7 +232,7 @@ TEST(RecordedOptions, OfAnotherVersionAreTakenAsFarAsTheyAreKnown) {
   expect_refused([&] { options_of(report, unknown); }, "theta_n_in");
 }
 
-TEST(RecordedOptions, WhatTheCommandLineSaidOfTheCameraIsKnownFromTheRecording) {
+TEST(RecordedOptions, CameraOptionsOfTheCommandLineAreReadFromTheRecording) {
   Report report;
   ReportRecording& typed = report.recordings.emplace_back();
   typed.info.path = "dir/rec";
@@ -255,7 +255,7 @@ TEST(RecordedOptions, WhatTheCommandLineSaidOfTheCameraIsKnownFromTheRecording) 
   EXPECT_FALSE(options_of(read.recordings[1]).depth_unit_m);
 }
 
-TEST(ReportTarget, NamesAFrameOrAPlaneOfAReport) {
+TEST(ReportTarget, IdentifiesAFrameOrAPlaneOfAReport) {
   const ReportTarget file = parse_report_target("out/report.json");
   EXPECT_EQ(file.file, "out/report.json");
   EXPECT_EQ(file.recording, 1);
@@ -279,14 +279,14 @@ TEST(ReportTarget, NamesAFrameOrAPlaneOfAReport) {
   EXPECT_TRUE(lost.of_baseline);
 }
 
-TEST(ReportTarget, WhatIsNoneIsRefusedWithWhatWasFound) {
+TEST(ReportTarget, InvalidTargetsAreRejectedWithTheirText) {
   for (const char* place :
        {"",      "/",     "f",       "f-1",    "fx",           "12",   "f1/",
         "f1/p",  "f1/p0", "f1/was0", "f1/q3",  "f1/p3/p4",     "f1p3", "r1",
         "r0/f1", "r/f1",  "r1/p3",   "f1/p3 ", "f99999999999", "F1",   "f1/r1"}) {
     const std::string text =
         message_of([&] { parse_report_target(std::string("a.json#") + place); });
-    EXPECT_TRUE(text.starts_with(std::string("a.json: '") + place + "' is no place")) << text;
+    EXPECT_TRUE(text.starts_with(std::string("a.json: '") + place + "' is not a place")) << text;
     EXPECT_TRUE(has(text, "expected f<frame>"));
     EXPECT_FALSE(has(text, "\n"));
   }

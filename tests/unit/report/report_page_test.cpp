@@ -35,7 +35,7 @@ ReportPicture make_picture(const std::string& name, int index) {
   return picture;
 }
 
-/// Two planes, in the left and in the right half of what was measured.
+/// Two planes, on the left and right half of the measured area.
 ReportFrame make_frame(int index) {
   ReportFrame frame;
   frame.index = index;
@@ -72,7 +72,7 @@ fs::path fresh_dir() {
   return dir;
 }
 
-/// The copies that a page is made from.
+/// Writes the image copies that a page embeds.
 void write_copies(const fs::path& dir, const Report& report) {
   const std::vector<unsigned char> copy_bytes = io::encode_webp(Image8(8, 8, 3, 200), 80);
   for (const ReportRecording& recording : report.recordings)
@@ -95,14 +95,14 @@ std::string page_of(const Report& report) {
   return page_of(report, dir);
 }
 
-/// Held against an earlier report, as --baseline does.
+/// Compares with an earlier report, like --baseline.
 void judge(Report& report, const Report& baseline) {
   const fs::path file = temp_dir() / "page_baseline.json";
   write_file_text(file, report_json(baseline));
   report.judgement = ReportGuard(file, "").judge(report);
 }
 
-/// Frame 1 of three has lost its second plane.
+/// A report in which frame 1 of three has lost its second plane.
 Report make_failing_report() {
   Report report = make_report(3);
   ReportFrame& frame = report.recordings[0].frames[1];
@@ -120,7 +120,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-TEST(ReportPage, NeedsNothingButItself) {
+TEST(ReportPage, IsSelfContained) {
   const std::string page = page_of(make_report(3));
   for (const char* reference : {"http://", "https://", "src=\"/", "src=\"frames", "url(",
                                 "<script src", "<link rel=\"stylesheet", "@import"})
@@ -129,7 +129,7 @@ TEST(ReportPage, NeedsNothingButItself) {
   EXPECT_TRUE(has(page, "default-src 'none'"));
 }
 
-/// What stands between each `start` and the next quotation mark.
+/// Returns the text between each `start` and the next quotation mark.
 std::vector<std::string> values_after(const std::string& page, const std::string& start) {
   std::vector<std::string> values;
   for (std::size_t at = page.find(start); at != std::string::npos; at = page.find(start, at + 1)) {
@@ -139,7 +139,7 @@ std::vector<std::string> values_after(const std::string& page, const std::string
   return values;
 }
 
-TEST(ReportPage, EveryLinkHasItsTargetInThePageAndEveryIdIsThereOnce) {
+TEST(ReportPage, EveryLinkHasATargetAndEveryIdIsUnique) {
   const std::string page = page_of(make_failing_report());
   std::set<std::string> ids;
   for (const std::string& id : values_after(page, " id=\""))
@@ -167,7 +167,7 @@ TEST(ReportPage, LongPagesBeginWithLinksToFailedFramesAndSections) {
   EXPECT_FALSE(has(page_of(make_report(12)), "<nav"));
 }
 
-TEST(ReportPage, HasOneHeadingOfTheFirstLevelAndItsLandmarks) {
+TEST(ReportPage, HasOneFirstLevelHeadingAndLandmarks) {
   const std::string page = page_of(make_failing_report());
   EXPECT_EQ(count_of(page, "<h1"), 1u);
   EXPECT_EQ(count_of(page, "<main"), 1u);
@@ -176,11 +176,11 @@ TEST(ReportPage, HasOneHeadingOfTheFirstLevelAndItsLandmarks) {
   EXPECT_TRUE(has(page, "<html lang=\"en\">"));
 }
 
-TEST(ReportPage, SaysThatThereIsNothingToCompareAgainst) {
+TEST(ReportPage, ReportsThatThereIsNoBaseline) {
   EXPECT_TRUE(has(page_of(make_report(1)), "Nothing to compare against"));
 }
 
-TEST(ReportPage, PassesWhereNothingChanged) {
+TEST(ReportPage, PassesIfNothingChanged) {
   Report report = make_report(3);
   judge(report, make_report(3));
   const std::string page = page_of(report);
@@ -213,7 +213,7 @@ TEST(ReportPage, MarksUndecidedPlanesAndNotesWhatTheyChange) {
   EXPECT_TRUE(has(page, "<span class=\"fate\">moved</span> <small>undecided</small>"));
 }
 
-TEST(ReportPage, TellsTheVerdictThenWhatDiffersThenTheWorstFrameThenFigures) {
+TEST(ReportPage, ShowsVerdictDifferencesWorstFrameAndFiguresInOrder) {
   const std::string page = page_of(make_failing_report());
   std::size_t before = 0;
   for (const char* part : {"<h2 id=\"verdict-title\">Failed</h2>", "1 error and 0 warnings",
@@ -227,15 +227,15 @@ TEST(ReportPage, TellsTheVerdictThenWhatDiffersThenTheWorstFrameThenFigures) {
   }
 }
 
-TEST(ReportPage, SaysHowToOpenAPlaneThatIsGoneAndWhereItStands) {
+TEST(ReportPage, ShowsTheCommandThatOpensALostPlane) {
   const std::string page = page_of(make_failing_report());
   EXPECT_TRUE(has(page, "planescope view --open report.json#f001/was2"));
   EXPECT_TRUE(has(page, "id=\"f001/was2\""));
-  EXPECT_FALSE(has(page, "report.json#f001/p1"));  // which is the same
-  EXPECT_FALSE(has(page, "report.json#f000"));     // a frame that holds
+  EXPECT_FALSE(has(page, "report.json#f001/p1"));  // the same plane
+  EXPECT_FALSE(has(page, "report.json#f000"));     // a passed frame
 }
 
-TEST(ReportPage, NamesTheRecordingInAnchorsOfSeveral) {
+TEST(ReportPage, AnchorsContainTheRecordingIfThereAreSeveral) {
   Report report = make_report(1);
   report.recordings.push_back(report.recordings[0]);
   const std::string page = page_of(report);
@@ -247,7 +247,7 @@ TEST(ReportPage, ShowsBothSetsOfPlanesWithoutTheBaselinesPictures) {
   EXPECT_EQ(count_of(page_of(make_failing_report()), "class=\"compare\""), 1u);
 }
 
-TEST(ReportPage, ListsFramesThatTheBaselineHasAlone) {
+TEST(ReportPage, ListsFramesThatOnlyTheBaselineHas) {
   Report report = make_report(2);
   judge(report, make_report(3));
   const std::string page = page_of(report);
@@ -265,14 +265,14 @@ TEST(ReportPage, EmbedsFewFramesAndLinksThePicturesOfTheOthers) {
     many.recordings[0].frames.back().points_on_planes = static_cast<std::uint64_t>(i);
   }
   const std::string page = page_of(many);
-  EXPECT_EQ(count_of(page, "<figure id="), 2 * 12u);  // the worst are the first here
+  EXPECT_EQ(count_of(page, "<figure id="), 2 * 12u);  // the worst frames are the first ones here
   EXPECT_EQ(count_of(page, "data-copy="), 2 * 28u);
   EXPECT_EQ(count_of(page, "<tr data-frame="), 40u);
 }
 
 TEST(ReportPage, LinksAPictureWhoseCopyIsMissing) {
   const Report report = make_report(1);
-  const fs::path dir = fresh_dir();  // nothing in it
+  const fs::path dir = fresh_dir();  // empty
   const std::string page = page_of(report, dir);
   EXPECT_FALSE(has(page, "src=\"data:image/webp"));
   EXPECT_TRUE(has(page, "<a href=\"frames/000000/pictures/overlay.png\""));
@@ -288,7 +288,7 @@ ReportPlane plane_with(int id, double height_m, double support, double clearance
   return plane;
 }
 
-TEST(ReportPage, WithoutRulesAndLabelsTheFramesWithMostSignsOfTroubleComeFirst) {
+TEST(ReportPage, WithoutRulesAndLabelsSuspiciousFramesComeFirst) {
   Report report = make_report(5);
   for (ReportFrame& frame : report.recordings[0].frames) {
     frame.metrics.reset();
@@ -302,14 +302,14 @@ TEST(ReportPage, WithoutRulesAndLabelsTheFramesWithMostSignsOfTroubleComeFirst) 
   const fs::path dir = fresh_dir();
   const std::string page = page_of(report, dir);
   const auto at = [&](const char* text) { return page.find(text); };
-  const std::size_t first = at("the floor in 2 pieces, 1 plane of low support; 100.0 % of");
+  const std::size_t first = at("the floor in 2 pieces, 1 plane with low support; 100.0 % of");
   const std::size_t second = at("1 sliver; 100.0 % of"), third = at("<li>10.0 % of the points");
   EXPECT_LT(first, second);
   EXPECT_LT(second, third);
   EXPECT_NE(third, std::string::npos);
 }
 
-TEST(ReportPage, ACopyThatCannotBeReadIsAnError) {
+TEST(ReportPage, AnUnreadableCopyIsAnError) {
   const Report report = make_report(1);
   const fs::path dir = fresh_dir();
   write_copies(dir, report);
@@ -319,7 +319,7 @@ TEST(ReportPage, ACopyThatCannotBeReadIsAnError) {
   EXPECT_THROW(page_of(report, dir), Error);
 }
 
-TEST(ReportPage, TextFromOutsideCannotBecomeMarkup) {
+TEST(ReportPage, TextFromInputsIsEscaped) {
   Report report = make_failing_report();
   ReportRecording& recording = report.recordings[0];
   recording.name = recording.info.device = recording.info.format = kHostile;
@@ -343,7 +343,7 @@ TEST(ReportPage, TextFromOutsideCannotBecomeMarkup) {
   EXPECT_TRUE(has(page, "&lt;script&gt;alert(1)&lt;/script&gt;"));
 }
 
-TEST(ReportPage, BytesThatAreNoTextAreReplaced) {
+TEST(ReportPage, InvalidUtf8IsReplaced) {
   Report report = make_report(1);
   report.recordings[0].name = "a\xff\xc3";
   report.recordings[0].frames[0].name = "ok \xc3\xa4 \xed\xa0\x80";
@@ -359,7 +359,7 @@ TEST(ReportPage, LeavesNoTemplateTagUnfilled) {
   EXPECT_FALSE(has(page_of(report), "{{"));
 }
 
-TEST(ReportPage, DrawsHowASequenceGoesBesideItsBaseline) {
+TEST(ReportPage, DrawsASequenceBesideItsBaseline) {
   const std::string page = page_of(make_failing_report());
   EXPECT_TRUE(has(page, "aria-label=\"Planes by frame\""));
   EXPECT_TRUE(has(page, ">baseline</text>"));
@@ -372,7 +372,7 @@ TEST(ReportPage, RecordsTheRulesAndTheCommand) {
   EXPECT_TRUE(has(page, "<span class=\"badge failed\">1 time</span>"));
 }
 
-TEST(ReportOverviews, AreWrittenWhereThereIsSomethingToSeeMove) {
+TEST(ReportOverviews, AreWrittenForSequences) {
   const fs::path dir = fresh_dir();
   Report report = make_report(3);
   write_copies(dir, report);
@@ -387,7 +387,7 @@ TEST(ReportOverviews, AreWrittenWhereThereIsSomethingToSeeMove) {
   EXPECT_FALSE(fs::exists(other / "overview.png"));
 }
 
-TEST(ReportOverviews, GoOnOverADamagedFrame) {
+TEST(ReportOverviews, SkipADamagedFrame) {
   const fs::path dir = fresh_dir();
   const Report report = make_report(3);
   write_copies(dir, report);
@@ -396,7 +396,7 @@ TEST(ReportOverviews, GoOnOverADamagedFrame) {
   EXPECT_EQ(io::png_info(dir / "overview.png").height, 8);
 }
 
-TEST(PlaneMap, KeepsAPlanesColourAndMarksThoseThatAreLostOrGained) {
+TEST(PlaneMap, KeepsColorsAndMarksLostAndGainedPlanes) {
   const auto become = [](PlaneFate fate, int baseline, int now) {
     PlaneComparison plane;
     plane.fate = fate;
@@ -414,7 +414,7 @@ TEST(PlaneMap, KeepsAPlanesColourAndMarksThoseThatAreLostOrGained) {
   EXPECT_TRUE(inks.now[1].marked);
 }
 
-TEST(PlaneMap, ShowsNothingWhereNothingWasMeasuredAndNothingOfClouds) {
+TEST(PlaneMap, IsEmptyForUnmeasuredAreasAndForClouds) {
   const Image8 map = draw_plane_map({8, 2, 2, {{-1, 1}, {1, 1}, {0, 2}}}, {{"#0072b2", false}});
   ASSERT_EQ(map.channels, 4);
   EXPECT_EQ(map.at(0, 0, 3), 0);

@@ -103,7 +103,7 @@ Report make_report() {
   return report;
 }
 
-/// The page, with a grey copy of every picture.
+/// The page, with a gray copy of every picture.
 std::string report_html(const Report& report) {
   const std::filesystem::path dir = temp_dir() / "report_page";
   for (const ReportRecording& recording : report.recordings)
@@ -123,7 +123,7 @@ Json schema() {
   return Json::parse(file);
 }
 
-/// A frame whose gravity nobody knows.
+/// A report with a frame of unknown gravity.
 Report without_gravity() {
   Report report = make_report();
   ReportFrame& frame = report.recordings[0].frames[0];
@@ -136,7 +136,7 @@ Report without_gravity() {
   return report;
 }
 
-TEST(ReportJson, WithoutGravityHasNoDirectionNoTiltAndNoShareOfRightLabels) {
+TEST(ReportJson, WithoutGravityHasNoDirectionTiltOrLabelAccuracy) {
   const Json json = Json::parse(report_json(without_gravity()));
   EXPECT_EQ(schema_error(schema(), json), "");
   const Json& frame = json["recordings"][0]["frames"][0];
@@ -148,7 +148,7 @@ TEST(ReportJson, WithoutGravityHasNoDirectionNoTiltAndNoShareOfRightLabels) {
   EXPECT_TRUE(json["totals"]["metrics"]["label_accuracy_edge"].is_null());
 }
 
-TEST(ReportPage, SaysThatGravityIsNotKnownAndHowToGiveIt) {
+TEST(ReportPage, ReportsUnknownGravityAndHowToSetIt) {
   const std::string page = report_html(without_gravity());
   EXPECT_TRUE(has(page, "Gravity was <em>unknown</em>"));
   EXPECT_TRUE(has(page, "Gravity is <em>unknown</em>: left open by --gravity none"));
@@ -158,7 +158,7 @@ TEST(ReportPage, SaysThatGravityIsNotKnownAndHowToGiveIt) {
   EXPECT_FALSE(has(page, "nan"));
 }
 
-TEST(FramesCsv, LeavesEmptyWhatNobodyKnows) {
+TEST(FramesCsv, LeavesUnknownFieldsEmpty) {
   std::istringstream csv(frames_csv(without_gravity()));
   std::string head, line;
   std::getline(csv, head);
@@ -177,7 +177,7 @@ TEST(ReportJson, FollowsItsSchema) {
   EXPECT_EQ(schema_error(schema(), Json::parse(report_json(report))), "");
 }
 
-TEST(ReportJson, SchemaRefusesWhatIsMissingOrUnknown) {
+TEST(ReportJson, SchemaRejectsMissingAndUnknownFields) {
   Json json = Json::parse(report_json(make_report()));
   json["recordings"][0].erase("sha256");
   EXPECT_NE(schema_error(schema(), json), "");
@@ -199,7 +199,7 @@ TEST(ReportJson, OnlyTheDateAndTheTimingsDependOnTime) {
   EXPECT_EQ(a, b);
 }
 
-TEST(ReportJson, APartialReportIsValidAndSaysSo) {
+TEST(ReportJson, APartialReportIsValidAndMarkedAsSuch) {
   Report report = make_report();
   report.partial = true;
   const Json json = Json::parse(report_json(report));
@@ -212,7 +212,7 @@ TEST(ReportJson, APartialReportIsValidAndSaysSo) {
   EXPECT_TRUE(has(report_html(report), "</html>"));
 }
 
-TEST(ReportJson, CountsAddUpAndTotalsLeaveRefusedFramesOut) {
+TEST(ReportJson, CountsAddUpAndTotalsExcludeFailedFrames) {
   const Json json = Json::parse(report_json(make_report()));
   const Json& counts = json["recordings"][0]["frames"][0]["counts"];
   EXPECT_EQ(counts["pixels"].get<int>(),
@@ -225,14 +225,14 @@ TEST(ReportJson, CountsAddUpAndTotalsLeaveRefusedFramesOut) {
   EXPECT_EQ(json["timings"].size(), 1u);
 }
 
-TEST(ReportHtml, ShowsThatGravityIsEstimatedAndWhatWasRefused) {
+TEST(ReportHtml, ShowsEstimatedGravityAndFailedFrames) {
   const std::string page = report_html(make_report());
   EXPECT_TRUE(has(page, "<em>estimated</em>"));
   EXPECT_TRUE(has(page, "gravity is not known, give --gravity"));
   EXPECT_TRUE(has(page, "alt=\"One plane.\""));
 }
 
-TEST(ReportHtml, NamesTheNetworkAtItsTopAndHowItWasTrainedInTheRecord) {
+TEST(ReportHtml, ShowsTheNetworkAtTheTopAndItsTrainingInTheRecord) {
   Report report = make_report();
   EXPECT_TRUE(has(report_html(report), "distinguished by PCA normals"));
   report.classifier = "gcn";
@@ -258,7 +258,7 @@ TEST(FramesCsv, EveryLineHasAsManyFieldsAsTheHeader) {
   for (const std::ptrdiff_t count : commas) EXPECT_EQ(count, commas[0]);
 }
 
-TEST(ReportOptions, TellWhichDifferFromTheProfile) {
+TEST(ReportOptions, MarkDifferencesFromTheProfile) {
   planes::PipelineOptions options;
   options.segment = planes::profile_options(planes::Profile::paper);
   for (const ReportOption& option : make_report_options(options)) {
@@ -273,7 +273,7 @@ TEST(ReportOptions, TellWhichDifferFromTheProfile) {
   EXPECT_EQ(changed, 1);
 }
 
-TEST(ReportFiles, AreWrittenWhole) {
+TEST(ReportFiles, AreWrittenCompletely) {
   const auto dir = temp_dir() / "report_files";
   std::filesystem::create_directories(dir);
   write_report_files(dir, make_report());
@@ -285,7 +285,7 @@ TEST(ReportFiles, AreWrittenWhole) {
   EXPECT_EQ(files, 4);
 }
 
-TEST(FrameRecord, AReportOfRecordsIsTheReportItself) {
+TEST(FrameRecord, AReportMadeOfRecordsEqualsTheOriginal) {
   const auto dir = temp_dir() / "frame_record";
   Report report = make_report(), again = report;
   report.recordings[0].frames[0].metrics = planes::Metrics{};
@@ -302,7 +302,7 @@ TEST(FrameRecord, AReportOfRecordsIsTheReportItself) {
   EXPECT_EQ(again.recordings[0].frames[0].planes[0].color_id, 7);
 }
 
-TEST(FrameRecord, IsFoundByItsKeyAlone) {
+TEST(FrameRecord, IsFoundOnlyByItsKey) {
   const auto dir = temp_dir() / "frame_record_key";
   std::filesystem::create_directories(dir);
   EXPECT_FALSE(find_frame_record(dir / "nowhere", "a"));
@@ -320,7 +320,7 @@ TEST(FrameRecord, IsFoundByItsKeyAlone) {
   }
 }
 
-TEST(ReportHead, IsAllOfAReportButItsFrames) {
+TEST(ReportHead, IsTheReportWithoutFrames) {
   Report report = make_report();
   report.weights = make_weights_record();
   report.shard = "2/3";
@@ -335,7 +335,7 @@ TEST(ReportHead, IsAllOfAReportButItsFrames) {
   EXPECT_EQ(report_json(head.report), report_json(report));
 }
 
-/// Against itself with a plane more.
+/// A report compared with itself, with one more plane.
 Report make_judged_report() {
   const auto file = temp_dir() / "judged.json";
   Report report = make_report();
@@ -360,7 +360,7 @@ TEST(Judgement, IsInTheReportWorstFirst) {
                   "baseline; the rule planes_gained allows none"));
 }
 
-TEST(Junit, NamesFramesThatBreakRulesAndThoseThatWereRefused) {
+TEST(Junit, ListsFramesThatBreakRulesAndFailedFrames) {
   Report report = make_judged_report();
   const std::string xml = junit_xml(report);
   EXPECT_TRUE(has(xml, "tests=\"2\" failures=\"1\" errors=\"0\" skipped=\"1\""));
@@ -374,7 +374,7 @@ TEST(Junit, NamesFramesThatBreakRulesAndThoseThatWereRefused) {
   EXPECT_TRUE(has(junit_xml(report), "<error message=\"gravity is not known, give --gravity\""));
 }
 
-/// The plane more is undecided.
+/// The additional plane is undecided.
 Report make_noted_report() {
   Report report = make_judged_report();
   PlaneSummary& plane = report.recordings[0].frames[0].planes[1].summary;
@@ -385,7 +385,7 @@ Report make_noted_report() {
   return report;
 }
 
-TEST(Judgement, NotesWhatUndecidedPlanesChangeWithoutAnError) {
+TEST(Judgement, NotesChangesOfUndecidedPlanesWithoutAnError) {
   const Report report = make_noted_report();
   EXPECT_EQ(report.judgement->errors(), 0);
   EXPECT_EQ(report.judgement->warnings(), 0);
@@ -401,7 +401,7 @@ TEST(Judgement, NotesWhatUndecidedPlanesChangeWithoutAnError) {
   EXPECT_EQ(json["totals"]["planes_undecided"], 1);
 }
 
-TEST(Junit, TellsNotesWithoutAFailure) {
+TEST(Junit, ContainsNotesWithoutAFailure) {
   const std::string xml = junit_xml(make_noted_report());
   EXPECT_TRUE(has(xml, "failures=\"0\""));
   EXPECT_TRUE(has(xml, "<system-out>note: frame 0: 1 plane is not in the baseline"));

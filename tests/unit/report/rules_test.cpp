@@ -59,7 +59,7 @@ Rule rule(const std::string& metric, double at_least, double at_most, RuleScope 
 
 TEST(Rules, TheSameReportBreaksNone) { EXPECT_TRUE(broken(baseline()).empty()); }
 
-TEST(Rules, AMoveOfSixMillimetresIsAnErrorOfItsFrame) {
+TEST(Rules, AMoveOfSixMillimetersIsAnErrorOfItsFrame) {
   Report now = baseline();
   now.recordings[0].frames[1] = frame_with(1, {0, 0.206});
   const auto found = broken(now);
@@ -84,7 +84,7 @@ TEST(Rules, TheFrameThatBreaksMostComesFirstAndWarningsLast) {
   EXPECT_EQ(found[3].rule.level, RuleLevel::warn);
 }
 
-TEST(Rules, OfFramesThatBreakAsManyTheOneThatBreaksThemMostComesFirst) {
+TEST(Rules, AmongFramesWithEqualCountsTheWorstViolationComesFirst) {
   Report now = baseline();
   now.recordings[0].frames[0] = frame_with(0, {0, 0.206});
   now.recordings[0].frames[1] = frame_with(1, {0, 0.209});
@@ -94,7 +94,7 @@ TEST(Rules, OfFramesThatBreakAsManyTheOneThatBreaksThemMostComesFirst) {
   EXPECT_EQ(found[1].frame, 0);
 }
 
-TEST(Rules, AFrameThatIsMissingOrRefusedIsAnError) {
+TEST(Rules, AMissingOrFailedFrameIsAnError) {
   Report now = baseline();
   now.recordings[0].frames[0].refused = "no gravity";
   now.recordings[1].frames.clear();
@@ -120,7 +120,7 @@ TEST(Rules, AShareOfTheBaselinesPlanesMayBeLostOverARecording) {
             "1 plane (25 %) of the baseline is gone; the rule planes_lost allows at most 2 %");
 }
 
-TEST(Rules, ReadySetsDifferInTheirLimitsAndSurviveTheFile) {
+TEST(Rules, BuiltInSetsDifferInTheirLimitsAndCanBeStored) {
   EXPECT_EQ(read_rules("default"), built_in_rules());
   EXPECT_TRUE(built_in_rules("loose").empty());
   Report moved = baseline();
@@ -132,7 +132,7 @@ TEST(Rules, ReadySetsDifferInTheirLimitsAndSurviveTheFile) {
   EXPECT_EQ(read_rules(file), built_in_rules("lenient"));
 }
 
-// What undecided planes change is noted, and what decided ones change breaks rules.
+// Changes of undecided planes are notes; changes of decided ones break rules.
 
 /// Plane 2 of frame 1 of "a" is undecided.
 Report with_undecided(Report report, double margin = 0.02) {
@@ -142,7 +142,7 @@ Report with_undecided(Report report, double margin = 0.02) {
   return report;
 }
 
-/// `frame` is frame 1 of "a", with planes 1 and 2 there, turned and so on.
+/// `frame` becomes frame 1 of "a", with planes 1 and 2 changed.
 Report with_frame(ReportFrame frame) {
   Report report = baseline();
   report.recordings[0].frames[1] = std::move(frame);
@@ -159,8 +159,8 @@ Outcome outcome_of(const Report& before,
   return {broken_rules(rules, comparison), noted_changes(rules, comparison)};
 }
 
-/// An error, or a warning, of decided planes; the same as a note where `before` or `now` has it
-/// undecided.
+/// Expects an error or warning for decided planes, and the same text as a note if they are
+/// undecided in `before` or `now`.
 void expect_noted_if_undecided(const Report& now, const std::string& text, bool undecided_now) {
   const Outcome decided = outcome_of(baseline(), now);
   ASSERT_EQ(decided.broken.size(), 1u);
@@ -214,7 +214,7 @@ TEST(UndecidedPlanes, OfEitherRunThatMovedTurnedOrGrewAreNoted) {
   }
 }
 
-TEST(UndecidedPlanes, ThatSplitOrMergeAreNotedWhicheverPartIsUndecided) {
+TEST(UndecidedPlanes, ThatSplitOrMergeAreNotedIfAnyPartIsUndecided) {
   ReportFrame one = frame_with(1, {0}), two = frame_with(1, {0, 0});
   one.regions.runs = {{1, 10}};
   two.regions.runs = {{1, 5}, {2, 5}};
@@ -260,7 +260,7 @@ TEST(UndecidedPlanes, AreNotedByRulesOverAllFramesToo) {
             "undecided planes make the difference");
 }
 
-TEST(UndecidedPlanes, ThatAreAsTheyWereAreNotNoted) {
+TEST(UndecidedPlanes, ThatDidNotChangeAreNotNoted) {
   const Report report = with_undecided(baseline());
   EXPECT_TRUE(outcome_of(report, report).noted.empty());
   std::vector<Rule> off = built_in_rules();
@@ -268,13 +268,13 @@ TEST(UndecidedPlanes, ThatAreAsTheyWereAreNotNoted) {
   EXPECT_TRUE(outcome_of(report, with_frame(frame_with(1, {0})), off).noted.empty());
 }
 
-TEST(Rules, ScopesFoldFramesAsTheMetricMeans) {
+TEST(Rules, ScopesAggregateFramesByMetric) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
   Report now = baseline();
   now.recordings[0].frames[0] = frame_with(0, {0, 0.2, 0.5}, 80);
   now.recordings[0].frames[1] = frame_with(1, {0, 0.2, 0.5}, 100);
   const auto value_of = [&](const std::string& metric, RuleScope scope) {
-    // Broken whatever the value is.
+    // A rule that any value breaks.
     const auto found = broken(now, {rule(metric, kAny, kAny, scope)});
     std::vector<double> values;
     for (const Breach& breach : found) values.push_back(breach.value);
@@ -289,7 +289,7 @@ TEST(Rules, ScopesFoldFramesAsTheMetricMeans) {
   EXPECT_EQ(value_of("pq", RuleScope::all).size(), 1u);
 }
 
-TEST(Rules, ARuleHoldsForItsRecordingAndFrameAlone) {
+TEST(Rules, ARuleAppliesOnlyToItsRecordingAndFrame) {
   Rule one = rule("planes", 0, 1, RuleScope::frame);
   EXPECT_EQ(broken(baseline(), {one}).size(), 2u);
   one.frame = 1;
@@ -301,13 +301,13 @@ TEST(Rules, ARuleHoldsForItsRecordingAndFrameAlone) {
   EXPECT_TRUE(broken(baseline(), {one}).empty());
 }
 
-TEST(Rules, WithoutABaselineOnlyWhatNeedsNoneIsAsked) {
+TEST(Rules, WithoutABaselineOnlyIndependentRulesApply) {
   const ReportComparison alone = compare_reports({}, baseline());
   EXPECT_TRUE(broken_rules(built_in_rules(), alone).empty());
   EXPECT_EQ(broken_rules({rule("planes", 2, 100, RuleScope::frame)}, alone).size(), 1u);
 }
 
-/// One plane of 0.5 m2 for the foot's centre, and a flight.
+/// One plane with 0.5 m2 for the foot's center, and a flight.
 ReportFrame frame_to_climb(bool steppable, int steps, double rise_m) {
   ReportFrame frame = frame_with(0, {0});
   frame.planes[0].footing.emplace().foot = {steppable, steppable ? "" : "17.2 mm rough, limit 10",
@@ -328,7 +328,7 @@ std::vector<std::string> texts_of_broken(const Report& before,
   return texts;
 }
 
-TEST(Rules, WhatOneCanStandOnIsHeldToLimitsAndToTheBaseline) {
+TEST(Rules, FootholdsAreComparedWithLimitsAndTheBaseline) {
   using Texts = std::vector<std::string>;
   constexpr double kAny = std::numeric_limits<double>::infinity();
   const Report before = report_of_frames({{"a", {frame_to_climb(true, 4, 0.17)}}});
@@ -363,7 +363,7 @@ TEST(Rules, WhatOneCanStandOnIsHeldToLimitsAndToTheBaseline) {
   EXPECT_EQ(broken_of(worse, "rise_change", -5, 5).size(), 1u);
 }
 
-TEST(Rules, OfWhatNeitherFootNorBaselineTellsAreNamed) {
+TEST(Rules, ThatLackAFootOrABaselineAreReported) {
   const auto idle = [](const char* metric, const ReportFrame& before, const ReportFrame& now) {
     const Report baseline = report_of_frames({{"a", {before}}}),
                  is = report_of_frames({{"a", {now}}});
@@ -377,11 +377,11 @@ TEST(Rules, OfWhatNeitherFootNorBaselineTellsAreNamed) {
   EXPECT_EQ(idle("steppable_area_change", with, with), "");
   EXPECT_EQ(idle("steppable_area_m2", with, footless), "no foot (use --foot 0.08)");
   EXPECT_EQ(idle("steppable_area_change", footless, with),
-            "the runs do not both have a foot (--foot 0.08)");
-  EXPECT_EQ(idle("rise_mm", with, frame_to_climb(true, 0, 0)), "none of these frames has stairs");
+            "at least one of the runs has no foot (use --foot 0.08)");
+  EXPECT_EQ(idle("rise_mm", with, frame_to_climb(true, 0, 0)), "these frames have no stairs");
 }
 
-TEST(Rules, FollowTheirSchemaWhichKnowsEveryMetric) {
+TEST(Rules, FollowTheirSchemaWhichListsEveryMetric) {
   std::ifstream file(PLANESCOPE_SOURCE_DIR "/assets/schemas/rules.schema.json");
   const auto schema = nlohmann::json::parse(file);
   std::vector<Rule> rules = built_in_rules();
@@ -394,7 +394,7 @@ TEST(Rules, FollowTheirSchemaWhichKnowsEveryMetric) {
       "");
 }
 
-TEST(Rules, TheDocumentTellsOfEveryMetricWithItsUnit) {
+TEST(Rules, TheDocumentListsEveryMetricWithItsUnit) {
   std::ifstream file(PLANESCOPE_SOURCE_DIR "/docs/report.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   for (const RuleMetric& metric : rule_metrics()) {
@@ -405,7 +405,7 @@ TEST(Rules, TheDocumentTellsOfEveryMetricWithItsUnit) {
   }
 }
 
-TEST(Rules, TimesOnlyEverWarn) {
+TEST(Rules, TimesOnlyCauseWarnings) {
   const fs::path file = temp_dir() / "time.rules.json";
   const auto written = [&](const char* level) {
     std::ofstream(file)
@@ -415,7 +415,7 @@ TEST(Rules, TimesOnlyEverWarn) {
   };
   EXPECT_EQ(read_rules(written("")).at(0).level, RuleLevel::warn);
   EXPECT_TRUE(has(message_of([&] { read_rules(written(R"(, "level": "error")")); }),
-                  "rules[0].level is \"error\", expected warn or off"));
+                  "rules[0].level is \"error\"; expected warn or off"));
   Report now = baseline();
   Report before = baseline();
   for (Report* report : {&before, &now})
@@ -431,7 +431,7 @@ TEST(Rules, TimesOnlyEverWarn) {
   EXPECT_EQ(found[0].rule.level, RuleLevel::warn);
 }
 
-TEST(Rules, AFileOfThemIsReadAsItWasWritten) {
+TEST(Rules, AreReadBackFromAFile) {
   const fs::path file = temp_dir() / "planescope.rules.json";
   std::vector<Rule> rules = built_in_rules();
   rules.push_back(rule("mean_iou", 85, std::numeric_limits<double>::infinity(), RuleScope::all));
@@ -441,7 +441,7 @@ TEST(Rules, AFileOfThemIsReadAsItWasWritten) {
   EXPECT_EQ(rules_json(read_rules(file)), rules_json(rules));
 }
 
-TEST(Rules, AMistakeInTheFileIsNamed) {
+TEST(Rules, AMistakeInTheFileIsReported) {
   const fs::path file = temp_dir() / "planescope.rules.json";
   const auto refusal_of = [&](const std::string& rule) {
     std::ofstream(file) << R"({"schema": "planescope.rules/1", "rules": [)" + rule + "]}";
@@ -454,14 +454,14 @@ TEST(Rules, AMistakeInTheFileIsNamed) {
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes"})"),
                   "\"at_least\", \"at_most\" or \"at_most_percent\""));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})"),
-                  "rules[0].level is \"fatal\", expected one of off, warn, error"));
+                  "rules[0].level is \"fatal\"; expected one of off, warn, error"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_least": 5, "at_most": 4})"),
                   "at_least 5 not above at_most 4"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 4}], "rules": [)"),
-                  "has \"rules\" twice in one object"));
+                  "\"rules\" appears twice in one object"));
 }
 
-TEST(Rules, LabelsThatAreGoneAreAnErrorOfTheirFrame) {
+TEST(Rules, MissingLabelsAreAnErrorOfTheirFrame) {
   Report now = baseline();
   now.recordings[0].frames[1].metrics.reset();
   const auto found = broken(now);
@@ -470,7 +470,7 @@ TEST(Rules, LabelsThatAreGoneAreAnErrorOfTheirFrame) {
   EXPECT_EQ(found[0].frame, 1);
 }
 
-TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
+TEST(Rules, ThatApplyToNothingAreReportedWithTheReason) {
   const auto idle = [](Rule one, const Report& now, bool has_baseline = true) {
     const std::vector<IdleRule> found =
         idle_rules({one}, compare_reports(has_baseline ? baseline() : Report(), now), has_baseline);
@@ -484,7 +484,7 @@ TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
   EXPECT_EQ(idle(one, baseline()), "planes of b frame 1: rule not applied: no such frame");
   one.recording = "bb";
   EXPECT_EQ(idle(one, baseline()),
-            "planes of bb frame 1: rule not applied: no recording of this name");
+            "planes of bb frame 1: rule not applied: no recording with this name");
   one.level = RuleLevel::off;
   EXPECT_EQ(idle(one, baseline()), "");
   EXPECT_EQ(idle(rule("planes_lost", 0, 0, RuleScope::all), baseline(), false),
@@ -498,12 +498,12 @@ TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
   Report unlabelled = report_of_frames({{"a", {frame_with(0, {0})}}});
   unlabelled.recordings[0].frames[0].metrics.reset();
   EXPECT_EQ(idle(rule("mean_iou", 80, 100, RuleScope::all), unlabelled),
-            "mean_iou: rule not applied: none of these frames has labels");
+            "mean_iou: rule not applied: these frames have no labels");
   one = rule("mean_iou_change", -1, 100, RuleScope::all);
   EXPECT_EQ(idle(one, unlabelled), "") << "of frames that may get labels";
   one.recording = "a";
   EXPECT_EQ(idle(one, unlabelled),
-            "mean_iou_change of a: rule not applied: none of these frames has labels");
+            "mean_iou_change of a: rule not applied: these frames have no labels");
 }
 
 }  // namespace

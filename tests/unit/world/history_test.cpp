@@ -34,7 +34,7 @@ Track made_track() {
   return track;
 }
 
-TEST(History, TellsWhatATrackWasInAFrame) {
+TEST(History, ShowsTheStateOfATrackInAFrame) {
   const Tracker tracker;
   const Track track = made_track();
   EXPECT_EQ(moment_text(tracker, track, 29), "T12 is not in frame 29: first seen in frame 30");
@@ -51,14 +51,14 @@ TEST(History, TellsWhatATrackWasInAFrame) {
   EXPECT_FALSE(moment_of(track, 31).is_unlisted());
 }
 
-TEST(History, TellsThatThePlaneWasUndecided) {
+TEST(History, ShowsThatThePlaneWasUndecided) {
   Track track = made_track();
   track.sightings[1].undecided = true;
   EXPECT_EQ(moment_text(Tracker(), track, 31),
             "T12 is P4 of frame 31, 2310 px, undecided, 0.30° and 1.2 mm from the track");
 }
 
-TEST(History, WhereOnlyAMinorPlaneStandsForATrackNoneIsListed) {
+TEST(History, ListsNoPlaneIfATrackHasOnlyAMinorOne) {
   Track track = made_track();
   track.sightings[1].minor = true;
   EXPECT_EQ(moment_text(Tracker(), track, 31),
@@ -66,7 +66,7 @@ TEST(History, WhereOnlyAMinorPlaneStandsForATrackNoneIsListed) {
   EXPECT_TRUE(moment_of(track, 31).is_unlisted());
 }
 
-TEST(TrackFilter, LeavesWhatIsAskedFor) {
+TEST(TrackFilter, SelectsMatchingTracks) {
   const Tracker tracker;
   const Track track = made_track();
   const auto matches = [&](const std::string& text) {
@@ -79,7 +79,7 @@ TEST(TrackFilter, LeavesWhatIsAskedFor) {
     EXPECT_FALSE(matches(text)) << text;
 }
 
-TEST(TrackFilter, NamesTheWordThatItStumblesOver) {
+TEST(TrackFilter, ReportsTheInvalidWord) {
   const auto problem = [](const std::string& text) -> std::string {
     try {
       TrackFilter filter(text);
@@ -89,7 +89,7 @@ TEST(TrackFilter, NamesTheWordThatItStumblesOver) {
     return "none";
   };
   EXPECT_NE(problem("lenght<5").find("'lenght'"), std::string::npos);
-  EXPECT_NE(problem("length<five").find("'five', expected a number"), std::string::npos);
+  EXPECT_NE(problem("length<five").find("'five'; expected a number"), std::string::npos);
   EXPECT_NE(problem("gaps &&").find("a condition after &&"), std::string::npos);
   EXPECT_NE(problem("stair").find("'stair'"), std::string::npos);
   EXPECT_NE(problem("frame<3").find("frame==N"), std::string::npos);

@@ -39,7 +39,7 @@ std::string why_refused(const std::string& name, const std::string& text) {
   return "it was read";
 }
 
-/// Frames of which only times are known.
+/// A recording with times only.
 class TimesAlone : public io::Recording {
  public:
   explicit TimesAlone(std::vector<double> times) : times_(std::move(times)) {
@@ -56,7 +56,7 @@ class TimesAlone : public io::Recording {
   io::RecordingInfo info_;
 };
 
-/// Pose i is at x = i.
+/// A trajectory in which pose i is at x = i.
 Trajectory at_times(const std::vector<double>& times) {
   Trajectory trajectory{"poses.tum", {}};
   for (const double t : times) {
@@ -67,7 +67,7 @@ Trajectory at_times(const std::vector<double>& times) {
   return trajectory;
 }
 
-/// The numbers of the poses that frames got; -1: none.
+/// Index of the pose of each frame; -1: none.
 std::vector<int> paired(const Trajectory& trajectory,
                         const io::Recording& recording,
                         const std::vector<int>& frames) {
@@ -111,14 +111,14 @@ TEST(Trajectory, IsWrittenAndReadWithFramesSegmentsAndQuality) {
   EXPECT_EQ(read.poses[1].T_world_camera.matrix(), trajectory.poses[1].T_world_camera.matrix());
 }
 
-TEST(Trajectory, OfOtherToolsIsToldByContent) {
+TEST(Trajectory, OfOtherToolsIsRecognizedByContent) {
   const std::string kitti = "1 0 0 5 0 1 0 6 0 0 1 7\n0 -1 0 1 1 0 0 2 0 0 1 3\n";
   EXPECT_EQ(read_trajectory(written("k.txt", kitti)).poses[1].T_world_camera.translation(),
             Vec3d(1, 2, 3));
   const std::string log = "0 0 1\n1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n";
   EXPECT_EQ(read_trajectory(written("a.log", log)).poses.at(0).T_world_camera.translation(),
             Vec3d(5, 6, 7));
-  // Column by column, and the camera's view of the world.
+  // Column-major, as world-to-camera transforms.
   const std::string json =
       R"({"class_name": "PinholeCameraTrajectory", "parameters": [
           {"extrinsic": [1,0,0,0, 0,1,0,0, 0,0,1,0, -5,-6,-7,1]}]})";
@@ -128,7 +128,7 @@ TEST(Trajectory, OfOtherToolsIsToldByContent) {
                   .isApprox(Vec3d(5, 6, 7)));
 }
 
-TEST(Trajectory, MayHaveAByteOrderMarkCarriageReturnsTabsAndComments) {
+TEST(Trajectory, MayContainAByteOrderMarkCarriageReturnsTabsAndComments) {
   const std::string tum =
       "\xEF\xBB\xBF# by a tool\r\n-1.5\t1 2 3  0 0 0 1 # here\r\n\r\n-0.5 4 5 6 0 0 0 1\r\n";
   const Trajectory read = read_trajectory(written("w.tum", tum));
@@ -144,7 +144,7 @@ TEST(Trajectory, MayHaveAByteOrderMarkCarriageReturnsTabsAndComments) {
   EXPECT_EQ(read_trajectory(written("w.txt", kitti)).poses.size(), 1u);
 }
 
-TEST(Trajectory, ThatIsDamagedIsRefusedWithItsLine) {
+TEST(Trajectory, ThatIsDamagedIsRejectedWithItsLine) {
   const auto expect = [](const char* name, const std::string& text, const std::string& told) {
     const std::string why = why_refused(name, text);
     EXPECT_NE(why.find(std::string(name) + told), std::string::npos) << why;
@@ -167,13 +167,13 @@ TEST(Trajectory, ThatIsDamagedIsRefusedWithItsLine) {
   expect("h.json", "{\"parameters\": [{}]}", ": parameters[0]");
   expect("h.json", "{\"parameters\": [{\"extrinsic\": [1,0,0,0,0,1,0,0,0,0,1,0,\"a\",0,0,1]}]}",
          ": parameters[0]");
-  // Row by row.
+  // Row-major.
   expect("h.json", "{\"parameters\": [{\"extrinsic\": [1,0,0,5,0,1,0,0,0,0,1,0,0,0,0,1]}]}",
          ": parameters[0]");
   expect("i.tum", "# frame 0 segment 900000000\n" + fine, ", line 2: segment 900000000; expected");
 }
 
-TEST(Trajectory, ThatLeapsFartherThanACameraIsRefusedWithItsLine) {
+TEST(Trajectory, ThatJumpsFartherThanACameraIsRejectedWithItsLine) {
   const std::string fine = "0 0 0 0 0 0 0 1\n";
   const auto expect = [](const char* name, const std::string& text, const std::string& told) {
     const std::string why = why_refused(name, text);
@@ -189,19 +189,19 @@ TEST(Trajectory, ThatLeapsFartherThanACameraIsRefusedWithItsLine) {
          "{\"parameters\": [{\"extrinsic\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]},"
          "{\"extrinsic\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,2e5,1]}]}",
          ", entry 1: the pose is 200000 m from the first");
-  // Far from the origin, near to each other.
+  // Far from the origin, but close together.
   EXPECT_EQ(read_trajectory(written("far.tum", "0 4e6 5e6 0 0 0 0 1\n1 4e6 5e6 1 0 0 0 1\n"))
                 .poses.size(),
             2u);
 }
 
-TEST(Trajectory, WithTwoPosesOfOneTimeIsRefusedWithBothLinesUnlessTheyAreTheSame) {
+TEST(Trajectory, WithTwoPosesAtOneTimeIsRejectedUnlessTheyAreEqual) {
   const std::string first = "2 0 0 0 0 0 0 1\n", second = "1 5 0 0 0 0 0 1\n";
   EXPECT_EQ(read_trajectory(written("s.tum", first + second + first)).poses.size(), 3u);
   EXPECT_NE(why_refused("s.tum", first + second + "2 0 0 1 0 0 0 1\n")
                 .find("lines 1 and 3: two different poses for the time 2 s"),
             std::string::npos);
-  // Where frames are numbered, times may be unknown.
+  // With frame numbers, times may be unknown.
   const std::string numbered = "# frame 0\n0 0 0 0 0 0 0 1\n# frame 1\n0 1 0 0 0 0 0 1\n";
   EXPECT_EQ(read_trajectory(written("n.tum", numbered)).poses.size(), 2u);
   EXPECT_NE(why_refused("n.tum", numbered + "# frame 1\n0 2 0 0 0 0 0 1\n")
@@ -209,7 +209,7 @@ TEST(Trajectory, WithTwoPosesOfOneTimeIsRefusedWithBothLinesUnlessTheyAreTheSame
             std::string::npos);
 }
 
-TEST(PairPoses, FramesTakeThePoseOfTheirTimeInWhateverOrderTheFileHasThem) {
+TEST(PairPoses, FramesGetThePoseOfTheirTimeInAnyOrder) {
   const TimesAlone recording({0.004, 0.11, 0.6});
   const PairedPoses found = pair_poses(at_times({0.2, 0.0, 0.1}), recording, std::vector{0, 1, 2});
   ASSERT_TRUE(found.poses[0] && found.poses[1]);
@@ -234,7 +234,7 @@ TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
   EXPECT_EQ(paired(numbered, removed, {0, 1, 2}), (std::vector{0, 2, 3}));
   EXPECT_EQ(pair_poses(numbered, removed, std::vector{0}).notice,
             "frame 1 has a different time in poses.tum: poses are paired by time, not by number");
-  // Without times nothing tells which frames are missing.
+  // Without times, missing frames cannot be identified.
   const std::string why = why_unpaired(numbered, TimesAlone({0, 0, 0}), {0, 1, 2});
   EXPECT_NE(why.find("contains a pose of frame 3, but recording has 3 frames and no times"),
             std::string::npos)
@@ -244,7 +244,7 @@ TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
   EXPECT_EQ(paired(numbered, removed, {0, 1, 2}), (std::vector{0, 1, 2}));
 }
 
-TEST(PairPoses, APoseThatIsNearestToTwoFramesIsRefused) {
+TEST(PairPoses, APoseNearestToTwoFramesIsRejected) {
   const TimesAlone recording({0, 0.1, 0.2, 0.3});
   const std::string why = why_unpaired(at_times({0, 1000, 2000, 3000}), recording, {0, 1, 2, 3});
   EXPECT_NE(why.find("poses.tum: frames 0 and 1 are both nearest to the pose at 0 s"),
@@ -253,7 +253,7 @@ TEST(PairPoses, APoseThatIsNearestToTwoFramesIsRefused) {
   EXPECT_NE(why.find("in seconds"), std::string::npos) << why;
 }
 
-TEST(PairPoses, FramesWithoutTimesTakeAsManyPosesInTheirOrderWhicheverAreAskedFor) {
+TEST(PairPoses, FramesWithoutTimesArePairedInOrderForAnySelection) {
   const TimesAlone recording({0, 0, 0});
   const Trajectory three = at_times({1305.3, 1305.2, 1305.1});
   EXPECT_EQ(paired(three, recording, {0, 1, 2}), (std::vector{0, 1, 2}));
@@ -266,7 +266,7 @@ TEST(PairPoses, FramesWithoutTimesTakeAsManyPosesInTheirOrderWhicheverAreAskedFo
             "times");
 }
 
-TEST(PairPoses, PosesWithoutTimesAreOfTheRecordingOrOfTheFramesAskedFor) {
+TEST(PairPoses, PosesWithoutTimesBelongToTheRecordingOrTheSelectedFrames) {
   const TimesAlone recording({0, 1, 2});
   const double none = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(paired(at_times({none, none, none}), recording, {1, 2}), (std::vector{1, 2}));
@@ -277,7 +277,7 @@ TEST(PairPoses, PosesWithoutTimesAreOfTheRecordingOrOfTheFramesAskedFor) {
             "poses.tum: 1 pose without times; expected 3, one for each frame of recording");
 }
 
-TEST(SharedGravity, LeavesOutStraysAndTellsTheSpread) {
+TEST(SharedGravity, IgnoresOutliersAndReportsTheSpread) {
   std::vector<GravitySample> samples;
   for (int i = 0; i < 20; ++i) {
     GravitySample sample;
@@ -295,7 +295,7 @@ TEST(SharedGravity, LeavesOutStraysAndTellsTheSpread) {
   EXPECT_LT((shared.direction + Vec3d::UnitZ()).norm(), 0.002);
 }
 
-TEST(SharedGravity, LeavesAWorldThatStandsUprightAsItIs) {
+TEST(SharedGravity, DoesNotRotateAnUprightWorld) {
   const Pose before = pose(1, 2, 3, -1.57, {1, 0, 0});
   Trajectory trajectory{"test", std::vector<CameraPose>(1)};
   trajectory.poses[0].T_world_camera = before;
@@ -306,15 +306,15 @@ TEST(SharedGravity, LeavesAWorldThatStandsUprightAsItIs) {
   const int segment = 0;
   turn_upright(trajectory, std::span(&sample, 1), std::span(&segment, 1));
   EXPECT_EQ(trajectory.poses[0].T_world_camera.matrix(), before.matrix());
-  // One that lies on its side is turned.
+  // A world on its side is rotated.
   sample.gravity.direction = before.linear().transpose() * Vec3d::UnitX();
   turn_upright(trajectory, std::span(&sample, 1), std::span(&segment, 1));
   EXPECT_TRUE((trajectory.poses[0].T_world_camera.linear() * sample.gravity.direction)
                   .isApprox(-Vec3d::UnitZ(), 1e-9));
 }
 
-TEST(PoseGraph, SharesOutWhatDoesNotAgreeAndLeavesAWrongLoopOut) {
-  // Round a square, each side measured 1 cm too long; the loop says where the start is.
+TEST(PoseGraph, DistributesErrorsAndRejectsAWrongLoop) {
+  // Around a square, with each side measured 1 cm too long; a loop closure identifies the start.
   const Pose side = pose(1, 0, 0, 1.5707963267948966, {0, 0, 1});
   Pose measured = side;
   measured.translation().x() = 1.01;

@@ -28,8 +28,8 @@ Pose pose_at(int frame) {
   return pose;
 }
 
-/// Gravity is +y of the world, and no plane is in view that would say so: a camera turns among
-/// balls, or in front of a bare wall.
+/// Gravity is +y of the world, and no visible plane shows it: a camera turns among balls, or in
+/// front of a bare wall.
 class Balls : public io::Recording {
  public:
   std::set<int> empty;  // frames without depth
@@ -109,7 +109,7 @@ double off_deg(const Frame& frame) {
          180 / std::numbers::pi;
 }
 
-TEST(SequenceGravity, IsCarriedFromTheNearestFrameThatKnowsItByOdometry) {
+TEST(SequenceGravity, IsTransferredFromTheNearestKnownFrameByOdometry) {
   const auto recording = std::make_shared<Balls>();
   recording->told[0] = down_at(0);
   recording->told[6] = down_at(6);
@@ -125,7 +125,7 @@ TEST(SequenceGravity, IsCarriedFromTheNearestFrameThatKnowsItByOdometry) {
   EXPECT_EQ(resolved(gravity, *recording, 6).gravity->source, GravitySource::imu);
 }
 
-TEST(SequenceGravity, IsTheSameInAnyOrderAndOnAnyNumberOfThreads) {
+TEST(SequenceGravity, IsTheSameInAnyOrderAndForAnyNumberOfThreads) {
   const auto recording = std::make_shared<Balls>();
   recording->told[3] = down_at(3);
   const SequenceGravity one(recording, {}), other(recording, {});
@@ -139,7 +139,7 @@ TEST(SequenceGravity, IsTheSameInAnyOrderAndOnAnyNumberOfThreads) {
   EXPECT_EQ(forwards, side_by_side);
 }
 
-TEST(SequenceGravity, GoesByThePosesOfTheRecordingWhereItHasThem) {
+TEST(SequenceGravity, UsesThePosesOfTheRecordingIfAvailable) {
   const auto recording = std::make_shared<Balls>();
   recording->told[0] = down_at(0);
   recording->poses = true;
@@ -150,21 +150,21 @@ TEST(SequenceGravity, GoesByThePosesOfTheRecordingWhereItHasThem) {
             "carried from frame 0 by the recording's poses over 7 frames, where it was told");
 }
 
-TEST(SequenceGravity, EndsWhereTheMotionIsNotKnown) {
+TEST(SequenceGravity, EndsWhereMotionIsUnknown) {
   const auto recording = std::make_shared<Balls>();
   recording->told[0] = down_at(0);
   recording->empty = {3};
   const SequenceGravity gravity(recording, {});
   EXPECT_TRUE(resolved(gravity, *recording, 2).gravity);
   EXPECT_FALSE(resolved(gravity, *recording, 4).gravity);
-  // Depth of a bare wall is the same however the camera rolls.
+  // Depth of a bare wall does not change when the camera rolls.
   const auto wall = std::make_shared<Balls>();
   wall->told[0] = down_at(0);
   wall->bare_wall = true;
   EXPECT_FALSE(resolved(SequenceGravity(wall, {}), *wall, 1).gravity);
 }
 
-TEST(SequenceGravity, OfAPickServesTheOtherFrames) {
+TEST(SequenceGravity, OfAPickIsUsedForOtherFrames) {
   const auto recording = std::make_shared<Balls>();
   const SequenceGravity gravity(recording, {});
   EXPECT_FALSE(resolved(gravity, *recording, 4).gravity);

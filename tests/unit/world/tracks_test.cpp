@@ -24,7 +24,7 @@ planes::PipelineOptions pca_options() {
   return options;
 }
 
-/// A camera's pose that is wrong by this.
+/// An error of a camera's pose.
 Pose off_by(const Vec3d& shift, double turn_rad = 0) {
   Pose off = Pose::Identity();
   off.linear() = Eigen::AngleAxisd(turn_rad, Vec3d::UnitY()).toRotationMatrix();
@@ -45,7 +45,7 @@ struct MapOf {
   }
 };
 
-/// A box on a floor before a wall, and what a camera sees of them.
+/// A box on a floor in front of a wall, seen by a camera.
 class Room : public ::testing::Test {
  protected:
   Room() {
@@ -96,7 +96,7 @@ class Room : public ::testing::Test {
   int next_ = 0;
 };
 
-TEST_F(Room, PlanesAreTheSameFromFrameToFrame) {
+TEST_F(Room, PlanesKeepTheirTracksFromFrameToFrame) {
   for (int i = 0; i < 6; ++i) {
     camera_.position.x() = 0.02 * i;
     camera_.yaw_deg = i;
@@ -110,13 +110,13 @@ TEST_F(Room, PlanesAreTheSameFromFrameToFrame) {
   EXPECT_EQ(lid().frames_seen, 6);
   EXPECT_TRUE(lid().gaps.empty());
   EXPECT_LT(std::abs(floor().distance_m(Vec3d::Zero())), 0.002);
-  // Of the lid as much as it is: 0.3 m by 0.4 m.
+  // The lid's true size is 0.3 m by 0.4 m.
   EXPECT_NEAR(outline_of(lid()).area_m2, 0.12, 0.015);
   for (const Track& track : tracker_.tracks())
     EXPECT_EQ(track.is_sure({}) ? track.frames_missed : 0, 0) << track.id;
 }
 
-TEST_F(Room, MinorPlanesGoOnWithTracksAndFoundNone) {
+TEST_F(Room, MinorPlanesContinueTracksButStartNone) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   const std::size_t tracks = tracker_.tracks().size();
   const double measured = floor().moments.count;
@@ -138,7 +138,7 @@ TEST_F(Room, MinorPlanesGoOnWithTracksAndFoundNone) {
   EXPECT_TRUE(other.tracks().empty());
 }
 
-TEST_F(Room, LabelsFromTheMapAreWhatAFrameMeasuresOfATrack) {
+TEST_F(Room, LabelsFromTheMapAreTheFramesMeasurementsOfATrack) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   camera_.position.y() = 0.3;
   const labels::LabelGrid grid = labels::make_label_grid(render(scene_), Gravity{});
@@ -169,7 +169,7 @@ TEST_F(Room, ACoveredCameraLosesNothing) {
   EXPECT_EQ(lid().frames_missed, 0);
 }
 
-TEST_F(Room, WhatIsTakenAwayIsGoneAndItsPlaceIsKept) {
+TEST_F(Room, ARemovedObjectIsGoneAndItsTrackIsKept) {
   for (int i = 0; i < 5; ++i) tracker_.add(look(scene_));
   const int id = lid().id;
   for (int i = 0; i < 8; ++i) tracker_.add(look(empty_));
@@ -193,13 +193,13 @@ TEST_F(Room, AFrameAtAWrongPoseIsSetAside) {
   EXPECT_EQ(tracker_.tracks().size(), tracks);
   EXPECT_EQ(floor().gaps.back().why, Absence::set_aside);
   EXPECT_FALSE(tracker_.add(look(scene_)).set_aside);
-  Tracker begun_wrong;  // costs one more frame
+  Tracker begun_wrong;  // takes one more frame
   begun_wrong.add(wrong);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(begun_wrong.add(look(scene_)).set_aside, i == 0) << i;
   EXPECT_EQ(begun_wrong.frames().back().segment, 1);
 }
 
-TEST_F(Room, AFrameAtASlightlyWrongPoseIsBroughtToItsPlace) {
+TEST_F(Room, AFrameAtASlightlyWrongPoseIsAligned) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   ObservedFrame seen = look(scene_);
   const Pose right = seen.T_world_camera;
@@ -209,20 +209,20 @@ TEST_F(Room, AFrameAtASlightlyWrongPoseIsBroughtToItsPlace) {
   EXPECT_LT(Eigen::AngleAxisd(aligned.linear().transpose() * right.linear()).angle(), 0.002);
   EXPECT_LT(std::abs(floor().distance_m(Vec3d::Zero())), 0.002);
   EXPECT_EQ(floor().frames_seen, 5);
-  // One that fits stays where it is.
+  // A frame that fits is not moved.
   const ObservedFrame fitting = look(scene_);
   EXPECT_EQ(tracker_.add(ObservedFrame(fitting)).T_world_camera.matrix(),
             fitting.T_world_camera.matrix());
 }
 
-TEST_F(Room, TheFloorBeforeALowWallDoesNotPullAtIt) {
+TEST_F(Room, TheFloorBeforeALowWallDoesNotShiftIt) {
   lab::Scene low;
   lab::add_ground(low, {{-2, 4}, {-3, 3}});
   lab::add_polygon(low, lab::upright({1.2, 2}, {1.2, -2}, {0, 0.15}), {});
   for (int i = 0; i < 4; ++i) tracker_.add(look(low));
   Track wall = track_of({1.2, 0, 0.1}, -Vec3d::UnitX());
   Track* const alone[] = {&wall};
-  // Thought to be higher than it is, the camera sees floor where the wall's foot should be.
+  // If its pose is too high, the camera sees floor at the wall's foot.
   ObservedFrame seen = look(low);
   const Pose right = seen.T_world_camera;
   move_to(seen, off_by({0.02, 0, 0.05}) * right);
@@ -230,7 +230,7 @@ TEST_F(Room, TheFloorBeforeALowWallDoesNotPullAtIt) {
   EXPECT_LT(std::abs((aligned.translation() - right.translation()).x()), 0.012);
 }
 
-TEST_F(Room, TheFloorIsExpectedWhereItIsSeen) {
+TEST_F(Room, TheFloorIsExpectedWhereItIsVisible) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   Frame frame;
   frame.intrinsics = lab::d435_intrinsics(160, 120);
@@ -276,7 +276,7 @@ TEST_F(Room, TracksOfAnEarlierPassKeepTheirPlanes) {
   for (const Track& track : second.tracks()) EXPECT_EQ(track.frames_missed, 0) << track.id;
 }
 
-TEST_F(Room, WhatLeavesTheWindowIsHandedOverAndForgotten) {
+TEST_F(Room, TracksThatLeaveTheWindowAreReturnedAndForgotten) {
   TrackOptions options;
   options.window_m = 3;
   tracker_ = Tracker(options);
@@ -299,7 +299,7 @@ TEST_F(Room, WhatLeavesTheWindowIsHandedOverAndForgotten) {
   EXPECT_NEAR(piece->outline.area_m2, lid_m2, 0.01);
 }
 
-TEST_F(Room, AMissNamesTheTermThatFailed) {
+TEST_F(Room, AMissReportsTheTermThatFailed) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   ObservedFrame tilted = look(scene_);
   const int floor_plane = floor().sightings.back().plane;
@@ -322,10 +322,10 @@ TEST_F(Room, AMissNamesTheTermThatFailed) {
   EXPECT_LT(track.gaps.back().term.threshold, track.gaps.back().term.value);
 }
 
-TEST(CellMap, CountsNoCellsBeyondWhatAnIntHolds) {
+TEST(CellMap, IgnoresPositionsBeyondTheRangeOfInt) {
   CellMap cells(0.02);
   EXPECT_EQ(cells.index_of(-0.03), -2);
-  EXPECT_EQ(cells.index_of(2e5), 10'000'000);  // twice the farthest that poses may be
+  EXPECT_EQ(cells.index_of(2e5), 10'000'000);  // twice the limit on poses
   const planes::PolygonRing far = {{1e12, 1e12}, {2e12, 1e12}, {2e12, 2e12}};
   int visited = 0;
   cells.fill(std::vector<planes::PolygonRing>{far}, [&](int, int) { ++visited; });
@@ -334,8 +334,8 @@ TEST(CellMap, CountsNoCellsBeyondWhatAnIntHolds) {
     cells.at(cells.index_of(beyond), cells.index_of(beyond)).see();
 }
 
-TEST(Fusion, OfMomentsIsTheFitOfAllPointsAtOnce) {
-  // Points seen from two places, each set about its own camera.
+TEST(Fusion, OfMomentsEqualsAFitToAllPoints) {
+  // Points seen from two positions, each relative to its own camera.
   Moments all, parts;
   for (int k = 0; k < 2; ++k) {
     const Vec3d camera(k, 0.5 * k, 1);
@@ -368,7 +368,7 @@ TEST(Fusion, ShrinksTheUncertainty) {
   track.fuse(plane, Vec3d(0, 0, 1));
   const double once_m = track.sigma_m(Vec2d::Zero()), once_deg = track.sigma_tilt_deg();
   for (int i = 0; i < 15; ++i) track.fuse(plane, Vec3d(0, 0, 1));
-  // A quarter, and what all frames have in common.
+  // A quarter, plus the error common to all frames.
   EXPECT_NEAR(track.sigma_m(Vec2d::Zero()), std::hypot(0.001, 0.001), 1e-4);
   EXPECT_LT(track.sigma_m(Vec2d::Zero()), once_m / 2);
   EXPECT_LT(track.sigma_tilt_deg(), once_deg / 2);
@@ -385,7 +385,7 @@ TEST(Fusion, OfFewNoisyMeasurementsHasTheirNormal) {
   EXPECT_GT(track.width_m(), 0.1);
 }
 
-/// A level rectangle about `centroid`, whose tilt about y is known to `sigma_tilt_rad`.
+/// A level rectangle around `centroid`, whose tilt about y has the uncertainty `sigma_tilt_rad`.
 ObservedPlane level_plane(int id, const Vec3d& centroid, const Vec2d& size, double sigma_tilt_rad) {
   ObservedPlane plane;
   plane.id = id;
@@ -407,8 +407,8 @@ ObservedPlane level_plane(int id, const Vec3d& centroid, const Vec2d& size, doub
   return plane;
 }
 
-TEST(Tracker, AStripWhoseTiltIsNotKnownStaysApartFromAFloorBelowIt) {
-  // As of the first sight of a tread: at the floor's middle it could be anywhere.
+TEST(Tracker, AStripOfUnknownTiltIsNotMergedWithAFloorBelowIt) {
+  // Like the first view of a tread: extended to the floor's center, it could have any height.
   ObservedFrame frame;
   frame.planes = {level_plane(1, {0, 0, 0}, {1, 1}, 0.001),
                   level_plane(2, {0.56, 0, 0.1}, {0.06, 0.5}, 0.1)};
@@ -418,8 +418,8 @@ TEST(Tracker, AStripWhoseTiltIsNotKnownStaysApartFromAFloorBelowIt) {
   EXPECT_EQ(tracker.tracks()[1].state, TrackState::alive);
 }
 
-TEST_F(Room, ALowBoardDoesNotLean) {
-  // Seen from above, with errors along the rays: of all its points in space, the fit leans by 0.7.
+TEST_F(Room, ALowBoardIsNotTilted) {
+  // Seen from above, with errors along the rays: a fit to all of its points in space is off by 0.7.
   lab::Scene scene;
   lab::add_polygon(scene, lab::upright({1.1, 0.6}, {1.1, -0.6}, {0.05, 0.2}), {});
   camera_.pitch_deg = 30;
@@ -455,7 +455,7 @@ TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(map_texts(one, "walk").tracks_json, map_texts(three, "walk").tracks_json);
   EXPECT_EQ(one.poses.source, "the recording");
   EXPECT_GT(planes_of_map(one.tracker).size(), 4u);
-  // Each frame's planes are stored, with the tracks of the final pass.
+  // The planes of each frame are stored, with the tracks of the final pass.
   ASSERT_EQ(one.stored.size(), job.frames.size());
   for (const int frame : job.frames) {
     const StoredPlanes& stored = one.stored.at(frame);
@@ -466,7 +466,7 @@ TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Odometry, FollowsAWalkOverAFloor) {
-  // Where little but the floor is in sight, and depth holds neither its way nor its turn.
+  // Little more than the floor is visible, so that depth determines neither position nor heading.
   constexpr std::size_t kFirst = 36, kFrames = 14;
   lab::SequenceOptions walk;
   walk.width = 320;
@@ -491,7 +491,7 @@ TEST(Odometry, FollowsAWalkOverAFloor) {
   const Pose off = (before.inverse() * after).inverse() * told;
   EXPECT_LT(off.translation().norm(), 0.02 * (before.inverse() * after).translation().norm());
   EXPECT_LT(turn_deg(off), 0.5);
-  // z is up, whatever the first camera's axes.
+  // z points up, regardless of the first camera's axes.
   EXPECT_GT(map.poses.poses[0].T_world_camera.linear().col(1).dot(-Vec3d::UnitZ()), 0.7);
 }
 

@@ -1,4 +1,4 @@
-// A/B: where two runs diverge, and what comes of it.
+// A/B comparison: where two runs diverge and its consequences.
 
 #include "core/debug/explain/compare.hpp"
 
@@ -50,7 +50,7 @@ void draw_compare_controls(const Ui& ui) {
 void draw_options(const Ui& ui, const debug::Run& a, const debug::Run& b) {
   bool any = false;
   planes::PipelineOptions of_b = b.options;
-  of_b.foot = a.options.foot;  // no run's own: both are told of by the same
+  of_b.foot = a.options.foot;  // not part of a run: use the same for both
   of_b.stairs = a.options.stairs;
   for (const planes::OptionInfo& info : planes::option_table()) {
     const std::string before = info.get(a.options), after = info.get(of_b);
@@ -102,7 +102,7 @@ void draw_divergence(const Ui& ui, const debug::Comparison& comparison) {
   if (button(ui, "Go to the first difference", "compare.diverging")) ui.act("compare.diverging");
 }
 
-/// A plane of a run by its id in the result; a click selects it.
+/// A plane of a run by its id in the result; click to select it.
 void plane_cell(
     const Ui& ui, const debug::Run& run, int id, bool shown, const std::string& widget) {
   ImGui::TableNextColumn();
@@ -133,7 +133,7 @@ void draw_planes(const Ui& ui,
   ImGui::TableSetupColumn("IoU");
   ImGui::TableHeadersRow();
   const bool flash = ui.state.view.flash;
-  for (std::size_t i = comparison.planes.size(); i-- > 0;) {  // what changed most comes first
+  for (std::size_t i = comparison.planes.size(); i-- > 0;) {  // largest changes first
     const debug::PlanePair& pair = comparison.planes[i];
     ImGui::TableNextRow();
     if (a) {
@@ -214,7 +214,7 @@ void draw_compare(const Ui& ui) {
     return;
   }
   if (!results.comparison) return ImGui::TextDisabled("comparing …");
-  // Of the runs that were compared: a newer one may be shown already, with fewer nodes and planes.
+  // The compared runs: the shown run may be newer, with fewer nodes and planes.
   const debug::Comparison& comparison = *results.comparison;
   const RunView* a = results.compared_a.get();
   const RunView& b = *results.compared_b;
@@ -237,11 +237,11 @@ void draw_compare(const Ui& ui) {
   if (a && a->run->is_ours() && b.run->is_ours()) draw_nodes(ui, *a->run, *b.run, comparison);
 }
 
-// A point's whole life, and the one decision that put it in no plane or in the wrong one.
+// History of a point, and the decision that put it in no plane or in the wrong one.
 
 namespace {
 
-/// Made again where point or run changed; null where there is nothing to tell.
+/// Recomputed when the point or run changes; null if there is no point.
 const PointStory* story(const Ui& ui) {
   const bool flashed = ui.state.view.flash && ui.state.results.pinned;
   const std::shared_ptr<const RunView>& view =
@@ -252,7 +252,8 @@ const PointStory* story(const Ui& ui) {
       point.of && (point.recording != recording ||
                    point.of->run->subject->frame.index != view->run->subject->frame.index);
   if (other_frame) point = {};
-  // The last one where none is selected: a click on a line of its history selects a node.
+  // Keep the last point without a selection, because a click on a line of its history selects a
+  // node.
   const auto selected = source_of(ui.state.view.selected, *view->run->subject);
   const std::int64_t source = selected ? static_cast<std::int64_t>(*selected) : point.source;
   if (source < 0) return nullptr;
@@ -286,7 +287,7 @@ void draw_why(const Ui& ui, const PointStory& point) {
     ui.act("option.set", OptionValue{remedy.option, remedy.value});
 }
 
-/// The stage with its step: beside it, or below where the panel is narrow.
+/// Whether the step is beside its stage; in a narrow panel it is below.
 bool steps_beside(const Ui& ui) { return ImGui::GetWindowWidth() > ui.px(340); }
 
 float stage_width(const Ui& ui, const debug::HistoryEvent& event) {
@@ -296,7 +297,7 @@ float stage_width(const Ui& ui, const debug::HistoryEvent& event) {
   return steps_beside(ui) ? stage + ui.px(7) + step : std::max(stage, step);
 }
 
-/// One line of the life; a click leads to its step.
+/// One line of the history; click to go to its step.
 void draw_station(const Ui& ui, const debug::HistoryEvent& event, std::size_t index) {
   const std::int32_t now = ui.state.view.step;
   ImGui::TableNextRow();
@@ -356,7 +357,7 @@ void draw_point(const Ui& ui) {
 
 namespace {
 
-/// Where it leads, as far as its name does not say so already.
+/// The location of a bookmark, unless its name already shows it.
 std::string place_of(const Bookmark& bookmark) {
   std::string place = fmt::format("frame {} step {}", bookmark.frame, bookmark.step);
   if (place == bookmark.name) place.clear();
@@ -393,7 +394,7 @@ void draw_bookmarks(const Ui& ui) {
     ui.name(fmt::format("bookmarks.{}.remove", i));
     const std::string place = place_of(bookmark);
     if (!place.empty()) paragraph(ui.colors.muted, place);
-    // Typed text is the panel's until it is done.
+    // Typed text stays in the panel until it is complete.
     const std::string key = fmt::format("bookmark.note.{}", i);
     std::string& text = ui.memory.texts[key];
     const bool editing = ui.memory.numbers[key] != 0;

@@ -1,5 +1,5 @@
-// Every option as a slider with typed entry, unit, default and reset; under it how the score would
-// follow.
+// All options as sliders with typed entry, unit, default and reset, above the curve of the score as
+// a function of the option.
 
 #include <fmt/format.h>
 
@@ -19,14 +19,14 @@ struct Row {
   std::string widget;
 };
 
-/// The unit as an engineer writes it; shares and cosines have none.
+/// Typographic unit; fractions and cosines have none.
 std::string unit_text(const std::string& unit) {
   if (unit == "m2") return "m²";
   if (unit == "deg") return "°";
   return unit == "1" || unit == "share" ? "" : unit;
 }
 
-/// The curve of a sensitivity over the slider's own scale.
+/// Draws a sensitivity curve on the slider's scale.
 void draw_strip(const Ui& ui,
                 const debug::Sensitivity& strip,
                 const SliderScale& scale,
@@ -39,7 +39,7 @@ void draw_strip(const Ui& ui,
   ImVec2 before;
   for (std::size_t i = 0; i < strip.values.size(); ++i) {
     const float x = min.x + static_cast<float>(scale.share(strip.values[i])) * (max.x - min.x);
-    // A flat line runs through the middle.
+    // Draw a flat line in the middle.
     const double share = *high > *low ? (strip.scores[i] - *low) / span : 0.5;
     const float y = max.y - ui.px(2) - static_cast<float>(share) * (max.y - min.y - ui.px(4));
     if (i > 0) draw->AddLine(before, ImVec2(x, y), ui.colors.accent, ui.px(1.3f));
@@ -47,7 +47,7 @@ void draw_strip(const Ui& ui,
   }
 }
 
-/// The curve's value at the tried one that is nearest to `at`, and its range.
+/// The score at the tried value nearest to `at`, and its range.
 std::string curve_text(const Row& row, const debug::Sensitivity& strip, double at) {
   if (strip.values.empty()) return "";
   std::size_t nearest = 0;
@@ -96,7 +96,7 @@ void draw_slider(const Ui& ui, const Row& row, double value) {
   if (ImGui::IsItemDeactivated()) ui.act("option.drop");
 }
 
-/// A box to type in: what is typed is the panel's until Enter.
+/// An input box; typed text stays in the panel until Enter.
 void draw_entry(const Ui& ui, const Row& row, float width) {
   std::string& text = ui.memory.texts[row.widget];
   double& editing = ui.memory.numbers[row.widget];
@@ -118,7 +118,8 @@ void draw_reset(const Ui& ui, const Row& row) {
   ui.name(row.widget + ".reset");
 }
 
-/// The title and, where it leaves room, the code of an option. `rest`: width of what follows.
+/// Draws an option's title and, if there is room, its symbol. `rest` is the width of the items
+/// after it.
 void draw_title(const Ui& ui, const Row& row, float rest) {
   const std::string& symbol = row.info.symbol;
   ImGui::AlignTextToFramePadding();
@@ -198,7 +199,7 @@ const char* title_of(const std::string& section) {
   return "Cloud and octree";
 }
 
-/// What can be set comes first; the method last where it is ours, as it is nearly always.
+/// Settable sections first. The method comes last if it is ours, which it nearly always is.
 std::vector<const char*> sections_of(planes::Method method) {
   if (method == planes::Method::ours)
     return {"criteria", "objective", "classifier", "cloud", "gravity", "foot", "stairs", "method"};
@@ -215,7 +216,7 @@ void draw_row(const Ui& ui, const Row& row) {
   ImGui::PopID();
 }
 
-/// Rows of a section that a run with the present options on the present frame reads.
+/// Options of a section that affect a run with the current options on the current frame.
 std::vector<const planes::OptionInfo*> infos_of(const State& state, std::string_view section) {
   const RunView* view = state.results.current.get();
   const std::optional<bool> images =

@@ -1,4 +1,4 @@
-// The event list: what was decided, step by step, with the filter and breakpoints.
+// Event list: the decisions step by step, with the filter and breakpoints.
 
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ std::string title_of(const Breakpoint& breakpoint) {
   return {};
 }
 
-/// A breakpoint's dot about a point of the window.
+/// Draws the dot of a breakpoint.
 void draw_breakpoint_dot(const Ui& ui, ImVec2 centre, Mark mark) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float radius = ui.px(4.5f);
@@ -36,7 +36,7 @@ void draw_breakpoint_dot(const Ui& ui, ImVec2 centre, Mark mark) {
   if (mark == Mark::off) draw->AddCircle(centre, radius, ui.colors.muted, 16, ui.px(1.2f));
 }
 
-/// Each breakpoint with a switch and a cross, in one line.
+/// Draws all breakpoints in one line, each with a toggle and a close button.
 void draw_breakpoints(const Ui& ui) {
   const auto& all = ui.state.document.breakpoints;
   const float line = ImGui::GetTextLineHeight();
@@ -73,7 +73,7 @@ void draw_breakpoints(const Ui& ui) {
   }
 }
 
-/// Sets or removes a breakpoint on what the event is about.
+/// Toggles a breakpoint on the event's node or point.
 void toggle_breakpoint(const Ui& ui, const debug::Run& run, const planes::TraceEvent& event) {
   if (event.node >= 0) {
     ui.act("select.node", event.node);
@@ -86,11 +86,11 @@ void toggle_breakpoint(const Ui& ui, const debug::Run& run, const planes::TraceE
   }
 }
 
-// ---- The filter --------------------------------------------------------------------------------
+// ---- Filter ------------------------------------------------------------------------------------
 
 bool shows_matches_only(const ViewState& view) { return view.only_matches && view.search.filter; }
 
-/// One line: what is wrong with the filter, or how much it finds.
+/// One line: the filter's error or the number of matches.
 void draw_findings(const Ui& ui, const debug::Run& run) {
   const Search& search = ui.state.view.search;
   if (!search.problem.message.empty()) {
@@ -125,13 +125,13 @@ struct ReadyFilter {
   const char* filter;
 };
 
-/// For what one looks for most often; of a depth image by the objective, of all else.
+/// Frequently needed filters, for depth images segmented by the objective or for all other runs.
 std::span<const ReadyFilter> ready_filters(const debug::Run& run) {
   static constexpr std::array kOfImage{
       ReadyFilter{"Narrowly accepted merges",
                   "(stage==join || stage==hidden) && value>0.8*merge_cost"},
       ReadyFilter{"Far merges, of hidden parts", "stage==hidden"},
-      ReadyFilter{"Large nodes left over", "decide && size>=1000 && (case==II || case==III)"},
+      ReadyFilter{"Large unassigned nodes", "decide && size>=1000 && (case==II || case==III)"},
       ReadyFilter{"Planes dropped", "stage==list"},
       ReadyFilter{"Planes narrowly dropped", "stage==list && value>0.8*worth_px"},
       ReadyFilter{"Largest losses",
@@ -139,9 +139,9 @@ std::span<const ReadyFilter> ready_filters(const debug::Run& run) {
                   "(decide && size>=4000 && (case==II || case==III))"}};
   static constexpr std::array kOfPaper{
       ReadyFilter{"Far merges, over 2 cm", "merge && offset>0.02"},
-      ReadyFilter{"Large nodes left over", "decide && size>=20 && (case==II || at_max_depth)"},
+      ReadyFilter{"Large unassigned nodes", "decide && size>=20 && (case==II || at_max_depth)"},
       ReadyFilter{"Nodes narrowly not planar", "decide && case==III && mse<1.25*theta_mse"},
-      ReadyFilter{"Points narrowly left over", "drop && distance<2*leftover_distance_m"},
+      ReadyFilter{"Points narrowly unassigned", "drop && distance<2*leftover_distance_m"},
       ReadyFilter{"Planes dropped", "stage==list"},
       ReadyFilter{"Largest losses", "decide && size>=100 && (case==II || at_max_depth)"}};
   return run.segment_options.by_objective() && run.is_on_image()
@@ -194,9 +194,9 @@ void draw_search(const Ui& ui) {
     ui.act("break.filter");
 }
 
-// ---- The list ----------------------------------------------------------------------------------
+// ---- List --------------------------------------------------------------------------------------
 
-/// Places of a row's parts, from its left.
+/// Offsets of a row's parts from its left edge.
 struct Columns {
   float dot, step_right, sign, text;
 };
@@ -212,7 +212,7 @@ Columns columns_of(const Ui& ui, const debug::Run& run) {
   return columns;
 }
 
-/// A sign for a kind of event; decisions have their case's badge instead.
+/// The symbol of a kind of event; decisions have their case's badge instead.
 std::string sign_of(const planes::TraceEvent& event) {
   switch (event.type) {
     case planes::EventType::visit:
@@ -255,7 +255,7 @@ void draw_sign(const Ui& ui, const planes::TraceEvent& event, ImVec2 at, ImU32 c
                                       sign.c_str());
 }
 
-/// The event in words, without the stage's name where that is the row's sign.
+/// The event in words, without the stage name that the row's symbol already shows.
 std::string event_words(const debug::Run& run, std::int32_t step) {
   const planes::TraceEvent& event = *run.event_at(step);
   std::string text = debug::describe_event(run, step);
@@ -284,7 +284,7 @@ void draw_row(const Ui& ui, const debug::Run& run, std::int32_t step, const Colu
 
   const std::string text = debug::describe_event(run, step);
   const bool wrong = !run.wrong.empty() && run.wrong[static_cast<std::size_t>(step - 1)] != 0;
-  tooltip(in_gutter ? "Breakpoint on what this event is about"
+  tooltip(in_gutter ? "Breakpoint for this event"
                     : text + (wrong ? "\ndisagrees with ground truth" : ""));
 
   ImDrawList* draw = ImGui::GetWindowDrawList();
@@ -300,7 +300,7 @@ void draw_row(const Ui& ui, const debug::Run& run, std::int32_t step, const Colu
   if (mark == Mark::none && in_gutter && ImGui::IsItemHovered())
     draw_breakpoint_dot(ui, ImVec2(at.x + columns.dot, at.y + line / 2), Mark::off);
 
-  // What is still to come is muted.
+  // Future events are muted.
   const ImU32 color = step <= view.step ? ui.colors.text : ui.colors.muted;
   const std::string number = std::to_string(step);
   draw->AddText(ImVec2(at.x + columns.step_right - ImGui::CalcTextSize(number.c_str()).x, at.y),
@@ -317,7 +317,7 @@ void draw_row(const Ui& ui, const debug::Run& run, std::int32_t step, const Colu
   ImGui::SetCursorScreenPos(below);
 }
 
-/// The stage, in the middle of a line.
+/// Draws a stage as a centered title.
 void draw_stage(const Ui& ui, const EventRow& row, const Columns& columns) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float line = ImGui::GetTextLineHeight();
@@ -331,7 +331,7 @@ void draw_stage(const Ui& ui, const EventRow& row, const Columns& columns) {
   ui.name(fmt::format("events.stage.{}", row.first));
 }
 
-/// Many events of one kind: a click opens or closes it.
+/// Draws a group of events of one kind; click to open or close it.
 void draw_group(
     const Ui& ui, const debug::Run& run, const EventRow& row, bool open, const Columns& columns) {
   const std::int32_t step = ui.state.view.step;
@@ -355,7 +355,7 @@ void draw_group(
   draw_math(ui, draw, ImVec2(at.x + columns.text, at.y), color, group_text(run, row));
 }
 
-/// All events in their groups, those that the user opened or the cursor is in with each event.
+/// All events in groups; groups opened by the user or containing the cursor list each event.
 std::vector<EventRow> grouped_rows(const Ui& ui, const debug::Run& run) {
   EventGroups& kept = ui.memory.events;
   const std::shared_ptr<const debug::Run>& now = ui.state.run_view()->run;
@@ -363,14 +363,14 @@ std::vector<EventRow> grouped_rows(const Ui& ui, const debug::Run& run) {
   return opened(kept.rows, kept.open, ui.state.view.step);
 }
 
-/// The matches alone, one by one.
+/// Only the matches, one by one.
 std::vector<EventRow> rows_of(const std::vector<std::int32_t>& steps) {
   std::vector<EventRow> rows;
   for (const std::int32_t step : steps) rows.push_back({EventRow::Kind::event, step, step});
   return rows;
 }
 
-/// Where the cursor is: its event, or the group that holds it; the last row before it otherwise.
+/// The row of the cursor: its event or group, otherwise the last row before it.
 int row_of_step(const std::vector<EventRow>& rows, std::int32_t step) {
   int at = 0;
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -378,7 +378,7 @@ int row_of_step(const std::vector<EventRow>& rows, std::int32_t step) {
   return at;
 }
 
-/// Scrolls when the cursor has moved out of sight; otherwise the wheel decides.
+/// Scrolls only when the cursor has moved out of view.
 void keep_in_sight(const Ui& ui, int row, float row_height) {
   if (ui.memory.events_scrolled_to == ui.state.view.step) return;
   ui.memory.events_scrolled_to = ui.state.view.step;

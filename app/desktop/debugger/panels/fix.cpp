@@ -1,5 +1,5 @@
-// What would fix this? A plane of the ground truth or a marked region, the smallest changes that
-// recover it, and what each of them does to the other frames. The answer to a click.
+// "What would fix this?": for a true plane or a marked region, finds the smallest option changes
+// that recover it and their effects on other frames. Also answers clicks on points.
 
 #include "core/debug/explain/fix.hpp"
 
@@ -16,7 +16,7 @@
 
 namespace planescope::desktop {
 
-// ---- Changes, and the answer to a click ---------------------------------------------------------
+// ---- Changes, and answers to clicks -------------------------------------------------------------
 
 namespace {
 
@@ -65,7 +65,7 @@ const char* question(const PointAsked& asked) {
   }
 }
 
-/// What holds without a change.
+/// The message if no change is needed.
 const char* granted_text(debug::Wish wish) {
   switch (wish) {
     case debug::Wish::own_plane:
@@ -85,7 +85,7 @@ std::string unit_suffix(const planes::OptionInfo& info) {
   return none ? "" : " " + info.unit;
 }
 
-/// "step 49" as a link, and what was decided there.
+/// Shows "step 49" as a link, and the decision made there.
 void draw_decision(const Ui& ui, const char* role, std::int32_t step, const std::string& text) {
   colored(ui.colors.muted, role);
   ImGui::SameLine();
@@ -117,13 +117,13 @@ void draw_decisions(const Ui& ui,
     math_paragraph(ui, ui.colors.text, answer);
 }
 
-/// What is asked of the selected point.
+/// The answer about the selected point.
 struct Answer {
   std::shared_ptr<const debug::Run> run;
-  const FixSearch* fix;  // null: nothing was searched yet
+  const FixSearch* fix;  // null: not searched yet
 };
 
-/// Which search answers what is selected; null: none.
+/// The search about this point; null: none.
 const FixSearch* search_of(const Ui& ui, std::int32_t voxel) {
   const FixSearch& fix = ui.state.results.fix;
   const bool is_of_run = fix.of.get() == ui.state.run_view() || ui.state.view.preview;
@@ -131,7 +131,7 @@ const FixSearch* search_of(const Ui& ui, std::int32_t voxel) {
   return is_asked(fix) && is_of_point && (is_of_run || !fix.begun) ? &fix : nullptr;
 }
 
-/// Nothing if the point is in a plane and no search is about it.
+/// nullopt if the point is in a plane and no search is about it.
 std::optional<Answer> answer_of(const Ui& ui, std::int32_t voxel) {
   const RunView* view = ui.state.run_view();
   if (!view || !view->run->is_ours() || voxel < 0) return {};
@@ -223,7 +223,7 @@ void draw_answer(const Ui& ui) {
   ImGui::Separator();
 }
 
-// ---- The tab ------------------------------------------------------------------------------------
+// ---- Tab ----------------------------------------------------------------------------------------
 
 namespace {
 
@@ -245,7 +245,7 @@ void draw_truth_planes(const Ui& ui, const RunView& view) {
   const std::vector<debug::TruthMatch>& planes = view.score->planes;
   const std::vector<debug::TruthVerdict> verdicts =
       debug::verdicts_of(*view.score, run.segmentation.plane_of, run.subject->voxel_truth);
-  std::vector<std::size_t> order(planes.size());  // the worst first
+  std::vector<std::size_t> order(planes.size());  // worst first
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return planes[a].iou < planes[b].iou; });
@@ -343,7 +343,7 @@ void draw_search(const Ui& ui, const FixSearch& fix) {
   ImGui::Separator();
 }
 
-/// What to do here, before any search.
+/// Instructions shown before any search.
 std::string invitation(const RunView& view, bool marked) {
   if (marked)
     return "Fix region tries every option for the smallest change that "

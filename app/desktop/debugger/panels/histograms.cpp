@@ -1,5 +1,5 @@
-// How the quantities of the criteria spread: the threshold as a line to drag, this node marked, a
-// drag over the bars makes a filter.
+// Histograms of the criteria's quantities: drag the threshold line to change it, drag over bars to
+// create a filter. The selected node is marked.
 
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ void draw_bars(const Ui& ui, const Plot& plot) {
   const auto& bins = plot.histogram.bins;
   std::uint32_t most = 1;
   for (const debug::HistogramBin& bin : bins) most = std::max(most, total(bin));
-  // Square roots, so that bars of ten show beside one of a thousand.
+  // Square roots, so that bars of ten are visible beside one of a thousand.
   const auto height = [&](std::uint32_t count) {
     return static_cast<float>(std::sqrt(static_cast<double>(count) / most)) *
            (plot.max.y - plot.min.y - ui.px(3));
@@ -52,7 +52,7 @@ void draw_bars(const Ui& ui, const Plot& plot) {
   }
 }
 
-/// The selected node's value, or that of the event at the cursor.
+/// The value of the selected node, otherwise of the event at the cursor.
 std::optional<double> value_here(const Ui& ui, const debug::Histogram& histogram) {
   const debug::Run& run = *ui.state.run();
   const std::int32_t node = ui.state.view.selected.node;
@@ -81,7 +81,7 @@ void draw_marks(const Ui& ui, const Plot& plot) {
   if (std::isfinite(plot.histogram.threshold)) {
     const float x = plot.x(axis.share(plot.histogram.threshold));
     draw->AddLine(ImVec2(x, plot.min.y), ImVec2(x, plot.max.y), ui.colors.text, ui.px(1.5f));
-    if (!plot.histogram.option.empty())  // a handle says that it can be dragged
+    if (!plot.histogram.option.empty())  // a handle shows that the line can be dragged
       draw->AddCircleFilled(ImVec2(x, plot.min.y + ui.px(4)), ui.px(4), ui.colors.text);
   }
   if (const std::optional<double> value = value_here(ui, plot.histogram)) {
@@ -101,7 +101,7 @@ void draw_tooltip(const Plot& plot, double share) {
   tooltip_at_mouse(text);
 }
 
-/// Drags of the threshold, and over the bars.
+/// Handles drags of the threshold and over the bars.
 void handle_mouse(const Ui& ui, const Plot& plot, const std::string& widget) {
   const debug::Histogram& histogram = plot.histogram;
   const HistogramAxis axis(histogram);
@@ -110,7 +110,7 @@ void handle_mouse(const Ui& ui, const Plot& plot, const std::string& widget) {
   const bool has_line = !histogram.option.empty() && std::isfinite(histogram.threshold);
   const bool at_line =
       has_line && std::abs(plot.x(axis.share(histogram.threshold)) - mouse.x) < ui.px(6);
-  double& from = ui.memory.numbers[widget];         // where the drag began
+  double& from = ui.memory.numbers[widget];         // start of the drag
   std::string& dragging = ui.memory.texts[widget];  // "line" or "bars"
 
   if (ImGui::IsItemActivated()) {
@@ -155,19 +155,19 @@ void draw_title(const Ui& ui, const debug::Histogram& histogram) {
   ImGui::TextUnformatted(text.c_str());
 }
 
-/// While its threshold is dragged a histogram stays as it was: the bins of the new run lie
-/// elsewhere, and the line would run away from the mouse.
+/// Keeps the old histogram while its threshold is dragged: the bins of the new run differ, and the
+/// line would move away from the mouse.
 debug::Histogram held(const Ui& ui, const debug::Histogram& now) {
   debug::Histogram shown = now;
   if (ui.memory.grabbed.title == now.title) shown.bins = ui.memory.grabbed.bins;
   return shown;
 }
 
-/// Round values below the bars, each with a line where it stands, as many as there is room for.
+/// Draws ticks at round values below the bars, as many as fit.
 void draw_ticks(const Ui& ui, const Plot& plot) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float size = height_of(*ui.small), gap = ui.px(8);
-  float free = plot.min.x;  // from here on nothing is written yet
+  float free = plot.min.x;  // right end of the last label
   for (const double value : axis_ticks(plot.histogram)) {
     const float x = plot.x(HistogramAxis(plot.histogram).share(value));
     const std::string text = number_text(value);

@@ -1,5 +1,5 @@
-// Why: every criterion of the selected node, every term of the merge and every distance of the
-// leftover point that the cursor is on.
+// Inspector: all criteria of the selected node, terms of the merge at the cursor, and distances of
+// the leftover point at the cursor.
 
 #include <fmt/format.h>
 
@@ -15,8 +15,8 @@ namespace {
 
 // ---- Criteria ----------------------------------------------------------------------------------
 
-/// A bar from the middle, to the right where the check passes; as long as the margin, at most as
-/// the whole threshold.
+/// Draws the margin as a bar from the middle, to the right if the check passes, clipped at the size
+/// of the threshold.
 void draw_margin(const Ui& ui, const debug::Check& check) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = std::max(ui.px(24), ImGui::GetContentRegionAvail().x);
@@ -34,8 +34,8 @@ void draw_margin(const Ui& ui, const debug::Check& check) {
   ImGui::Dummy(ImVec2(width, height));
 }
 
-/// "e_n" and "0.00712 ≤ 0.005 m²": three digits, the unit once. What was never computed
-/// stands without a value.
+/// "e_n" and "= 0.00712 ≤ 0.005 m²", with three digits and one unit. Values that were never
+/// computed are omitted.
 struct Comparison {
   std::string quantity, rest;
 };
@@ -56,7 +56,7 @@ Comparison comparison_of(const debug::Check& check) {
                                       text(check.threshold), unit)};
 }
 
-/// In one line where there is room, otherwise the numbers stand below.
+/// Uses one line if there is room, otherwise puts the numbers below.
 void draw_comparison(const Ui& ui, const debug::Check& check, ImU32 color) {
   const Comparison comparison = comparison_of(check);
   const std::string line = comparison.quantity + " " + comparison.rest;
@@ -78,14 +78,14 @@ void draw_tooltip(const debug::Check& check) {
   tooltip_at_mouse(text);
 }
 
-/// What a row says of its criterion and equation.
+/// Texts of a row's criterion and equation.
 struct Name {
   std::string criterion, equation;
-  bool beside = false;  // the equation stands beside the criterion, not in its place
+  bool beside = false;  // show the equation beside the criterion instead of replacing it
 };
 
-/// A criterion of several rows has its equation in the second one; one of a single row beside its
-/// name, where the panel is wide enough for that.
+/// A criterion with several rows has its equation in the second row; one with a single row has it
+/// beside its name if the panel is wide enough.
 std::vector<Name> names_of(const std::vector<debug::Check>& checks, bool wide) {
   std::vector<Name> names(checks.size());
   for (std::size_t begin = 0, end = 0; begin < checks.size(); begin = end) {
@@ -106,7 +106,7 @@ float width_of(const Ui& ui, const Name& name) {
   return name.beside ? criterion + ui.px(6) + equation : std::max(criterion, equation);
 }
 
-/// The whole row takes the click.
+/// The whole row is clickable.
 void draw_name(const Ui& ui, const debug::Check& check, const Name& name, const std::string& id) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   if (ImGui::Selectable((name.criterion + "##" + id).c_str(), false,
@@ -116,14 +116,14 @@ void draw_name(const Ui& ui, const debug::Check& check, const Name& name, const 
   ui.name(id);
   if (ImGui::IsItemHovered()) draw_tooltip(check);
   const float beside = name.beside ? ImGui::CalcTextSize(name.criterion.c_str()).x + ui.px(6) : 0;
-  const float drop = ImGui::GetTextLineHeight() - height_of(*ui.small);  // to the same foot
+  const float drop = ImGui::GetTextLineHeight() - height_of(*ui.small);  // align baselines
   ImGui::GetWindowDrawList()->AddText(ui.small, height_of(*ui.small),
                                       ImVec2(at.x + beside, at.y + drop), ui.colors.muted,
                                       name.equation.c_str());
 }
 
-/// Criteria as `value  op  threshold  -> pass / fail  margin`, in the order asked. A click on a row
-/// whose threshold is an option leads to its slider.
+/// Criteria as `value  op  threshold  -> pass / fail  margin`, in evaluation order. If the
+/// threshold is an option, clicking the row shows its slider.
 void draw_checks(const Ui& ui, const std::string& name, const std::vector<debug::Check>& checks) {
   const bool wide = ImGui::GetContentRegionAvail().x > ui.px(330);  // for equations and margins
   const std::vector<Name> names = names_of(checks, wide);
@@ -177,7 +177,7 @@ std::string vector_text(const Vec3d& v) {
 void draw_fit(const Ui& ui, const PlaneFit& fit) {
   if (fit.count < 3) return;
   fact(ui, "normal", vector_text(fit.normal));
-  // The roots of the eigenvalues by point: lengths that one can picture.
+  // Square roots of the eigenvalues per point are lengths that are easy to picture.
   const auto spread = [&](int axis) { return std::sqrt(fit.eigenvalues[axis] / fit.count); };
   fact(ui, "spread", length_text(spread(2)) + " × " + length_text(spread(1)));
   tooltip("Standard deviations of its points along its two axes");
@@ -316,10 +316,10 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
 
 // ---- Leftover points ---------------------------------------------------------------------------
 
-constexpr std::size_t kMostRows = 5;   // one for each of the nearest planes
-constexpr std::size_t kMostNames = 6;  // of the planes that have none
+constexpr std::size_t kMostRows = 5;   // one per nearest plane
+constexpr std::size_t kMostNames = 6;  // of the remaining planes
 
-/// Planes that were measured and refused for the same reason, in one line: there may be a hundred.
+/// Summarizes planes that were rejected for the same reason in one line, as there may be a hundred.
 void draw_refused(const Ui& ui,
                   const debug::Run& run,
                   const std::vector<debug::LeftoverPlane>& planes,
@@ -374,8 +374,8 @@ void draw_distances(const Ui& ui,
   draw_refused(ui, run, planes, shown);
 }
 
-/// A leftover point's distance to the planes that were considered at the step, and why it joined
-/// one or none. Draws nothing where the step is no such event.
+/// Shows a leftover point's distances to the planes considered at the step, and why it joined one
+/// or none. Draws nothing if the step is a different event.
 void draw_leftover(const Ui& ui, const debug::Run& run, std::int32_t step) {
   const debug::LeftoverReport report = debug::explain_leftover(run, step);
   if (report.point < 0) return;
@@ -387,16 +387,16 @@ void draw_leftover(const Ui& ui, const debug::Run& run, std::int32_t step) {
   ImGui::Separator();
 }
 
-// ---- The frame ---------------------------------------------------------------------------------
+// ---- Frame -------------------------------------------------------------------------------------
 
-constexpr double kLeast = 0.001;  // share of a row
+constexpr double kLeast = 0.001;  // minimum fraction for a row
 
-/// The brightness of a reason's grey: neighbors in the bar differ.
+/// Alternates gray levels, so that neighboring reasons in the bar differ.
 ImU32 color_of_reason(const Ui& ui, std::size_t i) {
   return with_alpha(ui.colors.muted, i % 2 == 0 ? 200 : 120);
 }
 
-/// Shares beside each other, over the whole width.
+/// Draws fractions beside each other across the whole width.
 void draw_bar(const Ui& ui, const debug::FrameSummary& summary) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = ui.px(10);
@@ -415,7 +415,7 @@ void draw_bar(const Ui& ui, const debug::FrameSummary& summary) {
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
-/// What of a frame is on planes, and why the rest is not.
+/// Shows the fraction of the frame on planes, and reasons for the rest.
 void draw_frame_summary(const Ui& ui, const RunView& view) {
   const debug::FrameSummary& summary = view.summary;
   const double on = summary.share(summary.on_planes);
@@ -448,7 +448,7 @@ void draw_frame_summary(const Ui& ui, const RunView& view) {
   }
 }
 
-/// While there is no run. Why the frame was refused stands where the scene would be.
+/// Shown while there is no run. The reason for refusing a frame is shown in the scene view.
 void draw_why_empty(const Ui& ui) {
   const OpenRecording* open = ui.state.document.current();
   paragraph(ui.colors.muted, !open ? "Open a recording with Ctrl+O."
@@ -475,7 +475,7 @@ void draw_inspector(const Ui& ui) {
   const planes::TraceEvent* event = ui.state.event();
   if (event && event->point >= 0 && event->point == selected.voxel) draw_leftover(ui, *run, step);
   if (selected.node >= 0) draw_node(ui, *run, selected.node);
-  // The terms belong to the event under the cursor, so they show where that is what is selected.
+  // Merge terms belong to the event at the cursor, so show them only if it matches the selection.
   const bool at_event = event && (event->node == selected.node || event->node < 0);
   if (at_event) draw_merge(ui, *run, step);
   if (selected.plane >= 0) draw_plane(ui, *run, selected.plane);

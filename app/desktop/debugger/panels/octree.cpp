@@ -1,4 +1,4 @@
-// The octree as a tree: what of it is there at the cursor, folded where it is settled.
+// The octree at the cursor as a tree; settled subtrees are folded.
 
 #include <fmt/format.h>
 
@@ -13,19 +13,19 @@
 namespace planescope::desktop {
 namespace {
 
-// ---- What a node looks like --------------------------------------------------------------------
+// ---- Node shapes -------------------------------------------------------------------------------
 
-// As in Gist's search trees, shape and colour both tell what became of it: round ones were divided,
-// a square is a dead end, a diamond is a find.
+// As in Gist's search trees, both shape and color show the outcome of a node: circles were divided,
+// squares are dead ends, diamonds are planes.
 
 struct NodeShape {
   debug::NodeState state = debug::NodeState::queued;
-  planes::Case decided = planes::Case::none;  // where settled
-  bool at_max_depth = false;                  // hatched: its points went to the leftovers
-  bool by_label = false;                      // a dot: fitted label by label
+  planes::Case decided = planes::Case::none;  // if settled
+  bool at_max_depth = false;                  // hatched: its points became leftovers
+  bool by_label = false;                      // a dot: fitted per label
 };
 
-/// Corners of a regular polygon, the first at `turn` of a full turn from the right.
+/// Draws a regular polygon; its first corner is at `turn` of a full turn from the right.
 void polygon(ImDrawList* draw, ImVec2 centre, float radius, int corners, float turn, ImU32 color) {
   for (int i = 0; i < corners; ++i) {
     const float angle = 2 * std::numbers::pi_v<float> *
@@ -65,7 +65,7 @@ void draw_node_shape(const Ui& ui, ImVec2 centre, float radius, const NodeShape&
   }
 }
 
-/// What the shapes mean, in one line.
+/// Legend of the shapes in one line.
 void draw_shape_key(const Ui& ui, bool on_image) {
   struct Entry {
     NodeShape shape;
@@ -97,7 +97,7 @@ void draw_shape_key(const Ui& ui, bool on_image) {
   for (const Entry& entry : entries) {
     const float width = line + ImGui::CalcTextSize(entry.name).x + ui.px(2);
     if (!first && !same_line_if_room(width, ui.px(9)))
-      return;  // a narrow panel shows the first ones
+      return;  // a narrow panel shows only the first ones
     first = false;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::Dummy(ImVec2(width, line));
@@ -107,13 +107,13 @@ void draw_shape_key(const Ui& ui, bool on_image) {
   }
 }
 
-// ---- The rows ----------------------------------------------------------------------------------
+// ---- Rows --------------------------------------------------------------------------------------
 
 const planes::OctreeNode& node_of(const debug::Run& run, std::int32_t node) {
   return run.octree().nodes[static_cast<std::size_t>(node)];
 }
 
-/// By what it was settled: "N_out 12", "e_n 0.0071"; on a depth image "cost 3.1", "40 % filled".
+/// The deciding quantity: "N_out 12", "e_n 0.0071"; on a depth image "cost 3.1", "40 % filled".
 std::string reason_of(const debug::Run& run, std::int32_t node) {
   const debug::NodeFacts& facts = run.facts[static_cast<std::size_t>(node)];
   const bool on_image = run.is_on_image();
@@ -136,7 +136,7 @@ std::string reason_of(const debug::Run& run, std::int32_t node) {
   return {};
 }
 
-/// How the nodes below a folded one were settled, as shares of a bar.
+/// Draws the cases of the nodes below a folded one as fractions of a bar.
 void draw_subtree_bar(const Ui& ui, ImVec2 at, const SubtreeCounts& counts) {
   std::uint32_t all = 0;
   for (const std::uint32_t count : counts) all += count;
@@ -168,7 +168,7 @@ void draw_tooltip(const debug::Run& run, std::int32_t step, std::int32_t node) {
                     planes::cell_size_text(run.octree(), n.depth).c_str(), below.c_str());
 }
 
-/// The triangle that opens and closes a node; takes the clicks on it.
+/// Draws the triangle that opens and closes a node, and handles its clicks.
 void draw_fold(const Ui& ui, const OctreeRow& row, ImVec2 centre, bool clicked) {
   const float r = ui.px(4);
   ImDrawList* draw = ImGui::GetWindowDrawList();
@@ -229,7 +229,7 @@ void draw_row(const Ui& ui, const debug::Run& run, const OctreeRow& row) {
     write(reason_of(run, row.node), ui.colors.muted, 0);
 }
 
-/// A node that was selected elsewhere is unfolded and scrolled to.
+/// Unfolds and scrolls to a node that was selected elsewhere.
 bool follow_selection(const Ui& ui, const debug::Run& run) {
   const std::int32_t selected = ui.state.view.selected.node;
   if (ui.memory.octree_scrolled_to == selected) return false;

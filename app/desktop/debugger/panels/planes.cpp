@@ -1,4 +1,4 @@
-// The planes of the result: rows of their table, texts, and the tabs of planes and stairs.
+// Planes of the result: rows of their table, texts, and the tabs of planes and stairs.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,7 +12,7 @@
 
 namespace planescope::desktop {
 
-// ---- The table ----------------------------------------------------------------------------------
+// ---- Table --------------------------------------------------------------------------------------
 
 namespace {
 
@@ -91,7 +91,7 @@ bool fits(const PlaneRow& row, const std::vector<std::string>& words) {
   });
 }
 
-/// What is not known stands last, whichever way the rest runs.
+/// Sorts rows; unknown values come last in either direction.
 void sort(std::vector<PlaneRow>& rows, const PlanesView& by) {
   const auto key_of = kColumns[by.sorted_by].key;
   std::ranges::stable_sort(rows, [&](const PlaneRow& a, const PlaneRow& b) {
@@ -139,7 +139,7 @@ constexpr double kDegrees = 57.29577951308232;  // in a radian
 std::string mm(double m) { return fmt::format("{:.0f} mm", 1000 * m); }
 std::string fine_mm(double m) { return fmt::format("{:.3g} mm", 1000 * m); }
 
-/// "P3"; "a minor plane" where the result does not list it.
+/// "P3"; "a minor plane" if it is not listed in the result.
 std::string name_of(const State& state, int id) {
   const std::int32_t plane = state.run()->timeline.plane_of_number(id);
   return plane >= 0 ? debug::plane_name(*state.run(), plane) : "a minor plane";
@@ -202,7 +202,7 @@ StairsEntry entry_of(const State& state, const planes::SlopingPlane& ramp) {
   return entry;
 }
 
-/// What is known of a finished plane; null where nothing is.
+/// The foothold of a finished plane; null if unknown.
 const planes::Foothold* foothold_of(const State& state, int id) {
   const RunPlanes* planes = state.planes();
   const auto k = static_cast<std::size_t>(id) - 1;
@@ -302,7 +302,7 @@ std::vector<StairsEntry> stairs_entries(const State& state) {
   return entries;
 }
 
-// ---- The tab of planes --------------------------------------------------------------------------
+// ---- Planes tab ---------------------------------------------------------------------------------
 
 namespace {
 
@@ -318,7 +318,7 @@ void draw_filter(const Ui& ui) {
   action_button(ui, "planes.copy", "Copy as CSV");
 }
 
-/// A click sorts by the column, a second one the other way round.
+/// Click a header to sort by its column; click again to reverse.
 void draw_header(const Ui& ui) {
   const PlanesView& view = ui.state.view.planes;
   ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
@@ -347,7 +347,7 @@ void draw_row(const Ui& ui, const PlaneRow& row) {
     selected ? ui.act("select.none") : ui.act("select.plane", PlaneRef{row.plane});
   ui.name(widget);
   if (ImGui::IsItemHovered()) tooltip(describe_plane(ui.state, row.plane));
-  // One that was selected elsewhere comes into sight, once.
+  // Scroll once to a plane that was selected elsewhere.
   double& shown = ui.memory.numbers["planes.shown"];
   if (selected && shown != row.plane + 1) {
     shown = row.plane + 1;
@@ -383,11 +383,11 @@ void draw_planes(const Ui& ui) {
   ImGui::EndTable();
 }
 
-// ---- The tab of stairs --------------------------------------------------------------------------
+// ---- Stairs tab ---------------------------------------------------------------------------------
 
 namespace {
 
-/// Why nothing is shown at the cursor; empty if something is.
+/// Explains why nothing is shown at the cursor; empty if something is.
 std::string why_untold(const State& state) {
   if (!state.run()->subject->prepared.gravity.known())
     return "Stairs, kerbs and ramps need gravity, which is unknown.";

@@ -1,5 +1,4 @@
-// The trace from left to right: phases, cases, what became of planes, marks of what matters, and an
-// overview of all of it.
+// Timeline of the trace: phases, cases, planes, marks, and an overview.
 
 #include <fmt/format.h>
 
@@ -85,7 +84,7 @@ void draw_step_controls(const Ui& ui) {
   if (shown != text) tooltip(text);
 }
 
-// ---- The mouse ---------------------------------------------------------------------------------
+// ---- Mouse -------------------------------------------------------------------------------------
 
 constexpr ImGuiButtonFlags kButtons = ImGuiButtonFlags_MouseButtonLeft |
                                       ImGuiButtonFlags_MouseButtonRight |
@@ -95,7 +94,7 @@ void show(const Ui& ui, const debug::StepRange& shown, const debug::StepRange& w
   if (wanted != shown) ui.act("timeline.range", wanted);
 }
 
-/// Scrolling over the item zooms about a step.
+/// Zooms around a step when scrolling over the item.
 void zoom(const Ui& ui, const debug::StepRange& shown, std::int32_t about) {
   constexpr double kNotch = 0.75;
   const float wheel = ImGui::GetIO().MouseWheel;
@@ -103,14 +102,14 @@ void zoom(const Ui& ui, const debug::StepRange& shown, std::int32_t about) {
   show(ui, shown, zoomed(shown, about, std::pow(kNotch, wheel), ui.state.run()->steps()));
 }
 
-/// Which button began to drag the item; -1: none does.
+/// The button that drags the item; -1: none.
 int dragging_button(TimelineMemory& memory) {
   if (ImGui::IsItemActivated())
     memory.button = ImGui::IsMouseClicked(0) ? 0 : ImGui::IsMouseClicked(1) ? 1 : 2;
   return ImGui::IsItemActive() ? memory.button : -1;
 }
 
-/// The right or middle button drags the steps along.
+/// Pans the range with the right or middle button.
 void pan(const Ui& ui, const TimelineRows& rows, int button) {
   TimelineMemory& memory = ui.memory.timeline;
   const debug::StepRange& shown = rows.axis.steps;
@@ -121,7 +120,7 @@ void pan(const Ui& ui, const TimelineRows& rows, int button) {
   show(ui, shown, moved(shown, first - shown.first, ui.state.run()->steps()));
 }
 
-/// Above the timeline: below the mouse it would hide the steps.
+/// Shows the tooltip above the timeline; below the mouse it would hide the steps.
 void tip(const TimelineRows& rows, const std::string& text) {
   const float x = ImGui::GetIO().MousePos.x;
   ImGui::SetNextWindowPos(ImVec2(x, rows.phases - 2), ImGuiCond_Always,
@@ -161,7 +160,7 @@ std::string step_text(const Ui& ui, std::int32_t step) {
                      debug::describe_event(*ui.state.run(), step));
 }
 
-/// Returns the step under the mouse, -1 if the mouse is elsewhere.
+/// Handles the mouse and returns the step under it; -1 if the mouse is elsewhere.
 std::int32_t use_steps(const Ui& ui, const TimelineRows& rows) {
   TimelineMemory& memory = ui.memory.timeline;
   ImGui::SetCursorScreenPos(ImVec2(rows.axis.x, rows.marks));
@@ -175,7 +174,7 @@ std::int32_t use_steps(const Ui& ui, const TimelineRows& rows) {
     if (ImGui::IsItemActivated() && ui.state.view.playing.direction != 0) ui.act("step.stop");
     if (mouse != ui.state.view.step) ui.act("step.goto", mouse);
   }
-  // A double click whose second press drags is still a drag.
+  // A double click whose second press is dragged is a drag.
   if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0)) memory.double_clicked = true;
   if (memory.double_clicked && ImGui::IsMouseReleased(0)) {
     memory.double_clicked = false;
@@ -186,7 +185,7 @@ std::int32_t use_steps(const Ui& ui, const TimelineRows& rows) {
   return mouse;
 }
 
-/// Dragging the frame scrolls; a click beside it brings it there.
+/// Drag the frame to scroll; click beside it to move it there.
 void use_overview(const Ui& ui, const TimelineRows& rows) {
   TimelineMemory& memory = ui.memory.timeline;
   const debug::StepRange& shown = rows.axis.steps;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the label mode's side panels share.
+// Shared by the side panels of label mode.
 
 #include <string>
 
@@ -8,21 +8,21 @@
 
 namespace planescope::desktop {
 
-/// The labels of the frame looked at; where there are none yet, says why in their place.
+/// Returns the labels of the current frame; if there are none yet, draws the reason instead.
 std::shared_ptr<const FrameLabels> labels_to_show(const Ui& ui);
-/// Facts of these labels, which must be those of the frame shown.
+/// Facts about these labels, which must belong to the current frame.
 const LabelFacts& facts_of(const Ui& ui, const std::shared_ptr<const FrameLabels>& labels);
 
-/// A small square in the plane's colour, and its name beside it. Dimmed where it is hidden.
+/// Draws a small square in the plane's color with its name. Dimmed if the plane is hidden.
 void plane_swatch(const Ui& ui, int plane, bool dimmed = false);
 std::string tilt_text(const LabelPlane& plane, const FrameLabels& labels);
-std::string tilt_text(double tilt_deg);  // NaN: gravity is not known
+std::string tilt_text(double tilt_deg);  // NaN: gravity is unknown
 
-/// A bar as wide as the panel with its text beside it: on it, the bar's end would hide it.
+/// A bar as wide as the panel, with its text beside it, where the bar cannot hide it.
 void share_bar(double share, const std::string& text);
 
 enum class PlaneIcon : std::uint8_t { lock, eye };
-/// A button with a drawn sign; true where it was clicked.
+/// A button with an icon; returns true if clicked.
 bool icon_button(const Ui& ui, PlaneIcon icon, bool on, const std::string& widget);
 
 }  // namespace planescope::desktop

@@ -1,4 +1,4 @@
-// The planes of the frame, the active one, and the wand's preview; parts that other panels share.
+// The planes of the frame, the active plane and the wand's preview; parts shared with other panels.
 
 #include <fmt/format.h>
 
@@ -49,7 +49,7 @@ LabelFacts make_facts(const FrameLabels& labels, const labels::LabelGrid& grid) 
   LabelFacts facts;
   facts.statistics = labels::statistics_of(labels, grid);
   facts.planes.resize(labels.planes.size());
-  std::vector<int> place(kPlaneIgnore + 1, -1);  // in the list, by id
+  std::vector<int> place(kPlaneIgnore + 1, -1);  // index in the list, by id
   for (std::size_t i = 0; i < labels.planes.size(); ++i)
     place[static_cast<std::size_t>(labels.planes[i].id)] = static_cast<int>(i);
   for (std::size_t i = 0; i < labels.plane.data.size(); ++i) {
@@ -137,7 +137,7 @@ bool icon_button(const Ui& ui, PlaneIcon icon, bool on, const std::string& widge
   return clicked;
 }
 
-// ---- The tab ------------------------------------------------------------------------------------
+// ---- Tab ----------------------------------------------------------------------------------------
 
 namespace {
 
@@ -293,7 +293,7 @@ void draw_wand(const Ui& ui) {
   if (view.tool != LabelTool::wand) return;
   ImGui::Separator();
   auto millimetres = static_cast<float>(1000 * view.wand_options.tolerance_m);
-  // The number stands beside the slider: on it, the grab would hide it.
+  // Draw the number beside the slider, where the grab cannot hide it.
   const std::string number = fmt::format("within {:.1f} mm", millimetres);
   ImGui::AlignTextToFramePadding();
   ImGui::TextDisabled("wand");

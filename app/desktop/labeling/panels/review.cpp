@@ -1,4 +1,4 @@
-// Where labels and the algorithm, or another annotator, disagree: one region after the other.
+// Review panel: regions where labels disagree with the algorithm or another annotator.
 
 #include "app/desktop/labeling/review.hpp"
 
@@ -81,7 +81,7 @@ std::string planes_text(int ours, int theirs) {
   return theirs > 0 ? fmt::format("{} / {}", a, theirs) : fmt::format("{} / –", a);
 }
 
-/// The first cell of a row that is chosen as a whole.
+/// Draws the first cell of a row that is selectable as a whole.
 bool row(const Ui& ui, const std::string& widget, const std::string& text, bool chosen) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -91,7 +91,7 @@ bool row(const Ui& ui, const std::string& widget, const std::string& text, bool 
   return clicked;
 }
 
-/// One row for all slivers; a click lists them. Its buttons are below the table.
+/// Draws one row for all slivers; click to list them. Its buttons are below the table.
 void draw_sliver_row(const Ui& ui, const Slivers& slivers, bool listed) {
   const std::string text =
       fmt::format("{} {}, {} {}", listed ? "-" : "+",
@@ -116,7 +116,7 @@ void draw_open_items(const Ui& ui, const ReviewQueue& queue) {
     if (item.note) continue;
     if (is_sliver(item)) {
       if (!std::exchange(group_drawn, true)) draw_sliver_row(ui, slivers, listed);
-      if (!listed) break;  // they are the last ones
+      if (!listed) break;  // slivers come last
     }
     const int index = static_cast<int>(i);
     if (row(ui, fmt::format("review.{}", i), to_string(item.kind), index == chosen))

@@ -1,4 +1,4 @@
-// The smaller tabs of the label mode: checks, statistics, learning.
+// The smaller tabs of label mode: checks, statistics, learning.
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 
 namespace planescope::desktop {
 
-// ---- Checks: what looks wrong, by kind; each leads to its place ---------------------------------
+// ---- Checks: suspicious labels by kind; click one to show it ------------------------------------
 
 namespace {
 
@@ -79,7 +79,7 @@ void draw_label_checks(const Ui& ui) {
   ImGui::EndChild();
 }
 
-// ---- What is labeled, who spent how long on it, the latest gestures -----------------------------
+// ---- Statistics: labeled area, time per annotator, latest gestures ------------------------------
 
 namespace {
 
@@ -164,7 +164,7 @@ void draw_label_statistics(const Ui& ui) {
   draw_history(ui, store);
 }
 
-// ---- A classifier that learns from reviewed frames ----------------------------------------------
+// ---- Learning: a classifier trained on reviewed frames ------------------------------------------
 
 namespace {
 

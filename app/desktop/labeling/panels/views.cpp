@@ -1,4 +1,4 @@
-// The bar of tools above both views of the label mode, and the views that tools work in.
+// The toolbar above both views of label mode, and the views in which tools work.
 
 #include "app/desktop/views.hpp"
 
@@ -17,7 +17,7 @@
 
 namespace planescope::desktop {
 
-// ---- The bar: tools, the active plane, sizes. What finds no room is in the menus, too -----------
+// ---- Toolbar: tools, active plane, sizes. Items without room are also in the menus --------------
 
 namespace {
 
@@ -34,7 +34,7 @@ void draw_tool_buttons(const Ui& ui) {
   }
 }
 
-/// What the next gesture paints: a swatch with its name.
+/// Shows the effect of the next gesture: a swatch with its name.
 void draw_paint(const Ui& ui) {
   const LabelView& view = ui.state.view.label;
   const FrameLabels* labels = ui.state.labels().get();
@@ -82,7 +82,7 @@ void draw_paint(const Ui& ui) {
       "the mouse\nI paints \"do not score\", 0 erases");
 }
 
-/// The brush's radius or the wand's tolerance.
+/// Shows the brush's radius or the wand's tolerance.
 void draw_size(const Ui& ui) {
   const LabelView& view = ui.state.view.label;
   const bool wand = view.tool == LabelTool::wand;
@@ -91,7 +91,7 @@ void draw_size(const Ui& ui) {
   const std::string text = wand ? fmt::format("{:.1f} mm", value) : fmt::format("{:.0f} px", value);
   const float slider = ui.px(80), number = ImGui::CalcTextSize("88.8 mm").x;
   if (!same_line_if_room(slider + number, ui.px(14))) return;
-  // The number stands beside the slider: on it, the grab would hide it.
+  // Draw the number beside the slider, where the grab cannot hide it.
   ImGui::SetNextItemWidth(slider);
   if (ImGui::SliderFloat("##size", &value, 1, wand ? 40 : 100, "",
                          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
@@ -107,7 +107,7 @@ void draw_size(const Ui& ui) {
                  "zooms");
   ImGui::SameLine(0, ui.px(5));
   ImGui::TextDisabled("%s", text.c_str());
-  ImGui::SameLine(0, 0);  // what follows keeps its place
+  ImGui::SameLine(0, 0);  // keeps the next item in place
   ImGui::Dummy(ImVec2(std::max(0.0f, number - ImGui::CalcTextSize(text.c_str()).x), 0));
 }
 
@@ -127,7 +127,7 @@ void draw_label_tools(const Ui& ui) {
   }
 }
 
-// ---- The points of the frame --------------------------------------------------------------------
+// ---- 3D view ------------------------------------------------------------------------------------
 
 namespace {
 
@@ -175,7 +175,7 @@ void move_camera(const Ui& ui, int height) {
     pan_scene(ui, height);
 }
 
-/// Says at all times whether strokes go through to hidden points.
+/// Always shows whether strokes include hidden points.
 void draw_through_badge(const Ui& ui, const DrawingSurface& surface) {
   const LabelView& view = ui.state.view.label;
   std::string text = view.through ? "through" : "visible only";
@@ -206,7 +206,7 @@ void draw_label_space(const Ui& ui) {
   draw_through_badge(ui, surface);
 }
 
-// ---- The camera's image -------------------------------------------------------------------------
+// ---- Image view ---------------------------------------------------------------------------------
 
 namespace {
 

@@ -1,4 +1,4 @@
-// The timeline of tracks: a row each, frames from left to right, gaps to click on.
+// Timeline of tracks: one row per track, frames from left to right, clickable gaps.
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ using world::Absence;
 using world::Moment;
 using world::Track;
 
-/// Frames on the screen.
+/// Frames on screen.
 struct Axis {
   float x = 0, width = 0;
   int first = 0, last = 0;
@@ -44,15 +44,15 @@ ImU32 track_color(const Ui& ui, const MapView& view, const Track& track) {
   return to_imgui(render::plane_color(view.colors[i]));
 }
 
-/// What a miss looks like: a lost plane, one that is not taken for it, or one that is not there.
+/// Color of a missed frame: plane not detected, not matched to the track, or absent.
 ImU32 gap_color(const Ui& ui, Absence why) {
   return why == Absence::not_detected  ? ui.colors.bad
          : why == Absence::not_matched ? ui.colors.warning
                                        : ui.colors.muted;
 }
 
-/// A miss. Stripes distinguish the reasons besides color: falling if no plane was found, rising if
-/// another plane is there, none if the plane is gone.
+/// Draws a missed frame. Stripes distinguish the reasons besides color: falling if no plane was
+/// found, rising if another plane is there, none if the plane is gone.
 void draw_gap(const Ui& ui, Absence why, ImVec2 min, ImVec2 max) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const ImU32 color = gap_color(ui, why);
@@ -60,7 +60,7 @@ void draw_gap(const Ui& ui, Absence why, ImVec2 min, ImVec2 max) {
   draw->PushClipRect(min, max, true);
   const float height = max.y - min.y, period = ui.px(5);
   const bool falls = why == Absence::not_detected, rises = why == Absence::not_matched;
-  // From multiples of the period: gaps side by side have one pattern.
+  // Start at multiples of the period, so that adjacent gaps share one pattern.
   for (float x = std::floor((min.x - height) / period) * period; (falls || rises) && x < max.x;
        x += period)
     draw->AddLine(ImVec2(x, falls ? min.y : max.y), ImVec2(x + height, falls ? max.y : min.y),
@@ -110,7 +110,7 @@ void draw_row(const Ui& ui,
       draw->AddLine(ImVec2(begin, middle), ImVec2(end, middle), ui.colors.grid, thin);
   }
   const ImU32 color = track_color(ui, view, track);
-  // Frames in a row are one bar, lower where only minor planes stand for it.
+  // Consecutive frames are one bar, which is lower if only minor planes represent the track.
   for (std::size_t i = 0; i < track.sightings.size();) {
     std::size_t end = i + 1;
     while (end < track.sightings.size() &&
@@ -141,7 +141,7 @@ void draw_timeline_of(const Ui& ui, const MapView& view, const std::vector<const
   std::tie(axis.first, axis.last) = view.frames();
   const int selected = ui.state.view.tracks.track, frame = ui.state.document.frame;
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0, 0));
-  // The selected track is brought into view when it changes.
+  // Scroll to the selected track when it changes.
   double& scrolled_to = ui.memory.numbers["tracks.scrolled_to"];
   if (scrolled_to != selected) {
     const auto row = std::ranges::find(rows, selected, &Track::id);
@@ -206,7 +206,7 @@ void draw_colors(const Ui& ui) {
   ui.name("tracks.color");
 }
 
-/// True where there is something to show.
+/// Returns true if there is something to show.
 bool draw_state(const Ui& ui, const MapView* view) {
   const MapResults& results = ui.state.results.map;
   if (results.running) {

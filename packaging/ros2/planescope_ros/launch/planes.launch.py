@@ -1,4 +1,4 @@
-"""Starts the node and activates it: ros2 launch planescope_ros planes.launch.py depth:=/camera/depth"""
+"""Start and activate the node: ros2 launch planescope_ros planes.launch.py depth:=/camera/camera/depth"""
 
 import lifecycle_msgs.msg
 from launch import LaunchDescription
@@ -37,8 +37,8 @@ def generate_launch_description():
     )
     return LaunchDescription(
         [
-            DeclareLaunchArgument("depth", default_value="/camera/depth", description="Namespace of the depth camera"),
-            DeclareLaunchArgument("image", default_value="image_rect_raw", description="Depth image below it"),
+            DeclareLaunchArgument("depth", default_value="/camera/camera/depth", description="Namespace of image and camera_info"),
+            DeclareLaunchArgument("image", default_value="image_rect_raw", description="Depth image in the namespace"),
             DeclareLaunchArgument("name", default_value="planescope", description="Name of the node"),
             DeclareLaunchArgument("foot_radius_m", default_value="0.0", description="Foot radius; 0: no footholds"),
             RegisterEventHandler(activate),  # before the node can reach that state

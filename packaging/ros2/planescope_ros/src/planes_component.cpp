@@ -1,6 +1,6 @@
-// Depth images in; planes, markers, points and /tf out. A lifecycle node and component. All that it
-// does to messages is in planescope::RosSegmenter, which needs no ROS; here are subscriptions,
-// publishers and parameters.
+// Lifecycle node and component: depth images in; planes, markers, points and /tf out. This file has
+// the subscriptions, publishers and parameters. planescope::RosSegmenter, which needs no ROS,
+// processes the messages.
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@ rcl_interfaces::msg::ParameterDescriptor descriptor(const planescope::OptionInfo
     result.floating_point_range.push_back(range);
   }
   if (option.kind == OptionKind::number || option.kind == OptionKind::whole) {
-    std::ostringstream constraints;  // that no range can express
+    std::ostringstream constraints;  // those that a range cannot express
     if (option.min_excluded)
       constraints << "above " << option.min;
     else if (!std::isfinite(option.max))
@@ -58,7 +58,7 @@ rcl_interfaces::msg::ParameterDescriptor descriptor(const planescope::OptionInfo
   return result;
 }
 
-/// The default of an option as a parameter of its type.
+/// Default value of an option, as a parameter value of the same type.
 rclcpp::ParameterValue default_value(const planescope::OptionInfo& option) {
   switch (option.kind) {
     case planescope::OptionKind::number:
@@ -72,7 +72,7 @@ rclcpp::ParameterValue default_value(const planescope::OptionInfo& option) {
   }
 }
 
-/// A parameter as the option has it.
+/// Sets the option with the parameter's name to its value.
 void set_option(planescope::Options& options, const rclcpp::Parameter& parameter) {
   const std::string& name = parameter.get_name();
   switch (parameter.get_type()) {
@@ -165,8 +165,8 @@ class PlanesNode : public rclcpp_lifecycle::LifecycleNode {
     return on_cleanup(state);
   }
 
-  /// Messages of cameras, of which only the newest counts. Errors are logged; the next message may
-  /// be better.
+  /// Subscribes to messages of a camera; only the newest is kept. Errors are logged, because the
+  /// next message may be valid.
   template <typename Take>
   std::shared_ptr<rclcpp::GenericSubscription> subscribe(const std::string& topic,
                                                          const std::string& type,
@@ -203,7 +203,7 @@ class PlanesNode : public rclcpp_lifecycle::LifecycleNode {
             })->second;
   }
 
-  /// Of all parameters, `changed` before those that the node has.
+  /// Value of a parameter: from `changed`, otherwise from the node.
   rclcpp::Parameter chosen(const std::string& name,
                            const std::vector<rclcpp::Parameter>& changed) const {
     const auto found =
@@ -215,7 +215,7 @@ class PlanesNode : public rclcpp_lifecycle::LifecycleNode {
     return static_cast<int>(chosen("threads", changed).as_int());
   }
 
-  /// The profile, and above its defaults what differs from those of the parameters.
+  /// The profile, with all parameters that differ from their defaults.
   planescope::Options chosen_options(const std::vector<rclcpp::Parameter>& changed) const {
     planescope::Options options;
     set_option(options, chosen("profile", changed));

@@ -1,17 +1,17 @@
 #pragma once
 // Stand-in for ROS 2 Humble's generated message.
-// https://docs.ros2.org/foxy/api/rcl_interfaces/msg/ParameterDescriptor.html
+// https://docs.ros.org/en/humble/p/rcl_interfaces/interfaces/msg/ParameterDescriptor.html
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
 namespace rcl_interfaces::msg {
-/// https://docs.ros2.org/foxy/api/rcl_interfaces/msg/FloatingPointRange.html
+/// https://docs.ros.org/en/humble/p/rcl_interfaces/interfaces/msg/FloatingPointRange.html
 struct FloatingPointRange {
   double from_value = 0, to_value = 0, step = 0;
 };
-/// https://docs.ros2.org/foxy/api/rcl_interfaces/msg/IntegerRange.html
+/// https://docs.ros.org/en/humble/p/rcl_interfaces/interfaces/msg/IntegerRange.html
 struct IntegerRange {
   std::int64_t from_value = 0, to_value = 0;
   std::uint64_t step = 0;

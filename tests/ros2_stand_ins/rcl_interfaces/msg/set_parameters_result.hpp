@@ -4,7 +4,7 @@
 #include <string>
 
 namespace rcl_interfaces::msg {
-/// https://docs.ros2.org/foxy/api/rcl_interfaces/msg/SetParametersResult.html
+/// https://docs.ros.org/en/humble/p/rcl_interfaces/interfaces/msg/SetParametersResult.html
 struct SetParametersResult {
   bool successful = false;
   std::string reason;

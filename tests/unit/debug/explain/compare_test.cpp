@@ -30,7 +30,7 @@ TEST(Compare, ARunDoesNotDifferFromItself) {
     EXPECT_EQ(same_step(*run, step, *run), step) << describe_event(*run, step);
 }
 
-TEST(Compare, TheFirstDifferenceIsWhereTheThresholdBites) {
+TEST(Compare, TheFirstDifferenceIsTheFirstEffectOfTheThreshold) {
   const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
   const auto b = rerun(*a, [](planes::SegmentOptions& o) { o.theta_e_n_m2 = 0.0001; });
   const Comparison changed = compare_runs(*a, *b);
@@ -58,7 +58,7 @@ TEST(Compare, ANodeIsFoundInTheOtherRunByItsCell) {
   }
 }
 
-TEST(Compare, OtherCubesHaveNoNodeInCommonButPlanes) {
+TEST(Compare, DifferentCubesShareNoNodesButPlanes) {
   const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0);
   const auto b =
       rerun(*a, [](planes::SegmentOptions& o) { o.cube_anchor = planes::CubeAnchor::min_corner; });
@@ -69,7 +69,7 @@ TEST(Compare, OtherCubesHaveNoNodeInCommonButPlanes) {
   EXPECT_LE(same_step(*a, a->steps() / 2, *b), b->steps());
 }
 
-TEST(Compare, AgainstTruthPerfectStairsHaveEveryPlane) {
+TEST(Compare, PerfectStairsMatchEveryTruePlane) {
   const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0);
   const Comparison truth = compare_with_truth(*run);
   EXPECT_EQ(truth.planes.size(), static_cast<std::size_t>(run->subject->voxel_truth.plane_count));
@@ -78,7 +78,7 @@ TEST(Compare, AgainstTruthPerfectStairsHaveEveryPlane) {
   EXPECT_LT(truth.changed_sources.size(), truth.compared_sources / 50);
 }
 
-TEST(TraceText, NamesEveryStepAndIsTheSameTwice) {
+TEST(TraceText, DescribesEveryStepAndIsReproducible) {
   for (const planes::Profile profile :
        {planes::Profile::paper, planes::Profile::paper_closest, planes::Profile::refined}) {
     const auto run = test::run_of_stairs(planes::profile_options(profile), 0.003);
@@ -92,7 +92,7 @@ TEST(TraceText, NamesEveryStepAndIsTheSameTwice) {
   }
 }
 
-TEST(TraceText, SaysWhereItPartsFromThePinnedRun) {
+TEST(TraceText, ReportsWhereItDiffersFromThePinnedRun) {
   const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
   const auto b = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0.003);
   EXPECT_EQ(trace_text(*a).find("first different events"), std::string::npos);

@@ -49,7 +49,7 @@ bool all(const std::vector<Check>& checks, const char* criterion, Verdict verdic
   });
 }
 
-TEST_P(Explained, NodesFailWhereTheirCaseSaysSo) {
+TEST_P(Explained, NodesFailTheCriterionOfTheirCase) {
   on_every_event([](const planescope::debug::Run& run, std::int32_t,
                     const planes::TraceEvent& event) {
     if (event.type != planes::EventType::decide) return;
@@ -70,7 +70,7 @@ TEST_P(Explained, NodesFailWhereTheirCaseSaysSo) {
   });
 }
 
-TEST_P(Explained, LabelsAreFittedExactlyWhereTheRunFittedThem) {
+TEST_P(Explained, LabelsAreFittedExactlyIfTheRunFittedThem) {
   on_every_event(
       [](const planescope::debug::Run& run, std::int32_t, const planes::TraceEvent& event) {
         if (event.type != planes::EventType::decide) return;
@@ -83,7 +83,7 @@ TEST_P(Explained, LabelsAreFittedExactlyWhereTheRunFittedThem) {
       });
 }
 
-TEST_P(Explained, TheChosenPartnerIsTheOneOfTheRun) {
+TEST_P(Explained, TheSelectedPartnerIsThatOfTheRun) {
   on_every_event(
       [](const planescope::debug::Run& run, std::int32_t step, const planes::TraceEvent& event) {
         const MergeReport report = explain_merge(run, step);
@@ -91,7 +91,7 @@ TEST_P(Explained, TheChosenPartnerIsTheOneOfTheRun) {
         for (const PartnerReport& partner : report.partners) {
           if (partner.chosen) chosen = partner.plane;
           if (partner.not_evaluated) continue;
-          // What is coplanar passes every check that is shown, and nothing else does.
+          // Exactly the coplanar partners pass all checks shown.
           ASSERT_EQ(partner.coplanar,
                     std::all_of(partner.checks.begin(), partner.checks.end(),
                                 [](const Check& check) { return check.verdict == Verdict::pass; }));
@@ -106,7 +106,7 @@ TEST_P(Explained, TheChosenPartnerIsTheOneOfTheRun) {
       });
 }
 
-TEST_P(Explained, ALeftoverGoesWhereTheRunPutIt) {
+TEST_P(Explained, ALeftoverIsAssignedAsInTheRun) {
   on_every_event(
       [](const planescope::debug::Run& run, std::int32_t step, const planes::TraceEvent& event) {
         const LeftoverReport report = explain_leftover(run, step);
@@ -145,10 +145,10 @@ INSTANTIATE_TEST_SUITE_P(
                                                        })}),
     [](const auto& param) { return param.param.name; });
 
-TEST(Explain, AStopIsSaidInWords) {
+TEST(Explain, StopsAreDescribedInWords) {
   const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
   const NodeReport root = explain_node(*run, 0);
-  EXPECT_EQ(root.stopped, "Stopped at Criterion 1: no PCA was made");
+  EXPECT_EQ(root.stopped, "Stopped at Criterion 1: PCA was not computed");
   EXPECT_NE(root.outcome.find("divided into"), std::string::npos) << root.outcome;
   EXPECT_TRUE(explain_merge(*run, 1).partners.empty()) << "a visit is no merge";
   EXPECT_TRUE(explain_merge(*run, 0).outcome.empty());
@@ -166,7 +166,7 @@ std::uint32_t total(const Histogram& histogram) {
   return sum;
 }
 
-TEST(Histograms, EachNodeStandsWhereItsCriterionWasAsked) {
+TEST(Histograms, ContainTheNodesThatTheCriterionTested) {
   const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
   const std::vector<Histogram> histograms = histograms_of(*run);
   const planes::SegmentCounts& counts = run->segmentation.counts;
@@ -194,7 +194,7 @@ TEST(Histograms, BinsAreOrderedAndFew) {
     }
 }
 
-TEST(Histograms, WithoutTruthNothingIsRightOrWrong) {
+TEST(Histograms, WithoutTruthNothingIsCorrectOrWrong) {
   for (const Histogram& h :
        histograms_of(*test::run_of_cloud(3, planes::profile_options(planes::Profile::refined))))
     for (const HistogramBin& bin : h.bins) EXPECT_EQ(bin.right + bin.wrong, 0u) << h.title;

@@ -25,7 +25,7 @@ double iou_with(const Run& run, const std::string& option, const std::string& va
   return 0;
 }
 
-/// A tread (the planes labelled h) that is lost.
+/// A lost tread (planes labeled h).
 std::int32_t lost_tread(const Run& run) {
   const VoxelTruth& truth = run.subject->voxel_truth;
   for (const TruthMatch& match : quick_score(run.segmentation.plane_of, truth).planes)
@@ -35,7 +35,7 @@ std::int32_t lost_tread(const Run& run) {
   return 0;
 }
 
-// A change is a ratio: of the value, or of the odds of a share.
+// Changes are measured as ratios: of the value, or of the odds of a share.
 double position(const planes::OptionInfo& info, double value) {
   return std::log(info.range.max <= 1 ? value / (1 - value) : value);
 }
@@ -44,7 +44,7 @@ std::string value_at(const planes::OptionInfo& info, double position) {
   return planes::number_text(info, info.range.max <= 1 ? e / (1 + e) : e);
 }
 
-TEST(Fix, ALostTreadComesBackWithAChangeOfEachOptionAndWithNoLess) {
+TEST(Fix, ALostTreadIsRecoveredByTheSmallestChangeOfEachOption) {
   int numbers = 0;
   for (int index = 0; index < 10; ++index) {
     const auto run =
@@ -74,19 +74,19 @@ TEST(Fix, ALostTreadComesBackWithAChangeOfEachOptionAndWithNoLess) {
   EXPECT_GT(numbers, 0);
 }
 
-TEST(Fix, WhatIsDetectedNeedsNone) {
+TEST(Fix, ADetectedPlaneNeedsNone) {
   const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0);
   EXPECT_TRUE(find_fixes(*run, target_of_truth(*run, 1), {}).empty());
 }
 
-TEST(Fix, VoxelsThatTheFrameDoesNotHaveAreNotSought) {
+TEST(Fix, VoxelsOutsideTheFrameAreIgnored) {
   const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0);
   EXPECT_TRUE(
       find_fixes(*run, {.voxels = {1u << 30}, .name = "marked region", .wish = Wish::plane}, {})
           .empty());
 }
 
-TEST(Fix, TheSearchEndsWhenItIsAskedTo) {
+TEST(Fix, TheSearchCanBeStopped) {
   int index = 0;
   auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003, index);
   while (lost_tread(*run) == 0)
@@ -101,7 +101,7 @@ TEST(Fix, TheSearchEndsWhenItIsAskedTo) {
   EXPECT_EQ(calls, 1);
 }
 
-TEST(Fix, TheEffectNamesWhatComesAndGoes) {
+TEST(Fix, TheEffectListsGainedAndLostPlanes) {
   const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
   planes::PipelineOptions refined = run->options;
   refined.segment = planes::profile_options(planes::Profile::refined);
@@ -155,7 +155,7 @@ TEST(QuickScore, WithoutTruthOnlyThePlanesAreCounted) {
   EXPECT_EQ(score.found_planes, 2);
 }
 
-TEST(QuickScore, EveryWayToLoseAPlaneHasItsName) {
+TEST(QuickScore, EveryKindOfLossHasAName) {
   const auto verdict = [](const std::vector<std::int32_t>& found, std::int32_t plane) {
     const VoxelTruth truth = truth_of({1, 1, 1, 1, 2, 2, 2, 2}, 2);
     return verdicts_of(quick_score(found, truth), found, truth)[plane - 1];

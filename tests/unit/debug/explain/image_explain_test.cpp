@@ -1,4 +1,4 @@
-// Why a depth image's nodes, regions and pixels became what they are.
+// Explanations of a depth image's nodes, regions and pixels.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ std::shared_ptr<const Run> with_option(const Run& run, const Remedy& remedy) {
   return make_run(run.subject, options);
 }
 
-TEST(ImageExplain, ANodeFailsTheCriterionThatItsCaseNames) {
+TEST(ImageExplain, ANodeFailsTheCriterionOfItsCase) {
   const auto& run = *test::box_run();
   for (std::size_t n = 0; n < run.octree().nodes.size(); n += 7) {
     const NodeReport report = explain_node(run, static_cast<std::int32_t>(n));
@@ -35,7 +35,7 @@ TEST(ImageExplain, ANodeFailsTheCriterionThatItsCaseNames) {
   }
 }
 
-TEST(ImageExplain, AJoinHasItsCostAgainstWhatAPlaneCosts) {
+TEST(ImageExplain, AJoinComparesItsCostWithThatOfAPlane) {
   const auto& run = *test::box_run();
   int joins = 0;
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
@@ -50,7 +50,7 @@ TEST(ImageExplain, AJoinHasItsCostAgainstWhatAPlaneCosts) {
   EXPECT_GT(joins, 0);
 }
 
-TEST(ImageExplain, APlaneThatIsNotListedIsWithTheWorthThatTheRemedyNames) {
+TEST(ImageExplain, APlaneThatIsNotListedIsListedWithTheProposedWorth) {
   const auto& run = *test::box_run();
   const WhyNot why = why_not(run, test::kSmallBoxPixel);
   EXPECT_NE(why.answer.find(" px are worth "), std::string::npos) << why.answer;
@@ -60,12 +60,13 @@ TEST(ImageExplain, APlaneThatIsNotListedIsWithTheWorthThatTheRemedyNames) {
             0);
 }
 
-TEST(ImageExplain, APixelThatWasFusedNamesTheJoinAndTheCostThatKeepsItApart) {
+TEST(ImageExplain, AFusedPixelReportsTheJoinAndTheCostThatPreventsIt) {
   int named = 0;
-  for (const double merge_cost : {3e3, 1e4, 3e4, 1e5}) {  // some of these join two true planes
+  // some of these values join two true planes
+  for (const double merge_cost : {3e3, 1e4, 3e4, 1e5}) {
     planes::PipelineOptions options = test::image_options();
     options.segment.objective.merge_cost = merge_cost;
-    options.segment.objective.two_planes = 3 / merge_cost;  // the cells stay as they are
+    options.segment.objective.two_planes = 3 / merge_cost;  // so that the cells do not change
     const auto run = make_run(test::box_run()->subject, options);
     for (std::size_t source = 0; source < run->subject->point_of_source.size(); source += 3001) {
       const WhyNot why = why_not(*run, source);
@@ -79,7 +80,7 @@ TEST(ImageExplain, APixelThatWasFusedNamesTheJoinAndTheCostThatKeepsItApart) {
   EXPECT_GT(named, 0);
 }
 
-TEST(ImageExplain, EveryPixelHasALifeAndWhatIsInNoPlaneACause) {
+TEST(ImageExplain, EveryPixelHasAHistoryAndUnassignedOnesACause) {
   const auto& run = *test::box_run();
   for (std::size_t source = 0; source < run.subject->point_of_source.size(); source += 1501) {
     EXPECT_GE(history_of(run, source).size(), 4u);
@@ -108,7 +109,7 @@ TEST(ImageExplain, ASummaryHasAReasonForEachPointOnNoPlane) {
   EXPECT_EQ(points, summary.measured);
   ASSERT_TRUE(box);
   EXPECT_EQ(box->reason, "dropped planes: fewer than 14000 px");
-  // With a shorter range what is beyond it has no voxel.
+  // With a shorter range, pixels beyond it have no voxel.
   Frame frame = run.subject->frame;
   planes::PipelineOptions near = run.options;
   near.cloud.max_range_m = 1;

@@ -13,7 +13,7 @@
 namespace planescope::debug {
 namespace {
 
-/// A frame whose sensor's axes are not the world's: x right, y down, z ahead.
+/// A frame whose sensor axes differ from the world's: x right, y down, z forward.
 struct Measure : testing::Test {
   Subject subject;
 
@@ -32,7 +32,7 @@ struct Measure : testing::Test {
   }
 };
 
-TEST_F(Measure, BetweenTwoPointsIsApartUpAndAcross) {
+TEST_F(Measure, BetweenTwoPointsIsDistanceHeightAndHorizontal) {
   const Measurement measured = measure(subject, {Vec3d(0, 1, 2)}, {Vec3d(0.3, 0.88, 2.16)});
   EXPECT_NEAR(measured.distance_m, std::hypot(0.34, 0.12), 1e-12);
   EXPECT_NEAR(measured.height_m.value(), 0.12, 1e-12);
@@ -43,7 +43,7 @@ TEST_F(Measure, BetweenTwoPointsIsApartUpAndAcross) {
             "36.1 cm apart: 12.0 cm down, 34.0 cm across");
 }
 
-TEST_F(Measure, FromAPlaneIsAtRightAnglesToItWhicheverEndItIs) {
+TEST_F(Measure, FromAPlaneIsPerpendicularForEitherEnd) {
   const MeasureEnd floor = plane(Vec3d(9, 1, 9), -Vec3d::UnitY(), true, "P3");
   const MeasureEnd above{Vec3d(0.3, 0.88, 2)}, below{Vec3d(0.3, 1.05, 2)};
   for (const Measurement& measured :
@@ -76,21 +76,21 @@ TEST_F(Measure, BetweenTwoPlanesIsAStepAndAnAngle) {
       << "whichever way a normal looks";
 }
 
-TEST_F(Measure, PlanesAtAnAngleAreAsFarApartAsThePlaceThatWasClicked) {
+TEST_F(Measure, TiltedPlanesAreMeasuredAtTheClickedPoint) {
   const MeasureEnd floor = plane(Vec3d(0, 1, 1), -Vec3d::UnitY(), true, "P3");
   const MeasureEnd wall = plane(Vec3d(0, 0.6, 2), -Vec3d::UnitZ(), false, "P1");
   EXPECT_EQ(measure(subject, floor, wall).text,
             "a point on P1 40.0 cm above P3: 40.0 cm up, 0.0 mm across, at an angle of 90.0°");
 }
 
-TEST_F(Measure, WithoutGravityTellsNoHeight) {
+TEST_F(Measure, WithoutGravityHasNoHeight) {
   subject.prepared.gravity.source = GravitySource::none;
   const Measurement measured = measure(subject, {Vec3d(0, 1, 2)}, {Vec3d(0, 0, 2)});
   EXPECT_FALSE(measured.height_m);
   EXPECT_EQ(measured.text, "100.0 cm apart; gravity is unknown, so no heights");
 }
 
-TEST_F(Measure, EndsAreWhereTheSceneHasThem) {
+TEST_F(Measure, EndsAreInSceneCoordinates) {
   const auto run =
       test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0.001, 0, 4096);
   const Subject& stairs = *run->subject;

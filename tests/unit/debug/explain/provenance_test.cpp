@@ -13,7 +13,7 @@
 namespace planescope::debug {
 namespace {
 
-/// Every point of a few clouds under every profile.
+/// Checks every point of a few clouds with every profile.
 template <typename Check>
 void on_every_point(Check check) {
   for (const planes::SegmentOptions& options :
@@ -26,7 +26,7 @@ void on_every_point(Check check) {
     }
 }
 
-TEST(Provenance, ALifeIsInOrderAndEndsWithTheResult) {
+TEST(Provenance, AHistoryIsInOrderAndEndsWithTheResult) {
   on_every_point([](const planescope::debug::Run& run, std::size_t i) {
     const std::vector<HistoryEvent> life = history_of(run, i);
     ASSERT_GE(life.size(), 5u);
@@ -43,7 +43,7 @@ TEST(Provenance, ALifeIsInOrderAndEndsWithTheResult) {
   });
 }
 
-TEST(Provenance, OneDecisionIsToBlameAndStandsInTheLife) {
+TEST(Provenance, OneDecisionIsTheCauseAndPartOfTheHistory) {
   on_every_point([](const planescope::debug::Run& run, std::size_t i) {
     const WhyNot why = why_not(run, i);
     ASSERT_GT(why.step, 0) << why.answer;
@@ -60,7 +60,7 @@ TEST(Provenance, OneDecisionIsToBlameAndStandsInTheLife) {
   });
 }
 
-TEST(Provenance, WhatWasCroppedOrNeverMeasuredSaysSo) {
+TEST(Provenance, CroppedAndUnmeasuredPointsAreReportedAsSuch) {
   const auto subject = test::stairs_subject(0, 0);
   subject->point_of_source[3] = planes::kNoVoxel;
   subject->prepared.voxels.voxel_of[4] = planes::kNoVoxel;
@@ -72,8 +72,8 @@ TEST(Provenance, WhatWasCroppedOrNeverMeasuredSaysSo) {
   EXPECT_LE(history_of(*run, 3).size(), 2u);
 }
 
-TEST(Provenance, ARemedyKeepsWhatItPromises) {
-  // A node too small for a plane: with the smaller threshold it is asked.
+TEST(Provenance, ARemedyHasItsPromisedEffect) {
+  // A node too small for a plane: with the smaller threshold it can become one.
   const auto run =
       test::run_of_stairs(planes::profile_options(planes::Profile::paper_closest), 0.003);
   int tried = 0;
@@ -89,9 +89,9 @@ TEST(Provenance, ARemedyKeepsWhatItPromises) {
   EXPECT_GT(tried, 0);
 }
 
-TEST(Provenance, APointInTheWrongPlaneNamesTheMergeThatFusedTheTwo) {
+TEST(Provenance, APointInTheWrongPlaneReportsTheMergeThatFusedThem) {
   planes::SegmentOptions options = planes::profile_options(planes::Profile::paper);
-  options.theta_coplane = 0.3;  // steps fuse
+  options.theta_coplane = 0.3;  // steps are fused
   const auto run = test::run_of_stairs(options, 0.003);
   const VoxelTruth& truth = run->subject->voxel_truth;
   int fused = 0;
@@ -113,7 +113,7 @@ std::vector<std::uint32_t> voxels_of(const Run& run, std::int32_t plane) {
   return voxels;
 }
 
-TEST(RegionDecision, RunsThatAreTheSameDoNotPart) {
+TEST(RegionDecision, IdenticalRunsHaveNone) {
   const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0.003);
   for (const planes::PlaneRegion& plane : run->segmentation.planes) {
     const auto voxels = voxels_of(*run, plane.id);
@@ -123,10 +123,10 @@ TEST(RegionDecision, RunsThatAreTheSameDoNotPart) {
   }
 }
 
-TEST(RegionDecision, APlaneIsLostWhereItsNodesAreDecidedOtherwise) {
+TEST(RegionDecision, ForALostPlaneIsWhereItsNodesAreDecidedDifferently) {
   const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
   planes::PipelineOptions options = a->options;
-  options.segment.theta_n_in = 60;  // nodes with fewer points are none
+  options.segment.theta_n_in = 60;  // nodes with fewer points are not candidates
   const auto b = make_run(a->subject, options);
   int lost = 0;
   for (const PlanePair& pair : compare_runs(*a, *b).planes) {
@@ -136,7 +136,7 @@ TEST(RegionDecision, APlaneIsLostWhereItsNodesAreDecidedOtherwise) {
     const RegionDecision parting = first_difference(*b, *a, voxels);
     ASSERT_GT(parting.step, 0);
     const planes::TraceEvent& event = *b->event_at(parting.step);
-    if (event.type == planes::EventType::drop) continue;  // most of it had been assigned
+    if (event.type == planes::EventType::drop) continue;  // most of its points had been assigned
     ++lost;
     ASSERT_EQ(event.type, planes::EventType::decide);
     EXPECT_EQ(event.node_case, static_cast<int>(planes::Case::II))
@@ -154,17 +154,17 @@ TEST(RegionDecision, APlaneIsLostWhereItsNodesAreDecidedOtherwise) {
   EXPECT_GT(lost, 0);
 }
 
-TEST(RegionDecision, PlanesThatBecameOnePartAtTheMergeThatJoinedThem) {
+TEST(RegionDecision, ForFusedPlanesIsTheMergeThatJoinedThem) {
   const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0);
   planes::PipelineOptions options = a->options;
-  options.segment.theta_coplane = 0;  // everything of a label is one plane
+  options.segment.theta_coplane = 0;  // all points with the same label are one plane
   const auto b = make_run(a->subject, options);
   ASSERT_LT(b->segmentation.planes.size(), a->segmentation.planes.size());
   int merged = 0;
   for (const planes::PlaneRegion& plane : a->segmentation.planes) {
     const auto voxels = voxels_of(*a, plane.id);
     const RegionDecision parting = first_difference(*b, *a, voxels);
-    if (parting.step == 0) continue;  // it founded the one
+    if (parting.step == 0) continue;  // the plane that it founded
     const planes::TraceEvent& event = *b->event_at(parting.step);
     merged += event.type == planes::EventType::merge;
     const RegionDecision joining = joining_of_region(*b, voxels);
@@ -174,7 +174,7 @@ TEST(RegionDecision, PlanesThatBecameOnePartAtTheMergeThatJoinedThem) {
   EXPECT_GT(merged, 0);
 }
 
-TEST(Provenance, TwoPointsMeetAtTheStepFromWhichTheyAreInOnePlane) {
+TEST(Provenance, TwoPointsMeetAtTheStepThatPutsThemInOnePlane) {
   const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.001);
   const auto voxels = static_cast<std::int32_t>(run->subject->voxel_count());
   int met = 0, apart = 0;

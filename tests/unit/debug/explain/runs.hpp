@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs on synthetic clouds, whose points are their own voxels and pixels.
+// Runs on synthetic clouds in which every point is its own voxel and pixel.
 
 #include <numeric>
 #include <vector>

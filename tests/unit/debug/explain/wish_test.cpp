@@ -1,4 +1,4 @@
-// What should become of a surface, by a click on a depth image: changes that do it, and no others.
+// Wishes for a surface, by a click on a depth image: only option changes that fulfill them.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ const Fix* fix_by(const std::vector<Fix>& fixes, const std::string& option) {
 
 }  // namespace
 
-TEST(Wish, OfALostSurfaceIsGrantedByTheProfilesValueFirst) {
+TEST(Wish, ForALostSurfaceIsFulfilledByTheProfilesValueFirst) {
   const auto& run = *test::box_run();
   const auto voxel = static_cast<std::uint32_t>(run.subject->voxel_of_source(test::kSmallBoxPixel));
   const FixTarget target = target_of_click(run, voxel, Wish::plane, truth({test::kSmallBox}));
@@ -71,7 +71,7 @@ TEST(Wish, OfALostSurfaceIsGrantedByTheProfilesValueFirst) {
   }
 }
 
-TEST(Wish, WithoutASurfaceIsAboutWhatWasLostWithTheVoxel) {
+TEST(Wish, WithoutASurfaceConcernsTheSurfaceLostWithTheVoxel) {
   const auto& run = *test::box_run();
   const auto voxel = static_cast<std::uint32_t>(run.subject->voxel_of_source(test::kSmallBoxPixel));
   const FixTarget target = target_of_click(run, voxel, Wish::plane);
@@ -82,7 +82,7 @@ TEST(Wish, WithoutASurfaceIsAboutWhatWasLostWithTheVoxel) {
   EXPECT_GT(on_box, 0.9 * static_cast<double>(box.size()));
 }
 
-TEST(Wish, ForAPlaneOfItsOwnPartsWhatWasJoined) {
+TEST(Wish, ForASeparatePlaneSplitsJoinedSurfaces) {
   planes::SegmentOptions options = planes::profile_options(planes::Profile::paper);
   options.theta_coplane = 0.3;
   int parted = 0, restored = 0;
@@ -115,7 +115,7 @@ TEST(Wish, ForAPlaneOfItsOwnPartsWhatWasJoined) {
   EXPECT_GE(restored, 0.6 * parted);
 }
 
-TEST(Wish, ToBeOnePlaneAndToBeNoneAreGrantedToo) {
+TEST(Wish, ToBeOnePlaneOrNoneIsFulfilledToo) {
   const auto& run = *test::box_run();
   const std::uint32_t front = voxel_at(260, 370), top = voxel_at(260, 305);
   ASSERT_NE(run.segmentation.plane_of[front], run.segmentation.plane_of[top]);
@@ -127,7 +127,7 @@ TEST(Wish, ToBeOnePlaneAndToBeNoneAreGrantedToo) {
     EXPECT_GT(planes[front], 0) << fix.option;
     EXPECT_EQ(planes[front], planes[top]) << fix.option;
   }
-  // What already is in planes of their own needs nothing to part them; in one plane it does.
+  // Surfaces on separate planes need no change to be split; surfaces on one plane do.
   FixTarget apart = target_of_click(run, front, Wish::own_plane, truth({test::kStepFront}));
   apart.with = top;
   EXPECT_TRUE(is_granted(run, apart));
@@ -142,7 +142,7 @@ TEST(Wish, ToBeOnePlaneAndToBeNoneAreGrantedToo) {
   for (const Fix& fix : gone) EXPECT_EQ(with(run, fix)[front], 0) << fix.option;
 }
 
-TEST(Wish, ChangesThreefoldAtMostUnlessItIsAskedFor) {
+TEST(Wish, ChangesOptionsAtMostThreefoldByDefault) {
   const auto& run = *test::box_run();
   const auto voxel = static_cast<std::uint32_t>(run.subject->voxel_of_source(test::kSmallBoxPixel));
   for (const Fix& fix :

@@ -22,13 +22,13 @@ FilterProblem problem_of(const std::string& text) {
   return problem;
 }
 
-/// The part of the text that the problem points at.
+/// The part of the text that the error marks.
 std::string marked(const std::string& text) {
   const FilterProblem problem = problem_of(text);
   return text.substr(problem.begin, problem.end - problem.begin);
 }
 
-TEST(FilterText, IsAcceptedAsTheManualShows) {
+TEST(FilterText, ExamplesOfTheManualAreAccepted) {
   for (const char* text : {"",
                            "  ",
                            "visit",
@@ -54,7 +54,7 @@ TEST(FilterText, IsAcceptedAsTheManualShows) {
   }
 }
 
-TEST(FilterText, ProblemsPointAtTheWordThatIsWrong) {
+TEST(FilterText, ErrorsMarkTheWrongWord) {
   EXPECT_EQ(marked("depth>3 && dpeth<5"), "dpeth");
   EXPECT_EQ(marked("depth>"), ">");
   EXPECT_EQ(marked("(depth>3"), "(");
@@ -82,13 +82,13 @@ TEST(FilterText, TypesAreChecked) {
   EXPECT_NE(problem_of("case>3").message.find("a number"), std::string::npos);
 }
 
-TEST(FilterText, ANameNearbyIsProposed) {
+TEST(FilterText, TheNearestNameIsProposed) {
   EXPECT_NE(problem_of("dpeth>3").message.find("did you mean 'depth'"), std::string::npos);
   EXPECT_NE(problem_of("visit and depth>3").message.find("'&&'"), std::string::npos);
   EXPECT_NE(problem_of("depth=3").message.find("'=='"), std::string::npos);
 }
 
-TEST(FilterText, NestingThatNobodyWritesIsRefused) {
+TEST(FilterText, ExcessiveNestingIsRejected) {
   problem_of(std::string(5000, '(') + "visit" + std::string(5000, ')'));
   problem_of(std::string(5000, '!') + "visit");
   problem_of("depth>" + std::string(5000, '-') + "1");
@@ -102,7 +102,7 @@ void expect_place_inside(const std::string& text) {
   EXPECT_FALSE(problem.message.empty()) << text;
 }
 
-TEST(FilterText, RandomBytesAreRefusedWithAPlaceInsideTheText) {
+TEST(FilterText, RandomBytesAreRejectedWithAPositionInTheText) {
   Random random(1);
   for (int i = 0; i < 20000; ++i) {
     std::string text;
@@ -113,7 +113,7 @@ TEST(FilterText, RandomBytesAreRefusedWithAPlaceInsideTheText) {
   }
 }
 
-TEST(FilterText, RandomWordsAreAcceptedOrRefusedWithAPlaceInsideTheText) {
+TEST(FilterText, RandomWordsAreAcceptedOrRejectedWithAPositionInTheText) {
   std::vector<std::string> words = {"(",   ")",   "!",  "&&", "||", "==", "!=", "<",
                                     "<=",  ">",   ">=", "+",  "-",  "*",  "/",  "7",
                                     "0.5", "1e3", "P3", "=",  "&",  ".",  "x1", "("};
@@ -137,7 +137,7 @@ TEST(FilterText, RandomWordsAreAcceptedOrRefusedWithAPlaceInsideTheText) {
   EXPECT_GT(accepted, 100);
 }
 
-TEST(FilterManual, HasEveryNameAndTheMethodsOptionsStandWithThem) {
+TEST(FilterManual, ContainsEveryNameAndTheMethodsOptions) {
   std::stringstream manual;
   for (const char* page : {"filter.md", "method.md"})
     manual << std::ifstream(std::string(PLANESCOPE_SOURCE_DIR "/docs/") + page).rdbuf();
@@ -156,7 +156,7 @@ bool offers(const std::vector<std::string>& completions, const std::string& name
   return std::find(completions.begin(), completions.end(), name) != completions.end();
 }
 
-TEST(FilterCompletion, OffersWhatStartsWithTheLettersBeforeWhatContainsThem) {
+TEST(FilterCompletion, OffersNamesThatStartWithTheLettersFirst) {
   const auto completions = at_end("de");
   ASSERT_GE(completions.size(), 3u);
   EXPECT_EQ(completions[0], "decide");
@@ -164,31 +164,29 @@ TEST(FilterCompletion, OffersWhatStartsWithTheLettersBeforeWhatContainsThem) {
   EXPECT_TRUE(offers(completions, "node"));
 }
 
-TEST(FilterCompletion, OffersTheValuesOfTheFieldThatIsCompared) {
+TEST(FilterCompletion, OffersTheValuesOfTheComparedField) {
   EXPECT_EQ(at_end("case=="), (std::vector<std::string>{"I", "II", "III", "IV"}));
   EXPECT_EQ(at_end("visit && label != "), (std::vector<std::string>{"h", "v"}));
   EXPECT_EQ(at_end("case==II"), (std::vector<std::string>{"II", "III"}));
 }
 
-TEST(FilterCompletion, OffersThresholdsFirstWhereANumberIsCompared) {
+TEST(FilterCompletion, OffersThresholdsFirstForNumbers) {
   const auto completions = at_end("mse>0.8*");
   ASSERT_FALSE(completions.empty());
   EXPECT_TRUE(completions[0].starts_with("theta_"));
   EXPECT_FALSE(offers(completions, "visit"));
 }
 
-TEST(FilterCompletion, OffersSignsBehindAValue) {
+TEST(FilterCompletion, OffersOperatorsAfterAValue) {
   EXPECT_TRUE(offers(at_end("depth "), ">="));
   EXPECT_EQ(at_end("case "), (std::vector<std::string>{"==", "!="}));
   EXPECT_EQ(at_end("depth>3 "), (std::vector<std::string>{"&&", "||"}));
   EXPECT_EQ(at_end("visit "), (std::vector<std::string>{"&&", "||"}));
 }
 
-TEST(FilterCompletion, KeepsOutOfTheWayOfANumberBeingTyped) {
-  EXPECT_TRUE(at_end("depth>3").empty());
-}
+TEST(FilterCompletion, OffersNothingWhileANumberIsTyped) { EXPECT_TRUE(at_end("depth>3").empty()); }
 
-TEST(FilterCompletion, ReplacesTheWholeWordThatTheCursorIsIn) {
+TEST(FilterCompletion, ReplacesTheWholeWordAtTheCursor) {
   const auto completions = complete_filter("visit && dexx>3", 11);
   ASSERT_FALSE(completions.empty());
   EXPECT_EQ(completions[0].begin, 9u);
@@ -210,7 +208,7 @@ std::vector<std::int32_t> steps_of(const Run& run, const std::string& text) {
   return steps;
 }
 
-/// The steps whose event has the property.
+/// Steps whose event satisfies the condition.
 std::vector<std::int32_t> steps_where(const Run& run,
                                       const std::function<bool(const planes::TraceEvent&)>& has) {
   std::vector<std::int32_t> steps;
@@ -224,7 +222,7 @@ TEST(Filter, AnEmptyTextMatchesEveryEvent) {
   EXPECT_EQ(steps_of(*run, " ").size(), run->trace.events.size());
 }
 
-TEST(Filter, KindsOfEventsPartTheTrace) {
+TEST(Filter, KindsOfEventsPartitionTheTrace) {
   const auto run = run_of(planes::Profile::refined);
   std::size_t sum = 0;
   for (const char* kind :
@@ -246,7 +244,7 @@ TEST(Filter, FindsCasesByDepthAndError) {
             expected);
 }
 
-TEST(Filter, TheErrorIsKnownOnlyWhereCriterion3Asked) {
+TEST(Filter, TheErrorIsKnownOnlyIfCriterion3WasTested) {
   const auto run = run_of(planes::Profile::paper);
   EXPECT_TRUE(steps_of(*run, "mse>=0 && (case==I || case==II)").empty());
   EXPECT_EQ(steps_of(*run, "mse>=0"), steps_of(*run, "case==III || case==IV"));
@@ -258,7 +256,7 @@ TEST(Filter, AnEventWithoutTheFieldMakesEveryComparisonFalse) {
   EXPECT_TRUE(steps_of(*run, "visit && n_out>=0").empty());
 }
 
-TEST(Filter, APlaneIsFoundInBothItsPlaces) {
+TEST(Filter, APlaneIsFoundInBothFields) {
   const auto run = run_of(planes::Profile::refined);
   const std::int32_t first = run->timeline.plane_of_number(1);
   const auto expected = steps_where(
@@ -272,7 +270,7 @@ TEST(Filter, APlaneIsFoundInBothItsPlaces) {
   EXPECT_EQ(steps_of(*run, "plane!=P1"), others);
 }
 
-TEST(Filter, APointIsFoundInItsNodesAndInWhatChangesItsPlane) {
+TEST(Filter, APointIsFoundInItsNodesAndInChangesOfItsPlane) {
   const auto run = run_of(planes::Profile::refined);
   for (const std::int32_t point : {0, 500, 1500}) {
     const auto steps = steps_of(*run, "point==" + std::to_string(point));
@@ -296,7 +294,7 @@ TEST(Filter, ThresholdsAreThoseOfTheRun) {
 }
 
 TEST(Filter, TruthFindsTheMergeThatFusesTwoSteps) {
-  // The paper's Criterion 4 looks at directions only.
+  // The paper's Criterion 4 compares only directions.
   auto subject = test::stair_subject(0.003);
   planes::PipelineOptions options = test::options_of(planes::Profile::paper);
   options.segment.theta_coplane = 0.5;
@@ -319,7 +317,7 @@ TEST(Filter, WithoutTruthNothingIsWrong) {
   EXPECT_TRUE(steps_of(*run, "truth.wrong || truth.mixed || truth.plane>=0").empty());
 }
 
-TEST(Filter, ThePlaceIsInTheWorld) {
+TEST(Filter, ThePositionIsInTheWorld) {
   const auto run = run_of(planes::Profile::paper);
   const auto expected = steps_where(*run, [&](const planes::TraceEvent& e) {
     if (e.type != planes::EventType::assign && e.type != planes::EventType::drop) return false;

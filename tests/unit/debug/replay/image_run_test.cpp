@@ -1,4 +1,5 @@
-// Runs on the pixels of a depth image: points follow their planes, and decisions name what decided.
+// Runs on the pixels of a depth image: points follow their planes, and decisions name their
+// criterion.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -21,7 +22,8 @@ bool is_growth(const Run& run, std::int32_t step) {
   return step > 0 && step <= run.steps() && run.event_at(step)->stage == Stage::grow;
 }
 
-/// From the first to the last; none within a round of growth, which is written plane by plane.
+/// Steps from the first to the last, except those within a round of growth, whose events are
+/// written plane by plane.
 std::vector<std::int32_t> some_steps(const Run& run) {
   std::set<std::int32_t> steps = {0, run.steps()};
   for (std::int32_t k = 1; k < 20; ++k) {
@@ -51,7 +53,7 @@ TEST(ImageRun, HasEveryStage) {
     EXPECT_TRUE(seen.contains(stage)) << planes::to_string(stage);
 }
 
-TEST(ImageRun, TracingChangesNoResult) {
+TEST(ImageRun, TracingDoesNotChangeTheResult) {
   const auto& run = *test::box_run();
   const auto untraced =
       planes::find_regions(run.subject->frame, run.subject->prepared, run.options);
@@ -59,7 +61,7 @@ TEST(ImageRun, TracingChangesNoResult) {
   EXPECT_EQ(run.segmentation.planes.size(), untraced.segmentation.planes.size());
 }
 
-TEST(ImageRun, APointFollowsThePlanesThatItsPlaneJoins) {
+TEST(ImageRun, APointFollowsItsPlaneThroughJoins) {
   const auto& run = *test::box_run();
   const Timeline& timeline = run.timeline;
   const auto points = static_cast<std::int32_t>(run.subject->voxel_count());
@@ -79,7 +81,7 @@ TEST(ImageRun, APointFollowsThePlanesThatItsPlaneJoins) {
   }
 }
 
-TEST(ImageRun, TheChangesOfAPointAreWhatItIsFromTheirStepsOn) {
+TEST(ImageRun, TheChangesOfAPointAreItsStatesFromTheirStepsOn) {
   const auto& run = *test::box_run();
   bool joins = false;
   for (std::int32_t p = 0; p < static_cast<std::int32_t>(run.subject->voxel_count()); p += 501) {
@@ -111,7 +113,7 @@ TEST(ImageRun, AStateHasThePointsOfTheTimeline) {
   }
 }
 
-TEST(ImageRun, ADecisionNamesTheValueAndTheLimitOfTheCriterionThatDecided) {
+TEST(ImageRun, ADecisionReportsValueAndLimitOfItsCriterion) {
   const auto& run = *test::box_run();
   const planes::ObjectiveOptions& options = run.options.segment.objective;
   const std::string limit = fmt::format("{:.3g} times the expected", options.flat);
@@ -146,7 +148,7 @@ TEST(ImageRun, ADecisionNamesTheValueAndTheLimitOfTheCriterionThatDecided) {
   EXPECT_EQ(seen.size(), 4u) << "every case";
 }
 
-TEST(ImageRun, ARegionThatEndsIsNotSaidToChange) {
+TEST(ImageRun, AnEndingRegionIsNotReportedAsChanged) {
   const auto& run = *test::box_run();
   bool ends = false;
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
@@ -170,7 +172,7 @@ TEST(ImageRun, ATruePlaneThatIsNotListedIsWrong) {
 TEST(ImageRun, AJoinOfTwoTruePlanesIsWrong) {
   planes::PipelineOptions options = test::image_options();
   options.segment.objective.merge_cost = 1e5;
-  options.segment.objective.two_planes = 3e-5;  // the cells stay as they are
+  options.segment.objective.two_planes = 3e-5;  // so that the cells do not change
   const auto run = make_run(test::box_run()->subject, options);
   EXPECT_FALSE(steps_matching(*run, "stage==join && truth.wrong").empty());
 }

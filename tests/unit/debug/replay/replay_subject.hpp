@@ -27,8 +27,8 @@ inline planes::PipelineOptions options_of(planes::Profile profile) {
   return options;
 }
 
-/// Three steps of a stair every 2 cm, 16 cm high, with their truth: treads 1, 3, 5 are h, risers
-/// 2, 4 are v. Exact, or with noise along each normal.
+/// A stair with three steps of 16 cm, with points every 2 cm and its truth: treads 1, 3, 5 are h,
+/// risers 2, 4 are v. Exact, or with noise along each normal.
 inline std::shared_ptr<debug::Subject> stair_subject(double noise_m = 0) {
   LabelledCloud cloud;
   debug::VoxelTruth truth;

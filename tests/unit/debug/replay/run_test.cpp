@@ -12,7 +12,7 @@
 namespace planescope::debug {
 namespace {
 
-/// Two points that share a voxel, one that is no measurement, one alone, one that is cropped.
+/// Two points in the same voxel, an invalid one, one alone, and one that is cropped.
 Frame cloud_frame() {
   Frame frame;
   frame.cloud.emplace();
@@ -44,7 +44,7 @@ TEST(Subject, SourcesFindTheirVoxels) {
   EXPECT_EQ(subject->voxel_of_source(77), planes::kNoVoxel) << "not in the frame";
 }
 
-TEST(Subject, VoxelsTakeTheTruthOfTheirPoints) {
+TEST(Subject, VoxelsHaveTheTruthOfTheirPoints) {
   const Frame frame = cloud_frame();
   const auto subject =
       make_subject(frame, planes::truth_of_cloud(*frame.cloud), crop_at_3_m(), nullptr);
@@ -63,7 +63,7 @@ TEST(Subject, WithoutTruthNothingIsKnown) {
   EXPECT_TRUE(subject->frame.is_cloud());
 }
 
-TEST(Run, FactsAgreeWithWhatWasDecided) {
+TEST(Run, FactsAgreeWithTheDecisions) {
   for (const planes::Profile profile :
        {planes::Profile::paper, planes::Profile::paper_closest, planes::Profile::refined}) {
     const auto run = make_run(test::stair_subject(0.003), test::options_of(profile));
@@ -88,7 +88,7 @@ TEST(Run, FactsCountTheTruePlanesOfEachNode) {
   EXPECT_EQ(root.truth_known, run->segmentation.plane_of.size());
 }
 
-TEST(Run, EveryEventHasASentenceOfItsOwn) {
+TEST(Run, EveryEventHasItsOwnSentence) {
   const planes::PipelineOptions options = test::options_of(planes::Profile::refined);
   const auto run = make_run(test::subject_of(test::random_cloud(4)), options);
   for (std::int32_t step = 0; step <= run->steps(); ++step) {
@@ -101,7 +101,7 @@ TEST(Run, EveryEventHasASentenceOfItsOwn) {
   EXPECT_EQ(describe_event(*run, 1).substr(0, 16), "node 0 (depth 0)");
 }
 
-TEST(Run, APlaneIsCalledByItsIdInTheResultAndOneThatDoesNotStayByANumberBeyond) {
+TEST(Run, PlanesAreNumberedByFinalIdAndTemporaryOnesBeyond) {
   const planes::PipelineOptions options = test::options_of(planes::Profile::refined);
   const auto run = make_run(test::subject_of(test::random_cloud(4)), options);
   const Timeline& timeline = run->timeline;

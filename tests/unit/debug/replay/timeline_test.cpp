@@ -43,13 +43,13 @@ Traced traced(const test::LabelledCloud& cloud, const planes::SegmentOptions& op
   return result;
 }
 
-/// What one event changed: points, and where they went, and planes.
+/// Changes by one event: the new planes of points, and changed planes.
 struct Changes {
-  std::map<std::int32_t, std::int32_t> plane_of;  // by point; -1 left over
+  std::map<std::int32_t, std::int32_t> plane_of;  // by point; -1: unassigned
   std::set<std::int32_t> planes;
 };
 
-/// Of each step; of step 0 nothing.
+/// Changes of each step; empty for step 0.
 std::vector<Changes> changes_by_step(const Traced& run, std::size_t points) {
   std::vector<Changes> changes(static_cast<std::size_t>(run.timeline.steps()) + 1);
   for (std::int32_t p = 0; p < static_cast<std::int32_t>(points); ++p)
@@ -63,8 +63,8 @@ std::vector<Changes> changes_by_step(const Traced& run, std::size_t points) {
   return changes;
 }
 
-/// What an event of the paper's method must change, told by the octree, the labels and where the
-/// points were before.
+/// Expected changes by an event of the paper's method, derived from the octree, the labels and the
+/// previous planes of the points.
 class Expected {
  public:
   Expected(const Traced& run, const planes::SegmentOptions& options)
@@ -89,7 +89,7 @@ class Expected {
     return {};
   }
 
-  /// The points that a plane has at a step, and where they go.
+  /// Points of a plane at a step, with their new plane.
   std::map<std::int32_t, std::int32_t> points_of(std::int32_t plane,
                                                  std::int32_t step,
                                                  std::int32_t to) const {
@@ -132,10 +132,11 @@ class Expected {
 };
 
 class Replay : public testing::TestWithParam<NamedOptions> {};
-/// Fits a plane again as soon as its points change; `refined` fits it when many points have moved.
+/// These profiles fit a plane whenever its points change; `refined` does so after many points have
+/// moved.
 class ReplayOfThePaper : public Replay {};
 
-TEST_P(ReplayOfThePaper, EachEventChangesWhatItSaysAndNothingElse) {
+TEST_P(ReplayOfThePaper, EachEventMakesExactlyItsOwnChanges) {
   const planes::SegmentOptions& options = GetParam().options;
   for (std::uint64_t seed = 1; seed <= kClouds && !HasFailure(); ++seed) {
     const test::LabelledCloud cloud = test::random_cloud(seed);
@@ -175,7 +176,7 @@ TEST_P(Replay, NodesAreQueuedVisitedAndSettledByTheirEvents) {
   }
 }
 
-TEST_P(ReplayOfThePaper, PlanesAreFittedToThePointsThatTheyHaveUntilLeftoversJoin) {
+TEST_P(ReplayOfThePaper, PlanesAreFittedToTheirPointsUntilLeftoversJoin) {
   const planes::SegmentOptions& options = GetParam().options;
   for (std::uint64_t seed = 1; seed <= kClouds; ++seed) {
     const test::LabelledCloud cloud = test::random_cloud(seed);
@@ -210,7 +211,7 @@ TEST_P(Replay, TheLastStepIsTheResult) {
   }
 }
 
-TEST(ReplayInputs, HoldEveryKindOfEventAndStage) {
+TEST(ReplayInputs, ContainEveryKindOfEventAndStage) {
   std::set<std::pair<planes::EventType, planes::Stage>> seen;
   for (std::uint64_t seed = 1; seed <= kClouds; ++seed)
     for (const planes::SegmentOptions& options :

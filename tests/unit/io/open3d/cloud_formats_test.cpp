@@ -8,7 +8,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A square of 2 m by 2 m at z = 1, of two triangles.
+/// A square of 2 m by 2 m at z = 1, made of two triangles.
 constexpr const char* kSquareOff = "OFF\n4 2 0\n0 0 1\n2 0 1\n2 2 1\n0 2 1\n3 0 1 2\n3 0 2 3\n";
 constexpr const char* kSquareObj = "v 0 0 1\nv 2 0 1\nv 2 2 1\nv 0 2 1\nf 1 2 3\nf 1 3 4\n";
 constexpr const char* kTriangleStl =
@@ -38,7 +38,7 @@ TEST(Open3dFormats, PointsOfTextFilesKeepTheirOrder) {
   EXPECT_EQ(pts.rgb, (std::vector<std::uint8_t>{255, 0, 16, 1, 2, 3}));
 }
 
-TEST(Open3dFormats, MeshesBecomePointsAllOverTheirTriangles) {
+TEST(Open3dFormats, MeshesAreSampledAllOverTheirTriangles) {
   for (const auto& [name, text, area_m2] : {std::tuple{"a.off", kSquareOff, 4.0},
                                             {"a.obj", kSquareObj, 4.0},
                                             {"a.stl", kTriangleStl, 2.0}}) {
@@ -63,7 +63,7 @@ TEST(Open3dFormats, TheSameMeshGivesTheSamePoints) {
   EXPECT_EQ(recording->frame(0).cloud->points, recording->frame(0).cloud->points);
 }
 
-TEST(Open3dFormats, AFolderOfThemIsARecordingUnlessItHasPlyOrPcd) {
+TEST(Open3dFormats, AFolderOfThemIsARecordingUnlessItContainsPlyOrPcd) {
   const fs::path folder = temp_folder();
   for (const char* name : {"10.xyz", "2.xyz"}) write_text(folder / name, "1 2 3\n");
   const auto recording = open_recording(folder);
@@ -75,7 +75,7 @@ TEST(Open3dFormats, AFolderOfThemIsARecordingUnlessItHasPlyOrPcd) {
   EXPECT_EQ(open_recording(folder)->frame_count(), 1);
 }
 
-TEST(Open3dFormats, WhatHoldsNothingIsRefusedInOneLine) {
+TEST(Open3dFormats, EmptyFilesAreRejectedInOneLine) {
   const auto expect_refused = [](const char* name, const std::string& text) {
     SCOPED_TRACE(std::string(name) + ": " + text);
     const fs::path path = written(name, text);
@@ -87,14 +87,14 @@ TEST(Open3dFormats, WhatHoldsNothingIsRefusedInOneLine) {
   expect_refused("flat.off", "OFF\n3 1 0\n0 0 1\n1 0 1\n2 0 1\n3 0 1 2\n");
 }
 
-TEST(Open3dFormats, HaveNoFieldToTakePlanesFrom) {
+TEST(Open3dFormats, HaveNoPlaneField) {
   RecordingOptions options;
   options.instance_field = "intensity";
   const auto recording = open_recording(written("a.xyz", "1 2 3\n"), options);
   expect_one_line_with(message_of([&] { recording->frame(0); }), {"a.xyz", "'intensity'"});
 }
 
-TEST(Open3dFormats, AreNamedWhereNothingCanBeRead) {
+TEST(Open3dFormats, AreListedInTheErrorForUnknownFormats) {
   expect_one_line_with(message_of([&] { open_recording(written("a.doc", "x")); }),
                        {".xyz", ".off"});
 }

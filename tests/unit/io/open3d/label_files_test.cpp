@@ -1,4 +1,4 @@
-// What Open3D's own readers make of our files: the tensor readers keep fields they do not know.
+// Open3D's own readers on our files: the tensor readers keep unknown fields.
 
 #include <open3d/t/io/PointCloudIO.h>
 

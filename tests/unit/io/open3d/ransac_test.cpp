@@ -24,7 +24,7 @@ TEST(Ransac, FindsAFloorAndTheSmallerWallOnIt) {
   EXPECT_GT(std::ranges::count(found.plane_of, 2), 1400);
 }
 
-TEST(Ransac, TakesNoPlaneOfTooFewPoints) {
+TEST(Ransac, FindsNoPlaneOfTooFewPoints) {
   const std::vector<Vec3f> points = test::floor_and_wall(500, 40);
   EXPECT_EQ(find_planes_ransac(points, {}).planes.size(), 1u);
   EXPECT_EQ(find_planes_ransac(points, {.min_points = 30}).planes.size(), 2u);
@@ -49,7 +49,7 @@ TEST(Ransac, FindsNothingInAnEmptyCloud) {
   EXPECT_TRUE(found.plane_of.empty());
 }
 
-TEST(Ransac, AnswersTheSameAgainAndInThreadsAtATime) {
+TEST(Ransac, IsDeterministicAlsoInParallel) {
   const std::vector<Vec3f> points = test::floor_and_wall(2000, 1000, 0.004);
   const planes::FoundPlanes once = find_planes_ransac(points, {});
   EXPECT_TRUE(test::same(once, find_planes_ransac(points, {})));
@@ -63,7 +63,7 @@ TEST(Ransac, AnswersTheSameAgainAndInThreadsAtATime) {
   EXPECT_FALSE(test::same(once, find_planes_ransac(points, {.seed = 2})));
 }
 
-TEST(Ransac, LeavesTheCallersThreadsAsTheyWere) {
+TEST(Ransac, DoesNotChangeTheCallersThreads) {
   omp_set_num_threads(3);
   find_planes_ransac(test::floor_and_wall(200, 0), {});
   EXPECT_EQ(omp_get_max_threads(), 3);

@@ -14,7 +14,7 @@ namespace {
 
 std::vector<NamedClassifier> pca() { return {{"pca", planes::make_pca_classifier()}}; }
 
-TEST(LabelBench, TiltedCloudsAreOffLevelByExactlyTheAngle) {
+TEST(LabelBench, TiltedCloudsAreTiltedByExactlyTheAngle) {
   const planes::LabelledCloud up{"stairs", {{0, 0, 1}}, {Label::h}};
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const planes::LabelledCloud off = tilted(up, 5, seed);
@@ -37,19 +37,20 @@ TEST(LabelBench, IsTheSameForAnyThreadCount) {
   }
 }
 
-TEST(LabelBench, NoiseCostsEdgeLabels) {
+TEST(LabelBench, NoiseReducesTheAccuracyOfEdgeLabels) {
   const auto rows = measure_labels(pca(), {.count = 4});
   EXPECT_EQ(rows[0].set, "stairs, 0 cm");
   EXPECT_EQ(rows[3].set, "stairs, 0.3 cm");
   EXPECT_GT(rows[0].level.edge_percent(), rows[3].level.edge_percent());
-  EXPECT_EQ(rows[0].tilted.edge, 0u);  // not asked for
+  EXPECT_EQ(rows[0].tilted.edge, 0u);  // not measured
 }
 
-TEST(LabelBench, TheShippedNetworkIsAsGoodAsItWasAndBetterThanNormalsNearEdges) {
+TEST(LabelBench, TheShippedNetworkKeepsItsAccuracyAndBeatsNormalsNearEdges) {
   const NamedClassifier gcn = {
       "gcn", planes::make_classifier({}, PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors")
                  .classifier};
-  // Half a point below what it reached with these clouds; see docs/classifier.md for 100 of each.
+  // Half a percentage point below the result for these clouds; docs/classifier.md has results for
+  // 100 of each.
   const std::map<std::string, double> least_edge = {{"stairs, 0 cm", 97.1},
                                                     {"stairs, 0.1 cm", 95.0},
                                                     {"stairs, 0.2 cm", 92.4},
@@ -66,7 +67,7 @@ TEST(LabelBench, TheShippedNetworkIsAsGoodAsItWasAndBetterThanNormalsNearEdges) 
   }
 }
 
-TEST(LabelBench, StopsWhereProgressThrows) {
+TEST(LabelBench, StopsIfProgressThrows) {
   int calls = 0;
   const auto stop = [&](int, int) {
     if (++calls == 2) throw std::runtime_error("stop");
@@ -75,7 +76,7 @@ TEST(LabelBench, StopsWhereProgressThrows) {
   EXPECT_EQ(calls, 2);
 }
 
-TEST(ChainBench, TrueLabelsFindEveryPlaneAndNoLabelsDoBetter) {
+TEST(ChainBench, TrueLabelsFindEveryPlane) {
   const auto rows =
       measure_chain(pca(), planes::profile_options(planes::Profile::refined), {.count = 3});
   ASSERT_EQ(rows.size(), 8u);  // noises x (truth, pca)

@@ -21,19 +21,19 @@ TEST(Statistics, TheMedianIsTheMiddleOrTheMeanOfTheMiddleTwo) {
   EXPECT_EQ(median({2, 2, 1, 2}), 2);
 }
 
-TEST(Statistics, OfSeveralRunsTheMiddleAndBothEndsAreTold) {
+TEST(Statistics, OfSeveralRunsAreMedianMinimumAndMaximum) {
   const Times times = times_of({9, 1, 5});
   EXPECT_EQ(times.median, 5);
   EXPECT_EQ(times.least, 1);
   EXPECT_EQ(times.greatest, 9);
 }
 
-TEST(Statistics, RatiosAreTakenBetweenWhatWasMeasuredSideBySide) {
-  // Twice as long in every round, though the machine was slow in one of them.
+TEST(Statistics, RatiosAreComputedPerRound) {
+  // Twice as long in every round, although the machine was slow in one of them.
   EXPECT_EQ(median_ratio(std::vector<double>{2, 20, 6}, std::vector<double>{1, 10, 3}), 2);
 }
 
-TEST(Clocks, AreThoseOfTheWallTheThreadAndTheProcess) {
+TEST(Clocks, MeasureWallThreadAndProcessTime) {
   for (const Clock clock : {Clock::wall, Clock::thread_cpu, Clock::process_cpu}) {
     bool ran = false;
     EXPECT_GE(spent_ms(clock, [&] { ran = true; }), 0) << to_string(clock);
@@ -41,7 +41,7 @@ TEST(Clocks, AreThoseOfTheWallTheThreadAndTheProcess) {
   }
 }
 
-TEST(Interleaved, EveryRoundRunsEachContestantOnceAndTheFirstDoesNotCount) {
+TEST(Interleaved, EveryRoundRunsEachContestantOnceAndTheFirstIsIgnored) {
   std::vector<int> runs(3), first_of_round;
   int turn = 0;
   const auto ms = interleaved_ms(
@@ -56,7 +56,7 @@ TEST(Interleaved, EveryRoundRunsEachContestantOnceAndTheFirstDoesNotCount) {
   for (const auto& of_one : ms) EXPECT_EQ(of_one.size(), 5u);
 }
 
-// ---- Floors ----
+// ---- Lower bounds ----
 
 TEST(Floors, AreTheLargerOfTheTimesOfBytesAndSums) {
   const Peaks peaks{.bytes_per_s = 1e9, .flops_per_s = 1e10};
@@ -68,12 +68,12 @@ TEST(Floors, AreTheLargerOfTheTimesOfBytesAndSums) {
   EXPECT_FALSE(summed.by_bytes);
 }
 
-TEST(Floors, CountWhatGoesInAndWhatComesOut) {
+TEST(Floors, CountInputsAndOutputs) {
   EXPECT_EQ(load_work(200, 300).bytes, 500);
   EXPECT_EQ(gravity_work(200).bytes, 200);
   EXPECT_EQ(cloud_work(200, 10).bytes, 200 + 17 * 10);
   EXPECT_EQ(cloud_work(200, 10).flops, 170);
-  // 10 measured, of which 8 are kept in 3 voxels.
+  // 10 points measured, of which 8 are kept, in 3 voxels.
   EXPECT_EQ(voxel_work(10, 8, 3).bytes, 10 + 8 * 12 + 10 * 4 + 3 * 16);
   EXPECT_EQ(voxel_work(10, 8, 3).flops, 8 * 9 + 3 * 3);
   EXPECT_EQ(pca_work(10, 16).flops, 10 * 16 * 15);
@@ -98,7 +98,7 @@ TEST(Floors, OfANetworkAreItsMatricesAndItsKernels) {
             surface + head_of_first + convolution + head_of_second + logits);
 }
 
-TEST(Floors, ThisMachineMovesBytesAndSumsNumbers) {
+TEST(Floors, ThisMachineHasPositiveRates) {
   const Peaks peaks = measure_peaks();
   EXPECT_GT(peaks.bytes_per_s, 0);
   EXPECT_GT(peaks.flops_per_s, 0);
@@ -106,23 +106,23 @@ TEST(Floors, ThisMachineMovesBytesAndSumsNumbers) {
 
 // ---- Scaling ----
 
-TEST(Exponents, ArePowersLawfullyFitted) {
+TEST(Exponents, AreFittedToPowerLaws) {
   const std::vector<double> x = {1, 3, 10, 200};
   std::vector<double> y;
   for (const double value : x) y.push_back(7 * std::pow(value, 1.5));
   EXPECT_NEAR(fitted_exponent(x, y), 1.5, 1e-12);
   EXPECT_NEAR(fitted_exponent(x, std::vector<double>{4, 4, 4, 4}), 0, 1e-12);
-  // One that strays by as much above as another below moves nothing in the middle.
+  // One outlier above and another one below cancel.
   EXPECT_NEAR(fitted_exponent(std::vector<double>{1, 2, 4, 8}, std::vector<double>{1, 3, 3, 8}),
               0.9, 0.1);
 }
 
-TEST(Exponents, AreNotToldFromOneX) {
+TEST(Exponents, AreUndefinedForASingleX) {
   EXPECT_TRUE(std::isnan(fitted_exponent(std::vector<double>{2}, std::vector<double>{5})));
   EXPECT_TRUE(std::isnan(fitted_exponent(std::vector<double>{3, 3}, std::vector<double>{5, 6})));
 }
 
-TEST(ScaledFrames, SeeTheSamePlacesWithOtherPixels) {
+TEST(ScaledFrames, ShowTheSameSceneAtAnotherResolution) {
   Frame frame;
   frame.depth = Image16(4, 2);
   for (std::size_t i = 0; i < frame.depth.data.size(); ++i)
@@ -144,7 +144,7 @@ TEST(ScaledFrames, SeeTheSamePlacesWithOtherPixels) {
   EXPECT_DOUBLE_EQ(smaller.intrinsics.cx, 0.5);
 }
 
-TEST(Tiles, AreAsManyPointsAsAreAskedForOnLevelsOfTheirOwn) {
+TEST(Tiles, HaveTheRequestedNumberOfPointsOnSeparateLevels) {
   const PointsOnPlanes cloud = tiles(2, 500);
   EXPECT_EQ(cloud.points.size(), 500u);
   EXPECT_EQ(cloud.labels.size(), 500u);

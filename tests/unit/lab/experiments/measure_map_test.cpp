@@ -11,7 +11,7 @@
 namespace planescope::lab {
 namespace {
 
-// A box 1 m wide, deep and high.
+// A box of 1 m width, depth and height.
 const Cuboid kBox{{0, 0, 0.5}, 0, {0.5, 0.5, 0.5}};
 
 /// A camera at (3, 0, 0.5) that looks at the box along -x, in three frames of the first segment.
@@ -30,7 +30,7 @@ std::string plane(const char* normal, const char* centroid, const char* state = 
          R"(, "centroid": )" + centroid + R"(, "area_m2": 0.9})";
 }
 
-TEST(MapTruth, CountsFacesThatAreMissingDoubledAndOffAndPlanesElsewhere) {
+TEST(MapTruth, CountsMissingDuplicateAndDisplacedFacesAndOtherPlanes) {
   write_poses(temp_dir());
   write_file_text(temp_dir() / "map.json", R"({"planes": [)" +
                                                plane("[1, 0, 0]", "[0.52, 0, 0.5]") + "," +
@@ -54,14 +54,14 @@ TEST(MapTruth, CountsFacesThatAreMissingDoubledAndOffAndPlanesElsewhere) {
   EXPECT_TRUE(measure_map_truth(temp_dir(), std::vector{kBox}).faces[1].is_missing());
 }
 
-TEST(MapTruth, DamagedCuboidsAreRefusedWithTheirLine) {
+TEST(MapTruth, DamagedCuboidsAreRejectedWithTheirLine) {
   const std::filesystem::path file = temp_dir() / "boxes.txt";
   const auto refusal = [&](const char* text) {
     write_file_text(file, text);
     return message_of([&] { read_cuboids(file); });
   };
   EXPECT_EQ(refusal("# none\n"),
-            file.string() + ": holds no cuboid, expected lines of x y z yaw and half sizes");
+            file.string() + ": contains no cuboid; expected lines of x y z yaw and half sizes");
   EXPECT_EQ(refusal("# one\n0 0 1 0 1 1\n"),
             file.string() + ", line 2: 6 words; expected x y z yaw and three half sizes");
   EXPECT_EQ(

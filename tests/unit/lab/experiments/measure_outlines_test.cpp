@@ -13,7 +13,7 @@
 namespace planescope::lab {
 namespace {
 
-// Neither too small nor so large that it is of no use: half of all errors are within 0.67 sigma.
+// The sigma is neither too small nor uselessly large: half of all errors are within 0.67 sigma.
 TEST(Certainty, TruePlanesAreWithinTwoSigmaInNineteenOfTwentyCases) {
   const planes::PipelineOptions options;
   const planes::ChosenClassifier chosen = planes::make_classifier(

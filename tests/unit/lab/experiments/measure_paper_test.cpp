@@ -31,7 +31,7 @@ std::vector<CellKey> contestants(const CellKey& frames) {
           with_rival(frames, "oracle")};
 }
 
-TEST(MeasureCells, GivesTheSameForAnyThreadCount) {
+TEST(MeasureCells, IsTheSameForEveryThreadCount) {
   const std::vector<CellKey> keys = contestants(clouds_of("stairs", 1001, 2048, 0.2));
   CellTools one = tools(), many = tools();
   many.threads = 3;
@@ -40,7 +40,7 @@ TEST(MeasureCells, GivesTheSameForAnyThreadCount) {
     EXPECT_EQ(with_metrics({}, a[i].metrics).dump(), with_metrics({}, b[i].metrics).dump());
 }
 
-TEST(MeasureCells, TheOracleIsHardlyBeatenAndTrueLabelsAreNotWorse) {
+TEST(MeasureCells, TheOracleIsRarelyBeatenAndTrueLabelsAreNotWorse) {
   for (const CellKey& frames :
        {clouds_of("stairs", 1001, 2048, 0.1), depth_of("depth_boxes", 1001, "d435")}) {
     const std::vector<Cell> cells = measure_cells(contestants(frames), 2, tools());
@@ -52,7 +52,7 @@ TEST(MeasureCells, TheOracleIsHardlyBeatenAndTrueLabelsAreNotWorse) {
   }
 }
 
-TEST(MeasureCells, TheOracleIsRightWhereNothingIsUncertain) {
+TEST(MeasureCells, TheOracleIsCorrectWithoutNoise) {
   const std::vector<Cell> cells =
       measure_cells({{with_rival(clouds_of("stairs", 1001, 2048, 0), "oracle")}}, 1, tools());
   EXPECT_GT(cells[0].metrics.point_accuracy, 99);
@@ -60,7 +60,7 @@ TEST(MeasureCells, TheOracleIsRightWhereNothingIsUncertain) {
   EXPECT_LT(cells[0].metrics.alpha_deg, 0.05);
 }
 
-TEST(PaperPlan, HasEveryCellOnceAndThoseOfAQuickRunAmongThem) {
+TEST(PaperPlan, HasEveryCellOnceIncludingThoseOfAQuickRun) {
   const std::vector<CellKey> all = planned_cells({});
   for (std::size_t i = 0; i < all.size(); ++i)
     EXPECT_EQ(std::ranges::find(all, all[i]) - all.begin(), static_cast<std::ptrdiff_t>(i));
@@ -81,7 +81,7 @@ TEST(PaperPlan, TurnsOffOneRefinementAtATime) {
 
 const TruePolygon kTriangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 1};
 
-TEST(Oracle, DistanceIsThatToThePlaneOverThePolygonAndElseToItsNearestEdgeOrCorner) {
+TEST(Oracle, DistanceIsToThePolygonIncludingItsEdgesAndCorners) {
   EXPECT_DOUBLE_EQ(distance_m(kTriangle, {0.2, 0.2, 0.5}), 0.5);
   EXPECT_DOUBLE_EQ(distance_m(kTriangle, {0.2, 0.2, -0.5}), 0.5);
   EXPECT_DOUBLE_EQ(distance_m(kTriangle, {0.5, -0.3, 0.4}), 0.5);  // beside an edge
@@ -89,14 +89,14 @@ TEST(Oracle, DistanceIsThatToThePlaneOverThePolygonAndElseToItsNearestEdgeOrCorn
   EXPECT_DOUBLE_EQ(distance_m(kTriangle, {1, 1, 0}), std::sqrt(0.5));
 }
 
-TEST(Oracle, WhichWayRoundThePolygonGoesDoesNotMatter) {
+TEST(Oracle, TheOrientationOfThePolygonDoesNotMatter) {
   const TruePolygon reversed{{{0, 1, 0}, {1, 0, 0}, {0, 0, 0}}, 1};
   for (const Vec3d& p : {Vec3d(0.2, 0.2, 0.5), Vec3d(1, 1, 0), Vec3d(-1, 2, 3)})
     EXPECT_DOUBLE_EQ(distance_m(reversed, p), distance_m(kTriangle, p));
 }
 
 TEST(Oracle, PlanesEndWhereTheirPolygonsEnd) {
-  // Two tables of one height, and the floor between them.
+  // Two tables of the same height, and the floor between them.
   const std::vector<TruePolygon> tables = {
       {{{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}, 1},
       {{{2, 0, 1}, {3, 0, 1}, {3, 1, 1}, {2, 1, 1}}, 2},
@@ -107,7 +107,7 @@ TEST(Oracle, PlanesEndWhereTheirPolygonsEnd) {
   EXPECT_EQ(oracle_planes(points, tables), (std::vector<std::int32_t>{1, 2, 1, 2, 3}));
 }
 
-TEST(Oracle, TakesTheFirstOfEquallyNearPlanesAndNoneWhereACurvedPartIsNearest) {
+TEST(Oracle, PrefersTheFirstOfEqualPlanesAndNoneIfACurvedPartIsNearest) {
   std::vector<TruePolygon> polygons = {
       kTriangle, kTriangle, {{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, 0}};
   polygons[1].plane = 2;

@@ -10,9 +10,9 @@
 namespace planescope::lab {
 namespace {
 
-constexpr int kSide = 100;  // pixels of an image's edge
+constexpr int kSide = 100;  // width and height of the image [px]
 
-/// A plane on the left half of the image, another on the right.
+/// A plane on the left half of the image, and another on the right.
 PixelPlanes halves(double offset_m = 1, double tilt_rad = 0) {
   PixelPlanes planes;
   for (int i = 0; i < kSide * kSide; ++i) planes.plane_of.push_back(i % kSide < kSide / 2 ? 1 : 2);
@@ -26,7 +26,7 @@ PixelPlanes halves(double offset_m = 1, double tilt_rad = 0) {
   return planes;
 }
 
-TEST(Repeatability, PlanesAreFoundAgainByTheirPixelsWhateverTheirNumbers) {
+TEST(Repeatability, PlanesAreMatchedByPixelsForAnyNumbering) {
   const PixelPlanes first = halves();
   PixelPlanes next = halves(1.02, 0.01);
   for (auto& plane : next.plane_of) plane = 3 - plane;
@@ -41,7 +41,7 @@ TEST(Repeatability, PlanesAreFoundAgainByTheirPixelsWhateverTheirNumbers) {
   EXPECT_NEAR(n.normal_jumps_deg[1], 0.01 * 180 / M_PI, 1e-6);
 }
 
-TEST(Repeatability, ChangesOfAnAngleAreToldInWhatFourCertaintiesTell) {
+TEST(Repeatability, ChangesOfAnAngleAreMeasuredInSigmasOfFourPlanes) {
   const PixelPlanes first = halves();
   PixelPlanes next = halves();
   next.fits[1].normal = Vec3d(0, std::cos(0.01), std::sin(0.01));
@@ -60,11 +60,11 @@ TEST(Repeatability, ChangesOfAnAngleAreToldInWhatFourCertaintiesTell) {
   EXPECT_TRUE(compare_neighbours(next, next).angle_jumps_sigmas.empty()) << "parallel ones";
 }
 
-TEST(Repeatability, APlaneThatFallsApartOrIsSmallHasNoPartner) {
+TEST(Repeatability, ASplitOrSmallPlaneHasNoPartner) {
   PixelPlanes first = halves(), next = halves();
   next.fits.resize(4);
   next.certainties.resize(4);
-  for (int i = 0; i < kSide * kSide; ++i)  // thirds of the left one
+  for (int i = 0; i < kSide * kSide; ++i)  // thirds of the left plane
     if (next.plane_of[i] == 1 && i >= kSide * kSide / 3)
       next.plane_of[i] = i < kSide * kSide * 2 / 3 ? 3 : 4;
   EXPECT_EQ(compare_neighbours(first, next).planes, 2);
@@ -75,7 +75,7 @@ TEST(Repeatability, APlaneThatFallsApartOrIsSmallHasNoPartner) {
   EXPECT_EQ(compare_neighbours(first, next).planes, 2) << "499 pixels do not count";
 }
 
-/// A level floor 0.6 m below a camera that looks 30 degrees down, and a wall 2.5 m ahead.
+/// A level floor 0.6 m below a camera that looks down by 30 degrees, and a wall 2.5 m ahead.
 planes::PreparedFrame floor_and_wall(double rise) {
   planes::PreparedFrame frame;
   const double down = 30 * M_PI / 180;
@@ -97,7 +97,7 @@ planes::PreparedFrame floor_and_wall(double rise) {
   return frame;
 }
 
-TEST(Repeatability, TheFloorIsToldByPixelsEvenWhereGravityIsSlightlyOff) {
+TEST(Repeatability, TheFloorIsFoundByPixelsEvenIfGravityIsSlightlyOff) {
   for (const double rise : {0.0, 0.02}) {
     const planes::PreparedFrame frame = floor_and_wall(rise);
     const std::vector<std::uint8_t> floor = floor_pixels(frame);
@@ -106,7 +106,7 @@ TEST(Repeatability, TheFloorIsToldByPixelsEvenWhereGravityIsSlightlyOff) {
       const Vec3f& p = frame.cloud.points[i];
       right += floor[i] == (std::abs(p.z() - (-0.6 + rise * p.x())) < 1e-4);
     }
-    EXPECT_GT(right, 0.96 * kSide * kSide) << rise;  // but for the foot of the wall
+    EXPECT_GT(right, 0.96 * kSide * kSide) << rise;  // except for the foot of the wall
   }
 }
 
@@ -118,7 +118,7 @@ TEST(Repeatability, AFrameWithNothingBelowTheCameraHasNoFloor) {
   EXPECT_EQ(floor_pieces(floor, halves()).largest, 0);
 }
 
-TEST(Repeatability, ThePiecesOfTheFloorArePlanesThatLieMostlyOnIt) {
+TEST(Repeatability, ThePiecesOfTheFloorArePlanesMostlyOnIt) {
   std::vector<std::uint8_t> floor(kSide * kSide, 0);
   PixelPlanes found = halves();
   std::fill(floor.begin() + kSide * kSide / 2, floor.end(), std::uint8_t{1});

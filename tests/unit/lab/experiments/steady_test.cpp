@@ -14,7 +14,7 @@ namespace {
 
 using PixelIds = std::vector<std::int32_t>;
 
-/// Runs of pixels of one plane each.
+/// Makes ids from runs of pixels, given as plane and number of pixels.
 PixelIds ids_of(const std::vector<std::pair<int, int>>& plane_and_pixels) {
   PixelIds ids;
   for (const auto& [plane, pixels] : plane_and_pixels)
@@ -22,7 +22,7 @@ PixelIds ids_of(const std::vector<std::pair<int, int>>& plane_and_pixels) {
   return ids;
 }
 
-TEST(Steadiness, TheSamePlanesUnderOtherNumbersAgreeFully) {
+TEST(Steadiness, TheSamePlanesWithOtherNumbersAgreeFully) {
   const Agreement a = compare_planes_by_pixel(ids_of({{1, 60}, {0, 10}, {2, 30}}),
                                               ids_of({{7, 60}, {0, 10}, {3, 30}}));
   EXPECT_DOUBLE_EQ(a.all.iou_sum, 2);
@@ -42,7 +42,7 @@ TEST(Steadiness, APlaneCutInTwoEqualHalvesIsLost) {
   EXPECT_EQ(a.partner, (std::vector<int>{0, 3}));
 }
 
-TEST(Steadiness, APlaneWithoutAnAlmostEqualOneHasChangedThoughItHasAPartner) {
+TEST(Steadiness, APlaneWithoutAnAlmostEqualOneHasChangedEvenWithAPartner) {
   const Agreement a = compare_planes_by_pixel(ids_of({{1, 200}, {0, 2}, {2, 50}}),
                                               ids_of({{1, 202}, {2, 49}, {0, 1}}));
   EXPECT_EQ(a.all.partners, 2);
@@ -50,7 +50,7 @@ TEST(Steadiness, APlaneWithoutAnAlmostEqualOneHasChangedThoughItHasAPartner) {
   EXPECT_DOUBLE_EQ(a.all.iou_sum, 200 / 202.0 + 49 / 50.0);
 }
 
-TEST(Steadiness, OnlyComparedPixelsCountAndPlanesWithoutOneAreNoPlanes) {
+TEST(Steadiness, OnlyComparedPixelsCountAndPlanesWithoutAnyAreIgnored) {
   const Agreement a = compare_planes_by_pixel(ids_of({{1, 50}, {-1, 80}, {3, 20}}),
                                               ids_of({{1, 70}, {2, 60}, {3, 20}}));
   EXPECT_EQ(a.all.planes, 2) << "plane 2 of the first image has no pixel left";
@@ -58,7 +58,7 @@ TEST(Steadiness, OnlyComparedPixelsCountAndPlanesWithoutOneAreNoPlanes) {
   EXPECT_DOUBLE_EQ(a.all.iou_sum, 2);
 }
 
-TEST(Steadiness, BigPlanesAreCountedFrom3000ComparedPixelsOn) {
+TEST(Steadiness, BigPlanesHaveAtLeast3000ComparedPixels) {
   const Agreement a =
       compare_planes_by_pixel(ids_of({{1, 3000}, {2, 2999}, {3, 4000}}), PixelIds(9999, 0));
   EXPECT_EQ(a.all.big, 2);
@@ -67,7 +67,7 @@ TEST(Steadiness, BigPlanesAreCountedFrom3000ComparedPixelsOn) {
   EXPECT_DOUBLE_EQ(a.all.iou_sum, 0);
 }
 
-TEST(Steadiness, UndecidedPlanesAreLeftOutOfWhatIsCountedOfDecidedOnes) {
+TEST(Steadiness, UndecidedPlanesDoNotCountAsDecided) {
   const std::vector<std::uint8_t> undecided = {1, 0};
   const Agreement a = compare_planes_by_pixel(ids_of({{1, 4000}, {2, 5000}, {3, 10}}),
                                               ids_of({{0, 4000}, {2, 5000}, {3, 10}}), undecided);
@@ -91,14 +91,14 @@ DepthMeters wall_at(double depth_m) {
   return depth;
 }
 
-/// Plane 1 on the left of column 20, 2 on the right.
+/// Plane 1 is left of column 20, plane 2 right.
 PixelIds two_halves() {
   PixelIds ids;
   for (int i = 0; i < kImageWidth * kImageHeight; ++i) ids.push_back(i % kImageWidth < 20 ? 1 : 2);
   return ids;
 }
 
-TEST(Steadiness, LabelsMoveAsTheCameraDid) {
+TEST(Steadiness, LabelsMoveWithTheCamera) {
   Pose T_second_first = Pose::Identity();  // the camera moves 0.1 m to the right: 4 px at 1 m
   T_second_first.translation().x() = -0.1;
   const PixelIds warped = warp_planes(two_halves(), wall_at(1), wall_at(1), T_second_first);
@@ -110,9 +110,9 @@ TEST(Steadiness, LabelsMoveAsTheCameraDid) {
           << u << ", " << v;
 }
 
-TEST(Steadiness, APixelIsComparedWhereBothDepthsAgreeWithinThreePercent) {
+TEST(Steadiness, APixelIsComparedIfBothDepthsAgreeWithinThreePercent) {
   Pose forward = Pose::Identity();
-  forward.translation().z() = -0.5;  // the wall comes from 2 m to 1.5 m
+  forward.translation().z() = -0.5;  // the wall moves from 2 m to 1.5 m
   const auto seen = [&](double second_m) {
     const PixelIds warped = warp_planes(two_halves(), wall_at(2), wall_at(second_m), forward);
     return warped[15 * kImageWidth + 20];
@@ -124,7 +124,7 @@ TEST(Steadiness, APixelIsComparedWhereBothDepthsAgreeWithinThreePercent) {
   EXPECT_EQ(seen(0), -1) << "not measured";
 }
 
-TEST(Steadiness, WhatIsBehindTheSecondCameraOrBesideItsImageIsNotCompared) {
+TEST(Steadiness, PixelsOutsideTheSecondViewAreNotCompared) {
   Pose behind = Pose::Identity();
   behind.translation().z() = -1.5;
   Pose away = Pose::Identity();
@@ -155,7 +155,7 @@ TEST(Steadiness, DepthsBeyondTheRangeAndInvalidOnesAreNotCompared) {
 
 // ---- Measurements ----
 
-/// Frames of which only one has a pose.
+/// A recording in which only one frame has a pose.
 class PosesAlone : public io::Recording {
  public:
   const io::RecordingInfo& info() const override { return info_; }
@@ -172,7 +172,7 @@ class PosesAlone : public io::Recording {
   io::RecordingInfo info_;
 };
 
-TEST(MeasureSteady, ARecordingsOwnPosesAreByFrame) {
+TEST(MeasureSteady, ARecordingsPosesAreReadByFrame) {
   PosesAlone recording;
   EXPECT_TRUE(own_poses(recording).empty());
   recording.own_pose_of = 1;
@@ -182,7 +182,7 @@ TEST(MeasureSteady, ARecordingsOwnPosesAreByFrame) {
   EXPECT_TRUE(poses[1]);
 }
 
-TEST(MeasureSteady, ATurnIsByItsAngleWhateverTheAxis) {
+TEST(MeasureSteady, ATurnHasItsAngleForAnyAxis) {
   const Vec3d down = Vec3d(0.1, 0.9, 0.3).normalized();
   for (const double angle_deg : {1e-6, 1e-3, 0.1})
     for (const double around_deg : {0.0, 77.0, 200.0}) {

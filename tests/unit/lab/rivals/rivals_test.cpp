@@ -19,8 +19,8 @@ using test::floor_and_wall;
 using test::points_everywhere;
 using test::same;
 
-/// A floor and a wall seen by a camera that looks along +x, 0.5 m above the floor and 1 m before
-/// the wall; the leftmost columns were not measured, the rightmost cropped.
+/// A floor and a wall, seen by a camera that looks along +x, 0.5 m above the floor and 1 m in front
+/// of the wall. The leftmost columns were not measured, the rightmost are cropped.
 struct PixelScene {
   static constexpr int kWidth = 320, kHeight = 240, kUnmeasured = 10, kCropped = 5;
   std::vector<Vec3f> points;
@@ -49,7 +49,7 @@ struct PixelScene {
   }
 };
 
-/// Those for unordered clouds.
+/// Rivals for unordered clouds.
 std::vector<LibraryRival> cloud_rivals() {
   std::vector<LibraryRival> rivals = library_rivals();
   std::erase_if(rivals, [](const LibraryRival& rival) { return !rival.on_points; });
@@ -62,7 +62,7 @@ class FurtherRivals : public testing::TestWithParam<LibraryRival> {
     return GetParam().on_points(points, /*by_point=*/true);
   }
 };
-/// GoogleTest would print the bytes, with addresses that differ from run to run.
+/// GoogleTest would print the bytes, which contain addresses that differ between runs.
 [[maybe_unused]] void PrintTo(const LibraryRival& rival, std::ostream* out) { *out << rival.name; }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(FurtherRivals);
@@ -87,7 +87,7 @@ TEST_P(FurtherRivals, FindNothingInFewPoints) {
   }
 }
 
-TEST_P(FurtherRivals, AnswerTheSameAgainAndInThreadsAtATime) {
+TEST_P(FurtherRivals, AreDeterministicAlsoInParallel) {
   const std::vector<Vec3f> points = floor_and_wall(2000, 1000, 0.003);
   const planes::FoundPlanes once = find(points);
   EXPECT_TRUE(same(once, find(points)));
@@ -100,7 +100,7 @@ TEST_P(FurtherRivals, AnswerTheSameAgainAndInThreadsAtATime) {
   EXPECT_TRUE(same(once, others[1]));
 }
 
-TEST(PclMultiPlane, FindsTheFloorAndTheWallInADepthImageFromWhereverItIsSeen) {
+TEST(PclMultiPlane, FindsTheFloorAndTheWallInADepthImageFromAnyPosition) {
   const LibraryRival* rival = find_library_rival("pcl-multi-plane");
   if (!rival) GTEST_SKIP() << "this build has none of them (-DPLANESCOPE_RIVALS=ON)";
   PixelScene scene;
@@ -116,7 +116,7 @@ TEST(PclMultiPlane, FindsTheFloorAndTheWallInADepthImageFromWhereverItIsSeen) {
   }
   EXPECT_GT(in_planes, 9 * scene.points.size() / 10);
 
-  // The same camera and scene, the points told about another origin.
+  // The same camera and scene, with points relative to another origin.
   const Vec3f shift(2, 1, 0.5);
   for (Vec3f& p : scene.points) p += shift;
   input = scene.input();
@@ -127,7 +127,7 @@ TEST(PclMultiPlane, FindsTheFloorAndTheWallInADepthImageFromWhereverItIsSeen) {
   EXPECT_LT(angle_deg(again.planes[0].normal, found.planes[0].normal), 0.05);
 }
 
-TEST(LibraryRivals, ThoseForDepthImagesRefuseClouds) {
+TEST(LibraryRivals, ThoseForDepthImagesRejectClouds) {
   const LibraryRival on_pixels{
       "images", [](const planes::PixelPoints&) { return planes::FoundPlanes(); }, nullptr};
   Frame frame;
@@ -137,7 +137,7 @@ TEST(LibraryRivals, ThoseForDepthImagesRefuseClouds) {
 
 // ---- Classifiers ----
 
-/// Farther from every point of another plane than 16 neighbours reach.
+/// Points farther from any other plane than their 16 neighbors.
 std::vector<bool> away_from_edges(const PointSet& cloud) {
   constexpr float kReach = 0.08f;
   std::vector<bool> away(cloud.points.size(), true);
@@ -173,7 +173,7 @@ TEST(NanoflannPca, GivesTheSameAnswerForAnyThreadCount) {
   EXPECT_EQ(one.margins, four.margins);
 }
 
-TEST(NanoflannPca, TakesCloudsSmallerThanANeighbourhoodAndPointsThatAreNotFinite) {
+TEST(NanoflannPca, AcceptsTinyCloudsAndNonFinitePoints) {
   const auto classifier = make_nanoflann_pca_classifier();
   EXPECT_TRUE(classifier->classify({}, 1).labels.empty());
   const float nan = std::numeric_limits<float>::quiet_NaN();

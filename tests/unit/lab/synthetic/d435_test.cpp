@@ -17,7 +17,7 @@ struct DepthSpread {
   double mean_m = 0, deviation_m = 0;
 };
 
-/// Of the measured depths right of the invalid band.
+/// Spread of the measured depths right of the invalid band.
 DepthSpread spread(const Frame& frame) {
   double count = 0, sum = 0, squares = 0;
   for (int y = 0; y < frame.depth.height; ++y) {
@@ -43,11 +43,11 @@ TEST(D435, DepthNoiseGrowsWithTheSquareOfDepth) {
     if (z == 0.5) at_half_m = measured.deviation_m;
     EXPECT_NEAR(measured.deviation_m / at_half_m, z * z / 0.25, 0.08 * z * z / 0.25) << z;
   }
-  // The size that is published for the real camera: some millimetres at 1 m.
+  // The published value for the real camera: several millimeters at 1 m.
   EXPECT_NEAR(depth_sigma_m(model, 1.0), 0.004, 0.001);
 }
 
-/// Of the errors of pixels that are `lag` columns apart, on a wall `z_m` away.
+/// Correlation of the errors of pixels that are `lag` columns apart, on a wall at distance `z_m`.
 double correlation(const Frame& frame, double z_m, int lag) {
   double products = 0, squares = 0;
   for (int y = 0; y < 480; ++y) {
@@ -62,14 +62,14 @@ double correlation(const Frame& frame, double z_m, int lag) {
   return products / squares;
 }
 
-TEST(D435, NeighbouringPixelsErrAlikeAndDistantOnesDoNot) {
+TEST(D435, ErrorsOfNeighborsAreCorrelatedAndThoseOfDistantPixelsAreNot) {
   const Frame frame = seen(wall_at(1.2), without_color());
   EXPECT_GT(correlation(frame, 1.2, 1), 0.6);
   EXPECT_GT(correlation(frame, 1.2, 2), 0.3);
   EXPECT_LT(std::abs(correlation(frame, 1.2, 12)), 0.05);
 }
 
-TEST(D435, ABowIsAlikeOverAsManyPixelsAsItIsTold) {
+TEST(D435, ABowIsCorrelatedOverItsLength) {
   D435Model model = without_color();
   model.disparity_sigma_px = 0;
   model.bow_sigma_px = 0.1;
@@ -80,7 +80,7 @@ TEST(D435, ABowIsAlikeOverAsManyPixelsAsItIsTold) {
   EXPECT_LT(std::abs(correlation(frame, 1.2, 2 * model.bow_px)), 0.3);
 }
 
-TEST(D435, FlyingPixelsHangBetweenSurfacesAlongTheirEdge) {
+TEST(D435, FlyingPixelsAreBetweenSurfacesAlongTheirEdge) {
   Scene scene = wall_at(1.6);
   add_polygon(scene, {{0.8, 0.2, -9}, {0.8, -0.2, -9}, {0.8, -0.2, 9}, {0.8, 0.2, 9}}, {});
   const auto between = [&](double from, int x0, int x1) {
@@ -105,7 +105,7 @@ TEST(D435, BlindPatchesAreNotMeasured) {
   EXPECT_NEAR(hole_share(seen(wall_at(1), model).depth, 100, 640, 0, 480), 0.5, 0.1);
 }
 
-TEST(D435, DepthComesInStepsOfDisparity) {
+TEST(D435, DepthIsQuantizedInDisparity) {
   D435Model model = without_color();
   model.depth_unit_m = 1e-5;  // fine enough to see the steps
   const Frame frame = seen(wall_at(0.5), model);
@@ -126,9 +126,9 @@ TEST(D435, TheLeftEdgeIsABandThatTheRightImagerMisses) {
   EXPECT_LT(hole_share(frame.depth, band + 1, 640, 0, 480), 0.01);
 }
 
-TEST(D435, BackgroundLeftOfAnObjectIsLostWhereOnlyTheLeftImagerSeesIt) {
+TEST(D435, BackgroundSeenOnlyByTheLeftImagerIsLost) {
   Scene scene = wall_at(1.6);
-  // A plate 0.8 m away whose edges lie at pixels 319.5 -+ 0.2 / 0.8 * 385.
+  // A plate at 0.8 m, with edges at pixels 319.5 -+ 0.2 / 0.8 * 385.
   add_polygon(scene, {{0.8, 0.2, -9}, {0.8, -0.2, -9}, {0.8, -0.2, 9}, {0.8, 0.2, 9}}, {});
   const Frame frame = seen(scene, without_color());
   const double jump = 385 * 0.05 * (1 / 0.8 - 1 / 1.6);  // 12 px

@@ -45,7 +45,7 @@ int largest_plane(const EvaluationFrame& frame) {
   return largest;
 }
 
-/// Distance of a point to the nearest part of its plane; `but`: of any other instead.
+/// Distance of a point to the nearest part of its plane; with `but`, to the nearest other plane.
 double distance_to_plane(const EvaluationFrame& frame,
                          int plane,
                          const Vec3f& p,
@@ -57,7 +57,7 @@ double distance_to_plane(const EvaluationFrame& frame,
   return nearest;
 }
 
-TEST(EvaluationSets, UnknownOnesAreRefusedWithTheNamesOfThoseThereAre) {
+TEST(EvaluationSets, UnknownOnesAreRejectedWithAListOfNames) {
   try {
     find_evaluation_set("cookies");
     FAIL();
@@ -70,7 +70,7 @@ TEST(EvaluationSets, UnknownOnesAreRefusedWithTheNamesOfThoseThereAre) {
   EXPECT_EQ(parse_depth_errors("d435"), DepthErrors::d435);
 }
 
-TEST(EvaluationSets, StairsAreThoseOfThePaper) {
+TEST(EvaluationSets, StairsMatchThePaper) {
   EvaluationOptions options = small();
   options.seed = 7;
   options.noise_m = 0.01;
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(EvaluationSets,
                          testing::ValuesIn(names(false)),
                          [](const auto& set) { return set.param; });
 
-TEST_P(EveryCloudSet, HasTheSamePointsWhateverWasAskedForBefore) {
+TEST_P(EveryCloudSet, HasTheSamePointsInAnyOrderOfRequests) {
   const EvaluationFrame alone = make(GetParam(), 2, small());
   make(GetParam(), 0, small());
   make(GetParam(), 1, small());
@@ -128,7 +128,7 @@ TEST_P(EveryCloudSet, IsSolvedByTheOracleAwayFromEdges) {
   }
 }
 
-TEST_P(EveryCloudSet, KnowsThePlanesItCountsTheirNormalsAndGravity) {
+TEST_P(EveryCloudSet, HasConsistentPlanesNormalsAndGravity) {
   for (int index = 0; index < 12; ++index) {
     const EvaluationFrame frame = make(GetParam(), index, small());
     const int planes = largest_plane(frame);
@@ -166,11 +166,11 @@ struct PlaneCount {
   const char* set;
   int fewest, most;
 };
-TEST(EvaluationSets, ObjectsHaveThePlanesTheirDescriptionsPromise) {
+TEST(EvaluationSets, ObjectsHaveTheDescribedPlanes) {
   for (const PlaneCount& expected :
        {PlaneCount{"side_walls", 6, 13},    // ground, 2 to 5 steps, one or two walls
-        PlaneCount{"open_risers", 16, 31},  // ground, five faces a slab
-        PlaneCount{"equal_boxes", 16, 41},  // ground, five faces a box
+        PlaneCount{"open_risers", 16, 31},  // ground, five faces per slab
+        PlaneCount{"equal_boxes", 16, 41},  // ground, five faces per box
         PlaneCount{"ramps", 5, 6}, PlaneCount{"kerbs", 3, 4}, PlaneCount{"spiral", 8, 16}}) {
     std::set<int> counts;
     for (int index = 0; index < find_evaluation_set(expected.set).frames; ++index) {
@@ -183,7 +183,7 @@ TEST(EvaluationSets, ObjectsHaveThePlanesTheirDescriptionsPromise) {
   }
 }
 
-TEST(EvaluationSets, TopsOfEqualBoxesShareTheirHeightAndCountEachForItself) {
+TEST(EvaluationSets, TopsOfEqualBoxesHaveOneHeightButAreSeparatePlanes) {
   const EvaluationFrame frame = make("equal_boxes", 0, small());
   std::set<int> tops;
   double height = 0;
@@ -196,7 +196,7 @@ TEST(EvaluationSets, TopsOfEqualBoxesShareTheirHeightAndCountEachForItself) {
   EXPECT_GE(tops.size(), 3U);
 }
 
-TEST(EvaluationSets, ThePoleOfASpiralIsNoPlane) {
+TEST(EvaluationSets, ThePoleOfASpiralIsNotAPlane) {
   const PointSet cloud = *make("spiral", 0, small()).frame.cloud;
   EXPECT_GT(std::count(cloud.instance.begin(), cloud.instance.end(), 0), 10);
 }
@@ -218,7 +218,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values("depth_stairs", "depth_boxes", "depth_slopes", "depth_descent"),
     [](const auto& set) { return std::string(set.param); });
 
-TEST_P(EveryDepthSet, ShowsAtLeastThreePlanesWithinReachInEveryFrame) {
+TEST_P(EveryDepthSet, ShowsAtLeastThreePlanesWithinRangeInEveryFrame) {
   for (int index = 0; index < find_evaluation_set(GetParam()).frames; ++index) {
     const EvaluationFrame frame = make(GetParam(), index, DepthErrors::clean);
     std::map<int, int> pixels;
@@ -233,7 +233,7 @@ TEST_P(EveryDepthSet, ShowsAtLeastThreePlanesWithinReachInEveryFrame) {
   }
 }
 
-TEST_P(EveryDepthSet, CoversEveryMeasuredPixelWithTruthThatThePolygonsAgreeWith) {
+TEST_P(EveryDepthSet, HasTruthForEveryMeasuredPixelThatMatchesThePolygons) {
   const EvaluationFrame frame = make(GetParam(), 1, DepthErrors::clean);
   const double rounding_m = 2 * frame.frame.depth_unit_m;
   for (int y = 0; y < frame.frame.depth.height; y += 7) {
@@ -250,7 +250,7 @@ TEST_P(EveryDepthSet, CoversEveryMeasuredPixelWithTruthThatThePolygonsAgreeWith)
   }
 }
 
-TEST_P(EveryDepthSet, KeepsGeometryAndTruthWhateverTheErrors) {
+TEST_P(EveryDepthSet, KeepsGeometryAndTruthWithAnyErrors) {
   const EvaluationFrame clean = make(GetParam(), 2, DepthErrors::clean);
   for (const DepthErrors errors : {DepthErrors::noise, DepthErrors::d435}) {
     const EvaluationFrame frame = make(GetParam(), 2, errors);
@@ -262,7 +262,7 @@ TEST_P(EveryDepthSet, KeepsGeometryAndTruthWhateverTheErrors) {
   }
 }
 
-TEST_P(EveryDepthSet, LevelPlanesAreSquareToItsGravity) {
+TEST_P(EveryDepthSet, LevelPlanesArePerpendicularToItsGravity) {
   const EvaluationFrame frame = make(GetParam(), 0, DepthErrors::d435);
   const auto level =
       std::count_if(frame.normals.begin(), frame.normals.end(), [&](const Vec3d& normal) {
@@ -272,7 +272,7 @@ TEST_P(EveryDepthSet, LevelPlanesAreSquareToItsGravity) {
   EXPECT_EQ(frame.frame.gravity->source, GravitySource::sidecar);
 }
 
-TEST(EvaluationDepth, PixelNoiseLeavesNoHolesAndIsAsStrongAsTheCamerasWithoutItsCorrelation) {
+TEST(EvaluationDepth, PixelNoiseIsUncorrelatedAndAsStrongAsTheCameras) {
   const EvaluationFrame clean = make("depth_stairs", 0, DepthErrors::clean);
   const EvaluationFrame noisy = make("depth_stairs", 0, DepthErrors::noise);
   const D435Model model;
@@ -281,7 +281,7 @@ TEST(EvaluationDepth, PixelNoiseLeavesNoHolesAndIsAsStrongAsTheCamerasWithoutIts
     const double z = clean.frame.depth.data[i] * model.depth_unit_m;
     const double measured = noisy.frame.depth.data[i] * model.depth_unit_m;
     ASSERT_EQ(z > 0, measured > 0);
-    if (z < 1) continue;  // nearer, rounding to counts is as large as the noise
+    if (z < 1) continue;  // at shorter range, rounding to counts is as large as the noise
     const double error = (measured - z) / depth_sigma_m(model, z);
     squares += error * error;
     products += error * last;
@@ -300,7 +300,7 @@ TEST(EvaluationDepth, TheCameraModelLeavesHoles) {
             std::count(clean.data.begin(), clean.data.end(), 0));
 }
 
-TEST(EvaluationSets, StairsKnowWhereTheirNosingsAre) {
+TEST(EvaluationSets, StairsHaveTrueNosings) {
   for (const char* set : {"depth_stairs", "depth_descent"})
     for (int index = 0; index < 6; ++index) {
       SCOPED_TRACE(std::string(set) + ' ' + std::to_string(index));
@@ -327,7 +327,7 @@ TEST(EvaluationSets, StairsKnowWhereTheirNosingsAre) {
     }
 }
 
-TEST(EvaluationSets, StepsAreSeenAsFarAsTheyAreMeasured) {
+TEST(EvaluationSets, StepsCountAsVisibleIfMeasured) {
   for (const char* set : {"depth_stairs", "depth_descent"}) {
     int near_steps = 0;
     for (int index = 0; index < 6; ++index) {

@@ -42,7 +42,7 @@ std::vector<fs::path> files_under(const fs::path& dir) {
   return files;
 }
 
-/// Pixels rather than file bytes for PNGs: how they are packed belongs to the version of zlib.
+/// Compares pixels of PNGs instead of bytes, because compression depends on the version of zlib.
 void expect_same_content(const fs::path& a, const fs::path& b) {
   if (a.extension() != ".png") {
     EXPECT_EQ(read_file_bytes(a), read_file_bytes(b)) << a;
@@ -55,7 +55,7 @@ void expect_same_content(const fs::path& a, const fs::path& b) {
   }
 }
 
-TEST(Sample, TheShippedSampleIsWhatTheDefaultsWrite) {
+TEST(Sample, TheShippedSampleMatchesTheDefaults) {
   const fs::path shipped = fs::path(PLANESCOPE_SOURCE_DIR) / "assets/sample";
   const fs::path dir = fresh_dir("shipped");
   write_sample(dir);
@@ -104,7 +104,7 @@ TEST(Sample, AnotherSeedGivesOtherScenesAndTheSameSeedTheSame) {
   EXPECT_GT((truth_one->gravity.direction - truth_two->gravity.direction).norm(), 1e-3);
 }
 
-TEST(Sample, CanStateItsTrueGravity) {
+TEST(Sample, CanIncludeItsTrueGravity) {
   const fs::path dir = fresh_dir("stated");
   SampleOptions options = small_sample();
   options.gravity = true;
@@ -125,7 +125,7 @@ TEST(Sample, AnEarlierSampleIsOverwritten) {
   EXPECT_NO_THROW(write_sample(dir, options));
 }
 
-TEST(Sample, AFolderWithAnythingElseIsRefusedAndLeftAsItWas) {
+TEST(Sample, AFolderWithOtherFilesIsRejectedAndNotChanged) {
   const fs::path dir = fresh_dir("foreign");
   fs::create_directories(dir);
   std::ofstream(dir / "holiday.jpg") << "mine";
@@ -139,7 +139,7 @@ TEST(Sample, AFolderWithAnythingElseIsRefusedAndLeftAsItWas) {
   EXPECT_THROW(write_sample(longer, options), Error) << "two frames of the other would remain";
 }
 
-TEST(Sample, BadOptionsAreRefusedBeforeAnythingIsWritten) {
+TEST(Sample, InvalidOptionsAreRejectedBeforeAnythingIsWritten) {
   const fs::path dir = fresh_dir("bad");
   SampleOptions options = small_sample();
   options.scenes = {"stairs", "attic"};

@@ -24,7 +24,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes,
                          testing::ValuesIn(scene_names()),
                          [](const auto& scene) { return scene.param; });
 
-/// Moments of the measured points of every true plane, each checked to lie on it.
+/// Moments of the measured points of every true plane; checks that each point is on its plane.
 std::map<int, Moments> moments_of_planes(const Frame& frame, const FrameLabels& truth) {
   std::map<int, const LabelPlane*> planes;
   for (const LabelPlane& plane : truth.planes) planes[plane.id] = &plane;
@@ -44,7 +44,7 @@ std::map<int, Moments> moments_of_planes(const Frame& frame, const FrameLabels& 
   return moments;
 }
 
-TEST_P(EveryScene, TrueRegionsAreTheirPlanesToAMillimetre) {
+TEST_P(EveryScene, TrueRegionsMatchTheirPlanesWithinAMillimeter) {
   for (const std::uint64_t seed : {1, 2}) {
     D435Model model = without_color();
     model.noise = false;
@@ -89,7 +89,7 @@ TEST_P(EveryScene, LabelsFollowTheTrueNormalsAgainstGravity) {
   }
 }
 
-TEST_P(EveryScene, IsMostlyWithinReachAndHasHoles) {
+TEST_P(EveryScene, IsMostlyWithinRangeAndHasHoles) {
   for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
     const Scene scene = make_scene(GetParam(), seed);
     EXPECT_GE(scene.camera.position.z(), 0.6);
@@ -109,7 +109,7 @@ TEST_P(EveryScene, IsMostlyWithinReachAndHasHoles) {
   }
 }
 
-TEST_P(EveryScene, TheSameSeedGivesTheSameFrameAndAnotherOneOtherNoise) {
+TEST_P(EveryScene, TheSeedDeterminesTheFrameAndItsNoise) {
   const Scene scene = make_scene(GetParam(), 1);
   D435Model model = without_color(160, 120);
   model.color = true;
@@ -126,7 +126,7 @@ TEST_P(EveryScene, TheSameSeedGivesTheSameFrameAndAnotherOneOtherNoise) {
   EXPECT_NE(truth.depth_sha256, other_truth.depth_sha256);
 }
 
-TEST(Scenes, NoiseLeavesTheTruthAlone) {
+TEST(Scenes, NoiseDoesNotChangeTheTruth) {
   const Scene scene = make_scene("boxes", 1);
   D435Model model = without_color(320, 240);
   FrameLabels noisy, exact;
@@ -174,7 +174,7 @@ TEST(Scenes, CurvedSurfacesAreMeasuredButBelongToNoPlane) {
   EXPECT_GT(measured_without_plane, 2000);
 }
 
-TEST(Scenes, AnUnknownNameIsRefusedWithTheNamesThereAre) {
+TEST(Scenes, AnUnknownNameIsRejectedWithAListOfNames) {
   try {
     make_scene("attic", 1);
     FAIL();

@@ -16,7 +16,7 @@ namespace {
 
 // ---- Random numbers ----
 
-TEST(Random, ValuesAreFixedForAllTime) {
+TEST(Random, ValuesNeverChange) {
   EXPECT_EQ(mix_bits(0), 0xe220a8397b1dcdafu);  // the published first value of splitmix64
   EXPECT_EQ(random_uniform(1, 2, 3), random_uniform(1, 2, 3));
   EXPECT_NE(random_bits(1, 2, 3), random_bits(1, 3, 2));
@@ -36,7 +36,8 @@ TEST(Random, NormalValuesHaveTheMomentsOfANormalDistribution) {
   EXPECT_LT(largest, 4.91);
   EXPECT_NEAR(sum / kCount, 0, 0.01);
   EXPECT_NEAR(squares / kCount, 1, 0.01);
-  EXPECT_NEAR(fourth / kCount, 3 - 1.2 / 8, 0.06);  // Irwin-Hall of 8 has a little less tail
+  // the tails of Irwin-Hall of 8 are slightly lighter
+  EXPECT_NEAR(fourth / kCount, 3 - 1.2 / 8, 0.06);
 }
 
 // ---- Surfaces ----
@@ -65,14 +66,14 @@ std::vector<Vec3f> random_points(int count, const Vec3d& size, std::uint64_t see
   return points;
 }
 
-TEST(FarthestPoints, AreThoseOfThePlainLoopInItsOrder) {
+TEST(FarthestPoints, MatchThePlainLoopInOrder) {
   for (const Vec3d& size : {Vec3d(1, 1, 1), Vec3d(2, 0.5, 0), Vec3d(1, 0, 0)}) {
     const auto points = random_points(5000, size, 1);
     EXPECT_EQ(farthest_points(points, 1500), plain_loop(points, 1500));
   }
 }
 
-TEST(FarthestPoints, OfEquallyFarOnesTheFirstIsTaken) {
+TEST(FarthestPoints, TheFirstOfEquallyFarOnesIsSelected) {
   std::vector<Vec3f> grid;
   for (int i = 0; i < 4096; ++i)
     grid.push_back(Eigen::Vector3i(i % 16, i / 16 % 16, i / 256).cast<float>() / 8.f);
@@ -82,7 +83,7 @@ TEST(FarthestPoints, OfEquallyFarOnesTheFirstIsTaken) {
   EXPECT_EQ(farthest_points(twice, 600), plain_loop(twice, 600));
 }
 
-TEST(FarthestPoints, AllAreTakenWhereThereAreFewer) {
+TEST(FarthestPoints, AllAreSelectedIfThereAreFewer) {
   EXPECT_TRUE(farthest_points({}, 3).empty());
   EXPECT_TRUE(farthest_points(random_points(3, Vec3d(1, 1, 1), 3), 0).empty());
   EXPECT_EQ(farthest_points(random_points(3, Vec3d(1, 1, 1), 3), 9).size(), 3u);

@@ -14,7 +14,7 @@ inline Vec3d point_at(const Frame& frame, int x, int y) {
   return {(x - k.cx) / k.fx * z, (y - k.cy) / k.fy * z, z};
 }
 
-/// A wall at right angles to the view of a level camera at the origin, `z_m` away.
+/// A wall perpendicular to the view of a level camera at the origin, at distance `z_m`.
 inline lab::Scene wall_at(double z_m) {
   lab::Scene scene;
   scene.camera.position = Vec3d::Zero();
@@ -35,7 +35,7 @@ inline Frame seen(const lab::Scene& scene,
   return lab::render_scene(scene, scene.camera, model, 11, truth);
 }
 
-/// Share of pixels without a measurement in a part of the image.
+/// Share of unmeasured pixels in a part of the image.
 inline double hole_share(const Image16& depth, int x0, int x1, int y0, int y1) {
   int holes = 0;
   for (int y = y0; y < y1; ++y)

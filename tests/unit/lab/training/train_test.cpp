@@ -20,7 +20,7 @@ namespace {
 
 // ---- Training ----
 
-/// A floor that meets a wall at x = 0, turned about z.
+/// A floor that meets a wall at x = 0, rotated about z.
 planes::LabelledCloud corner(std::uint64_t number) {
   planes::LabelledCloud cloud;
   const double yaw = 6.28 * random_uniform(1, number, 0);
@@ -57,7 +57,7 @@ std::filesystem::path temporary_file(const std::string& name) {
   return std::filesystem::temp_directory_path() / ("planescope_train_" + name);
 }
 
-TEST(Training, LearnsToTellAFloorFromAWall) {
+TEST(Training, LearnsToDistinguishAFloorFromAWall) {
   const TrainOptions options = quick_options();
   const std::vector<planes::LabelledCloud> unseen = {corner(1000001), corner(1000002),
                                                      corner(1000003)};
@@ -69,7 +69,7 @@ TEST(Training, LearnsToTellAFloorFromAWall) {
   EXPECT_GT(after.edge_percent(), 75);
 }
 
-TEST(Training, GivesTheSameWeightsWithEveryThreadCountAndInstructionSet) {
+TEST(Training, GivesTheSameWeightsForEveryThreadCountAndInstructionSet) {
   const TrainOptions options = quick_options();
   const TrainState expected = train(options, 10, 1, Simd::plain);
   for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512}) {
@@ -80,7 +80,7 @@ TEST(Training, GivesTheSameWeightsWithEveryThreadCountAndInstructionSet) {
   }
 }
 
-TEST(Training, ResumedFromACheckpointEndsInTheSameWeights) {
+TEST(Training, ResumedFromACheckpointGivesTheSameWeights) {
   const TrainOptions options = quick_options();
   const auto path = temporary_file("resume");
   TrainState first = train(options, 7, 2);
@@ -98,7 +98,7 @@ TEST(Training, ResumedFromACheckpointEndsInTheSameWeights) {
   EXPECT_EQ(resumed.loss_sum, whole.loss_sum);
 }
 
-TEST(Training, RefusesTheCheckpointOfAnotherTraining) {
+TEST(Training, RejectsTheCheckpointOfAnotherTraining) {
   const auto path = temporary_file("other");
   const TrainOptions options = quick_options();
   const TrainingPurpose purpose = {{"recipe", "a test"}};
@@ -115,12 +115,13 @@ TEST(Training, RefusesTheCheckpointOfAnotherTraining) {
   TrainOptions longer = options;
   longer.steps = 61;
   EXPECT_EQ(message(longer, purpose),
-            path.string() + ": belongs to another training: steps 60, expected 61");
-  EXPECT_EQ(message(options, {{"recipe", "another"}}),
-            path.string() + ": belongs to another training: recipe a test, expected another");
+            path.string() + ": belongs to a different training run: steps 60; expected 61");
+  EXPECT_EQ(
+      message(options, {{"recipe", "another"}}),
+      path.string() + ": belongs to a different training run: recipe a test; expected another");
 }
 
-TEST(Training, RefusesADamagedCheckpoint) {
+TEST(Training, RejectsADamagedCheckpoint) {
   const auto path = temporary_file("damaged");
   const TrainOptions options = quick_options();
   EXPECT_THROW(read_checkpoint(temporary_file("nowhere"), options, {}), Error);
@@ -158,9 +159,9 @@ TEST(Training, DoesNotLearnFromPointsOfUnknownLabel) {
   EXPECT_EQ(state.weights.tensors, begin_training(options).weights.tensors);
 }
 
-// ---- The backward pass, against finite differences of the plain network in double precision ----
+// ---- Gradients, compared with finite differences of the plain network in double precision ----
 
-/// A bent sheet with noise: no two distances alike.
+/// A curved sheet with noise: no two distances are equal.
 std::vector<Vec3f> sheet(int count) {
   Random random(3);
   std::vector<Vec3f> points;
@@ -214,7 +215,7 @@ void expect_gradients(const planes::NetworkConfig& config, int points_count) {
     EXPECT_GT(largest, 0) << "nothing reaches this tensor";
     for (int draw = 0; draw < 12; ++draw) {
       const int i = random.integer(0, static_cast<int>(network.tensors[t].size()) - 1);
-      // Steps so small that next to no maximum and no ReLU changes its branch.
+      // The step is so small that almost no maximum or ReLU changes its branch.
       constexpr double kStep = 1e-6;
       double& value = network.tensors[t][i];
       const double kept = value;
@@ -262,7 +263,7 @@ TrainingSummary two_epochs() {
                      {500, 0.25, {{95, 100, 999, 1000}, {85, 100, 995, 1000}}}}};
 }
 
-TEST(TrainingPage, ShowsFactsCurvesAndEveryEpochAndNeedsNothingElse) {
+TEST(TrainingPage, ShowsFactsCurvesAndEveryEpochAndIsSelfContained) {
   const std::string page = training_page(two_epochs());
   EXPECT_NE(page.find("<svg"), page.rfind("<svg")) << "two curves";
   for (const char* text : {"<dt>Recipe</dt><dd>planescope</dd>", "<td>250</td><td>0.5000</td>",

@@ -38,7 +38,7 @@ Bounds bounds_of(const planes::LabelledCloud& cloud) {
   return bounds;
 }
 
-/// A cloud's points come within this of the ends of its surface.
+/// Distance within which a cloud's points reach the ends of its surface.
 constexpr double kEndM = 0.025;
 
 void expect_within(double value, double low, double high) {
@@ -50,7 +50,7 @@ bool same(const planes::LabelledCloud& a, const planes::LabelledCloud& b) {
   return a.kind == b.kind && a.points == b.points && a.labels == b.labels;
 }
 
-TEST(TrainingSet, HasThePapersNumbersOfObjectsUnlessToldOtherwise) {
+TEST(TrainingSet, HasThePapersNumbersOfObjectsByDefault) {
   const TrainingSetOptions paper;
   EXPECT_EQ(std::vector({paper.stairs, paper.boxes, paper.planes}), std::vector(3, 200));
   TrainingSetOptions options = objects(3, 2, 1);
@@ -67,7 +67,7 @@ TEST(TrainingSet, HasThePapersNumbersOfObjectsUnlessToldOtherwise) {
 TEST(TrainingSet, StairsHaveThePapersSteps) {
   std::set<int> counts;
   for (const planes::LabelledCloud& cloud : make_training_set(objects(30, 0, 0), 2)) {
-    // Axis-aligned: a height for each tread, a distance for each riser, the first one at 0.
+    // Axis-aligned: each tread has a height, each riser a distance, and the first riser is at 0.
     std::set<float> heights, risers;
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
       if (cloud.labels[i] == Label::h) heights.insert(cloud.points[i].z());
@@ -88,7 +88,7 @@ TEST(TrainingSet, StairsHaveThePapersSteps) {
   EXPECT_EQ(counts, (std::set<int>{2, 3, 4, 5, 6}));
 }
 
-TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfStandOnFloor) {
+TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfAreOnAFloor) {
   int on_floor = 0;
   for (const planes::LabelledCloud& cloud : make_training_set(objects(0, 40, 0), 2)) {
     Bounds top;
@@ -122,7 +122,7 @@ TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfStandOnFloor) {
   EXPECT_NEAR(on_floor, 20, 10);
 }
 
-TEST(TrainingSet, PlanesHaveAnyInclinationAndTheirLabelFollowsIt) {
+TEST(TrainingSet, PlanesHaveAnyInclinationAndTheMatchingLabel) {
   double sum_z = 0, least_z = 1, most_z = 0;
   for (const planes::LabelledCloud& cloud : make_training_set(objects(0, 0, 40), 2)) {
     Moments moments;
@@ -162,7 +162,7 @@ TEST(TrainingSet, ObjectsAreEvenlySpread) {
   }
 }
 
-TEST(TrainingSet, ScansShowBothLabelsWithinReachOnTheirVoxels) {
+TEST(TrainingSet, ScansShowBothLabelsWithinRangeOnTheirVoxels) {
   TrainingSetOptions options = objects(0, 0, 0);
   options.scans = 6;
   for (const planes::LabelledCloud& scan : make_training_set(options, 2)) {
@@ -194,7 +194,7 @@ TEST(TrainingSet, AnExactScanHasTheLabelsOfItsSurfaces) {
   const planes::LabelledCloud scan = make_scan(scene, model, 0.02, 1);
   ASSERT_GT(scan.points.size(), 1000u);
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
-    // The sensor is the origin, x ahead, z up.
+    // The sensor is at the origin, x forward, z up.
     const double above_floor = scan.points[i].z() + 0.8, before_wall = 1 - scan.points[i].x();
     if (before_wall > 0.03) {
       EXPECT_EQ(scan.labels[i], Label::h);
@@ -205,7 +205,7 @@ TEST(TrainingSet, AnExactScanHasTheLabelsOfItsSurfaces) {
   }
 }
 
-TEST(TrainingSet, WithRealErrorsHalfOfTheScansReachFartherThanTheCrop) {
+TEST(TrainingSet, WithRealErrorsHalfOfTheScansExtendBeyondTheCrop) {
   int far = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const planes::LabelledCloud usual = make_training_scan(seed, 0.02);
@@ -240,7 +240,7 @@ TEST(TrainingSet, IsTheSameForAnyNumberOfThreads) {
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(same(one[i], four[i])) << i;
 }
 
-TEST(TrainingSet, AShapeDoesNotDependOnHowManyOthersThereAre) {
+TEST(TrainingSet, AShapeDoesNotDependOnTheNumberOfOthers) {
   TrainingSetOptions more = one_of_each();
   more.stairs = 2;
   const auto few = make_training_set(one_of_each(), 2), many = make_training_set(more, 2);
@@ -269,7 +269,7 @@ TEST(TrainingSet, ProgressIsReportedToTheCallerWhoCanStopIt) {
   EXPECT_THROW(make_training_set(options, 3, stop), std::runtime_error);
 }
 
-TEST(TestScans, AreTheNamedScenesInTurnForAnyNumberOfThreads) {
+TEST(TestScans, AlternateTheNamedScenesForAnyNumberOfThreads) {
   const auto scans = make_test_scans(1, 6, 0.02, 2), again = make_test_scans(1, 6, 0.02, 1);
   ASSERT_EQ(scans.size(), 6u);
   for (std::size_t i = 0; i < 6; ++i) {
@@ -291,8 +291,8 @@ TEST(TestScans, ShowOtherScenesThanTrainingWithTheSameSeed) {
 
 // ---- Augmentation ----
 
-/// A level square metre of 64 x 64 points, labelled as a chessboard so that every point can be
-/// told apart from its neighbours.
+/// A level square of 1 m with 64 x 64 points, labeled like a chessboard so that neighbors have
+/// different labels.
 planes::LabelledCloud board() {
   planes::LabelledCloud cloud{"board", {}, {}};
   for (int i = 0; i < 4096; ++i) {
@@ -312,14 +312,14 @@ AugmentOptions nothing() {
   return options;
 }
 
-TEST(Augment, WithNothingAskedForTheCloudStaysAsItIs) {
+TEST(Augment, WithoutOptionsTheCloudDoesNotChange) {
   const planes::LabelledCloud cloud = board(), same = augment(cloud, nothing(), 3);
   EXPECT_EQ(same.kind, cloud.kind);
   EXPECT_EQ(same.points, cloud.points);
   EXPECT_EQ(same.labels, cloud.labels);
 }
 
-TEST(Augment, TheSameSeedGivesTheSameCloudAndAnotherOneAnother) {
+TEST(Augment, TheSeedDeterminesTheCloud) {
   AugmentOptions options;
   options.gaussian_noise_m = 0.003;
   options.tilt_deg = 3;
@@ -330,7 +330,7 @@ TEST(Augment, TheSameSeedGivesTheSameCloudAndAnotherOneAnother) {
   EXPECT_NE(a.points, augment(board(), options, 2).points);
 }
 
-TEST(Augment, UniformNoiseReachesItsBoundEitherWayAndNoFarther) {
+TEST(Augment, UniformNoiseReachesBothBoundsAndNoFarther) {
   AugmentOptions options = nothing();
   options.uniform_noise_m = 0.01;
   const planes::LabelledCloud cloud = board(), noisy = augment(cloud, options, 1);
@@ -376,7 +376,7 @@ TEST(Augment, YawTurnsAboutTheVerticalOnly) {
   EXPECT_GT(moved, 0.1);
 }
 
-TEST(Augment, TiltStaysWithinItsAngleAndLeavesTheLabels) {
+TEST(Augment, TiltStaysWithinItsAngleAndKeepsTheLabels) {
   AugmentOptions options = nothing();
   options.tilt_deg = 5;
   double most = 0;
@@ -392,7 +392,7 @@ TEST(Augment, TiltStaysWithinItsAngleAndLeavesTheLabels) {
   EXPECT_LT(most, 5.01);
 }
 
-TEST(Augment, ClustersAreRoundHolesAndHalfOfThePointsRemain) {
+TEST(Augment, ClustersAreRoundHolesThatLeaveHalfOfThePoints) {
   AugmentOptions options = nothing();
   options.clusters = 4;
   options.cluster_radius_m = 0.3;
@@ -409,7 +409,7 @@ TEST(Augment, ClustersAreRoundHolesAndHalfOfThePointsRemain) {
   EXPECT_GE(augment(board(), options, 1).points.size(), 2048u);
 }
 
-TEST(Augment, KeepsTheNearestPointsToOneOfThemWithTheirLabels) {
+TEST(Augment, KeepsTheNearestNeighborsOfAPointWithTheirLabels) {
   AugmentOptions options = nothing();
   options.points = 500;
   const planes::LabelledCloud cloud = board();
@@ -420,8 +420,8 @@ TEST(Augment, KeepsTheNearestPointsToOneOfThemWithTheirLabels) {
       const long x = std::lround(part.points[i].x() * 63), y = std::lround(part.points[i].y() * 63);
       EXPECT_EQ(part.labels[i], cloud.labels[static_cast<std::size_t>(y * 64 + x)]);
     }
-    // 500 of 4096 points of a square metre: a disc of 0.2 m radius, a quarter of one of 0.4 m in a
-    // corner.
+    // 500 of 4096 points of a square meter: a disc of 0.2 m radius, or a quarter of a disc of 0.4 m
+    // in a corner.
     Vec3f least = part.points[0], most = part.points[0];
     for (const Vec3f& p : part.points) {
       least = least.cwiseMin(p);

@@ -16,8 +16,8 @@ namespace {
 
 // ---- Search ----
 
-/// Scores known options: best at two_planes 0.6, worth_px 2000 and use_labels off. All
-/// else does nothing, but for theta_n_in, which is good for the first frame alone.
+/// A known score, which is best at two_planes 0.6, worth_px 2000 and use_labels off. Other options
+/// have no effect, except theta_n_in, which improves only the first frame.
 std::vector<double> known_scores(const planes::PipelineOptions& options, int frames) {
   const auto number = [&](const char* name) {
     return planes::number_of(planes::find_option(name), options);
@@ -71,7 +71,7 @@ TEST(TuningSearch, FindsTheBestOfAKnownScoreAndChangesNothingElse) {
   EXPECT_GT(mean_score(tuned.best), mean_score(tuned.base) + 7);
 }
 
-TEST(TuningSearch, TellsWhatEachChangeIsWorthTheMostFirst) {
+TEST(TuningSearch, ReportsTheGainOfEachChangeLargestFirst) {
   Known known;
   const Tuned tuned = search_options(known.search());
   ASSERT_EQ(tuned.changes.size(), 3u);
@@ -81,20 +81,20 @@ TEST(TuningSearch, TellsWhatEachChangeIsWorthTheMostFirst) {
   EXPECT_NEAR(gain_of(tuned.best, tuned.changes[1].without).mean, 3, 1e-9);
 }
 
-TEST(TuningSearch, EndsWithTheTrialsItMayMake) {
+TEST(TuningSearch, EndsAfterTheAllowedTrials) {
   for (const int most : {1, 2, 30, 150}) {
     Known known;
     const Tuned tuned = search_options(known.search(most));
     EXPECT_EQ(tuned.asked, most);
     EXPECT_FALSE(tuned.complete);
-    // What is taken back in the end is beyond: once for each change, and once more for each that
-    // went.
+    // Final trials that revert changes are additional: one per change, and one more for each
+    // reverted change.
     EXPECT_LE(known.asked.size(), static_cast<std::size_t>(most) + 20);
     EXPECT_GE(mean_score(tuned.best), mean_score(tuned.base));
   }
 }
 
-TEST(TuningSearch, WhoeverEvaluatesMayEndItAndKeepsWhatWasFound) {
+TEST(TuningSearch, CanBeStoppedAndKeepsItsResult) {
   Known known;
   TuningSearch search = known.search();
   const auto evaluate = search.evaluate;
@@ -107,7 +107,7 @@ TEST(TuningSearch, WhoeverEvaluatesMayEndItAndKeepsWhatWasFound) {
   EXPECT_GT(mean_score(tuned.best), mean_score(tuned.base));
 }
 
-TEST(TuningSearch, WithoutTimeForATrialTheAnswerIsTheStart) {
+TEST(TuningSearch, WithoutTimeForATrialTheResultIsTheStart) {
   Known known;
   TuningSearch search = known.search();
   search.evaluate = [evaluate = search.evaluate](std::span<const Setting> settings, bool may_end) {
@@ -119,7 +119,7 @@ TEST(TuningSearch, WithoutTimeForATrialTheAnswerIsTheStart) {
   EXPECT_TRUE(tuned.changes.empty());
 }
 
-TEST(TuningSearch, AGainOfOneFrameIsNone) {
+TEST(TuningSearch, AGainOnASingleFrameDoesNotCount) {
   const Trial before{{}, {50, 60, 70, 80}};
   EXPECT_FALSE(gain_of({{}, {70, 60, 70, 80}}, before).counts());
   EXPECT_TRUE(gain_of({{}, {60, 70, 70, 80}}, before).counts());
@@ -131,7 +131,7 @@ TEST(TuningSearch, AGainOfOneFrameIsNone) {
   EXPECT_EQ(gain.alike, 1);
 }
 
-TEST(TuningSpace, ValuesStayInTheirRangeAndComeNearerStepByStep) {
+TEST(TuningSpace, ValuesStayInTheirRangeAndStepsGetSmaller) {
   for (const planes::OptionInfo& info : planes::option_table()) {
     if (!is_tunable(info)) continue;
     for (const double factor : kTuningFactors)
@@ -153,13 +153,13 @@ TEST(TuningSpace, ValuesStayInTheirRangeAndComeNearerStepByStep) {
   EXPECT_TRUE(of("region_patch_px", 2).empty()) << "the method is ours";
 }
 
-TEST(TuningSpace, WhatDecidesWhichPointsAreScoredIsNotTuned) {
+TEST(TuningSpace, OptionsThatSelectScoredPointsAreNotTuned) {
   for (const char* name : {"max_range_m", "range_for_clouds", "cube_edge_m", "gravity", "profile",
                            "method", "classifier", "foot_radius_m"})
     EXPECT_FALSE(is_tunable(planes::find_option(name))) << name;
 }
 
-TEST(ParetoFront, HoldsWhatNoOtherBeatsInBoth) {
+TEST(ParetoFront, ContainsTrialsThatNoOtherBeatsInBoth) {
   const auto front =
       pareto_front({{{}, 80, 30}, {{}, 70, 10}, {{}, 60, 20}, {{}, 80, 40}, {{}, 75, 10}});
   ASSERT_EQ(front.size(), 2u);
@@ -205,7 +205,7 @@ class TuningJournalTest : public testing::Test {
   fs::path dir_;
 };
 
-TEST_F(TuningJournalTest, ComesBackAsItWasWritten) {
+TEST_F(TuningJournalTest, IsReadBackAsItWasWritten) {
   write_both();
   const TuningJournal journal(dir_, kPurpose);
   ASSERT_EQ(journal.trials().size(), 2u);
@@ -216,7 +216,7 @@ TEST_F(TuningJournalTest, ComesBackAsItWasWritten) {
   EXPECT_FALSE(journal.find({{"theta_coplane", "0.91"}}));
 }
 
-TEST_F(TuningJournalTest, ALineThatWasCutIsDroppedAndWrittenAgainInTheSameBytes) {
+TEST_F(TuningJournalTest, ATruncatedLineIsDroppedAndWrittenAgainIdentically) {
   write_both();
   const fs::path file = dir_ / "journal.jsonl";
   const std::string whole = text_of(file);
@@ -230,30 +230,30 @@ TEST_F(TuningJournalTest, ALineThatWasCutIsDroppedAndWrittenAgainInTheSameBytes)
   }
 }
 
-TEST_F(TuningJournalTest, OneOfAnotherSearchIsRefusedByWhatDiffers) {
+TEST_F(TuningJournalTest, OneOfAnotherSearchIsRejectedWithTheDifference) {
   write_both();
   EXPECT_NE(refusal_of({{"frames or labels", "abc"}, {"weights", "other"}})
-                .find("is of a search with other weights"),
+                .find("belongs to a search with different weights"),
             std::string::npos);
   EXPECT_NE(refusal_of({{"frames or labels", "x"}, {"weights", "def"}})
-                .find("is of a search with other frames or labels"),
+                .find("belongs to a search with different frames or labels"),
             std::string::npos);
   EXPECT_EQ(refusal_of(), "");
 }
 
-TEST_F(TuningJournalTest, DamageIsToldWithItsLine) {
+TEST_F(TuningJournalTest, DamageIsReportedWithItsLine) {
   write_both();
   const fs::path file = dir_ / "journal.jsonl";
   const std::string whole = text_of(file);
   write_file_text(file, whole + "{\"set\":{}}\n");
   EXPECT_NE(refusal_of().find("journal.jsonl, line 4"), std::string::npos) << refusal_of();
   write_file_text(file, whole + "{\"set\":{},\"scores\":[1]}\n");
-  EXPECT_NE(refusal_of().find("line 4: found 1 scores, expected 2"), std::string::npos);
+  EXPECT_NE(refusal_of().find("line 4: found 1 scores; expected 2"), std::string::npos);
   write_file_text(file, "no journal\n");
   EXPECT_NE(refusal_of().find("line 1"), std::string::npos);
 }
 
-TEST_F(TuningJournalTest, WithoutTimesTheTrialsAreThereAllTheSame) {
+TEST_F(TuningJournalTest, WithoutTimesTheTrialsAreStillRead) {
   write_both();
   write_file_text(dir_ / "times.jsonl", "{\"trial\":1,\"ms\":3}\nrubbish\n");
   const TuningJournal journal(dir_, kPurpose);
@@ -280,7 +280,7 @@ TuningAnswer answer_with(const std::vector<double>& held_base,
   return answer;
 }
 
-TEST(TuningAnswer, SaysWhetherWhatWasHeldOutGains) {
+TEST(TuningAnswer, ReportsTheGainOnHeldOutFrames) {
   const auto said = [](const std::vector<double>& base, const std::vector<double>& tuned) {
     return verdict(answer_with(base, tuned));
   };
@@ -292,7 +292,7 @@ TEST(TuningAnswer, SaysWhetherWhatWasHeldOutGains) {
   EXPECT_NE(tuning_page(answer_with({50, 60, 70}, {45, 54, 65})).find("LOSE"), std::string::npos);
 }
 
-TEST(TuningAnswer, SaysThatTheWorstOfFewFramesIsHeldOut) {
+TEST(TuningAnswer, ReportsThatTheWorstOfFewFramesIsHeldOut) {
   TuningAnswer answer = answer_with({70, 20}, {70, 21});
   answer.held[1] = "b 7";
   EXPECT_NE(
@@ -306,7 +306,7 @@ TEST(TuningAnswer, SaysThatTheWorstOfFewFramesIsHeldOut) {
   EXPECT_EQ(held_out_note(answer), "");
 }
 
-TEST(TuningAnswer, NamesEachOptionWithWhatItWasIsAndIsWorth) {
+TEST(TuningAnswer, ListsOptionsWithOldAndNewValueAndGain) {
   const std::string text = tuning_text(answer_with({50, 60}, {55, 66}));
   EXPECT_NE(text.find("worth_px        1000         800  5.50"), std::string::npos) << text;
   EXPECT_EQ(tuned_profile(answer_with({50, 60}, {55, 66})),
@@ -314,7 +314,7 @@ TEST(TuningAnswer, NamesEachOptionWithWhatItWasIsAndIsWorth) {
             "  \"options\": {\n    \"worth_px\": 800\n  }\n}\n");
 }
 
-TEST(TuningAnswer, TheProfileHasWhatTheSearchBeganWithButNothingOfTheRecording) {
+TEST(TuningAnswer, TheProfileKeepsTheStartingOptionsButNotThoseOfTheRecording) {
   TuningAnswer answer = answer_with({50, 60}, {55, 66});
   planes::set_option(answer.base, "profile", "paper");
   planes::set_option(answer.base, "theta_n_in", "9");
@@ -327,7 +327,7 @@ TEST(TuningAnswer, TheProfileHasWhatTheSearchBeganWithButNothingOfTheRecording) 
       "    \"classifier\": \"pca\",\n    \"theta_n_in\": 9,\n    \"worth_px\": 800\n  }\n}\n");
 }
 
-TEST(TuningAnswer, ThePictureStandsAloneAndFollowsTheReadersColours) {
+TEST(TuningAnswer, ThePictureIsSelfContainedAndFollowsTheReadersColors) {
   const std::string svg = pareto_picture(answer_with({50, 60}, {55, 66}));
   EXPECT_TRUE(svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\""))
       << svg.substr(0, 80);

@@ -1,4 +1,4 @@
-// The quick network against the plain one, and what its answer must not depend on.
+// The fast network compared with a plain implementation, and invariances of its result.
 
 #include "core/planes/classify/gcn.hpp"
 
@@ -24,7 +24,8 @@ std::vector<Vec3f> stairs_points(int count, double noise_m = 0.002) {
   return lab::make_stairs(0, options).cloud.points;
 }
 
-/// An odd one: widths that fill no register, two supports, a level of one convolution, few points.
+/// An unusual configuration: widths that do not fill a register, two supports, a level with one
+/// convolution, few points.
 NetworkConfig odd_config() {
   NetworkConfig config;
   config.name = "odd";
@@ -60,7 +61,7 @@ void expect_near(const std::vector<float>& a, const std::vector<float>& b, float
   EXPECT_LE(largest, tolerance);
 }
 
-TEST(Gcn, AgreesWithThePlainOne) {
+TEST(Gcn, AgreesWithThePlainImplementation) {
   const std::vector<Vec3f> points = stairs_points(700);
   for (const NetworkConfig& config : {network_config("compact"), network_config("small"),
                                       network_config("official"), odd_config()}) {
@@ -83,14 +84,14 @@ std::vector<std::size_t> shuffled_order(std::size_t count, std::uint64_t seed) {
   return order;
 }
 
-/// Share of points that two answers label alike.
+/// Share of points with the same label in two results.
 double agreement(const std::vector<float>& a, const std::vector<float>& b) {
   std::size_t alike = 0;
   for (std::size_t i = 0; i < a.size(); i += 2) alike += (a[i] < a[i + 1]) == (b[i] < b[i + 1]);
   return 2 * static_cast<double>(alike) / static_cast<double>(a.size());
 }
 
-/// Weights whose answers are mixed: the bias of the last layer such that half of the points are h.
+/// Weights with mixed results: the bias of the last layer makes half of the points h.
 NetworkWeights undecided_weights(const NetworkConfig& config, const std::vector<Vec3f>& points) {
   NetworkWeights weights = lab::random_weights(config, 7);
   const std::vector<float> logits = Gcn(weights).forward(points, 1);
@@ -101,7 +102,7 @@ NetworkWeights undecided_weights(const NetworkConfig& config, const std::vector<
   return weights;
 }
 
-TEST(Gcn, GivesTheSameBitsWithEveryInstructionSetAndThreadCount) {
+TEST(Gcn, GivesIdenticalResultsForEveryInstructionSetAndThreadCount) {
   const std::vector<Vec3f> points = stairs_points(2000);
   for (const NetworkConfig& config : {network_config("compact"), odd_config()}) {
     const NetworkWeights weights = lab::random_weights(config, 3);
@@ -116,7 +117,7 @@ TEST(Gcn, GivesTheSameBitsWithEveryInstructionSetAndThreadCount) {
   }
 }
 
-TEST(Gcn, LabelsAPermutedCloudAsItLabelsTheCloud) {
+TEST(Gcn, LabelsAPermutedCloudLikeTheOriginal) {
   const std::vector<Vec3f> points = stairs_points(3000);
   for (const NetworkConfig& config : {network_config("compact"), network_config("small")}) {
     const Gcn network(lab::random_weights(config, 4));
@@ -150,7 +151,7 @@ TEST(Gcn, LabelsAPermutedGridWithEqualDistancesAndEqualPointsAlike) {
     ASSERT_EQ(of_permuted[2 * i], logits[2 * order[i]]) << "point " << order[i];
 }
 
-TEST(Gcn, RemembersNothingOfTheCloudsBefore) {
+TEST(Gcn, DoesNotDependOnEarlierClouds) {
   const NetworkWeights weights = lab::random_weights(network_config("small"), 4);
   const Gcn network(weights);
   for (const int count : {3000, 40, 1, 900, 3000}) {
@@ -159,7 +160,7 @@ TEST(Gcn, RemembersNothingOfTheCloudsBefore) {
   }
 }
 
-TEST(Gcn, AnswersSeveralThreadsAtOnce) {
+TEST(Gcn, IsThreadSafe) {
   const Gcn network(lab::random_weights(network_config("compact"), 4));
   const std::vector<Vec3f> a = stairs_points(1500), b = stairs_points(700, 0);
   const std::vector<float> of_a = network.forward(a, 1), of_b = network.forward(b, 1);
@@ -189,7 +190,7 @@ TEST(Gcn, LabelsACloudFarFromTheOriginAlike) {
   EXPECT_GE(static_cast<double>(alike), 0.999 * 8192);
 }
 
-TEST(Gcn, KnowsNothingOfScale) {
+TEST(Gcn, IsIndependentOfScale) {
   const std::vector<Vec3f> points = stairs_points(4000);
   const Gcn network(undecided_weights(network_config("compact"), points));
   const std::vector<float> logits = network.forward(points, 1);
@@ -198,12 +199,12 @@ TEST(Gcn, KnowsNothingOfScale) {
     for (const Vec3f& p : points) result.push_back(factor * p);
     return network.forward(result, 1);
   };
-  EXPECT_EQ(scaled(1.0f / 1024), logits);  // exact in floats: the very same
+  EXPECT_EQ(scaled(1.0f / 1024), logits);  // exact in floats: identical
   EXPECT_EQ(scaled(64), logits);
   EXPECT_GE(agreement(scaled(3.7f), logits), 0.999);
 }
 
-TEST(Gcn, AnswersForHardlyAnyPoints) {
+TEST(Gcn, WorksForVeryFewPoints) {
   for (const NetworkConfig& config : {network_config("compact"), network_config("official")}) {
     const auto classifier = make_gcn_classifier(lab::random_weights(config, 2));
     for (const std::size_t count : {0, 1, 2, 3, 5, 16, 17, 40}) {
@@ -230,7 +231,7 @@ TEST(Gcn, LabelsEqualPointsAlike) {
   }
 }
 
-TEST(Gcn, LeavesPointsThatAreNotFiniteUnknownAndTheOthersAlone) {
+TEST(Gcn, LabelsNonFinitePointsUnknownWithoutAffectingOthers) {
   const auto classifier = make_gcn_classifier(lab::random_weights(network_config("compact"), 2));
   const std::vector<Vec3f> points = stairs_points(600);
   std::vector<Vec3f> with_gaps = points;

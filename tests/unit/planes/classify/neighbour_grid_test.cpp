@@ -26,7 +26,7 @@ std::vector<Vec3f> regular_square(int edge) {
   return points;
 }
 
-/// Clouds that break a search which trusts its cells.
+/// Difficult clouds for searches that use cells.
 std::vector<std::pair<std::string, std::vector<Vec3f>>> clouds() {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<float> at(-1, 1);
@@ -60,7 +60,7 @@ float squared_distance(const Vec3f& p, const Vec3f& q) {
   return dx * dx + dy * dy + dz * dz;
 }
 
-/// The k nearest by comparison with every point, ascending.
+/// The k nearest neighbors by brute force, in ascending order of distance.
 std::vector<std::uint32_t> brute_force(std::span<const Vec3f> points, const Vec3f& p, int k) {
   std::vector<std::pair<float, std::uint32_t>> all;
   for (std::uint32_t j = 0; j < points.size(); ++j)
@@ -87,7 +87,7 @@ void expect_exact(const NeighbourGrid& grid, int k) {
   }
 }
 
-TEST(NeighbourGrid, FindsWhatBruteForceFinds) {
+TEST(NeighbourGrid, MatchesBruteForce) {
   for (const auto& [name, points] : clouds()) {
     SCOPED_TRACE(name);
     for (const int k : {1, 4, 17, 51}) expect_exact(NeighbourGrid(points, k), k);
@@ -95,7 +95,7 @@ TEST(NeighbourGrid, FindsWhatBruteForceFinds) {
   }
 }
 
-TEST(NeighbourGrid, FindsAsManyAsAreAskedForWhateverItsCellsWereSizedFor) {
+TEST(NeighbourGrid, FindsTheRequestedNumberForAnyCellSize) {
   const NeighbourGrid grid(surface(1, 1200), 16);
   for (const int k : {5, 200, 1024}) expect_exact(grid, k);
 }
@@ -112,7 +112,7 @@ TEST(NeighbourGrid, FindsThePointNearestToAnyQuery) {
   }
 }
 
-TEST(NeighbourGrid, HoldsTheSamePointsInTheSameOrderWhateverOrderTheyCameIn) {
+TEST(NeighbourGrid, HasTheSameOrderForAnyOrderOfTheInput) {
   for (const auto& [name, points] : clouds()) {
     std::vector<Vec3f> shuffled = points;
     std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937_64(11));
@@ -125,7 +125,7 @@ TEST(NeighbourGrid, HoldsTheSamePointsInTheSameOrderWhateverOrderTheyCameIn) {
   }
 }
 
-TEST(NeighbourGrid, EveryFourthPointKeepsItsPlaceAndItsOrigin) {
+TEST(NeighbourGrid, EveryFourthPointKeepsItsPositionAndIndex) {
   const NeighbourGrid grid(surface(1, 1001), 16), fourth = grid.every(4);
   ASSERT_EQ(fourth.size(), 251U);
   for (std::size_t i = 0; i < fourth.size(); ++i) {
@@ -141,7 +141,7 @@ TEST(NeighbourGrid, KeepsItsOrderWhenTheCloudIsScaledByAPowerOfTwo) {
   EXPECT_TRUE(std::ranges::equal(grid.order(), NeighbourGrid(points, 16).order()));
 }
 
-TEST(NeighbourGrid, ManyEqualPointsAreNoTrouble) {
+TEST(NeighbourGrid, ManyEqualPointsAreSupported) {
   std::vector<Vec3f> points(200'000, Vec3f(1, 2, 3));
   points.emplace_back(1, 2, 4);
   const NeighbourGrid grid(points, 16);

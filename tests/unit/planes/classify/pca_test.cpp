@@ -40,7 +40,7 @@ TEST(Pca, LabelsByTheAngleToGravity) {
   }
 }
 
-TEST(Pca, GivesTheSameAnswerForAnyThreadCount) {
+TEST(Pca, GivesTheSameResultForAnyThreadCount) {
   auto points = tilted(0, 2);
   const auto wall = tilted(90, 3);
   points.insert(points.end(), wall.begin(), wall.end());
@@ -53,8 +53,8 @@ TEST(Pca, GivesTheSameAnswerForAnyThreadCount) {
   }
 }
 
-TEST(Pca, GivesTheSameAnswerForAnyOrderOfThePoints) {
-  std::vector<Vec3f> points;  // exactly regular: every neighbourhood has ties
+TEST(Pca, GivesTheSameResultForAnyOrderOfThePoints) {
+  std::vector<Vec3f> points;  // exactly regular: every neighborhood has ties
   for (int i = 0; i < 40; ++i)
     for (int j = 0; j < 40; ++j) {
       points.emplace_back(0.02 * i, 0.02 * j, 0);
@@ -73,7 +73,7 @@ TEST(Pca, GivesTheSameAnswerForAnyOrderOfThePoints) {
   }
 }
 
-TEST(Pca, PointsWithoutANormalGetAnUnsureLabel) {
+TEST(Pca, PointsWithoutANormalGetAnUncertainLabel) {
   const auto classifier = make_pca_classifier();
   EXPECT_TRUE(classifier->classify({}, 2).labels.empty());
   const auto margins_are_zero = [](const Classification& c) {
@@ -91,7 +91,7 @@ TEST(Pca, PointsWithoutANormalGetAnUnsureLabel) {
   EXPECT_TRUE(margins_are_zero(result));
 }
 
-TEST(Pca, PointsThatAreNotFiniteAreUnknownAndDoNotCount) {
+TEST(Pca, NonFinitePointsAreUnknownAndIgnored) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   const std::vector<Vec3f> finite = tilted(30, 5);
@@ -110,7 +110,7 @@ TEST(Pca, PointsThatAreNotFiniteAreUnknownAndDoNotCount) {
   EXPECT_EQ(result.margins, alone.margins);
 }
 
-TEST(Pca, OptionsOutOfRangeAreRefused) {
+TEST(Pca, OptionsOutOfRangeAreRejected) {
   EXPECT_THROW(make_pca_classifier({.neighbours = 2}), Error);
   EXPECT_THROW(make_pca_classifier({.max_angle_deg = 90}), Error);
 }

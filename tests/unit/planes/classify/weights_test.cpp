@@ -45,7 +45,7 @@ std::size_t size_of(const TensorSpec& spec) {
   return size;
 }
 
-/// A value that tells the tensor and the place in it.
+/// A value that identifies the tensor and the position in it.
 float value_at(const std::string& tensor, std::size_t index) {
   float sum = 0;
   for (const char c : tensor) sum = 3 * sum + static_cast<float>(c - '.');
@@ -97,7 +97,7 @@ Bytes file_of(const std::string& header, const Bytes& data) {
   return bytes;
 }
 
-/// A weights file taken apart, for tests to put it together wrongly.
+/// Parts of a weights file, for tests that assemble them incorrectly.
 struct Parts {
   Json header;
   Bytes data;
@@ -135,14 +135,14 @@ bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(NetworkConfigs, HaveTheParameterCountsOfTheOfficialCodeAndOfOurs) {
+TEST(NetworkConfigs, HaveTheDocumentedParameterCounts) {
   EXPECT_EQ(parameter_count(network_config("official")), 1679362U);
   EXPECT_EQ(parameter_count(network_config("small")), 106498U);
   EXPECT_EQ(parameter_count(network_config("compact")), 27714U);
   EXPECT_THROW(network_config("huge"), Error);
 }
 
-TEST(Weights, ComeBackBitForBit) {
+TEST(Weights, AreReadBackExactly) {
   const fs::path path = scratch_file();
   for (const NetworkConfig& config : {tiny_config(), network_config("compact")}) {
     NetworkWeights weights = make_weights(config);
@@ -154,17 +154,17 @@ TEST(Weights, ComeBackBitForBit) {
   }
 }
 
-TEST(Weights, AreWrittenAsTheSameBytesEveryTimeWithAlignedData) {
+TEST(Weights, AreWrittenReproduciblyWithAlignedData) {
   const fs::path path = scratch_file();
   write_weights(path, make_weights(tiny_config()));
   const Bytes first = read_file_bytes(path);
   write_weights(path, make_weights(tiny_config()));
   EXPECT_EQ(read_file_bytes(path), first);
   EXPECT_EQ(first[0] % 8, 0);
-  EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);  // nothing beside it
+  EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);  // no other files
 }
 
-TEST(Weights, ThatCannotBeWrittenLeaveTheOldOnesAlone) {
+TEST(Weights, ThatCannotBeWrittenKeepTheOldOnes) {
   const fs::path path = scratch_file();
   fs::create_directories(path / "in the way");
   EXPECT_THROW(write_weights(path, make_weights(tiny_config())), Error);
@@ -172,8 +172,8 @@ TEST(Weights, ThatCannotBeWrittenLeaveTheOldOnesAlone) {
   EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);
 }
 
-// What safetensors.torch.save_file(model.state_dict(), path, metadata) of the official code writes:
-// metadata first and in no order, tensors by name, offsets last, padded with spaces to 8 bytes.
+// Output of safetensors.torch.save_file(model.state_dict(), path, metadata) with the official code:
+// metadata first and unordered, tensors by name, offsets last, padded with spaces to 8 bytes.
 TEST(Weights, OfTheOfficialPyTorchCodeLoad) {
   struct Saved {
     const char* name;
@@ -224,7 +224,7 @@ TEST(Weights, OfTheOfficialPyTorchCodeLoad) {
   }
 }
 
-TEST(DamagedWeights, CutAnywhereAreRefused) {
+TEST(DamagedWeights, TruncatedAnywhereAreRejected) {
   const fs::path path = scratch_file();
   write_weights(path, make_weights(tiny_config()));
   const Bytes whole = read_file_bytes(path);
@@ -234,7 +234,7 @@ TEST(DamagedWeights, CutAnywhereAreRefused) {
   }
 }
 
-TEST(DamagedWeights, WithAnyByteChangedAreRefusedOrStillOneNetwork) {
+TEST(DamagedWeights, WithAnyByteChangedAreRejectedOrStillValid) {
   const fs::path path = scratch_file();
   write_weights(path, make_weights(tiny_config()));
   const Bytes whole = read_file_bytes(path);
@@ -256,13 +256,13 @@ TEST(DamagedWeights, WithAnyByteChangedAreRefusedOrStillOneNetwork) {
   }
 }
 
-TEST(DamagedWeights, ThatAreMissingOrAFolderAreNamed) {
+TEST(DamagedWeights, ThatAreMissingOrAFolderAreReported) {
   const fs::path path = scratch_file();
   EXPECT_TRUE(has(error_of(path), "no such file"));
   EXPECT_TRUE(has(error_of(path.parent_path()), path.parent_path().string()));
 }
 
-TEST(DamagedWeights, WithALyingHeaderLengthAreRefused) {
+TEST(DamagedWeights, WithAWrongHeaderLengthAreRejected) {
   const fs::path path = scratch_file();
   const Parts parts = tiny_parts(path);
   for (const std::uint64_t length : {std::uint64_t{1} << 24 | 1, std::uint64_t{0} - 1,
@@ -274,7 +274,7 @@ TEST(DamagedWeights, WithALyingHeaderLengthAreRefused) {
   }
 }
 
-TEST(DamagedWeights, WithAHeaderThatIsNoObjectOrTooDeepAreRefused) {
+TEST(DamagedWeights, WithAHeaderThatIsNotAnObjectOrTooDeepAreRejected) {
   const fs::path path = scratch_file();
   const std::string deep(1 << 20, '[');
   for (const std::string& header :
@@ -285,7 +285,7 @@ TEST(DamagedWeights, WithAHeaderThatIsNoObjectOrTooDeepAreRefused) {
   }
 }
 
-TEST(DamagedWeights, WithTensorsThatAreNotWhereTheyShouldBeAreRefused) {
+TEST(DamagedWeights, WithWrongTensorOffsetsAreRejected) {
   const auto offsets = [](Json begin, Json end) {
     return error_after([&](Parts& parts) {
       parts.header["conv_0.directions"]["data_offsets"] = {begin, end};
@@ -295,32 +295,32 @@ TEST(DamagedWeights, WithTensorsThatAreNotWhereTheyShouldBeAreRefused) {
   EXPECT_TRUE(has(offsets(0, 4), "conv_0.directions"));  // overlaps another
   EXPECT_TRUE(has(offsets(-4, 20), "data_offsets"));     // negative
   EXPECT_TRUE(has(offsets(24, 0), "data_offsets"));      // backwards
-  EXPECT_TRUE(has(offsets(0.5, 24), "data_offsets"));    // no count
+  EXPECT_TRUE(has(offsets(0.5, 24), "data_offsets"));    // not an integer
   EXPECT_TRUE(has(offsets(huge, huge + 3), "begins at byte"));
   EXPECT_TRUE(
       has(error_after([](Parts& parts) { parts.data.pop_back(); }), "the file is truncated"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.data.push_back(0); }), "bytes of data"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["conv_0.directions"] = 1; }),
-                  "\"conv_0.directions\" is 1, expected an object"));
+                  "\"conv_0.directions\" is 1; expected an object"));
 }
 
-TEST(DamagedWeights, WithShapesThatDoNotFitAreRefused) {
+TEST(DamagedWeights, WithWrongShapesAreRejected) {
   const auto shape = [](const Json& extents) {
     return error_after([&](Parts& parts) { parts.header["conv_0.directions"]["shape"] = extents; });
   };
   EXPECT_TRUE(has(shape({3, 3}), "does not match shape"));
   EXPECT_TRUE(has(shape({2, 3}), "requires [3, 2]"));
   EXPECT_TRUE(has(shape({6}), "requires [3, 2]"));
-  // 2^64 + 24 bytes, and nothing at all of very many.
+  // 2^64 + 24 bytes, and a tensor with a huge dimension but no elements.
   EXPECT_TRUE(has(shape({std::uint64_t{1} << 61, 2, 6}), "does not match shape"));
   EXPECT_TRUE(has(shape({0, std::uint64_t{0} - 1}), "does not match shape"));
-  EXPECT_TRUE(has(shape({-3, -2}), "shape[0] is -3, expected a whole number"));
-  EXPECT_TRUE(has(shape("3x2"), "shape is \"3x2\", expected a list"));
+  EXPECT_TRUE(has(shape({-3, -2}), "shape[0] is -3; expected a whole number"));
+  EXPECT_TRUE(has(shape("3x2"), "shape is \"3x2\"; expected a list"));
 }
 
-TEST(DamagedWeights, OfOtherTypesOrTensorsAreRefused) {
+TEST(DamagedWeights, OfOtherTypesOrTensorsAreRejected) {
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["conv_1.bias"]["dtype"] = "F16"; }),
-                  R"("conv_1.bias".dtype is "F16", expected one of F32)"));
+                  R"("conv_1.bias".dtype is "F16"; expected one of F32)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) {
                     const Json moved = parts.header["conv_1.bias"];
                     parts.header.erase("conv_1.bias");
@@ -337,54 +337,55 @@ TEST(DamagedWeights, OfOtherTypesOrTensorsAreRefused) {
                   R"(tensor "extra\n" is not part of its configuration)"));
 }
 
-TEST(DamagedWeights, ThatAreNotFiniteAreRefused) {
+TEST(DamagedWeights, ThatAreNotFiniteAreRejected) {
   for (const std::uint32_t bits : {0x7F800000U, 0xFF800000U, 0x7FC00000U})
     EXPECT_TRUE(has(error_after([&](Parts& parts) { std::memcpy(&parts.data[4], &bits, 4); }),
                     "value 1 is"));
 }
 
-TEST(DamagedWeights, WithoutOurMetadataSayWhatToAdd) {
+TEST(DamagedWeights, WithoutOurMetadataReportWhatToAdd) {
   EXPECT_TRUE(
       has(error_after([](Parts& parts) { parts.header.erase("__metadata__"); }), "no 'format'"));
   for (const char* key : {"format", "version", "config"})
     EXPECT_TRUE(
         has(error_after([&](Parts& parts) { parts.header["__metadata__"].erase(key); }), key));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["format"] = "pt"; }),
-                  R"(format "pt", expected "planescope-classifier")"));
+                  R"(format "pt"; expected "planescope-classifier")"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["version"] = "2"; }),
-                  R"(version "2", expected "1")"));
+                  R"(version "2"; expected "1")"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["version"] = 1; }),
-                  R"(metadata "version" is 1, expected text)"));
+                  R"(metadata "version" is 1; expected text)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"] = "all"; }),
-                  R"(__metadata__ is "all", expected an object)"));
+                  R"(__metadata__ is "all"; expected an object)"));
   EXPECT_TRUE(has(error_after([](Parts& parts) { parts.header["__metadata__"]["training"] = "3"; }),
                   "training record is not a JSON object"));
 }
 
-TEST(DamagedWeights, WithAnAbsurdConfigurationAreRefused) {
+TEST(DamagedWeights, WithAnAbsurdConfigurationAreRejected) {
   const auto set = [](const char* key, const Json& value) {
     return error_after_config([&](Json& config) { config[key] = value; });
   };
   EXPECT_TRUE(has(set("levels", Json::parse("[[2,5000],[4]]")),
-                  "levels[0][1] is 5000, expected a whole number from 1 to 4096"));
+                  "levels[0][1] is 5000; expected a whole number from 1 to 4096"));
   EXPECT_TRUE(
-      has(set("levels", Json::parse("[[2,3],[]]")), "levels[1] is [], expected 1 to 8 layers"));
-  EXPECT_TRUE(has(set("levels", Json::array()), "levels is [], expected 1 to 8 levels"));
+      has(set("levels", Json::parse("[[2,3],[]]")), "levels[1] is []; expected 1 to 8 layers"));
+  EXPECT_TRUE(has(set("levels", Json::array()), "levels is []; expected 1 to 8 levels"));
   EXPECT_TRUE(
       has(set("levels", Json(std::vector<std::vector<int>>(9, {2}))), "expected 1 to 8 levels"));
-  EXPECT_TRUE(has(set("levels", 3), "levels is 3, expected a list"));
-  EXPECT_TRUE(has(set("head", Json::parse("[3.5]")), "head[0] is 3.5, expected"));
-  EXPECT_TRUE(has(set("supports", 17), "supports is 17, expected a whole number from 1 to 16"));
-  EXPECT_TRUE(has(set("neighbours", 0), "neighbours is 0, expected a whole number from 1 to 1024"));
+  EXPECT_TRUE(has(set("levels", 3), "levels is 3; expected a list"));
+  EXPECT_TRUE(has(set("head", Json::parse("[3.5]")), "head[0] is 3.5; expected"));
+  EXPECT_TRUE(has(set("supports", 17), "supports is 17; expected a whole number from 1 to 16"));
+  EXPECT_TRUE(has(set("neighbours", 0), "neighbours is 0; expected a whole number from 1 to 1024"));
   EXPECT_TRUE(has(set("neighbours", std::uint64_t{0} - 1), "neighbours is 18446744073709551615"));
-  EXPECT_TRUE(has(set("pool_rate", 1), "pool_rate is 1, expected a whole number from 2 to 64"));
-  EXPECT_TRUE(has(set("pool_neighbours", "4"), R"(pool_neighbours is "4", expected)"));
-  EXPECT_TRUE(has(set("global_feature", 1), "global_feature is 1, expected true or false"));
-  EXPECT_TRUE(has(set("name", 1), "name is 1, expected text"));
-  EXPECT_TRUE(has(set("dropout", 1), "has \"dropout\", expected one of name"));
+  EXPECT_TRUE(has(set("pool_rate", 1), "pool_rate is 1; expected a whole number from 2 to 64"));
+  EXPECT_TRUE(has(set("pool_neighbours", "4"), R"(pool_neighbours is "4"; expected)"));
+  EXPECT_TRUE(has(set("global_feature", 1), "global_feature is 1; expected true or false"));
+  EXPECT_TRUE(has(set("name", 1), "name is 1; expected text"));
+  EXPECT_TRUE(has(set("dropout", 1), "has \"dropout\"; expected one of name"));
   EXPECT_TRUE(has(error_after_config([](Json& config) { config.erase("supports"); }),
                   R"(has no "supports")"));
-  EXPECT_TRUE(has(set("levels", Json::parse("[[2,3],[5]]")), "tensor"));  // not these tensors
+  // does not match the tensors
+  EXPECT_TRUE(has(set("levels", Json::parse("[[2,3],[5]]")), "tensor"));
 }
 
 }  // namespace

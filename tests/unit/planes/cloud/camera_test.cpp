@@ -39,7 +39,7 @@ TEST(Camera, BrownConradyMatchesTheOpenCvFormula) {
   EXPECT_NEAR(pixel.y(), k.fy * (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) + k.cy, 1e-9);
 }
 
-TEST(Camera, EveryPixelComesBackFromItsRay) {
+TEST(Camera, EveryPixelIsRecoveredFromItsRay) {
   for (const Distortion model : {Distortion::brown_conrady, Distortion::inverse_brown_conrady}) {
     Intrinsics k = test_camera();
     k.distortion = model;
@@ -60,18 +60,18 @@ TEST(Camera, InverseBrownConradyUndoesBrownConradyOfTheSameName) {
   inverse.distortion = Distortion::inverse_brown_conrady;
   const Vec2d ray(0.21, 0.13);
   const Vec2d distorted = ray_to_pixel(forward, ray);
-  // The inverse model's pixel_to_ray applies the very polynomial of the forward model.
+  // The inverse model's pixel_to_ray uses the polynomial of the forward model.
   const Vec2d again =
       pixel_to_ray(inverse, forward.fx * ray.x() + forward.cx, forward.fy * ray.y() + forward.cy);
   EXPECT_NEAR(again.x() * forward.fx + forward.cx, distorted.x(), 1e-9);
   EXPECT_NEAR(again.y() * forward.fy + forward.cy, distorted.y(), 1e-9);
 }
 
-TEST(Camera, APixelThatNoRayReachesIsNaN) {
+TEST(Camera, APixelWithoutARayIsNaN) {
   Intrinsics k = test_camera();
   k.distortion = Distortion::brown_conrady;
-  // A real camera's calibration (its k3 holds only where the targets were): it folds back within
-  // the image's corners.
+  // The calibration of a real camera (its k3 is valid only where the targets were), which folds
+  // back in the image's corners.
   k.coefficients = {-0.0451, 0.2395, -0.0096, -0.0029, -1.0148};
   EXPECT_TRUE(std::isnan(pixel_to_ray(k, 0, 0).x()));
   EXPECT_TRUE(pixel_to_ray(k, 300, 220).allFinite());

@@ -40,7 +40,7 @@ Frame cloud_frame(std::vector<Vec3f> points) {
   return frame;
 }
 
-TEST(Cloud, GravityBecomesMinusZAndForwardKeepsItsHalfPlane) {
+TEST(Cloud, GravityIsMinusZAndForwardKeepsItsHalfPlane) {
   const Vec3d g = Vec3d(-0.323, 0.844, 0.428).normalized();
   const Pose pose = world_from_gravity(g, true);
   EXPECT_LT((pose.linear() * g - Vec3d(0, 0, -1)).norm(), 1e-15);
@@ -59,11 +59,11 @@ TEST(Cloud, LookingStraightDownStillGivesARotation) {
   }
 }
 
-TEST(Cloud, ACloudThatStandsUprightIsNotTurned) {
+TEST(Cloud, AnUprightCloudIsNotRotated) {
   EXPECT_EQ(world_from_gravity(Vec3d(0, 0, -1), false).linear(), Mat3d::Identity());
 }
 
-TEST(Cloud, PointsLieWhereTheirPixelsLook) {
+TEST(Cloud, PointsAreOnTheRaysOfTheirPixels) {
   Frame frame = depth_frame(64, 48, 1000);
   frame.depth.at(5, 7) = 1400;
   const Gravity gravity = down({0.1, 0.8, 0.5});
@@ -76,7 +76,7 @@ TEST(Cloud, PointsLieWhereTheirPixelsLook) {
   EXPECT_LT((cloud.points[i].cast<double>() - cloud.T_world_sensor * sensor).norm(), 1e-6);
 }
 
-TEST(Cloud, DistortionIsTakenOut) {
+TEST(Cloud, DistortionIsRemoved) {
   Frame frame = depth_frame(64, 48, 1000);
   frame.intrinsics.distortion = Distortion::brown_conrady;
   frame.intrinsics.coefficients = {0.1, -0.05, 0.001, 0.002, 0};
@@ -92,7 +92,7 @@ TEST(Cloud, EveryPixelIsAccountedFor) {
   frame.depth.at(0, 0) = 0;
   frame.depth.at(1, 0) = 0;
   frame.depth.at(2, 0) = 65535;
-  frame.depth.at(3, 0) = 1500;  // at the limit: kept
+  frame.depth.at(3, 0) = 1500;  // at the limit; kept
   frame.depth.at(4, 0) = 1501;
   const Cloud cloud = make_cloud(frame, down({0, 1, 0}), {});
   EXPECT_EQ(cloud.counts.pixels, 64u * 48u);
@@ -108,7 +108,8 @@ TEST(Cloud, EveryPixelIsAccountedFor) {
 }
 
 TEST(Cloud, CornersOutsideTheCubeAreCountedNotClamped) {
-  // At 1.45 m a lens of 0.3 focal lengths per width sees 2.4 m to either side, the cube 1.6 m.
+  // At 1.45 m, a lens with a focal length of 0.3 widths sees 2.4 m to either side, but the cube
+  // covers 1.6 m.
   Frame frame = depth_frame(64, 48, 1450);
   frame.intrinsics.fx = frame.intrinsics.fy = 0.3 * 64;
   const Cloud cloud = make_cloud(frame, down({0, 1, 0}), {});
@@ -120,7 +121,7 @@ TEST(Cloud, CornersOutsideTheCubeAreCountedNotClamped) {
     EXPECT_EQ(cloud.kept[i] == 1, cloud.points[i].cwiseAbs().maxCoeff() < 1.6f);
 }
 
-TEST(Cloud, TheCubeGrowsByPowersOfTwoAndItsLeafStays) {
+TEST(Cloud, TheCubeGrowsByPowersOfTwoAndItsLeafSizeStays) {
   const Frame frame = depth_frame(8, 6, 1000);
   for (const auto& [range_m, edge_m, depth] :
        {std::tuple{1.0, 3.2, 8}, {1.6, 3.2, 8}, {1.7, 6.4, 9}, {4.0, 12.8, 10}}) {
@@ -134,7 +135,7 @@ TEST(Cloud, TheCubeGrowsByPowersOfTwoAndItsLeafStays) {
   }
 }
 
-TEST(Cloud, AnUnlimitedRangeEndsWhereTheCountsEnd) {
+TEST(Cloud, AnUnlimitedRangeEndsAtTheLargestCount) {
   CloudOptions options;
   options.max_range_m = std::numeric_limits<double>::infinity();
   const Cloud cloud = make_cloud(depth_frame(8, 6, 60000), down({0, 1, 0}), options);
@@ -142,7 +143,7 @@ TEST(Cloud, AnUnlimitedRangeEndsWhereTheCountsEnd) {
   EXPECT_DOUBLE_EQ(cloud.cube.edge_m, 204.8);
 }
 
-TEST(Cloud, ACloudIsHeldWholeByItsCube) {
+TEST(Cloud, TheCubeContainsTheWholeCloud) {
   std::vector<Vec3f> points;
   for (float i = 0; i < 1000; ++i)
     points.emplace_back(std::sin(i) * 3.7f, std::cos(i * 1.3f) * 0.4f, std::sin(i * 0.7f) + 20);
@@ -158,24 +159,24 @@ TEST(Cloud, ACloudIsHeldWholeByItsCube) {
   }
 }
 
-TEST(Cloud, ASmallUprightCloudKeepsTheNumbersOfItsFile) {
+TEST(Cloud, ASmallUprightCloudKeepsItsCoordinates) {
   const std::vector<Vec3f> points{{0.1f, 0.2f, 0.3f}, {-0.123456f, 0.4f, 0.25f}};
   const Cloud cloud = make_cloud(cloud_frame(points), down({0, 0, -1}), {});
   EXPECT_EQ(cloud.origin, Vec3d::Zero());
   EXPECT_EQ(cloud.points, points);
 }
 
-TEST(Cloud, PixelsWhosePointsNoFloatHoldsAreInvalid) {
+TEST(Cloud, PixelsWithPointsBeyondFloatsAreInvalid) {
   Frame frame = depth_frame(8, 6, 1000);
   frame.intrinsics.fx = 1e-300;
-  frame.intrinsics.cx = 3;  // of the column that looks straight ahead there are points
+  frame.intrinsics.cx = 3;  // the column that looks straight ahead has points
   const Cloud cloud = make_cloud(frame, down({0, 1, 0}), {});
   EXPECT_EQ(cloud.counts.invalid, 8u * 6u - 6);
   EXPECT_EQ(cloud.points.size(), 6u);
   for (const Vec3f& point : cloud.points) EXPECT_TRUE(point.allFinite());
 }
 
-TEST(Cloud, NanInfinityAndTheOriginAreNoPoints) {
+TEST(Cloud, NanInfinityAndTheOriginAreNotPoints) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   const Cloud cloud =
@@ -212,13 +213,13 @@ TEST(Cloud, AStrayCostsNoneOfTheOthers) {
   }
 }
 
-TEST(Cloud, PointsThatAreMostlyTooFarApartAreRefused) {
+TEST(Cloud, PointsThatAreMostlyTooFarApartAreRejected) {
   std::vector<Vec3f> points;
   for (int i = 0; i < 100; ++i) points.emplace_back(1e6f * static_cast<float>(i), 0, 1);
   EXPECT_THROW(make_cloud(cloud_frame(points), down({0, 0, -1}), {}), Error);
 }
 
-TEST(Cloud, CloudsAreCroppedByRangeOnlyWhenAsked) {
+TEST(Cloud, CloudsAreCroppedByRangeOnlyOnRequest) {
   const Frame frame = cloud_frame({{1, 0, 0}, {3, 0, 0}, {0, 100, 0}});
   EXPECT_EQ(make_cloud(frame, down({0, 0, -1}), {}).counts.kept, 3u);
   CloudOptions options;
@@ -236,7 +237,7 @@ TEST(Cloud, AFrameWithoutOneMeasurementIsEmptyNotAnError) {
   EXPECT_DOUBLE_EQ(cloud.cube.edge_m, 3.2);
 }
 
-TEST(Cloud, NonsenseIsRefused) {
+TEST(Cloud, InvalidInputIsRejected) {
   Frame frame = depth_frame(8, 6, 1000);
   CloudOptions options;
   options.max_range_m = 0;

@@ -53,7 +53,7 @@ TEST(Gravity, OptionsAreParsed) {
   EXPECT_EQ(parse_gravity("0, 0, -1").direction, Vec3d(0, 0, -1));
 }
 
-TEST(Gravity, BadOptionsAreRefusedByName) {
+TEST(Gravity, InvalidOptionsAreRejectedByName) {
   for (const char* text : {"", "down", "1,2", "1,2,3,4", "0,0,0", "1;2;3", "1,2,x", "nan,0,0"}) {
     try {
       parse_gravity(text);
@@ -64,7 +64,7 @@ TEST(Gravity, BadOptionsAreRefusedByName) {
   }
 }
 
-TEST(Gravity, TheOptionWinsOverTheRecording) {
+TEST(Gravity, TheOptionOverridesTheRecording) {
   Frame frame = empty_depth();
   frame.gravity = from_file(GravitySource::imu, {0, 0, 1});
   const Gravity gravity = resolve_gravity(frame, parse_gravity("0,3,4"));
@@ -72,20 +72,20 @@ TEST(Gravity, TheOptionWinsOverTheRecording) {
   EXPECT_TRUE(gravity.direction.isApprox(Vec3d(0, 0.6, 0.8)));
 }
 
-TEST(Gravity, TheRecordingWinsOverTheScene) {
+TEST(Gravity, TheRecordingOverridesTheScene) {
   Frame frame = empty_depth();
   frame.gravity = from_file(GravitySource::sidecar, {0, 1, 0});
   EXPECT_EQ(resolve_gravity(frame, {}).source, GravitySource::sidecar);
 }
 
-TEST(Gravity, AskingForTheImuOfARecordingWithoutOneIsAnError) {
+TEST(Gravity, RequestingAMissingImuIsAnError) {
   Frame frame = empty_depth();
   EXPECT_THROW(resolve_gravity(frame, parse_gravity("imu")), Error);
   frame.gravity = from_file(GravitySource::imu, {0, 1, 0});
   EXPECT_EQ(resolve_gravity(frame, parse_gravity("imu")).source, GravitySource::imu);
 }
 
-TEST(Gravity, AFrameThatDoesNotTellIsRefusedWithAWayOut) {
+TEST(Gravity, AFrameWithoutAnEstimateIsRejectedWithASuggestion) {
   try {
     resolve_gravity(measured_once(), {});
     FAIL();
@@ -104,11 +104,11 @@ std::string why_refused(const Frame& frame, double max_range_m = 0) {
   return "it was not";
 }
 
-TEST(Gravity, ADepthImageWithoutDepthIsRefusedAsSuch) {
+TEST(Gravity, ADepthImageWithoutDepthIsReportedAsSuch) {
   EXPECT_EQ(why_refused(empty_depth()), "frame empty: contains no depth: all pixels are 0");
 }
 
-TEST(Gravity, AWrongDepthUnitIsSuspectedWhereAllIsOutOfRange) {
+TEST(Gravity, AWrongDepthUnitIsSuspectedIfEverythingIsOutOfRange) {
   Frame frame = measured_once();
   frame.depth_unit_m = 1;
   EXPECT_EQ(why_refused(frame, 4),
@@ -118,7 +118,7 @@ TEST(Gravity, AWrongDepthUnitIsSuspectedWhereAllIsOutOfRange) {
   EXPECT_EQ(why_refused(frame, 4).find("--depth-unit"), std::string::npos);
 }
 
-TEST(Gravity, NoneGoesWithoutWhateverTheRecordingSays) {
+TEST(Gravity, NoneIgnoresTheRecordingsGravity) {
   EXPECT_EQ(parse_gravity("none").mode, GravityMode::none);
   Frame frame = empty_depth();
   frame.gravity = from_file(GravitySource::imu, {0, 0, 1});
@@ -131,7 +131,7 @@ TEST(Gravity, NoneGoesWithoutWhateverTheRecordingSays) {
   EXPECT_EQ(resolve_gravity(frame, parse_gravity("none")).direction, Vec3d(0, 0, -1));
 }
 
-TEST(Gravity, WhoeverCanGoWithoutIsNotRefused) {
+TEST(Gravity, CallersThatWorkWithoutItGetNoError) {
   for (const char* text : {"auto", "imu", "estimate"}) {
     GravityOptions options = parse_gravity(text);
     options.none_where_unknown = true;
@@ -141,7 +141,7 @@ TEST(Gravity, WhoeverCanGoWithoutIsNotRefused) {
   }
 }
 
-TEST(Gravity, CloudsFallAlongMinusZUnlessTold) {
+TEST(Gravity, CloudsHaveGravityMinusZByDefault) {
   Frame frame;
   frame.cloud.emplace();
   EXPECT_EQ(resolve_gravity(frame, {}).direction, Vec3d(0, 0, -1));
@@ -152,7 +152,7 @@ TEST(Gravity, CloudsFallAlongMinusZUnlessTold) {
 
 const Vec3d kDown = Vec3d(0.2, 0.9, 0.3).normalized();
 
-/// A wall in a world where things fall along kDown, turned about that by an angle.
+/// A wall in a world with gravity kDown, rotated about it by an angle.
 Vec3d wall(double turned_deg) {
   const Vec3d across = kDown.cross(Vec3d::UnitZ()).normalized(), along = across.cross(kDown);
   const double angle = turned_deg * std::numbers::pi / 180;
@@ -163,11 +163,11 @@ double angle_deg(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::min(1.0, a.dot(b))) * 180 / std::numbers::pi;
 }
 
-TEST(GravityPick, AFloorTellsItAgainstItsNormal) {
+TEST(GravityPick, AFloorDefinesItByItsNormal) {
   EXPECT_TRUE(gravity_of_floor(-2 * kDown).isApprox(kDown));
 }
 
-TEST(GravityPick, OneWallTurnsWhatIsKnownUntilTheWallStandsUpright) {
+TEST(GravityPick, OneWallRotatesKnownGravityIntoTheWall) {
   const Vec3d known = (kDown + 0.2 * wall(0) + 0.1 * wall(90)).normalized();
   const std::vector<Vec3d> walls = {wall(0)};
   const auto gravity = gravity_of_walls(walls, known);
@@ -177,8 +177,8 @@ TEST(GravityPick, OneWallTurnsWhatIsKnownUntilTheWallStandsUpright) {
   EXPECT_LT(angle_deg(*gravity, kDown), angle_deg(known, kDown));
 }
 
-TEST(GravityPick, TwoWallsTellItWhateverWasKnown) {
-  // The camera itself is tilted by 40 degrees against them: only up and down are taken from it.
+TEST(GravityPick, TwoWallsDefineItRegardlessOfKnownGravity) {
+  // The known gravity is 40 degrees off; it only determines the sign.
   const Vec3d known = (kDown + 0.8 * wall(30)).normalized();
   for (const double corner_deg : {30.0, 90.0, -75.0}) {
     const std::vector<Vec3d> walls = {wall(10), wall(10 + corner_deg)};
@@ -188,7 +188,7 @@ TEST(GravityPick, TwoWallsTellItWhateverWasKnown) {
   }
 }
 
-TEST(GravityPick, MoreWallsAreTakenTogether) {
+TEST(GravityPick, MoreWallsAreCombined) {
   const auto leaning = [](double turned_deg, double lean) {
     return Vec3d(wall(turned_deg) + lean * kDown).normalized();
   };
@@ -198,7 +198,7 @@ TEST(GravityPick, MoreWallsAreTakenTogether) {
   EXPECT_LT(angle_deg(*gravity, kDown), 0.1) << "opposite walls that lean alike cancel";
 }
 
-TEST(GravityPick, ParallelWallsAndFloorsTakenForWallsAreRefusedWithAReason) {
+TEST(GravityPick, ParallelWallsAndFloorsAsWallsAreRejectedWithAReason) {
   std::string why;
   const std::vector<Vec3d> parallel = {wall(0), wall(185)};
   EXPECT_FALSE(gravity_of_walls(parallel, kDown, &why));
@@ -241,7 +241,7 @@ void expect_found(const std::vector<Parallelogram>& scene, const Camera& camera)
   EXPECT_FALSE(gravity->note.empty());
 }
 
-TEST(GravityEstimate, IsRightOnScenesThatRobotsMeet) {
+TEST(GravityEstimate, IsCorrectOnTypicalRobotScenes) {
   std::vector<Parallelogram> kerb{floor_plane()};
   add_box(kerb, Vec3d(1.1, -5, 0), Vec3d(4, 10, 0.12));
   std::vector<Parallelogram> boxes{floor_plane()};
@@ -256,7 +256,7 @@ TEST(GravityEstimate, IsRightOnScenesThatRobotsMeet) {
     }
 }
 
-TEST(GravityEstimate, ABareFloorIsTheGroundHoweverTheCameraIsTilted) {
+TEST(GravityEstimate, ABareFloorIsTheGroundForAnyCameraTilt) {
   expect_found({floor_plane()}, {0.8, 40, 0, 0.06, 1});
   expect_found({floor_plane()}, {0.8, 20, 40, 0.06, 2});
   const auto gravity = estimate_gravity(render_depth({floor_plane()}, {0.8, 40, 0, 0.06, 3}), {});
@@ -271,14 +271,14 @@ TEST(GravityEstimate, AFloorBeyondTheTiltLimitIsNotTheGround) {
   EXPECT_FALSE(estimate_gravity(frame, options).has_value());
 }
 
-TEST(GravityEstimate, AWallAloneDoesNotTell) {
+TEST(GravityEstimate, AWallAloneGivesNoEstimate) {
   for (const double pitch_deg : {-10.0, 0.0, 20.0, 40.0})
     EXPECT_FALSE(
         estimate_gravity(render_depth({wall_ahead(1.5)}, {0.8, pitch_deg, 3, 0.06, 1}), {}))
         << pitch_deg;
 }
 
-TEST(GravityEstimate, TwoWallsOfACornerTellLittleButRightly) {
+TEST(GravityEstimate, TwoWallsOfACornerGiveAnUncertainButCorrectEstimate) {
   const std::vector<Parallelogram> corner{wall_ahead(2),
                                           {Vec3d(-5, 1, -3), Vec3d(10, 0, 0), Vec3d(0, 0, 6)}};
   const Camera camera{0.8, 5, 4, 0.06, 1};
@@ -288,8 +288,8 @@ TEST(GravityEstimate, TwoWallsOfACornerTellLittleButRightly) {
   EXPECT_LT(gravity->confidence, 0.4);
 }
 
-TEST(Gravity, OnePlaneThatFacesTheCameraIsAWallOrAFloorAndNeverGuessed) {
-  for (const double pitch_deg : {90.0, 80.0}) {  // at a floor
+TEST(Gravity, APlaneFacingTheCameraIsNeverGuessed) {
+  for (const double pitch_deg : {90.0, 80.0}) {  // facing a floor
     const std::vector<Parallelogram> floor{{{-3, -3, 0}, {6, 0, 0}, {0, 6, 0}}};
     const std::string why = why_refused(render_depth(floor, {0.8, pitch_deg}));
     EXPECT_NE(why.find("a wall straight ahead (--gravity 0,1,0)"), std::string::npos) << why;
@@ -300,11 +300,11 @@ TEST(Gravity, OnePlaneThatFacesTheCameraIsAWallOrAFloorAndNeverGuessed) {
   EXPECT_NE(why.find("one plane faces the camera"), std::string::npos) << why;
 }
 
-TEST(GravityEstimate, AnEmptyFrameDoesNotTell) {
+TEST(GravityEstimate, AnEmptyFrameGivesNoEstimate) {
   EXPECT_FALSE(estimate_gravity(render_depth({}, {}), {}).has_value());
 }
 
-TEST(GravityEstimate, HolesAndNonsenseDoNotDisturb) {
+TEST(GravityEstimate, HolesAndInvalidPixelsDoNotDisturbIt) {
   const Camera camera{0.8, 30, 0, 0.06, 5};
   Frame frame = render_depth(staircase(), camera);
   for (std::size_t i = 0; i < frame.depth.data.size(); i += 11) frame.depth.data[i] = 65535;
@@ -331,7 +331,7 @@ struct Known {
   const char* path;
   std::optional<std::array<double, 4>> intrinsics;
   int frame;
-  Vec3d gravity;  // minus the normal of the floor in that frame
+  Vec3d gravity;  // negative normal of the floor in that frame
 };
 
 TEST(GravityEstimate, AgreesWithTheFloorOfRealRecordings) {

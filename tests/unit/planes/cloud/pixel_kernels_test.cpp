@@ -23,7 +23,7 @@ std::vector<Simd> simds_here() {
   return all;
 }
 
-/// Of every kind: holes, the far outlier, counts at the limits of the range.
+/// All kinds of counts: holes, the far outlier, limits of the range.
 std::uint16_t random_counts(std::mt19937& random) {
   switch (random() % 8) {
     case 0:
@@ -42,7 +42,7 @@ Frame random_frame(int width, int height, Distortion distortion, unsigned seed) 
   Frame frame;
   frame.name = "random";
   frame.depth = Image16(width, height);
-  // Rows of points alone as well, as cameras give them.
+  // Also single rows of points, like those of cameras.
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u)
       frame.depth.at(u, v) =
@@ -50,7 +50,7 @@ Frame random_frame(int width, int height, Distortion distortion, unsigned seed) 
   frame.depth_unit_m = 0.001;
   frame.intrinsics = {width,       height,       0.4 * width, 0.4 * width,
                       0.5 * width, 0.5 * height, distortion,  {}};
-  // Folds over near the corners, to which no ray leads then.
+  // Folds back near the corners, where pixels have no ray.
   if (distortion != Distortion::none) frame.intrinsics.coefficients = {-0.3, 0.02, 0.01, 0, 0};
   return frame;
 }
@@ -93,7 +93,7 @@ void expect_plain_cloud(const Frame& frame, const Cloud& cloud, double max_range
   EXPECT_EQ(cloud.counts.kept, counts.kept);
 }
 
-TEST(PixelKernels, MakeTheCloudThatPixelByPixelMakes) {
+TEST(PixelKernels, MakeTheSameCloudAsScalarCode) {
   Gravity gravity;
   gravity.direction = Vec3d(0.1, 0.8, 0.5).normalized();
   for (const Distortion distortion :
@@ -161,7 +161,7 @@ TEST(PixelKernels, AreTheSameForEveryInstructionSet) {
     EXPECT_EQ(plain.fates[fate], std::ranges::count(plain.fate, fate)) << fate;
 }
 
-TEST(PixelKernels, SumAPatchAsItsPixelsOneByOne) {
+TEST(PixelKernels, SumAPatchLikeScalarCode) {
   constexpr std::size_t kPatches = 16, kPixels = 5;
   std::mt19937 random(4);
   std::normal_distribution<double> normal;

@@ -13,8 +13,8 @@
 namespace planescope::planes {
 namespace {
 
-/// Points on a lattice that keeps half a millimetre off every cell's border, so that rounding
-/// cannot tell on which side they are.
+/// Points on a lattice at least half a millimeter from every cell border, so that rounding does not
+/// change their cell.
 Cloud random_cloud(std::uint64_t seed, int count) {
   std::mt19937_64 random(seed);
   std::uniform_int_distribution<int> at(0, 3199);
@@ -22,7 +22,7 @@ Cloud random_cloud(std::uint64_t seed, int count) {
   cloud.cube.min_corner = Vec3d::Constant(-1.6);
   Eigen::Vector3i lattice(0, 0, 0);
   for (int i = 0; i < count; ++i) {
-    // Runs of near points, as in an image, and lone ones.
+    // Sequences of near points, as in an image, and isolated ones.
     lattice = i % 7 == 0 ? Eigen::Vector3i(at(random), at(random), at(random))
                          : Eigen::Vector3i(lattice + Eigen::Vector3i(4, 0, 1));
     lattice = lattice.cwiseMin(3199);
@@ -34,7 +34,7 @@ Cloud random_cloud(std::uint64_t seed, int count) {
   return cloud;
 }
 
-TEST(Voxels, EqualAPlainMapOfCells) {  // 300000 points: the hash grows on the way
+TEST(Voxels, MatchAPlainMapOfCells) {  // 300000 points, so that the hash table grows
   for (const double size_m : {0.02, 0.05, 0.4, 5.0}) {
     const Cloud cloud = random_cloud(7, 300000);
     struct Reference {
@@ -56,7 +56,7 @@ TEST(Voxels, EqualAPlainMapOfCells) {  // 300000 points: the hash grows on the w
     std::map<std::uint32_t, Reference> by_first;
     for (const auto& [key, cell] : cells) by_first[cell.first] = cell;
     std::uint32_t v = 0;
-    for (const auto& [first, cell] : by_first) {  // order of first appearance
+    for (const auto& [first, cell] : by_first) {  // in order of first appearance
       EXPECT_EQ(voxels.voxel_of[first], v);
       EXPECT_EQ(voxels.count[v], cell.count);
       EXPECT_LT((voxels.points[v].cast<double>() - cell.sum / cell.count).norm(), 1e-6);
@@ -117,7 +117,7 @@ TEST(Voxels, MembersAreTheirPointsInOrder) {
   EXPECT_EQ(seen, csr.members.size());
 }
 
-TEST(Voxels, LabelsGoByMajorityWithoutTheUnknownAndTiesToTheSmaller) {
+TEST(Voxels, LabelsAreTheMajorityOfKnownOnesAndTiesGoToTheSmaller) {
   Cloud cloud;
   cloud.cube.min_corner = Vec3d::Constant(-1.6);
   std::vector<std::uint8_t> labels;
@@ -128,7 +128,7 @@ TEST(Voxels, LabelsGoByMajorityWithoutTheUnknownAndTiesToTheSmaller) {
     labels.push_back(label);
     ids.push_back(id);
   };
-  for (int i = 0; i < 5; ++i) put(0.01f, 0, 0);  // the unknown are many but have no vote
+  for (int i = 0; i < 5; ++i) put(0.01f, 0, 0);  // unknown labels are the majority but do not count
   put(0.01f, 2, 9);
   for (int i = 0; i < 3; ++i) put(0.21f, 2, 300);
   for (int i = 0; i < 3; ++i) put(0.21f, 1, -1);
@@ -138,7 +138,7 @@ TEST(Voxels, LabelsGoByMajorityWithoutTheUnknownAndTiesToTheSmaller) {
   EXPECT_EQ(vote_instances(voxels, ids), (std::vector<std::int32_t>{9, -1, 0}));
 }
 
-TEST(Voxels, AWholeFrameMayLieInOneVoxel) {
+TEST(Voxels, AWholeFrameMayBeInOneVoxel) {
   Cloud cloud;
   cloud.cube.min_corner = Vec3d::Constant(-1.6);
   Vec3d sum = Vec3d::Zero();
@@ -154,7 +154,7 @@ TEST(Voxels, AWholeFrameMayLieInOneVoxel) {
   EXPECT_LT((voxels.points[0].cast<double>() - sum / 100000).norm(), 1e-6);
 }
 
-TEST(Voxels, FarApartPointsOfALargeCloudStayApart) {
+TEST(Voxels, DistantPointsOfALargeCloudStaySeparate) {
   Cloud cloud;
   cloud.cube.min_corner = Vec3d::Constant(-13107.2);
   cloud.cube.edge_m = 26214.4;
@@ -168,7 +168,7 @@ TEST(Voxels, FarApartPointsOfALargeCloudStayApart) {
     EXPECT_LT((voxels.points[i] - cloud.points[i]).norm(), 0.02f);
 }
 
-TEST(Voxels, ASizeThatNoKeyCanHoldIsRefused) {
+TEST(Voxels, ASizeBeyondTheKeysIsRejected) {
   Cloud cloud = random_cloud(12, 10);
   EXPECT_THROW(voxelize(cloud, 1e-7), Error);
   EXPECT_THROW(voxelize(cloud, -1), Error);

@@ -1,4 +1,4 @@
-// Planes of depth images by one objective.
+// Planes in depth images, found by minimizing one objective.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ FrameResult planes_of(const Frame& frame,
   return run_frame(frame, options, nullptr, nullptr, trace);
 }
 
-/// Smallest IoU of a plane of `a` with the plane of `b` that covers it best.
+/// Smallest IoU between a plane of `a` and the best-matching plane of `b`.
 double least_iou(const FrameResult& a, const FrameResult& b) {
   std::map<std::pair<int, int>, double> both;
   std::map<int, double> in_a, in_b;
@@ -44,7 +44,7 @@ double least_iou(const FrameResult& a, const FrameResult& b) {
   return least;
 }
 
-/// A wall 2 m away, a floor, a box on it that shows its front and its top.
+/// A wall at 2 m, a floor, and a box on it, of which the front and the top are visible.
 double room(double x, double y) {
   const double wall = 2, floor = y > 0 ? 0.6 / y : 10;
   const double front = 1.1, top = y > 0 ? 0.35 / y : 10;
@@ -90,7 +90,7 @@ DepthImage image_of(int width, int height, const std::function<double(int, int)>
   return image;
 }
 
-TEST(DepthCells, HoldEachMeasuredPixelOnce) {
+TEST(DepthCells, ContainEachMeasuredPixelOnce) {
   Random random(5);
   const DepthImage image = image_of(101, 67, [&](int u, int v) {
     return (u * 7 + v) % 5 == 0 ? 0.0
@@ -114,7 +114,7 @@ TEST(DepthCells, HoldEachMeasuredPixelOnce) {
   EXPECT_NEAR(root.rr, all.rr, 1e-9 * all.rr);
 }
 
-TEST(DepthCells, KeepSurfacesApartThatAreFarFromEachOther) {
+TEST(DepthCells, SeparateDistantSurfaces) {
   const DepthImage image = image_of(64, 64, [](int u, int v) { return (u + v) % 2 ? 1.0 : 0.5; });
   const DepthCells cells = make_depth_cells(image);
   EXPECT_EQ(cells.levels[0].size(), 2u * 16 * 16);
@@ -130,7 +130,7 @@ TEST(DepthNoise, IsMeasuredInTheImage) {
     return measure_depth_noise(cells.blocks, cells.block_columns, image.width, 0, {});
   };
   EXPECT_NEAR(measured(white).white, 0.002, 2e-4);
-  EXPECT_LT(measured(white).bow, 0.0025);  // 2.5 times the fifth that it is at least
+  EXPECT_LT(measured(white).bow, 0.0025);  // at least 2.5 times a fifth of the white noise
   const DepthImage bowed = image_of(640, 480, [&](int u, int v) {
     return 0.5 + 0.006 * std::sin(u * std::numbers::pi / 30) * std::cos(v * std::numbers::pi / 30) +
            0.002 * random.normal();
@@ -167,7 +167,7 @@ TEST(DepthPlanes, DependNeitherOnGravityNorOnTheFocalLength) {
   EXPECT_EQ(planes_of(frame).plane_of, upright.plane_of);
 }
 
-TEST(DepthPlanes, StayWhenSomePixelsMoveByOneCount) {
+TEST(DepthPlanes, DoNotChangeWhenSomePixelsMoveByOneCount) {
   Frame frame = depth_frame(room);
   frame.depth_unit_m = 0.0002;
   const FrameResult before = planes_of(frame);
@@ -180,7 +180,7 @@ TEST(DepthPlanes, StayWhenSomePixelsMoveByOneCount) {
   EXPECT_GE(least_iou(before, after), 0.98);
 }
 
-TEST(DepthPlanes, AreThoseOfARunWithoutATrace) {
+TEST(DepthPlanes, AreTheSameWithoutATrace) {
   const Frame frame = depth_frame(room);
   Trace trace;
   const FrameResult traced = planes_of(frame, {}, &trace), plain = planes_of(frame);
@@ -207,10 +207,10 @@ TEST(DepthPlanes, KeepATreadOfTwoCentimeters) {
   EXPECT_EQ(high, plane_at(result, 320, 340));
 }
 
-/// A wall, in two parts behind a post: or two walls, with a view between them.
+/// One wall behind a post, or two walls with a gap between them.
 double parted(double x, bool post) { return std::abs(x) < 0.06 ? (post ? 0.8 : 3.0) : 1.5; }
 
-TEST(DepthPlanes, JoinBehindWhatHidesTheirParts) {
+TEST(DepthPlanes, JoinBehindOccluders) {
   const FrameResult post = planes_of(depth_frame([](double x, double) { return parted(x, true); }));
   EXPECT_GT(plane_at(post, 100, 240), 0);
   EXPECT_EQ(plane_at(post, 100, 240), plane_at(post, 540, 240));
@@ -219,13 +219,13 @@ TEST(DepthPlanes, JoinBehindWhatHidesTheirParts) {
   EXPECT_NE(plane_at(gap, 100, 240), plane_at(gap, 540, 240));
 }
 
-TEST(DepthPlanes, AreUndecidedWhereASmallChangeWouldUndoThem) {
+TEST(DepthPlanes, AreUndecidedIfASmallChangeWouldLoseThem) {
   const FrameResult result = planes_of(depth_frame(room));
   for (const PlaneRegion& plane : result.segmentation.planes) {
     EXPECT_FALSE(plane.undecided) << plane.id << ": " << plane.margin;
     EXPECT_TRUE(std::isfinite(plane.margin));
   }
-  // Listed only just.
+  // Barely listed.
   const PlaneRegion& least =
       *std::ranges::min_element(result.segmentation.planes, {}, &PlaneRegion::margin);
   const FrameResult near = planes_of(depth_frame(room), [&](PipelineOptions& options) {
@@ -234,7 +234,7 @@ TEST(DepthPlanes, AreUndecidedWhereASmallChangeWouldUndoThem) {
   EXPECT_TRUE(std::ranges::any_of(near.segmentation.planes, &PlaneRegion::undecided));
 }
 
-TEST(DepthPlanes, AreNoneInAnImageWithoutDepth) {
+TEST(DepthPlanes, AreNotFoundInAnImageWithoutDepth) {
   const FrameResult none = planes_of(depth_frame([](double, double) { return 0.0; }));
   EXPECT_TRUE(none.segmentation.planes.empty());
   EXPECT_TRUE(none.plane_of.empty());

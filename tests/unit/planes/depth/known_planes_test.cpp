@@ -1,4 +1,4 @@
-// Planes that are known before a depth image is looked at: of other frames, or of this one.
+// Planes known before a depth image is processed, from other frames or from the same one.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ FrameResult planes_with(const Frame& frame, std::span<const KnownPlane> known = 
   return run_frame(frame, test::wall_options(), nullptr, nullptr, nullptr, known);
 }
 
-/// Parallel to the image, expected in the columns from `left` to `right`.
+/// A plane parallel to the image, expected in the columns from `left` to `right`.
 KnownPlane upright_at(double z_m, int id, int left, int right) {
   KnownPlane known;
   known.id = id;
@@ -29,12 +29,12 @@ KnownPlane upright_at(double z_m, int id, int left, int right) {
   return known;
 }
 
-/// A wall 2 m away, the right half of which stands back by so much.
+/// A wall at 2 m whose right half is farther by `step_m`.
 Frame stepped_wall(double step_m) {
   return depth_frame([=](double x, double) { return x < 0 ? 2 : 2 + step_m; }, 0.004);
 }
 
-TEST(KnownPlanes, AreKeptApartWhereNoiseHidesTheStep) {
+TEST(KnownPlanes, AreKeptSeparateIfNoiseHidesTheStep) {
   const Frame frame = stepped_wall(0.012);
   ASSERT_EQ(planes_with(frame).segmentation.planes.size(), 1u);
   const std::vector<KnownPlane> known = {upright_at(2, 7, 0, 320), upright_at(2.012, 3, 320, 640)};
@@ -47,10 +47,10 @@ TEST(KnownPlanes, AreKeptApartWhereNoiseHidesTheStep) {
   EXPECT_EQ(result.segmentation.planes[right - 1].known, 3);
 }
 
-TEST(KnownPlanes, AreNotFoundWhereDepthDoesNotShowThem) {
+TEST(KnownPlanes, AreNotFoundIfDepthDoesNotShowThem) {
   const Frame frame = stepped_wall(0.3);
   const FrameResult alone = planes_with(frame);
-  // In front of the wall, and behind it.
+  // In front of the wall and behind it.
   for (const double z_m : {1.7, 2.15, 2.6}) {
     const std::vector<KnownPlane> known = {upright_at(z_m, 7, 0, 640)};
     const FrameResult result = planes_with(frame, known);
@@ -59,7 +59,7 @@ TEST(KnownPlanes, AreNotFoundWhereDepthDoesNotShowThem) {
   }
 }
 
-TEST(KnownPlanes, AreCoveredByALargerOneThatIsTheSameThere) {
+TEST(KnownPlanes, AreCoveredByALargerOneThatCoincides) {
   const Frame frame = stepped_wall(0);
   const std::vector<KnownPlane> same = {upright_at(2, 1, 0, 640), upright_at(2.001, 2, 200, 300)};
   const FrameResult result = planes_with(frame, same);
@@ -71,7 +71,7 @@ TEST(KnownPlanes, AreCoveredByALargerOneThatIsTheSameThere) {
 TEST(KnownPlanes, AreNotCoveredByOneThatMerelyCrossesThem) {
   const Frame frame = stepped_wall(0);
   KnownPlane crossing = upright_at(2, 2, 0, 640);
-  crossing.plane.a = 0.001;  // it stands before the wall on one side, and behind it on the other
+  crossing.plane.a = 0.001;  // in front of the wall on one side, behind it on the other
   const std::vector<KnownPlane> known = {upright_at(2, 1, 0, 640), crossing};
   const FrameResult result = planes_with(frame, known);
   ASSERT_EQ(result.segmentation.planes.size(), 1u);
@@ -91,7 +91,7 @@ std::shared_ptr<GivenPlanes> given_of(const FrameResult& result) {
   return given;
 }
 
-TEST(GivenPlanes, AreTakenAsTheyAre) {
+TEST(GivenPlanes, AreUsedUnchanged) {
   Frame frame = stepped_wall(0.012);
   const std::vector<KnownPlane> known = {upright_at(2, 7, 0, 320), upright_at(2.012, 3, 320, 640)};
   const FrameResult found = planes_with(frame, known);
@@ -109,7 +109,7 @@ TEST(GivenPlanes, AreTakenAsTheyAre) {
   }
 }
 
-TEST(GivenPlanes, OfAnotherImageAreRefused) {
+TEST(GivenPlanes, OfAnotherImageAreRejected) {
   Frame frame = stepped_wall(0.3);
   const std::shared_ptr<const GivenPlanes> right = given_of(planes_with(frame));
   const auto refusal = [&](const std::function<void(GivenPlanes&)>& damage) -> std::string {
@@ -125,9 +125,9 @@ TEST(GivenPlanes, OfAnotherImageAreRefused) {
   };
   EXPECT_EQ(refusal([](GivenPlanes&) {}), "");
   EXPECT_EQ(refusal([](GivenPlanes& given) { given.plane_of = Image16(640, 479); }),
-            "stored planes are 640x479, expected 640x480");
+            "stored planes are 640x479; expected 640x480");
   EXPECT_EQ(refusal([](GivenPlanes& given) { given.plane_of.data[5] = 9; }),
-            "stored planes contain plane 9, expected at most 2");
+            "stored planes contain plane 9; expected at most 2");
   frame.depth.at(100, 240) = 0;
   EXPECT_NE(refusal([](GivenPlanes&) {}).find("do not match the depth"), std::string::npos);
 }

@@ -51,19 +51,19 @@ TEST(Metrics, APerfectResultScoresPerfectly) {
   EXPECT_NEAR(m.alpha_deg, 0, 1e-6);
 }
 
-TEST(Metrics, IdsMayBeNumberedOtherwise) {
+TEST(Metrics, IdsMayBeNumberedDifferently) {
   Scene s = scene();
   for (auto& f : s.found) f = f == 1 ? 4 : 3;
   EXPECT_EQ(score(s).point_accuracy, 100);
   EXPECT_EQ(score(s).planes_found, 2);
 }
 
-TEST(Metrics, MissingPointsAreCountedOfThoseThatHaveAPlane) {
+TEST(Metrics, MissingPointsAreCountedAmongPointsOfTruePlanes) {
   Scene s = scene();
   std::fill(s.found.begin(), s.found.begin() + 10, 0);
   EXPECT_DOUBLE_EQ(score(s).r_m, 5);
   EXPECT_DOUBLE_EQ(score(s).point_accuracy, 95);
-  s.truth[0] = -1;  // not scored at all
+  s.truth[0] = -1;  // not scored
   EXPECT_EQ(score(s).points, 199u);
 }
 
@@ -88,7 +88,7 @@ TEST(Metrics, MergedPlanesAreUnderSegmented) {
   EXPECT_DOUBLE_EQ(m.point_accuracy, 50);
 }
 
-TEST(Metrics, APlaneNotFoundIsMissedAndOneThatIsNotThereIsNoise) {
+TEST(Metrics, AnUnfoundPlaneIsMissedAndAFalseOneIsNoise) {
   Scene s = scene();
   std::fill(s.found.begin(), s.found.begin() + 100, 0);
   EXPECT_EQ(score(s).missed, 1);
@@ -98,7 +98,7 @@ TEST(Metrics, APlaneNotFoundIsMissedAndOneThatIsNotThereIsNoise) {
   EXPECT_EQ(score(s).missed, 0);
 }
 
-TEST(Metrics, APlaneIsCorrectThatSharesFourFifthsOfBoth) {
+TEST(Metrics, APlaneIsCorrectIfItSharesFourFifthsOfBoth) {
   Scene s = scene();
   EXPECT_EQ(score(s).correct, 2);
   for (int i = 0; i < 20; ++i) s.found[i] = 0;
@@ -111,38 +111,38 @@ TEST(Metrics, APlaneIsCorrectThatSharesFourFifthsOfBoth) {
   EXPECT_EQ(plane_precision({}) + plane_recall({}), 0);
 }
 
-TEST(Metrics, WhatMatchesNoPlaneIsAPieceOfOneOrAGhost) {
+TEST(Metrics, UnmatchedPlanesArePiecesOrGhosts) {
   Scene s = scene();
   EXPECT_EQ(score(s).pieces + score(s).ghosts, 0);
-  for (int i = 0; i < 30; ++i) s.found[i] = 3;  // of plane 1, whose IoU is still 0.7
+  for (int i = 0; i < 30; ++i) s.found[i] = 3;  // part of plane 1, whose IoU is still 0.7
   EXPECT_EQ(score(s).pieces, 1);
   EXPECT_EQ(score(s).ghosts, 0);
-  for (int i = 0; i < 14; ++i) s.truth[i] = 0;  // 16 of 30 on plane 1
+  for (int i = 0; i < 14; ++i) s.truth[i] = 0;  // 16 of 30 are on plane 1
   EXPECT_EQ(score(s).pieces, 1);
   for (int i = 14; i < 16; ++i) s.truth[i] = 0;  // 14 of 30
   EXPECT_EQ(score(s).pieces, 0);
   EXPECT_EQ(score(s).ghosts, 1);
 }
 
-TEST(Metrics, ALargePieceOfAPlaneThatFellApartStandsForIt) {
+TEST(Metrics, TheLargestPieceOfASplitPlaneMatchesIt) {
   Scene s = scene();
-  for (int i = 0; i < 50; ++i) s.found[i] = 3;  // halves: an IoU of 0.5 is no match
+  for (int i = 0; i < 50; ++i) s.found[i] = 3;  // halves: an IoU of 0.5 is not a match
   EXPECT_EQ(score(s).pieces, 2);
   s.found[0] = 1;
   EXPECT_EQ(score(s).pieces, 1);
 }
 
-TEST(Metrics, PanopticQualityPaysForEveryPlaneThatHasNoPartner) {
+TEST(Metrics, PanopticQualityPenalizesEveryPlaneWithoutAPartner) {
   Scene s = scene();
   EXPECT_EQ(score(s).pq, 100);
   for (int i = 0; i < 20; ++i) s.found[i] = 0;  // IoU 0.8 and 1
   EXPECT_NEAR(score(s).pq, 90, 1e-9);
-  for (int i = 100; i < 160; ++i) s.found[i] = 3;  // IoU 0.8 and 0.4, of 2 true and 3 found planes
+  for (int i = 100; i < 160; ++i) s.found[i] = 3;  // IoU 0.8 and 0.4, for 2 true and 3 found planes
   s.found[100] = 4;                                // 4 found
   EXPECT_NEAR(score(s).pq, 100 * (0.8 + 59.0 / 100) / 3, 1e-9);
 }
 
-TEST(Metrics, TruePlanesThatAreTooSmallAreNeitherFoundNorMissed) {
+TEST(Metrics, TruePlanesBelowTheMinimumAreNeitherFoundNorMissed) {
   Scene s = scene();
   for (int i = 0; i < 10; ++i) {
     s.truth[i] = 3;
@@ -160,18 +160,18 @@ TEST(Metrics, TruePlanesThatAreTooSmallAreNeitherFoundNorMissed) {
   };
   EXPECT_EQ(scored(10).planes_truth, 3);
   EXPECT_EQ(scored(11).planes_truth, 2);
-  EXPECT_EQ(scored(11).planes_found, 2);  // the third lies on what is not scored
+  EXPECT_EQ(scored(11).planes_found, 2);  // the third one is on unscored points
   EXPECT_EQ(scored(11).noise, 0);
   EXPECT_EQ(scored(11).points, 190u);
   EXPECT_EQ(scored(11).mean_iou, 100);
 }
 
-TEST(Metrics, APlaneMostlyOnWhatIsNotScoredIsTakenForNone) {
+TEST(Metrics, APlaneMostlyOnUnscoredPointsIsIgnored) {
   Scene s = scene();
   for (int i = 0; i < 30; ++i) s.found[i] = 3;
   for (int i = 0; i < 20; ++i) s.truth[i] = -1;
   EXPECT_EQ(score(s).planes_found, 2);
-  EXPECT_NEAR(score(s).r_m, 100.0 * 10 / 180, 1e-9);  // what it holds of plane 1 is missing
+  EXPECT_NEAR(score(s).r_m, 100.0 * 10 / 180, 1e-9);  // its points of plane 1 are missing
   s.truth[0] = s.truth[1] = s.truth[2] = s.truth[3] = s.truth[4] = 1;
   EXPECT_EQ(score(s).planes_found, 3);
 }
@@ -182,10 +182,10 @@ TEST(Metrics, AlphaIsTheMeanAngleToTheMajorityPlane) {
   EXPECT_NEAR(score(s).alpha_deg, 0.05 * 180 / M_PI, 1e-6);
 }
 
-TEST(Metrics, LabelAccuracyTellsEdgesFromTheRest) {
+TEST(Metrics, LabelAccuracyDistinguishesEdges) {
   std::vector<Vec3f> points;
   std::vector<Label> truth, found;
-  for (int i = 0; i < 10; ++i) {  // a row, 1 cm apart, the label changes in the middle
+  for (int i = 0; i < 10; ++i) {  // a row with 1 cm spacing; the label changes in the middle
     points.push_back({0.01f * static_cast<float>(i), 0, 0});
     truth.push_back(i < 5 ? Label::h : Label::v);
     found.push_back(i < 4 ? Label::h : Label::v);  // point 4, at the edge, is wrong
@@ -197,7 +197,7 @@ TEST(Metrics, LabelAccuracyTellsEdgesFromTheRest) {
   EXPECT_LT(m.label_accuracy_edge, 100);
 }
 
-TEST(Metrics, TheMeanTakesRatiosOfSumsForPlanes) {
+TEST(Metrics, TheMeanUsesRatiosOfSumsForPlanes) {
   Metrics a, b;
   a.planes_truth = 2, a.planes_found = 4, a.r_p = 200, a.alpha_deg = 1;
   b.planes_truth = 8, b.planes_found = 8, b.r_p = 100, b.alpha_deg = 3;
@@ -242,8 +242,8 @@ TEST(Assignment, FindsTheBestOfAllPermutations) {
   }
 }
 
-TEST(LabelAccuracy, CountsPointsNearAnotherLabelApart) {
-  // On a line, 1 cm apart: three h, two v, one of unknown truth.
+TEST(LabelAccuracy, CountsPointsNearAnotherLabelSeparately) {
+  // A line with 1 cm spacing: three h, two v, one of unknown truth.
   std::vector<Vec3f> points;
   for (int i = 0; i < 6; ++i) points.emplace_back(0.011f * static_cast<float>(i), 0, 0);
   const std::vector<Label> truth = {Label::h, Label::h, Label::h,
@@ -259,13 +259,14 @@ TEST(LabelAccuracy, CountsPointsNearAnotherLabelApart) {
   EXPECT_DOUBLE_EQ(accuracy.edge_percent(), 50);
 }
 
-TEST(LabelAccuracy, OfNothingIsAllRight) {
+TEST(LabelAccuracy, WithoutPointsIsPerfect) {
   EXPECT_EQ(label_accuracy({}, {}, {}).edge_percent(), 100);
   EXPECT_EQ(label_accuracy({}, {}, {}).inner_percent(), 100);
 }
 
-TEST(LabelAccuracy, KnowsTheEdgesOfAStaircaseThoughPointsAreSparse) {
-  // Points 10 cm apart: hardly any has one of another label within 2 cm, though many an edge is.
+TEST(LabelAccuracy, DetectsEdgesOfAStaircaseEvenIfPointsAreSparse) {
+  // Points 10 cm apart: almost none has a point with another label within 2 cm, although there are
+  // many edges.
   const LabelledCloud stairs = lab::labelled(lab::make_stairs(0, {.points = 300}));
   const auto near_points =
       near_other_label(stairs.points, stairs.labels, stairs.points, stairs.labels);

@@ -14,28 +14,28 @@ double area_of(const std::vector<PolygonRing>& pieces) {
   return sum;
 }
 
-TEST(ConvexPieces, OfAConvexPolygonAreOne) {
+TEST(ConvexPieces, OfAConvexPolygonIsOne) {
   const Polygons square = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}}};
   const auto pieces = convex_pieces(square);
   ASSERT_EQ(pieces.size(), 1u);
   EXPECT_DOUBLE_EQ(polygon_area(pieces[0]), 1);
 }
 
-TEST(ConvexPieces, OfAnElAreTwoAndOfASquareWithASquareHoleFour) {
+TEST(ConvexPieces, AreTwoForAnLAndFourForASquareWithASquareHole) {
   EXPECT_EQ(convex_pieces({{{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, {}}}).size(), 2u);
   EXPECT_EQ(convex_pieces({{{{0, 0}, {3, 0}, {3, 3}, {0, 3}}, {{{1, 1}, {1, 2}, {2, 2}, {2, 1}}}}})
                 .size(),
             4u);
 }
 
-TEST(ConvexPieces, LeaveOutANotchRatherThanComeInTwo) {
+TEST(ConvexPieces, OmitANotchRatherThanSplit) {
   // 1 m by 1 m, with a tooth of 2 cm by 2 cm on one side.
   const Polygons toothed = {
       {{{0, 0}, {1, 0}, {1, 0.5}, {1.02, 0.5}, {1.02, 0.52}, {1, 0.52}, {1, 1}, {0, 1}}, {}}};
   EXPECT_EQ(convex_pieces(toothed).size(), 1u);
 }
 
-TEST(ConvexPieces, AreConvexInsideApartAndCoverNearlyAll) {
+TEST(ConvexPieces, AreConvexInsideDisjointAndCoverAlmostAll) {
   Random random(3);
   for (int trial = 0; trial < 300; ++trial) {
     SCOPED_TRACE(trial);

@@ -1,4 +1,4 @@
-// Tests of the space in which a foot fits on a plane, and of its places.
+// Tests of the area in which a foot fits on a plane, and of positions in it.
 
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ double distance_m(const Vec2d& p, const PolygonRing& ring) {
 constexpr double kFoot_m = 0.1;
 const FootOptions kFoot = {.radius_m = kFoot_m};
 
-TEST(FootSpace, IsTheOutlineLessAFootAllAround) {
+TEST(FootSpace, IsTheOutlineInsetByAFoot) {
   const FootSpace space = space_of(outline_of({{rectangle(0, 0, 1, 0.6), {}}}), kFoot);
   ASSERT_EQ(space.area.size(), 1u);
   const double inset_m = kFoot_m + 0.01 + 0.005;
@@ -51,21 +51,21 @@ TEST(FootSpace, IsTheOutlineLessAFootAllAround) {
   EXPECT_EQ(space.pieces.size(), 1u);
 }
 
-TEST(FootSpace, IsNoneWhereTheFootDoesNotFit) {
+TEST(FootSpace, IsEmptyIfTheFootDoesNotFit) {
   const FootSpace space = space_of(outline_of({{rectangle(0, 0, 1, 0.2), {}}}), kFoot);
   EXPECT_TRUE(space.area.empty());
   EXPECT_TRUE(space.pieces.empty());
 }
 
-TEST(FootSpace, IsTwoWhereANeckIsTooThin) {
+TEST(FootSpace, IsSplitByAThinNeck) {
   Polygons plates = {{rectangle(0, 0, 0.5, 0.5), {}}};
   plates = united(plates, {{rectangle(0.5, 0.2, 0.8, 0.3), {}}});
   plates = united(plates, {{rectangle(0.8, 0, 1.3, 0.5), {}}});
   EXPECT_EQ(space_of(outline_of(plates), kFoot).area.size(), 2u);
 }
 
-TEST(FootSpace, StaysOffWhatWasSeenHoweverSmallAndOverWhatWasNot) {
-  const PolygonRing small = hole(0.49, 0.49, 0.51, 0.51);  // 4 cm2, of a foot of 314
+TEST(FootSpace, AvoidsEvenSmallHolesButNotUnmeasuredGaps) {
+  const PolygonRing small = hole(0.49, 0.49, 0.51, 0.51);  // 4 cm2, compared with 314 for the foot
   Outline obstacle = outline_of({{rectangle(0, 0, 1, 1), {small}}});
   EXPECT_EQ(space_of(obstacle, kFoot).area.at(0).holes.size(), 1u);
 
@@ -79,7 +79,7 @@ TEST(FootSpace, StaysOffWhatWasSeenHoweverSmallAndOverWhatWasNot) {
   EXPECT_EQ(space_of(unknown, bold).area.at(0).holes.size(), 0u);
 }
 
-TEST(FootSpace, StaysOffPlacesThatAreNotOnThePlane) {
+TEST(FootSpace, AvoidsPositionsOffThePlane) {
   std::vector<Places::Measured> measured;  // a floor of 1 m by 1 m whose last 30 cm are 3 cm higher
   for (double x = 0.01; x < 1; x += 0.02)
     for (double y = 0.01; y < 1; y += 0.02) measured.push_back({{x, y}, x > 0.7 ? 0.03 : 0, 1});
@@ -90,7 +90,7 @@ TEST(FootSpace, StaysOffPlacesThatAreNotOnThePlane) {
   EXPECT_GT(space.area_m2, 0.3);
 }
 
-TEST(Places, AreCutAlongALineByHowFarAndHowHigh) {
+TEST(Places, AreSplitAlongALineByDistanceAndHeight) {
   std::vector<Places::Measured> measured;
   for (int y = 0; y < 5; ++y)
     for (int x = 4; x >= 0; --x)

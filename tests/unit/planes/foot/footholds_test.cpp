@@ -14,14 +14,14 @@ namespace planescope::planes {
 namespace {
 
 constexpr double kCell_m = 0.02;
-constexpr double kCamera_m = 0.6;  // above the floor
+constexpr double kCamera_m = 0.6;  // height above the floor
 
-/// A floor, seen by a camera that looks level from above it, and what stands on it.
+/// A floor with objects, seen by a level camera above it.
 Frame floor_frame(const std::function<double(double, double)>& height_m, double noise = 0.002) {
   return test::depth_frame(
       [&](double x, double y) {
         if (y < 0.1) return 0.0;
-        double z = kCamera_m / y;  // twice nearer where it is higher
+        double z = kCamera_m / y;  // half the distance if it is higher
         for (int i = 0; i < 4; ++i) z = (kCamera_m - height_m(x * z, z)) / y;
         return z < 2.5 ? z : 0.0;
       },
@@ -42,7 +42,7 @@ Found found_in(const Frame& frame, const FootOptions& foot = {}) {
   return found;
 }
 
-/// Of the largest plane.
+/// Foothold of the largest plane.
 const Foothold& floor_of(const Found& found) {
   std::size_t largest = 0;
   for (std::size_t k = 0; k < found.outlines.size(); ++k)
@@ -50,7 +50,7 @@ const Foothold& floor_of(const Found& found) {
   return found.footholds.at(largest);
 }
 
-TEST(Footholds, AFloorIsSteppableAndTellsHowItIs) {
+TEST(Footholds, AFloorIsSteppableAndItsSurfaceIsDescribed) {
   const Found found = found_in(floor_frame([](double, double) { return 0.0; }), {.radius_m = 0.1});
   const Foothold& floor = floor_of(found);
   EXPECT_TRUE(floor.steppable) << floor.why_not;
@@ -62,13 +62,13 @@ TEST(Footholds, AFloorIsSteppableAndTellsHowItIs) {
   EXPECT_NEAR(floor.surface.best_place.z(), -kCamera_m, 0.01);
 }
 
-TEST(Footholds, WithoutAFootNobodyIsToldWhereItMayGo) {
+TEST(Footholds, WithoutAFootNoAreaIsReported) {
   const Found found = found_in(floor_frame([](double, double) { return 0.0; }));
   EXPECT_FALSE(floor_of(found).space);
   EXPECT_TRUE(floor_of(found).why_not.empty());
 }
 
-TEST(Footholds, SayInWordsWhyAPlaneIsNotSteppable) {
+TEST(Footholds, ExplainWhyAPlaneIsNotSteppable) {
   const Frame frame = floor_frame([](double, double) { return 0.0; });
   const auto why_not = [&](const FootOptions& foot) {
     return floor_of(found_in(frame, foot)).why_not;
@@ -80,7 +80,7 @@ TEST(Footholds, SayInWordsWhyAPlaneIsNotSteppable) {
             std::string::npos);
   EXPECT_EQ(why_not({.radius_m = 5}), "no room for the foot");
 
-  Frame torn = frame;  // a quarter of the pixels is missing
+  Frame torn = frame;  // a quarter of the pixels are missing
   for (int v = 0; v < 480; ++v)
     for (int u = 0; u < 640; ++u)
       if (u % 4 < 2 && v % 4 < 2) torn.depth.at(u, v) = 0;
@@ -102,7 +102,7 @@ TEST(Footholds, AWallAndAPlaneWithoutGravityAreNotSteppable) {
   const std::vector<Outline> outlines = outlines_of(frame, result, kCell_m);
   ASSERT_FALSE(outlines.empty());
   const auto footholds = footholds_of(frame, result, outlines, kCell_m, {.radius_m = 0.1});
-  EXPECT_NE(footholds[0].why_not.find("gravity is not known"), std::string::npos);
+  EXPECT_NE(footholds[0].why_not.find("gravity is unknown"), std::string::npos);
   EXPECT_TRUE(std::isnan(footholds[0].surface.slope_deg));
 }
 
@@ -116,7 +116,7 @@ TEST(Footholds, RoughGroundIsRough) {
   EXPECT_GT(floor_of(found).surface.rough_step_m, 0.006);
 }
 
-TEST(Certainty, TheTruePlaneIsWithinTwoSigmaAndMoreOfItIsBetterKnown) {
+TEST(Certainty, TheTruePlaneIsWithinTwoSigmaAndLargerPlanesAreMoreCertain) {
   const Foothold near = floor_of(found_in(floor_frame([](double, double) { return 0.0; }, 0.001)));
   const Foothold noisy = floor_of(found_in(floor_frame([](double, double) { return 0.0; }, 0.01)));
   EXPECT_GT(near.certainty.sigma_offset_m, 0);
@@ -135,7 +135,7 @@ TEST(Certainty, ItsCovarianceIsOfThePlanesOffsetFromTheOrigin) {
   const Mat3d about_itself = certainty.covariance(Vec3d::Zero());
   EXPECT_DOUBLE_EQ(about_itself(2, 2), 9e-6);
   EXPECT_DOUBLE_EQ(about_itself(0, 2), 0);
-  const Mat3d covariance = certainty.covariance(Vec3d(2, 0, 0));  // a tilt moves the offset
+  const Mat3d covariance = certainty.covariance(Vec3d(2, 0, 0));  // a tilt changes the offset
   EXPECT_DOUBLE_EQ(covariance(2, 2), 9e-6 + 4 * 1e-4);
   EXPECT_DOUBLE_EQ(covariance(0, 2), 2 * 1e-4);
   EXPECT_DOUBLE_EQ(covariance(1, 1), 4e-4);
@@ -143,7 +143,7 @@ TEST(Certainty, ItsCovarianceIsOfThePlanesOffsetFromTheOrigin) {
 
 // ---- Properties ----
 
-/// A wall 1 m ahead of which the pixels in these polygons, on it, are the plane.
+/// A wall at 1 m; the pixels inside these polygons belong to the plane.
 class Drawn {
  public:
   Drawn() : frame_(test::depth_frame([](double, double) { return 1.0; }, 0.0005)) {
@@ -181,7 +181,7 @@ void expect_sound(const Outline& outline, const Foothold& foothold) {
   EXPECT_NEAR(meshed_m2, outline.area_m2, 1e-9);
 }
 
-TEST(OutlineProperties, RandomPolygonsWithHolesComeBackFromTheirPixels) {
+TEST(OutlineProperties, RandomPolygonsWithHolesAreRecoveredFromTheirPixels) {
   const Drawn drawn;
   Random random(21);
   for (int trial = 0; trial < 12; ++trial) {
@@ -196,7 +196,7 @@ TEST(OutlineProperties, RandomPolygonsWithHolesComeBackFromTheirPixels) {
       });
     });
     const auto outlines = outlines_of(drawn.frame(), result, kCell_m);
-    // World y is left and z up: onto the wall as the polygons are.
+    // In the world, y points left and z up; convert to the polygons' axes.
     Polygons back;
     for (const Polygon& polygon : polygons_of(outlines[0])) {
       const auto onto = [&](PolygonRing ring) {
@@ -206,7 +206,7 @@ TEST(OutlineProperties, RandomPolygonsWithHolesComeBackFromTheirPixels) {
       back.push_back({onto(polygon.outer), {}});
       for (const PolygonRing& hole : polygon.holes) back.back().holes.push_back(onto(hole));
     }
-    // Gaps under 25 cm2 are closed, and corners are true to 1 cm.
+    // Gaps under 25 cm2 are closed, and corners are accurate to 1 cm.
     EXPECT_GT(area(common(back, truth)) / area(united(back, truth)), 0.9);
     const auto footholds =
         footholds_of(drawn.frame(), result, outlines, kCell_m, {.radius_m = 0.06});
@@ -214,7 +214,7 @@ TEST(OutlineProperties, RandomPolygonsWithHolesComeBackFromTheirPixels) {
   }
 }
 
-TEST(OutlineProperties, DegenerateShapesEndInAValidPolygonOrInNone) {
+TEST(OutlineProperties, DegenerateShapesGiveAValidPolygonOrNone) {
   const Drawn drawn;
   const std::pair<const char*, std::function<bool(int, int)>> shapes[] = {
       {"nothing", [](int, int) { return false; }},
@@ -244,7 +244,7 @@ TEST(OutlineProperties, DegenerateShapesEndInAValidPolygonOrInNone) {
   }
 }
 
-TEST(OutlineProperties, APlaneEdgeOnEndsInAValidPolygonOrInNone) {
+TEST(OutlineProperties, APlaneSeenEdgeOnGivesAValidPolygonOrNone) {
   // A floor 1 cm below the camera.
   const Frame frame = test::depth_frame(
       [](double, double y) { return y > 0.01 ? std::min(0.01 / y, 0.8) : 0.8; }, 0.0005);

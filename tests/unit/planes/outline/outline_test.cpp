@@ -18,7 +18,7 @@ bool in(double x, double y, double x0, double y0, double x1, double y1) {
   return x >= x0 && x < x1 && y >= y0 && y < y1;
 }
 
-/// A wall 1 m ahead, (x, y) being metres on it, with what `seen_m` says of the ray.
+/// A wall 1 m ahead, with (x, y) in meters on it; `seen_m` determines the depth along each ray.
 Frame wall(const std::function<double(double, double)>& seen_m) {
   return test::depth_frame(seen_m, 0.0005);
 }
@@ -32,11 +32,11 @@ Outline outline_of_wall(const Frame& frame) {
   return outlines[static_cast<std::size_t>(id) - 1];
 }
 
-/// Intersection over union with a polygon on the wall: y is down in the image, z up in the world.
+/// IoU with a polygon on the wall: y points down in the image, z up in the world.
 double iou_on_wall(const Outline& outline, const Polygon& truth) {
   const auto onto_image = [&](PolygonRing ring) {
     for (Vec2d& p : ring) {
-      const Vec3d world = outline.world(p);  // x ahead, y left, z up
+      const Vec3d world = outline.world(p);  // x forward, y left, z up
       p = {-world.y(), -world.z()};
     }
     return ring;
@@ -53,7 +53,7 @@ double iou_on_wall(const Outline& outline, const Polygon& truth) {
 const PolygonRing kView = {{-0.8, -0.6}, {0.8, -0.6}, {0.8, 0.6}, {-0.8, 0.6}};
 const PolygonRing kWindow = {{-0.2, -0.1}, {-0.2, 0.3}, {0.3, 0.3}, {0.3, -0.1}};
 
-TEST(Outline, HasTheHoleThroughWhichTheSensorLooked) {
+TEST(Outline, HasTheHoleThatTheSensorSawThrough) {
   const Outline outline = outline_of_wall(
       wall([](double x, double y) { return in(x, y, -0.2, -0.1, 0.3, 0.3) ? 2.5 : 1.0; }));
   ASSERT_EQ(outline.parts.size(), 1u);
@@ -63,7 +63,7 @@ TEST(Outline, HasTheHoleThroughWhichTheSensorLooked) {
   EXPECT_NEAR(outline.area_m2, 1.6 * 1.2 - 0.5 * 0.4, 0.02);
 }
 
-TEST(Outline, TellsWhatWasNotMeasuredFromAHole) {
+TEST(Outline, DistinguishesUnmeasuredAreasFromHoles) {
   const Outline outline = outline_of_wall(
       wall([](double x, double y) { return in(x, y, -0.2, -0.1, 0.3, 0.3) ? 0.0 : 1.0; }));
   ASSERT_EQ(outline.parts.size(), 1u);
@@ -72,7 +72,7 @@ TEST(Outline, TellsWhatWasNotMeasuredFromAHole) {
   EXPECT_NEAR(outline.area_m2, 1.6 * 1.2 - 0.5 * 0.4, 0.02);
 }
 
-TEST(Outline, ClosesSmallGapsWhereNothingElseWasSeen) {
+TEST(Outline, ClosesSmallUnmeasuredGaps) {
   const Outline outline = outline_of_wall(wall([](double x, double y) {
     return std::fmod(x + 2, 0.2) < 0.02 && std::fmod(y + 2, 0.2) < 0.02 ? 0.0 : 1.0;
   }));
@@ -81,15 +81,15 @@ TEST(Outline, ClosesSmallGapsWhereNothingElseWasSeen) {
   EXPECT_NEAR(outline.area_m2, 1.6 * 1.2, 0.01);
 }
 
-TEST(Outline, DoesNotCoverWhatStandsBeforeThePlane) {
-  // A cable, 3 cm wide.
+TEST(Outline, DoesNotCoverObjectsInFrontOfThePlane) {
+  // A cable 3 cm wide.
   const Outline outline =
       outline_of_wall(wall([](double x, double) { return std::abs(x - 0.4) < 0.015 ? 0.8 : 1.0; }));
   ASSERT_EQ(outline.parts.size(), 2u);
   EXPECT_NEAR(outline.area_m2, (1.6 - 0.03) * 1.2, 0.02);
 }
 
-TEST(Outline, FollowsTheBordersOfAPictureThatTheLensBends) {
+TEST(Outline, FollowsTheBordersOfADistortedImage) {
   Frame frame = wall([](double, double) { return 1.0; });
   frame.intrinsics.distortion = Distortion::brown_conrady;
   frame.intrinsics.coefficients = {-0.15, 0.05, 0, 0, 0};
@@ -105,8 +105,8 @@ TEST(Outline, FollowsTheBordersOfAPictureThatTheLensBends) {
   EXPECT_GT(iou_on_wall(outline, {border, {}}), 0.985);
 }
 
-TEST(Outline, OfAPlaneThatRaysGrazeIsOfItsPoints) {
-  // A floor 10 cm below the camera, seen to 3.9 m: the last rays are a degree above it.
+TEST(Outline, UsesOnlyPointsAtGrazingAngles) {
+  // A floor 10 cm below the camera, seen up to 3.9 m, where rays meet it at about one degree.
   const Frame frame = test::depth_frame(
       [](double, double y) { return y > 0.02 ? std::min(0.1 / y, 3.9) : 3.9; }, 0);
   const FrameResult result = test::result_of(frame);
@@ -121,7 +121,7 @@ TEST(Outline, OfAPlaneThatRaysGrazeIsOfItsPoints) {
   }
 }
 
-TEST(Outline, IsTheSameForCloudsByTheirCells) {
+TEST(Outline, IsTheSameForCloudsByCells) {
   Frame frame;
   frame.cloud = PointSet{};
   frame.gravity = Gravity{-Vec3d::UnitZ(), GravitySource::option, 1, "down"};
@@ -139,13 +139,13 @@ TEST(Outline, IsTheSameForCloudsByTheirCells) {
   EXPECT_NEAR(outline.area_m2, 2 * 1 - 0.5 * 0.4, 0.06);
 }
 
-TEST(Outline, IsValidWhateverThePixels) {
+TEST(Outline, IsValidForAnyPixels) {
   Random random(11);
   const Frame frame = wall([](double, double) { return 1.0; });
   FrameResult result = test::result_of(frame);
   ASSERT_GE(result.segmentation.planes.size(), 1u);
   for (int trial = 0; trial < 8; ++trial) {
-    // Squares that touch at their corners, from one pixel on, with pixels left out at random.
+    // Squares from one pixel in size that touch at their corners, with random pixels removed.
     const std::uint32_t edge = 1 + static_cast<std::uint32_t>(trial);
     const double share = random.uniform(0.2, 0.98);
     std::fill(result.plane_of.begin(), result.plane_of.end(), 0);

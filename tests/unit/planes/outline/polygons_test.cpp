@@ -24,9 +24,9 @@ PolygonRing reversed(PolygonRing ring) {
 /// 3 m by 2 m with a hole of 1 m by 0.5 m.
 Polygons frame() { return {{rectangle(0, 0, 3, 2), {reversed(rectangle(1, 1, 2, 1.5))}}}; }
 
-TEST(Polygons, AreaIsWithoutHoles) { EXPECT_DOUBLE_EQ(area(frame()), 5.5); }
+TEST(Polygons, AreaExcludesHoles) { EXPECT_DOUBLE_EQ(area(frame()), 5.5); }
 
-TEST(Polygons, AreNotValidWhereRingsCross) {
+TEST(Polygons, AreInvalidIfRingsCross) {
   EXPECT_TRUE(is_valid(frame()));
   const Polygon crossed{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}, {}};
   EXPECT_FALSE(is_valid({crossed}));
@@ -34,7 +34,7 @@ TEST(Polygons, AreNotValidWhereRingsCross) {
   EXPECT_DOUBLE_EQ(area(repaired(crossed)), 0.5);
 }
 
-TEST(Polygons, SimplifyingLeavesCornersOutAndMakesNone) {
+TEST(Polygons, SimplifyingRemovesCornersAndAddsNone) {
   const Polygons stairs{{{{0, 0}, {1, 0}, {1, 0.004}, {2, 0.004}, {2, 1}, {0, 1}}, {}}};
   const Polygons simple = simplified(stairs, 0.01);
   ASSERT_EQ(simple.size(), 1u);
@@ -50,7 +50,7 @@ TEST(Polygons, CombineWithHoles) {
   EXPECT_DOUBLE_EQ(area(common(frame(), {{rectangle(0, 0, 1.5, 2), {}}})), 2.75);
 }
 
-TEST(Polygons, ThatNearlyCoincideAreCombinedRightly) {
+TEST(Polygons, ThatNearlyCoincideAreCombinedCorrectly) {
   Random random(3);
   for (int trial = 0; trial < 200; ++trial) {
     SCOPED_TRACE(trial);
@@ -64,14 +64,14 @@ TEST(Polygons, ThatNearlyCoincideAreCombinedRightly) {
   }
 }
 
-TEST(Polygons, RefuseARingThatIsNoneAndFreeWhatWasMadeBefore) {  // as the address sanitizer sees
+TEST(Polygons, RejectAnInvalidRingAndFreeTheirMemory) {  // checked by the address sanitizer
   const Polygon wrong{rectangle(0, 0, 3, 2), {reversed(rectangle(1, 1, 2, 1.5)), {{1, 1}}}};
   EXPECT_THROW(is_valid({wrong}), Error);
   EXPECT_THROW(united(frame(), {{rectangle(0, 0, 1, 1), {}}, wrong}), Error);
   EXPECT_THROW(is_valid({{{}, {}}}), Error);
 }
 
-TEST(Polygons, AnInsetKeepsOffBordersAndHoles) {
+TEST(Polygons, AnInsetAvoidsBordersAndHoles) {
   const Polygons inside = inset(frame(), 0.2);
   ASSERT_EQ(inside.size(), 1u);
   EXPECT_EQ(inside[0].outer.size(), 4u);
@@ -81,7 +81,7 @@ TEST(Polygons, AnInsetKeepsOffBordersAndHoles) {
   EXPECT_TRUE(inset(frame(), 1).empty());
 }
 
-TEST(Polygons, TrianglesCoverThemAndTurnAsTheyDo) {
+TEST(Polygons, TrianglesCoverThemWithTheSameOrientation) {
   double sum = 0;
   for (const Triangle& triangle : triangulated(frame())) {
     EXPECT_GT(polygon_area(triangle), 0);
@@ -98,8 +98,8 @@ TEST(Polygons, TheLargestCircleIsAsFarFromHolesAsFromBorders) {
   EXPECT_EQ(largest_circle({}, 1e-3).radius_m, 0);
 }
 
-// GEOS 3.11 finds no triangle in them as they are.
-TEST(Polygons, WhoseCornersLieInRowsAreTriangulated) {
+// GEOS 3.11 finds no triangulation without our preparation.
+TEST(Polygons, WithAlignedCornersAreTriangulated) {
   Polygon cells{{{2, 1},
                  {11, 1},
                  {11, 4},

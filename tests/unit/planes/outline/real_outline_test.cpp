@@ -1,4 +1,4 @@
-// Outlines of real frames cover what the planes' pixels cover.
+// Outlines of real frames cover the same area as the planes' pixels.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace planescope::planes {
 namespace {
 
-/// What the pixels of each plane cover on it, by id - 1 [m^2].
+/// Area covered by the pixels of each plane, by id - 1 [m^2].
 std::vector<double> pixel_areas(const Frame& frame, const FrameResult& result) {
   std::vector<double> areas(result.segmentation.planes.size(), 0);
   const Vec3d ahead = result.cloud.T_world_sensor.linear().col(2);
@@ -20,7 +20,7 @@ std::vector<double> pixel_areas(const Frame& frame, const FrameResult& result) {
     if (result.plane_of[i] == 0) continue;
     const std::size_t k = static_cast<std::size_t>(result.plane_of[i]) - 1;
     const PlaneFit& fit = result.segmentation.planes[k].fit;
-    // Where the pixel's ray meets the plane, one metre of depth away being 1 / f wide.
+    // Intersection of the pixel's ray with the plane; at 1 m depth, a pixel is 1 / f wide.
     const Vec3d ray = result.cloud.points[i].cast<double>() - result.sensor();
     const double slant = fit.normal.dot(ray) / ahead.dot(ray);
     const double z = fit.normal.dot(fit.centroid - result.sensor()) / slant;
@@ -43,7 +43,7 @@ io::RecordingOptions options_of(const RealFrames& frames) {
 
 class RealOutlines : public testing::TestWithParam<RealFrames> {};
 
-TEST_P(RealOutlines, CoverWhatTheirPixelsDo) {
+TEST_P(RealOutlines, CoverTheAreaOfTheirPixels) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const auto recording = io::open_recording(std::filesystem::path(data) / GetParam().recording,
@@ -59,7 +59,7 @@ TEST_P(RealOutlines, CoverWhatTheirPixelsDo) {
   for (std::size_t k = 0; k < outlines.size(); ++k) {
     EXPECT_TRUE(is_valid(polygons_of(outlines[k]))) << "plane " << k + 1;
     if (pixels[k] < 0.02) continue;
-    // Parts too small for an outline are left out.
+    // Outlines omit parts that are too small.
     EXPECT_NEAR(outlines[k].area_m2 / pixels[k], 1, 0.16) << "plane " << k + 1;
     all_m2 += outlines[k].area_m2;
     all_pixels_m2 += pixels[k];

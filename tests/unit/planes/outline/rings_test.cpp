@@ -19,7 +19,7 @@ struct Drawn {
   std::vector<Ring> rings() const { return trace_rings(labels, width, height); }
 };
 
-/// Digits are labels, '.' is none.
+/// Digits are labels; '.' is unlabeled.
 Drawn drawn(const std::vector<std::string>& rows) {
   Drawn image{static_cast<int>(rows[0].size()), static_cast<int>(rows.size()), {}};
   for (const std::string& row : rows)
@@ -49,14 +49,14 @@ TEST(Rings, RegionsThatTouchAtACornerAreTwo) {
   EXPECT_EQ(others.place(), Vec2d(1.25, 1.25));
 }
 
-TEST(Rings, HoldEachPixelOfTheirLabelOnce) {
+TEST(Rings, ContainEachPixelOfTheirLabelOnce) {
   Random random(7);
   for (int trial = 0; trial < 200; ++trial) {
     Drawn image{random.integer(1, 23), random.integer(1, 17), {}};
     const int labels = random.integer(1, 3);
     for (int i = 0; i < image.width * image.height; ++i)
       image.labels.push_back(random.integer(0, labels));
-    std::vector<int> covered(image.labels.size(), 0);  // sum of the labels about each pixel
+    std::vector<int> covered(image.labels.size(), 0);  // sum of the labels around each pixel
     std::map<std::int32_t, std::int32_t> label_of_part;
     std::set<std::int32_t> outer;
     for (const Ring& ring : image.rings()) {

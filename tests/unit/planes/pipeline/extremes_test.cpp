@@ -1,5 +1,5 @@
-// Numbers at their ends: options and points that nobody means. Each gives a right answer or a
-// refusal that names it; never a crash, NaN in a result, or memory without end.
+// Extreme options and points. Each gives a correct result or an error that names it; never a crash,
+// NaN in a result, or unlimited memory.
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ void expect_sound(const FrameResult& result) {
 
 class Extremes : public testing::TestWithParam<std::string> {};
 
-TEST_P(Extremes, OfAnOptionAreTakenOrRefusedByItsName) {
+TEST_P(Extremes, OfAnOptionAreAcceptedOrRejectedByName) {
   const OptionInfo& info = find_option(GetParam());
   const auto classifier = make_pca_classifier();
   const Frame frame = room();
@@ -50,7 +50,7 @@ TEST_P(Extremes, OfAnOptionAreTakenOrRefusedByItsName) {
       expect_sound(run_frame(frame, options, classifier.get()));
     } catch (const Error& error) {
       const std::string told = error.what();
-      // A scene does not tell its gravity where next to no tilt is thought possible.
+      // Gravity cannot be estimated if almost no tilt is allowed.
       const bool of_gravity =
           info.section == "gravity" && told.find("gravity") != std::string::npos;
       EXPECT_TRUE(of_gravity || told.find(info.name) != std::string::npos) << told;
@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(All, Extremes, testing::ValuesIn(numbers()), [](const a
   return test.param;
 });
 
-/// A level patch of 2,000 points at `place`, 1 cm apart.
+/// A level patch of 2,000 points at `place`, with 1 cm spacing.
 std::vector<Vec3d> patch(const Vec3d& place) {
   std::vector<Vec3d> points;
   for (int i = 0; i < 2000; ++i)
@@ -93,7 +93,7 @@ FrameResult planes_of(const std::vector<Vec3d>& points) {
   return run_frame(frame, options, make_pca_classifier().get());
 }
 
-TEST(Numerics, APatchIsTheSamePlaneHoweverFarItLies) {
+TEST(Numerics, APatchIsTheSamePlaneAtAnyDistance) {
   for (const double far_m : {0.0, 10.0, 1e3, 1e5, 1e7}) {
     SCOPED_TRACE(far_m);
     const FrameResult result = planes_of(patch(Vec3d(far_m, -far_m, far_m + 0.5)));
@@ -107,7 +107,7 @@ TEST(Numerics, APatchIsTheSamePlaneHoweverFarItLies) {
   }
 }
 
-TEST(Numerics, PointsThatMakeNoPlaneMakeNone) {
+TEST(Numerics, NonPlanarPointsGiveNoPlane) {
   std::vector<Vec3d> one{Vec3d(1, 2, 3)}, coincident(500, Vec3d(1, 2, 3)), collinear;
   for (int i = 0; i < 500; ++i) collinear.push_back(Vec3d(1, 2, 3) + 0.01 * i * Vec3d(1, 1, 0));
   for (const auto& points : {one, coincident, collinear}) {
@@ -126,7 +126,7 @@ TEST(Numerics, PointsOnTheBordersOfCellsAreFound) {
   EXPECT_EQ(std::count(result.plane_of.begin(), result.plane_of.end(), 1), 3600);
 }
 
-TEST(Numerics, StraysAndPointsThatAreNoneLeaveThePatchAsItIs) {
+TEST(Numerics, OutliersAndInvalidPointsDoNotAffectThePatch) {
   auto points = patch(Vec3d(1, 1, 1));
   const FrameResult alone = planes_of(points);
   const double nan = std::numeric_limits<double>::quiet_NaN();

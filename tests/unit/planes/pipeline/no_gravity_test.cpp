@@ -1,4 +1,4 @@
-// Frames whose gravity nobody knows: planes of any direction, and nothing is h or v.
+// Frames with unknown gravity: planes of any direction, without h and v.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace planescope::planes {
 namespace {
 
-/// A floor, and a wall 1.2 m ahead, seen by a camera that is rolled by 70 degrees: no estimate.
+/// A floor, and a wall 1.2 m ahead, seen by a camera rolled by 70 degrees: no estimate is possible.
 Frame rolled() {
   const test::Parallelogram floor{Vec3d(-5, -5, 0), Vec3d(10, 0, 0), Vec3d(0, 10, 0)};
   const test::Parallelogram wall{Vec3d(1.2, -5, -3), Vec3d(0, 10, 0), Vec3d(0, 0, 6)};
@@ -27,11 +27,11 @@ PipelineOptions without_gravity() {
   return options;
 }
 
-TEST(NoGravity, FindsEveryPlaneAndCallsNoneOfThemHOrV) {
+TEST(NoGravity, FindsEveryPlaneWithoutClasses) {
   for (const char* method : {"ours", "region-growing"}) {
     PipelineOptions options = without_gravity();
     set_option(options, "method", method);
-    const FrameResult result = run_frame(rolled(), options, nullptr);  // needs no classifier
+    const FrameResult result = run_frame(rolled(), options, nullptr);  // no classifier is needed
     ASSERT_EQ(result.segmentation.planes.size(), 2u) << method;
     for (const PlaneRegion& plane : result.segmentation.planes) {
       EXPECT_EQ(plane.label, Label::unknown) << method;
@@ -42,24 +42,24 @@ TEST(NoGravity, FindsEveryPlaneAndCallsNoneOfThemHOrV) {
   }
 }
 
-TEST(NoGravity, FindsThePlanesThatGravityFindsWithoutItsClasses) {
+TEST(NoGravity, FindsTheSamePlanesAsWithGravityButWithoutClasses) {
   PipelineOptions options = without_gravity();
   const FrameResult none = run_frame(rolled(), options, nullptr);
-  set_option(options, "gravity", "0,1,0");  // the world that none takes
+  set_option(options, "gravity", "0,1,0");  // the same world as with `none`
   options.segment.use_labels = false;
   const auto classifier = make_pca_classifier();
   const FrameResult level = run_frame(rolled(), options, classifier.get());
   EXPECT_EQ(none.plane_of, level.plane_of);
 }
 
-TEST(NoGravity, TheWorldIsTheCamerasOwn) {
+TEST(NoGravity, TheWorldHasTheCamerasAxes) {
   const FrameResult result = run_frame(rolled(), without_gravity(), nullptr);
-  Mat3d axes;  // ahead, left and up of the camera
+  Mat3d axes;  // the camera's forward, left and up
   axes << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   EXPECT_TRUE(result.cloud.T_world_sensor.linear().isApprox(axes));
 }
 
-TEST(NoGravity, EveryTraceEventAndNodeGoesWithoutALabel) {
+TEST(NoGravity, TraceEventsAndNodesHaveNoLabel) {
   Trace trace;
   const FrameResult result = run_frame(rolled(), without_gravity(), nullptr, nullptr, &trace);
   for (const TraceEvent& event : trace.events) EXPECT_EQ(event.label, Label::unknown);
@@ -67,7 +67,7 @@ TEST(NoGravity, EveryTraceEventAndNodeGoesWithoutALabel) {
     EXPECT_EQ(plane.label, Label::unknown);
 }
 
-TEST(NoGravity, LabelsAreNotScoredAndPlanesAre) {
+TEST(NoGravity, PlanesAreScoredButNotLabels) {
   Frame frame;
   PointSet& set = frame.cloud.emplace();
   for (int i = 0; i < 60; ++i)
@@ -96,7 +96,7 @@ TEST(NoGravity, LabelsAreNotScoredAndPlanesAre) {
   EXPECT_THROW(labelled_frame(frame, without_gravity(), truth), Error) << "to learn from";
 }
 
-TEST(NoGravity, WhatTellsHFromVIsNoOptionOfSuchARun) {
+TEST(NoGravity, ClassifierOptionsAreNotOptionsOfSuchARun) {
   for (const char* name : {"classifier", "pca_neighbours", "use_labels"}) {
     EXPECT_FALSE(find_option(name).matters(without_gravity())) << name;
     EXPECT_TRUE(find_option(name).matters({})) << name;

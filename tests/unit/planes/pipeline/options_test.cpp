@@ -14,7 +14,7 @@
 namespace planescope::planes {
 namespace {
 
-TEST(OptionsTable, EveryRowIsNamedOnceAndExplained) {
+TEST(OptionsTable, EveryRowHasAUniqueNameAndADescription) {
   std::set<std::string> names;
   for (const OptionInfo& info : option_table()) {
     EXPECT_TRUE(names.insert(info.name).second) << info.name;
@@ -24,11 +24,11 @@ TEST(OptionsTable, EveryRowIsNamedOnceAndExplained) {
   }
 }
 
-TEST(OptionsTable, TheValuesOfOneProfileMadeByHandAreThatProfile) {
+TEST(OptionsTable, SettingAllValuesOfAProfileGivesThatProfile) {
   for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     PipelineOptions wanted;
     wanted.segment = profile_options(profile);
-    // From another profile, every row set one by one.
+    // Start from another profile and set every row.
     PipelineOptions made;
     made.segment = profile_options(profile == Profile::paper ? Profile::refined : Profile::paper);
     for (const OptionInfo& info : option_table())
@@ -40,7 +40,7 @@ TEST(OptionsTable, TheValuesOfOneProfileMadeByHandAreThatProfile) {
   }
 }
 
-TEST(OptionsTable, SettingTheProfileTakesAllItsDefaults) {
+TEST(OptionsTable, SettingTheProfileSetsAllItsDefaults) {
   PipelineOptions options;
   set_option(options, "theta_n_in", "99");
   set_option(options, "profile", "paper-closest");
@@ -72,7 +72,7 @@ TEST(OptionsTable, ABadValueChangesNothing) {
     EXPECT_EQ(info.get(options), info.get(untouched)) << info.name;
 }
 
-TEST(OptionsTable, EveryChoiceAndEveryEndOfARangeIsTaken) {
+TEST(OptionsTable, EveryChoiceAndEveryEndOfARangeIsAccepted) {
   for (const OptionInfo& info : option_table()) {
     PipelineOptions options;
     for (const std::string& choice : info.choices) {
@@ -86,7 +86,7 @@ TEST(OptionsTable, EveryChoiceAndEveryEndOfARangeIsTaken) {
   }
 }
 
-TEST(OptionsTable, ANumberComesBackAsItWasSet) {
+TEST(OptionsTable, ANumberIsReadBackAsSet) {
   PipelineOptions options;
   const OptionInfo& e_n = find_option("theta_e_n_m2");
   e_n.set(options, number_text(e_n, 0.1 / 3));
@@ -105,7 +105,7 @@ TEST(OptionsTable, AMistypedNameIsAnsweredWithTheNearest) {
   }
 }
 
-TEST(OptionsTable, ARemovedNameIsAnsweredWithWhatReplacesIt) {
+TEST(OptionsTable, ARemovedNameIsAnsweredWithItsReplacement) {
   EXPECT_EQ(message_of([] { find_option("r1_max_angle_deg"); }),
             "option r1_max_angle_deg was removed in 0.2; see merge_cost");
   EXPECT_EQ(message_of([] { find_option("r6_refit"); }), "option r6_refit was removed in 0.2");
@@ -113,7 +113,7 @@ TEST(OptionsTable, ARemovedNameIsAnsweredWithWhatReplacesIt) {
       << "no earlier version had it";
 }
 
-TEST(OptionsTable, NoOptionThatIsThereIsRemoved) {
+TEST(OptionsTable, NoExistingOptionIsListedAsRemoved) {
   for (const RemovedOptions& removed : removed_options()) {
     for (const OptionInfo& info : option_table())
       EXPECT_EQ(std::ranges::count(removed.names, info.name), 0) << info.name;
@@ -137,20 +137,20 @@ std::string error_of(const std::string& name, const std::filesystem::path& shipp
   return "";
 }
 
-TEST(Classifiers, AreMadeByName) {
+TEST(Classifiers, AreCreatedByName) {
   EXPECT_EQ(make_classifier(with_classifier("pca"), {}).classifier->name(), "pca");
   EXPECT_EQ(make_classifier(with_classifier("truth"), {}).classifier, nullptr);
   EXPECT_FALSE(make_classifier(with_classifier("pca"), {}).weights);
 }
 
-TEST(Classifiers, WithoutTheirWeightsAreAnErrorThatNamesTheFile) {
+TEST(Classifiers, WithoutWeightsAreAnErrorWithTheFileName) {
   EXPECT_EQ(error_of("gcn", "nowhere/shipped.safetensors"),
             "nowhere/shipped.safetensors: no such file");
   EXPECT_EQ(error_of("nowhere/own.safetensors", "nowhere/shipped.safetensors"),
             "nowhere/own.safetensors: no such file");
 }
 
-TEST(Classifiers, TakeAnythingThatLooksLikeAPathForAFile) {
+TEST(Classifiers, AreFilesIfTheirNameLooksLikeAPath) {
   for (const char* name : {"own.safetensors", "./own", "dir/own", "/own", "."})
     EXPECT_TRUE(names_weights_file(name)) << name;
   for (const char* name : {"gcm", "", "ground-truth"})

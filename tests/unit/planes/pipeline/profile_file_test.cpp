@@ -23,7 +23,7 @@ std::string with_options(const std::string& options) {
   return R"({"schema": "planescope.profile/1", "base": "refined", "options": {)" + options + "}}";
 }
 
-/// What reading says, without the file's name, which stands before it.
+/// Error message of reading a file, without the file's name in front.
 std::string refusal_of(const std::string& text) {
   const fs::path path = written(text);
   try {
@@ -48,7 +48,7 @@ TEST(ProfileFile, AFolderOfTheSameNameDoesNotHideAProfile) {
   EXPECT_EQ(options.segment.profile, Profile::paper);
 }
 
-TEST(ProfileFile, EveryOptionComesBackAsItWasWritten) {
+TEST(ProfileFile, EveryOptionIsReadBackAsWritten) {
   for (const Profile base : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     PipelineOptions wanted;
     wanted.segment = profile_options(base);
@@ -68,7 +68,7 @@ TEST(ProfileFile, EveryOptionComesBackAsItWasWritten) {
   }
 }
 
-TEST(ProfileFile, BeginsWithTheDefaultsOfItsBaseAndLeavesOtherStagesAlone) {
+TEST(ProfileFile, StartsFromItsBaseAndKeepsOtherStages) {
   PipelineOptions options;
   set_option(options, "theta_n_out", "77");
   set_option(options, "max_range_m", "4");
@@ -83,7 +83,7 @@ TEST(ProfileFile, BeginsWithTheDefaultsOfItsBaseAndLeavesOtherStagesAlone) {
   EXPECT_EQ(options.cloud.max_range_m, 4);
 }
 
-TEST(ProfileFile, TheNamesOfProfilesStayNames) {
+TEST(ProfileFile, BuiltInNamesAreNotFiles) {
   PipelineOptions options;
   set_profile(options, "paper-closest");
   EXPECT_EQ(options.segment.profile, Profile::paper_closest);
@@ -91,31 +91,31 @@ TEST(ProfileFile, TheNamesOfProfilesStayNames) {
   EXPECT_THROW(set_profile(options, "no/such/file.json"), Error);
 }
 
-TEST(ProfileFile, WhatIsWrongIsToldInOneLine) {
-  EXPECT_EQ(refusal_of("[]"), "the file is [], expected an object");
+TEST(ProfileFile, ErrorsAreReportedInOneLine) {
+  EXPECT_EQ(refusal_of("[]"), "the file is []; expected an object");
   EXPECT_EQ(refusal_of("{}"), "the file has no \"schema\"");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.session/1"})"),
-            "schema is \"planescope.session/1\", expected planescope.profile/1");
+            "schema is \"planescope.session/1\"; expected planescope.profile/1");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "base": "fine"})"),
-            "profile 'fine' is unknown, expected paper, paper-closest or refined");
+            "profile 'fine' is unknown; expected paper, paper-closest or refined");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "base": 3})"),
-            "base is 3, expected text");
+            "base is 3; expected text");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "option": {}})"),
-            "the file has \"option\", expected one of schema, base, options");
+            "the file has \"option\"; expected one of schema, base, options");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "options": []})"),
-            "options is [], expected an object");
+            "options is []; expected an object");
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplan": 0.9)")),
-            "option 'theta_coplan' is unknown, did you mean 'theta_coplane'?");
+            "option 'theta_coplan' is unknown; did you mean 'theta_coplane'?");
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplane": "0.9")")),
-            "option theta_coplane is \"0.9\", expected a number");
+            "option theta_coplane is \"0.9\"; expected a number");
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplane": 1.5)")),
-            "option theta_coplane: 1.5 is out of range, expected >= 0 and <= 1");
+            "option theta_coplane: 1.5 is out of range; expected >= 0 and <= 1");
   EXPECT_EQ(refusal_of(with_options(R"("theta_n_in": 9.5)")),
             "option theta_n_in: '9.5' is not a whole number");
   EXPECT_EQ(refusal_of(with_options(R"("criterion4_n2": 1)")),
-            "option criterion4_n2 is 1, expected true or false");
+            "option criterion4_n2 is 1; expected true or false");
   EXPECT_EQ(refusal_of(with_options(R"("merge_partner": "worst")")),
-            "option merge_partner: 'worst' is unknown, expected first or best");
+            "option merge_partner: 'worst' is unknown; expected first or best");
   EXPECT_EQ(refusal_of(with_options(R"("profile": "paper")")),
             "option profile: not allowed in a profile file; expected \"base\" instead");
   EXPECT_NE(refusal_of("{\"schema\": ").find("not valid JSON"), std::string::npos);

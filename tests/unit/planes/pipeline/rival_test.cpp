@@ -10,7 +10,7 @@
 namespace planescope::planes {
 namespace {
 
-/// A floor and a wall on it, as a cloud with its truth.
+/// A floor and a wall on it, as a cloud with truth.
 Frame floor_and_wall() {
   Frame frame;
   PointSet& set = frame.cloud.emplace();
@@ -37,7 +37,7 @@ PipelineOptions options_of(Method method) {
   return options;
 }
 
-TEST(Rival, TheFloorIsLevelAndTheWallIsUpright) {
+TEST(Rival, TheFloorIsHorizontalAndTheWallIsVertical) {
   const FrameResult result =
       run_frame(floor_and_wall(), options_of(Method::region_growing), nullptr);
   ASSERT_EQ(result.segmentation.planes.size(), 2u);
@@ -52,7 +52,7 @@ TEST(Rival, TheFloorIsLevelAndTheWallIsUpright) {
   EXPECT_TRUE(result.segmentation.octree.nodes.empty());
 }
 
-TEST(Rival, ThereIsATruthAClassifierOrNeitherAndTheResultIsTheSame) {
+TEST(Rival, TheResultDoesNotDependOnTruthOrClassifier) {
   const Frame frame = floor_and_wall();
   const SourceTruth truth = *truth_of_cloud(*frame.cloud);
   const FrameTruth on_points = truth_on_points(truth.values, measured_sources(frame));
@@ -67,7 +67,7 @@ TEST(Rival, ThereIsATruthAClassifierOrNeitherAndTheResultIsTheSame) {
   EXPECT_GT(metrics.mean_iou, 95);
 }
 
-TEST(Rival, AVoxelIsLabelledAsItsPlaneAndUnknownWithoutOne) {
+TEST(Rival, AVoxelHasTheLabelOfItsPlane) {
   const FrameResult result =
       run_frame(floor_and_wall(), options_of(Method::region_growing), nullptr);
   ASSERT_EQ(result.classification.labels.size(), result.voxels.points.size());
@@ -79,7 +79,7 @@ TEST(Rival, AVoxelIsLabelledAsItsPlaneAndUnknownWithoutOne) {
   }
 }
 
-TEST(Rival, OnDepthFramesRegionGrowingLooksAtPixelsAndVoxelsFollowMostOfTheirs) {
+TEST(Rival, OnDepthFramesRegionGrowingUsesPixelsAndVoxelsFollowTheMajority) {
   const Frame frame =
       test::render_depth({{Vec3d(-1, -2, 0), Vec3d(4, 0, 0), Vec3d(0, 4, 0)}}, {.noise_px = 0});
   PipelineOptions options = options_of(Method::region_growing);

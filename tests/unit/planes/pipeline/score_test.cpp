@@ -7,7 +7,7 @@
 namespace planescope::planes {
 namespace {
 
-TEST(Truth, LabelImagesBecomeTruthPerPixel) {
+TEST(Truth, LabelImagesGiveTruthPerPixel) {
   FrameLabels labels;
   labels.plane = Image16(4, 1);
   labels.plane.data = {0, 3, kPlaneIgnore, 1};
@@ -22,7 +22,7 @@ TEST(Truth, LabelImagesBecomeTruthPerPixel) {
   EXPECT_EQ(truth.normals[0], Vec3d(0, 0, 0)) << "not known";
 }
 
-TEST(Truth, ACloudWithLabelsAloneSaysNothingAboutPlanes) {
+TEST(Truth, ACloudWithLabelsOnlyHasNoTruePlanes) {
   PointSet set;
   set.points.assign(3, Vec3f(1, 0, 0));
   EXPECT_FALSE(truth_of_cloud(set).has_value());
@@ -33,7 +33,7 @@ TEST(Truth, ACloudWithLabelsAloneSaysNothingAboutPlanes) {
   EXPECT_EQ(truth->values.instance, (std::vector<std::int32_t>{-1, -1, -1}));
 }
 
-TEST(Truth, ItFollowsThePointsThatWereMeasured) {
+TEST(Truth, ItFollowsTheMeasuredPoints) {
   Frame frame;
   frame.cloud.emplace();
   frame.cloud->points = {Vec3f(1, 0, 0), Vec3f::Zero(), Vec3f(0, 1, 0), Vec3f(0, 0, 1)};
@@ -44,7 +44,7 @@ TEST(Truth, ItFollowsThePointsThatWereMeasured) {
   EXPECT_EQ(gathered.instance, (std::vector<std::int32_t>{1, 3, 4}));
 }
 
-// A floor and a wall of 20x20 points, 5 cm apart; the wall is out of range where asked for.
+// A floor and a wall of 20x20 points with 5 cm spacing; the wall can be out of range.
 Frame floor_and_far_wall() {
   Frame frame;
   PointSet& set = frame.cloud.emplace();
@@ -81,7 +81,7 @@ TEST(Score, CroppedPointsAreNotScored) {
   EXPECT_EQ(near.r_m, 0);
 }
 
-/// Twelve points, each its own voxel: planes 1 and 2 found, six points of the first.
+/// Twelve points, each its own voxel. Planes 1 and 2 are found; the first has six points.
 struct Scored {
   FrameResult result;
   SourceTruth truth;
@@ -128,8 +128,8 @@ TEST(Score, AVoxelBelongsToThePlaneOfMostOfItsPoints) {
   EXPECT_EQ(score_voxels(s.result, s.truth, 3).planes_truth, 0);
 }
 
-TEST(Score, SmallTruePlanesAreLeftOutByTheirPointsOrTheirVoxels) {
-  Scored s;  // the second plane: all its points in one voxel
+TEST(Score, SmallTruePlanesAreIgnoredByPointsOrVoxels) {
+  Scored s;  // the second plane has all its points in one voxel
   for (int i = 6; i < 12; ++i) s.result.voxels.voxel_of[i] = 6;
   s.result.voxels.points.resize(7);
   s.result.voxels.count = {1, 1, 1, 1, 1, 1, 6};
@@ -141,7 +141,7 @@ TEST(Score, SmallTruePlanesAreLeftOutByTheirPointsOrTheirVoxels) {
   EXPECT_EQ(by_voxels.points, 6u) << "points are counted, not voxels";
 }
 
-TEST(Score, EveryPointIsJudgedByThePlaneThatStandsForItsOwn) {
+TEST(Score, EveryPointIsScoredByTheMatchOfItsTruePlane) {
   Scored s;
   s.result.plane_of[0] = 0;
   s.result.plane_of[1] = 2;

@@ -22,21 +22,21 @@ TEST(FoundPlanes, AreNumberedLargestFirstAndFitted) {
   EXPECT_EQ(found.planes[0].normal, Vec3d(0, 0, 1));
 }
 
-TEST(FoundPlanes, OfTooFewPointsAreLeftOut) {
+TEST(FoundPlanes, OfTooFewPointsAreRemoved) {
   const std::vector<std::int32_t> group = {2, 2, 2, 7, 7, 7, 7, 3, 0, 0, 0};
   const FoundPlanes found = found_planes(kPoints, group, 4);
   EXPECT_EQ(found.plane_of, (std::vector<std::int32_t>{0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0}));
   EXPECT_EQ(found.planes.size(), 1u);
 }
 
-TEST(FoundPlanes, OfNoPointsAreNone) {
+TEST(FoundPlanes, WithoutPointsAreEmpty) {
   EXPECT_TRUE(found_planes({}, {}).planes.empty());
   EXPECT_TRUE(found_planes({}, {}).plane_of.empty());
 }
 
-TEST(Ransac, IsRefusedByNameWhereTheProgramLacksIt) {
+TEST(Ransac, IsRejectedByNameIfTheProgramLacksIt) {
   expect_refused([] { find_planes_ransac({}, {}); },
-                 "method ransac is not part of this build: configure it with "
+                 "method ransac is not part of this build; configure it with "
                  "-DPLANESCOPE_OPEN3D=ON");
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
 
-/// What a camera at the origin that looks along z measures.
+/// Measurements of a camera at the origin that looks along z.
 struct View {
   std::vector<Vec3f> points;
   std::vector<std::uint32_t> pixel;
@@ -41,10 +41,10 @@ View view_of(const std::function<double(double, double)>& depth_m) {
   return view;
 }
 
-/// A wall 1.2 m ahead that stands on a floor 0.4 m below the camera.
+/// A wall 1.2 m ahead on a floor 0.4 m below the camera.
 double wall_on_floor(double, double y) { return y > 0 ? std::min(1.2, 0.4 / y) : 1.2; }
 
-TEST(RegionGrowingOfImages, FindsAWallAndTheFloorItStandsOn) {
+TEST(RegionGrowingOfImages, FindsAWallAndTheFloorBelowIt) {
   const View view = view_of(wall_on_floor);
   const FoundPlanes found = grow_regions(view.pixels(), {});
   ASSERT_EQ(found.planes.size(), 2u);
@@ -53,7 +53,7 @@ TEST(RegionGrowingOfImages, FindsAWallAndTheFloorItStandsOn) {
   EXPECT_EQ(std::ranges::count(found.plane_of, 0), 0);
 }
 
-TEST(RegionGrowingOfImages, GivesPixelsAlongABorderToTheNearerPlane) {
+TEST(RegionGrowingOfImages, AssignsBorderPixelsToTheNearerPlane) {
   const View view = view_of(wall_on_floor);
   const auto wrong = [&](bool refine) {
     const FoundPlanes found = grow_regions(view.pixels(), {.refine_boundaries = refine});
@@ -64,11 +64,11 @@ TEST(RegionGrowingOfImages, GivesPixelsAlongABorderToTheNearerPlane) {
     }
     return count;
   };
-  EXPECT_LE(wrong(true), kWidth);  // the row that lies in both
+  EXPECT_LE(wrong(true), kWidth);  // the row that belongs to both
   EXPECT_GT(wrong(false), 5 * kWidth);
 }
 
-TEST(RegionGrowingOfImages, LeavesHolesAndCroppedPixelsOut) {
+TEST(RegionGrowingOfImages, IgnoresHolesAndCroppedPixels) {
   View view = view_of(
       [](double x, double y) { return std::hypot(x - 0.2, y) < 0.1 ? 0 : wall_on_floor(x, y); });
   for (std::size_t i = 0; i < view.points.size(); ++i) view.kept[i] = view.points[i].x() > -0.3f;
@@ -80,7 +80,7 @@ TEST(RegionGrowingOfImages, LeavesHolesAndCroppedPixelsOut) {
   }
 }
 
-TEST(RegionGrowingOfImages, KeepsAPlaneApartFromAParallelOneBehindIt) {
+TEST(RegionGrowingOfImages, SeparatesAPlaneFromAParallelOneBehindIt) {
   const View view = view_of([](double x, double) { return x < 0.05 ? 1.0 : 1.05; });
   EXPECT_EQ(grow_regions(view.pixels(), {}).planes.size(), 2u);
 }
@@ -92,7 +92,7 @@ TEST(RegionGrowingOfImages, TakesCellsThickerThanTheThresholdForNoPlane) {
   EXPECT_TRUE(grow_regions(view.pixels(), {.region_threshold_m2 = 0.001}).planes.empty());
 }
 
-TEST(RegionGrowingOfImages, LetsSurfacesFartherAwayBeNoisier) {
+TEST(RegionGrowingOfImages, AllowsMoreNoiseOnDistantSurfaces) {
   const auto noisy_wall_at = [](double distance_m) {
     Random random(5);
     return view_of([&](double, double) { return distance_m + 0.007 * random.normal(); });
@@ -107,7 +107,7 @@ TEST(RegionGrowingOfImages, FindsNothingWhereNothingIsPlanar) {
   EXPECT_TRUE(grow_regions(view.pixels(), {}).planes.empty());
 }
 
-TEST(RegionGrowingOfImages, FindsNothingInAnImageWithNoMeasurementOrAllCropped) {
+TEST(RegionGrowingOfImages, FindsNothingInAnEmptyOrCroppedImage) {
   const FoundPlanes none = grow_regions(View().pixels(), {});
   EXPECT_TRUE(none.planes.empty());
   EXPECT_TRUE(none.plane_of.empty());
@@ -118,7 +118,7 @@ TEST(RegionGrowingOfImages, FindsNothingInAnImageWithNoMeasurementOrAllCropped) 
   EXPECT_EQ(found.plane_of, std::vector<std::int32_t>(cropped.points.size(), 0));
 }
 
-TEST(RegionGrowingOfImages, FindsTheSamePlanesInAnyFrame) {
+TEST(RegionGrowingOfImages, FindsTheSamePlanesInAnyCoordinateFrame) {
   View view = view_of(wall_on_floor);
   const FoundPlanes before = grow_regions(view.pixels(), {});
   const Eigen::Matrix3f turn = Eigen::AngleAxisf(2, Vec3f(1, 2, 3).normalized()).toRotationMatrix();
@@ -132,7 +132,7 @@ TEST(RegionGrowingOfImages, FindsTheSamePlanesInAnyFrame) {
   int moved = 0;
   for (std::size_t i = 0; i < view.points.size(); ++i)
     moved += before.plane_of[i] != after.plane_of[i];
-  EXPECT_LE(moved, kWidth);  // the row where both planes are equally near
+  EXPECT_LE(moved, kWidth);  // the row that is equally near to both planes
 }
 
 TEST(RegionGrowingOfImages, AnswersTheSameAgainAndInThreadsAtATime) {
@@ -167,7 +167,7 @@ TEST(RegionGrowingOfPoints, FindsEveryTreadAndRiserOfAStaircase) {
   EXPECT_EQ(grow(stairs.cloud.points).planes.size(), stairs.normals.size());
 }
 
-TEST(RegionGrowingOfPoints, GivesPointsAlongAnEdgeToTheNearerPlane) {
+TEST(RegionGrowingOfPoints, AssignsEdgePointsToTheNearerPlane) {
   const std::vector<Vec3f> points = test::floor_and_wall(3000, 1500);
   const auto in_none = [&](const FoundPlanes& found) {
     return std::ranges::count(found.plane_of, 0);
@@ -182,8 +182,8 @@ TEST(RegionGrowingOfPoints, TakesCellsThickerThanTheThresholdForNoPlane) {
   EXPECT_TRUE(grow(points, {.region_threshold_m2 = 0.0001}).planes.empty());
 }
 
-TEST(RegionGrowingOfPoints, MergesRegionsOnlyWhoseNormalsAreNearEnough) {
-  std::vector<Vec3f> points;  // a ramp of 20 degrees on a floor: the angle is too wide to grow over
+TEST(RegionGrowingOfPoints, MergesOnlyRegionsWithSimilarNormals) {
+  std::vector<Vec3f> points;  // a ramp of 20 degrees on a floor: too steep to grow across
   for (int i = 0; i < 60; ++i) {
     for (int j = 0; j < 30; ++j) {
       const double x = 0.01 * (i - 30), y = 0.01 * j;
@@ -191,7 +191,7 @@ TEST(RegionGrowingOfPoints, MergesRegionsOnlyWhoseNormalsAreNearEnough) {
     }
   }
   EXPECT_EQ(grow(points).planes.size(), 2u);
-  // Where all that is asked for is that the union be thin, they are one.
+  // If the only condition is that the union is thin, they are merged.
   EXPECT_EQ(grow(points, {.region_threshold_m2 = 1}).planes.size(), 1u);
   EXPECT_EQ(grow(points, {.region_threshold_m2 = 1, .merge_threshold = 0.95}).planes.size(), 2u);
 }

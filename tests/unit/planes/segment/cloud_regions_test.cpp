@@ -1,4 +1,4 @@
-// Planes of clouds by one objective.
+// Planes in clouds, found by minimizing one objective.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ LabeledSet make(const std::string& set, int index, double noise_m) {
   const lab::EvaluationFrame frame =
       lab::make_evaluation_frame(lab::find_evaluation_set(set), index, options);
   LabeledSet result{*frame.frame.cloud, frame.normals, {}};
-  for (const std::uint8_t l : result.cloud.label)  // what is curved counts as v
+  for (const std::uint8_t l : result.cloud.label)  // curved surfaces count as v
     result.labels.push_back(l == 1 ? Label::h : Label::v);
   return result;
 }
@@ -57,7 +57,7 @@ TEST(Objective, FindsEveryPlaneOfStairsAtEveryNoise) {
   }
 }
 
-TEST(Objective, KeepsLevelsApartThatDoNotTouch) {
+TEST(Objective, SeparatesLevelsThatDoNotTouch) {
   const Metrics m = score("equal_boxes", 0.002, 4);
   EXPECT_GE(m.mean_iou, 97);
   EXPECT_EQ(m.detected_iou80, m.planes_truth);
@@ -67,13 +67,13 @@ TEST(Objective, FindsTreadsThatAreThinSlabs) {
   EXPECT_GE(score("open_risers", 0.001, 4).mean_iou, 88);
 }
 
-TEST(Objective, IsTheSameTracedOrNot) {
+TEST(Objective, IsTheSameWithAndWithoutATrace) {
   for (const char* set : {"stairs", "equal_boxes", "spiral"}) {
     const LabeledSet scene = make(set, 1, 0.002);
     Trace trace;
     const Segmentation traced = planes_of(scene, &trace), plain = planes_of(scene);
     EXPECT_EQ(traced.plane_of, plain.plane_of);
-    // The trace tells where every point ended.
+    // The trace contains the final plane of every point.
     std::vector<std::int32_t> last(scene.cloud.points.size(), -1);
     for (const Trace::Point& point : trace.points) {
       EXPECT_LE(point.change.step, trace.steps());

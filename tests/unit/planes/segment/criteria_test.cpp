@@ -52,15 +52,15 @@ TEST(Criterion3, IsTheScatterAsPrintedOrItsMean) {
 }
 
 TEST(Criterion4, ComparesDirectionsSoThatAFarStepPasses) {
-  // A kerb 12 cm high, centroids 1 m apart: 0.12 / 1.007 = 0.119 <= 0.15. The paper's criterion
-  // takes it for the floor; the offset that paper-closest adds does not.
+  // A kerb 12 cm high, with centroids 1 m apart: 0.12 / 1.007 = 0.119 <= 0.15. The paper's
+  // criterion merges it with the floor; the offset of paper-closest does not.
   const auto terms = coplanarity(plane_at({0, 0, 0}, {0, 0, 1}), plane_at({1, 0, 0.12}, {0, 0, 1}));
   EXPECT_NEAR(terms.n1_dmu, 0.12 / std::sqrt(1 + 0.12 * 0.12), 1e-12);
   EXPECT_TRUE(is_coplanar(terms, profile_options(Profile::paper)));
   EXPECT_FALSE(is_coplanar(terms, profile_options(Profile::paper_closest)));
 }
 
-TEST(Criterion4, ItsThirdLineLooksAtTheCandidatesOwnNormal) {
+TEST(Criterion4, ItsThirdLineTestsTheCandidatesNormal) {
   // The candidate's normal is 10 degrees off: |n2 . dmu| / |dmu| = sin 10 = 0.174 > 0.15.
   const double a = 10 * M_PI / 180;
   const auto terms = coplanarity(plane_at({0, 0, 0}, {0, 0, 1}),
@@ -71,7 +71,7 @@ TEST(Criterion4, ItsThirdLineLooksAtTheCandidatesOwnNormal) {
   EXPECT_TRUE(is_coplanar(terms, options));
 }
 
-TEST(Profiles, AreNamedAndUnknownNamesRefused) {
+TEST(Profiles, HaveNamesAndUnknownNamesAreRejected) {
   for (const Profile p : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     EXPECT_EQ(parse_profile(to_string(p)), p);
     EXPECT_EQ(profile_options(p).profile, p);

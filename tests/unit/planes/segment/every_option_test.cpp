@@ -1,4 +1,4 @@
-// Of all that can be set.
+// Tests that every option has an effect.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ constexpr double kFactors[] = {2, 0.5, 10, 0.1, 1000, 0};
 
 class Clouds {
  public:
-  /// Does the number change anything on some cloud in some setting?
+  /// Whether the number changes the result of some cloud with some settings.
   bool feel(const OptionInfo& info) {
     const bool refined = info.objective.value_or(true), paper = !info.objective.value_or(false);
     return (refined && (feel_on_clouds(info, Profile::refined) || feel_on_pixels(info))) ||
@@ -40,7 +40,7 @@ class Clouds {
     info.set(options, number_text(info, value == 0 && factor > 0 ? 0.02 * factor : value));
     return options;
   }
-  /// On a depth image: a post before a wall, curved at one side, and a floor.
+  /// The same for a depth image: a post in front of a wall that is curved on one side, and a floor.
   bool feel_on_pixels(const OptionInfo& info) {
     static const Frame frame = test::depth_frame([](double x, double y) {
       if (std::abs(x + 0.2) < 0.02) return 0.9;
@@ -76,7 +76,7 @@ class Clouds {
   std::vector<test::LabelledCloud> clouds_;
 };
 
-TEST(Options, EveryNumberOfTheMethodSteersIt) {
+TEST(Options, EveryNumberAffectsItsMethod) {
   Clouds clouds;
   int numbers = 0;
   for (const OptionInfo& info : option_table()) {
@@ -87,7 +87,7 @@ TEST(Options, EveryNumberOfTheMethodSteersIt) {
   EXPECT_GE(numbers, 20);
 }
 
-TEST(Options, OfTheOtherMethodMeanNothing) {
+TEST(Options, OfTheOtherMethodHaveNoEffect) {
   for (const Profile profile : {Profile::paper, Profile::refined}) {
     PipelineOptions options;
     options.segment = profile_options(profile);

@@ -15,7 +15,7 @@
 namespace planescope::planes {
 namespace {
 
-TEST(Morton, CodesGoThereAndBack) {
+TEST(Morton, CodesSurviveARoundTrip) {
   Random random(3);
   for (int i = 0; i < 1000; ++i) {
     const auto x = static_cast<std::uint32_t>(random.integer(0, (1 << 21) - 1));
@@ -28,7 +28,7 @@ TEST(Morton, CodesGoThereAndBack) {
   EXPECT_EQ(morton_code(0, 0, 1), 4u);
 }
 
-/// The whole tree, divided down to the leaves.
+/// The whole tree, divided down to its leaves.
 Octree full_tree(const test::LabelledCloud& cloud) {
   Octree octree = build_octree(cloud.points, cloud.labels, cloud.cube);
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(octree.nodes.size()); ++i)
@@ -36,7 +36,7 @@ Octree full_tree(const test::LabelledCloud& cloud) {
   return octree;
 }
 
-TEST(Octree, CornersOfACubeAreItsLowerCornerAndAnEdgeFromIt) {
+TEST(Octree, CornersOfACubeFollowFromItsLowerCornerAndEdge) {
   const Octree octree = full_tree(test::random_cloud(5));
   for (const OctreeNode& node : octree.nodes) {
     const Vec3d low = octree.node_min(node);
@@ -87,8 +87,8 @@ TEST(Octree, PointsOnTheCubesFacesBelongToIt) {
   EXPECT_EQ(octree.keys.back(), morton_code(255, 255, 255));
 }
 
-/// Cells that stand close and cells far apart are looked up differently.
-TEST(Cells, NeighboursAreTheCellsThatTouch) {
+/// Near cells and far cells are looked up in different ways.
+TEST(Cells, NeighborsAreTheTouchingCells) {
   for (const int max_depth : {5, 21}) {
     Cube cube;
     cube.max_depth = max_depth;
@@ -96,7 +96,7 @@ TEST(Cells, NeighboursAreTheCellsThatTouch) {
     cube.min_corner = Vec3d::Zero();
     Random random(7);
     std::vector<Vec3f> points;
-    for (int i = 0; i < 300; ++i) {  // about the cube's corners, where few cells have neighbours
+    for (int i = 0; i < 300; ++i) {  // around the cube's corners, where few cells have neighbors
       const auto coordinate = [&] {
         const double in_corner = random.uniform(0, 0.12);
         return random.integer(0, 1) == 0 ? in_corner : cube.edge_m - 0.001 - in_corner;

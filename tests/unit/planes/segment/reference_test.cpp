@@ -8,7 +8,7 @@
 namespace planescope::planes {
 namespace {
 
-/// The same points in the same planes, whatever the planes' numbers, and the same parameters.
+/// Expects the same points in the same planes, up to numbering, with the same parameters.
 void expect_same(const Segmentation& ours,
                  const reference::Result& plain,
                  const std::string& what) {
@@ -53,7 +53,7 @@ TEST_P(AgainstReference, RandomCloudsGiveIdenticalPlanes) {
     if (HasFatalFailure()) return;
     planes += plain.planes.size();
   }
-  EXPECT_GT(planes, 600u);  // the clouds have structure to agree on
+  EXPECT_GT(planes, 600u);  // the clouds contain enough structure
 }
 
 INSTANTIATE_TEST_SUITE_P(Profiles,

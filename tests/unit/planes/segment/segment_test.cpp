@@ -15,7 +15,7 @@ namespace {
 
 const Vec3d kSensor(-1.5, 0, 1);
 
-/// A rectangle of points every 2 cm from `corner` along `u` and `v`.
+/// Adds a rectangle with points every 2 cm, from `corner` along `u` and `v`.
 void add_rectangle(test::LabelledCloud& cloud, Vec3d corner, Vec3d u, Vec3d v, Label label) {
   const int nu = static_cast<int>(u.norm() / 0.02), nv = static_cast<int>(v.norm() / 0.02);
   for (int i = 0; i < nu; ++i)
@@ -59,7 +59,7 @@ TEST(Segment, AStepIsTwoTreadsAndARiser) {
   EXPECT_EQ(s.counts.unassigned, 0u);
 }
 
-TEST(Segment, PlanesAreNumberedByTheirPoints) {
+TEST(Segment, PlanesAreNumberedBySize) {
   const Segmentation s = run(step(), profile_options(Profile::refined));
   for (std::size_t k = 0; k < s.planes.size(); ++k) {
     EXPECT_EQ(s.planes[k].id, static_cast<int>(k) + 1);
@@ -98,7 +98,7 @@ TEST(Segment, TracingDoesNotChangeTheResult) {
   }
 }
 
-TEST(Segment, TheTraceTellsTheWholeStory) {
+TEST(Segment, TheTraceIsComplete) {
   const test::LabelledCloud cloud = test::random_cloud(22);
   Trace trace;
   const Segmentation s = run(cloud, profile_options(Profile::paper), &trace);
@@ -121,8 +121,8 @@ TEST(Segment, TheTraceTellsTheWholeStory) {
   }
 }
 
-TEST(Segment, LeftoversOfThePaperGoToTheFirstPlaneWithinItsDistanceAndLeaveItsFitAlone) {
-  // A floor, and one v point 4 mm above it, one 6 mm above it.
+TEST(Segment, LeftoversOfThePaperJoinTheFirstPlaneWithinRangeWithoutRefitting) {
+  // A floor, with one v point 4 mm above it and one 6 mm above it.
   test::LabelledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, Label::h);
   const auto near = cloud.points.size();
@@ -139,8 +139,9 @@ TEST(Segment, LeftoversOfThePaperGoToTheFirstPlaneWithinItsDistanceAndLeaveItsFi
   EXPECT_EQ(s.counts.unassigned, 1u);
 }
 
-TEST(Segment, AFarKerbMergesIntoTheFloorAsWrittenAndStaysApartRefined) {
-  // Floor and the top of a kerb 12 cm high beside it, seen from above: nothing between them.
+TEST(Segment, AFarKerbIsMergedAsWrittenButSeparatedByRefined) {
+  // A floor and the top of a kerb beside it, 12 cm high, seen from above, without points between
+  // them.
   test::LabelledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {1.2, 0, 0}, {0, 1, 0}, Label::h);
   add_rectangle(cloud, {1.4, 0, 0.12}, {1.2, 0, 0}, {0, 1, 0}, Label::h);
@@ -150,7 +151,7 @@ TEST(Segment, AFarKerbMergesIntoTheFloorAsWrittenAndStaysApartRefined) {
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
 }
 
-/// Two tables of one height, half a metre apart.
+/// Two tables of the same height, half a meter apart.
 test::LabelledCloud two_tables() {
   test::LabelledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {0.5, 0, 0}, {0, 1, 0}, Label::h);
@@ -159,10 +160,10 @@ test::LabelledCloud two_tables() {
   return cloud;
 }
 
-TEST(Segment, OfACloudAllPartsAreSplit) {
+TEST(Segment, SeparatePartsOfACloudAreSplit) {
   test::LabelledCloud cloud = two_tables();
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
-  for (Vec3f& p : cloud.points) p = Vec3f(p.x(), p.z(), p.y());  // two boards, upright
+  for (Vec3f& p : cloud.points) p = Vec3f(p.x(), p.z(), p.y());  // two vertical boards
   for (Label& label : cloud.labels) label = Label::v;
   cloud.cube = test::cube_around(cloud.points);
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
@@ -180,7 +181,7 @@ TEST(Segment, ASparseCloudIsNotSplitBetweenItsPoints) {
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
 }
 
-TEST(Segment, WithoutLabelsNoLabelIsLookedAt) {
+TEST(Segment, WithoutLabelsLabelsAreIgnored) {
   for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined})
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       test::LabelledCloud cloud = test::random_cloud(seed);
@@ -192,12 +193,12 @@ TEST(Segment, WithoutLabelsNoLabelIsLookedAt) {
     }
 }
 
-TEST(Segment, DegenerateInputsAreAnswered) {
+TEST(Segment, DegenerateInputsAreHandled) {
   for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     const SegmentOptions options = profile_options(profile);
     EXPECT_TRUE(segment({}, {}, Cube{}, kSensor, options).planes.empty());
 
-    test::LabelledCloud same;  // more points in one place than any threshold
+    test::LabelledCloud same;  // more points at one position than any threshold
     same.points.assign(100, Vec3f(1, 1, 1));
     same.labels.assign(100, Label::h);
     for (std::size_t i = 0; i < 50; ++i) same.labels[i] = Label::v;

@@ -1,5 +1,5 @@
-// The paper's evaluation stairs with perfect labels: what refined reaches and how the text as
-// written fails. scripts/bench measures the same on all hundred.
+// The paper's evaluation stairs with perfect labels: results of refined, and how the text as
+// written fails. scripts/bench measures all hundred stairs.
 
 #include "core/lab/synthetic/stairs.hpp"
 
@@ -43,7 +43,7 @@ TEST(Stairs, RefinedFindsEveryPlaneAtEveryNoise) {
   }
 }
 
-TEST(Stairs, TheTextAsWrittenHoldsWithoutNoiseAndFragmentsWithIt) {
+TEST(Stairs, TheTextAsWrittenWorksWithoutNoiseAndFragmentsWithIt) {
   const Metrics clean = score(Profile::paper, 0), noisy = score(Profile::paper, 0.003);
   EXPECT_NEAR(clean.r_p, 100, 6);
   EXPECT_LT(clean.alpha_deg, 0.8);
@@ -51,13 +51,13 @@ TEST(Stairs, TheTextAsWrittenHoldsWithoutNoiseAndFragmentsWithIt) {
   EXPECT_GT(noisy.alpha_deg, 8);
 }
 
-TEST(Stairs, ThePapersClosestReadingStaysNearIt) {
+TEST(Stairs, TheClosestInterpretationStaysNearThePaper) {
   const Metrics noisy = score(Profile::paper_closest, 0.003);
   EXPECT_LT(noisy.r_p, 125);
   EXPECT_LT(noisy.alpha_deg, 3);
 }
 
-TEST(Stairs, AreTheSameEachTimeAndWithinThePapersRanges) {
+TEST(Stairs, AreReproducibleAndWithinThePapersRanges) {
   const lab::Stairs a = lab::make_stairs(7, {}), b = lab::make_stairs(7, {}),
                     c = lab::make_stairs(8, {});
   EXPECT_EQ(a.cloud.points.size(), 8192u);
@@ -73,7 +73,7 @@ TEST(Stairs, AreTheSameEachTimeAndWithinThePapersRanges) {
   }
 }
 
-TEST(Stairs, NoiseHasTheDeviationAskedFor) {
+TEST(Stairs, NoiseHasTheRequestedDeviation) {
   lab::StairsOptions set;
   set.random_yaw = false;
   set.noise_m = 0.003;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Planes as a perfect method would find them, for what is decided about steps.
+// Planes as found by a perfect method, for tests of step detection.
 
 #include <cmath>
 #include <numbers>
@@ -15,8 +15,7 @@ struct IdealPlanes {
   std::vector<Outline> outlines;
   std::optional<Vec3d> sensor = Vec3d(-0.5, 0, 1.2);
 
-  /// A planar polygon, its corners counter-clockwise seen from where its normal points. Returns its
-  /// id.
+  /// Adds a planar polygon with counter-clockwise corners, seen against its normal. Returns its id.
   int add(const std::vector<Vec3d>& corners) {
     PlaneRegion plane;
     plane.id = static_cast<int>(planes.size()) + 1;
@@ -38,15 +37,15 @@ struct IdealPlanes {
     outlines.push_back(outline);
     return plane.id;
   }
-  /// Facing up.
+  /// Adds a rectangle facing up.
   int level(double x0, double x1, double y0, double y1, double z) {
     return add({{x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}});
   }
-  /// At x, facing -x.
+  /// Adds a rectangle at x, facing -x.
   int riser(double x, double y0, double y1, double z0, double z1) {
     return add({{x, y1, z0}, {x, y0, z0}, {x, y0, z1}, {x, y1, z1}});
   }
-  /// Everything so far, about the origin.
+  /// Rotates all planes so far about the vertical axis at the origin.
   void turn(double deg) {
     const Eigen::AngleAxisd about(deg * std::numbers::pi / 180, Vec3d::UnitZ());
     for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -64,7 +63,7 @@ struct IdealPlanes {
   }
 };
 
-/// A floor of 1 m, and `count` steps up along x from x = 0.
+/// A floor of 1 m, and `count` steps up along x, from x = 0.
 inline IdealPlanes flight_up(int count, double rise = 0.17, double going = 0.28) {
   IdealPlanes ideal;
   ideal.level(-1, 0, -0.6, 0.6, 0);

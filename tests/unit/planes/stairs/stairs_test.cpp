@@ -47,8 +47,8 @@ TEST(Stairs, AFlightHasItsStepsRiseAndGoingInAnyDirection) {
   }
 }
 
-TEST(Stairs, SeenFromTheirTopLeadDownThoughTreadsHideEachOther) {
-  // Each level hides what lies below its nosing, as the line from the sensor over it falls.
+TEST(Stairs, SeenFromTheTopLeadDownEvenIfTreadsHideEachOther) {
+  // Each level hides the next one below its nosing, along the line of sight over the nosing.
   constexpr double kRise = 0.17, kGoing = 0.28;
   const Vec3d sensor(1.2, 0, 4 * kRise + 0.8);
   IdealPlanes ideal;
@@ -72,7 +72,7 @@ TEST(Stairs, SeenFromTheirTopLeadDownThoughTreadsHideEachOther) {
   EXPECT_TRUE(ideal.find().flights.empty()) << "nobody knows that the gaps are hidden";
 }
 
-TEST(Stairs, OfACloudAreSeenFromNowhere) {
+TEST(Stairs, OfACloudHaveNoDirection) {
   IdealPlanes ideal = flight_up(3);
   ideal.sensor.reset();
   const Stairs stairs = ideal.find();
@@ -90,7 +90,7 @@ TEST(Stairs, ADeepLastTreadIsALanding) {
   EXPECT_TRUE(stairs.flights[0].landing);
 }
 
-TEST(Stairs, TwoTablesOfDifferentHeightAreNone) {
+TEST(Stairs, TwoTablesOfDifferentHeightAreNotStairs) {
   IdealPlanes ideal;
   ideal.level(-1, 1.5, -1, 1, 0);
   const int low = ideal.level(0, 0.6, -0.6, 0.6, 0.55);
@@ -105,7 +105,7 @@ TEST(Stairs, TwoTablesOfDifferentHeightAreNone) {
             "P1 -> P3 no step: rise 75 cm, limit 30 cm\n");
 }
 
-TEST(Stairs, AFlightGoesOnOverOneTreadThatWasNotSeen) {
+TEST(Stairs, AFlightContinuesOverOneUnseenTread) {
   IdealPlanes ideal;
   ideal.level(-1, 0, -0.6, 0.6, 0);
   for (const int i : {0, 1, 3, 4}) ideal.level(i * 0.28, (i + 1) * 0.28, -0.5, 0.5, (i + 1) * 0.15);
@@ -119,10 +119,10 @@ TEST(Stairs, AFlightGoesOnOverOneTreadThatWasNotSeen) {
   EXPECT_NEAR(flight.going_m, 0.28, 0.002);
 }
 
-TEST(Stairs, AMinorPlaneIsALastTreadAndNoMore) {
+TEST(Stairs, AMinorPlaneCanOnlyBeALastTread) {
   IdealPlanes minor;
   minor.level(0.56, 0.84, -0.5, 0.5, 0.51);
-  minor.level(0.84, 1.12, -0.5, 0.5, 0.68);  // behind a minor one nobody knows
+  minor.level(0.84, 1.12, -0.5, 0.5, 0.68);  // a tread behind a minor one is ignored
   const Stairs stairs = flight_up(2).find(minor.covering());
   ASSERT_EQ(stairs.flights.size(), 1u);
   ASSERT_EQ(stairs.flights[0].steps.size(), 3u);
@@ -135,7 +135,7 @@ TEST(Stairs, AMinorPlaneIsALastTreadAndNoMore) {
   EXPECT_TRUE(road.find(pavement.covering()).kerbs.empty());
 }
 
-TEST(Stairs, AMinorPlaneIsAFoot) {
+TEST(Stairs, AMinorPlaneCanBeTheFoot) {
   IdealPlanes minor, ideal;
   minor.level(-0.28, 0, -0.5, 0.5, 0);
   ideal.level(0, 0.28, -0.5, 0.5, 0.17);
@@ -149,7 +149,7 @@ TEST(Stairs, AMinorPlaneIsAFoot) {
 
 TEST(Stairs, AFlightThatTurnsAtALandingIsTwo) {
   IdealPlanes ideal = flight_up(3);
-  ideal.level(0.84, 1.84, -0.5, 0.5, 0.68);  // the landing, from where steps lead to the left
+  ideal.level(0.84, 1.84, -0.5, 0.5, 0.68);  // the landing, from which steps go up to the left
   for (int i = 0; i < 3; ++i) {
     const double y = 0.5 + i * 0.28;
     ideal.level(0.84, 1.84, y, y + 0.28, 0.68 + (i + 1) * 0.17);
@@ -162,7 +162,7 @@ TEST(Stairs, AFlightThatTurnsAtALandingIsTwo) {
   EXPECT_EQ(stairs.flights[1].foot, stairs.flights[0].steps.back().tread);
 }
 
-TEST(Stairs, OfASpiralAreNoFlight) {
+TEST(Stairs, OfASpiralAreNotAFlight) {
   IdealPlanes ideal;
   ideal.level(-2, 2, -2, 0, 0);
   for (int i = 0; i < 6; ++i) {
@@ -192,7 +192,7 @@ TEST(Stairs, OneWideStepBetweenLargeLevelsIsAKerb) {
   EXPECT_TRUE(stairs.decisions.empty()) << told(stairs);
 }
 
-TEST(Stairs, ABoxIsNoKerb) {
+TEST(Stairs, ABoxIsNotAKerb) {
   IdealPlanes ideal;
   ideal.level(-1, 0, -1, 1, 0);
   ideal.level(0, 0.4, -0.2, 0.2, 0.15);
@@ -239,7 +239,7 @@ TEST(Stairs, PiecesOfOneTreadCountOnce) {
   EXPECT_EQ(stairs.flights[0].steps[0].tread, (LevelPlanes{right, left}));
 }
 
-TEST(Stairs, UnevenStepsAreNoFlightAndItIsSaidWhy) {
+TEST(Stairs, UnevenStepsAreNotAFlightAndTheReasonIsReported) {
   IdealPlanes ideal;
   ideal.level(-1, 0, -0.6, 0.6, 0);
   ideal.level(0, 0.3, -0.5, 0.5, 0.1);
