@@ -149,10 +149,10 @@ TEST(DepthInMeters, IsRoundedByOneRule) {
   };
   using Counts = std::vector<std::uint16_t>;
   EXPECT_EQ(rounded({0.001f, NAN, 1.234f, 65.534f}), std::pair(0.001, Counts{1, 0, 1234, 65534}));
-  EXPECT_EQ(rounded({1.2341f, 13.1068f}), std::pair(0.0002, Counts{6171, 65534}));
-  EXPECT_EQ(rounded({1.2341f, 13.11f}), std::pair(0.001, Counts{1234, 13110}));
-  EXPECT_EQ(rounded({1.2341f, 65.6f}), std::pair(0.0002, Counts{6171, 65535}));
-  EXPECT_EQ(rounded({1.2341f, -1, 7}, 0.0001), std::pair(0.0001, Counts{12341, 0, 65535}));
+  EXPECT_EQ(rounded({1.2342f, 13.1068f}), std::pair(0.0002, Counts{6171, 65534}));
+  EXPECT_EQ(rounded({1.2342f, 13.11f}), std::pair(0.001, Counts{1234, 13110}));
+  EXPECT_EQ(rounded({1.2342f, 65.6f}), std::pair(0.0002, Counts{6171, 65535}));
+  EXPECT_EQ(rounded({1.2342f, -1, 7}, 0.0001), std::pair(0.0001, Counts{12342, 0, 65535}));
   // Frames of a bag may have different steps.
   Ros2Messages messages = realsense_ros_messages(2, "/camera");
   float scale = 1.0001f;
