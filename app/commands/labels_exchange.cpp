@@ -147,7 +147,7 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   check_output_dir(args.out);
   const OpenInput input = open_one(args, "export");
   if (fs::weakly_canonical(args.out) == fs::weakly_canonical(input.label_dir))
-    throw Error(args.out.string() + ": is the folder of the labels themselves, expected another");
+    throw Error(args.out.string() + ": is the label folder itself; expected a different folder");
   list_labels(input.label_dir);  // throws if there are none
   std::vector<int> frames = input.frames;
   std::erase_if(frames, [&](int frame) { return !input.label_number(frame); });

@@ -260,8 +260,8 @@ TEST_F(Labels, ExportsStayOutOfTheRecordingAndOfTheLabels) {
     return labels_of("export", {rec, "--format", "coco", "-o", out, "--frames", frames});
   };
   expect_refused(export_to(rec / "out"), "in the recording");
-  expect_refused(export_to(own), "the folder of the labels themselves");
-  expect_refused(export_to(dir / "out", "2"), "no labels of the frames");
+  expect_refused(export_to(own), "is the label folder itself");
+  expect_refused(export_to(dir / "out", "2"), "no labels for the requested frames");
   expect_refused(labels_of("export", {rec, "--format", "coco"}), "-o DIR");
   EXPECT_FALSE(fs::exists(dir / "out"));
   well(labels_of("export", {rec, "--format", "voxels", "-o", dir / "out", "--voxel", "0.05"}));

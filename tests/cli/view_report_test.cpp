@@ -35,7 +35,7 @@ struct ViewReport : testing::Test {
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   }
-  /// What the window shows.
+  /// Opens the window and returns the state that it displays.
   Json facts(const std::string& target, std::vector<std::string> more = {}, int code = 0) {
     more.insert(more.end(), {"--state", dir / "state.json"});
     EXPECT_EQ(view(target, more).code, code);

@@ -90,7 +90,7 @@ TEST(Session, FollowsItsFramesWhenOneIsRemovedFromTheRecording) {
       has(refusal(run_state(), (dir / "s.json").string() + "#gone"), "its frame is not in"));
 }
 
-TEST(Session, KeepsProjectionAndFromWhereAllIsLookedAt) {
+TEST(Session, KeepsProjectionAndCameras) {
   const fs::path dir = scratch_dir();
   State state = run_state();
   apply(state, {"camera.orthographic"});

@@ -469,7 +469,7 @@ TEST(Folder, WithoutNamesADamagedPngKeepsItsPlaceAmongTheOthers) {
   EXPECT_EQ(recording->frame(2).name, "002");
 }
 
-TEST(Folder, UnusableIntrinsicsAreRefused) {
+TEST(Folder, UnusableIntrinsicsAreRejected) {
   expect_one_line_with(
       message_of([&] { open_recording(sample_folder(), with_intrinsics(0, 10, 6, 4)); }), {"fx 0"});
   const fs::path folder = sample_folder();

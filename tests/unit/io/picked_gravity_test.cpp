@@ -104,7 +104,7 @@ TEST_F(Picked, FollowsItsFrameToAnotherNumber) {
   EXPECT_EQ(found.frames.size(), 2u);
 }
 
-TEST_F(Picked, AFileThatCannotBeUsedIsRefusedByName) {
+TEST_F(Picked, AnInvalidFileIsRejectedByName) {
   const auto file = [](const std::string& all, const std::string& frames) {
     return R"({"schema": "planescope.gravity/1", "recording": )" + all + R"(, "frames": )" +
            frames + "}";
