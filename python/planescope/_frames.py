@@ -313,7 +313,7 @@ class Recording(Sequence):  # type: ignore[type-arg]
             bool(color),
         )
         if on_error not in ("raise", "skip"):
-            raise Error(f"on_error: {on_error!r}, expected 'raise' or 'skip'")
+            raise Error(f"on_error: {on_error!r}; expected 'raise' or 'skip'")
         self.on_error = on_error
         self.skipped: dict[int, str] = {}
 

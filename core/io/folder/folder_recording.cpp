@@ -199,7 +199,7 @@ void FolderRecording::check_depth(const fs::path& path, const Intrinsics& known)
     info_.height = image.height;
   }
   if (image.width != info_.width || image.height != info_.height)
-    throw Error(fmt::format("{}: depth image of {}x{}, expected {}x{} as the first one",
+    throw Error(fmt::format("{}: depth image of {}x{}; expected {}x{}, like the first one",
                             path.string(), image.width, image.height, info_.width, info_.height));
 }
 
