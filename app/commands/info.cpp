@@ -94,6 +94,7 @@ void measure_depth(const Frame& frame, double max_range_m, Facts& facts) {
 Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   Facts facts;
   facts.info = input.recording->info();
+  facts.info.warnings = input.warnings;
   facts.frame_count = input.recording->frame_count();
   facts.first = input.frames.front();
   const Frame frame = input.frame(facts.first);
@@ -147,6 +148,7 @@ Json to_json(const Facts& f) {
       json["intrinsics"] = intrinsics_json(f.info.intrinsics);
       json["intrinsics"]["source"] = f.info.intrinsics_source;
     }
+    json["ignored_calibration"] = f.info.ignored_calibration;
     json["color"] = nullptr;
     if (f.info.has_color)
       json["color"] = {
@@ -205,6 +207,9 @@ void print_depth(const Facts& f, double max_range_m) {
                          ? fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx,
                                        k.fy, k.cx, k.cy, distortion, f.info.intrinsics_source)
                          : std::string("not known; ") + io::kHowToGiveIntrinsics);
+  if (!f.info.ignored_calibration.empty())
+    line("ignored",
+         fmt::format("{}: {}", fmt::join(f.info.ignored_calibration, ", "), io::kNotACalibration));
   line("colour", f.info.has_color
                      ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
                      : "none");

@@ -76,11 +76,12 @@ namespace {
 
 /// Of a disc by its radius, or of the circle about a rectangle, LENGTHxWIDTH [m].
 double foot_radius_m(const std::string& text) {
-  const std::vector<std::string> sides = split(text, 'x');
   std::vector<double> sizes;
-  for (const std::string& side : sides) sizes.push_back(parse_number(side, "--foot"));
-  if (sizes.size() > 2 || *std::ranges::min_element(sizes) <= 0)
-    throw Error("--foot: '" + text + "' is neither a radius nor LENGTHxWIDTH in metres");
+  for (const std::string& side : split(text, 'x')) sizes.push_back(parse_number(side).value_or(0));
+  if (sizes.size() > 2 || !(*std::ranges::min_element(sizes) > 0))
+    throw Error("--foot: '" + text +
+                "' is not a size; expected RADIUS or LENGTHxWIDTH in meters, such as 0.1 or "
+                "0.2x0.1");
   return sizes.size() == 1 ? sizes[0] : std::hypot(sizes[0], sizes[1]) / 2;
 }
 
@@ -129,17 +130,26 @@ double parse_depth_unit(const std::string& text) {
   return unit;
 }
 
-/// A warning if --gravity contradicts the first of the frames to process; empty if not.
-std::string doubt_in_given_gravity(const OpenInput& input, const planes::GravityOptions& options) {
-  if (options.mode != planes::GravityMode::fixed || !input.recording->info().knows_camera())
-    return "";
+/// Adds warnings if --gravity or --voxel contradicts the first of the frames to process.
+void add_doubts(const planes::PipelineOptions& options, OpenInput& input) {
+  const bool doubts_gravity = options.gravity.mode == planes::GravityMode::fixed;
+  const bool doubts_voxels = options.cloud.voxel_size_m > planes::CloudOptions().voxel_size_m;
+  if (!(doubts_gravity || doubts_voxels) || !input.recording->info().knows_camera()) return;
+  const auto add = [&](const std::string& doubt) {
+    if (!doubt.empty())
+      input.warnings.push_back(
+          fmt::format("{}, frame {}: {}", input.path.string(), input.frames.front(), doubt));
+  };
   try {
     const Frame frame = input.recording->frame(input.frames.front());
-    const std::string doubt = planes::doubt_in_gravity(frame, options.direction, options);
-    if (doubt.empty()) return "";
-    return fmt::format("{}, frame {}: {}", input.path.string(), input.frames.front(), doubt);
+    if (doubts_gravity)
+      add(planes::doubt_in_gravity(frame, options.gravity.direction, options.gravity));
+    if (doubts_voxels)
+      add(planes::doubt_in_voxels(
+          planes::make_cloud(frame, planes::unknown_gravity(frame, ""), options.cloud),
+          options.cloud.voxel_size_m));
   } catch (const Error&) {
-    return "";  // damaged: reported when the frame is used
+    // Damaged: reported when the frame is used.
   }
 }
 
@@ -164,9 +174,27 @@ void set_input_option(InputArgs& args, const std::string& name, const std::strin
 }
 
 Frame OpenInput::frame(int index) const {
-  Frame frame = recording->frame(index);
-  if (gravity) gravity->resolve(frame, picked);
-  return frame;
+  return naming_memory(name_of(index), [&] {
+    Frame frame = recording->frame(index);
+    if (gravity) gravity->resolve(frame, picked);
+    return frame;
+  });
+}
+
+std::string OpenInput::name_of(int index) const {
+  const io::RecordingInfo& info = recording->info();
+  return fmt::format("{}, frame {}{}", path.string(), index,
+                     info.width > 0 ? fmt::format(" ({}x{})", info.width, info.height) : "");
+}
+
+void warn(const InputArgs& args, const std::string& warning) {
+  if (args.warnings_as_errors) throw Error(warning);
+  notice("warning: {}", warning);
+}
+
+std::string no_planes_text(const std::string& recording, std::size_t frames) {
+  return fmt::format("{}: 0 planes in {}; are depth unit, --max-range and --voxel right?",
+                     recording, counted(frames, "frame"));
 }
 
 std::vector<OpenInput> open_inputs(const InputArgs& args) {
@@ -205,11 +233,9 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
           std::make_shared<world::SequenceGravity>(input.recording, args.pipeline.gravity);
       input.recording = io::with_picked_gravity(std::move(input.recording), input.picked);
     }
-    std::vector<std::string> warnings = input.recording->info().warnings;
-    if (std::string doubt = doubt_in_given_gravity(input, args.pipeline.gravity); !doubt.empty())
-      warnings.push_back(std::move(doubt));
-    if (args.warnings_as_errors && !warnings.empty()) throw Error(warnings.front());
-    for (const std::string& warning : warnings) notice("warning: {}", warning);
+    input.warnings = input.recording->info().warnings;
+    add_doubts(args.pipeline, input);
+    for (const std::string& warning : input.warnings) warn(args, warning);
     inputs.push_back(std::move(input));
   }
   return inputs;
@@ -217,7 +243,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
 
 bool may_have_truth(const OpenInput& input, int index) {
   const bool is_cloud = input.recording->info().width == 0;
-  return is_cloud || fs::exists(input.label_dir / fmt::format("{:06}.plane.png", index));
+  return is_cloud || labels::is_there(input.label_dir / fmt::format("{:06}.plane.png", index));
 }
 
 bool labels_points(const planes::PipelineOptions& options) {
@@ -257,14 +283,16 @@ LoadedFrame run_input_frame(const OpenInput& input,
         fmt::format("{}, frame {}: classifier truth needs labels, found none in {} and no "
                     "label field",
                     input.path.string(), index, input.label_dir.string()));
-  try {
-    loaded.result = planes::run_frame(loaded.frame, options, classifier,
-                                      on_points ? &*on_points : nullptr, trace);
-  } catch (const Error& error) {
-    const std::string what = error.what();
-    const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);
-    throw FrameRefused(fmt::format("{}, {}{}", input.path.string(), frame, what));
-  }
+  naming_memory(input.name_of(index), [&] {
+    try {
+      loaded.result = planes::run_frame(loaded.frame, options, classifier,
+                                        on_points ? &*on_points : nullptr, trace);
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);
+      throw FrameRefused(fmt::format("{}, {}{}", input.path.string(), frame, what));
+    }
+  });
   loaded.result.timings.load_ms = load.count();
   return loaded;
 }

@@ -61,10 +61,17 @@ struct OpenInput {
   std::filesystem::path label_dir;  // may not exist
   io::PickedGravity picked = {};
   std::shared_ptr<const world::SequenceGravity> gravity = {};  // null: frames have their own alone
+  std::vector<std::string> warnings = {};  // the recording's, and of options that contradict it
 
   /// Frame `index` with its gravity: its own or, where it has none, that of the frames around it.
   Frame frame(int index) const;
+  std::string name_of(int index) const;  // for messages: "a.bag, frame 3 (640x480)"
 };
+
+/// Prints a warning or, with --warnings-as-errors, throws it as an Error.
+void warn(const InputArgs& args, const std::string& warning);
+/// The warning for a run that found no plane in any of its frames.
+std::string no_planes_text(const std::string& recording, std::size_t frames);
 
 /// Opens every input, or the sample where none is given, before any work is done; frames of
 /// `recording` carry the gravity that was picked for them. Throws Error if one cannot be opened, or

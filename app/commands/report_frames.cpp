@@ -13,6 +13,7 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/report.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
@@ -133,7 +134,7 @@ std::string key_of(const ReportFramesJob& job,
   }
   for (const char* ending : {"plane.png", "hv.png", "json"})
     if (const fs::path file = input.label_dir / fmt::format("{:06}.{}", index, ending);
-        fs::is_regular_file(file))
+        labels::is_there(file))
       text.append(1, '\n').append(sha256_hex_of_file(file));
   return sha256_hex(text);
 }

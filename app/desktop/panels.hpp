@@ -74,7 +74,7 @@ bool draw_camera_setup(const Ui& ui);
 /// What the program had to assume about a recording, with the action that checks or settles it.
 struct Assumption {
   std::string text;    // "53 % beyond 1.5 m"
-  std::string button;  // "show 4 m"
+  std::string button;  // "show 4 m"; empty: nothing settles it
   std::string why;     // for the tooltip: one sentence
   Command command;     // that checks or settles it
 };

@@ -255,8 +255,11 @@ void settle_camera(const RecordingOptions& options,
     info.intrinsics = *facts.intrinsics;
     info.intrinsics_source = facts.intrinsics_source;
   } else if (!options.intrinsics_may_lack) {
-    throw Error(fmt::format("{}: the recording does not say its camera intrinsics; {}", path,
-                            kHowToGiveIntrinsics));
+    std::string ignored;
+    if (!info.ignored_calibration.empty())
+      ignored = fmt::format(" ({}: {})", info.ignored_calibration.front(), kNotACalibration);
+    throw Error(fmt::format("{}: the recording does not say its camera intrinsics{}; {}", path,
+                            ignored, kHowToGiveIntrinsics));
   }
   Intrinsics& k = info.intrinsics;
   if (!info.intrinsics_source.empty() && !usable(k))

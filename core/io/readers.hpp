@@ -138,9 +138,13 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
 /// all files of the formats that were added, in the same order.
 std::vector<std::filesystem::path> cloud_files_under(const std::filesystem::path& folder);
 
-/// Warnings about intrinsics that no real camera has.
-std::vector<std::string> camera_warnings(const RecordingInfo& info);
-/// A warning if most of the frame's depth is nearer than 5 cm or farther than 100 m.
-std::vector<std::string> depth_warnings(const RecordingInfo& info, const Frame& frame);
+/// Adds a warning if color that is called aligned with depth has another field of view.
+void add_view_warning(int width, double focal_px, RecordingInfo& info);
+/// Warnings about intrinsics that no real camera has, files of intrinsics that are not understood,
+/// and, if it is `of_color`, color that is not aligned with depth.
+std::vector<std::string> camera_warnings(const RecordingInfo& info, bool of_color);
+/// Warnings if most of the frame's depth is nearer than 5 cm or farther than 100 m, and if color
+/// that is called aligned with depth has another size.
+std::vector<std::string> frame_warnings(const RecordingInfo& info, const Frame& frame);
 
 }  // namespace planescope::io

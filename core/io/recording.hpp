@@ -35,6 +35,11 @@ struct RecordingOptions {
 /// What to do where intrinsics are not known, as a hint for people.
 inline constexpr const char* kHowToGiveIntrinsics = "give them with --intrinsics FX,FY,CX,CY";
 
+/// What is wrong with RecordingInfo::ignored_calibration, for people.
+inline constexpr const char* kNotACalibration =
+    "not a calibration that planescope reads; expected JSON, OpenCV XML, or text of 4, 7, 9 or 16 "
+    "numbers";
+
 /// Facts about a recording, for `info`, for reports and for the one-line summary on load.
 struct RecordingInfo {
   std::filesystem::path path;
@@ -46,8 +51,9 @@ struct RecordingInfo {
   bool rounded = false;           // depth was recorded in meters (32FC1) and is rounded to the unit
   Intrinsics intrinsics;
   std::string intrinsics_source;  // file or topic name, "option"; empty: nobody knows them
-  std::string times_source;       // where frame times come from: a file, "file names"; empty: none
-  std::string topic;              // the topic chosen by RecordingOptions::topic
+  std::vector<std::string> ignored_calibration;  // files named as calibrations, not understood
+  std::string times_source;  // where frame times come from: a file, "file names"; empty: none
+  std::string topic;         // the topic chosen by RecordingOptions::topic
   std::vector<std::string> topics;  // bags: topics with frames, the one that is read first
   bool has_color = false;
   std::string color_note;             // "aligned", "projected by extrinsics", "none", ...

@@ -102,6 +102,7 @@ struct CameraFiles {
   CameraFacts depth;
   std::optional<Intrinsics> color;  // only where a file tells them apart from those of depth
   std::optional<Pose> T_color_depth;
+  std::vector<std::string> ignored;  // files named as calibrations that are none
 };
 
 /// Reads what calibration the folder has: JSON with `intrinsic_matrix` (and `depth_scale`), OpenCV
