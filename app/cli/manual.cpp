@@ -469,7 +469,7 @@ void define_completions(CLI::App& app, Line& line) {
   completions->add_option("SHELL", args->shell, "bash, zsh or fish")
       ->type_name("")
       ->required()
-      ->check(CLI::IsMember(std::vector<std::string>{"bash", "zsh", "fish"}).description(""));
+      ->check(some_of({"bash", "zsh", "fish"}, "a supported shell"));
   runs(completions, line, args, print, [args, &app] {
     args->text = args->shell == "bash"  ? bash_completions(app)
                  : args->shell == "zsh" ? zsh_completions(app)

@@ -228,6 +228,9 @@ std::string message_of(const Program& program, const CLI::App& app, const CLI::P
     return fmt::format("{}; to open the file of that name, type: {} {} -- {}", text, program.name,
                        reader, shell_word(word));
   if (!near.empty()) return text + "; did you mean '" + near + "'?";
+  constexpr std::size_t kFewNames = 8;
+  if (!is_option && !names.empty() && names.size() <= kFewNames)
+    return fmt::format("{}; expected {}", text, fmt::join(names, " or "));
   return text + "; see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
 }
 
@@ -279,6 +282,14 @@ Job parse(const Program& program, int argc, char** argv) {
                           fmt::join(subcommand_names(group), ", ")));
 }
 
+/// "DIR/a: too many levels of symbolic links".
+std::string path_problem(const std::filesystem::filesystem_error& error) {
+  const std::string second = error.path2().empty() ? "" : " and " + error.path2().string();
+  std::string reason = error.code().message();
+  reason.replace(0, 1, lower_case(reason.substr(0, 1)));
+  return fmt::format("{}{}: {}", error.path1().string(), second, reason);
+}
+
 int fail(const std::string& message, int code) {
   print_notice(message);
   return code;
@@ -300,6 +311,8 @@ int run_program(const Program& program, int argc, char** argv) {
     return fail("canceled", 130);
   } catch (const Error& error) {
     return fail(error.what(), 2);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(path_problem(error), 2);
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again)  // thread creation failed
       return fail("out of memory: cannot start a thread; fewer --threads need less", 2);
@@ -308,10 +321,7 @@ int run_program(const Program& program, int argc, char** argv) {
                   2);
     return fail(std::string("unexpected failure: ") + error.what(), 2);
   } catch (const std::bad_alloc&) {
-    return fail(
-        "out of memory: a larger --voxel (clouds), a smaller --max-range, fewer --frames or fewer "
-        "--threads need less",
-        2);
+    return fail(std::string("out of memory: ") + kHowToNeedLessMemory, 2);
   } catch (const std::exception& error) {
     return fail(std::string("unexpected failure: ") + error.what(), 2);
   }

@@ -108,6 +108,7 @@ Frame first_frame(const OpenInput& input, DamagedFrames& damaged) {
 Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   Facts facts;
   facts.info = input.recording->info();
+  facts.info.warnings = input.warnings;
   facts.frame_count = input.recording->frame_count();
   facts.damaged = damaged_at_open(*input.recording, input.frames);
   const Frame frame = first_frame(input, facts.damaged);
@@ -171,6 +172,7 @@ Json to_json(const Facts& f) {
       json["intrinsics"] = intrinsics_json(f.info.intrinsics);
       json["intrinsics"]["source"] = f.info.intrinsics_source;
     }
+    json["ignored_calibration"] = f.info.ignored_calibration;
     json["color"] = nullptr;
     if (f.info.has_color)
       json["color"] = {
@@ -230,6 +232,9 @@ void print_depth(const Facts& f, double max_range_m) {
                          ? fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx,
                                        k.fy, k.cx, k.cy, distortion, f.info.intrinsics_source)
                          : std::string("unknown; ") + io::kHowToGiveIntrinsics);
+  if (!f.info.ignored_calibration.empty())
+    line("ignored",
+         fmt::format("{}: {}", fmt::join(f.info.ignored_calibration, ", "), io::kNotACalibration));
   line("color", f.info.has_color
                     ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
                     : "none");

@@ -81,7 +81,9 @@ double foot_radius_m(const std::string& text) {
   for (const std::string& side : split(text, 'x')) sizes.push_back(parse_number(side).value_or(0));
   const auto is_size = [](double size) { return size > 0 && std::isfinite(size); };
   if (sizes.size() > 2 || !std::ranges::all_of(sizes, is_size))
-    throw Error("--foot: '" + text + "'; expected RADIUS or LENGTHxWIDTH in meters, above 0");
+    throw Error(
+        "--foot: '" + text +
+        "' is not a size; expected RADIUS or LENGTHxWIDTH in meters, such as 0.1 or 0.2x0.1");
   return sizes.size() == 1 ? sizes[0] : std::hypot(sizes[0], sizes[1]) / 2;
 }
 
@@ -130,17 +132,26 @@ double parse_depth_unit(const std::string& text) {
   return unit;
 }
 
-/// Returns a warning if --gravity contradicts the first selected frame; otherwise empty.
-std::string doubt_in_given_gravity(const OpenInput& input, const planes::GravityOptions& options) {
-  if (options.mode != planes::GravityMode::fixed || !input.recording->info().knows_camera())
-    return "";
+/// Adds warnings if --gravity or --voxel contradicts the first of the frames to process.
+void add_doubts(const planes::PipelineOptions& options, OpenInput& input) {
+  const bool doubts_gravity = options.gravity.mode == planes::GravityMode::fixed;
+  const bool doubts_voxels = options.cloud.voxel_size_m > planes::CloudOptions().voxel_size_m;
+  if (!(doubts_gravity || doubts_voxels) || !input.recording->info().knows_camera()) return;
+  const auto add = [&](const std::string& doubt) {
+    if (!doubt.empty())
+      input.warnings.push_back(
+          fmt::format("{}, frame {}: {}", input.path.string(), input.frames.front(), doubt));
+  };
   try {
     const Frame frame = input.recording->frame(input.frames.front());
-    const std::string doubt = planes::doubt_in_gravity(frame, options.direction, options);
-    if (doubt.empty()) return "";
-    return fmt::format("{}, frame {}: {}", input.path.string(), input.frames.front(), doubt);
+    if (doubts_gravity)
+      add(planes::doubt_in_gravity(frame, options.gravity.direction, options.gravity));
+    if (doubts_voxels)
+      add(planes::doubt_in_voxels(
+          planes::make_cloud(frame, planes::unknown_gravity(frame, ""), options.cloud),
+          options.cloud.voxel_size_m));
   } catch (const Error&) {
-    return "";  // damaged: reported when the frame is used
+    // Damaged: reported when the frame is used.
   }
 }
 
@@ -181,9 +192,27 @@ std::optional<planes::SourceTruth> OpenInput::truth(const Frame& frame) const {
 }
 
 Frame OpenInput::frame(int index) const {
-  Frame frame = read_frame([&] { return recording->frame(index); });
-  if (gravity) gravity->resolve(frame, picked);
-  return frame;
+  return naming_memory(name_of(index), [&] {
+    Frame frame = read_frame([&] { return recording->frame(index); });
+    if (gravity) gravity->resolve(frame, picked);
+    return frame;
+  });
+}
+
+std::string OpenInput::name_of(int index) const {
+  const io::RecordingInfo& info = recording->info();
+  return fmt::format("{}, frame {}{}", path.string(), index,
+                     info.width > 0 ? fmt::format(" ({}x{})", info.width, info.height) : "");
+}
+
+void warn(const InputArgs& args, const std::string& warning) {
+  if (args.warnings_as_errors) throw Error(warning);
+  notice("warning: {}", warning);
+}
+
+std::string no_planes_text(const std::string& recording, std::size_t frames) {
+  return fmt::format("{}: 0 planes in {}; are depth unit, --max-range and --voxel right?",
+                     recording, counted(frames, "frame"));
 }
 
 std::vector<OpenInput> open_inputs(const InputArgs& args, const fs::path& out) {
@@ -223,11 +252,9 @@ std::vector<OpenInput> open_inputs(const InputArgs& args, const fs::path& out) {
           std::make_shared<world::SequenceGravity>(input.recording, args.pipeline.gravity);
       input.recording = io::with_picked_gravity(std::move(input.recording), input.picked);
     }
-    std::vector<std::string> warnings = input.recording->info().warnings;
-    if (std::string doubt = doubt_in_given_gravity(input, args.pipeline.gravity); !doubt.empty())
-      warnings.push_back(std::move(doubt));
-    if (args.warnings_as_errors && !warnings.empty()) throw Error(warnings.front());
-    for (const std::string& warning : warnings) notice("warning: {}", warning);
+    input.warnings = input.recording->info().warnings;
+    add_doubts(args.pipeline, input);
+    for (const std::string& warning : input.warnings) warn(args, warning);
     inputs.push_back(std::move(input));
   }
   return inputs;
@@ -291,17 +318,20 @@ LoadedFrame run_input_frame(const OpenInput& input,
     on_points =
         planes::truth_on_points(loaded.truth->values, planes::measured_sources(loaded.frame));
   if (needs_truth && !loaded.truth)
-    throw FrameRefused(fmt::format(
-        "{}, frame {}: classifier truth needs labels; found none in {} and no label field",
-        input.path.string(), index, input.label_dir.string()));
-  try {
-    loaded.result = planes::run_frame(loaded.frame, options, classifier,
-                                      on_points ? &*on_points : nullptr, trace);
-  } catch (const Error& error) {
-    const std::string what = error.what();
-    const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);
-    throw FrameRefused(fmt::format("{}, {}{}", input.path.string(), frame, what));
-  }
+    throw FrameRefused(
+        fmt::format("{}, frame {}: classifier truth needs labels; found none in {} and no "
+                    "label field",
+                    input.path.string(), index, input.label_dir.string()));
+  naming_memory(input.name_of(index), [&] {
+    try {
+      loaded.result = planes::run_frame(loaded.frame, options, classifier,
+                                        on_points ? &*on_points : nullptr, trace);
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);
+      throw FrameRefused(fmt::format("{}, {}{}", input.path.string(), frame, what));
+    }
+  });
   loaded.result.timings.load_ms = load.count();
   return loaded;
 }

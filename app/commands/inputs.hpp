@@ -63,6 +63,7 @@ struct OpenInput {
   std::filesystem::path label_dir;  // may be missing
   io::PickedGravity picked = {};
   std::shared_ptr<const world::SequenceGravity> gravity = {};  // null: per-frame gravity only
+  std::vector<std::string> warnings = {};  // of the recording, and of options that contradict it
 
   /// Number of the label files of frame `index`; nullopt if it has none. The first call checks
   /// whether frames were added or removed since they were labeled, and warns.
@@ -72,6 +73,7 @@ struct OpenInput {
   /// Reads frame `index` with its gravity: its own or, if it has none, that of the frames around
   /// it. Throws FrameDamaged if it is unreadable.
   Frame frame(int index) const;
+  std::string name_of(int index) const;  // for messages: "a.bag, frame 3 (640x480)"
 
   struct LabelLookup {
     std::once_flag once;
@@ -79,6 +81,11 @@ struct OpenInput {
   };
   std::shared_ptr<LabelLookup> label_lookup = std::make_shared<LabelLookup>();
 };
+
+/// Prints a warning or, with --warnings-as-errors, throws it as an Error.
+void warn(const InputArgs& args, const std::string& warning);
+/// Warning for a run without planes in any frame.
+std::string no_planes_text(const std::string& recording, std::size_t frames);
 
 /// Opens all inputs, or the sample if there are none, before any work is done. Frames of
 /// `recording` have the gravity picked for them in the window. Throws Error if a recording cannot

@@ -235,7 +235,8 @@ int run_map(const MapArgs& args, std::stop_token stop) {
     write_file_bytes(output.add_file(world::planes_file({}, frame)), png);
   };
   job.progress = StageBar("map");
-  const world::WorldMap map = world::map_recording(job);
+  const world::WorldMap map =
+      naming_memory(input.path.string(), [&] { return world::map_recording(job); });
   const std::size_t planes = world::planes_of_map(map.tracker).size();
   const std::vector<world::FrameOfTracks>& frames = map.tracker.frames();
   const auto aside = std::ranges::count(frames, true, &world::FrameOfTracks::set_aside);

@@ -104,6 +104,21 @@ void print_refusals(const report::Report& report) {
            known == 1 ? "1 frame is" : counted(known, "frame") + " are");
 }
 
+/// Adds a warning to each recording without planes in any frame.
+void add_no_planes(report::Report& report) {
+  for (report::ReportRecording& recording : report.recordings) {
+    std::size_t done = 0, planes = 0, points = 0;
+    for (const report::ReportFrame& frame : recording.frames) {
+      done += frame.refused.empty();
+      planes += frame.planes.size();
+      points += frame.counts.kept;
+    }
+    if (done == 0 || planes > 0 || points == 0) continue;
+    recording.info.warnings.push_back(no_planes_text(recording.name, done));
+    notice("warning: {}", recording.info.warnings.back());
+  }
+}
+
 /// Checks `report` against the guard, writes its files to `out`, which contains its frames, and
 /// prints a summary. Returns the exit code like run_report(); throws Cancelled if the report is
 /// partial.
@@ -112,6 +127,7 @@ int finish_report(const std::filesystem::path& out,
                   report::ReportGuard& guard,
                   const ReportGuardArgs& args,
                   bool json) {
+  if (!report.partial && report.shard.empty()) add_no_planes(report);
   if (!report.partial) report.judgement = guard.judge(report);
   report::write_report_files(out, report);
   if (report.partial) throw Cancelled();
@@ -179,6 +195,7 @@ report::Report start_report(const ReportArgs& args,
     report::ReportRecording recording;
     recording.info = input.recording->info();
     recording.info.path = input.path;
+    recording.info.warnings = input.warnings;
     recording.name = names[i];
     if (fs::is_regular_file(input.path)) recording.sha256 = sha256_hex_of_file(input.path);
     recording.frame_count = input.recording->frame_count();
@@ -292,7 +309,10 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
   }
   folder.commit(!report.partial, frames);
   if (args.resume) notice("{} of {} frames were already finished", resumed, frames.size());
-  return finish_report(args.out, report, guard, args.guard, args.json);
+  const int code = finish_report(args.out, report, guard, args.guard, args.json);
+  const bool has_warning = std::ranges::any_of(
+      report.recordings, [](const auto& recording) { return !recording.info.warnings.empty(); });
+  return code == 0 && has_warning && args.input.warnings_as_errors ? 2 : code;
 }
 
 namespace {

@@ -13,6 +13,7 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/report.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"

@@ -62,6 +62,7 @@ struct WrittenFrame {
   Json json;
   FrameMessages messages;  // if all frames go into one file
   bool unknown_gravity = false;
+  std::size_t planes = 0;
 };
 
 WrittenFrame write_frame(const OpenInput& input,
@@ -84,6 +85,7 @@ WrittenFrame write_frame(const OpenInput& input,
     if (want_messages) written.messages = messages_of(loaded.frame, loaded.result, found, map);
     if (args.ros_json) written.ros = report::ros_json(loaded.frame, loaded.result, found);
     written.unknown_gravity = !loaded.result.gravity.known();
+    written.planes = found.summaries.size();
     summarize(want_messages ? fmt::format("frame {}", index) : (args.out / folder).string(),
               loaded.result, written.line, written.json);
     if (want_messages) written.json["folder"] = nullptr;
@@ -185,10 +187,12 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   const planes::FrameThreads threads =
       planes::threads_for_frames(pipeline, stream ? 1 : static_cast<int>(input.frames.size()));
   const auto write = [&](int index) {
-    return write_frame(input, index, threads.pipeline, chosen.classifier.get(), args, map.get(),
-                       output ? &*output : nullptr, in_file);
+    return naming_memory(input.name_of(index), [&] {
+      return write_frame(input, index, threads.pipeline, chosen.classifier.get(), args, map.get(),
+                         output ? &*output : nullptr, in_file);
+    });
   };
-  int written = 0;
+  std::size_t written = 0, planes = 0;
   DamagedFrames damaged;
   std::set<std::filesystem::path> frames;
   const auto take = [&](int index, WrittenFrame&& frame) {
@@ -200,6 +204,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
     ++written;
     frames.insert(report::frame_folder(index));
     unknown_gravity |= frame.unknown_gravity;
+    planes += frame.planes;
     if (in_file) file->add(frame.messages);
     if (args.ros_json || (stream && !args.quiet)) {  // print now, for programs that read the stream
       if (!args.ros_json && args.json) frame.line = stream_line(index, frame.json, args);
@@ -233,6 +238,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
   }
   if (written == 0 && cut) throw *cut;
   if (written == 0 && !refused.empty()) throw Error(refused.front());
+  if (written > 0 && planes == 0) warn(args.input, no_planes_text(input.path.string(), written));
   if (output && !stop.stop_requested()) remove_earlier_frames(args.out, frames, *output);
   if (output) output->commit();
   if (in_file && written > 0) file->commit();

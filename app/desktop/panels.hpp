@@ -76,7 +76,7 @@ bool draw_camera_setup(const Ui& ui);
 /// An assumption about a recording, with the action that checks or settles it.
 struct Assumption {
   std::string text;    // "53 % beyond 1.5 m"
-  std::string button;  // "show 4 m"
+  std::string button;  // "show 4 m"; empty: no button
   std::string why;     // tooltip, one sentence
   Command command;     // checks or settles it
 };

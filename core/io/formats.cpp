@@ -247,13 +247,13 @@ class ChangedRecording : public Recording {
   std::function<void(Frame&)> change_;
 };
 
-/// Adds warnings about an implausible camera or depth unit.
-std::unique_ptr<Recording> checked(std::unique_ptr<Recording> recording) {
+/// Adds warnings about an implausible camera, color or depth unit.
+std::unique_ptr<Recording> checked(std::unique_ptr<Recording> recording, bool of_color) {
   const RecordingInfo& info = recording->info();
-  std::vector<std::string> warnings = camera_warnings(info);
+  std::vector<std::string> warnings = camera_warnings(info, of_color);
   if (info.width > 0 && recording->frame_count() > 0) {
     try {
-      for (std::string& warning : depth_warnings(info, recording->frame(0)))
+      for (std::string& warning : frame_warnings(info, recording->frame(0)))
         warnings.push_back(std::move(warning));
     } catch (const Error&) {
       // Damaged: reported when the frame is read.
@@ -287,7 +287,8 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
     if (!options.topic.empty() && format.open != open_bag_at)
       throw Error(fmt::format("{}: {}, which has no topics; --topic expects {}", path.string(),
                               format.name, known.front().name));
-    return checked(format.open(path, options));
+    return naming_memory(path.string(),
+                         [&] { return checked(format.open(path, options), options.color); });
   }
   if (found.is_folder)
     throw Error(path.string() + ": the folder contains no recording (" +

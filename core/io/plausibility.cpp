@@ -1,4 +1,4 @@
-// Warnings about implausible calibration and depth: a wrong file, unit or image size.
+// Warnings about implausible calibration, color and depth: a wrong file, unit or image size.
 
 #include <fmt/format.h>
 
@@ -34,9 +34,27 @@ double corner_ratio(const Intrinsics& k) {
 
 }  // namespace
 
-std::vector<std::string> camera_warnings(const RecordingInfo& info) {
+void add_view_warning(int width, double focal_px, RecordingInfo& info) {
+  constexpr double kMost_deg = 3;
+  if (!(focal_px > 0 && width > 0 && info.intrinsics.fx > 0)) return;
+  const double of_color = view_deg(width, focal_px),
+               of_depth = view_deg(info.width, info.intrinsics.fx);
+  if (std::abs(of_color - of_depth) > kMost_deg)
+    info.warnings.push_back(fmt::format(
+        "color is called aligned with depth, but its own intrinsics have a field of view of "
+        "{:.3g} degrees, those of depth {:.3g}",
+        of_color, of_depth));
+}
+
+std::vector<std::string> camera_warnings(const RecordingInfo& info, bool of_color) {
   std::vector<std::string> warnings;
   const Intrinsics& k = info.intrinsics;
+  for (const std::string& file : info.ignored_calibration)
+    warnings.push_back(fmt::format("{}: {}", file, kNotACalibration));
+  constexpr std::string_view kShown = "display only: ";
+  if (of_color && info.color_note.starts_with(kShown))
+    warnings.push_back("color cannot be aligned with depth: " +
+                       info.color_note.substr(kShown.size()));
   if (info.width == 0 || info.intrinsics_source.empty()) return warnings;
   const std::string source = fmt::format("intrinsics from {}: ", info.intrinsics_source);
   if (k.cx < 0 || k.cy < 0 || k.cx > k.width || k.cy > k.height)
@@ -61,8 +79,15 @@ std::vector<std::string> camera_warnings(const RecordingInfo& info) {
   return warnings;
 }
 
-std::vector<std::string> depth_warnings(const RecordingInfo& info, const Frame& frame) {
+std::vector<std::string> frame_warnings(const RecordingInfo& info, const Frame& frame) {
   if (frame.is_cloud()) return {};
+  std::vector<std::string> warnings;
+  const Image8& color = frame.color;
+  if (color.width > 0 && info.color_note.find("aligned") != std::string::npos &&
+      (color.width != frame.depth.width || color.height != frame.depth.height))
+    warnings.push_back(fmt::format(
+        "color is called aligned with depth, but is {}x{}, and depth {}x{}; it is not used",
+        color.width, color.height, frame.depth.width, frame.depth.height));
   std::size_t measured = 0, near = 0, far = 0;
   for (const std::uint16_t count : frame.depth.data) {
     if (count == 0 || count == 65535) continue;
@@ -71,12 +96,13 @@ std::vector<std::string> depth_warnings(const RecordingInfo& info, const Frame& 
     near += depth_m < kNearest_m;
     far += depth_m > kFarthest_m;
   }
-  if (measured == 0 || 2 * std::max(near, far) <= measured) return {};
-  return {
+  if (measured == 0 || 2 * std::max(near, far) <= measured) return warnings;
+  warnings.push_back(
       fmt::format("{} % of the depth of frame {} is {}; is the depth unit ({:g} mm, {}) correct?",
                   100 * std::max(near, far) / measured, frame.index,
                   near > far ? "nearer than 5 cm" : "farther than 100 m", 1000 * frame.depth_unit_m,
-                  info.depth_unit_source)};
+                  info.depth_unit_source));
+  return warnings;
 }
 
 }  // namespace planescope::io

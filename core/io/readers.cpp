@@ -255,7 +255,10 @@ void settle_camera(const RecordingOptions& options,
     info.intrinsics = *facts.intrinsics;
     info.intrinsics_source = facts.intrinsics_source;
   } else if (!options.intrinsics_may_lack) {
-    throw Error(fmt::format("{}: the recording contains no camera intrinsics; {}", path,
+    std::string ignored;
+    if (!info.ignored_calibration.empty())
+      ignored = fmt::format(" ({}: {})", info.ignored_calibration.front(), kNotACalibration);
+    throw Error(fmt::format("{}: the recording contains no camera intrinsics{}; {}", path, ignored,
                             kHowToGiveIntrinsics));
   }
   Intrinsics& k = info.intrinsics;

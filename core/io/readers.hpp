@@ -150,9 +150,13 @@ void find_damaged_frames(std::size_t frames,
 /// Throws the Error that was stored for the frame, if any.
 void expect_undamaged(const RecordingInfo& info, int i);
 
-/// Warnings about implausible intrinsics.
-std::vector<std::string> camera_warnings(const RecordingInfo& info);
-/// A warning if most of the frame's depth is nearer than 5 cm or farther than 100 m.
-std::vector<std::string> depth_warnings(const RecordingInfo& info, const Frame& frame);
+/// Adds a warning if color that is called aligned with depth has another field of view.
+void add_view_warning(int width, double focal_px, RecordingInfo& info);
+/// Warnings about implausible intrinsics, files of intrinsics that are not understood, and, if
+/// `of_color`, color that is not aligned with depth.
+std::vector<std::string> camera_warnings(const RecordingInfo& info, bool of_color);
+/// Warnings if most of the frame's depth is nearer than 5 cm or farther than 100 m, and if color
+/// that is called aligned with depth has another size.
+std::vector<std::string> frame_warnings(const RecordingInfo& info, const Frame& frame);
 
 }  // namespace planescope::io

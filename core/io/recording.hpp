@@ -34,6 +34,11 @@ struct RecordingOptions {
 /// Hint in messages about unknown intrinsics.
 inline constexpr const char* kHowToGiveIntrinsics = "specify them with --intrinsics FX,FY,CX,CY";
 
+/// What is wrong with RecordingInfo::ignored_calibration, for people.
+inline constexpr const char* kNotACalibration =
+    "not a calibration that planescope reads; expected JSON, OpenCV XML, or text of 4, 7, 9 or 16 "
+    "numbers";
+
 /// Facts about a recording, for `info`, for reports and for the one-line summary on load.
 struct RecordingInfo {
   std::filesystem::path path;
@@ -44,7 +49,8 @@ struct RecordingInfo {
   std::string depth_unit_source;  // "bag topic .../Depth Units", "assumed (RealSense default)", ...
   bool rounded = false;           // recorded in meters (32FC1), rounded to the unit
   Intrinsics intrinsics;
-  std::string intrinsics_source;    // file or topic name, "option"; empty: unknown
+  std::string intrinsics_source;                 // file or topic name, "option"; empty: unknown
+  std::vector<std::string> ignored_calibration;  // calibration files that are not understood
   std::string times_source;         // source of frame times: a file, "file names"; empty: none
   std::string topic;                // the topic chosen by RecordingOptions::topic
   std::vector<std::string> topics;  // bags: topics with frames; the first is read

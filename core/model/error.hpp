@@ -25,6 +25,19 @@ struct Cancelled : std::runtime_error {
   Cancelled() : std::runtime_error("canceled") {}
 };
 
+inline constexpr const char* kHowToNeedLessMemory =
+    "a larger --voxel (clouds), a smaller --max-range, fewer --frames or fewer --threads need less";
+
+/// Calls work(). If memory runs out, throws Error beginning with `what`.
+template <typename Work>
+decltype(auto) naming_memory(const std::string& what, Work&& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    throw Error(what + ": out of memory: " + kHowToNeedLessMemory);
+  }
+}
+
 /// User-visible message; std::bad_alloc::what() is only the name of a class.
 inline std::string message_of(const std::exception& error) {
   return dynamic_cast<const std::bad_alloc*>(&error) ? "out of memory" : error.what();

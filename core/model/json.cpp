@@ -140,6 +140,8 @@ void JsonPlace::each(const std::function<void(const JsonPlace&)>& visit) const {
 }
 
 std::string JsonPlace::schema(std::initializer_list<std::string_view> readable) const {
+  const std::string expected = fmt::format("{}", fmt::join(readable, " or "));
+  if (!has("schema")) fail("has no \"schema\"; expected " + expected);
   const JsonPlace place = at("schema");
   const std::string found = place.text();
   if (std::ranges::find(readable, found) != readable.end()) return found;
@@ -147,7 +149,6 @@ std::string JsonPlace::schema(std::initializer_list<std::string_view> readable) 
   const auto version = [](std::string_view schema) {
     return parse_number(schema.substr(schema.rfind('/') + 1)).value_or(std::nan(""));
   };
-  const std::string expected = fmt::format("{}", fmt::join(readable, " or "));
   if (stem(found) == stem(*readable.begin()) && version(found) < version(*readable.begin()))
     throw Error(found + " is no longer supported; expected " + expected);
   place.fail_kind(expected);

@@ -115,11 +115,27 @@ std::string minutes_text(double seconds) {
   return std::to_string(whole / 60) + (rest.size() < 2 ? ":0" : ":") + rest;
 }
 
+namespace {
+
+/// Replaces the middle of words of over a kilobyte, such as hostile names of topics.
+void shorten_words(std::string& text) {
+  constexpr std::size_t kMost = 1024, kKept = 100;
+  for (std::size_t end, at = 0; at < text.size(); at = end + 1) {
+    end = std::min(text.find(' ', at), text.size());
+    if (end - at <= kMost) continue;
+    text.replace(at + kKept, end - at - 2 * kKept, "...");
+    end = at + 2 * kKept + 3;
+  }
+}
+
+}  // namespace
+
 std::string one_line(std::string text) {
   for (char& c : text) {
     if (c >= '\t' && c <= '\r') c = ' ';
     if ((c >= '\0' && c < ' ') || c == '\x7f') c = '?';
   }
+  shorten_words(text);
   return text;
 }
 

@@ -39,7 +39,7 @@ std::string lower_case(std::string text);
 std::string minutes_text(double seconds);
 
 /// Makes text safe for a terminal: replaces line ends and tabs by spaces, other control characters
-/// by '?'.
+/// by '?', and the middle of words of over 1 KiB by "...".
 std::string one_line(std::string text);
 
 /// Three digits: "7.1 mm", "12.3 cm", "3.42 m", "231 m".

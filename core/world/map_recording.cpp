@@ -159,6 +159,19 @@ planes::PipelineOptions turn_to_map(Frame& frame,
 
 namespace {
 
+/// Throws Error: the first unreadable frame explains why there are no poses.
+[[noreturn]] void fail_without_poses(const MapJob& job) {
+  const std::string what = job.recording->info().path.string() + ": no frame has a pose";
+  for (const int frame : job.frames) {
+    try {
+      job.recording->frame(frame);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}; frame {}: {}", what, frame, error.what()));
+    }
+  }
+  throw Error(what + ": odometry found too little depth to follow the camera");
+}
+
 UprightPoses upright_poses(const MapJob& job) {
   const std::string path = job.recording->info().path.string();
   if (job.recording->info().width == 0)
@@ -166,7 +179,7 @@ UprightPoses upright_poses(const MapJob& job) {
   UprightPoses upright;
   upright.poses = trajectory_of(job, upright.warnings);
   std::vector<CameraPose>& poses = upright.poses.poses;
-  if (poses.empty()) throw Error(path + ": no frame has a pose");
+  if (poses.empty()) fail_without_poses(job);
   const auto back = std::ranges::is_sorted_until(poses, {}, &CameraPose::timestamp_s);
   if (back != poses.end())
     upright.warnings.push_back(fmt::format(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -338,7 +339,11 @@ class Recording(Sequence):  # type: ignore[type-arg]
     def __getitem__(self, i: int | slice) -> Frame | list[Frame]:
         if isinstance(i, slice):
             return list(self._frames(range(*i.indices(len(self)))))
-        k = i + len(self) if i < 0 else i
+        try:
+            k = operator.index(i)
+        except TypeError:
+            raise TypeError(f"frame {i!r}: expected a whole number or a slice") from None
+        k = k + len(self) if k < 0 else k
         if not 0 <= k < len(self):
             raise IndexError(f"frame {i} is out of range; the recording has {len(self)} frames")
         return Frame._of(self._core.frame(k))

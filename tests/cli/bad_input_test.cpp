@@ -1,6 +1,7 @@
 // Invalid input ends with one clear line and exit code 2, and writes nothing.
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <filesystem>
 #include <functional>
@@ -170,4 +171,76 @@ TEST(BadOutput, AFailedRunKeepsEarlierResults) {
   EXPECT_EQ(run(args).code, 2);
   EXPECT_EQ(files_below(dir / "out"), before);
   EXPECT_EQ(read_text(dir / "out/frames/000000/planes.json"), planes);
+}
+
+TEST(BadPath, TheMessageHasThePathAndTheReason) {
+  const auto dir = scratch_with_rec();
+  const fs::path rec = dir / "rec";
+  fs::create_symlink("b", dir / "a");
+  fs::create_symlink("a", dir / "b");
+  const std::string loop = (dir / "a").string() + ": too many levels of symbolic links";
+  expect_refused(run({"labels", "export", rec, "--format", "evops", "-o", dir / "a"}), loop);
+  const fs::path longest = dir / std::string(255, 'x'), too_long = dir / std::string(256, 'x');
+  fs::rename(rec, longest);
+  well(run({"info", longest}));
+  for (const char* command : {"segment", "report"})
+    well(run({command, longest, "-o", dir / command, "--gravity", "0,1,0"}));
+  for (const char* command : {"segment", "report", "map", "convert"})
+    expect_refused(run({command, longest, "-o", too_long}), "ile name too long");
+}
+
+TEST(BadWords, TheMessageHasWhatWasFoundAndWhatIsExpected) {
+  const auto dir = scratch_with_rec();
+  const auto refused = [&](std::vector<std::string> args, const std::string& part) {
+    args.insert(args.begin() + 1, dir / "rec");
+    args.insert(args.end(), {"-o", dir / "out"});
+    expect_refused(run(args), part);
+  };
+  refused({"segment", "--foot", "10cm"}, "'10cm' is not a size; expected RADIUS or LENGTHxWIDTH");
+  write_text(dir / "bad.json", "hello");
+  refused({"report", "--baseline", dir / "bad.json"}, "bad.json: not valid JSON");
+  write_text(dir / "bad.json", R"({"a": 1})");
+  refused({"report", "--baseline", dir / "bad.json"},
+          "has no \"schema\"; expected planescope.report/");
+  write_text(dir / "bad.json", "[1]");
+  refused({"report", "--baseline", dir / "bad.json"}, "is [1]; expected an object");
+  expect_refused(run({"synth", "foo"}), "unknown command 'foo'; expected sample or sequence");
+  expect_refused(run({"completions", "tcsh"}),
+                 "'tcsh' is not a supported shell; expected bash, zsh");
+}
+
+TEST(Doubts, AVoxelLargerThanTheSceneAndARunWithoutPlanesAreWarnedOf) {
+  const auto dir = scratch_with_rec();
+  const auto args = [&](const char* command, std::vector<std::string> more) {
+    more.insert(more.begin(), {command, dir / "rec", "-o", dir / command, "--gravity", "0,1,0"});
+    return more;
+  };
+  const std::string voxels = "voxels of 10 m are larger than the scene";
+  EXPECT_TRUE(has(well(run(args("segment", {"--voxel", "10"}))).err, "warning: "));
+  well(run(args("report", {"--voxel", "10", "--no-pictures"})));
+  EXPECT_TRUE(has(read_text(dir / "report/report.json"), voxels));
+  EXPECT_TRUE(has(read_text(dir / "report/index.html"), voxels));
+  expect_refused(run(args("segment", {"--voxel", "10", "--warnings-as-errors"})), voxels);
+
+  const std::vector<std::string> none = {"--profile", "paper", "--voxel", "1"};
+  EXPECT_TRUE(has(well(run(args("segment", none))).err, "0 planes in 1 frame; are depth unit"));
+  std::vector<std::string> strict = none;
+  strict.insert(strict.end(), {"--no-pictures", "--warnings-as-errors"});
+  EXPECT_EQ(run(args("report", strict)).code, 2);
+  EXPECT_TRUE(has(read_text(dir / "report/report.json"), "0 planes in 1 frame"));
+}
+
+TEST(Memory, ThatRunsOutIsReportedWithItsFrame) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", Image16(4000, 3000, 1, 1000));
+  io::write_png(dir / "rec/depth/000000.png", Image16(4000, 3000, 1, 1000));
+  const auto little = [] {
+    const rlimit both{400'000'000, 400'000'000};
+    setrlimit(RLIMIT_AS, &both);
+  };
+  const Ran ran = run({"segment", dir / "rec", "-o", dir / "out", "--gravity", "0,1,0",
+                       "--intrinsics", "3000,3000,2000,1500"},
+                      little);
+  if (ran.code == 0) GTEST_SKIP() << "this build needs less memory";
+  expect_refused(ran, "rec, frame 0 (4000x3000): out of memory");
 }

@@ -109,6 +109,10 @@ class BadInput(unittest.TestCase):
         )
         self.expect("point cloud: no points", lambda: ps.segment_cloud(np.zeros((0, 3))))
         self.expect("/nowhere: no such file or folder", lambda: ps.Recording("/nowhere"))
+        recording = ps.Recording(SAMPLE)
+        self.assertEqual(recording[np.int64(-1)].index, len(recording) - 1)
+        with self.assertRaisesRegex(TypeError, "frame 1.0: expected a whole number or a slice"):
+            recording[1.0]
         with self.assertRaisesRegex(ps.Error, "theta_n_out"):
             ps.segment(depth, K, theta_n_ou=3)
 

@@ -90,6 +90,15 @@ TEST_F(UnknownCamera, ASelectedCameraSetsItsDepthUnitAndIsShownAsNominal) {
       all, [](const Assumption& one) { return one.text.starts_with("Intrinsics nominal ("); }));
 }
 
+TEST_F(UnknownCamera, AWarningAboutTheRecordingIsInTheBanner) {
+  run("intrinsics.set", "400,600,320,240");
+  const auto all = assumptions_of(state());
+  ASSERT_FALSE(all.empty());
+  EXPECT_TRUE(all[0].text.starts_with("intrinsics from option --intrinsics: fx 400 and fy 600"));
+  EXPECT_TRUE(has(all[0].why, "depth cameras have square pixels"));
+  EXPECT_EQ(all[0].command.action, "intrinsics.edit");
+}
+
 TEST_F(UnknownCamera, MapsAreRejectedInOneLine) {
   EXPECT_THROW(shell.perform({"map.make", ""}, true), Error);
 }
@@ -162,6 +171,16 @@ TEST_F(Assumptions, AShortRangeIsReportedAndOneClickExtendsIt) {
   play(R"({"click": "assumption.0"})");
   EXPECT_EQ(state().document.options.cloud.max_range_m, 4);
   EXPECT_FALSE(with_action("option.set")) << "nothing is beyond 4 m";
+}
+
+TEST_F(Assumptions, VoxelsLargerThanTheSceneAreNamedAndOneClickMakesThemSmall) {
+  play(R"("option.set voxel_size_m=10")");
+  const auto all = assumptions_of(state());
+  const auto voxels = std::ranges::find(all, "use 20 mm", &Assumption::button);
+  ASSERT_NE(voxels, all.end());
+  EXPECT_TRUE(voxels->text.starts_with("voxels of 10 m are larger than the scene"));
+  shell.perform(voxels->command, true);
+  EXPECT_EQ(state().document.options.cloud.voxel_size_m, 0.02);
 }
 
 TEST_F(Assumptions, TheyDoNotReturnOnceDismissed) {

@@ -1,6 +1,7 @@
 // Panels for missing intrinsics, assumptions about a recording, and gravity.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -149,6 +150,7 @@ void draw_assumptions(const Ui& ui, const std::vector<Assumption>& all) {
     ImGui::AlignTextToFramePadding();
     colored(ui.colors.warning, one.text);
     tooltip(one.why);
+    if (one.button.empty()) continue;
     ImGui::SameLine();
     if (button(ui, one.button, fmt::format("assumption.{}", i))) ui.commands.push_back(one.command);
     tooltip(one.why);
@@ -185,6 +187,18 @@ double spacing_m(const debug::Subject& subject) {
   return voxels > 0 ? subject.prepared.voxels.size_m / std::sqrt(points / voxels) : 0;
 }
 
+/// Warnings about a recording: the first one, shortened, and the number of others.
+Assumption of_warnings(const std::vector<std::string>& warnings, bool has_camera) {
+  constexpr std::size_t kMostLetters = 72;
+  std::string text =
+      shortened(warnings[0], [](const std::string& s) { return s.size() <= kMostLetters; });
+  if (warnings.size() > 1) text += fmt::format(" (+{} more)", warnings.size() - 1);
+  return {text,
+          has_camera ? "edit" : "",
+          fmt::format("{}", fmt::join(warnings, "\n")),
+          {"intrinsics.edit"}};
+}
+
 /// The smallest of the usual sizes that still contains several points.
 double voxel_for(double spacing_m) {
   for (const double size : {0.002, 0.005, 0.01})
@@ -202,6 +216,9 @@ std::vector<Assumption> assumptions_of(const State& state) {
   const planes::PipelineOptions& options = view->run->options;
   const io::RecordingInfo& info = open->recording->info();
   std::vector<Assumption> all;
+  if (!info.warnings.empty()) all.push_back(of_warnings(info.warnings, info.width > 0));
+  if (view->run->segmentation.planes.empty())
+    all.push_back({"0 planes", "", "Are depth unit, maximum range and voxel size right?", {}});
   if (info.intrinsics_source.starts_with("assumed"))
     all.push_back({fmt::format("Intrinsics {}", info.intrinsics_source),
                    "edit",
@@ -230,7 +247,12 @@ std::vector<Assumption> assumptions_of(const State& state) {
                    "click the floor",
                    "Gravity was estimated from the scene. Click a floor or a wall to set it.",
                    {"gravity.click.floor"}});
-  if (subject.frame.is_cloud()) {
+  if (const std::string doubt =
+          planes::doubt_in_voxels(subject.prepared.cloud, options.cloud.voxel_size_m);
+      !doubt.empty()) {
+    all.push_back({doubt, "use 20 mm", "Voxels that contain the whole scene hide its planes.",
+                   command("option.set", OptionValue{"voxel_size_m", "0.02"})});
+  } else if (subject.frame.is_cloud()) {
     const double size = subject.prepared.voxels.size_m, spacing = spacing_m(subject);
     const double finer = voxel_for(spacing);
     if (size > kPointsPerEdge * spacing && finer < 0.99 * size)

@@ -310,9 +310,13 @@ void BagRecording::read_color_camera() {
   if (layout_.color_aligned) {
     info_.color_note = "aligned";
     color_intrinsics_ = info_.intrinsics;
-    return;
   }
   const auto& infos = bag_.messages(layout_.color_info);
+  if (layout_.color_aligned) {
+    if (infos.empty() || !reads_color_) return;
+    const ros::CameraInfo color = read_camera_info(infos.front(), layout_.color_info);
+    return add_view_warning(color.width, color.k(0, 0), info_);
+  }
   if (infos.empty() || !layout_.has_extrinsics) {
     info_.color_note = infos.empty() ? "display only: the bag has no color intrinsics"
                                      : "display only: the bag has no depth-to-color extrinsics";

@@ -119,9 +119,12 @@ Message ChunkedLog::read(const MessageRef& message, std::size_t at_most) const {
   HeldBytes held;
   Bytes around = file_.bytes();
   if (message.chunk != kNoChunk) {
-    around = chunks_.at(message.chunk).stored;
-    if (chunks_[message.chunk].compression != Compression::none)
+    const Chunk& chunk = chunks_.at(message.chunk);
+    around = chunk.stored;
+    if (chunk.compression != Compression::none)
       around = *(held = unpacked(message.chunk));
+    else if (at_most == kWholeMessage)
+      check_stored(message.chunk);
   }
   try {
     ByteReader reader(around);
@@ -146,6 +149,26 @@ std::size_t ChunkedLog::unpacking_cost(const MessageRef& message) const {
   return chunk.raw_bytes * (chunk.compression == Compression::bz2 ? kBz2Cost : 1);
 }
 
+void ChunkedLog::check(std::uint32_t number, Bytes content) const {
+  const Chunk& chunk = chunks_.at(number);
+  if (chunk.crc == 0 || chunk.cut) return;
+  const std::uint32_t crc = libdeflate_crc32(0, content.data(), content.size());
+  if (crc == chunk.crc) return;
+  file_.expect_whole();
+  throw Error(fmt::format("{}: chunk {} is damaged: its CRC-32 is {:08x}; expected {:08x}",
+                          path_.string(), number, crc, chunk.crc));
+}
+
+void ChunkedLog::check_stored(std::uint32_t number) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (checked_.contains(number)) return;
+  }
+  check(number, chunks_.at(number).stored);
+  const std::lock_guard lock(mutex_);
+  checked_.insert(number);
+}
+
 HeldBytes ChunkedLog::unpacked(std::uint32_t number) const {
   const Chunk& chunk = chunks_.at(number);
   {
@@ -166,9 +189,7 @@ HeldBytes ChunkedLog::unpacked(std::uint32_t number) const {
   if (!unpacked.whole && !chunk.cut)
     throw Error(fmt::format("{} is damaged: only {} of {} bytes could be decompressed", name,
                             unpacked.bytes.size(), chunk.raw_bytes));
-  if (chunk.crc != 0 && !chunk.cut &&
-      libdeflate_crc32(0, unpacked.bytes.data(), unpacked.bytes.size()) != chunk.crc)
-    throw Error(name + " is damaged: its checksum does not match");
+  check(number, unpacked.bytes);
   const auto bytes = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
   const std::lock_guard lock(mutex_);
   cache_.emplace_back(number, bytes);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -221,9 +222,13 @@ class ChunkedLog : public MessageLog {
   std::map<std::uint32_t, ChunkIndex::Channel> channels_;
 
  private:
+  /// Throws Error unless the content of a chunk has its CRC.
+  void check(std::uint32_t number, Bytes content) const;
+  void check_stored(std::uint32_t number) const;  // once, of a chunk that is not compressed
   HeldBytes unpacked(std::uint32_t number) const;
 
   std::vector<Chunk> chunks_;
+  mutable std::set<std::uint32_t> checked_;
   /// The most recently unpacked chunks, which neighboring frames and color share. Most recently
   /// used last.
   mutable std::vector<std::pair<std::uint32_t, HeldBytes>> cache_;

@@ -1,6 +1,9 @@
 // ROS 2 recordings in MCAP: https://mcap.dev/spec. Opening reads the summary and the index after
 // each chunk, never the messages; files without a summary are walked.
 
+#include <fmt/format.h>
+#include <libdeflate.h>
+
 #include <algorithm>
 #include <set>
 
@@ -176,6 +179,23 @@ void walk_chunk(McapIndex& index, Bytes file, Bytes content) {
                    });
 }
 
+/// Warns unless the data before its end record has the CRC in that record. Writers start counting
+/// at the start of the file, after the magic, or after the header.
+void check_data(Bytes data, const Record& end, McapIndex& index) {
+  const auto crc = ByteReader(end.content).read<std::uint32_t>();
+  ByteReader header(data);
+  header.take(kMcapMagic.size());
+  read_record(header);
+  for (const std::size_t start : {std::size_t{0}, kMcapMagic.size(), header.position()}) {
+    const Bytes part = data.subspan(start);
+    if (crc == 0 || libdeflate_crc32(0, part.data(), part.size()) == crc) return;
+  }
+  index.warnings.push_back(
+      fmt::format("the file is damaged: the CRC-32 of its data is not {:08x}; {} messages outside "
+                  "chunks may be wrong",
+                  crc, index.found_messages));
+}
+
 /// `has_end`: whether the file has a footer.
 McapIndex walk_records(Bytes file, bool has_end) {
   McapIndex index;
@@ -188,6 +208,8 @@ McapIndex walk_records(Bytes file, bool has_end) {
       const std::uint64_t offset = reader.position();
       const Record record = read_record(reader);
       ended = record.op == Op::data_end || record.op == Op::footer;
+      if (record.op == Op::data_end && index.chunks.empty())  // chunks have their own
+        check_data(file.first(offset), record, index);
       if (record.op == Op::chunk)
         walk_chunk(index, file, record.content);
       else

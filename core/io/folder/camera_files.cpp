@@ -204,7 +204,9 @@ std::optional<CameraFacts> camera_from_text(const fs::path& path) {
   return facts;
 }
 
-CameraFiles find_camera_files(const fs::path& folder) {
+namespace {
+
+CameraFiles understood_files(const fs::path& folder) {
   std::vector<Candidate> candidates;
   for (const fs::path& path : files_of(folder, {".json"})) {
     if (name_has(path, {"planescope.json", "gravity.json"})) continue;
@@ -219,6 +221,37 @@ CameraFiles find_camera_files(const fs::path& folder) {
   }
   if (!candidates.empty()) return choose(candidates);
   return {};
+}
+
+bool is_understood(const fs::path& path) {
+  try {
+    const std::string kind = extension(path);
+    if (kind == ".json") return camera_from_json(path).has_value();
+    if (kind == ".xml") return camera_from_opencv_xml(path).has_value();
+    return (kind == ".k" || kind == ".txt" || kind == ".intrinsics") &&
+           camera_from_text(path).has_value();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// Whether the name is that of a calibration: "calib.yaml", "camera_info.txt".
+bool is_named_calibration_file(const fs::path& path) {
+  constexpr std::string_view kKinds =
+      ".cfg.conf.csv.ini.intrinsics.json.npy.npz.toml.txt.xml.yaml.yml";
+  const std::string name = lower_case(path.stem().string());
+  return kKinds.find(extension(path)) != kKinds.npos &&
+         (has_word(name, {"calib", "intrinsic", "camera_info"}) || name == "camera");
+}
+
+}  // namespace
+
+CameraFiles find_camera_files(const fs::path& folder) {
+  CameraFiles files = understood_files(folder);
+  for (const fs::path& path : files_in(folder))
+    if (is_named_calibration_file(path) && !is_understood(path))
+      files.ignored.push_back(path.filename().string());
+  return files;
 }
 
 namespace {

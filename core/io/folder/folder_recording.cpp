@@ -97,6 +97,7 @@ FolderRecording::FolderRecording(const fs::path& path, const RecordingOptions& o
   info_.warnings = layout_.warnings;
   const CameraFiles camera = find_camera(path);
   check_images(sidecar_.intrinsics.value_or(camera.depth.intrinsics.value_or(Intrinsics())));
+  if (!options.intrinsics && !sidecar_.intrinsics) info_.ignored_calibration = camera.ignored;
   settle_camera(options, sidecar_, camera.depth, info_);
   settle_color(camera);
 }
@@ -220,11 +221,16 @@ CameraFiles FolderRecording::find_camera(const fs::path& path) const {
   if (!fs::is_directory(path, ignored)) folders.erase(folders.begin());
   const fs::path last = fs::absolute(folders.back(), ignored).lexically_normal();
   if (last.filename() == "depth") folders.push_back(last.parent_path());
+  std::vector<std::string> not_read;
   for (const fs::path& folder : folders) {
     CameraFiles camera = find_camera_files(folder.empty() ? fs::path(".") : folder);
+    for (const std::string& file : camera.ignored)
+      if (std::ranges::find(not_read, file) == not_read.end()) not_read.push_back(file);
+    camera.ignored = not_read;
     if (camera.depth.intrinsics) return camera;
   }
   CameraFiles camera;
+  camera.ignored = std::move(not_read);
   if (layout_.tum) {
     // https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
     camera.depth.intrinsics = Intrinsics{0, 0, 525, 525, 319.5, 239.5, Distortion::none, {}};
@@ -267,6 +273,7 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
           sidecar_.path.filename().string()));
     color_aligned_ = true;
     info_.color_note = "aligned";
+    if (camera.color && reads_color_) add_view_warning(color.width, camera.color->fx, info_);
   } else if (sidecar_.color_intrinsics || (camera.color && camera.T_color_depth)) {
     color_intrinsics_ = sidecar_.color_intrinsics.value_or(camera.color.value_or(Intrinsics()));
     color_intrinsics_.width = color.width;

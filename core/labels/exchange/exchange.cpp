@@ -39,7 +39,11 @@ LabelledPoints read_kitti(const fs::path& path) {
   stem.replace_extension();
   const fs::path bin = with_extension(stem, ".bin"), label = with_extension(stem, ".label");
   const FileBytes labels = read_file_bytes(label);
-  const FileBytes points = fs::exists(bin) ? read_file_bytes(bin) : FileBytes{};
+  const bool has_points = fs::exists(bin);
+  const FileBytes points = has_points ? read_file_bytes(bin) : FileBytes{};
+  if (has_points && points.empty() && !labels.empty())
+    throw Error(fmt::format("{}: is empty; expected 16 bytes for each of {} labels", bin.string(),
+                            labels.size() / 4));
   return parse_kitti(as_bytes(points), as_bytes(labels), stem.string());
 }
 

@@ -253,6 +253,17 @@ Cloud make_cloud(const Frame& frame, const Gravity& gravity, const CloudOptions&
                           : cloud_of_depth(frame, gravity, options);
 }
 
+std::string doubt_in_voxels(const Cloud& cloud, double voxel_size_m) {
+  constexpr double kLeast_m = 0.25;  // smaller ones fit into the scenes of robots
+  if (voxel_size_m < kLeast_m) return "";
+  Eigen::AlignedBox3f box;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (cloud.kept[i]) box.extend(cloud.points[i]);
+  if (box.isEmpty() || box.sizes().maxCoeff() >= voxel_size_m) return "";
+  return fmt::format("voxels of {:g} m are larger than the scene, {} across", voxel_size_m,
+                     length_text(box.sizes().maxCoeff()));
+}
+
 Pose world_from_gravity(const Vec3d& gravity_sensor, bool depth_camera) {
   const Vec3d up = -gravity_sensor.normalized();
   const auto horizontal = [&](const Vec3d& axis) { return Vec3d(axis - axis.dot(up) * up); };

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/model/frame.hpp"
@@ -88,6 +89,9 @@ Cloud make_cloud(const Frame& frame, const Gravity& gravity, const CloudOptions&
 
 /// Voxel grid anchored at the cube's corner. Sec. II-B: N_d points.
 VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m);
+
+/// A warning if voxels of this size are larger than the scene; empty if not.
+std::string doubt_in_voxels(const Cloud& cloud, double voxel_size_m);
 
 /// Points of each voxel as CSR: members[first[v] .. first[v+1]) are ascending cloud point indices.
 struct VoxelMembers {

@@ -75,13 +75,18 @@ void measure_by_squares(const FrameResult& result,
   const planescope::InversePlane plane = all.fit();
   const Mat3d rr = all.rr() + 1e-9 * all.rr().trace() * Mat3d::Identity();
   const double sigma = std::max(result.segmentation.noise.growth_per_m, plane.rms);
-  Mat3d covariance = kAlikePixels * sigma * sigma * rr.inverse();
+  Mat3d moves = Mat3d::Zero();
+  double seen = 0;
   for (const InverseSums& square : squares) {
     if (square.count == 0) continue;
+    ++seen;
     const Vec3d error = square.rw() - square.rr() * plane.w_of_ray;
     const Vec3d move = ((1 + kLeastRest) * rr - square.rr()).ldlt().solve(error);
-    covariance += move * move.transpose();
+    moves += move * move.transpose();
   }
+  // The fit takes three degrees of freedom from the squares.
+  if (seen <= 3) return;
+  const Mat3d covariance = kAlikePixels * sigma * sigma * rr.inverse() + seen / (seen - 3) * moves;
   // Changes of w = normal / offset (camera frame) give the plane's tilt and offset.
   const auto sigma_along = [&](const Vec3d& v) {
     return std::sqrt(v.dot(covariance * v)) / plane.w_of_ray.norm();

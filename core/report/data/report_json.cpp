@@ -62,7 +62,8 @@ Json read_report_json(
   };
   std::ifstream stream = open_to_read(file);
   Json json = Json::parse(stream, take, false);
-  if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
+  if (json.is_discarded())
+    throw Error(file.string() + ": not valid JSON; expected the report.json of a report");
   read_place(file, json, [](const JsonPlace& place) {
     place.schema({"planescope.report/3", kReportSchema});
   });

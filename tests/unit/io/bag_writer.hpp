@@ -203,6 +203,7 @@ struct McapForm {
   bool summary = true;
   std::string encoding = "cdr";
   bool statistics = true;  // in the summary
+  bool crc = false;        // of each chunk and of the data
 };
 void write_mcap(const std::filesystem::path& path,
                 const Ros2Messages& messages,

@@ -92,6 +92,48 @@ TEST(Folder, WarnsAboutImplausibleCamerasAndDepthUnits) {
   expect(warnings("10 10 6 4"), "distortion moves the image corner");
 }
 
+TEST(Folder, ACalibrationThatIsNotUnderstoodIsNamed) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "Calib.yaml", "fx: 10");
+  write_text(folder / "calibration.txt", "10 10 6 4");
+  const auto info = open_recording(folder)->info();
+  EXPECT_EQ(info.intrinsics_source, "calibration.txt");
+  EXPECT_EQ(info.ignored_calibration, std::vector<std::string>{"Calib.yaml"});
+  ASSERT_EQ(info.warnings.size(), 1u);
+  EXPECT_TRUE(info.warnings[0].starts_with("Calib.yaml: not a calibration that"));
+  EXPECT_TRUE(open_known(folder)->info().warnings.empty()) << "the user gave intrinsics";
+  fs::remove(folder / "calibration.txt");
+  expect_refused(folder, {"contains no camera intrinsics (Calib.yaml: not a", "--intrinsics"});
+}
+
+TEST(Folder, ColorThatCannotBeAlignedWithDepthIsNamed) {
+  const fs::path folder = sample_folder();
+  for (const int i : {1, 2, 10})
+    write_color(folder / "color" / (std::to_string(i) + ".png"), 7, 16, 9);
+  const auto warnings = [&](const RecordingOptions& options) {
+    return open_recording(folder, options)->info().warnings;
+  };
+  EXPECT_EQ(warnings(kKnown), std::vector<std::string>{"color cannot be aligned with depth: color "
+                                                       "of 16x9 without extrinsics to depth"});
+  RecordingOptions without_color = kKnown;
+  without_color.color = false;
+  EXPECT_TRUE(warnings(without_color).empty());
+  // A sidecar calls it aligned, and the color camera's own file contradicts that.
+  for (const int i : {1, 2, 10}) write_color(folder / "color" / (std::to_string(i) + ".png"), 7);
+  write_text(folder / "planescope.json", R"({"color_aligned": true})");
+  const auto camera = [&](const char* name, int f) {
+    write_text(folder / name, fmt::format(R"({{"width": 12, "height": 8, "fx": {}, "fy": {},
+                                               "cx": 6, "cy": 4}})",
+                                          f, f));
+  };
+  camera("depth.json", 10);
+  camera("color.json", 10);
+  EXPECT_TRUE(warnings({}).empty());
+  camera("color.json", 15);
+  ASSERT_EQ(warnings({}).size(), 1u);
+  EXPECT_TRUE(warnings({})[0].ends_with("a field of view of 43.6 degrees, those of depth 61.9"));
+}
+
 TEST(Folder, AGitLfsPointerIsReported) {
   const fs::path folder = sample_folder();
   write_text(folder / "depth" / "1.png",

@@ -454,6 +454,35 @@ TEST_F(Ros2Bag, AChunkWithAWrongChecksumOrUnknownCompressionIsRejected) {
                        {"a.mcap: chunk 0 has an unknown compression"});
 }
 
+TEST_F(Ros2Bag, AFlippedPixelOfAnUncompressedMcapIsFoundByItsChecksums) {
+  const auto path = folder_ / "a.mcap";
+  const Ros2Messages messages = realsense_ros_messages(2);
+  const auto image = std::ranges::find(messages, "sensor_msgs/msg/Image", &Ros2Message::type);
+  ASSERT_NE(image, messages.end());
+  for (const std::size_t in_chunk : {0, 100}) {
+    SCOPED_TRACE(in_chunk);
+    write_mcap(path, messages, {.compression = "", .in_chunk = in_chunk, .crc = true});
+    EXPECT_TRUE(open_recording(path)->info().warnings.empty());
+    EXPECT_EQ(open_recording(path)->frame(1).index, 1);
+    auto bytes = read_file_bytes(path);
+    const auto at =
+        std::search(bytes.begin(), bytes.end(), image->bytes.begin(), image->bytes.end());
+    ASSERT_NE(at, bytes.end());
+    at[static_cast<std::ptrdiff_t>(image->bytes.size()) - 1] ^= 1;
+    write_anew(path, bytes);
+    std::vector<std::string> told;
+    const std::string error = message_of([&] {
+      const auto recording = open_recording(path);
+      told = recording->info().warnings;
+      recording->frame(0);
+    });
+    const std::string all = error + (told.empty() ? "" : told[0]);
+    EXPECT_NE(all.find(in_chunk > 0 ? "chunk 0 is damaged: its CRC-32 is" : "the file is damaged"),
+              std::string::npos)
+        << all;
+  }
+}
+
 TEST_F(Ros2Bag, McapWithADamagedIndexIsScannedAndDamageNeverCrashes) {
   write_mcap(folder_ / "a.mcap", sdk_messages(6), {"zstd", 5, true, "cdr"});
   const auto bytes = read_file_bytes(folder_ / "a.mcap");

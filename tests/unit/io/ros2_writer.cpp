@@ -1,5 +1,6 @@
 // Writes ROS 2 databases and MCAP files for tests, independently of the reader.
 
+#include <libdeflate.h>
 #include <lz4frame.h>
 #include <sqlite3.h>
 #include <zstd.h>
@@ -136,6 +137,9 @@ void write_mcap(const std::filesystem::path& path,
   Fields chunk;  // contents of the next chunk
   std::map<std::uint16_t, Fields> entries;
   std::size_t in_chunk = 0, chunks = 0;
+  const auto crc_of = [&](const ByteVector& bytes) {
+    return form.crc ? libdeflate_crc32(0, bytes.data(), bytes.size()) : 0;
+  };
   std::uint64_t first_ns = 0, last_ns = 0;  // of the chunk; messages are in order
   const auto end_chunk = [&] {
     if (in_chunk == 0) return;
@@ -143,7 +147,7 @@ void write_mcap(const std::filesystem::path& path,
     const std::uint64_t start = file.out.size();
     Fields content;
     content.put(first_ns).put(last_ns).put(std::uint64_t{chunk.out.size()});
-    content.put_32(0).text(form.compression).put(std::uint64_t{stored.size()});
+    content.put_32(crc_of(chunk.out)).text(form.compression).put(std::uint64_t{stored.size()});
     file.raw(record(6, content.raw(stored)));
     const std::uint64_t index_start = file.out.size();
     Fields offsets;
@@ -186,7 +190,7 @@ void write_mcap(const std::filesystem::path& path,
     if (form.in_chunk > 0 && ++in_chunk == form.in_chunk) end_chunk();
   }
   end_chunk();
-  file.raw(record(0x0f, Fields().put_32(0)));
+  file.raw(record(0x0f, Fields().put_32(crc_of(file.out))));
   const std::uint64_t summary_start = form.summary ? file.out.size() : 0;
   if (form.summary) {
     Fields counts;

@@ -308,6 +308,8 @@ TEST_F(ExchangeDamage, InconsistentKittiFilesAreRejected) {
   expect_bad("k.label", raw<unsigned>({1, 40}), "class 40 at index 1; expected 0 (unknown)");
   write_text(dir / "k.bin", std::string(30, '\0'));
   expect_bad("k.label", std::string(8, '\0'), "k.bin: 30 bytes");
+  write_text(dir / "k.bin", "");
+  expect_bad("k.label", std::string(8, '\0'), "k.bin: is empty, expected 16 bytes for each of 2");
   std::filesystem::remove(dir / "k.bin");
   write_text(dir / "k.label", raw<unsigned>({7 << 16 | 2}));
   EXPECT_EQ(read_labelled(dir / "k.label", LabelFormat::kitti).instance.at(0), 7);

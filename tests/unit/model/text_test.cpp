@@ -43,6 +43,8 @@ TEST(Text, MessagesAboutFilesAreOneLineForAnyName) {
   const std::string line = "a b c ?[31m ? \xc3\xbc \xff";
   EXPECT_EQ(one_line(text), line);
   EXPECT_EQ(Error(text).what(), line);
+  const std::string topic(1 << 20, 'x'), end(100, 'x');
+  EXPECT_EQ(one_line("/a " + topic + " has"), "/a " + end + "..." + end + " has");
 }
 
 }  // namespace

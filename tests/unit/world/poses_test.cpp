@@ -8,6 +8,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/world/map_recording.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::world {
@@ -51,9 +52,27 @@ class TimesAlone : public io::Recording {
   double timestamp_s(int i) const override { return times_[static_cast<std::size_t>(i)]; }
   std::string frame_hash(int) const override { return {}; }
 
- private:
+ protected:
   std::vector<double> times_;
   io::RecordingInfo info_;
+};
+
+/// Nothing is measured in the first of two frames, and the second one is damaged.
+class Damaged : public TimesAlone {
+ public:
+  Damaged() : TimesAlone({0, 0.1}) {
+    info_.width = 8;
+    info_.height = 6;
+    info_.intrinsics = {8, 6, 8, 8, 4, 3, Distortion::none, {}};
+  }
+  Frame frame(int i) const override {
+    if (i == 1) throw Error("a.mcap: was cut while it was read");
+    Frame frame;
+    frame.depth = Image16(8, 6);
+    frame.depth_unit_m = 0.001;
+    frame.intrinsics = info_.intrinsics;
+    return frame;
+  }
 };
 
 /// A trajectory in which pose i is at x = i.
@@ -311,6 +330,20 @@ TEST(SharedGravity, DoesNotRotateAnUprightWorld) {
   turn_upright(trajectory, std::span(&sample, 1), std::span(&segment, 1));
   EXPECT_TRUE((trajectory.poses[0].T_world_camera.linear() * sample.gravity.direction)
                   .isApprox(-Vec3d::UnitZ(), 1e-9));
+}
+
+TEST(Odometry, WithoutAPoseTheDamagedFrameIsNamed) {
+  const Damaged recording;
+  MapJob job;
+  job.recording = &recording;
+  job.frames = {0, 1};
+  try {
+    map_recording(job);
+    FAIL() << "it was mapped";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "recording: no frame has a pose; frame 1: a.mcap: was cut while it was read");
+  }
 }
 
 TEST(PoseGraph, DistributesErrorsAndRejectsAWrongLoop) {

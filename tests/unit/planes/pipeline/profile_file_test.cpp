@@ -93,7 +93,7 @@ TEST(ProfileFile, BuiltInNamesAreNotFiles) {
 
 TEST(ProfileFile, ErrorsAreReportedInOneLine) {
   EXPECT_EQ(refusal_of("[]"), "the file is []; expected an object");
-  EXPECT_EQ(refusal_of("{}"), "the file has no \"schema\"");
+  EXPECT_EQ(refusal_of("{}"), "the file has no \"schema\"; expected planescope.profile/1");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.session/1"})"),
             "schema is \"planescope.session/1\"; expected planescope.profile/1");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "base": "fine"})"),
