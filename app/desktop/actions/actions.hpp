@@ -431,6 +431,7 @@ void play_frames(State& state, double seconds);
 Bookmark bookmark_here(const State& state);
 /// Throws Error where the recording has no such frame, the state unchanged.
 void go_to_bookmark(State& state, const Bookmark& bookmark);
+std::string frame_name(const Bookmark& bookmark);  // "frame 3" or, if it is gone, "a removed frame"
 /// New options as an undo step of their own.
 void change_options(State& state, const planes::PipelineOptions& after);
 /// Reads the gravity that was picked for a recording being opened. A file that cannot be used is
