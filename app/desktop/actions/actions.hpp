@@ -434,6 +434,7 @@ void play_frames(State& state, double seconds);
 Bookmark bookmark_here(const State& state);
 /// Throws Error, leaving the state unchanged, if the recording has no such frame.
 void go_to_bookmark(State& state, const Bookmark& bookmark);
+std::string frame_name(const Bookmark& bookmark);  // "frame 3" or, if it is gone, "a removed frame"
 /// Sets new options as a separate undo step.
 void change_options(State& state, const planes::PipelineOptions& after);
 /// Reads the picked gravity of a recording being opened. An unusable file is reported and ignored.

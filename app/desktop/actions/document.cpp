@@ -208,12 +208,16 @@ Bookmark bookmark_here(const State& state) {
   return here;
 }
 
+std::string frame_name(const Bookmark& bookmark) {
+  return bookmark.frame < 0 ? "a removed frame" : fmt::format("frame {}", bookmark.frame);
+}
+
 void go_to_bookmark(State& state, const Bookmark& bookmark) {
   const OpenRecording* open = state.document.current();
   const int count = open ? open->recording->frame_count() : 0;
   if (bookmark.frame < 0 || bookmark.frame >= count)
-    throw Error(fmt::format("bookmark '{}': its frame is not in the recording, which has {} frames",
-                            bookmark.name, count));
+    throw Error(fmt::format("bookmark '{}' is on {}, but the recording has {}", bookmark.name,
+                            frame_name(bookmark), counted(count, "frame")));
   const bool other_frame = bookmark.frame != state.document.frame;
   if (other_frame) show_frame(state, bookmark.frame);
   state.view.orthographic = bookmark.orthographic;

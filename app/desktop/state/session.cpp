@@ -15,6 +15,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json_fields.hpp"
+#include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -306,8 +307,8 @@ void open_session(State& state, const std::string& where) {
   }
   const int count = session.recording.recording->frame_count();
   if (arrival.frame < 0 || arrival.frame >= count)
-    throw Error(fmt::format("{}: its frame is not in {}, which has {} frames", where,
-                            session.recording.path.string(), count));
+    throw Error(fmt::format("{}: it leads to {}, but {} has {}", path.string(), frame_name(arrival),
+                            session.recording.path.string(), counted(count, "frame")));
 
   session.view.mode = Mode::debugger;
   take_recording(state, std::move(session.recording), arrival.frame);

@@ -47,6 +47,13 @@ std::unique_ptr<Recording> open_known(const fs::path& folder) {
   return open_recording(folder, kKnown);
 }
 
+/// Expects one damaged frame, reported with `parts`.
+void expect_damaged(const fs::path& folder, std::initializer_list<const char*> parts) {
+  const auto damaged = open_known(folder)->info().damaged;
+  ASSERT_EQ(damaged.size(), 1u);
+  expect_one_line_with(damaged.begin()->second, parts);
+}
+
 TEST(Folder, FramesAreInNumericOrderWithTheirColor) {
   const fs::path folder = sample_folder();
   write_text(folder / "camera_intrinsic.json", kOpen3dJson);
@@ -138,7 +145,7 @@ TEST(Folder, AGitLfsPointerIsReported) {
   const fs::path folder = sample_folder();
   write_text(folder / "depth" / "1.png",
              "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 12345\n");
-  expect_refused(folder, {"1.png", "a Git LFS pointer instead of the file"});
+  expect_damaged(folder, {"1.png", "a Git LFS pointer instead of the file"});
 }
 
 TEST(Folder, EveryFormatOfIntrinsicsIsRead) {
@@ -453,13 +460,13 @@ TEST(Folder, ADamagedSidecarIsReportedWithItsKey) {
   }
 }
 
-TEST(Folder, PicturesOfDepthAreRejected) {
+TEST(Folder, PicturesOfDepthAreDamagedFrames) {
   const fs::path eight = sample_folder();
   write_png(eight / "depth" / "2.png", Image8(kW, kH));
-  expect_refused(eight, kKnown, {"2.png", "1 channel(s) of 8 bits", "16 bits"});
+  expect_damaged(eight, {"2.png", "1 channel(s) of 8 bits", "16 bits"});
   const fs::path three = sample_folder();
   write_color(three / "depth" / "10.png", 1);
-  expect_refused(three, kKnown, {"10.png", "3 channel(s) of 8 bits"});
+  expect_damaged(three, {"10.png", "3 channel(s) of 8 bits"});
 }
 
 TEST(Folder, InconsistentSizesAreRejected) {
@@ -469,9 +476,7 @@ TEST(Folder, InconsistentSizesAreRejected) {
   expect_refused(folder, {"12x8", "640x480", "camera_intrinsic.json"});
   const fs::path mixed = sample_folder();
   write_depth(mixed / "depth" / "2.png", 5, 14, 8);
-  const auto damaged = open_recording(mixed, kKnown)->info().damaged;
-  ASSERT_EQ(damaged.size(), 1u);
-  expect_one_line_with(damaged.begin()->second, {"2.png", "14x8", "12x8"});
+  expect_damaged(mixed, {"2.png", "14x8", "12x8"});
 }
 
 TEST(Folder, ADamagedFrameIsKnownOnOpeningAndTheOthersKeepTheirNumbers) {
