@@ -68,6 +68,9 @@ class StagedOutput {
   std::vector<std::filesystem::path> made_dirs_;  // parents made here, outermost first
 };
 
+/// Whether a run was killed before DIR/`name` took its place. What it moved to DIR may be replaced.
+bool is_unfinished(const std::filesystem::path& dir, const std::filesystem::path& name);
+
 /// A file or folder that ships with us: in $PLANESCOPE_ASSETS where that is set, otherwise in
 /// ../share/planescope beside the executable, otherwise in the source tree. Throws Error,
 /// "WHAT missing: there is no PLACE nor PLACE", if it is in none of them.

@@ -12,12 +12,17 @@ namespace planescope::faults {
 
 using Words = std::vector<std::string>;
 
+inline Words operator+(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 /// A command that is run in a folder of its own, which it finds as an earlier run left it.
 struct Command {
   std::string name;
   std::function<void(const std::filesystem::path&)> prepare;  // makes the folder's files
   std::function<Words(const std::filesystem::path&)> words;   // of the run that meets a fault
-  bool draws = false;                                         // with OpenGL, which is slow
+  std::vector<std::string> few = {};  // kinds of calls that fail in the suite; empty: all
   /// Beginnings of names: files that may be of a state in between after a run that failed.
   std::vector<std::string> varies = {};
   /// The file with a window's picture, which shows what the window could not do.

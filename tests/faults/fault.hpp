@@ -16,7 +16,7 @@ namespace planescope::faults {
 struct Fault {
   std::string kind;
   std::uint32_t at = 1;  // the first is 1
-  int error = 0;         // an errno; 0: a read or write does half of what it was asked
+  int error = 0;         // an errno; 0: a read or write does half of what it was asked; or kKill
   bool stays = false;    // the calls after it fail as well
 };
 
@@ -40,6 +40,11 @@ Met run_faulted(const std::vector<std::string>& args,
 /// name.
 using Snapshot = std::map<std::string, std::string>;
 Snapshot snapshot(const std::filesystem::path& folder);
+
+/// Without what the next run resumes or removes.
+Snapshot without_unfinished_work(Snapshot files);
+/// Lists files that are neither as before nor as wanted, and lost ones; empty if there are none.
+std::string damage(const Snapshot& found, const Snapshot& before, const Snapshot& wanted);
 
 /// Where two snapshots differ, a line each; empty where they do not.
 std::string differences(const Snapshot& found, const Snapshot& expected);
