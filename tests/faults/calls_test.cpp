@@ -128,7 +128,7 @@ class Calls : public testing::TestWithParam<Command> {
     const bool lacks_frames =
         ran.code == 3 || ran.err.find(" refused, the first") != std::string::npos;
     if (!lacks_frames) {
-      EXPECT_EQ(damage(settled(found), before, wanted), "") << ran.err;
+      EXPECT_EQ(damage(settled(found), settled(before), settled(wanted)), "") << ran.err;
     }
   }
 

@@ -182,7 +182,6 @@ TEST_F(Kill, AMapWithItsMeshIsTheOldOneTheNewOneOrRefused) {
   check = [&](const Snapshot& found) {
     const Snapshot map = without_unfinished_work(found);
     if (same(map, before) || same(map, wanted)) return;
-    std::printf("mixed\n");
     const Ran use = testing_cli::run({"segment", work / "rec", "--map", work / "map", "-o",
                                       dir / "use", "--gravity", "0,1,0", "--frames", "0:3"});
     EXPECT_EQ(use.code, 2);
