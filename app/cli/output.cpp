@@ -25,7 +25,7 @@ const char* g_program = "planescope";
 
 constexpr const char* kStaging = ".partial-";
 
-/// What a run left behind that was killed: nobody holds its lock any more.
+/// Removes what killed runs left: folders whose lock nobody holds.
 void remove_abandoned(const fs::path& dir) {
   std::vector<fs::path> stagings;
   for (const auto& entry : fs::directory_iterator(dir))
@@ -144,7 +144,7 @@ void StagedOutput::commit() {
   try {
     const FileDescriptor alone = lock_folder(dir_);  // files of two runs never mix
     for (const fs::path& relative : added_) check_place(staging_ / relative, dir_, relative);
-    // Backwards: what lies beside a file, "a.mcap.labels", comes before "a.mcap" itself.
+    // Backwards: "a.mcap.labels" before "a.mcap" itself.
     for (const fs::path& relative : added_ | std::views::reverse) {
       const fs::path target = dir_ / relative;
       if (!fs::exists(staging_ / relative)) {

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing_cli::Ran;
 
-/// Of each kind, at most so many calls are made to fail, one run each.
+/// Maximum number of failing calls of each kind, one run each.
 std::uint32_t most_calls() {
   const char* wanted = std::getenv("PLANESCOPE_FAULTS");
   return wanted ? static_cast<std::uint32_t>(std::atoi(wanted)) : 1;
@@ -74,7 +74,7 @@ class Calls : public testing::TestWithParam<Command> {
     return files;
   }
 
-  /// A window stays open, and tells in it what a job of it could not do.
+  /// A window stays open, and shows the failure of its job.
   static Snapshot without_window(Snapshot files) {
     files.erase(GetParam().window);
     return files;

@@ -50,7 +50,7 @@ bool is_time_line(const std::string& line) {
   return false;
 }
 
-/// A text without the lines that tell times.
+/// The text without lines that contain times.
 std::string without_times(const std::string& text) {
   std::istringstream lines(text);
   std::string line, kept;
@@ -102,7 +102,7 @@ Snapshot snapshot(const fs::path& folder) {
     if (entry.is_directory())
       found[name + "/"];
     else if (entry.path().filename() == "journal")
-      found[name];  // of times; what it holds is told by the label files
+      found[name];  // contains times; label files show its edits
     else if (ending == ".json" || ending == ".html" || ending == ".xml")
       found[name] = without_times(read_text(entry.path()));
     else

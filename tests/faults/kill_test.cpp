@@ -30,8 +30,7 @@ int number(const char* name, int otherwise) {
   return text ? std::atoi(text) : otherwise;
 }
 
-/// Ends it as `kill -9` does, without a word to the program, whose code never sees the signal:
-/// nobody handles SIGALRM.
+/// Like `kill -9`: SIGALRM has no handler, so the program never sees the signal.
 Ran run_and_kill(const Words& words, double after_s) {
   return testing_cli::run(words, [after_s] {
     itimerval timer{};
