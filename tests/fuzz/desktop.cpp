@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 /// Beside the recording that the corpus names, and saved again.
 void read_session(Bytes bytes) {
-  static const fs::path depth =
+  [[maybe_unused]] static const fs::path depth =
       file_of("session/rec/depth/000000.png", io::encode_png(plain_depth()));
   const fs::path path = file_of("session/a.session", bytes);
   desktop::State state;

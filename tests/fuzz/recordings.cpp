@@ -7,6 +7,7 @@
 
 #include "core/io/bag/message_log.hpp"
 #include "core/io/bag/ros_messages.hpp"
+#include "core/io/byte_reader.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/folder/folder_files.hpp"
 #include "core/io/image/photo.hpp"
@@ -45,8 +46,15 @@ void read_bag(Bytes bytes) { read_frames(*io::open_recording(file_of("bag/a.bag"
 void read_db3(Bytes bytes) { read_frames(*io::open_recording(file_of("db3/a.db3", bytes))); }
 void read_mcap(Bytes bytes) { read_frames(*io::open_recording(file_of("mcap/a.mcap", bytes))); }
 
-/// The bytes behind the header of a `compressedDepth` message of ROS 1.
+/// The bytes behind the header of a `compressedDepth` message of ROS 1. Images of many pixels are
+/// only slower, up to the read limit.
 void read_rvl(Bytes bytes) {
+  constexpr std::size_t kSides = 12;  // after the configuration
+  if (bytes.size() >= kSides + 8) {
+    io::ByteReader sides(std::as_bytes(bytes.subspan(kSides)));
+    const std::uint64_t width = sides.read<std::uint32_t>(), height = sides.read<std::uint32_t>();
+    if (width < (1 << 15) && height < (1 << 15) && width * height > (1 << 20)) return;
+  }
   ByteVector message;
   const auto put = [&](std::uint32_t number) {
     for (int shift = 0; shift < 32; shift += 8)
