@@ -115,8 +115,7 @@ Cells space_cells(const planes::Cloud& cloud,
     if (cells.empty() || cells.back() != cell) cells.push_back(cell);
   }
   std::ranges::sort(cells);
-  const auto repeated = std::ranges::unique(cells);
-  cells.erase(repeated.begin(), repeated.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return cells;
 }
 

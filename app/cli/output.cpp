@@ -2,6 +2,8 @@
 
 #include "app/cli/output.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,6 +34,13 @@ void remove_abandoned(const fs::path& dir) {
     if (FolderLock::acquire(staging, "planescope").is_held()) fs::remove_all(staging);
 }
 
+/// Held by one process at a time. Ends with it.
+FileDescriptor lock_folder(const fs::path& dir) {
+  FileDescriptor folder = open_file(dir, O_RDONLY | O_DIRECTORY);
+  ::flock(folder.get(), LOCK_EX);
+  return folder;
+}
+
 }  // namespace
 
 fs::path without_slash(const fs::path& path) {
@@ -41,7 +50,8 @@ fs::path without_slash(const fs::path& path) {
 void set_notice_name(const char* program) { g_program = program; }
 
 void print_notice(const std::string& text) {
-  fmt::print(stderr, "{}: {}\n", g_program, one_line(text));
+  // Never throws: a message about a failure may be the last thing that is done.
+  std::fputs(fmt::format("{}: {}\n", g_program, one_line(text)).c_str(), stderr);
 }
 
 void check_output_dir(const fs::path& dir) {
@@ -125,6 +135,7 @@ fs::path StagedOutput::staged(const fs::path& relative, bool is_folder) {
       std::reverse(missing.begin(), missing.end());
       made_dirs_ = missing;
       fs::create_directories(dir_);
+      const FileDescriptor alone = lock_folder(dir_);
       remove_abandoned(dir_);
       staging_ = dir_ / (kStaging + std::to_string(getpid()));
       fs::create_directory(staging_);
@@ -160,6 +171,7 @@ void check_place(const fs::path& staged, const fs::path& dir, const fs::path& re
 
 void StagedOutput::commit() {
   try {
+    const FileDescriptor alone = lock_folder(dir_);  // files of two runs never mix
     for (const fs::path& relative : added_) check_place(staging_ / relative, dir_, relative);
     // In reverse, so that "a.mcap.labels" is moved before "a.mcap".
     for (const fs::path& relative : added_ | std::views::reverse) {
@@ -177,6 +189,14 @@ void StagedOutput::commit() {
     throw Error("output " + dir_.string() + ": " + error.code().message());
   }
   added_.clear();
+}
+
+bool is_unfinished(const fs::path& dir, const fs::path& name) {
+  return fs::exists(dir) &&
+         std::ranges::any_of(fs::directory_iterator(dir), [&](const fs::directory_entry& entry) {
+           return entry.path().filename().string().starts_with(kStaging) &&
+                  fs::exists(entry.path() / name);
+         });
 }
 
 fs::path find_asset(const std::string& name, const std::string& what) {
@@ -224,7 +244,7 @@ void Progress::show(int done, const std::string& now) {
 }
 
 void Progress::print(const std::string& line) {
-  fmt::print(stderr, "{}{}\n", visible_ ? "\r\033[K" : "", line);
+  std::fputs(fmt::format("{}{}\n", visible_ ? "\r\033[K" : "", line).c_str(), stderr);
 }
 
 }  // namespace planescope::app

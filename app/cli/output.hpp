@@ -72,6 +72,10 @@ class StagedOutput {
   std::vector<std::filesystem::path> made_dirs_;  // parents created here, outermost first
 };
 
+/// Whether a run was killed before DIR/`name` was moved to its place. Files that it already moved
+/// to DIR may be replaced.
+bool is_unfinished(const std::filesystem::path& dir, const std::filesystem::path& name);
+
 /// Finds a file or folder that ships with planescope: in $PLANESCOPE_ASSETS if set, otherwise in
 /// ../share/planescope beside the executable, otherwise in the source tree. Throws Error if it is
 /// missing; the message begins with WHAT and lists the searched paths.

@@ -299,6 +299,9 @@ int fail(const std::string& message, int code) {
 
 int run_program(const Program& program, int argc, char** argv) {
   set_notice_name(program.name);
+  // A closed standard stream would be the next file that is opened, and text would go into it.
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDONLY);  // writing fails, as it should
   keep_freed_memory();
   set_reserve_aside();
   try {

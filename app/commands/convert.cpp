@@ -187,6 +187,8 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
   return written;
 }
 
+fs::path facts_of(const Target& target) { return target.out.string() + ".planescope.json"; }
+
 /// Writes all frames to one file, with a sidecar for facts that the format cannot store.
 std::vector<io::WrittenFrame> write_one_file(OpenInput& input,
                                              const Target& target,
@@ -195,10 +197,8 @@ std::vector<io::WrittenFrame> write_one_file(OpenInput& input,
                                              int threads,
                                              const std::stop_token& stop,
                                              DamagedFrames& damaged) {
-  const fs::path facts = target.out.string() + ".planescope.json";
-  if (fs::exists(facts)) throw Error(facts.string() + ": already exists; expected a new name");
   const fs::path file = staged.add_file(target.out.filename());
-  const fs::path sidecar = staged.add_file(facts.filename());
+  const fs::path sidecar = staged.add_file(facts_of(target).filename());
   std::vector<io::WrittenFrame> written;
   if (target.form == Form::mcap) {
     written = write_mcap(input, file, threads, stop, damaged);
@@ -224,9 +224,11 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   const bool same_data = is_cloud == is_cloud_form(target.form);
 
   const fs::path labels = labels::default_label_dir(target.out);
-  if (same_data && fs::exists(labels))
-    throw Error(labels.string() + ": already exists; expected a new name");
   const fs::path parent = target.out.has_parent_path() ? target.out.parent_path() : ".";
+  for (const auto& [beside, counts] :
+       {std::pair(labels, same_data), {facts_of(target), target.one_file}})
+    if (counts && fs::exists(beside) && !is_unfinished(parent, target.out.filename()))
+      throw Error(beside.string() + ": already exists; expected a new name");
   const int threads = args.input.pipeline.threads;
   StagedOutput staged(parent);
   const std::size_t asked = input.frames.size();

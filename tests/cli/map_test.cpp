@@ -160,6 +160,9 @@ TEST_F(Map, OfShardsEqualsTheMapOfOneRun) {
   }
   write_file_text(part, "damaged");
   expect_refused(refusal({}), "000007.cbor: damaged");
+  const std::string deep(2'000'000, '\x81');  // lists in lists
+  write_file_text(part, deep + sha256_hex(deep));
+  expect_refused(refusal({}), "000007.cbor: damaged");
   fs::copy_file(part.parent_path() / "000008.cbor", part, fs::copy_options::overwrite_existing);
   expect_refused(refusal({}), "000007.cbor: contains frame 8; expected frame 7");
   fs::remove(part);

@@ -5,10 +5,12 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -47,7 +49,7 @@ pid_t start(const std::vector<std::string>& args,
 
 // A file name that no other run uses.
 fs::path fresh_name(const std::string& what) {
-  static int count = 0;
+  static std::atomic<int> count = 0;
   return fs::path(testing::TempDir()) / ("planescope_cli_" + std::to_string(getpid()) + "_" +
                                          std::to_string(count++) + "_" + what);
 }
@@ -64,8 +66,10 @@ void wait_for(const fs::path& marker, pid_t pid) {
 
 Ran finish(pid_t pid, const fs::path& out, const fs::path& err) {
   int status = 0;
-  waitpid(pid, &status, 0);
+  rusage usage = {};
+  wait4(pid, &status, 0, &usage);
   Ran ran;
+  ran.peak_kb = usage.ru_maxrss;
   ran.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   ran.out = read_text(out);
   ran.err = read_text(err);

@@ -18,6 +18,7 @@ struct Ran {
   int code = -1;  // exit code, or 128 + the signal's number
   std::string out;
   std::string err;
+  long peak_kb = 0;  // of resident memory
 };
 
 /// Runs `planescope ARGS...` without a terminal and waits for it; `planescope-lab` if that is the

@@ -15,11 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing_cli::write_text;
 
-Words operator+(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
-
 void run_well(const Words& words) {
   const testing_cli::Ran ran = testing_cli::run(words);
   ASSERT_EQ(ran.code, 0) << words[0] << ": " << ran.err;
@@ -66,6 +61,36 @@ Words approve(const fs::path& dir) {
                (dir / "rules.json").string(), "--approve"};
 }
 
+/// A level camera at rest, with its poses.
+void make_still(const fs::path& dir) {
+  constexpr int kFrames = 4;
+  testing_cli::write_depth_folder(dir / "rec", testing_cli::floor_and_wall(), kFrames);
+  std::string poses;
+  for (int i = 0; i < kFrames; ++i) poses += "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  write_text(dir / "poses.txt", poses);
+}
+
+const Words kLevel = {"--gravity", "0,1,0"};
+
+Words build_map(const fs::path& dir, const std::string& mesh_voxel_m) {
+  const Words mesh = PLANESCOPE_WITH_OPEN3D ? Words{"--mesh", mesh_voxel_m} : Words{};
+  return Words{"map",     (dir / "rec").string(),      "-o", (dir / "map").string(),
+               "--poses", (dir / "poses.txt").string()} +
+         kLevel + mesh;
+}
+
+// Times differ from run to run, and pages that show them.
+Words tune(const fs::path& dir, const std::string& trials) {
+  return {"tune",         (dir / "rec").string(),
+          "-o",           (dir / "out").string(),
+          "--classifier", "pca",
+          "--only",       "pca_neighbours,merge_cost",
+          "--trials",     trials};
+}
+
+// In the suite, as drawing takes a second, and as all kinds of all commands would take minutes.
+const Words kDrawing = {"gl", "egl", "memory"}, kFiles = {"write", "rename"};
+
 }  // namespace
 
 std::vector<Command> main_commands() {
@@ -108,7 +133,7 @@ std::vector<Command> main_commands() {
        [](const fs::path& dir) {
          return report(dir) + Words{"--frames", "0:1"};
        },
-       true},
+       kDrawing},
       {"export",
        [](const fs::path& dir) {
          make_recording(dir);
@@ -157,7 +182,7 @@ std::vector<Command> main_commands() {
                       "--count",  "1",
                       "-o",       (dir / "out.safetensors").string()};
        },
-       false,
+       {},
        {"out.html"}},
       // Draws and saves labels, and a session.
       {"view",
@@ -177,9 +202,49 @@ std::vector<Command> main_commands() {
                       "--screenshot", (dir / "a.png").string(),
                       "--size",       "640x400"};
        },
-       true,
+       kDrawing,
        {"drawn/", "a.png"},
        "a.png"},
+      // The older map has another mesh, and a frame more.
+      {"map",
+       [](const fs::path& dir) {
+         make_still(dir);
+         run_well(build_map(dir, "0.2") + kCoarse);
+       },
+       [](const fs::path& dir) {
+         return build_map(dir, "0.1") + Words{"--frames", "0:3"};
+       },
+       kFiles},
+      {"tracked",
+       [](const fs::path& dir) {
+         make_still(dir);
+         run_well(build_map(dir, "0.2"));
+         run_well(segment(dir) + kLevel + kCoarse);
+       },
+       [](const fs::path& dir) {
+         return segment(dir) + kLevel + Words{"--map", (dir / "map").string()};
+       },
+       kFiles},
+      {"tracks",
+       [](const fs::path& dir) {
+         make_still(dir);
+         run_well(report(dir) + kLevel + kFigures + kCoarse);
+       },
+       [](const fs::path& dir) { return report(dir) + kLevel + kFigures + Words{"--tracks"}; },
+       kFiles},
+      {"recast", make_recording,
+       [](const fs::path& dir) {
+         return Words{"convert", (dir / "rec").string(), "-o", (dir / "out.mcap").string()};
+       },
+       kFiles},
+      {"tune",
+       [](const fs::path& dir) {
+         make_recording(dir);
+         run_well(tune(dir, "2"));
+       },
+       [](const fs::path& dir) { return tune(dir, "5"); },
+       kFiles,
+       {"out/index.html", "out/pareto.svg", "out/times.jsonl", "out/tuning.json"}},
   };
 }
 

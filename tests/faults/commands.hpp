@@ -12,12 +12,17 @@ namespace planescope::faults {
 
 using Words = std::vector<std::string>;
 
+inline Words operator+(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 /// A command that runs in its own folder, in the state left by an earlier run.
 struct Command {
   std::string name;
   std::function<void(const std::filesystem::path&)> prepare;  // creates the folder's files
   std::function<Words(const std::filesystem::path&)> words;   // arguments of the run with the fault
-  bool draws = false;                                         // uses OpenGL, which is slow
+  std::vector<std::string> few = {};  // kinds of calls that fail in the suite; empty: all
   /// Prefixes of files that may be in an intermediate state after a failed run.
   std::vector<std::string> varies = {};
   /// The file with the window's picture, which displays failures.

@@ -1,16 +1,19 @@
 // Unusual environments: no home folder, no permission to write, little memory or few files, other
 // locales, and names that are not valid text.
 
+#include <fcntl.h>
 #include <grp.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
+#include "faults/fault.hpp"
 
 namespace planescope::faults {
 namespace {
@@ -135,23 +138,86 @@ TEST_F(Environment, LittleMemoryIsEnoughOrIsReportedInOneLine) {
   EXPECT_TRUE(worked);
 }
 
+// ---- Standard streams ----
+
+TEST_F(Environment, ClosedStandardStreamsAreToldAndNoFileHoldsTheirText) {
+  ASSERT_EQ(run_in(segment(dir / "out"), [] {}).code, 0);
+  const Snapshot expected = snapshot(dir / "out");
+  for (const int first : {STDOUT_FILENO, STDIN_FILENO}) {
+    fs::remove_all(dir / "out");
+    const Ran ran = run_in(segment(dir / "out"), [&] {
+      for (int file = first; file <= (first == STDIN_FILENO ? 2 : first); ++file) close(file);
+    });
+    EXPECT_EQ(ran.code, 2);
+    if (first == STDOUT_FILENO) expect_one_line(ran);
+    EXPECT_EQ(differences(snapshot(dir / "out"), expected), "");
+  }
+  const Ran full = run_in({"info", (dir / "missing").string()}, [] {
+    if (dup2(open("/dev/full", O_WRONLY), STDERR_FILENO) < 0) _exit(97);
+  });
+  EXPECT_EQ(full.code, 2) << "a message that cannot be written changes nothing";
+}
+
+TEST_F(Environment, AReaderThatLeavesEndsTheProgramInSilence) {
+  const auto to_nobody = [] {
+    int ends[2];
+    if (pipe(ends) != 0 || dup2(ends[1], STDOUT_FILENO) < 0) _exit(97);
+    close(ends[0]);
+    close(ends[1]);
+  };
+  const Ran info = run_in({"info", rec.string()}, to_nobody);
+  EXPECT_EQ(info.code, 128 + SIGPIPE);
+  EXPECT_EQ(info.err, "");
+  // Where the signal is ignored, as in some shells and services.
+  expect_one_line(run_in({"info", rec.string()}, [&] {
+    signal(SIGPIPE, SIG_IGN);
+    to_nobody();
+  }));
+  EXPECT_EQ(run_in(segment(dir / "out"), to_nobody).code, 128 + SIGPIPE);
+  EXPECT_EQ(files_below(dir / "out").size(), 8U) << "the files are whole";
+}
+
 // ---- Locales and names ----
 
-TEST_F(Environment, NumbersHaveADecimalPointInAnyLocale) {
-  std::string expected;
-  for (const char* locale : {"C", "de_DE.UTF-8", "C.UTF-8", "xx_YY.broken"}) {
-    SCOPED_TRACE(locale);
-    std::vector<std::string> args = segment(dir / "out");
-    args.insert(args.end(), {"--voxel", "0.025"});
-    const Ran ran = run_in(args, [&] { setenv("LC_ALL", locale, 1); });
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    const std::string planes = read_text(dir / "out" / "frames" / "000000" / "planes.json");
-    if (expected.empty()) expected = planes;
-    EXPECT_EQ(planes, expected);
-    args.back() = "0,025";
-    EXPECT_EQ(run_in(args, [&] { setenv("LC_ALL", locale, 1); }).code, 2);
-  }
+class Locales : public Environment, public testing::WithParamInterface<const char*> {};
+
+/// Builds the locale from its source where the system has one. False where it has none.
+bool build_locale(const fs::path& folder, const std::string& name) {
+  fs::create_directories(folder);
+  const std::string command = "localedef -i " + name.substr(0, name.find('.')) + " -f UTF-8 '" +
+                              (folder / name).string() + "' >/dev/null 2>&1";
+  [[maybe_unused]] const int status = std::system(command.c_str());
+  return fs::exists(folder / name);
 }
+
+TEST_P(Locales, OutputsAreTheSameBytes) {
+  const std::string locale = GetParam();
+  const bool has_source = locale.ends_with(".UTF-8") && locale != "C.UTF-8";
+  if (has_source && !build_locale(dir / "locales", locale))
+    GTEST_SKIP() << locale << " is not installed";
+  std::vector<std::string> args = segment(dir / "out");
+  args.insert(args.end(), {"--also", "geojson,obj,ply,csv,svg", "--voxel", "0.025"});
+  const auto run_with = [&](const std::string& name) {
+    return run_in(args, [&] {
+      if (has_source) setenv("LOCPATH", (dir / "locales").c_str(), 1);
+      setenv("LC_ALL", name.c_str(), 1);
+    });
+  };
+  const Ran plain = well(run_with("C"));
+  const Snapshot expected = snapshot(dir / "out");
+  const Ran ran = well(run_with(locale));
+  EXPECT_EQ(ran.out, plain.out);
+  EXPECT_EQ(differences(snapshot(dir / "out"), expected), "");
+  args.back() = "0,025";
+  expect_one_line(run_with(locale));
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         Locales,
+                         testing::Values("de_DE.UTF-8", "tr_TR.UTF-8", "C.UTF-8", "xx_YY.broken"),
+                         [](const auto& locale) {
+                           return std::string(locale.param, 2 - (*locale.param == 'C'));
+                         });
 
 TEST_F(Environment, NamesMayBeInvalidTextOrContainNewlinesAndQuotes) {
   for (const std::string name : {"latin\xe9", "two\nlines", "q'uo\"te", "tab\tand space ", "-o"}) {

@@ -69,6 +69,14 @@ std::string parting(const std::string& found, const std::string& expected) {
   return ": \"" + excerpt + "\", expected \"" + other + "\"";
 }
 
+/// A name for what is not finished, which the next run goes on with or removes.
+bool is_of_unfinished_work(const std::string& name) {
+  for (const char* part :
+       {".part", ".partial-", ".report-work", ".checkpoint", "/lock", "journal.jsonl"})
+    if (name.find(part) != std::string::npos) return true;
+  return false;
+}
+
 }  // namespace
 
 bool can_preload() {
@@ -94,13 +102,32 @@ Snapshot snapshot(const fs::path& folder) {
     if (entry.is_directory())
       found[name + "/"];
     else if (entry.path().filename() == "journal")
-      found[name];  // contains times; the label files show its effect
+      found[name];  // contains times; label files show its edits
     else if (ending == ".json" || ending == ".html" || ending == ".xml")
       found[name] = without_times(read_text(entry.path()));
     else
       found[name] = read_text(entry.path());
   }
   return found;
+}
+
+Snapshot without_unfinished_work(Snapshot files) {
+  std::erase_if(files, [](const auto& file) { return is_of_unfinished_work(file.first); });
+  return files;
+}
+
+std::string damage(const Snapshot& found, const Snapshot& before, const Snapshot& wanted) {
+  const auto is_in = [](const Snapshot& files, const auto& file) {
+    const auto at = files.find(file.first);
+    return at != files.end() && at->second == file.second;
+  };
+  std::string text;
+  for (const auto& [name, content] : before)
+    if (!found.contains(name) && wanted.contains(name)) text += name + " is lost\n";
+  for (const auto& file : found)
+    if (!is_in(before, file) && !is_in(wanted, file) && !is_of_unfinished_work(file.first))
+      text += file.first + " is neither old nor new\n";
+  return text;
 }
 
 std::string differences(const Snapshot& found, const Snapshot& expected) {

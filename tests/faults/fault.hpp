@@ -16,7 +16,7 @@ namespace planescope::faults {
 struct Fault {
   std::string kind;
   std::uint32_t at = 1;  // from 1
-  int error = 0;         // an errno; 0: a read or write processes half of its bytes
+  int error = 0;         // an errno; 0: a read or write processes half of its bytes; or kKill
   bool stays = false;    // later calls fail as well
 };
 
@@ -40,6 +40,11 @@ Met run_faulted(const std::vector<std::string>& args,
 /// name.
 using Snapshot = std::map<std::string, std::string>;
 Snapshot snapshot(const std::filesystem::path& folder);
+
+/// Removes the files that the next run resumes or removes.
+Snapshot without_unfinished_work(Snapshot files);
+/// Lists files that are neither as before nor as wanted, and lost ones; empty if there are none.
+std::string damage(const Snapshot& found, const Snapshot& before, const Snapshot& wanted);
 
 /// Differences of two snapshots, one per line; empty if they are equal.
 std::string differences(const Snapshot& found, const Snapshot& expected);

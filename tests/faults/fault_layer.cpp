@@ -4,7 +4,8 @@
 //   PLANESCOPE_FAULT_KIND    one of kKinds
 //   PLANESCOPE_FAULT_AT      N, from 1; without it, calls are counted and none fails
 //   PLANESCOPE_FAULT_STAYS   if set, later calls fail as well
-//   PLANESCOPE_FAULT_ERRNO   errno of the failure; 0: a read or write processes half of its bytes
+//   PLANESCOPE_FAULT_ERRNO   errno of the failure; 0: a read or write processes half of its bytes;
+//                            -1: the process is killed before the call
 //   PLANESCOPE_FAULT_BELOW   folders separated by ':'; only calls for files below them count
 //   PLANESCOPE_FAULT_COUNTS  a file with room for a std::uint32_t per kind, which receives the
 //                            numbers of calls even if the process is killed
@@ -23,6 +24,7 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cstdarg>
 #include <cstdint>
 #include <cstdio>
@@ -39,6 +41,7 @@ extern "C" void* __libc_realloc(void*, std::size_t);
 
 namespace {
 
+using planescope::faults::kKill;
 using planescope::faults::kKinds;
 
 struct Range {
@@ -114,6 +117,7 @@ bool meets_fault(std::size_t kind) {
   const std::uint32_t call = ++g_faults.counts[kind];
   if (g_faults.at == 0 || kKinds[kind] != g_faults.kind) return false;
   if (call < g_faults.at || (call > g_faults.at && !g_faults.stays)) return false;
+  if (g_faults.error == kKill) raise(SIGKILL);
   errno = g_faults.error;
   return true;
 }
@@ -293,6 +297,10 @@ int fdatasync(int file) {
 int rename(const char* from, const char* to) {
   NEXT(rename);
   return fails(kRename, AT_FDCWD, to) ? -1 : before(from, to);
+}
+int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
+  NEXT(renameat2);
+  return fails(kRename, to_folder, to) ? -1 : before(from_folder, from, to_folder, to, flags);
 }
 
 int remove(const char* path) {

@@ -12,4 +12,7 @@ inline constexpr std::array<std::string_view, 14> kKinds = {
     "open",     "read",  "write", "sync",   "rename", "remove", "map",
     "truncate", "mkdir", "list",  "thread", "memory", "egl",    "gl"};
 
+/// In place of an errno: the process is killed before the call.
+inline constexpr int kKill = -1;
+
 }  // namespace planescope::faults

@@ -8,6 +8,7 @@
 #include "core/debug/filter/filter.hpp"
 #include "core/io/byte_reader.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
+#include "core/lab/tuning/tuning_trials.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
@@ -68,7 +69,32 @@ void read_rules(Bytes bytes) {
   require(again == rules, "rules that change when they are written and read");
 }
 
-/// Describes a filter, completes it and applies it to every step of a run.
+void read_profile(Bytes bytes) {
+  const fs::path path = file_of("profile/a.json", bytes);
+  planes::PipelineOptions options;
+  planes::set_profile(options, path.string());
+  const std::string text = planes::profile_text(planes::read_profile(path));
+  planes::PipelineOptions again;
+  planes::set_profile(again,
+                      file_of("profile/again.json", ByteVector(text.begin(), text.end())).string());
+  for (const planes::OptionInfo& info : planes::option_table())
+    require(info.get(again) == info.get(options), "a profile that changes: " + info.name);
+}
+
+/// The journal of a search, which a rerun resumes.
+void read_tuning_journal(Bytes bytes) {
+  const lab::TuningPurpose purpose = {{"frames or labels", "f"}, {"options", "o"}};
+  fs::remove_all(memory_folder() / "tuning_journal");
+  const fs::path path = file_of("tuning_journal/journal.jsonl", bytes);
+  lab::TuningJournal journal(path.parent_path(), purpose);
+  const std::size_t count = journal.trials().size();
+  journal.add({{{"flat", "7"}}, {50.0}}, 1.5);
+  const lab::TuningJournal again(path.parent_path(), purpose);
+  require(again.trials().size() == journal.trials().size() && again.trials().size() >= count,
+          "trials that are lost");
+}
+
+/// Told, completed and applied to every step of a run.
 void read_filter(Bytes bytes) {
   static const auto run =
       debug::make_run(test::stair_subject(0.003), test::options_of(planes::Profile::refined));
@@ -185,6 +211,8 @@ std::vector<Target> document_targets() {
           {"report", read_report},
           {"frame_record", read_frame_record},
           {"rules", read_rules},
+          {"profile", read_profile},
+          {"tuning_journal", read_tuning_journal},
           {"filter", read_filter},
           {"options", read_options},
           {"report_target", read_report_target},

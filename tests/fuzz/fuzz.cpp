@@ -50,9 +50,13 @@ fs::path file_of(const std::string& name, Bytes bytes) {
 
 std::string text_of(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
+#if !PLANESCOPE_FUZZ_DESKTOP
+std::vector<Target> desktop_targets() { return {}; }
+#endif
+
 std::vector<Target> all_targets() {
   std::vector<Target> all = recording_targets();
-  for (const auto& more : {label_targets(), document_targets()})
+  for (const auto& more : {label_targets(), document_targets(), world_targets(), desktop_targets()})
     std::ranges::copy(more, std::back_inserter(all));
   return all;
 }

@@ -31,6 +31,8 @@ struct Target {
 std::vector<Target> recording_targets();
 std::vector<Target> label_targets();
 std::vector<Target> document_targets();
+std::vector<Target> world_targets();
+std::vector<Target> desktop_targets();  // none in builds without the window
 std::vector<Target> all_targets();
 
 /// Throws std::logic_error, which is a finding, if `holds` is false.

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/io/bag/message_log.hpp"
+#include "core/io/bag/ros_messages.hpp"
+#include "core/io/byte_reader.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/folder/folder_files.hpp"
 #include "core/io/image/photo.hpp"
@@ -42,6 +45,39 @@ void read_bag(Bytes bytes) { read_frames(*io::open_recording(file_of("bag/a.bag"
 
 void read_db3(Bytes bytes) { read_frames(*io::open_recording(file_of("db3/a.db3", bytes))); }
 void read_mcap(Bytes bytes) { read_frames(*io::open_recording(file_of("mcap/a.mcap", bytes))); }
+
+/// The bytes behind the header of a `compressedDepth` message of ROS 1. Images of many pixels are
+/// only slower, up to the read limit.
+void read_rvl(Bytes bytes) {
+  constexpr std::size_t kSides = 12;  // after the configuration
+  if (bytes.size() >= kSides + 8) {
+    io::ByteReader sides(std::as_bytes(bytes.subspan(kSides)));
+    const std::uint64_t width = sides.read<std::uint32_t>(), height = sides.read<std::uint32_t>();
+    if (width < (1 << 15) && height < (1 << 15) && width * height > (1 << 20)) return;
+  }
+  ByteVector message;
+  const auto put = [&](std::uint32_t number) {
+    for (int shift = 0; shift < 32; shift += 8)
+      message.push_back(static_cast<unsigned char>(number >> shift));
+  };
+  const auto put_bytes = [&](Bytes all) {
+    put(static_cast<std::uint32_t>(all.size()));
+    message.insert(message.end(), all.begin(), all.end());
+  };
+  const std::string format = "16UC1; compressedDepth rvl";
+  for (int i = 0; i < 3; ++i) put(0);  // sequence number and time
+  put_bytes({});                       // frame id
+  put_bytes({reinterpret_cast<const unsigned char*>(format.data()), format.size()});
+  put_bytes(bytes);
+  try {
+    const auto read = io::ros::read_image({{}, std::as_bytes(std::span(message)), io::Wire::ros1},
+                                          "sensor_msgs/CompressedImage", "a");
+    require(read.image.data.size() == read.image.step * static_cast<std::size_t>(read.image.height),
+            "an image of other bytes");
+  } catch (const io::OutOfBytes&) {
+    // Readers of recordings add the place.
+  }
+}
 
 void read_png(Bytes bytes) {
   const fs::path path = file_of("png/a.png", bytes);
@@ -126,6 +162,7 @@ std::vector<Target> recording_targets() {
   return {{"bag", read_bag},
           {"db3", read_db3},
           {"mcap", read_mcap},
+          {"rvl", read_rvl},
           {"png", read_png},
           {"jpeg", read_jpeg},
           {"ply", read_ply},

@@ -40,8 +40,7 @@ std::vector<std::uint32_t> voxels_of(const MapView& view,
     if (const std::uint32_t voxel = subject.voxel_of_source(pixel); voxel != planes::kNoVoxel)
       voxels.push_back(voxel);
   std::ranges::sort(voxels);
-  const auto repeated = std::ranges::unique(voxels);
-  voxels.erase(repeated.begin(), repeated.end());
+  voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
   return voxels;
 }
 

@@ -185,8 +185,7 @@ FrameSummary summary_of(const Run& run) {
   for (auto& [reason, lost] : by_reason) {
     lost.reason = reason;
     std::ranges::sort(lost.voxels);
-    const auto [first, last] = std::ranges::unique(lost.voxels);
-    lost.voxels.erase(first, last);
+    lost.voxels.erase(std::unique(lost.voxels.begin(), lost.voxels.end()), lost.voxels.end());
     lost.middle = middle_of(lost.voxels, left);
     summary.lost.push_back(std::move(lost));
   }

@@ -270,8 +270,7 @@ std::vector<std::uint32_t> Subject::voxels_of_sources(
     if (const std::uint32_t voxel = voxel_of_source(source); voxel != planes::kNoVoxel)
       voxels.push_back(voxel);
   std::ranges::sort(voxels);
-  const auto [first, last] = std::ranges::unique(voxels);
-  voxels.erase(first, last);
+  voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
   return voxels;
 }
 

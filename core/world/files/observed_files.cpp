@@ -8,6 +8,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 #include "core/model/text.hpp"
 #include "core/world/files/map_files.hpp"
 
@@ -17,6 +18,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "planescope.observed/5";
+
+/// Stops at documents nested so deeply that reading them would overflow the stack.
+struct DepthCheck : nlohmann::detail::json_sax_acceptor<Json> {
+  bool start_object(std::size_t) { return ++depth <= kDeepestJson; }
+  bool start_array(std::size_t) { return ++depth <= kDeepestJson; }
+  bool end_object() { return --depth >= 0; }
+  bool end_array() { return --depth >= 0; }
+  int depth = 0;
+};
 
 /// Writes values to JSON or reads them from it, with one function per type. Missing values throw
 /// Json's own exceptions.
@@ -173,6 +183,9 @@ ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom&
                             std::span(check, bytes.end())))
       throw std::out_of_range("the check");
     bytes.erase(check, bytes.end());
+    DepthCheck depth;
+    if (!Json::sax_parse(bytes, &depth, Json::input_format_t::cbor))
+      throw std::out_of_range("valid CBOR");
     Json json = Json::from_cbor(bytes);
     if (json.at("schema") != kSchema) throw std::out_of_range("the schema");
     if (const std::string other = difference(json.at("from").get<PlanesFrom>(), expected);
@@ -185,6 +198,7 @@ ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom&
     const int width = json.at("size").at(0).get<int>(), height = json.at("size").at(1).get<int>();
     if (width < 1 || height < 1 || width > kMostSide || height > kMostSide)
       throw std::out_of_range("a size");
+    expect_within_read_limit(2.0 * width * height, file.string() + ": its pixels");
     frame.plane_of = image_of(json, width, height, frame.planes.size());
     return frame;
   } catch (const std::exception& error) {
