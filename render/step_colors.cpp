@@ -179,9 +179,9 @@ std::vector<Rgba> scaled_colors(const StepState& state, Rgba unknown) {
   for (std::size_t v = 0; v < values.size(); ++v) {
     const float value = values[v];
     const bool far_off = value < scale.range.low_m || value > scale.range.high_m;
-    const bool told =
+    const bool is_known =
         std::isfinite(value) && !(to_one && far_off && state.plane_of[v] != look.plane);
-    colors.push_back(told ? scale.color(value) : unknown);
+    colors.push_back(is_known ? scale.color(value) : unknown);
   }
   return colors;
 }
@@ -320,8 +320,8 @@ StepState step_state(const debug::Run& run, const StepLook& look) {
 
 ColorBy effective_color_by(const debug::Run& run, ColorBy asked) {
   // Without labels all points have margin 0.
-  const bool labelled = run.subject->prepared.gravity.known() && !run.is_on_image();
-  if (asked == ColorBy::margins && !labelled) return ColorBy::labels;
+  const bool labeled = run.subject->prepared.gravity.known() && !run.is_on_image();
+  if (asked == ColorBy::margins && !labeled) return ColorBy::labels;
   if (run.is_ours()) return asked;
   if (asked == ColorBy::cases) return ColorBy::planes;
   return asked == ColorBy::margins ? ColorBy::labels : asked;

@@ -251,12 +251,12 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
     write_facts(target.form, dir, frames);
     check_written(input, dir, same_data);
   }
-  const int labelled = same_data ? copy_labels(input, labels.filename(), staged) : 0;
+  const int labeled = same_data ? copy_labels(input, labels.filename(), staged) : 0;
   staged.commit();
   if (is_cloud_form(target.form)) warn_of_axes(input, frames[0]);
   fmt::print("{}: {} of {} frames from {}{}, read back{}\n", target.out.string(), frames.size(),
              asked, input.path.string(),
-             labelled > 0 ? fmt::format(" with labels for {}", labelled) : "",
+             labeled > 0 ? fmt::format(" with labels for {}", labeled) : "",
              same_data ? " and bit-identical" : "");
   return damaged.report(asked);
 }

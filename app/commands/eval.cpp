@@ -46,7 +46,7 @@ std::optional<FrameLabels> read_prediction(const fs::path& dir,
     candidates.push_back(dir / (name + ending));
   for (const fs::path& path : candidates)
     if (fs::exists(path))
-      return labels::labels_of_points(labels::read_labelled(path, labels::label_format_of(path)),
+      return labels::labels_of_points(labels::read_labeled(path, labels::label_format_of(path)),
                                       labels::make_label_grid(frame, gravity), hash, path.string());
   if (const fs::path path = dir / labels::kCocoFileName; fs::exists(path)) {
     const labels::CocoFile coco = labels::read_coco(path);

@@ -29,7 +29,7 @@ struct Facts {
   int frame_count = 0;
   int first = 0;  // frame used for the figures below
   DamagedFrames damaged;
-  int labelled = 0;
+  int labeled = 0;
   std::string label_dir;
 
   // Timestamps, if the frames have them.
@@ -141,8 +141,8 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
       facts.info.warnings.push_back(found.warning);
     }
     for (const auto& [index, number] : found.number_of)
-      facts.labelled += index < facts.frame_count &&
-                        labels::is_there(labels::label_file_paths(input.label_dir, number)[0]);
+      facts.labeled += index < facts.frame_count &&
+                       labels::is_there(labels::label_file_paths(input.label_dir, number)[0]);
   }
   return facts;
 }
@@ -208,7 +208,7 @@ Json to_json(const Facts& f) {
     json["first_frame"]["depth_m"] = {{"min", f.min_m}, {"median", f.median_m}, {"max", f.max_m}};
     json["first_frame"]["counts_65535"] = f.saturated;
   }
-  json["labels"] = {{"folder", f.label_dir}, {"frames", f.labelled}};
+  json["labels"] = {{"folder", f.label_dir}, {"frames", f.labeled}};
   json["warnings"] = f.info.warnings;
   json["damaged"] = f.damaged.lines;
   return json;
@@ -300,8 +300,8 @@ void print_text(const Facts& f, double max_range_m) {
   } else {
     line("gravity", "unknown: " + f.gravity_error);
   }
-  if (f.labelled > 0)
-    line("labels", fmt::format("{} of {} frames, {}", f.labelled, f.frame_count, f.label_dir));
+  if (f.labeled > 0)
+    line("labels", fmt::format("{} of {} frames, {}", f.labeled, f.frame_count, f.label_dir));
 }
 
 /// Prints the contents of each recording: format, device, sizes, unit, intrinsics, color, gravity,

@@ -40,12 +40,12 @@ LabelFolder list_labels(const fs::path& dir) {
   return {dir, std::move(frames)};
 }
 
-LabelledRecording open_labels(const LabelsArgs& args) {
+LabeledRecording open_labels(const LabelsArgs& args) {
   if (args.input.inputs.size() != 1)
     throw Error(
         fmt::format("{} recordings or label folders; expected one", args.input.inputs.size()));
   const fs::path& given = args.input.inputs[0];
-  LabelledRecording source;
+  LabeledRecording source;
   if (is_label_folder(given)) {
     source.labels = list_labels(given);
     source.path = args.recording;
@@ -76,7 +76,7 @@ Frame frame_as_drawn(Frame frame, const io::RecordingInfo& info, const FrameLabe
   return frame;
 }
 
-FrameLabels read_labels_of(const LabelledRecording& source, int number) {
+FrameLabels read_labels_of(const LabeledRecording& source, int number) {
   const auto& recording = source.recording;
   const int frame = source.frame(number);
   if (recording && frame >= recording->frame_count())

@@ -31,7 +31,7 @@ struct LabelFolder {
 LabelFolder list_labels(const std::filesystem::path& dir);
 
 /// A folder of labels and, if found, the recording to which they belong.
-struct LabelledRecording {
+struct LabeledRecording {
   LabelFolder labels;
   std::filesystem::path path;
   std::unique_ptr<io::Recording> recording;  // null: not found
@@ -44,11 +44,11 @@ struct LabelledRecording {
   }
 };
 /// Opens the recording or label folder on the command line.
-LabelledRecording open_labels(const LabelsArgs& args);
+LabeledRecording open_labels(const LabelsArgs& args);
 
 /// Reads the label files with this number. Throws Error if they are damaged or belong to another
 /// depth image.
-FrameLabels read_labels_of(const LabelledRecording& source, int number);
+FrameLabels read_labels_of(const LabeledRecording& source, int number);
 /// Returns the frame with the depth unit and intrinsics of its labels where the recording only
 /// assumes or lacks them.
 Frame frame_as_drawn(Frame frame, const io::RecordingInfo& info, const FrameLabels& labels);

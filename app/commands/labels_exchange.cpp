@@ -97,7 +97,7 @@ struct Import {
   const char* sample = "pixel";
 };
 
-std::size_t labelled_in(const labels::LabelledPoints& points) {
+std::size_t labeled_in(const labels::LabeledPoints& points) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
     count += points.instance[i] != 0 || (!points.label.empty() && points.label[i] != 0);
@@ -110,8 +110,8 @@ Import read_import(const FileOfFrame& file,
                    const OpenInput& input,
                    const planes::PipelineOptions& options,
                    labels::LabelStore& store) {
-  const labels::LabelledPoints points =
-      file.image ? coco->points(*file.image) : labels::read_labelled(file.path, format);
+  const labels::LabeledPoints points =
+      file.image ? coco->points(*file.image) : labels::read_labeled(file.path, format);
   const Frame frame = input.frame(file.frame);
   const std::string hash = input.recording->frame_hash(file.frame);
   const labels::LabelGrid grid = labels::make_label_grid(
@@ -130,7 +130,7 @@ Import read_import(const FileOfFrame& file,
     import.ignored += ignored;
     import.pixels += !ignored && (after.plane.data[i] != 0 || after.hv.data[i] != 0);
   }
-  import.dropped = labelled_in(points) - import.pixels - import.ignored;
+  import.dropped = labeled_in(points) - import.pixels - import.ignored;
   return import;
 }
 
@@ -161,7 +161,7 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   };
   struct Exported {
     std::vector<fs::path> paths;
-    labels::LabelledPoints coco;
+    labels::LabeledPoints coco;
   };
   const auto make = [&](std::size_t i) -> Exported {
     const int index = frames[i];
@@ -177,10 +177,10 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
                       input.path.string(), index));
     make_output_dir(args.out);
     const labels::LabelGrid grid = labels::make_label_grid(frame, labels->gravity);
-    labels::LabelledPoints points = labels::points_of_labels(*labels, grid);
+    labels::LabeledPoints points = labels::points_of_labels(*labels, grid);
     if (!is_coco)
-      return {labels::write_labelled(args.out / fmt::format("{:06}", index), format, points,
-                                     args.input.pipeline.cloud.voxel_size_m),
+      return {labels::write_labeled(args.out / fmt::format("{:06}", index), format, points,
+                                    args.input.pipeline.cloud.voxel_size_m),
               {}};
     make_output_dir(args.out / labels::kCocoPictures);
     io::write_png(args.out / picture_of(index), labels::coco_picture(grid));
@@ -250,9 +250,9 @@ struct ConvertArgs {
 int run_labels_convert(const ConvertArgs& args, const std::stop_token&) {
   const fs::path& in = args.in;
   const labels::LabelFormat to = labels::label_format_of(args.out);
-  const labels::LabelledPoints points = labels::read_labelled(in, labels::label_format_of(in));
+  const labels::LabeledPoints points = labels::read_labeled(in, labels::label_format_of(in));
   for (const fs::path& path :
-       labels::write_labelled(fs::path(args.out).replace_extension(), to, points))
+       labels::write_labeled(fs::path(args.out).replace_extension(), to, points))
     fmt::print("{}\n", path.string());
   return 0;
 }

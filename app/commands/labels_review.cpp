@@ -32,7 +32,7 @@ struct CheckedFrame {
 };
 
 /// Requires the recording.
-labels::LabelGrid grid_as_drawn(const LabelledRecording& source,
+labels::LabelGrid grid_as_drawn(const LabeledRecording& source,
                                 int frame,
                                 const FrameLabels& labels) {
   return labels::make_label_grid(
@@ -42,14 +42,14 @@ labels::LabelGrid grid_as_drawn(const LabelledRecording& source,
 }
 
 /// Common header of the JSON output of commands for one folder.
-Json json_about(const char* schema, const LabelledRecording& source) {
+Json json_about(const char* schema, const LabeledRecording& source) {
   return {{"schema", schema},
           {"labels", source.labels.dir.string()},
           {"recording", source.recording ? Json(source.path.string()) : Json()},
           {"frames", Json::array()}};
 }
 
-CheckedFrame check_frame(const LabelledRecording& source, int frame) {
+CheckedFrame check_frame(const LabeledRecording& source, int frame) {
   CheckedFrame checked;
   checked.frame = frame;
   checked.file = (source.labels.dir / fmt::format("{:06}.json", frame)).string();
@@ -94,7 +94,7 @@ Json to_json(const labels::Finding& finding, int width) {
           {"text", finding.text}};
 }
 
-void print_json(const LabelledRecording& source,
+void print_json(const LabeledRecording& source,
                 const std::vector<CheckedFrame>& frames,
                 const Counts& counts) {
   Json json = json_about("planescope.labels_check/1", source);
@@ -115,7 +115,7 @@ void print_json(const LabelledRecording& source,
 /// Prints one line per finding. Returns 0 if there are none or only hints, 1 with findings (or
 /// hints, if `strict`), 2 if files are damaged.
 int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
-  const LabelledRecording source = open_labels(args);
+  const LabeledRecording source = open_labels(args);
   std::vector<CheckedFrame> frames;
   Counts counts;
   // Damage is a finding.
@@ -198,7 +198,7 @@ void print_row(const std::string& name, const labels::Agreement& a) {
              a.pixel_agreement, a.pixels);
 }
 
-ComparedFrame compare_frame(const LabelledRecording& a, const LabelledRecording& b, int frame) {
+ComparedFrame compare_frame(const LabeledRecording& a, const LabeledRecording& b, int frame) {
   const FrameLabels of_a = read_labels_of(a, frame), of_b = read_labels_of(b, frame);
   if (of_a.depth_sha256 != of_b.depth_sha256)
     throw Error(fmt::format("{} and {}: labels of frame {} were created for different {}s",
@@ -213,13 +213,13 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
     throw Error(fmt::format("labels compare: {} folders; expected two, DIR_A and DIR_B",
                             args.input.inputs.size()));
   const auto open = [&](const std::filesystem::path& dir) {
-    LabelledRecording source;
+    LabeledRecording source;
     source.labels = list_labels(dir);
     if (!args.recording.empty())
       source.recording = io::open_recording(args.recording, args.input.recording);
     return source;
   };
-  const LabelledRecording a = open(args.input.inputs[0]), b = open(args.input.inputs[1]);
+  const LabeledRecording a = open(args.input.inputs[0]), b = open(args.input.inputs[1]);
   std::vector<int> both, one;
   std::ranges::set_intersection(a.labels.frames, b.labels.frames, std::back_inserter(both));
   std::ranges::set_symmetric_difference(a.labels.frames, b.labels.frames, std::back_inserter(one));
@@ -294,7 +294,7 @@ labels::LabelStatistics count_pixels(const FrameLabels& labels) {
   grid.points.assign(labels.plane.pixels(), Vec3f(0, 0, 1));
   labels::LabelStatistics statistics = labels::statistics_of(labels, grid);
   statistics.measured = 0;
-  statistics.labelled_m2 = 0;
+  statistics.labeled_m2 = 0;
   return statistics;
 }
 
@@ -308,22 +308,22 @@ std::string work_text(const std::vector<labels::WorkTime>& work) {
 
 /// Remaining work, by frame.
 struct Left {
-  std::vector<int> unlabelled, unreviewed;
+  std::vector<int> unlabeled, unreviewed;
   std::vector<int> doubtful;  // frames with unedited carried planes
 };
 
-Left what_is_left(const LabelledRecording& source, const std::vector<FrameStatistics>& frames) {
+Left what_is_left(const LabeledRecording& source, const std::vector<FrameStatistics>& frames) {
   Left left;
-  std::vector<int> labelled;
+  std::vector<int> labeled;
   for (const FrameStatistics& f : frames) {
-    if (f.of.planes > 0) labelled.push_back(source.frame(f.frame));
+    if (f.of.planes > 0) labeled.push_back(source.frame(f.frame));
     if (f.of.planes > 0 && f.review_state != "reviewed") left.unreviewed.push_back(f.frame);
     if (f.doubtful > 0) left.doubtful.push_back(f.frame);
   }
-  std::ranges::sort(labelled);
+  std::ranges::sort(labeled);
   const int count = source.recording ? source.recording->frame_count() : 0;
   for (int i = 0; i < count; ++i)
-    if (!std::ranges::binary_search(labelled, i)) left.unlabelled.push_back(i);
+    if (!std::ranges::binary_search(labeled, i)) left.unlabeled.push_back(i);
   return left;
 }
 
@@ -343,7 +343,7 @@ void print_left(const Left& left, bool with_recording) {
       "\nremaining frames\n"
       "  without labels: {}\n"
       "  not reviewed: {}\n",
-      with_recording ? frames_text(left.unlabelled) : "unknown; use --recording RECORDING",
+      with_recording ? frames_text(left.unlabeled) : "unknown; use --recording RECORDING",
       frames_text(left.unreviewed));
   fmt::print("  with carried planes below {:.0f} % confidence, not yet edited: {}\n",
              100 * labels::kSure, frames_text(left.doubtful));
@@ -357,18 +357,18 @@ void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
   const auto row = [&](const std::string& name, const labels::LabelStatistics& s,
                        const std::string& review, const std::string& time) {
     fmt::print("{:<7} {:>6} {:>4} {:>4} {:>9} {:>9} {:>8} {:>9}  {:<10}  {}\n", name, s.planes, s.h,
-               s.v, s.labelled, with_depth ? fmt::format("{}", s.measured) : "-", s.ignored,
-               with_depth ? fmt::format("{:.2f}", s.labelled_m2) : "-", review, time);
+               s.v, s.labeled, with_depth ? fmt::format("{}", s.measured) : "-", s.ignored,
+               with_depth ? fmt::format("{:.2f}", s.labeled_m2) : "-", review, time);
   };
   for (const FrameStatistics& f : frames) {
     row(std::to_string(f.frame), f.of, f.review_state, work_text(f.work));
     sum.planes += f.of.planes;
     sum.h += f.of.h;
     sum.v += f.of.v;
-    sum.labelled += f.of.labelled;
+    sum.labeled += f.of.labeled;
     sum.measured += f.of.measured;
     sum.ignored += f.of.ignored;
-    sum.labelled_m2 += f.of.labelled_m2;
+    sum.labeled_m2 += f.of.labeled_m2;
     seconds += f.seconds();
   }
   row("sum", sum, "", minutes_text(seconds));
@@ -383,12 +383,12 @@ Json to_json(const FrameStatistics& f, bool with_depth) {
                {"planes", f.of.planes},
                {"h", f.of.h},
                {"v", f.of.v},
-               {"labelled", f.of.labelled},
+               {"labelled", f.of.labeled},
                {"ignored", f.of.ignored},
                {"hidden", f.of.hidden},
                {"doubtful", f.doubtful}};
   json["measured"] = with_depth ? Json(f.of.measured) : Json(nullptr);
-  json["labelled_m2"] = with_depth ? Json(f.of.labelled_m2) : Json(nullptr);
+  json["labelled_m2"] = with_depth ? Json(f.of.labeled_m2) : Json(nullptr);
   json["work"] = Json::array();
   for (const labels::WorkTime& w : f.work)
     json["work"].push_back(
@@ -398,7 +398,7 @@ Json to_json(const FrameStatistics& f, bool with_depth) {
 
 /// Prints labeling progress: planes, area and time by frame.
 int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
-  const LabelledRecording source = open_labels(args);
+  const LabeledRecording source = open_labels(args);
   std::map<int, std::vector<labels::WorkTime>> work;
   for (const labels::WorkTime& w : labels::work_times(source.labels.dir))
     work[w.frame].push_back(w);
@@ -421,7 +421,7 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   for (const FrameStatistics& f : frames)
     json["frames"].push_back(to_json(f, source.recording != nullptr));
   const Left left = what_is_left(source, frames);
-  json["left"] = {{"unlabelled", source.recording ? Json(left.unlabelled) : Json(nullptr)},
+  json["left"] = {{"unlabelled", source.recording ? Json(left.unlabeled) : Json(nullptr)},
                   {"unreviewed", left.unreviewed},
                   {"doubtful", left.doubtful}};
   fmt::print("{}", json_text(json, 2));

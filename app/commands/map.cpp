@@ -117,8 +117,8 @@ void write_meshes(const MapArgs& args,
                   const world::WorldMap& map,
                   StagedOutput& output) {
   if (!(args.mesh_voxel_m > 0)) return;
-  const std::vector<world::FrameOfTracks>& told = map.tracker.frames();
-  const auto count = static_cast<int>(told.size());
+  const std::vector<world::FrameOfTracks>& tracked = map.tracker.frames();
+  const auto count = static_cast<int>(tracked.size());
   std::unique_ptr<open3d::SurfaceFusion> fusion;
   const auto finish = [&](int segment) {
     const std::string file = file_of_segment("mesh", segment, ".ply");
@@ -129,14 +129,14 @@ void write_meshes(const MapArgs& args,
   for (int i = 0; i < count; ++i) {
     if (job.stop.stop_requested()) throw Cancelled();
     job.progress("mesh", i + 1, count);
-    if (i > 0 && told[i].segment != told[i - 1].segment) finish(told[i - 1].segment);
-    const world::CameraPose* pose = world::pose_of(map.poses, told[i].frame);
-    if (!told[i].is_in_map() || !pose) continue;
+    if (i > 0 && tracked[i].segment != tracked[i - 1].segment) finish(tracked[i - 1].segment);
+    const world::CameraPose* pose = world::pose_of(map.poses, tracked[i].frame);
+    if (!tracked[i].is_in_map() || !pose) continue;
     if (!fusion)
       fusion = open3d::make_surface_fusion(args.mesh_voxel_m, job.pipeline.cloud.max_range_m);
-    fusion->add(job.recording->frame(told[i].frame), pose->T_world_camera);
+    fusion->add(job.recording->frame(tracked[i].frame), pose->T_world_camera);
   }
-  finish(told.back().segment);
+  finish(tracked.back().segment);
 }
 
 /// Throws the errors of write_meshes() before any work is done.

@@ -202,7 +202,7 @@ int run_train(const TrainArgs& args, std::stop_token stop) {
   check(args);
   const Files files = checked_files(args);
   if (!args.baseline.empty()) planes::read_weights(args.baseline);  // fails now, not after an hour
-  LabelledRecordings recordings = load_labelled_recordings(args.input, args.out, stop);
+  LabeledRecordings recordings = load_labeled_recordings(args.input, args.out, stop);
   const int code = recordings.code;
   const lab::TrainingPurpose purpose = training_purpose(args, recordings);
   lab::TrainState state = args.resume
@@ -303,7 +303,7 @@ void begin_with(TrainArgs& args, const fs::path& weights) {
 }
 
 planes::NetworkWeights teach(const TrainArgs& args,
-                             LabelledRecordings recordings,
+                             LabeledRecordings recordings,
                              const TeachingProgress& progress) {
   const lab::TrainOptions& options = args.recipe.train;
   const int threads = args.input.pipeline.threads;

@@ -19,44 +19,44 @@ namespace planescope::app {
 inline constexpr const char* kRecordingsSet = "recordings";
 
 /// Every fifth labeled frame is held out for validation.
-inline bool is_kept_for_validation(std::size_t labelled_frame) { return labelled_frame % 5 == 4; }
+inline bool is_kept_for_validation(std::size_t labeled_frame) { return labeled_frame % 5 == 4; }
 
 /// Frames of the inputs with ground truth.
-struct LabelledRecordings {
-  std::vector<planes::LabelledCloud> train, validation;
+struct LabeledRecordings {
+  std::vector<planes::LabeledCloud> train, validation;
   std::vector<std::string> frames;  // Recording::frame_hash() of each, in order
   std::string sha256;               // of all points and labels; empty without recordings
   int code = 0;                     // 2: damaged frames were skipped
 };
 
 /// Training data of one frame.
-struct LabelledFrame {
-  planes::LabelledCloud cloud;  // its voxels; empty without truth or labels
-  std::string sha256;           // Recording::frame_hash()
+struct LabeledFrame {
+  planes::LabeledCloud cloud;  // its voxels; empty without truth or labels
+  std::string sha256;          // Recording::frame_hash()
 };
 /// Throws Error if gravity is unknown.
-LabelledFrame make_labelled_frame(const Frame& frame,
-                                  const planes::SourceTruth& truth,
-                                  std::string sha256,
-                                  const planes::PipelineOptions& options);
+LabeledFrame make_labeled_frame(const Frame& frame,
+                                const planes::SourceTruth& truth,
+                                std::string sha256,
+                                const planes::PipelineOptions& options);
 /// Skips frames without ground truth.
-LabelledRecordings labelled_recordings(std::vector<LabelledFrame> frames);
+LabeledRecordings labeled_recordings(std::vector<LabeledFrame> frames);
 
 /// Returns nothing if there are no inputs. Throws Error if the inputs have no labels, Cancelled on
 /// stop.
-LabelledRecordings load_labelled_recordings(const InputArgs& args,
-                                            const std::filesystem::path& out,
-                                            const std::stop_token& stop);
+LabeledRecordings load_labeled_recordings(const InputArgs& args,
+                                          const std::filesystem::path& out,
+                                          const std::stop_token& stop);
 
 /// Training and validation data.
 struct TrainingData {
   lab::TrainingRecipe recipe;
-  std::vector<planes::LabelledCloud> synthetic, recordings;  // one of them may be empty
+  std::vector<planes::LabeledCloud> synthetic, recordings;  // one of them may be empty
   std::vector<lab::ValidationSet> validation;  // the recordings' own set, if any, is last
-  std::vector<std::string> frames;             // LabelledRecordings::frames
+  std::vector<std::string> frames;             // LabeledRecordings::frames
 
   /// Returns cloud `number` of the training, augmented according to the recipe.
-  planes::LabelledCloud draw(std::uint64_t number) const;
+  planes::LabeledCloud draw(std::uint64_t number) const;
 };
 
 struct TrainingDataOptions {
@@ -68,7 +68,7 @@ struct TrainingDataOptions {
 /// Generates the synthetic clouds and adds the recordings. `progress(done, all)` may throw to stop.
 TrainingData make_training_data(const lab::TrainingRecipe& recipe,
                                 const TrainingDataOptions& options,
-                                LabelledRecordings recordings,
+                                LabeledRecordings recordings,
                                 const std::function<void(int, int)>& progress);
 
 constexpr const char* kDefaultRecipe = "planescope";
@@ -95,7 +95,7 @@ using TeachingProgress = std::function<void(const char* stage, int done, int all
 /// Trains like `planescope train`, but entirely in memory: ignores `out`. Returns the weights with
 /// their training record.
 planes::NetworkWeights teach(const TrainArgs& args,
-                             LabelledRecordings recordings,
+                             LabeledRecordings recordings,
                              const TeachingProgress& progress);
 
 /// Limits the clouds of each kind to `most`, and `also` too if set.
@@ -118,6 +118,6 @@ std::string training_record(const TrainArgs& args,
                             const lab::TrainingPurpose& purpose);
 
 /// Properties that a checkpoint must match in addition to the trainer's own options.
-lab::TrainingPurpose training_purpose(const TrainArgs& args, const LabelledRecordings& recordings);
+lab::TrainingPurpose training_purpose(const TrainArgs& args, const LabeledRecordings& recordings);
 
 }  // namespace planescope::app

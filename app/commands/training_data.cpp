@@ -20,18 +20,18 @@ constexpr std::uint64_t kValidationSeed = 900001;  // not used by any training s
 constexpr double kRecordingShare = 0.5;            // share of recorded clouds, if both exist
 enum Stream : std::uint64_t { kFromRecording = 201, kWhich, kVariation };
 
-bool has_label(const planes::LabelledCloud& cloud) {
+bool has_label(const planes::LabeledCloud& cloud) {
   return std::any_of(cloud.labels.begin(), cloud.labels.end(),
                      [](Label label) { return label != Label::unknown; });
 }
 
-std::string hash_of(const std::vector<LabelledFrame>& frames) {
+std::string hash_of(const std::vector<LabeledFrame>& frames) {
   std::vector<std::byte> bytes;
   const auto append = [&](const auto& values) {
     const auto raw = std::as_bytes(std::span(values));
     bytes.insert(bytes.end(), raw.begin(), raw.end());
   };
-  for (const LabelledFrame& frame : frames) {
+  for (const LabeledFrame& frame : frames) {
     append(frame.cloud.points);
     append(frame.cloud.labels);
   }
@@ -40,18 +40,18 @@ std::string hash_of(const std::vector<LabelledFrame>& frames) {
 
 }  // namespace
 
-LabelledFrame make_labelled_frame(const Frame& frame,
-                                  const planes::SourceTruth& truth,
-                                  std::string sha256,
-                                  const planes::PipelineOptions& options) {
-  LabelledFrame labelled{planes::labelled_frame(frame, options, truth), std::move(sha256)};
-  if (!has_label(labelled.cloud)) labelled.cloud = {};
-  return labelled;
+LabeledFrame make_labeled_frame(const Frame& frame,
+                                const planes::SourceTruth& truth,
+                                std::string sha256,
+                                const planes::PipelineOptions& options) {
+  LabeledFrame labeled{planes::labeled_frame(frame, options, truth), std::move(sha256)};
+  if (!has_label(labeled.cloud)) labeled.cloud = {};
+  return labeled;
 }
 
-LabelledRecordings labelled_recordings(std::vector<LabelledFrame> frames) {
-  LabelledRecordings recordings;
-  std::erase_if(frames, [](const LabelledFrame& frame) { return frame.cloud.points.empty(); });
+LabeledRecordings labeled_recordings(std::vector<LabeledFrame> frames) {
+  LabeledRecordings recordings;
+  std::erase_if(frames, [](const LabeledFrame& frame) { return frame.cloud.points.empty(); });
   if (frames.empty()) return recordings;
   recordings.sha256 = hash_of(frames);
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -62,11 +62,11 @@ LabelledRecordings labelled_recordings(std::vector<LabelledFrame> frames) {
   return recordings;
 }
 
-LabelledRecordings load_labelled_recordings(const InputArgs& args,
-                                            const std::filesystem::path& out,
-                                            const std::stop_token& stop) {
+LabeledRecordings load_labeled_recordings(const InputArgs& args,
+                                          const std::filesystem::path& out,
+                                          const std::stop_token& stop) {
   if (args.inputs.empty()) return {};
-  std::vector<LabelledFrame> frames;
+  std::vector<LabeledFrame> frames;
   int code = 0;
   for (const OpenInput& input : open_inputs(args, out)) {
     const DamagedFrames damaged = for_each_frame("recordings", input.frames, stop, [&](int index) {
@@ -76,14 +76,14 @@ LabelledRecordings load_labelled_recordings(const InputArgs& args,
       const auto truth = input.truth(frame);
       if (!truth) return;
       try {
-        frames.push_back(make_labelled_frame(frame, *truth, hash, args.pipeline));
+        frames.push_back(make_labeled_frame(frame, *truth, hash, args.pipeline));
       } catch (const Error& error) {
         throw Error(fmt::format("{}, frame {}: {}", input.path.string(), index, error.what()));
       }
     });
     code = std::max(code, damaged.report(input.frames.size()));
   }
-  LabelledRecordings recordings = labelled_recordings(std::move(frames));
+  LabeledRecordings recordings = labeled_recordings(std::move(frames));
   if (recordings.frames.empty())
     throw Error(args.inputs[0].string() +
                 ": no labeled frames; expected label files next to it or in --labels DIR, or a "
@@ -92,7 +92,7 @@ LabelledRecordings load_labelled_recordings(const InputArgs& args,
   return recordings;
 }
 
-planes::LabelledCloud TrainingData::draw(std::uint64_t number) const {
+planes::LabeledCloud TrainingData::draw(std::uint64_t number) const {
   const std::uint64_t seed = recipe.train.seed;
   const double share = synthetic.empty() ? 1 : recordings.empty() ? 0 : kRecordingShare;
   if (lab::random_uniform(seed, kFromRecording, number) >= share)
@@ -103,7 +103,7 @@ planes::LabelledCloud TrainingData::draw(std::uint64_t number) const {
 
 TrainingData make_training_data(const lab::TrainingRecipe& recipe,
                                 const TrainingDataOptions& options,
-                                LabelledRecordings recordings,
+                                LabeledRecordings recordings,
                                 const std::function<void(int, int)>& progress) {
   TrainingData data{recipe, {}, std::move(recordings.train), {}, std::move(recordings.frames)};
   if (options.synthetic)
@@ -143,7 +143,7 @@ Json json_of(const lab::AugmentOptions& options) {
           {"yaw_deg", options.yaw_deg}};
 }
 
-lab::TrainingPurpose training_purpose(const TrainArgs& args, const LabelledRecordings& recordings) {
+lab::TrainingPurpose training_purpose(const TrainArgs& args, const LabeledRecordings& recordings) {
   const lab::TrainingRecipe& recipe = args.recipe;
   const auto hash_or_none = [](const std::string& hash) { return hash.empty() ? "none" : hash; };
   return {{"recipe", recipe.name},

@@ -232,9 +232,9 @@ void take_picture(Shell& shell, Stage& stage) {
   if (path.empty()) return;
   try {
     stage.screenshot(path);
-    shell.tell("picture written to " + path, false);
+    shell.show_message("picture written to " + path, false);
   } catch (const std::exception& error) {
-    shell.tell(error.what(), true);
+    shell.show_message(error.what(), true);
   }
 }
 

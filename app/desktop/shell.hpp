@@ -133,7 +133,7 @@ class Shell {
   bool begin_step() { return steps_.begin(state_, jobs_.busy(false)); }
   void add_step(Image8 picture) { steps_.add(state_, std::move(picture)); }
   /// Shows a message about something outside of the state.
-  void tell(const std::string& message, bool is_error) { say(state_, message, is_error); }
+  void show_message(const std::string& message, bool is_error) { say(state_, message, is_error); }
   /// Whether the font atlas was rebuilt since the last call.
   bool take_fonts_changed();
 

@@ -57,7 +57,7 @@ struct TimelineMemory {
 };
 
 /// Contents of the point panel, cached per point and run.
-struct PointStory {
+struct PointHistory {
   std::shared_ptr<const io::Recording> recording;
   std::shared_ptr<const RunView> of;
   std::int64_t source = -1;
@@ -133,7 +133,7 @@ struct PanelMemory {
   BreakpointStops breakpoint_stops;
   EventGroups events;
   TimelineMemory timeline;
-  PointStory point;
+  PointHistory point;
   PointAnswer answer;
   KeptLabelFacts label_facts;
   debug::Histogram grabbed;  // before its threshold was dragged

@@ -132,9 +132,9 @@ int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop) 
     classifiers.push_back(contender.named);
     networks.push_back({contender.named.name, contender.weights});
   }
-  for (const int neighbours : {8, 16})
-    classifiers.push_back({fmt::format("PCA, {} neighbours", neighbours),
-                           planes::make_pca_classifier({.neighbours = neighbours})});
+  for (const int neighbors : {8, 16})
+    classifiers.push_back({fmt::format("PCA, {} neighbours", neighbors),
+                           planes::make_pca_classifier({.neighbors = neighbors})});
 
   // Recordings first, so that an unreadable one is reported before anything slow starts.
   const int code = wanted("frames") ? time_frames(args, contenders, stop, timings) : 0;

@@ -252,7 +252,7 @@ class PaperRun {
     tools_.gcn = std::move(chosen.classifier);
     tools_.pca = planes::make_pca_classifier(options.pca);
     tools_.threads = args_.threads;
-    if (wanted("tables")) tools_.real_labelled = lab::read_real_labelled(args_.data);
+    if (wanted("tables")) tools_.real_labeled = lab::read_real_labeled(args_.data);
   }
 
   void measure_tables() {
@@ -263,7 +263,7 @@ class PaperRun {
                             {"count", args_.count}});
     CellLog log(args_.out, lines.text(), args_.resume);
     const lab::PaperPlan plan{args_.seed,  args_.tuning_seed, args_.sets,
-                              args_.count, args_.quick,       tools_.real_labelled.has_value()};
+                              args_.count, args_.quick,       tools_.real_labeled.has_value()};
     measure_all(plan, log);
     for (const RealInput& input : real_) {
       Progress bar(input.name, static_cast<int>(input.input.frames.size()));
@@ -388,7 +388,7 @@ std::string same_command(const BenchPaperArgs& args, const CLI::App& typed) {
 
 void finish(BenchPaperArgs& args, const CLI::App& typed) {
   for (const std::string& set : args.sets)
-    if (set != lab::kRealLabelled) lab::find_evaluation_set(set);
+    if (set != lab::kRealLabeled) lab::find_evaluation_set(set);
   if (args.parts.empty()) args.parts = {kPaperParts.begin(), kPaperParts.end()};
   args.input.pipeline.threads = args.threads;
   args.data = data_folder();

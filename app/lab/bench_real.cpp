@@ -87,7 +87,7 @@ class RealRun {
                             {"partner_iou", lab::kPartnerIou}});
     if (wanted("frames"))
       for (const lab::MethodScores& method :
-           lab::measure_labelled(args_.frames, frames, tools_, Bar("frames", stop_)))
+           lab::measure_labeled(args_.frames, frames, tools_, Bar("frames", stop_)))
         for (std::size_t i = 0; i < frames.size(); ++i) {
           Json json = json_of(args_.frames[i].name);
           json["method"] = lab::contestant_name(method.method);
@@ -121,7 +121,7 @@ class RealRun {
         lines.add("repeat", {{"recording", name},
                              {"step", step},
                              {"method", lab::contestant_name(method.method)},
-                             {"neighbours", list_of(method.neighbours)},
+                             {"neighbours", list_of(method.neighbors)},
                              {"floor", list_of(method.floor)}});
     }
   }
@@ -173,7 +173,7 @@ lab::ListedFrame listed_frame(std::istringstream& words) {
   static const std::vector<std::string> options = {"--intrinsics", "--depth-unit", "--gravity",
                                                    "--max-range"};
   lab::ListedFrame listed;
-  lab::LabelledName& name = listed.name;
+  lab::LabeledName& name = listed.name;
   std::string half, frame;
   if (!(words >> name.name >> half >> name.recording >> frame))
     throw Error("expected NAME HALF RECORDING FRAME OPTIONS");
@@ -188,7 +188,7 @@ lab::ListedFrame listed_frame(std::istringstream& words) {
 
 /// Reads a list like tests/real/labels/list.txt and returns the frames of one half or both. Throws
 /// Error if no frame is left, or with the list and line number if a line is invalid.
-std::vector<lab::ListedFrame> labelled_list(const fs::path& list, std::optional<lab::Half> half) {
+std::vector<lab::ListedFrame> labeled_list(const fs::path& list, std::optional<lab::Half> half) {
   std::vector<lab::ListedFrame> frames;
   read_list(list, [&](std::istringstream& words) {
     lab::ListedFrame listed = listed_frame(words);
@@ -219,7 +219,7 @@ void finish(BenchRealArgs& args, const CLI::App& typed) {
       throw Error("--data: " + args.data.string() + " is not a folder");
   }
   if (frames) {
-    args.frames = labelled_list(args.frames_list, args.half);
+    args.frames = labeled_list(args.frames_list, args.half);
     if (!fs::is_directory(args.labels))
       throw Error("--labels: " + args.labels.string() + " is not a folder");
   }

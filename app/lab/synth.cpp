@@ -68,7 +68,7 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
       fmt::format("planescope-lab {} --errors {}", task, lab::to_string(args.options.errors)),
       args.options.seed, static_cast<std::size_t>(args.count), /*color=*/false, /*gravity=*/true};
   constexpr double kNearM = planes::CloudOptions{}.max_range_m;
-  std::vector<lab::ToldStairs> stairs;
+  std::vector<lab::FrameStairs> stairs;
   {
     Progress progress(task, args.count);
     lab::write_sample_folder(args.out, folder, [&](std::size_t i) {
@@ -82,10 +82,10 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
   }
   std::string truth = labels::default_label_dir(args.out).string();
   if (!stairs.empty()) {
-    const std::filesystem::path told =
+    const std::filesystem::path stairs_file =
         labels::default_label_dir(args.out).replace_extension(".stairs.json");
-    write_file_text(told, lab::true_stairs_json(args.set.name, stairs, kNearM));
-    truth += " and " + told.string();
+    write_file_text(stairs_file, lab::true_stairs_json(args.set.name, stairs, kNearM));
+    truth += " and " + stairs_file.string();
   }
   fmt::print("{}: {} frames of {}, ground truth in {}\n", args.out.string(), args.count,
              args.set.name, truth);
@@ -177,21 +177,21 @@ Json header_of(const SynthTrainingArgs& args) {
   return json;
 }
 
-std::vector<planes::LabelledCloud> make_clouds(const SynthTrainingArgs& args,
-                                               const std::stop_token& stop) {
+std::vector<planes::LabeledCloud> make_clouds(const SynthTrainingArgs& args,
+                                              const std::stop_token& stop) {
   Progress bar("synth training", args.recipe.set.count());
   const auto show = [&](int done, int) {
     if (stop.stop_requested()) throw Cancelled();
     bar.show(done, "");
   };
-  std::vector<planes::LabelledCloud> clouds =
+  std::vector<planes::LabeledCloud> clouds =
       lab::make_training_set(args.recipe.set, args.threads, show);
   if (!args.augmented) return clouds;
   for (std::size_t i = 0; i < clouds.size(); ++i) clouds[i] = lab::vary(args.recipe, clouds[i], i);
   return clouds;
 }
 
-void write_cloud(const std::filesystem::path& path, const planes::LabelledCloud& cloud) {
+void write_cloud(const std::filesystem::path& path, const planes::LabeledCloud& cloud) {
   PointSet set;
   set.points = cloud.points;
   for (const Label label : cloud.labels) set.label.push_back(static_cast<std::uint8_t>(label));
@@ -202,13 +202,13 @@ void write_cloud(const std::filesystem::path& path, const planes::LabelledCloud&
 /// presence marks a complete set. Throws Cancelled on stop.
 int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop) {
   check_output_dir(args.out);
-  const std::vector<planes::LabelledCloud> clouds = make_clouds(args, stop);
+  const std::vector<planes::LabeledCloud> clouds = make_clouds(args, stop);
   make_output_dir(args.out);
 
   Json json = header_of(args);
   json["clouds"] = Json::array();
   std::map<std::string, int> written;  // by kind
-  for (const planes::LabelledCloud& cloud : clouds) {
+  for (const planes::LabeledCloud& cloud : clouds) {
     if (stop.stop_requested()) throw Cancelled();
     const std::string name = fmt::format("{}_{:03}.ply", cloud.kind, written[cloud.kind]++);
     write_cloud(args.out / name, cloud);

@@ -213,7 +213,7 @@ double time_of_frame(const Sidecar& sidecar, const std::string& name, double own
   return facts ? facts->timestamp_s.value_or(own_s) : own_s;
 }
 
-bool tells_times(const Sidecar& sidecar) {
+bool has_times(const Sidecar& sidecar) {
   return std::ranges::any_of(sidecar.frames, [](const Sidecar::FrameFacts& frame) {
     return frame.timestamp_s.value_or(0) != 0;
   });

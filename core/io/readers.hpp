@@ -71,7 +71,7 @@ void apply_sidecar(const Sidecar& sidecar, Frame& frame);
 double time_of_frame(const Sidecar& sidecar, const std::string& name, double own_s);
 
 /// Whether the sidecar gives any frame a time other than 0.
-bool tells_times(const Sidecar& sidecar);
+bool has_times(const Sidecar& sidecar);
 
 /// Gravity from the mean of accelerometer samples, in the depth camera's frame: at rest they
 /// measure the reaction to gravity, so gravity is the negative of the mean. `within_s`: maximum

@@ -16,7 +16,7 @@
 namespace planescope {
 namespace {
 
-constexpr int kNeighbours = 16;
+constexpr int kNeighbors = 16;
 
 std::vector<Vec3f> staircase(int points) {
   lab::StairsOptions options;
@@ -26,9 +26,9 @@ std::vector<Vec3f> staircase(int points) {
 }
 
 std::vector<std::uint32_t> by_grid(std::span<const Vec3f> points) {
-  const planes::NeighbourGrid grid(points, kNeighbours);
-  std::vector<std::uint32_t> rows(points.size() * kNeighbours);
-  grid.nearest(kNeighbours, 0, points.size(), rows.data());
+  const planes::NeighborGrid grid(points, kNeighbors);
+  std::vector<std::uint32_t> rows(points.size() * kNeighbors);
+  grid.nearest(kNeighbors, 0, points.size(), rows.data());
   return rows;
 }
 
@@ -47,16 +47,16 @@ std::vector<std::uint32_t> by_nanoflann(std::span<const Vec3f> points) {
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<Distance, Adaptor, 3, std::uint32_t>;
   const Adaptor adaptor{points};
   Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  std::vector<std::uint32_t> rows(points.size() * kNeighbours);
-  std::vector<float> squared(kNeighbours);
+  std::vector<std::uint32_t> rows(points.size() * kNeighbors);
+  std::vector<float> squared(kNeighbors);
   for (std::size_t i = 0; i < points.size(); ++i)
-    tree.knnSearch(points[i].data(), kNeighbours, rows.data() + i * kNeighbours, squared.data());
+    tree.knnSearch(points[i].data(), kNeighbors, rows.data() + i * kNeighbors, squared.data());
   return rows;
 }
 
-void neighbours(benchmark::State& state) {
+void neighbors(benchmark::State& state) {
   const std::vector<Vec3f> points = staircase(static_cast<int>(state.range(0)));
-  const auto pca = planes::make_pca_classifier({.neighbours = kNeighbours});
+  const auto pca = planes::make_pca_classifier({.neighbors = kNeighbors});
   std::vector<double> grid_ms, nanoflann_ms, pca_ms;
   for (auto _ : state) {
     grid_ms.push_back(lab::thread_ms([&] { benchmark::DoNotOptimize(by_grid(points)); }));
@@ -68,7 +68,7 @@ void neighbours(benchmark::State& state) {
   state.counters["grid_ratio"] = lab::median(nanoflann_ms) / lab::median(grid_ms);
   state.counters["pca_ms"] = lab::median(pca_ms);
 }
-BENCHMARK(neighbours)->RangeMultiplier(2)->Range(2048, 16384)->Unit(benchmark::kMillisecond);
+BENCHMARK(neighbors)->RangeMultiplier(2)->Range(2048, 16384)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace planescope

@@ -14,12 +14,12 @@
 namespace planescope {
 namespace {
 
-const test::LabelledCloud& staircase() {
-  static const test::LabelledCloud cloud = [] {
+const test::LabeledCloud& staircase() {
+  static const test::LabeledCloud cloud = [] {
     lab::StairsOptions options;
     options.noise_m = 0.002;
     const lab::Stairs stairs = lab::make_stairs(0, options);
-    test::LabelledCloud c;
+    test::LabeledCloud c;
     c.points = stairs.cloud.points;
     for (const std::uint8_t l : stairs.cloud.label) c.labels.push_back(static_cast<Label>(l));
     c.cube = test::cube_around(c.points);
@@ -30,7 +30,7 @@ const test::LabelledCloud& staircase() {
 
 void ours(benchmark::State& state, planes::Profile profile) {
   const planes::SegmentOptions options = planes::profile_options(profile);
-  const test::LabelledCloud& c = staircase();
+  const test::LabeledCloud& c = staircase();
   for (auto _ : state)
     benchmark::DoNotOptimize(planes::segment(c.points, c.labels, c.cube, Vec3d::Zero(), options));
 }
@@ -38,7 +38,7 @@ void ours(benchmark::State& state, planes::Profile profile) {
 /// As in the debugger.
 void traced(benchmark::State& state, planes::Profile profile) {
   const planes::SegmentOptions options = planes::profile_options(profile);
-  const test::LabelledCloud& c = staircase();
+  const test::LabeledCloud& c = staircase();
   for (auto _ : state) {
     planes::Trace trace;
     const planes::Segmentation s =
@@ -49,19 +49,19 @@ void traced(benchmark::State& state, planes::Profile profile) {
 
 void plain(benchmark::State& state, planes::Profile profile) {
   const planes::SegmentOptions options = planes::profile_options(profile);
-  const test::LabelledCloud& c = staircase();
+  const test::LabeledCloud& c = staircase();
   for (auto _ : state)
     benchmark::DoNotOptimize(reference::segment(c.points, c.labels, c.cube, options));
 }
 
 void octree_ours(benchmark::State& state) {
-  const test::LabelledCloud& c = staircase();
+  const test::LabeledCloud& c = staircase();
   for (auto _ : state) benchmark::DoNotOptimize(planes::build_octree(c.points, c.labels, c.cube));
 }
 
 /// Our octree divided down to the leaves, like Open3D's; the method never needs that.
 void octree_ours_divided(benchmark::State& state) {
-  const test::LabelledCloud& c = staircase();
+  const test::LabeledCloud& c = staircase();
   for (auto _ : state) {
     planes::Octree octree = planes::build_octree(c.points, c.labels, c.cube);
     for (std::size_t i = 0; i < octree.nodes.size(); ++i)

@@ -20,7 +20,7 @@ namespace {
 struct BadInput {
   std::string name;
   std::function<fs::path(const fs::path&)> make;  // writes to a folder; returns the input's path
-  std::vector<std::string> told;                  // words that the message must contain
+  std::vector<std::string> reported;              // words that the message must contain
   std::vector<std::string> more_args = {};
 };
 
@@ -55,18 +55,18 @@ const std::vector<std::string> kWritingCommands = {"segment", "report"};
 BadInput file(const std::string& test,
               const std::string& name,
               const std::string& text,
-              std::vector<std::string> told) {
+              std::vector<std::string> reported) {
   return {test,
           [=](const fs::path& dir) {
             write_text(dir / name, text);
             return dir / name;
           },
-          std::move(told)};
+          std::move(reported)};
 }
 
 /// A folder recording changed by `spoil`.
 BadInput folder(const std::string& test,
-                std::vector<std::string> told,
+                std::vector<std::string> reported,
                 const std::function<void(const fs::path& rec)>& spoil,
                 int frames = 1,
                 std::vector<std::string> more_args = {}) {
@@ -76,7 +76,7 @@ BadInput folder(const std::string& test,
             spoil(dir / "rec");
             return dir / "rec";
           },
-          std::move(told), std::move(more_args)};
+          std::move(reported), std::move(more_args)};
 }
 
 std::vector<BadInput> bad_inputs() {
@@ -138,7 +138,7 @@ TEST_P(BadInputs, OneLineExitTwoAndNothingWritten) {
     const Ran ran = run(args);
     expect_refused(ran);
     EXPECT_EQ(ran.out, "");
-    for (const std::string& word : bad.told)
+    for (const std::string& word : bad.reported)
       EXPECT_TRUE(has(ran.err, word)) << "no '" << word << "' in: " << ran.err;
     EXPECT_FALSE(fs::exists(dir / "out")) << command;
   }

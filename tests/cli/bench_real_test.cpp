@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 namespace {
 
 /// Writes DIR/data/rec, labels of its only frame in DIR/labels/room, and DIR/list.txt.
-void write_labelled(const fs::path& dir) {
+void write_labeled(const fs::path& dir) {
   const fs::path recording = dir / "data/rec";
   write_depth_folder(recording, floor_and_wall());
   write_true_labels(recording, dir / "labels/room");
@@ -54,7 +54,7 @@ Ran run_with(std::vector<std::string> args, const std::vector<std::string>& more
 TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
   PLANESCOPE_NEEDS_OPEN3D();
   const fs::path dir = scratch();
-  write_labelled(dir);
+  write_labeled(dir);
   const Ran ran = well(run_with(frames_args(dir), {}));
   EXPECT_EQ(ran.out.find(dir.string()), std::string::npos) << "no folders of this machine";
   auto results = results_of(ran.out);
@@ -76,7 +76,7 @@ TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
 TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
   PLANESCOPE_NEEDS_OPEN3D();
   const fs::path dir = scratch();
-  write_labelled(dir);
+  write_labeled(dir);
   for (const char* name : {"aims_slam_realsense_640x480", "tum_fr1_rpy_kinect_640x480"})
     write_depth_folder(dir / "data" / name, floor_and_wall_640x480(), 4);
   write_text(dir / "data/tum_fr1_rpy_kinect_640x480/gravity.json", "{\"gravity\": [0, 1, 0]}");
@@ -111,7 +111,7 @@ TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
 
 TEST(BenchReal, MeasuresOneHalfOfTheList) {
   const fs::path dir = scratch();
-  write_labelled(dir);
+  write_labeled(dir);
   write_text(dir / "list.txt",
              "room tuning rec 0 --gravity 0,1,0\nmissing printed nowhere 0 --gravity 0,1,0\n");
   const Ran ran = well(run_with(frames_args(dir), {"--half", "tuning"}));
@@ -121,7 +121,7 @@ TEST(BenchReal, MeasuresOneHalfOfTheList) {
 
 TEST(BenchReal, RejectsUnknownNamesInOneLine) {
   const fs::path dir = scratch();
-  write_labelled(dir);
+  write_labeled(dir);
   const std::string good = "room tuning rec 0 --gravity 0,1,0\n";
   const std::vector<std::pair<std::string, std::string>> lists = {
       {good + "a prnted rec 0\n", "line 2: 'prnted' is not a half"},

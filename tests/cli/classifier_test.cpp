@@ -21,7 +21,7 @@ namespace {
 /// the first two channels of the surface convolution.
 planes::NetworkWeights hand_made() {
   planes::NetworkWeights weights;
-  weights.config = {.name = "by hand", .levels = {{2}}, .neighbours = 16, .head = {1}};
+  weights.config = {.name = "by hand", .levels = {{2}}, .neighbors = 16, .head = {1}};
   weights.training = R"({"recipe":"by hand"})";
   weights.tensors = {{0, 0, 0, 0, 1, -1},  // conv_0.directions: +z and -z, column by column
                      {1, 1},               // conv1d_block.0.weight: their sum
@@ -41,9 +41,9 @@ struct Commands {
     return run(args);
   }
 
-  void expect_refused(const std::string& classifier, const std::string& told) const {
+  void expect_refused(const std::string& classifier, const std::string& reported) const {
     for (const char* command : {"segment", "report"}) {
-      testing_cli::expect_refused(with(command, classifier), told);
+      testing_cli::expect_refused(with(command, classifier), reported);
       EXPECT_FALSE(fs::exists(dir / "out")) << command;
     }
   }

@@ -40,9 +40,9 @@ class Labels : public testing::Test {
   void write_labels(const fs::path& to, int frame) { write_true_labels(rec, to, frame); }
   /// Label files with all pixels in plane 5.
   fs::path five() {
-    labels::LabelledPoints points;
+    labels::LabeledPoints points;
     points.instance.assign(160 * 120, 5);
-    labels::write_labelled(dir / "five", labels::LabelFormat::evops, points);
+    labels::write_labeled(dir / "five", labels::LabelFormat::evops, points);
     return dir / "five.npy";
   }
   std::vector<std::uint16_t> planes_in(const fs::path& folder, int frame) {
@@ -220,12 +220,12 @@ TEST_F(Labels, AnImportCanBeUndone) {
 }
 
 TEST_F(Labels, InvalidFilesChangeNothing) {
-  labels::LabelledPoints points;
+  labels::LabeledPoints points;
   points.instance.assign(100, 5);
   fs::create_directories(dir / "in");
-  labels::write_labelled(dir / "in/000001", labels::LabelFormat::evops, points);
+  labels::write_labeled(dir / "in/000001", labels::LabelFormat::evops, points);
   points.instance.assign(160 * 120, 5);
-  labels::write_labelled(dir / "in/000000", labels::LabelFormat::evops, points);
+  labels::write_labeled(dir / "in/000000", labels::LabelFormat::evops, points);
   const auto import = [&](std::vector<std::string> args) {
     args.insert(args.begin(), {rec, "--gravity", "0,1,0", "--from"});
     return labels_of("import", args);
@@ -280,11 +280,11 @@ TEST_F(Labels, PointFormatsConvertToEachOther) {
                                 {"000000.npz", "e.json"}}) {
     well(convert(in, out));
   }
-  const labels::LabelledPoints first =
-      labels::read_labelled(dir / "000000.npz", labels::LabelFormat::npz);
-  EXPECT_EQ(labels::read_labelled(dir / "b.pcd", labels::LabelFormat::pcd).pixel, first.pixel);
-  EXPECT_EQ(labels::read_labelled(dir / "c.bin", labels::LabelFormat::kitti).label, first.label);
-  EXPECT_EQ(labels::read_labelled(dir / "d.npy", labels::LabelFormat::evops).instance,
+  const labels::LabeledPoints first =
+      labels::read_labeled(dir / "000000.npz", labels::LabelFormat::npz);
+  EXPECT_EQ(labels::read_labeled(dir / "b.pcd", labels::LabelFormat::pcd).pixel, first.pixel);
+  EXPECT_EQ(labels::read_labeled(dir / "c.bin", labels::LabelFormat::kitti).label, first.label);
+  EXPECT_EQ(labels::read_labeled(dir / "d.npy", labels::LabelFormat::evops).instance,
             first.instance);
   expect_refused(convert("d.npy", "f.ply"), "ply needs coordinates");
   expect_refused(convert("d.npy", "f.txt"),

@@ -210,9 +210,9 @@ TEST_F(Map, ProvidesTracksToSegment) {
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   for (const int frame : {8, 9}) {
     const fs::path folder = dir / "planes" / "frames" / fmt::format("{:06}", frame);
-    const auto told = read_json<nlohmann::json>(folder / "planes.json");
+    const auto reported = read_json<nlohmann::json>(folder / "planes.json");
     std::vector<int> of_planes;
-    for (const auto& plane : told["planes"]) of_planes.push_back(plane["track"]);
+    for (const auto& plane : reported["planes"]) of_planes.push_back(plane["track"]);
     EXPECT_FALSE(of_planes.empty());
     EXPECT_EQ(nlohmann::json(of_planes), tracks["frames"][frame]["track_of_plane"]);
     const Image16 ids = io::read_png_16(folder / "planes.png"),
@@ -259,7 +259,8 @@ TEST_F(Map, ReportsUnusablePoses) {
     millimetres += fmt::format("{} {} 0 0 0 0 0 1\n", i / 15.0, 3000 * i);
   }
   const std::string good = read_text(dir / "out" / "map.json");
-  const auto told = [&](const std::string& poses, int code, const std::vector<std::string>& more) {
+  const auto reported = [&](const std::string& poses, int code,
+                            const std::vector<std::string>& more) {
     write_file_text(dir / "poses.txt", poses);
     std::vector<std::string> args = {"--poses", dir / "poses.txt"};
     args.insert(args.end(), more.begin(), more.end());
@@ -268,7 +269,7 @@ TEST_F(Map, ReportsUnusablePoses) {
     return ran.err + ran.out;
   };
   // A map without planes is an error and replaces nothing.
-  const std::string empty = told(millimetres, 2, {});
+  const std::string empty = reported(millimetres, 2, {});
   EXPECT_TRUE(has(empty, "may not contain T_world_camera in meters"));
   EXPECT_TRUE(has(empty, "not written: no plane was seen in 3 or more of 12 frames"));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
@@ -282,10 +283,10 @@ TEST_F(Map, ReportsUnusablePoses) {
     inverse += fmt::format("{} {} {} {} {} {} {} {}\n", recording->timestamp_s(i), t.x(), t.y(),
                            t.z(), q.x(), q.y(), q.z(), q.w());
   }
-  EXPECT_TRUE(has(told(inverse, 2, {}), "not written: "));
+  EXPECT_TRUE(has(reported(inverse, 2, {}), "not written: "));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
   // Poses of the whole recording also work for a subset of frames.
-  EXPECT_TRUE(has(told(kitti, 2, {"--frames", "3:8"}), "of 5 frames"));
+  EXPECT_TRUE(has(reported(kitti, 2, {"--frames", "3:8"}), "of 5 frames"));
 }
 
 TEST_F(Map, UsesPoseIForFrameIWithoutTimes) {

@@ -324,9 +324,9 @@ TEST(Segment, WritesPlanesForOtherTools) {
   EXPECT_TRUE(has(read_text(frame / "planes.obj"), "o plane_1_"));
   const std::string svg = read_text(frame / "planes.svg");
   EXPECT_TRUE(svg.ends_with("</svg>\n"));
-  for (const char* told : {"slope ", "rough ", "steps ", "support ", "clearance ", "sigma: tilt ",
-                           "class=\"band\" d=", "class=\"place\" cx="})
-    EXPECT_TRUE(has(svg, told)) << told;
+  for (const char* reported : {"slope ", "rough ", "steps ", "support ", "clearance ",
+                               "sigma: tilt ", "class=\"band\" d=", "class=\"place\" cx="})
+    EXPECT_TRUE(has(svg, reported)) << reported;
   EXPECT_TRUE(read_text(frame / "planes.ply").starts_with("ply\nformat ascii 1.0\n"));
 
   const Ran wrong = run(segment_args(dir / "rec", dir / "no", {"--also", "shapefile"}));

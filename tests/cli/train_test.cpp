@@ -54,8 +54,8 @@ struct Training {
     ASSERT_TRUE(fs::exists(checkpoint));
   }
 
-  void expect_refused(const std::vector<std::string>& more, const std::string& told) const {
-    testing_cli::expect_refused(with(more), told);
+  void expect_refused(const std::vector<std::string>& more, const std::string& reported) const {
+    testing_cli::expect_refused(with(more), reported);
   }
 };
 

@@ -30,7 +30,7 @@ std::string value_of(std::vector<std::string> typed, const std::string& name) {
 
 /// A recording with labels of all frames beside it. One pixel is unique in each frame; `first`
 /// distinguishes recordings.
-void write_labelled(const fs::path& dir, int frames, int first = 0) {
+void write_labeled(const fs::path& dir, int frames, int first = 0) {
   write_depth_folder(dir, floor_and_wall(), frames);
   for (int i = 0; i < frames; ++i) {
     Image16 depth = floor_and_wall();
@@ -113,7 +113,7 @@ TEST(ProfileOfOnesOwn, EveryCommandRejectsABadOneInOneLine) {
 
 TEST(Tune, TheResultIsTheSameForAnyNumberOfThreadsAndAfterInterruptions) {
   const auto dir = scratch();
-  write_labelled(dir / "rec", 4);
+  write_labeled(dir / "rec", 4);
   well(run_with(tune(dir, "whole"), {"--threads", "1"}));
   const auto whole = answers(dir / "whole");
   well(run_with(tune(dir, "threads"), {"--threads", "3"}));
@@ -131,7 +131,7 @@ TEST(Tune, TheResultIsTheSameForAnyNumberOfThreadsAndAfterInterruptions) {
 
 TEST(Tune, ItsProfileReachesTheReportedScore) {
   const auto dir = scratch();
-  write_labelled(dir / "rec", 2);
+  write_labeled(dir / "rec", 2);
   well(run(tune(dir, "out")));
   const Json answer = Json::parse(read_text(dir / "out/tuning.json"));
   const Ran ran = well(run({"eval", "--json", dir / "rec", "--gravity", "0,1,0", "--profile",
@@ -143,7 +143,7 @@ TEST(Tune, ItsProfileReachesTheReportedScore) {
 
 TEST(Tune, HeldOutFramesDoNotAffectTheSearch) {
   const auto dir = scratch();
-  write_labelled(dir / "rec", 4);
+  write_labeled(dir / "rec", 4);
   well(run(tune(dir, "out")));
   for (const int held : {1, 3}) write_without_wall(dir / "rec", held);
   well(run(tune(dir, "other")));
@@ -157,8 +157,8 @@ TEST(Tune, HeldOutFramesDoNotAffectTheSearch) {
 
 TEST(Tune, AListAssignsHalvesAndOptionsToRecordings) {
   const auto dir = scratch();
-  write_labelled(dir / "a", 2);
-  write_labelled(dir / "b", 2, 10);
+  write_labeled(dir / "a", 2);
+  write_labeled(dir / "b", 2, 10);
   write_text(dir / "list.txt",
              "# two recordings\n"
              "tuning a --gravity 0,1,0 --frames 0\n"
@@ -184,7 +184,7 @@ TEST(Tune, AListAssignsHalvesAndOptionsToRecordings) {
 
 TEST(Tune, AFrameInBothHalvesIsRejectedEvenAsACopy) {
   const auto dir = scratch();
-  write_labelled(dir / "a", 3);
+  write_labeled(dir / "a", 3);
   fs::copy(dir / "a", dir / "copy", fs::copy_options::recursive);
   fs::copy(dir / "a.labels", dir / "copy.labels", fs::copy_options::recursive);
   write_text(dir / "list.txt", "tuning a --frames :2\nheld-out copy --frames 1:\n");

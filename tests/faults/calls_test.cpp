@@ -101,7 +101,7 @@ class Calls : public testing::TestWithParam<Command> {
   void try_it(const Fault& fault) {
     const Ran ran = run_faulted(words(), work, fault).ran;
     ++runs;
-    told += ran.code != 0;
+    reported += ran.code != 0;
     ASSERT_TRUE(ran.code == 0 || ran.code == 2 || ran.code == 3) << ran.code << "\n" << ran.err;
     EXPECT_TRUE(good.ran.err.starts_with(foreign_lines(ran.err))) << ran.err;
     const Snapshot found = snapshot(work);
@@ -134,7 +134,7 @@ class Calls : public testing::TestWithParam<Command> {
   const fs::path dir = testing_cli::scratch(), work = dir / "work", start = dir / "start";
   Snapshot before, wanted;
   Met good;
-  int runs = 0, told = 0, wrong = 0;
+  int runs = 0, reported = 0, wrong = 0;
 };
 
 /// Selects which of `count` calls fail.
@@ -175,7 +175,7 @@ TEST_P(Calls, ThatFailAreReportedInOneLineAndLoseNothing) {
         meet(fault_of(kind, call, random));
   EXPECT_GT(runs, 0) << "the layer saw no calls";
   std::printf("| calls of %s fail | %d | %d told, %d gone on after | %d |\n",
-              GetParam().name.c_str(), runs, told, runs - told, wrong);
+              GetParam().name.c_str(), runs, reported, runs - reported, wrong);
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, Calls, testing::ValuesIn(main_commands()), [](const auto& each) {

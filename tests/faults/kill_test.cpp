@@ -224,31 +224,31 @@ TEST_F(Kill, ATrainingIsResumedToTheSameWeights) {
 constexpr int kStrokes = 6;
 
 /// Draws gesture `number`, then writes a file that acknowledges it.
-std::string gesture(int number, const fs::path& told) {
+std::string gesture(int number, const fs::path& reported) {
   const int x = 30 + 15 * number;
   return R"({"do": "label.plane", "with": "0"}, {"do": "label.stroke", "with": "image over 6 )" +
-         std::to_string(x) + ",40 " + std::to_string(x) + R"(,90"}, {"state": ")" + told.string() +
-         "." + std::to_string(number) + "\"}, ";
+         std::to_string(x) + ",40 " + std::to_string(x) + R"(,90"}, {"state": ")" +
+         reported.string() + "." + std::to_string(number) + "\"}, ";
 }
 
 TEST_F(Kill, NoAcknowledgedGestureIsLost) {
-  const fs::path script = dir / "script.json", told = dir / "told";
+  const fs::path script = dir / "script.json", reported = dir / "told";
   const Words view = {"view",     (work / "rec").string(), "--labels",    (work / "drawn").string(),
                       "--script", script.string(),         "--offscreen", "--size",
                       "640x400"};
   /// Draws the gestures from `first` to the end.
   const auto draw_from = [&](int first) {
     std::string actions = R"({"actions": ["label.mode", )";
-    for (int i = first; i < kStrokes; ++i) actions += gesture(i, told);
+    for (int i = first; i < kStrokes; ++i) actions += gesture(i, reported);
     testing_cli::write_text(script, actions + R"("label.save"]})");
   };
   const auto acknowledged = [&] {
     int count = 0;
-    while (fs::exists(told.string() + "." + std::to_string(count))) ++count;
+    while (fs::exists(reported.string() + "." + std::to_string(count))) ++count;
     return count;
   };
   const auto forget = [&] {
-    for (int i = 0; i < kStrokes; ++i) fs::remove(told.string() + "." + std::to_string(i));
+    for (int i = 0; i < kStrokes; ++i) fs::remove(reported.string() + "." + std::to_string(i));
   };
   main_command("eval").prepare(work);
   draw_from(0);
@@ -267,20 +267,20 @@ TEST_F(Kill, NoAcknowledgedGestureIsLost) {
     const Ran first = run_and_kill(view, after_s);
     ASSERT_TRUE(first.code == kKilled || first.code == 0) << first.code << first.err;
     killed += first.code == kKilled;
-    const int told_before = acknowledged();
+    const int saved_before = acknowledged();
     testing_cli::write_text(script, R"({"actions": ["label.mode", {"state": ")" +
                                         (dir / "seen.json").string() + "\"}]}");
     const Ran look = testing_cli::run(view);
     ASSERT_EQ(look.code, 0) << look.err;
     const int kept = nlohmann::json::parse(read_text(dir / "seen.json")).at("label_undo");
-    EXPECT_GE(kept, told_before);
-    EXPECT_LE(kept, told_before + 1);
+    EXPECT_GE(kept, saved_before);
+    EXPECT_LE(kept, saved_before + 1);
     draw_from(kept);
     const Ran next = testing_cli::run(view);
     EXPECT_EQ(next.code, 0) << next.err;
     const std::string differ = differences(snapshot(work), wanted);
     EXPECT_EQ(differ, "") << next.err;
-    wrong += kept < told_before || next.code != 0 || !differ.empty();
+    wrong += kept < saved_before || next.code != 0 || !differ.empty();
   }
   std::printf("| labels are drawn, it is killed | %d | %d | %d |\n", kills, killed, wrong);
 }

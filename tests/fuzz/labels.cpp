@@ -44,16 +44,16 @@ void read_journal(Bytes bytes) {
 
 /// Reads labels in a foreign format into a frame and writes them again.
 void read_exchanged(const fs::path& path, LabelFormat format) {
-  const labels::LabelledPoints points = labels::read_labelled(path, format);
+  const labels::LabeledPoints points = labels::read_labeled(path, format);
   require(points.label.empty() || points.label.size() == points.size(), "labels of other points");
   require(points.pixel.empty() || points.pixel.size() == points.size(), "pixels of other points");
   const labels::LabelGrid& grid = label_grid();
   const FrameLabels taken = labels::labels_of_points(points, grid, std::string(64, 'a'), "a");
   labels::encode_label_files(memory_folder(), 0, taken);
   fs::create_directories(memory_folder() / "written");
-  const auto written = labels::write_labelled(memory_folder() / "written" / "a", format,
-                                              labels::points_of_labels(taken, grid));
-  const auto again = labels::labels_of_points(labels::read_labelled(written.back(), format), grid,
+  const auto written = labels::write_labeled(memory_folder() / "written" / "a", format,
+                                             labels::points_of_labels(taken, grid));
+  const auto again = labels::labels_of_points(labels::read_labeled(written.back(), format), grid,
                                               std::string(64, 'a'), "a");
   for (std::size_t i = 0; i < taken.plane.data.size(); ++i) {
     // EVOPS and COCO do not support "do not score".

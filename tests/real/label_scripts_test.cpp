@@ -74,9 +74,9 @@ std::string frame_with(const Labeled& labeled, const fs::path& recording, const 
                      labeled.frame, labeled.options);
 }
 
-class LabelledFrame : public testing::TestWithParam<Labeled> {};
+class LabeledFrame : public testing::TestWithParam<Labeled> {};
 
-TEST_P(LabelledFrame, ScoresAtLeastAsWellAsBefore) {
+TEST_P(LabeledFrame, ScoresAtLeastAsWellAsBefore) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Labeled& labeled = GetParam();
@@ -95,7 +95,7 @@ TEST_P(LabelledFrame, ScoresAtLeastAsWellAsBefore) {
   fs::remove(scores);
 }
 
-INSTANTIATE_TEST_SUITE_P(, LabelledFrame, testing::ValuesIn(read_list()), [](const auto& instance) {
+INSTANTIATE_TEST_SUITE_P(, LabeledFrame, testing::ValuesIn(read_list()), [](const auto& instance) {
   return instance.param.name;
 });
 
@@ -136,10 +136,10 @@ TEST(LabelScriptOfACloud, LabelsTheFloorTheTreadsAndTheLandingOfStairs) {
   fs::create_directories(dir);
   const std::string recording =
       (fs::path(data) / "plane_seg_clouds/anymal/ori_entrance_stair_climb/06.pcd").string();
-  const std::string labelled =
+  const std::string labeled =
       fmt::format("'{}' --labels '{}'", recording, (dir / "labels").string());
   ASSERT_EQ(run(fmt::format("view {} --classifier pca --offscreen --size 640x400 --script '{}'",
-                            labelled, (kFolder / "entrance_stairs.json").string())),
+                            labeled, (kFolder / "entrance_stairs.json").string())),
             0);
   const auto labels = labels::read_frame_labels(dir / "labels", 0, "");
   ASSERT_TRUE(labels);
@@ -170,11 +170,11 @@ TEST(LabelScriptOfACloud, LabelsTheFloorTheTreadsAndTheLandingOfStairs) {
       run(fmt::format("labels check '{}' --recording '{}'", (dir / "labels").string(), recording)),
       1);
   for (const char* format : {"ply", "kitti"})
-    EXPECT_EQ(run(fmt::format("labels export {} --format {} -o '{}'", labelled, format,
+    EXPECT_EQ(run(fmt::format("labels export {} --format {} -o '{}'", labeled, format,
                               (dir / format).string())),
               0);
   EXPECT_EQ(fs::file_size(dir / "kitti/000000.label"), 4 * cloud.points.size());
-  EXPECT_EQ(run(fmt::format("eval {} --classifier pca", labelled)), 0);
+  EXPECT_EQ(run(fmt::format("eval {} --classifier pca", labeled)), 0);
   if (!HasFailure()) fs::remove_all(dir);
 }
 

@@ -135,7 +135,7 @@ double percent_within(const io::Recording& recording,
   const std::vector<lab::RepeatScores> scores =
       lab::measure_repeat(recording, reading, ours, count, step, tools);
   double within = 0, all = 0;
-  for (const lab::Neighbours& pair : scores[0].neighbours)
+  for (const lab::Neighbors& pair : scores[0].neighbors)
     for (const double change : pair.angle_jumps_sigmas) {
       within += std::abs(change) <= 2;
       ++all;

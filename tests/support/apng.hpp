@@ -48,7 +48,7 @@ inline std::vector<PngChunk> chunks_of(const std::string& file) {
 }
 
 struct Apng {
-  int frames_told = 0, frames_per_second = 0;
+  int frame_count = 0, frames_per_second = 0;
   std::vector<Image8> frames;  // complete frames, as displayed by a viewer
 };
 
@@ -73,7 +73,7 @@ inline Apng read_apng(const std::filesystem::path& path) {
   expect(chunks.size() > 3 && chunks[0].type == "IHDR" && chunks[1].type == "acTL", "a start");
   expect(chunks.back().type == "IEND", "an end");
   Apng apng;
-  apng.frames_told = static_cast<int>(number_at(chunks[1].content, 0));
+  apng.frame_count = static_cast<int>(number_at(chunks[1].content, 0));
   std::uint32_t sequence = 0;
   const std::filesystem::path single = path.string() + ".single.png";
   for (std::size_t i = 2; i + 1 < chunks.size(); i += 2) {

@@ -11,13 +11,13 @@
 
 namespace planescope::test {
 
-/// A star around `centre`: valid, usually not convex.
+/// A star around `center`: valid, usually not convex.
 inline planes::PolygonRing random_star(
-    Random& random, const Vec2d& centre, double least_m, double most_m, int corners) {
+    Random& random, const Vec2d& center, double least_m, double most_m, int corners) {
   planes::PolygonRing ring;
   for (int i = 0; i < corners; ++i) {
     const double angle = 2 * M_PI * (i + random.uniform(0, 0.8)) / corners;
-    ring.push_back(centre +
+    ring.push_back(center +
                    random.uniform(least_m, most_m) * Vec2d(std::cos(angle), std::sin(angle)));
   }
   return ring;

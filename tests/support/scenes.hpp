@@ -11,7 +11,7 @@
 
 namespace planescope::test {
 
-struct LabelledCloud {
+struct LabeledCloud {
   std::vector<Vec3f> points;
   std::vector<Label> labels;
   planes::Cube cube;
@@ -29,9 +29,9 @@ inline planes::Cube cube_around(const std::vector<Vec3f>& points) {
 }
 
 /// Up to six rectangles, horizontal, vertical or tilted, with noise, clutter and some wrong labels.
-inline LabelledCloud random_cloud(std::uint64_t seed) {
+inline LabeledCloud random_cloud(std::uint64_t seed) {
   Random random(seed);
-  LabelledCloud cloud;
+  LabeledCloud cloud;
   const int faces = random.integer(1, 6);
   const double noise = random.uniform(0, 0.004), wrong = random.uniform(0, 0.05);
   const auto add = [&](const Vec3d& p, Label label) {
@@ -45,14 +45,14 @@ inline LabelledCloud random_cloud(std::uint64_t seed) {
     const Mat3d turn = (Eigen::AngleAxisd(random.uniform(0, 6.28), Vec3d::UnitZ()) *
                         Eigen::AngleAxisd(tilt, Vec3d::UnitY()))
                            .toRotationMatrix();
-    const Vec3d centre(random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7),
+    const Vec3d center(random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7),
                        random.uniform(-0.5, 0.5));
     const double a = random.uniform(0.1, 0.7), b = random.uniform(0.1, 0.7);
     const int n = random.integer(30, 700);
     for (int i = 0; i < n; ++i) {
       const double u = random.uniform(-a, a), v = random.uniform(-b, b),
                    w = noise * random.normal();
-      add(centre + turn * Vec3d(u, v, w), tilt < 0.785 ? Label::h : Label::v);
+      add(center + turn * Vec3d(u, v, w), tilt < 0.785 ? Label::h : Label::v);
     }
   }
   const int clutter = random.integer(0, 60);
@@ -67,9 +67,9 @@ inline LabelledCloud random_cloud(std::uint64_t seed) {
 
 /// Low and high steps: some have slanted faces with either label, some have faces as narrow as the
 /// noise. Labels near edges are often wrong.
-inline LabelledCloud random_steps(std::uint64_t seed) {
+inline LabeledCloud random_steps(std::uint64_t seed) {
   Random random(seed);
-  LabelledCloud cloud;
+  LabeledCloud cloud;
   const double noise = random.uniform(0, 0.006), wrong = random.uniform(0, 0.3);
   const double spacing = random.uniform(0.012, 0.025), width = random.uniform(0.1, 0.5);
   const Mat3d turn = Eigen::AngleAxisd(random.uniform(0, 6.28), Vec3d::UnitZ()).toRotationMatrix();

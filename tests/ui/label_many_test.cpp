@@ -86,7 +86,7 @@ TEST_F(ManyFrames, AClassOrARemovalAppliesToTheChainWithOneUndoStepPerFrame) {
 
 TEST_F(ManyFrames, TheNextUnlabeledOneIsFoundAndProgressIsShown) {
   window.run("label.carry");
-  EXPECT_EQ(progress_of(state()).labelled, 2);
+  EXPECT_EQ(progress_of(state()).labeled, 2);
   EXPECT_EQ(progress_of(state()).frames, 5);
   EXPECT_TRUE(window.shows("planes.progress"));
   window.run("label.next.unlabelled");
@@ -114,9 +114,9 @@ TEST_F(ManyFrames, AStepWithoutEffectSaysSo) {
   testing::internal::CaptureStderr();
   play_actions(window.shell, window.stage, dir,
                R"({"do": "label.fill", "with": "P1"}, "label.cancel", "label.accept")");
-  const std::string told = testing::internal::GetCapturedStderr();
-  EXPECT_NE(told.find("action 3"), std::string::npos) << told;
-  EXPECT_NE(told.find("had no effect: nothing to accept"), std::string::npos) << told;
+  const std::string reported = testing::internal::GetCapturedStderr();
+  EXPECT_NE(reported.find("action 3"), std::string::npos) << reported;
+  EXPECT_NE(reported.find("had no effect: nothing to accept"), std::string::npos) << reported;
 }
 
 struct CarriedPlanes : LabelDesktop {

@@ -30,10 +30,10 @@ TEST_F(LabelPlanes, CanStartFromTheAlgorithmInOneUndoStep) {
 }
 
 TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
-  const auto labelled = [&] {
+  const auto labeled = [&] {
     return std::ranges::count_if(labels().plane.data, [](std::uint16_t id) { return id > 0; });
   };
-  const auto before = labelled();
+  const auto before = labeled();
   const std::size_t one = pixels_of(1), two = pixels_of(2);
   const auto under = labels::pixels_of_plane(labels(), 2)[0];
   choose(1);
@@ -44,7 +44,7 @@ TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
   EXPECT_EQ(store().history(1).front().title, "Join P2 into P1");
   EXPECT_NE(window.refusal("label.join").find("under the mouse"), std::string::npos);
   window.run("label.split");
-  EXPECT_EQ(labelled(), before);
+  EXPECT_EQ(labeled(), before);
 }
 
 TEST_F(LabelPlanes, ThatAreLockedRejectGesturesInOneLine) {

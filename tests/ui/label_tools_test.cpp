@@ -11,7 +11,7 @@ namespace planescope::desktop {
 namespace {
 
 struct LabelTools : LabelDesktop {
-  std::size_t labelled() const {
+  std::size_t labeled() const {
     return labels().plane.data.size() -
            static_cast<std::size_t>(std::ranges::count(labels().plane.data, 0));
   }
@@ -50,7 +50,7 @@ TEST_F(LabelTools, AStrokeCreatesAPlaneInOneUndoStepAndActivatesIt) {
   window.run("label.undo");
   EXPECT_EQ(pixels_of(1), first);
   window.run("label.undo");
-  EXPECT_EQ(labelled(), 0u);
+  EXPECT_EQ(labeled(), 0u);
   EXPECT_TRUE(labels().planes.empty());
   window.run("label.redo");
   EXPECT_EQ(pixels_of(1), first);
@@ -76,10 +76,10 @@ TEST_F(LabelTools, IgnoreEraseAndClassOnlyCanBePainted) {
   EXPECT_TRUE(labels().planes.empty());
   window.run("label.erase");
   window.run("label.stroke", kStroke);
-  EXPECT_EQ(labelled(), 0u);
+  EXPECT_EQ(labeled(), 0u);
   window.run("label.class_only", "v");
   window.run("label.stroke", kStroke);
-  EXPECT_EQ(labelled(), 0u);
+  EXPECT_EQ(labeled(), 0u);
   EXPECT_GT(std::ranges::count(labels().hv.data, 2), 1000);
 }
 
@@ -114,7 +114,7 @@ TEST_F(LabelTools, EachWandClickCreatesAPlaneUnlessShiftIsHeld) {
   window.run("label.wand", "320,330");
   ASSERT_TRUE(view().wand.found) << view().wand.why_not;
   const labels::PixelSet shown = view().wand.found->pixels;
-  EXPECT_EQ(labelled(), 0u);
+  EXPECT_EQ(labeled(), 0u);
   key("Enter");
   EXPECT_EQ(labels::pixels_of_plane(labels(), 1), shown);
   EXPECT_EQ(labels().planes[0].origin, LabelOrigin::wand);
@@ -142,7 +142,7 @@ TEST_F(LabelTools, TheWandUsesItsToleranceAndEscapeCancelsIt) {
   key("Escape");
   EXPECT_TRUE(view().wand.seeds.empty());
   key("Enter");
-  EXPECT_EQ(labelled(), 0u);
+  EXPECT_EQ(labeled(), 0u);
 }
 
 TEST_F(LabelTools, EnterClosesAPolygonAndBackspaceRemovesItsCorners) {
@@ -197,7 +197,7 @@ TEST_F(LabelTools, AreSelectedByTheirKeys) {
   key("7");
   EXPECT_EQ(view().plane, 7);
   window.run("label.stroke", kStroke);
-  EXPECT_EQ(pixels_of(7), labelled());
+  EXPECT_EQ(pixels_of(7), labeled());
   key("3");
   window.run("label.stroke", "image over 20 200,330");
   key("Tab");
@@ -251,7 +251,7 @@ TEST_F(LabelTools, EscapeCancelsAStroke) {
   move(0.5f, 0.7f);
   button(false);
   window.stage.draw_frame();
-  EXPECT_EQ(labelled(), 0u);
+  EXPECT_EQ(labeled(), 0u);
 }
 
 TEST_F(LabelTools, AStrokeReleasedWithAnotherToolIsDiscarded) {
@@ -265,14 +265,14 @@ TEST_F(LabelTools, AStrokeReleasedWithAnotherToolIsDiscarded) {
     window.stage.draw_frame();
     key(away == std::string("W") ? "B" : away);
     window.stage.draw_frame();
-    EXPECT_EQ(labelled(), 0u) << away;
+    EXPECT_EQ(labeled(), 0u) << away;
   }
 }
 
 TEST_F(LabelTools, ARectangleCanBeDraggedInSpace) {
   key("R");
   play(R"({"drag": "view3d", "from": [0.45, 0.5], "to": [0.6, 0.65]})");
-  EXPECT_GT(labelled(), 500u);
+  EXPECT_GT(labeled(), 500u);
   EXPECT_EQ(store().history(1).front().title, "Rectangle P1");
 }
 
@@ -317,7 +317,7 @@ TEST_F(LabelTools, RejectInvalidGestures) {
   EXPECT_THROW(window.run("label.area", "image 1,2 3,4"), Error);
   EXPECT_THROW(window.run("label.wand", "9999,1"), Error);
   EXPECT_THROW(window.run("label.cut", "image 1,2 3,4"), Error);  // no active plane
-  EXPECT_EQ(labelled(), 0u);
+  EXPECT_EQ(labeled(), 0u);
 }
 
 TEST_F(LabelTools, AcceptAnyArgumentWithoutACrash) {

@@ -370,7 +370,7 @@ TEST_F(Pictures, OfStepsAreSavedAsAnAnimationThatStartsAtTheFirst) {
   EXPECT_EQ(window.offscreen.shell().state().view.message, "5 steps written to " + steps.string());
   EXPECT_EQ(window.offscreen.shell().state().view.step, 75);
   const test::Apng apng = test::read_apng(steps);
-  EXPECT_EQ(apng.frames_told, 5);  // 40, 50, 60, 70, 75
+  EXPECT_EQ(apng.frame_count, 5);  // 40, 50, 60, 70, 75
   EXPECT_EQ(apng.frames_per_second, 20);
   ASSERT_EQ(apng.frames.size(), 5U);
   EXPECT_EQ(difference(apng.frames[0], io::read_png_rgb(single)), 0);

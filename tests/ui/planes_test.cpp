@@ -162,14 +162,14 @@ TEST_F(Planes, AFlightIsListedWithItsStepsAndSelectsItsPlanes) {
 
 TEST_F(Planes, ALevelWithoutAStepShowsTheReason) {
   play(R"({"do": "option.set", "with": "stairs_rise_max_m=0.1"})");
-  std::size_t told = 0;
+  std::size_t reported = 0;
   for (std::int32_t p = 0; p < state().run()->timeline.plane_count(); ++p)
     for (const std::string& text : no_steps_of(state(), p)) {
       EXPECT_TRUE(has(text, "no step: "));
       EXPECT_TRUE(has(text, debug::plane_name(*state().run(), p))) << "by the window's names";
-      ++told;
+      ++reported;
     }
-  EXPECT_GT(told, 0u);
+  EXPECT_GT(reported, 0u);
 }
 
 TEST_F(Planes, UseTheFinalFootAfterQuickChanges) {

@@ -57,17 +57,17 @@ TEST_F(Tracks, AreStartedByAButtonAndShownInOneRowEach) {
   EXPECT_GT(track_rows(state()).size(), 5u);
   EXPECT_TRUE(shown("tracks.1"));
   // The window's own run has the same planes as the map.
-  EXPECT_EQ(map().told(0)->listed, std::ssize(state().run()->segmentation.planes));
+  EXPECT_EQ(map().tracks_at(0)->listed, std::ssize(state().run()->segmentation.planes));
 }
 
 TEST_F(Tracks, KeepTheirColorFromFrameToFrame) {
   follow();
   const auto color_of = [&](int track) {
-    const auto& told = map().told(state().document.frame)->track_of;
+    const auto& reported = map().tracks_at(state().document.frame)->track_of;
     const std::vector<int> colors = colors_of_planes(state(), *state().run_view());
     for (std::int32_t p = 0; p < state().run()->timeline.plane_count(); ++p)
       if (const auto id = state().run()->timeline.result_of_plane(p);
-          id > 0 && told[static_cast<std::size_t>(id) - 1] == track)
+          id > 0 && reported[static_cast<std::size_t>(id) - 1] == track)
         return colors[static_cast<std::size_t>(p)];
     return -1;
   };
@@ -182,7 +182,7 @@ struct LabelOnce : testing::Test {
   const std::filesystem::path dir = scratch_dir();
   LabelWindow window{dir / "labels", walk()};
   const State& state() const { return window.state(); }
-  std::size_t labelled() const {
+  std::size_t labeled() const {
     std::size_t count = 0;
     for (int i = 0; i < 60; ++i) {
       const auto labels = window.store().labels(i);
@@ -195,12 +195,12 @@ struct LabelOnce : testing::Test {
 TEST_F(LabelOnce, TheFloorOfOneFrameIsTheFloorOfOthers) {
   window.run("label.wand", "80,100");
   window.run("label.accept");
-  ASSERT_EQ(labelled(), 1u);
+  ASSERT_EQ(labeled(), 1u);
   EXPECT_TRUE(has(window.refusal("label.spread"), "poses are unknown"));
   window.run("map.make");
   ASSERT_TRUE(state().map());
   window.run("label.spread");
-  const std::size_t proposed = labelled();
+  const std::size_t proposed = labeled();
   EXPECT_GT(proposed, 8u) << state().view.message;
   EXPECT_TRUE(has(state().view.message, fmt::format("proposed in {} frames", proposed - 1)));
   // Its confidence is stored with it.
@@ -214,9 +214,9 @@ TEST_F(LabelOnce, TheFloorOfOneFrameIsTheFloorOfOthers) {
   EXPECT_EQ(state().document.frame, state().results.label.spread.doubtful.front().first);
   // One step of undo reverts all of it, from any frame.
   window.run("label.undo");
-  EXPECT_EQ(labelled(), 1u) << state().view.message;
+  EXPECT_EQ(labeled(), 1u) << state().view.message;
   window.run("label.redo");
-  EXPECT_EQ(labelled(), proposed);
+  EXPECT_EQ(labeled(), proposed);
 }
 
 TEST_F(LabelOnce, ATrackOfTheMapLabelsAllFramesThatSeeIt) {
@@ -244,7 +244,7 @@ TEST_F(LabelOnce, ATrackOfTheMapLabelsAllFramesThatSeeIt) {
   EXPECT_EQ(labels::pixels_of_plane(*window.store().labels(0), 1),
             labels::pixels_of_plane(*by_hand, 1));
   window.run("label.undo");
-  EXPECT_EQ(labelled(), 1u) << state().view.message;
+  EXPECT_EQ(labeled(), 1u) << state().view.message;
 }
 
 }  // namespace

@@ -132,8 +132,8 @@ void search_fix(State& state) {
   const debug::Run& run = *state.results.current->run;
   if (!run.is_ours()) return say(state, "fixes are available only for method ours");
   FixSearch begun;
-  const bool labelled = run.subject->voxel_truth.known();
-  begun.target = labelled && state.view.truth_plane > 0
+  const bool labeled = run.subject->voxel_truth.known();
+  begun.target = labeled && state.view.truth_plane > 0
                      ? debug::target_of_truth(run, state.view.truth_plane)
                      : debug::FixTarget{.voxels = state.document.marked,
                                         .name = "marked region",
@@ -142,8 +142,8 @@ void search_fix(State& state) {
   if (begun.target.voxels.empty())
     return say_hint(
         state,
-        labelled ? "nothing to recover: choose a plane of the ground truth, or mark a region"
-                 : "nothing to recover: mark a region of the image (M)",
+        labeled ? "nothing to recover: choose a plane of the ground truth, or mark a region"
+                : "nothing to recover: mark a region of the image (M)",
         [](const State& s) { return !s.document.marked.empty() || s.results.fix.running; });
   begun.running = true;
   state.results.fix = begun;

@@ -117,7 +117,7 @@ void change_picked(State& state,
 }
 
 /// Sets the classes of labels drawn while gravity was unknown, as a separate undo step.
-void tell_labels(State& state, const Gravity& gravity) {
+void set_labels_gravity(State& state, const Gravity& gravity) {
   const labels::LabelStore* store = state.document.current()->labels.get();
   const std::shared_ptr<const FrameLabels> labels = state.labels();
   if (state.view.mode != Mode::labels || !labels || !store->read_only().empty()) return;
@@ -159,7 +159,7 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
                              : "for this frame and, following the camera, for others",
                          (open.label_dir / "gravity.json").string()));
   try {
-    tell_labels(state, {picked.direction, GravitySource::picked, 1, picked.note});
+    set_labels_gravity(state, {picked.direction, GravitySource::picked, 1, picked.note});
   } catch (const Error& error) {  // the picked gravity remains
     say(state, error.what(), true);
   }

@@ -88,7 +88,7 @@ void take_corner_back(State& state) {
 
 labels::WandOptions options_of(const LabelView& view) {
   labels::WandOptions options = view.wand_options;
-  if (view.paints == Paints::erase) options.take_labelled = true;
+  if (view.paints == Paints::erase) options.take_labeled = true;
   if (view.bound) options.within = view.bound->within;
   return options;
 }
@@ -173,7 +173,7 @@ labels::Paint paint_of_wand(const State& state) {
 void accept_wand(State& state) {
   const std::shared_ptr<const labels::WandResult> found = state.view.label.wand.found;
   const labels::PaintMode mode =
-      options_of(state.view.label).take_labelled ? labels::PaintMode::over : labels::PaintMode::add;
+      options_of(state.view.label).take_labeled ? labels::PaintMode::over : labels::PaintMode::add;
   paint_pixels(state, "Wand", found->pixels, paint_of_wand(state), mode);
   state.view.label.wand = {};
   state.view.label.bound = nullptr;

@@ -326,13 +326,13 @@ void add_label_plane_actions(std::vector<Action>& all) {
       .key("Alt+U")
       .run(show_next_doubtful);
   frames.add("label.next.unlabelled", "Next frame without labels").key("U").run([](State& s) {
-    show_next(s, "without labels", [](const FrameMark& mark) { return !mark.labelled; });
+    show_next(s, "without labels", [](const FrameMark& mark) { return !mark.labeled; });
   });
   frames.add("label.next.unreviewed", "Next labeled frame that is not reviewed")
       .key("Y")
       .run([](State& s) {
         show_next(s, "labeled and not reviewed",
-                  [](const FrameMark& mark) { return mark.labelled && !mark.reviewed; });
+                  [](const FrameMark& mark) { return mark.labeled && !mark.reviewed; });
       });
 
   const auto add_class = [&](const char* name, const char* title, const char* key, Label label) {

@@ -155,7 +155,7 @@ std::shared_ptr<const planes::Classifier> FrameTools::classifier(
   if (options.method != planes::Method::ours) return nullptr;
   const std::string key =
       fmt::format("{}|{}|{}|{}", options.classifier, stamp_of(options.classifier),
-                  options.pca.neighbours, options.pca.max_angle_deg);
+                  options.pca.neighbors, options.pca.max_angle_deg);
   if (key != key_) chosen_ = app::choose_classifier(options).classifier;
   key_ = key;
   return chosen_;

@@ -62,7 +62,7 @@ std::string change_text(const debug::Run& before, const debug::Run& after) {
 }
 
 /// Reports only a change just made by the user, not an undo or a preview.
-void tell_of_change(State& state, const RunView* before, const RunView& now) {
+void report_change(State& state, const RunView* before, const RunView& now) {
   if (!before || state.view.preview || state.undo.empty()) return;
   const OptionChange& last = state.undo.back();
   if (run_key(last.before) != run_key(before->run->options) ||
@@ -90,7 +90,7 @@ void show_run(State& state, const View& view) {
   state.results.loading = false;
   state.results.refusal.clear();
   state.results.sensitivity.clear();
-  tell_of_change(state, before.get(), *view);
+  report_change(state, before.get(), *view);
   FixSearch& fix = state.results.fix;
   if (other_subject) {  // voxels are renumbered
     fix = {};

@@ -20,8 +20,8 @@ namespace {
 FrameMark mark_of(const std::filesystem::path& path) {
   FrameMark mark;
   std::error_code gone;
-  mark.labelled = std::filesystem::exists(path, gone);
-  if (!mark.labelled) return mark;
+  mark.labeled = std::filesystem::exists(path, gone);
+  if (!mark.labeled) return mark;
   try {
     const auto json = read_json<nlohmann::json>(path);
     mark.reviewed = json.value("review_state", "") == "reviewed";

@@ -63,8 +63,8 @@ std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
                                             const std::function<void(int, int)>& progress) {
   const world::Track& track = *wanted.map->track(wanted.track);
   const auto sees = [&](int frame) {
-    const world::FrameOfTracks* told = wanted.map->told(frame);
-    return told && told->is_in_map() && told->segment == track.segment;
+    const world::FrameOfTracks* tracked = wanted.map->tracks_at(frame);
+    return tracked && tracked->is_in_map() && tracked->segment == track.segment;
   };
   labels::Paint paint{.plane = 1, .label = track.label, .origin = LabelOrigin::algorithm};
   std::vector<labels::Proposal> proposals;

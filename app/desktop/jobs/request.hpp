@@ -156,7 +156,7 @@ class Request {
   const std::optional<Key>& key() const { return key_; }
   /// Starts work for a key. If it throws, `failed` is called with the reason; by default the status
   /// bar shows it. Canceled work is not reported.
-  void ask(Key key, Work work, Failed failed = tell) {
+  void ask(Key key, Work work, Failed failed = show_error) {
     drop();
     key_ = std::move(key);
     pending_ = true;
@@ -199,7 +199,7 @@ class Request {
   bool busy() const { return worker_.busy(); }
 
  private:
-  static void tell(State& state, const std::string& why) { say(state, why, true); }
+  static void show_error(State& state, const std::string& why) { say(state, why, true); }
 
   Courier& courier_;
   Late late_;

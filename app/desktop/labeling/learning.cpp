@@ -25,9 +25,9 @@ std::filesystem::path shipped_weights() {
 }
 
 /// Reads the reviewed frames as training data.
-std::vector<app::LabelledFrame> read_reviewed(const LearningSource& source,
-                                              const LearningProgress& progress) {
-  std::vector<app::LabelledFrame> frames;
+std::vector<app::LabeledFrame> read_reviewed(const LearningSource& source,
+                                             const LearningProgress& progress) {
+  std::vector<app::LabeledFrame> frames;
   const world::SequenceGravity gravity(source.recording, source.options.gravity);
   int done = 0;
   for (const int index : source.reviewed) {
@@ -38,7 +38,7 @@ std::vector<app::LabelledFrame> read_reviewed(const LearningSource& source,
     const auto truth = labels::frame_truth(frame, source.label_dir, hash);
     if (!truth) continue;
     try {
-      frames.push_back(app::make_labelled_frame(frame, *truth, hash, source.options));
+      frames.push_back(app::make_labeled_frame(frame, *truth, hash, source.options));
     } catch (const Error& error) {
       throw Error(fmt::format("frame {}: {}", index, error.what()));
     }
@@ -46,7 +46,7 @@ std::vector<app::LabelledFrame> read_reviewed(const LearningSource& source,
   return frames;
 }
 
-Gain gain_on(const std::vector<planes::LabelledCloud>& clouds,
+Gain gain_on(const std::vector<planes::LabeledCloud>& clouds,
              const planes::NetworkWeights& before,
              const planes::NetworkWeights& after,
              int threads) {
@@ -70,7 +70,7 @@ LearningSource learning_source(const State& state) {
 }
 
 void learn(const LearningSource& source, const Lesson& lesson, const LearningProgress& progress) {
-  app::LabelledRecordings frames = app::labelled_recordings(read_reviewed(source, progress));
+  app::LabeledRecordings frames = app::labeled_recordings(read_reviewed(source, progress));
   if (frames.train.empty()) throw Error("no reviewed frame has labeled points");
   app::TrainArgs args;
   args.input.pipeline = source.options;
@@ -99,8 +99,8 @@ std::shared_ptr<const Learnt> measure_learnt(const LearningSource& source,
                 "trained in this window");
   }
   learnt->frames = known.size();
-  std::vector<planes::LabelledCloud> kept, since;
-  for (app::LabelledFrame& frame : read_reviewed(source, progress)) {
+  std::vector<planes::LabeledCloud> kept, since;
+  for (app::LabeledFrame& frame : read_reviewed(source, progress)) {
     if (frame.cloud.points.empty()) continue;  // nothing to score
     const auto at = std::ranges::find(known, frame.sha256);
     if (at == known.end())

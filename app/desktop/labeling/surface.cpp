@@ -395,7 +395,7 @@ bool wheel_sizes(const Ui& ui) {
 void use_label_tool(const Ui& ui, const DrawingSurface& surface) {
   // Forget a drag that was released under another tool or mode, so that it is not completed later.
   if (!ImGui::IsMouseDown(0) && !ImGui::IsMouseReleased(0)) ui.memory.label_drag.on = false;
-  if (tells_gravity(ui.state.view.click)) {
+  if (picks_gravity(ui.state.view.click)) {
     click_gravity(ui);
     return point(ui, surface);
   }

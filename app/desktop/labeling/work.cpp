@@ -107,7 +107,7 @@ FrameMark frame_mark(const State& state, int frame) {
   const OpenRecording* open = state.document.current();
   const std::vector<FrameMark>& files = state.results.label.marks;
   if (const auto labels = open && open->labels ? open->labels->labels(frame) : nullptr)
-    return {.labelled = !labels->planes.empty(), .reviewed = labels->review_state == "reviewed"};
+    return {.labeled = !labels->planes.empty(), .reviewed = labels->review_state == "reviewed"};
   if (frame < static_cast<int>(files.size())) return files[static_cast<std::size_t>(frame)];
   return {};
 }
@@ -118,7 +118,7 @@ LabelProgress progress_of(const State& state) {
   progress.frames = open ? open->recording->frame_count() : 0;
   for (int i = 0; i < progress.frames; ++i) {
     const FrameMark mark = frame_mark(state, i);
-    progress.labelled += mark.labelled;
+    progress.labeled += mark.labeled;
     progress.reviewed += mark.reviewed;
   }
   return progress;
@@ -342,15 +342,15 @@ labels::SpaceView space_view(const LabelFrame& frame,
 
 /// The frame's points in a view of this size from the current camera. Cached in the state until the
 /// camera, size, frame or hidden planes change. Requires a frame and its labels.
-const labels::SeenPoints& sight(State& state, int width, int height) {
+const labels::SeenPoints& visible(State& state, int width, int height) {
   const std::shared_ptr<const LabelFrame>& frame = state.results.label.frame;
   const std::shared_ptr<const FrameLabels> labels = state.labels();
   const render::Camera camera = camera_in_force(state, width, height);
-  const SpaceSight* now = state.view.label.sight.get();
+  const VisiblePoints* now = state.view.label.visible.get();
   const bool same_view = now && now->frame == frame && now->points.width == width &&
                          now->points.height == height && same_camera(now->camera, camera);
   if (same_view && now->labels == labels) return now->points;
-  auto made = std::make_shared<SpaceSight>();
+  auto made = std::make_shared<VisiblePoints>();
   made->frame = frame;
   made->labels = labels;
   made->shown = labels::shown_pixels(*labels);
@@ -359,8 +359,8 @@ const labels::SeenPoints& sight(State& state, int width, int height) {
     made->points = now->points;
   else
     made->points = labels::see(frame->grid, space_view(*frame, camera, width, height), made->shown);
-  state.view.label.sight = std::move(made);
-  return state.view.label.sight->points;
+  state.view.label.visible = std::move(made);
+  return state.view.label.visible->points;
 }
 
 /// The frontmost cloud point drawn over a position; -1: none.
@@ -436,7 +436,7 @@ Takes<LabelGesture> place_in_view(std::string shown) {
 std::int64_t pixel_of_gesture(State& state, const std::string& action, const LabelGesture& where) {
   const labels::Vec2f& at = where.path.front();
   if (where.where == DrawnIn::space)
-    return pixel_seen_at(sight(state, where.width, where.height), at);
+    return pixel_seen_at(visible(state, where.width, where.height), at);
   expect_image(state);
   const labels::LabelGrid& grid = state.label_frame()->grid;
   const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
@@ -453,7 +453,7 @@ labels::SpaceSelection selected_by(State& state, const LabelGesture& gesture) {
   shape.path = gesture.path;
   if (gesture.radius_px) shape.radius_px = *gesture.radius_px;
   if (gesture.where == DrawnIn::space)
-    return labels::points_in_space(sight(state, gesture.width, gesture.height), shape,
+    return labels::points_in_space(visible(state, gesture.width, gesture.height), shape,
                                    state.view.label.through);
   expect_image(state);
   const std::vector<std::uint8_t> shown = labels::shown_pixels(*state.labels());

@@ -40,7 +40,7 @@ void commit_and_say(State& state,
 FrameMark frame_mark(const State& state, int frame);
 /// Progress over the whole recording.
 struct LabelProgress {
-  int frames = 0, labelled = 0, reviewed = 0;
+  int frames = 0, labeled = 0, reviewed = 0;
 };
 LabelProgress progress_of(const State& state);
 

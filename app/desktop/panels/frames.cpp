@@ -132,7 +132,7 @@ void draw_label_mark(const Ui& ui, int frame, ImVec2 corner) {
   if (ui.state.view.mode != Mode::labels || !store) return;
   const FrameMark mark = frame_mark(ui.state, frame);
   const bool unsaved = store->unsaved(frame);
-  if (!mark.labelled && !unsaved) return;
+  if (!mark.labeled && !unsaved) return;
   const std::string text =
       std::string(mark.reviewed ? "reviewed" : "labels") + (unsaved ? " *" : "");
   const float height = ImGui::GetTextLineHeight() + ui.px(4);
@@ -319,8 +319,10 @@ void draw_status(const Ui& ui) {
   const std::optional<StepsSaving>& saving = state.view.saving;
   if (saving && !saving->hidden)
     busy = fmt::format("{} of {} steps saved …  Esc cancels", saving->written, saving->count());
-  const bool tells = carry.running || map.running || spread.running || (saving && !saving->hidden);
-  const std::string& message = state.view.message.empty() || tells ? busy : state.view.message;
+  const bool shows_progress =
+      carry.running || map.running || spread.running || (saving && !saving->hidden);
+  const std::string& message =
+      state.view.message.empty() || shows_progress ? busy : state.view.message;
   if (!message.empty()) {
     ImGui::SameLine(0, ui.px(24));
     const float room = at - ImGui::GetCursorPosX() - ui.px(16);

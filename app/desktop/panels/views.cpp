@@ -101,7 +101,7 @@ void select(const Ui& ui, const PointedAt& at) {
   }
 }
 
-void tell(const Ui& ui, const render::Picked& what) {
+void draw_tooltip(const Ui& ui, const render::Picked& what) {
   if (what.kind == render::Picked::Kind::voxel)
     tooltip_at_mouse(describe_voxel(ui.state, what.index));
   if (what.kind == render::Picked::Kind::node)
@@ -142,7 +142,7 @@ void draw_view3d(const Ui& ui) {
       if (released)
         select(ui, pointed_at(ui, *placed));
       else
-        tell(ui, seen_at_mouse(ui, *placed));
+        draw_tooltip(ui, seen_at_mouse(ui, *placed));
     }
     if (ImGui::IsMouseDoubleClicked(0) && ui.state.view.click == Click::selects)
       ui.act("camera.selected");

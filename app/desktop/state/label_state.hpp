@@ -118,7 +118,7 @@ struct Learning {
 
 /// State of a frame in the label folder.
 struct FrameMark {
-  bool labelled = false, reviewed = false;
+  bool labeled = false, reviewed = false;
 };
 
 struct LabelResults {
@@ -149,7 +149,7 @@ struct WandPreview {
 };
 
 /// Points of a frame visible in the 3D view.
-struct SpaceSight {
+struct VisiblePoints {
   std::shared_ptr<const LabelFrame> frame;
   std::shared_ptr<const FrameLabels> labels;  // the labels that determine hidden points
   std::vector<std::uint8_t> shown;
@@ -184,12 +184,12 @@ struct LabelView {
   std::shared_ptr<const labels::LabelEdit> finish;  // preview, committed by Enter
   std::shared_ptr<const labels::LabelEdit> stroke;  // in progress; planes are not fitted yet
   std::optional<OpenPolygon> polygon;
-  std::shared_ptr<const SpaceSight> sight;  // of the latest gesture in 3D
-  std::int64_t hover = -1;                  // pixel under the mouse in either view; -1: none
-  std::size_t hover_hidden = 0;             // hidden points under the brush in 3D
-  bool show_class = false;                  // color by h and v instead of by plane
-  bool show_residual = false;               // color by distance to the active plane
-  std::string tab = "planes";               // planes | review | checks | statistics | learning
+  std::shared_ptr<const VisiblePoints> visible;  // of the latest gesture in 3D
+  std::int64_t hover = -1;                       // pixel under the mouse in either view; -1: none
+  std::size_t hover_hidden = 0;                  // hidden points under the brush in 3D
+  bool show_class = false;                       // color by h and v instead of by plane
+  bool show_residual = false;                    // color by distance to the active plane
+  std::string tab = "planes";                    // planes | review | checks | statistics | learning
   std::string compare_with;        // other side of the review: empty: the run, else a label folder
   double review_smallest_cm2 = 5;  // smaller regions are excluded from the review
   int review_item = -1;            // in the queue

@@ -297,7 +297,7 @@ enum class Against : std::uint8_t { nothing, pinned, truth };
 /// Effect of a click in a view: select, pick a floor or wall to derive gravity, or measure from a
 /// point or plane.
 enum class Click : std::uint8_t { selects, floor, wall, point, plane };
-inline bool tells_gravity(Click click) { return click == Click::floor || click == Click::wall; }
+inline bool picks_gravity(Click click) { return click == Click::floor || click == Click::wall; }
 inline bool measures(Click click) { return click == Click::point || click == Click::plane; }
 
 inline constexpr double kLeastPointSize = 0.25, kMostPointSize = 4;

@@ -62,7 +62,7 @@ const world::Track* MapView::track(int id) const {
 
 const world::CameraPose* MapView::pose(int frame) const { return world::pose_of(map.poses, frame); }
 
-const world::FrameOfTracks* MapView::told(int frame) const {
+const world::FrameOfTracks* MapView::tracks_at(int frame) const {
   const auto& all = tracker().frames();
   const auto at = std::ranges::lower_bound(all, frame, {}, &world::FrameOfTracks::frame);
   return at != all.end() && at->frame == frame ? &*at : nullptr;
@@ -120,11 +120,11 @@ int frame_missed(const MapView& view, const world::Track& track, int from, int d
 }
 
 std::vector<int> colors_by_track(const MapView& view, const debug::Run& run) {
-  const world::FrameOfTracks* told = view.told(run.subject->frame.index);
-  if (!told || told->listed != std::ssize(run.segmentation.planes)) return {};
+  const world::FrameOfTracks* tracked = view.tracks_at(run.subject->frame.index);
+  if (!tracked || tracked->listed != std::ssize(run.segmentation.planes)) return {};
   std::vector<int> colors;
   for (std::size_t k = 0; k < run.segmentation.planes.size(); ++k) {
-    const int track = told->track_of[k];
+    const int track = tracked->track_of[k];
     const int now = track > 0 ? world::final_track(view.tracker().tracks(), track) : 0;
     colors.push_back(now > 0 ? view.colors[static_cast<std::size_t>(now) - 1] : 0);
   }

@@ -27,9 +27,9 @@ struct MapView {
   const world::Tracker& tracker() const { return map.tracker; }
   /// Null if it does not exist or was merged into another track.
   const world::Track* track(int id) const;
-  const world::CameraPose* pose(int frame) const;     // null: no pose
-  const world::FrameOfTracks* told(int frame) const;  // null: not part of the map
-  std::pair<int, int> frames() const;                 // first and last
+  const world::CameraPose* pose(int frame) const;          // null: no pose
+  const world::FrameOfTracks* tracks_at(int frame) const;  // null: not part of the map
+  std::pair<int, int> frames() const;                      // first and last
 };
 /// Computes outlines, areas and colors of a new map.
 void complete(MapView& view);

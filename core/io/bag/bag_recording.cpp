@@ -192,9 +192,9 @@ BagRecording::BagRecording(std::unique_ptr<MessageLog> log,
   info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
   read_camera(options);
   read_color_camera();
-  info_.times_source = tells_times(sidecar_) ? sidecar_.path.filename().string()
-                       : metadata_.empty()   ? "message headers"
-                                             : "frame metadata";
+  info_.times_source = has_times(sidecar_) ? sidecar_.path.filename().string()
+                       : metadata_.empty() ? "message headers"
+                                           : "frame metadata";
   bag_.expect_whole();
 }
 

@@ -35,7 +35,7 @@ class CloudTopicRecording : public Recording {
     info_.topic = options.topic;
     info_.topics = layout_.topics;
     info_.times_source =
-        tells_times(sidecar_) ? sidecar_.path.filename().string() : "message headers";
+        has_times(sidecar_) ? sidecar_.path.filename().string() : "message headers";
     info_.warnings = log_->warnings();
     info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
     read_cloud(0, nullptr);  // report unusable fields before work starts

@@ -36,7 +36,7 @@ class CloudRecording : public Recording {
     info_.depth_unit_m = 1;
     info_.depth_unit_source = "meters (convention for clouds)";
     info_.color_note = "in the cloud, if it has any";
-    if (tells_times(sidecar_)) info_.times_source = sidecar_.path.filename().string();
+    if (has_times(sidecar_)) info_.times_source = sidecar_.path.filename().string();
     std::error_code ignored;
     const bool folder = fs::is_directory(path, ignored);
     files_ = folder ? cloud_files_under(path) : std::vector<fs::path>{path};

@@ -68,7 +68,7 @@ class FolderRecording : public Recording {
 
  private:
   void find_images(const fs::path& path);
-  void tell_of_missing_depth();
+  void report_missing_depth();
   void check_depth(const fs::path& path, const Intrinsics& known);
   void check_images(const Intrinsics& known);
   CameraFiles find_camera(const fs::path& path) const;
@@ -110,7 +110,7 @@ void FolderRecording::find_images(const fs::path& path) {
     folder_ = path;
     layout_ = find_folder_layout(path);
     in_folder_ = layout_.depth.size();
-    tell_of_missing_depth();
+    report_missing_depth();
     return;
   }
   info_.format = "depth image";
@@ -139,7 +139,7 @@ void FolderRecording::find_images(const fs::path& path) {
   }
 }
 
-void FolderRecording::tell_of_missing_depth() {
+void FolderRecording::report_missing_depth() {
   std::set<std::string> present;
   for (const fs::path& depth : layout_.depth) present.insert(depth.stem().string());
   std::vector<std::string> missing;
@@ -155,7 +155,7 @@ void FolderRecording::tell_of_missing_depth() {
 /// Times come from the sidecar, lists or file names, else from poses.tum; they select the
 /// accelerometer samples for gravity.
 void FolderRecording::settle_times() {
-  const bool by_sidecar = tells_times(sidecar_);
+  const bool by_sidecar = has_times(sidecar_);
   for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
     const Sidecar::FrameFacts* facts = facts_of(sidecar_, layout_.depth[i].stem().string());
     const std::optional<double> time_s =
@@ -384,7 +384,7 @@ class RawRecording : public Recording {
                   "Depth and format Z16");
     CameraFacts facts;
     find_damaged_frames(files_.size(), info_, [&](std::size_t i) { facts = check(files_[i]); });
-    info_.times_source = tells_times(sidecar_)     ? sidecar_.path.filename().string()
+    info_.times_source = has_times(sidecar_)       ? sidecar_.path.filename().string()
                          : time_of(files_[0]) != 0 ? files_[0].csv.filename().string()
                                                    : "";
     settle_camera(options, sidecar_, facts, info_);

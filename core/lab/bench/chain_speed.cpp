@@ -93,7 +93,7 @@ std::vector<ChainStage> stages_of(const SpeedSubject& subject,
   if (prepared->gravity.known()) {
     stages.push_back({"classifier gcn", gcn_work(n, tools.network),
                       [prepared, gcn = tools.gcn] { gcn->classify(prepared->voxels.points, 1); }});
-    stages.push_back({"classifier pca", pca_work(n, tools.pca_options.neighbours),
+    stages.push_back({"classifier pca", pca_work(n, tools.pca_options.neighbors),
                       [prepared, pca = tools.pca] { pca->classify(prepared->voxels.points, 1); }});
   }
   stages.push_back({"octree", octree_work(n), [prepared] {

@@ -27,11 +27,11 @@ enum Stream : std::uint64_t { kTiltAxis = 301, kTiltOfSet = 302 };
 
 struct Set {
   const char* name;
-  planes::LabelledCloud (*make)(std::uint64_t seed, int index);
+  planes::LabeledCloud (*make)(std::uint64_t seed, int index);
 };
 
-planes::LabelledCloud stairs(double noise_m, std::uint64_t seed, int index) {
-  return labelled(make_stairs(index, {.seed = seed, .noise_m = noise_m}));
+planes::LabeledCloud stairs(double noise_m, std::uint64_t seed, int index) {
+  return labeled(make_stairs(index, {.seed = seed, .noise_m = noise_m}));
 }
 
 const std::array<Set, 6> kSets = {{
@@ -45,19 +45,19 @@ const std::array<Set, 6> kSets = {{
      [](std::uint64_t seed, int index) { return make_test_scan(seed, index); }},
 }};
 
-planes::LabelAccuracy accuracy_on(const planes::LabelledCloud& cloud,
+planes::LabelAccuracy accuracy_on(const planes::LabeledCloud& cloud,
                                   const planes::Classifier& classifier) {
   return planes::label_accuracy(cloud, classifier.classify(cloud.points, 1).labels);
 }
 
 }  // namespace
 
-planes::LabelledCloud tilted(const planes::LabelledCloud& cloud,
-                             double angle_deg,
-                             std::uint64_t seed) {
+planes::LabeledCloud tilted(const planes::LabeledCloud& cloud,
+                            double angle_deg,
+                            std::uint64_t seed) {
   const double azimuth_deg = 360 * random_uniform(seed, kTiltAxis, 0);
   const Mat3d turn = rotation({cos_deg(azimuth_deg), sin_deg(azimuth_deg), 0}, angle_deg);
-  planes::LabelledCloud turned = cloud;
+  planes::LabeledCloud turned = cloud;
   for (Vec3f& p : turned.points) p = (turn * p.cast<double>()).cast<float>();
   return turned;
 }
@@ -69,10 +69,10 @@ std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifier
   std::vector<LabelRow> of_cloud(kSets.size() * count * n);  // [sets][clouds][classifiers]
   const auto measure = [&](int number) {
     const auto work = static_cast<std::size_t>(number);
-    const planes::LabelledCloud cloud =
+    const planes::LabeledCloud cloud =
         kSets[work / count].make(options.seed, static_cast<int>(work % count));
     const std::uint64_t tilt_seed = random_bits(options.seed, kTiltOfSet, work);
-    const planes::LabelledCloud off = tilted(cloud, options.tilt_deg, tilt_seed);
+    const planes::LabeledCloud off = tilted(cloud, options.tilt_deg, tilt_seed);
     for (std::size_t c = 0; c < n; ++c) {
       const planes::Classifier& classifier = *classifiers[c].classifier;
       of_cloud[work * n + c].level = accuracy_on(cloud, classifier);
@@ -184,7 +184,7 @@ SpeedRow race(const BenchNetwork& network,
   const std::vector<Simd> sets = instruction_sets();
   for (const Simd simd : sets)
     classifiers.push_back(planes::make_gcn_classifier(network.weights, network.name, simd));
-  const planes::PcaClassifierOptions pca{.neighbours = 16};
+  const planes::PcaClassifierOptions pca{.neighbors = 16};
   classifiers.push_back(make_nanoflann_pca_classifier(pca));
   classifiers.push_back(planes::make_pca_classifier(pca));
 
@@ -209,7 +209,7 @@ ReferenceRow race_reference(const BenchNetwork& network,
                             Turns& turns) {
   const planes::NetworkConfig& config = network.weights.config;
   const Simd simd = best_simd();
-  const planes::NeighbourGrid grid(cloud, config.neighbours + 1);
+  const planes::NeighborGrid grid(cloud, config.neighbors + 1);
   const std::span<const Vec3f> points = grid.points();  // pooling depends on this order
   const PlainGraph plain_graph = make_plain_graph(points, config);
   const PlainNetwork<float> plain{config, network.weights.tensors};

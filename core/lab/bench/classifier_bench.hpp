@@ -54,9 +54,9 @@ std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifier
                                      const std::function<void(int, int)>& progress = {});
 
 /// Rotates the cloud by exactly `angle_deg` about a horizontal axis of random direction.
-planes::LabelledCloud tilted(const planes::LabelledCloud& cloud,
-                             double angle_deg,
-                             std::uint64_t seed);
+planes::LabeledCloud tilted(const planes::LabeledCloud& cloud,
+                            double angle_deg,
+                            std::uint64_t seed);
 
 /// Planes of staircases labeled by a classifier.
 struct ChainRow {

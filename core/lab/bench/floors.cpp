@@ -108,8 +108,8 @@ Work voxel_work(std::size_t points, std::size_t kept, std::size_t voxels) {
           9 * real(kept) + 3 * real(voxels)};
 }
 
-Work pca_work(std::size_t points, int neighbours) {
-  return {(kPoint + kByte + 4) * real(points), 15.0 * neighbours * real(points)};
+Work pca_work(std::size_t points, int neighbors) {
+  return {(kPoint + kByte + 4) * real(points), 15.0 * neighbors * real(points)};
 }
 
 Work gcn_work(std::size_t points, const planes::NetworkConfig& network) {
@@ -120,13 +120,13 @@ Work gcn_work(std::size_t points, const planes::NetworkConfig& network) {
   double n = real(points), in = 0, width = 0;
   for (std::size_t l = 0; l < network.levels.size(); ++l) {
     if (l > 0) n = std::ceil(n / network.pool_rate);
-    const double neighbours = std::max(0.0, std::min<double>(network.neighbours, n - 1));
+    const double neighbors = std::max(0.0, std::min<double>(network.neighbors, n - 1));
     width = 0;
     for (const int out : network.levels[l]) {
       // Center and supports of every point; the angle with every neighbor, and its product with the
       // neighbor's feature, which the surface convolution lacks.
       work.flops += 2 * n * in * (supports + 1) * out;
-      work.flops += n * neighbours * supports * out * (in > 0 ? 6 : 5);
+      work.flops += n * neighbors * supports * out * (in > 0 ? 6 : 5);
       in = out;
       width += out;
     }

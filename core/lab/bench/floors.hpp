@@ -41,7 +41,7 @@ Work cloud_work(std::size_t frame_bytes, std::size_t points);
 /// Cells and sums of the points, a mean for each voxel: 9 and 3.
 Work voxel_work(std::size_t points, std::size_t kept, std::size_t voxels);
 /// Mean and scatter of the neighbors of each point: 15 each.
-Work pca_work(std::size_t points, int neighbours);
+Work pca_work(std::size_t points, int neighbors);
 /// The network's matrices and, for each kernel, its angle with every neighbor.
 Work gcn_work(std::size_t points, const planes::NetworkConfig& network);
 /// Cells: 6 for each point; writes points, labels, keys, order and counts of labels.

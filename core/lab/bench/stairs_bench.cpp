@@ -70,7 +70,7 @@ int steps_in_sequence(const std::vector<SeenStep>& seen, int least_px) {
 }
 
 std::string true_stairs_json(const std::string& set,
-                             const std::vector<ToldStairs>& frames,
+                             const std::vector<FrameStairs>& frames,
                              double max_range_m) {
   using Json = nlohmann::ordered_json;
   Json json = {{"schema", "planescope.true_stairs/1"},
@@ -78,20 +78,20 @@ std::string true_stairs_json(const std::string& set,
                {"max_range_m", max_range_m},
                {"least_px", kSeenPixels},
                {"frames", Json::array()}};
-  for (const ToldStairs& told : frames) {
-    Json frame = {{"frame", told.frame},
-                  {"direction", told.stairs.seen_from_above ? "down" : "up"},
-                  {"count", told.stairs.steps.size()},
-                  {"seen", steps_in_sequence(told.seen, kSeenPixels)},
-                  {"rise_m", told.stairs.rise_m},
-                  {"going_m", told.stairs.going_m},
-                  {"width_m", told.stairs.width_m},
+  for (const FrameStairs& found : frames) {
+    Json frame = {{"frame", found.frame},
+                  {"direction", found.stairs.seen_from_above ? "down" : "up"},
+                  {"count", found.stairs.steps.size()},
+                  {"seen", steps_in_sequence(found.seen, kSeenPixels)},
+                  {"rise_m", found.stairs.rise_m},
+                  {"going_m", found.stairs.going_m},
+                  {"width_m", found.stairs.width_m},
                   {"steps", Json::array()}};
-    for (std::size_t s = 0; s < told.seen.size(); ++s)
-      frame["steps"].push_back({{"before", told.stairs.steps[s].before},
-                                {"tread", told.stairs.steps[s].tread},
-                                {"before_px", told.seen[s].before_px},
-                                {"tread_px", told.seen[s].tread_px}});
+    for (std::size_t s = 0; s < found.seen.size(); ++s)
+      frame["steps"].push_back({{"before", found.stairs.steps[s].before},
+                                {"tread", found.stairs.steps[s].tread},
+                                {"before_px", found.seen[s].before_px},
+                                {"tread_px", found.seen[s].tread_px}});
     json["frames"].push_back(std::move(frame));
   }
   return json.dump(1) + "\n";

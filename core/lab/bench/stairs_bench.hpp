@@ -31,14 +31,14 @@ std::vector<SeenStep> seen_steps(const EvaluationFrame& frame, double max_range_
 int steps_in_sequence(const std::vector<SeenStep>& seen, int least_px);
 
 /// The stairs of a set's frame, for JSON.
-struct ToldStairs {
+struct FrameStairs {
   std::string frame;
   TrueStairs stairs;
   std::vector<SeenStep> seen;  // within max_range_m of depth
 };
 /// schema "planescope.true_stairs/1".
 std::string true_stairs_json(const std::string& set,
-                             const std::vector<ToldStairs>& frames,
+                             const std::vector<FrameStairs>& frames,
                              double max_range_m);
 
 struct StairsBenchOptions {

@@ -127,7 +127,7 @@ std::string contestant_name(const CellKey& key) {
 planes::PipelineOptions cell_options(const CellKey& key) {
   planes::PipelineOptions options;
   options.threads = 1;
-  if (key.set == kRealLabelled) options.cloud.max_range_m = 4;  // all of it is farther than 1.5 m
+  if (key.set == kRealLabeled) options.cloud.max_range_m = 4;  // all of it is farther than 1.5 m
   if (key.points > 0) options.cloud.voxel_size_m = 0;  // points are scored, each its own voxel
   if (key.method != "ours") {
     options.method = find_library_rival(key.method) ? planes::Method::region_growing
@@ -172,8 +172,8 @@ std::vector<CellKey> planned_cells(const PaperPlan& plan) {
       cells.add_methods(frames);
       if (error == "d435") cells.add_ablation(frames);
     }
-  if (plan.real_labelled) {
-    const CellKey frame{.set = kRealLabelled};
+  if (plan.real_labeled) {
+    const CellKey frame{.set = kRealLabeled};
     for (const std::string& profile : kProfiles) cells.add(with_ours(frame, profile, "gcn"));
     cells.add_methods(frame);
   }
@@ -191,7 +191,7 @@ std::vector<CellKey> planned_cells(const PaperPlan& plan) {
 }
 
 int planned_frames(const PaperPlan& plan, const std::string& set) {
-  int frames = set == kRealLabelled ? 1 : find_evaluation_set(set).frames;
+  int frames = set == kRealLabeled ? 1 : find_evaluation_set(set).frames;
   if (plan.quick) frames = std::min(frames, set == kStairs ? 8 : 2);
   return plan.count > 0 ? std::min(frames, plan.count) : frames;
 }

@@ -49,7 +49,7 @@ struct Cell {
 inline constexpr const char* kRansacCoarse = "theta_pf 0.02";
 
 // Names of sets and conditions in cells.
-inline constexpr const char* kRealLabelled = "icl_nuim";  // the labeled frame of $PLANESCOPE_DATA
+inline constexpr const char* kRealLabeled = "icl_nuim";  // the labeled frame of $PLANESCOPE_DATA
 const std::vector<std::string>& depth_sets();
 
 /// Keys without a method: only the frames.
@@ -84,7 +84,7 @@ struct PaperPlan {
   std::vector<std::string> sets = {};  // empty: all
   int count = 0;                       // maximum frames of a set; 0: no limit
   bool quick = false;                  // fewer conditions of the sets that are not in the paper
-  bool real_labelled = false;          // with the labeled frame
+  bool real_labeled = false;           // with the labeled frame
 };
 /// In the order of the tables, unique; cells of the same frames are adjacent.
 std::vector<CellKey> planned_cells(const PaperPlan& plan);

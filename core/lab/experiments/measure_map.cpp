@@ -93,13 +93,13 @@ class Scoring {
  public:
   Scoring(const Walk& walk, MapScore& score) : walk_(walk), score_(score) {}
 
-  void take(const world::ObservedFrame& frame, const world::FrameOfTracks& told) {
+  void take(const world::ObservedFrame& frame, const world::FrameOfTracks& tracked) {
     const SampleFrame& sample = walk_.frames[frame.frame];
     const Image16& truth = sample.truth.plane;
     const int most = walk_.sequence.scene.planes;
     const auto planes = static_cast<int>(frame.planes.size());
     std::vector<int> votes(static_cast<std::size_t>(planes + 1) * (most + 1), 0);
-    std::vector<double> in_sight_m2(most + 1, 0);
+    std::vector<double> visible_m2(most + 1, 0);
     const Intrinsics& k = frame.intrinsics;
     for (int v = 0; v < k.height; ++v)
       for (int u = 0; u < k.width; ++u) {
@@ -110,7 +110,7 @@ class Scoring {
         if (const int p = frame.plane_of.at(u, v); p > 0)
           ++votes[static_cast<std::size_t>(p) * (most + 1) + id];
         if (id <= 0 || id > most) continue;
-        in_sight_m2[id] += z * z / (k.fx * k.fy);
+        visible_m2[id] += z * z / (k.fx * k.fy);
         if (u % 4 == 0 && v % 4 == 0)
           see(id, *sample.T_world_camera, Vec3d((u - k.cx) / k.fx, (v - k.cy) / k.fy, 1));
       }
@@ -123,10 +123,10 @@ class Scoring {
       const auto first = votes.begin() + static_cast<std::ptrdiff_t>(p) * (most + 1);
       const auto best = std::max_element(first, first + most + 1);
       const int id = static_cast<int>(best - first);
-      if (frame.planes[p - 1].minor && told.track_of[p - 1] == 0) continue;
+      if (frame.planes[p - 1].minor && tracked.track_of[p - 1] == 0) continue;
       if (id == 0 || 2 * *best < std::accumulate(first, first + most + 1, 0)) continue;
       ++score_.plane_frames;
-      if (Found& f = found[id]; *best > f.pixels) f = {told.track_of[p - 1], *best};
+      if (Found& f = found[id]; *best > f.pixels) f = {tracked.track_of[p - 1], *best};
     }
     for (const auto& [id, f] : found) {
       TrueTrack& track = true_[id];
@@ -138,7 +138,7 @@ class Scoring {
       track.track = f.track;
     }
     for (int id = 1; id <= most; ++id) {
-      if (in_sight_m2[id] < kInSight_m2)
+      if (visible_m2[id] < kInSight_m2)
         true_[id].missed = false, true_[id].last_seen = std::min(true_[id].last_seen, -2);
       else if (!found.contains(id))
         true_[id].missed = true;
@@ -263,8 +263,8 @@ MapScore measure_map(const MapBenchOptions& options,
   job.classifier = &classifier;
   job.tracks = options.tracks;
   job.threads = options.pipeline.threads;
-  job.on_frame = [&](const world::ObservedFrame& frame, const world::FrameOfTracks& told) {
-    scoring.take(frame, told);
+  job.on_frame = [&](const world::ObservedFrame& frame, const world::FrameOfTracks& tracked) {
+    scoring.take(frame, tracked);
   };
   job.progress = [&](const char*, int done, int) {
     if (progress) progress(options.sequence.frames + std::min(done, options.sequence.frames), all);

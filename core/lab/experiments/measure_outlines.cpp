@@ -171,7 +171,7 @@ void add_space(const planes::FootSpace& space, FootScore& score) {
 /// Counts whether a foot would be off every surface, or at a hidden place.
 void add_place(const TrueScene& scene,
                const Outline& outline,
-               const Vec2d& centre,
+               const Vec2d& center,
                double radius_m,
                const Pose& T_sensor_world,
                FootScore& score) {
@@ -180,7 +180,7 @@ void add_place(const TrueScene& scene,
   for (int i = 0; i < 9; ++i) {
     const double angle = i * M_PI / 4;
     const Vec2d rim = (i < 8 ? radius_m : 0) * Vec2d(std::cos(angle), std::sin(angle));
-    const Vec3d p = T_sensor_world * outline.world(centre + rim);
+    const Vec3d p = T_sensor_world * outline.world(center + rim);
     off |= scene.is_off(p);
     hidden |= scene.is_hidden(p, normal);
   }
@@ -203,11 +203,11 @@ void add_places(const TrueScene& scene,
   }
   for (double y = std::ceil(low.y() / kGridM) * kGridM; y <= high.y(); y += kGridM)
     for (double x = std::ceil(low.x() / kGridM) * kGridM; x <= high.x(); x += kGridM) {
-      const Vec2d centre(x, y);
-      if (planes::is_in(area.outer, centre) &&
+      const Vec2d center(x, y);
+      if (planes::is_in(area.outer, center) &&
           std::ranges::none_of(area.holes,
-                               [&](const auto& hole) { return planes::is_in(hole, centre); }))
-        add_place(scene, outline, centre, radius_m, T_sensor_world, score);
+                               [&](const auto& hole) { return planes::is_in(hole, center); }))
+        add_place(scene, outline, center, radius_m, T_sensor_world, score);
     }
 }
 

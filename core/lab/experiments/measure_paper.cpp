@@ -60,9 +60,9 @@ std::vector<planes::Metrics> score_frame_of(const EvaluationFrame& frame,
 }  // namespace
 
 EvaluationFrame cell_frame(const CellKey& key, int index, const CellTools& tools) {
-  if (key.set == kRealLabelled) {
-    assert(tools.real_labelled);
-    return *tools.real_labelled;
+  if (key.set == kRealLabeled) {
+    assert(tools.real_labeled);
+    return *tools.real_labeled;
   }
   EvaluationOptions options;
   options.seed = key.seed;
@@ -92,7 +92,7 @@ std::vector<Cell> measure_cells(std::span<const CellKey> keys,
 // One frame of ICL-NUIM (Handa et al. 2014), with the plane labels of EVOPS (Kornilova et al.
 // 2022).
 
-std::optional<EvaluationFrame> read_real_labelled(const std::filesystem::path& data) {
+std::optional<EvaluationFrame> read_real_labeled(const std::filesystem::path& data) {
   const std::filesystem::path dir = data / "NOT_REAL_icl_nuim_with_plane_gt";
   if (data.empty() || !std::filesystem::is_directory(dir)) return std::nullopt;
   const auto recording =
@@ -102,7 +102,7 @@ std::optional<EvaluationFrame> read_real_labelled(const std::filesystem::path& d
   out.name = out.frame.name;
   out.frame.gravity = Gravity{Vec3d::UnitY(), GravitySource::sidecar, 1, "the camera is level"};
   const std::filesystem::path labels = dir / "gt_0.npy";
-  out.labels = labels::labels_of_points(labels::read_labelled(labels, labels::LabelFormat::evops),
+  out.labels = labels::labels_of_points(labels::read_labeled(labels, labels::LabelFormat::evops),
                                         labels::make_label_grid(out.frame, *out.frame.gravity),
                                         recording->frame_hash(0), labels.string());
   return out;

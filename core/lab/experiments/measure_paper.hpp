@@ -18,8 +18,8 @@ namespace planescope::lab {
 inline constexpr int kMinTruthVoxels = 20;
 
 struct CellTools : Labellers {
-  std::optional<EvaluationFrame> real_labelled;  // if a plan includes it
-  int threads = 1;                               // over frames
+  std::optional<EvaluationFrame> real_labeled;  // if a plan includes it
+  int threads = 1;                              // over frames
 };
 
 /// Frame `index` of a cell's set.
@@ -35,7 +35,7 @@ std::vector<Cell> measure_cells(std::span<const CellKey> keys,
 
 /// The labeled frame of ICL-NUIM's living room below a folder of recordings; nullopt if it is
 /// missing. Throws Error if it is damaged.
-std::optional<EvaluationFrame> read_real_labelled(const std::filesystem::path& data);
+std::optional<EvaluationFrame> read_real_labeled(const std::filesystem::path& data);
 
 /// Options of the timings: the paper's Table II, and the frames per second beside Table V.
 struct TimingOptions {

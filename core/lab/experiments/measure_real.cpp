@@ -61,7 +61,7 @@ std::vector<CellKey> real_methods() { return methods_with({"refined", "paper", "
 EvaluationFrame read_listed(const ListedFrame& listed,
                             const std::filesystem::path& data,
                             const std::filesystem::path& labels) {
-  const LabelledName& name = listed.name;
+  const LabeledName& name = listed.name;
   const auto recording = io::open_recording(data / name.recording, listed.reading.recording);
   if (name.frame >= recording->frame_count())
     throw Error(fmt::format("{}: {} is frame {}, but the recording has {} frames",
@@ -79,10 +79,10 @@ EvaluationFrame read_listed(const ListedFrame& listed,
   return out;
 }
 
-std::vector<MethodScores> measure_labelled(std::span<const ListedFrame> listed,
-                                           std::span<const EvaluationFrame> frames,
-                                           const CellTools& tools,
-                                           const std::function<void(int, int)>& progress) {
+std::vector<MethodScores> measure_labeled(std::span<const ListedFrame> listed,
+                                          std::span<const EvaluationFrame> frames,
+                                          const CellTools& tools,
+                                          const std::function<void(int, int)>& progress) {
   const std::vector<CellKey> methods = real_methods();
   const auto measure = [&](int i) {
     const auto k = static_cast<std::size_t>(i);
@@ -135,7 +135,7 @@ std::vector<RepeatScores> measure_repeat(const io::Recording& recording,
     RepeatScores& scores = result.emplace_back();
     scores.method = methods[m];
     for (std::size_t i = 0; i + step < seen[m].size(); ++i)
-      scores.neighbours.push_back(compare_neighbours(seen[m][i].planes, seen[m][i + step].planes));
+      scores.neighbors.push_back(compare_neighbors(seen[m][i].planes, seen[m][i + step].planes));
     for (const Seen& frame : seen[m]) scores.floor.push_back(frame.floor);
   }
   return result;
@@ -209,11 +209,11 @@ PixelPlanes pixel_planes(const planes::FrameResult& result) {
   return planes;
 }
 
-Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next) {
+Neighbors compare_neighbors(const PixelPlanes& first, const PixelPlanes& next) {
   assert(first.plane_of.size() == next.plane_of.size());
   const planes::TruthOverlap overlap = planes::count_truth_overlap(first.plane_of, next.plane_of);
   const std::vector<int> match = planes::found_of_truth(overlap);
-  Neighbours result;
+  Neighbors result;
   std::vector<std::pair<int, int>> partners;
   for (int plane = 1; plane <= overlap.truth; ++plane) {
     if (overlap.truth_size[plane] < kLeastRepeatPixels) continue;

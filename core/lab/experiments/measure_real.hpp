@@ -26,13 +26,13 @@ constexpr std::array<const char*, 2> names_of(Half) { return {"tuning", "printed
 inline const char* to_string(Half half) { return names_of(half)[static_cast<std::size_t>(half)]; }
 
 /// A frame of a recording.
-struct LabelledName {
+struct LabeledName {
   std::string name;  // of the folder with its labels
   Half half = Half::tuning;
   std::string recording;  // below the folder of recordings
   int frame = 0;
 };
-void visit_fields(auto& fields, Same<LabelledName> auto& name) {
+void visit_fields(auto& fields, Same<LabeledName> auto& name) {
   fields("name", name.name);
   fields("half", name.half);
   fields("recording", name.recording);
@@ -54,7 +54,7 @@ struct Reading {
 
 /// A frame in a list of labeled frames.
 struct ListedFrame {
-  LabelledName name;
+  LabeledName name;
   Reading reading;
 };
 
@@ -72,10 +72,10 @@ EvaluationFrame read_listed(const ListedFrame& listed,
 std::vector<CellKey> real_methods();
 
 /// Scores real_methods(). `frames[i]` was read from `listed[i]`.
-std::vector<MethodScores> measure_labelled(std::span<const ListedFrame> listed,
-                                           std::span<const EvaluationFrame> frames,
-                                           const CellTools& tools,
-                                           const std::function<void(int, int)>& progress = {});
+std::vector<MethodScores> measure_labeled(std::span<const ListedFrame> listed,
+                                          std::span<const EvaluationFrame> frames,
+                                          const CellTools& tools,
+                                          const std::function<void(int, int)>& progress = {});
 
 /// The same methods, except that ours use only the profile refined, on the first `count` frames of
 /// a depth set, 0: all frames. True planes with fewer voxels than kMinTruthVoxels are not scored.
@@ -101,7 +101,7 @@ PixelPlanes pixel_planes(const planes::FrameResult& result);
 
 /// Changes of a frame's planes in the next frame. They include the camera's motion, which is the
 /// same for every method.
-struct Neighbours {
+struct Neighbors {
   int planes = 0;    // of at least kLeastRepeatPixels, in the first frame
   int partners = 0;  // of those, with a partner in the next
   // For partners.
@@ -112,7 +112,7 @@ struct Neighbours {
   // planes.
   std::vector<double> angle_jumps_sigmas;
 };
-void visit_fields(auto& fields, Same<Neighbours> auto& n) {
+void visit_fields(auto& fields, Same<Neighbors> auto& n) {
   fields("planes", n.planes);
   fields("partners", n.partners);
   fields("offset_jumps_m", n.offset_jumps_m);
@@ -120,7 +120,7 @@ void visit_fields(auto& fields, Same<Neighbours> auto& n) {
   fields("angle_jumps_sigmas", n.angle_jumps_sigmas);
 }
 /// Compares pixels at equal positions, regardless of camera motion. The images have the same size.
-Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next);
+Neighbors compare_neighbors(const PixelPlanes& first, const PixelPlanes& next);
 
 /// The floor of a depth frame, found from its pixels alone, independent of the method: the level
 /// below the camera with the most pixels within 3 cm, then a plane fitted to nearby pixels, five
@@ -146,8 +146,8 @@ FloorPieces floor_pieces(std::span<const std::uint8_t> floor, const PixelPlanes&
 /// A method's scores on frames of a recording.
 struct RepeatScores {
   CellKey method;
-  std::vector<Neighbours> neighbours;  // frames i and i + step
-  std::vector<FloorPieces> floor;      // by frame
+  std::vector<Neighbors> neighbors;  // frames i and i + step
+  std::vector<FloorPieces> floor;    // by frame
 };
 /// Runs on the first `count` frames of a recording, 0: all frames. Compares each with the frame
 /// `step` later.

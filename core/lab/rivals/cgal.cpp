@@ -37,14 +37,14 @@ using NormalMap = MemberMap<Kernel::Vector_3, &OrientedPoint::normal>;
 
 constexpr std::size_t kFewestPoints = 3;
 
-OrientedPoints with_normals(std::span<const Vec3f> points, int neighbours) {
+OrientedPoints with_normals(std::span<const Vec3f> points, int neighbors) {
   OrientedPoints oriented(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3f& p = points[i];
     oriented[i] = {{p.x(), p.y(), p.z()}, {}, i};
   }
   CGAL::pca_estimate_normals<CGAL::Sequential_tag>(
-      oriented, static_cast<unsigned>(neighbours),
+      oriented, static_cast<unsigned>(neighbors),
       CGAL::parameters::point_map(PointMap()).normal_map(NormalMap()));
   return oriented;
 }
@@ -85,17 +85,17 @@ planes::FoundPlanes cgal_region_growing(std::span<const Vec3f> points, bool by_p
   const OrientedPoints oriented = with_normals(points, 20);
 
   namespace on_points = detection::Point_set;
-  using Neighbours = on_points::K_neighbor_query<Kernel, OrientedPoints, PointMap>;
+  using Neighbors = on_points::K_neighbor_query<Kernel, OrientedPoints, PointMap>;
   using Region =
       on_points::Least_squares_plane_fit_region<Kernel, OrientedPoints, PointMap, NormalMap>;
   using Order =
-      on_points::Least_squares_plane_fit_sorting<Kernel, OrientedPoints, Neighbours, PointMap>;
-  Neighbours neighbours(oriented, 12);
+      on_points::Least_squares_plane_fit_sorting<Kernel, OrientedPoints, Neighbors, PointMap>;
+  Neighbors neighbors(oriented, 12);
   Region region(oriented, by_point ? 0.012 : 0.015, by_point ? 45 : 42, by_point ? 100 : 30);
-  Order order(oriented, neighbours);  // the most planar surroundings first
+  Order order(oriented, neighbors);  // the most planar surroundings first
   order.sort();
-  detection::Region_growing<OrientedPoints, Neighbours, Region, Order::Seed_map> growing(
-      oriented, neighbours, region, order.seed_map());
+  detection::Region_growing<OrientedPoints, Neighbors, Region, Order::Seed_map> growing(
+      oriented, neighbors, region, order.seed_map());
   std::vector<std::vector<std::size_t>> regions;
   growing.detect(std::back_inserter(regions));
 

@@ -35,16 +35,16 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<fl
                                                  std::uint32_t>;
 
 Vec3d normal_of(std::span<const Vec3f> points,
-                std::span<const std::uint32_t> neighbours,
+                std::span<const std::uint32_t> neighbors,
                 const Vec3f& about) {
   Vec3d sum = Vec3d::Zero();
   Mat3d squares = Mat3d::Zero();
-  for (const std::uint32_t j : neighbours) {
+  for (const std::uint32_t j : neighbors) {
     const Vec3d d = (points[j] - about).cast<double>();
     sum += d;
     squares += d * d.transpose();
   }
-  const double n = static_cast<double>(neighbours.size());
+  const double n = static_cast<double>(neighbors.size());
   Eigen::SelfAdjointEigenSolver<Mat3d> solver;
   solver.computeDirect(squares - sum * sum.transpose() / n);
   return solver.eigenvectors().col(0);
@@ -53,7 +53,7 @@ Vec3d normal_of(std::span<const Vec3f> points,
 class NanoflannPcaClassifier final : public planes::Classifier {
  public:
   explicit NanoflannPcaClassifier(const planes::PcaClassifierOptions& options)
-      : neighbours_(static_cast<std::size_t>(options.neighbours)),
+      : neighbors_(static_cast<std::size_t>(options.neighbors)),
         boundary_(std::cos(options.max_angle_deg * std::numbers::pi / 180)) {}
 
   std::string name() const override { return "nanoflann"; }
@@ -72,12 +72,12 @@ class NanoflannPcaClassifier final : public planes::Classifier {
     result.margins.resize(points.size());
     // In tree order, so that consecutive searches share the cache.
     parallel_for(points.size(), threads, [&](std::size_t begin, std::size_t end) {
-      std::vector<std::uint32_t> found(neighbours_);
-      std::vector<float> distances(neighbours_);
+      std::vector<std::uint32_t> found(neighbors_);
+      std::vector<float> distances(neighbors_);
       for (std::size_t n = begin; n < end; ++n) {
         const std::uint32_t i = tree.vAcc[n];
         const std::size_t count =
-            tree.knnSearch(points[i].data(), neighbours_, found.data(), distances.data());
+            tree.knnSearch(points[i].data(), neighbors_, found.data(), distances.data());
         const Vec3d normal = normal_of(points, std::span(found).first(count), points[i]);
         const double level = std::abs(normal.z()), lead = level - boundary_;
         result.labels[i] = lead >= 0 ? Label::h : Label::v;
@@ -89,7 +89,7 @@ class NanoflannPcaClassifier final : public planes::Classifier {
   }
 
   static constexpr std::size_t kLeafSize = 10;
-  std::size_t neighbours_;
+  std::size_t neighbors_;
   double boundary_;  // of the normal's z component
 };
 
@@ -169,7 +169,7 @@ Matrix<Real> support_features(const PlainGraph::Level& level,
   for (std::size_t i = 0; i < level.points.size(); ++i) {
     std::vector<Real> best(units.size(), 0);
     bool first = true;
-    for (const std::uint32_t j : level.neighbours[i]) {
+    for (const std::uint32_t j : level.neighbors[i]) {
       const auto d = direction<Real>(points[level.points[i]], points[level.points[j]]);
       for (std::size_t c = 0; c < units.size(); ++c) {
         const auto& u = units[c];
@@ -229,7 +229,7 @@ template <typename Real>
 Matrix<Real> pool(const PlainGraph::Level& level, const Matrix<Real>& x, int rate) {
   Matrix<Real> pooled;
   for (std::size_t i = 0; i < x.size(); i += static_cast<std::size_t>(rate)) {
-    const auto& row = level.pool_neighbours[i];
+    const auto& row = level.pool_neighbors[i];
     pooled.push_back(row.empty() ? x[i] : x[row[0]]);
     for (const std::uint32_t j : row)
       for (std::size_t c = 0; c < x[j].size(); ++c)
@@ -249,8 +249,8 @@ PlainGraph make_plain_graph(std::span<const Vec3f> points, const planes::Network
     level.points = kept;
     for (std::uint32_t i = 0; i < kept.size(); ++i) {
       const Vec3f& p = points[kept[i]];
-      level.neighbours.push_back(nearest(points, p, kept, i, config.neighbours));
-      level.pool_neighbours.push_back(nearest(points, p, kept, i, config.pool_neighbours));
+      level.neighbors.push_back(nearest(points, p, kept, i, config.neighbors));
+      level.pool_neighbors.push_back(nearest(points, p, kept, i, config.pool_neighbors));
     }
     for (const Vec3f& p : points)
       level.nearest.push_back(

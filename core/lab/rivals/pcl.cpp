@@ -24,8 +24,8 @@ using Normals = pcl::PointCloud<pcl::Normal>;
 constexpr float kNormalPx = 20;             // edge of the square for a normal
 constexpr float kLargestDepthStep = 0.02F;  // within a normal's square, relative to depth
 constexpr unsigned kFewestPixels = 300;     // of a plane, before refinement
-constexpr double kNeighboursDeg = 2.5;      // between neighbors' normals
-constexpr double kNeighboursM = 0.02;       // between neighbors' plane offsets, at a depth of 1 m
+constexpr double kNeighborsDeg = 2.5;       // between neighbors' normals
+constexpr double kNeighborsM = 0.02;        // between neighbors' plane offsets, at a depth of 1 m
 constexpr double kMostCurvature = 0.03;     // of a region: least eigenvalue / sum of all
 constexpr float kRefineM = 0.01F;           // of a pixel that joins a plane beside it
 
@@ -87,8 +87,8 @@ planes::FoundPlanes pcl_multi_plane(const planes::PixelPoints& input) {
 
   pcl::OrganizedMultiPlaneSegmentation<pcl::PointXYZ, pcl::Normal, pcl::Label> segmentation;
   segmentation.setMinInliers(kFewestPixels);
-  segmentation.setAngularThreshold(radians(kNeighboursDeg));
-  segmentation.setDistanceThreshold(kNeighboursM);
+  segmentation.setAngularThreshold(radians(kNeighborsDeg));
+  segmentation.setDistanceThreshold(kNeighborsM);
   segmentation.setMaximumCurvature(kMostCurvature);
   auto refinement =
       pcl::make_shared<pcl::PlaneRefinementComparator<pcl::PointXYZ, pcl::Normal, pcl::Label>>();
@@ -101,9 +101,9 @@ planes::FoundPlanes pcl_multi_plane(const planes::PixelPoints& input) {
               Eigen::aligned_allocator<pcl::PlanarRegion<pcl::PointXYZ>>>
       outlines;
   std::vector<pcl::ModelCoefficients> models;
-  std::vector<pcl::PointIndices> regions, labelled, boundaries;
+  std::vector<pcl::PointIndices> regions, labeled, boundaries;
   auto labels = pcl::make_shared<pcl::PointCloud<pcl::Label>>();
-  segmentation.segmentAndRefine(outlines, models, regions, labels, labelled, boundaries);
+  segmentation.segmentAndRefine(outlines, models, regions, labels, labeled, boundaries);
 
   const std::vector<std::int32_t> group_of_pixel = groups_of(regions, cloud->size());
   std::vector<std::int32_t> group_of(input.points.size(), 0);

@@ -42,9 +42,9 @@ planes::FrameResult run_method(const Frame& frame,
   if (rival->on_pixels && frame.is_cloud())
     throw Error(std::string("method ") + rival->name +
                 " supports only depth images, but this frame is a cloud");
-  planes::PipelineOptions unlabelled = options;
-  unlabelled.method = planes::Method::region_growing;
-  planes::FrameResult result{planes::prepare_frame(frame, unlabelled, nullptr), {}, {}};
+  planes::PipelineOptions unlabeled = options;
+  unlabeled.method = planes::Method::region_growing;
+  planes::FrameResult result{planes::prepare_frame(frame, unlabeled, nullptr), {}, {}};
   const bool by_point = options.cloud.voxel_size_m == 0;
   planes::FoundRegions found = planes::regions_of_rival(
       result,

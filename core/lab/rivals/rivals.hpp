@@ -75,14 +75,14 @@ struct PlainNetwork {
 struct PlainGraph {
   struct Level {
     std::vector<std::uint32_t> points;
-    std::vector<std::vector<std::uint32_t>> neighbours;       // config.neighbours each, or fewer
-    std::vector<std::vector<std::uint32_t>> pool_neighbours;  // config.pool_neighbours each
+    std::vector<std::vector<std::uint32_t>> neighbors;       // config.neighbors each, or fewer
+    std::vector<std::vector<std::uint32_t>> pool_neighbors;  // config.pool_neighbors each
     std::vector<std::uint32_t> nearest;  // in this level, of each point of level 0
   };
   std::vector<Level> levels;
 };
 
-/// `points` in the order of a NeighbourGrid: each level keeps every pool_rate-th. Brute force.
+/// `points` in the order of a NeighborGrid: each level keeps every pool_rate-th. Brute force.
 PlainGraph make_plain_graph(std::span<const Vec3f> points, const planes::NetworkConfig& config);
 
 /// Logits of each point, h then v.

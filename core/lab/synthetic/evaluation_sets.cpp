@@ -89,7 +89,7 @@ Gravity exact_gravity(const Vec3d& down) {
 }
 
 /// Ground truth of a scene, in a frame's coordinates.
-void tell_truth(EvaluationFrame& out, const Scene& scene, const Pose& T_frame_world) {
+void set_truth(EvaluationFrame& out, const Scene& scene, const Pose& T_frame_world) {
   out.frame.gravity = exact_gravity(T_frame_world.linear() * -Vec3d::UnitZ());
   out.normals.resize(scene.planes);
   for (const Surface& surface : scene.surfaces) {
@@ -158,7 +158,7 @@ void fill_cloud(EvaluationFrame& out,
   Scene scene;
   build(scene, random);
   turn(scene, Vec3d::Zero(), random.uniform(0, 360));
-  tell_truth(out, scene, Pose::Identity());
+  set_truth(out, scene, Pose::Identity());
   out.frame.cloud = sample_cloud(scene, o, random);
 }
 
@@ -206,7 +206,7 @@ void fill_depth(EvaluationFrame& out, BuildScene build, std::uint64_t seed, Dept
                     ? measure_with_pixel_noise(view.depth, model, noise_seed)
                     : measure_depth(view.depth, model, noise_seed);
   out.labels = true_labels(scene, T_world_camera, view.surfaces, frame);
-  tell_truth(out, scene, T_world_camera.inverse());
+  set_truth(out, scene, T_world_camera.inverse());
 }
 
 }  // namespace

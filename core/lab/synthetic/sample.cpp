@@ -308,7 +308,7 @@ std::vector<CameraPose> cameras_of(const SequenceOptions& options, const Walkway
 }
 
 /// Gravity as measured by a walking camera's accelerometer.
-Vec3d told_gravity(const SequenceOptions& options, const Vec3d& down, std::size_t index) {
+Vec3d measured_gravity(const SequenceOptions& options, const Vec3d& down, std::size_t index) {
   const double share = static_cast<double>(index) / std::max(1, options.frames - 1);
   const double turn = 360 * kStepRate_hz * kWalk_s * share;
   const auto noise = [&](std::uint64_t axis) {
@@ -359,7 +359,8 @@ SampleFrame make_sequence_frame(const SequenceOptions& options,
   sample.timestamp_s = static_cast<double>(index) / options.rate_hz;
   sample.frame.timestamp_s = *sample.timestamp_s;
   sample.frame.index = static_cast<int>(index);
-  if (options.imu) sample.gravity = told_gravity(options, sample.truth.gravity.direction, index);
+  if (options.imu)
+    sample.gravity = measured_gravity(options, sample.truth.gravity.direction, index);
   const std::size_t middle = sequence.cameras.size() / 2;
   if (options.covered && index >= middle && index < middle + kCovered)
     std::ranges::fill(sample.frame.depth.data, std::uint16_t{0});

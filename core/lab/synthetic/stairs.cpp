@@ -231,8 +231,8 @@ std::vector<TruePolygon> true_polygons(const Stairs& stairs) {
   return polygons;
 }
 
-planes::LabelledCloud labelled(const Stairs& stairs) {
-  planes::LabelledCloud cloud{"stairs", stairs.cloud.points, {}, {}};
+planes::LabeledCloud labeled(const Stairs& stairs) {
+  planes::LabeledCloud cloud{"stairs", stairs.cloud.points, {}, {}};
   const Mat3d turn_back = turn_of(stairs).transpose();
   const std::vector<Rectangle> faces = faces_of(stairs);
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {

@@ -79,7 +79,7 @@ Stairs make_stairs(int index, const StairsOptions& options);
 std::vector<TruePolygon> true_polygons(const Stairs& stairs);
 
 /// Its points and labels. Points within 2 cm of a face of the other label are near an edge.
-planes::LabelledCloud labelled(const Stairs& stairs);
+planes::LabeledCloud labeled(const Stairs& stairs);
 
 // ---- Clouds with many points or planes, for measuring scaling ----
 

@@ -188,12 +188,12 @@ struct Backward {
     for (std::size_t i = 0; i < level.n; ++i) {
       const float* dy = features[layer.level].data() + i * width + layer.column;
       if (layer.in > 0) std::copy_n(dy, layer.out, products.data() + i * columns);
-      if (level.neighbours == 0) continue;
+      if (level.neighbors == 0) continue;
       const std::uint16_t* winners = a.convolutions[c].winners.data() + i * kernels_count;
       for (int sc = 0; sc < kernels_count; ++sc) {
         const float g = dy[sc % layer.out];
         if (g == 0) continue;
-        const std::size_t k = static_cast<std::size_t>(level.neighbours);
+        const std::size_t k = static_cast<std::size_t>(level.neighbors);
         const float* to = level.directions.data() + 3 * i * k + winners[sc];
         const float d[3] = {to[0], to[k], to[2 * k]};
         const float along =
@@ -218,9 +218,9 @@ struct Backward {
       for (int c = 0; c < channels; ++c) {
         const std::size_t own = i * static_cast<std::size_t>(layers.config.pool_rate);
         const std::size_t winner =
-            from.pool_neighbours == 0
+            from.pool_neighbors == 0
                 ? own
-                : from.pool_rows[i * from.pool_neighbours + a.levels[l].winners[i * channels + c]];
+                : from.pool_rows[i * from.pool_neighbors + a.levels[l].winners[i * channels + c]];
         to[winner * width + c] += pooled[i * channels + c];
       }
   }
@@ -291,8 +291,8 @@ std::vector<float> point_weights(const planes::gcn::Graph& graph,
   for (std::size_t i = 0; i < level.n; ++i) {
     if (labels[i] == Label::unknown) continue;
     bool edge = false;
-    for (int k = 0; k < level.neighbours; ++k) {
-      const Label other = labels[level.rows[i * level.neighbours + k]];
+    for (int k = 0; k < level.neighbors; ++k) {
+      const Label other = labels[level.rows[i * level.neighbors + k]];
       edge |= other != Label::unknown && other != labels[i];
     }
     weights[i] = static_cast<float>(edge ? options.edge_weight : 1);
@@ -313,7 +313,7 @@ struct CloudGradient {
   std::vector<std::vector<float>> tensors;
 };
 
-CloudGradient cloud_gradient(const planes::LabelledCloud& cloud,
+CloudGradient cloud_gradient(const planes::LabeledCloud& cloud,
                              const planes::NetworkWeights& weights,
                              const planes::gcn::Layers& layers,
                              const TrainOptions& options,
@@ -368,7 +368,7 @@ double train_step(
       batch, threads,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t b = begin; b < end; ++b) {
-          const planes::LabelledCloud cloud = draw(std::uint64_t{1} * state.step * batch + b);
+          const planes::LabeledCloud cloud = draw(std::uint64_t{1} * state.step * batch + b);
           gradients[b] = cloud_gradient(cloud, state.weights, layers, options, simd);
         }
       },
@@ -403,7 +403,7 @@ double train_step(
 }
 
 planes::LabelAccuracy score_network(const planes::NetworkWeights& weights,
-                                    std::span<const planes::LabelledCloud> clouds,
+                                    std::span<const planes::LabeledCloud> clouds,
                                     int threads,
                                     Simd simd) {
   const auto classifier = planes::make_gcn_classifier(weights, weights.config.name, simd);

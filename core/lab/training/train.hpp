@@ -52,7 +52,7 @@ TrainState begin_training(const TrainOptions& options);
 
 /// `draw(number)`: returns the cloud of that number; clouds step * batch .. + batch - 1 make a
 /// step. Called from several threads.
-using DrawCloud = std::function<planes::LabelledCloud(std::uint64_t number)>;
+using DrawCloud = std::function<planes::LabeledCloud(std::uint64_t number)>;
 
 /// One step; returns its loss. Independent of the number of threads and the instruction set.
 double train_step(TrainState& state,
@@ -63,7 +63,7 @@ double train_step(TrainState& state,
 
 /// Accuracy of a network over all points of the clouds.
 planes::LabelAccuracy score_network(const planes::NetworkWeights& weights,
-                                    std::span<const planes::LabelledCloud> clouds,
+                                    std::span<const planes::LabeledCloud> clouds,
                                     int threads,
                                     Simd simd = best_simd());
 

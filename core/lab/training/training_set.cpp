@@ -27,7 +27,7 @@ namespace {
 
 enum ScanStream : std::uint64_t { kView = 1, kCamera = 2, kTestScene = 3, kComposedTest = 104 };
 
-bool is_worth_learning(const planes::LabelledCloud& scan) {
+bool is_worth_learning(const planes::LabeledCloud& scan) {
   constexpr std::size_t kLeastVoxels = 300;
   const auto h = std::count(scan.labels.begin(), scan.labels.end(), Label::h);
   return scan.labels.size() >= kLeastVoxels && h > 0 && h < std::ssize(scan.labels);
@@ -68,28 +68,28 @@ double real_range_m(std::uint64_t seed) {
 }
 
 /// The first useful view of a composed scene.
-planes::LabelledCloud scan_composed_scene(std::uint64_t seed,
-                                          double voxel_size_m,
-                                          D435Model (*camera)(std::uint64_t),
-                                          double (*range_m)(std::uint64_t),
-                                          bool mark_edges) {
+planes::LabeledCloud scan_composed_scene(std::uint64_t seed,
+                                         double voxel_size_m,
+                                         D435Model (*camera)(std::uint64_t),
+                                         double (*range_m)(std::uint64_t),
+                                         bool mark_edges) {
   for (std::uint64_t view = 0;; ++view) {
     const std::uint64_t view_seed = random_bits(seed, kView, view);
     const Scene scene = compose_scene(view_seed);
-    planes::LabelledCloud scan = make_scan(scene, camera(view_seed), voxel_size_m, view_seed,
-                                           mark_edges, range_m(view_seed));
+    planes::LabeledCloud scan = make_scan(scene, camera(view_seed), voxel_size_m, view_seed,
+                                          mark_edges, range_m(view_seed));
     if (is_worth_learning(scan)) return scan;
   }
 }
 
 }  // namespace
 
-planes::LabelledCloud make_scan(const Scene& scene,
-                                const D435Model& model,
-                                double voxel_size_m,
-                                std::uint64_t seed,
-                                bool mark_edges,
-                                double max_range_m) {
+planes::LabeledCloud make_scan(const Scene& scene,
+                               const D435Model& model,
+                               double voxel_size_m,
+                               std::uint64_t seed,
+                               bool mark_edges,
+                               double max_range_m) {
   FrameLabels truth;
   const Frame frame = render_scene(scene, scene.camera, model, seed, &truth);
   const planes::Cloud cloud =
@@ -99,7 +99,7 @@ planes::LabelledCloud make_scan(const Scene& scene,
   labels.reserve(cloud.source.size());
   for (const std::uint32_t pixel : cloud.source) labels.push_back(truth.hv.data[pixel]);
 
-  planes::LabelledCloud scan;
+  planes::LabeledCloud scan;
   scan.kind = "scan";
   const std::vector<std::uint8_t> votes = planes::vote_labels(voxels, labels);
   for (std::size_t v = 0; v < votes.size(); ++v) {
@@ -115,14 +115,12 @@ planes::LabelledCloud make_scan(const Scene& scene,
   return scan;
 }
 
-planes::LabelledCloud make_training_scan(std::uint64_t seed,
-                                         double voxel_size_m,
-                                         bool real_errors) {
+planes::LabeledCloud make_training_scan(std::uint64_t seed, double voxel_size_m, bool real_errors) {
   return scan_composed_scene(seed, voxel_size_m, real_errors ? real_camera : varied_camera,
                              real_errors ? real_range_m : usual_range_m, /*mark_edges=*/false);
 }
 
-planes::LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
+planes::LabeledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
   const std::uint64_t scan_seed =
       random_bits(seed, kComposedTest, static_cast<std::uint64_t>(index));
   return scan_composed_scene(
@@ -130,18 +128,18 @@ planes::LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, dou
       /*mark_edges=*/true);
 }
 
-planes::LabelledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
+planes::LabeledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
   const auto i = static_cast<std::uint64_t>(index);
   const std::uint64_t scan_seed = random_bits(seed, kTestScene, i);
   const Scene scene = make_scene(scene_names()[i % scene_names().size()], scan_seed);
   return make_scan(scene, usual_camera(), voxel_size_m, scan_seed, /*mark_edges=*/true);
 }
 
-std::vector<planes::LabelledCloud> make_test_scans(std::uint64_t seed,
-                                                   int count,
-                                                   double voxel_size_m,
-                                                   int threads) {
-  std::vector<planes::LabelledCloud> scans(static_cast<std::size_t>(count));
+std::vector<planes::LabeledCloud> make_test_scans(std::uint64_t seed,
+                                                  int count,
+                                                  double voxel_size_m,
+                                                  int threads) {
+  std::vector<planes::LabeledCloud> scans(static_cast<std::size_t>(count));
   const auto make = [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       scans[i] = make_test_scan(seed, static_cast<int>(i), voxel_size_m);
@@ -156,13 +154,13 @@ namespace {
 
 // Clean and axis-aligned, with sizes drawn uniformly from the paper's ranges.
 
-planes::LabelledCloud sampled(const char* kind,
-                              std::span<const Rectangle> faces,
-                              int points,
-                              Random& random) {
+planes::LabeledCloud sampled(const char* kind,
+                             std::span<const Rectangle> faces,
+                             int points,
+                             Random& random) {
   const auto count = static_cast<std::size_t>(points);
   SurfacePoints surface = sample_surface(faces, count, Mat3d::Identity(), random);
-  planes::LabelledCloud cloud{kind, std::move(surface.points), {}};
+  planes::LabeledCloud cloud{kind, std::move(surface.points), {}};
   for (const std::uint32_t face : surface.rectangle)
     cloud.labels.push_back(label_of_normal(faces[face].normal));
   return cloud;
@@ -179,7 +177,7 @@ void add_floor(std::vector<Rectangle>& faces, double length, double width, doubl
 }
 
 /// 2 to 6 steps of length 0.2-0.4 m, width 0.2-1.5 m and height 0.08-0.3 m.
-planes::LabelledCloud make_stairs_shape(std::uint64_t seed, int points) {
+planes::LabeledCloud make_stairs_shape(std::uint64_t seed, int points) {
   StairsOptions options;
   options.seed = seed;
   options.points = points;
@@ -187,7 +185,7 @@ planes::LabelledCloud make_stairs_shape(std::uint64_t seed, int points) {
   options.min_width_m = 0.2;
   options.min_height_m = 0.08;
   const Stairs stairs = make_stairs(0, options);
-  planes::LabelledCloud cloud{"stairs", stairs.cloud.points, {}};
+  planes::LabeledCloud cloud{"stairs", stairs.cloud.points, {}};
   for (const std::uint8_t label : stairs.cloud.label)
     cloud.labels.push_back(static_cast<Label>(label));
   return cloud;
@@ -195,7 +193,7 @@ planes::LabelledCloud make_stairs_shape(std::uint64_t seed, int points) {
 
 /// Length and width 0.1-2 m, height 0.08-0.3 m: a top and four sides. The paper does not mention a
 /// floor below boxes: `on_floor` adds a frame of floor around the box, 10-50 cm wide.
-planes::LabelledCloud make_box_shape(std::uint64_t seed, int points, bool on_floor) {
+planes::LabeledCloud make_box_shape(std::uint64_t seed, int points, bool on_floor) {
   Random random(seed);
   const double length = random.uniform(0.1, 2), width = random.uniform(0.1, 2);
   const double height = random.uniform(0.08, 0.3);
@@ -211,7 +209,7 @@ planes::LabelledCloud make_box_shape(std::uint64_t seed, int points, bool on_flo
 }
 
 /// Length and width 0.1-2 m, two edges level, the normal's z component uniform in [-1, 1].
-planes::LabelledCloud make_plane_shape(std::uint64_t seed, int points) {
+planes::LabeledCloud make_plane_shape(std::uint64_t seed, int points) {
   Random random(seed);
   const double length = random.uniform(0.1, 2), width = random.uniform(0.1, 2);
   const double normal_z = random.uniform(-1, 1), azimuth_deg = random.uniform(0, 360);
@@ -226,7 +224,7 @@ planes::LabelledCloud make_plane_shape(std::uint64_t seed, int points) {
 
 enum Kind : std::uint64_t { kStairs = 1, kBox = 2, kPlane = 3, kScan = 4 };
 
-planes::LabelledCloud make_cloud_of_set(const TrainingSetOptions& options, int index) {
+planes::LabeledCloud make_cloud_of_set(const TrainingSetOptions& options, int index) {
   const auto seed = [&](Kind kind) {
     return random_bits(options.seed, kind, static_cast<std::uint64_t>(index));
   };
@@ -244,11 +242,12 @@ planes::LabelledCloud make_cloud_of_set(const TrainingSetOptions& options, int i
 
 }  // namespace
 
-std::vector<planes::LabelledCloud> make_training_set(
-    const TrainingSetOptions& options, int threads, const std::function<void(int, int)>& progress) {
+std::vector<planes::LabeledCloud> make_training_set(const TrainingSetOptions& options,
+                                                    int threads,
+                                                    const std::function<void(int, int)>& progress) {
   assert(options.points > 0);
   const int count = options.count();
-  std::vector<planes::LabelledCloud> set(static_cast<std::size_t>(count));
+  std::vector<planes::LabeledCloud> set(static_cast<std::size_t>(count));
   const auto make = [&](int i) {
     set[static_cast<std::size_t>(i)] = make_cloud_of_set(options, i);
   };
@@ -264,7 +263,7 @@ using Indices = std::vector<std::uint32_t>;
 
 enum Stream : std::uint64_t { kThinning = 1, kUniformNoise = 2, kGaussianNoise = 3 };
 
-const Vec3f& any_of(const Indices& kept, const planes::LabelledCloud& cloud, Random& random) {
+const Vec3f& any_of(const Indices& kept, const planes::LabeledCloud& cloud, Random& random) {
   return cloud.points[kept[random.integer(0, static_cast<int>(kept.size()) - 1)]];
 }
 
@@ -274,7 +273,7 @@ void thin(Indices& kept, double least_share, std::uint64_t seed, Random& random)
 }
 
 void remove_clusters(Indices& kept,
-                     const planes::LabelledCloud& cloud,
+                     const planes::LabeledCloud& cloud,
                      const AugmentOptions& options,
                      Random& random) {
   const std::size_t least = (kept.size() + 1) / 2;
@@ -291,7 +290,7 @@ void remove_clusters(Indices& kept,
 }
 
 /// The `count` points nearest to one of them.
-void crop(Indices& kept, const planes::LabelledCloud& cloud, std::size_t count, Random& random) {
+void crop(Indices& kept, const planes::LabeledCloud& cloud, std::size_t count, Random& random) {
   if (count == 0 || kept.size() <= count) return;
   const Vec3f center = any_of(kept, cloud, random);
   std::vector<float> distance2;
@@ -317,14 +316,14 @@ Mat3d random_turn(const AugmentOptions& options, Random& random) {
 
 }  // namespace
 
-planes::LabelledCloud augment(const planes::LabelledCloud& cloud,
-                              const AugmentOptions& options,
-                              std::uint64_t seed) {
+planes::LabeledCloud augment(const planes::LabeledCloud& cloud,
+                             const AugmentOptions& options,
+                             std::uint64_t seed) {
   Random random(seed);
   Indices kept(cloud.points.size());
   std::iota(kept.begin(), kept.end(), 0u);
   if (options.thinning < 1) thin(kept, options.thinning, seed, random);
-  planes::LabelledCloud result;
+  planes::LabeledCloud result;
   result.kind = cloud.kind;
   if (kept.empty()) return result;
   remove_clusters(kept, cloud, options, random);
@@ -411,9 +410,9 @@ TrainingRecipe make_recipe(const std::string& name) {
   return recipe;
 }
 
-planes::LabelledCloud vary(const TrainingRecipe& recipe,
-                           const planes::LabelledCloud& cloud,
-                           std::uint64_t number) {
+planes::LabeledCloud vary(const TrainingRecipe& recipe,
+                          const planes::LabeledCloud& cloud,
+                          std::uint64_t number) {
   const std::uint64_t seed = recipe.train.seed;
   AugmentOptions options = recipe.augmentation_of(cloud);
   const bool uniform = random_uniform(seed, kIsUniform, number) < recipe.uniform_share;
@@ -421,9 +420,9 @@ planes::LabelledCloud vary(const TrainingRecipe& recipe,
   return augment(cloud, options, random_bits(seed, kVariation, number));
 }
 
-planes::LabelledCloud draw_cloud(const TrainingRecipe& recipe,
-                                 const std::vector<planes::LabelledCloud>& set,
-                                 std::uint64_t number) {
+planes::LabeledCloud draw_cloud(const TrainingRecipe& recipe,
+                                const std::vector<planes::LabeledCloud>& set,
+                                std::uint64_t number) {
   const std::uint64_t seed = recipe.train.seed;
   const int all_objects = recipe.set.stairs + recipe.set.boxes + recipe.set.planes;
   const auto objects = static_cast<std::uint64_t>(all_objects);
@@ -441,7 +440,7 @@ std::vector<ValidationSet> make_validation_sets(std::uint64_t seed, int count, i
     const StairsOptions options{.seed = seed, .noise_m = noise_cm / 100};
     const auto make = [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        set.clouds[i] = labelled(make_stairs(static_cast<int>(i), options));
+        set.clouds[i] = labeled(make_stairs(static_cast<int>(i), options));
     };
     parallel_for(set.clouds.size(), threads, make, 1);
   }

@@ -23,32 +23,32 @@ namespace planescope::lab {
 /// by the true gravity, within `max_range_m` of depth, on a voxel grid. A voxel has the label of
 /// most of its pixels; voxels of curved surfaces are omitted. `mark_edges` also marks voxels near
 /// an edge, within 2 cm of a measured pixel of the other label. The seed affects only the noise.
-planes::LabelledCloud make_scan(const Scene& scene,
-                                const D435Model& model,
-                                double voxel_size_m,
-                                std::uint64_t seed,
-                                bool mark_edges = false,
-                                double max_range_m = planes::CloudOptions{}.max_range_m);
+planes::LabeledCloud make_scan(const Scene& scene,
+                               const D435Model& model,
+                               double voxel_size_m,
+                               std::uint64_t seed,
+                               bool mark_edges = false,
+                               double max_range_m = planes::CloudOptions{}.max_range_m);
 
 /// A view of a composed scene with varying camera noise. With `real_errors`, half of the noisy
 /// views have bows, flying pixels and holes, and half of all views reach farther than the usual
 /// crop. Views that show next to nothing, or only one label, are rejected.
-planes::LabelledCloud make_training_scan(std::uint64_t seed,
-                                         double voxel_size_m,
-                                         bool real_errors = false);
+planes::LabeledCloud make_training_scan(std::uint64_t seed,
+                                        double voxel_size_m,
+                                        bool real_errors = false);
 
 /// Held out from training, with the unmodified camera: a view of a composed scene like those in
 /// training, and one of the named scenes, cycling by `index`.
-planes::LabelledCloud make_composed_test_scan(std::uint64_t seed,
-                                              int index,
-                                              double voxel_size_m = 0.02);
-planes::LabelledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m = 0.02);
+planes::LabeledCloud make_composed_test_scan(std::uint64_t seed,
+                                             int index,
+                                             double voxel_size_m = 0.02);
+planes::LabeledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m = 0.02);
 
 /// make_test_scan() of 0 to count - 1.
-std::vector<planes::LabelledCloud> make_test_scans(std::uint64_t seed,
-                                                   int count,
-                                                   double voxel_size_m = 0.02,
-                                                   int threads = 1);
+std::vector<planes::LabeledCloud> make_test_scans(std::uint64_t seed,
+                                                  int count,
+                                                  double voxel_size_m = 0.02,
+                                                  int threads = 1);
 
 // ---- The set ----
 
@@ -67,7 +67,7 @@ struct TrainingSetOptions {
 /// Clean axis-aligned objects, then noisy scans, in the order of the options. Each depends only on
 /// the seed, its kind and its number. `progress(done, all)` is called on the caller's thread; it
 /// may be empty and may throw to stop.
-std::vector<planes::LabelledCloud> make_training_set(
+std::vector<planes::LabeledCloud> make_training_set(
     const TrainingSetOptions& options,
     int threads,
     const std::function<void(int, int)>& progress = {});
@@ -85,9 +85,9 @@ struct AugmentOptions {
 
 /// A new version of a cloud for one step of training, in the same order; every point keeps its
 /// label. Deterministic for a seed.
-planes::LabelledCloud augment(const planes::LabelledCloud& cloud,
-                              const AugmentOptions& options,
-                              std::uint64_t seed);
+planes::LabeledCloud augment(const planes::LabeledCloud& cloud,
+                             const AugmentOptions& options,
+                             std::uint64_t seed);
 
 // ---- Recipes ----
 
@@ -100,7 +100,7 @@ struct TrainingRecipe {
   double scan_share = 0;     // of the clouds drawn
   double uniform_share = 1;  // of the objects drawn: with uniform noise, the others with Gaussian
 
-  const AugmentOptions& augmentation_of(const planes::LabelledCloud& cloud) const {
+  const AugmentOptions& augmentation_of(const planes::LabeledCloud& cloud) const {
     return cloud.kind == "scan" ? scans : objects;
   }
 };
@@ -114,19 +114,19 @@ const std::vector<std::string>& recipe_names();
 TrainingRecipe make_recipe(const std::string& name);
 
 /// Varies a cloud of the recipe's set for the step that draws cloud `number`.
-planes::LabelledCloud vary(const TrainingRecipe& recipe,
-                           const planes::LabelledCloud& cloud,
-                           std::uint64_t number);
+planes::LabeledCloud vary(const TrainingRecipe& recipe,
+                          const planes::LabeledCloud& cloud,
+                          std::uint64_t number);
 
 /// Cloud `number` of a training with this recipe: one of its set, varied.
-planes::LabelledCloud draw_cloud(const TrainingRecipe& recipe,
-                                 const std::vector<planes::LabelledCloud>& set,
-                                 std::uint64_t number);
+planes::LabeledCloud draw_cloud(const TrainingRecipe& recipe,
+                                const std::vector<planes::LabeledCloud>& set,
+                                std::uint64_t number);
 
 /// Clouds that no recipe trains on.
 struct ValidationSet {
   std::string name;
-  std::vector<planes::LabelledCloud> clouds;
+  std::vector<planes::LabeledCloud> clouds;
 };
 /// Stairs of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, `count` of each, and as many scans.
 std::vector<ValidationSet> make_validation_sets(std::uint64_t seed, int count, int threads);

@@ -51,7 +51,7 @@ planes::PreparedFrame prepared(const TuningFrame& frame,
 
 }  // namespace
 
-struct TuningSet::Labelled {
+struct TuningSet::Labeled {
   std::once_flag once;
   planes::PreparedFrame prepared;
   double ms = 0;
@@ -67,17 +67,17 @@ TuningSet::TuningSet(std::vector<TuningFrame> frames,
     std::ranges::fill(planes.values.label, std::uint8_t{0});
   }
   for (std::size_t i = 0; i < std::min(frames_.size(), kMostKept); ++i)
-    labelled_.push_back(std::make_shared<Labelled>());
+    labeled_.push_back(std::make_shared<Labeled>());
 }
 
-const TuningSet::Labelled& TuningSet::labelled(std::size_t frame) const {
-  Labelled& labelled = *labelled_[frame];
-  std::call_once(labelled.once, [&] {
+const TuningSet::Labeled& TuningSet::labeled(std::size_t frame) const {
+  Labeled& labeled = *labeled_[frame];
+  std::call_once(labeled.once, [&] {
     const double begin = thread_cpu_ms();
-    labelled.prepared = prepared(frames_[frame], frames_[frame].options, classifier_.get());
-    labelled.ms = thread_cpu_ms() - begin;
+    labeled.prepared = prepared(frames_[frame], frames_[frame].options, classifier_.get());
+    labeled.ms = thread_cpu_ms() - begin;
   });
-  return labelled;
+  return labeled;
 }
 
 TuningSet::Scored TuningSet::score_one(std::size_t index, const Setting& setting) const {
@@ -86,10 +86,10 @@ TuningSet::Scored TuningSet::score_one(std::size_t index, const Setting& setting
   try {
     planes::FrameResult result;
     Scored scored;
-    if (index < labelled_.size() && !changes_points(setting)) {
-      const Labelled& labelled = this->labelled(index);
-      static_cast<planes::PreparedFrame&>(result) = labelled.prepared;
-      scored.ms = labelled.ms;
+    if (index < labeled_.size() && !changes_points(setting)) {
+      const Labeled& labeled = this->labeled(index);
+      static_cast<planes::PreparedFrame&>(result) = labeled.prepared;
+      scored.ms = labeled.ms;
     } else {
       const double begin = thread_cpu_ms();
       static_cast<planes::PreparedFrame&>(result) = prepared(frame, options, classifier_.get());

@@ -53,14 +53,14 @@ class TuningSet {
   struct Scored {
     double pq = 0, ms = 0;
   };
-  struct Labelled;  // a frame up to its labels, with the options at the start
+  struct Labeled;  // a frame up to its labels, with the options at the start
   Scored score_one(std::size_t frame, const Setting& setting) const;
-  const Labelled& labelled(std::size_t frame) const;
+  const Labeled& labeled(std::size_t frame) const;
 
   std::vector<TuningFrame> frames_;
   std::vector<planes::SourceTruth> planes_;  // of the frames, without h and v
   std::shared_ptr<const planes::Classifier> classifier_;
-  std::vector<std::shared_ptr<Labelled>> labelled_;  // of the first frames
+  std::vector<std::shared_ptr<Labeled>> labeled_;  // of the first frames
 };
 
 /// Identity of a search, by name: it can be resumed only with the same values.

@@ -246,7 +246,7 @@ std::vector<int> nearest_large_part(const LabelGrid& grid,
     }
   grow_rings(std::move(front), std::numeric_limits<int>::max(), [&](std::uint32_t i, auto& next) {
     if (open == 0) return;
-    for_neighbours(i, grid, [&](std::uint32_t other) {
+    for_neighbors(i, grid, [&](std::uint32_t other) {
       if (owner[other] >= 0) return;
       owner[other] = owner[i];
       next.push_back(other);

@@ -49,11 +49,11 @@ void fill_capsule(Image8& mask, const Vec2f& a, const Vec2f& b, float radius) {
       from = std::min(from, x0);
       to = std::max(to, x1);
     };
-    for (const Vec2f& centre : {a, b}) {
-      const float dy = y - centre.y();
+    for (const Vec2f& center : {a, b}) {
+      const float dy = y - center.y();
       if (std::abs(dy) > radius) continue;
       const float half = std::sqrt(radius * radius - dy * dy);
-      include(centre.x() - half, centre.x() + half);
+      include(center.x() - half, center.x() + half);
     }
     for (int k = 0; k < 4 && length > 0; ++k) {
       const Vec2f &p = corners[k], &q = corners[(k + 1) % 4];

@@ -131,7 +131,7 @@ class CocoReader {
     });
   }
 
-  LabelledPoints read(const std::vector<JsonPlace>& annotations) {
+  LabeledPoints read(const std::vector<JsonPlace>& annotations) {
     for (const JsonPlace& annotation : annotations)
       if (annotation.has("plane")) used_.insert(own_plane_id(annotation));
     for (const JsonPlace& annotation : annotations) read_annotation(annotation);
@@ -175,7 +175,7 @@ class CocoReader {
     if (!place.json().is_string()) {
       std::vector<std::uint64_t> counts;
       place.each([&](const JsonPlace& count) {
-        counts.push_back(static_cast<std::uint64_t>(whole_of(count, 0, kMaxLabelledPoints)));
+        counts.push_back(static_cast<std::uint64_t>(whole_of(count, 0, kMaxLabeledPoints)));
       });
       return mask_runs(counts, pixels(), place);
     }
@@ -205,8 +205,8 @@ class CocoReader {
     planes_.push_back(plane);
   }
 
-  LabelledPoints points() {
-    LabelledPoints points;
+  LabeledPoints points() {
+    LabeledPoints points;
     points.width = width_;
     points.height = height_;
     points.planes = std::move(planes_);
@@ -239,7 +239,7 @@ struct Mask {
 };
 
 /// By plane, then class: one mask for each plane, unless its pixels differ in class.
-std::map<std::pair<int, int>, Mask> masks_of(const LabelledPoints& points) {
+std::map<std::pair<int, int>, Mask> masks_of(const LabeledPoints& points) {
   std::map<std::pair<int, int>, Mask> masks;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const int label = points.label.empty() ? 0 : points.label[i];
@@ -326,7 +326,7 @@ std::optional<std::size_t> CocoFile::image_of_frame(int frame) const {
   return std::nullopt;
 }
 
-LabelledPoints CocoFile::points(std::size_t image) const {
+LabeledPoints CocoFile::points(std::size_t image) const {
   return read_place(parsed_->where, parsed_->json, [&](const JsonPlace& file) {
     const std::string where = fmt::format("images[{}]", image);
     CocoReader reader(file, JsonPlace(file.at("images").json()[image], where), where);
@@ -338,7 +338,7 @@ LabelledPoints CocoFile::points(std::size_t image) const {
   });
 }
 
-LabelledPoints parse_coco(io::Bytes bytes, const std::string& where) {
+LabeledPoints parse_coco(io::Bytes bytes, const std::string& where) {
   const CocoFile file(bytes, where);
   if (file.names().size() != 1)
     throw Error(where + ": " + std::to_string(file.names().size()) + " images; expected one");
@@ -352,7 +352,7 @@ struct CocoWriter::Made {
 CocoWriter::CocoWriter() : made_(std::make_unique<Made>()) {}
 CocoWriter::~CocoWriter() = default;
 
-void CocoWriter::add(const LabelledPoints& points, const std::string& file_name) {
+void CocoWriter::add(const LabeledPoints& points, const std::string& file_name) {
   const std::size_t image_id = made_->images.size() + 1;
   made_->images.push_back({{"id", image_id},
                            {"width", points.width},

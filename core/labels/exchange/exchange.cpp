@@ -29,12 +29,12 @@ fs::path with_extension(const fs::path& stem, const char* extension) {
   return path;
 }
 
-template <LabelledPoints (*parse)(io::Bytes, const std::string&)>
-LabelledPoints read_whole(const fs::path& path) {
+template <LabeledPoints (*parse)(io::Bytes, const std::string&)>
+LabeledPoints read_whole(const fs::path& path) {
   return parse(as_bytes(read_file_bytes(path)), path.string());
 }
 
-LabelledPoints read_kitti(const fs::path& path) {
+LabeledPoints read_kitti(const fs::path& path) {
   fs::path stem = path;
   stem.replace_extension();
   const fs::path bin = with_extension(stem, ".bin"), label = with_extension(stem, ".label");
@@ -51,40 +51,40 @@ enum class Needs : std::uint8_t { ids, coordinates, pixels };
 
 struct FileOfFormat {
   const char* extension = nullptr;
-  FileBytes (*bytes)(const LabelledPoints&, const fs::path& path, double voxel_size_m) = nullptr;
+  FileBytes (*bytes)(const LabeledPoints&, const fs::path& path, double voxel_size_m) = nullptr;
 };
 
-template <FileBytes (*bytes)(const LabelledPoints&)>
-FileBytes bytes_of(const LabelledPoints& points, const fs::path&, double) {
+template <FileBytes (*bytes)(const LabeledPoints&)>
+FileBytes bytes_of(const LabeledPoints& points, const fs::path&, double) {
   return bytes(points);
 }
 
-FileBytes npz_file(const LabelledPoints& points, const fs::path& path, double) {
+FileBytes npz_file(const LabeledPoints& points, const fs::path& path, double) {
   return npz_bytes(points, path.string());
 }
 
-FileBytes coco_file(const LabelledPoints& points, const fs::path& path, double) {
+FileBytes coco_file(const LabeledPoints& points, const fs::path& path, double) {
   CocoWriter writer;
   writer.add(points, path.stem().string() + ".png");
   return writer.bytes();
 }
 
-FileBytes voxel_file(const LabelledPoints& points, const fs::path&, double voxel_size_m) {
+FileBytes voxel_file(const LabeledPoints& points, const fs::path&, double voxel_size_m) {
   return voxel_bytes(points, voxel_size_m);
 }
 
 struct Format {
   const char* name;
   Needs needs;
-  LabelledPoints (*read)(const fs::path&);  // null: write-only
-  std::array<FileOfFormat, 2> files;        // one or two; the last one is opened to read
+  LabeledPoints (*read)(const fs::path&);  // null: write-only
+  std::array<FileOfFormat, 2> files;       // one or two; the last one is opened to read
 };
 
 /// Indexed by LabelFormat.
 constexpr Format kFormats[] = {
     {"evops", Needs::ids, read_whole<parse_evops>, {{{".npy", bytes_of<evops_bytes>}}}},
-    {"ply", Needs::coordinates, read_labelled_cloud, {{{".ply", bytes_of<labelled_ply_bytes>}}}},
-    {"pcd", Needs::coordinates, read_labelled_cloud, {{{".pcd", bytes_of<labelled_pcd_bytes>}}}},
+    {"ply", Needs::coordinates, read_labeled_cloud, {{{".ply", bytes_of<labeled_ply_bytes>}}}},
+    {"pcd", Needs::coordinates, read_labeled_cloud, {{{".pcd", bytes_of<labeled_pcd_bytes>}}}},
     {"kitti",
      Needs::coordinates,
      read_kitti,
@@ -95,7 +95,7 @@ constexpr Format kFormats[] = {
 
 const Format& format_of(LabelFormat format) { return kFormats[static_cast<std::size_t>(format)]; }
 
-void check_needs(const LabelledPoints& points, const Format& format, const fs::path& stem) {
+void check_needs(const LabeledPoints& points, const Format& format, const fs::path& stem) {
   const bool has_pixels = points.width > 0 && points.pixel.size() == points.size();
   const char* lacks = nullptr;
   if (format.needs == Needs::coordinates && points.points.size() != points.size())
@@ -147,9 +147,9 @@ const char* extension_of(LabelFormat format) {
   return files[files[1].extension ? 1 : 0].extension;
 }
 
-LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid) {
+LabeledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid) {
   assert(labels.plane.pixels() == grid.pixels() && labels.hv.pixels() == grid.pixels());
-  LabelledPoints points;
+  LabeledPoints points;
   points.planes = labels.planes;
   points.T_world_sensor = planes::world_from_gravity(labels.gravity.direction, !grid.is_cloud());
   if (grid.is_cloud()) {  // all of them: other tools match them to the cloud's own file
@@ -176,10 +176,10 @@ LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid
   return points;
 }
 
-std::vector<fs::path> write_labelled(const fs::path& stem,
-                                     LabelFormat format,
-                                     const LabelledPoints& points,
-                                     double voxel_size_m) {
+std::vector<fs::path> write_labeled(const fs::path& stem,
+                                    LabelFormat format,
+                                    const LabeledPoints& points,
+                                    double voxel_size_m) {
   [[maybe_unused]] const auto fits = [&](std::size_t size, std::size_t each) {
     return size == 0 || size == each * points.size();
   };
@@ -197,7 +197,7 @@ std::vector<fs::path> write_labelled(const fs::path& stem,
   return paths;
 }
 
-LabelledPoints read_labelled(const fs::path& path, LabelFormat format) {
+LabeledPoints read_labeled(const fs::path& path, LabelFormat format) {
   if (!format_of(format).read)
     throw Error(path.string() + ": voxel labels can be written from point labels, but not read");
   return format_of(format).read(path);
@@ -212,7 +212,7 @@ namespace {
 constexpr double kSameDistance_m = 0.001;
 constexpr double kFloatStep = 2e-7;  // of its distance: precision of a float far from 0
 
-std::vector<std::uint32_t> pixels_by_name(const LabelledPoints& points,
+std::vector<std::uint32_t> pixels_by_name(const LabeledPoints& points,
                                           const LabelGrid& grid,
                                           const std::string& where) {
   std::vector<std::uint32_t> indices(points.size());
@@ -231,7 +231,7 @@ std::vector<std::uint32_t> pixels_by_name(const LabelledPoints& points,
   return indices;
 }
 
-std::vector<std::uint32_t> pixels_in_raster_order(const LabelledPoints& points,
+std::vector<std::uint32_t> pixels_in_raster_order(const LabeledPoints& points,
                                                   const LabelGrid& grid,
                                                   const std::string& where) {
   const bool all = points.size() == grid.pixels();
@@ -250,7 +250,7 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabelledPoints& points,
 }
 
 /// Labels of another frame would fit the image just as well, but their points do not fit its depth.
-void check_points(const LabelledPoints& points,
+void check_points(const LabeledPoints& points,
                   const LabelGrid& grid,
                   std::span<const std::uint32_t> indices,
                   const std::string& where) {
@@ -305,7 +305,7 @@ void classify_by_tilt(FrameLabels& labels) {
 
 }  // namespace
 
-FrameLabels labels_of_points(const LabelledPoints& points,
+FrameLabels labels_of_points(const LabeledPoints& points,
                              const LabelGrid& grid,
                              const std::string& depth_sha256,
                              const std::string& where) {

@@ -41,7 +41,7 @@ struct DepthPixel {
 };
 
 /// Points with labels, independent of format: the input and output of every format.
-struct LabelledPoints {
+struct LabeledPoints {
   std::vector<Vec3f> points;               // sensor frame [m]; empty if the format has none
   Vec3d origin = Vec3d::Zero();            // of clouds far from 0: origin of the points
   std::vector<std::uint8_t> rgb;           // 3 per point, or empty
@@ -55,24 +55,24 @@ struct LabelledPoints {
   std::size_t size() const { return instance.size(); }
 };
 
-LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid);
+LabeledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid);
 
 /// `stem`: the path without extension. Writes one or two files, each completely or not at all, and
 /// returns their paths. `voxel_size_m`: only for `voxels`.
-std::vector<std::filesystem::path> write_labelled(const std::filesystem::path& stem,
-                                                  LabelFormat format,
-                                                  const LabelledPoints& points,
-                                                  double voxel_size_m = 0.02);
+std::vector<std::filesystem::path> write_labeled(const std::filesystem::path& stem,
+                                                 LabelFormat format,
+                                                 const LabeledPoints& points,
+                                                 double voxel_size_m = 0.02);
 /// `path`: one of the files. Throws Error naming the file, what was found and what was expected.
 /// `voxels` are averages of points and cannot be read.
-LabelledPoints read_labelled(const std::filesystem::path& path, LabelFormat format);
+LabeledPoints read_labeled(const std::filesystem::path& path, LabelFormat format);
 
 /// Transfers labels to the pixels of a frame, or to the points of a cloud: by `pixel` if the format
 /// has it, otherwise one by one in raster order of measured pixels (or of all pixels, if the number
 /// matches). Planes are fitted again; without `label`, planes are classified by tilt. Pixels
 /// without depth get no label. Throws Error naming `where` if counts or sizes do not match, or the
 /// points' distances from the sensor differ from the frame's; nothing is resized or guessed.
-FrameLabels labels_of_points(const LabelledPoints& points,
+FrameLabels labels_of_points(const LabeledPoints& points,
                              const LabelGrid& grid,
                              const std::string& depth_sha256,
                              const std::string& where);
@@ -91,7 +91,7 @@ class CocoFile {
   const std::vector<std::string>& names() const { return names_; }  // file_name of each image
   /// The image with a file named 000123 and any extension; nullopt if there is none.
   std::optional<std::size_t> image_of_frame(int frame) const;
-  LabelledPoints points(std::size_t image) const;
+  LabeledPoints points(std::size_t image) const;
 
  private:
   struct Parsed;
@@ -106,7 +106,7 @@ class CocoWriter {
   CocoWriter();
   ~CocoWriter();
 
-  void add(const LabelledPoints& points, const std::string& file_name);
+  void add(const LabeledPoints& points, const std::string& file_name);
   std::vector<unsigned char> bytes() const;
 
  private:

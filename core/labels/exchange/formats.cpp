@@ -11,9 +11,9 @@
 namespace planescope::labels {
 
 void check_count(std::uint64_t points, const std::string& where) {
-  if (points > kMaxLabelledPoints)
+  if (points > kMaxLabeledPoints)
     throw Error(where + ": " + std::to_string(points) + " points; expected at most " +
-                std::to_string(kMaxLabelledPoints));
+                std::to_string(kMaxLabeledPoints));
 }
 
 std::string printable(std::string_view text) {
@@ -39,7 +39,7 @@ std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::
 // EVOPS (https://github.com/MobileRoboticsSkoltech/EVOPS): a NumPy array with one plane id per
 // point, 0 for none.
 
-FileBytes evops_bytes(const LabelledPoints& points) {
+FileBytes evops_bytes(const LabeledPoints& points) {
   // Other readers would treat 65535 as another plane.
   std::vector<std::int32_t> ids = points.instance;
   for (std::int32_t& id : ids)
@@ -47,13 +47,13 @@ FileBytes evops_bytes(const LabelledPoints& points) {
   return npy_bytes("<i4", {ids.size()}, std::as_bytes(std::span(ids)));
 }
 
-LabelledPoints parse_evops(io::Bytes file, const std::string& where) {
+LabeledPoints parse_evops(io::Bytes file, const std::string& where) {
   const NpyArray array = parse_npy(file, where);
   if (array.shape.size() != 1)
     throw Error(where + ": an array with " + std::to_string(array.shape.size()) +
                 " dimensions; expected one plane id per point");
   check_count(array.size(), where);
-  LabelledPoints points;
+  LabeledPoints points;
   points.instance = instances_of(array.values(), where);
   return points;
 }
@@ -62,7 +62,7 @@ LabelledPoints parse_evops(io::Bytes file, const std::string& where) {
 
 namespace {
 
-PointSet point_set_of(const LabelledPoints& points) {
+PointSet point_set_of(const LabeledPoints& points) {
   PointSet set;
   set.points = points.points;
   set.origin = points.origin;
@@ -72,7 +72,7 @@ PointSet point_set_of(const LabelledPoints& points) {
   return set;
 }
 
-std::vector<io::IntField> pixel_fields_of(const LabelledPoints& points) {
+std::vector<io::IntField> pixel_fields_of(const LabeledPoints& points) {
   if (points.pixel.empty()) return {};
   io::IntField u{"u", {}}, v{"v", {}};
   for (const DepthPixel& pixel : points.pixel) {
@@ -84,22 +84,22 @@ std::vector<io::IntField> pixel_fields_of(const LabelledPoints& points) {
 
 }  // namespace
 
-FileBytes labelled_ply_bytes(const LabelledPoints& points) {
+FileBytes labeled_ply_bytes(const LabeledPoints& points) {
   return io::ply_bytes(point_set_of(points), pixel_fields_of(points));
 }
 
-FileBytes labelled_pcd_bytes(const LabelledPoints& points) {
+FileBytes labeled_pcd_bytes(const LabeledPoints& points) {
   return io::pcd_bytes(point_set_of(points), pixel_fields_of(points));
 }
 
-LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
+LabeledPoints read_labeled_cloud(const std::filesystem::path& path) {
   // label and instance exactly as in the file; PointSet clamps them.
   io::CloudExtras extras{{"label", "instance", "u", "v"}, {}};
   PointSet set = io::read_cloud_file(path, &extras);
   const std::string where = path.string();
   if (extras.values[1].empty() && !set.points.empty())
     throw Error(where + ": its points have no field \"instance\"; expected plane ids in it");
-  LabelledPoints points;
+  LabeledPoints points;
   points.label = classes_of(extras.values[0], where);
   points.instance = instances_of(extras.values[1], where);
   const auto u = whole_numbers<std::uint16_t>(extras.values[2], 0, 65535, where + ": u");
@@ -136,7 +136,7 @@ void check_whole(io::Bytes file, std::size_t each, const std::string& what) {
 
 }  // namespace
 
-FileBytes kitti_points_bytes(const LabelledPoints& points) {
+FileBytes kitti_points_bytes(const LabeledPoints& points) {
   std::vector<KittiPoint> written;
   written.reserve(points.size());
   for (const Vec3f& about : points.points) {
@@ -146,7 +146,7 @@ FileBytes kitti_points_bytes(const LabelledPoints& points) {
   return bytes_of(written);
 }
 
-FileBytes kitti_label_bytes(const LabelledPoints& points) {
+FileBytes kitti_label_bytes(const LabeledPoints& points) {
   std::vector<std::uint32_t> written(points.size());
   for (std::size_t i = 0; i < written.size(); ++i) {
     const std::uint32_t label = points.label.empty() ? 0u : points.label[i];
@@ -155,7 +155,7 @@ FileBytes kitti_label_bytes(const LabelledPoints& points) {
   return bytes_of(written);
 }
 
-LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& where) {
+LabeledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& where) {
   check_whole(label, sizeof(std::uint32_t), where + ".label");
   check_whole(bin, sizeof(KittiPoint), where + ".bin");
   const std::size_t count = label.size() / sizeof(std::uint32_t);
@@ -163,7 +163,7 @@ LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& wh
   if (!bin.empty() && bin.size() / sizeof(KittiPoint) != count)
     throw Error(where + ".label: labels of " + std::to_string(count) + " points, but " + where +
                 ".bin has " + std::to_string(bin.size() / sizeof(KittiPoint)));
-  LabelledPoints points;
+  LabeledPoints points;
   std::vector<double> classes(count), instances(count);
   for (std::size_t i = 0; i < count; ++i) {
     std::uint32_t value;
@@ -184,7 +184,7 @@ LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& wh
 // Reference for segmenters that work on voxels: the same upright voxels as our segmenter's, with
 // the majority of their points' labels (0 has no vote).
 
-FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
+FileBytes voxel_bytes(const LabeledPoints& points, double voxel_size_m) {
   if (!(voxel_size_m > 0) || !std::isfinite(voxel_size_m))
     throw Error("voxel size " + std::to_string(voxel_size_m) + "; expected more than 0 m");
   planes::Cloud cloud;

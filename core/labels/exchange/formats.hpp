@@ -17,7 +17,7 @@ namespace planescope::labels {
 using FileBytes = std::vector<unsigned char>;
 
 /// Larger files are rejected before allocation: twice the pixels of the largest depth cameras.
-inline constexpr std::uint64_t kMaxLabelledPoints = std::uint64_t{1} << 25;
+inline constexpr std::uint64_t kMaxLabeledPoints = std::uint64_t{1} << 25;
 void check_count(std::uint64_t points, const std::string& where);
 
 /// Text of a file for a one-line message: unprintable characters become '?'.
@@ -43,27 +43,27 @@ std::vector<std::int32_t> instances_of(std::span<const double> values, const std
 std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::string& where);
 
 // One pair per format. `where` names the file in messages.
-FileBytes evops_bytes(const LabelledPoints& points);
-LabelledPoints parse_evops(io::Bytes file, const std::string& where);
+FileBytes evops_bytes(const LabeledPoints& points);
+LabeledPoints parse_evops(io::Bytes file, const std::string& where);
 
-FileBytes labelled_ply_bytes(const LabelledPoints& points);
-FileBytes labelled_pcd_bytes(const LabelledPoints& points);
-LabelledPoints read_labelled_cloud(const std::filesystem::path& path);
+FileBytes labeled_ply_bytes(const LabeledPoints& points);
+FileBytes labeled_pcd_bytes(const LabeledPoints& points);
+LabeledPoints read_labeled_cloud(const std::filesystem::path& path);
 
-FileBytes kitti_points_bytes(const LabelledPoints& points);
-FileBytes kitti_label_bytes(const LabelledPoints& points);
+FileBytes kitti_points_bytes(const LabeledPoints& points);
+FileBytes kitti_label_bytes(const LabeledPoints& points);
 /// `bin` empty: labels without their points.
-LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& where);
+LabeledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& where);
 
-FileBytes npz_bytes(const LabelledPoints& points, const std::string& where);
-LabelledPoints parse_npz(io::Bytes file, const std::string& where);
+FileBytes npz_bytes(const LabeledPoints& points, const std::string& where);
+LabeledPoints parse_npz(io::Bytes file, const std::string& where);
 
 /// A file with one image; CocoFile supports several.
-LabelledPoints parse_coco(io::Bytes file, const std::string& where);
+LabeledPoints parse_coco(io::Bytes file, const std::string& where);
 /// The counts of a COCO mask that pycocotools compressed into text; nullopt if it is damaged.
 std::optional<std::vector<std::uint64_t>> counts_of_text(const std::string& text);
 
-FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m);
+FileBytes voxel_bytes(const LabeledPoints& points, double voxel_size_m);
 
 // NumPy's array files (numpy.lib.format), versions 1.0 and 2.0.
 

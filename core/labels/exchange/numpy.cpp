@@ -324,7 +324,7 @@ class NpzWriter {
 
 }  // namespace
 
-FileBytes npz_bytes(const LabelledPoints& points, const std::string& where) {
+FileBytes npz_bytes(const LabeledPoints& points, const std::string& where) {
   const std::uint64_t count = points.size();
   NpzWriter writer(where);
   std::vector<Vec3f> places;
@@ -345,10 +345,10 @@ FileBytes npz_bytes(const LabelledPoints& points, const std::string& where) {
   return writer.finish();
 }
 
-LabelledPoints parse_npz(io::Bytes file, const std::string& where) {
+LabeledPoints parse_npz(io::Bytes file, const std::string& where) {
   const Source source = make_source(file.data(), file.size(), where);
   const Archive archive = open_archive(source.get(), ZIP_RDONLY, where);
-  LabelledPoints points;
+  LabeledPoints points;
   const auto instance = read_array(archive.get(), "instance", 1, where);
   if (instance.empty() && zip_name_locate(archive.get(), "instance.npy", 0) < 0)
     throw Error(where + ": no array \"instance\"; expected plane ids in it");

@@ -59,7 +59,7 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
   for (std::size_t k = 0; k < reached.size(); ++k) {
     const std::uint32_t pixel = reached[k];
     if (2 * steps[pixel] >= gap_px) break;  // the other side covers the rest
-    for_neighbours(pixel, grid.width, grid.height, [&](std::uint32_t other) {
+    for_neighbors(pixel, grid.width, grid.height, [&](std::uint32_t other) {
       if (grid.measured[other] || steps[other] != kFar) return;
       steps[other] = static_cast<std::uint16_t>(steps[pixel] + 1);
       sets.join(other, pixel);
@@ -67,7 +67,7 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
     });
   }
   for (const std::uint32_t pixel : reached)
-    for_neighbours(pixel, grid.width, grid.height, [&](std::uint32_t other) {
+    for_neighbors(pixel, grid.width, grid.height, [&](std::uint32_t other) {
       if (other > pixel || steps[other] == kFar || steps[pixel] + steps[other] > gap_px) return;
       sets.join(pixel, other);
     });

@@ -17,7 +17,7 @@ std::vector<int> count_fragments(const Image16& image, const LabelGrid* grid = n
 
 /// Calls visit(neighbor) for the eight pixels around one, fewer at the image's border.
 template <typename Visit>
-void for_neighbours(std::uint32_t pixel, int width, int height, const Visit& visit) {
+void for_neighbors(std::uint32_t pixel, int width, int height, const Visit& visit) {
   const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
   for (int v = y > 0 ? y - 1 : y; v <= y + 1 && v < height; ++v)
     for (int u = x > 0 ? x - 1 : x; u <= x + 1 && u < width; ++u)
@@ -46,10 +46,10 @@ void grow_rings(std::vector<std::uint32_t> front, int rings, const Reach& reach)
   }
 }
 
-/// for_neighbours() on a grid: of the image, or of a cloud's graph.
+/// for_neighbors() on a grid: of the image, or of a cloud's graph.
 template <typename Visit>
-void for_neighbours(std::uint32_t pixel, const LabelGrid& grid, const Visit& visit) {
-  if (!grid.is_cloud()) return for_neighbours(pixel, grid.width, grid.height, visit);
+void for_neighbors(std::uint32_t pixel, const LabelGrid& grid, const Visit& visit) {
+  if (!grid.is_cloud()) return for_neighbors(pixel, grid.width, grid.height, visit);
   for (const std::uint32_t next : grid.graph.around(pixel)) visit(next);
 }
 
@@ -73,7 +73,7 @@ std::vector<PixelSet> flooded_parts(std::span<const std::uint32_t> pixels,
       while (!open.empty()) {
         const std::uint32_t pixel = open.back();
         open.pop_back();
-        for_neighbours(pixel, grid, [&](std::uint32_t next) {
+        for_neighbors(pixel, grid, [&](std::uint32_t next) {
           if (part_of[next] >= 0 || !joins(pixel, next)) return;
           part_of[next] = part;
           open.push_back(next);

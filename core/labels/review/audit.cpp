@@ -18,7 +18,7 @@ namespace {
 constexpr double kOutlierSigmas = 4;
 constexpr double kLeastPlanar = 0.5;  // of an unlabeled region; below it, the region is clutter
 constexpr double kSameCamera = 1e-3;  // of a focal length or a unit
-constexpr double kSameCentre_px = 0.5;
+constexpr double kSameCenter_px = 0.5;
 // Ignore strips along the borders of labels: a region needs a pixel this far from any label.
 constexpr int kStrip_px = 2;
 constexpr std::size_t kSpeck_px = 32;  // smaller parts are specks along ragged edges
@@ -82,7 +82,7 @@ class Audit {
       check_class(surface);
     }
     check_camera();
-    if (labels_.review_state != "reviewed") check_unlabelled();
+    if (labels_.review_state != "reviewed") check_unlabeled();
     std::stable_sort(findings_.begin(), findings_.end(), [](const Finding& a, const Finding& b) {
       return a.kind != b.kind ? a.kind < b.kind : a.pixels.size() > b.pixels.size();
     });
@@ -179,8 +179,8 @@ class Audit {
     if (ours.fx == 0 || k.fx == 0) return;
     if (differ(ours.fx, k.fx)) name("fx", ours.fx, k.fx);
     if (differ(ours.fy, k.fy)) name("fy", ours.fy, k.fy);
-    if (std::abs(ours.cx - k.cx) > kSameCentre_px) name("cx", ours.cx, k.cx);
-    if (std::abs(ours.cy - k.cy) > kSameCentre_px) name("cy", ours.cy, k.cy);
+    if (std::abs(ours.cx - k.cx) > kSameCenter_px) name("cx", ours.cx, k.cx);
+    if (std::abs(ours.cy - k.cy) > kSameCenter_px) name("cy", ours.cy, k.cy);
   }
 
   /// A reviewer has kept a region of similar size without a plane.
@@ -214,16 +214,16 @@ class Audit {
     return fit ? fit->share : 0;
   }
 
-  void check_unlabelled() {
-    PixelSet labelled, open;
+  void check_unlabeled() {
+    PixelSet labeled, open;
     for (std::uint32_t i = 0; i < grid_.pixels(); ++i) {
       const bool has_label = labels_.plane.data[i] != 0 || labels_.hv.data[i] != 0;
-      if (has_label) labelled.push_back(i);
+      if (has_label) labeled.push_back(i);
     }
-    const auto near = pixels_near(labelled, grid_, kStrip_px);
+    const auto near = pixels_near(labeled, grid_, kStrip_px);
     for (std::uint32_t i = 0; i < grid_.pixels(); ++i)
       if (grid_.measured[i] && !near[i]) open.push_back(i);
-    const double limit = 1e4 * options_.unlabelled_area_m2;
+    const double limit = 1e4 * options_.unlabeled_area_m2;
     for (PixelSet& region : connected_parts(grid_, open, 0)) {
       double value = 0;
       for (const std::uint32_t pixel : region) value += 1e4 * grid_.pixel_area_m2(pixel);
@@ -231,7 +231,7 @@ class Audit {
       const double share = share_on_a_plane(region);
       if (share < kLeastPlanar || share * value < limit) continue;
       const std::size_t pixels = region.size();
-      add(FindingKind::unlabelled, 0, std::move(region), value, limit,
+      add(FindingKind::unlabeled, 0, std::move(region), value, limit,
           fmt::format("{} without a label ({} {}s); expected less than {}", area_text(1e-4 * value),
                       pixels, sample(), area_text(1e-4 * limit)));
     }
@@ -253,7 +253,7 @@ const char* to_string(FindingKind kind) {
 }
 
 bool is_hint(FindingKind kind) {
-  return kind == FindingKind::parts || kind == FindingKind::tiny || kind == FindingKind::unlabelled;
+  return kind == FindingKind::parts || kind == FindingKind::tiny || kind == FindingKind::unlabeled;
 }
 
 std::vector<Finding> audit_labels(const FrameLabels& labels,
@@ -280,9 +280,9 @@ LabelStatistics statistics_of(const FrameLabels& labels, const LabelGrid& grid) 
       ++statistics.ignored;
     } else if (id != 0 || hv != 0) {
       const LabelPlane* plane = plane_of[id];
-      ++statistics.labelled;
+      ++statistics.labeled;
       statistics.hidden += plane && plane->hidden;
-      statistics.labelled_m2 += grid.pixel_area_m2(i, plane ? &plane->normal : nullptr);
+      statistics.labeled_m2 += grid.pixel_area_m2(i, plane ? &plane->normal : nullptr);
     }
   }
   return statistics;

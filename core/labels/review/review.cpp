@@ -126,16 +126,16 @@ Agreement agreement_of(const FrameLabels& a, const FrameLabels& b) {
   agreement.planes_b = static_cast<int>(overlap.ids_b.size());
   agreement.matched = static_cast<int>(pairs.size());
   agreement.pixels = overlap.pixels;
-  double iou = 0, same = 0, labelled = 0;
-  for (const double pixels : overlap.pixels_a) labelled += pixels;
-  for (const double pixels : overlap.pixels_b) labelled += pixels;
-  for (const double pixels : overlap.shared) labelled -= pixels;
+  double iou = 0, same = 0, labeled = 0;
+  for (const double pixels : overlap.pixels_a) labeled += pixels;
+  for (const double pixels : overlap.pixels_b) labeled += pixels;
+  for (const double pixels : overlap.shared) labeled -= pixels;
   for (const PlanePair& pair : pairs) {
     iou += overlap.iou(pair.a, pair.b);
     same += overlap.at(pair.a, pair.b);
   }
   agreement.mean_iou = share(iou, agreement.planes_a + agreement.planes_b - agreement.matched);
-  agreement.pixel_agreement = share(same, labelled);
+  agreement.pixel_agreement = share(same, labeled);
   agreement.adjusted_rand = adjusted_rand_index(overlap);
 
   double both = 0, right = 0;

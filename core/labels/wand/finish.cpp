@@ -38,7 +38,7 @@ Plane plane_of(const FrameLabels& labels,
                const WandOptions& options) {
   const LabelPlane& known = editable_plane(labels, id);
   WandOptions free_only = options;
-  free_only.take_labelled = false;
+  free_only.take_labeled = false;
   Plane plane{make_wand_field(grid, &labels, free_only),
               {known.normal.cast<float>(), static_cast<float>(known.offset_m)},
               pixels_of_plane(labels, id),
@@ -198,7 +198,7 @@ Finish grow_to_border(const FrameLabels& labels,
   FrameLabels others = labels;
   for (const std::uint32_t i : plane.pixels) others.plane.data[i] = 0;
   WandOptions free_only = options;
-  free_only.take_labelled = false;
+  free_only.take_labeled = false;
   const auto found = seeds.empty() ? std::nullopt : grow_plane(grid, &others, seeds, free_only);
   Finish finish;
   if (!found) return finish;

@@ -17,7 +17,7 @@ struct WandOptions {
   double tolerance_m = kCloseTolerance_m;  // distance to the plane at close range; grows with noise
   double max_angle_deg = 35;               // of local normals to the plane, if known
   bool use_color = true;                   // if depth does not show where the surface ends
-  bool take_labelled = false;              // also pixels that already have a label
+  bool take_labeled = false;               // also pixels that already have a label
   std::span<const std::uint8_t> within = {};  // per pixel, 0 to exclude it; empty: all allowed
 };
 

@@ -111,7 +111,7 @@ WandField make_wand_field(const LabelGrid& grid,
   for (std::size_t i = 0; i < options.within.size(); ++i)
     if (!options.within[i]) field.allowed[i] = 0;
   if (!labels) return field;
-  std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, options.take_labelled ? 0 : 1);
+  std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, options.take_labeled ? 0 : 1);
   keeps[0] = 0;
   for (const LabelPlane& plane : labels->planes)
     if (plane.locked || plane.hidden) keeps[plane.id] = 1;

@@ -96,8 +96,8 @@ Verdict classify_moments(const Moments& moments, double max_angle_deg) {
 class PcaClassifier final : public Classifier {
  public:
   explicit PcaClassifier(const PcaClassifierOptions& options) : options_(options) {
-    if (options.neighbours < 3 || options.neighbours > 1024)
-      throw Error("pca_neighbours is " + std::to_string(options.neighbours) +
+    if (options.neighbors < 3 || options.neighbors > 1024)
+      throw Error("pca_neighbours is " + std::to_string(options.neighbors) +
                   "; expected 3 to 1024");
     if (!(options.max_angle_deg > 0 && options.max_angle_deg < 90))
       throw Error("pca max_angle_deg is " + std::to_string(options.max_angle_deg) +
@@ -113,19 +113,19 @@ class PcaClassifier final : public Classifier {
 
  private:
   Classification label(std::span<const Vec3f> input, int threads) const {
-    const NeighbourGrid grid(input, options_.neighbours);
+    const NeighborGrid grid(input, options_.neighbors);
     const std::span<const Vec3f> points = grid.points();
     Classification result;
     result.labels.resize(points.size());
     result.margins.resize(points.size());
-    const auto k = static_cast<std::size_t>(options_.neighbours);
+    const auto k = static_cast<std::size_t>(options_.neighbors);
     parallel_for(points.size(), threads, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t> rows((end - begin) * k);
-      grid.nearest(options_.neighbours, begin, end, rows.data());
+      grid.nearest(options_.neighbors, begin, end, rows.data());
       const std::uint32_t* row = rows.data();
       for (std::size_t i = begin; i < end; ++i, row += k) {
         Moments moments;
-        for (std::size_t j = 0; j < k && row[j] != kNoNeighbour; ++j)
+        for (std::size_t j = 0; j < k && row[j] != kNoNeighbor; ++j)
           moments.add((points[row[j]] - points[i]).cast<double>());
         const Verdict verdict = classify_moments(moments, options_.max_angle_deg);
         result.labels[grid.order()[i]] = verdict.label;

@@ -36,13 +36,13 @@ Classification classify_about_origin(const Classifier& classifier,
                                      int threads);
 
 struct PcaClassifierOptions {
-  int neighbours = 16;        // points in each local fit, including the point itself
+  int neighbors = 16;         // points in each local fit, including the point itself
   double max_angle_deg = 45;  // Eq. (1): h up to pi/4 from gravity
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = PcaClassifierOptions;
     rows.number("pca_neighbours", "PCA neighbors", "points",
-                "Points in each local plane fit, including the point itself", &O::neighbours,
+                "Points in each local plane fit, including the point itself", &O::neighbors,
                 {3, 1000});
     rows.number("pca_max_angle_deg", "PCA angle limit", "deg",
                 "Eq. (1): horizontal if the normal is within this angle of gravity",
@@ -72,7 +72,7 @@ Classification classify_finite(std::span<const Vec3f> points, const Classify& cl
 }
 
 /// Points with true labels, for training and evaluating classifiers.
-struct LabelledCloud {
+struct LabeledCloud {
   std::string kind;           // source: "stairs", "scan", ...
   std::vector<Vec3f> points;  // z up, meters, relative to a local origin
   std::vector<Label> labels;

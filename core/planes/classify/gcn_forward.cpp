@@ -82,7 +82,7 @@ struct Pass {
     const bool surface = layer.in == 0;
     kernels.support({.begin = begin,
                      .end = end,
-                     .neighbours = level.neighbours,
+                     .neighbors = level.neighbors,
                      .directions = level.directions.data(),
                      .rows = level.rows.data(),
                      .supports = layers.config.supports,
@@ -109,17 +109,17 @@ struct Pass {
     const float* features = a.levels[l - 1].features.data() + stride - channels;
     for (std::size_t i = begin; i < end; ++i) {
       float* out = to.pooled.data() + i * channels;
-      const std::uint32_t* row = from.pool_rows.data() + i * from.pool_neighbours;
+      const std::uint32_t* row = from.pool_rows.data() + i * from.pool_neighbors;
       const std::size_t own = i * static_cast<std::size_t>(layers.config.pool_rate);
-      std::copy_n(features + (from.pool_neighbours > 0 ? row[0] : own) * stride, channels, out);
-      for (int j = 1; j < from.pool_neighbours; ++j) {
+      std::copy_n(features + (from.pool_neighbors > 0 ? row[0] : own) * stride, channels, out);
+      for (int j = 1; j < from.pool_neighbors; ++j) {
         const float* in = features + row[j] * stride;
         for (int c = 0; c < channels; ++c) out[c] = std::max(out[c], in[c]);
       }
       if (to.winners.empty()) continue;
       for (int c = 0; c < channels; ++c) {
         int winner = 0;
-        while (winner < from.pool_neighbours && features[row[winner] * stride + c] != out[c])
+        while (winner < from.pool_neighbors && features[row[winner] * stride + c] != out[c])
           ++winner;
         to.winners[i * channels + c] = static_cast<std::uint16_t>(winner);
       }

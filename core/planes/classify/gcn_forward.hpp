@@ -19,18 +19,18 @@ namespace planescope::planes::gcn {
 
 struct GraphLevel {
   std::size_t n = 0;
-  int neighbours = 0;               // k; fewer if the level has too few other points
+  int neighbors = 0;                // k; fewer if the level has too few other points
   std::vector<std::uint32_t> rows;  // [n x k] the nearest other points
   Buffer directions;                // [n x 3 x k] unit vectors to the neighbors; zero for
                                     // coincident points
   // Pooling to the next level, which keeps points 0, rate, 2 rate, ...
-  int pool_neighbours = 0;
-  std::vector<std::uint32_t> pool_rows;  // [n of the next level x pool_neighbours]
+  int pool_neighbors = 0;
+  std::vector<std::uint32_t> pool_rows;  // [n of the next level x pool_neighbors]
   std::vector<std::uint32_t> nearest;  // per level-0 point: its nearest point of this level; empty
                                        // at level 0
 };
 
-/// Points are in the order of a NeighbourGrid, so neighbors and pooling do not depend on the order
+/// Points are in the order of a NeighborGrid, so neighbors and pooling do not depend on the order
 /// of the input.
 struct Graph {
   std::vector<std::uint32_t> order;  // order[i]: input index of level-0 point i

@@ -212,9 +212,9 @@ void choose_nearest(std::span<const Vec3f> points,
 /// Finds the nearest point of `pool` for points begin..end of level 0. `in_pool`: per level-0
 /// point, its index in the pool or none. If any pool point is among a point's neighbors, so is the
 /// nearest one.
-void find_nearest(const NeighbourGrid& grid,
+void find_nearest(const NeighborGrid& grid,
                   const GraphLevel& level,
-                  const NeighbourGrid& pool,
+                  const NeighborGrid& pool,
                   const std::vector<std::uint32_t>& in_pool,
                   std::size_t begin,
                   std::size_t end,
@@ -222,17 +222,17 @@ void find_nearest(const NeighbourGrid& grid,
   const auto points = grid.points();
   for (std::size_t i = begin; i < end; ++i) {
     nearest[i] = in_pool[i];
-    if (nearest[i] != kNoNeighbour) continue;
+    if (nearest[i] != kNoNeighbor) continue;
     float smallest = std::numeric_limits<float>::infinity();
-    for (int k = 0; k < level.neighbours; ++k) {
-      const std::uint32_t j = level.rows[i * level.neighbours + k];
-      if (in_pool[j] == kNoNeighbour) continue;
+    for (int k = 0; k < level.neighbors; ++k) {
+      const std::uint32_t j = level.rows[i * level.neighbors + k];
+      if (in_pool[j] == kNoNeighbor) continue;
       const float distance = squared_distance(points[j], points[i]);
       if (distance >= smallest) continue;
       smallest = distance;
       nearest[i] = in_pool[j];
     }
-    if (nearest[i] == kNoNeighbour) pool.nearest_to(points.subspan(i, 1), nearest + i);
+    if (nearest[i] == kNoNeighbor) pool.nearest_to(points.subspan(i, 1), nearest + i);
   }
 }
 
@@ -243,15 +243,15 @@ void make_graph(std::span<const Vec3f> points,
                 int threads,
                 Simd simd,
                 Graph& graph) {
-  std::vector<NeighbourGrid> grids;
-  grids.emplace_back(points, config.neighbours + 1);
+  std::vector<NeighborGrid> grids;
+  grids.emplace_back(points, config.neighbors + 1);
   while (grids.size() < config.levels.size()) grids.push_back(grids.back().every(config.pool_rate));
 
   // Per level-0 point: its index in each level, or none.
   std::vector<std::vector<std::uint32_t>> in_level(grids.size());
   std::size_t rate = 1;
   for (std::vector<std::uint32_t>& in : in_level) {
-    in.assign(points.size(), kNoNeighbour);
+    in.assign(points.size(), kNoNeighbor);
     for (std::size_t i = 0; i < in.size(); i += rate) in[i] = static_cast<std::uint32_t>(i / rate);
     rate *= static_cast<std::size_t>(config.pool_rate);
   }
@@ -261,14 +261,14 @@ void make_graph(std::span<const Vec3f> points,
   for (std::size_t l = 0; l < grids.size(); ++l) {
     GraphLevel& level = graph.levels[l];
     level.n = grids[l].size();
-    level.neighbours = std::min(config.neighbours, static_cast<int>(level.n) - 1);
-    level.rows.resize(level.n * level.neighbours);
-    level.directions.resize(level.n * level.neighbours * 3);
+    level.neighbors = std::min(config.neighbors, static_cast<int>(level.n) - 1);
+    level.rows.resize(level.n * level.neighbors);
+    level.directions.resize(level.n * level.neighbors * 3);
     if (l > 0) level.nearest.resize(grids[0].size());
-    level.pool_neighbours = 0;
+    level.pool_neighbors = 0;
     if (l + 1 == grids.size()) continue;
-    level.pool_neighbours = std::min(config.pool_neighbours, level.neighbours);
-    level.pool_rows.resize(grids[l + 1].size() * level.pool_neighbours);
+    level.pool_neighbors = std::min(config.pool_neighbors, level.neighbors);
+    level.pool_rows.resize(grids[l + 1].size() * level.pool_neighbors);
   }
 
   run_team(std::min<int>(threads, static_cast<int>(points.size() / 256)), [&](TeamMember& member) {
@@ -277,22 +277,22 @@ void make_graph(std::span<const Vec3f> points,
     for (std::size_t l = 0; l < grids.size(); ++l) {
       GraphLevel& level = graph.levels[l];
       const auto [first, last] = member.share(level.n);
-      const auto k = static_cast<std::size_t>(level.neighbours);
+      const auto k = static_cast<std::size_t>(level.neighbors);
       for (std::size_t begin = first; begin < last && k > 0; begin += kTiledPoints) {
         const std::size_t end = std::min(last, begin + kTiledPoints);
         found.resize((end - begin) * (k + 1));
-        grids[l].nearest(level.neighbours + 1, begin, end, found.data());
+        grids[l].nearest(level.neighbors + 1, begin, end, found.data());
         for (std::size_t i = begin; i < end; ++i) {
           const std::span row(level.rows.data() + i * k, k);
           drop_self({found.data() + (i - begin) * (k + 1), k + 1}, static_cast<std::uint32_t>(i),
                     row);
-          if (level.pool_neighbours > 0 && i % config.pool_rate == 0)
-            choose_nearest(grids[l].points(), i, row, level.pool_neighbours, distance,
-                           level.pool_rows.data() + i / config.pool_rate * level.pool_neighbours);
+          if (level.pool_neighbors > 0 && i % config.pool_rate == 0)
+            choose_nearest(grids[l].points(), i, row, level.pool_neighbors, distance,
+                           level.pool_rows.data() + i / config.pool_rate * level.pool_neighbors);
         }
         kernels(simd).direct({.begin = begin,
                               .end = end,
-                              .neighbours = level.neighbours,
+                              .neighbors = level.neighbors,
                               .points = grids[l].points()[0].data(),
                               .rows = level.rows.data(),
                               .directions = level.directions.data()});

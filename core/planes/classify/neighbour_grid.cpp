@@ -379,7 +379,7 @@ double cell_m2(const ZFrame& frame) { return 1 / frame.cells_per_m / frame.cells
 
 }  // namespace
 
-NeighbourGrid::NeighbourGrid(std::span<const Vec3f> points, int k) : k_(k) {
+NeighborGrid::NeighborGrid(std::span<const Vec3f> points, int k) : k_(k) {
   assert(std::all_of(points.begin(), points.end(), [](const Vec3f& p) { return p.allFinite(); }));
   index_.z = z_order(points, points_per_cell(k));
   index_.points.reserve(points.size());
@@ -387,9 +387,9 @@ NeighbourGrid::NeighbourGrid(std::span<const Vec3f> points, int k) : k_(k) {
   make_cells();
 }
 
-NeighbourGrid NeighbourGrid::every(int rate) const {
+NeighborGrid NeighborGrid::every(int rate) const {
   assert(rate > 0);
-  NeighbourGrid coarse;
+  NeighborGrid coarse;
   coarse.k_ = k_;
   coarse.index_.z.frame = index_.z.frame;
   for (std::size_t i = 0; i < size(); i += static_cast<std::size_t>(rate)) {
@@ -401,7 +401,7 @@ NeighbourGrid NeighbourGrid::every(int rate) const {
   return coarse;
 }
 
-void NeighbourGrid::make_cells() {
+void NeighborGrid::make_cells() {
   for (int axis = 0; axis < 3; ++axis) {
     index_.axes[axis].resize(size() + kGroup);
     for (std::size_t i = 0; i < size(); ++i) index_.axes[axis][i] = index_.points[i][axis];
@@ -411,7 +411,7 @@ void NeighbourGrid::make_cells() {
   index_.cells = CellTable(index_.z.codes, index_.level);
 }
 
-void NeighbourGrid::nearest(int k, std::size_t begin, std::size_t end, std::uint32_t* rows) const {
+void NeighborGrid::nearest(int k, std::size_t begin, std::size_t end, std::uint32_t* rows) const {
   assert(k >= 0 && begin <= end && end <= size());
   if (k == 0 || begin == end) return;
   const double edge_squared = cell_m2(index_.z.frame);
@@ -430,15 +430,15 @@ void NeighbourGrid::nearest(int k, std::size_t begin, std::size_t end, std::uint
       }
     }
     std::copy_n(row.begin(), wanted, rows);
-    std::fill(rows + wanted, rows + width, kNoNeighbour);
+    std::fill(rows + wanted, rows + width, kNoNeighbor);
   }
 }
 
-void NeighbourGrid::nearest_to(std::span<const Vec3f> queries, std::uint32_t* found) const {
+void NeighborGrid::nearest_to(std::span<const Vec3f> queries, std::uint32_t* found) const {
   const double edge_squared = cell_m2(index_.z.frame);
   Surroundings surroundings(index_, 1);
   for (std::size_t i = 0; i < queries.size(); ++i) {
-    found[i] = kNoNeighbour;
+    found[i] = kNoNeighbor;
     if (index_.points.empty()) continue;
     const Vec3f& q = queries[i];
     const Place place(index_.z.frame, q);

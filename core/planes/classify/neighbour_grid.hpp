@@ -84,18 +84,18 @@ struct CellIndex {
   CellTable cells;                         // from `level` upward
 };
 
-inline constexpr std::uint32_t kNoNeighbour = std::numeric_limits<std::uint32_t>::max();
+inline constexpr std::uint32_t kNoNeighbor = std::numeric_limits<std::uint32_t>::max();
 
 /// A cloud sorted along a Z-order curve, then by x, y, z, with exact nearest-neighbor queries. The
 /// curve's grid follows the bounds and density of the cloud, so the order does not depend on the
 /// order of the input (coincident points are interchangeable). Points must be finite.
-class NeighbourGrid {
+class NeighborGrid {
  public:
   /// `k`: number of neighbors that queries will request; determines the cell size.
-  NeighbourGrid(std::span<const Vec3f> points, int k);
+  NeighborGrid(std::span<const Vec3f> points, int k);
 
   /// The grid of points 0, rate, 2 rate, ... of this one, in the same order.
-  NeighbourGrid every(int rate) const;
+  NeighborGrid every(int rate) const;
 
   std::size_t size() const { return index_.points.size(); }
   std::span<const Vec3f> points() const { return index_.points; }  // in grid order
@@ -103,16 +103,16 @@ class NeighbourGrid {
   std::span<const std::uint32_t> order() const { return index_.z.order; }
 
   /// Finds the k nearest points, including the point itself, for points begin..end of the grid:
-  /// [(end - begin) x k] grid indices, ascending in each row, padded with kNoNeighbour if size() <
+  /// [(end - begin) x k] grid indices, ascending in each row, padded with kNoNeighbor if size() <
   /// k. Ties at the k-th distance go to the first in grid order.
   void nearest(int k, std::size_t begin, std::size_t end, std::uint32_t* rows) const;
 
-  /// Finds the grid point nearest to each query: the first in grid order on ties, kNoNeighbour if
+  /// Finds the grid point nearest to each query: the first in grid order on ties, kNoNeighbor if
   /// the grid is empty. Fastest if consecutive queries are close together.
   void nearest_to(std::span<const Vec3f> queries, std::uint32_t* found) const;
 
  private:
-  NeighbourGrid() = default;
+  NeighborGrid() = default;
   void make_cells();
 
   int k_ = 1;

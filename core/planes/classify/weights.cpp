@@ -208,7 +208,7 @@ NetworkConfig network_config(const std::string& name) {
   if (name == "official")
     return {.name = name,
             .levels = {{128, 128}, {256, 256}, {512}},
-            .neighbours = 50,
+            .neighbors = 50,
             .global_feature = true,
             .head = {512, 512}};
   throw Error("network '" + name + "' is unknown; expected compact, small or official");
@@ -257,9 +257,9 @@ void visit_fields(Fields& fields, Same<NetworkConfig> auto& config) {
   fields("name", config.name);
   fields("levels", config.levels);
   fields.whole("supports", config.supports, kPlain, 1, 16);
-  fields.whole("neighbours", config.neighbours, kPlain, 1, 1024);
+  fields.whole("neighbours", config.neighbors, kPlain, 1, 1024);
   fields.whole("pool_rate", config.pool_rate, kPlain, 2, 64);
-  fields.whole("pool_neighbours", config.pool_neighbours, kPlain, 1, config.neighbours);
+  fields.whole("pool_neighbours", config.pool_neighbors, kPlain, 1, config.neighbors);
   fields("global_feature", config.global_feature);
   fields("head", config.head);
 }

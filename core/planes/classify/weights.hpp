@@ -47,9 +47,9 @@ struct NetworkConfig {
   /// Output channels of each convolution, by level.
   std::vector<std::vector<int>> levels = {{32, 32}, {64, 64}};
   int supports = 1;              // per kernel
-  int neighbours = 16;           // per convolution, excluding the point itself
+  int neighbors = 16;            // per convolution, excluding the point itself
   int pool_rate = 4;             // one in this many points continues to the next level
-  int pool_neighbours = 4;       // neighbors in each max pooling
+  int pool_neighbors = 4;        // neighbors in each max pooling
   bool global_feature = false;   // append the maximum of the last features over all points to
                                  // every point
   std::vector<int> head = {64};  // widths of the hidden layers after the concatenation

@@ -188,7 +188,7 @@ LabelAccuracy label_accuracy(std::span<const Label> truth,
   return accuracy;
 }
 
-LabelAccuracy label_accuracy(const LabelledCloud& cloud, std::span<const Label> found) {
+LabelAccuracy label_accuracy(const LabeledCloud& cloud, std::span<const Label> found) {
   if (!cloud.near_edge.empty()) return label_accuracy(cloud.labels, found, cloud.near_edge);
   return label_accuracy(cloud.labels, found,
                         near_other_label(cloud.points, cloud.labels, cloud.points, cloud.labels));
@@ -396,7 +396,7 @@ double plane_recall(const Metrics& m) {
 Metrics mean_of(std::span<const Metrics> metrics) {
   Metrics mean;
   if (metrics.empty()) return mean;
-  double labelled = 0;  // number of frames with labels
+  double labeled = 0;  // number of frames with labels
   for (const Metrics& m : metrics) {
     mean.planes_truth += m.planes_truth;
     mean.planes_found += m.planes_found;
@@ -416,7 +416,7 @@ Metrics mean_of(std::span<const Metrics> metrics) {
     if (!std::isnan(m.label_accuracy_edge)) {
       mean.label_accuracy_edge += m.label_accuracy_edge;
       mean.label_accuracy_inner += m.label_accuracy_inner;
-      ++labelled;
+      ++labeled;
     }
     mean.points += m.points;
   }
@@ -424,7 +424,7 @@ Metrics mean_of(std::span<const Metrics> metrics) {
   for (double* v : {&mean.alpha_deg, &mean.r_m, &mean.point_accuracy, &mean.mean_iou, &mean.pq})
     *v /= n;
   for (double* v : {&mean.label_accuracy_edge, &mean.label_accuracy_inner})
-    *v = labelled > 0 ? *v / labelled : std::nan("");
+    *v = labeled > 0 ? *v / labeled : std::nan("");
   if (mean.planes_truth > 0) mean.r_p = 100.0 * mean.planes_found / mean.planes_truth;
   return mean;
 }

@@ -82,7 +82,7 @@ LabelAccuracy label_accuracy(std::span<const Label> truth,
                              std::span<const std::uint8_t> near_edge);
 
 /// Uses the cloud's own `near_edge`, or else the distance to points with a different label.
-LabelAccuracy label_accuracy(const LabelledCloud& cloud, std::span<const Label> found);
+LabelAccuracy label_accuracy(const LabeledCloud& cloud, std::span<const Label> found);
 
 // ---- Metrics ----
 

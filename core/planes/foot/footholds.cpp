@@ -222,7 +222,7 @@ std::vector<Surface> surfaces_of(const Frame& frame,
     surface.support = support ? *support : support_by_places(places[k], outline);
     const Circle circle = largest_circle(polygons_of(outline), kCircle_m);
     surface.clearance_m = circle.radius_m;
-    surface.best_place = outline.world(circle.centre);
+    surface.best_place = outline.world(circle.center);
   }
   return surfaces;
 }

@@ -295,7 +295,7 @@ PolygonRing cut(const PolygonRing& convex, const HalfPlane& half) {
 struct Piece {
   PolygonRing ring;
   double area_m2 = 0;
-  std::set<int> neighbours;
+  std::set<int> neighbors;
   bool gone = false;
 };
 
@@ -387,8 +387,8 @@ std::vector<Piece> pieces_of(const std::vector<Triangle>& triangles) {
     for (int i = 0; i < 3; ++i) {
       const Vec2d &a = triangle[i], &b = triangle[(i + 1) % 3];
       if (const auto other = by_edge.find({b.x(), b.y(), a.x(), a.y()}); other != by_edge.end()) {
-        piece.neighbours.insert(other->second);
-        pieces[other->second].neighbours.insert(number);
+        piece.neighbors.insert(other->second);
+        pieces[other->second].neighbors.insert(number);
       }
       by_edge[{a.x(), a.y(), b.x(), b.y()}] = number;
     }
@@ -401,7 +401,7 @@ class Joining {
  public:
   explicit Joining(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
     for (int a = 0; a < static_cast<int>(pieces_.size()); ++a)
-      for (const int b : pieces_[a].neighbours)
+      for (const int b : pieces_[a].neighbors)
         if (a < b) consider(a, b);
   }
 
@@ -437,20 +437,20 @@ class Joining {
   }
   void remove(int piece) {
     pieces_[piece].gone = true;
-    for (const int other : pieces_[piece].neighbours) pieces_[other].neighbours.erase(piece);
+    for (const int other : pieces_[piece].neighbors) pieces_[other].neighbors.erase(piece);
     std::erase_if(joins_, [&](const Join& join) { return join.a == piece || join.b == piece; });
   }
   void make(const Join& join) {
-    Piece made{join.ring, join.area_m2, pieces_[join.a].neighbours, false};
-    made.neighbours.insert(pieces_[join.b].neighbours.begin(), pieces_[join.b].neighbours.end());
-    made.neighbours.erase(join.a);
-    made.neighbours.erase(join.b);
+    Piece made{join.ring, join.area_m2, pieces_[join.a].neighbors, false};
+    made.neighbors.insert(pieces_[join.b].neighbors.begin(), pieces_[join.b].neighbors.end());
+    made.neighbors.erase(join.a);
+    made.neighbors.erase(join.b);
     remove(join.a);
     remove(join.b);
     const int number = static_cast<int>(pieces_.size());
     pieces_.push_back(std::move(made));
-    for (const int other : pieces_[number].neighbours) {
-      pieces_[other].neighbours.insert(number);
+    for (const int other : pieces_[number].neighbors) {
+      pieces_[other].neighbors.insert(number);
       consider(other, number);
     }
   }

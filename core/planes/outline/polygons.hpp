@@ -45,7 +45,7 @@ std::vector<Triangle> triangulated(const Polygons& polygons);
 /// Largest inscribed circle, its center accurate to the tolerance. Radius 0 if the polygons have
 /// no area.
 struct Circle {
-  Vec2d centre = Vec2d::Zero();
+  Vec2d center = Vec2d::Zero();
   double radius_m = 0;
 };
 Circle largest_circle(const Polygons& polygons, double tolerance_m);

@@ -58,9 +58,9 @@ std::vector<std::uint32_t> measured_sources(const Frame& frame) {
   return make_cloud(frame, Gravity{}, CloudOptions{}).source;
 }
 
-LabelledCloud labelled_frame(const Frame& frame,
-                             const PipelineOptions& options,
-                             const SourceTruth& truth) {
+LabeledCloud labeled_frame(const Frame& frame,
+                           const PipelineOptions& options,
+                           const SourceTruth& truth) {
   const Gravity gravity = resolve_gravity(frame, options.gravity, options.cloud.max_range_m);
   if (!gravity.known())
     throw Error("frame " + frame.name + ": h and v labels require gravity, but --gravity is none");
@@ -68,11 +68,11 @@ LabelledCloud labelled_frame(const Frame& frame,
   const VoxelCloud voxels = voxelize(cloud, options.cloud.voxel_size_m);
   const FrameTruth on_points = truth_on_points(truth.values, cloud.source);
   const std::vector<std::uint8_t> votes = vote_labels(voxels, on_points.label);
-  LabelledCloud labelled;
-  labelled.kind = "recording";
-  labelled.points = voxels.points;
-  for (const std::uint8_t vote : votes) labelled.labels.push_back(static_cast<Label>(vote));
-  return labelled;
+  LabeledCloud labeled;
+  labeled.kind = "recording";
+  labeled.points = voxels.points;
+  for (const std::uint8_t vote : votes) labeled.labels.push_back(static_cast<Label>(vote));
+  return labeled;
 }
 
 // ---- Scores ----

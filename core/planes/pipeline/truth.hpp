@@ -33,9 +33,9 @@ std::vector<std::uint32_t> measured_sources(const Frame& frame);
 
 /// Input of the classifier for a frame (its voxels), with true labels (`unknown` without truth).
 /// Throws Error if gravity cannot be resolved.
-LabelledCloud labelled_frame(const Frame& frame,
-                             const PipelineOptions& options,
-                             const SourceTruth& truth);
+LabeledCloud labeled_frame(const Frame& frame,
+                           const PipelineOptions& options,
+                           const SourceTruth& truth);
 
 // ---- Scores ----
 

@@ -92,17 +92,17 @@ CellGrid make_cell_grid(const Octree& octree, int levels) {
     std::fill(grid.cell_of.begin() + grid.starts[c], grid.cell_of.begin() + grid.starts[c + 1], c);
   }
   const CellIndex index(cells);
-  grid.neighbour_first.reserve(grid.size() + 1);
-  grid.neighbours.reserve(grid.size() * 12);
-  grid.neighbour_first.push_back(0);
+  grid.neighbor_first.reserve(grid.size() + 1);
+  grid.neighbors.reserve(grid.size() * 12);
+  grid.neighbor_first.push_back(0);
   for (const auto& [x, y, z] : cells) {
     for (int dz = -1; dz <= 1; ++dz)
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx)
           if (const std::uint32_t found = index.find({x + dx, y + dy, z + dz});
               found != KeyNumbers::kNone)
-            grid.neighbours.push_back(found);
-    grid.neighbour_first.push_back(static_cast<std::uint32_t>(grid.neighbours.size()));
+            grid.neighbors.push_back(found);
+    grid.neighbor_first.push_back(static_cast<std::uint32_t>(grid.neighbors.size()));
   }
   return grid;
 }
@@ -136,8 +136,8 @@ CellPlanes planes_near_cells(const CellGrid& grid,
   for (std::size_t c = 0; c < grid.size(); ++c) {
     ++stamp;
     std::int32_t last = kNone;  // most neighbors have the previous plane, or none
-    for (std::uint32_t k = grid.neighbour_first[c]; k < grid.neighbour_first[c + 1]; ++k) {
-      const std::uint32_t n = grid.neighbours[k];
+    for (std::uint32_t k = grid.neighbor_first[c]; k < grid.neighbor_first[c + 1]; ++k) {
+      const std::uint32_t n = grid.neighbors[k];
       if (only[n] == last || only[n] == kNone) continue;
       if (only[n] != kSeveral) {
         collect(result.planes, last = only[n]);
@@ -183,9 +183,8 @@ std::vector<Part> PartFinder::parts_of(std::span<const std::uint32_t> points) {
     link_within(points, cells_[c], sets);
     cell_of_[cells_[c].number] = static_cast<std::int32_t>(c);
     const std::uint32_t number = cells_[c].number;
-    for (std::uint32_t n = grid_.neighbour_first[number]; n < grid_.neighbour_first[number + 1];
-         ++n)
-      if (const std::int32_t other = cell_of_[grid_.neighbours[n]];
+    for (std::uint32_t n = grid_.neighbor_first[number]; n < grid_.neighbor_first[number + 1]; ++n)
+      if (const std::int32_t other = cell_of_[grid_.neighbors[n]];
           other >= 0 && other < static_cast<std::int32_t>(c))
         link(points, cells_[c], cells_[other], sets);
   }

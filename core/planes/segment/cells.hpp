@@ -20,10 +20,10 @@ std::vector<std::uint32_t> cell_starts(const Octree& octree, int levels);
 
 /// Non-empty cells and their neighbors (3 x 3 x 3, including the cell itself).
 struct CellGrid {
-  std::vector<std::uint32_t> starts;           // ranges of points; size() + 1 entries
-  std::vector<std::uint32_t> cell_of;          // per point
-  std::vector<std::uint32_t> neighbour_first;  // CSR
-  std::vector<std::uint32_t> neighbours;
+  std::vector<std::uint32_t> starts;          // ranges of points; size() + 1 entries
+  std::vector<std::uint32_t> cell_of;         // per point
+  std::vector<std::uint32_t> neighbor_first;  // CSR
+  std::vector<std::uint32_t> neighbors;
   std::size_t size() const { return starts.size() - 1; }
 };
 CellGrid make_cell_grid(const Octree& octree, int levels);

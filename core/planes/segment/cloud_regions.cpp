@@ -318,8 +318,8 @@ int drop_worthless(SegmentState& state,
     ++dropped;
     for (const std::uint32_t i : points) {
       const std::uint32_t cell = grid.cell_of[i];
-      for (std::uint32_t n = grid.neighbour_first[cell]; n < grid.neighbour_first[cell + 1]; ++n)
-        touched[grid.neighbours[n]] = 1;
+      for (std::uint32_t n = grid.neighbor_first[cell]; n < grid.neighbor_first[cell + 1]; ++n)
+        touched[grid.neighbors[n]] = 1;
     }
   }
   return dropped;

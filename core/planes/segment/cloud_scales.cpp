@@ -82,8 +82,8 @@ CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& op
     for (int label = 0; label < 2; ++label) {
       const Patch& p = patches[c][label];
       if (!p.calm) continue;
-      for (std::uint32_t n = grid.neighbour_first[c]; n < grid.neighbour_first[c + 1]; ++n) {
-        const std::uint32_t other = grid.neighbours[n];
+      for (std::uint32_t n = grid.neighbor_first[c]; n < grid.neighbor_first[c + 1]; ++n) {
+        const std::uint32_t other = grid.neighbors[n];
         const Patch& q = patches[other][label];
         if (other <= c || !q.calm) continue;
         Moments both = p.moments;

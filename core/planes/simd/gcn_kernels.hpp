@@ -17,7 +17,7 @@ inline constexpr int kLanes = 16;
 /// Unit vectors from each point to its neighbors; zero for coincident points.
 struct DirectionArgs {
   std::size_t begin = 0, end = 0;
-  int neighbours = 0;
+  int neighbors = 0;
   const float* points = nullptr;        // [n x 3]
   const std::uint32_t* rows = nullptr;  // [n x k]
   float* directions = nullptr;          // [n x 3 x k]
@@ -29,7 +29,7 @@ struct DirectionArgs {
 /// Surface convolution if `features` is null: without that factor and without the center term.
 struct SupportArgs {
   std::size_t begin = 0, end = 0;       // points i
-  int neighbours = 0;                   // k; the maximum over no neighbors is 0
+  int neighbors = 0;                    // k; the maximum over no neighbors is 0
   const float* directions = nullptr;    // [n x 3 x k] unit vectors to the neighbors, or zero
   const std::uint32_t* rows = nullptr;  // [n x k]
   int supports = 1, channels = 0;

@@ -23,7 +23,7 @@ inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes relu(Lanes v) { return larger(v, Lanes{}); }
 
 void direct(const DirectionArgs& a) {
-  const int k = a.neighbours;
+  const int k = a.neighbors;
   for (std::size_t i = a.begin; i < a.end; ++i) {
     const float* p = a.points + 3 * i;
     const std::uint32_t* row = a.rows + i * k;
@@ -48,10 +48,10 @@ void direct(const DirectionArgs& a) {
 template <int kGroup, bool kSurface, bool kWinners>
 inline void support_group(const SupportArgs& a, std::size_t i, int c) {
   const int all_channels = a.supports * a.channels;
-  const float* x_to = a.directions + i * a.neighbours * 3;
-  const float* y_to = x_to + a.neighbours;
-  const float* z_to = y_to + a.neighbours;
-  const std::uint32_t* row = a.rows + i * a.neighbours;
+  const float* x_to = a.directions + i * a.neighbors * 3;
+  const float* y_to = x_to + a.neighbors;
+  const float* z_to = y_to + a.neighbors;
+  const std::uint32_t* row = a.rows + i * a.neighbors;
   Lanes sum[kGroup];
   for (int g = 0; g < kGroup; ++g)
     sum[g] = kSurface ? Lanes{} : load(a.center + i * a.stride + c + g * kWidth);
@@ -66,7 +66,7 @@ inline void support_group(const SupportArgs& a, std::size_t i, int c) {
       best[g] = Lanes{};
       winner[g] = LanesI{};
     }
-    for (int j = 0; j < a.neighbours; ++j) {
+    for (int j = 0; j < a.neighbors; ++j) {
       const Lanes dx = all(x_to[j]), dy = all(y_to[j]), dz = all(z_to[j]);
       const float* feature = kSurface ? nullptr : a.features + row[j] * a.stride + first;
       for (int g = 0; g < kGroup; ++g) {

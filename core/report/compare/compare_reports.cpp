@@ -118,7 +118,7 @@ class PlaneComparer {
     const std::vector<int> partner = planes::found_of_truth(overlap_);
     for (int t = 1; t <= planes_before(); ++t) {
       const int f = partner[static_cast<std::size_t>(t) - 1];
-      if (f > 0 && is_open(t) && !taken_[f] && overlap_.iou(t, f) >= kLeastIou) pair_judged(t, f);
+      if (f > 0 && is_open(t) && !taken_[f] && overlap_.iou(t, f) >= kLeastIou) pair_compared(t, f);
     }
   }
 
@@ -137,11 +137,11 @@ class PlaneComparer {
         nearest = f;
         least = distance;
       }
-      if (nearest > 0) pair_judged(t, nearest);
+      if (nearest > 0) pair_compared(t, nearest);
     }
   }
 
-  void pair_judged(int t, int f) {
+  void pair_compared(int t, int f) {
     pair(t, f, PlaneFate::same);
     PlaneComparison& pair = of(t);
     if (pair.offset_m > limits_.offset_m || pair.angle_deg > limits_.angle_deg)

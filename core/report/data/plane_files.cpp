@@ -267,7 +267,7 @@ Image16 track_image(const Frame& frame,
   return image;
 }
 
-PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result) {
+PointSet labeled_cloud(const Frame& frame, const planes::FrameResult& result) {
   const planes::Cloud& cloud = result.cloud;
   const std::size_t n = frame.is_cloud() ? frame.cloud->points.size() : cloud.points.size();
   // World coordinates near zero fit a float; with a distant origin they are written as doubles.
@@ -310,7 +310,7 @@ void write_segment_files(const std::filesystem::path& dir,
   if (!frame.is_cloud()) io::write_png(dir / "planes.png", plane_image(frame, result));
   if (!frame.is_cloud() && found.tracks)
     io::write_png(dir / "tracks.png", track_image(frame, result, *found.tracks));
-  io::write_ply(dir / "cloud.ply", labelled_cloud(frame, result));
+  io::write_ply(dir / "cloud.ply", labeled_cloud(frame, result));
 }
 
 }  // namespace planescope::report

@@ -25,7 +25,7 @@ Image16 track_image(const Frame& frame,
 
 /// All input points in input order (depth: the valid pixels in raster order; clouds: every point of
 /// the file) in the world frame, with label (0 unknown, 1 h, 2 v) and instance (plane id, 0 none).
-PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result);
+PointSet labeled_cloud(const Frame& frame, const planes::FrameResult& result);
 
 /// Writes planes.json, timings.json, cloud.ply, planes.png for depth frames, tracks.png if tracks
 /// are known, and the formats in `also` into the existing folder `dir`. Throws Error naming the

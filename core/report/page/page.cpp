@@ -46,8 +46,8 @@ constexpr std::size_t kEmbeddedFirst = 12, kEmbeddedWorst = 12;
 constexpr std::size_t kFramesOpen = 3;  // in longer pages
 constexpr std::size_t kFewFrames = 3;   // no list of the worst for this few frames without rules
 
-Standing standing_of(const PageFrame& frame, bool is_judged) {
-  Standing standing = is_judged ? Standing::passed : Standing::none;
+Standing standing_of(const PageFrame& frame, bool is_compared) {
+  Standing standing = is_compared ? Standing::passed : Standing::none;
   if (!frame.breaches.empty())
     standing =
         frame.breaches[0]->rule.level == RuleLevel::error ? Standing::failed : Standing::warned;
@@ -89,10 +89,10 @@ void add_breaches(const Judgement& judgement, PagePlan& plan, std::vector<std::s
   }
 }
 
-void rank_frames(PagePlan& plan, std::vector<std::size_t> order, bool is_judged) {
+void rank_frames(PagePlan& plan, std::vector<std::size_t> order, bool is_compared) {
   for (std::size_t k = 0; k < plan.frames.size(); ++k)
     if (plan.frames[k].breaches.empty()) order.push_back(k);
-  if (is_judged) {
+  if (is_compared) {
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
       return plan.frames[a].standing > plan.frames[b].standing;
     });
@@ -107,7 +107,7 @@ void rank_frames(PagePlan& plan, std::vector<std::size_t> order, bool is_judged)
     frame.rank = static_cast<int>(place) + 1;
     frame.embedded |= place < kEmbeddedWorst;
     const bool is_bad = frame.standing > Standing::passed;
-    if (plan.worst.size() < kMostWorst && (is_bad || (!is_judged && !few)))
+    if (plan.worst.size() < kMostWorst && (is_bad || (!is_compared && !few)))
       plan.worst.push_back(&frame);
   }
   const std::size_t open = plan.frames.size() <= kFramesAllOpen ? plan.frames.size() : kFramesOpen;

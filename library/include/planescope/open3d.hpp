@@ -57,13 +57,13 @@ inline Frame from_open3d(const open3d::geometry::Image& depth,
                 std::to_string(camera.width_) + "x" + std::to_string(camera.height_));
   DepthImage image;
   const auto focal = camera.GetFocalLength();
-  const auto centre = camera.GetPrincipalPoint();
+  const auto center = camera.GetPrincipalPoint();
   image.camera.width = depth.width_;
   image.camera.height = depth.height_;
   image.camera.fx = focal.first;
   image.camera.fy = focal.second;
-  image.camera.cx = centre.first;
-  image.camera.cy = centre.second;
+  image.camera.cx = center.first;
+  image.camera.cy = center.second;
   image.unit_m = unit_m;
   image.gravity = gravity;
   if (depth.bytes_per_channel_ == 2)

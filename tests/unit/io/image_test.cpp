@@ -205,7 +205,7 @@ TEST(Apng, KeepsThePixelsOfEveryFrame) {
   frames[2] = frames[1];       // an identical frame
   for (const ApngStores stores : {ApngStores::whole, ApngStores::difference}) {
     const test::Apng apng = test::read_apng(animation(frames, stores));
-    EXPECT_EQ(apng.frames_told, 4);
+    EXPECT_EQ(apng.frame_count, 4);
     EXPECT_EQ(apng.frames_per_second, 12);
     ASSERT_EQ(apng.frames.size(), frames.size());
     for (std::size_t i = 0; i < frames.size(); ++i)

@@ -470,13 +470,13 @@ TEST_F(Ros2Bag, AFlippedPixelOfAnUncompressedMcapIsFoundByItsChecksums) {
     ASSERT_NE(at, bytes.end());
     at[static_cast<std::ptrdiff_t>(image->bytes.size()) - 1] ^= 1;
     write_anew(path, bytes);
-    std::vector<std::string> told;
+    std::vector<std::string> reported;
     const std::string error = message_of([&] {
       const auto recording = open_recording(path);
-      told = recording->info().warnings;
+      reported = recording->info().warnings;
       recording->frame(0);
     });
-    const std::string all = error + (told.empty() ? "" : told[0]);
+    const std::string all = error + (reported.empty() ? "" : reported[0]);
     EXPECT_NE(all.find(in_chunk > 0 ? "chunk 0 is damaged: its CRC-32 is" : "the file is damaged"),
               std::string::npos)
         << all;

@@ -144,13 +144,13 @@ TEST_F(AuditTest, AnUnlabeledRegionIsReportedAndStripsAreNot) {
   for (int x = 0; x + 3 <= 640; x += 9)
     in_box(x, 0, x + 3, 480, [&](std::size_t i) { set(i, 0, 0); });
   auto findings = audit_labels(labels, grid);
-  std::erase_if(findings, [](const Finding& f) { return f.kind != FindingKind::unlabelled; });
+  std::erase_if(findings, [](const Finding& f) { return f.kind != FindingKind::unlabeled; });
   EXPECT_TRUE(findings.empty());
 
   look(0.06);
   in_box(200, 300, 400, 400, [&](std::size_t i) { set(i, 0, 0); });
   const Finding finding = only();
-  EXPECT_EQ(finding.kind, FindingKind::unlabelled);
+  EXPECT_EQ(finding.kind, FindingKind::unlabeled);
   EXPECT_EQ(finding.plane, 0);
   EXPECT_NEAR(finding.pixel % 640, 300, 60);
   EXPECT_NEAR(static_cast<int>(finding.pixel / 640), 350, 20);
@@ -206,7 +206,7 @@ TEST(Clutter, IsNotReportedUnlessOnePlaneContainsMostOfIt) {
     labels.planes = {{.id = 1}};
     refit_planes(labels, grid);
     auto findings = audit_labels(labels, grid);
-    std::erase_if(findings, [](const Finding& f) { return f.kind != FindingKind::unlabelled; });
+    std::erase_if(findings, [](const Finding& f) { return f.kind != FindingKind::unlabeled; });
     EXPECT_EQ(findings.size(), heap ? 0u : 1u) << (heap ? "heap" : "box");
   }
 }
@@ -221,12 +221,12 @@ TEST_F(AuditTest, StatisticsCountPixelsPlanesAndArea) {
   EXPECT_EQ(s.v, 1);
   EXPECT_EQ(s.ignored, 100u);
   EXPECT_EQ(s.measured, grid.measured_count);
-  EXPECT_EQ(s.labelled, s.measured - 200);
+  EXPECT_EQ(s.labeled, s.measured - 200);
   EXPECT_EQ(s.hidden, static_cast<std::size_t>(std::ranges::count(labels.plane.data, 2)));
   double seen_m2 = 0;
   for (std::uint32_t i = 0; i < grid.pixels(); ++i)
     if (labels.plane.data[i] == 1 || labels.plane.data[i] == 2) seen_m2 += grid.pixel_area_m2(i);
-  EXPECT_NEAR(s.labelled_m2, seen_m2, 0.1 * seen_m2);
+  EXPECT_NEAR(s.labeled_m2, seen_m2, 0.1 * seen_m2);
 }
 
 TEST(PixelDepth, TheDeepestPixelIsFarthestFromTheOutside) {

@@ -261,7 +261,7 @@ TEST(CloudAudit, GoodLabelsHaveNoFindingsAndAnUnlabeledTreadIsReported) {
   labels = edited(labels, cloud.grid, remove_plane, 3);
   const auto findings = audit_labels(labels, cloud.grid);
   ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].kind, FindingKind::unlabelled);
+  EXPECT_EQ(findings[0].kind, FindingKind::unlabeled);
 }
 
 TEST(CloudFiles, LabelsAreReadBackWithTheirOrigin) {
@@ -330,31 +330,29 @@ TEST(CloudExchange, EveryPointHasItsLabelInTheOrderOfTheCloud) {
   for (const LabelFormat format : {LabelFormat::evops, LabelFormat::ply, LabelFormat::pcd,
                                    LabelFormat::kitti, LabelFormat::npz}) {
     SCOPED_TRACE(to_string(format));
-    const LabelledPoints points = points_of_labels(labels, cloud.grid);
+    const LabeledPoints points = points_of_labels(labels, cloud.grid);
     EXPECT_EQ(points.size(), cloud.grid.pixels());
-    const auto paths = write_labelled(dir / to_string(format), format, points);
-    const FrameLabels back = labels_of_points(read_labelled(paths.back(), format), cloud.grid,
-                                              kHash, paths.back().string());
+    const auto paths = write_labeled(dir / to_string(format), format, points);
+    const FrameLabels back = labels_of_points(read_labeled(paths.back(), format), cloud.grid, kHash,
+                                              paths.back().string());
     EXPECT_EQ(back.plane.data, labels.plane.data);
     EXPECT_EQ(back.hv.data, labels.hv.data);
   }
   EXPECT_EQ(fs::file_size(dir / "kitti.label"), 4 * cloud.grid.pixels());
   expect_refused(
-      [&] {
-        write_labelled(dir / "coco", LabelFormat::coco, points_of_labels(labels, cloud.grid));
-      },
+      [&] { write_labeled(dir / "coco", LabelFormat::coco, points_of_labels(labels, cloud.grid)); },
       "coco needs pixels");
 }
 
 TEST(CloudExchange, LabelsOfAnotherNumberOfPointsOrPixelsAreRejected) {
   const TrueCloud cloud = stair_cloud();
-  LabelledPoints fewer;
+  LabeledPoints fewer;
   fewer.instance.assign(12, 1);
   expect_refused([&] { labels_of_points(fewer, cloud.grid, kHash, "a.label"); },
                  "a.label: labels of 12 points, but the frame's cloud has " +
                      std::to_string(cloud.grid.pixels()));
   const LabelGrid depth = test::wall_grid();
-  const LabelledPoints pixels = points_of_labels(empty_labels(depth, kHash), depth);
+  const LabeledPoints pixels = points_of_labels(empty_labels(depth, kHash), depth);
   expect_refused([&] { labels_of_points(pixels, cloud.grid, kHash, "a.ply"); },
                  "labels of a depth image, but the frame is a cloud");
 }

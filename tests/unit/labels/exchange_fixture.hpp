@@ -65,8 +65,8 @@ struct Exchange : testing::Test {
 
   /// Writes the labels to files and reads them back for the frame.
   FrameLabels there_and_back(LabelFormat format) {
-    const auto paths = write_labelled(dir / "frame", format, points_of_labels(labels, grid));
-    return labels_of_points(read_labelled(paths.back(), format), grid, kHash, paths[0].string());
+    const auto paths = write_labeled(dir / "frame", format, points_of_labels(labels, grid));
+    return labels_of_points(read_labeled(paths.back(), format), grid, kHash, paths[0].string());
   }
 };
 

@@ -74,10 +74,10 @@ TEST_F(Exchange, EvopsRestoresPlanesAndTheirClassByTilt) {
 
 TEST_F(Exchange, TheSameLabelsMakeTheSameBytes) {
   for (const LabelFormat format : label_formats(false)) {
-    const LabelledPoints points = points_of_labels(labels, grid);
+    const LabeledPoints points = points_of_labels(labels, grid);
     std::filesystem::create_directories(dir / "again");
-    const auto first = write_labelled(dir / "frame", format, points);
-    const auto again = write_labelled(dir / "again/frame", format, points);
+    const auto first = write_labeled(dir / "frame", format, points);
+    const auto again = write_labeled(dir / "again/frame", format, points);
     ASSERT_EQ(first.size(), again.size());
     for (std::size_t i = 0; i < first.size(); ++i)
       EXPECT_EQ(test::file_text(first[i]), test::file_text(again[i])) << first[i];
@@ -87,7 +87,7 @@ TEST_F(Exchange, TheSameLabelsMakeTheSameBytes) {
 
 TEST_F(Exchange, SemanticKittiIsReadableByItsOwnTools) {
   const auto paths =
-      write_labelled(dir / "000007", LabelFormat::kitti, points_of_labels(labels, grid));
+      write_labeled(dir / "000007", LabelFormat::kitti, points_of_labels(labels, grid));
   const test::SemanticKitti scan =
       test::read_semantic_kitti(dir / "000007.bin", dir / "000007.label");
   EXPECT_EQ(paths.size(), 2u);
@@ -105,7 +105,7 @@ TEST_F(Exchange, SemanticKittiIsReadableByItsOwnTools) {
 }
 
 TEST_F(Exchange, EvopsIsOneWholeNumberPerPoint) {
-  write_labelled(dir / "labels", LabelFormat::evops, points_of_labels(labels, grid));
+  write_labeled(dir / "labels", LabelFormat::evops, points_of_labels(labels, grid));
   const auto ids = test::load_npy_int32(dir / "labels.npy");
   ASSERT_EQ(ids.size(), grid.measured_count);
   std::size_t at = 0;
@@ -116,7 +116,7 @@ TEST_F(Exchange, EvopsIsOneWholeNumberPerPoint) {
 }
 
 TEST_F(Exchange, CocoHasAMaskABoxAndThePlaneOfEachAnnotation) {
-  write_labelled(dir / "000001", LabelFormat::coco, points_of_labels(labels, grid));
+  write_labeled(dir / "000001", LabelFormat::coco, points_of_labels(labels, grid));
   const auto json = nlohmann::json::parse(test::file_text(dir / "000001.json"));
   EXPECT_EQ(json["images"][0]["width"], grid.width);
   std::vector<int> seen(grid.pixels(), 0);
@@ -159,7 +159,7 @@ TEST_F(Exchange, VoxelsAreUprightAndHaveTheMajorityLabelOfTheirPoints) {
     labels.hv.data[i] = right ? 2 : 1;
   }
   const auto paths =
-      write_labelled(dir / "frame", LabelFormat::voxels, points_of_labels(labels, grid), 0.05);
+      write_labeled(dir / "frame", LabelFormat::voxels, points_of_labels(labels, grid), 0.05);
   const PointSet voxels = io::read_cloud_file(paths.at(0));
   EXPECT_LT(voxels.points.size(), grid.measured_count);
   const Pose T_sensor_world = planes::world_from_gravity(grid.gravity.direction, true).inverse();
@@ -170,42 +170,42 @@ TEST_F(Exchange, VoxelsAreUprightAndHaveTheMajorityLabelOfTheirPoints) {
       EXPECT_EQ(voxels.label[i], x > 0 ? 2 : 1);
     }
   }
-  expect_refused([&] { read_labelled(paths[0], LabelFormat::voxels); }, "but not read");
+  expect_refused([&] { read_labeled(paths[0], LabelFormat::voxels); }, "but not read");
 }
 
 TEST_F(Exchange, LabelsOfAnotherFrameAreRejected) {
   const LabelGrid other = random_grid(random);
   const LabelGrid larger = random_grid(random, 40, 30);
-  const LabelledPoints points = points_of_labels(labels, grid);
-  const auto onto = [&](const LabelledPoints& p, const LabelGrid& g) {
+  const LabeledPoints points = points_of_labels(labels, grid);
+  const auto onto = [&](const LabeledPoints& p, const LabelGrid& g) {
     return [&p, &g] { labels_of_points(p, g, kHash, "x.ply"); };
   };
   expect_refused(onto(points, larger),
                  "x.ply: labels of 31x22, but the frame's depth image is 40x30");
   expect_refused(onto(points, other), "labels of a different frame");
-  LabelledPoints bare = points;
+  LabeledPoints bare = points;
   bare.pixel.clear();
   bare.points.clear();
   bare.width = bare.height = 0;
   expect_refused(onto(bare, larger), "points; expected");
-  LabelledPoints twice = points;
+  LabeledPoints twice = points;
   twice.pixel[5] = twice.pixel[4];
   expect_refused(onto(twice, grid), "appears twice");
-  LabelledPoints outside = points;
+  LabeledPoints outside = points;
   outside.width = 0;
   outside.pixel[5] = {31, 2};
   expect_refused(onto(outside, grid), "pixel (31, 2) is outside the frame's depth image of 31x22");
 }
 
 TEST_F(Exchange, RotatedPointsKeepTheirLabels) {
-  LabelledPoints points = points_of_labels(labels, grid);
+  LabeledPoints points = points_of_labels(labels, grid);
   for (Vec3f& point : points.points) point = points.T_world_sensor.cast<float>() * point;
   points.pixel.clear();
   expect_same_pixels(labels_of_points(points, grid, kHash, "x"), labels);
 }
 
 TEST_F(Exchange, ListsOfAllPixelsAreAccepted) {
-  LabelledPoints points;
+  LabeledPoints points;
   points.instance.assign(labels.plane.data.begin(), labels.plane.data.end());
   points.label = labels.hv.data;
   for (std::size_t i = 0; i < grid.pixels(); ++i)
@@ -214,16 +214,16 @@ TEST_F(Exchange, ListsOfAllPixelsAreAccepted) {
 }
 
 TEST_F(Exchange, AFormatReportsMissingData) {
-  LabelledPoints points;
+  LabeledPoints points;
   points.instance = {1, 2, 2};
-  expect_refused([&] { write_labelled(dir / "a", LabelFormat::ply, points); },
+  expect_refused([&] { write_labeled(dir / "a", LabelFormat::ply, points); },
                  "ply needs coordinates");
-  expect_refused([&] { write_labelled(dir / "a", LabelFormat::coco, points); },
+  expect_refused([&] { write_labeled(dir / "a", LabelFormat::coco, points); },
                  "coco needs pixels and the size");
   expect_refused([&] { parse_label_format("kiti"); }, "expected one of evops, ply, pcd, kitti");
   expect_refused([&] { label_format_of("a.txt"); },
                  "a.txt: unknown extension; expected a name that ends in .npy");
-  expect_refused([&] { write_labelled(dir / "none/a", LabelFormat::evops, points); },
+  expect_refused([&] { write_labeled(dir / "none/a", LabelFormat::evops, points); },
                  "none/a.npy: cannot be written");
 }
 
@@ -258,11 +258,11 @@ std::string raw(std::initializer_list<T> values) {
 struct ExchangeDamage : Exchange {
   std::vector<std::int32_t> ids(const std::string& file) {
     write_text(dir / "x.npy", file);
-    return read_labelled(dir / "x.npy", LabelFormat::evops).instance;
+    return read_labeled(dir / "x.npy", LabelFormat::evops).instance;
   }
   void expect_bad(const std::string& name, const std::string& file, const std::string& part) {
     write_text(dir / name, file);
-    const auto read = [&] { read_labelled(dir / name, label_format_of(dir / name)); };
+    const auto read = [&] { read_labeled(dir / name, label_format_of(dir / name)); };
     expect_refused(read, part);
     expect_refused(read, (dir / name).stem().string());
   }
@@ -312,8 +312,8 @@ TEST_F(ExchangeDamage, InconsistentKittiFilesAreRejected) {
   expect_bad("k.label", std::string(8, '\0'), "k.bin: is empty, expected 16 bytes for each of 2");
   std::filesystem::remove(dir / "k.bin");
   write_text(dir / "k.label", raw<unsigned>({7 << 16 | 2}));
-  EXPECT_EQ(read_labelled(dir / "k.label", LabelFormat::kitti).instance.at(0), 7);
-  expect_refused([&] { read_labelled(dir / "none.bin", LabelFormat::kitti); }, "none.label");
+  EXPECT_EQ(read_labeled(dir / "k.label", LabelFormat::kitti).instance.at(0), 7);
+  expect_refused([&] { read_labeled(dir / "none.bin", LabelFormat::kitti); }, "none.label");
 }
 
 TEST_F(ExchangeDamage, CloudsWithoutPlaneIdsAreRejected) {
@@ -366,7 +366,7 @@ TEST_F(ExchangeDamage, CocoMasksOfOtherToolsAreRead) {
              R"("categories":[{"id":7,"name":"h"},{"id":9,"name":"v"}],"annotations":[)"
              R"({"image_id":"a","category_id":7,"segmentation":[[0,0,2,0,2,2,0,2]]},)"
              R"({"image_id":"a","category_id":9,"segmentation":{"size":[3,4],"counts":";1"}}]})");
-  const LabelledPoints points = read_labelled(dir / "c.json", LabelFormat::coco);
+  const LabeledPoints points = read_labeled(dir / "c.json", LabelFormat::coco);
   EXPECT_EQ(points.instance, (std::vector<std::int32_t>{1, 1, 1, 1, 2}));
   EXPECT_EQ(points.label, (std::vector<std::uint8_t>{1, 1, 1, 1, 2}));
   EXPECT_EQ(points.pixel, (std::vector<DepthPixel>{{0, 0}, {1, 0}, {0, 1}, {1, 1}, {3, 2}}));
@@ -404,7 +404,7 @@ TEST_F(ExchangeDamage, AnInvalidOrIncompleteArchiveIsRejected) {
 
 TEST_F(ExchangeDamage, DamagedFilesGiveAnErrorOfOneLineOrConsistentLabels) {
   for (const LabelFormat format : label_formats(true)) {
-    const auto path = write_labelled(dir / "frame", format, points_of_labels(labels, grid)).back();
+    const auto path = write_labeled(dir / "frame", format, points_of_labels(labels, grid)).back();
     const std::string whole = test::file_text(path);
     for (int round = 0; round < 100; ++round) {
       SCOPED_TRACE(std::string(to_string(format)) + " " + std::to_string(round));
@@ -418,7 +418,7 @@ TEST_F(ExchangeDamage, DamagedFilesGiveAnErrorOfOneLineOrConsistentLabels) {
       }
       write_text(path, bytes);
       const std::string message = message_of([&] {
-        const FrameLabels back = labels_of_points(read_labelled(path, format), grid, kHash, "x");
+        const FrameLabels back = labels_of_points(read_labeled(path, format), grid, kHash, "x");
         EXPECT_EQ(back.plane.pixels(), grid.pixels());
       });
       EXPECT_EQ(message.find('\n'), std::string::npos) << message;

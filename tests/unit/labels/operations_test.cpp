@@ -59,11 +59,11 @@ TEST_F(Operations, WithoutGravityAPlaneHasNoClassUntilItIsKnown) {
   EXPECT_TRUE(std::isnan(fit_plane(unknown, pixels).tilt_deg));
 
   const Gravity picked{Vec3d::UnitY(), GravitySource::picked, 1, "picked"};
-  const FrameLabels told = edited(labels, grid, set_gravity, picked);
-  EXPECT_EQ(told.gravity.source, GravitySource::picked);
-  EXPECT_EQ(find_plane(told, 1)->label, Label::v);
-  EXPECT_EQ(told.hv.data[pixels[0]], 2);
-  EXPECT_EQ(find_plane(told, 2)->label, Label::h) << "a person's word stays";
+  const FrameLabels reported = edited(labels, grid, set_gravity, picked);
+  EXPECT_EQ(reported.gravity.source, GravitySource::picked);
+  EXPECT_EQ(find_plane(reported, 1)->label, Label::v);
+  EXPECT_EQ(reported.hv.data[pixels[0]], 2);
+  EXPECT_EQ(find_plane(reported, 2)->label, Label::h) << "a person's word stays";
 }
 
 TEST_F(Operations, PixelsThatWereNotMeasuredKeepNoLabel) {

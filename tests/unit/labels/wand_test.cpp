@@ -183,7 +183,7 @@ TEST(Wand, KeepsLabeledPixelsByDefault) {
   WandOptions options;
   const std::array click{test::pixel_at(grid, 50, 30)};
   EXPECT_EQ(grow_plane(grid, &labels, click, options)->pixels.size(), 60u * 60);
-  options.take_labelled = true;
+  options.take_labeled = true;
   EXPECT_EQ(grow_plane(grid, &labels, click, options)->pixels.size(), 80u * 60);
   const FrameLabels locked = edited(labels, grid, set_flag, 1, PlaneFlag::locked, true);
   EXPECT_EQ(grow_plane(grid, &locked, click, options)->pixels.size(), 60u * 60);

@@ -495,14 +495,14 @@ TEST(Rules, ThatApplyToNothingAreReportedWithTheReason) {
   one.frame = 1;
   EXPECT_EQ(idle(one, fewer), "planes frame 1: rule not applied: no such frame")
       << "only the baseline has it";
-  Report unlabelled = report_of_frames({{"a", {frame_with(0, {0})}}});
-  unlabelled.recordings[0].frames[0].metrics.reset();
-  EXPECT_EQ(idle(rule("mean_iou", 80, 100, RuleScope::all), unlabelled),
+  Report unlabeled = report_of_frames({{"a", {frame_with(0, {0})}}});
+  unlabeled.recordings[0].frames[0].metrics.reset();
+  EXPECT_EQ(idle(rule("mean_iou", 80, 100, RuleScope::all), unlabeled),
             "mean_iou: rule not applied: these frames have no labels");
   one = rule("mean_iou_change", -1, 100, RuleScope::all);
-  EXPECT_EQ(idle(one, unlabelled), "") << "of frames that may get labels";
+  EXPECT_EQ(idle(one, unlabeled), "") << "of frames that may get labels";
   one.recording = "a";
-  EXPECT_EQ(idle(one, unlabelled),
+  EXPECT_EQ(idle(one, unlabeled),
             "mean_iou_change of a: rule not applied: these frames have no labels");
 }
 

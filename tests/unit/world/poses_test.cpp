@@ -164,9 +164,9 @@ TEST(Trajectory, MayContainAByteOrderMarkCarriageReturnsTabsAndComments) {
 }
 
 TEST(Trajectory, ThatIsDamagedIsRejectedWithItsLine) {
-  const auto expect = [](const char* name, const std::string& text, const std::string& told) {
+  const auto expect = [](const char* name, const std::string& text, const std::string& reported) {
     const std::string why = why_refused(name, text);
-    EXPECT_NE(why.find(std::string(name) + told), std::string::npos) << why;
+    EXPECT_NE(why.find(std::string(name) + reported), std::string::npos) << why;
   };
   const std::string fine = "0 0 0 0 0 0 0 1\n", kitti = "1 0 0 0 0 1 0 0 0 0 1 0\n";
   expect("b.tum", fine + "1 2 3\n", ", line 2: 3 words; expected the eight numbers");
@@ -194,9 +194,9 @@ TEST(Trajectory, ThatIsDamagedIsRejectedWithItsLine) {
 
 TEST(Trajectory, ThatJumpsFartherThanACameraIsRejectedWithItsLine) {
   const std::string fine = "0 0 0 0 0 0 0 1\n";
-  const auto expect = [](const char* name, const std::string& text, const std::string& told) {
+  const auto expect = [](const char* name, const std::string& text, const std::string& reported) {
     const std::string why = why_refused(name, text);
-    EXPECT_NE(why.find(std::string(name) + told), std::string::npos) << why;
+    EXPECT_NE(why.find(std::string(name) + reported), std::string::npos) << why;
   };
   expect("l.tum", fine + "1 1e9 0 0 0 0 0 1\n",
          ", line 2: the pose is 1e+09 m from the first pose");

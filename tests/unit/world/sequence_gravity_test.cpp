@@ -33,7 +33,7 @@ Pose pose_at(int frame) {
 class Balls : public io::Recording {
  public:
   std::set<int> empty;  // frames without depth
-  std::map<int, Gravity> told;
+  std::map<int, Gravity> reported;
   bool poses = false, bare_wall = false;
 
   Balls() {
@@ -58,7 +58,7 @@ class Balls : public io::Recording {
     frame.intrinsics.fx = frame.intrinsics.fy = 120;
     frame.intrinsics.cx = 80;
     frame.intrinsics.cy = 60;
-    if (const auto known = told.find(i); known != told.end()) frame.gravity = known->second;
+    if (const auto known = reported.find(i); known != reported.end()) frame.gravity = known->second;
     if (empty.contains(i)) return frame;
     const Pose pose = bare_wall ? Pose::Identity() : pose_at(i);
     for (int v = 0; v < info_.height; ++v)
@@ -111,8 +111,8 @@ double off_deg(const Frame& frame) {
 
 TEST(SequenceGravity, IsTransferredFromTheNearestKnownFrameByOdometry) {
   const auto recording = std::make_shared<Balls>();
-  recording->told[0] = down_at(0);
-  recording->told[6] = down_at(6);
+  recording->reported[0] = down_at(0);
+  recording->reported[6] = down_at(6);
   const SequenceGravity gravity(recording, {});
   const Frame second = resolved(gravity, *recording, 2), last = resolved(gravity, *recording, 7);
   ASSERT_TRUE(second.gravity && last.gravity);
@@ -127,7 +127,7 @@ TEST(SequenceGravity, IsTransferredFromTheNearestKnownFrameByOdometry) {
 
 TEST(SequenceGravity, IsTheSameInAnyOrderAndForAnyNumberOfThreads) {
   const auto recording = std::make_shared<Balls>();
-  recording->told[3] = down_at(3);
+  recording->reported[3] = down_at(3);
   const SequenceGravity one(recording, {}), other(recording, {});
   std::vector<Vec3d> forwards(kBallFrames), side_by_side(kBallFrames);
   for (int i = 0; i < kBallFrames; ++i)
@@ -141,7 +141,7 @@ TEST(SequenceGravity, IsTheSameInAnyOrderAndForAnyNumberOfThreads) {
 
 TEST(SequenceGravity, UsesThePosesOfTheRecordingIfAvailable) {
   const auto recording = std::make_shared<Balls>();
-  recording->told[0] = down_at(0);
+  recording->reported[0] = down_at(0);
   recording->poses = true;
   recording->empty = {3};
   const Frame last = resolved(SequenceGravity(recording, {}), *recording, 7);
@@ -152,14 +152,14 @@ TEST(SequenceGravity, UsesThePosesOfTheRecordingIfAvailable) {
 
 TEST(SequenceGravity, EndsWhereMotionIsUnknown) {
   const auto recording = std::make_shared<Balls>();
-  recording->told[0] = down_at(0);
+  recording->reported[0] = down_at(0);
   recording->empty = {3};
   const SequenceGravity gravity(recording, {});
   EXPECT_TRUE(resolved(gravity, *recording, 2).gravity);
   EXPECT_FALSE(resolved(gravity, *recording, 4).gravity);
   // Depth of a bare wall does not change when the camera rolls.
   const auto wall = std::make_shared<Balls>();
-  wall->told[0] = down_at(0);
+  wall->reported[0] = down_at(0);
   wall->bare_wall = true;
   EXPECT_FALSE(resolved(SequenceGravity(wall, {}), *wall, 1).gravity);
 }

@@ -126,8 +126,8 @@ TEST_F(Room, MinorPlanesContinueTracksButStartNone) {
     return std::ranges::any_of(frame.planes, [](const ObservedPlane& p) { return !p.minor; });
   };
   for (; lists(minor); minor = look(scene_)) least *= 1.3;  // the floor is worth the most
-  const FrameOfTracks& told = tracker_.add(minor);
-  EXPECT_EQ(told.listed, 0);
+  const FrameOfTracks& reported = tracker_.add(minor);
+  EXPECT_EQ(reported.listed, 0);
   EXPECT_EQ(tracker_.tracks().size(), tracks);
   EXPECT_EQ(floor().frames_seen, 5);
   EXPECT_TRUE(floor().sightings.back().minor);
@@ -187,9 +187,9 @@ TEST_F(Room, AFrameAtAWrongPoseIsSetAside) {
   const std::size_t tracks = tracker_.tracks().size();
   ObservedFrame wrong = look(scene_);
   move_to(wrong, off_by({0, 0, 0.3}) * wrong.T_world_camera);
-  const FrameOfTracks& told = tracker_.add(wrong);
-  EXPECT_TRUE(told.set_aside);
-  EXPECT_LT(told.agreement, 0.35);
+  const FrameOfTracks& reported = tracker_.add(wrong);
+  EXPECT_TRUE(reported.set_aside);
+  EXPECT_LT(reported.agreement, 0.35);
   EXPECT_EQ(tracker_.tracks().size(), tracks);
   EXPECT_EQ(floor().gaps.back().why, Absence::set_aside);
   EXPECT_FALSE(tracker_.add(look(scene_)).set_aside);
@@ -267,10 +267,10 @@ TEST_F(Room, TracksOfAnEarlierPassKeepTheirPlanes) {
     for (const ObservedPlane& plane : seen.planes)
       if (plane.known > 0) expected.insert(plane.known);
     EXPECT_EQ(expected.size(), known.size()) << i;
-    const FrameOfTracks& told = second.add(seen);
+    const FrameOfTracks& reported = second.add(seen);
     for (const ObservedPlane& plane : seen.planes) {
       if (plane.known == 0) continue;
-      EXPECT_EQ(second.tracks()[told.track_of[plane.id - 1] - 1].known, plane.known) << i;
+      EXPECT_EQ(second.tracks()[reported.track_of[plane.id - 1] - 1].known, plane.known) << i;
     }
   }
   for (const Track& track : second.tracks()) EXPECT_EQ(track.frames_missed, 0) << track.id;
@@ -486,9 +486,9 @@ TEST(Odometry, FollowsAWalkOverAFloor) {
   ASSERT_EQ(map.poses.poses.size(), kFrames);
   const Pose before = lab::pose_of(sequence.cameras[kFirst]),
              after = lab::pose_of(sequence.cameras[kFirst + kFrames - 1]);
-  const Pose told =
+  const Pose reported =
       map.poses.poses.front().T_world_camera.inverse() * map.poses.poses.back().T_world_camera;
-  const Pose off = (before.inverse() * after).inverse() * told;
+  const Pose off = (before.inverse() * after).inverse() * reported;
   EXPECT_LT(off.translation().norm(), 0.02 * (before.inverse() * after).translation().norm());
   EXPECT_LT(turn_deg(off), 0.5);
   // z points up, regardless of the first camera's axes.

@@ -205,10 +205,10 @@ void draw_compare(const Ui& ui) {
   ImGui::Spacing();
   if (!results.current) return paragraph(ui.colors.muted, "Open a frame to pin its run as A.");
   if (ui.state.view.against == Against::nothing) {
-    const bool labelled = results.current->run->subject->voxel_truth.known();
+    const bool labeled = results.current->run->subject->voxel_truth.known();
     std::string text = results.pinned ? "A run is pinned: choose it as A."
                                       : "Pin a run as A, then change an option: the new run is B.";
-    if (labelled) text += " Or compare with ground truth.";
+    if (labeled) text += " Or compare with ground truth.";
     paragraph(ui.colors.muted, text);
     ui.name("compare.hint");
     return;
@@ -242,11 +242,11 @@ void draw_compare(const Ui& ui) {
 namespace {
 
 /// Recomputed when the point or run changes; null if there is no point.
-const PointStory* story(const Ui& ui) {
+const PointHistory* point_history(const Ui& ui) {
   const bool flashed = ui.state.view.flash && ui.state.results.pinned;
   const std::shared_ptr<const RunView>& view =
       flashed ? ui.state.results.pinned : ui.state.results.current;
-  PointStory& point = ui.memory.point;
+  PointHistory& point = ui.memory.point;
   const std::shared_ptr<const io::Recording>& recording = ui.state.document.current()->recording;
   const bool other_frame =
       point.of && (point.recording != recording ||
@@ -265,7 +265,7 @@ const PointStory* story(const Ui& ui) {
   return &point;
 }
 
-void draw_why(const Ui& ui, const PointStory& point) {
+void draw_why(const Ui& ui, const PointHistory& point) {
   const bool lost = point.why.answer.starts_with("Lost");
   heading(ui, lost ? "Why not?" : "Plane");
   math_paragraph(ui, lost ? ui.colors.warning : ui.colors.text, point.why.answer);
@@ -332,7 +332,7 @@ void draw_station(const Ui& ui, const debug::HistoryEvent& event, std::size_t in
 }  // namespace
 
 void draw_point(const Ui& ui) {
-  const PointStory* point = ui.state.run() ? story(ui) : nullptr;
+  const PointHistory* point = ui.state.run() ? point_history(ui) : nullptr;
   if (!point) {
     paragraph(ui.colors.muted,
               "Click a point in the image or in the scene to see its pixel, voxel, label, nodes "

@@ -29,11 +29,11 @@ std::string title_of(const Breakpoint& breakpoint) {
 }
 
 /// Draws the dot of a breakpoint.
-void draw_breakpoint_dot(const Ui& ui, ImVec2 centre, Mark mark) {
+void draw_breakpoint_dot(const Ui& ui, ImVec2 center, Mark mark) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float radius = ui.px(4.5f);
-  if (mark == Mark::on) draw->AddCircleFilled(centre, radius, ui.colors.bad, 16);
-  if (mark == Mark::off) draw->AddCircle(centre, radius, ui.colors.muted, 16, ui.px(1.2f));
+  if (mark == Mark::on) draw->AddCircleFilled(center, radius, ui.colors.bad, 16);
+  if (mark == Mark::off) draw->AddCircle(center, radius, ui.colors.muted, 16, ui.px(1.2f));
 }
 
 /// Draws all breakpoints in one line, each with a toggle and a close button.

@@ -205,10 +205,10 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
     if (ImGui::SmallButton("parent")) ui.act("select.parent");
     ui.name("inspector.parent");
   }
-  const bool labelled = run.subject->prepared.gravity.known();
+  const bool labeled = run.subject->prepared.gravity.known();
   fact(ui, "points",
        run.is_on_image() ? std::to_string(node.size())
-       : labelled        ? fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
+       : labeled         ? fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
                                        node.size() - node.count_h)
                          : fmt::format("{}, no class: gravity is unknown", node.size()));
   if (!run.is_on_image())

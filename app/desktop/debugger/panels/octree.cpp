@@ -26,22 +26,22 @@ struct NodeShape {
 };
 
 /// Draws a regular polygon; its first corner is at `turn` of a full turn from the right.
-void polygon(ImDrawList* draw, ImVec2 centre, float radius, int corners, float turn, ImU32 color) {
+void polygon(ImDrawList* draw, ImVec2 center, float radius, int corners, float turn, ImU32 color) {
   for (int i = 0; i < corners; ++i) {
     const float angle = 2 * std::numbers::pi_v<float> *
                         (turn + static_cast<float>(i) / static_cast<float>(corners));
     draw->PathLineTo(
-        ImVec2(centre.x + radius * std::cos(angle), centre.y + radius * std::sin(angle)));
+        ImVec2(center.x + radius * std::cos(angle), center.y + radius * std::sin(angle)));
   }
   draw->PathFillConvex(color);
 }
 
-void fill_case(ImDrawList* draw, ImVec2 centre, float radius, planes::Case decided, ImU32 color) {
+void fill_case(ImDrawList* draw, ImVec2 center, float radius, planes::Case decided, ImU32 color) {
   using planes::Case;
-  if (decided == Case::I) draw->AddCircleFilled(centre, radius, color, 20);
-  if (decided == Case::II) polygon(draw, centre, radius * 1.15f, 4, 0.125f, color);
-  if (decided == Case::III) polygon(draw, centre, radius * 1.1f, 6, 0, color);
-  if (decided == Case::IV) polygon(draw, centre, radius * 1.2f, 4, 0, color);
+  if (decided == Case::I) draw->AddCircleFilled(center, radius, color, 20);
+  if (decided == Case::II) polygon(draw, center, radius * 1.15f, 4, 0.125f, color);
+  if (decided == Case::III) polygon(draw, center, radius * 1.1f, 6, 0, color);
+  if (decided == Case::IV) polygon(draw, center, radius * 1.2f, 4, 0, color);
 }
 
 void hatch(const Ui& ui, ImDrawList* draw, ImVec2 c, float r) {
@@ -51,17 +51,17 @@ void hatch(const Ui& ui, ImDrawList* draw, ImVec2 c, float r) {
                   ui.px(1.4f));
 }
 
-void draw_node_shape(const Ui& ui, ImVec2 centre, float radius, const NodeShape& shape) {
+void draw_node_shape(const Ui& ui, ImVec2 center, float radius, const NodeShape& shape) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   if (shape.state == debug::NodeState::queued) {
-    draw->AddCircle(centre, radius * 0.85f, ui.colors.muted, 20, ui.px(1.3f));
+    draw->AddCircle(center, radius * 0.85f, ui.colors.muted, 20, ui.px(1.3f));
   } else if (shape.state == debug::NodeState::visited) {
-    draw->AddCircle(centre, radius * 0.85f, ui.colors.accent, 20, ui.px(2));
-    draw->AddCircleFilled(centre, radius * 0.4f, ui.colors.accent, 12);
+    draw->AddCircle(center, radius * 0.85f, ui.colors.accent, 20, ui.px(2));
+    draw->AddCircleFilled(center, radius * 0.4f, ui.colors.accent, 12);
   } else if (shape.state == debug::NodeState::settled) {
-    fill_case(draw, centre, radius, shape.decided, to_imgui(render::case_color(shape.decided)));
-    if (shape.at_max_depth) hatch(ui, draw, centre, radius);
-    if (shape.by_label) draw->AddCircleFilled(centre, radius * 0.4f, ui.colors.panel, 10);
+    fill_case(draw, center, radius, shape.decided, to_imgui(render::case_color(shape.decided)));
+    if (shape.at_max_depth) hatch(ui, draw, center, radius);
+    if (shape.by_label) draw->AddCircleFilled(center, radius * 0.4f, ui.colors.panel, 10);
   }
 }
 
@@ -169,17 +169,17 @@ void draw_tooltip(const debug::Run& run, std::int32_t step, std::int32_t node) {
 }
 
 /// Draws the triangle that opens and closes a node, and handles its clicks.
-void draw_fold(const Ui& ui, const OctreeRow& row, ImVec2 centre, bool clicked) {
+void draw_fold(const Ui& ui, const OctreeRow& row, ImVec2 center, bool clicked) {
   const float r = ui.px(4);
   ImDrawList* draw = ImGui::GetWindowDrawList();
   if (row.open)
-    draw->AddTriangleFilled(ImVec2(centre.x - r, centre.y - r * 0.6f),
-                            ImVec2(centre.x + r, centre.y - r * 0.6f),
-                            ImVec2(centre.x, centre.y + r), ui.colors.muted);
+    draw->AddTriangleFilled(ImVec2(center.x - r, center.y - r * 0.6f),
+                            ImVec2(center.x + r, center.y - r * 0.6f),
+                            ImVec2(center.x, center.y + r), ui.colors.muted);
   else
-    draw->AddTriangleFilled(ImVec2(centre.x - r * 0.6f, centre.y - r),
-                            ImVec2(centre.x + r, centre.y),
-                            ImVec2(centre.x - r * 0.6f, centre.y + r), ui.colors.muted);
+    draw->AddTriangleFilled(ImVec2(center.x - r * 0.6f, center.y - r),
+                            ImVec2(center.x + r, center.y),
+                            ImVec2(center.x - r * 0.6f, center.y + r), ui.colors.muted);
   if (clicked) ui.memory.octree_open[row.node] = !row.open;
 }
 

@@ -150,16 +150,16 @@ const char* name_of(LabelOrigin origin) {
 void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& facts) {
   const labels::LabelStatistics& s = facts.statistics;
   const double share =
-      s.measured == 0 ? 0 : static_cast<double>(s.labelled) / static_cast<double>(s.measured);
+      s.measured == 0 ? 0 : static_cast<double>(s.labeled) / static_cast<double>(s.measured);
   share_bar(share, fmt::format("{:.0f} % labeled", 100 * share));
   ui.name("planes.labelled");
   const char* const sample = sample_name(*ui.state.label_frame());
   tooltip(
-      fmt::format("{} of {} measured {}s, {} ignored", s.labelled, s.measured, sample, s.ignored));
+      fmt::format("{} of {} measured {}s, {} ignored", s.labeled, s.measured, sample, s.ignored));
   const LabelProgress progress = progress_of(ui.state);
   if (progress.frames > 1) {
-    paragraph(ui.colors.muted, fmt::format("{} of {} frames labeled, {} reviewed",
-                                           progress.labelled, progress.frames, progress.reviewed));
+    paragraph(ui.colors.muted, fmt::format("{} of {} frames labeled, {} reviewed", progress.labeled,
+                                           progress.frames, progress.reviewed));
     ui.name("planes.progress");
   }
   if (labels.planes.empty()) return;
@@ -198,7 +198,7 @@ void draw_beginnings(const Ui& ui) {
   ui.name("planes.doubt");
 }
 
-void tell(const LabelPlane& plane, const PlaneFacts& facts, const char* sample) {
+void draw_tooltip(const LabelPlane& plane, const PlaneFacts& facts, const char* sample) {
   std::string text =
       fmt::format("P{}, {}, {}", plane.id, name_of(plane.origin), counted(facts.pixels, sample));
   if (plane.confidence < 1) text += fmt::format("\nconfidence {:.0f} %", 100 * plane.confidence);
@@ -217,7 +217,7 @@ void draw_plane(const Ui& ui, const LabelPlane& plane, const PlaneFacts& facts, 
                             ImGuiSelectableFlags_AllowDoubleClick))
     ui.act(ImGui::IsMouseDoubleClicked(0) ? "label.look" : "label.plane", plane.id);
   ui.name(widget);
-  if (ImGui::IsItemHovered()) tell(plane, facts, sample_name(*ui.state.label_frame()));
+  if (ImGui::IsItemHovered()) draw_tooltip(plane, facts, sample_name(*ui.state.label_frame()));
   ImGui::SetCursorPos(at);
   plane_swatch(ui, plane.id, plane.hidden);
   cell(to_string(plane.label, "?"));

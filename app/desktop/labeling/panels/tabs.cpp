@@ -100,10 +100,10 @@ std::string share_text(std::size_t pixels, std::size_t of, const char* sample) {
 void draw_frame(const Ui& ui, const FrameLabels& labels, const labels::LabelStatistics& s) {
   heading(ui, fmt::format("Frame {}", ui.state.document.frame));
   if (!ImGui::BeginTable("frame", 2, kTable)) return;
-  line("labeled area", area_text(s.labelled_m2));
+  line("labeled area", area_text(s.labeled_m2));
   line("planes", fmt::format("{}: {} h, {} v", s.planes, s.h, s.v));
   const char* const sample = sample_name(*ui.state.label_frame());
-  line("labeled", share_text(s.labelled, s.measured, sample));
+  line("labeled", share_text(s.labeled, s.measured, sample));
   line("ignored", share_text(s.ignored, s.measured, sample));
   if (s.hidden > 0) line("hidden", share_text(s.hidden, s.measured, sample));
   line("review", labels.review_state.empty() ? "unreviewed" : labels.review_state);

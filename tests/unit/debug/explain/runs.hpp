@@ -34,7 +34,7 @@ inline std::shared_ptr<debug::Subject> subject_of(std::vector<Vec3f> points,
 
 inline std::shared_ptr<const debug::Run> run_of_cloud(std::uint64_t seed,
                                                       const planes::SegmentOptions& options) {
-  LabelledCloud cloud = random_cloud(seed);
+  LabeledCloud cloud = random_cloud(seed);
   planes::PipelineOptions pipeline;
   pipeline.segment = options;
   return debug::make_run(subject_of(std::move(cloud.points), std::move(cloud.labels), cloud.cube),

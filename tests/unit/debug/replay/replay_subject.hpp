@@ -9,7 +9,7 @@
 
 namespace planescope::test {
 
-inline std::shared_ptr<debug::Subject> subject_of(const LabelledCloud& cloud) {
+inline std::shared_ptr<debug::Subject> subject_of(const LabeledCloud& cloud) {
   auto subject = std::make_shared<debug::Subject>();
   planes::PreparedFrame& prepared = subject->prepared;
   prepared.cloud.T_world_sensor.translation() = Vec3d(-1.5, 0, 1);
@@ -30,7 +30,7 @@ inline planes::PipelineOptions options_of(planes::Profile profile) {
 /// A stair with three steps of 16 cm, with points every 2 cm and its truth: treads 1, 3, 5 are h,
 /// risers 2, 4 are v. Exact, or with noise along each normal.
 inline std::shared_ptr<debug::Subject> stair_subject(double noise_m = 0) {
-  LabelledCloud cloud;
+  LabeledCloud cloud;
   debug::VoxelTruth truth;
   Random random(5);
   const auto add = [&](const Vec3d& p, const Vec3d& normal, Label label, int plane) {

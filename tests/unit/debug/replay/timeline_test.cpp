@@ -35,7 +35,7 @@ struct Traced {
   Timeline timeline;
 };
 
-Traced traced(const test::LabelledCloud& cloud, const planes::SegmentOptions& options) {
+Traced traced(const test::LabeledCloud& cloud, const planes::SegmentOptions& options) {
   Traced result;
   result.segmentation =
       planes::segment(cloud.points, cloud.labels, cloud.cube, kSensor, options, &result.trace);
@@ -139,7 +139,7 @@ class ReplayOfThePaper : public Replay {};
 TEST_P(ReplayOfThePaper, EachEventMakesExactlyItsOwnChanges) {
   const planes::SegmentOptions& options = GetParam().options;
   for (std::uint64_t seed = 1; seed <= kClouds && !HasFailure(); ++seed) {
-    const test::LabelledCloud cloud = test::random_cloud(seed);
+    const test::LabeledCloud cloud = test::random_cloud(seed);
     const Traced run = traced(cloud, options);
     ASSERT_EQ(run.timeline.steps(), static_cast<std::int32_t>(run.trace.events.size()));
     const Expected expected(run, options);
@@ -179,7 +179,7 @@ TEST_P(Replay, NodesAreQueuedVisitedAndSettledByTheirEvents) {
 TEST_P(ReplayOfThePaper, PlanesAreFittedToTheirPointsUntilLeftoversJoin) {
   const planes::SegmentOptions& options = GetParam().options;
   for (std::uint64_t seed = 1; seed <= kClouds; ++seed) {
-    const test::LabelledCloud cloud = test::random_cloud(seed);
+    const test::LabeledCloud cloud = test::random_cloud(seed);
     const Traced run = traced(cloud, options);
     const Expected at(run, options);
     for (std::int32_t k = 0; k < run.timeline.plane_count(); ++k)
@@ -197,7 +197,7 @@ TEST_P(ReplayOfThePaper, PlanesAreFittedToTheirPointsUntilLeftoversJoin) {
 
 TEST_P(Replay, TheLastStepIsTheResult) {
   const planes::SegmentOptions& options = GetParam().options;
-  const test::LabelledCloud cloud = test::random_cloud(31);
+  const test::LabeledCloud cloud = test::random_cloud(31);
   const Traced run = traced(cloud, options);
   const planes::Segmentation& s = run.segmentation;
   const Timeline& timeline = run.timeline;

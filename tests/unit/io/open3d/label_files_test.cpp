@@ -8,10 +8,10 @@ namespace planescope::labels {
 namespace {
 
 TEST_F(Exchange, Open3dReadsTheFieldsOfPlyAndPcd) {
-  const LabelledPoints points = points_of_labels(labels, grid);
+  const LabeledPoints points = points_of_labels(labels, grid);
   for (const LabelFormat format : {LabelFormat::ply, LabelFormat::pcd}) {
     SCOPED_TRACE(to_string(format));
-    const auto path = write_labelled(dir / "frame", format, points).at(0);
+    const auto path = write_labeled(dir / "frame", format, points).at(0);
     ::open3d::t::geometry::PointCloud cloud;
     ASSERT_TRUE(
         ::open3d::t::io::ReadPointCloud(path.string(), cloud, {"auto", false, false, false}));

@@ -15,9 +15,9 @@ namespace {
 std::vector<NamedClassifier> pca() { return {{"pca", planes::make_pca_classifier()}}; }
 
 TEST(LabelBench, TiltedCloudsAreTiltedByExactlyTheAngle) {
-  const planes::LabelledCloud up{"stairs", {{0, 0, 1}}, {Label::h}};
+  const planes::LabeledCloud up{"stairs", {{0, 0, 1}}, {Label::h}};
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const planes::LabelledCloud off = tilted(up, 5, seed);
+    const planes::LabeledCloud off = tilted(up, 5, seed);
     EXPECT_NEAR(off.points[0].z(), std::cos(5 * std::numbers::pi / 180), 1e-6);
     EXPECT_EQ(off.labels, up.labels);
   }

@@ -85,9 +85,9 @@ TEST(Floors, OfANetworkAreItsMatricesAndItsKernels) {
   const planes::NetworkConfig network{.name = "tiny",
                                       .levels = {{2}, {3}},
                                       .supports = 1,
-                                      .neighbours = 4,
+                                      .neighbors = 4,
                                       .pool_rate = 4,
-                                      .pool_neighbours = 4,
+                                      .pool_neighbors = 4,
                                       .global_feature = false,
                                       .head = {5}};
   const double n = 40, pooled = 10;

@@ -32,7 +32,7 @@ TEST(Repeatability, PlanesAreMatchedByPixelsForAnyNumbering) {
   for (auto& plane : next.plane_of) plane = 3 - plane;
   std::swap(next.fits[0], next.fits[1]);
   next.fits[1].normal *= -1;  // the same plane
-  const Neighbours n = compare_neighbours(first, next);
+  const Neighbors n = compare_neighbors(first, next);
   EXPECT_EQ(n.planes, 2);
   EXPECT_EQ(n.partners, 2);
   EXPECT_NEAR(n.offset_jumps_m[0], 0.02, 1e-9);
@@ -45,7 +45,7 @@ TEST(Repeatability, ChangesOfAnAngleAreMeasuredInSigmasOfFourPlanes) {
   const PixelPlanes first = halves();
   PixelPlanes next = halves();
   next.fits[1].normal = Vec3d(0, std::cos(0.01), std::sin(0.01));
-  const Neighbours n = compare_neighbours(first, next);
+  const Neighbors n = compare_neighbors(first, next);
   ASSERT_EQ(n.angle_jumps_sigmas.size(), 1u);
   EXPECT_NEAR(std::abs(n.angle_jumps_sigmas[0]), 0.01 / (2 * 0.004), 1e-3);
   const double turn = 0.3;  // of the camera
@@ -55,9 +55,9 @@ TEST(Repeatability, ChangesOfAnAngleAreMeasuredInSigmasOfFourPlanes) {
     next.fits[p].normal = turned * next.fits[p].normal;
     for (Vec3d& axis : next.certainties[p].axes) axis = turned * axis;
   }
-  EXPECT_NEAR(compare_neighbours(first, next).angle_jumps_sigmas.at(0), 0, 1e-9);
+  EXPECT_NEAR(compare_neighbors(first, next).angle_jumps_sigmas.at(0), 0, 1e-9);
   for (PlaneFit& fit : next.fits) fit.normal = Vec3d::UnitZ();
-  EXPECT_TRUE(compare_neighbours(next, next).angle_jumps_sigmas.empty()) << "parallel ones";
+  EXPECT_TRUE(compare_neighbors(next, next).angle_jumps_sigmas.empty()) << "parallel ones";
 }
 
 TEST(Repeatability, ASplitOrSmallPlaneHasNoPartner) {
@@ -67,12 +67,12 @@ TEST(Repeatability, ASplitOrSmallPlaneHasNoPartner) {
   for (int i = 0; i < kSide * kSide; ++i)  // thirds of the left plane
     if (next.plane_of[i] == 1 && i >= kSide * kSide / 3)
       next.plane_of[i] = i < kSide * kSide * 2 / 3 ? 3 : 4;
-  EXPECT_EQ(compare_neighbours(first, next).planes, 2);
-  EXPECT_EQ(compare_neighbours(first, next).partners, 1);
+  EXPECT_EQ(compare_neighbors(first, next).planes, 2);
+  EXPECT_EQ(compare_neighbors(first, next).partners, 1);
   first.fits.resize(3);
   first.certainties.resize(3);
   std::fill(first.plane_of.begin(), first.plane_of.begin() + 499, 3);
-  EXPECT_EQ(compare_neighbours(first, next).planes, 2) << "499 pixels do not count";
+  EXPECT_EQ(compare_neighbors(first, next).planes, 2) << "499 pixels do not count";
 }
 
 /// A level floor 0.6 m below a camera that looks down by 30 degrees, and a wall 2.5 m ahead.

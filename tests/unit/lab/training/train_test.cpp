@@ -21,8 +21,8 @@ namespace {
 // ---- Training ----
 
 /// A floor that meets a wall at x = 0, rotated about z.
-planes::LabelledCloud corner(std::uint64_t number) {
-  planes::LabelledCloud cloud;
+planes::LabeledCloud corner(std::uint64_t number) {
+  planes::LabeledCloud cloud;
   const double yaw = 6.28 * random_uniform(1, number, 0);
   for (std::uint64_t i = 1; i <= 400; ++i) {
     const double u = random_uniform(2, number, 2 * i), v = random_uniform(2, number, 2 * i + 1);
@@ -59,8 +59,8 @@ std::filesystem::path temporary_file(const std::string& name) {
 
 TEST(Training, LearnsToDistinguishAFloorFromAWall) {
   const TrainOptions options = quick_options();
-  const std::vector<planes::LabelledCloud> unseen = {corner(1000001), corner(1000002),
-                                                     corner(1000003)};
+  const std::vector<planes::LabeledCloud> unseen = {corner(1000001), corner(1000002),
+                                                    corner(1000003)};
   const planes::LabelAccuracy before = score_network(begin_training(options).weights, unseen, 1);
   const planes::LabelAccuracy after =
       score_network(train(options, options.steps, 2).weights, unseen, 1);
@@ -150,7 +150,7 @@ TEST(Training, RejectsADamagedCheckpoint) {
 TEST(Training, DoesNotLearnFromPointsOfUnknownLabel) {
   const TrainOptions options = quick_options();
   const auto unknown = [](std::uint64_t number) {
-    planes::LabelledCloud cloud = corner(number);
+    planes::LabeledCloud cloud = corner(number);
     cloud.labels.assign(cloud.points.size(), Label::unknown);
     return cloud;
   };
@@ -238,9 +238,9 @@ TEST(GcnGradient, OfEveryKindOfLayerMatchesFiniteDifferences) {
   planes::NetworkConfig config;
   config.levels = {{20, 7}, {17}, {18, 5}};
   config.supports = 2;
-  config.neighbours = 6;
+  config.neighbors = 6;
   config.pool_rate = 3;
-  config.pool_neighbours = 4;
+  config.pool_neighbors = 4;
   config.global_feature = true;
   config.head = {19, 10};
   expect_gradients(config, 200);

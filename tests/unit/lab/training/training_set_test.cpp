@@ -32,7 +32,7 @@ TrainingSetOptions one_of_each() {
   return options;
 }
 
-Bounds bounds_of(const planes::LabelledCloud& cloud) {
+Bounds bounds_of(const planes::LabeledCloud& cloud) {
   Bounds bounds;
   for (const Vec3f& p : cloud.points) bounds.add(p.cast<double>());
   return bounds;
@@ -46,7 +46,7 @@ void expect_within(double value, double low, double high) {
   EXPECT_LE(value, high + 1e-4);
 }
 
-bool same(const planes::LabelledCloud& a, const planes::LabelledCloud& b) {
+bool same(const planes::LabeledCloud& a, const planes::LabeledCloud& b) {
   return a.kind == b.kind && a.points == b.points && a.labels == b.labels;
 }
 
@@ -56,7 +56,7 @@ TEST(TrainingSet, HasThePapersNumbersOfObjectsByDefault) {
   TrainingSetOptions options = objects(3, 2, 1);
   options.points = 16;
   std::string kinds;
-  for (const planes::LabelledCloud& cloud : make_training_set(options, 2)) {
+  for (const planes::LabeledCloud& cloud : make_training_set(options, 2)) {
     kinds += cloud.kind + " ";
     EXPECT_EQ(cloud.points.size(), 16u);
     EXPECT_EQ(cloud.labels.size(), 16u);
@@ -66,7 +66,7 @@ TEST(TrainingSet, HasThePapersNumbersOfObjectsByDefault) {
 
 TEST(TrainingSet, StairsHaveThePapersSteps) {
   std::set<int> counts;
-  for (const planes::LabelledCloud& cloud : make_training_set(objects(30, 0, 0), 2)) {
+  for (const planes::LabeledCloud& cloud : make_training_set(objects(30, 0, 0), 2)) {
     // Axis-aligned: each tread has a height, each riser a distance, and the first riser is at 0.
     std::set<float> heights, risers;
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -90,7 +90,7 @@ TEST(TrainingSet, StairsHaveThePapersSteps) {
 
 TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfAreOnAFloor) {
   int on_floor = 0;
-  for (const planes::LabelledCloud& cloud : make_training_set(objects(0, 40, 0), 2)) {
+  for (const planes::LabeledCloud& cloud : make_training_set(objects(0, 40, 0), 2)) {
     Bounds top;
     std::map<float, int> x_of_sides, y_of_sides;
     bool floor = false;
@@ -124,7 +124,7 @@ TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfAreOnAFloor) {
 
 TEST(TrainingSet, PlanesHaveAnyInclinationAndTheMatchingLabel) {
   double sum_z = 0, least_z = 1, most_z = 0;
-  for (const planes::LabelledCloud& cloud : make_training_set(objects(0, 0, 40), 2)) {
+  for (const planes::LabeledCloud& cloud : make_training_set(objects(0, 0, 40), 2)) {
     Moments moments;
     for (const Vec3f& p : cloud.points) moments.add(p.cast<double>());
     const PlaneFit fit = fit_plane(moments);
@@ -151,7 +151,7 @@ TEST(TrainingSet, PlanesHaveAnyInclinationAndTheMatchingLabel) {
 }
 
 TEST(TrainingSet, ObjectsAreEvenlySpread) {
-  for (const planes::LabelledCloud& cloud : make_training_set(objects(1, 1, 1), 1)) {
+  for (const planes::LabeledCloud& cloud : make_training_set(objects(1, 1, 1), 1)) {
     double nearest2 = 1e9;
     for (std::size_t i = 0; i < cloud.points.size(); ++i)
       for (std::size_t j = i + 1; j < i + 200 && j < cloud.points.size(); ++j)
@@ -165,7 +165,7 @@ TEST(TrainingSet, ObjectsAreEvenlySpread) {
 TEST(TrainingSet, ScansShowBothLabelsWithinRangeOnTheirVoxels) {
   TrainingSetOptions options = objects(0, 0, 0);
   options.scans = 6;
-  for (const planes::LabelledCloud& scan : make_training_set(options, 2)) {
+  for (const planes::LabeledCloud& scan : make_training_set(options, 2)) {
     EXPECT_EQ(scan.kind, "scan");
     EXPECT_GE(scan.points.size(), 300u);
     const auto h = std::count(scan.labels.begin(), scan.labels.end(), Label::h);
@@ -191,7 +191,7 @@ TEST(TrainingSet, AnExactScanHasTheLabelsOfItsSurfaces) {
   add_polygon(scene, {{1, 9, 0}, {1, -9, 0}, {1, -9, 3}, {1, 9, 3}}, {});
   D435Model model;
   model.color = model.noise = false;
-  const planes::LabelledCloud scan = make_scan(scene, model, 0.02, 1);
+  const planes::LabeledCloud scan = make_scan(scene, model, 0.02, 1);
   ASSERT_GT(scan.points.size(), 1000u);
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
     // The sensor is at the origin, x forward, z up.
@@ -208,9 +208,9 @@ TEST(TrainingSet, AnExactScanHasTheLabelsOfItsSurfaces) {
 TEST(TrainingSet, WithRealErrorsHalfOfTheScansExtendBeyondTheCrop) {
   int far = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    const planes::LabelledCloud usual = make_training_scan(seed, 0.02);
+    const planes::LabeledCloud usual = make_training_scan(seed, 0.02);
     EXPECT_TRUE(std::ranges::all_of(usual.points, [](auto& p) { return p.x() < 1.6; }));
-    const planes::LabelledCloud scan = make_training_scan(seed, 0.02, true);
+    const planes::LabeledCloud scan = make_training_scan(seed, 0.02, true);
     const bool reaches = std::ranges::any_of(scan.points, [](auto& p) { return p.x() > 1.8; });
     far += reaches;
   }
@@ -284,7 +284,7 @@ TEST(TestScans, ShowOtherScenesThanTrainingWithTheSameSeed) {
   options.seed = 5;
   options.stairs = options.boxes = options.planes = 0;
   options.scans = 1;
-  const planes::LabelledCloud trained = make_training_set(options, 1)[0];
+  const planes::LabeledCloud trained = make_training_set(options, 1)[0];
   EXPECT_NE(make_composed_test_scan(5, 0).points.size(), trained.points.size());
   EXPECT_NE(make_test_scan(5, 0).points.size(), trained.points.size());
 }
@@ -293,8 +293,8 @@ TEST(TestScans, ShowOtherScenesThanTrainingWithTheSameSeed) {
 
 /// A level square of 1 m with 64 x 64 points, labeled like a chessboard so that neighbors have
 /// different labels.
-planes::LabelledCloud board() {
-  planes::LabelledCloud cloud{"board", {}, {}};
+planes::LabeledCloud board() {
+  planes::LabeledCloud cloud{"board", {}, {}};
   for (int i = 0; i < 4096; ++i) {
     const int x = i % 64, y = i / 64;
     cloud.points.emplace_back(static_cast<float>(x) / 63, static_cast<float>(y) / 63, 0.5f);
@@ -313,7 +313,7 @@ AugmentOptions nothing() {
 }
 
 TEST(Augment, WithoutOptionsTheCloudDoesNotChange) {
-  const planes::LabelledCloud cloud = board(), same = augment(cloud, nothing(), 3);
+  const planes::LabeledCloud cloud = board(), same = augment(cloud, nothing(), 3);
   EXPECT_EQ(same.kind, cloud.kind);
   EXPECT_EQ(same.points, cloud.points);
   EXPECT_EQ(same.labels, cloud.labels);
@@ -324,7 +324,7 @@ TEST(Augment, TheSeedDeterminesTheCloud) {
   options.gaussian_noise_m = 0.003;
   options.tilt_deg = 3;
   options.thinning = 0.5;
-  const planes::LabelledCloud a = augment(board(), options, 1), b = augment(board(), options, 1);
+  const planes::LabeledCloud a = augment(board(), options, 1), b = augment(board(), options, 1);
   EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.labels, b.labels);
   EXPECT_NE(a.points, augment(board(), options, 2).points);
@@ -333,7 +333,7 @@ TEST(Augment, TheSeedDeterminesTheCloud) {
 TEST(Augment, UniformNoiseReachesBothBoundsAndNoFarther) {
   AugmentOptions options = nothing();
   options.uniform_noise_m = 0.01;
-  const planes::LabelledCloud cloud = board(), noisy = augment(cloud, options, 1);
+  const planes::LabeledCloud cloud = board(), noisy = augment(cloud, options, 1);
   EXPECT_EQ(noisy.labels, cloud.labels);
   Vec3f least = Vec3f::Zero(), most = Vec3f::Zero();
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -352,7 +352,7 @@ TEST(Augment, GaussianNoiseVariesAmongCloudsUpToItsDeviation) {
   double least = 1, most = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     double squares = 0;
-    const planes::LabelledCloud noisy = augment(board(), options, seed);
+    const planes::LabeledCloud noisy = augment(board(), options, seed);
     for (const Vec3f& p : noisy.points) squares += std::pow(p.z() - 0.5, 2);
     const double deviation = std::sqrt(squares / 4096);
     least = std::min(least, deviation);
@@ -366,7 +366,7 @@ TEST(Augment, GaussianNoiseVariesAmongCloudsUpToItsDeviation) {
 TEST(Augment, YawTurnsAboutTheVerticalOnly) {
   AugmentOptions options = nothing();
   options.yaw_deg = 180;
-  const planes::LabelledCloud cloud = board(), turned = augment(cloud, options, 5);
+  const planes::LabeledCloud cloud = board(), turned = augment(cloud, options, 5);
   double moved = 0;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     EXPECT_EQ(turned.points[i].z(), 0.5f);
@@ -381,7 +381,7 @@ TEST(Augment, TiltStaysWithinItsAngleAndKeepsTheLabels) {
   options.tilt_deg = 5;
   double most = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    const planes::LabelledCloud cloud = board(), tilted = augment(cloud, options, seed);
+    const planes::LabeledCloud cloud = board(), tilted = augment(cloud, options, seed);
     EXPECT_EQ(tilted.labels, cloud.labels);
     const Vec3f u = tilted.points[63] - tilted.points[0];
     const Vec3f v = tilted.points[63 * 64] - tilted.points[0];
@@ -398,7 +398,7 @@ TEST(Augment, ClustersAreRoundHolesThatLeaveHalfOfThePoints) {
   options.cluster_radius_m = 0.3;
   bool whole = false, holed = false;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    const planes::LabelledCloud rest = augment(board(), options, seed);
+    const planes::LabeledCloud rest = augment(board(), options, seed);
     EXPECT_GE(rest.points.size(), 2048u);
     EXPECT_EQ(rest.points.size(), rest.labels.size());
     whole = whole || rest.points.size() == 4096;
@@ -412,9 +412,9 @@ TEST(Augment, ClustersAreRoundHolesThatLeaveHalfOfThePoints) {
 TEST(Augment, KeepsTheNearestNeighborsOfAPointWithTheirLabels) {
   AugmentOptions options = nothing();
   options.points = 500;
-  const planes::LabelledCloud cloud = board();
+  const planes::LabeledCloud cloud = board();
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const planes::LabelledCloud part = augment(cloud, options, seed);
+    const planes::LabeledCloud part = augment(cloud, options, seed);
     ASSERT_EQ(part.points.size(), 500u);
     for (std::size_t i = 0; i < 500; ++i) {
       const long x = std::lround(part.points[i].x() * 63), y = std::lround(part.points[i].y() * 63);
@@ -445,7 +445,7 @@ TEST(Augment, ThinningKeepsARandomShare) {
 }
 
 TEST(Augment, AnEmptyCloudStaysEmpty) {
-  const planes::LabelledCloud none{"none", {}, {}};
+  const planes::LabeledCloud none{"none", {}, {}};
   EXPECT_TRUE(augment(none, AugmentOptions{}, 1).points.empty());
 }
 

@@ -31,16 +31,16 @@ NetworkConfig odd_config() {
   config.name = "odd";
   config.levels = {{20, 7}, {33}, {18, 5}};
   config.supports = 2;
-  config.neighbours = 9;
+  config.neighbors = 9;
   config.pool_rate = 3;
-  config.pool_neighbours = 5;
+  config.pool_neighbors = 5;
   config.global_feature = true;
   config.head = {19, 10};
   return config;
 }
 
 std::vector<float> plain_logits(const NetworkWeights& weights, const std::vector<Vec3f>& points) {
-  const NeighbourGrid grid(points, weights.config.neighbours + 1);
+  const NeighborGrid grid(points, weights.config.neighbors + 1);
   const std::vector<Vec3f> sorted(grid.points().begin(), grid.points().end());
   lab::PlainNetwork<double> network{weights.config, {}};
   for (const auto& tensor : weights.tensors)

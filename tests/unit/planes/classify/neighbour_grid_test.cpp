@@ -67,19 +67,19 @@ std::vector<std::uint32_t> brute_force(std::span<const Vec3f> points, const Vec3
     all.emplace_back(squared_distance(p, points[j]), j);
   const auto found = std::min<std::size_t>(k, all.size());
   std::partial_sort(all.begin(), all.begin() + found, all.end());
-  std::vector<std::uint32_t> row(k, kNoNeighbour);
+  std::vector<std::uint32_t> row(k, kNoNeighbor);
   std::transform(all.begin(), all.begin() + found, row.begin(), [](auto& a) { return a.second; });
   std::sort(row.begin(), row.end());
   return row;
 }
 
-std::vector<std::uint32_t> all_rows(const NeighbourGrid& grid, int k) {
+std::vector<std::uint32_t> all_rows(const NeighborGrid& grid, int k) {
   std::vector<std::uint32_t> rows(grid.size() * k);
   grid.nearest(k, 0, grid.size(), rows.data());
   return rows;
 }
 
-void expect_exact(const NeighbourGrid& grid, int k) {
+void expect_exact(const NeighborGrid& grid, int k) {
   const std::vector<std::uint32_t> rows = all_rows(grid, k);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const std::vector<std::uint32_t> row(rows.begin() + i * k, rows.begin() + (i + 1) * k);
@@ -87,22 +87,22 @@ void expect_exact(const NeighbourGrid& grid, int k) {
   }
 }
 
-TEST(NeighbourGrid, MatchesBruteForce) {
+TEST(NeighborGrid, MatchesBruteForce) {
   for (const auto& [name, points] : clouds()) {
     SCOPED_TRACE(name);
-    for (const int k : {1, 4, 17, 51}) expect_exact(NeighbourGrid(points, k), k);
-    expect_exact(NeighbourGrid(points, 16).every(4), 16);
+    for (const int k : {1, 4, 17, 51}) expect_exact(NeighborGrid(points, k), k);
+    expect_exact(NeighborGrid(points, 16).every(4), 16);
   }
 }
 
-TEST(NeighbourGrid, FindsTheRequestedNumberForAnyCellSize) {
-  const NeighbourGrid grid(surface(1, 1200), 16);
+TEST(NeighborGrid, FindsTheRequestedNumberForAnyCellSize) {
+  const NeighborGrid grid(surface(1, 1200), 16);
   for (const int k : {5, 200, 1024}) expect_exact(grid, k);
 }
 
-TEST(NeighbourGrid, FindsThePointNearestToAnyQuery) {
+TEST(NeighborGrid, FindsThePointNearestToAnyQuery) {
   for (const auto& [name, points] : clouds()) {
-    const NeighbourGrid grid(points, 16);
+    const NeighborGrid grid(points, 16);
     std::vector<Vec3f> queries(grid.points().begin(), grid.points().end());
     for (const Vec3f& p : surface(10, 100)) queries.insert(queries.end(), {p, p * 1e3f, p * 1e30f});
     std::vector<std::uint32_t> found(queries.size());
@@ -112,11 +112,11 @@ TEST(NeighbourGrid, FindsThePointNearestToAnyQuery) {
   }
 }
 
-TEST(NeighbourGrid, HasTheSameOrderForAnyOrderOfTheInput) {
+TEST(NeighborGrid, HasTheSameOrderForAnyOrderOfTheInput) {
   for (const auto& [name, points] : clouds()) {
     std::vector<Vec3f> shuffled = points;
     std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937_64(11));
-    const NeighbourGrid grid(points, 16), other(shuffled, 16);
+    const NeighborGrid grid(points, 16), other(shuffled, 16);
     EXPECT_TRUE(std::ranges::equal(grid.points(), other.points())) << name;
     for (std::size_t i = 0; i < grid.size(); ++i) {
       ASSERT_EQ(grid.points()[i], points[grid.order()[i]]) << name;
@@ -125,8 +125,8 @@ TEST(NeighbourGrid, HasTheSameOrderForAnyOrderOfTheInput) {
   }
 }
 
-TEST(NeighbourGrid, EveryFourthPointKeepsItsPositionAndIndex) {
-  const NeighbourGrid grid(surface(1, 1001), 16), fourth = grid.every(4);
+TEST(NeighborGrid, EveryFourthPointKeepsItsPositionAndIndex) {
+  const NeighborGrid grid(surface(1, 1001), 16), fourth = grid.every(4);
   ASSERT_EQ(fourth.size(), 251U);
   for (std::size_t i = 0; i < fourth.size(); ++i) {
     EXPECT_EQ(fourth.points()[i], grid.points()[4 * i]);
@@ -134,17 +134,17 @@ TEST(NeighbourGrid, EveryFourthPointKeepsItsPositionAndIndex) {
   }
 }
 
-TEST(NeighbourGrid, KeepsItsOrderWhenTheCloudIsScaledByAPowerOfTwo) {
+TEST(NeighborGrid, KeepsItsOrderWhenTheCloudIsScaledByAPowerOfTwo) {
   std::vector<Vec3f> points = surface(1, 2000);
-  const NeighbourGrid grid(points, 16);
+  const NeighborGrid grid(points, 16);
   for (Vec3f& p : points) p *= 1024;
-  EXPECT_TRUE(std::ranges::equal(grid.order(), NeighbourGrid(points, 16).order()));
+  EXPECT_TRUE(std::ranges::equal(grid.order(), NeighborGrid(points, 16).order()));
 }
 
-TEST(NeighbourGrid, ManyEqualPointsAreSupported) {
+TEST(NeighborGrid, ManyEqualPointsAreSupported) {
   std::vector<Vec3f> points(200'000, Vec3f(1, 2, 3));
   points.emplace_back(1, 2, 4);
-  const NeighbourGrid grid(points, 16);
+  const NeighborGrid grid(points, 16);
   std::vector<std::uint32_t> rows(grid.size() * 16), first(16);
   grid.nearest(16, 0, grid.size(), rows.data());
   std::iota(first.begin(), first.end(), 0U);

@@ -111,7 +111,7 @@ TEST(Pca, NonFinitePointsAreUnknownAndIgnored) {
 }
 
 TEST(Pca, OptionsOutOfRangeAreRejected) {
-  EXPECT_THROW(make_pca_classifier({.neighbours = 2}), Error);
+  EXPECT_THROW(make_pca_classifier({.neighbors = 2}), Error);
   EXPECT_THROW(make_pca_classifier({.max_angle_deg = 90}), Error);
 }
 

@@ -32,11 +32,8 @@ fs::path scratch_file() {
 }
 
 NetworkConfig tiny_config() {
-  return {.name = "tiny",
-          .levels = {{2, 3}, {4}},
-          .neighbours = 5,
-          .global_feature = true,
-          .head = {3}};
+  return {
+      .name = "tiny", .levels = {{2, 3}, {4}}, .neighbors = 5, .global_feature = true, .head = {3}};
 }
 
 std::size_t size_of(const TensorSpec& spec) {

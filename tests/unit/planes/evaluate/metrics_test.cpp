@@ -267,7 +267,7 @@ TEST(LabelAccuracy, WithoutPointsIsPerfect) {
 TEST(LabelAccuracy, DetectsEdgesOfAStaircaseEvenIfPointsAreSparse) {
   // Points 10 cm apart: almost none has a point with another label within 2 cm, although there are
   // many edges.
-  const LabelledCloud stairs = lab::labelled(lab::make_stairs(0, {.points = 300}));
+  const LabeledCloud stairs = lab::labeled(lab::make_stairs(0, {.points = 300}));
   const auto near_points =
       near_other_label(stairs.points, stairs.labels, stairs.points, stairs.labels);
   const auto edges = std::count(stairs.near_edge.begin(), stairs.near_edge.end(), 1);

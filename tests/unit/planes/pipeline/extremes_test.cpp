@@ -49,12 +49,12 @@ TEST_P(Extremes, OfAnOptionAreAcceptedOrRejectedByName) {
       set_option(options, info.name, value);
       expect_sound(run_frame(frame, options, classifier.get()));
     } catch (const Error& error) {
-      const std::string told = error.what();
+      const std::string reported = error.what();
       // Gravity cannot be estimated if almost no tilt is allowed.
       const bool of_gravity =
-          info.section == "gravity" && told.find("gravity") != std::string::npos;
-      EXPECT_TRUE(of_gravity || told.find(info.name) != std::string::npos) << told;
-      EXPECT_EQ(told.find('\n'), std::string::npos) << told;
+          info.section == "gravity" && reported.find("gravity") != std::string::npos;
+      EXPECT_TRUE(of_gravity || reported.find(info.name) != std::string::npos) << reported;
+      EXPECT_EQ(reported.find('\n'), std::string::npos) << reported;
     }
   }
 }

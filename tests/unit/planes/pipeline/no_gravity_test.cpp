@@ -88,12 +88,12 @@ TEST(NoGravity, PlanesAreScoredButNotLabels) {
   const EvaluatedFrame evaluated = evaluate_frame(result, truth);
   EXPECT_EQ(std::ranges::count(evaluated.verdict, Verdict::wrong_class), 0);
 
-  Metrics labelled;
-  labelled.label_accuracy_edge = labelled.label_accuracy_inner = 80;
-  EXPECT_EQ(mean_of(std::vector{metrics, labelled}).label_accuracy_edge, 80)
+  Metrics labeled;
+  labeled.label_accuracy_edge = labeled.label_accuracy_inner = 80;
+  EXPECT_EQ(mean_of(std::vector{metrics, labeled}).label_accuracy_edge, 80)
       << "the mean of those that have labels";
   EXPECT_TRUE(std::isnan(mean_of(std::vector{metrics}).label_accuracy_inner));
-  EXPECT_THROW(labelled_frame(frame, without_gravity(), truth), Error) << "to learn from";
+  EXPECT_THROW(labeled_frame(frame, without_gravity(), truth), Error) << "to learn from";
 }
 
 TEST(NoGravity, ClassifierOptionsAreNotOptionsOfSuchARun) {

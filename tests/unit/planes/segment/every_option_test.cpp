@@ -14,7 +14,7 @@ namespace {
 
 const Vec3d kEye(-1.5, 0, 0.8);
 
-std::vector<std::int32_t> planes_of(const test::LabelledCloud& cloud,
+std::vector<std::int32_t> planes_of(const test::LabeledCloud& cloud,
                                     const SegmentOptions& options) {
   return segment(cloud.points, cloud.labels, cloud.cube, kEye, options).plane_of;
 }
@@ -66,14 +66,14 @@ class Clouds {
           return true;
     return false;
   }
-  const test::LabelledCloud& cloud(std::uint64_t seed) {
+  const test::LabeledCloud& cloud(std::uint64_t seed) {
     while (clouds_.size() < seed) {
       const std::uint64_t next = clouds_.size() + 1;
       clouds_.push_back(next % 2 == 0 ? test::random_cloud(next) : test::random_steps(next));
     }
     return clouds_[seed - 1];
   }
-  std::vector<test::LabelledCloud> clouds_;
+  std::vector<test::LabeledCloud> clouds_;
 };
 
 TEST(Options, EveryNumberAffectsItsMethod) {
@@ -96,7 +96,7 @@ TEST(Options, OfTheOtherMethodHaveNoEffect) {
       if (!is_idle(info, options) || !info.is_number()) continue;
       PipelineOptions other = options;
       info.set(other, number_text(info, 2 * number_of(info, options)));
-      const test::LabelledCloud cloud = test::random_steps(3);
+      const test::LabeledCloud cloud = test::random_steps(3);
       EXPECT_EQ(planes_of(cloud, other.segment), planes_of(cloud, options.segment)) << info.name;
       ++idle;
     }

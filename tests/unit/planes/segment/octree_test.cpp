@@ -29,7 +29,7 @@ TEST(Morton, CodesSurviveARoundTrip) {
 }
 
 /// The whole tree, divided down to its leaves.
-Octree full_tree(const test::LabelledCloud& cloud) {
+Octree full_tree(const test::LabeledCloud& cloud) {
   Octree octree = build_octree(cloud.points, cloud.labels, cloud.cube);
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(octree.nodes.size()); ++i)
     if (octree.nodes[i].depth < cloud.cube.max_depth) divide(octree, i);
@@ -113,8 +113,8 @@ TEST(Cells, NeighborsAreTheTouchingCells) {
       std::set<std::uint32_t> touching;
       for (std::uint32_t b = 0; b < grid.size(); ++b)
         if ((place(a) - place(b)).cwiseAbs().maxCoeff() <= 1) touching.insert(b);
-      EXPECT_EQ(std::set<std::uint32_t>(grid.neighbours.begin() + grid.neighbour_first[a],
-                                        grid.neighbours.begin() + grid.neighbour_first[a + 1]),
+      EXPECT_EQ(std::set<std::uint32_t>(grid.neighbors.begin() + grid.neighbor_first[a],
+                                        grid.neighbors.begin() + grid.neighbor_first[a + 1]),
                 touching);
     }
   }

@@ -16,7 +16,7 @@ namespace {
 const Vec3d kSensor(-1.5, 0, 1);
 
 /// Adds a rectangle with points every 2 cm, from `corner` along `u` and `v`.
-void add_rectangle(test::LabelledCloud& cloud, Vec3d corner, Vec3d u, Vec3d v, Label label) {
+void add_rectangle(test::LabeledCloud& cloud, Vec3d corner, Vec3d u, Vec3d v, Label label) {
   const int nu = static_cast<int>(u.norm() / 0.02), nv = static_cast<int>(v.norm() / 0.02);
   for (int i = 0; i < nu; ++i)
     for (int j = 0; j < nv; ++j) {
@@ -26,8 +26,8 @@ void add_rectangle(test::LabelledCloud& cloud, Vec3d corner, Vec3d u, Vec3d v, L
 }
 
 /// A step 16 cm high: lower floor, riser, upper floor, each 0.6 m deep and 1 m wide.
-test::LabelledCloud step() {
-  test::LabelledCloud cloud;
+test::LabeledCloud step() {
+  test::LabeledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {0.6, 0, 0}, {0, 1, 0}, Label::h);
   add_rectangle(cloud, {0.6, 0, 0}, {0, 0, 0.16}, {0, 1, 0}, Label::v);
   add_rectangle(cloud, {0.6, 0, 0.16}, {0.6, 0, 0}, {0, 1, 0}, Label::h);
@@ -35,7 +35,7 @@ test::LabelledCloud step() {
   return cloud;
 }
 
-Segmentation run(const test::LabelledCloud& cloud,
+Segmentation run(const test::LabeledCloud& cloud,
                  const SegmentOptions& options,
                  Trace* trace = nullptr) {
   return segment(cloud.points, cloud.labels, cloud.cube, kSensor, options, trace);
@@ -86,7 +86,7 @@ TEST(Segment, EveryVisitedNodeIsSettledAndCounted) {
 
 TEST(Segment, TracingDoesNotChangeTheResult) {
   for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined}) {
-    const test::LabelledCloud cloud = test::random_cloud(21);
+    const test::LabeledCloud cloud = test::random_cloud(21);
     Trace trace;
     const Segmentation with = run(cloud, profile_options(profile), &trace);
     const Segmentation without = run(cloud, profile_options(profile));
@@ -99,7 +99,7 @@ TEST(Segment, TracingDoesNotChangeTheResult) {
 }
 
 TEST(Segment, TheTraceIsComplete) {
-  const test::LabelledCloud cloud = test::random_cloud(22);
+  const test::LabeledCloud cloud = test::random_cloud(22);
   Trace trace;
   const Segmentation s = run(cloud, profile_options(Profile::paper), &trace);
   std::map<EventType, std::uint32_t> events;
@@ -123,7 +123,7 @@ TEST(Segment, TheTraceIsComplete) {
 
 TEST(Segment, LeftoversOfThePaperJoinTheFirstPlaneWithinRangeWithoutRefitting) {
   // A floor, with one v point 4 mm above it and one 6 mm above it.
-  test::LabelledCloud cloud;
+  test::LabeledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, Label::h);
   const auto near = cloud.points.size();
   cloud.points.push_back({0.501f, 0.501f, 0.004f});
@@ -142,7 +142,7 @@ TEST(Segment, LeftoversOfThePaperJoinTheFirstPlaneWithinRangeWithoutRefitting) {
 TEST(Segment, AFarKerbIsMergedAsWrittenButSeparatedByRefined) {
   // A floor and the top of a kerb beside it, 12 cm high, seen from above, without points between
   // them.
-  test::LabelledCloud cloud;
+  test::LabeledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {1.2, 0, 0}, {0, 1, 0}, Label::h);
   add_rectangle(cloud, {1.4, 0, 0.12}, {1.2, 0, 0}, {0, 1, 0}, Label::h);
   cloud.cube = test::cube_around(cloud.points);
@@ -152,8 +152,8 @@ TEST(Segment, AFarKerbIsMergedAsWrittenButSeparatedByRefined) {
 }
 
 /// Two tables of the same height, half a meter apart.
-test::LabelledCloud two_tables() {
-  test::LabelledCloud cloud;
+test::LabeledCloud two_tables() {
+  test::LabeledCloud cloud;
   add_rectangle(cloud, {0, 0, 0}, {0.5, 0, 0}, {0, 1, 0}, Label::h);
   add_rectangle(cloud, {1, 0, 0}, {0.8, 0, 0}, {0, 1, 0}, Label::h);
   cloud.cube = test::cube_around(cloud.points);
@@ -161,7 +161,7 @@ test::LabelledCloud two_tables() {
 }
 
 TEST(Segment, SeparatePartsOfACloudAreSplit) {
-  test::LabelledCloud cloud = two_tables();
+  test::LabeledCloud cloud = two_tables();
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
   for (Vec3f& p : cloud.points) p = Vec3f(p.x(), p.z(), p.y());  // two vertical boards
   for (Label& label : cloud.labels) label = Label::v;
@@ -170,7 +170,7 @@ TEST(Segment, SeparatePartsOfACloudAreSplit) {
 }
 
 TEST(Segment, ASparseCloudIsNotSplitBetweenItsPoints) {
-  test::LabelledCloud cloud;
+  test::LabeledCloud cloud;
   for (double x = 0; x < 1.5; x += 0.07)
     for (double y = 0; y < 1; y += 0.07)
       for (const double z : {0.0, -0.5}) {
@@ -184,12 +184,12 @@ TEST(Segment, ASparseCloudIsNotSplitBetweenItsPoints) {
 TEST(Segment, WithoutLabelsLabelsAreIgnored) {
   for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined})
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-      test::LabelledCloud cloud = test::random_cloud(seed);
+      test::LabeledCloud cloud = test::random_cloud(seed);
       SegmentOptions options = profile_options(profile);
       options.use_labels = false;
-      const Segmentation labelled = run(cloud, options);
+      const Segmentation labeled = run(cloud, options);
       std::fill(cloud.labels.begin(), cloud.labels.end(), Label::h);
-      EXPECT_EQ(run(cloud, options).plane_of, labelled.plane_of) << to_string(profile) << seed;
+      EXPECT_EQ(run(cloud, options).plane_of, labeled.plane_of) << to_string(profile) << seed;
     }
 }
 
@@ -198,14 +198,14 @@ TEST(Segment, DegenerateInputsAreHandled) {
     const SegmentOptions options = profile_options(profile);
     EXPECT_TRUE(segment({}, {}, Cube{}, kSensor, options).planes.empty());
 
-    test::LabelledCloud same;  // more points at one position than any threshold
+    test::LabeledCloud same;  // more points at one position than any threshold
     same.points.assign(100, Vec3f(1, 1, 1));
     same.labels.assign(100, Label::h);
     for (std::size_t i = 0; i < 50; ++i) same.labels[i] = Label::v;
     const Segmentation s = run(same, options);
     EXPECT_EQ(s.plane_of.size(), 100u);
 
-    test::LabelledCloud line;  // collinear
+    test::LabeledCloud line;  // collinear
     for (int i = 0; i < 60; ++i) line.points.push_back(Vec3f(0.02f * static_cast<float>(i), 1, 1));
     line.labels.assign(60, Label::h);
     for (const PlaneRegion& p : run(line, options).planes) EXPECT_TRUE(p.fit.normal.allFinite());

@@ -12,7 +12,7 @@ namespace {
 using test::flight_up;
 using test::IdealPlanes;
 
-std::string told(const Stairs& stairs) {
+std::string reported(const Stairs& stairs) {
   std::string text;
   for (const StepDecision& decision : stairs.decisions) text += to_text(decision) + "\n";
   return text;
@@ -59,7 +59,7 @@ TEST(Stairs, SeenFromTheTopLeadDownEvenIfTreadsHideEachOther) {
     ideal.level(i == 0 ? -0.8 : nosing, i == 4 ? 1.6 : next - hidden, -0.5, 0.5, z);
   }
   const Stairs stairs = ideal.find();
-  ASSERT_EQ(stairs.flights.size(), 1u) << told(stairs);
+  ASSERT_EQ(stairs.flights.size(), 1u) << reported(stairs);
   const Flight& flight = stairs.flights[0];
   ASSERT_EQ(flight.steps.size(), 4u);
   EXPECT_EQ(flight.seen, SeenFrom::above);
@@ -100,7 +100,7 @@ TEST(Stairs, TwoTablesOfDifferentHeightAreNotStairs) {
   EXPECT_TRUE(stairs.kerbs.empty());
   EXPECT_NEAR(stairs.height_m[low - 1], 0.55, 1e-9);
   EXPECT_NEAR(stairs.height_m[high - 1], 0.75, 1e-9);
-  EXPECT_EQ(told(stairs),
+  EXPECT_EQ(reported(stairs),
             "P1 -> P2 no step: rise 55 cm, limit 30 cm\n"
             "P1 -> P3 no step: rise 75 cm, limit 30 cm\n");
 }
@@ -110,7 +110,7 @@ TEST(Stairs, AFlightContinuesOverOneUnseenTread) {
   ideal.level(-1, 0, -0.6, 0.6, 0);
   for (const int i : {0, 1, 3, 4}) ideal.level(i * 0.28, (i + 1) * 0.28, -0.5, 0.5, (i + 1) * 0.15);
   const Stairs stairs = ideal.find();
-  ASSERT_EQ(stairs.flights.size(), 1u) << told(stairs);
+  ASSERT_EQ(stairs.flights.size(), 1u) << reported(stairs);
   const Flight& flight = stairs.flights[0];
   ASSERT_EQ(flight.steps.size(), 5u);
   EXPECT_TRUE(flight.steps[2].tread.empty());
@@ -155,7 +155,7 @@ TEST(Stairs, AFlightThatTurnsAtALandingIsTwo) {
     ideal.level(0.84, 1.84, y, y + 0.28, 0.68 + (i + 1) * 0.17);
   }
   const Stairs stairs = ideal.find();
-  ASSERT_EQ(stairs.flights.size(), 2u) << told(stairs);
+  ASSERT_EQ(stairs.flights.size(), 2u) << reported(stairs);
   EXPECT_EQ(stairs.flights[0].steps.size(), 4u);
   EXPECT_EQ(stairs.flights[1].steps.size(), 3u);
   EXPECT_NEAR(stairs.flights[1].uphill.y(), 1, 0.01);
@@ -183,13 +183,13 @@ TEST(Stairs, OneWideStepBetweenLargeLevelsIsAKerb) {
   ideal.turn(20);
   const Stairs stairs = ideal.find();
   EXPECT_TRUE(stairs.flights.empty());
-  ASSERT_EQ(stairs.kerbs.size(), 1u) << told(stairs);
+  ASSERT_EQ(stairs.kerbs.size(), 1u) << reported(stairs);
   EXPECT_NEAR(stairs.kerbs[0].rise_m, 0.12, 1e-6);
   EXPECT_EQ(stairs.kerbs[0].lower, LevelPlanes{1});
   EXPECT_EQ(stairs.kerbs[0].upper, LevelPlanes{3});
   EXPECT_EQ(stairs.kerbs[0].riser, riser);
   EXPECT_NEAR(stairs.kerbs[0].nosing.width_m(), 2, 0.05);
-  EXPECT_TRUE(stairs.decisions.empty()) << told(stairs);
+  EXPECT_TRUE(stairs.decisions.empty()) << reported(stairs);
 }
 
 TEST(Stairs, ABoxIsNotAKerb) {
@@ -198,7 +198,7 @@ TEST(Stairs, ABoxIsNotAKerb) {
   ideal.level(0, 0.4, -0.2, 0.2, 0.15);
   const Stairs stairs = ideal.find();
   EXPECT_TRUE(stairs.kerbs.empty());
-  EXPECT_EQ(told(stairs), "P1 -> P2 single step: 40 cm wide, limit for a kerb 60 cm\n");
+  EXPECT_EQ(reported(stairs), "P1 -> P2 single step: 40 cm wide, limit for a kerb 60 cm\n");
 }
 
 TEST(Stairs, ARampLeadsFromLevelToLevel) {
@@ -246,10 +246,10 @@ TEST(Stairs, UnevenStepsAreNotAFlightAndTheReasonIsReported) {
   ideal.level(0.3, 0.6, -0.5, 0.5, 0.35);
   const Stairs stairs = ideal.find();
   EXPECT_TRUE(stairs.flights.empty());
-  EXPECT_NE(
-      told(stairs).find("P2 -> P3 not part of the flight below: rises differ by 15 cm, limit 3 cm"),
-      std::string::npos)
-      << told(stairs);
+  EXPECT_NE(reported(stairs).find(
+                "P2 -> P3 not part of the flight below: rises differ by 15 cm, limit 3 cm"),
+            std::string::npos)
+      << reported(stairs);
 }
 
 TEST(Stairs, WithoutGravityNothingIsLevel) {
