@@ -322,16 +322,16 @@ LoadedFrame run_input_frame(const OpenInput& input,
         fmt::format("{}, frame {}: classifier truth needs labels; found none in {} and no "
                     "label field",
                     input.path.string(), index, input.label_dir.string()));
-  try {
-    loaded.result = naming_memory(fmt::format("frame {}", index), [&] {
-      return planes::run_frame(loaded.frame, options, classifier, on_points ? &*on_points : nullptr,
-                               trace);
-    });
-  } catch (const Error& error) {
-    const std::string what = error.what();
-    const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);
-    throw FrameRefused(fmt::format("{}, {}{}", input.path.string(), frame, what));
-  }
+  naming_memory(input.name_of(index), [&] {
+    try {
+      loaded.result = planes::run_frame(loaded.frame, options, classifier,
+                                        on_points ? &*on_points : nullptr, trace);
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);
+      throw FrameRefused(fmt::format("{}, {}{}", input.path.string(), frame, what));
+    }
+  });
   loaded.result.timings.load_ms = load.count();
   return loaded;
 }

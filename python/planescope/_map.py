@@ -136,8 +136,8 @@ def make_map(
     """Track the planes of a recording and fuse them into a map.
 
     Args:
-        recording: Depth images. With on_error="skip", damaged frames are left out and reported in
-            Map.told.
+        recording: Depth images. With on_error="skip", damaged frames are skipped and reported in
+            Map.warnings.
         poses: T_world_camera (camera axes: x right, y down, z forward): an array (n, 4, 4) with one
             pose for each frame of the map; a mapping from frames to (4, 4), like
             Map.T_world_camera; or a file (TUM, KITTI, Open3D's .log or .json). None: the

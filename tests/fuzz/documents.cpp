@@ -94,7 +94,7 @@ void read_tuning_journal(Bytes bytes) {
           "trials that are lost");
 }
 
-/// Told, completed and applied to every step of a run.
+/// Describes a filter, completes it and applies it to every step of a run.
 void read_filter(Bytes bytes) {
   static const auto run =
       debug::make_run(test::stair_subject(0.003), test::options_of(planes::Profile::refined));

@@ -206,7 +206,7 @@ void find_session_frames(Session& session, const fs::path& path) {
   if (*found[0] != session.frame)
     session.note = fmt::format("frame {} of the session is frame {} of {} now", session.frame,
                                *found[0], open.path.string());
-  // Nobody knows where the bookmarks of old sessions without hashes are now.
+  // Bookmarks of old sessions have no hash, so their frames cannot be found.
   for (Bookmark& b : session.bookmarks)
     if (b.frame_sha256.empty() && *found[0] != session.frame) b.frame = -1;
   session.frame = session.cursor.frame = *found[0];
