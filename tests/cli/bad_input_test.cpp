@@ -222,7 +222,7 @@ TEST(Doubts, AVoxelLargerThanTheSceneAndARunWithoutPlanesAreWarnedOf) {
   EXPECT_TRUE(has(read_text(dir / "report/index.html"), voxels));
   expect_refused(run(args("segment", {"--voxel", "10", "--warnings-as-errors"})), voxels);
 
-  const std::vector<std::string> none = {"--profile", "paper", "--voxel", "1"};
+  const std::vector<std::string> none = {"--set", "worth_px=1e9"};
   EXPECT_TRUE(has(well(run(args("segment", none))).err, "0 planes in 1 frame; are depth unit"));
   std::vector<std::string> strict = none;
   strict.insert(strict.end(), {"--no-pictures", "--warnings-as-errors"});

@@ -217,8 +217,6 @@ std::vector<Assumption> assumptions_of(const State& state) {
   const io::RecordingInfo& info = open->recording->info();
   std::vector<Assumption> all;
   if (!info.warnings.empty()) all.push_back(of_warnings(info.warnings, info.width > 0));
-  if (view->run->segmentation.planes.empty())
-    all.push_back({"0 planes", "", "Are depth unit, maximum range and voxel size right?", {}});
   if (info.intrinsics_source.starts_with("assumed"))
     all.push_back({fmt::format("Intrinsics {}", info.intrinsics_source),
                    "edit",
@@ -268,6 +266,8 @@ std::vector<Assumption> assumptions_of(const State& state) {
                    "Color and depth have the same size, but the recording does not declare them "
                    "aligned. Compare the depth edges with the color image to check.",
                    {"image.edges"}});
+  if (view->run->segmentation.planes.empty())
+    all.push_back({"0 planes", "", "Are depth unit, maximum range and voxel size right?", {}});
   return all;
 }
 

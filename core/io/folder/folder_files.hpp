@@ -102,7 +102,7 @@ struct CameraFiles {
   CameraFacts depth;
   std::optional<Intrinsics> color;  // only if a file distinguishes them from depth's
   std::optional<Pose> T_color_depth;
-  std::vector<std::string> ignored;  // files named as calibrations that are none
+  std::vector<std::string> ignored;  // files named as calibrations, not understood
 };
 
 /// Reads the calibration in the folder: JSON with `intrinsic_matrix` (and `depth_scale`), OpenCV

@@ -85,8 +85,8 @@ void measure_by_squares(const FrameResult& result,
     moves += move * move.transpose();
   }
   // The fit takes three degrees of freedom from the squares.
-  if (seen <= 3) return;
-  const Mat3d covariance = kAlikePixels * sigma * sigma * rr.inverse() + seen / (seen - 3) * moves;
+  const double scale = seen / std::max(1.0, seen - 3);
+  const Mat3d covariance = kAlikePixels * sigma * sigma * rr.inverse() + scale * moves;
   // Changes of w = normal / offset (camera frame) give the plane's tilt and offset.
   const auto sigma_along = [&](const Vec3d& v) {
     return std::sqrt(v.dot(covariance * v)) / plane.w_of_ray.norm();
