@@ -316,7 +316,7 @@ TEST_F(Pictures, OfColorScalesHaveTheirBarInEveryView) {
 TEST_F(Pictures, OfTheWindowAreSavedAsDisplayed) {
   const std::filesystem::path dir = scratch_dir(), saved = dir / "a.png";
   Window window;
-  window.offscreen.shell().tell("", false);
+  window.offscreen.shell().show_message("", false);
   const Image8 shown = window.after({{"color.height"}, {"step.goto", "90"}}).picture();
   window.after({{"picture.save", saved.string()}});
   EXPECT_EQ(window.offscreen.shell().state().view.message, "picture written to " + saved.string());
@@ -364,7 +364,7 @@ TEST_F(Pictures, OfANewFrameHaveNoBoxesQueueOrHighlights) {
 TEST_F(Pictures, OfStepsAreSavedAsAnAnimationThatStartsAtTheFirst) {
   const std::filesystem::path dir = scratch_dir(), single = dir / "a.png", steps = dir / "b c.png";
   Window window;
-  window.offscreen.shell().tell("", false);
+  window.offscreen.shell().show_message("", false);
   window.after({{"step.goto", "40"}, {"picture.save", single.string()}});
   window.after({{"steps.save", steps.string() + " 40-75 10 20"}});
   EXPECT_EQ(window.offscreen.shell().state().view.message, "5 steps written to " + steps.string());
@@ -374,7 +374,7 @@ TEST_F(Pictures, OfStepsAreSavedAsAnAnimationThatStartsAtTheFirst) {
   EXPECT_EQ(apng.frames_per_second, 20);
   ASSERT_EQ(apng.frames.size(), 5U);
   EXPECT_EQ(difference(apng.frames[0], io::read_png_rgb(single)), 0);
-  window.offscreen.shell().tell("", false);
+  window.offscreen.shell().show_message("", false);
   window.after({{"step.goto", "70"}, {"picture.save", single.string()}});
   EXPECT_LE(difference(apng.frames[3], io::read_png_rgb(single)), kSame);
   EXPECT_GT(difference(apng.frames[0], apng.frames[3]), 0.005);

@@ -336,7 +336,7 @@ TEST(ReportHead, IsTheReportWithoutFrames) {
 }
 
 /// A report compared with itself, with one more plane.
-Report make_compared_report() {
+Report make_report_with_result() {
   const auto file = temp_dir() / "judged.json";
   Report report = make_report();
   write_file_text(file, report_json(report));
@@ -349,7 +349,7 @@ Report make_compared_report() {
 }
 
 TEST(Judgement, IsInTheReportWorstFirst) {
-  const Report report = make_compared_report();
+  const Report report = make_report_with_result();
   const Json json = Json::parse(report_json(report));
   EXPECT_EQ(schema_error(schema(), json), "");
   EXPECT_EQ(json["verdict"]["errors"], 1);
@@ -361,7 +361,7 @@ TEST(Judgement, IsInTheReportWorstFirst) {
 }
 
 TEST(Junit, ListsFramesThatBreakRulesAndFailedFrames) {
-  Report report = make_compared_report();
+  Report report = make_report_with_result();
   const std::string xml = junit_xml(report);
   EXPECT_TRUE(has(xml, "tests=\"2\" failures=\"1\" errors=\"0\" skipped=\"1\""));
   EXPECT_TRUE(has(xml,
@@ -376,7 +376,7 @@ TEST(Junit, ListsFramesThatBreakRulesAndFailedFrames) {
 
 /// The additional plane is undecided.
 Report make_noted_report() {
-  Report report = make_compared_report();
+  Report report = make_report_with_result();
   PlaneSummary& plane = report.recordings[0].frames[0].planes[1].summary;
   plane.undecided = true;
   plane.margin = 0.04;
@@ -405,7 +405,7 @@ TEST(Junit, ContainsNotesWithoutAFailure) {
   const std::string xml = junit_xml(make_noted_report());
   EXPECT_TRUE(has(xml, "failures=\"0\""));
   EXPECT_TRUE(has(xml, "<system-out>note: frame 0: 1 plane is not in the baseline"));
-  EXPECT_FALSE(has(junit_xml(make_compared_report()), "<system-out>"));
+  EXPECT_FALSE(has(junit_xml(make_report_with_result()), "<system-out>"));
 }
 
 TEST(FramesCsv, CountsUndecidedPlanes) {
