@@ -286,7 +286,7 @@ TEST_F(Labels, PointFormatsConvertToEachOther) {
   EXPECT_EQ(labels::read_labeled(dir / "c.bin", labels::LabelFormat::kitti).label, first.label);
   EXPECT_EQ(labels::read_labeled(dir / "d.npy", labels::LabelFormat::evops).instance,
             first.instance);
-  expect_refused(convert("d.npy", "f.ply"), "ply needs coordinates");
+  expect_refused(convert("d.npy", "f.ply"), "ply requires coordinates");
   expect_refused(convert("d.npy", "f.txt"),
                  "f.txt: unknown extension; expected a name that ends in");
 }

@@ -10,7 +10,7 @@ listed = subprocess.run(
 ).stdout
 sections = {part.split("\n")[0]: part for part in listed.split("\n### ")[1:]}
 for section, message in [
-    ("Recordings and clouds", "…: the recording contains no camera intrinsics; …"),
+    ("Recordings and clouds", "…: the recording contains no camera intrinsics…; …"),
     ("Recordings and clouds", "cannot be decompressed into the folder for temporary files"),
     ("Gravity and cameras", "gravity cannot be estimated from the scene"),
     ("The library, and Python", "depth image: no pixels"),

@@ -130,7 +130,7 @@ TEST(Ply, AHeaderThatPromisesMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
     expect_one_line_with(error_of_reading("huge.ply", std::string("ply\nformat ") + format +
                                                           " 1.0\nelement vertex 999999999999\n" +
                                                           properties + "1 2 3\n"),
-                         {"huge.ply", "promises 999999999999", "6 bytes follow"});
+                         {"huge.ply", "declares 999999999999", "6 bytes follow"});
   }
   expect_one_line_with(error_of_reading("none.ply",
                                         "ply\nformat ascii 1.0\nelement odd 18446744073709551615\n"
@@ -249,7 +249,7 @@ TEST(Pcd, AHeaderThatPromisesMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
     expect_one_line_with(error_of_reading("huge.pcd", pcd_header("x y z", "4 4 4", "F F F", "1 1 1",
                                                                  4'000'000'000, data) +
                                                           "1 2 3\n"),
-                         {"huge.pcd", "promises 4000000000 points", "6 bytes follow"});
+                         {"huge.pcd", "declares 4000000000 points", "6 bytes follow"});
   }
   // A compressed block that claims to expand to gigabytes.
   expect_one_line_with(

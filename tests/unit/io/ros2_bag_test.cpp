@@ -271,7 +271,7 @@ TEST_F(Ros2Bag, ADatabaseWithWriteAheadLoggingOpensAndALeftoverLogIsReported) {
   const auto recording = open_recording(folder_ / "a.db3");
   expect_sdk_frames(*recording, 3);
   ASSERT_EQ(recording->info().warnings.size(), 1u);
-  expect_one_line_with(recording->info().warnings[0], {"never closed", "a.db3-wal holds 21 bytes"});
+  expect_one_line_with(recording->info().warnings[0], {"never closed", "a.db3-wal contains 21 bytes"});
 }
 
 TEST_F(Ros2Bag, AnUnrelatedDatabaseIsRejected) {
@@ -550,11 +550,11 @@ TEST(RosMessage, RejectsUnknownFields) {
   EXPECT_EQ(refusal("geometry_msgs/msg/Point", {{"w", 1}}),
             "geometry_msgs/msg/Point: the message has no field w");
   EXPECT_EQ(refusal("geometry_msgs/msg/Point", {{"x", "1"}}),
-            "geometry_msgs/msg/Point.x is no float64");
+            "geometry_msgs/msg/Point.x is not of type float64");
   EXPECT_EQ(refusal("sensor_msgs/msg/PointField", {{"datatype", 256}}),
-            "sensor_msgs/msg/PointField.datatype is no uint8");
+            "sensor_msgs/msg/PointField.datatype is not of type uint8");
   EXPECT_EQ(refusal("sensor_msgs/msg/CameraInfo", {{"k", {1, 2}}}),
-            "sensor_msgs/msg/CameraInfo.k is no float64");
+            "sensor_msgs/msg/CameraInfo.k is not of type float64");
   EXPECT_EQ(refusal("std_msgs/msg/String", {}), "std_msgs/msg/String: unsupported message type");
 }
 

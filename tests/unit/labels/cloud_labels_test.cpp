@@ -341,7 +341,7 @@ TEST(CloudExchange, EveryPointHasItsLabelInTheOrderOfTheCloud) {
   EXPECT_EQ(fs::file_size(dir / "kitti.label"), 4 * cloud.grid.pixels());
   expect_refused(
       [&] { write_labeled(dir / "coco", LabelFormat::coco, points_of_labels(labels, cloud.grid)); },
-      "coco needs pixels");
+      "coco requires pixels");
 }
 
 TEST(CloudExchange, LabelsOfAnotherNumberOfPointsOrPixelsAreRejected) {

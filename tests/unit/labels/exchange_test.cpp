@@ -217,9 +217,9 @@ TEST_F(Exchange, AFormatReportsMissingData) {
   LabeledPoints points;
   points.instance = {1, 2, 2};
   expect_refused([&] { write_labeled(dir / "a", LabelFormat::ply, points); },
-                 "ply needs coordinates");
+                 "ply requires coordinates");
   expect_refused([&] { write_labeled(dir / "a", LabelFormat::coco, points); },
-                 "coco needs pixels and the size");
+                 "coco requires pixels and the size");
   expect_refused([&] { parse_label_format("kiti"); }, "expected one of evops, ply, pcd, kitti");
   expect_refused([&] { label_format_of("a.txt"); },
                  "a.txt: unknown extension; expected a name that ends in .npy");
@@ -288,7 +288,7 @@ TEST_F(ExchangeDamage, ArraysThatAreNotPlaneIdsAreRejected) {
   expect_bad("a.npy", npy("{'descr': '<i4', }", ""), "lacks descr, fortran_order or shape");
   expect_bad("a.npy", npy("{'descr': [('x', '<f4')], }", ""), "expected a string");
   expect_bad("a.npy", npy_of("<c8", "1,", "12345678"), "\"<c8\"; expected whole numbers");
-  expect_bad("a.npy", npy_of("<i4", "3,", "12345678"), "promises 12 bytes of values, 8 follow");
+  expect_bad("a.npy", npy_of("<i4", "3,", "12345678"), "declares 12 bytes of values, but 8 follow");
   expect_bad("a.npy", npy_of("<i4", "4611686018427387904,", ""), "declares too many bytes");
   expect_bad("a.npy", npy_of("<i4", "99999999999999999999999,", ""), "damaged shape");
   expect_bad("a.npy", npy_of("<i4", "2, 1", "12345678"), "2 dimensions; expected one plane id");
@@ -309,7 +309,7 @@ TEST_F(ExchangeDamage, InconsistentKittiFilesAreRejected) {
   write_text(dir / "k.bin", std::string(30, '\0'));
   expect_bad("k.label", std::string(8, '\0'), "k.bin: 30 bytes");
   write_text(dir / "k.bin", "");
-  expect_bad("k.label", std::string(8, '\0'), "k.bin: is empty, expected 16 bytes for each of 2");
+  expect_bad("k.label", std::string(8, '\0'), "k.bin: is empty; expected 16 bytes for each of 2");
   std::filesystem::remove(dir / "k.bin");
   write_text(dir / "k.label", raw<unsigned>({7 << 16 | 2}));
   EXPECT_EQ(read_labeled(dir / "k.label", LabelFormat::kitti).instance.at(0), 7);
@@ -348,7 +348,7 @@ TEST_F(ExchangeDamage, InconsistentCocoFilesAreRejected) {
              "annotations[0].segmentation.size is [4,3]; expected [3,4]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,99]})"),
              "counts is [2,99]; expected runs over 12 pixels");
-  expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,3]})"), "12 pixels, these cover 5");
+  expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,3]})"), "12 pixels (these cover 5)");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[-2]})"), "annotations[0]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[4294967308]})"), "counts[0] is 4294967308");
   expect_bad("c.json", coco("[[0,0,1e300,0,1,1]]"), "segmentation[0] is [0,0,1e+300");

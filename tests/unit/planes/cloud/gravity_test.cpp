@@ -113,7 +113,7 @@ TEST(Gravity, AWrongDepthUnitIsSuspectedIfEverythingIsOutOfRange) {
   frame.depth_unit_m = 1;
   EXPECT_EQ(why_refused(frame, 4),
             "frame empty: all depths are between 900 and 900 m, beyond --max-range 4 m: is "
-            "--depth-unit 1 right?");
+            "--depth-unit 1 correct?");
   frame.depth_unit_m = 0.001;
   EXPECT_EQ(why_refused(frame, 4).find("--depth-unit"), std::string::npos);
 }
