@@ -89,7 +89,7 @@ void check_not_of_user(const fs::path& dir) {
     if (fs::exists(dir / name)) files.emplace_back(name);
   if (!files.empty())
     throw Error(
-        fmt::format("{}: is there already, but not from an earlier map; expected a new or "
+        fmt::format("{}: already exists, but not from an earlier map; expected a new or "
                     "empty folder, or one with an earlier map",
                     (dir / *std::ranges::min_element(files)).string()));
 }

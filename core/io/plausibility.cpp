@@ -42,7 +42,7 @@ void add_view_warning(int width, double focal_px, RecordingInfo& info) {
   if (std::abs(of_color - of_depth) > kMost_deg)
     info.warnings.push_back(fmt::format(
         "color is called aligned with depth, but its own intrinsics have a field of view of "
-        "{:.3g} degrees, those of depth {:.3g}",
+        "{:.3g} degrees; depth has {:.3g}",
         of_color, of_depth));
 }
 

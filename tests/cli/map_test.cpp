@@ -344,19 +344,19 @@ TEST_F(Map, DoesNotReplaceTheUsersFiles) {
   fs::create_directories(dir / "mine");
   write_file_text(dir / "mine" / "poses.tum", "measured by hand");
   expect_refused(refusal(dir / "mine"),
-                 "mine/poses.tum: is there already, but not from an earlier map");
+                 "mine/poses.tum: already exists, but not from an earlier map");
   EXPECT_EQ(read_text(dir / "mine" / "poses.tum"), "measured by hand");
   for (const char* name : {"mesh.ply", "left.jsonl"}) {
     fs::rename(dir / "mine" / "poses.tum", dir / "poses.tum");
     write_file_text(dir / "mine" / name, "scanned by hand");
-    expect_refused(refusal(dir / "mine"), std::string(name) + ": is there already");
+    expect_refused(refusal(dir / "mine"), std::string(name) + ": already exists");
     EXPECT_EQ(read_text(dir / "mine" / name), "scanned by hand");
     fs::remove(dir / "mine" / name);
     fs::rename(dir / "poses.tum", dir / "mine" / "poses.tum");
   }
   fs::create_directories(dir / "other" / "tracks.json");
   write_file_text(dir / "other" / "tracks.json" / "note.txt", "mine");
-  expect_refused(refusal(dir / "other"), "tracks.json: is there already, but not");
+  expect_refused(refusal(dir / "other"), "tracks.json: already exists, but not");
   EXPECT_EQ(read_text(dir / "other" / "tracks.json" / "note.txt"), "mine");
   EXPECT_FALSE(fs::exists(dir / "other" / "map.json")) << "all or nothing";
 }

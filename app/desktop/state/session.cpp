@@ -201,7 +201,7 @@ void find_session_frames(Session& session, const fs::path& path) {
     }
   const auto found = io::find_frames(*open.recording, wanted);
   if (!found[0])
-    throw Error(fmt::format("{}: {} is another recording than the session's, frame {} differs",
+    throw Error(fmt::format("{}: {} is not the session's recording; frame {} differs",
                             path.string(), open.path.string(), session.frame));
   if (*found[0] != session.frame)
     session.note = fmt::format("frame {} of the session is frame {} of {} now", session.frame,

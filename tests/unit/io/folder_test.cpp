@@ -138,7 +138,7 @@ TEST(Folder, ColorThatCannotBeAlignedWithDepthIsNamed) {
   EXPECT_TRUE(warnings({}).empty());
   camera("color.json", 15);
   ASSERT_EQ(warnings({}).size(), 1u);
-  EXPECT_TRUE(warnings({})[0].ends_with("a field of view of 43.6 degrees, those of depth 61.9"));
+  EXPECT_TRUE(warnings({})[0].ends_with("a field of view of 43.6 degrees; depth has 61.9"));
 }
 
 TEST(Folder, AGitLfsPointerIsReported) {
