@@ -201,7 +201,8 @@ void expect_ours(const planes::PipelineOptions& options, const char* command) {
 
 void expect_gravity(const planes::PipelineOptions& options, const char* command) {
   if (options.gravity.mode == planes::GravityMode::none)
-    throw Error(fmt::format("{} requires h and v labels, but --gravity is none", command));
+    throw Error(fmt::format(
+        "{} requires h and v labels, so it cannot be combined with --gravity none", command));
 }
 
 }  // namespace planescope::app

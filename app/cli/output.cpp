@@ -60,7 +60,10 @@ void check_output_dir(const fs::path& dir) {
   fs::path existing = fs::absolute(without_slash(dir));
   for (; !fs::exists(existing, ignored) && existing.has_relative_path();
        existing = existing.parent_path())
-    if (fs::is_symlink(existing, ignored))
+    if (ignored == std::errc::too_many_symbolic_link_levels)
+      throw Error(fmt::format("output {}: {}: too many levels of symbolic links", dir.string(),
+                              existing.string()));
+    else if (fs::is_symlink(existing, ignored))
       throw Error(fmt::format("output {}: {} is a link to {}, which is missing; expected a folder",
                               dir.string(), existing.string(),
                               fs::read_symlink(existing, ignored).string()));

@@ -135,7 +135,7 @@ TEST(BenchReal, RejectsUnknownNamesInOneLine) {
       {good + good, "line 2: room appears twice"},
       {"# nothing\n", "lists no frames"},
       {"other tuning rec 0 --gravity 0,1,0\n", "no labels for frame 0"},
-      {"room tuning rec 1 --gravity 0,1,0\n", "found 1 frames"},
+      {"room tuning rec 1 --gravity 0,1,0\n", "has 1 frame"},
       {"room tuning rek 0 --gravity 0,1,0\n", "rek"}};
   for (const auto& [text, part] : lists) {
     write_text(dir / "bad.txt", text);

@@ -162,8 +162,8 @@ TEST(InstanceField, IsReadByNameInsteadOfInstance) {
       run({"eval", "--classifier", "truth", "--instance-field", "segment", dir / "tops.pcd"});
   EXPECT_EQ(by_truth.code, 2);
   EXPECT_TRUE(has(by_truth.err, "requires ground truth labels"));
-  for (const auto& [field, problem] :
-       {std::pair{"nothing", "points have no field 'nothing'"}, {"half", "field 'half' has 0.5"}}) {
+  for (const auto& [field, problem] : {std::pair{"nothing", "points have no field 'nothing'"},
+                                       {"half", "field 'half' contains 0.5"}}) {
     expect_refused(eval(field), problem);
   }
 }

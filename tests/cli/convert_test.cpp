@@ -148,11 +148,11 @@ TEST_F(Convert, DepthInMetersConvertsToCloudsButNotToRoundedImages) {
   expect_refused(convert({in, "-o", dir / "x"}), "its depth is in meters (32FC1)");
   expect_refused(convert({in, "-o", dir / "x.mcap"}), "expected ply or pcd");
   well(convert({in, "-o", dir / "x.ply"}));
-  EXPECT_EQ(io::open_recording(dir / "x.ply")->frame(0).cloud->points.size(), 24U * 16 - 2);
+  EXPECT_EQ(io::open_recording(dir / "x.ply")->frame(0).cloud->points.size(), 24U * 16 - 1);
   const auto json = nlohmann::json::parse(well(run({"info", "--json", in})).out)["recordings"][0];
-  EXPECT_EQ(json["depth"]["unit_m"], 0.0002);
+  EXPECT_EQ(json["depth"]["unit_m"], 0.001);
   EXPECT_EQ(json["topics"][0], "/camera/depth/image_rect_raw");
-  EXPECT_EQ(json["first_frame"]["counts_65535"], 1);
+  EXPECT_EQ(json["first_frame"]["counts_65535"], 0);
 }
 
 TEST_F(Convert, ASingleFileCloudKeepsItsLabelsAndOverwritesNothing) {

@@ -151,7 +151,7 @@ TEST_F(Integrity, LabelsFollowTheirFramesWhenOneIsRemoved) {
 
 TEST_F(Integrity, LabelsOfOtherPixelsAreStillRefused) {
   fs::copy_file(walk / "depth" / "000004.png", third, fs::copy_options::overwrite_existing);
-  expect_refused(run({"eval", walk}), "000002.json: made for a depth image with SHA-256");
+  expect_refused(run({"eval", walk}), "000002.json: created for a depth image with SHA-256");
 }
 
 TEST_F(Integrity, AReportsLinkFollowsItsFrame) {
@@ -162,7 +162,7 @@ TEST_F(Integrity, AReportsLinkFollowsItsFrame) {
   EXPECT_EQ(read_json<Json>(dir / "state.json")["frame"], 3);
   expect_refused(run({"view", "--open", (dir / "report/report.json").string() + "#f2/p1",
                       "--offscreen", "--size", "800x500"}),
-                 "is another recording than that of");
+                 "not the recording of");
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ TEST_F(Labels, CheckReportsFileFramePlaneValueAndLimit) {
   const Ran ran = labels_of("check", {own});
   EXPECT_EQ(ran.code, 1);
   EXPECT_TRUE(has(ran.out,
-                  "000001.json: frame 1: class_normal: P1: labeled v and tilted 0 degrees, "
+                  "000001.json: frame 1: class_normal: P1: labeled v and tilted 0 degrees; "
                   "expected at least 60"));
   const Json json = Json::parse(labels_of("check", {own, "--json"}).out);
   EXPECT_EQ(json["findings"], 1);

@@ -232,7 +232,7 @@ TEST_F(Map, ProvidesTracksToSegment) {
   fs::copy(walk, other, fs::copy_options::recursive);
   const Ran refused = run({"segment", other, "-o", dir / "x", "--map", known});
   EXPECT_TRUE(has(refused.err, "belongs to recording \"walk\"; expected \"other\""));
-  expect_refused(segment({"--frames", "11"}), "is not in the map ");
+  expect_refused(segment({"--frames", "11"}), "not in the map ");
   const fs::path stored = dir / "out" / "planes";
   fs::copy_file(stored / "000008.png", stored / "000009.png", fs::copy_options::overwrite_existing);
   expect_refused(segment({"--frames", "9"}), "000009.png: does not match ");

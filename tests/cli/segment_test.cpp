@@ -352,7 +352,7 @@ TEST(Segment, AnMcapFileContainsTheRecordingAndReplacesNothing) {
   refused(dir / "planes.mcap", "planes.mcap: already exists; expected a new name");
   expect_refused(run(segment_args(dir / "planes.mcap", dir / "planes.mcap")), "already exists");
   EXPECT_EQ(read_text(dir / "planes.mcap"), bytes);
-  refused(dir / "rec/planes.mcap", "is inside the recording");
+  refused(dir / "rec/planes.mcap", "is in the recording");
   expect_refused(
       run(segment_args(dir / "rec", dir / "x.mcap", {"--gravity", "0,1,0", "--also", "csv"})),
       "--also writes into the folder of -o DIR, but -o is a .mcap file");

@@ -99,12 +99,13 @@ TEST(Stream, ACutStreamKeepsTheFramesBeforeTheCut) {
   const auto dir = scratch();
   const std::string cut = kHeader + frame_bytes() + frame_bytes() + "cut";
   expect_refused(run_with(cut, {"segment", "-", "-o", dir / "a"}),
-                 "standard input: frame 2 is cut: 3 of 38400 bytes of its image");
+                 "standard input: frame 2 is truncated: 3 of 38400 bytes of its image");
   well(run_with(kHeader + frame_bytes() + frame_bytes(), {"segment", "-", "-o", dir / "b"}));
   EXPECT_EQ(files_below(dir / "a"), files_below(dir / "b"));
-  expect_refused(run_with(cut, {"segment", "-", "-o", dir / "a.mcap"}), "frame 2 is cut");
+  expect_refused(run_with(cut, {"segment", "-", "-o", dir / "a.mcap"}), "frame 2 is truncated");
   EXPECT_EQ(io::open_recording(dir / "a.mcap")->frame_count(), 2);
-  expect_refused(run_with(kHeader + "cut", {"segment", "-", "-o", dir / "c"}), "frame 0 is cut");
+  expect_refused(run_with(kHeader + "cut", {"segment", "-", "-o", dir / "c"}),
+                 "frame 0 is truncated");
   EXPECT_FALSE(std::filesystem::exists(dir / "c"));
 }
 

@@ -223,5 +223,5 @@ TEST(ProfileOfOnesOwn, TheWindowComparesItWithTheCommandLine) {
   if (ran.code == 3) GTEST_SKIP() << ran.err;
   ASSERT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(Json::parse(read_text(dir / "b.json"))["options"]["theta_n_in"], "12");
-  expect_refused(run_with(view, {"fined"}), "profile 'fined' is unknown");
+  expect_refused(run_with(view, {"fined"}), "unknown profile 'fined'");
 }

@@ -95,7 +95,7 @@ TEST_F(ViewReport, ALostPlaneOpensTheDecisionThatLostIt) {
   EXPECT_GE(there["voxel"], 0);
   EXPECT_GT(there["marked"], 100) << "what it covered";
   const std::string message = there["message"];
-  EXPECT_TRUE(has(message, "part at step " + there["step"].dump()));
+  EXPECT_TRUE(has(message, "diverge at step " + there["step"].dump()));
 
   // The path in the report is relative to its folder.
   Json named = Json::parse(read_text(after));

@@ -125,7 +125,7 @@ class Calls : public testing::TestWithParam<Command> {
     EXPECT_TRUE(last_line(ran.err).starts_with("planescope: ")) << ran.err;
     // A report with unreadable or undrawn frames is complete and lists them.
     const bool lacks_frames =
-        ran.code == 3 || ran.err.find(" refused, the first") != std::string::npos;
+        ran.code == 3 || ran.err.find("planescope: error: frame ") != std::string::npos;
     if (!lacks_frames) {
       EXPECT_EQ(damage(settled(found), settled(before), settled(wanted)), "") << ran.err;
     }

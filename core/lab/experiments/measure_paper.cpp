@@ -95,8 +95,8 @@ std::vector<Cell> measure_cells(std::span<const CellKey> keys,
 std::optional<EvaluationFrame> read_real_labeled(const std::filesystem::path& data) {
   const std::filesystem::path dir = data / "NOT_REAL_icl_nuim_with_plane_gt";
   if (data.empty() || !std::filesystem::is_directory(dir)) return std::nullopt;
-  const auto recording =
-      io::open_recording(dir, {.intrinsics = {{481.2, 480, 319.5, 239.5}}, .depth_unit_m = 0.0002});
+  const auto recording = io::open_recording(
+      dir, {.intrinsics = {{481.2, 480, 319.5, 239.5}}, .depth_unit_m = 0.0002, .color = false});
   EvaluationFrame out;
   out.frame = recording->frame(0);
   out.name = out.frame.name;

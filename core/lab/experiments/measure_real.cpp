@@ -64,9 +64,9 @@ EvaluationFrame read_listed(const ListedFrame& listed,
   const LabeledName& name = listed.name;
   const auto recording = io::open_recording(data / name.recording, listed.reading.recording);
   if (name.frame >= recording->frame_count())
-    throw Error(fmt::format("{}: {} is frame {}, but the recording has {} frames",
+    throw Error(fmt::format("{}: {} is frame {}, but the recording has {}",
                             (data / name.recording).string(), name.name, name.frame,
-                            recording->frame_count()));
+                            counted(recording->frame_count(), "frame")));
   EvaluationFrame out;
   out.name = name.name;
   out.frame = recording->frame(name.frame);
