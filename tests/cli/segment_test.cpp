@@ -350,7 +350,7 @@ TEST(Segment, AnMcapFileContainsTheRecordingAndReplacesNothing) {
     expect_refused(run(segment_args(dir / "rec", out)), why);
   };
   refused(dir / "planes.mcap", "planes.mcap: already exists; expected a new name");
-  expect_refused(run(segment_args(dir / "planes.mcap", dir / "planes.mcap")), "already exists");
+  expect_refused(run(segment_args(dir / "planes.mcap", dir / "planes.mcap")), "is the recording");
   EXPECT_EQ(read_text(dir / "planes.mcap"), bytes);
   refused(dir / "rec/planes.mcap", "is in the recording");
   expect_refused(
