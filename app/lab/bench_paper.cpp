@@ -353,6 +353,7 @@ std::vector<PaperRecording> listed_recordings(const fs::path& list, const fs::pa
     PaperRecording recording{name, {}};
     set_listed_options(recording.input, words, options);
     recording.input.inputs = {data / path};
+    recording.input.recording.color = false;
     if (fs::exists(data / path)) recordings.push_back(std::move(recording));
   });
   return recordings;

@@ -78,7 +78,7 @@ TEST_F(SideBySide, TwoReportsInOneFolderAreOneReport) {
   testing_cli::well(testing_cli::run(words));
   const Snapshot wanted = snapshot(work);
   for (int i = 0; i < 4; ++i) {
-    run_both(words, words, "another report is being written there, held by");
+    run_both(words, words, "another report is being written there: held by");
     EXPECT_EQ(differences(snapshot(work), wanted), "");
   }
 }
