@@ -91,10 +91,13 @@ void check_outside(const fs::path& out, const fs::path& recording) {
   const fs::path inside = real_path(out).lexically_relative(real_path(recording));
   if (inside.empty() || *inside.begin() == "..") return;
   const bool is_itself = inside == ".";
-  const std::string other = "-" + (is_itself ? "out" : without_slash(out).filename().string());
+  fs::path beside = recording;  // a.mcap: a-out.mcap
+  const std::string type = fs::is_directory(recording) ? "" : recording.extension().string();
+  if (!type.empty()) beside.replace_extension();
+  const std::string name = is_itself ? "out" + type : without_slash(out).filename().string();
   throw Error(fmt::format("{}: is {} {}; expected a path outside, such as {}", out.string(),
                           is_itself ? "the recording" : "in the recording", recording.string(),
-                          path_beside(recording, other).string()));
+                          path_beside(beside, "-" + name).string()));
 }
 
 void make_output_dir(const fs::path& dir) {

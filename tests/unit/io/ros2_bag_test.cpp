@@ -271,7 +271,8 @@ TEST_F(Ros2Bag, ADatabaseWithWriteAheadLoggingOpensAndALeftoverLogIsReported) {
   const auto recording = open_recording(folder_ / "a.db3");
   expect_sdk_frames(*recording, 3);
   ASSERT_EQ(recording->info().warnings.size(), 1u);
-  expect_one_line_with(recording->info().warnings[0], {"never closed", "a.db3-wal contains 21 bytes"});
+  expect_one_line_with(recording->info().warnings[0],
+                       {"never closed", "a.db3-wal contains 21 bytes"});
 }
 
 TEST_F(Ros2Bag, AnUnrelatedDatabaseIsRejected) {
