@@ -350,7 +350,7 @@ const std::vector<RuleMetric>& rule_metrics() {
         farthest(&PlaneComparison::angle_deg, 1, "angle_deg", "degrees", "turned"),
         frames_where(has_fate<FrameFate::refused>, "frames_refused",
                      "{n} of the baseline {are} refused",
-                     "frames processed in the baseline and refused now"),
+                     "frames processed in the baseline and rejected now"),
         frames_where(has_fate<FrameFate::missing>, "frames_missing",
                      "{n} of the baseline {are} missing", "frames that are only in the baseline"),
         frames_where(has_fate<FrameFate::other_input>, "inputs_changed",
