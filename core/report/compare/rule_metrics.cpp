@@ -349,7 +349,7 @@ const std::vector<RuleMetric>& rule_metrics() {
         farthest(&PlaneComparison::offset_m, 1000, "offset_mm", "mm", "moved"),
         farthest(&PlaneComparison::angle_deg, 1, "angle_deg", "degrees", "turned"),
         frames_where(has_fate<FrameFate::refused>, "frames_refused",
-                     "{n} of the baseline {are} refused",
+                     "{n} of the baseline {are} rejected",
                      "frames processed in the baseline and rejected now"),
         frames_where(has_fate<FrameFate::missing>, "frames_missing",
                      "{n} of the baseline {are} missing", "frames that are only in the baseline"),

@@ -70,8 +70,9 @@ TEST(Topics, RecordingsWithoutTopicsAreRefused) {
   write_text(folder / "a.ply", "ply\n");
   fs::create_directories(folder / "depth");
   write_file_bytes(folder / "depth/000000.png", encode_png(depth_of(1)));
-  expect_refused(folder / "depth", with_topic("/depth"),
-                 {"a folder of 16-bit depth PNGs, which has no topics", "expects a RealSense or ROS .bag"});
+  expect_refused(
+      folder / "depth", with_topic("/depth"),
+      {"a folder of 16-bit depth PNGs, which has no topics", "expects a RealSense or ROS .bag"});
   expect_refused(folder / "a.ply", with_topic("/depth"), {"cloud, which has no topics"});
 }
 
