@@ -45,7 +45,7 @@ auto fails_as(decltype(std::declval<Call>()()) failed, const Call& call) noexcep
 
 v0::Frame frame_of(const planescope_depth& depth) {
   if ((depth.counts == nullptr) == (depth.meters == nullptr))
-    throw v0::Error(fmt::format("depth image: {} meters; expected one of them",
+    throw v0::Error(fmt::format("depth image: {} meters; expected one or the other",
                                 depth.counts ? "both counts and" : "neither counts nor"));
   const planescope_camera& camera = depth.camera;
   v0::DepthImage image;

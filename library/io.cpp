@@ -145,7 +145,7 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
     job.tracks.window_m = options.window_m;
     job.threads = by.options.threads;
     if (!options.poses.empty() && !options.T_world_camera.empty())
-      throw Error("map: poses as a file and as transforms; expected one of them");
+      throw Error("map: poses as a file and as transforms; expected one or the other");
     if (!options.poses.empty()) job.trajectory = world::read_trajectory(options.poses);
     if (!options.T_world_camera.empty())
       job.trajectory = trajectory_of(options.T_world_camera, from);

@@ -105,7 +105,7 @@ int Trace::id_of(int plane) const {
   return detail::guarded([&] {
     const debug::Timeline& timeline = data_->run->timeline;
     if (plane < 0 || plane >= timeline.plane_count())
-      throw Error(fmt::format("plane {} is out of range; {} were founded, numbered from 0", plane,
+      throw Error(fmt::format("plane {} is out of range; {} were created, numbered from 0", plane,
                               timeline.plane_count()));
     return timeline.result_of_plane(plane);
   });

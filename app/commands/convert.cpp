@@ -72,8 +72,8 @@ Target target_of(const RecastArgs& args, const OpenInput& input) {
                     input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
   if (input.recording->info().rounded && !is_cloud_form(target.form))
     throw Error(fmt::format(
-        "{}: --to {} stores 16-bit counts, but its depth is in meters (32FC1), which would be "
-        "rounded; expected ply or pcd",
+        "{}: depth is in meters (32FC1), which --to {} would round to 16-bit counts; expected ply "
+        "or pcd",
         input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
   if (fs::is_symlink(target.out) && !fs::exists(target.out))
     throw Error(target.out.string() + ": is a broken link; expected a new name");

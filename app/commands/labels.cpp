@@ -32,9 +32,10 @@ LabelFolder list_labels(const fs::path& dir) {
   if (!fs::is_directory(dir)) throw Error(dir.string() + ": is not a label folder");
   std::vector<int> frames = labels::label_numbers(dir);
   if (frames.empty() && fs::exists(dir / "journal"))
-    throw Error(dir.string() +
-                ": contains only a journal, no label files yet; to write them, open the recording "
-                "in label mode and save (Ctrl+S)");
+    throw Error(
+        dir.string() +
+        ": contains only a journal and no label files yet; to write them, open the recording "
+        "in label mode and save (Ctrl+S)");
   if (frames.empty())
     throw Error(dir.string() + ": contains no labels; expected files such as 000000.plane.png");
   return {dir, std::move(frames)};

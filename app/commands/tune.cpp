@@ -115,7 +115,7 @@ TuneFrames read_tune_frames(const TuneArgs& args, const std::stop_token& stop) {
         const auto [first, is_new] = halves.try_emplace(hash, frame.name, held);
         if (!is_new && first->second.second != held)
           throw Error(fmt::format(
-              "{}: same data as {} of the other half; expected different frames in both halves",
+              "{}: same data as {} in the other half; expected different frames in each half",
               frame.name, first->second.first));
         (held ? frames.held : frames.tuning).push_back(std::move(frame));
       };

@@ -166,7 +166,7 @@ int run_bench_real(const BenchRealArgs& args, std::stop_token stop) {
 lab::Half parse_half(const std::string& text) {
   for (const lab::Half half : {lab::Half::tuning, lab::Half::printed})
     if (text == lab::to_string(half)) return half;
-  throw Error("'" + text + "' is not a half; expected tuning or printed");
+  throw Error("unknown half '" + text + "' of the frame list; expected tuning or printed");
 }
 
 lab::ListedFrame listed_frame(std::istringstream& words) {

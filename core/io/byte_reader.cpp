@@ -110,7 +110,7 @@ MappedFile::~MappedFile() {
 
 void MappedFile::expect_whole() const {
   if (!bytes_.empty() && g_mappings[slot_].cut)
-    throw Error(path_.string() + ": truncated while it was read; expected its " +
+    throw Error(path_.string() + ": truncated while being read; expected " +
                 std::to_string(bytes_.size()) + " bytes; open it again");
 }
 

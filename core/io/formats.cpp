@@ -154,7 +154,8 @@ std::unique_ptr<Recording> open_bag_at(const fs::path& path, const RecordingOpti
   const auto bags = bags_in(path);
   if (bags.size() > 1)
     throw Error(path.string() + ": a folder with " + std::to_string(bags.size()) +
-                " recordings; expected the path of one of them, such as " + bags.front().string());
+                " recordings; expected the path to one recording, such as " +
+                bags.front().string());
   return open_bag(bags.front(), options);
 }
 
@@ -269,7 +270,7 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   if (path == "-") {
     if (!options.standard_input)
       throw Error(
-          "-: only segment, convert and info read standard input; to save it as a recording, use "
+          "-: only segment, convert, and info read standard input; to save it as a recording, use "
           "planescope convert - -o FOLDER");
     std::unique_ptr<FrameStream> stream = open_stream(0, options, true);
     while (stream->wait_for_frame({})) continue;

@@ -41,7 +41,7 @@ void add_view_warning(int width, double focal_px, RecordingInfo& info) {
                of_depth = view_deg(info.width, info.intrinsics.fx);
   if (std::abs(of_color - of_depth) > kMost_deg)
     info.warnings.push_back(fmt::format(
-        "color is called aligned with depth, but its own intrinsics have a field of view of "
+        "color is declared aligned with depth, but its intrinsics have a field of view of "
         "{:.3g} degrees; depth has {:.3g}",
         of_color, of_depth));
 }
@@ -86,7 +86,7 @@ std::vector<std::string> frame_warnings(const RecordingInfo& info, const Frame& 
   if (color.width > 0 && info.color_note.find("aligned") != std::string::npos &&
       (color.width != frame.depth.width || color.height != frame.depth.height))
     warnings.push_back(fmt::format(
-        "color is called aligned with depth, but is {}x{}, and depth {}x{}; it is not used",
+        "color is declared aligned with depth, but is {}x{}; expected {}x{}; color is not used",
         color.width, color.height, frame.depth.width, frame.depth.height));
   std::size_t measured = 0, near = 0, far = 0;
   for (const std::uint16_t count : frame.depth.data) {

@@ -65,7 +65,7 @@ void expect_one_camera(const std::vector<WrittenFrame>& frames) {
     if (!(frame.facts.intrinsics == first.intrinsics) ||
         frame.facts.depth_unit_m != first.depth_unit_m)
       throw Error(fmt::format(
-          "frame {} has a different camera or depth unit than frame {}; expected one of each",
+          "frame {} has a different camera or depth unit than frame {}; expected the same in all",
           frame.facts.index, first.index));
 }
 

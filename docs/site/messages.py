@@ -14,7 +14,7 @@ CALLS = re.compile(r"\b(?:Error|DrawingFailed|FrameRefused|fail|fail_kind|notice
 # Texts that become part of a message elsewhere.
 WRONG = re.compile(
     r"\b(?:expected|cannot|could not|is not|are not|is no|there is no|missing|lacks?|too (?:large|small|long|many|few)|unknown|damaged"
-    r"|out of range|refused)\b"
+    r"|out of range|rejected)\b"
 )
 LITERALS = re.compile(r'(?:"(?:\\.|[^"\\])*"\s*)+')
 

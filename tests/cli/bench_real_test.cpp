@@ -124,7 +124,7 @@ TEST(BenchReal, RejectsUnknownNamesInOneLine) {
   write_labeled(dir);
   const std::string good = "room tuning rec 0 --gravity 0,1,0\n";
   const std::vector<std::pair<std::string, std::string>> lists = {
-      {good + "a prnted rec 0\n", "line 2: 'prnted' is not a half"},
+      {good + "a prnted rec 0\n", "line 2: unknown half 'prnted'"},
       {"#\n" + good + "a tuning rec\n", "line 3: expected NAME HALF RECORDING FRAME"},
       {good + "a tuning rec first\n", "line 2: FRAME"},
       {good + "a tuning rec -1\n", "line 2: FRAME: -1"},
@@ -152,7 +152,7 @@ TEST(BenchReal, RejectsUnknownNamesInOneLine) {
        "none is not a folder"},
       {{"-o", out, "--data", data, "--frames-list", (dir / "list.txt").string(), "--labels",
         (dir / "labels").string(), "--half", "second"},
-       "'second' is not a half"},
+       "unknown half 'second'"},
       {{"-o", out, "--only", "repeat", "--data", data}, "aims_slam_realsense_640x480"},
       {{"-o", out, "--only", "repeat", "--data", (dir / "none").string()}, "--data"},
       {{"-o", out, "--only", "set"}, "set"},

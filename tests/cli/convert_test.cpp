@@ -145,7 +145,7 @@ TEST_F(Convert, DepthConvertsToACloudOfMeasuredPixels) {
 
 TEST_F(Convert, DepthInMetersConvertsToCloudsButNotToRoundedImages) {
   const fs::path in = fs::path(PLANESCOPE_SOURCE_DIR) / "tests/fuzz/corpus/mcap/meters";
-  expect_refused(convert({in, "-o", dir / "x"}), "its depth is in meters (32FC1)");
+  expect_refused(convert({in, "-o", dir / "x"}), "depth is in meters (32FC1)");
   expect_refused(convert({in, "-o", dir / "x.mcap"}), "expected ply or pcd");
   well(convert({in, "-o", dir / "x.ply"}));
   EXPECT_EQ(io::open_recording(dir / "x.ply")->frame(0).cloud->points.size(), 24U * 16 - 1);

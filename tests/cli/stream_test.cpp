@@ -132,7 +132,7 @@ TEST(Stream, BadInputAndOtherCommandsAreRejectedInOneLine) {
   for (const char* command : {"report", "map", "eval"})
     expect_refused(run_with(kHeader, {command, "-", "-o", "unused"}), "");
   expect_refused(run_with(kHeader, {"report", "-", "-o", scratch() / "r"}),
-                 "only segment, convert and info read standard input");
+                 "only segment, convert, and info read standard input");
 }
 
 }  // namespace planescope

@@ -93,9 +93,9 @@ TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
     return result ? std::string() : std::string(planescope_last_error());
   };
   EXPECT_EQ(error_of([](Floor& f) { f.depth.meters = nullptr; }),
-            "depth image: neither counts nor meters; expected one of them");
+            "depth image: neither counts nor meters; expected one or the other");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.counts = f.counts.data(); }),
-            "depth image: both counts and meters; expected one of them");
+            "depth image: both counts and meters; expected one or the other");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.camera.width = -1; }),
             "depth image: -1x120 pixels; expected 1 to 16384 in each direction");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.row_stride = 3; }),

@@ -244,7 +244,8 @@ constexpr std::uintmax_t kMostYamlBytes = 1 << 22;
 
 std::vector<std::string> names_in(const fs::path& metadata) {
   if (fs::file_size(metadata) > kMostYamlBytes)
-    throw Error(metadata.string() + ": file too large; expected ros2 bag metadata");
+    throw Error(fmt::format("{}: file too large for ROS 2 bag metadata; expected at most {} bytes",
+                            metadata.string(), kMostYamlBytes));
   const auto bytes = read_file_bytes(metadata);
   std::vector<std::string> names;
   try {
@@ -252,7 +253,7 @@ std::vector<std::string> names_in(const fs::path& metadata) {
     const YAML::Node list = root["rosbag2_bagfile_information"]["relative_file_paths"];
     for (const YAML::Node& name : list) names.push_back(name.as<std::string>());
   } catch (const YAML::Exception& error) {
-    throw Error(metadata.string() + ": not ros2 bag metadata: " + error.what());
+    throw Error(metadata.string() + ": not ROS 2 bag metadata: " + error.what());
   }
   if (names.empty())
     throw Error(metadata.string() +

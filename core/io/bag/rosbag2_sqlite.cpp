@@ -247,8 +247,8 @@ void SqliteLog::warn_of_loss() {
     const auto bytes = std::filesystem::file_size(beside, ignored);
     if (ignored || bytes == 0) continue;
     warnings_.push_back(fmt::format(
-        "the recording was never closed: {} contains {} bytes that are not in it yet and are not "
-        "read; to add them, run sqlite3 {} \"PRAGMA wal_checkpoint(TRUNCATE)\"",
+        "the recording was never closed: {} contains {} bytes that are not merged yet and not "
+        "read; to merge them, run sqlite3 {} \"PRAGMA wal_checkpoint(TRUNCATE)\"",
         beside.filename().string(), bytes, path_.filename().string()));
   }
 }

@@ -250,7 +250,7 @@ PointSet read_ply_bytes(const fs::path& path, Bytes file, CloudExtras* extras) {
     }
   } catch (OutOfBytes) {
     throw Error(
-        fmt::format("{}: truncated or damaged after {} of {} points that its header declares",
+        fmt::format("{}: truncated or damaged after {} of the {} points declared in the header",
                     path.string(), done, vertices.count));
   }
   return builder.finish();
@@ -426,7 +426,7 @@ PointSet read_pcd_bytes(const fs::path& path, Bytes file, CloudExtras* extras) {
       read_binary(header, raw, true, builder);
     }
   } catch (OutOfBytes) {
-    throw Error(fmt::format("{}: its points are truncated or damaged; expected {} of them",
+    throw Error(fmt::format("{}: point data is truncated or damaged; expected {} points",
                             path.string(), header.points));
   }
   return builder.finish();

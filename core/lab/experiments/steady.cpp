@@ -399,10 +399,9 @@ SteadyScores measure_steady(const SteadyJob& job) {
       any |= !row.frames.empty();
     }
   if (!any)
-    throw Error(
-        info.path.string() +
-        ": nothing to measure: part gravity requires a frame with known gravity, part next a "
-        "frame that has a next frame");
+    throw Error(info.path.string() +
+                ": nothing to measure: part gravity requires a frame with known gravity, and part "
+                "next a frame that another follows");
   return scores;
 }
 

@@ -87,7 +87,7 @@ std::string held_out_note(const TuningAnswer& answer) {
     return "";
   return fmt::format(
       "The worst frame at the start, {} (PQ {:.2f}; the worst tuning frame is {}, PQ {:.2f}), is "
-      "held out: the search never sees why it fails. Label more frames like it, or assign frames "
+      "held out: the search does not use it. Label more frames like it, or assign frames "
       "to the halves with --list.",
       answer.held[static_cast<std::size_t>(worst - unseen.begin())], *worst,
       answer.frames[static_cast<std::size_t>(low - seen.begin())], *low);

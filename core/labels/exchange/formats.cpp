@@ -98,7 +98,7 @@ LabeledPoints read_labeled_cloud(const std::filesystem::path& path) {
   PointSet set = io::read_cloud_file(path, &extras);
   const std::string where = path.string();
   if (extras.values[1].empty() && !set.points.empty())
-    throw Error(where + ": its points have no field \"instance\"; expected plane ids in it");
+    throw Error(where + ": points have no field \"instance\"; expected a field with plane ids");
   LabeledPoints points;
   points.label = classes_of(extras.values[0], where);
   points.instance = instances_of(extras.values[1], where);

@@ -73,7 +73,7 @@ template <typename T>
 Image<T> in_one_row(Image<T> image, int points, const std::string& where) {
   const auto end = image.data.begin() + points;
   if (std::any_of(end, image.data.end(), [](T value) { return value != 0; }))
-    throw Error(fmt::format("{}: labels after the last of {} points", where, points));
+    throw Error(fmt::format("{}: labels beyond the last of {} points", where, points));
   image.data.resize(static_cast<std::size_t>(points));
   image.width = points;
   image.height = 1;

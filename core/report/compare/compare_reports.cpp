@@ -256,8 +256,8 @@ const char* to_string(PlaneFate fate) {
 }
 
 const char* to_string(FrameFate fate) {
-  constexpr const char* kNames[] = {"compared",        "other input", "refused", "mended",
-                                    "refused in both", "added",       "missing"};
+  constexpr const char* kNames[] = {"compared",         "other input", "rejected", "mended",
+                                    "rejected in both", "added",       "missing"};
   return kNames[static_cast<std::size_t>(fate)];
 }
 

@@ -103,9 +103,9 @@ const char* not_compared(FrameFate fate) {
   constexpr const char* kTexts[] = {
       "",
       "The pixels or points of this frame differ from the baseline: planes are not compared.",
-      "This frame was processed in the baseline and refused now.",
-      "This frame was refused in the baseline.",
-      "This frame was refused in the baseline as well.",
+      "This frame was processed in the baseline but is rejected now.",
+      "This frame was rejected in the baseline.",
+      "This frame was rejected in the baseline as well.",
       "This frame is not in the baseline.",
       ""};  // by FrameFate
   return kTexts[static_cast<std::size_t>(fate)];
@@ -439,7 +439,7 @@ PageJson frame_data(const PageSource& page, const PageFrame& of) {
                    {"standing", name_of(of.standing)},
                    {"reasons", texts_of(of.breaches)},
                    {"notes", texts_of(of.notes)},
-                   {"summary", "refused"}};
+                   {"summary", "rejected"}};
   set_comparison(page, of, data);
   set_terrain(of, data);
   if (of.is_refused()) return data;

@@ -59,7 +59,7 @@ std::string summary(const Report& report, const ReportTotals& totals) {
       totals.frames_done == 1 ? "one frame" : fmt::format("each of {} frames", totals.frames_done),
       share(totals.points_on_planes, totals.points), gravity_sentence(report));
   if (totals.frames_refused > 0)
-    text += fmt::format(" {} frame{} refused.", totals.frames_refused,
+    text += fmt::format(" {} frame{} rejected.", totals.frames_refused,
                         totals.frames_refused == 1 ? " was" : "s were");
   std::size_t warnings = 0;
   for (const ReportRecording& recording : report.recordings)
@@ -104,7 +104,7 @@ PageJson tiles(const PageSource& page, const ReportTotals& totals) {
                         counted(static_cast<std::size_t>(totals.planes), "plane")));
   add("Points on planes", share(totals.points_on_planes, totals.points));
   add("Frames", std::to_string(totals.frames_done),
-      totals.frames_refused > 0 ? fmt::format("and {} refused", totals.frames_refused) : "");
+      totals.frames_refused > 0 ? fmt::format("and {} rejected", totals.frames_refused) : "");
   add("Voxel grid to planes", fmt::format("{:.1f}", median_pipeline_ms(page.report)),
       totals.frames_done == 1 ? "ms" : "ms, median");
   if (totals.metrics) {
@@ -215,10 +215,10 @@ std::string worst_note(const PageSource& page) {
     const auto bad = static_cast<std::size_t>(std::ranges::count_if(
         page.plan.frames,
         [](const PageFrame& frame) { return frame.standing > Standing::passed; }));
-    return fmt::format("{} of {} break rules or were refused{}.", bad, counted(all, "frame"),
+    return fmt::format("{} of {} break rules or were rejected{}.", bad, counted(all, "frame"),
                        bad > shown ? fmt::format("; these are the worst {}", shown) : "");
   }
-  return fmt::format("{} of {}: refused frames first, then those with the {}.", shown,
+  return fmt::format("{} of {}: rejected frames first, then those with the {}.", shown,
                      counted(all, "frame"),
                      page.has_metrics() ? "lowest IoU with the labels" : "most signs of trouble");
 }

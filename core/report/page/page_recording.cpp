@@ -128,7 +128,7 @@ const char* name_of(Standing standing) {
 }
 
 const char* result_of(const PageFrame& frame) {
-  return !frame.frame ? "missing" : frame.is_refused() ? "refused" : name_of(frame.standing);
+  return !frame.frame ? "missing" : frame.is_refused() ? "rejected" : name_of(frame.standing);
 }
 
 std::string title_of(const PageSource& page, const PageFrame& frame) {

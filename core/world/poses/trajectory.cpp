@@ -355,7 +355,7 @@ PosesOfFrames poses_by_time(const Trajectory& trajectory,
     if (frame_of[at] >= 0)
       throw Error(fmt::format(
           "{}: frames {} and {} are both nearest to the pose at {} s; expected a pose for each "
-          "frame, with times in seconds by the clock of the frames",
+          "frame, with times in seconds on the frames' clock",
           trajectory.source, frame_of[at], frames[i], times[at]));
     frame_of[at] = frames[i];
     found[i] = sorted[at];
@@ -363,7 +363,7 @@ PosesOfFrames poses_by_time(const Trajectory& trajectory,
   if (std::ranges::none_of(found, [](const auto& pose) { return pose.has_value(); }))
     throw Error(fmt::format(
         "{}: no pose is near a frame: poses from {} s to {} s, frames from {} s to {} s; expected "
-        "times in seconds by the clock of the frames",
+        "times in seconds on the frames' clock",
         trajectory.source, times.front(), times.back(), first_s, last_s));
   return found;
 }

@@ -98,7 +98,7 @@ const Word* find_word(const Word (&words)[kCount], std::string_view name) {
 }
 
 [[noreturn]] void fail(std::string_view what, const char* expected) {
-  throw Error(fmt::format("track filter: '{}'; expected {}", what, expected));
+  throw Error(fmt::format("track filter: cannot parse '{}'; expected {}", what, expected));
 }
 
 double number_of(std::string_view text) {

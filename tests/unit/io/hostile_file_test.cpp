@@ -77,7 +77,7 @@ TEST(HostileFile, AMappingOfATruncatedFileReadsZerosAndReportsIt) {
   EXPECT_EQ(io::guarded(file, sum), 1 << 16);
   fs::resize_file(path, 8192);
   expect_one_line_with(message_of([&] { io::guarded(file, sum); }),
-                       {"cut.bin", "truncated while it was read", "65536 bytes"});
+                       {"cut.bin", "truncated while being read", "65536 bytes"});
   EXPECT_EQ(sum(), 8192);
   EXPECT_EQ(message_of([&] { whole.expect_whole(); }), "") << "nothing of it was looked at";
 }
@@ -93,7 +93,7 @@ TEST(HostileFile, ARecordingTruncatedWhileOpenLosesOnlyItsFrames) {
   EXPECT_EQ(recording->frame(3).depth.data, depth_of(103).data);
   fs::resize_file(path, bytes.size() / 2);
   expect_one_line_with(message_of([&] { recording->frame(399); }),
-                       {"open.bag", "truncated while it was read"});
+                       {"open.bag", "truncated while being read"});
   write_anew(other, bytes);
   EXPECT_EQ(open_recording(other)->frame(399).depth.data, depth_of(499).data);
 }

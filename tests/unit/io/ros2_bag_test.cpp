@@ -337,7 +337,7 @@ TEST_F(Ros2Bag, AFolderWithMetadataIsOneRecordingOfAllItsFiles) {
       const auto path = dir / ("rec_" + std::to_string(part) + kind);
       kind == ".mcap" ? write_mcap(path, some, {"zstd", 3, true, "cdr"}) : write_db3(path, some);
     }
-    expect_refused(dir, {"a folder with 12 recordings; expected the path of one of them"});
+    expect_refused(dir, {"a folder with 12 recordings; expected the path to one recording"});
     std::string list = "rosbag2_bagfile_information:\n  version: 7\n  relative_file_paths:\n";
     for (std::size_t part = 0; part < parts; ++part)
       list += "    - rec_" + std::to_string(part) + kind + "\n";
@@ -414,7 +414,7 @@ TEST_F(Ros2Bag, ACompressedFileIsReadLikeTheOriginal) {
   // Endless zeros are read only up to the limit of a recording.
   const auto bomb = folder_ / "bomb.db3.zstd";
   write_file_bytes(bomb, zstd_packed(ByteVector(std::size_t{300} << 20)));
-  expect_refused(bomb, {"bomb.db3.zstd: decompresses to more than", "expected a recording"});
+  expect_refused(bomb, {"bomb.db3.zstd: decompresses to too much data", "expected at most"});
 }
 
 // The seed mcap/ros_plain of the fuzzers, copied message by message with npm's @mcap/core 2.
