@@ -30,7 +30,7 @@ Intrinsics intrinsics(const Camera& camera, const char* what) {
     throw Error(
         fmt::format("{}: focal length {:g}, {:g} px for {}x{} pixels, a field of view of more than "
                     "160 degrees; "
-                    "expected fx, fy, cx and cy in pixels",
+                    "expected fx, fy, cx, and cy in pixels",
                     what, camera.fx, camera.fy, camera.width, camera.height));
   if (!(std::isfinite(camera.cx) && std::isfinite(camera.cy)))
     throw Error(

@@ -52,7 +52,7 @@ Intrinsics intrinsics_of(const io::ros::CameraInfo& info) {
 void take_depth(const io::ros::Image& image, ::planescope::Frame& frame) {
   const bool is_float = image.encoding == "32FC1";
   if (!is_float && image.encoding != "16UC1" && image.encoding != "mono16")
-    throw Error(fmt::format("image: encoding \"{}\"; expected depth as 16UC1, mono16 or 32FC1",
+    throw Error(fmt::format("image: encoding \"{}\"; expected depth as 16UC1, mono16, or 32FC1",
                             image.encoding));
   const auto width = static_cast<std::size_t>(image.width);
   const std::size_t size = is_float ? 4 : 2;

@@ -68,7 +68,7 @@ static_assert(static_cast<int>(OptionKind::text) == static_cast<int>(planes::Opt
 
 planes::ChosenClassifier choose(const planes::PipelineOptions& options) {
   if (options.classifier == "truth")
-    throw Error("classifier 'truth' is for recordings with labels; expected gcn, pca or a file");
+    throw Error("classifier 'truth' is for recordings with labels; expected gcn, pca, or a file");
   if (options.classifier != "gcn") return planes::make_classifier(options, {});
   const std::span bytes(planescope_asset_classifier_safetensors,
                         planescope_asset_classifier_safetensors_end);

@@ -34,7 +34,7 @@ Form form_called(const std::string& name) {
   for (std::size_t i = 0; i < std::size(kForms); ++i)
     if (name == kForms[i]) return static_cast<Form>(i);
   throw Error(
-      fmt::format("--to: unknown format '{}'; expected folder, tum, mcap, ply or pcd", name));
+      fmt::format("--to: unknown format '{}'; expected folder, tum, mcap, ply, or pcd", name));
 }
 
 /// Output path and format.

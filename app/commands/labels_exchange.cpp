@@ -173,7 +173,7 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
     if (frame.is_cloud() && is_coco)
       throw Error(
           fmt::format("{}, frame {}: format coco is for images, but this is a cloud; expected "
-                      "--format evops, ply, pcd, kitti, npz or voxels",
+                      "--format evops, ply, pcd, kitti, npz, or voxels",
                       input.path.string(), index));
     make_output_dir(args.out);
     const labels::LabelGrid grid = labels::make_label_grid(frame, labels->gravity);

@@ -315,9 +315,9 @@ void define_map(CLI::App& app, Line& line) {
     const bool in_one_pass = args->follow || args->tracks.window_m > 0;
     if (is_planes_file(args->out) && (args->shard || in_one_pass || args->mesh_voxel_m > 0))
       throw Error(
-          "map: -o FILE.mcap cannot be combined with --follow, --mesh, --shard or --window");
+          "map: -o FILE.mcap cannot be combined with --follow, --mesh, --shard, or --window");
     if (args->shard && (in_one_pass || !args->join.empty() || args->mesh_voxel_m > 0))
-      throw Error("map: --shard cannot be combined with --follow, --join, --mesh or --window");
+      throw Error("map: --shard cannot be combined with --follow, --join, --mesh, or --window");
     if (const double m = args->tracks.window_m; m > 0 && m < kLeastWindow_m)
       throw Error(
           fmt::format("--window: {}; expected 0 (no limit) or at least {} m", m, kLeastWindow_m));

@@ -156,7 +156,7 @@ int run_report_init(const fs::path& set) {
     throw Error(std::string(kRulesFile) + ": already exists");
   const auto rules = report::built_in_rules(set.empty() ? "default" : set.string());
   if (rules.empty())
-    throw Error("report --init --rules " + set.string() + "; expected strict, default or lenient");
+    throw Error("report --init --rules " + set.string() + "; expected strict, default, or lenient");
   write_file_text(kRulesFile, report::rules_json(rules));
   fmt::print("{}\n", kRulesFile);
   return 0;
@@ -364,7 +364,7 @@ std::vector<ShardReport> read_shards(const std::vector<fs::path>& dirs) {
     const std::string name = shard.dir.string() + ": shard " + shard.head.report.shard;
     if (shard.shard.count != first.shard.count || common_text(shard.head.report) != common)
       throw Error(name + " belongs to a different report than " + first.dir.string() +
-                  ": their recordings, options, weights or builds differ");
+                  ": their recordings, options, weights, or builds differ");
     if (shard.shard.index < expected) throw Error(name + " appears twice");
     if (shard.shard.index > expected) break;
     ++expected;

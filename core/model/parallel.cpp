@@ -223,7 +223,7 @@ Simd best_simd() {
                   to_string(kWidest));
     return simd;
   }
-  throw Error("PLANESCOPE_SIMD is '" + std::string(asked) + "'; expected plain, avx2 or avx512");
+  throw Error("PLANESCOPE_SIMD is '" + std::string(asked) + "'; expected plain, avx2, or avx512");
 }
 
 std::string to_string(Simd simd) {

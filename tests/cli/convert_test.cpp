@@ -181,7 +181,7 @@ TEST_F(Convert, NothingIsOverwrittenAndFailuresLeaveNoFiles) {
   expect_refused(convert({sample, "-o", dir / "full"}), "already exists");
   expect_refused(convert({sample, "-o", dir / "x.bag"}), "writing .bag files is not supported");
   expect_refused(convert({sample, "-o", dir / "x", "--to", "avi"}),
-                 "expected folder, tum, mcap, ply or pcd");
+                 "expected folder, tum, mcap, ply, or pcd");
   EXPECT_EQ(files_below(dir), std::vector<std::string>{"full/mine.txt"});
 }
 

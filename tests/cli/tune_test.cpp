@@ -173,7 +173,7 @@ TEST(Tune, AListAssignsHalvesAndOptionsToRecordings) {
   EXPECT_EQ(answer["trials"], 3);
 
   for (const auto& [line, why] : std::vector<std::pair<std::string, std::string>>{
-           {"half a", "line 1: HALF: 'half' is unknown; expected tuning, held-out or -"},
+           {"half a", "line 1: HALF: 'half' is unknown; expected tuning, held-out, or -"},
            {"tuning", "line 1: expected HALF RECORDING OPTIONS"},
            {"tuning a --set x=1", "line 1: unknown option '--set'"},
            {"tuning a\n- b", "line 2: some lines name a half and others use -"}}) {

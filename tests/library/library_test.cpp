@@ -169,7 +169,7 @@ TEST(Library, ReportsErrorsInOneLine) {
   EXPECT_EQ(
       with([](auto& i) { i.camera.fx = i.camera.fy = 1; }),
       "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 "
-      "degrees; expected fx, fy, cx and cy in pixels");
+      "degrees; expected fx, fy, cx, and cy in pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.width = -1; }),
             "depth image: -1x240 pixels; expected 1 to 16384 in each direction");
   EXPECT_EQ(with([](auto& i) { i.unit_m = 1000; }),

@@ -71,7 +71,7 @@ class BadInput(unittest.TestCase):
         )
         self.expect(
             "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 degrees; "
-            "expected fx, fy, cx and cy in pixels",
+            "expected fx, fy, cx, and cy in pixels",
             lambda: ps.segment(depth, np.eye(3)),
         )
         self.expect("threads: 0; expected 1 or more", lambda: ps.Segmenter(threads=0))
@@ -91,7 +91,7 @@ class BadInput(unittest.TestCase):
         )
         self.expect("frame: a ndarray; expected a planescope.Frame", lambda: ps.Segmenter().segment(depth))
         self.expect(
-            "segment: a Frame has its own K, depth_unit, distortion and color",
+            "segment: a Frame has its own K, depth_unit, distortion, and color",
             lambda: ps.segment(ps.Frame(depth, K), depth_unit=0.5),
         )
         self.expect("gravity: shape (2,); expected x, y, z", lambda: ps.segment(depth, K, gravity=(0, 1)))

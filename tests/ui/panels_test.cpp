@@ -438,7 +438,7 @@ TEST_F(AnalysisPanels, WishesForAPlaneAreInItsMenu) {
     EXPECT_EQ(state().results.fix.target.wish, wish);
   }
   shell.perform({"fix.point", "round"});
-  EXPECT_TRUE(has(state().view.message, "expected plane, own, none or with VOXEL"));
+  EXPECT_TRUE(has(state().view.message, "expected plane, own, none, or with VOXEL"));
 }
 
 TEST_F(AnalysisPanels, ADragOverBarsMakesAFilter) {

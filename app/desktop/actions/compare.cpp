@@ -158,7 +158,7 @@ PointWish read_wish(const State& state, const std::string& action, const std::st
   if (text == "own") return {debug::Wish::own_plane};
   if (text == "none") return {debug::Wish::no_plane};
   if (text.empty() || text == "plane") return {};
-  throw Error("action fix.point: '" + text + "'; expected plane, own, none or with VOXEL");
+  throw Error("action fix.point: '" + text + "'; expected plane, own, none, or with VOXEL");
 }
 
 void ask_of_selected(State& state, const PointWish& wish) {

@@ -276,7 +276,7 @@ SliverAction read_sliver_action(const State&, const std::string&, const std::str
   const auto at = std::ranges::find(names, text);
   if (at != names.end()) return static_cast<SliverAction>(at - names.begin());
   throw Error(
-      fmt::format("action review.slivers: '{}'; expected show, keep, take or ignore", text));
+      fmt::format("action review.slivers: '{}'; expected show, keep, take, or ignore", text));
 }
 
 void finish_review(State& state) {

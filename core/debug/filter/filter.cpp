@@ -286,7 +286,7 @@ class Parser {
     const FilterToken& token = tokens_[at_];
     if (token.text == ")") fail_filter(token, "missing '(' for this ')'");
     fail_filter(token,
-                fmt::format("expected '&&', '||' or a comparison after '{}'", text_of(whole)));
+                fmt::format("expected '&&', '||', or a comparison after '{}'", text_of(whole)));
   }
 
   std::string_view text_of(const FilterPlace& place) const {

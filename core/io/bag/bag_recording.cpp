@@ -83,7 +83,7 @@ void check_depth_encoding(const ros::Image& image,
   const std::string what = fmt::format("{}: depth images on {} are ", bag.string(), topic);
   if (image.lossy)
     throw Error(what +
-                "JPEG, which does not preserve depth; expected compressedDepth, PNG or zstd");
+                "JPEG, which does not preserve depth; expected compressedDepth, PNG, or zstd");
   if (image.encoding != "mono16" && image.encoding != "16UC1" && image.encoding != kMeters)
     throw Error(fmt::format(
         "{}encoded as \"{}\"; expected mono16 or 16UC1 (16-bit counts), or 32FC1 (meters)", what,
@@ -111,7 +111,7 @@ Image8 to_rgb(const ros::Image& image, const std::filesystem::path& bag, const s
   if (layout.channels == 0)
     throw Error(
         fmt::format("{}: color images on {} are encoded as \"{}\"; expected rgb8, bgr8, "
-                    "rgba8, bgra8 or mono8",
+                    "rgba8, bgra8, or mono8",
                     bag.string(), topic, image.encoding));
   const std::size_t row_bytes = std::size_t(layout.channels) * image.width;
   if (image.width == 0 || image.height == 0 || image.step < row_bytes) throw OutOfBytes{};

@@ -182,7 +182,7 @@ HeldBytes ChunkedLog::unpacked(std::uint32_t number) const {
   const std::string name = fmt::format("{}: chunk {}", path_.string(), number);
   if (!chunk.cut) expect_within_read_limit(static_cast<double>(chunk.raw_bytes), name);
   if (chunk.compression == Compression::unknown)
-    throw Error(name + " has an unknown compression; expected none, lz4, bz2 or zstd");
+    throw Error(name + " has an unknown compression; expected none, lz4, bz2, or zstd");
   file_.prefetch(chunk.stored);
   // Unpacked outside the lock, so that threads unpack different chunks at the same time.
   Unpacked unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);

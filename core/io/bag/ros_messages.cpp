@@ -465,7 +465,7 @@ HeldImage read_image(const Message& message, const std::string& type, const std:
     take_zstd(data, what, result);
   else
     throw Error(what + " is compressed as \"" + format +
-                "\"; expected compressedDepth, PNG, JPEG or zstd");
+                "\"; expected compressedDepth, PNG, JPEG, or zstd");
   return result;
 }
 

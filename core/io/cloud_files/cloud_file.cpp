@@ -186,7 +186,7 @@ CloudBuilder::CloudBuilder(const std::filesystem::path& path,
   if (std::any_of(xyz_.begin(), xyz_.end(), [](int i) { return i < 0; })) {
     std::string names;
     for (const CloudField& field : fields_) names += (names.empty() ? "" : " ") + field.name;
-    throw Error(path.string() + ": points have the fields \"" + names + "\"; expected x, y and z");
+    throw Error(path.string() + ": points have the fields \"" + names + "\"; expected x, y, and z");
   }
   if (std::any_of(rgb_.begin(), rgb_.end(), [](int i) { return i < 0; })) rgb_.fill(-1);
 }

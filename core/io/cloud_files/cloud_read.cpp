@@ -298,7 +298,7 @@ PcdHeader pcd_header(const fs::path& path, Bytes file) {
               &counts = all["COUNT"];
   if (names.empty() || sizes.size() != names.size() || types.size() != names.size() ||
       (!counts.empty() && counts.size() != names.size()))
-    lines.fail("FIELDS, SIZE, TYPE and COUNT in its header do not match");
+    lines.fail("FIELDS, SIZE, TYPE, and COUNT in its header do not match");
   PcdHeader header;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto type = find_scalar([&](const ScalarRow& row) {
@@ -306,7 +306,7 @@ PcdHeader pcd_header(const fs::path& path, Bytes file) {
     });
     const auto count = counts.empty() ? std::optional<std::uint64_t>(1) : parse_count(counts[i]);
     if (!type || !count || *count == 0 || *count > kMaxFieldCount)
-      lines.fail(fmt::format("field \"{}\" has an unknown type, size or count", names[i]));
+      lines.fail(fmt::format("field \"{}\" has an unknown type, size, or count", names[i]));
     header.fields.push_back({{std::string(names[i]), *type}, *count, header.point_bytes});
     header.point_bytes += *count * size_of(*type);
   }

@@ -45,7 +45,7 @@ class NpyHeader {
         break;
       }
     }
-    if (!has_type || !has_order || !has_shape) fail("lacks descr, fortran_order or shape");
+    if (!has_type || !has_order || !has_shape) fail("lacks descr, fortran_order, or shape");
     if (fortran_ && array.shape.size() > 1) fail("declares Fortran order; expected C order");
   }
 

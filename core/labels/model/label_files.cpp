@@ -127,7 +127,7 @@ void check_ids(const FrameLabels& labels, const std::string& where) {
   for (const std::uint16_t id : labels.plane.data)
     if (!listed[id]) fail("plane id", id, " is in the image but not in the list of planes");
   for (const std::uint8_t value : labels.hv.data)
-    if (value > 2 && value != kHvIgnore) fail("h/v value", value, "; expected 0, 1, 2 or 255");
+    if (value > 2 && value != kHvIgnore) fail("h/v value", value, "; expected 0, 1, 2, or 255");
 }
 
 /// Throws Error unless the images have one channel and the size of the intrinsics, the plane ids

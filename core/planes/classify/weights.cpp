@@ -211,7 +211,7 @@ NetworkConfig network_config(const std::string& name) {
             .neighbors = 50,
             .global_feature = true,
             .head = {512, 512}};
-  throw Error("network '" + name + "' is unknown; expected compact, small or official");
+  throw Error("network '" + name + "' is unknown; expected compact, small, or official");
 }
 
 std::vector<TensorSpec> tensor_specs(const NetworkConfig& config) {

@@ -39,7 +39,7 @@ GravityOptions parse_gravity(const std::string& text) {
   if (in.fail() || comma1 != ',' || comma2 != ',' || in >> rest || !direction.allFinite() ||
       !(direction.norm() > 0))
     throw Error("gravity is \"" + text +
-                "\"; expected auto, imu, estimate, none or a direction X,Y,Z that is not zero");
+                "\"; expected auto, imu, estimate, none, or a direction X,Y,Z that is not zero");
   options.mode = GravityMode::fixed;
   options.direction = direction;
   return options;

@@ -197,7 +197,7 @@ OptionInfo classifier_row() {
               [](PipelineOptions& o, const std::string& text) {
                 if (text != "gcn" && text != "pca" && text != "truth" && !names_weights_file(text))
                   throw Error("unknown classifier '" + text +
-                              "'; expected gcn, pca, truth or a weights file");
+                              "'; expected gcn, pca, truth, or a weights file");
                 o.classifier = text;
               },
           .images = false,

@@ -260,7 +260,7 @@ std::vector<Rule> read_rules(const std::filesystem::path& file) {
   if (std::vector<Rule> ready = built_in_rules(file.string()); !ready.empty()) return ready;
   if (!std::filesystem::exists(file))
     throw Error(file.string() +
-                ": no such file; expected strict, default, lenient or a rules file");
+                ": no such file; expected strict, default, lenient, or a rules file");
   return read_place(
       file, read_json<nlohmann::ordered_json>(file, kMostBytes), [](const JsonPlace& place) {
         place.schema({kSchema});

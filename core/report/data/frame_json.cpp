@@ -89,7 +89,7 @@ void seen_field(Fields& fields, auto& seen) {
     if (!fields.place().has("direction")) return;
     const JsonPlace place = fields.place().at("direction");
     const std::string text = place.text();
-    if (text != "up" && text != "down") place.fail_kind("up, down or null");
+    if (text != "up" && text != "down") place.fail_kind("up, down, or null");
     seen = text == "up" ? below : above;
   } else {
     fields("direction", std::string(seen == below ? "up" : seen == above ? "down" : ""), kOrNull);

@@ -163,7 +163,7 @@ TrackFilter::TrackFilter(const std::string& text) {
       const bool wanted = !part.starts_with('!');
       if (!wanted) part = trimmed(part.substr(1));
       const FlagWord* flag = find_word(kFlags, part);
-      if (!flag) fail(part, "h, v, map, gap, gone, merged or a comparison");
+      if (!flag) fail(part, "h, v, map, gap, gone, merged, or a comparison");
       conditions_.push_back([=](const Tracker& tracker, const Track& track) {
         return flag->holds(tracker, track) == wanted;
       });

@@ -156,7 +156,8 @@ TEST(Ply, DamagedHeadersAreNamed) {
       {"ply\nformat ascii 1.0\nelement vertex -3\nend_header\n", "-3"},
       {"ply\nformat ascii 1.0\nelement face 1\nproperty int a\nend_header\n1\n", "vertex"},
       {"ply\nformat ascii 1.0\nelement vertex 1\nproperty blob x\nend_header\n1\n", "blob"},
-      {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n", "x, y and z"}};
+      {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
+       "x, y, and z"}};
   for (const auto& [text, part] : cases) {
     expect_one_line_with(error_of_reading("bad.ply", text), {"bad.ply", part});
   }
@@ -273,7 +274,7 @@ TEST(Pcd, DamagedHeadersAreNamed) {
   expect_one_line_with(
       error_of_reading("bad.pcd",
                        pcd_header("x y q", "4 4 4", "F F F", "1 1 1", 1, "ascii") + "1 2 3\n"),
-      {"x y q", "x, y and z"});
+      {"x y q", "x, y, and z"});
 }
 
 TEST(CloudFiles, AnyChangedByteNeverCrashes) {

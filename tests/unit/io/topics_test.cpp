@@ -335,7 +335,7 @@ TEST(CloudTopic, DepthImagesArePreferredToCloudsUnlessSelected) {
 TEST(CloudTopic, UnsupportedFieldsAndTruncatedCloudsAreRejected) {
   const fs::path path = temp_folder() / "a.mcap";
   write_mcap(path, clouds({.has_z = false}));
-  expect_refused(path, {"cloud 0 on /camera/depth/color/points", "expected x, y and z"});
+  expect_refused(path, {"cloud 0 on /camera/depth/color/points", "expected x, y, and z"});
   write_mcap(path, clouds({.offset_of_z = 17}));
   expect_refused(path, {"field \"z\" at byte 17 is outside a point's 20 bytes"});
   RecordingOptions options;

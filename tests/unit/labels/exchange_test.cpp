@@ -285,7 +285,7 @@ TEST_F(ExchangeDamage, ArraysThatAreNotPlaneIdsAreRejected) {
   expect_bad("a.npy", "not NumPy at all", "not an NPY file");
   expect_bad("a.npy", npy("{}", "", 3), "NPY version 3.0; expected 1.0 or 2.0");
   expect_bad("a.npy", npy("{'descr': '<i4'", ""), "its header is damaged");
-  expect_bad("a.npy", npy("{'descr': '<i4', }", ""), "lacks descr, fortran_order or shape");
+  expect_bad("a.npy", npy("{'descr': '<i4', }", ""), "lacks descr, fortran_order, or shape");
   expect_bad("a.npy", npy("{'descr': [('x', '<f4')], }", ""), "expected a string");
   expect_bad("a.npy", npy_of("<c8", "1,", "12345678"), "\"<c8\"; expected whole numbers");
   expect_bad("a.npy", npy_of("<i4", "3,", "12345678"), "declares 12 bytes of values, but 8 follow");

@@ -97,7 +97,7 @@ TEST(ProfileFile, ErrorsAreReportedInOneLine) {
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.session/1"})"),
             "schema is \"planescope.session/1\"; expected planescope.profile/1");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "base": "fine"})"),
-            "profile 'fine' is unknown; expected paper, paper-closest or refined");
+            "profile 'fine' is unknown; expected paper, paper-closest, or refined");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "base": 3})"),
             "base is 3; expected text");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "option": {}})"),
