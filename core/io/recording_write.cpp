@@ -115,10 +115,10 @@ void write_folder_facts(const fs::path& dir,
   if (form == FolderForm::tum) {
     for (std::size_t i = 1; i < frames.size(); ++i)
       if (!(frames[i].facts.timestamp_s > frames[i - 1].facts.timestamp_s))
-        throw Error(
-            fmt::format("frame {} has time {:.6f} s, not later than the previous frame; form tum "
-                        "names files by time",
-                        frames[i].facts.index, frames[i].facts.timestamp_s));
+        throw Error(fmt::format(
+            "frame {} has time {:.6f} s, not later than the previous frame's; the TUM format "
+            "names files by time",
+            frames[i].facts.index, frames[i].facts.timestamp_s));
     write_tum_list(dir / "depth.txt", "depth", frames, true);
     if (first_in_color(frames)) write_tum_list(dir / "rgb.txt", "rgb", frames, false);
   } else {

@@ -154,7 +154,7 @@ void SqliteLog::read_topics() {
   if (found < 2) {
     throw Error(path_.string() + ": a SQLite file that " +
                 (tables.is_whole()
-                     ? "has no tables \"topics\" and \"messages\"; expected a recording by "
+                     ? "has no tables \"topics\" and \"messages\"; expected a recording made by "
                        "ros2 bag or the RealSense SDK"
                      : "is truncated or damaged in its list of tables"));
   }

@@ -317,8 +317,8 @@ const std::vector<FrameMetric>& frame_metrics() {
        nullptr,
        flights_now},
       {"time_ratio", "",
-       "the time from voxel grid to planes is {n} times that of the reference work",
-       "time from voxel grid to planes, relative to the reference work",
+       "the time from voxel grid to planes is {n} times that of the reference workload",
+       "time from voxel grid to planes, relative to the reference workload",
        [](const ReportFrame& f) { return f.time_ratio() > 0 ? f.time_ratio() : kNone; }, timing}};
   return all;
 }
