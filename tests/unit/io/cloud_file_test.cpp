@@ -144,7 +144,7 @@ TEST(Ply, ATruncatedTextReportsHowFarItWasRead) {
       error_of_reading("short.ply",
                        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
                        "y\nproperty float z\nend_header\n1.25 2.25 3.25\n4.25 5.25 6.25\n7.25"),
-      {"short.ply", "2 of 3 points"});
+      {"short.ply", "2 of the 3 points"});
 }
 
 TEST(Ply, DamagedHeadersAreNamed) {

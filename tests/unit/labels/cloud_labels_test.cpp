@@ -315,7 +315,7 @@ TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBeyondTheLastPointAreRejected) 
   Image16 image = io::read_png_16(dir / "000000.plane.png");
   image.data.back() = 1;
   io::write_png(dir / "000000.plane.png", image);
-  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "after the last of");
+  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "beyond the last of");
   io::write_png(dir / "000000.plane.png", Image16(17, 4));
   expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "17x4 pixels, but its frame has 1024x");
 }
