@@ -26,7 +26,7 @@ struct Line {
   std::string text;         // quoted, ready to paste into a shell
   std::string frames_text;  // without the options that do not affect a report's frames: output,
                             // threads, baseline, rules
-  Job job;                  // of the selected command
+  Job job;                  // the selected command
 };
 
 /// Binds `command` to run(*args) with the options in `args`. If set, `finish` is called first, once

@@ -63,7 +63,7 @@ struct OpenInput {
   std::filesystem::path label_dir;  // may be missing
   io::PickedGravity picked = {};
   std::shared_ptr<const world::SequenceGravity> gravity = {};  // null: per-frame gravity only
-  std::vector<std::string> warnings = {};  // of the recording, and of options that contradict it
+  std::vector<std::string> warnings = {};  // about the recording and contradicting options
 
   /// Number of the label files of frame `index`; nullopt if it has none. The first call checks
   /// whether frames were added or removed since they were labeled, and warns.

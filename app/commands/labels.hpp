@@ -35,7 +35,7 @@ struct LabeledRecording {
   LabelFolder labels;
   std::filesystem::path path;
   std::unique_ptr<io::Recording> recording;  // null: not found
-  std::map<int, int> frame_of;               // of the recording, by number of its label files
+  std::map<int, int> frame_of;               // frame in the recording, by label file number
 
   /// The number itself if nothing is known.
   int frame(int number) const {

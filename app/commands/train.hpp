@@ -25,7 +25,7 @@ inline bool is_kept_for_validation(std::size_t labeled_frame) { return labeled_f
 struct LabeledRecordings {
   std::vector<planes::LabeledCloud> train, validation;
   std::vector<std::string> frames;  // Recording::frame_hash() of each, in order
-  std::string sha256;               // of all points and labels; empty without recordings
+  std::string sha256;               // hash over all points and labels; empty without recordings
   int code = 0;                     // 2: damaged frames were skipped
 };
 

@@ -64,7 +64,7 @@ struct SceneView {
   double screen_scale = 1;
   TextureId texture = 0;
   bool fine = false;
-  Image<std::uint32_t> ids;  // of the last drawing; empty until requested
+  Image<std::uint32_t> ids;  // from the last drawing; empty until requested
 
   /// Returns true if the scene was redrawn.
   bool draw(

@@ -49,7 +49,7 @@ struct EventGroups {
 struct TimelineMemory {
   std::weak_ptr<const debug::Run> run;
   std::vector<debug::Phase> phases;
-  std::vector<TimelineColumn> columns, overview;  // of the visible steps and of all steps
+  std::vector<TimelineColumn> columns, overview;  // for the visible steps and for all steps
   debug::StepRange steps;                         // range of `columns`
   std::int32_t grabbed = 0;     // first visible step at drag start; on the overview, from the mouse
   int button = 0;               // mouse button of the drag

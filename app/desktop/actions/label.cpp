@@ -170,7 +170,7 @@ void open_labels(State& state) {
   OpenRecording& open = *state.document.current();
   if (!open.labels) open.labels = std::make_shared<labels::LabelStore>(open.label_dir);
   const labels::LabelStore& store = *open.labels;
-  state.results.label.save_problem.clear();  // of another recording
+  state.results.label.save_problem.clear();  // it belongs to another recording
   if (!store.notices().empty())
     say(state, store.notices().front(), true);
   else if (!store.read_only().empty())

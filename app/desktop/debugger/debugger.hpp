@@ -120,7 +120,7 @@ int column_of_step(std::int32_t step, const debug::StepRange& steps, int count);
 
 /// Upper edges of the rows on screen, from top to bottom.
 struct TimelineRows {
-  StepAxis axis;  // of the visible steps
+  StepAxis axis;  // shows the visible steps
   float phases = 0, marks = 0, cases = 0, planes = 0, matches = 0, end = 0;
   float overview = 0, bottom = 0;
 

@@ -20,7 +20,7 @@ namespace planescope::desktop {
 namespace {
 
 constexpr render::Rgba kBackground = {30, 33, 38, 255};
-constexpr double kCutOff = 0.01;  // of the voxels on each side, ignored as outliers
+constexpr double kCutOff = 0.01;  // fraction of voxels on each side that are ignored as outliers
 
 struct Range {
   double low = 0, high = 0;

@@ -317,7 +317,7 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
 // ---- Leftover points ---------------------------------------------------------------------------
 
 constexpr std::size_t kMostRows = 5;   // one per nearest plane
-constexpr std::size_t kMostNames = 6;  // of the remaining planes
+constexpr std::size_t kMostNames = 6;  // names of remaining planes to list
 
 /// Summarizes planes that were rejected for the same reason in one line, as there may be a hundred.
 void draw_refused(const Ui& ui,
