@@ -238,7 +238,7 @@ TEST(Marking, GathersTheVoxelsOfARectangle) {
   EXPECT_GT(some, 3u);
   apply(state, {"mark.pixels", "300,300,340,340"});
   EXPECT_EQ(state.document.marked.size(), some);
-  EXPECT_EQ(state.view.message, "all of that is marked already");
+  EXPECT_EQ(state.view.message, "already marked");
   apply(state, {"mark.clear"});
   EXPECT_TRUE(state.document.marked.empty());
 }

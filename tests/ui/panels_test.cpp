@@ -419,7 +419,7 @@ TEST_F(AnalysisPanels, AReasonInTheSummaryMarksItsPointsAndExplainsThem) {
 TEST_F(AnalysisPanels, AChangeOfAnOptionIsReportedWithItsEffect) {
   play(R"({"do": "option.set", "with": "theta_n_in=40"})");
   const std::string message = state().view.message;
-  EXPECT_TRUE(message.starts_with("Fewest inliers 5 → 40 · planes ")) << message;
+  EXPECT_TRUE(message.starts_with("Minimum inliers 5 → 40 · planes ")) << message;
   EXPECT_TRUE(has(message, " · Ctrl+Z"));
 }
 

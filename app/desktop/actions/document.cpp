@@ -284,7 +284,7 @@ void add_document_actions(std::vector<Action>& all) {
         s.view.playing_frames = !s.view.playing_frames && !is_last_frame(s);
         s.view.frame_due = 0;
       });
-  file.add("strip.cancel", "Stop filling the strip")
+  file.add("strip.cancel", "Stop loading thumbnails")
       .key("Ctrl+K")
       .when([](const State& s) {
         return s.results.strip_done < static_cast<int>(s.results.strip.size()) &&

@@ -298,7 +298,7 @@ void add_label_tool_actions(std::vector<Action>& all) {
       .run(one_of("h|v"), [](State& s, const std::string& label) {
         paint(s, label == "h" ? Paints::h_only : Paints::v_only);
       });
-  tools.add("label.hover", "Point at a pixel")
+  tools.add("label.hover", "Hover over a pixel")
       .when(labels_at_hand)
       .run(or_none(place_in_view("U,V or space:WxH X,Y or none")), hover);
 }

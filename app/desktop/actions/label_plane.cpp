@@ -328,12 +328,10 @@ void add_label_plane_actions(std::vector<Action>& all) {
   frames.add("label.next.unlabelled", "Next frame without labels").key("U").run([](State& s) {
     show_next(s, "without labels", [](const FrameMark& mark) { return !mark.labeled; });
   });
-  frames.add("label.next.unreviewed", "Next labeled frame that is not reviewed")
-      .key("Y")
-      .run([](State& s) {
-        show_next(s, "labeled and not reviewed",
-                  [](const FrameMark& mark) { return mark.labeled && !mark.reviewed; });
-      });
+  frames.add("label.next.unreviewed", "Next frame to review").key("Y").run([](State& s) {
+    show_next(s, "labeled and not reviewed",
+              [](const FrameMark& mark) { return mark.labeled && !mark.reviewed; });
+  });
 
   const auto add_class = [&](const char* name, const char* title, const char* key, Label label) {
     planes.add(name, title).key(key).run(plane, [label](State& s, const auto& chosen) {
@@ -356,7 +354,7 @@ void add_label_plane_actions(std::vector<Action>& all) {
   add_flag("label.hide", "Hide or show", "O", labels::PlaneFlag::hidden);
   planes.add("label.show_all", "Show all planes").key("Shift+O").run(show_all);
   planes.add("label.remove", "Remove the plane").key("Delete").run(plane, remove_plane);
-  planes.add("label.look", "Look at the plane").key("F").run(plane, look);
+  planes.add("label.look", "Frame the plane").key("F").run(plane, look);
 
   const auto add_chain = [&](const char* name, const char* title, const char* key, const char* verb,
                              const char* what, ChangePlane change) {

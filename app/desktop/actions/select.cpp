@@ -122,12 +122,12 @@ void show_meeting(State& state, std::int32_t other) {
   const debug::Run& run = *state.run();
   const Selection selected = state.view.selected;
   if (selected.voxel < 0) return say(state, "no point is selected: click the first of the two");
-  if (!run.is_ours()) return say(state, "only method ours has steps at which points join");
+  if (!run.is_ours()) return say(state, "only method ours records merges");
   const std::int32_t step = debug::step_of_meeting(run, selected.voxel, other);
   const auto moved_on = [voxel = selected.voxel](const State& s) {
     return s.view.selected.voxel != voxel;
   };
-  if (step == 0) return say_hint(state, "these two points are not in one plane", moved_on);
+  if (step == 0) return say_hint(state, "these two points are in different planes", moved_on);
   go_to_step(state, step);
   select_voxel(state, selected.voxel, selected.source);
   ask_of_point(state, {.voxel = static_cast<std::uint32_t>(selected.voxel),
@@ -151,7 +151,7 @@ void show_meeting_with(State& state, const Clicked& other) {
   if (other.on == Clicked::On::voxel) return show_meeting(state, other.index);
   const std::uint32_t voxel = state.run()->subject->voxel_of_source(
       static_cast<std::size_t>(source_at(state, other.pixel)));
-  if (voxel == planes::kNoVoxel) return say(state, "nothing was measured there");
+  if (voxel == planes::kNoVoxel) return say(state, "no measurement there");
   show_meeting(state, static_cast<std::int32_t>(voxel));
 }
 
@@ -180,10 +180,10 @@ void show_lost(State& state, int index) {
 
 /// Explains why a rectangle marked nothing new.
 std::string what_is_wrong_with_a_box(std::size_t measured, std::size_t beyond) {
-  if (measured == 0) return "nothing was marked: nothing was measured there";
+  if (measured == 0) return "nothing marked: no measurement there";
   if (beyond == measured)
-    return "nothing was marked: all of it is beyond the range; increase max_range_m";
-  return "all of that is marked already";
+    return "nothing marked: everything there is beyond the range; increase max_range_m";
+  return "already marked";
 }
 
 void mark_pixels(State& state, const std::array<double, 4>& box) {
@@ -249,7 +249,7 @@ void add_end(State& state, const Clicked& clicked) {
   try {
     debug::MeasureEnd end = end_at(state, clicked);
     if (ends.size() == 1 && end.normal && end.name == ends[0].name && end.normal == ends[0].normal)
-      throw Error(end.name + " was clicked before");
+      throw Error(end.name + " was already clicked");
     if (ends.size() >= 2) ends.clear();
     ends.push_back(std::move(end));
   } catch (const Error& error) {
@@ -309,7 +309,7 @@ const char* click_action(Click click) {
 
 std::int64_t expect_clicked(const State& state, const Clicked& clicked) {
   if (clicked.on == Clicked::On::nothing)
-    throw Error(clicked.why.empty() ? "nothing was measured there" : clicked.why);
+    throw Error(clicked.why.empty() ? "no measurement there" : clicked.why);
   if (clicked.on != Clicked::On::pixel) return clicked.index;
   const Image16& depth = state.run()->subject->frame.depth;
   if (depth.empty()) throw Error("a cloud has no pixels; click one of its points in space");

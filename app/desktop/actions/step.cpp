@@ -245,8 +245,10 @@ void add_step_actions(std::vector<Action>& all) {
   const auto steps = [](const State& s) { return Range{0, s.run()->steps()}; };
   step.add("step.next", "Step forward").key("Right").run([](State& s) { stop_and_step(s, 1); });
   step.add("step.previous", "Step back").key("Left").run([](State& s) { stop_and_step(s, -1); });
-  step.add("step.first", "To the beginning").key("Home").run([](State& s) { stop_and_go(s, 0); });
-  step.add("step.last", "To the end").key("End").run([](State& s) {
+  step.add("step.first", "Go to the first step").key("Home").run([](State& s) {
+    stop_and_go(s, 0);
+  });
+  step.add("step.last", "Go to the last step").key("End").run([](State& s) {
     stop_and_go(s, s.run()->steps());
   });
   step.add("step.next_case", "Next node of this case").key("Shift+Right").run([](State& s) {
@@ -255,9 +257,7 @@ void add_step_actions(std::vector<Action>& all) {
   step.add("step.previous_case", "Previous node of this case").key("Shift+Left").run([](State& s) {
     to_same_case(s, -1);
   });
-  step.add("step.decision", "To the decision of the selected node")
-      .key("Enter")
-      .run(go_to_decision);
+  step.add("step.decision", "Go to the selected node's decision").key("Enter").run(go_to_decision);
   step.add("step.goto", "Go to step").key("G").run(whole("STEP", steps), go_to_step);
   step.add("step.play", "Play")
       .key("L")
@@ -280,7 +280,7 @@ void add_step_actions(std::vector<Action>& all) {
       .key("Ctrl+Shift+K")
       .when(is_saving)
       .run([](State& s) { s.view.saving->cancelled = true; });
-  step.add("step.unit", "Step by event, node or plane")
+  step.add("step.unit", "Step by event, node, or plane")
       .key("Shift+R")
       .when(nullptr)
       .run(choice<debug::StepUnit>("event|node|plane"),

@@ -73,7 +73,7 @@ void set_zoom(State& state, double zoom) {
 void scale_points(State& state, double factor) {
   state.view.point_size =
       std::clamp(state.view.point_size * factor, kLeastPointSize, kMostPointSize);
-  say(state, fmt::format("points of {:.2f} voxels", state.view.point_size));
+  say(state, fmt::format("point size: {:.2f} voxels", state.view.point_size));
 }
 
 // ---- Camera ------------------------------------------------------------------------------------
@@ -105,7 +105,7 @@ void hold_camera(State& state, bool holds) {
 void look_at_selected(State& state) {
   const std::vector<Vec3f> points = selected_points(state);
   if (points.empty())
-    return say_hint(state, "nothing is selected to look at: click something first",
+    return say_hint(state, "nothing is selected; click something first",
                     [](const State& s) { return s.run() && !selected_points(s).empty(); });
   move_camera(state, camera_on(state, points));
 }
@@ -168,8 +168,10 @@ void add_view_actions(std::vector<Action>& all) {
   shows.add("show.names", "Plane names").key("Y").flips(&ViewState::show_names);
   shows.add("show.normals", "Plane normals").key("V").flips(&ViewState::show_normals);
   shows.add("show.foot", "Foot space").key("Shift+F").flips(&ViewState::show_foot);
-  shows.add("show.stairs", "Stairs, kerbs and ramps").key("Shift+T").flips(&ViewState::show_stairs);
-  shows.add("show.map", "Map planes so far").key("Alt+M").flips(&ViewState::show_map);
+  shows.add("show.stairs", "Stairs, kerbs, and ramps")
+      .key("Shift+T")
+      .flips(&ViewState::show_stairs);
+  shows.add("show.map", "Map planes up to this frame").key("Alt+M").flips(&ViewState::show_map);
 
   using render::Backdrop;
   view.add("image.backdrop", "Color or depth image").key("I Shift+I").run([](State& s) {
@@ -235,16 +237,16 @@ void add_view_actions(std::vector<Action>& all) {
     s.view.layout = {};
   });
 
-  shows.add("keyboard.next", "Keyboard to the next panel").key("Tab").run([](State& s) {
+  shows.add("keyboard.next", "Focus the next panel").key("Tab").run([](State& s) {
     move_keyboard(s, 1);
   });
-  shows.add("keyboard.previous", "Keyboard to the previous panel")
-      .key("Shift+Tab")
-      .run([](State& s) { move_keyboard(s, -1); });
-  shows.add("keyboard.menu", "Keyboard to the menu").key("F10").run([](State& s) {
+  shows.add("keyboard.previous", "Focus the previous panel").key("Shift+Tab").run([](State& s) {
+    move_keyboard(s, -1);
+  });
+  shows.add("keyboard.menu", "Focus the menu").key("F10").run([](State& s) {
     s.view.keyboard = kMenuPanel;
   });
-  shows.add("keyboard.panel", "Keyboard to a panel, or back to stepping")
+  shows.add("keyboard.panel", "Focus a panel, or return to stepping")
       .run(text("[PANEL]"), [](State& s, const std::string& panel) {
         if (!panel.empty() &&
             std::ranges::find(kDebuggerPanels, panel) == std::end(kDebuggerPanels))

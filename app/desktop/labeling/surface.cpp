@@ -295,7 +295,7 @@ std::vector<std::string> wand_lines(const LabelView& view, const char* sample) {
                                 counted(found.pixels.size(), sample)));
   }
   lines.push_back(view.wand.found
-                      ? "Enter accepts, Shift+click adds a part, scroll changes the tolerance"
+                      ? "Enter accepts, Shift+click adds a part, scrolling changes the tolerance"
                       : "Scroll to increase the tolerance");
   return lines;
 }

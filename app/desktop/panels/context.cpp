@@ -75,7 +75,7 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
       debug::step_of_meeting(run, other, at.what.index) > 0)
     menu.add("met", "Where was it merged with the selected point?", {command("join.show", voxel)});
   else if (run.is_ours() && other >= 0 && other != at.what.index)
-    menu.add("joined", "Should be one plane with the selected point",
+    menu.add("joined", "Should be on the same plane as the selected point",
              {menu.select, command("fix.point", PointWish{debug::Wish::joined, other})});
   if (plane >= 0)
     menu.add("plane", "Select " + debug::plane_name(run, plane),

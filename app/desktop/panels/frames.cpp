@@ -90,7 +90,7 @@ void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, int frame, ImVec2 co
   std::string text = counted(static_cast<std::size_t>(std::max(0, thumbnail.planes)), "plane");
   ImU32 color = ui.colors.muted;
   if (!thumbnail.refusal.empty()) {
-    text = "refused";
+    text = "rejected";
     color = ui.colors.bad;
   } else if (thumbnail.score) {
     const auto total = static_cast<int>(thumbnail.score->planes.size());
@@ -109,9 +109,9 @@ void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, int frame, ImVec2 co
 std::string describe(const Thumbnail& thumbnail, int frame) {
   std::string text = fmt::format("frame {}", frame);
   if (!thumbnail.ready) {
-    text += ": not run yet";
+    text += ": not segmented yet";
   } else if (!thumbnail.refusal.empty()) {
-    text += " cannot be run: " + thumbnail.refusal;
+    text += ": cannot be segmented: " + thumbnail.refusal;
   } else if (thumbnail.planes < 0) {
     text += ": not segmented in label mode";
   } else if (thumbnail.score) {

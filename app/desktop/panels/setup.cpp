@@ -65,8 +65,8 @@ void draw_choices(const Ui& ui, const std::vector<io::CameraChoice>& choices) {
       if (choice.from_file != files) continue;
       if (!titled) {
         ImGui::Spacing();
-        ImGui::TextDisabled(
-            "%s", files ? "Found near the recording" : "Nominal values, a percent or two off");
+        ImGui::TextDisabled("%s",
+                            files ? "Found near the recording" : "Nominal values (1 to 2 % off)");
       }
       titled = true;
       const Intrinsics& k = choice.intrinsics;
@@ -122,7 +122,7 @@ bool draw_camera_setup(const Ui& ui) {
     ImGui::SameLine();
     if (button(ui, "Cancel", "setup.cancel")) ui.act("intrinsics.edit");
   }
-  const char* title = "Remember beside the recording";
+  const char* title = "Save next to the recording";
   same_line_if_room(ImGui::CalcTextSize(title).x + 2 * ImGui::GetFrameHeight(), ui.px(16));
   double& remembers = ui.memory.numbers["setup.remember"];
   bool remember = remembers != 0;
@@ -225,7 +225,7 @@ std::vector<Assumption> assumptions_of(const State& state) {
   else if (const std::string camera = io::nominal_camera(info.intrinsics); !camera.empty())
     all.push_back({fmt::format("Intrinsics nominal ({})", camera),
                    "edit",
-                   "Each camera's own values differ by a percent or two.",
+                   "Individual cameras differ by 1 to 2 %.",
                    {"intrinsics.edit"}});
   if (!subject.frame.is_cloud() && info.depth_unit_source.starts_with("assumed"))
     all.push_back({fmt::format("Depth unit {:g} mm assumed", 1000 * info.depth_unit_m),
@@ -267,7 +267,7 @@ std::vector<Assumption> assumptions_of(const State& state) {
                    "aligned. Compare the depth edges with the color image to check.",
                    {"image.edges"}});
   if (view->run->segmentation.planes.empty())
-    all.push_back({"0 planes", "", "Are depth unit, maximum range and voxel size right?", {}});
+    all.push_back({"0 planes", "", "Check the depth unit, maximum range, and voxel size.", {}});
   return all;
 }
 

@@ -281,7 +281,7 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
       grid.is_cloud() ? growth_in_cloud(field) : std::make_unique<ImageGrowth>(field);
   const auto click = growth->free_pixel(seeds[0]);
   if (!click)
-    return refuse(!grid.measured[seeds[0]] ? "nothing was measured there"
+    return refuse(!grid.measured[seeds[0]] ? "no measurement there"
                   : !options.within.empty() && !options.within[seeds[0]]
                       ? "it is outside the lasso"
                       : "it already has a label");

@@ -23,7 +23,7 @@ struct GravityOptions {
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = GravityOptions;
-    rows.number("gravity_max_tilt_deg", "Largest camera tilt", "deg",
+    rows.number("gravity_max_tilt_deg", "Maximum camera tilt", "deg",
                 "Maximum camera tilt that the gravity estimate allows", &O::max_tilt_deg,
                 {0, 90, true});
   }

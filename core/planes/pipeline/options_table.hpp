@@ -31,7 +31,7 @@ struct OptionRange {
 /// A row of the table.
 struct OptionInfo {
   std::string name;     // e.g. "theta_n_out"
-  std::string title;    // shown to users: "Most outliers"
+  std::string title;    // shown to users: "Maximum outliers"
   std::string unit;     // "m", "m2", "deg", "points", "" ...
   std::string meaning;  // one phrase
   std::string section;  // "cloud", "gravity", "classifier", "method", "criteria", "objective",

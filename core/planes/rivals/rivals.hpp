@@ -41,7 +41,7 @@ struct RansacOptions {
                 &O::theta_pf_m, {0, 100, true});
     rows.number("ransac_iterations", "Iterations", "tries",
                 "RANSAC: maximum number of iterations per plane", &O::iterations, {1, 1e6});
-    rows.number("ransac_min_points", "Fewest points", "points",
+    rows.number("ransac_min_points", "Minimum points", "points",
                 "RANSAC: minimum number of points in a plane", &O::min_points, {3, 1e9});
     rows.number("ransac_seed", "Random seed", "1", "RANSAC: random seed", &O::seed);
   }
@@ -73,9 +73,9 @@ struct RegionGrowingOptions {
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = RegionGrowingOptions;
-    rows.number("region_patch_px", "Cell of images", "px",
+    rows.number("region_patch_px", "Image cell size", "px",
                 "Region growing: cell edge in depth images", &O::patch_px, {2, 1000});
-    rows.number("region_voxel_size_m", "Cell of clouds", "m",
+    rows.number("region_voxel_size_m", "Cloud cell size", "m",
                 "Region growing: cell edge in unordered clouds", &O::voxel_size_m, {0, 100, true});
     rows.number("region_threshold_m2", "Planarity threshold", "m2",
                 "Region growing: threshold for planar region identification",

@@ -62,7 +62,7 @@ struct ObjectiveOptions {
     rows.number("flat", "Cell flatness", "1",
                 "Criterion 3: maximum variance of a cell, relative to the expected variance",
                 &O::flat, {0, 1e6, true});
-    rows.number("bow", "Bow allowed", "1",
+    rows.number("bow", "Maximum bow", "1",
                 "low-frequency error of depth, relative to the measured one", &O::bow, {0, 100});
     rows.number("merge_cost", "Merge cost", "1",
                 "cost of a plane: regions merge when their misfit costs less", &O::merge_cost,
@@ -72,29 +72,29 @@ struct ObjectiveOptions {
                 "depth images, Criterion 1: maximum cost of one plane rather than two, as a share "
                 "of merge_cost",
                 &O::two_planes, {0, 1e6});
-    rows.number("filled", "Least filled share", "share",
+    rows.number("filled", "Minimum filled share", "share",
                 "depth images, Criterion 2: minimum share of a cell's pixels on its plane",
                 &O::filled, {0, 1});
     rows.number("lateral_px", "Lateral error", "px", "depth images: lateral error of a pixel",
                 &O::lateral_px, {0, 100});
-    rows.number("reach_sigma", "Cost of unexplained pixels", "sigma",
+    rows.number("reach_sigma", "Unexplained pixel cost", "sigma",
                 "depth images: cost of an unassigned pixel, as a residual", &O::reach_sigma,
                 {0, 100});
-    rows.number("hidden_share", "Joining hidden parts", "share",
+    rows.number("hidden_share", "Hidden part cost", "share",
                 "depth images: cost limit for merging parts separated by an occlusion, as a share "
                 "of merge_cost",
                 &O::hidden_share, {0, 100});
-    rows.number("worth_px", "Least worth of a plane", "px",
+    rows.number("worth_px", "Minimum plane worth", "px",
                 "depth images: minimum worth of a plane, in pixels of a plane with 1 % RMS (image "
                 "640 px wide)",
                 &O::worth_px, {0, 1e9});
-    rows.number("undecided", "Margin of undecided planes", "1",
+    rows.number("undecided", "Undecided margin", "1",
                 "depth images: planes with a smaller margin are undecided", &O::undecided,
                 {0, 1e6});
     rows.group.images = false;
     rows.number("resolution", "Spacing noise", "spacings",
                 "clouds: minimum noise sigma, in point spacings", &O::resolution, {0, 100});
-    rows.number("point_reach_sigma", "Cost of unexplained points", "sigma",
+    rows.number("point_reach_sigma", "Unexplained point cost", "sigma",
                 "clouds: cost of an unassigned point, as a distance", &O::point_reach_sigma,
                 {0, 1000});
     rows.number("label_sigma", "Label penalty", "sigma",
@@ -139,32 +139,32 @@ struct SegmentOptions {
   static void describe(Rows& rows) {
     using O = SegmentOptions;
     rows.group.images = false;  // the objective uses Criteria 1 and 2 for clouds
-    rows.number("theta_n_out", "Most outliers", "points",
+    rows.number("theta_n_out", "Maximum outliers", "points",
                 "Criterion 1: maximum number of outliers in a node", &O::theta_n_out)
         .symbol = "θ_Nout";
-    rows.number("theta_r_out", "Largest outlier share", "share",
+    rows.number("theta_r_out", "Maximum outlier share", "share",
                 "Criterion 1: maximum share of outliers in a node", &O::theta_r_out, {0, 1})
         .symbol = "θ_rout";
-    rows.number("theta_n_in", "Fewest inliers", "points",
+    rows.number("theta_n_in", "Minimum inliers", "points",
                 "Criterion 2: minimum number of inliers in a node", &O::theta_n_in, {3, 1e9})
         .symbol = "θ_Nin";
     rows.group.images = {};
     rows.group.objective = false;
-    rows.number("theta_e_n_m2", "Largest fit error", "m2",
+    rows.number("theta_e_n_m2", "Maximum fit error", "m2",
                 "Criterion 3: maximum error e_n of the inliers' plane fit", &O::theta_e_n_m2)
         .symbol = "θ_en";
     rows.choice(
-        "mse_normalization", "Fit error is over", {"scatter", "mean"},
+        "mse_normalization", "Fit error normalization", {"scatter", "mean"},
         "e_n is the smallest eigenvalue of the scatter matrix, as in the paper, or divided by N",
         &O::mse_normalization);
-    rows.number("theta_coplane", "Least coplanarity", "1",
+    rows.number("theta_coplane", "Minimum coplanarity", "1",
                 "Criterion 4: minimum coplanarity of two merged candidates", &O::theta_coplane,
                 {0, 1})
         .symbol = "θ_coplane";
-    rows.flag("criterion4_n2", "Ask for the third line",
+    rows.flag("criterion4_n2", "Third line of Criterion 4",
               "Criterion 4: also evaluate its third line, with the candidate's normal",
               &O::criterion4_n2);
-    rows.number("merge_offset_m", "Largest merge offset", "m",
+    rows.number("merge_offset_m", "Maximum merge offset", "m",
                 "Criterion 4: maximum |n . dmu|; 0 disables the test", &O::merge_offset_m);
     rows.choice("merge_partner", "Merge partner", {"first", "best"},
                 "Coplanar plane that a candidate is merged into", &O::merge_partner);

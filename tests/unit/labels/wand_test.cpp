@@ -168,7 +168,7 @@ TEST(Wand, ExplainsWhyThereIsNoPlane) {
   const LabelGrid hole = make_label_grid(
       test::frame_of(80, 60, [](int u, int) { return u < 40 ? 1.0 : 0.0; }), Gravity{});
   EXPECT_FALSE(grow(hole, 70, 30, {}, nullptr, &why));
-  EXPECT_EQ(why, "nothing was measured there");
+  EXPECT_EQ(why, "no measurement there");
   const LabelGrid rough = make_label_grid(
       test::frame_of(80, 60, [](int u, int v) { return 1 + 0.3 * ((u * 7 + v * 13) % 10); }),
       Gravity{});

@@ -155,7 +155,7 @@ void draw_planes(const Ui& ui,
 void case_cell(const Ui& ui, planes::Case c) {
   ImGui::TableNextColumn();
   if (c == planes::Case::none)
-    ImGui::TextDisabled("not there");
+    ImGui::TextDisabled("missing");
   else
     case_badge(ui, c);
 }
@@ -165,7 +165,7 @@ void draw_nodes(const Ui& ui,
                 const debug::Run& b,
                 const debug::Comparison& comparison) {
   const auto count = static_cast<int>(comparison.nodes.size());
-  if (!ImGui::CollapsingHeader(fmt::format("Nodes settled otherwise: {}###nodes", count).c_str()))
+  if (!ImGui::CollapsingHeader(fmt::format("Nodes decided differently: {}###nodes", count).c_str()))
     return;
   const float height = ui.px(24) * static_cast<float>(std::min(count, 12) + 1);
   if (!ImGui::BeginTable("nodes", 4, kTable | ImGuiTableFlags_ScrollY, ImVec2(0, height))) return;
@@ -378,7 +378,7 @@ void draw_bookmarks(const Ui& ui) {
   if (bookmarks.empty()) {
     ImGui::Spacing();
     return paragraph(ui.colors.muted,
-                     "A bookmark stores frame, step, selection, filter and "
+                     "A bookmark stores the frame, step, selection, filter, and "
                      "camera, with a note. Save the session to open it elsewhere.");
   }
   for (std::size_t i = 0; i < bookmarks.size(); ++i) {

@@ -130,19 +130,19 @@ std::span<const ReadyFilter> ready_filters(const debug::Run& run) {
   static constexpr std::array kOfImage{
       ReadyFilter{"Narrowly accepted merges",
                   "(stage==join || stage==hidden) && value>0.8*merge_cost"},
-      ReadyFilter{"Far merges, of hidden parts", "stage==hidden"},
+      ReadyFilter{"Far merges of hidden parts", "stage==hidden"},
       ReadyFilter{"Large unassigned nodes", "decide && size>=1000 && (case==II || case==III)"},
-      ReadyFilter{"Planes dropped", "stage==list"},
-      ReadyFilter{"Planes narrowly dropped", "stage==list && value>0.8*worth_px"},
+      ReadyFilter{"Dropped planes", "stage==list"},
+      ReadyFilter{"Narrowly dropped planes", "stage==list && value>0.8*worth_px"},
       ReadyFilter{"Largest losses",
                   "(stage==list && value>0.5*worth_px) || "
                   "(decide && size>=4000 && (case==II || case==III))"}};
   static constexpr std::array kOfPaper{
       ReadyFilter{"Far merges, over 2 cm", "merge && offset>0.02"},
       ReadyFilter{"Large unassigned nodes", "decide && size>=20 && (case==II || at_max_depth)"},
-      ReadyFilter{"Nodes narrowly not planar", "decide && case==III && mse<1.25*theta_mse"},
-      ReadyFilter{"Points narrowly unassigned", "drop && distance<2*leftover_distance_m"},
-      ReadyFilter{"Planes dropped", "stage==list"},
+      ReadyFilter{"Nearly planar nodes", "decide && case==III && mse<1.25*theta_mse"},
+      ReadyFilter{"Nearly assigned points", "drop && distance<2*leftover_distance_m"},
+      ReadyFilter{"Dropped planes", "stage==list"},
       ReadyFilter{"Largest losses", "decide && size>=100 && (case==II || at_max_depth)"}};
   return run.segment_options.by_objective() && run.is_on_image()
              ? std::span<const ReadyFilter>(kOfImage)
@@ -150,7 +150,7 @@ std::span<const ReadyFilter> ready_filters(const debug::Run& run) {
 }
 
 void draw_ready_filters(const Ui& ui) {
-  if (tool(ui, "…", "events.ready", "Ready filters", false)) ImGui::OpenPopup("ready");
+  if (tool(ui, "…", "events.ready", "Preset filters", false)) ImGui::OpenPopup("ready");
   if (!ImGui::BeginPopup("ready")) return;
   const debug::Run* run = ui.state.run();
   const auto item = [&](const ReadyFilter& ready, std::size_t i) {
@@ -186,7 +186,7 @@ void draw_search(const Ui& ui) {
   ImGui::SameLine(0, gap);
   if (tool(ui, "▶", "events.next", "Next match (N)", false)) ui.act("filter.next");
   ImGui::SameLine(0, gap);
-  if (tool(ui, "only", "events.only", "Show matching events only (Ctrl+Shift+F)",
+  if (tool(ui, "only", "events.only", "Show only matching events (Ctrl+Shift+F)",
            view.only_matches))
     ui.act("filter.only");
   ImGui::SameLine(0, gap);

@@ -69,13 +69,13 @@ const char* question(const PointAsked& asked) {
 const char* granted_text(debug::Wish wish) {
   switch (wish) {
     case debug::Wish::own_plane:
-      return "It already is a separate plane.";
+      return "It is already a separate plane.";
     case debug::Wish::no_plane:
-      return "It already is in no plane.";
+      return "It is already unassigned.";
     case debug::Wish::joined:
-      return "They already are one plane.";
+      return "They are already one plane.";
     default:
-      return "It already is in a plane.";
+      return "It is already in a plane.";
   }
 }
 
@@ -158,9 +158,9 @@ void draw_fix_table(const Ui& ui, const FixSearch& fix, bool check) {
   if (fix.granted && fix.fixes.empty())
     return paragraph(ui.colors.good, granted_text(fix.target.wish));
   if (fix.fixes.empty()) {
-    paragraph(ui.colors.warning, fix.target.far
-                                     ? "No single option helps; several may be needed."
-                                     : "No single option helps, even changed by a factor of 3.");
+    paragraph(ui.colors.warning,
+              fix.target.far ? "No single option helps; several may be needed."
+                             : "No single option helps, even when changed by a factor of 3.");
     if (!fix.target.far && button(ui, "Search a wider range", "fix.far")) ui.act("fix.far");
     return;
   }
@@ -348,7 +348,7 @@ std::string invitation(const RunView& view, bool marked) {
   if (marked)
     return "Fix region tries every option for the smallest change that "
            "makes the marked region one plane.";
-  const std::string tried = " Every option is tried for the smallest change that does it.";
+  const std::string tried = " Every option is tried to find the smallest change that fixes it.";
   if (!view.score) return "Mark a region of the image that should be one plane." + tried;
   if (view.score->detected == static_cast<int>(view.score->planes.size()))
     return "All true planes of this frame are found. Mark a region to search for another plane." +

@@ -451,12 +451,12 @@ void draw_frame_summary(const Ui& ui, const RunView& view) {
 /// Shown while there is no run. The reason for refusing a frame is shown in the scene view.
 void draw_why_empty(const Ui& ui) {
   const OpenRecording* open = ui.state.document.current();
-  paragraph(ui.colors.muted, !open ? "Open a recording with Ctrl+O."
-                             : !open->recording->info().knows_camera()
-                                 ? "Waiting for the camera's intrinsics."
-                             : ui.state.results.loading
-                                 ? "Reading the frame …"
-                                 : "This frame cannot be run. Choose another one on the left.");
+  paragraph(ui.colors.muted,
+            !open                                     ? "Open a recording with Ctrl+O."
+            : !open->recording->info().knows_camera() ? "Waiting for the camera's intrinsics."
+            : ui.state.results.loading
+                ? "Reading the frame …"
+                : "This frame cannot be segmented. Choose another one on the left.");
 }
 
 }  // namespace

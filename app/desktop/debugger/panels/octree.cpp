@@ -89,7 +89,7 @@ void draw_shape_key(const Ui& ui, bool on_image) {
       {{settled, planes::Case::III, true}, "deepest", "I or III at the deepest level: unassigned"},
       {{settled, planes::Case::I, false, true},
        "labels",
-       "each label's points were fitted instead of dividing"},
+       "each label's points were fitted separately instead of dividing the node"},
   };
   if (on_image) entries.pop_back();
   const float line = ImGui::GetTextLineHeight();

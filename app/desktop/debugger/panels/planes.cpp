@@ -390,7 +390,7 @@ namespace {
 /// Explains why nothing is shown at the cursor; empty if something is.
 std::string why_untold(const State& state) {
   if (!state.run()->subject->prepared.gravity.known())
-    return "Stairs, kerbs and ramps need gravity, which is unknown.";
+    return "Stairs, kerbs, and ramps need gravity, which is unknown.";
   if (!state.planes()) return "Measuring the planes …";
   return state.view.step == state.run()->steps() ? "" : "Available at the last step.";
 }
@@ -431,7 +431,7 @@ void draw_stairs(const Ui& ui) {
     return paragraph(ui.colors.muted, why);
   const std::vector<StairsEntry> entries = stairs_entries(ui.state);
   for (std::size_t i = 0; i < entries.size(); ++i) draw_entry(ui, entries[i], i);
-  if (entries.empty()) paragraph(ui.colors.muted, "No flight, kerb or ramp found.");
+  if (entries.empty()) paragraph(ui.colors.muted, "No flight, kerb, or ramp found.");
   const std::vector<std::string> missed = no_steps_of(ui.state, ui.state.view.selected.plane);
   if (!missed.empty())
     heading(ui, "No step at " + debug::plane_name(*ui.state.run(), ui.state.view.selected.plane));

@@ -18,9 +18,9 @@ void draw_step_unit(const Ui& ui) {
   };
   static constexpr Unit kUnits[] = {
       {debug::StepUnit::event, "event", "Event", "to the next event"},
-      {debug::StepUnit::node, "node", "Node", "to the next node that is decided"},
+      {debug::StepUnit::node, "node", "Node", "to the next decided node"},
       {debug::StepUnit::plane, "plane", "Plane",
-       "to the next event that founds, joins, splits or drops a plane"}};
+       "to the next event that creates, merges, splits, or drops a plane"}};
   const Unit& now = kUnits[static_cast<std::size_t>(ui.state.view.step_unit)];
   ImGui::SetNextItemWidth(ui.px(74));
   if (ImGui::BeginCombo("##unit", now.title)) {
@@ -53,7 +53,7 @@ void draw_step_controls(const Ui& ui) {
   ImGui::SetNextItemWidth(ui.px(78));
   if (ImGui::BeginCombo("##rate", fmt::format("{:g} /s", playing.steps_per_s).c_str())) {
     for (const int rate : {1, 5, 20, 60, 200, 1000, 5000})
-      if (ImGui::Selectable(fmt::format("{} steps a second", rate).c_str()))
+      if (ImGui::Selectable(fmt::format("{} steps per second", rate).c_str()))
         ui.act("step.rate", static_cast<double>(rate));
     ImGui::EndCombo();
   }
@@ -78,7 +78,7 @@ void draw_step_controls(const Ui& ui) {
   const std::string text =
       event || !run->is_ours() ? debug::describe_event(*run, ui.state.view.step)
       : run->steps() == 0      ? "nothing to step through on this frame"
-                               : "before the first event: all points wait in the root";
+                               : "before the first event: all points are in the root";
   const std::string shown = fitted(ui, text, ImGui::GetContentRegionAvail().x);
   math_text(ui, ui.colors.text, shown);
   if (shown != text) tooltip(text);

@@ -202,7 +202,7 @@ void draw_tooltip(const LabelPlane& plane, const PlaneFacts& facts, const char* 
   std::string text =
       fmt::format("P{}, {}, {}", plane.id, name_of(plane.origin), counted(facts.pixels, sample));
   if (plane.confidence < 1) text += fmt::format("\nconfidence {:.0f} %", 100 * plane.confidence);
-  ImGui::SetTooltip("%s\nClick to activate, double-click to look at it", text.c_str());
+  ImGui::SetTooltip("%s\nClick to activate, double-click to frame it", text.c_str());
 }
 
 void draw_plane(const Ui& ui, const LabelPlane& plane, const PlaneFacts& facts, bool confidences) {

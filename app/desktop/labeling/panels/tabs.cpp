@@ -20,7 +20,7 @@ namespace {
 const char* title_of(labels::FindingKind kind) {
   switch (kind) {
     case labels::FindingKind::camera:
-      return "Drawn with another camera";
+      return "Drawn with other intrinsics";
     case labels::FindingKind::rms:
       return "Plane does not fit its pixels";
     case labels::FindingKind::outliers:
@@ -209,12 +209,12 @@ void draw_gain_on(const Ui& ui, const char* frames, const Gain& gain) {
 void draw_gain(const Ui& ui, const Learnt& learnt) {
   heading(ui, "Gain");
   paragraph(ui.colors.muted,
-            fmt::format("The classifier stored beside these labels was trained on {} in {} steps.",
+            fmt::format("The classifier stored with these labels was trained on {} in {} steps.",
                         counted(learnt.frames, "reviewed frame"), learnt.steps));
   if (learnt.since.frames == 0)
     paragraph(ui.colors.muted, "Frames that you review from now on will evaluate it.");
   draw_gain_on(ui, "reviewed since", learnt.since);
-  draw_gain_on(ui, "kept aside", learnt.kept);
+  draw_gain_on(ui, "held out", learnt.kept);
   ui.name("learning.gain");
 }
 

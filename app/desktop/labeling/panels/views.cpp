@@ -78,7 +78,8 @@ void draw_paint(const Ui& ui) {
                                             ui.px(3));
   ui.name("label.paint");
   tooltip(
-      "What the next gesture paints\n1 to 9 and Tab choose a plane, N a new one, P the one under "
+      "Plane or class that the next gesture paints\n1 to 9 and Tab choose a plane, N a new one, P "
+      "the one under "
       "the mouse\nI paints \"do not score\", 0 erases");
 }
 

@@ -72,7 +72,7 @@ void draw_gap(const Ui& ui, Absence why, ImVec2 min, ImVec2 max) {
 void draw_legend(const Ui& ui) {
   static constexpr std::pair<Absence, const char*> kStates[] = {
       {Absence::not_detected, "no plane found"},
-      {Absence::not_matched, "another plane there"},
+      {Absence::not_matched, "different plane found"},
       {Absence::seen_through, "gone, or frame excluded"}};
   const ImVec2 size(ui.px(20), ImGui::GetTextLineHeight() * 0.8f);
   bool first = true;
