@@ -64,10 +64,9 @@ class Player {
     else if (step.contains("screenshot"))
       screenshot(step);
     else if (step.contains("state"))
-      write_file_text(step.at("state").get<std::string>(),
-                      state_text(shell_.state(), shell_.idle()));
+      write_file_text(output(step.at("state")), state_text(shell_.state(), shell_.idle()));
     else if (step.contains("trace"))
-      write_file_text(step.at("trace").get<std::string>(), trace());
+      write_file_text(output(step.at("trace")), trace());
     else if (step.contains("expect"))
       expect(step.at("expect"));
     else if (step.contains("frames"))
@@ -186,7 +185,11 @@ class Player {
   void screenshot(const Json& step) {
     std::optional<WidgetRect> part;
     if (step.contains("of")) part = widget(step.at("of"));
-    stage_.screenshot(step.at("screenshot").get<std::string>(), part);
+    stage_.screenshot(output(step.at("screenshot")), part);
+  }
+  std::filesystem::path output(const std::string& path) const {
+    shell_.state().document.check_output(path);
+    return path;
   }
   std::string trace() const {
     const State& state = shell_.state();

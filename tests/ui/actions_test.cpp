@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "app/desktop/debugger/debugger.hpp"
@@ -14,6 +15,7 @@
 #include "core/planes/pipeline/options_table.hpp"
 #include "desktop_fixture.hpp"
 #include "render/palette.hpp"
+#include "support/refusal.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -58,6 +60,25 @@ TEST(Actions, AcceptAnyArgumentWithOrWithoutAFrame) {
         } catch (const Error&) {
         }
       }
+}
+
+TEST(Actions, WriteNothingIntoTheRecording) {
+  State state = run_state();
+  OpenRecording& open = state.document.recordings[0];
+  const std::map<std::string, std::string> files = {
+      {"picture.save", "w.png"}, {"steps.save", "s.png"}, {"session.save", "s.json"}};
+  for (const auto& [name, file] : files) {
+    const std::filesystem::path out = open.path / "depth" / file;
+    const std::string said = message_of([&, &action = name] {
+      apply(state, {action, out.string()});
+    });
+    EXPECT_TRUE(has(said, out.string() + ": is in the recording")) << name << ": " << said;
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+  EXPECT_TRUE(!state.view.saving && state.view.picture_to.empty());
+  open.label_dir = open.path / "depth";
+  EXPECT_TRUE(has(message_of([&] { apply(state, {"label.mode", ""}); }), "is in the recording"));
+  EXPECT_TRUE(!open.labels && state.view.mode == Mode::debugger);
 }
 
 TEST(Stepping, GoesForwardAndBackAndStopsAtTheEnds) {

@@ -81,7 +81,7 @@ inline State open_walk(const std::filesystem::path& to, lab::SequenceOptions opt
   options.color = false;
   lab::write_sequence(to, options, 2);
   State state = open_state(planes::Profile::refined);
-  state.document.recordings[0] = {to, io::open_recording(to, {}), to / "none"};
+  state.document.recordings[0] = {to, io::open_recording(to, {}), to.string() + ".none"};
   return state;
 }
 

@@ -237,6 +237,7 @@ void keep_picked(State& state,
   auto& all = state.document.recordings;
   const auto open = std::ranges::find(all, recording, &OpenRecording::path);
   if (open == all.end()) return;
+  state.document.check_output(open->label_dir);
   io::write_picked_gravity(open->label_dir, picked);
   open->picked = picked;
   forget_cameras(state);  // world coordinates rotate with gravity

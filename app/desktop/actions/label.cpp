@@ -168,6 +168,7 @@ labels::LabelEdit commit_labels(State& state, const std::string& title, labels::
 
 void open_labels(State& state) {
   OpenRecording& open = *state.document.current();
+  state.document.check_output(open.label_dir);
   if (!open.labels) open.labels = std::make_shared<labels::LabelStore>(open.label_dir);
   const labels::LabelStore& store = *open.labels;
   state.results.label.save_problem.clear();  // it belongs to another recording

@@ -135,6 +135,7 @@ void save_steps(State& state, const std::string& text) {
                      .first = at < steps ? at : 0,
                      .last = steps};
   read_steps(text, words_of(text.substr(end)), saving);
+  state.document.check_output(saving.path);
   std::error_code failed;
   const std::filesystem::path folder = std::filesystem::absolute(saving.path).parent_path();
   if (!std::filesystem::is_directory(folder, failed))

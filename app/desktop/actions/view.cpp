@@ -281,6 +281,7 @@ void add_view_actions(std::vector<Action>& all) {
       .run(text("PATH"), [](State& s, const std::string& path) {
         if (!path.ends_with(".png"))
           throw Error("action picture.save: '" + path + "'; expected a name that ends in .png");
+        s.document.check_output(path);
         s.view.picture_to = path;
       });
   view.add("keys", "Keyboard shortcuts")

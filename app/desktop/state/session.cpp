@@ -268,6 +268,7 @@ void save_session(const State& state, const fs::path& path) {
   const OpenRecording* open = state.document.current();
   if (path.empty()) throw Error("action session.save: a path is missing");
   if (!open) throw Error(path.string() + ": no recording is open, so there is no session to write");
+  state.document.check_output(path);
   std::error_code ignored;
   const fs::path folder = fs::absolute(path).parent_path();
   const fs::path recording = fs::absolute(open->path);

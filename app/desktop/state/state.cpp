@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/cli/output.hpp"
 #include "app/desktop/debugger/debugger.hpp"
 #include "app/desktop/state/session.hpp"
 #include "app/desktop/tracks/map_view.hpp"
@@ -93,6 +94,10 @@ const debug::Run* State::run() const {
 
 const planes::TraceEvent* State::event() const {
   return run() ? run()->event_at(view.step) : nullptr;
+}
+
+void Document::check_output(const std::filesystem::path& out) const {
+  for (const OpenRecording& open : recordings) check_outside(out, open.path);
 }
 
 const LabelFrame* State::label_frame() const {

@@ -91,6 +91,8 @@ struct Document {
 
   const OpenRecording* current() const;
   OpenRecording* current();
+  /// Throws Error if `out`, a file or folder to be written, is in an open recording.
+  void check_output(const std::filesystem::path& out) const;
 };
 
 inline constexpr std::size_t kMostRecent = 10;
