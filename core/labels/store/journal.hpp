@@ -1,7 +1,7 @@
 #pragma once
 
 // An append-only file of records with checksums, which stores a label folder's history, and the
-// records themselves in the format of docs/formats.md (journal_records.cpp).
+// records' content (journal_records.cpp).
 
 #include <array>
 #include <cstdint>
