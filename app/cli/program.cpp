@@ -247,7 +247,7 @@ std::string version_text(const Program& program) {
   const bool has_hash = build.commit.size() == 40;
   return fmt::format("{} {}, commit {}{}", program.name, build.version,
                      has_hash ? build.commit.substr(0, 12) : build.commit,
-                     build.modified ? " with changes" : "");
+                     build.modified ? " with uncommitted changes" : "");
 }
 
 /// Parses the command line. `--help` and `--version` become jobs that print. Throws Error on

@@ -375,7 +375,7 @@ void set_rules(const Judgement& judgement, PageJson& data) {
   data["baseline"] = fmt::format(
       "<code>{}</code>: planescope {}, commit <code>{}</code>{}, written {}, <code>{}</code>",
       escaped(judgement.baseline_file), escaped(baseline.version), escaped(baseline.commit),
-      baseline.modified ? " with changes" : "", escaped(baseline.created_utc),
+      baseline.modified ? " with uncommitted changes" : "", escaped(baseline.created_utc),
       escaped(baseline.command));
 }
 
