@@ -77,14 +77,6 @@ fs::path path_beside(const fs::path& path, std::string_view suffix) {
   return beside;
 }
 
-fs::path path_inside(const fs::path& folder, const fs::path& relative, const std::string& where) {
-  const fs::path inside = relative.lexically_normal();
-  if (inside.empty() || inside.is_absolute() || *inside.begin() == "..")
-    throw Error(where + ": '" + relative.string() +
-                "'; expected a relative path inside its folder");
-  return folder / inside;
-}
-
 fs::path unused_path(const fs::path& prefix) {
   for (int i = 1;; ++i) {
     fs::path path = prefix;

@@ -82,12 +82,6 @@ int sync_folder(const std::filesystem::path& folder);
 /// A path next to a file or folder: "a/rec/" and ".labels" make "a/rec.labels".
 std::filesystem::path path_beside(const std::filesystem::path& path, std::string_view suffix);
 
-/// FOLDER/`relative`, whose second part was read from the file `where`. Throws Error if it is
-/// absolute or leads out of the folder.
-std::filesystem::path path_inside(const std::filesystem::path& folder,
-                                  const std::filesystem::path& relative,
-                                  const std::string& where);
-
 /// The first of PREFIX1, PREFIX2, ... that does not exist.
 std::filesystem::path unused_path(const std::filesystem::path& prefix);
 

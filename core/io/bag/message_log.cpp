@@ -268,7 +268,11 @@ std::vector<fs::path> files_of_metadata(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const std::string& name : names_in(metadata)) {
     // Early versions of ros2 bag wrote the folder's name first.
-    const fs::path inside = path_inside("", name, metadata.string() + ": relative_file_paths");
+    const fs::path inside = fs::path(name).lexically_normal();
+    if (inside.empty() || inside.is_absolute() || *inside.begin() == "..")
+      throw Error(
+          fmt::format("{}: relative_file_paths: '{}'; expected a relative path inside its folder",
+                      metadata.string(), name));
     fs::path file = folder / inside.filename();
     if (file.extension() == ".zstd" && fs::exists(fs::path(file).replace_extension()))
       file.replace_extension();  // has been unpacked since
