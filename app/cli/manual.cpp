@@ -466,7 +466,7 @@ void define_completions(CLI::App& app, Line& line) {
       app.add_subcommand("completions", "Print completions for a shell\nBash: eval \"$(" +
                                             app.get_name() + " completions bash)\".");
   const auto args = std::make_shared<PrintArgs>();
-  completions->add_option("SHELL", args->shell, "bash, zsh or fish")
+  completions->add_option("SHELL", args->shell, "bash, zsh, or fish")
       ->type_name("")
       ->required()
       ->check(some_of({"bash", "zsh", "fish"}, "a supported shell"));

@@ -211,7 +211,7 @@ void warn(const InputArgs& args, const std::string& warning) {
 }
 
 std::string no_planes_text(const std::string& recording, std::size_t frames) {
-  return fmt::format("{}: 0 planes in {}; are depth unit, --max-range and --voxel right?",
+  return fmt::format("{}: 0 planes in {}; are the depth unit, --max-range, and --voxel correct?",
                      recording, counted(frames, "frame"));
 }
 

@@ -432,7 +432,7 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
 
 void define_labels_stats(CLI::App* labels, Line& line) {
   CLI::App* stats = labels->add_subcommand(
-      "stats", "Show planes, labeled area and annotation time for each frame");
+      "stats", "Show the planes, labeled area, and annotation time of each frame");
   const auto args = std::make_shared<LabelsArgs>();
   add_label_inputs(stats, *args, "Label folder or recording");
   add_label_dir(stats, *args);

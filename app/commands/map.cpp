@@ -287,8 +287,8 @@ void define_map(CLI::App& app, Line& line) {
   CLI::App* map = app.add_subcommand(
       "map",
       "Track planes over all frames and build one map of them\n"
-      "Writes map.json, tracks.json, poses.tum and map.png in the world frame: z up, meters. "
-      "-o FILE.mcap writes the map and all frames for Foxglove, RViz and ros2 bag.");
+      "Writes map.json, tracks.json, poses.tum, and map.png in the world frame: z up, meters. "
+      "-o FILE.mcap writes the map and all frames for Foxglove, RViz, and ros2 bag.");
   const auto args = std::make_shared<MapArgs>();
   add_recordings(map, args->input, false, false);
   add_planes_out(map, args->out)->required();

@@ -237,7 +237,7 @@ void define_training(CLI::App* synth, Line& line) {
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
   add_recipe_limits(command, args->recipe);
   command->add_flag("--augmented", args->augmented,
-                    "Add noise, rotations and holes, as in training");
+                    "Add noise, rotations, and holes, as in training");
   add_threads(command, args->threads);
   runs(command, line, args, run_synth_training);
 }

@@ -32,7 +32,7 @@ std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::
   for (std::size_t i = 0; i < classes.size(); ++i)
     if (classes[i] > 2 && classes[i] != kHvIgnore)
       throw Error(where + ": class " + std::to_string(classes[i]) + " at index " +
-                  std::to_string(i) + "; expected 0 (unknown), 1 (h), 2 (v) or 255 (ignore)");
+                  std::to_string(i) + "; expected 0 (unknown), 1 (h), 2 (v), or 255 (ignore)");
   return classes;
 }
 

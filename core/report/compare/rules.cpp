@@ -152,7 +152,7 @@ Rule rule_of(const JsonPlace& place) {
     place.at("metric").fail_kind(fmt::format("one of {}", fmt::join(names, ", ")));
   }
   if (!place.has("at_least") && !place.has("at_most") && !place.has("at_most_percent"))
-    place.fail_kind("a rule with \"at_least\", \"at_most\" or \"at_most_percent\"");
+    place.fail_kind("a rule with \"at_least\", \"at_most\", or \"at_most_percent\"");
   if (place.has("at_most_percent")) {
     if (place.has("at_least") || place.has("at_most"))
       place.at("at_most_percent").fail_kind("no other limit next to it");

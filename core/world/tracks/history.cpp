@@ -173,7 +173,7 @@ TrackFilter::TrackFilter(const std::string& text) {
     const Comparison* comparison = nullptr;
     for (const Comparison& candidate : kComparisons)
       if (!comparison && part.substr(sign_at).starts_with(candidate.sign)) comparison = &candidate;
-    if (!comparison) fail(part, "==, !=, <, <=, > or >=");
+    if (!comparison) fail(part, "==, !=, <, <=, >, or >=");
     const double value = number_of(trimmed(part.substr(sign_at + comparison->sign.size())));
     if (name == "frame") {
       if (comparison->sign != "==") fail(part, "frame==N");

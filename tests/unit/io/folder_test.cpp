@@ -550,7 +550,7 @@ TEST(Open, OtherFilesAreRejectedInOneLineWithTheirKind) {
   const fs::path folder = temp_folder();
   expect_refused(folder / "nothing", {"nothing", "no such file or folder"});
   expect_refused(folder,
-                 {folder.c_str(), "no files", "expected a RealSense or ROS .bag, .db3 or .mcap"});
+                 {folder.c_str(), "no files", "expected a RealSense or ROS .bag, .db3, or .mcap"});
   write_text(folder / "notes.txt", "hello");
   write_text(folder / "more.txt", "hello");
   expect_refused(folder, {"2 .txt"});
