@@ -120,7 +120,8 @@ std::array<double, 4> parse_intrinsics(const std::string& text) {
   std::array<double, 4> values{};
   for (std::size_t i = 0; i < 4; ++i) values[i] = parse_number(parts[i], "--intrinsics");
   if (values[0] <= 0 || values[1] <= 0)
-    throw Error("--intrinsics: '" + text + "' has a focal length of 0 or less; expected above 0");
+    throw Error("--intrinsics: '" + text +
+                "' has a focal length of 0 or less; expected more than 0");
   return values;
 }
 
@@ -128,7 +129,7 @@ double parse_depth_unit(const std::string& text) {
   const double unit = parse_number(text, "--depth-unit");
   if (unit <= 0 || unit > 1)
     throw Error("--depth-unit: " + text +
-                " is out of range; expected meters per count, above 0 and at most 1");
+                " is out of range; expected more than 0 and at most 1 meter per count");
   return unit;
 }
 

@@ -89,8 +89,8 @@ void check_not_of_user(const fs::path& dir) {
     if (fs::exists(dir / name)) files.emplace_back(name);
   if (!files.empty())
     throw Error(
-        fmt::format("{}: already exists, but not from an earlier map; expected a new or "
-                    "empty folder, or one with an earlier map",
+        fmt::format("{}: already exists, but is not from an earlier map; expected a new or empty "
+                    "folder, or an earlier map",
                     (dir / *std::ranges::min_element(files)).string()));
 }
 
@@ -248,7 +248,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
           "{}: not written: {} of {} do not fit the rest; expected poses of this recording, "
           "T_world_camera in meters, quaternions as x y z w; found poses from {}",
           args.out.string(), aside, counted(frames.size(), "frame"), map.poses.source));
-    throw Error(fmt::format("{}: not written: no plane was seen in {} or more of {}",
+    throw Error(fmt::format("{}: not written: no plane was seen in at least {} of {}",
                             args.out.string(), map.tracker.options().confirm_frames,
                             counted(input.frames.size(), "frame")));
   }

@@ -95,9 +95,9 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
 /// Applies the typed options; throws Error if one does not fit the set.
 void set_options(SynthSetArgs& args) {
   if (args.set.depth && (args.points || args.noise_m))
-    throw Error("--points, --noise: " + args.set.name + " has depth images; expected --errors");
+    throw Error("--points, --noise: " + args.set.name + " contains depth images; use --errors");
   if (!args.set.depth && args.errors)
-    throw Error("--errors: " + args.set.name + " has clouds; expected --points or --noise");
+    throw Error("--errors: " + args.set.name + " contains clouds; use --points or --noise");
   if (args.count == 0) args.count = args.set.frames;
   args.options.points = args.points.value_or(args.options.points);
   args.options.noise_m = args.noise_m.value_or(args.options.noise_m);

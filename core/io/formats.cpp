@@ -289,7 +289,7 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   for (const Format& format : known) {
     if (!format.fits(found)) continue;
     if (!options.topic.empty() && format.open != open_bag_at)
-      throw Error(fmt::format("{}: {}, which has no topics; --topic expects {}", path.string(),
+      throw Error(fmt::format("{}: {}, which has no topics; --topic requires {}", path.string(),
                               format.name, known.front().name));
     return naming_memory(path.string(),
                          [&] { return checked(format.open(path, options), options.color); });

@@ -365,7 +365,7 @@ fs::path file_in(const fs::path& label_dir) { return label_dir / "gravity.json";
 
 void expect_unit(Vec3d& direction, const JsonPlace& place) {
   if (!direction.allFinite() || std::abs(direction.norm() - 1) > 1e-3)
-    place.fail_kind("a direction of length 1");
+    place.fail_kind("a vector of length 1");
   direction.normalize();
 }
 

@@ -98,7 +98,7 @@ TEST_F(Measuring, APlaneHasNoDistanceToItself) {
   play("\"measure.planes\"");
   click(pixel);
   click(pixel);
-  EXPECT_TRUE(state().view.message.ends_with(" was clicked before")) << state().view.message;
+  EXPECT_TRUE(state().view.message.ends_with(" was already clicked")) << state().view.message;
   EXPECT_EQ(ends().size(), 1u);
 }
 

@@ -127,7 +127,7 @@ void show_meeting(State& state, std::int32_t other) {
   const auto moved_on = [voxel = selected.voxel](const State& s) {
     return s.view.selected.voxel != voxel;
   };
-  if (step == 0) return say_hint(state, "these two points are not in one plane", moved_on);
+  if (step == 0) return say_hint(state, "these two points are not on the same plane", moved_on);
   go_to_step(state, step);
   select_voxel(state, selected.voxel, selected.source);
   ask_of_point(state, {.voxel = static_cast<std::uint32_t>(selected.voxel),
@@ -249,7 +249,7 @@ void add_end(State& state, const Clicked& clicked) {
   try {
     debug::MeasureEnd end = end_at(state, clicked);
     if (ends.size() == 1 && end.normal && end.name == ends[0].name && end.normal == ends[0].normal)
-      throw Error(end.name + " was clicked before");
+      throw Error(end.name + " was already clicked");
     if (ends.size() >= 2) ends.clear();
     ends.push_back(std::move(end));
   } catch (const Error& error) {

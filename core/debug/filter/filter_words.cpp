@@ -48,7 +48,7 @@ FilterToken token_at(std::string_view text, std::size_t at) {
     const std::size_t unit = name_length(rest.substr(number.text.size()));
     if (unit == 0) return number;
     const FilterToken whole = token(FilterToken::number, number.text.size() + unit);
-    fail_filter(whole, fmt::format("'{}' is not a number: omit the unit (m or deg)", whole.text));
+    fail_filter(whole, fmt::format("'{}' is not a number; omit the unit (m or deg)", whole.text));
   }
 
   for (const std::string_view sign : kSigns)

@@ -200,9 +200,10 @@ void check_promise(const fs::path& path, const Element& element, bool is_text, s
   // The last number of a text file needs no separator.
   const std::uint64_t slack = is_text ? 1 : 0;
   if (element.count > 0 && (each == 0 || element.count > (left + slack) / each))
-    throw Error(fmt::format(
-        "{}: its header declares {} \"{}\" of at least {} bytes, but only {} bytes follow",
-        path.string(), element.count, element.name, each, left));
+    throw Error(
+        fmt::format("{}: its header declares {} \"{}\" elements of at least {} bytes each, but "
+                    "only {} bytes follow",
+                    path.string(), element.count, element.name, each, left));
 }
 
 /// Reads one element's numbers; skips lists.

@@ -161,7 +161,7 @@ LabeledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& whe
   const std::size_t count = label.size() / sizeof(std::uint32_t);
   check_count(count, where + ".label");
   if (!bin.empty() && bin.size() / sizeof(KittiPoint) != count)
-    throw Error(where + ".label: labels of " + std::to_string(count) + " points, but " + where +
+    throw Error(where + ".label: labels for " + std::to_string(count) + " points, but " + where +
                 ".bin has " + std::to_string(bin.size() / sizeof(KittiPoint)));
   LabeledPoints points;
   std::vector<double> classes(count), instances(count);

@@ -93,7 +93,7 @@ class OptionRows {
       else if (text == "off" || text == "false" || text == "0" || text == "no")
         of(o).*field = false;
       else
-        throw Error(fmt::format("option {}: '{}' is not on or off", name, text));
+        throw Error(fmt::format("option {}: unknown value '{}'; expected on or off", name, text));
     };
     return row;
   }
@@ -114,7 +114,7 @@ class OptionRows {
     row.set = [of = stage_, field, values, name](PipelineOptions& o, const std::string& text) {
       const auto found = std::ranges::find(values, text);
       if (found == values.end())
-        throw Error(fmt::format("option {}: '{}' is unknown; expected {}", name, text,
+        throw Error(fmt::format("option {}: unknown value '{}'; expected {}", name, text,
                                 fmt::join(values, " or ")));
       of(o).*field = static_cast<T>(found - values.begin());
     };
@@ -336,7 +336,7 @@ ProfileFile profile_of(const JsonPlace& place) {
   if (!named.json().is_object()) named.fail_kind("an object");
   for (const auto& [name, value] : named.json().items()) {
     if (name == "profile")
-      throw Error("option profile: not allowed in a profile file; expected \"base\" instead");
+      throw Error("option profile: not allowed in a profile file; use \"base\" instead");
     const OptionInfo& info = find_option(name);
     profile.options.emplace_back(name, value_text(info, JsonPlace(value, "option " + name)));
     info.set(options, profile.options.back().second);
@@ -374,7 +374,7 @@ const OptionInfo& find_option(const std::string& name) {
       throw Error(fmt::format("option {} was removed in 0.2{}{}", name,
                               removed.by.empty() ? "" : "; see ", removed.by));
   const std::string near = nearest_name(name, names);
-  throw Error("option '" + name + "' is unknown" +
+  throw Error("unknown option '" + name + "'" +
               (near.empty() ? std::string("; `planescope options` lists all options")
                             : "; did you mean '" + near + "'?"));
 }

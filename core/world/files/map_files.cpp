@@ -286,12 +286,12 @@ void read(const fs::path& file,
           const char* schema,
           const std::function<void(const JsonPlace&)>& take) {
   if (!fs::exists(file))
-    throw Error(file.string() + ": missing; expected a folder written by planescope map");
+    throw Error(file.string() + ": no such file; expected a folder written by planescope map");
   read_place(file, read_json<Json>(file, kMostBytes), [&](const JsonPlace& place) {
     try {
       place.schema({schema});
     } catch (const Error& error) {
-      throw Error(error.what() + std::string(": rebuild the map"));
+      throw Error(error.what() + std::string("; rebuild the map"));
     }
     take(place);
   });

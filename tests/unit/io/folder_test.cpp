@@ -91,8 +91,8 @@ TEST(Folder, WarnsAboutImplausibleCamerasAndDepthUnits) {
   expect(warnings("10 10 16 4"), "the principal point 16,4 is outside the 12x8 image");
   expect(warnings("1000 1000 6 4"), "a field of view of 0.688 x 0.458 degrees");
   expect(warnings("10 13 6 4"), "fx 10 and fy 13 differ by 30 %");
-  expect(warnings("10 10 6 4", 1e-6), "100 % of the depth of frame 0 is nearer than 5 cm");
-  expect(warnings("10 10 6 4", 0.5), "100 % of the depth of frame 0 is farther than 100 m");
+  expect(warnings("10 10 6 4", 1e-6), "100 % of the depth values in frame 0 are nearer than 5 cm");
+  expect(warnings("10 10 6 4", 0.5), "100 % of the depth values in frame 0 are farther than 100 m");
   write_text(folder / "planescope.json",
              R"({"intrinsics": {"width": 12, "height": 8, "fx": 10, "fy": 10, "cx": 6, "cy": 4,
                  "distortion": [1e300, 0, 0, 0, 0]}})");
@@ -634,7 +634,7 @@ TEST(RsConvert, AnUnusualSizeIsReadFromTheCalibration) {
 TEST(RsConvert, OnlyPicturesOfDepthAreRejectedWithTheOptionThatWritesDepth) {
   const fs::path folder = temp_folder();
   write_color(folder / "a_Depth_1600000000000.50000000000000.png", 9);
-  expect_refused(folder, kKnown, {"picture of depth contains no distances", "-r"});
+  expect_refused(folder, kKnown, {"colorized depth image contains no distances", "-r"});
 }
 
 TEST(Open3dRecorders, AllFoldersAreReadWithCameraAndColor) {

@@ -456,7 +456,7 @@ TEST(Rules, AMistakeInTheFileIsReported) {
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})"),
                   "rules[0].level is \"fatal\"; expected one of off, warn, error"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_least": 5, "at_most": 4})"),
-                  "at_least (5) not above at_most (4)"));
+                  "at_least (5) <= at_most (4)"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 4}], "rules": [)"),
                   "\"rules\" appears twice in one object"));
 }
