@@ -180,7 +180,7 @@ void Journal::scan(const Visitor& visit) {
     } catch (const Error& error) {
       // Its checksum is correct, so the content is as written.
       throw Error(path_.string() + ": cannot be read at byte " + std::to_string(end_) + ": " +
-                  error.what());
+                  error.what() + "; was it written by a later version of planescope?");
     }
     end_ += kHead + bytes;
   }
