@@ -422,7 +422,7 @@ void add_guard(CLI::App* command, ReportGuardArgs& guard) {
       "Pass criteria: strict, default, lenient, or a planescope.rules.json (default with a "
       "baseline: default)");
   command->add_flag("--approve", guard.approve,
-                    "Update the baseline with this report; it keeps its other recordings");
+                    "Update the baseline with this report, keeping its other recordings");
   command->add_flag_callback(
       "--approve-only", [&guard] { guard.approve = guard.approve_only = true; },
       "Replace the whole baseline with this report");

@@ -155,7 +155,7 @@ void define_bench_map(CLI::App* bench, Line& line) {
       "recordings against measured cuboids. -o writes map.jsonl.");
   const auto args = std::make_shared<BenchMapArgs>();
   args->bench.pipeline.threads = all_cores();
-  map->add_option("MAP", args->maps, "Output folders of planescope map; need --cuboids")
+  map->add_option("MAP", args->maps, "Output folders of planescope map; require --cuboids")
       ->type_name("");
   add(map, "--cuboids", args->cuboids, "FILE",
       "Boxes on the floor z = 0, one per line: x y z, yaw, and three half sizes, in meters and "

@@ -112,7 +112,7 @@ int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
 }
 
 void add_of_clouds(CLI::App* command, SynthSetArgs& args) {
-  add(command, "--count", args.count, "N", "Number of frames (default: as many as benchmarks use)")
+  add(command, "--count", args.count, "N", "Number of frames (default: as in benchmarks)")
       ->transform(whole(1));
   add(command, "--points", args.points, "N",
       "Points of each cloud (default 8192); 0: dense sampling")

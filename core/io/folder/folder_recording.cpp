@@ -188,9 +188,9 @@ void FolderRecording::check_depth(const fs::path& path, const Intrinsics& known)
   const PngInfo image = is_dump ? dump_info(path, known) : png_info(path);
   if (image.channels != 1 || image.bit_depth != 16)
     throw Error(
-        fmt::format("{}: PNG with {} channel(s) of {} bits; expected depth in 1 channel "
+        fmt::format("{}: PNG with {} of {} bits; expected depth in 1 channel "
                     "of 16 bits (a colorized depth image contains no distances{})",
-                    path.string(), image.channels, image.bit_depth,
+                    path.string(), counted(image.channels, "channel"), image.bit_depth,
                     lower_case(path.stem().string()).find("_depth_") == std::string::npos
                         ? ""
                         : "; rs-convert writes depth with -r"));

@@ -172,7 +172,7 @@ void ReportGuard::check_merge(const Report& report) const {
   });
   const auto refuse = [&](const std::string& why) {
     throw Error(fmt::format(
-        "--approve: {} {}; expected all its recordings, or --approve-only to replace it",
+        "--approve: {} {}; include all its recordings, or use --approve-only to replace it",
         baseline_file_.string(), why));
   };
   if (keeps_others) read_report_head(baseline_file_);  // throws if an earlier version wrote it
