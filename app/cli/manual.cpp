@@ -442,7 +442,7 @@ void define_help(CLI::App& app, Line& line) {
       if (found == names.end()) {
         const std::string near = nearest_name(word, names);
         throw Error(fmt::format("help: unknown command '{} {}'{}", path, word,
-                                names.empty() ? "; expected no more words"
+                                names.empty() ? "; expected no more arguments"
                                 : near.empty()
                                     ? fmt::format("; expected one of {}", fmt::join(names, ", "))
                                     : fmt::format("; did you mean '{}'?", near)));

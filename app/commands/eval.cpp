@@ -152,8 +152,8 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   const std::vector<OpenInput> inputs = open_inputs(depth_alone);
   const bool predicted = !args.prediction.empty();
   if (predicted && inputs.size() != 1)
-    throw Error(
-        fmt::format("--prediction names one folder, but there are {} recordings", inputs.size()));
+    throw Error(fmt::format("--prediction specifies one folder, but there are {} recordings",
+                            inputs.size()));
   const planes::ChosenClassifier chosen =
       predicted ? planes::ChosenClassifier{} : choose_classifier(args.input.pipeline);
   std::vector<const OpenInput*> input_of;

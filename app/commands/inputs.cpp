@@ -232,7 +232,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args, const fs::path& out) {
   });
   if (args.label_dir && paths.size() > 1)
     throw Error(
-        fmt::format("--labels names one folder, but there are {} recordings", paths.size()));
+        fmt::format("--labels specifies one folder, but there are {} recordings", paths.size()));
   if (args.label_dir && !fs::is_directory(*args.label_dir))
     throw Error(args.label_dir->string() + ": is not a label folder");
   std::vector<OpenInput> inputs;

@@ -59,7 +59,7 @@ std::vector<Listed> read_tune_list(const TuneArgs& args) {
                                                    "--gravity",  "--instance-field", "--labels",
                                                    "--max-range"};
   if (!args.input.inputs.empty())
-    throw Error("--list names the recordings; remove " + args.input.inputs[0].string());
+    throw Error("--list specifies the recordings; remove " + args.input.inputs[0].string());
   const fs::path folder = fs::absolute(args.list).parent_path();
   std::vector<Listed> all;
   read_list(args.list, [&](std::istringstream& words) {

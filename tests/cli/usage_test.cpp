@@ -181,7 +181,7 @@ TEST(Usage, UnknownNamesAreReportedInOneLineWithTheNearestName) {
       {{"help", "segmnt"}, "did you mean 'segment'?"},
       {{"help", "labels", "expo"}, "did you mean 'export'?"},
       {{"help", "labels", "xyzzy"}, "expected one of check, stats, compare"},
-      {{"help", "info", "x"}, "expected no more words"},
+      {{"help", "info", "x"}, "expected no more arguments"},
       {{"info", "--frames", "1:2:0"}, "step"},
       {{"info", "--frames", "a"}, "not a whole number"},
       {{"info", "--intrinsics", "1,2,3"}, "FX,FY,CX,CY"},

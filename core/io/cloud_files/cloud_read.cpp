@@ -339,10 +339,10 @@ void check_promise(const fs::path& path, const PcdHeader& header, Bytes body) {
                                         : CompressedSizes{0xffffffffu, 0};
     // LZF compresses at most 264 bytes into 3.
     if (sizes.raw == least && sizes.stored <= body.size() - 8 && least / 88 <= sizes.stored) return;
-    throw Error(fmt::format(
-        "{}: its header declares {} points of {} bytes, but its compressed block of {} bytes does "
-        "not contain them",
-        path.string(), header.points, header.point_bytes, body.size()));
+    throw Error(
+        fmt::format("{}: its header declares {} points of {} bytes, but its compressed block of {} "
+                    "bytes is too small",
+                    path.string(), header.points, header.point_bytes, body.size()));
   }
   if (least > body.size())
     throw Error(fmt::format(

@@ -136,7 +136,7 @@ LabelFormat label_format_of(const fs::path& path) {
       if (!last.empty()) known += (known.empty() ? "" : ", ") + last;
       last = file.extension;
     }
-  throw Error(fmt::format("{}: unknown extension; expected a name that ends in {} or {}",
+  throw Error(fmt::format("{}: unknown extension; expected a name that ends in {}, or {}",
                           path.string(), known, last));
 }
 

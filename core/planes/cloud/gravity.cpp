@@ -133,7 +133,7 @@ std::optional<Gravity> found_gravity(const Frame& frame,
                                           : "assumed: the cloud's z axis points up"};
   }
   if (frame.is_cloud()) {
-    why_not.why = "gravity is estimated from depth images only";
+    why_not.why = "gravity can be estimated only from depth images";
     return std::nullopt;
   }
   std::optional<Gravity> estimated = estimate_gravity(frame, options);

@@ -332,7 +332,7 @@ void read_frame_fields(FieldReader& fields, KnownMap& map) {
   for (const auto& margin : margins)
     planes.margins.push_back(margin.value_or(std::numeric_limits<double>::infinity()));
   if (planes.margins.size() < planes.tracks.size())
-    throw Error(fmt::format("frame {} has {} for {}", frame,
+    throw Error(fmt::format("frame {} has {} for {}; expected one per plane", frame,
                             counted(planes.margins.size(), "margin"),
                             counted(planes.tracks.size(), "plane")));
 }

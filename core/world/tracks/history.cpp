@@ -186,8 +186,8 @@ TrackFilter::TrackFilter(const std::string& text) {
     const NumberWord* number = find_word(kNumbers, name);
     if (!number)
       fail(name,
-           "track, frame, length, missed, gaps, born, segment, area_m2, or rms_mm; or h, v, map, "
-           "gap, gone, or merged alone");
+           "track, frame, length, missed, gaps, born, segment, area_m2, or rms_mm (h, v, map, gap, "
+           "gone, and merged take no comparison)");
     conditions_.push_back([=](const Tracker&, const Track& track) {
       return comparison->holds(number->value(track), value);
     });

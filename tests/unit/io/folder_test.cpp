@@ -107,7 +107,7 @@ TEST(Folder, ACalibrationThatIsNotUnderstoodIsNamed) {
   EXPECT_EQ(info.intrinsics_source, "calibration.txt");
   EXPECT_EQ(info.ignored_calibration, std::vector<std::string>{"Calib.yaml"});
   ASSERT_EQ(info.warnings.size(), 1u);
-  EXPECT_TRUE(info.warnings[0].starts_with("Calib.yaml: not a calibration that"));
+  EXPECT_TRUE(info.warnings[0].starts_with("Calib.yaml: not a supported calibration"));
   EXPECT_TRUE(open_known(folder)->info().warnings.empty()) << "the user gave intrinsics";
   fs::remove(folder / "calibration.txt");
   expect_refused(folder, {"contains no camera intrinsics (Calib.yaml: not a", "--intrinsics"});
