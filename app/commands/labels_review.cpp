@@ -210,8 +210,8 @@ ComparedFrame compare_frame(const LabeledRecording& a, const LabeledRecording& b
 /// Prints the agreement between two sets of labels for the same frames.
 int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.input.inputs.size() != 2)
-    throw Error(fmt::format("labels compare: {} folders; expected two, DIR_A and DIR_B",
-                            args.input.inputs.size()));
+    throw Error(fmt::format("labels compare: {}; expected two label folders",
+                            counted(args.input.inputs.size(), "folder")));
   const auto open = [&](const std::filesystem::path& dir) {
     LabeledRecording source;
     source.labels = list_labels(dir);
