@@ -33,8 +33,8 @@ Intrinsics intrinsics(const Camera& camera, const char* what) {
                     "expected fx, fy, cx, and cy in pixels",
                     what, camera.fx, camera.fy, camera.width, camera.height));
   if (!(std::isfinite(camera.cx) && std::isfinite(camera.cy)))
-    throw Error(
-        fmt::format("{}: principal point {}, {}; expected pixels", what, camera.cx, camera.cy));
+    throw Error(fmt::format("{}: principal point {}, {}; expected finite numbers, in pixels", what,
+                            camera.cx, camera.cy));
   if (static_cast<int>(camera.distortion) > static_cast<int>(Distortion::inverse_brown_conrady))
     throw Error(fmt::format("{}: unknown distortion {}; expected 0 to 2", what,
                             static_cast<int>(camera.distortion)));
@@ -102,8 +102,8 @@ static Intrinsics checked(const DepthImage& image) {
   const Intrinsics result = intrinsics(image.camera, "depth image");
   if (image.counts == nullptr && image.meters == nullptr) throw Error("depth image: no pixels");
   if (!(image.unit_m > 0 && image.unit_m <= 1))
-    throw Error(
-        fmt::format("depth image: {} m per count; expected above 0 and at most 1", image.unit_m));
+    throw Error(fmt::format("depth image: {} m per count; expected more than 0 and at most 1",
+                            image.unit_m));
   if (image.row_stride != 0 && image.row_stride < static_cast<std::size_t>(result.width))
     throw Error(fmt::format("depth image: row stride {1}; expected at least the width, {0}",
                             result.width, image.row_stride));
@@ -122,8 +122,7 @@ void throw_for_programs(const std::string& message) {
     for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what))
       text.replace(at, what.size(), by);
   };
-  replace(planes::kHowToGiveGravity,
-          "specify the direction in which things fall, in the sensor's frame");
+  replace(planes::kHowToGiveGravity, "specify the downward direction in the sensor's frame");
   replace(io::kHowToGiveIntrinsics, "specify them");
   replace(" --", " ");
   replace("(--", "(");
@@ -203,7 +202,7 @@ class Reader {
   }
   void end() const { expect(bytes_.empty()); }
   static void expect(bool holds) {
-    if (!holds) throw Error("frame: damaged bytes; expected those of Frame::bytes()");
+    if (!holds) throw Error("frame: damaged bytes; expected the output of Frame::bytes()");
   }
 
  private:

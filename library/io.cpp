@@ -84,7 +84,8 @@ Map map_of(const world::WorldMap& made, const std::string& name) {
 
 Recording::Recording(const std::string& path, const RecordingOptions& options) {
   detail::guarded([&] {
-    if (path.find('\0') != std::string::npos) throw Error("recording: the path contains a NUL");
+    if (path.find('\0') != std::string::npos)
+      throw Error("recording: the path contains a NUL character");
     io::RecordingOptions core;
     core.intrinsics = options.intrinsics;
     core.depth_unit_m = options.depth_unit_m;
@@ -138,7 +139,7 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
         throw Error(fmt::format("frame {}: {}", i, at->second));
     }
     if (!std::ranges::is_sorted(job.frames, std::ranges::less_equal{}))
-      throw Error("map: the frame numbers do not ascend");
+      throw Error("map: the frame numbers are not in ascending order");
     if (!(options.window_m >= 0)) throw Error("map: window_m is less than 0");
     job.pipeline = by.options;
     job.classifier = by.chosen.classifier.get();

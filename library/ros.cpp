@@ -42,9 +42,8 @@ Intrinsics intrinsics_of(const io::ros::CameraInfo& info) {
     throw Error(
         fmt::format("camera_info: lens distortion \"{}\" is not supported", info.distortion_model));
   if (!(camera.fx > 0 && camera.fy > 0))
-    throw Error(
-        fmt::format("camera_info: focal length {}, {}; expected pixels above 0 (k[0], k[4])",
-                    camera.fx, camera.fy));
+    throw Error(fmt::format("camera_info: focal length {}, {} px; expected above 0 (k[0], k[4])",
+                            camera.fx, camera.fy));
   return camera;
 }
 

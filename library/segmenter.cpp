@@ -169,7 +169,7 @@ Result Segmenter::segment(const Frame& frame) const {
 Trace Segmenter::trace(const Frame& frame) const {
   return guarded([&] {
     if (data_->options.method != planes::Method::ours)
-      throw Error(fmt::format("method {}: does not support traces; expected ours",
+      throw Error(fmt::format("method {} does not support traces; expected ours",
                               planes::to_string(data_->options.method)));
     const auto subject = debug::make_subject(Access::frame(frame), std::nullopt, data_->options,
                                              data_->chosen.classifier.get());

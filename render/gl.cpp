@@ -339,8 +339,8 @@ std::unique_ptr<GlContext> make_egl_context() {
     return context;
 
   throw Error(
-      fmt::format("no OpenGL 3.3 core context through EGL: {} (Debian: libegl1, libopengl0 "
-                  "and libgl1-mesa-dri provide a software renderer)",
+      fmt::format("no OpenGL 3.3 core context through EGL: {} (Debian: libegl1, libopengl0, and "
+                  "libgl1-mesa-dri provide a software renderer)",
                   fmt::join(attempts, "; ")));
 }
 

@@ -24,12 +24,12 @@ missing_packages() {
   done
 }
 
-# setup_packages [LIST...]: installs missing packages of scripts/packages.txt and of the lists. Never prompts: without
+# setup_packages [LIST...]: installs missing packages from scripts/packages.txt and the lists. Never prompts: without
 # permission to install, it prints the command to run. Only apt runs as root.
 setup_packages() {
   local lists=(scripts/packages.txt "$@")
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-    say "no apt here: the build needs what ${lists[*]} names, from your own packages"
+    say "apt not found; install the packages listed in ${lists[*]} yourself"
     return 0
   fi
   local missing as_root=()
@@ -40,7 +40,7 @@ setup_packages() {
   fi
   if [ "$(id -u)" -ne 0 ]; then
     if ! command -v sudo >/dev/null || ! sudo -n true 2>/dev/null; then
-      die "packages are missing and sudo is not available without a password. Run as root:" \
+      die "packages are missing, and sudo requires a password. Run as root:" \
         "apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
     fi
     as_root=(sudo -n)
@@ -54,16 +54,16 @@ setup_packages() {
     >"$log" 2>&1 </dev/null; then
     tail -n 30 "$log" >&2
     rm -f "$log"
-    die "apt could not install the packages (its last lines stand above)"
+    die "apt could not install the packages; see its last lines above"
   fi
   rm -f "$log"
 }
 
 # `sudo scripts/demo` installs as root, then continues as the calling user, who could not repeat a build
 # that belongs to root.
-go_on_as_caller() {
+continue_as_caller() {
   if [ "$(id -u)" -eq 0 ] && [ -n "${SUDO_USER:-}" ] && [ "$SUDO_USER" != root ]; then
-    say "going on as $SUDO_USER"
+    say "continuing as $SUDO_USER"
     exec setpriv --reuid "$SUDO_USER" --regid "$(id -g "$SUDO_USER")" --init-groups \
       env -u SUDO_USER HOME="$(getent passwd "$SUDO_USER" | cut -d: -f6)" \
       "$root/scripts/$(basename "$0")" "$@"

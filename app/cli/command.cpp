@@ -36,7 +36,7 @@ std::string refusal(std::string& text, const char* kind, Value least, Value most
 }
 
 constexpr const char* kReadLimitHelp =
-    "Memory limit for one image, chunk or table of a file (default 512); larger ones are rejected";
+    "Memory limit for one image, chunk, or table of a file (default 512); larger ones are rejected";
 
 }  // namespace
 
@@ -151,7 +151,7 @@ void add_method(CLI::App* command, planes::PipelineOptions& options) {
 
 void add_foot(CLI::App* command, planes::PipelineOptions& options) {
   add_of_method(command, options, "--foot", "RADIUS|LENGTHxWIDTH",
-                "Size of a foot, wheel or gripper in meters: report footholds, valid for any "
+                "Size of a foot, wheel, or gripper in meters: report footholds, valid for any "
                 "heading, and steppable planes");
 }
 

@@ -95,7 +95,7 @@ CLI::Option* add_out(CLI::App* command, std::filesystem::path& out);
 CLI::Option* add_planes_out(CLI::App* command, std::filesystem::path& out);
 inline constexpr const char* kPlanesOut = "DIR|FILE.mcap";
 inline constexpr const char* kPlanesOutHelp =
-    "Output folder, or one file of all frames and planes for Foxglove, RViz and ros2 bag";
+    "Output folder, or one file of all frames and planes for Foxglove, RViz, and ros2 bag";
 void add_size(CLI::App* command,
               int& width,
               int& height,

@@ -442,7 +442,7 @@ void define_help(CLI::App& app, Line& line) {
       if (found == names.end()) {
         const std::string near = nearest_name(word, names);
         throw Error(fmt::format("help: unknown command '{} {}'{}", path, word,
-                                names.empty() ? "; expected no more words"
+                                names.empty() ? "; expected no more arguments"
                                 : near.empty()
                                     ? fmt::format("; expected one of {}", fmt::join(names, ", "))
                                     : fmt::format("; did you mean '{}'?", near)));
@@ -466,7 +466,7 @@ void define_completions(CLI::App& app, Line& line) {
       app.add_subcommand("completions", "Print completions for a shell\nBash: eval \"$(" +
                                             app.get_name() + " completions bash)\".");
   const auto args = std::make_shared<PrintArgs>();
-  completions->add_option("SHELL", args->shell, "bash, zsh or fish")
+  completions->add_option("SHELL", args->shell, "bash, zsh, or fish")
       ->type_name("")
       ->required()
       ->check(some_of({"bash", "zsh", "fish"}, "a supported shell"));

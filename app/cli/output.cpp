@@ -95,7 +95,7 @@ void check_outside(const fs::path& out, const fs::path& recording) {
   const std::string type = fs::is_directory(recording) ? "" : recording.extension().string();
   if (!type.empty()) beside.replace_extension();
   const std::string name = is_itself ? "out" + type : without_slash(out).filename().string();
-  throw Error(fmt::format("{}: is {} {}; expected a path outside, such as {}", out.string(),
+  throw Error(fmt::format("{}: is {} {}; expected a path outside it, such as {}", out.string(),
                           is_itself ? "the recording" : "in the recording", recording.string(),
                           path_beside(beside, "-" + name).string()));
 }

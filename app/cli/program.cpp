@@ -69,7 +69,7 @@ class Interrupt {
 };
 
 Interrupt::Interrupt() {
-  if (pipe2(pipe_, O_CLOEXEC) != 0) throw Error("cannot watch for signals: cannot create a pipe");
+  if (pipe2(pipe_, O_CLOEXEC) != 0) throw Error("cannot handle signals: cannot create a pipe");
   g_signal_fd = pipe_[1];
   watcher_ = std::thread([this] {
     char byte = 0;
@@ -318,13 +318,13 @@ int run_program(const Program& program, int argc, char** argv) {
     return fail(path_problem(error), 2);
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again)  // thread creation failed
-      return fail("out of memory: cannot start a thread; fewer --threads need less", 2);
+      return fail("out of memory: cannot start a thread; use fewer --threads", 2);
     if (std::ferror(stdout) != 0)
       return fail(std::string("standard output cannot be written to: ") + error.code().message(),
                   2);
     return fail(std::string("unexpected failure: ") + error.what(), 2);
   } catch (const std::bad_alloc&) {
-    return fail(std::string("out of memory: ") + kHowToNeedLessMemory, 2);
+    return fail(std::string("out of memory; ") + kHowToNeedLessMemory, 2);
   } catch (const std::exception& error) {
     return fail(std::string("unexpected failure: ") + error.what(), 2);
   }

@@ -58,7 +58,7 @@ Target target_of(const RecastArgs& args, const OpenInput& input) {
                               target.out.string(), input.frames.size()));
   } else if (ending == ".bag" || ending == ".db3") {
     throw Error(fmt::format(
-        "{}: writing {} files is not supported; expected a folder, or a .mcap, .ply or .pcd file",
+        "{}: writing {} files is not supported; expected a folder, or a .mcap, .ply, or .pcd file",
         target.out.string(), ending));
   } else {
     target.form = args.form.value_or(input.recording->info().width > 0 ? Form::folder : Form::ply);
@@ -265,7 +265,7 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
 
 void define_convert(CLI::App& app, Line& line) {
   CLI::App* command = app.add_subcommand(
-      "convert", "Convert a recording to another format\nColor, gravity and labels are kept.");
+      "convert", "Convert a recording to another format\nColor, gravity, and labels are kept.");
   const auto args = std::make_shared<RecastArgs>();
   add_recordings(command, args->input, false);
   add(command, "-o,--out", args->out, "OUT",

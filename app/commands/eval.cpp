@@ -137,8 +137,8 @@ std::optional<Row> score_prediction(const OpenInput& input, int index, const Eva
   const auto found = read_prediction(args.prediction, *input.recording, frame, truth->gravity);
   if (!found)
     throw Error(
-        fmt::format("{}: no planes for frame {}; expected {:06}.plane.png, {:06}.npy or similar, "
-                    "or the output of planescope segment",
+        fmt::format("{}: no planes for frame {}; expected a label file, such as {:06}.plane.png or "
+                    "{:06}.npy, or the output of planescope segment",
                     args.prediction.string(), index, index, index));
   return Row{input.path.string(), index, name_of(frame),
              planes::score_labels(frame, *found, *truth, args.input.pipeline.cloud)};
@@ -152,8 +152,8 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   const std::vector<OpenInput> inputs = open_inputs(depth_alone);
   const bool predicted = !args.prediction.empty();
   if (predicted && inputs.size() != 1)
-    throw Error(
-        fmt::format("--prediction names one folder, but there are {} recordings", inputs.size()));
+    throw Error(fmt::format("--prediction specifies one folder, but there are {} recordings",
+                            inputs.size()));
   const planes::ChosenClassifier chosen =
       predicted ? planes::ChosenClassifier{} : choose_classifier(args.input.pipeline);
   std::vector<const OpenInput*> input_of;

@@ -120,7 +120,8 @@ std::array<double, 4> parse_intrinsics(const std::string& text) {
   std::array<double, 4> values{};
   for (std::size_t i = 0; i < 4; ++i) values[i] = parse_number(parts[i], "--intrinsics");
   if (values[0] <= 0 || values[1] <= 0)
-    throw Error("--intrinsics: '" + text + "' has a focal length of 0 or less; expected above 0");
+    throw Error("--intrinsics: '" + text +
+                "' has a focal length of 0 or less; expected more than 0");
   return values;
 }
 
@@ -128,7 +129,7 @@ double parse_depth_unit(const std::string& text) {
   const double unit = parse_number(text, "--depth-unit");
   if (unit <= 0 || unit > 1)
     throw Error("--depth-unit: " + text +
-                " is out of range; expected meters per count, above 0 and at most 1");
+                " is out of range; expected more than 0 and at most 1 meter per count");
   return unit;
 }
 
@@ -211,7 +212,7 @@ void warn(const InputArgs& args, const std::string& warning) {
 }
 
 std::string no_planes_text(const std::string& recording, std::size_t frames) {
-  return fmt::format("{}: 0 planes in {}; are depth unit, --max-range and --voxel right?",
+  return fmt::format("{}: 0 planes in {}; are the depth unit, --max-range, and --voxel correct?",
                      recording, counted(frames, "frame"));
 }
 
@@ -231,7 +232,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args, const fs::path& out) {
   });
   if (args.label_dir && paths.size() > 1)
     throw Error(
-        fmt::format("--labels names one folder, but there are {} recordings", paths.size()));
+        fmt::format("--labels specifies one folder, but there are {} recordings", paths.size()));
   if (args.label_dir && !fs::is_directory(*args.label_dir))
     throw Error(args.label_dir->string() + ": is not a label folder");
   std::vector<OpenInput> inputs;

@@ -111,7 +111,7 @@ void add_label_dir(CLI::App* command, LabelsArgs& args) {
 
 void define_labels(CLI::App& app, Line& line) {
   CLI::App* labels = app.add_subcommand(
-      "labels", "Check, compare, export and import ground truth (docs/labels.md)");
+      "labels", "Check, compare, export, and import ground truth (docs/labels.md)");
   for (const auto define : {define_labels_check, define_labels_stats, define_labels_compare,
                             define_labels_export, define_labels_import, define_labels_convert})
     define(labels, line);

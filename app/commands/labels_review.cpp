@@ -210,8 +210,8 @@ ComparedFrame compare_frame(const LabeledRecording& a, const LabeledRecording& b
 /// Prints the agreement between two sets of labels for the same frames.
 int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.input.inputs.size() != 2)
-    throw Error(fmt::format("labels compare: {} folders; expected two, DIR_A and DIR_B",
-                            args.input.inputs.size()));
+    throw Error(fmt::format("labels compare: {}; expected two label folders",
+                            counted(args.input.inputs.size(), "folder")));
   const auto open = [&](const std::filesystem::path& dir) {
     LabeledRecording source;
     source.labels = list_labels(dir);
@@ -432,7 +432,7 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
 
 void define_labels_stats(CLI::App* labels, Line& line) {
   CLI::App* stats = labels->add_subcommand(
-      "stats", "Show planes, labeled area and annotation time for each frame");
+      "stats", "Show the planes, labeled area, and annotation time of each frame");
   const auto args = std::make_shared<LabelsArgs>();
   add_label_inputs(stats, *args, "Label folder or recording");
   add_label_dir(stats, *args);

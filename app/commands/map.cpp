@@ -89,8 +89,8 @@ void check_not_of_user(const fs::path& dir) {
     if (fs::exists(dir / name)) files.emplace_back(name);
   if (!files.empty())
     throw Error(
-        fmt::format("{}: already exists, but not from an earlier map; expected a new or "
-                    "empty folder, or one with an earlier map",
+        fmt::format("{}: already exists, but is not from an earlier map; expected a new or empty "
+                    "folder, or an earlier map",
                     (dir / *std::ranges::min_element(files)).string()));
 }
 
@@ -248,7 +248,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
           "{}: not written: {} of {} do not fit the rest; expected poses of this recording, "
           "T_world_camera in meters, quaternions as x y z w; found poses from {}",
           args.out.string(), aside, counted(frames.size(), "frame"), map.poses.source));
-    throw Error(fmt::format("{}: not written: no plane was seen in {} or more of {}",
+    throw Error(fmt::format("{}: not written: no plane was seen in at least {} of {}",
                             args.out.string(), map.tracker.options().confirm_frames,
                             counted(input.frames.size(), "frame")));
   }
@@ -287,8 +287,8 @@ void define_map(CLI::App& app, Line& line) {
   CLI::App* map = app.add_subcommand(
       "map",
       "Track planes over all frames and build one map of them\n"
-      "Writes map.json, tracks.json, poses.tum and map.png in the world frame: z up, meters. "
-      "-o FILE.mcap writes the map and all frames for Foxglove, RViz and ros2 bag.");
+      "Writes map.json, tracks.json, poses.tum, and map.png in the world frame: z up, meters. "
+      "-o FILE.mcap writes the map and all frames for Foxglove, RViz, and ros2 bag.");
   const auto args = std::make_shared<MapArgs>();
   add_recordings(map, args->input, false, false);
   add_planes_out(map, args->out)->required();

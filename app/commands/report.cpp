@@ -135,7 +135,7 @@ int finish_report(const std::filesystem::path& out,
   const report::ReportTotals totals = report::totals_of(report);
   print_refusals(report);
   if (!report.renderer_error.empty())
-    notice("rendering failed, but the data files are written: {}", report.renderer_error);
+    notice("rendering failed, but the data files were written: {}", report.renderer_error);
   if (args.approve && totals.unreadable)
     notice("warning: --approve: {} is unchanged, because a frame is damaged",
            args.baseline.string());
@@ -422,7 +422,7 @@ void add_guard(CLI::App* command, ReportGuardArgs& guard) {
       "Pass criteria: strict, default, lenient, or a planescope.rules.json (default with a "
       "baseline: default)");
   command->add_flag("--approve", guard.approve,
-                    "Update the baseline with this report; it keeps its other recordings");
+                    "Update the baseline with this report, keeping its other recordings");
   command->add_flag_callback(
       "--approve-only", [&guard] { guard.approve = guard.approve_only = true; },
       "Replace the whole baseline with this report");
@@ -440,8 +440,8 @@ void define_merge(CLI::App* report, Line& line) {
   runs(merge, line, args, run_report_merge, [args, report] {
     for (const CLI::Option* option : report->get_options())
       if (option->count() > 0)
-        throw Error("report merge: specify " + option->get_name() + " after merge");
-    if (args->out.empty()) throw Error("report merge needs -o DIR: Output folder");
+        throw Error("report merge: specify " + option->get_name() + " after merge, not before");
+    if (args->out.empty()) throw Error("report merge needs -o DIR, the output folder");
     if (args->shards.empty()) throw Error("report merge needs the folders of the shards");
   });
 }
@@ -476,7 +476,7 @@ void define_report(CLI::App& app, Line& line) {
   };
   runs(report, line, args, run, [&line, report, args] {
     args->command = line.frames_text;
-    if (!args->init && args->out.empty()) throw Error("report needs -o DIR: Output folder");
+    if (!args->init && args->out.empty()) throw Error("report needs -o DIR, the output folder");
     for (const CLI::Option* option : report->get_options())
       if (args->init && option->count() > 0 && option->get_name() != "--init" &&
           option->get_name() != "--rules")

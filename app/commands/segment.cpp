@@ -257,13 +257,13 @@ int run_segment(const SegmentArgs& args, std::stop_token stop, PlanesFile* file)
 }
 
 void define_segment(CLI::App& app, Line& line) {
-  CLI::App* segment = app.add_subcommand("segment",
-                                         "Find the planes of each frame\n"
-                                         "Writes planes.json, planes.png, cloud.ply and "
-                                         "timings.json for each frame. Planes and clouds "
-                                         "are in the world frame: z up, meters. -o FILE.mcap "
-                                         "writes all frames and planes for Foxglove, RViz and "
-                                         "ros2 bag.");
+  CLI::App* segment =
+      app.add_subcommand("segment",
+                         "Find the planes of each frame\n"
+                         "Writes planes.json, planes.png, cloud.ply, and timings.json for each "
+                         "frame. Planes and clouds "
+                         "are in the world frame: z up, meters. -o FILE.mcap "
+                         "writes all frames and planes for Foxglove, RViz, and ros2 bag.");
   const auto args = std::make_shared<SegmentArgs>();
   add_inputs(segment, args->input,
              io::recordings_text(false) +

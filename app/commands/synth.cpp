@@ -44,7 +44,7 @@ int run_synth_sequence(const SynthSequenceArgs& args, std::stop_token stop) {
 void define_sequence(CLI::App* synth, Line& line) {
   CLI::App* sequence =
       synth->add_subcommand("sequence",
-                            "Write a walk past boxes, up and down stairs\n"
+                            "Write a walk past boxes and up and down stairs\n"
                             "Camera poses are exact; the exact ground truth goes to DIR.labels.");
   const auto args = std::make_shared<SynthSequenceArgs>();
   lab::SequenceOptions& options = args->sequence;

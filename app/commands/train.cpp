@@ -62,8 +62,8 @@ lab::TrainState first_state(const TrainArgs& args) {
   if (args.from.empty()) return state;
   planes::NetworkWeights from = planes::read_weights(args.from);
   if (!(from.config == options.network))
-    throw Error(fmt::format("{}: different network; expected {} (--network)", args.from.string(),
-                            options.network.name));
+    throw Error(fmt::format("{}: weights of a different network; expected {} (--network)",
+                            args.from.string(), options.network.name));
   state.weights.tensors = std::move(from.tensors);
   return state;
 }
@@ -245,7 +245,7 @@ void set_recipe(TrainArgs& args, const std::string& name) {
   const std::vector<std::string>& names = lab::recipe_names();
   args.synthetic = name != "recordings";
   if (args.synthetic && std::ranges::find(names, name) == names.end())
-    throw Error(fmt::format("unknown recipe \"{}\"; expected {} or recordings", name,
+    throw Error(fmt::format("unknown recipe \"{}\"; expected {}, or recordings", name,
                             fmt::join(names, ", ")));
   args.recipe = lab::make_recipe(args.synthetic ? name : kDefaultRecipe);
   args.recipe.name = name;
@@ -260,7 +260,7 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
   add(command, "-o,--out", args->out, "FILE.safetensors", "Weights to write")->required();
   add_read(
       command, "--recipe", [args](const std::string& name) { set_recipe(*args, name); }, "NAME",
-      fmt::format("Training data: {}, or recordings for the given ones only (default {})",
+      fmt::format("Training data: {}, or recordings, to use only the given ones (default {})",
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
   add_read(
       command, "--from", [args](const std::string& file) { begin_with(*args, file); }, "FILE",

@@ -49,7 +49,7 @@ struct Listed {
 bool parse_held(const std::string& text) {
   if (text == "held-out") return true;
   if (text == "tuning") return false;
-  throw Error("HALF: '" + text + "' is unknown; expected tuning, held-out, or -");
+  throw Error("HALF: unknown value '" + text + "'; expected tuning, held-out, or -");
 }
 
 /// Parses lines of HALF RECORDING OPTIONS, which override the command line. Paths are relative to
@@ -59,7 +59,7 @@ std::vector<Listed> read_tune_list(const TuneArgs& args) {
                                                    "--gravity",  "--instance-field", "--labels",
                                                    "--max-range"};
   if (!args.input.inputs.empty())
-    throw Error("--list names the recordings; remove " + args.input.inputs[0].string());
+    throw Error("--list specifies the recordings; remove " + args.input.inputs[0].string());
   const fs::path folder = fs::absolute(args.list).parent_path();
   std::vector<Listed> all;
   read_list(args.list, [&](std::istringstream& words) {
@@ -162,9 +162,8 @@ std::vector<std::string> searched_options(const TuneArgs& args) {
   for (const std::string& name : args.options)
     if (!lab::is_tunable(planes::find_option(name)))
       throw Error(
-          fmt::format("--only {}: not tunable; expected a number, switch, or choice of the method "
-                      "that does not "
-                      "affect which points are scored",
+          fmt::format("--only {}: not tunable; expected a method option that does not affect which "
+                      "points are scored",
                       name));
   return names;
 }

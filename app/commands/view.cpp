@@ -188,7 +188,7 @@ void define_view(CLI::App& app, Line& line) {
   CLI::App* view = app.add_subcommand(
       "view",
       "Open the debugger; Ctrl+L opens the label editor\n"
-      "Step through the octree traversal and find out why a plane was found, merged or lost. "
+      "Step through the octree traversal and find out why a plane was found, merged, or lost. "
       "Without a display, --screenshot renders the same window to a picture.");
   const auto args = std::make_shared<ViewArgs>();
   add_recordings(view, args->input, true);
@@ -239,7 +239,7 @@ void define_view(CLI::App& app, Line& line) {
       throw Error("--baseline needs --open REPORT.json");
     if (!args->open.empty() && method_typed(*view))
       throw Error(
-          "--open uses the options of the session or report; remove --profile, --set and other "
+          "--open uses the options of the session or report; remove --profile, --set, and other "
           "method options");
   });
 }

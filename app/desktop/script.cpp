@@ -193,7 +193,7 @@ class Player {
   }
   std::string trace() const {
     const State& state = shell_.state();
-    if (!state.run()) throw Error("no run is available to write a trace of");
+    if (!state.run()) throw Error("no run is available, so there is no trace to write");
     const bool beside = state.results.pinned && state.run() != state.results.pinned->run.get();
     return debug::trace_text(*state.run(), beside ? state.results.pinned->run.get() : nullptr);
   }

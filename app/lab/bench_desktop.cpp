@@ -118,10 +118,10 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
 }  // namespace
 
 void define_bench_desktop(CLI::App* bench, Line& line) {
-  CLI::App* command = bench->add_subcommand(
-      "desktop",
-      "Time the debugger's window\n"
-      "Draws a step and a slider's tick without a display, and an empty window in the same run.");
+  CLI::App* command =
+      bench->add_subcommand("desktop",
+                            "Time the debugger's window\n"
+                            "Draws a step, a slider tick, and an empty window without a display.");
   const auto args = std::make_shared<BenchDesktopArgs>();
   ViewArgs& view = args->view;
   add_recordings(command, view.input, false);

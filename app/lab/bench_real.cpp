@@ -243,7 +243,7 @@ void define_bench_real(CLI::App* bench, Line& line) {
   const auto args = std::make_shared<BenchRealArgs>();
   add(real, "--frames-list", args->frames_list, "FILE",
       "File with one line per labeled frame: NAME HALF RECORDING FRAME OPTIONS; OPTIONS are "
-      "--intrinsics, --depth-unit, --gravity and --max-range");
+      "--intrinsics, --depth-unit, --gravity, and --max-range");
   add(real, "--data", args->data, "DIR", "Folder of the recordings (default $PLANESCOPE_DATA)");
   add(real, "--labels", args->labels, "DIR",
       "Folder with a label folder NAME for each listed frame");

@@ -73,7 +73,7 @@ int run_bench_outlines(const BenchOutlinesArgs& args, std::stop_token stop) {
 void define_bench_outlines(CLI::App* bench, Line& line) {
   CLI::App* outlines = bench->add_subcommand(
       "outlines",
-      "Score outlines, certainty and footholds\n"
+      "Score outlines, certainty, and footholds\n"
       "Measures against the truth of synthetic depth frames with the errors of the D435. -o writes "
       "outlines.jsonl.");
   const auto args = std::make_shared<BenchOutlinesArgs>();
@@ -151,14 +151,14 @@ void define_bench_map(CLI::App* bench, Line& line) {
   CLI::App* map = bench->add_subcommand(
       "map",
       "Score tracks and maps\n"
-      "Measures the map of a synthetic walk, with true poses and with odometry; or maps of real "
+      "Measures the map of a synthetic walk, with true poses and with odometry, or maps of real "
       "recordings against measured cuboids. -o writes map.jsonl.");
   const auto args = std::make_shared<BenchMapArgs>();
   args->bench.pipeline.threads = all_cores();
-  map->add_option("MAP", args->maps, "Output folders of planescope map; need --cuboids")
+  map->add_option("MAP", args->maps, "Output folders of planescope map; require --cuboids")
       ->type_name("");
   add(map, "--cuboids", args->cuboids, "FILE",
-      "Boxes on the floor z = 0, one per line: x y z, yaw and three half sizes, in meters and "
+      "Boxes on the floor z = 0, one per line: x y z, yaw, and three half sizes, in meters and "
       "radians, in the world frame of the poses");
   add_out(map, args->out);
   add(map, "--seed", args->bench.sequence.seed, "N", "Random seed of the first walk (default 1)")
@@ -222,7 +222,7 @@ void finish(BenchStairsArgs& args, const CLI::App& typed) {
 void define_bench_stairs(CLI::App* bench, Line& line) {
   CLI::App* stairs =
       bench->add_subcommand("stairs",
-                            "Score steps, rise and going of synthetic stairs\n"
+                            "Score steps, rise, and going of synthetic stairs\n"
                             "Stairs are seen from below and from above with the errors of the "
                             "D435; boxes must not become stairs. -o writes stairs.jsonl.");
   const auto args = std::make_shared<BenchStairsArgs>();

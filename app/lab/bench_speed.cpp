@@ -269,11 +269,11 @@ int run_bench_speed(const BenchSpeedArgs& args, std::stop_token stop) {
 }  // namespace
 
 void define_bench_speed(CLI::App* bench, Line& line) {
-  CLI::App* speed = bench->add_subcommand(
-      "speed",
-      "Time every stage and method\n"
-      "Measures each stage against its lower bound, whole frames against other methods, scaling, "
-      "memory and startup. -o writes speed.jsonl.");
+  CLI::App* speed =
+      bench->add_subcommand("speed",
+                            "Time every stage and method\n"
+                            "Measures each stage against its lower bound, whole frames against "
+                            "other methods, scaling, memory, and startup. -o writes speed.jsonl.");
   const auto args = std::make_shared<BenchSpeedArgs>();
   planes::PipelineOptions& pipeline = args->input.pipeline;
   add_inputs(speed, args->input,

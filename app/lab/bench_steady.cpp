@@ -190,7 +190,7 @@ void define_bench_steady(CLI::App* bench, Line& line) {
       "Measure how stable planes are\n"
       "Counts planes that survive meaningless changes and the step to the next frame, for profiles "
       "paper and refined and every other method. Measures every 8th frame unless --frames is "
-      "given. -o writes steady.jsonl.");
+      "specified. -o writes steady.jsonl.");
   const auto args = std::make_shared<BenchSteadyArgs>();
   args->input.frames.step = 8;
   add_inputs(steady, args->input, "Recordings of depth images; default: the sample recording");

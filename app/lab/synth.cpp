@@ -95,9 +95,9 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
 /// Applies the typed options; throws Error if one does not fit the set.
 void set_options(SynthSetArgs& args) {
   if (args.set.depth && (args.points || args.noise_m))
-    throw Error("--points, --noise: " + args.set.name + " has depth images; expected --errors");
+    throw Error("--points, --noise: " + args.set.name + " contains depth images; use --errors");
   if (!args.set.depth && args.errors)
-    throw Error("--errors: " + args.set.name + " has clouds; expected --points or --noise");
+    throw Error("--errors: " + args.set.name + " contains clouds; use --points or --noise");
   if (args.count == 0) args.count = args.set.frames;
   args.options.points = args.points.value_or(args.options.points);
   args.options.noise_m = args.noise_m.value_or(args.options.noise_m);
@@ -112,7 +112,7 @@ int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
 }
 
 void add_of_clouds(CLI::App* command, SynthSetArgs& args) {
-  add(command, "--count", args.count, "N", "Number of frames (default: as many as benchmarks use)")
+  add(command, "--count", args.count, "N", "Number of frames (default: as in benchmarks)")
       ->transform(whole(1));
   add(command, "--points", args.points, "N",
       "Points of each cloud (default 8192); 0: dense sampling")
@@ -237,7 +237,7 @@ void define_training(CLI::App* synth, Line& line) {
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
   add_recipe_limits(command, args->recipe);
   command->add_flag("--augmented", args->augmented,
-                    "Add noise, rotations and holes, as in training");
+                    "Add noise, rotations, and holes, as in training");
   add_threads(command, args->threads);
   runs(command, line, args, run_synth_training);
 }

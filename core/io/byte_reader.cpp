@@ -65,8 +65,8 @@ void install_handler() {
 std::size_t take_slot(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < kMostMappings; ++i)
     if (!g_mappings[i].taken.exchange(true)) return i;
-  throw Error(path.string() + ": cannot be opened; expected at most " +
-              std::to_string(kMostMappings) + " open files");
+  throw Error(path.string() + ": cannot be opened: too many open files; expected at most " +
+              std::to_string(kMostMappings));
 }
 
 }  // namespace

@@ -114,7 +114,7 @@ struct Found {
 };
 
 struct Format {
-  std::string name;  // "a RealSense or ROS .bag, .db3 or .mcap"
+  std::string name;  // "a RealSense or ROS .bag, .db3, or .mcap"
   std::vector<std::string> extensions;
   bool (*sniff)(const Found&);  // folders, and files with other extensions
   std::unique_ptr<Recording> (*open)(const fs::path&, const RecordingOptions&);
@@ -163,7 +163,10 @@ std::vector<Format> formats() {
   std::vector<std::string> clouds;
   for (const CloudFormat& format : cloud_formats()) clouds.push_back(format.extension);
   return {
-      {"a RealSense or ROS .bag, .db3 or .mcap", {".bag", ".db3", ".mcap"}, sniff_bag, open_bag_at},
+      {"a RealSense or ROS .bag, .db3, or .mcap",
+       {".bag", ".db3", ".mcap"},
+       sniff_bag,
+       open_bag_at},
       {"a folder of 16-bit depth PNGs",
        {".png"},
        [](const Found& found) {
@@ -286,7 +289,7 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   for (const Format& format : known) {
     if (!format.fits(found)) continue;
     if (!options.topic.empty() && format.open != open_bag_at)
-      throw Error(fmt::format("{}: {}, which has no topics; --topic expects {}", path.string(),
+      throw Error(fmt::format("{}: {}, which has no topics; --topic requires {}", path.string(),
                               format.name, known.front().name));
     return naming_memory(path.string(),
                          [&] { return checked(format.open(path, options), options.color); });

@@ -86,7 +86,7 @@ std::vector<std::string> frame_warnings(const RecordingInfo& info, const Frame& 
   if (color.width > 0 && info.color_note.find("aligned") != std::string::npos &&
       (color.width != frame.depth.width || color.height != frame.depth.height))
     warnings.push_back(fmt::format(
-        "color is declared aligned with depth, but is {}x{}; expected {}x{}; color is not used",
+        "color is declared aligned with depth, but is {}x{}; expected {}x{}; color is ignored",
         color.width, color.height, frame.depth.width, frame.depth.height));
   std::size_t measured = 0, near = 0, far = 0;
   for (const std::uint16_t count : frame.depth.data) {
@@ -97,11 +97,11 @@ std::vector<std::string> frame_warnings(const RecordingInfo& info, const Frame& 
     far += depth_m > kFarthest_m;
   }
   if (measured == 0 || 2 * std::max(near, far) <= measured) return warnings;
-  warnings.push_back(
-      fmt::format("{} % of the depth of frame {} is {}; is the depth unit ({:g} mm, {}) correct?",
-                  100 * std::max(near, far) / measured, frame.index,
-                  near > far ? "nearer than 5 cm" : "farther than 100 m", 1000 * frame.depth_unit_m,
-                  info.depth_unit_source));
+  warnings.push_back(fmt::format(
+      "{} % of the depth values in frame {} are {}; is the depth unit ({:g} mm, {}) correct?",
+      100 * std::max(near, far) / measured, frame.index,
+      near > far ? "nearer than 5 cm" : "farther than 100 m", 1000 * frame.depth_unit_m,
+      info.depth_unit_source));
   return warnings;
 }
 

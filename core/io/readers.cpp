@@ -115,7 +115,7 @@ Sidecar sidecar_of(const JsonPlace& place, const fs::path& path) {
   FieldReader fields(place);
   fields("depth_unit_m", sidecar.depth_unit_m, kOptional);
   if (sidecar.depth_unit_m && !(*sidecar.depth_unit_m > 0))
-    place.at("depth_unit_m").fail_kind("meters per count, above 0");
+    place.at("depth_unit_m").fail_kind("more than 0 meters per count");
   sidecar.gravity = read_direction(place);
   fields("color_aligned", sidecar.color_aligned, kOptional);
   if (place.has("color")) {
@@ -293,7 +293,7 @@ void settle_camera(const RecordingOptions& options,
     info.depth_unit_source = "assumed (RealSense default)";
   }
   if (!(info.depth_unit_m > 0) || !std::isfinite(info.depth_unit_m))
-    throw Error(fmt::format("{}: depth unit {:f} m from {}; expected meters per count, above 0",
+    throw Error(fmt::format("{}: depth unit {:f} m from {}; expected more than 0 meters per count",
                             path, info.depth_unit_m, info.depth_unit_source));
 }
 
@@ -365,7 +365,7 @@ fs::path file_in(const fs::path& label_dir) { return label_dir / "gravity.json";
 
 void expect_unit(Vec3d& direction, const JsonPlace& place) {
   if (!direction.allFinite() || std::abs(direction.norm() - 1) > 1e-3)
-    place.fail_kind("a direction of length 1");
+    place.fail_kind("a vector of length 1");
   direction.normalize();
 }
 

@@ -125,9 +125,8 @@ class DescriptorStream : public FrameStream {
     for (unsigned char byte = 0; header.size() < kMostBytes; header += static_cast<char>(byte))
       if (read_some({&byte, 1}, {}) == 0 || byte == '\n') break;
     if (!header.starts_with('{') || header.size() == kMostBytes)
-      throw Error(
-          fmt::format("{}: {} bytes without a header; expected a line of JSON with schema {}",
-                      kStream, header.size(), kStreamSchema));
+      throw Error(fmt::format("{}: {} bytes without a header; expected a JSON line with schema {}",
+                              kStream, header.size(), kStreamSchema));
     return header;
   }
 
@@ -163,7 +162,7 @@ std::unique_ptr<FrameStream> open_stream(int descriptor,
                                          const RecordingOptions& options,
                                          bool keeps_all) {
   if (!options.topic.empty())
-    throw Error(fmt::format("{}: images, which have no topics; --topic expects a bag", kStream));
+    throw Error(fmt::format("{}: frames, which have no topics; --topic requires a bag", kStream));
   return std::make_unique<DescriptorStream>(descriptor, options, keeps_all);
 }
 

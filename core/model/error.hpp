@@ -26,7 +26,7 @@ struct Cancelled : std::runtime_error {
 };
 
 inline constexpr const char* kHowToNeedLessMemory =
-    "a larger --voxel (clouds), a smaller --max-range, fewer --frames or fewer --threads need less";
+    "use a larger --voxel (clouds), a smaller --max-range, fewer --frames, or fewer --threads";
 
 /// Calls work(). If memory runs out, throws Error beginning with `what`.
 template <typename Work>
@@ -34,7 +34,7 @@ decltype(auto) naming_memory(const std::string& what, Work&& work) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
-    throw Error(what + ": out of memory: " + kHowToNeedLessMemory);
+    throw Error(what + ": out of memory; " + kHowToNeedLessMemory);
   }
 }
 

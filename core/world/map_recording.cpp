@@ -51,10 +51,9 @@ Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& warnings) 
   }
   if (Trajectory own = own_trajectory(job); !own.poses.empty()) return own;
   if (job.at_own_rate)
-    throw Error(
-        job.recording->info().path.string() +
-        ": has no poses; they are required at the recording's own rate, because odometry is "
-        "too slow");
+    throw Error(job.recording->info().path.string() +
+                ": has no poses; specify them to process frames at the recording's rate, because "
+                "odometry is too slow");
   OdometryJob odometry;
   odometry.recording = job.recording;
   odometry.frames = job.frames;
@@ -169,7 +168,7 @@ namespace {
       throw Error(fmt::format("{}; frame {}: {}", what, frame, error.what()));
     }
   }
-  throw Error(what + ": odometry found too little depth to follow the camera");
+  throw Error(what + ": odometry found too little depth to track the camera");
 }
 
 UprightPoses upright_poses(const MapJob& job) {
@@ -274,10 +273,9 @@ ObservedPart observe_recording(
     const std::function<bool(std::size_t position)>& is_mine,
     const std::function<void(const ObservedFrame&, const UprightPoses&)>& take) {
   if (!job.trajectory && own_trajectory(job).poses.empty())
-    throw Error(
-        job.recording->info().path.string() +
-        ": has no poses; they are required for a subset of the frames, because odometry needs "
-        "all of them");
+    throw Error(job.recording->info().path.string() +
+                ": has no poses; specify them to process a subset of the frames, because odometry "
+                "needs all frames");
   const UprightPoses upright = upright_poses(job);
   std::vector<const CameraPose*> mine;
   const std::vector<const CameraPose*> all = poses_by_frame(job, upright);

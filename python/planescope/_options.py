@@ -64,11 +64,11 @@ class OptionsWithoutGravity(TypedDict, total=False):
     cube_anchor: Literal["center", "min_corner"]
     # Criterion 3: maximum variance of a cell, relative to the expected variance
     flat: float
-    # Low-frequency error of depth, relative to the measured one
+    # Low-frequency depth error, relative to the measured one
     bow: float
     # Cost of a plane: regions merge when their misfit costs less
     merge_cost: float
-    # Depth images, Criterion 1: maximum cost of one plane rather than two, as a share of merge_cost [share]
+    # Depth images, Criterion 1: maximum cost of one plane instead of two, as a share of merge_cost [share]
     two_planes: float
     # Depth images, Criterion 2: minimum share of a cell's pixels on its plane [share]
     filled: float
@@ -114,7 +114,7 @@ class OptionsWithoutGravity(TypedDict, total=False):
     foot_min_area_m2: float
     # Steppable planes: maximum RMS of their height [m]
     foot_max_rough_m: float
-    # Steppable planes: minimum share of the outline that was measured [share]
+    # Steppable planes: minimum measured share of the outline [share]
     foot_min_support: float
     # Minimum rise of a step [m]
     stairs_rise_min_m: float
@@ -126,11 +126,11 @@ class OptionsWithoutGravity(TypedDict, total=False):
     stairs_going_max_m: float
     # Minimum visible width of a nosing [m]
     stairs_width_min_m: float
-    # Maximum difference of rise between neighboring steps [m]
+    # Maximum difference in rise between neighboring steps [m]
     stairs_rise_spread_m: float
-    # Maximum difference of going between neighboring steps [m]
+    # Maximum difference in going between neighboring steps [m]
     stairs_going_spread_m: float
-    # Maximum angle between nosings of a flight [deg]
+    # Maximum angle between the nosings of a flight [deg]
     stairs_turn_deg: float
     # Maximum gap between a level and the nosing behind it, beyond the part hidden by the upper one [m]
     stairs_gap_m: float
@@ -142,7 +142,7 @@ class OptionsWithoutGravity(TypedDict, total=False):
     stairs_kerb_width_m: float
     # Minimum depth of the levels before and behind a kerb [m]
     stairs_kerb_depth_m: float
-    # Minimum area of the floor, the lowest such level [m2]
+    # Minimum area of the floor, the lowest level [m2]
     stairs_floor_m2: float
 
 

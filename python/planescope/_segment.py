@@ -125,7 +125,9 @@ class Segmenter:
             over["gravity"], gravity = gravity, None
         if isinstance(depth, Frame):
             if any(given is not None for given in (K, depth_unit, distortion, color)):
-                raise Error("segment: a Frame has its own K, depth_unit, distortion, and color")
+                raise Error(
+                    "segment: a Frame has its own K, depth_unit, distortion, and color; omit them"
+                )
             frame = depth
         else:
             if K is None:

@@ -230,7 +230,7 @@ TEST(Doubts, AVoxelLargerThanTheSceneAndARunWithoutPlanesAreWarnedOf) {
   }
   io::write_png(dir / "rec/depth/000000.png", noise);
   EXPECT_TRUE(has(well(run(args("segment", {"--set", "worth_px=1e9"}))).err,
-                  "0 planes in 1 frame; are depth unit"));
+                  "0 planes in 1 frame; are the depth unit"));
   EXPECT_EQ(
       run(args("report", {"--set", "worth_px=1e9", "--no-pictures", "--warnings-as-errors"})).code,
       2);

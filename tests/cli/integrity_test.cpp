@@ -100,7 +100,7 @@ TEST_F(Integrity, NothingIsWrittenIntoARecording) {
   const std::vector<std::string> before = files_below(walk);
   fs::create_directory_symlink(walk / "depth", dir / "link");
   const auto refused = [&](std::vector<std::string> args) {
-    expect_refused(run(args), "; expected a path outside, such as ");
+    expect_refused(run(args), "; expected a path outside it, such as ");
     EXPECT_EQ(files_below(walk), before) << args[0] << " " << args.back();
   };
   for (const fs::path& out : {walk, walk / "depth", walk / "new", dir / "link", dir / "link/new",

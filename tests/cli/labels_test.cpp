@@ -85,7 +85,7 @@ TEST_F(Labels, CheckDistinguishesDamagedFilesFromFindings) {
   const Ran ran = labels_of("check", {own});
   EXPECT_EQ(ran.code, 2);
   for (const char* part : {"000000.plane.png", "000001.hv.png", "000002.json",
-                           "labels of frame 2; expected frame 7", "4 damaged"})
+                           "labels for frame 2; expected frame 7", "4 damaged"})
     EXPECT_TRUE(has(ran.out, part)) << part << "\n" << ran.out;
 }
 

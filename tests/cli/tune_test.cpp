@@ -106,7 +106,7 @@ TEST(ProfileOfOnesOwn, EveryCommandRejectsABadOneInOneLine) {
                                    "options": {"theta_n_inn": 12}})");
   for (const std::string command : {"view", "info", "segment", "report", "eval", "train"}) {
     expect_refused(run({command, dir / "rec", "--profile", dir / "bad.json"}),
-                   "bad.json: option 'theta_n_inn' is unknown; did you mean 'theta_n_in'?");
+                   "bad.json: unknown option 'theta_n_inn'; did you mean 'theta_n_in'?");
   }
   expect_refused(run({"options", "--profile", dir / "none.json"}));
 }
@@ -173,7 +173,7 @@ TEST(Tune, AListAssignsHalvesAndOptionsToRecordings) {
   EXPECT_EQ(answer["trials"], 3);
 
   for (const auto& [line, why] : std::vector<std::pair<std::string, std::string>>{
-           {"half a", "line 1: HALF: 'half' is unknown; expected tuning, held-out, or -"},
+           {"half a", "line 1: HALF: unknown value 'half'; expected tuning, held-out, or -"},
            {"tuning", "line 1: expected HALF RECORDING OPTIONS"},
            {"tuning a --set x=1", "line 1: unknown option '--set'"},
            {"tuning a\n- b", "line 2: some lines name a half and others use -"}}) {

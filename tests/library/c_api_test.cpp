@@ -103,7 +103,7 @@ TEST(CInterface, FailuresReturnNullAndAReasonInOneLine) {
   EXPECT_EQ(error_of([](Floor& f) { f.depth.camera.distortion = -7; }),
             "depth image: distortion -7; expected a planescope_distortion, 0 to 2");
   EXPECT_EQ(error_of([](Floor& f) { f.depth.unit_m = -1; }),
-            "depth image: -1 m per count; expected above 0 and at most 1");
+            "depth image: -1 m per count; expected more than 0 and at most 1");
   EXPECT_EQ(error_of([](Floor& f) { f.gravity[1] = 0; }),
             "gravity: 0, 0, 0; expected a nonzero direction");
 

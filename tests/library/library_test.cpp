@@ -128,7 +128,7 @@ TEST(Library, AFrameSurvivesSerialization) {
   const ps::Frame again = ps::Frame::from_bytes(bytes);
   EXPECT_EQ(again.bytes(), bytes);
   EXPECT_EQ(ps::segment(again).json(), ps::segment(frame).json());
-  const std::string damaged = "frame: damaged bytes; expected those of Frame::bytes()";
+  const std::string damaged = "frame: damaged bytes; expected the output of Frame::bytes()";
   for (const std::string& wrong :
        {std::string(), bytes.substr(1), bytes.substr(0, bytes.size() - 1), bytes + "x"})
     EXPECT_EQ(error_of([&] { ps::Frame::from_bytes(wrong); }), damaged);
@@ -173,7 +173,7 @@ TEST(Library, ReportsErrorsInOneLine) {
   EXPECT_EQ(with([](auto& i) { i.camera.width = -1; }),
             "depth image: -1x240 pixels; expected 1 to 16384 in each direction");
   EXPECT_EQ(with([](auto& i) { i.unit_m = 1000; }),
-            "depth image: 1000 m per count; expected above 0 and at most 1");
+            "depth image: 1000 m per count; expected more than 0 and at most 1");
   EXPECT_EQ(with([](auto& i) { i.row_stride = 3; }),
             "depth image: row stride 3; expected at least the width, 424");
   EXPECT_EQ(with([](auto& i) {

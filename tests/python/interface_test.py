@@ -91,7 +91,7 @@ class BadInput(unittest.TestCase):
         )
         self.expect("frame: a ndarray; expected a planescope.Frame", lambda: ps.Segmenter().segment(depth))
         self.expect(
-            "segment: a Frame has its own K, depth_unit, distortion, and color",
+            "segment: a Frame has its own K, depth_unit, distortion, and color; omit them",
             lambda: ps.segment(ps.Frame(depth, K), depth_unit=0.5),
         )
         self.expect("gravity: shape (2,); expected x, y, z", lambda: ps.segment(depth, K, gravity=(0, 1)))

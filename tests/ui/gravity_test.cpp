@@ -197,7 +197,7 @@ TEST_F(GravityClicks, BadOnesAreReportedInOneLineAndChangeNothing) {
 
 TEST_F(GravityClicks, AFloorIsNotAWall) {
   run("gravity.floor", pixel_of(Label::h));
-  expect_refused("gravity.wall", pixel_of(Label::h), "is it a floor?");
+  expect_refused("gravity.wall", pixel_of(Label::h), "expected a wall, not a floor");
 }
 
 TEST_F(GravityClicks, OverrideTheOptionAndRestoreItOnUndo) {

@@ -174,8 +174,7 @@ struct Learner : LabelDesktop {
 };
 
 TEST_F(Learner, WithoutAReviewedFrameThereIsNothingToLearn) {
-  EXPECT_EQ(window.refusal("label.learn"),
-            "no frame is reviewed: Shift+D marks a frame to learn from");
+  EXPECT_EQ(window.refusal("label.learn"), "no frame is reviewed; press Shift+D to mark one");
   EXPECT_EQ(window.refusal("label.learn", "0"),
             "action label.learn: 0 is out of range; expected 1 to 1000000");
   EXPECT_EQ(window.refusal("label.learn", "1 2 3"),

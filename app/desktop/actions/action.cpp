@@ -178,7 +178,7 @@ int choice_argument(const std::string& action,
                     const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i] == text) return static_cast<int>(i);
-  throw Error(fmt::format("action {}: '{}' is unknown; expected {}", action, text,
+  throw Error(fmt::format("action {}: unknown value '{}'; expected {}", action, text,
                           fmt::join(names, " or ")));
 }
 

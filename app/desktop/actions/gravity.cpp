@@ -41,7 +41,7 @@ ClickedSurface surface_at_pixel(const debug::Subject& subject, std::uint32_t pix
   const labels::FittedPlane& plane = found->plane;
   if (plane.area_m2 < kLeastArea_m2 || plane.rms_m > kMostRoughness * std::sqrt(plane.area_m2))
     throw Error(
-        fmt::format("the surface is too small or too rough for a direction "
+        fmt::format("the surface is too small or too rough to measure its direction "
                     "({:.0f} cm2, RMS {:.1f} mm)",
                     1e4 * plane.area_m2, 1000 * plane.rms_m));
   return {plane.normal, plane.area_m2, plane.rms_m};

@@ -49,7 +49,7 @@ void area(State& state, const LabelGesture& gesture) {
 /// Cuts along the line from the first to the last position.
 void cut(State& state, const LabelGesture& gesture) {
   const int plane = state.view.label.plane;
-  if (plane == 0) throw Error("no plane is active: choose one to cut");
+  if (plane == 0) throw Error("no plane is active; select one to cut");
   const labels::LabelGrid& grid = state.label_frame()->grid;
   if (gesture.where == DrawnIn::image) expect_image(state);
   const labels::Vec2f &from = gesture.path.front(), &to = gesture.path.back();

@@ -127,7 +127,7 @@ void show_meeting(State& state, std::int32_t other) {
   const auto moved_on = [voxel = selected.voxel](const State& s) {
     return s.view.selected.voxel != voxel;
   };
-  if (step == 0) return say_hint(state, "these two points are in different planes", moved_on);
+  if (step == 0) return say_hint(state, "these two points are not on the same plane", moved_on);
   go_to_step(state, step);
   select_voxel(state, selected.voxel, selected.source);
   ask_of_point(state, {.voxel = static_cast<std::uint32_t>(selected.voxel),

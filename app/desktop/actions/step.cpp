@@ -128,7 +128,7 @@ void save_steps(State& state, const std::string& text) {
         end = std::min(end, after);
   if (end == std::string::npos)
     throw Error("action steps.save: '" + text + "'; expected a name that ends in .png");
-  if (state.view.saving) throw Error("action steps.save: already saving steps; Esc stops it");
+  if (state.view.saving) throw Error("action steps.save: already saving steps; press Esc to stop");
   const std::int32_t steps = state.run()->steps(), at = state.view.step;
   StepsSaving saving{.path = text.substr(0, end),
                      .run = state.run_view()->run,

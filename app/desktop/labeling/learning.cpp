@@ -160,7 +160,7 @@ void begin_training(State& state, const Lesson& lesson) {
   if (open.labels && !open.labels->read_only().empty()) throw Error(open.labels->read_only());
   save_labels(state);
   const std::size_t reviewed = learning_source(state).reviewed.size();
-  if (reviewed == 0) throw Error("no frame is reviewed: Shift+D marks a frame to learn from");
+  if (reviewed == 0) throw Error("no frame is reviewed; press Shift+D to mark one");
   Learning::Training& training = learning(state).training;
   training = {};
   training.running = true;
@@ -179,7 +179,7 @@ void show_doubtful_frame(State& state) {
   Learning::Doubt& doubt = learning(state).doubt;
   if (doubt.of_frame.empty()) {
     if (state.document.options.classifier == "truth")
-      throw Error("ground truth labels have no confidence: choose another classifier");
+      throw Error("ground truth labels have no confidence; choose a different classifier");
     doubt.running = true;
     return say(state, "searching for doubtful frames");
   }

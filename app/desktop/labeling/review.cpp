@@ -22,7 +22,7 @@ FrameLabels read_other(const ReviewSides& sides) {
   std::optional<FrameLabels> other =
       labels::read_frame_labels(folder, sides.frame->frame, sides.frame->sha256);
   if (!other)
-    throw Error(fmt::format("{}: no labels of frame {}", folder.string(), sides.frame->frame));
+    throw Error(fmt::format("{}: no labels for frame {}", folder.string(), sides.frame->frame));
   return std::move(*other);
 }
 
@@ -147,7 +147,7 @@ void decide(State& state, ReviewDecision decision) {
   const std::shared_ptr<const ReviewQueue> queue = state.results.label.review;
   const int chosen = state.view.label.review_item;
   if (!queue || chosen < 0 || chosen >= static_cast<int>(queue->items.size()))
-    throw Error("no region is selected: D opens the review, Down selects the next region");
+    throw Error("no region is selected; press D to open the review, then Down to select one");
   const labels::Disagreement& item = queue->items[static_cast<std::size_t>(chosen)];
   expect_unchanged(state, item);
   auto next = std::make_shared<ReviewQueue>(*queue);
@@ -173,7 +173,8 @@ Slivers slivers_of(const ReviewQueue& queue) {
 
 void decide_slivers(State& state, ReviewDecision decision) {
   const std::shared_ptr<const ReviewQueue> queue = state.results.label.review;
-  if (!queue || slivers_of(*queue).count == 0) throw Error("the review has no slivers to decide");
+  if (!queue || slivers_of(*queue).count == 0)
+    throw Error("the review has no slivers to decide on");
   labels::LabelDraft draft = draft_of(state);
   auto next = std::make_shared<ReviewQueue>(*queue);
   int decided = 0, left = 0;
@@ -285,7 +286,7 @@ void finish_review(State& state) {
   const bool reviewed = work.labels->review_state == "reviewed";
   const ReviewQueue* queue = state.results.label.review.get();
   if (!reviewed && (!queue || queue->labels != work.labels))
-    throw Error("differences are unknown: D opens the review");
+    throw Error("differences are unknown; press D to open the review");
   if (!reviewed && queue->undecided() > 0)
     throw Error(fmt::format("{} of {} regions are undecided", queue->undecided(),
                             queue->undecided() + work.labels->review.size()));
@@ -297,7 +298,7 @@ void compare_with(State& state, const std::string& folder) {
   const LabelWork work = label_work(state);
   if (!folder.empty()) {  // reject an unusable folder immediately
     const auto other = labels::read_frame_labels(folder, work.frame.frame, work.frame.sha256);
-    if (!other) throw Error(fmt::format("{}: no labels of frame {}", folder, work.frame.frame));
+    if (!other) throw Error(fmt::format("{}: no labels for frame {}", folder, work.frame.frame));
   }
   LabelView& view = state.view.label;
   view.tab = "review";

@@ -88,7 +88,7 @@ Takes<int> plane_number(std::string shown, int low) {
 int active_plane(const State& state, const std::optional<int>& chosen) {
   const FrameLabels& labels = *label_work(state).labels;
   const int plane = chosen.value_or(state.view.label.plane);
-  if (plane == 0) throw Error("no plane is active: click one in the list, or press its number");
+  if (plane == 0) throw Error("no plane is active; click one in the list, or press its number");
   if (!labels::find_plane(labels, plane)) throw Error(fmt::format("no plane P{}", plane));
   return plane;
 }
@@ -184,7 +184,8 @@ SpreadWork& begin_proposing(State& state, int frames) {
 }
 
 void expect_map(const State& state) {
-  if (!state.map()) throw Error("poses are unknown: Ctrl+Shift+M tracks planes and estimates them");
+  if (!state.map())
+    throw Error("poses are unknown; press Ctrl+Shift+M to track planes and estimate poses");
 }
 
 }  // namespace
@@ -204,7 +205,7 @@ void begin_spread_of_track(State& state) {
   label_work(state);
   expect_map(state);
   const int track = state.view.tracks.track;
-  if (!state.map()->track(track)) throw Error("no track is selected: click one in the Tracks tab");
+  if (!state.map()->track(track)) throw Error("no track is selected; click one in the Tracks tab");
   begin_proposing(state, state.document.current()->recording->frame_count()).track = track;
 }
 

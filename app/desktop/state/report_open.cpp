@@ -234,9 +234,8 @@ std::optional<Baseline> baseline_of(const report::Report& report,
   Baseline baseline{file, report::read_report(file)};
   if (target.of_baseline && baseline.report.created_utc == report.created_utc &&
       baseline.report.command == report.command)
-    throw Error(
-        fmt::format("{}: is {} itself, approved since then; was{} belongs to an earlier baseline",
-                    file.string(), target.file.string(), target.plane));
+    throw Error(fmt::format("{}: {} was approved as this baseline; was{} belongs to an earlier one",
+                            file.string(), target.file.string(), target.plane));
   return baseline;
 }
 
@@ -252,7 +251,7 @@ void find_fate(const Baseline& baseline,
   if (target.of_baseline && !usable)
     throw Error(fmt::format(
         "{}: has no was{}: {} frame {} {}", baseline.file.string(), target.plane, same->recording,
-        frame.index, same->baseline ? "has a different input there" : "is not in the baseline"));
+        frame.index, same->baseline ? "has different input there" : "is not in the baseline"));
   if (!usable) return;
   if (target.of_baseline) expect_plane(*same->baseline, target, baseline.file);
   place.baseline = *same->baseline;

@@ -308,8 +308,9 @@ void open_session(State& state, const std::string& where) {
   }
   const int count = session.recording.recording->frame_count();
   if (arrival.frame < 0 || arrival.frame >= count)
-    throw Error(fmt::format("{}: it leads to {}, but {} has {}", path.string(), frame_name(arrival),
-                            session.recording.path.string(), counted(count, "frame")));
+    throw Error(fmt::format("{}: it refers to {}, but {} has {}", path.string(),
+                            frame_name(arrival), session.recording.path.string(),
+                            counted(count, "frame")));
 
   session.view.mode = Mode::debugger;
   take_recording(state, std::move(session.recording), arrival.frame);

@@ -174,7 +174,7 @@ class Parser {
                             : is_identity(right) ? identified(right, sign, left)
                                                  : compared(left, sign, *op, right);
     if (next_of(kComparisons))
-      fail_filter(tokens_[at_], "comparisons cannot be chained: combine them with '&&'");
+      fail_filter(tokens_[at_], "comparisons cannot be chained; combine them with '&&'");
     return {{left.begin, right.end}, FilterType::boolean, std::move(formula)};
   }
 

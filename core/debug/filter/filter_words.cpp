@@ -48,7 +48,7 @@ FilterToken token_at(std::string_view text, std::size_t at) {
     const std::size_t unit = name_length(rest.substr(number.text.size()));
     if (unit == 0) return number;
     const FilterToken whole = token(FilterToken::number, number.text.size() + unit);
-    fail_filter(whole, fmt::format("'{}' is not a number: omit the unit (m or deg)", whole.text));
+    fail_filter(whole, fmt::format("'{}' is not a number; omit the unit (m or deg)", whole.text));
   }
 
   for (const std::string_view sign : kSigns)
@@ -166,15 +166,15 @@ std::vector<FilterSymbol> fields_of_events() {
        }},
       {"assign", "a leftover point is assigned to a plane", boolean, is_kind<assign>},
       {"drop", "a leftover point stays unassigned", boolean, is_kind<drop>},
-      {"refine", "the objective joins, changes or drops a plane", boolean, is_kind<refine>},
+      {"refine", "the objective joins, changes, or drops a plane", boolean, is_kind<refine>},
       {"step", "number of the event, from 1", number,
        [](View e) { return static_cast<double>(e.step); }},
       {"stage", "deciding stage: criteria, merge, assign, or a stage of the objective", stage,
        [](View e) { return static_cast<double>(e.event.stage); }},
-      {"label", "h or v: of the candidate, node, point or plane", label, label_of},
+      {"label", "h or v: of the candidate, node, point, or plane", label, label_of},
       {"plane", "planes of the event, as P7 or 7", plane,
        [](View e) -> double { return e.event.plane >= 0; }},
-      {"point", "points that the event names, moves or contains in its node", point,
+      {"point", "points that the event names or moves, or that its node contains", point,
        [](View e) -> double { return e.event.point >= 0 || e.event.node >= 0; }},
       {"result", "id of its plane in the result; 0 if none", number, result_of},
       {"offset", "merge: distance of the candidate from the plane [m]", number,
@@ -364,7 +364,7 @@ const char* to_string(FilterType type) {
   // In the order of the enum.
   constexpr const char* kTexts[] = {"a number",
                                     "true or false",
-                                    "a case (I, II, III or IV)",
+                                    "a case (I, II, III, or IV)",
                                     "a label (h or v)",
                                     "a stage, like merge or join",
                                     "a plane",

@@ -51,7 +51,7 @@ enum class FilterType : std::uint8_t {
   point,       // points of an event
   plane_name,  // P7
 };
-/// "a number", "a case (I, II, III or IV)".
+/// "a number", "a case (I, II, III, or IV)".
 const char* to_string(FilterType type);
 
 /// Value of a field that the event lacks: NaN.

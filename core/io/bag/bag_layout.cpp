@@ -340,9 +340,9 @@ BagLayout find_bag_layout(const MessageLog& bag, const std::string& wanted) {
       return topic == wanted || ros::without_transport(topic) == wanted;
     });
     if (image == images.end())
-      throw Error(fmt::format("{}: --topic {}: no such topic with images or point clouds; found {}",
-                              bag.path().string(), wanted,
-                              topics.empty() ? "none with depth" : listed(topics)));
+      throw Error(fmt::format(
+          "{}: --topic {}: no image or point cloud topic has this name; found {}",
+          bag.path().string(), wanted, topics.empty() ? "none with depth" : listed(topics)));
     layout = sdk_layout(bag, *image);
     if (!layout) layout = ros_layout(bag, images, *image);
   }
@@ -352,8 +352,8 @@ BagLayout find_bag_layout(const MessageLog& bag, const std::string& wanted) {
                                        : listed(images);
     for (const std::string& warning : bag.warnings()) found += " (" + warning + ")";
     throw Error(bag.path().string() + ": no depth images: found " + found +
-                "; expected /device_*/sensor_*/Depth_*/image/data or */depth/image_rect_raw, or "
-                "--topic with the name of a different topic");
+                "; expected /device_*/sensor_*/Depth_*/image/data or */depth/image_rect_raw; "
+                "choose a different topic with --topic");
   }
   std::erase(topics, layout->depth);
   topics.insert(topics.begin(), layout->depth);

@@ -152,11 +152,12 @@ void SqliteLog::read_topics() {
   int found = 0;
   while (tables.next()) ++found;
   if (found < 2) {
-    throw Error(path_.string() + ": a SQLite file that " +
-                (tables.is_whole()
-                     ? "has no tables \"topics\" and \"messages\"; expected a recording made by "
-                       "ros2 bag or the RealSense SDK"
-                     : "is truncated or damaged in its list of tables"));
+    throw Error(
+        path_.string() + ": a SQLite file " +
+        (tables.is_whole()
+             ? "without the tables \"topics\" and \"messages\"; expected a recording made by "
+               "ros2 bag or the RealSense SDK"
+             : "with a truncated or damaged list of tables"));
   }
   Rows topics(file_.database(), "SELECT id, name, type, serialization_format FROM topics");
   std::map<std::string, int> others;
@@ -246,10 +247,10 @@ void SqliteLog::warn_of_loss() {
     const std::filesystem::path beside = path_.string() + suffix;
     const auto bytes = std::filesystem::file_size(beside, ignored);
     if (ignored || bytes == 0) continue;
-    warnings_.push_back(fmt::format(
-        "the recording was never closed: {} contains {} bytes that are not merged yet and not "
-        "read; to merge them, run sqlite3 {} \"PRAGMA wal_checkpoint(TRUNCATE)\"",
-        beside.filename().string(), bytes, path_.filename().string()));
+    warnings_.push_back(
+        fmt::format("the recording was never closed: {} contains {} unmerged bytes, which are not "
+                    "read; to merge them, run sqlite3 {} \"PRAGMA wal_checkpoint(TRUNCATE)\"",
+                    beside.filename().string(), bytes, path_.filename().string()));
   }
 }
 

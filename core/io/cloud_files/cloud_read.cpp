@@ -200,9 +200,10 @@ void check_promise(const fs::path& path, const Element& element, bool is_text, s
   // The last number of a text file needs no separator.
   const std::uint64_t slack = is_text ? 1 : 0;
   if (element.count > 0 && (each == 0 || element.count > (left + slack) / each))
-    throw Error(fmt::format(
-        "{}: its header declares {} \"{}\" of at least {} bytes, but only {} bytes follow",
-        path.string(), element.count, element.name, each, left));
+    throw Error(
+        fmt::format("{}: its header declares {} \"{}\" elements of at least {} bytes each, but "
+                    "only {} bytes follow",
+                    path.string(), element.count, element.name, each, left));
 }
 
 /// Reads one element's numbers; skips lists.
@@ -338,10 +339,10 @@ void check_promise(const fs::path& path, const PcdHeader& header, Bytes body) {
                                         : CompressedSizes{0xffffffffu, 0};
     // LZF compresses at most 264 bytes into 3.
     if (sizes.raw == least && sizes.stored <= body.size() - 8 && least / 88 <= sizes.stored) return;
-    throw Error(fmt::format(
-        "{}: its header declares {} points of {} bytes, but its compressed block of {} bytes does "
-        "not contain them",
-        path.string(), header.points, header.point_bytes, body.size()));
+    throw Error(
+        fmt::format("{}: its header declares {} points of {} bytes, but its compressed block of {} "
+                    "bytes is too small",
+                    path.string(), header.points, header.point_bytes, body.size()));
   }
   if (least > body.size())
     throw Error(fmt::format(

@@ -348,9 +348,9 @@ std::vector<double> times_of_poses(const fs::path& folder,
           numbers_in(file, line, 8, "the eight numbers timestamp tx ty tz qx qy qz qw")[0]);
   if (std::ranges::all_of(times, [](double time_s) { return time_s == 0; })) return {};
   if (times.size() == frames) return times;
-  warnings.push_back(fmt::format("{}: {} for {}; expected one pose per frame, to use their times",
-                                 file.string(), counted(times.size(), "pose"),
-                                 counted(frames, "frame")));
+  warnings.push_back(
+      fmt::format("{}: {} for {}, so its times are ignored; expected one pose per frame",
+                  file.string(), counted(times.size(), "pose"), counted(frames, "frame")));
   return {};
 }
 

@@ -45,7 +45,7 @@ PngInfo dump_info(const fs::path& path, const Intrinsics& known) {
   if (fits(known.width, known.height)) return {known.width, known.height, 1, 16};
   for (const auto& [width, height] : kModes)
     if (known.width == 0 && fits(width, height)) return {width, height, 1, 16};
-  throw Error(fmt::format("{}: {} bytes; expected 2 for each pixel of {}", path.string(), bytes,
+  throw Error(fmt::format("{}: {} bytes; expected 2 bytes per pixel of {}", path.string(), bytes,
                           known.width > 0 ? fmt::format("{}x{}", known.width, known.height)
                                           : "a RealSense depth mode, or a calibration file with "
                                             "width and height"));
@@ -188,9 +188,9 @@ void FolderRecording::check_depth(const fs::path& path, const Intrinsics& known)
   const PngInfo image = is_dump ? dump_info(path, known) : png_info(path);
   if (image.channels != 1 || image.bit_depth != 16)
     throw Error(
-        fmt::format("{}: PNG with {} channel(s) of {} bits; expected depth in 1 channel "
-                    "of 16 bits (a picture of depth contains no distances{})",
-                    path.string(), image.channels, image.bit_depth,
+        fmt::format("{}: PNG with {} of {} bits; expected depth in 1 channel "
+                    "of 16 bits (a colorized depth image contains no distances{})",
+                    path.string(), counted(image.channels, "channel"), image.bit_depth,
                     lower_case(path.stem().string()).find("_depth_") == std::string::npos
                         ? ""
                         : "; rs-convert writes depth with -r"));
@@ -380,7 +380,7 @@ class RawRecording : public Recording {
     info_.color_note = "none";
     if (files_.empty())
       throw Error(path.string() +
-                  ": no RealSense Viewer depth; expected X.raw with X_metadata.csv of type "
+                  ": not RealSense Viewer depth; expected X.raw with X_metadata.csv of type "
                   "Depth and format Z16");
     CameraFacts facts;
     find_damaged_frames(files_.size(), info_, [&](std::size_t i) { facts = check(files_[i]); });
@@ -421,7 +421,7 @@ class RawRecording : public Recording {
     const std::uintmax_t bytes = fs::file_size(file.raw, error);
     const bool sane = width >= 1 && height >= 1 && width <= 1 << 15 && height <= 1 << 15;
     if (error || !sane || static_cast<double>(bytes) != 2 * width * height)
-      throw Error(fmt::format("{}: {} bytes; expected {}x{} counts of 2 bytes, according to {}",
+      throw Error(fmt::format("{}: {} bytes; expected {}x{} pixels of 2 bytes, according to {}",
                               file.raw.string(), bytes, metadata.text("Resolution x"),
                               metadata.text("Resolution y"), file.csv.filename().string()));
     if (info_.width == 0) {
@@ -429,7 +429,8 @@ class RawRecording : public Recording {
       info_.height = static_cast<int>(height);
     }
     if (info_.width != width || info_.height != height)
-      throw Error(file.raw.string() + ": size differs from the first snapshot in its folder");
+      throw Error(file.raw.string() +
+                  ": its size differs from that of the first snapshot in its folder");
     const auto number = [&](const char* key) { return metadata.number(key); };
     CameraFacts facts;
     facts.intrinsics = {info_.width,   info_.height,  number("Fx"),     number("Fy"),

@@ -16,6 +16,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io {
 namespace {
@@ -173,8 +174,9 @@ Image<T> decode_grey(std::span<const unsigned char> bytes, const std::filesystem
   const PngInfo info = open(decoder, bytes, path);
   const int bits = 8 * sizeof(T);
   if (info.channels != 1 || info.bit_depth != bits)
-    throw Error(fmt::format("{}: PNG with {} channel(s) of {} bits; expected 1 channel of {} bits",
-                            path.string(), info.channels, info.bit_depth, bits));
+    throw Error(fmt::format("{}: PNG with {} of {} bits; expected 1 channel of {} bits",
+                            path.string(), counted(info.channels, "channel"), info.bit_depth,
+                            bits));
   return decode<T>(decoder, info, bytes, 1, path);
 }
 

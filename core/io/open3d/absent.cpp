@@ -8,7 +8,7 @@ namespace planescope::open3d {
 void install() {}
 
 std::unique_ptr<SurfaceFusion> make_surface_fusion(double, double) {
-  throw Error("meshes: this program was built without Open3D, which is required to create them");
+  throw Error("meshes require Open3D, but this program was built without it");
 }
 
 std::function<void()> voxel_down_sample(const planes::Cloud&, double) { return {}; }

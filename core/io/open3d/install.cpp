@@ -108,7 +108,8 @@ void check_pts_count(const fs::path& path) {
   constexpr double kFewestBytes = 6;  // "0 0 0\n"
   const std::uintmax_t bytes = fs::file_size(path);
   if (!file || !(count >= 0 && count * kFewestBytes <= static_cast<double>(bytes)))
-    throw Error(fmt::format("its first line is not the number of points in {} bytes", bytes));
+    throw Error(
+        fmt::format("its first line is not a number of points that fits in {} bytes", bytes));
 }
 
 double area_m2(const TriangleMesh& mesh, const Eigen::Vector3i& triangle) {

@@ -363,7 +363,7 @@ rusage run_to_end(const TimedCommand& command, double* peak_mib = nullptr) {
   while (wait4(child, &status, 0, &used) < 0)
     if (errno != EINTR)
       throw Error(
-          fmt::format("{}: waiting for it failed: {}", command.args[0], std::strerror(errno)));
+          fmt::format("{}: cannot be waited for: {}", command.args[0], std::strerror(errno)));
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw Error(fmt::format("{} ended with {}; expected success", fmt::join(command.args, " "),
                             WIFEXITED(status) ? fmt::format("exit code {}", WEXITSTATUS(status))

@@ -406,7 +406,8 @@ std::vector<Cuboid> read_cuboids(const fs::path& file) {
     if (!(box.half.minCoeff() > 0)) fail_at(file, line, "a half size is not above 0");
   }
   if (cuboids.empty())
-    throw Error(file.string() + ": contains no cuboid; expected lines of x y z yaw and half sizes");
+    throw Error(file.string() +
+                ": contains no cuboids; expected lines of x y z yaw and half sizes");
   return cuboids;
 }
 

@@ -358,8 +358,7 @@ FramePoses own_poses(const io::Recording& recording) {
 
 SteadyScores measure_steady(const SteadyJob& job) {
   const io::RecordingInfo& info = job.recording->info();
-  if (info.width == 0)
-    throw Error(info.path.string() + ": a recording of clouds; expected depth images");
+  if (info.width == 0) throw Error(info.path.string() + ": contains clouds; expected depth images");
   const std::vector<SteadyChange> changes = changes_of(job);
   struct OfUnit {
     std::vector<std::vector<SteadyPair>> pairs;  // by change
@@ -401,7 +400,7 @@ SteadyScores measure_steady(const SteadyJob& job) {
   if (!any)
     throw Error(info.path.string() +
                 ": nothing to measure: part gravity requires a frame with known gravity, and part "
-                "next a frame that another follows");
+                "next requires two consecutive frames");
   return scores;
 }
 

@@ -45,7 +45,7 @@ std::string frame_name(std::size_t index) {
 void check_folder(const fs::path& dir, const std::set<std::string>& expected) {
   std::error_code error;
   if (!fs::exists(dir, error)) return;
-  if (!fs::is_directory(dir, error)) throw Error(dir.string() + ": exists and is not a folder");
+  if (!fs::is_directory(dir, error)) throw Error(dir.string() + ": is not a folder");
   fs::directory_iterator entries(dir, error);
   if (error) throw Error(dir.string() + ": cannot be read: " + error.message());
   for (const auto& entry : entries) {

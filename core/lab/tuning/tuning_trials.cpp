@@ -203,7 +203,7 @@ bool TuningJournal::read(const TuningPurpose& purpose) {
         trials_.push_back(std::move(trial));
       } else {
         if (json.at("schema") != kJournalSchema)
-          throw Error(fmt::format("{}: its schema is not {}", where, kJournalSchema));
+          throw Error(fmt::format("{}: unknown schema; expected {}", where, kJournalSchema));
         for (const auto& [name, value] : purpose)
           if (json.at(name) != value)
             throw Error(

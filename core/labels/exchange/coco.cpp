@@ -61,12 +61,12 @@ std::vector<MaskRun> mask_runs(const std::vector<std::uint64_t>& counts,
   std::vector<MaskRun> runs;
   std::uint64_t at = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (counts[i] > pixels - at) place.fail_kind(fmt::format("runs over {} pixels", pixels));
+    if (counts[i] > pixels - at) place.fail_kind(fmt::format("runs that cover {} pixels", pixels));
     if (i % 2 == 1 && counts[i] > 0) runs.push_back({at, counts[i]});
     at += counts[i];
   }
   if (at != pixels)
-    place.fail_kind(fmt::format("runs over {} pixels (these cover {})", pixels, at));
+    place.fail_kind(fmt::format("runs that cover {} pixels (found {})", pixels, at));
   return runs;
 }
 

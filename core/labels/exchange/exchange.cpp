@@ -136,7 +136,7 @@ LabelFormat label_format_of(const fs::path& path) {
       if (!last.empty()) known += (known.empty() ? "" : ", ") + last;
       last = file.extension;
     }
-  throw Error(fmt::format("{}: unknown extension; expected a name that ends in {} or {}",
+  throw Error(fmt::format("{}: unknown extension; expected a name that ends in {}, or {}",
                           path.string(), known, last));
 }
 
@@ -236,7 +236,7 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabeledPoints& points,
                                                   const std::string& where) {
   const bool all = points.size() == grid.pixels();
   if (!all && points.size() != grid.measured_count && grid.is_cloud())
-    throw Error(fmt::format("{}: labels of {} points, but the frame's cloud has {}", where,
+    throw Error(fmt::format("{}: labels for {} points, but the frame's cloud has {}", where,
                             points.size(), grid.pixels()));
   if (!all && points.size() != grid.measured_count)
     throw Error(
@@ -310,10 +310,10 @@ FrameLabels labels_of_points(const LabeledPoints& points,
                              const std::string& depth_sha256,
                              const std::string& where) {
   if (grid.is_cloud() && (points.width > 0 || !points.pixel.empty()))
-    throw Error(where + ": labels of a depth image, but the frame is a cloud");
+    throw Error(where + ": labels for a depth image, but the frame is a cloud");
   if (points.width > 0 && (points.width != grid.width || points.height != grid.height))
-    throw Error(fmt::format("{}: labels of {}x{}, but the frame's depth image is {}x{}", where,
-                            points.width, points.height, grid.width, grid.height));
+    throw Error(fmt::format("{}: labels for {}x{} pixels, but the frame's depth image is {}x{}",
+                            where, points.width, points.height, grid.width, grid.height));
   // A format that lists only labeled pixels may list none: that is not raster order.
   const bool by_name =
       points.pixel.size() == points.size() && (points.size() > 0 || points.width > 0);

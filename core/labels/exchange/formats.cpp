@@ -32,7 +32,7 @@ std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::
   for (std::size_t i = 0; i < classes.size(); ++i)
     if (classes[i] > 2 && classes[i] != kHvIgnore)
       throw Error(where + ": class " + std::to_string(classes[i]) + " at index " +
-                  std::to_string(i) + "; expected 0 (unknown), 1 (h), 2 (v) or 255 (ignore)");
+                  std::to_string(i) + "; expected 0 (unknown), 1 (h), 2 (v), or 255 (ignore)");
   return classes;
 }
 
@@ -161,7 +161,7 @@ LabeledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& whe
   const std::size_t count = label.size() / sizeof(std::uint32_t);
   check_count(count, where + ".label");
   if (!bin.empty() && bin.size() / sizeof(KittiPoint) != count)
-    throw Error(where + ".label: labels of " + std::to_string(count) + " points, but " + where +
+    throw Error(where + ".label: labels for " + std::to_string(count) + " points, but " + where +
                 ".bin has " + std::to_string(bin.size() / sizeof(KittiPoint)));
   LabeledPoints points;
   std::vector<double> classes(count), instances(count);

@@ -267,9 +267,10 @@ std::vector<double> read_array(zip_t* archive,
   const bool fits =
       columns == 1 ? array.shape.size() == 1 : array.shape.size() == 2 && array.shape[1] == columns;
   if (!fits)
-    throw Error(array_name + ": an array with " + std::to_string(array.shape.size()) +
-                " dimensions; expected " +
-                (columns == 1 ? "a list" : std::to_string(columns) + " values per point"));
+    throw Error(
+        array_name + ": an array with " + std::to_string(array.shape.size()) +
+        " dimensions; expected " +
+        (columns == 1 ? "one value per point" : std::to_string(columns) + " values per point"));
   check_count(array.shape[0], array_name);
   expect_within_read_limit(static_cast<double>(array.size()) * sizeof(double), array_name);
   return array.values();

@@ -34,7 +34,7 @@ void check_sizes(const FrameLabels& labels, const std::string& where) {
   if (labels.plane.empty() || labels.plane.channels != 1 || labels.hv.channels != 1)
     throw Error(
         where +
-        ": invalid label images; expected a plane image and an h/v image of one channel each");
+        ": invalid label images; expected a plane image and an h/v image with one channel each");
   if (labels.hv.width != labels.plane.width || labels.hv.height != labels.plane.height)
     throw Error(fmt::format("{}: the plane image is {}, but the h/v image is {}", where,
                             size_of(labels.plane), size_of(labels.hv)));
@@ -73,7 +73,7 @@ template <typename T>
 Image<T> in_one_row(Image<T> image, int points, const std::string& where) {
   const auto end = image.data.begin() + points;
   if (std::any_of(end, image.data.end(), [](T value) { return value != 0; }))
-    throw Error(fmt::format("{}: labels beyond the last of {} points", where, points));
+    throw Error(fmt::format("{}: labels continue after the last of {} points", where, points));
   image.data.resize(static_cast<std::size_t>(points));
   image.width = points;
   image.height = 1;
@@ -107,8 +107,8 @@ void check_review(const FrameLabels& labels, const std::string& where) {
       throw Error(fmt::format("{}: a review note about {} pixels at pixel {}, but the image has {}",
                               where, note.pixels, note.pixel, pixels));
     if (note.label_plane < 0 || note.other_plane < 0)
-      throw Error(fmt::format("{}: a review note about planes {} and {}; expected 0 or more", where,
-                              note.label_plane, note.other_plane));
+      throw Error(fmt::format("{}: a review note about planes {} and {}; expected ids of 0 or more",
+                              where, note.label_plane, note.other_plane));
   }
 }
 
@@ -423,7 +423,7 @@ FrameLabels parse_label_json(const std::string& text, int frame_index, const std
   return read_place(where, parse_json<Json>(text, where), [&](const JsonPlace& place) {
     place.schema({kSchema});
     if (const int frame = place.at("frame").whole(0); frame != frame_index)
-      throw Error(fmt::format("labels of frame {}; expected frame {}", frame, frame_index));
+      throw Error(fmt::format("labels for frame {}; expected frame {}", frame, frame_index));
     FrameLabels labels;
     FieldReader fields(place);
     label_fields(fields, labels);

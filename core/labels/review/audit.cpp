@@ -116,8 +116,8 @@ class Audit {
     const double limit = 100 * options_.max_outlier_share;
     if (value <= limit) return;
     add(FindingKind::outliers, s.plane.id, std::move(far), value, limit,
-        fmt::format("{:.1f} % of its {}s are off it; expected at most {:.1f} %", value, sample(),
-                    limit));
+        fmt::format("{:.1f} % of its {}s are off the plane; expected at most {:.1f} %", value,
+                    sample(), limit));
   }
 
   void check_parts(const Surface& s) {

@@ -101,7 +101,7 @@ bool has_header(const fs::path& path, std::span<const unsigned char> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text == kHeader) return true;
   if (text.size() == kHeader.size() && text.starts_with(kAnyVersion))
-    throw Error(path.string() + ": journal of version " +
+    throw Error(path.string() + ": journal version " +
                 std::string(text.substr(kAnyVersion.size(), 1)) +
                 "; expected 1 (written by a later version of planescope)");
   return false;
@@ -179,8 +179,8 @@ void Journal::scan(const Visitor& visit) {
       if (!visit({end_, bytes}, content)) return;
     } catch (const Error& error) {
       // Its checksum is correct, so the content is as written.
-      throw Error(path_.string() + ": written by a later version of planescope? At byte " +
-                  std::to_string(end_) + ": " + error.what());
+      throw Error(path_.string() + ": cannot be read at byte " + std::to_string(end_) + ": " +
+                  error.what() + "; was it written by a later version of planescope?");
     }
     end_ += kHead + bytes;
   }

@@ -102,9 +102,7 @@ class RecordReader {
     bytes_ = bytes_.subspan(1);
     return byte;
   }
-  [[noreturn]] static void fail() {
-    throw Error("a label record does not contain the fields of its kind");
-  }
+  [[noreturn]] static void fail() { throw Error("a label record has missing or extra fields"); }
 
   std::span<const unsigned char> bytes_;
 };

@@ -64,7 +64,7 @@ LabelStore::LabelStore(fs::path dir, LabelStoreOptions options)
   std::error_code error;
   const auto status = fs::status(dir_, error);
   if (fs::exists(status) && !fs::is_directory(status))
-    throw Error(dir_.string() + ": a file; expected the folder of a recording's labels");
+    throw Error(dir_.string() + ": is a file; expected a label folder");
   if (fs::exists(status)) {
     attach();
   } else if (const std::string why = why_not_writable(dir_); !why.empty()) {
@@ -224,7 +224,7 @@ void LabelStore::put(FrameLabels& labels, const JournalPlace& place, RecordKind 
   if (direction == RecordKind::undo) edit = reversed(std::move(edit));
   if (!can_apply(labels, edit))
     throw Error(journal_->path().string() + ": the edit at byte " + std::to_string(place.offset) +
-                " does not apply to the labels of the records before it");
+                " does not match the records before it");
   apply_edit(labels, edit);
 }
 

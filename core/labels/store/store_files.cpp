@@ -19,15 +19,15 @@ void require_same_depth(const FrameLabels& labels,
                         const FrameLabels& expected,
                         const std::string& where) {
   if (labels.is_cloud() && expected.is_cloud() && labels.plane.width != expected.plane.width)
-    throw Error(fmt::format("{}: labels of a cloud of {} points, but the frame has {}", where,
+    throw Error(fmt::format("{}: labels for a cloud of {} points, but the frame has {}", where,
                             labels.plane.width, expected.plane.width));
   if (labels.depth_sha256 != expected.depth_sha256)
     throw Error(fmt::format(
-        "{}: labels of a {} with SHA-256 {:.12}, but this recording's frame has {:.12}", where,
+        "{}: labels for a {} with SHA-256 {:.12}, but this recording's frame has {:.12}", where,
         labels.is_cloud() ? "cloud" : "depth image", labels.depth_sha256, expected.depth_sha256));
   const Image16 &image = labels.plane, &frame = expected.plane;
   if (image.width != frame.width || image.height != frame.height)
-    throw Error(fmt::format("{}: labels of {}x{} pixels, but the frame has {}x{}", where,
+    throw Error(fmt::format("{}: labels for {}x{} pixels, but the frame has {}x{}", where,
                             image.width, image.height, frame.width, frame.height));
 }
 

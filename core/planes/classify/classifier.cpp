@@ -100,7 +100,7 @@ class PcaClassifier final : public Classifier {
       throw Error("pca_neighbours is " + std::to_string(options.neighbors) +
                   "; expected 3 to 1024");
     if (!(options.max_angle_deg > 0 && options.max_angle_deg < 90))
-      throw Error("pca max_angle_deg is " + std::to_string(options.max_angle_deg) +
+      throw Error("pca_max_angle_deg is " + std::to_string(options.max_angle_deg) +
                   "; expected a number between 0 and 90");
   }
 

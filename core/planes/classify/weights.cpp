@@ -86,7 +86,7 @@ void check_layout(std::vector<Entry>& entries, std::uint64_t data_bytes, const f
       throw Error(
           fmt::format("{} begins at byte {} of the data; expected {}", what, entry.begin, filled));
     if (bytes_of(entry.shape, data_bytes) != entry.end - entry.begin)
-      throw Error(fmt::format("{} has {} bytes, which does not match shape [{}] in F32", what,
+      throw Error(fmt::format("{} has {} bytes, which do not match shape [{}] in F32", what,
                               entry.end - entry.begin, fmt::join(entry.shape, ", ")));
     filled = entry.end;
   }
@@ -211,7 +211,7 @@ NetworkConfig network_config(const std::string& name) {
             .neighbors = 50,
             .global_feature = true,
             .head = {512, 512}};
-  throw Error("network '" + name + "' is unknown; expected compact, small, or official");
+  throw Error("unknown network '" + name + "'; expected compact, small, or official");
 }
 
 std::vector<TensorSpec> tensor_specs(const NetworkConfig& config) {

@@ -62,9 +62,9 @@ void check_camera(const Frame& frame) {
                 std::to_string(depth.height) + ", but its intrinsics are for " +
                 std::to_string(k.width) + "x" + std::to_string(k.height));
   if (!(k.fx != 0) || !(k.fy != 0) || !(frame.depth_unit_m > 0))
-    throw Error("frame " + frame.name +
-                ": focal length or depth unit is zero; expected both from the recording or from "
-                "--intrinsics and --depth-unit");
+    throw Error(
+        "frame " + frame.name +
+        ": focal length or depth unit is zero; specify them with --intrinsics and --depth-unit");
 }
 
 Vec2d pixel_to_ray(const Intrinsics& k, double u, double v) {

@@ -39,7 +39,7 @@ GravityOptions parse_gravity(const std::string& text) {
   if (in.fail() || comma1 != ',' || comma2 != ',' || in >> rest || !direction.allFinite() ||
       !(direction.norm() > 0))
     throw Error("gravity is \"" + text +
-                "\"; expected auto, imu, estimate, none, or a direction X,Y,Z that is not zero");
+                "\"; expected auto, imu, estimate, none, or a nonzero direction X,Y,Z");
   options.mode = GravityMode::fixed;
   options.direction = direction;
   return options;
@@ -133,7 +133,7 @@ std::optional<Gravity> found_gravity(const Frame& frame,
                                           : "assumed: the cloud's z axis points up"};
   }
   if (frame.is_cloud()) {
-    why_not.why = "gravity is estimated from depth images only";
+    why_not.why = "gravity can be estimated only from depth images";
     return std::nullopt;
   }
   std::optional<Gravity> estimated = estimate_gravity(frame, options);
@@ -150,8 +150,7 @@ Gravity resolve_gravity(const Frame& frame, const GravityOptions& options, doubl
     Gravity gravity;
     // Scale first, so that squares of tiny components do not underflow.
     const Vec3d scaled = options.direction / options.direction.cwiseAbs().maxCoeff();
-    if (!scaled.allFinite())
-      throw Error("gravity is not a direction; expected X,Y,Z, not all zero");
+    if (!scaled.allFinite()) throw Error("gravity is not a direction; expected a nonzero X,Y,Z");
     gravity.direction = scaled.normalized();
     gravity.source = GravitySource::option;
     gravity.note = "given by the user";
@@ -188,8 +187,8 @@ std::string whole_degrees(double angle_deg) {
 std::optional<Vec3d> of_one_wall(const Vec3d& normal, const Vec3d& before, std::string& why_not) {
   const double upright_deg = in_degrees(std::acos(std::min(1.0, std::abs(normal.dot(before)))));
   if (upright_deg < kLeastUpright_deg) {
-    why_not = "that surface is only " + whole_degrees(upright_deg) +
-              " from level; expected a wall; is it a floor?";
+    why_not = "that surface is tilted only " + whole_degrees(upright_deg) +
+              " from horizontal; expected a wall, not a floor";
     return std::nullopt;
   }
   return Vec3d(before - before.dot(normal) * normal).normalized();

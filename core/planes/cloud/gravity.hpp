@@ -54,7 +54,7 @@ Gravity unknown_gravity(const Frame& frame, const std::string& why);
 
 /// User hint: how to specify gravity.
 inline constexpr const char* kHowToGiveGravity =
-    "specify the direction in which things fall, in the sensor's frame, with --gravity X,Y,Z, "
+    "specify the downward direction in the sensor's frame with --gravity X,Y,Z, "
     "or click a floor in planescope view";
 
 // Gravity from picked floors and walls. Normals have unit length and face the sensor; all vectors

@@ -28,10 +28,11 @@ using Json = nlohmann::ordered_json;
 void check_range(double value, const OptionRange& range, const std::string& name) {
   const bool low = range.min_excluded ? value <= range.min : value < range.min;
   if (!low && value <= range.max) return;
-  const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
+  const std::string at_least =
+      fmt::format("{} {}", range.min_excluded ? "above" : "at least", range.min);
   throw Error(fmt::format(
       "option {}: {} is out of range; expected {}", name, value,
-      std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
+      std::isinf(range.max) ? at_least : fmt::format("{}, at most {}", at_least, range.max)));
 }
 
 /// Common properties of a section's rows.
@@ -93,7 +94,7 @@ class OptionRows {
       else if (text == "off" || text == "false" || text == "0" || text == "no")
         of(o).*field = false;
       else
-        throw Error(fmt::format("option {}: '{}' is not on or off", name, text));
+        throw Error(fmt::format("option {}: unknown value '{}'; expected on or off", name, text));
     };
     return row;
   }
@@ -114,7 +115,7 @@ class OptionRows {
     row.set = [of = stage_, field, values, name](PipelineOptions& o, const std::string& text) {
       const auto found = std::ranges::find(values, text);
       if (found == values.end())
-        throw Error(fmt::format("option {}: '{}' is unknown; expected {}", name, text,
+        throw Error(fmt::format("option {}: unknown value '{}'; expected {}", name, text,
                                 fmt::join(values, " or ")));
       of(o).*field = static_cast<T>(found - values.begin());
     };
@@ -336,7 +337,7 @@ ProfileFile profile_of(const JsonPlace& place) {
   if (!named.json().is_object()) named.fail_kind("an object");
   for (const auto& [name, value] : named.json().items()) {
     if (name == "profile")
-      throw Error("option profile: not allowed in a profile file; expected \"base\" instead");
+      throw Error("option profile: not allowed in a profile file; use \"base\" instead");
     const OptionInfo& info = find_option(name);
     profile.options.emplace_back(name, value_text(info, JsonPlace(value, "option " + name)));
     info.set(options, profile.options.back().second);
@@ -374,7 +375,7 @@ const OptionInfo& find_option(const std::string& name) {
       throw Error(fmt::format("option {} was removed in 0.2{}{}", name,
                               removed.by.empty() ? "" : "; see ", removed.by));
   const std::string near = nearest_name(name, names);
-  throw Error("option '" + name + "' is unknown" +
+  throw Error("unknown option '" + name + "'" +
               (near.empty() ? std::string("; `planescope options` lists all options")
                             : "; did you mean '" + near + "'?"));
 }

@@ -60,7 +60,7 @@ Method parse_method(const std::string& text) {
     if (text == name) return method;
     if (!missing) known += (known.empty() ? "" : ", ") + std::string(name);
   }
-  throw Error("method '" + text + "' is unknown; expected one of " + known);
+  throw Error("unknown method '" + text + "'; expected one of " + known);
 }
 
 // ---- Classifiers ----
@@ -301,8 +301,7 @@ FoundRegions find_regions(const Frame& frame,
                           std::span<const KnownPlane> known) {
   FoundRegions found;
   if (is_found_on_pixels(frame, options) != prepared.of_pixels)
-    throw Error(
-        "the frame was prepared for a different profile; expected the profile of the options");
+    throw Error("the frame was prepared for a different profile than the options specify");
   if (prepared.of_pixels) {
     Stopwatch watch;
     const DepthInput input = depth_input(frame, prepared, known);

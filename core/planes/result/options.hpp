@@ -20,25 +20,25 @@ struct FootOptions {
   template <typename Rows>
   static void describe(Rows& rows) {
     rows.number("foot_radius_m", "Foot radius", "m",
-                "radius of the foot, or of the circle around it (--foot); 0 disables footholds",
+                "Radius of the foot, or of the circle around it (--foot); 0 disables footholds",
                 &FootOptions::radius_m, {0, 10});
     rows.number("foot_margin_m", "Foot margin", "m",
-                "extra distance of the foot from borders and holes", &FootOptions::margin_m,
+                "Extra distance of the foot from borders and holes", &FootOptions::margin_m,
                 {0, 10});
     rows.number("foot_unknown_share", "Maximum unmeasured holes", "share",
-                "unmeasured holes up to this share of the foot's circle are ignored",
+                "Unmeasured holes up to this share of the foot's circle are ignored",
                 &FootOptions::unknown_share);
     rows.number("foot_max_off_m", "Maximum deviation", "m",
-                "maximum distance of a foothold's surface from the plane", &FootOptions::max_off_m);
-    rows.number("foot_max_slope_deg", "Maximum slope", "deg", "steppable planes: maximum slope",
+                "Maximum distance of a foothold's surface from the plane", &FootOptions::max_off_m);
+    rows.number("foot_max_slope_deg", "Maximum slope", "deg", "Steppable planes: maximum slope",
                 &FootOptions::max_slope_deg, {0, 90});
     rows.number("foot_min_area_m2", "Minimum area", "m2",
-                "steppable planes: minimum area for the center of the foot",
+                "Steppable planes: minimum area for the center of the foot",
                 &FootOptions::min_area_m2);
     rows.number("foot_max_rough_m", "Maximum roughness", "m",
-                "steppable planes: maximum RMS of their height", &FootOptions::max_rough_m);
+                "Steppable planes: maximum RMS of their height", &FootOptions::max_rough_m);
     rows.number("foot_min_support", "Minimum support", "share",
-                "steppable planes: minimum share of the outline that was measured",
+                "Steppable planes: minimum measured share of the outline",
                 &FootOptions::min_support, {0, 1});
   }
 };
@@ -62,40 +62,40 @@ struct StairsOptions {
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = StairsOptions;
-    rows.number("stairs_rise_min_m", "Minimum rise", "m", "minimum rise of a step", &O::rise_min_m,
+    rows.number("stairs_rise_min_m", "Minimum rise", "m", "Minimum rise of a step", &O::rise_min_m,
                 {0.005, 1});
-    rows.number("stairs_rise_max_m", "Maximum rise", "m", "maximum rise of a step", &O::rise_max_m,
+    rows.number("stairs_rise_max_m", "Maximum rise", "m", "Maximum rise of a step", &O::rise_max_m,
                 {0.005, 2});
-    rows.number("stairs_going_min_m", "Minimum going", "m", "minimum going, from nosing to nosing",
+    rows.number("stairs_going_min_m", "Minimum going", "m", "Minimum going, from nosing to nosing",
                 &O::going_min_m, {0.01, 5});
-    rows.number("stairs_going_max_m", "Maximum going", "m", "maximum going, from nosing to nosing",
+    rows.number("stairs_going_max_m", "Maximum going", "m", "Maximum going, from nosing to nosing",
                 &O::going_max_m, {0.01, 5});
-    rows.number("stairs_width_min_m", "Minimum width", "m", "minimum visible width of a nosing",
+    rows.number("stairs_width_min_m", "Minimum width", "m", "Minimum visible width of a nosing",
                 &O::width_min_m, {0.02, 10});
     rows.number("stairs_rise_spread_m", "Rise variation", "m",
-                "maximum difference of rise between neighboring steps", &O::rise_spread_m, {0, 1});
+                "Maximum difference in rise between neighboring steps", &O::rise_spread_m, {0, 1});
     rows.number("stairs_going_spread_m", "Going variation", "m",
-                "maximum difference of going between neighboring steps", &O::going_spread_m,
+                "Maximum difference in going between neighboring steps", &O::going_spread_m,
                 {0, 1});
     rows.number("stairs_turn_deg", "Nosing angle", "deg",
-                "maximum angle between nosings of a flight", &O::turn_deg, {0, 45});
+                "Maximum angle between the nosings of a flight", &O::turn_deg, {0, 45});
     rows.number("stairs_gap_m", "Maximum gap", "m",
-                "maximum gap between a level and the nosing behind it, beyond the part hidden by "
+                "Maximum gap between a level and the nosing behind it, beyond the part hidden by "
                 "the upper one",
                 &O::gap_m, {0, 1});
     rows.number(
         "stairs_level_deg", "Minimum ramp tilt", "deg",
-        "minimum tilt of a ramp; its height must also change by more than stairs_rise_min_m",
+        "Minimum tilt of a ramp; its height must also change by more than stairs_rise_min_m",
         &O::level_deg, {0, 45});
     rows.number("stairs_landing_goings", "Minimum landing depth", "goings",
-                "minimum depth of a landing, in goings of its flight", &O::landing_goings,
+                "Minimum depth of a landing, in goings of its flight", &O::landing_goings,
                 {1, 100});
     rows.number("stairs_kerb_width_m", "Minimum kerb width", "m",
-                "minimum width of a kerb, a single step", &O::kerb_width_m, {0, 100});
+                "Minimum width of a kerb, a single step", &O::kerb_width_m, {0, 100});
     rows.number("stairs_kerb_depth_m", "Minimum depth at a kerb", "m",
-                "minimum depth of the levels before and behind a kerb", &O::kerb_depth_m, {0, 100});
+                "Minimum depth of the levels before and behind a kerb", &O::kerb_depth_m, {0, 100});
     rows.number("stairs_floor_m2", "Minimum floor area", "m2",
-                "minimum area of the floor, the lowest such level", &O::floor_m2, {0, 100});
+                "Minimum area of the floor, the lowest level", &O::floor_m2, {0, 100});
   }
 };
 

@@ -63,44 +63,44 @@ struct ObjectiveOptions {
                 "Criterion 3: maximum variance of a cell, relative to the expected variance",
                 &O::flat, {0, 1e6, true});
     rows.number("bow", "Maximum bow", "1",
-                "low-frequency error of depth, relative to the measured one", &O::bow, {0, 100});
+                "Low-frequency depth error, relative to the measured one", &O::bow, {0, 100});
     rows.number("merge_cost", "Merge cost", "1",
-                "cost of a plane: regions merge when their misfit costs less", &O::merge_cost,
+                "Cost of a plane: regions merge when their misfit costs less", &O::merge_cost,
                 {0, 1e6});
     rows.group.images = true;
     rows.number("two_planes", "Two-plane split", "share",
-                "depth images, Criterion 1: maximum cost of one plane rather than two, as a share "
+                "Depth images, Criterion 1: maximum cost of one plane instead of two, as a share "
                 "of merge_cost",
                 &O::two_planes, {0, 1e6});
     rows.number("filled", "Minimum filled share", "share",
-                "depth images, Criterion 2: minimum share of a cell's pixels on its plane",
+                "Depth images, Criterion 2: minimum share of a cell's pixels on its plane",
                 &O::filled, {0, 1});
-    rows.number("lateral_px", "Lateral error", "px", "depth images: lateral error of a pixel",
+    rows.number("lateral_px", "Lateral error", "px", "Depth images: lateral error of a pixel",
                 &O::lateral_px, {0, 100});
     rows.number("reach_sigma", "Unexplained pixel cost", "sigma",
-                "depth images: cost of an unassigned pixel, as a residual", &O::reach_sigma,
+                "Depth images: cost of an unassigned pixel, as a residual", &O::reach_sigma,
                 {0, 100});
     rows.number("hidden_share", "Hidden part cost", "share",
-                "depth images: cost limit for merging parts separated by an occlusion, as a share "
+                "Depth images: cost limit for merging parts separated by an occlusion, as a share "
                 "of merge_cost",
                 &O::hidden_share, {0, 100});
     rows.number("worth_px", "Minimum plane worth", "px",
-                "depth images: minimum worth of a plane, in pixels of a plane with 1 % RMS (image "
+                "Depth images: minimum worth of a plane, in pixels of a plane with 1 % RMS (image "
                 "640 px wide)",
                 &O::worth_px, {0, 1e9});
     rows.number("undecided", "Undecided margin", "1",
-                "depth images: planes with a smaller margin are undecided", &O::undecided,
+                "Depth images: planes with a smaller margin are undecided", &O::undecided,
                 {0, 1e6});
     rows.group.images = false;
     rows.number("resolution", "Spacing noise", "spacings",
-                "clouds: minimum noise sigma, in point spacings", &O::resolution, {0, 100});
+                "Clouds: minimum noise sigma, in point spacings", &O::resolution, {0, 100});
     rows.number("point_reach_sigma", "Unexplained point cost", "sigma",
-                "clouds: cost of an unassigned point, as a distance", &O::point_reach_sigma,
+                "Clouds: cost of an unassigned point, as a distance", &O::point_reach_sigma,
                 {0, 1000});
     rows.number("label_sigma", "Label penalty", "sigma",
-                "clouds: extra distance of a point from a plane with the other label",
+                "Clouds: extra distance of a point from a plane with the other label",
                 &O::label_sigma, {0, 1000});
-    rows.number("plane_cost", "Plane cost", "sigma2", "clouds: cost of a plane", &O::plane_cost,
+    rows.number("plane_cost", "Plane cost", "sigma2", "Clouds: cost of a plane", &O::plane_cost,
                 {0, 1e9});
   }
 };

@@ -34,7 +34,7 @@ const char* to_string(Profile profile) {
 Profile parse_profile(const std::string& text) {
   for (const Profile p : {Profile::paper, Profile::paper_closest, Profile::refined})
     if (text == to_string(p)) return p;
-  throw Error("profile '" + text + "' is unknown; expected paper, paper-closest, or refined");
+  throw Error("unknown profile '" + text + "'; expected paper, paper-closest, or refined");
 }
 
 SegmentOptions profile_options(Profile profile) {

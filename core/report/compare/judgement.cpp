@@ -140,8 +140,7 @@ ReportGuard::ReportGuard(std::filesystem::path baseline,
   is_first_ = may_be_first && !is_there;
   if (!baseline_file_.empty() && !is_first_) baseline_ = read_report(baseline_file_);
   if (baseline_ && baseline_->partial)
-    throw Error(baseline_file_.string() +
-                ": from a run that was stopped; expected a complete report");
+    throw Error(baseline_file_.string() + ": from an interrupted run; expected a complete report");
   if (!rules.empty())
     rules_ = read_rules(rules);
   else if (baseline_)
@@ -173,7 +172,7 @@ void ReportGuard::check_merge(const Report& report) const {
   });
   const auto refuse = [&](const std::string& why) {
     throw Error(fmt::format(
-        "--approve: {} {}; expected all its recordings, or --approve-only to replace it",
+        "--approve: {} {}; include all its recordings, or use --approve-only to replace it",
         baseline_file_.string(), why));
   };
   if (keeps_others) read_report_head(baseline_file_);  // throws if an earlier version wrote it

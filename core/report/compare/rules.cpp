@@ -152,16 +152,15 @@ Rule rule_of(const JsonPlace& place) {
     place.at("metric").fail_kind(fmt::format("one of {}", fmt::join(names, ", ")));
   }
   if (!place.has("at_least") && !place.has("at_most") && !place.has("at_most_percent"))
-    place.fail_kind("a rule with \"at_least\", \"at_most\" or \"at_most_percent\"");
+    place.fail_kind("a rule with \"at_least\", \"at_most\", or \"at_most_percent\"");
   if (place.has("at_most_percent")) {
     if (place.has("at_least") || place.has("at_most"))
-      place.at("at_most_percent").fail_kind("no other limit next to it");
+      place.at("at_most_percent").fail_kind("only one limit");
     if (!find_metric(rule.metric).total)
       place.at("at_most_percent").fail_kind("at_most, because " + rule.metric + " is not a count");
   }
   if (rule.at_least > rule.at_most)
-    place.fail_kind(
-        fmt::format("at_least ({}) not above at_most ({})", rule.at_least, rule.at_most));
+    place.fail_kind(fmt::format("at_least ({}) <= at_most ({})", rule.at_least, rule.at_most));
   if (find_metric(rule.metric).need != RuleNeed::timing) return rule;
   if (!place.has("level")) rule.level = RuleLevel::warn;
   if (rule.level == RuleLevel::error)

@@ -102,7 +102,7 @@ PageJson fate_data(const PageFrame& frame, const PlaneComparison& plane, const C
 const char* not_compared(FrameFate fate) {
   constexpr const char* kTexts[] = {
       "",
-      "The pixels or points of this frame differ from the baseline: planes are not compared.",
+      "The pixels or points of this frame differ from the baseline, so planes are not compared.",
       "This frame was processed in the baseline but is rejected now.",
       "This frame was rejected in the baseline.",
       "This frame was rejected in the baseline as well.",

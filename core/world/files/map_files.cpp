@@ -286,12 +286,12 @@ void read(const fs::path& file,
           const char* schema,
           const std::function<void(const JsonPlace&)>& take) {
   if (!fs::exists(file))
-    throw Error(file.string() + ": missing; expected a folder written by planescope map");
+    throw Error(file.string() + ": no such file; expected a folder written by planescope map");
   read_place(file, read_json<Json>(file, kMostBytes), [&](const JsonPlace& place) {
     try {
       place.schema({schema});
     } catch (const Error& error) {
-      throw Error(error.what() + std::string(": rebuild the map"));
+      throw Error(error.what() + std::string("; rebuild the map"));
     }
     take(place);
   });
@@ -332,7 +332,7 @@ void read_frame_fields(FieldReader& fields, KnownMap& map) {
   for (const auto& margin : margins)
     planes.margins.push_back(margin.value_or(std::numeric_limits<double>::infinity()));
   if (planes.margins.size() < planes.tracks.size())
-    throw Error(fmt::format("frame {} has {} for {}", frame,
+    throw Error(fmt::format("frame {} has {} for {}; expected one per plane", frame,
                             counted(planes.margins.size(), "margin"),
                             counted(planes.tracks.size(), "plane")));
 }

@@ -203,7 +203,7 @@ ObservedFrame read_observed(const std::filesystem::path& file, const PlanesFrom&
     return frame;
   } catch (const std::exception& error) {
     if (dynamic_cast<const Error*>(&error)) throw;
-    throw Error(file.string() + ": damaged or from another version; rerun its shard");
+    throw Error(file.string() + ": damaged or from a different version; rerun its shard");
   }
 }
 

@@ -89,7 +89,7 @@ PosesOfFile read_tum(const std::filesystem::path& path, const std::vector<TextLi
               fmt::format("the quaternion qx qy qz qw has length {:.6g}; expected 1", q.norm()));
     if (next.segment >= kMostSegments)
       fail_at(path, line,
-              fmt::format("segment {}; expected less than {}", next.segment, kMostSegments));
+              fmt::format("segment {}; expected a number below {}", next.segment, kMostSegments));
     // Keep quaternions that are unit to the last bits, so that reading and writing preserve a file.
     if (std::abs(q.norm() - 1) > 1e-12) q.normalize();
     next.timestamp_s = n[0];
@@ -103,7 +103,7 @@ PosesOfFile read_tum(const std::filesystem::path& path, const std::vector<TextLi
 }
 
 [[noreturn]] void fail_at_matrix(const std::filesystem::path& path, const TextLine& line) {
-  fail_at(path, line, "the matrix is not a rotation and a translation");
+  fail_at(path, line, "the matrix is not a rigid transform");
 }
 
 PosesOfFile read_kitti(const std::filesystem::path& path, const std::vector<TextLine>& lines) {
@@ -151,8 +151,7 @@ PosesOfFile read_open3d_json(const std::filesystem::path& path) {
       const Eigen::Matrix4d rows = Eigen::Map<const Eigen::Matrix4d>(columns.data()).transpose();
       const auto pose = pose_of_matrix(std::span(rows.data(), columns.size()));
       if (!pose)
-        entry.at("extrinsic")
-            .fail_kind("a matrix of 16 numbers, column by column, that rotates and translates");
+        entry.at("extrinsic").fail_kind("a rigid transform of 16 numbers, column by column");
       file.add({.timestamp_s = kNoTime, .T_world_camera = pose->inverse()},
                static_cast<int>(file.poses.size()));
     });
@@ -234,7 +233,7 @@ std::string too_far(const Pose& pose, const Pose& first) {
 Trajectory read_trajectory(const std::filesystem::path& path) {
   const std::vector<TextLine> lines = read_text_lines(path, kMostBytes);
   const auto first = std::ranges::find_if(lines, [](const auto& l) { return !l.words.empty(); });
-  if (first == lines.end()) throw Error(path.string() + ": has no pose");
+  if (first == lines.end()) throw Error(path.string() + ": contains no poses");
   const std::size_t words = first->words.size();
   PosesOfFile file;
   if (first->words[0].starts_with('{'))
@@ -247,10 +246,10 @@ Trajectory read_trajectory(const std::filesystem::path& path) {
     file = read_tum(path, lines);
   else
     fail_at(path, *first,
-            fmt::format("{}; expected TUM (8 numbers a line), KITTI (12), or Open3D's .log or "
+            fmt::format("{}; expected TUM (8 numbers per line), KITTI (12), or Open3D's .log or "
                         ".json",
                         counted(words, "word")));
-  if (file.poses.empty()) throw Error(path.string() + ": has no pose");
+  if (file.poses.empty()) throw Error(path.string() + ": contains no poses");
   check_distances(path, file);
   check_repeats(path, file);
   return {path.string(), std::move(file.poses)};
@@ -393,7 +392,7 @@ PairedPoses pair_poses(const Trajectory& trajectory,
     paired.poses = poses_by_time(trajectory, recording, frames);
     if (moved)
       paired.notice = fmt::format(
-          "frame {} has a different time in {}: poses are paired by time, not by number", *moved,
+          "frame {} has a different time in {}; poses are paired by time, not by number", *moved,
           trajectory.source);
   } else {
     const bool of_all = poses.size() == recorded;

@@ -173,7 +173,7 @@ TrackFilter::TrackFilter(const std::string& text) {
     const Comparison* comparison = nullptr;
     for (const Comparison& candidate : kComparisons)
       if (!comparison && part.substr(sign_at).starts_with(candidate.sign)) comparison = &candidate;
-    if (!comparison) fail(part, "==, !=, <, <=, > or >=");
+    if (!comparison) fail(part, "==, !=, <, <=, >, or >=");
     const double value = number_of(trimmed(part.substr(sign_at + comparison->sign.size())));
     if (name == "frame") {
       if (comparison->sign != "==") fail(part, "frame==N");
@@ -186,8 +186,8 @@ TrackFilter::TrackFilter(const std::string& text) {
     const NumberWord* number = find_word(kNumbers, name);
     if (!number)
       fail(name,
-           "track, frame, length, missed, gaps, born, segment, area_m2, rms_mm, or one of h, v, "
-           "map, gap, gone, merged alone");
+           "track, frame, length, missed, gaps, born, segment, area_m2, or rms_mm (h, v, map, gap, "
+           "gone, and merged take no comparison)");
     conditions_.push_back([=](const Tracker&, const Track& track) {
       return comparison->holds(number->value(track), value);
     });

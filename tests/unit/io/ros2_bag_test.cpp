@@ -287,7 +287,7 @@ TEST_F(Ros2Bag, AnUnrelatedDatabaseIsRejected) {
   }
   write_anew(folder_ / "a.db3", bytes);
   expect_refused(folder_ / "a.db3",
-                 {"a.db3: a SQLite file that has no tables \"topics\" and \"messages\""});
+                 {"a.db3: a SQLite file without the tables \"topics\" and \"messages\""});
 }
 
 TEST_F(Ros2Bag, ATruncatedFileGivesItsFramesAndReportsMissingOnes) {

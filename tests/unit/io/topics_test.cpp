@@ -60,7 +60,8 @@ TEST(Topics, TheFirstOfTwoCamerasIsReadWithAWarningAndTheOtherByName) {
     EXPECT_EQ(second->info().intrinsics_source, "bag topic /rear/depth/camera_info");
     EXPECT_TRUE(second->info().has_color);
     expect_refused(path, with_topic("/top"),
-                   {"--topic /top: no such topic", "found /front/depth/image_rect_raw, /rear"});
+                   {"--topic /top: no image or point cloud topic has this name",
+                    "found /front/depth/image_rect_raw, /rear"});
     expect_refused(path, with_topic("/rear/color/image_raw"), {"encoded as \"rgb8\"", "32FC1"});
   });
 }
@@ -72,7 +73,7 @@ TEST(Topics, RecordingsWithoutTopicsAreRefused) {
   write_file_bytes(folder / "depth/000000.png", encode_png(depth_of(1)));
   expect_refused(
       folder / "depth", with_topic("/depth"),
-      {"a folder of 16-bit depth PNGs, which has no topics", "expects a RealSense or ROS .bag"});
+      {"a folder of 16-bit depth PNGs, which has no topics", "requires a RealSense or ROS .bag"});
   expect_refused(folder / "a.ply", with_topic("/depth"), {"cloud, which has no topics"});
 }
 
@@ -337,7 +338,7 @@ TEST(CloudTopic, UnsupportedFieldsAndTruncatedCloudsAreRejected) {
   write_mcap(path, clouds({.has_z = false}));
   expect_refused(path, {"cloud 0 on /camera/depth/color/points", "expected x, y, and z"});
   write_mcap(path, clouds({.offset_of_z = 17}));
-  expect_refused(path, {"field \"z\" at byte 17 is outside a point's 20 bytes"});
+  expect_refused(path, {"field \"z\" at byte 17 extends beyond the 20 bytes of a point"});
   RecordingOptions options;
   options.instance_field = "plane";
   write_mcap(path, clouds({}));

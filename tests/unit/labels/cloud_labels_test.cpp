@@ -315,7 +315,7 @@ TEST(CloudFiles, ImagesOfTheWrongSizeOrWithLabelsBeyondTheLastPointAreRejected) 
   Image16 image = io::read_png_16(dir / "000000.plane.png");
   image.data.back() = 1;
   io::write_png(dir / "000000.plane.png", image);
-  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "beyond the last of");
+  expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "after the last of");
   io::write_png(dir / "000000.plane.png", Image16(17, 4));
   expect_refused([&] { read_frame_labels(dir, 0, kHash); }, "17x4 pixels, but its frame has 1024x");
 }
@@ -349,12 +349,12 @@ TEST(CloudExchange, LabelsOfAnotherNumberOfPointsOrPixelsAreRejected) {
   LabeledPoints fewer;
   fewer.instance.assign(12, 1);
   expect_refused([&] { labels_of_points(fewer, cloud.grid, kHash, "a.label"); },
-                 "a.label: labels of 12 points, but the frame's cloud has " +
+                 "a.label: labels for 12 points, but the frame's cloud has " +
                      std::to_string(cloud.grid.pixels()));
   const LabelGrid depth = test::wall_grid();
   const LabeledPoints pixels = points_of_labels(empty_labels(depth, kHash), depth);
   expect_refused([&] { labels_of_points(pixels, cloud.grid, kHash, "a.ply"); },
-                 "labels of a depth image, but the frame is a cloud");
+                 "labels for a depth image, but the frame is a cloud");
 }
 
 }  // namespace

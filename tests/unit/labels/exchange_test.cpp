@@ -181,7 +181,7 @@ TEST_F(Exchange, LabelsOfAnotherFrameAreRejected) {
     return [&p, &g] { labels_of_points(p, g, kHash, "x.ply"); };
   };
   expect_refused(onto(points, larger),
-                 "x.ply: labels of 31x22, but the frame's depth image is 40x30");
+                 "x.ply: labels for 31x22 pixels, but the frame's depth image is 40x30");
   expect_refused(onto(points, other), "labels of a different frame");
   LabeledPoints bare = points;
   bare.pixel.clear();
@@ -304,7 +304,7 @@ TEST_F(ExchangeDamage, ArraysThatAreNotPlaneIdsAreRejected) {
 TEST_F(ExchangeDamage, InconsistentKittiFilesAreRejected) {
   write_text(dir / "k.bin", std::string(32, '\0'));
   expect_bad("k.label", std::string(7, '\0'), "k.label: 7 bytes; expected a multiple of 4");
-  expect_bad("k.label", std::string(4, '\0'), "labels of 1 points");
+  expect_bad("k.label", std::string(4, '\0'), "labels for 1 points");
   expect_bad("k.label", raw<unsigned>({1, 40}), "class 40 at index 1; expected 0 (unknown)");
   write_text(dir / "k.bin", std::string(30, '\0'));
   expect_bad("k.label", std::string(8, '\0'), "k.bin: 30 bytes");
@@ -348,7 +348,7 @@ TEST_F(ExchangeDamage, InconsistentCocoFilesAreRejected) {
              "annotations[0].segmentation.size is [4,3]; expected [3,4]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,99]})"),
              "counts is [2,99]; expected runs over 12 pixels");
-  expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,3]})"), "12 pixels (these cover 5)");
+  expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,3]})"), "12 pixels (found 5)");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[-2]})"), "annotations[0]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[4294967308]})"), "counts[0] is 4294967308");
   expect_bad("c.json", coco("[[0,0,1e300,0,1,1]]"), "segmentation[0] is [0,0,1e+300");

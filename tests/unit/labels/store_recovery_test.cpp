@@ -322,7 +322,7 @@ TEST(DamagedJournals, NoRecordIsReadBeyondItsEnd) {
 TEST(DamagedJournals, ATextBeyondItsRecordIsRejected) {
   auto record = plain_record({RecordKind::written, 0, 5, ""});
   record.back() = 1;  // length of the annotator's name, which is missing
-  expect_refused([&] { read_head(record); }, "does not contain the fields of its kind");
+  expect_refused([&] { read_head(record); }, "has missing or extra fields");
 }
 
 TEST_F(LabelStores, AJournalOfManyMegabytesIsReplayedExactly) {

@@ -452,11 +452,11 @@ TEST(Rules, AMistakeInTheFileIsReported) {
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes_lsot", "at_most": 0})"), "planes_lost"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "atmost": 0})"), "has \"atmost\""));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes"})"),
-                  "\"at_least\", \"at_most\" or \"at_most_percent\""));
+                  "\"at_least\", \"at_most\", or \"at_most_percent\""));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})"),
                   "rules[0].level is \"fatal\"; expected one of off, warn, error"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_least": 5, "at_most": 4})"),
-                  "at_least (5) not above at_most (4)"));
+                  "at_least (5) <= at_most (4)"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 4}], "rules": [)"),
                   "\"rules\" appears twice in one object"));
 }

@@ -176,8 +176,8 @@ TEST(Trajectory, ThatIsDamagedIsRejectedWithItsLine) {
   expect("b.tum", "time x y z qx qy qz qw\n" + fine, ", line 1: 'time' is not a number");
   expect("c.tum", "0 0 0 0 0 0 0 2\n", ", line 1: the quaternion qx qy qz qw has length 2; ");
   expect("c.tum", "0 0 0 0 0 0 0 0\n", ", line 1: the quaternion qx qy qz qw has length 0; ");
-  expect("d.tum", "# nothing\n", ": has no pose");
-  expect("e.txt", "1 0 0 5 0 1 0 6 0 0 2 7\n", ", line 1: the matrix is not a rotation");
+  expect("d.tum", "# nothing\n", ": contains no poses");
+  expect("e.txt", "1 0 0 5 0 1 0 6 0 0 2 7\n", ", line 1: the matrix is not a rigid transform");
   expect("e.txt", kitti + "1 0 0 NaN 0 1 0 0 0 0 1 0\n", ", line 2: 'NaN' is not a number");
   expect("f.log", "0 0 1\n1 0 0 5\n", ", line 1: the pose has fewer than four rows");
   expect("f.log", "0 0 1\n1 0 0 5\n0 1 0 inf\n0 0 1 0\n0 0 0 1\n", ", line 3: 'inf' is not a");
@@ -252,7 +252,7 @@ TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
   const TimesAlone removed({5, 7, 8});
   EXPECT_EQ(paired(numbered, removed, {0, 1, 2}), (std::vector{0, 2, 3}));
   EXPECT_EQ(pair_poses(numbered, removed, std::vector{0}).notice,
-            "frame 1 has a different time in poses.tum: poses are paired by time, not by number");
+            "frame 1 has a different time in poses.tum; poses are paired by time, not by number");
   // Without times, missing frames cannot be identified.
   const std::string why = why_unpaired(numbered, TimesAlone({0, 0, 0}), {0, 1, 2});
   EXPECT_NE(why.find("contains a pose of frame 3, but recording has 3 frames and no times"),

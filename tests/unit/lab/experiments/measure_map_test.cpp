@@ -61,7 +61,7 @@ TEST(MapTruth, DamagedCuboidsAreRejectedWithTheirLine) {
     return message_of([&] { read_cuboids(file); });
   };
   EXPECT_EQ(refusal("# none\n"),
-            file.string() + ": contains no cuboid; expected lines of x y z yaw and half sizes");
+            file.string() + ": contains no cuboids; expected lines of x y z yaw and half sizes");
   EXPECT_EQ(refusal("# one\n0 0 1 0 1 1\n"),
             file.string() + ", line 2: 6 words; expected x y z yaw and three half sizes");
   EXPECT_EQ(

@@ -97,7 +97,7 @@ TEST(ProfileFile, ErrorsAreReportedInOneLine) {
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.session/1"})"),
             "schema is \"planescope.session/1\"; expected planescope.profile/1");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "base": "fine"})"),
-            "profile 'fine' is unknown; expected paper, paper-closest, or refined");
+            "unknown profile 'fine'; expected paper, paper-closest, or refined");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "base": 3})"),
             "base is 3; expected text");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "option": {}})"),
@@ -105,19 +105,19 @@ TEST(ProfileFile, ErrorsAreReportedInOneLine) {
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "options": []})"),
             "options is []; expected an object");
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplan": 0.9)")),
-            "option 'theta_coplan' is unknown; did you mean 'theta_coplane'?");
+            "unknown option 'theta_coplan'; did you mean 'theta_coplane'?");
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplane": "0.9")")),
             "option theta_coplane is \"0.9\"; expected a number");
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplane": 1.5)")),
-            "option theta_coplane: 1.5 is out of range; expected >= 0 and <= 1");
+            "option theta_coplane: 1.5 is out of range; expected at least 0, at most 1");
   EXPECT_EQ(refusal_of(with_options(R"("theta_n_in": 9.5)")),
             "option theta_n_in: '9.5' is not a whole number");
   EXPECT_EQ(refusal_of(with_options(R"("criterion4_n2": 1)")),
             "option criterion4_n2 is 1; expected true or false");
   EXPECT_EQ(refusal_of(with_options(R"("merge_partner": "worst")")),
-            "option merge_partner: 'worst' is unknown; expected first or best");
+            "option merge_partner: unknown value 'worst'; expected first or best");
   EXPECT_EQ(refusal_of(with_options(R"("profile": "paper")")),
-            "option profile: not allowed in a profile file; expected \"base\" instead");
+            "option profile: not allowed in a profile file; use \"base\" instead");
   EXPECT_NE(refusal_of("{\"schema\": ").find("not valid JSON"), std::string::npos);
 }
 
