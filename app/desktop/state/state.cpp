@@ -97,7 +97,7 @@ const planes::TraceEvent* State::event() const {
 }
 
 void Document::check_output(const std::filesystem::path& out) const {
-  for (const OpenRecording& open : recordings) check_outside(out, open.path);
+  for (const OpenRecording& open : recordings) app::check_outside(out, open.path);
 }
 
 const LabelFrame* State::label_frame() const {
