@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 FrameSlice parse_frame_slice(const std::string& text) {
   const auto part = [&](const std::string& s) -> std::optional<int> {
     if (s.empty()) return std::nullopt;
-    return parse_integer(s, "--frames " + text + " (expected A:B:STEP or a frame number)");
+    return parse_integer(s, "--frames " + text);
   };
   const std::vector<std::string> parts = split(text, ':');
   if (text.empty() || parts.size() > 3)

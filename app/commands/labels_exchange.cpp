@@ -283,7 +283,7 @@ void define_labels_import(CLI::App* labels, Line& line) {
   add(command, "--format", args->format, format_names(true),
       "Format of the files (default: from the extension of --from FILE)");
   add(command, "--from", args->from, "FILE|DIR",
-      "File for the frame of --frames, or a folder of files named as by export")
+      "Exported file for the frame given with --frames, or folder of exported files")
       ->required();
   add_of_method(command, args->input.pipeline, "--gravity", "auto|X,Y,Z|imu|estimate|none",
                 "Gravity direction in the sensor's frame (default auto)");

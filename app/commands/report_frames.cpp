@@ -317,7 +317,7 @@ Shard parse_shard(const std::string& text) {
   shard.index = parse_integer(parts[0], "--shard " + text);
   shard.count = parse_integer(parts[1], "--shard " + text);
   if (shard.count < 1 || shard.index < 1 || shard.index > shard.count)
-    throw Error("--shard " + text + "; expected I from 1 to N");
+    throw Error("--shard " + text + " is out of range; expected I/N with I from 1 to N");
   return shard;
 }
 

@@ -125,10 +125,10 @@ TuneFrames read_tune_frames(const TuneArgs& args, const std::stop_token& stop) {
   }
   if (frames.tuning.empty() || frames.held.empty())
     throw Error(
-        fmt::format("tune: found {} labeled frames to tune on and {} to hold out; expected at "
+        fmt::format("tune: found {} to tune on and {} to hold out; expected at "
                     "least one of each; label frames with `planescope view`, or specify their "
                     "label folder with --labels DIR",
-                    frames.tuning.size(), frames.held.size()));
+                    counted(frames.tuning.size(), "labeled frame"), frames.held.size()));
   return frames;
 }
 

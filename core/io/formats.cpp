@@ -180,7 +180,7 @@ std::vector<Format> formats() {
        {".raw", ".csv"},
        [](const Found& found) { return found.is_folder && !viewer_raw_files(found.path).empty(); },
        open_viewer_raw},
-      {fmt::format("a {} or {} cloud", fmt::join(clouds.begin(), clouds.end() - 1, ", "),
+      {fmt::format("a {}, or {} cloud", fmt::join(clouds.begin(), clouds.end() - 1, ", "),
                    clouds.back()),
        clouds,
        [](const Found& found) { return found.is_folder && !cloud_files_under(found.path).empty(); },

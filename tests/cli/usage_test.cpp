@@ -157,7 +157,7 @@ TEST(Usage, UnknownNamesAreReportedInOneLineWithTheNearestName) {
        "option r1_merge_by_distance was removed in 0.2; see merge_cost"},
       {{"options", "--set", "merge_partner=worst"}, "first or best"},
       {{"options", "--set", "worth=3"}, "did you mean 'worth_px'?"},
-      {{"options", "--profile", "polished"}, "expected paper, paper-closest, refined or the path"},
+      {{"options", "--profile", "polished"}, "expected paper, paper-closest, refined, or the path"},
       {{"segment", "--foot", "big"},
        "'big' is not a size; expected RADIUS or LENGTHxWIDTH in meters"},
       {{"segment", "--foot", "0.2x-1"}, "expected RADIUS or LENGTHxWIDTH in meters"},

@@ -426,7 +426,7 @@ void set_profile(PipelineOptions& options, const std::string& name_or_file) {
   if (!names_file(name_or_file)) {
     const std::vector<std::string>& names = find_option("profile").choices;
     if (std::ranges::count(names, name_or_file) == 0)
-      throw Error(fmt::format("unknown profile '{}'; expected {} or the path of a file",
+      throw Error(fmt::format("unknown profile '{}'; expected {}, or the path of a file",
                               name_or_file, fmt::join(names, ", ")));
     options.segment = profile_options(parse_profile(name_or_file));
     return;

@@ -101,7 +101,7 @@ TEST(ProfileFile, ErrorsAreReportedInOneLine) {
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "base": 3})"),
             "base is 3; expected text");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "option": {}})"),
-            "the file has \"option\"; expected one of schema, base, options");
+            "the file has the unknown key \"option\"; expected one of schema, base, options");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "options": []})"),
             "options is []; expected an object");
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplan": 0.9)")),
