@@ -248,7 +248,7 @@ TEST_F(Map, ProvidesTracksToSegment) {
   write_file_text(dir / "out" / "tracks.json", "{\"schema\": \"planescope.tracks/1\"}");
   expect_refused(segment({}), "tracks.json: ");
   fs::remove(dir / "out" / "map.json");
-  expect_refused(segment({}), "map.json: missing");
+  expect_refused(segment({}), "map.json: no such file");
 }
 
 TEST_F(Map, ReportsUnusablePoses) {

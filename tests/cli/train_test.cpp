@@ -158,7 +158,7 @@ TEST(Train, InvalidSettingsAreReportedBeforeAnythingIsWritten) {
                           "different network; expected official (--network)");
   training.expect_refused({"--baseline", dir + "/none"}, "none: no such file");
   training.expect_refused({"--recipe", "cookies"},
-                          "expected planescope, real-camera, paper or recordings");
+                          "expected planescope, real-camera, paper, or recordings");
   training.expect_refused({"--recipe", "recordings"}, "needs labeled recordings");
   training.expect_refused({"--labels", dir}, "needs the recording");
   training.expect_refused({recording}, "no labeled frames");

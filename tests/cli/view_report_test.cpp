@@ -147,7 +147,7 @@ TEST_F(ViewReport, MissingItemsAreReportedInOneLine) {
   refuses(file + "#f7", "report.json: has no f7; its frames of rec are 0, 1");
   refuses(file + "#f0/p3", "report.json: has no p3: frame 0 has 2 planes");
   refuses(file + "#f0/was1", "the report names none; use --baseline FILE");
-  refuses(file + "#f0/was1", "is " + file + " itself", {"--baseline", file});
+  refuses(file + "#f0/was1", file + " was approved as this baseline", {"--baseline", file});
   refuses(file + "#f0", "/nowhere.json", {"--baseline", "/nowhere.json"});
   refuses(file + "#f0", "remove --profile", {"--set", "theta_n_in=7"});
 

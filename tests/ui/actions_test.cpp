@@ -373,7 +373,7 @@ TEST_F(Scripts, PerformActionsAndExpectFacts) {
 
 TEST_F(Scripts, PressKeysAndTypeText) {
   play(R"({"key": "Home"}, {"key": "Right"}, {"key": "Right"}, {"expect": {"step": 2}},
-          {"key": "Ctrl+P"}, {"type": "to the end"}, {"key": "Enter"})");
+          {"key": "Ctrl+P"}, {"type": "last step"}, {"key": "Enter"})");
   EXPECT_EQ(state().view.step, state().run()->steps());
   EXPECT_FALSE(state().view.show_palette);
 }
