@@ -59,7 +59,8 @@ CLI::Validator number(double least, double most) {
 CLI::Validator some_of(const std::vector<std::string>& known, const std::string& what) {
   return {[=](std::string& text) -> std::string {
             if (std::ranges::find(known, text) != known.end()) return {};
-            return fmt::format("'{}' is not {}; expected {}", text, what, fmt::join(known, ", "));
+            return fmt::format("'{}' is not {}; expected one of {}", text, what,
+                               fmt::join(known, ", "));
           },
           ""};
 }

@@ -365,9 +365,9 @@ std::string range_text(const planes::OptionInfo& info) {
   if (!info.is_number()) return fmt::format("{}", fmt::join(split(info.unit, '/'), ", "));
   const planes::OptionRange& range = info.range;
   const std::string least =
-      fmt::format("{} {}", range.min_excluded ? "above" : "at least", range.min);
+      fmt::format("{} {}", range.min_excluded ? "more than" : "at least", range.min);
   return (info.kind == planes::OptionKind::whole ? "whole number, " : "") + least +
-         (std::isinf(range.max) ? "" : fmt::format(", at most {}", range.max));
+         (std::isinf(range.max) ? "" : fmt::format(" and at most {}", range.max));
 }
 
 /// Prints all details of one option.

@@ -174,7 +174,7 @@ int write_shard(const MapArgs& args, const world::MapJob& job) {
 /// Reads frames from the output of shards.
 void join_shards(const fs::path& dir, world::MapJob& job) {
   if (!fs::is_directory(dir / "observed"))
-    throw Error(dir.string() + ": contains no folder `observed`; expected the output of --shard");
+    throw Error(dir.string() + ": contains no `observed` folder; expected the output of --shard");
   job.observed = [dir, options = job.pipeline, info = job.recording->info(),
                   from = world::PlanesFrom(), once = std::make_shared<std::once_flag>()](
                      int frame, const world::UprightPoses& upright) mutable {
@@ -248,7 +248,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
           "{}: not written: {} of {} do not fit the rest; expected poses of this recording, "
           "T_world_camera in meters, quaternions as x y z w; found poses from {}",
           args.out.string(), aside, counted(frames.size(), "frame"), map.poses.source));
-    throw Error(fmt::format("{}: not written: no plane was seen in at least {} of {}",
+    throw Error(fmt::format("{}: not written: no plane was seen in {} or more of the {}",
                             args.out.string(), map.tracker.options().confirm_frames,
                             counted(input.frames.size(), "frame")));
   }

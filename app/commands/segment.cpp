@@ -276,7 +276,7 @@ void define_segment(CLI::App& app, Line& line) {
     holds += fmt::format("\n{}: {}, {}", format.name, format.file, format.holds);
   }
   add(segment, "--also", args->also, "FORMAT,...", "Additional formats to write" + holds)
-      ->check(some_of(formats, "a format"));
+      ->check(some_of(formats, "an output format"));
   add(segment, "--map", args->map, "DIR",
       "Output of planescope map for the same frames and options: use the planes of the map, and "
       "add their tracks to planes.json and tracks.png");

@@ -130,7 +130,7 @@ void JsonPlace::has_only(std::initializer_list<std::string_view> keys) const {
   if (!json_->is_object()) fail_kind("an object");
   for (const auto& item : json_->items())
     if (std::ranges::find(keys, item.key()) == keys.end())
-      fail(fmt::format("has the unknown key {}; expected one of {}", shown(item.key()),
+      fail(fmt::format("has an unknown key, {}; expected one of {}", shown(item.key()),
                        fmt::join(keys, ", ")));
 }
 

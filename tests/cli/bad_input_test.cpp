@@ -206,7 +206,7 @@ TEST(BadWords, TheMessageHasWhatWasFoundAndWhatIsExpected) {
   refused({"report", "--baseline", dir / "bad.json"}, "is [1]; expected an object");
   expect_refused(run({"synth", "foo"}), "unknown command 'foo'; expected sample or sequence");
   expect_refused(run({"completions", "tcsh"}),
-                 "'tcsh' is not a supported shell; expected bash, zsh");
+                 "'tcsh' is not a supported shell; expected one of bash, zsh");
 }
 
 TEST(Doubts, AVoxelLargerThanTheSceneAndARunWithoutPlanesAreWarnedOf) {
@@ -215,7 +215,7 @@ TEST(Doubts, AVoxelLargerThanTheSceneAndARunWithoutPlanesAreWarnedOf) {
     more.insert(more.begin(), {command, dir / "rec", "-o", dir / command, "--gravity", "0,1,0"});
     return more;
   };
-  const std::string voxels = "voxels of 10 m are larger than the scene";
+  const std::string voxels = "10 m voxels are larger than the scene";
   EXPECT_TRUE(has(well(run(args("segment", {"--voxel", "10"}))).err, "warning: "));
   well(run(args("report", {"--voxel", "10", "--no-pictures"})));
   EXPECT_TRUE(has(read_text(dir / "report/report.json"), voxels));

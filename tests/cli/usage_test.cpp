@@ -165,7 +165,7 @@ TEST(Usage, UnknownNamesAreReportedInOneLineWithTheNearestName) {
       {{"options", "--threads", "0"}, "--threads"},
       {{"options", "--threads", "two"}, "--threads"},
       {{"options", "--classifier", "gcm"}, "expected gcn, pca, truth, or a weights file"},
-      {{"options", "--method", "hough"}, "expected one of ours, "},
+      {{"options", "--method", "hough"}, "expected one of 'ours', "},
       {{"options", "--set", "worth_px=-2"}, "out of range"},
       {{"planescope-lab", "bench", "classifier", "--set", "method=region-growing"},
        "supports only method ours"},

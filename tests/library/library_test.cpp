@@ -195,7 +195,7 @@ TEST(Library, ReportsErrorsInOneLine) {
             }),
             "color image: 10x10 pixels, aligned with depth; expected 424x240");
   EXPECT_EQ(error_of([] { ps::Recording(std::string("a\0b", 3)); }),
-            "recording: the path contains a NUL");
+            "recording: the path contains a NUL character");
   EXPECT_EQ(error_of([&] { ps::segment(ps::PointCloud()); }), "point cloud: no points");
   EXPECT_EQ(error_of([] { ps::Segmenter(ps::Options(), 0); }), "threads: 0; expected 1 or more");
   EXPECT_EQ(error_of([] { ps::Recording("/nowhere"); }), "/nowhere: no such file or folder");

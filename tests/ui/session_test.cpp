@@ -87,7 +87,7 @@ TEST(Session, FollowsItsFramesWhenOneIsRemovedFromTheRecording) {
   EXPECT_EQ(other.document.frame, 1);
   EXPECT_EQ(other.document.bookmarks.at(1).frame, 1);
   EXPECT_TRUE(
-      has(refusal(run_state(), (dir / "s.json").string() + "#gone"), "leads to a removed frame"));
+      has(refusal(run_state(), (dir / "s.json").string() + "#gone"), "refers to a removed frame"));
 }
 
 TEST(Session, KeepsProjectionAndCameras) {

@@ -178,7 +178,7 @@ TEST_F(Assumptions, VoxelsLargerThanTheSceneAreNamedAndOneClickMakesThemSmall) {
   const auto all = assumptions_of(state());
   const auto voxels = std::ranges::find(all, "use 20 mm", &Assumption::button);
   ASSERT_NE(voxels, all.end());
-  EXPECT_TRUE(voxels->text.starts_with("voxels of 10 m are larger than the scene"));
+  EXPECT_TRUE(voxels->text.starts_with("10 m voxels are larger than the scene"));
   shell.perform(voxels->command, true);
   EXPECT_EQ(state().document.options.cloud.voxel_size_m, 0.02);
 }

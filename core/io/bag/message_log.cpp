@@ -38,7 +38,7 @@ void expect_start(const MappedFile& file,
                   const char* shown) {
   const Bytes bytes = file.bytes();
   if (bytes.size() < least_bytes || std::memcmp(bytes.data(), start.data(), start.size()) != 0)
-    throw Error(fmt::format("{}: not {} ({} bytes that do not start with {})", file.path().string(),
+    throw Error(fmt::format("{}: not {} ({} bytes without {} at the start)", file.path().string(),
                             what, bytes.size(), shown));
   file.expect_hops();
 }

@@ -260,7 +260,7 @@ std::string doubt_in_voxels(const Cloud& cloud, double voxel_size_m) {
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
     if (cloud.kept[i]) box.extend(cloud.points[i]);
   if (box.isEmpty() || box.sizes().maxCoeff() >= voxel_size_m) return "";
-  return fmt::format("voxels of {:g} m are larger than the scene, {} across", voxel_size_m,
+  return fmt::format("{:g} m voxels are larger than the scene, which is {} across", voxel_size_m,
                      length_text(box.sizes().maxCoeff()));
 }
 

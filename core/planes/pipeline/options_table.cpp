@@ -29,10 +29,10 @@ void check_range(double value, const OptionRange& range, const std::string& name
   const bool low = range.min_excluded ? value <= range.min : value < range.min;
   if (!low && value <= range.max) return;
   const std::string at_least =
-      fmt::format("{} {}", range.min_excluded ? "above" : "at least", range.min);
+      fmt::format("{} {}", range.min_excluded ? "more than" : "at least", range.min);
   throw Error(fmt::format(
       "option {}: {} is out of range; expected {}", name, value,
-      std::isinf(range.max) ? at_least : fmt::format("{}, at most {}", at_least, range.max)));
+      std::isinf(range.max) ? at_least : fmt::format("{} and at most {}", at_least, range.max)));
 }
 
 /// Common properties of a section's rows.

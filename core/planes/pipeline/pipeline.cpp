@@ -58,7 +58,7 @@ Method parse_method(const std::string& text) {
       throw Error("method '" + text + "' is not part of this build; configure it with -D" +
                   missing + "=ON (see docs/method.md)");
     if (text == name) return method;
-    if (!missing) known += (known.empty() ? "" : ", ") + std::string(name);
+    if (!missing) known += fmt::format("{}'{}'", known.empty() ? "" : ", ", name);
   }
   throw Error("unknown method '" + text + "'; expected one of " + known);
 }

@@ -272,7 +272,7 @@ TEST_F(Ros2Bag, ADatabaseWithWriteAheadLoggingOpensAndALeftoverLogIsReported) {
   expect_sdk_frames(*recording, 3);
   ASSERT_EQ(recording->info().warnings.size(), 1u);
   expect_one_line_with(recording->info().warnings[0],
-                       {"never closed", "a.db3-wal contains 21 bytes"});
+                       {"never closed", "a.db3-wal contains 21 unmerged bytes"});
 }
 
 TEST_F(Ros2Bag, AnUnrelatedDatabaseIsRejected) {

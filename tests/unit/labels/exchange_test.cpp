@@ -347,7 +347,7 @@ TEST_F(ExchangeDamage, InconsistentCocoFilesAreRejected) {
   expect_bad("c.json", coco(R"({"size":[4,3],"counts":[12]})"),
              "annotations[0].segmentation.size is [4,3]; expected [3,4]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,99]})"),
-             "counts is [2,99]; expected runs over 12 pixels");
+             "counts is [2,99]; expected runs that cover 12 pixels");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,3]})"), "12 pixels (found 5)");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[-2]})"), "annotations[0]");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[4294967308]})"), "counts[0] is 4294967308");

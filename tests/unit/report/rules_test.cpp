@@ -451,7 +451,7 @@ TEST(Rules, AMistakeInTheFileIsReported) {
   };
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes_lsot", "at_most": 0})"), "planes_lost"));
   EXPECT_TRUE(
-      has(refusal_of(R"({"metric": "planes", "atmost": 0})"), "has the unknown key \"atmost\""));
+      has(refusal_of(R"({"metric": "planes", "atmost": 0})"), "has an unknown key, \"atmost\""));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes"})"),
                   "\"at_least\", \"at_most\", or \"at_most_percent\""));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})"),

@@ -378,7 +378,7 @@ TEST(DamagedWeights, WithAnAbsurdConfigurationAreRejected) {
   EXPECT_TRUE(has(set("pool_neighbours", "4"), R"(pool_neighbours is "4"; expected)"));
   EXPECT_TRUE(has(set("global_feature", 1), "global_feature is 1; expected true or false"));
   EXPECT_TRUE(has(set("name", 1), "name is 1; expected text"));
-  EXPECT_TRUE(has(set("dropout", 1), "has the unknown key \"dropout\"; expected one of name"));
+  EXPECT_TRUE(has(set("dropout", 1), "has an unknown key, \"dropout\"; expected one of name"));
   EXPECT_TRUE(has(error_after_config([](Json& config) { config.erase("supports"); }),
                   R"(has no "supports")"));
   // does not match the tensors

@@ -101,7 +101,7 @@ TEST(ProfileFile, ErrorsAreReportedInOneLine) {
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "base": 3})"),
             "base is 3; expected text");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "option": {}})"),
-            "the file has the unknown key \"option\"; expected one of schema, base, options");
+            "the file has an unknown key, \"option\"; expected one of schema, base, options");
   EXPECT_EQ(refusal_of(R"({"schema": "planescope.profile/1", "options": []})"),
             "options is []; expected an object");
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplan": 0.9)")),
@@ -109,7 +109,7 @@ TEST(ProfileFile, ErrorsAreReportedInOneLine) {
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplane": "0.9")")),
             "option theta_coplane is \"0.9\"; expected a number");
   EXPECT_EQ(refusal_of(with_options(R"("theta_coplane": 1.5)")),
-            "option theta_coplane: 1.5 is out of range; expected at least 0, at most 1");
+            "option theta_coplane: 1.5 is out of range; expected at least 0 and at most 1");
   EXPECT_EQ(refusal_of(with_options(R"("theta_n_in": 9.5)")),
             "option theta_n_in: '9.5' is not a whole number");
   EXPECT_EQ(refusal_of(with_options(R"("criterion4_n2": 1)")),
