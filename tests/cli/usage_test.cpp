@@ -161,7 +161,7 @@ TEST(Usage, UnknownNamesAreReportedInOneLineWithTheNearestName) {
       {{"segment", "--foot", "big"},
        "'big' is not a size; expected RADIUS or LENGTHxWIDTH in meters"},
       {{"segment", "--foot", "0.2x-1"}, "expected RADIUS or LENGTHxWIDTH in meters"},
-      {{"segment", "--also", "pdf"}, "expected geojson, "},
+      {{"segment", "--also", "pdf"}, "expected one of geojson, "},
       {{"options", "--threads", "0"}, "--threads"},
       {{"options", "--threads", "two"}, "--threads"},
       {{"options", "--classifier", "gcm"}, "expected gcn, pca, truth, or a weights file"},

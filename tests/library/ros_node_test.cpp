@@ -145,7 +145,7 @@ TEST_F(RosNode, ParametersAreTheOptionsWithTheirDescriptionsAndRanges) {
   }
   EXPECT_EQ(node->describe_parameter("max_range_m").additional_constraints, "above 0");
   EXPECT_EQ(node->describe_parameter("method").additional_constraints.substr(0, 12),
-            "one of 'ours',");
+            "one of ours,");
   EXPECT_EQ(node->describe_parameter("base_depth").integer_range.at(0).to_value, 16);
 
   activate();
