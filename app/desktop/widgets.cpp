@@ -229,7 +229,9 @@ void paragraph(ImU32 color, const std::string& text) {
 
 void heading(const Ui& ui, const std::string& text) {
   ImGui::PushFont(ui.bold);
+  ImGui::PushTextWrapPos();
   ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
   ImGui::PopFont();
 }
 
