@@ -335,7 +335,7 @@ struct Legend {
     const PlaneScene* planes = finished(run, look);
     if (look.show_stairs && planes && planes->complete && !planes->has_stairs())
       add(waiting,
-          run.subject->prepared.gravity.known() ? "no stairs, kerb or ramp"
+          run.subject->prepared.gravity.known() ? "no stairs, kerb, or ramp"
                                                 : "stairs need gravity, which is unknown",
           Symbol::line);
     if (look.show_foot && look.color_by != ColorBy::steppable)

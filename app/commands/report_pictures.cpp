@@ -120,7 +120,7 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
     keep_image(
         render::image_overlay(frame, result, color_of_plane), "overlay",
         "Planes over the camera image",
-        fmt::format("The {} with {} tinted, outlined and numbered.", backdrop, in_planes(result)));
+        fmt::format("The {} with {} tinted, outlined, and numbered.", backdrop, in_planes(result)));
     keep_image(
         render::image_depth(frame, job.max_range_m), "depth", "Depth",
         fmt::format(
@@ -151,7 +151,7 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
          "where the classifier is confident.");
   }
   draw(render::scene_planes(frame, result, color_of_plane), "planes", "Final planes",
-       fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
+       fmt::format("{} with outlines, normals, and numbers.", in_planes(result)));
   draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Unassigned points",
        fmt::format("{} voxels in no plane; the others are faded.", counts.unassigned));
   // Drawn last because its node markers are extra points; the other pictures share their points.

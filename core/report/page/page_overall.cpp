@@ -121,7 +121,7 @@ std::string counts_text(const Judgement& judgement) {
   const std::string errors = counted(static_cast<std::size_t>(judgement.errors()), "error");
   const std::string warnings = counted(static_cast<std::size_t>(judgement.warnings()), "warning");
   if (judgement.notes.empty()) return errors + " and " + warnings;
-  return fmt::format("{}, {} and {} on undecided planes", errors, warnings,
+  return fmt::format("{}, {}, and {} on undecided planes", errors, warnings,
                      counted(judgement.notes.size(), "note"));
 }
 
@@ -431,7 +431,7 @@ std::string gravity_summary(const std::vector<ReportRecording>& recordings) {
     }
   }
   std::string result = fmt::format("{}", fmt::join(sources, " or "));
-  if (least <= 1) result += fmt::format(" (confidence {:.2f} at least)", least);
+  if (least <= 1) result += fmt::format(" (confidence at least {:.2f})", least);
   return result;
 }
 

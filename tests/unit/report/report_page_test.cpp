@@ -208,7 +208,7 @@ TEST(ReportPage, MarksUndecidedPlanesAndNotesWhatTheyChange) {
   EXPECT_FALSE(has(page, "<tr id=\"f000/p1\" class"));
   EXPECT_TRUE(has(page, "~ undecided: ")) << "the legend";
   EXPECT_TRUE(has(page, ">Passed<"));
-  EXPECT_TRUE(has(page, "0 errors, 0 warnings and 1 note on undecided planes"));
+  EXPECT_TRUE(has(page, "0 errors, 0 warnings, and 1 note on undecided planes"));
   EXPECT_TRUE(has(page, "<ul class=\"reasons notes\"><li>a plane moved by 20 mm"));
   EXPECT_TRUE(has(page, "<span class=\"fate\">moved</span> <small>undecided</small>"));
 }
