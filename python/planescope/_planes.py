@@ -1,4 +1,4 @@
-"""Planes with their surface, certainty and outline; stairs, kerbs and ramps made of planes."""
+"""Planes with their surface, certainty, and outline; stairs, kerbs, and ramps made of planes."""
 
 from __future__ import annotations
 

@@ -277,7 +277,7 @@ class PLANESCOPE_API Result {
   Transform T_world_sensor() const;
   Counts counts() const;
   Timings timings() const;
-  /// planes.json as `planescope segment` writes it, including flights of stairs, kerbs and ramps.
+  /// planes.json as `planescope segment` writes it, including flights of stairs, kerbs, and ramps.
   std::string json() const;
   /// Another format: "geojson", "obj", "ply", "planar-terrain", "csv" or "svg".
   std::string text(const std::string& format) const;

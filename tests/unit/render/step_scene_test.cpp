@@ -249,7 +249,7 @@ TEST(StepScene, FootSpaceAndStairsAreSeparateLayers) {
   look.step = run->steps();
   const DrawList none = scene_step(*run, look);
   EXPECT_NE(label(none, "P1"), nullptr);
-  EXPECT_TRUE(legend_says(none, "no stairs, kerb or ramp"));
+  EXPECT_TRUE(legend_says(none, "no stairs, kerb, or ramp"));
 }
 
 TEST(StepScene, VoxelsShowWhetherTheirPlaneIsSteppable) {
