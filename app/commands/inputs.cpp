@@ -216,7 +216,27 @@ std::string no_planes_text(const std::string& recording, std::size_t frames) {
                      recording, counted(frames, "frame"));
 }
 
+namespace {
+
+/// Warns about options that differ from the profile's but are not used by this run.
+void warn_of_unused_options(const InputArgs& args) {
+  const planes::PipelineOptions& options = args.pipeline;
+  std::vector<std::string> unused;
+  for (const planes::OptionInfo& info : planes::option_table())
+    if (info.get(options) != planes::default_value(info, options.segment.profile) &&
+        (!info.matters(options) || planes::is_idle(info, options)))
+      unused.push_back(info.name);
+  if (!unused.empty())
+    warn(args,
+         fmt::format("no effect with method {} and profile {}: {}; see planescope options {}",
+                     planes::to_string(options.method), planes::to_string(options.segment.profile),
+                     fmt::join(unused, ", "), unused[0]));
+}
+
+}  // namespace
+
 std::vector<OpenInput> open_inputs(const InputArgs& args, const fs::path& out) {
+  warn_of_unused_options(args);
   std::vector<fs::path> paths = args.inputs;
   if (paths.empty()) {
     paths.push_back(find_asset("sample", "no recording was specified, and the sample is"));

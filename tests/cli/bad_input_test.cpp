@@ -209,6 +209,20 @@ TEST(BadWords, TheMessageHasWhatWasFoundAndWhatIsExpected) {
                  "'tcsh' is not a supported shell; expected one of bash, zsh");
 }
 
+TEST(Doubts, AnOptionThatTheRunDoesNotUseIsWarnedOf) {
+  const auto dir = scratch_with_rec();
+  const auto with = [&](std::vector<std::string> options) {
+    std::vector<std::string> args = {"segment", dir / "rec", "-o", dir / "out", "--gravity"};
+    args.insert(args.end(), {"0,1,0", "--set", "worth_px=900"});
+    args.insert(args.end(), options.begin(), options.end());
+    return run(args);
+  };
+  EXPECT_FALSE(has(well(with({})).err, "no effect"));
+  EXPECT_TRUE(has(well(with({"--profile", "paper", "--set", "worth_px=10"})).err,
+                  "warning: no effect with method ours and profile paper: worth_px; see"));
+  EXPECT_TRUE(has(well(with({"--method", "region-growing"})).err, "region-growing and profile"));
+}
+
 TEST(Doubts, AVoxelLargerThanTheSceneAndARunWithoutPlanesAreWarnedOf) {
   const auto dir = scratch_with_rec();
   const auto args = [&](const char* command, std::vector<std::string> more) {
