@@ -47,7 +47,7 @@ ps::Frame depth_frame(const py::object& depth,
       std::tuple_cat(intrinsics);
   if (distortion) {
     if (distortion_model != "brown_conrady" && distortion_model != "inverse_brown_conrady")
-      throw ps::Error("distortion_model '" + distortion_model +
+      throw ps::Error("unknown distortion_model '" + distortion_model +
                       "'; expected brown_conrady or inverse_brown_conrady");
     image.camera.distortion = distortion_model == "brown_conrady"
                                   ? ps::Distortion::brown_conrady

@@ -149,14 +149,14 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
   if (!subject_of(state).frame.is_cloud()) {
     const double tilt_deg =
         std::acos(std::clamp(picked.direction.y(), -1.0, 1.0)) * 180 / std::numbers::pi;
-    text += fmt::format(", the camera is tilted by {:.0f}°", tilt_deg);
+    text += fmt::format("; camera tilted by {:.0f}°", tilt_deg);
     if (tilt_deg > kMostTilt_deg) text += " (was that the right surface?)";
   }
-  say(state, fmt::format("gravity {} {}, stored in {}", text,
+  say(state, fmt::format("gravity {} {}; stored in {}", text,
                          all ? "for all frames"
                          : open.recording->frame_count() == 1
                              ? "for this frame"
-                             : "for this frame and, following the camera, for others",
+                             : "for this frame and, through the camera motion, for others",
                          (open.label_dir / "gravity.json").string()));
   try {
     set_labels_gravity(state, {picked.direction, GravitySource::picked, 1, picked.note});
@@ -210,8 +210,8 @@ void forget(State& state) {
   const bool own = after.frames.erase(state.document.frame) > 0;
   if (!own) after.recording.reset();
   change_picked(state, after, state.document.options);
-  say(state, own ? "this frame's picked gravity is forgotten"
-                 : "the recording's picked gravity is forgotten");
+  say(state, own ? "removed the gravity picked for this frame"
+                 : "removed the gravity picked for the recording");
 }
 
 bool has_pick(const State& state) {

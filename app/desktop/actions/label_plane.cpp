@@ -190,11 +190,13 @@ CarryJob read_carry(const State&, const std::string& action, const std::string& 
     if (!counts) frames = kMostFrames;
     plan.least_share = is_number() ? number_argument(action, words[next++]) : labels::kSure;
     if (!(plan.least_share > 0 && plan.least_share <= 1))
-      throw Error(fmt::format("action label.carry: share {} is out of range; expected 0 to 1",
-                              plan.least_share));
+      throw Error(fmt::format(
+          "action label.carry: share {} is out of range; expected more than 0 and at most 1",
+          plan.least_share));
   }
   if (next < words.size())
-    throw Error(fmt::format("action label.carry: '{}'; expected [FRAMES] [doubt [SHARE]]", text));
+    throw Error(fmt::format(
+        "action label.carry: invalid argument '{}'; expected [FRAMES] [doubt [SHARE]]", text));
   plan.left = frames - 1;
   return plan;
 }

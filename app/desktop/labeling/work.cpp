@@ -314,7 +314,7 @@ LabelGesture read_gesture(const std::string& action,
   }
   for (; next < parts.size(); ++next) gesture.path.push_back(place_argument(action, parts[next]));
   if (gesture.path.size() < least_places)
-    throw Error(fmt::format("action {}: '{}' has {} positions; expected {} or more", action, text,
+    throw Error(fmt::format("action {}: positions in '{}': {}; expected {} or more", action, text,
                             gesture.path.size(), least_places));
   return gesture;
 }

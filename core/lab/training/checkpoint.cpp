@@ -55,8 +55,8 @@ void expect_identity(const nlohmann::json& found, const Json& expected, const st
     const auto there = found.is_object() ? found.find(name) : found.end();
     if (there == found.end()) throw Error(fmt::format("{}: does not contain its {}", what, name));
     if (const std::string is = shown(*there), wanted = shown(value); is != wanted)
-      throw Error(fmt::format("{}: belongs to a different training run: {} {}; expected {}", what,
-                              name, is, wanted));
+      throw Error(fmt::format("{}: belongs to a different training run: its {} is {}; expected {}",
+                              what, name, is, wanted));
   }
 }
 
@@ -149,10 +149,11 @@ TrainState read_checkpoint(const std::filesystem::path& path,
   try {
     read_progress(parse_json<nlohmann::json>(file.metadata["progress"], path.string()), state);
   } catch (const std::exception& error) {
-    throw Error(fmt::format("{}: its progress is damaged: {}", path.string(), json_problem(error)));
+    throw Error(
+        fmt::format("{}: its progress record is damaged: {}", path.string(), json_problem(error)));
   }
   if (!is_possible(state, options.steps))
-    throw Error(fmt::format("{}: its progress is damaged: step {} of {} after {} epochs",
+    throw Error(fmt::format("{}: its progress record is damaged: step {} of {} after {} epochs",
                             path.string(), state.step, options.steps, state.epochs.size()));
   return state;
 }
