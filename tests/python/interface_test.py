@@ -59,7 +59,7 @@ class BadInput(unittest.TestCase):
         with self.assertRaisesRegex(ps.Error, "^depth: a ndarray; expected an array of numbers"):
             ps.Frame(np.zeros((2, 2), "M8[s]"), K)
         self.expect(
-            "depth image: every pixel is beyond 65.5 m; expected meters",
+            "depth image: every pixel is beyond 65.5 m; expected depth in meters",
             lambda: ps.segment(100.0 * np.maximum(depth, 1000), K),
         )
         self.expect(

@@ -55,8 +55,8 @@ void expect_identity(const nlohmann::json& found, const Json& expected, const st
     const auto there = found.is_object() ? found.find(name) : found.end();
     if (there == found.end()) throw Error(fmt::format("{}: does not contain its {}", what, name));
     if (const std::string is = shown(*there), wanted = shown(value); is != wanted)
-      throw Error(fmt::format("{}: belongs to a different training run: its {} is {}; expected {}",
-                              what, name, is, wanted));
+      throw Error(fmt::format("{}: belongs to a different training run: {} {}; expected {}", what,
+                              name, is, wanted));
   }
 }
 
