@@ -439,7 +439,7 @@ TEST_F(Map, UnmappableInputIsRejectedInOneLine) {
   expect_refused(map({"--poses", dir / "far.tum"}), "far.tum, line 2: the pose is 1e+09");
   expect_refused(map({"--window", "-1"}), "--window");
   expect_refused(map({"--window", "0.01"}),
-                 "--window: 0.01; expected 0 (no limit) or at least 0.5");
+                 "--window: 0.01 is out of range; expected 0 (no limit) or at least 0.5");
   expect_refused(map({"--classifier", "truth"}), "--classifier truth");
   EXPECT_FALSE(fs::exists(dir / "out"));
   fs::copy_file(walk / "planescope.json", dir / "sidecar.json");

@@ -157,8 +157,10 @@ TEST_F(ViewReport, MissingItemsAreReportedInOneLine) {
   other["recordings"][0]["frames"].erase(1);
   write_text(dir / "base.json", other.dump());
   const std::vector<std::string> against{"--baseline", dir / "base.json"};
-  refuses(file + "#f0/was1", "base.json: has no was1: rec frame 0 has different input", against);
-  refuses(file + "#f1/was1", "base.json: has no was1: rec frame 1 is not in the baseline", against);
+  refuses(file + "#f0/was1",
+          "base.json: has no was1: in recording rec, frame 0 has different input", against);
+  refuses(file + "#f1/was1",
+          "base.json: has no was1: in recording rec, frame 1 is not in the baseline", against);
   EXPECT_EQ(facts(file + "#f0/p1", against)["frame"], 0) << "the options are still A's";
 }
 
