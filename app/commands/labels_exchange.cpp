@@ -74,7 +74,7 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
   if (!fs::is_directory(args.from)) {
     if (input.frames.size() != 1)
       throw Error(fmt::format(
-          "{}: a single file, but {} frames are selected; select its frame with --frames N",
+          "{}: is a single file, but {} frames are selected; select its frame with --frames N",
           args.from.string(), input.frames.size()));
     return {{input.frames[0], args.from, {}}};
   }

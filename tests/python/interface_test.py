@@ -96,7 +96,7 @@ class BadInput(unittest.TestCase):
         )
         self.expect("gravity: shape (2,); expected x, y, z", lambda: ps.segment(depth, K, gravity=(0, 1)))
         self.expect(
-            "color: float64 of shape (240, 424, 3); expected uint8 RGB on the pixels of depth",
+            "color: float64 of shape (240, 424, 3); expected uint8 RGB of shape (height, width, 3), aligned with depth",
             lambda: ps.segment(depth, K, color=np.zeros((240, 424, 3))),
         )
         self.expect(
